@@ -1,0 +1,42 @@
+//! What is wrong, and where: the one shape of every refusal (leaf).
+
+use std::fmt;
+
+/// One fault of a request: a JSON pointer to the place, and a sentence that names value, bound and remedy.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fault {
+    /// JSON pointer (RFC 6901) into the request; empty for the whole.
+    pub pointer: String,
+    /// What is wrong there and what would be right.
+    pub detail: String,
+}
+
+impl Fault {
+    /// A fault at `pointer`.
+    pub fn new(pointer: impl Into<String>, detail: impl Into<String>) -> Self {
+        Self { pointer: pointer.into(), detail: detail.into() }
+    }
+
+    /// The same fault seen from one level further out: `prefix` is put before its pointer.
+    #[must_use]
+    pub fn under(mut self, prefix: &str) -> Self {
+        self.pointer.insert_str(0, prefix);
+        self
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.pointer.is_empty() { f.write_str(&self.detail) } else { write!(f, "{}: {}", self.pointer, self.detail) }
+    }
+}
+
+/// Puts `prefix` before the pointer of every fault.
+pub fn under(prefix: &str, faults: Vec<Fault>) -> Vec<Fault> {
+    faults.into_iter().map(|fault| fault.under(prefix)).collect()
+}
+
+/// Escapes one reference token of a JSON pointer: `~` and `/`.
+pub fn token(name: &str) -> String {
+    name.replace('~', "~0").replace('/', "~1")
+}

@@ -1,0 +1,27 @@
+//! planish refines control polygons and control meshes by subdivision, analyses the schemes, and draws the results.
+//!
+//! The modules are floors: each imports only from those listed above it.
+
+pub mod fault;
+pub mod watch;
+
+pub mod math;
+
+pub mod raster;
+pub mod shape;
+
+pub mod scheme;
+
+pub mod refine;
+
+pub mod output;
+
+pub mod job;
+
+pub mod service;
+
+pub mod config;
+pub mod wire;
+
+pub mod cli;
+pub mod http;

@@ -1,0 +1,389 @@
+//! Expressions in one variable: text to a short bytecode, bounded in length, depth and size.
+
+use crate::math::functions as f;
+use crate::math::parameter::shortened;
+
+/// Longest text of an expression, bytes.
+pub const MAX_BYTES: usize = 1024;
+/// Deepest nesting of parentheses, functions and signs.
+pub const MAX_DEPTH: usize = 32;
+/// Most instructions of a compiled expression.
+pub const MAX_INSTRUCTIONS: usize = 256;
+
+/// A compiled expression in at most one variable; constant parts are folded.
+///
+/// Grammar: `sum := product (('+'|'-') product)*`, `product := sign (('*'|'/') sign)*`,
+/// `sign := ('-'|'+') sign | power`, `power := atom ['^' sign]` (right-associative, tighter than the sign before it),
+/// `atom := number | name | name '(' sum (',' sum)* ')' | '(' sum ')'`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Expression {
+    code: Vec<Instruction>,
+}
+
+/// One step of the stack machine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Instruction {
+    /// Pushes a number.
+    Constant(f64),
+    /// Pushes the variable.
+    Variable,
+    /// Replaces the top by a function of it.
+    Unary(Unary),
+    /// Replaces the top two by a function of them.
+    Binary(Binary),
+}
+
+macro_rules! operations {
+    ($(#[$doc:meta])* $type:ident { $($variant:ident = $name:literal),* $(,)? }) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum $type { $(#[doc = concat!("`", $name, "`.")] $variant),* }
+        impl $type {
+            const ALL: &'static [(&'static str, Self)] = &[$(($name, Self::$variant)),*];
+            fn named(name: &str) -> Option<Self> {
+                Self::ALL.iter().find(|(n, _)| *n == name).map(|(_, x)| *x)
+            }
+        }
+    };
+}
+
+operations! {
+    /// Functions of one number.
+    Unary {
+        Negate = "negate", Sin = "sin", Cos = "cos", Tan = "tan", Asin = "asin", Acos = "acos", Atan = "atan",
+        Sinh = "sinh", Cosh = "cosh", Tanh = "tanh", Exp = "exp", Ln = "ln", Sqrt = "sqrt", Abs = "abs",
+    }
+}
+
+operations! {
+    /// Functions of two numbers.
+    Binary {
+        Add = "+", Subtract = "-", Multiply = "*", Divide = "/", Power = "pow", Min = "min", Max = "max",
+    }
+}
+
+impl Unary {
+    fn apply(self, x: f64) -> f64 {
+        match self {
+            Self::Negate => -x,
+            Self::Sin => f::sin(x),
+            Self::Cos => f::cos(x),
+            Self::Tan => f::tan(x),
+            Self::Asin => f::asin(x),
+            Self::Acos => f::acos(x),
+            Self::Atan => f::atan(x),
+            Self::Sinh => f::sinh(x),
+            Self::Cosh => f::cosh(x),
+            Self::Tanh => f::tanh(x),
+            Self::Exp => f::exp(x),
+            Self::Ln => f::ln(x),
+            Self::Sqrt => f::sqrt(x),
+            Self::Abs => x.abs(),
+        }
+    }
+}
+
+impl Binary {
+    fn apply(self, x: f64, y: f64) -> f64 {
+        match self {
+            Self::Add => x + y,
+            Self::Subtract => x - y,
+            Self::Multiply => x * y,
+            Self::Divide => x / y,
+            Self::Power => f::pow(x, y),
+            // NaN must not vanish in a comparison
+            Self::Min if x.is_nan() || y <= x => y,
+            Self::Max if x.is_nan() || y >= x => y,
+            Self::Min | Self::Max if y.is_nan() => y,
+            Self::Min | Self::Max => x,
+        }
+    }
+}
+
+/// Why a text is no expression, or has no value.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ExpressionError {
+    /// The text is longer than [`MAX_BYTES`].
+    #[error("the expression has {0} bytes, at most {MAX_BYTES} are allowed; shorten it")]
+    TooLong(usize),
+    /// Nested deeper than [`MAX_DEPTH`].
+    #[error("the expression is nested deeper than {MAX_DEPTH} at character {0}; flatten it")]
+    TooDeep(usize),
+    /// More than [`MAX_INSTRUCTIONS`] after folding.
+    #[error("the expression has more than {MAX_INSTRUCTIONS} operations; shorten it")]
+    TooLarge,
+    /// Something else was expected at a character.
+    #[error("expected {expected} at character {at} of \"{text}\"")]
+    Expected {
+        /// What would be right.
+        expected: &'static str,
+        /// Position in characters, from 1.
+        at: usize,
+        /// The text, shortened.
+        text: String,
+    },
+    /// A name that is neither constant, variable nor function.
+    #[error("unknown name \"{name}\"; known here: {known}")]
+    UnknownName {
+        /// The name, shortened.
+        name: String,
+        /// What may be used.
+        known: String,
+    },
+    /// A value that is not finite.
+    #[error("the expression is not finite ({value}) at {variable} = {at}; change the expression or the parameter", variable = if .variable.is_empty() { "the constant" } else { .variable })]
+    NotFinite {
+        /// Infinity or NaN.
+        value: f64,
+        /// The variable's name.
+        variable: &'static str,
+        /// Its value.
+        at: f64,
+    },
+}
+
+impl Expression {
+    /// The expression that is always `value`.
+    pub fn constant(value: f64) -> Self {
+        Self { code: vec![Instruction::Constant(value + 0.0)] }
+    }
+
+    /// Compiles `text`, in which `variable` may occur (none when empty).
+    ///
+    /// # Errors
+    /// [`ExpressionError`] when a bound is exceeded or the text does not follow the grammar.
+    pub fn parse(text: &str, variable: &str) -> Result<Self, ExpressionError> {
+        if text.len() > MAX_BYTES {
+            return Err(ExpressionError::TooLong(text.len()));
+        }
+        let mut parser = Parser { text, at: 0, depth: 0, variable, code: Vec::new() };
+        parser.sum()?;
+        parser.skip_space();
+        if parser.at < text.len() {
+            return Err(parser.expected("an operator or the end"));
+        }
+        if parser.code.len() > MAX_INSTRUCTIONS {
+            return Err(ExpressionError::TooLarge);
+        }
+        Ok(Self { code: parser.code })
+    }
+
+    /// The value at `x` of the variable.
+    ///
+    /// # Errors
+    /// [`ExpressionError::NotFinite`].
+    pub fn value(&self, x: f64) -> Result<f64, ExpressionError> {
+        let mut stack = [0.0; MAX_INSTRUCTIONS];
+        let mut top = 0;
+        for instruction in &self.code {
+            match instruction {
+                Instruction::Constant(c) => {
+                    stack[top] = *c;
+                    top += 1;
+                }
+                Instruction::Variable => {
+                    stack[top] = x;
+                    top += 1;
+                }
+                Instruction::Unary(op) => stack[top - 1] = op.apply(stack[top - 1]),
+                Instruction::Binary(op) => {
+                    top -= 1;
+                    stack[top - 1] = op.apply(stack[top - 1], stack[top]);
+                }
+            }
+        }
+        let value = stack[0] + 0.0;
+        let variable = if self.is_constant() { "" } else { "the variable" };
+        if value.is_finite() { Ok(value) } else { Err(ExpressionError::NotFinite { value, variable, at: x }) }
+    }
+
+    /// The instructions, for the key.
+    pub fn code(&self) -> &[Instruction] {
+        &self.code
+    }
+
+    /// Whether the variable does not occur.
+    pub fn is_constant(&self) -> bool {
+        !self.code.contains(&Instruction::Variable)
+    }
+}
+
+struct Parser<'a> {
+    text: &'a str,
+    at: usize,
+    depth: usize,
+    variable: &'a str,
+    code: Vec<Instruction>,
+}
+
+impl Parser<'_> {
+    fn rest(&self) -> &[u8] {
+        &self.text.as_bytes()[self.at..]
+    }
+
+    fn skip_space(&mut self) {
+        self.at += self.rest().iter().take_while(|b| b.is_ascii_whitespace()).count();
+    }
+
+    /// Consumes the next byte when it is one of `wanted`.
+    fn take(&mut self, wanted: &[u8]) -> Option<u8> {
+        self.skip_space();
+        let byte = *self.rest().first().filter(|b| wanted.contains(b))?;
+        self.at += 1;
+        Some(byte)
+    }
+
+    fn expected(&self, expected: &'static str) -> ExpressionError {
+        let at = self.text.get(..self.at).map_or(self.at, |before| before.chars().count()) + 1;
+        ExpressionError::Expected { expected, at, text: shortened(self.text) }
+    }
+
+    /// Appends an operation, folding it when its operands are constants.
+    fn emit(&mut self, instruction: Instruction) -> Result<(), ExpressionError> {
+        let folded = match (instruction, self.code.as_slice()) {
+            (Instruction::Unary(op), [.., Instruction::Constant(x)]) => Some((1, op.apply(*x))),
+            (Instruction::Binary(op), [.., Instruction::Constant(x), Instruction::Constant(y)]) => {
+                Some((2, op.apply(*x, *y)))
+            }
+            _ => None,
+        };
+        if let Some((operands, value)) = folded {
+            self.code.truncate(self.code.len() - operands);
+            self.code.push(Instruction::Constant(value));
+        } else {
+            self.code.push(instruction);
+        }
+        // the stack never holds more than the instructions, so this bounds it too
+        if self.code.len() > MAX_INSTRUCTIONS { Err(ExpressionError::TooLarge) } else { Ok(()) }
+    }
+
+    fn sum(&mut self) -> Result<(), ExpressionError> {
+        self.product()?;
+        while let Some(sign) = self.take(b"+-") {
+            self.product()?;
+            self.emit(Instruction::Binary(if sign == b'+' { Binary::Add } else { Binary::Subtract }))?;
+        }
+        Ok(())
+    }
+
+    fn product(&mut self) -> Result<(), ExpressionError> {
+        self.sign()?;
+        while let Some(sign) = self.take(b"*/") {
+            self.sign()?;
+            self.emit(Instruction::Binary(if sign == b'*' { Binary::Multiply } else { Binary::Divide }))?;
+        }
+        Ok(())
+    }
+
+    fn sign(&mut self) -> Result<(), ExpressionError> {
+        self.depth += 1;
+        if self.depth > MAX_DEPTH {
+            return Err(ExpressionError::TooDeep(self.at + 1));
+        }
+        match self.take(b"+-") {
+            Some(b'-') => {
+                self.sign()?;
+                self.emit(Instruction::Unary(Unary::Negate))?;
+            }
+            Some(_) => self.sign()?,
+            None => self.power()?,
+        }
+        self.depth -= 1;
+        Ok(())
+    }
+
+    fn power(&mut self) -> Result<(), ExpressionError> {
+        self.atom()?;
+        if self.take(b"^").is_some() {
+            self.sign()?;
+            self.emit(Instruction::Binary(Binary::Power))?;
+        }
+        Ok(())
+    }
+
+    fn atom(&mut self) -> Result<(), ExpressionError> {
+        self.skip_space();
+        match self.rest().first() {
+            Some(b'(') => {
+                self.at += 1;
+                self.sum()?;
+                self.close()
+            }
+            Some(b'0'..=b'9' | b'.') => self.number(),
+            Some(b'a'..=b'z' | b'A'..=b'Z' | b'_') => self.name(),
+            _ => Err(self.expected("a number, a name or \"(\"")),
+        }
+    }
+
+    fn close(&mut self) -> Result<(), ExpressionError> {
+        if self.take(b")").is_some() { Ok(()) } else { Err(self.expected("\")\"")) }
+    }
+
+    fn number(&mut self) -> Result<(), ExpressionError> {
+        let rest = self.rest();
+        let digits = |from: usize| rest[from..].iter().take_while(|b| b.is_ascii_digit()).count();
+        let mut end = digits(0);
+        if rest.get(end) == Some(&b'.') {
+            end += 1 + digits(end + 1);
+        }
+        if matches!(rest.get(end), Some(b'e' | b'E')) {
+            let sign = usize::from(matches!(rest.get(end + 1), Some(b'+' | b'-')));
+            let exponent = digits(end + 1 + sign);
+            if exponent > 0 {
+                end += 1 + sign + exponent;
+            }
+        }
+        let value: f64 = self.text[self.at..self.at + end].parse().map_err(|_| self.expected("a number"))?;
+        if !value.is_finite() {
+            return Err(ExpressionError::NotFinite { value, variable: "", at: 0.0 });
+        }
+        self.at += end;
+        self.emit(Instruction::Constant(value))
+    }
+
+    fn name(&mut self) -> Result<(), ExpressionError> {
+        let length = self.rest().iter().take_while(|b| b.is_ascii_alphanumeric() || **b == b'_').count();
+        let name = &self.text[self.at..self.at + length];
+        if name == self.variable {
+            self.at += length;
+            return self.emit(Instruction::Variable);
+        }
+        let constant = match name {
+            "pi" => Some(std::f64::consts::PI),
+            "e" => Some(std::f64::consts::E),
+            _ => None,
+        };
+        if let Some(value) = constant {
+            self.at += length;
+            return self.emit(Instruction::Constant(value));
+        }
+        let unary = Unary::named(name).filter(|op| *op != Unary::Negate);
+        let binary = Binary::named(name);
+        if unary.is_none() && binary.is_none() {
+            return Err(self.unknown(name));
+        }
+        self.at += length;
+        if self.take(b"(").is_none() {
+            return Err(self.expected("\"(\""));
+        }
+        self.sum()?;
+        if let Some(op) = unary {
+            self.close()?;
+            return self.emit(Instruction::Unary(op));
+        }
+        if self.take(b",").is_none() {
+            return Err(self.expected("\",\" and a second argument"));
+        }
+        self.sum()?;
+        self.close()?;
+        binary.map_or(Ok(()), |op| self.emit(Instruction::Binary(op)))
+    }
+
+    fn unknown(&self, name: &str) -> ExpressionError {
+        let functions = Unary::ALL.iter().skip(1).map(|(n, _)| *n);
+        let functions = functions.chain(["min", "max", "pow"]);
+        let names = ["pi", "e"].into_iter().chain(Some(self.variable).filter(|v| !v.is_empty()));
+        let known = names.chain(functions).collect::<Vec<_>>().join(", ");
+        ExpressionError::UnknownName { name: shortened(name), known }
+    }
+}

@@ -1,0 +1,8 @@
+//! The elementary functions, from a pure-Rust libm only, so that every machine computes the same bits.
+
+pub use libm::{acos, asin, atan, atan2, cos, cosh, exp, log as ln, pow, sin, sinh, tan, tanh};
+
+/// The square root, correctly rounded by IEEE 754 and therefore equal everywhere.
+pub fn sqrt(x: f64) -> f64 {
+    libm::sqrt(x)
+}

@@ -1,0 +1,6 @@
+//! Numbers and weights: floor 0, which knows no nets.
+
+pub mod expression;
+pub mod functions;
+pub mod parameter;
+pub mod rows;

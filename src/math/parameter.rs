@@ -1,0 +1,401 @@
+//! Parameters as data: what operators, presets and formats declare, what requests give, and what resolving them yields.
+
+use crate::fault::{Fault, token, under};
+use crate::math::expression::Expression;
+
+/// What a client wrote for one parameter, before its kind is known.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Literal {
+    /// `null`.
+    Null,
+    /// `true` or `false`.
+    Flag(bool),
+    /// A number.
+    Number(f64),
+    /// A text: a choice, a colour, or an expression.
+    Text(String),
+    /// A list.
+    List(Vec<Literal>),
+    /// Named fields, in the order written.
+    Map(Vec<(String, Literal)>),
+}
+
+impl Literal {
+    fn kind(&self) -> &'static str {
+        match self {
+            Self::Null => "null",
+            Self::Flag(_) => "a flag",
+            Self::Number(_) => "a number",
+            Self::Text(_) => "a text",
+            Self::List(_) => "a list",
+            Self::Map(_) => "an object",
+        }
+    }
+}
+
+/// One parameter: everything that the catalogue, the checks and the key need to know of it.
+#[derive(Debug, Clone, Copy)]
+pub struct Parameter {
+    /// Name in requests.
+    pub name: &'static str,
+    /// What may be written.
+    pub kind: Kind,
+    /// Unit of the value (`"radians"`, `"pixels"`), empty when it has none.
+    pub unit: &'static str,
+    /// Value when the request leaves it out.
+    pub default: Default,
+    /// One sentence for the catalogue.
+    pub doc: &'static str,
+}
+
+/// What may be written for a parameter.
+#[derive(Debug, Clone, Copy)]
+pub enum Kind {
+    /// A finite number or constant expression in `[min, max]`.
+    Number {
+        /// Smallest value allowed.
+        min: f64,
+        /// Largest value allowed.
+        max: f64,
+    },
+    /// A whole number in `[min, max]`.
+    Integer {
+        /// Smallest value allowed.
+        min: i64,
+        /// Largest value allowed.
+        max: i64,
+    },
+    /// `true` or `false`.
+    Flag,
+    /// One of the names.
+    Choice(&'static [&'static str]),
+    /// A list of distinct names out of those given.
+    Choices(&'static [&'static str]),
+    /// A number or an expression in the named variable.
+    Expression {
+        /// The variable that may be used, `alpha` or `valence`.
+        variable: &'static str,
+    },
+    /// One such expression, or a list of up to `most`, one for each average after an upsampling.
+    Expressions {
+        /// The variable that may be used.
+        variable: &'static str,
+        /// Longest list allowed.
+        most: usize,
+    },
+    /// A colour: `#rgb`, `#rrggbb`, `#rrggbbaa` or `transparent`.
+    Color,
+    /// Three finite numbers.
+    Vector,
+    /// An object with these fields.
+    Group(&'static [Parameter]),
+}
+
+/// Default of a parameter, in the notation a client would use.
+#[derive(Debug, Clone, Copy)]
+pub enum Default {
+    /// None: the value is [`Value::Absent`] unless given.
+    Absent,
+    /// None, and leaving it out is a fault.
+    Required,
+    /// A number.
+    Number(f64),
+    /// A flag.
+    Flag(bool),
+    /// A text (choice, colour or expression).
+    Text(&'static str),
+    /// A list of texts.
+    Texts(&'static [&'static str]),
+    /// Every field of the group has its own default.
+    Fields,
+}
+
+/// The resolved value of a parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Value {
+    /// Not given, and no default.
+    Absent,
+    /// See [`Kind::Number`].
+    Number(f64),
+    /// See [`Kind::Integer`].
+    Integer(i64),
+    /// See [`Kind::Flag`].
+    Flag(bool),
+    /// See [`Kind::Choice`].
+    Choice(&'static str),
+    /// See [`Kind::Choices`]; in the order of the declaration.
+    Choices(Vec<&'static str>),
+    /// See [`Kind::Expression`].
+    Expression(Expression),
+    /// See [`Kind::Expressions`]; never empty.
+    Expressions(Vec<Expression>),
+    /// See [`Kind::Color`]: red, green, blue, alpha (straight).
+    Color([u8; 4]),
+    /// See [`Kind::Vector`].
+    Vector([f64; 3]),
+    /// See [`Kind::Group`].
+    Group(Values),
+}
+
+/// Resolved parameters: one value for each declaration, in its order.
+#[derive(Debug, Clone, PartialEq, std::default::Default)]
+pub struct Values(Vec<(&'static str, Value)>);
+
+impl Values {
+    /// Checks `given` against the declarations and fills in the defaults.
+    ///
+    /// # Errors
+    /// Every fault found: unknown names, wrong kinds, values out of range, required ones missing. Pointers start at the
+    /// object that holds the parameters.
+    pub fn resolve(declared: &'static [Parameter], given: &[(String, Literal)]) -> Result<Self, Vec<Fault>> {
+        let mut faults: Vec<Fault> = given
+            .iter()
+            .filter(|(name, _)| declared.iter().all(|p| p.name != name))
+            .map(|(name, _)| Fault::new(format!("/{}", token(name)), unknown(name, declared)))
+            .collect();
+        let mut values = Vec::with_capacity(declared.len());
+        for parameter in declared {
+            let written = given.iter().find(|(name, _)| name == parameter.name).map(|(_, literal)| literal);
+            match parameter.value(written) {
+                Ok(value) => values.push((parameter.name, value)),
+                Err(found) => faults.extend(under(&format!("/{}", parameter.name), found)),
+            }
+        }
+        if faults.is_empty() { Ok(Self(values)) } else { Err(faults) }
+    }
+
+    /// All values in the order of their declarations.
+    pub fn iter(&self) -> impl Iterator<Item = (&'static str, &Value)> {
+        self.0.iter().map(|(name, value)| (*name, value))
+    }
+
+    /// The value of a declared parameter.
+    pub fn get(&self, name: &str) -> &Value {
+        self.0.iter().find(|(n, _)| *n == name).map_or(&Value::Absent, |(_, value)| value)
+    }
+
+    /// A number, or `None` when absent.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        if let Value::Number(x) = self.get(name) { Some(*x) } else { None }
+    }
+
+    /// A whole number, or `None` when absent.
+    pub fn integer(&self, name: &str) -> Option<i64> {
+        if let Value::Integer(x) = self.get(name) { Some(*x) } else { None }
+    }
+
+    /// A flag; an absent one is false.
+    pub fn flag(&self, name: &str) -> bool {
+        matches!(self.get(name), Value::Flag(true))
+    }
+
+    /// A choice, or `None` when absent.
+    pub fn choice(&self, name: &str) -> Option<&'static str> {
+        if let Value::Choice(x) = self.get(name) { Some(x) } else { None }
+    }
+
+    /// Whether a list of choices contains `item`.
+    pub fn has(&self, name: &str, item: &str) -> bool {
+        matches!(self.get(name), Value::Choices(items) if items.contains(&item))
+    }
+
+    /// A colour, or `None` when absent.
+    pub fn color(&self, name: &str) -> Option<[u8; 4]> {
+        if let Value::Color(x) = self.get(name) { Some(*x) } else { None }
+    }
+
+    /// A vector, or `None` when absent.
+    pub fn vector(&self, name: &str) -> Option<[f64; 3]> {
+        if let Value::Vector(x) = self.get(name) { Some(*x) } else { None }
+    }
+
+    /// An expression, or `None` when absent.
+    pub fn expression(&self, name: &str) -> Option<&Expression> {
+        if let Value::Expression(x) = self.get(name) { Some(x) } else { None }
+    }
+
+    /// A list of expressions, empty when absent.
+    pub fn expressions(&self, name: &str) -> &[Expression] {
+        if let Value::Expressions(x) = self.get(name) { x } else { &[] }
+    }
+
+    /// The values of a group, or `None` when absent.
+    pub fn group(&self, name: &str) -> Option<&Self> {
+        if let Value::Group(x) = self.get(name) { Some(x) } else { None }
+    }
+}
+
+fn unknown(name: &str, declared: &[Parameter]) -> String {
+    let known = declared.iter().map(|p| p.name).collect::<Vec<_>>().join(", ");
+    let known = if known.is_empty() { "there are none here".into() } else { format!("known here: {known}") };
+    format!("unknown parameter \"{}\"; {known}", shortened(name))
+}
+
+/// At most 40 characters of a client's text, for messages.
+pub fn shortened(text: &str) -> String {
+    let mut short: String = text.chars().take(40).collect();
+    if short.len() < text.len() {
+        short.push('…');
+    }
+    short
+}
+
+impl Parameter {
+    /// The value for what was written, or for the default when nothing was.
+    fn value(&self, written: Option<&Literal>) -> Result<Value, Vec<Fault>> {
+        match (written, self.default) {
+            (Some(literal), _) => self.kind.value(literal),
+            (None, Default::Absent) => Ok(Value::Absent),
+            (None, Default::Required) => Err(vec![Fault::new("", format!("\"{}\" is required", self.name))]),
+            (None, Default::Number(x)) => self.kind.value(&Literal::Number(x)),
+            (None, Default::Flag(x)) => self.kind.value(&Literal::Flag(x)),
+            (None, Default::Text(x)) => self.kind.value(&Literal::Text(x.into())),
+            (None, Default::Texts(x)) => {
+                self.kind.value(&Literal::List(x.iter().map(|&t| Literal::Text(t.into())).collect()))
+            }
+            (None, Default::Fields) => self.kind.value(&Literal::Map(Vec::new())),
+        }
+    }
+}
+
+impl Kind {
+    fn value(&self, literal: &Literal) -> Result<Value, Vec<Fault>> {
+        let one = |detail: String| vec![Fault::new("", detail)];
+        match (self, literal) {
+            (Self::Number { min, max }, Literal::Number(_) | Literal::Text(_)) => {
+                constant(literal).and_then(|x| ranged(x, *min, *max)).map(Value::Number).map_err(one)
+            }
+            (Self::Integer { min, max }, Literal::Number(x)) => whole(*x, *min, *max).map(Value::Integer).map_err(one),
+            (Self::Flag, Literal::Flag(x)) => Ok(Value::Flag(*x)),
+            (Self::Choice(names), Literal::Text(text)) => chosen(names, text).map(Value::Choice).map_err(one),
+            (Self::Choices(names), Literal::List(items)) => choices(names, items).map(Value::Choices),
+            (Self::Expression { variable }, Literal::Number(_) | Literal::Text(_)) => {
+                expression(literal, variable).map(Value::Expression).map_err(one)
+            }
+            (Self::Expressions { variable, .. }, Literal::Number(_) | Literal::Text(_)) => {
+                expression(literal, variable).map(|e| Value::Expressions(vec![e])).map_err(one)
+            }
+            (Self::Expressions { variable, most }, Literal::List(items)) => expressions(items, variable, *most),
+            (Self::Color, Literal::Text(text)) => color(text).map(Value::Color).map_err(one),
+            (Self::Vector, Literal::List(items)) => vector(items).map(Value::Vector).map_err(one),
+            (Self::Group(fields), Literal::Map(given)) => Values::resolve(fields, given).map(Value::Group),
+            _ => Err(one(format!("expected {}, got {}", self.expected(), literal.kind()))),
+        }
+    }
+
+    /// What may be written, in words.
+    pub fn expected(&self) -> String {
+        match self {
+            Self::Number { min, max } => format!("a number or constant expression {}", range(*min, *max)),
+            Self::Integer { min, max } => format!("a whole number from {min} to {max}"),
+            Self::Flag => "true or false".into(),
+            Self::Choice(names) => format!("one of {}", names.join(", ")),
+            Self::Choices(names) => format!("a list out of {}", names.join(", ")),
+            Self::Expression { variable } => format!("a number or an expression in {variable}"),
+            Self::Expressions { variable, most } => {
+                format!("a number or an expression in {variable}, or a list of at most {most} of them")
+            }
+            Self::Color => "a colour (\"#rgb\", \"#rrggbb\", \"#rrggbbaa\" or \"transparent\")".into(),
+            Self::Vector => "a list of three numbers".into(),
+            Self::Group(_) => "an object".into(),
+        }
+    }
+}
+
+fn range(min: f64, max: f64) -> String {
+    match (min.is_finite(), max.is_finite()) {
+        (true, true) => format!("from {min} to {max}"),
+        (true, false) => format!("of at least {min}"),
+        (false, true) => format!("of at most {max}"),
+        (false, false) => "of any size".into(),
+    }
+}
+
+fn constant(literal: &Literal) -> Result<f64, String> {
+    match literal {
+        Literal::Number(x) => Ok(*x),
+        Literal::Text(text) => Expression::parse(text, "").and_then(|e| e.value(0.0)).map_err(|e| e.to_string()),
+        _ => Err("expected a number".into()),
+    }
+}
+
+fn ranged(x: f64, min: f64, max: f64) -> Result<f64, String> {
+    if !x.is_finite() {
+        Err(format!("{x} is not a finite number"))
+    } else if x < min || x > max {
+        Err(format!("{x} is out of range; expected a number {}", range(min, max)))
+    } else {
+        Ok(x + 0.0)
+    }
+}
+
+fn whole(x: f64, min: i64, max: i64) -> Result<i64, String> {
+    #[expect(clippy::cast_precision_loss, reason = "bounds of whole parameters are small")]
+    let inside = x >= min as f64 && x <= max as f64;
+    #[expect(clippy::cast_possible_truncation, reason = "checked to be whole and inside the bounds")]
+    if inside && x.fract() == 0.0 { Ok(x as i64) } else { Err(format!("{x} is not a whole number from {min} to {max}")) }
+}
+
+fn chosen(names: &'static [&'static str], text: &str) -> Result<&'static str, String> {
+    let found = names.iter().copied().find(|name| *name == text);
+    found.ok_or_else(|| format!("\"{}\" is not one of {}", shortened(text), names.join(", ")))
+}
+
+fn choices(names: &'static [&'static str], items: &[Literal]) -> Result<Vec<&'static str>, Vec<Fault>> {
+    let mut faults = Vec::new();
+    let mut found = Vec::new();
+    for (i, item) in items.iter().enumerate().take(names.len() + 1) {
+        let name = if let Literal::Text(text) = item { chosen(names, text) } else { Err("expected a text".into()) };
+        match name {
+            Ok(name) if found.contains(&name) => faults.push(Fault::new(format!("/{i}"), "named twice")),
+            Ok(name) => found.push(name),
+            Err(detail) => faults.push(Fault::new(format!("/{i}"), detail)),
+        }
+    }
+    let ordered = names.iter().copied().filter(|name| found.contains(name)).collect();
+    if faults.is_empty() { Ok(ordered) } else { Err(faults) }
+}
+
+fn expression(literal: &Literal, variable: &'static str) -> Result<Expression, String> {
+    match literal {
+        Literal::Number(x) => ranged(*x, f64::NEG_INFINITY, f64::INFINITY).map(Expression::constant),
+        Literal::Text(text) => Expression::parse(text, variable).map_err(|e| e.to_string()),
+        _ => Err("expected a number or an expression".into()),
+    }
+}
+
+fn expressions(items: &[Literal], variable: &'static str, most: usize) -> Result<Value, Vec<Fault>> {
+    if items.is_empty() || items.len() > most {
+        return Err(vec![Fault::new("", format!("{} entries; expected 1 to {most}", items.len()))]);
+    }
+    let mut faults = Vec::new();
+    let mut found = Vec::new();
+    for (i, item) in items.iter().enumerate() {
+        match expression(item, variable) {
+            Ok(e) => found.push(e),
+            Err(detail) => faults.push(Fault::new(format!("/{i}"), detail)),
+        }
+    }
+    if faults.is_empty() { Ok(Value::Expressions(found)) } else { Err(faults) }
+}
+
+fn color(text: &str) -> Result<[u8; 4], String> {
+    if text == "transparent" {
+        return Ok([0; 4]);
+    }
+    let digits: Option<Vec<u8>> = text
+        .strip_prefix('#')
+        .and_then(|hex| hex.chars().map(|c| c.to_digit(16).and_then(|d| u8::try_from(d).ok())).collect());
+    match digits.as_deref() {
+        Some([r, g, b]) => Ok([r * 17, g * 17, b * 17, 255]),
+        Some([a, b, c, d, e, f]) => Ok([a * 16 + b, c * 16 + d, e * 16 + f, 255]),
+        Some([a, b, c, d, e, f, g, h]) => Ok([a * 16 + b, c * 16 + d, e * 16 + f, g * 16 + h]),
+        _ => Err(format!("\"{}\" is not {}", shortened(text), Kind::Color.expected())),
+    }
+}
+
+fn vector(items: &[Literal]) -> Result<[f64; 3], String> {
+    let [x, y, z] = items else { return Err(format!("{} entries; expected three numbers", items.len())) };
+    let finite = |literal| constant(literal).and_then(|v| ranged(v, f64::NEG_INFINITY, f64::INFINITY));
+    Ok([finite(x)?, finite(y)?, finite(z)?])
+}

@@ -1,0 +1,132 @@
+//! Formats: each writes a scene; the registry is the only place that lists them.
+
+pub mod normals;
+pub mod scene;
+
+mod glb;
+mod gltf;
+mod json;
+mod obj;
+mod ply;
+mod png;
+mod stats;
+mod stl;
+mod svg;
+
+use std::io::{self, Write};
+
+use crate::math::parameter::{Parameter, Values};
+use crate::output::scene::Scene;
+use crate::watch::{Stopped, Watch};
+
+/// Every format, in the order of the documentation.
+pub const FORMATS: &[&dyn Format] = &[
+    &json::Json,
+    &stats::Stats,
+    &obj::Obj,
+    &glb::Glb,
+    &gltf::Gltf,
+    &ply::Ply,
+    &stl::Stl,
+    &png::Png,
+    &svg::Svg,
+];
+
+/// The format of a name.
+pub fn named(name: &str) -> Option<&'static dyn Format> {
+    FORMATS.iter().copied().find(|format| format.name() == name)
+}
+
+/// A way to write a scene as bytes.
+pub trait Format: std::fmt::Debug + Send + Sync {
+    /// Name in requests.
+    fn name(&self) -> &'static str;
+    /// File extension without the dot.
+    fn extension(&self) -> &'static str {
+        self.name()
+    }
+    /// Media type of the bytes.
+    fn media_type(&self) -> &'static str;
+    /// One sentence for the catalogue.
+    fn doc(&self) -> &'static str;
+    /// Options that this format knows.
+    fn parameters(&self) -> &'static [Parameter];
+    /// Whether the format can hold a shape of this kind.
+    ///
+    /// # Errors
+    /// A sentence that says why not, and which formats can.
+    fn holds(&self, kind: ShapeKind) -> Result<(), String>;
+    /// Bytes that `counts` will take.
+    fn size(&self, counts: &Counts, options: &Values) -> Size;
+    /// Writes the scene.
+    ///
+    /// # Errors
+    /// When the scene cannot be held after all, the writer fails, or the watch says stop.
+    fn write(&self, scene: &Scene<'_>, options: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError>;
+}
+
+/// What kind of shape is to be written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ShapeKind {
+    /// Polygons whose points have this many coordinates.
+    Curves {
+        /// 1 to 4.
+        dimension: usize,
+    },
+    /// A polygon mesh in space.
+    Mesh,
+}
+
+/// Exact counts of a result, known before it is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Counts {
+    /// Curves or a mesh.
+    pub kind: ShapeKind,
+    /// Number of polygons (1 for a mesh).
+    pub polygons: u128,
+    /// Points or vertices.
+    pub vertices: u128,
+    /// Shown faces (0 for curves).
+    pub faces: u128,
+    /// Sum of the sizes of the shown faces.
+    pub corners: u128,
+}
+
+impl Counts {
+    /// Triangles after triangulation: a face of n vertices gives n - 2.
+    pub fn triangles(&self) -> u128 {
+        self.corners - 2 * self.faces
+    }
+}
+
+/// Length of an artifact in bytes, before it is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Size {
+    /// Exactly this many.
+    Exact(u128),
+    /// At most this many.
+    AtMost(u128),
+}
+
+impl Size {
+    /// The number, exact or bound.
+    pub fn bytes(self) -> u128 {
+        match self {
+            Self::Exact(n) | Self::AtMost(n) => n,
+        }
+    }
+}
+
+/// Why a scene was not written.
+#[derive(Debug, thiserror::Error)]
+pub enum FormatError {
+    /// The job was asked to stop.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    /// The bytes could not be taken.
+    #[error("writing the result failed: {0}")]
+    Io(#[from] io::Error),
+    /// The scene holds something the format cannot express.
+    #[error("{0}")]
+    Unfit(String),
+}

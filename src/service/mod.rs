@@ -1,0 +1,3 @@
+//! The service: finds, joins or makes artifacts; knows no HTTP.
+
+pub mod store;

@@ -1,0 +1,118 @@
+//! Stores: keys and bytes only, content addressed, verified part by part when read.
+
+mod embedded;
+mod memory;
+
+pub use embedded::Embedded;
+pub use memory::Memory;
+
+use std::io::{self, Write};
+use std::sync::Arc;
+
+use bytes::Bytes;
+
+use crate::job::key::Key;
+
+/// Bytes of one part; the last part of an artifact may be shorter.
+pub const PART_BYTES: usize = 1 << 20;
+
+/// What is known of a stored artifact; its own record, from which the index can be rebuilt.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Manifest {
+    /// Key of the artifact.
+    pub key: Key,
+    /// Media type of the bytes.
+    pub media_type: String,
+    /// Length in bytes.
+    pub length: u64,
+    /// BLAKE3 of all bytes.
+    pub content: Key,
+    /// BLAKE3 of each part of [`PART_BYTES`].
+    pub parts: Vec<Key>,
+    /// Warnings of the computation, repeated with every answer.
+    pub warnings: Vec<String>,
+    /// Build that made the bytes; recorded, never hashed.
+    pub build: String,
+    /// Results version under which they were made.
+    pub results_version: u32,
+}
+
+/// What the maker of an artifact says of it when it commits the bytes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Description {
+    /// Media type of the bytes.
+    pub media_type: String,
+    /// Warnings of the computation.
+    pub warnings: Vec<String>,
+}
+
+/// A place where artifacts are kept. Bounded: the least recently used ones leave when there is no room.
+///
+/// All calls block; the service makes them off the event loop, except on stores that say they are quick.
+pub trait Store: std::fmt::Debug + Send + Sync {
+    /// The manifest of an artifact, if it is here. Counts as a use.
+    ///
+    /// # Errors
+    /// When the store itself fails. A damaged or foreign record is not an error: it is dropped and counted.
+    fn manifest(&self, key: &Key) -> Result<Option<Arc<Manifest>>, StoreError>;
+
+    /// Part number `index` of an artifact, verified against its hash; `None` when the artifact is gone or was found
+    /// damaged (then it is dropped and counted, so that it will be computed again).
+    ///
+    /// # Errors
+    /// When the store itself fails.
+    fn part(&self, manifest: &Manifest, index: usize) -> Result<Option<Bytes>, StoreError>;
+
+    /// A place to write a new artifact to. Nothing is visible before [`Spool::commit`]; a dropped spool leaves nothing.
+    ///
+    /// # Errors
+    /// When there is no room or the store itself fails.
+    fn spool(&self, key: Key) -> Result<Box<dyn Spool>, StoreError>;
+
+    /// Removes an artifact, if it is here.
+    ///
+    /// # Errors
+    /// When the store itself fails.
+    fn remove(&self, key: &Key) -> Result<(), StoreError>;
+
+    /// What the store holds and has seen.
+    fn usage(&self) -> Usage;
+}
+
+/// An artifact being written.
+pub trait Spool: Write + Send + std::fmt::Debug {
+    /// Makes the bytes written so far the artifact, durably, and returns its manifest.
+    ///
+    /// # Errors
+    /// When the bytes cannot be kept (disk full, larger than the whole store).
+    fn commit(self: Box<Self>, description: Description) -> Result<Arc<Manifest>, StoreError>;
+}
+
+/// What a store holds and has seen.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Usage {
+    /// Artifacts held.
+    pub artifacts: u64,
+    /// Their bytes.
+    pub bytes: u64,
+    /// Most bytes that may be held.
+    pub capacity: u64,
+    /// Artifacts dropped to make room.
+    pub evicted: u64,
+    /// Artifacts found damaged and dropped.
+    pub damaged: u64,
+}
+
+/// The store itself failed.
+#[derive(Debug, thiserror::Error)]
+pub enum StoreError {
+    /// More bytes than the store may hold at all.
+    #[error("the artifact is larger than the store: more than {capacity} bytes; raise --cache-bytes")]
+    TooLarge {
+        /// Most bytes that may be held.
+        capacity: u64,
+    },
+    /// The disk or the index failed.
+    #[error("the store failed: {0}")]
+    Io(#[from] io::Error),
+}
