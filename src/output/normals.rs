@@ -1,0 +1,156 @@
+//! Vertex normals of a refined net, weighted by the area of the faces around each vertex.
+
+use rayon::prelude::*;
+
+use crate::math::functions::sqrt;
+use crate::output::scene::{FaceChunk, MeshSource, in_chunks};
+use crate::watch::{Stopped, Watch};
+
+/// Unit normals, `n_vertices x 3`: at each vertex the sum of the area vectors of its faces, scaled to length one.
+///
+/// The area vector of a face `p_0 .. p_(n-1)` is Newell's, `1/2 sum (p_i - p_0) x (p_(i+1) - p_0)`: as long as the
+/// face's projected area, upright on its mean plane. Where the sum vanishes (isolated vertices, collapsed faces) the
+/// zero vector stands. `positions` (model units) are those of all vertices. Each sum runs in face order whatever the
+/// number of threads, so the bits are always the same.
+///
+/// Source: M. Newell, R. Newell, T. Sancha, Proc. ACM Annual Conference (1972), 443-450.
+///
+/// # Errors
+/// [`Stopped`] when the watch says so.
+pub fn area(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Vec<[f64; 3]>, Stopped> {
+    let scale = scale(positions);
+    let mut sums = vec![[0.0; 3]; positions.len()];
+    let mut chunk = FaceChunk::default();
+    let mut vectors = Vec::new();
+    in_chunks(mesh.n_faces(), |range| {
+        watch.check()?;
+        mesh.faces(range, &mut chunk);
+        let faces: Vec<&[u32]> = chunk.iter().collect();
+        faces.par_iter().map(|face| area_vector(face, positions, scale)).collect_into_vec(&mut vectors);
+        for (face, vector) in faces.iter().zip(&vectors) {
+            for &vertex in *face {
+                let sum = &mut sums[vertex as usize];
+                *sum = [sum[0] + vector[0], sum[1] + vector[1], sum[2] + vector[2]];
+            }
+        }
+        Ok(())
+    })?;
+    sums.par_iter_mut().for_each(|sum| *sum = unit(*sum));
+    Ok(sums)
+}
+
+/// The vector of length one in the direction of `v`; zero for vectors without a direction.
+pub fn unit(v: [f64; 3]) -> [f64; 3] {
+    let largest = v.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    if largest == 0.0 || !largest.is_finite() {
+        return [0.0; 3];
+    }
+    let v = v.map(|x| x / largest);
+    let length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    v.map(|x| x / length)
+}
+
+/// Twice Newell's area vector of a face, of positions multiplied by `scale`.
+pub fn area_vector(face: &[u32], positions: &[[f64; 3]], scale: f64) -> [f64; 3] {
+    let at = |vertex: u32| positions[vertex as usize].map(|x| x * scale);
+    let origin = at(face[0]);
+    let spoke = |vertex: u32| {
+        let p = at(vertex);
+        [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]
+    };
+    let mut sum = [0.0; 3];
+    let mut a = spoke(face[1]);
+    for &vertex in &face[2..] {
+        let b = spoke(vertex);
+        sum = [
+            sum[0] + (a[1] * b[2] - a[2] * b[1]),
+            sum[1] + (a[2] * b[0] - a[0] * b[2]),
+            sum[2] + (a[0] * b[1] - a[1] * b[0]),
+        ];
+        a = b;
+    }
+    sum
+}
+
+/// The power of two that brings the longest side of the bounding box near 1, so that products of lengths neither
+/// overflow nor vanish. A power of two changes no digit.
+pub fn scale(positions: &[[f64; 3]]) -> f64 {
+    let span = |k: usize| {
+        let (low, high) = positions
+            .par_iter()
+            .map(|p| (p[k], p[k]))
+            .reduce(|| (f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+        high / 2.0 - low / 2.0
+    };
+    let half_side = span(0).max(span(1)).max(span(2));
+    if half_side > 0.0 && half_side.is_finite() { inverse_power_of_two(half_side) } else { 1.0 }
+}
+
+/// `2^-e` for `x` in `[2^e, 2^(e+1))`, kept within the range of normal numbers.
+fn inverse_power_of_two(x: f64) -> f64 {
+    let exponent = (x.to_bits() >> 52) & 0x7ff;
+    f64::from_bits((2046 - exponent).clamp(1, 2046) << 52)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::Range;
+
+    use super::*;
+
+    #[derive(Debug)]
+    struct Fan(usize);
+
+    /// A fan of triangles in the plane `z = 0` around vertex 0; the last vertex stands alone.
+    impl MeshSource for Fan {
+        fn n_vertices(&self) -> usize {
+            self.0 + 3
+        }
+        fn n_faces(&self) -> usize {
+            self.0
+        }
+        fn n_corners(&self) -> usize {
+            3 * self.0
+        }
+        fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
+            out.clear();
+            out.extend(range.map(|i| match i {
+                0 => [0.0; 3],
+                _ if i % 2 == 0 => [1.0, 0.0, 0.0],
+                _ => [0.0, 1.0, 0.0],
+            }));
+        }
+        fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
+            out.clear();
+            for f in range {
+                let f = u32::try_from(f).expect("a small mesh");
+                let [a, b] = if f % 2 == 0 { [f + 1, f + 2] } else { [f + 2, f + 1] };
+                out.push(&[0, b, a]);
+            }
+        }
+    }
+
+    fn normals_at(size: f64) -> Vec<[f64; 3]> {
+        let mesh = Fan(6);
+        let mut positions = Vec::new();
+        mesh.positions(0..9, &mut positions);
+        positions.iter_mut().flatten().for_each(|x| *x *= size);
+        area(&mesh, &positions, &Watch::new()).expect("nobody stops it")
+    }
+
+    #[test]
+    fn normals_point_up_and_vanish_at_isolated_vertices_at_any_size() {
+        let mut expected = vec![[0.0, 0.0, 1.0]; 8];
+        expected.push([0.0; 3]);
+        for size in [1.0, 1e-300, 1e300] {
+            assert_eq!(normals_at(size), expected, "size {size}");
+        }
+    }
+
+    #[test]
+    fn a_stopped_watch_ends_the_sum() {
+        let watch = Watch::new();
+        watch.stop();
+        assert_eq!(area(&Fan(1), &[[0.0; 3]; 4], &watch), Err(Stopped));
+    }
+}
