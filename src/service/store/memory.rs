@@ -1,0 +1,122 @@
+//! A store in memory: nothing survives the process, every call is quick.
+
+use std::io::{self, Write};
+use std::mem;
+use std::sync::{Arc, Mutex};
+
+use bytes::Bytes;
+
+use super::parts::{self, Parts};
+use super::shelf::{self, Shelf};
+use super::{Description, Manifest, PART_BYTES, Spool, Store, StoreError, Usage, lock};
+use crate::job::key::Key;
+
+/// Charged for an entry besides its bytes: the record, its strings, the places in the maps.
+const ENTRY_BYTES: u64 = 512;
+
+/// Artifacts in memory, each one stretch of bytes; reads share them and copy nothing.
+#[derive(Debug, Clone)]
+pub struct Memory {
+    shelf: Arc<Mutex<Shelf<Held>>>,
+    capacity: u64,
+}
+
+/// The bytes are hashed once, on the way in.
+#[derive(Debug)]
+struct Held {
+    manifest: Arc<Manifest>,
+    bytes: Bytes,
+}
+
+impl Memory {
+    /// An empty store that may hold `capacity_bytes`, records included; no artifact may take more than half of it.
+    pub fn new(capacity_bytes: u64) -> Self {
+        Self { shelf: Arc::new(Mutex::new(Shelf::new(capacity_bytes))), capacity: capacity_bytes }
+    }
+}
+
+impl Store for Memory {
+    fn is_quick(&self) -> bool {
+        true
+    }
+
+    fn manifest(&self, key: &Key) -> Result<Option<Arc<Manifest>>, StoreError> {
+        Ok(lock(&self.shelf).touch(key).map(|held| Arc::clone(&held.manifest)))
+    }
+
+    fn part(&self, manifest: &Manifest, index: usize) -> Result<Option<Bytes>, StoreError> {
+        let Some((start, length)) = parts::span(manifest, index) else { return Ok(None) };
+        let Ok(start) = usize::try_from(start) else { return Ok(None) };
+        let shelf = lock(&self.shelf);
+        let held = shelf.peek(&manifest.key).filter(|held| held.manifest.content == manifest.content);
+        Ok(held.filter(|held| held.bytes.len() >= start + length).map(|held| held.bytes.slice(start..start + length)))
+    }
+
+    fn spool(&self, key: Key) -> Result<Box<dyn Spool>, StoreError> {
+        Ok(Box::new(MemorySpool { store: self.clone(), key, bytes: Vec::new(), refused: false }))
+    }
+
+    fn remove(&self, key: &Key) -> Result<(), StoreError> {
+        let removed = lock(&self.shelf).remove(key);
+        drop(removed); // the bytes are freed after the lock
+        Ok(())
+    }
+
+    fn usage(&self) -> Usage {
+        lock(&self.shelf).usage()
+    }
+}
+
+#[derive(Debug)]
+struct MemorySpool {
+    store: Memory,
+    key: Key,
+    bytes: Vec<u8>,
+    /// A write was refused, so the bytes have a gap.
+    refused: bool,
+}
+
+impl Write for MemorySpool {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let length = if self.refused { u64::MAX } else { (self.bytes.len() + bytes.len()) as u64 };
+        if let Err(error) = shelf::admit(length, self.store.capacity) {
+            self.refused = true;
+            self.bytes = Vec::new();
+            return Err(error.into());
+        }
+        self.bytes.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Spool for MemorySpool {
+    fn commit(mut self: Box<Self>, description: Description) -> Result<Arc<Manifest>, StoreError> {
+        let bytes = mem::take(&mut self.bytes);
+        let mut parts = Parts::default();
+        bytes.chunks(PART_BYTES).for_each(|part| parts.push(part));
+        let manifest = Arc::new(parts.manifest(self.key, description));
+        let cost = if self.refused { u64::MAX } else { manifest.length + manifest.encode().len() as u64 + ENTRY_BYTES };
+        shelf::admit(cost, self.store.capacity)?;
+        let held = Held { manifest: Arc::clone(&manifest), bytes: Bytes::from(bytes.into_boxed_slice()) };
+
+        let mut left = Vec::new(); // freed after the lock
+        let mut shelf = lock(&self.store.shelf);
+        if let Some(present) = shelf.touch(&self.key).filter(|present| present.manifest.content == manifest.content) {
+            return Ok(Arc::clone(&present.manifest));
+        }
+        let replaced = shelf.remove(&self.key);
+        while let Some((_, evicted)) = shelf.evict_for(cost) {
+            left.push(evicted);
+        }
+        shelf.insert(self.key, cost, held);
+        drop(shelf);
+        if replaced.is_some() {
+            tracing::warn!(key = %self.key, "an artifact was made again with other bytes; the new ones replace the old");
+        }
+        Ok(manifest)
+    }
+}

@@ -1,0 +1,60 @@
+//! The hashes of an artifact, taken while its bytes pass by.
+
+use blake3::Hasher;
+
+use super::{BUILD, Description, Manifest, PART_BYTES};
+use crate::job::key::{Key, RESULTS_VERSION};
+
+/// The hashes and the length of the parts seen so far.
+#[derive(Debug, Default)]
+pub(super) struct Parts {
+    whole: Hasher,
+    hashes: Vec<Key>,
+    length: u64,
+}
+
+impl Parts {
+    /// Takes the next part: exactly [`PART_BYTES`], except for the last one.
+    pub(super) fn push(&mut self, part: &[u8]) {
+        debug_assert!(self.length.is_multiple_of(PART_BYTES as u64), "only the last part may be short");
+        self.whole.update(part);
+        self.hashes.push(hash(part));
+        self.length += part.len() as u64;
+    }
+
+    /// Bytes seen so far.
+    pub(super) fn length(&self) -> u64 {
+        self.length
+    }
+
+    /// BLAKE3 of all bytes seen so far.
+    pub(super) fn content(&self) -> Key {
+        Key::from_bytes(*self.whole.finalize().as_bytes())
+    }
+
+    /// The record of these bytes under `key`.
+    pub(super) fn manifest(self, key: Key, description: Description) -> Manifest {
+        Manifest {
+            key,
+            media_type: description.media_type,
+            length: self.length,
+            content: self.content(),
+            parts: self.hashes,
+            warnings: description.warnings,
+            build: BUILD.to_owned(),
+            results_version: RESULTS_VERSION,
+        }
+    }
+}
+
+/// BLAKE3 of `bytes`.
+pub(super) fn hash(bytes: &[u8]) -> Key {
+    Key::from_bytes(*blake3::hash(bytes).as_bytes())
+}
+
+/// Where part `index` starts and how many bytes it has; `None` when there is no such part.
+pub(super) fn span(manifest: &Manifest, index: usize) -> Option<(u64, usize)> {
+    let start = u64::try_from(index).ok()?.checked_mul(PART_BYTES as u64)?;
+    let left = manifest.length.checked_sub(start).filter(|&left| left > 0)?;
+    Some((start, usize::try_from(left).map_or(PART_BYTES, |left| left.min(PART_BYTES))))
+}

@@ -1,0 +1,114 @@
+//! Entries in order of use, bounded by what they cost: the least recently used leave first.
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::{MAX_ARTIFACTS, StoreError, Usage};
+use crate::job::key::Key;
+
+/// A bounded map that knows the order of use. Looking up, inserting and evicting cost `O(log n)`.
+#[derive(Debug)]
+pub(super) struct Shelf<V> {
+    entries: HashMap<Key, Entry<V>>,
+    /// Keys by their last use; uses are numbered from 1, each number once.
+    order: BTreeMap<u64, Key>,
+    next_use: u64,
+    bytes: u64,
+    capacity: u64,
+    evicted: u64,
+    damaged: u64,
+}
+
+#[derive(Debug)]
+struct Entry<V> {
+    value: V,
+    cost: u64,
+    last_use: u64,
+}
+
+impl<V> Shelf<V> {
+    /// An empty shelf whose entries may cost `capacity` bytes together.
+    pub(super) fn new(capacity: u64) -> Self {
+        let entries = HashMap::new();
+        Self { entries, order: BTreeMap::new(), next_use: 1, bytes: 0, capacity, evicted: 0, damaged: 0 }
+    }
+
+    /// The value of `key`; counts as a use.
+    pub(super) fn touch(&mut self, key: &Key) -> Option<&V> {
+        let entry = self.entries.get_mut(key)?;
+        if entry.last_use + 1 < self.next_use {
+            self.order.remove(&entry.last_use);
+            self.order.insert(self.next_use, *key);
+            entry.last_use = self.next_use;
+            self.next_use += 1;
+        }
+        Some(&entry.value)
+    }
+
+    /// The value of `key`, without a use.
+    pub(super) fn peek(&self, key: &Key) -> Option<&V> {
+        self.entries.get(key).map(|entry| &entry.value)
+    }
+
+    /// Takes out the least recently used entry, unless an entry of this cost fits already.
+    pub(super) fn evict_for(&mut self, cost: u64) -> Option<(Key, V)> {
+        if self.bytes.saturating_add(cost) <= self.capacity && self.entries.len() < MAX_ARTIFACTS {
+            return None;
+        }
+        let (_, &key) = self.order.first_key_value()?;
+        let value = self.remove(&key)?;
+        self.evicted += 1;
+        Some((key, value))
+    }
+
+    /// Puts an entry in, as the most recently used one; gives back what it replaced.
+    /// The caller made room: see [`evict_for`](Self::evict_for).
+    pub(super) fn insert(&mut self, key: Key, cost: u64, value: V) -> Option<V> {
+        let replaced = self.remove(&key);
+        let last_use = self.next_use;
+        self.next_use += 1;
+        self.bytes += cost;
+        self.order.insert(last_use, key);
+        self.entries.insert(key, Entry { value, cost, last_use });
+        replaced
+    }
+
+    /// Takes an entry out.
+    pub(super) fn remove(&mut self, key: &Key) -> Option<V> {
+        let entry = self.entries.remove(key)?;
+        self.order.remove(&entry.last_use);
+        self.bytes -= entry.cost;
+        Some(entry.value)
+    }
+
+    /// Counts entries that were found damaged.
+    pub(super) fn count_damaged(&mut self, n: u64) {
+        self.damaged += n;
+    }
+
+    /// Keys used at or after use number `since`, each with the number of its last use, oldest first.
+    pub(super) fn used_since(&self, since: u64) -> impl Iterator<Item = (Key, u64)> {
+        self.order.range(since..).map(|(&last_use, &key)| (key, last_use))
+    }
+
+    /// The number the next use will have.
+    pub(super) fn next_use(&self) -> u64 {
+        self.next_use
+    }
+
+    /// What the shelf holds and has seen.
+    pub(super) fn usage(&self) -> Usage {
+        Usage {
+            artifacts: self.entries.len() as u64,
+            bytes: self.bytes,
+            capacity: self.capacity,
+            evicted: self.evicted,
+            damaged: self.damaged,
+        }
+    }
+}
+
+/// Refuses what is larger than half of `capacity`: one artifact must not push out all others.
+pub(super) fn admit(cost: u64, capacity: u64) -> Result<(), StoreError> {
+    let largest = capacity / 2;
+    if cost > largest { Err(StoreError::TooLarge { capacity: largest }) } else { Ok(()) }
+}

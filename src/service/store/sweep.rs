@@ -1,0 +1,122 @@
+//! The start of the embedded store: finds the artifacts in its folder, removes what is no whole artifact.
+
+use std::collections::HashMap;
+use std::fs::{self, DirEntry, File, Metadata};
+use std::io::{self, Read};
+use std::path::Path;
+use std::time::SystemTime;
+
+use super::files::{self, Folder, MANIFEST_SUFFIX, at};
+use super::{Manifest, PART_BYTES};
+use crate::job::key::{Key, RESULTS_VERSION};
+
+/// Most bytes of a manifest file; enough for the parts of a terabyte.
+const MANIFEST_BYTES: u64 = 64 << 20;
+
+/// What a sweep found.
+#[derive(Debug, Default)]
+pub(super) struct Swept {
+    /// The whole artifacts, in no order.
+    pub(super) found: Vec<Found>,
+    /// Artifacts removed because their record or their length was wrong.
+    pub(super) damaged: u64,
+    /// Left-overs and artifacts of another results version that were removed.
+    pub(super) removed: u64,
+}
+
+/// A whole artifact.
+#[derive(Debug)]
+pub(super) struct Found {
+    /// Its record.
+    pub(super) manifest: Manifest,
+    /// When the record was written.
+    pub(super) written: SystemTime,
+}
+
+/// Sweeps the folder. Files with names that the store does not give are left alone.
+pub(super) fn sweep(folder: &Folder) -> io::Result<Swept> {
+    let mut swept = Swept::default();
+    for entry in entries(&folder.tmp())? {
+        if name(&entry).is_some_and(|name| files::is_tmp_name(&name)) {
+            files::remove_file(&entry.path())?;
+            swept.removed += 1;
+        }
+    }
+    for shard in entries(&folder.artifacts())? {
+        if let Some(name) = name(&shard).filter(|_| shard.path().is_dir()) {
+            sweep_shard(folder, &name, &mut swept)?;
+        }
+    }
+    Ok(swept)
+}
+
+fn sweep_shard(folder: &Folder, shard: &str, swept: &mut Swept) -> io::Result<()> {
+    let mut lengths = HashMap::new();
+    let mut manifests = Vec::new();
+    for entry in entries(&folder.artifacts().join(shard))? {
+        let Some(name) = name(&entry) else { continue };
+        let record = name.strip_suffix(MANIFEST_SUFFIX);
+        let key = Key::parse(record.unwrap_or(&name)).filter(|key| Folder::shard_name(key) == shard);
+        let metadata = entry.metadata().ok().filter(Metadata::is_file);
+        let (Some(key), Some(metadata)) = (key, metadata) else {
+            tracing::warn!(path = %entry.path().display(), "not a file of the store; left alone");
+            continue;
+        };
+        if record.is_some() {
+            manifests.push((key, metadata));
+        } else {
+            lengths.insert(key, metadata.len());
+        }
+    }
+    for (key, metadata) in manifests {
+        let written = metadata.modified().unwrap_or(SystemTime::UNIX_EPOCH);
+        match judge(folder, &key, lengths.get(&key).copied()) {
+            Verdict::Whole(manifest) => {
+                lengths.remove(&key);
+                swept.found.push(Found { manifest, written });
+                continue;
+            }
+            Verdict::Damaged => swept.damaged += 1,
+            Verdict::LeftOver => swept.removed += 1,
+        }
+        lengths.remove(&key);
+        folder.remove(&key)?;
+    }
+    for key in lengths.into_keys() {
+        folder.remove(&key)?;
+        swept.removed += 1;
+    }
+    Ok(())
+}
+
+enum Verdict {
+    Whole(Manifest),
+    Damaged,
+    LeftOver,
+}
+
+/// Judges a manifest beside bytes of this length. What the bytes hold is checked when they are read.
+fn judge(folder: &Folder, key: &Key, length: Option<u64>) -> Verdict {
+    let Some(length) = length else { return Verdict::LeftOver };
+    match read_manifest(&folder.manifest(key)) {
+        Some(manifest) if manifest.results_version != RESULTS_VERSION => Verdict::LeftOver,
+        Some(manifest) if manifest.key == *key && manifest.length == length => Verdict::Whole(manifest),
+        _ => Verdict::Damaged,
+    }
+}
+
+fn read_manifest(path: &Path) -> Option<Manifest> {
+    let mut bytes = Vec::with_capacity(1024);
+    File::open(path).ok()?.take(MANIFEST_BYTES).read_to_end(&mut bytes).ok()?;
+    Manifest::decode(&bytes)
+}
+
+fn entries(path: &Path) -> io::Result<Vec<DirEntry>> {
+    fs::read_dir(path).and_then(Iterator::collect).map_err(at("list", path))
+}
+
+fn name(entry: &DirEntry) -> Option<String> {
+    entry.file_name().into_string().ok()
+}
+
+const _: () = assert!(MANIFEST_BYTES / 32 * PART_BYTES as u64 >= 1 << 40, "the parts of a terabyte fit");
