@@ -50,6 +50,11 @@ pub fn unit(v: [f64; 3]) -> [f64; 3] {
     v.map(|x| x / length)
 }
 
+/// The same normal, or +z for one that is undefined: what formats take that know unit vectors only.
+pub fn or_up(normal: [f64; 3]) -> [f64; 3] {
+    if normal.iter().all(|&x| x == 0.0) { [0.0, 0.0, 1.0] } else { normal }
+}
+
 /// Twice Newell's area vector of a face, of positions multiplied by `scale`.
 pub fn area_vector(face: &[u32], positions: &[[f64; 3]], scale: f64) -> [f64; 3] {
     let at = |vertex: u32| positions[vertex as usize].map(|x| x * scale);

@@ -1,0 +1,93 @@
+//! GLB: glTF 2.0 in one binary file.
+
+use std::io::Write;
+
+use crate::math::parameter::{Parameter, Values};
+use crate::output::gltf_buffer::{Amounts, Buffer};
+use crate::output::gltf_document::{PARAMETERS, document, room, with_normals};
+use crate::output::numbers::total;
+use crate::output::scene::Scene;
+use crate::output::stream::holds_space;
+use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
+use crate::watch::Watch;
+
+/// Bytes before the first chunk, and before the content of each chunk.
+const HEADER: u128 = 12;
+const CHUNK_HEADER: u128 = 8;
+
+/// Binary glTF 2.0: triangles or line strips in f32.
+///
+/// The JSON chunk is padded with spaces to a length that depends on the kind of the shape and the number of polygons
+/// only, so that the length of the file is known beforehand. Models far from the origin are moved there, and the node's
+/// translation moves them back.
+///
+/// Source: Khronos Group, glTF 2.0 Specification, section 4.4.
+#[derive(Debug)]
+pub(super) struct Glb;
+
+impl Format for Glb {
+    fn name(&self) -> &'static str {
+        "glb"
+    }
+
+    fn media_type(&self) -> &'static str {
+        "model/gltf-binary"
+    }
+
+    fn doc(&self) -> &'static str {
+        "Binary glTF 2.0: triangles with normals, or line strips, in f32"
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        PARAMETERS
+    }
+
+    fn holds(&self, kind: ShapeKind) -> Result<(), String> {
+        holds_space(self.name(), kind)
+    }
+
+    fn size(&self, counts: &Counts, options: &Values) -> Size {
+        let binary = Amounts::of(counts, with_normals(options)).bytes();
+        Size::Exact(file(room(counts.kind, counts.polygons), binary))
+    }
+
+    fn write(
+        &self,
+        scene: &Scene<'_>,
+        options: &Values,
+        out: &mut dyn Write,
+        watch: &Watch,
+    ) -> Result<(), FormatError> {
+        let buffer = Buffer::of(scene.shape, with_normals(options), watch)?;
+        let kind = if buffer.is_mesh() { ShapeKind::Mesh } else { ShapeKind::Curves { dimension: 3 } };
+        let room = room(kind, buffer.parts.len() as u128);
+        let binary = buffer.amounts.bytes();
+        let lengths = [file(room, binary), room, binary].map(u32::try_from);
+        let [Ok(file), Ok(room), Ok(binary)] = lengths else {
+            let detail = "the model needs more than the 4 GiB that glb can count; ask for fewer levels or ply";
+            return Err(FormatError::Unfit(detail.into()));
+        };
+        let mut json = document(&buffer, None)?;
+        json.resize(room as usize, b' ');
+        out.write_all(b"glTF")?;
+        out.write_all([2, file].map(u32::to_le_bytes).as_flattened())?;
+        chunk(*b"JSON", room, out)?;
+        out.write_all(&json)?;
+        if binary > 0 {
+            chunk(*b"BIN\0", binary, out)?;
+            buffer.write(out, watch)?;
+        }
+        Ok(())
+    }
+}
+
+/// Length of a file with chunks of these lengths; an empty binary chunk is left out.
+fn file(json: u128, binary: u128) -> u128 {
+    let chunks = if binary > 0 { 2 } else { 1 };
+    total(&[(HEADER, 1), (CHUNK_HEADER, chunks), (json, 1), (binary, 1)])
+}
+
+fn chunk(kind: [u8; 4], length: u32, out: &mut dyn Write) -> Result<(), FormatError> {
+    out.write_all(&length.to_le_bytes())?;
+    Ok(out.write_all(&kind)?)
+}

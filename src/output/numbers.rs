@@ -1,0 +1,78 @@
+//! Numbers as text, and the lengths that follow from them.
+
+/// Most bytes that [`real`] appends.
+pub(super) const REAL: u128 = 24;
+
+/// Appends the shortest decimal that reads back as `x`, whole numbers without a point, and -0 as 0.
+pub(super) fn real(out: &mut Vec<u8>, x: f64) {
+    let mut buffer = zmij::Buffer::new();
+    let text = buffer.format_finite(x + 0.0);
+    out.extend_from_slice(text.strip_suffix(".0").unwrap_or(text).as_bytes());
+}
+
+/// As [`real`], for the f32 nearest to `x`.
+pub(super) fn real_f32(out: &mut Vec<u8>, x: f64) {
+    let mut buffer = zmij::Buffer::new();
+    let text = buffer.format_finite(rounded(x) + 0.0);
+    out.extend_from_slice(text.strip_suffix(".0").unwrap_or(text).as_bytes());
+}
+
+/// Appends `numbers` with `separator` between them.
+pub(super) fn reals(out: &mut Vec<u8>, numbers: &[f64], separator: u8) {
+    for (i, &x) in numbers.iter().enumerate() {
+        if i > 0 {
+            out.push(separator);
+        }
+        real(out, x);
+    }
+}
+
+/// Appends a whole number.
+pub(super) fn whole(out: &mut Vec<u8>, n: u64) {
+    out.extend_from_slice(itoa::Buffer::new().format(n).as_bytes());
+}
+
+/// The f32 nearest to `x`.
+#[expect(clippy::cast_possible_truncation, reason = "rounding once, to nearest, is what the f32 formats promise")]
+pub(super) fn rounded(x: f64) -> f32 {
+    x as f32
+}
+
+/// Number of decimal digits of `n`.
+pub(super) fn digits(n: u128) -> u128 {
+    u128::from(n.checked_ilog10().unwrap_or(0)) + 1
+}
+
+/// The sum of the products, or the largest number where it would be larger.
+pub(super) fn total(products: &[(u128, u128)]) -> u128 {
+    products.iter().fold(0, |sum: u128, (a, b)| sum.saturating_add(a.saturating_mul(*b)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reals_are_as_short_as_can_be_and_never_longer_than_promised() {
+        let cases = [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (1.0, "1"),
+            (-2.5, "-2.5"),
+            (0.1 + 0.2, "0.30000000000000004"),
+            (1e21, "1e21"),
+            (-2.225_073_858_507_201_4e-308, "-2.2250738585072014e-308"),
+        ];
+        for (x, expected) in cases {
+            let mut out = Vec::new();
+            real(&mut out, x);
+            assert_eq!(String::from_utf8_lossy(&out), expected);
+            assert!(out.len() as u128 <= REAL);
+        }
+    }
+
+    #[test]
+    fn digits_count_decimals() {
+        assert_eq!([0, 9, 10, 99, 100, u128::MAX].map(digits), [1, 1, 2, 2, 3, 39]);
+    }
+}

@@ -1,0 +1,308 @@
+//! Stanford PLY: polygons and f64 coordinates in few bytes.
+
+use std::io::Write;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::output::numbers::{REAL, digits, real, real_f32, rounded, total, whole};
+use crate::output::scene::{Curve, MeshSource, Scene, Shape};
+use crate::output::stream::{Positions, Stream, holds_space};
+use crate::output::{Counts, Format, FormatError, ShapeKind, Size, normals};
+use crate::watch::Watch;
+
+/// PLY, binary little endian unless `ascii`: elements `vertex` and `face` for meshes, `vertex` and `edge` for curves.
+///
+/// Indices are `int`, or `uint` where there are more than 2^31 vertices. The size of a face is one byte, or four with
+/// `"face_sizes": "uint"`.
+#[derive(Debug)]
+pub(super) struct Ply;
+
+impl Format for Ply {
+    fn name(&self) -> &'static str {
+        "ply"
+    }
+
+    fn media_type(&self) -> &'static str {
+        "model/ply"
+    }
+
+    fn doc(&self) -> &'static str {
+        "Stanford PLY: polygons as they are, f64 or f32 coordinates, binary little endian or text"
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        PARAMETERS
+    }
+
+    fn holds(&self, kind: ShapeKind) -> Result<(), String> {
+        holds_space(self.name(), kind)
+    }
+
+    fn size(&self, counts: &Counts, options: &Values) -> Size {
+        match counts.kind {
+            ShapeKind::Mesh => mesh_size(counts, Layout::of(options)),
+            // How many edges the points make depends on which polygons are closed.
+            ShapeKind::Curves { .. } => Size::AtMost(curves_size(counts, Layout::of_curves(options))),
+        }
+    }
+
+    fn write(
+        &self,
+        scene: &Scene<'_>,
+        options: &Values,
+        out: &mut dyn Write,
+        watch: &Watch,
+    ) -> Result<(), FormatError> {
+        let mut stream = Stream::new(out, watch);
+        match scene.shape {
+            Shape::Mesh(mesh) => write_mesh(mesh, Layout::of(options), &mut stream, watch),
+            Shape::Curves(curves) => write_curves(curves, Layout::of_curves(options), &mut stream),
+        }
+    }
+}
+
+const PARAMETERS: &[Parameter] = &[
+    Parameter {
+        name: "ascii",
+        kind: Kind::Flag,
+        unit: "",
+        default: Default::Flag(false),
+        doc: "Text instead of binary little endian",
+    },
+    Parameter {
+        name: "precision",
+        kind: Kind::Choice(&["f64", "f32"]),
+        unit: "",
+        default: Default::Text("f64"),
+        doc: "Coordinates as double, or rounded once to float",
+    },
+    Parameter {
+        name: "normals",
+        kind: Kind::Choice(&["none", "area"]),
+        unit: "",
+        default: Default::Text("none"),
+        doc: "Vertex normals of a mesh: none, or weighted by the area of the faces around the vertex",
+    },
+    Parameter {
+        name: "face_sizes",
+        kind: Kind::Choice(&["uchar", "uint"]),
+        unit: "",
+        default: Default::Text("uchar"),
+        doc: "Type of the number of corners of a face: uchar, which every program reads, or uint for more than 255",
+    },
+];
+
+/// How rows are written.
+#[derive(Debug, Clone, Copy)]
+struct Layout {
+    encoding: Encoding,
+    float: bool,
+    normals: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Encoding {
+    Ascii,
+    /// Binary, one byte for the size of a face.
+    Uchar,
+    /// Binary, four bytes for the size of a face.
+    Uint,
+}
+
+impl Layout {
+    fn of(options: &Values) -> Self {
+        Self {
+            encoding: match (options.flag("ascii"), options.choice("face_sizes")) {
+                (true, _) => Encoding::Ascii,
+                (false, Some("uint")) => Encoding::Uint,
+                (false, _) => Encoding::Uchar,
+            },
+            float: options.choice("precision") == Some("f32"),
+            normals: options.choice("normals") == Some("area"),
+        }
+    }
+
+    /// The same layout for curves, which have no normals.
+    fn of_curves(options: &Values) -> Self {
+        Self { normals: false, ..Self::of(options) }
+    }
+
+    /// Numbers a vertex.
+    fn numbers(self) -> usize {
+        if self.normals { 6 } else { 3 }
+    }
+
+    /// Bytes a vertex, at most where they are text.
+    fn vertex_bytes(self) -> u128 {
+        let number = match (self.encoding, self.float) {
+            (Encoding::Ascii, _) => REAL + 1,
+            (_, true) => 4,
+            (_, false) => 8,
+        };
+        self.numbers() as u128 * number
+    }
+
+    fn vertex(self, numbers: &[f64], out: &mut Vec<u8>) {
+        for (k, &x) in numbers.iter().enumerate() {
+            if self.encoding == Encoding::Ascii && k > 0 {
+                out.push(b' ');
+            }
+            match (self.encoding, self.float) {
+                (Encoding::Ascii, true) => real_f32(out, x),
+                (Encoding::Ascii, false) => real(out, x),
+                (_, true) => out.extend_from_slice(&rounded(x).to_le_bytes()),
+                (_, false) => out.extend_from_slice(&x.to_le_bytes()),
+            }
+        }
+        self.end_row(out);
+    }
+
+    fn face(self, face: &[u32], out: &mut Vec<u8>) {
+        let size = face.len() as u64;
+        match self.encoding {
+            Encoding::Ascii => whole(out, size),
+            Encoding::Uchar => out.extend_from_slice(&size.to_le_bytes()[..1]),
+            Encoding::Uint => out.extend_from_slice(&size.to_le_bytes()[..4]),
+        }
+        for &vertex in face {
+            if self.encoding == Encoding::Ascii {
+                out.push(b' ');
+            }
+            self.index(vertex, out);
+        }
+        self.end_row(out);
+    }
+
+    fn edge(self, [a, b]: [u32; 2], out: &mut Vec<u8>) {
+        self.index(a, out);
+        if self.encoding == Encoding::Ascii {
+            out.push(b' ');
+        }
+        self.index(b, out);
+        self.end_row(out);
+    }
+
+    fn index(self, vertex: u32, out: &mut Vec<u8>) {
+        match self.encoding {
+            Encoding::Ascii => whole(out, u64::from(vertex)),
+            Encoding::Uchar | Encoding::Uint => out.extend_from_slice(&vertex.to_le_bytes()),
+        }
+    }
+
+    fn end_row(self, out: &mut Vec<u8>) {
+        if self.encoding == Encoding::Ascii {
+            out.push(b'\n');
+        }
+    }
+}
+
+fn mesh_size(counts: &Counts, layout: Layout) -> Size {
+    let header = mesh_header(counts.vertices, counts.faces, layout).len() as u128;
+    let (face, corner) = match layout.encoding {
+        Encoding::Ascii => (digits(counts.corners) + 1, digits(counts.vertices) + 1),
+        Encoding::Uchar => (1, 4),
+        Encoding::Uint => (4, 4),
+    };
+    let vertex = layout.vertex_bytes();
+    let bytes = total(&[(1, header), (counts.vertices, vertex), (counts.faces, face), (counts.corners, corner)]);
+    if layout.encoding == Encoding::Ascii { Size::AtMost(bytes) } else { Size::Exact(bytes) }
+}
+
+fn curves_size(counts: &Counts, layout: Layout) -> u128 {
+    let header = curves_header(counts.vertices, counts.vertices, layout).len() as u128;
+    let index = if layout.encoding == Encoding::Ascii { digits(counts.vertices) + 1 } else { 4 };
+    total(&[(1, header), (counts.vertices, layout.vertex_bytes()), (counts.vertices, 2 * index)])
+}
+
+fn mesh_header(vertices: u128, faces: u128, layout: Layout) -> String {
+    let size = if layout.encoding == Encoding::Uint { "uint" } else { "uchar" };
+    let list = format!("property list {size} {} vertex_indices", index_type(vertices));
+    format!("{}element face {faces}\n{list}\nend_header\n", vertex_header(vertices, layout))
+}
+
+fn curves_header(vertices: u128, edges: u128, layout: Layout) -> String {
+    let index = index_type(vertices);
+    let ends = format!("property {index} vertex1\nproperty {index} vertex2");
+    format!("{}element edge {edges}\n{ends}\nend_header\n", vertex_header(vertices, layout))
+}
+
+fn vertex_header(vertices: u128, layout: Layout) -> String {
+    let encoding = if layout.encoding == Encoding::Ascii { "ascii" } else { "binary_little_endian" };
+    let number = if layout.float { "float" } else { "double" };
+    let names = &["x", "y", "z", "nx", "ny", "nz"][..layout.numbers()];
+    let properties: String = names.iter().flat_map(|name| ["property ", number, " ", name, "\n"]).collect();
+    format!("ply\nformat {encoding} 1.0\ncomment planish\nelement vertex {vertices}\n{properties}")
+}
+
+fn index_type(vertices: u128) -> &'static str {
+    if vertices > 1 << 31 { "uint" } else { "int" }
+}
+
+fn write_mesh(
+    mesh: &dyn MeshSource,
+    layout: Layout,
+    stream: &mut Stream<'_>,
+    watch: &Watch,
+) -> Result<(), FormatError> {
+    stream.bytes(mesh_header(mesh.n_vertices() as u128, mesh.n_faces() as u128, layout).as_bytes())?;
+    let positions = within(Positions::of_mesh(mesh), layout);
+    if layout.normals {
+        let positions = positions.held(watch)?;
+        let normals = normals::area(mesh, positions.rows(), watch)?;
+        stream.positions(&positions, |start, rows, out| {
+            for (&[x, y, z], &normal) in rows.iter().zip(&normals[start..]) {
+                let [nx, ny, nz] = normals::or_up(normal);
+                layout.vertex(&[x, y, z, nx, ny, nz], out);
+            }
+        })?;
+    } else {
+        stream.positions(&positions, |_, rows, out| rows.iter().for_each(|p| layout.vertex(p, out)))?;
+    }
+    write_faces(mesh, layout, stream)
+}
+
+fn write_faces(mesh: &dyn MeshSource, layout: Layout, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    let first_large = AtomicUsize::new(usize::MAX);
+    stream.faces(mesh, |index, face, out| {
+        if layout.encoding == Encoding::Uchar && face.len() > usize::from(u8::MAX) {
+            first_large.fetch_min(index, Ordering::Relaxed);
+        }
+        layout.face(face, out);
+    })?;
+    match first_large.into_inner() {
+        usize::MAX => Ok(()),
+        face => Err(FormatError::Unfit(format!(
+            "face {face} has more than the 255 corners that one byte counts; ask for \"face_sizes\": \"uint\" or obj"
+        ))),
+    }
+}
+
+fn write_curves(curves: &[Curve], layout: Layout, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    let n_vertices: usize = curves.iter().map(Curve::len).sum();
+    let n_edges: usize = curves.iter().map(edges_of).sum();
+    if u32::try_from(n_vertices).is_err() {
+        return Err(FormatError::Unfit(format!("{n_vertices} points, ply numbers at most {}; ask for json", u32::MAX)));
+    }
+    stream.bytes(curves_header(n_vertices as u128, n_edges as u128, layout).as_bytes())?;
+    for curve in curves {
+        let positions = within(Positions::of_curve(curve), layout);
+        stream.positions(&positions, |_, rows, out| rows.iter().for_each(|p| layout.vertex(p, out)))?;
+    }
+    let mut start = 0;
+    for curve in curves {
+        let end = start + u32::try_from(curve.len()).expect("fewer points than all together");
+        let edges: Vec<[u32; 2]> =
+            (start..end).map(|a| [a, if a + 1 < end { a + 1 } else { start }]).take(edges_of(curve)).collect();
+        stream.rows(0, &edges, |_, rows, out| rows.iter().for_each(|&edge| layout.edge(edge, out)))?;
+        start = end;
+    }
+    Ok(())
+}
+
+fn edges_of(curve: &Curve) -> usize {
+    if curve.closed && curve.len() > 1 { curve.len() } else { curve.len().saturating_sub(1) }
+}
+
+fn within(positions: Positions<'_>, layout: Layout) -> Positions<'_> {
+    if layout.float { positions.within_f32() } else { positions }
+}

@@ -1,0 +1,90 @@
+//! STL: loose triangles in f32, for printers and mesh tools.
+
+use std::io::Write;
+
+use crate::math::parameter::{Parameter, Values};
+use crate::output::numbers::{rounded, total};
+use crate::output::scene::{MeshSource, Scene, Shape, triangles};
+use crate::output::stream::{Positions, Stream};
+use crate::output::{Counts, Format, FormatError, ShapeKind, Size, normals};
+use crate::watch::Watch;
+
+/// Bytes before the number of triangles; programs take a file that starts with "solid" for text.
+const HEADER: &[u8; 80] = b"planish; binary STL, units as in the model                                      ";
+
+/// Bytes a triangle: normal, three corners, two bytes of nothing.
+const TRIANGLE: u128 = 50;
+
+/// Binary STL: the triangles with their unit normals, which are computed in f64 and zero where undefined.
+#[derive(Debug)]
+pub(super) struct Stl;
+
+impl Format for Stl {
+    fn name(&self) -> &'static str {
+        "stl"
+    }
+
+    fn media_type(&self) -> &'static str {
+        "model/stl"
+    }
+
+    fn doc(&self) -> &'static str {
+        "Binary STL: loose triangles with facet normals, f32"
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        &[]
+    }
+
+    fn holds(&self, kind: ShapeKind) -> Result<(), String> {
+        match kind {
+            ShapeKind::Mesh => Ok(()),
+            ShapeKind::Curves { .. } => Err("stl holds triangles only, these are curves; ask for json or obj".into()),
+        }
+    }
+
+    fn size(&self, counts: &Counts, _options: &Values) -> Size {
+        let triangles = counts.corners.saturating_sub(counts.faces.saturating_mul(2));
+        Size::Exact(total(&[(1, HEADER.len() as u128 + 4), (triangles, TRIANGLE)]))
+    }
+
+    fn write(
+        &self,
+        scene: &Scene<'_>,
+        _options: &Values,
+        out: &mut dyn Write,
+        watch: &Watch,
+    ) -> Result<(), FormatError> {
+        match scene.shape {
+            Shape::Mesh(mesh) => write_mesh(mesh, out, watch),
+            Shape::Curves(_) => Err(FormatError::Unfit("stl holds triangles only; ask for json or obj".into())),
+        }
+    }
+}
+
+fn write_mesh(mesh: &dyn MeshSource, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
+    let n_triangles = mesh.n_corners() - 2 * mesh.n_faces();
+    let Ok(n) = u32::try_from(n_triangles) else {
+        let most = u32::MAX;
+        return Err(FormatError::Unfit(format!(
+            "{n_triangles} triangles, stl counts at most {most}; ask for ply or obj"
+        )));
+    };
+    let positions = Positions::of_mesh(mesh).within_f32().held(watch)?;
+    let rows = positions.rows();
+    let scale = normals::scale(rows);
+    let mut stream = Stream::new(out, watch);
+    stream.bytes(HEADER)?;
+    stream.bytes(&n.to_le_bytes())?;
+    stream.faces(mesh, |_, face, out| {
+        for triangle in triangles(face) {
+            let normal = normals::unit(normals::area_vector(&triangle, rows, scale));
+            let mut record = [0; TRIANGLE as usize];
+            let numbers = normal.into_iter().chain(triangle.iter().flat_map(|&v| rows[v as usize]));
+            for (slot, x) in record.as_chunks_mut::<4>().0.iter_mut().zip(numbers) {
+                *slot = rounded(x).to_le_bytes();
+            }
+            out.extend_from_slice(&record);
+        }
+    })
+}
