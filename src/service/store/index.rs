@@ -8,7 +8,7 @@ use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use redb::{Database, ReadableDatabase, ReadableTable, TableDefinition, TableError};
+use redb::{Builder, Database, ReadableDatabase, ReadableTable, TableDefinition, TableError};
 
 use super::shelf::Shelf;
 use crate::job::key::Key;
@@ -37,14 +37,13 @@ pub(super) struct Index {
 impl Index {
     /// Opens the index, or an empty one in its place, and reads the numbers of last use.
     pub(super) fn open(path: PathBuf) -> (Self, HashMap<Key, u64>) {
-        let (database, uses) = match guarded(|| read(&path)) {
-            Ok((database, uses)) => (Some(database), uses),
-            Err(error) => {
-                tracing::warn!(path = %path.display(), error, "the index cannot be read and is made anew");
-                (None, HashMap::new())
-            }
-        };
-        (Self { path, database, written: 0, removed: Vec::new(), changes: 0 }, uses)
+        let mut index = Self { path, database: None, written: 0, removed: Vec::new(), changes: 0 };
+        let uses = index.read().unwrap_or_else(|error| {
+            tracing::warn!(path = %index.path.display(), error, "the index cannot be read and is made anew");
+            index.close();
+            HashMap::new()
+        });
+        (index, uses)
     }
 
     /// Notes a new artifact.
@@ -74,20 +73,46 @@ impl Index {
     pub(super) fn write(&mut self, pending: &Pending) {
         self.changes = 0;
         let removed = std::mem::take(&mut self.removed);
-        let database = self.database.take();
-        let anew = self.written == 0;
-        let written = guarded(|| {
-            let database = database.map_or_else(|| create(&self.path), Ok)?;
-            write(&database, anew, &removed, &pending.uses)?;
-            Ok(database)
-        });
-        match written {
-            Ok(database) => (self.database, self.written) = (Some(database), pending.next_use),
+        match self.try_write(&removed, &pending.uses) {
+            Ok(()) => self.written = pending.next_use,
             Err(error) => {
-                self.written = 0;
                 tracing::warn!(path = %self.path.display(), error, "the index cannot be written");
+                self.written = 0;
+                self.close();
             }
         }
+    }
+
+    fn read(&mut self) -> Result<HashMap<Key, u64>, String> {
+        let database = self.database.insert(guarded(|| Ok(builder().create(&self.path)?))?);
+        guarded(|| read(database))
+    }
+
+    fn try_write(&mut self, removed: &[Key], uses: &[(Key, u64)]) -> Result<(), String> {
+        let database = match self.database.take() {
+            Some(database) => database,
+            None => guarded(|| create(&self.path))?,
+        };
+        let database = self.database.insert(database);
+        guarded(|| write(database, self.written == 0, removed, uses))
+    }
+
+    /// Closing writes too, so it can fail as a write can.
+    fn close(&mut self) {
+        if let Some(database) = self.database.take()
+            && let Err(error) = guarded(|| {
+                drop(database);
+                Ok(())
+            })
+        {
+            tracing::warn!(path = %self.path.display(), error, "the index cannot be closed");
+        }
+    }
+}
+
+impl Drop for Index {
+    fn drop(&mut self) {
+        self.close();
     }
 }
 
@@ -98,7 +123,8 @@ pub(super) struct Pending {
     next_use: u64,
 }
 
-/// A damaged file must not stop the service, so a panic of the database counts as a failure of the index.
+/// Over a damaged file the database may panic. That must not stop the service, so it counts as a failure of the index.
+/// The database itself is never dropped by such a panic: a second one on the way would end the process.
 fn guarded<T>(work: impl FnOnce() -> Result<T, redb::Error>) -> Result<T, String> {
     match panic::catch_unwind(AssertUnwindSafe(work)) {
         Ok(done) => done.map_err(|error| error.to_string()),
@@ -106,29 +132,31 @@ fn guarded<T>(work: impl FnOnce() -> Result<T, redb::Error>) -> Result<T, String
     }
 }
 
-fn read(path: &Path) -> Result<(Database, HashMap<Key, u64>), redb::Error> {
-    let database = Database::builder().set_cache_size(CACHE_BYTES).create(path)?;
+fn builder() -> Builder {
+    let mut builder = Database::builder();
+    builder.set_cache_size(CACHE_BYTES);
+    builder
+}
+
+fn read(database: &Database) -> Result<HashMap<Key, u64>, redb::Error> {
     let transaction = database.begin_read()?;
+    let table = match transaction.open_table(USES) {
+        Err(TableError::TableDoesNotExist(_)) => return Ok(HashMap::new()),
+        table => table?,
+    };
     let mut uses = HashMap::new();
-    match transaction.open_table(USES) {
-        Ok(table) => {
-            for row in table.iter()? {
-                let (key, last_use) = row?;
-                uses.insert(Key::from_bytes(*key.value()), last_use.value());
-            }
-        }
-        Err(TableError::TableDoesNotExist(_)) => {}
-        Err(error) => return Err(error.into()),
+    for row in table.iter()? {
+        let (key, last_use) = row?;
+        uses.insert(Key::from_bytes(*key.value()), last_use.value());
     }
-    drop(transaction);
-    Ok((database, uses))
+    Ok(uses)
 }
 
 /// An empty database in place of whatever was there.
 fn create(path: &Path) -> Result<Database, redb::Error> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error.into()),
-        _ => Ok(Database::builder().set_cache_size(CACHE_BYTES).create(path)?),
+        _ => Ok(builder().create(path)?),
     }
 }
 
