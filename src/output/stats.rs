@@ -1,0 +1,117 @@
+//! Statistics of a result: a cheap way to check a huge one.
+
+mod connectivity;
+mod curves;
+mod hashes;
+mod mesh;
+mod moments;
+
+use std::collections::BTreeMap;
+use std::io::Write;
+
+use serde_json::{Value, json};
+
+use crate::math::parameter::{Parameter, Values};
+use crate::output::bounds::Bounds;
+use crate::output::numbers::total;
+use crate::output::scene::{Scene, Shape};
+use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
+use crate::watch::Watch;
+
+use moments::Moments;
+
+/// JSON with counts, bounding box, measures and hashes.
+///
+/// Both kinds: `kind` (`mesh` or `curves`), `bounding_box`, `moments_of` (what the centroid and the moments belong to:
+/// `solid`, `surface`, `curve`, or null when that has no extent), `centroid`, `second_moments` (the matrix
+/// `int (x - c) (x - c)^T` about the centroid c; negative for a solid that is inside out), `euler_characteristic`
+/// (vertices - edges + faces), `positions_hash` and `shape_hash` (see [`hashes::PositionsHash`] and [`hashes::ShapeHash`]).
+///
+/// Meshes: `area`, signed `volume` (null unless closed), of the faces cut into triangles as for glTF; numbers of
+/// vertices, edges, faces, boundary edges and loops, components; vertices by valence, faces by size. Curves: `length`,
+/// and `area`, the signed area of plane polygons when all are closed.
+///
+/// Numbers beyond f64 are null. All sums run in an order that depends on the result only.
+#[derive(Debug)]
+pub(super) struct Stats;
+
+impl Format for Stats {
+    fn name(&self) -> &'static str {
+        "stats"
+    }
+
+    fn extension(&self) -> &'static str {
+        "json"
+    }
+
+    fn media_type(&self) -> &'static str {
+        "application/json"
+    }
+
+    fn doc(&self) -> &'static str {
+        "Statistics in JSON: counts, bounding box, measures, moments, valences, hashes"
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        &[]
+    }
+
+    fn holds(&self, _kind: ShapeKind) -> Result<(), String> {
+        Ok(())
+    }
+
+    /// Three lists may have many entries. Distinct valences 1, 2, .. k need k (k + 1) / 2 ends of edges, of which there
+    /// are two for each corner at most; likewise distinct sizes of faces.
+    fn size(&self, counts: &Counts, _options: &Values) -> Size {
+        let distinct = counts.corners.saturating_mul(4).isqrt() + 1;
+        let entry = br#""1234567890":12345678901234567890,"#.len() as u128;
+        Size::AtMost(total(&[(1, 2_048), (3 * distinct.min(counts.vertices), entry)]))
+    }
+
+    fn write(
+        &self,
+        scene: &Scene<'_>,
+        _options: &Values,
+        out: &mut dyn Write,
+        watch: &Watch,
+    ) -> Result<(), FormatError> {
+        let found = match scene.shape {
+            Shape::Mesh(mesh) => mesh::report(mesh, watch)?,
+            Shape::Curves(curves) => match curves.first().map_or(1, |curve| curve.dimension) {
+                1 => curves::report::<1>(curves, watch)?,
+                2 => curves::report::<2>(curves, watch)?,
+                3 => curves::report::<3>(curves, watch)?,
+                _ => curves::report::<4>(curves, watch)?,
+            },
+        };
+        Ok(writeln!(out, "{found}")?)
+    }
+}
+
+fn seen_from<const D: usize>(origin: [f64; D], point: &[f64; D]) -> [f64; D] {
+    std::array::from_fn(|k| point[k] - origin[k])
+}
+
+fn add_moments<const D: usize>(found: &mut Value, of: &str, moments: &Moments<D>, origin: [f64; D]) {
+    let centered = moments.centered();
+    found["moments_of"] = json!(centered.map(|_| of));
+    found["centroid"] = json!(centered.map(|c| list(&std::array::from_fn::<f64, D, _>(|k| c.centroid[k] + origin[k]))));
+    found["second_moments"] = json!(centered.map(|c| c.second.iter().map(list).collect::<Vec<_>>()));
+}
+
+fn bounding_box<const D: usize>(bounds: &Bounds<D>) -> Value {
+    if bounds.is_empty() { Value::Null } else { json!({ "min": list(&bounds.min), "max": list(&bounds.max) }) }
+}
+
+/// Numbers without -0.
+fn list<const D: usize>(numbers: &[f64; D]) -> Vec<f64> {
+    numbers.iter().map(|x| x + 0.0).collect()
+}
+
+fn histogram(counts: &BTreeMap<u32, u64>) -> Value {
+    counts.iter().map(|(key, count)| (key.to_string(), Value::from(*count))).collect()
+}
+
+fn euler([vertices, edges, faces]: [usize; 3]) -> i128 {
+    vertices as i128 - edges as i128 + faces as i128
+}

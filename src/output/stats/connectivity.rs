@@ -1,0 +1,133 @@
+//! Edges, valences, boundary loops and components of a mesh, found by sorting.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use crate::output::scene::{FaceChunk, MeshSource, in_chunks};
+use crate::watch::{Stopped, Watch};
+
+/// What follows from the faces alone.
+#[derive(Debug)]
+pub(super) struct Connectivity {
+    /// Number of edges.
+    pub(super) edges: usize,
+    /// Edges of one face.
+    pub(super) boundary_edges: usize,
+    /// Connected pieces of the boundary; loops that touch in a vertex are one piece.
+    pub(super) boundary_loops: usize,
+    /// Connected pieces of the mesh, isolated vertices included.
+    pub(super) components: usize,
+    /// Vertices without an edge.
+    pub(super) isolated: Vec<u32>,
+    /// Whether there are faces and each edge has exactly two.
+    pub(super) closed: bool,
+    /// Number of vertices for each number of edges, away from the boundary.
+    pub(super) interior_valences: BTreeMap<u32, u64>,
+    /// Number of vertices for each number of edges, on the boundary.
+    pub(super) boundary_valences: BTreeMap<u32, u64>,
+    /// Number of faces for each number of corners.
+    pub(super) face_sizes: BTreeMap<u32, u64>,
+}
+
+impl Connectivity {
+    /// Looks at all faces.
+    pub(super) fn of(mesh: &dyn MeshSource, watch: &Watch) -> Result<Self, Stopped> {
+        let n = mesh.n_vertices();
+        let (mut keys, face_sizes) = keys(mesh, watch)?;
+        watch.check()?;
+        keys.par_sort_unstable();
+        watch.check()?;
+        let mut valences = vec![0_u32; n];
+        let mut on_boundary = vec![false; n];
+        let (mut pieces, mut rim) = (Pieces::new(n), Pieces::new(n));
+        let (mut edges, mut boundary_edges, mut closed) = (0, 0, !keys.is_empty());
+        for run in keys.chunk_by(|a, b| a == b) {
+            let [a, b] = ends(run[0]);
+            edges += 1;
+            valences[a] += 1;
+            valences[b] += 1;
+            pieces.join(a, b);
+            closed &= run.len() == 2;
+            if run.len() == 1 {
+                boundary_edges += 1;
+                on_boundary[a] = true;
+                on_boundary[b] = true;
+                rim.join(a, b);
+            }
+        }
+        let (mut interior_valences, mut boundary_valences) = (BTreeMap::new(), BTreeMap::new());
+        for (&valence, &rim) in valences.iter().zip(&on_boundary).filter(|(valence, _)| **valence > 0) {
+            *if rim { &mut boundary_valences } else { &mut interior_valences }.entry(valence).or_default() += 1;
+        }
+        let isolated = (0_u32..).zip(&valences).filter(|(_, valence)| **valence == 0).map(|(vertex, _)| vertex);
+        let isolated = isolated.collect();
+        // Off the boundary every vertex is a piece of its own there.
+        let boundary_loops = rim.n - on_boundary.iter().filter(|rim| !**rim).count();
+        Ok(Self {
+            edges,
+            boundary_edges,
+            boundary_loops,
+            components: pieces.n,
+            isolated,
+            closed,
+            interior_valences,
+            boundary_valences,
+            face_sizes,
+        })
+    }
+}
+
+/// The edges of all faces, one entry for each face at an edge: the smaller end above the larger one.
+fn keys(mesh: &dyn MeshSource, watch: &Watch) -> Result<(Vec<u64>, BTreeMap<u32, u64>), Stopped> {
+    let mut keys = Vec::with_capacity(mesh.n_corners());
+    let mut face_sizes = BTreeMap::new();
+    let mut chunk = FaceChunk::default();
+    in_chunks(mesh.n_faces(), |range| {
+        watch.check()?;
+        mesh.faces(range, &mut chunk);
+        for sizes in chunk.sizes.chunk_by(|a, b| a == b) {
+            *face_sizes.entry(sizes[0]).or_default() += sizes.len() as u64;
+        }
+        for face in chunk.iter() {
+            let after = face.iter().skip(1).chain(face.first());
+            keys.extend(face.iter().zip(after).map(|(&a, &b)| u64::from(a.min(b)) << 32 | u64::from(a.max(b))));
+        }
+        Ok(())
+    })?;
+    Ok((keys, face_sizes))
+}
+
+fn ends(key: u64) -> [usize; 2] {
+    let low = key & u64::from(u32::MAX);
+    [key >> 32, low].map(|end| usize::try_from(end).expect("a 32-bit number"))
+}
+
+/// Disjoint sets of vertices (union and find with path halving; R. Tarjan, J. van Leeuwen, J. ACM 31 (1984), 245-281).
+struct Pieces {
+    parents: Vec<usize>,
+    /// Number of sets.
+    n: usize,
+}
+
+impl Pieces {
+    fn new(n: usize) -> Self {
+        Self { parents: (0..n).collect(), n }
+    }
+
+    fn root(&mut self, mut vertex: usize) -> usize {
+        while self.parents[vertex] != vertex {
+            self.parents[vertex] = self.parents[self.parents[vertex]];
+            vertex = self.parents[vertex];
+        }
+        vertex
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.root(a), self.root(b));
+        if a != b {
+            self.parents[a.max(b)] = a.min(b);
+            self.n -= 1;
+        }
+    }
+}

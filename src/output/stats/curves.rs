@@ -1,0 +1,88 @@
+//! Statistics of polygons.
+
+use serde_json::{Value, json};
+
+use crate::output::FormatError;
+use crate::output::bounds::Bounds;
+use crate::output::scene::{CHUNK, Curve};
+use crate::output::stream::unfit;
+use crate::watch::{Stopped, Watch};
+
+use super::hashes::{Part, PositionsHash, ShapeHash};
+use super::moments::Moments;
+use super::{add_moments, bounding_box, euler, seen_from};
+
+/// The statistics of polygons whose points have `D` coordinates.
+pub(super) fn report<const D: usize>(curves: &[Curve], watch: &Watch) -> Result<Value, FormatError> {
+    let mut bounds = Bounds::EMPTY;
+    let mut positions_hash = PositionsHash::default();
+    let mut shape_hash = ShapeHash::ZERO;
+    let mut bytes = Vec::new();
+    for curve in curves {
+        watch.check()?;
+        if let Some(i) = curve.points.iter().position(|x| !x.is_finite()) {
+            return Err(unfit(i / curve.dimension, curve.points[i]));
+        }
+        bounds.add(points::<D>(curve));
+        positions_hash.add(&curve.points);
+        let part = if curve.closed { Part::Closed } else { Part::Open };
+        shape_hash.add(part, points::<D>(curve).iter().map(<[f64; D]>::as_slice), &mut bytes);
+    }
+    let origin = bounds.center();
+    let Sums { moments, area, n_edges } = sums::<D>(curves, origin, watch)?;
+    let n_points: usize = curves.iter().map(Curve::len).sum();
+    let n_closed = curves.iter().filter(|curve| curve.closed).count();
+    let plane = D == 2 && n_points > 0 && n_closed == curves.len();
+    let mut found = json!({
+        "kind": "curves",
+        "dimension": D,
+        "polygons": curves.len(),
+        "closed_polygons": n_closed,
+        "points": n_points,
+        "edges": n_edges,
+        "euler_characteristic": euler([n_points, n_edges, 0]),
+        "bounding_box": bounding_box(&bounds),
+        "length": moments.measure,
+        "area": plane.then_some(area + 0.0),
+    });
+    add_moments(&mut found, "curve", &moments, origin);
+    found["positions_hash"] = positions_hash.hex().into();
+    found["shape_hash"] = shape_hash.hex().into();
+    Ok(found)
+}
+
+/// What is summed over edges.
+struct Sums<const D: usize> {
+    moments: Moments<D>,
+    /// Signed area, for plane polygons only.
+    area: f64,
+    n_edges: usize,
+}
+
+/// The sums over all edges, points seen from `origin`.
+fn sums<const D: usize>(curves: &[Curve], origin: [f64; D], watch: &Watch) -> Result<Sums<D>, Stopped> {
+    let mut sums = Sums { moments: Moments::ZERO, area: 0.0, n_edges: 0 };
+    for curve in curves {
+        for [a, b] in edges(points::<D>(curve), curve.closed) {
+            if sums.n_edges % CHUNK == 0 {
+                watch.check()?;
+            }
+            sums.n_edges += 1;
+            let (a, b) = (seen_from(origin, a), seen_from(origin, b));
+            sums.moments.add_segment(a, b);
+            if let ([ax, ay], [bx, by]) = (a.as_slice(), b.as_slice()) {
+                sums.area += (ax * by - ay * bx) / 2.0;
+            }
+        }
+    }
+    Ok(sums)
+}
+
+fn points<const D: usize>(curve: &Curve) -> &[[f64; D]] {
+    curve.points.as_chunks().0
+}
+
+fn edges<T>(points: &[T], closed: bool) -> impl Iterator<Item = [&T; 2]> {
+    let last = if closed && points.len() > 1 { points.first() } else { None };
+    points.iter().zip(points.iter().skip(1).chain(last)).map(|(a, b)| [a, b])
+}

@@ -1,0 +1,115 @@
+//! Statistics of a mesh.
+
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+use crate::output::FormatError;
+use crate::output::bounds::Bounds;
+use crate::output::scene::{FaceChunk, MeshSource, in_chunks, triangles};
+use crate::output::stream::{FaceBlock, Positions, face_blocks};
+use crate::watch::{Stopped, Watch};
+
+use super::connectivity::Connectivity;
+use super::hashes::{Part, PositionsHash, ShapeHash};
+use super::moments::Moments;
+use super::{add_moments, bounding_box, euler, histogram, seen_from};
+
+/// The statistics of a mesh.
+pub(super) fn report(mesh: &dyn MeshSource, watch: &Watch) -> Result<Value, FormatError> {
+    let positions = Positions::of_mesh(mesh).held(watch)?;
+    let rows = positions.rows();
+    let mut bounds = Bounds::EMPTY;
+    let mut positions_hash = PositionsHash::default();
+    positions.each_chunk(watch, |_, rows| {
+        bounds.add(rows);
+        positions_hash.add(rows.as_flattened());
+        Ok(())
+    })?;
+    let connectivity = Connectivity::of(mesh, watch)?;
+    let origin = bounds.center();
+    let mut sums = sums(mesh, rows, origin, watch)?;
+    let mut bytes = Vec::new();
+    for &vertex in &connectivity.isolated {
+        sums.hash.add(Part::Vertex, std::iter::once(rows[vertex as usize].as_slice()), &mut bytes);
+    }
+    let closed = connectivity.closed;
+    let solid = closed && sums.solid.measure != 0.0;
+    let (of, moments) = if solid { ("solid", sums.solid) } else { ("surface", sums.surface) };
+    let mut found = counts(mesh, &connectivity);
+    found["bounding_box"] = bounding_box(&bounds);
+    found["area"] = json!(sums.surface.measure);
+    found["volume"] = json!(closed.then_some(sums.solid.measure + 0.0));
+    add_moments(&mut found, of, &moments, origin);
+    found["positions_hash"] = positions_hash.hex().into();
+    found["shape_hash"] = sums.hash.hex().into();
+    Ok(found)
+}
+
+fn counts(mesh: &dyn MeshSource, connectivity: &Connectivity) -> Value {
+    let (n_vertices, n_faces) = (mesh.n_vertices(), mesh.n_faces());
+    json!({
+        "kind": "mesh",
+        "vertices": n_vertices,
+        "edges": connectivity.edges,
+        "faces": n_faces,
+        "triangles": mesh.n_corners() - 2 * n_faces,
+        "isolated_vertices": connectivity.isolated.len(),
+        "components": connectivity.components,
+        "closed": connectivity.closed,
+        "boundary_edges": connectivity.boundary_edges,
+        "boundary_loops": connectivity.boundary_loops,
+        "euler_characteristic": euler([n_vertices, connectivity.edges, n_faces]),
+        "valences": {
+            "interior": histogram(&connectivity.interior_valences),
+            "boundary": histogram(&connectivity.boundary_valences),
+        },
+        "face_sizes": histogram(&connectivity.face_sizes),
+    })
+}
+
+/// What is summed over faces.
+struct Sums {
+    surface: Moments<3>,
+    solid: Moments<3>,
+    hash: ShapeHash,
+}
+
+impl Sums {
+    const ZERO: Self = Self { surface: Moments::ZERO, solid: Moments::ZERO, hash: ShapeHash::ZERO };
+
+    /// The sums over the faces of a block, positions seen from `origin`.
+    fn of(block: &FaceBlock<'_>, rows: &[[f64; 3]], origin: [f64; 3]) -> Self {
+        let mut sums = Self::ZERO;
+        let mut bytes = Vec::new();
+        for face in block.iter() {
+            sums.hash.add(Part::Face, face.iter().map(|&v| rows[v as usize].as_slice()), &mut bytes);
+            for triangle in triangles(face) {
+                let corners = triangle.map(|v| seen_from(origin, &rows[v as usize]));
+                sums.surface.add_triangle(&corners);
+                sums.solid.add_cone(&corners);
+            }
+        }
+        sums
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        Self {
+            surface: self.surface.plus(&other.surface),
+            solid: self.solid.plus(&other.solid),
+            hash: self.hash.plus(&other.hash),
+        }
+    }
+}
+
+fn sums(mesh: &dyn MeshSource, rows: &[[f64; 3]], origin: [f64; 3], watch: &Watch) -> Result<Sums, Stopped> {
+    let mut sums = Sums::ZERO;
+    let mut chunk = FaceChunk::default();
+    in_chunks(mesh.n_faces(), |range| {
+        watch.check()?;
+        mesh.faces(range, &mut chunk);
+        let blocks: Vec<Sums> = face_blocks(&chunk).par_iter().map(|block| Sums::of(block, rows, origin)).collect();
+        sums = blocks.iter().fold(Sums::ZERO, |all, block| all.plus(block)).plus(&sums);
+        Ok(())
+    })?;
+    Ok(sums)
+}

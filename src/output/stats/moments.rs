@@ -1,0 +1,123 @@
+//! Length, area, volume, centroid and second moments, summed over simplices.
+
+use crate::math::functions::sqrt;
+
+/// Integrals of 1, `x` and `x x^T` over segments, triangles or tetrahedra: model units to the power of their dimension,
+/// plus one, plus two.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Moments<const D: usize> {
+    /// Length, area or signed volume.
+    pub(super) measure: f64,
+    first: [f64; D],
+    second: [[f64; D]; D],
+}
+
+impl<const D: usize> Moments<D> {
+    /// Over nothing.
+    pub(super) const ZERO: Self = Self { measure: 0.0, first: [0.0; D], second: [[0.0; D]; D] };
+
+    /// Adds a simplex of this measure. Its corners are `corners`, and the origin where one is missing to make `n`.
+    ///
+    /// With `s` the sum of the corners: `int x = m s / n`, `int x x^T = m / (n (n + 1)) (sum v v^T + s s^T)`, exactly.
+    fn add(&mut self, measure: f64, n: f64, corners: &[[f64; D]]) {
+        let sum: [f64; D] = std::array::from_fn(|k| corners.iter().map(|v| v[k]).sum());
+        self.measure += measure;
+        for i in 0..D {
+            self.first[i] += measure * sum[i] / n;
+            for j in 0..D {
+                let squares: f64 = corners.iter().map(|v| v[i] * v[j]).sum();
+                self.second[i][j] += measure * (squares + sum[i] * sum[j]) / (n * (n + 1.0));
+            }
+        }
+    }
+
+    /// Adds the segment from `a` to `b`.
+    pub(super) fn add_segment(&mut self, a: [f64; D], b: [f64; D]) {
+        let squares: f64 = a.iter().zip(&b).map(|(a, b)| (b - a) * (b - a)).sum();
+        self.add(sqrt(squares), 2.0, &[a, b]);
+    }
+
+    /// The sum of both.
+    pub(super) fn plus(mut self, other: &Self) -> Self {
+        self.measure += other.measure;
+        for i in 0..D {
+            self.first[i] += other.first[i];
+            for j in 0..D {
+                self.second[i][j] += other.second[i][j];
+            }
+        }
+        self
+    }
+
+    /// The centroid, and the second moments about it; nothing where the measure is 0.
+    pub(super) fn centered(&self) -> Option<Centered<D>> {
+        if self.measure == 0.0 {
+            return None;
+        }
+        let centroid = self.first.map(|x| x / self.measure);
+        let about = |i: usize, j: usize| self.second[i][j] - self.measure * centroid[i] * centroid[j];
+        let second = std::array::from_fn(|i| std::array::from_fn(|j| about(i, j)));
+        Some(Centered { centroid, second })
+    }
+}
+
+impl Moments<3> {
+    /// Adds the triangle `a b c`.
+    pub(super) fn add_triangle(&mut self, corners: &[[f64; 3]; 3]) {
+        let [a, b, c] = corners;
+        let normal = cross(minus(b, a), minus(c, a));
+        self.add(sqrt(dot(&normal, &normal)) / 2.0, 3.0, corners);
+    }
+
+    /// Adds the tetrahedron that the triangle `a b c` spans with the origin; its volume is positive when the triangle
+    /// is counter-clockwise seen from the far side.
+    pub(super) fn add_cone(&mut self, corners: &[[f64; 3]; 3]) {
+        let [a, b, c] = corners;
+        self.add(dot(a, &cross(*b, *c)) / 6.0, 4.0, corners);
+    }
+}
+
+/// What [`Moments::centered`] finds.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Centered<const D: usize> {
+    /// The centroid, in the coordinates of the corners.
+    pub(super) centroid: [f64; D],
+    /// `int (x - centroid) (x - centroid)^T`, symmetric.
+    pub(super) second: [[f64; D]; D],
+}
+
+fn minus(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_unit_segment_has_the_textbook_moments() {
+        let mut moments = Moments::ZERO;
+        moments.add_segment([0.0], [1.0]);
+        let centered = moments.centered().expect("it has a length");
+        assert_eq!((moments.measure, centered.centroid), (1.0, [0.5]));
+        assert!((centered.second[0][0] - 1.0 / 12.0).abs() < 1e-16);
+    }
+
+    #[test]
+    fn the_corner_tetrahedron_has_the_textbook_moments() {
+        let mut moments = Moments::ZERO;
+        moments.add_cone(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+        let centered = moments.centered().expect("it has a volume");
+        assert_eq!((moments.measure, centered.centroid), (1.0 / 6.0, [0.25; 3]));
+        assert!((moments.second[0][0] - 1.0 / 60.0).abs() < 1e-16);
+        assert!((moments.second[0][1] - 1.0 / 120.0).abs() < 1e-16);
+    }
+}
