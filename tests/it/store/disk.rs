@@ -193,6 +193,21 @@ fn without_an_index_the_order_is_that_of_the_commits() {
 }
 
 #[test]
+fn artifacts_that_an_old_index_does_not_know_are_the_newest() {
+    let scratch = Scratch::new();
+    let index = scratch.0.join("index.redb");
+    let put_two = |first: u64| {
+        let store = scratch.open(ROOMY);
+        (first..first + 2).for_each(|number| drop(put(&store, number, &noise(number, 20_000))));
+    };
+    put_two(0);
+    let old = fs::read(&index).unwrap();
+    put_two(2);
+    fs::write(&index, old).unwrap();
+    assert_eq!(here(&scratch.open(60_000), 0..4), [2, 3]);
+}
+
+#[test]
 fn a_folder_serves_one_store_at_a_time() {
     let scratch = Scratch::new();
     let store = scratch.open(ROOMY);
