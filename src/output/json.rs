@@ -2,6 +2,8 @@
 
 use std::io::Write;
 
+use serde_json::Value;
+
 use crate::math::parameter::{Parameter, Values};
 use crate::output::numbers::{REAL, digits, reals, total, whole};
 use crate::output::scene::{Curve, MeshSource, Scene, Shape};
@@ -9,10 +11,14 @@ use crate::output::stream::{Positions, Stream, unfit};
 use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
 use crate::watch::Watch;
 
+/// Most bytes of the warnings, and of the last one when it counts those left out.
+const WARNINGS: usize = 8_192;
+const LAST_WARNING: usize = 64;
+
 /// `{"positions":[...],"faces":[...]}` for meshes, `{"points":[...],"closed":...}` for one polygon,
 /// `{"polygons":[...]}` with such objects for any other number of them.
 ///
-/// Numbers are the shortest decimals that read back as the same f64; whole ones have no point, -0 is 0.
+/// With warnings, an entry `"warnings":[...]` follows. Numbers are the shortest decimals that read back as the same f64; whole ones have no point, -0 is 0.
 #[derive(Debug)]
 pub(super) struct Json;
 
@@ -39,7 +45,7 @@ impl Format for Json {
 
     fn size(&self, counts: &Counts, _options: &Values) -> Size {
         let row = |dimension: u128| 2 + dimension * (REAL + 1);
-        Size::AtMost(match counts.kind {
+        let content = match counts.kind {
             ShapeKind::Curves { dimension } => {
                 let braces = br#"{"polygons":[]}"#.len() as u128;
                 let polygon = br#"{"points":[],"closed":false},"#.len() as u128;
@@ -50,7 +56,8 @@ impl Format for Json {
                 let corner = digits(counts.vertices) + 1;
                 total(&[(1, braces), (counts.vertices, row(3)), (counts.faces, 2), (counts.corners, corner)])
             }
-        })
+        };
+        Size::AtMost(content.saturating_add(WARNINGS as u128))
     }
 
     fn write(
@@ -67,8 +74,27 @@ impl Format for Json {
             Shape::Curves([curve]) => write_curve(curve, &mut stream)?,
             Shape::Curves(curves) => write_curves(curves, &mut stream)?,
         }
+        stream.bytes(&warnings(scene.warnings))?;
         stream.bytes(b"}")
     }
+}
+
+/// The entry of the warnings, nothing when there are none; those that find no room are only counted.
+fn warnings(warnings: &[String]) -> Vec<u8> {
+    if warnings.is_empty() {
+        return Vec::new();
+    }
+    let mut entry = String::from(r#","warnings":["#);
+    for (i, warning) in warnings.iter().enumerate() {
+        let comma = if i > 0 { "," } else { "" };
+        let text = Value::from(warning.as_str()).to_string();
+        if entry.len() + text.len() + LAST_WARNING > WARNINGS {
+            entry += &format!(r#"{comma}"and {} more""#, warnings.len() - i);
+            break;
+        }
+        entry += &format!("{comma}{text}");
+    }
+    (entry + "]").into_bytes()
 }
 
 fn write_mesh(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), FormatError> {
