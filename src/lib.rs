@@ -20,8 +20,4 @@ pub mod job;
 
 pub mod service;
 
-pub mod config;
 pub mod wire;
-
-pub mod cli;
-pub mod http;

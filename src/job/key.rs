@@ -2,6 +2,15 @@
 
 use std::fmt;
 
+use super::codec::Item;
+use super::{Input, Job, Output};
+use crate::math::expression::{Expression, Instruction};
+use crate::math::parameter::{Value, Values};
+use crate::scheme::ops::Role;
+use crate::scheme::word::Letter;
+use crate::shape::polygon::Polygon;
+use crate::shape::topology::{Topology, index};
+
 /// Version of the results: raised whenever any artifact's bytes change.
 pub const RESULTS_VERSION: u32 = 1;
 
@@ -48,5 +57,138 @@ impl fmt::Display for Key {
 impl fmt::Debug for Key {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{self}")
+    }
+}
+
+/// Key of the bytes themselves.
+pub fn content(bytes: &[u8]) -> Key {
+    Key(*blake3::hash(bytes).as_bytes())
+}
+
+/// Key of one output of a job: over the results version, the shape, the plan as far as it matters, the levels, and the
+/// output's format and options. Names of outputs, and the words in which the job was written, are not part of it.
+pub fn artifact(job: &Job, output: &Output) -> Key {
+    let item = Item::List(vec![
+        text("planish artifact"),
+        Item::Integer(u64::from(RESULTS_VERSION)),
+        input(&job.input),
+        plan(job),
+        text(output.format.name()),
+        values(&output.options),
+    ]);
+    let mut bytes = Vec::new();
+    item.encode(&mut bytes);
+    content(&bytes)
+}
+
+/// Key of a job: over the names and keys of its outputs, in order.
+pub fn job(outputs: &[(String, Key)]) -> Key {
+    let entry = |(name, key): &(String, Key)| Item::List(vec![text(name), text(&key.to_string())]);
+    let mut bytes = Vec::new();
+    Item::List(vec![text("planish job"), Item::List(outputs.iter().map(entry).collect())]).encode(&mut bytes);
+    content(&bytes)
+}
+
+fn text(text: &str) -> Item<'static> {
+    Item::Text(text.to_owned().into())
+}
+
+fn input(input: &Input) -> Item<'_> {
+    match input {
+        Input::Polygons(polygons) => {
+            Item::List(vec![text("polygons"), Item::List(polygons.iter().map(polygon).collect())])
+        }
+        Input::Mesh(mesh) => Item::List(vec![
+            text("mesh"),
+            Item::Numbers((&mesh.positions).into()),
+            faces(&mesh.topology),
+            Item::Indices((&mesh.corners).into()),
+            Item::Indices((&mesh.holes).into()),
+            // repairs are reported with the result, so that they belong to it
+            Item::List(mesh.warnings.iter().map(|warning| text(warning)).collect()),
+        ]),
+    }
+}
+
+fn polygon(polygon: &Polygon) -> Item<'_> {
+    Item::List(vec![
+        Item::Integer(polygon.dimension as u64),
+        Item::Integer(u64::from(polygon.closed)),
+        Item::Numbers((&polygon.points).into()),
+        Item::Indices((&polygon.corners).into()),
+    ])
+}
+
+fn faces(topology: &Topology) -> Item<'static> {
+    let sizes: Vec<u32> = (0..topology.n_faces()).map(|f| index(topology.face(f).len())).collect();
+    let vertices: Vec<u32> = (0..topology.n_faces()).flat_map(|f| topology.face(f)).copied().collect();
+    Item::List(vec![Item::Indices(sizes.into()), Item::Indices(vertices.into())])
+}
+
+/// Everything of a plan that can change the result: what no operator uses is left out.
+fn plan(job: &Job) -> Item<'static> {
+    let (plan, levels) = (&job.plan, job.levels);
+    let letters = |letters: &[Letter]| {
+        let letter = |l: &Letter| Item::List(vec![text(l.operator.name()), Item::Integer(u64::from(l.arity))]);
+        Item::List(letters.iter().map(letter).collect())
+    };
+    let cycle: &[Letter] = if levels == 0 { &[] } else { &plan.word.cycle };
+    let has = |role: Role| plan.word.prefix.iter().chain(cycle).any(|l| l.operator.role() == role);
+    let mut functions = Vec::new();
+    if has(Role::Average) {
+        functions.push(("kernel", Item::List(plan.kernel.iter().map(expression).collect())));
+    }
+    if has(Role::PushBack) {
+        functions.push(("compensation", expression(&plan.compensation)));
+        functions.push(("delta", expression(&plan.delta)));
+    }
+    let in_alpha = has(Role::Average) && plan.kernel.iter().any(|k| !k.is_constant())
+        || has(Role::PushBack) && !plan.compensation.is_constant();
+    if in_alpha {
+        functions.push(("alpha", Item::Number(plan.alpha)));
+    }
+    let (is_mesh, is_open) = job.input.kind();
+    if is_open && is_mesh {
+        functions.push(("boundary", Item::Integer(plan.boundary as u64)));
+    } else if is_open {
+        functions.push(("ends", Item::Integer(plan.ends as u64)));
+    }
+    let functions = functions.into_iter().map(|(name, item)| Item::List(vec![text(name), item])).collect();
+    Item::List(vec![
+        letters(&plan.word.prefix),
+        letters(cycle),
+        Item::Integer(u64::from(levels)),
+        Item::List(functions),
+    ])
+}
+
+fn expression(expression: &Expression) -> Item<'static> {
+    let instruction = |instruction: &Instruction| match instruction {
+        Instruction::Constant(x) => Item::Number(*x),
+        Instruction::Variable => text("variable"),
+        Instruction::Unary(op) => text(&format!("unary {op:?}")),
+        Instruction::Binary(op) => text(&format!("binary {op:?}")),
+    };
+    Item::List(expression.code().iter().map(instruction).collect())
+}
+
+fn values(values: &Values) -> Item<'static> {
+    let entry = |(name, value)| Item::List(vec![text(name), self::value(value)]);
+    Item::List(values.iter().map(entry).collect())
+}
+
+fn value(value: &Value) -> Item<'static> {
+    match value {
+        Value::Absent => text("absent"),
+        Value::Number(x) => Item::Number(*x),
+        Value::Integer(x) => Item::Integer(x.cast_unsigned()),
+        Value::Flag(x) => Item::Integer(u64::from(*x)),
+        Value::Choice(x) => text(x),
+        Value::Choices(xs) => Item::List(xs.iter().map(|x| text(x)).collect()),
+        Value::Expression(x) => expression(x),
+        Value::Expressions(xs) => Item::List(xs.iter().map(expression).collect()),
+        Value::Color(x) => Item::Integer(u64::from(u32::from_le_bytes(*x))),
+        Value::Vector(x) => Item::Numbers(x.to_vec().into()),
+        Value::Group(x) => values(x),
     }
 }

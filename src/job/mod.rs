@@ -1,3 +1,153 @@
 //! The job: what is to be made, under which limits, by which key; pure, without I/O, clock or randomness.
 
+pub mod codec;
 pub mod key;
+pub mod limits;
+mod run;
+
+pub use run::{Report, RunError, run};
+
+use crate::fault::{Fault, under};
+use crate::math::parameter::Values;
+use crate::output::{Format, ShapeKind};
+use crate::scheme::plan::{MAX_LEVELS, Plan, PlanInput, Subject};
+use crate::shape::mesh::Mesh;
+use crate::shape::polygon::Polygon;
+
+/// What is refined.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Input {
+    /// Polygons, refined alike.
+    Polygons(Vec<Polygon>),
+    /// A mesh.
+    Mesh(Mesh),
+}
+
+impl Input {
+    /// Whether it is a mesh, and whether it is open (has ends or a boundary).
+    pub fn kind(&self) -> (bool, bool) {
+        match self {
+            Self::Polygons(polygons) => (false, polygons.iter().any(|polygon| !polygon.closed)),
+            Self::Mesh(mesh) => (true, mesh.topology.n_boundary() > 0),
+        }
+    }
+
+    /// The kind of the result, for formats.
+    pub fn shape_kind(&self) -> ShapeKind {
+        match self {
+            Self::Polygons(polygons) => {
+                ShapeKind::Curves { dimension: polygons.iter().map(|p| p.dimension).max().unwrap_or(1) }
+            }
+            Self::Mesh(_) => ShapeKind::Mesh,
+        }
+    }
+
+    fn subject(&self, input: &PlanInput) -> Subject {
+        let (is_mesh, is_open) = self.kind();
+        let tags = match self {
+            Self::Polygons(polygons) => polygons.iter().any(|p| !p.corners.is_empty()).then_some("corners"),
+            Self::Mesh(mesh) if !mesh.corners.is_empty() => Some("corners"),
+            Self::Mesh(mesh) if !mesh.holes.is_empty() => Some("holes"),
+            Self::Mesh(_) if is_open && input.boundary == crate::scheme::mesh_net::Boundary::None => {
+                Some("the holes that boundary \"none\" makes")
+            }
+            Self::Mesh(_) => None,
+        };
+        Subject { is_mesh, is_open, tags }
+    }
+}
+
+/// One result that is asked for.
+#[derive(Debug, Clone)]
+pub struct Output {
+    /// Name among the outputs of its job.
+    pub name: String,
+    /// The format.
+    pub format: &'static dyn Format,
+    /// The format's options.
+    pub options: Values,
+}
+
+/// A job whose parts are checked and fit each other.
+#[derive(Debug, Clone)]
+pub struct Job {
+    /// What is refined.
+    pub input: Input,
+    /// How.
+    pub plan: Plan,
+    /// How often the plan's cycle is applied.
+    pub levels: u32,
+    /// What is answered.
+    pub outputs: Vec<Output>,
+}
+
+impl Job {
+    /// Resolves the plan for the input and checks that everything fits.
+    ///
+    /// # Errors
+    /// Every fault found, with pointers below the job.
+    pub fn new(
+        input: Input,
+        plan: Option<&PlanInput>,
+        levels: Option<u64>,
+        outputs: Vec<Output>,
+    ) -> Result<Self, Vec<Fault>> {
+        let mut faults = Vec::new();
+        let resolved = match plan {
+            None => Ok(Plan::none(PlanInput::default().boundary, PlanInput::default().ends)),
+            Some(plan) => Plan::resolve(plan, input.subject(plan)).map_err(|found| under("/plan", found)),
+        };
+        let levels = check_levels(plan.is_some(), levels).unwrap_or_else(|fault| {
+            faults.push(fault);
+            0
+        });
+        for (i, output) in outputs.iter().enumerate() {
+            if let Err(detail) = output.format.holds(input.shape_kind()) {
+                faults.push(Fault::new(format!("/outputs/{i}/format"), detail));
+            }
+        }
+        let plan = match resolved {
+            Ok(plan) => plan,
+            Err(found) => {
+                faults.extend(found);
+                return Err(faults);
+            }
+        };
+        faults.extend(plan.schedule(levels).err().map(|fault| fault.under("/plan")));
+        if let Input::Mesh(mesh) = &input {
+            let fault = crate::scheme::forecast::check_delta(&plan, &mesh.topology).err();
+            faults.extend(fault.map(|fault| fault.under("/plan")));
+        }
+        if faults.is_empty() { Ok(Self { input, plan, levels, outputs }) } else { Err(faults) }
+    }
+
+    /// The key of one of its outputs.
+    pub fn key(&self, output: &Output) -> key::Key {
+        key::artifact(self, output)
+    }
+
+    /// Its own key: over the names and keys of all outputs.
+    pub fn id(&self) -> key::Key {
+        let keys: Vec<_> = self.outputs.iter().map(|output| (output.name.clone(), self.key(output))).collect();
+        key::job(&keys)
+    }
+}
+
+fn check_levels(planned: bool, levels: Option<u64>) -> Result<u32, Fault> {
+    match levels {
+        None if planned => {
+            let detail =
+                format!("\"levels\" says how often the plan is applied; give a whole number from 0 to {MAX_LEVELS}");
+            Err(Fault::new("/levels", detail))
+        }
+        None => Ok(0),
+        Some(levels) if levels > 0 && !planned => {
+            Err(Fault::new("/plan", format!("{levels} levels of what? give a \"plan\", or ask for 0 levels")))
+        }
+        Some(levels) => u32::try_from(levels).ok().filter(|&levels| levels <= MAX_LEVELS).ok_or_else(|| {
+            let detail =
+                format!("{levels} levels; at most {MAX_LEVELS} are allowed, and far fewer fit any limit of size");
+            Fault::new("/levels", detail)
+        }),
+    }
+}

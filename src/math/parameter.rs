@@ -333,7 +333,11 @@ fn whole(x: f64, min: i64, max: i64) -> Result<i64, String> {
     #[expect(clippy::cast_precision_loss, reason = "bounds of whole parameters are small")]
     let inside = x >= min as f64 && x <= max as f64;
     #[expect(clippy::cast_possible_truncation, reason = "checked to be whole and inside the bounds")]
-    if inside && x.fract() == 0.0 { Ok(x as i64) } else { Err(format!("{x} is not a whole number from {min} to {max}")) }
+    if inside && x.fract() == 0.0 {
+        Ok(x as i64)
+    } else {
+        Err(format!("{x} is not a whole number from {min} to {max}"))
+    }
 }
 
 fn chosen(names: &'static [&'static str], text: &str) -> Result<&'static str, String> {

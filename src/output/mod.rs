@@ -3,14 +3,20 @@
 pub mod normals;
 pub mod scene;
 
+mod bounds;
 mod glb;
 mod gltf;
+mod gltf_buffer;
+mod gltf_document;
 mod json;
+mod numbers;
 mod obj;
+mod picture;
 mod ply;
 mod png;
 mod stats;
 mod stl;
+mod stream;
 mod svg;
 
 use std::io::{self, Write};
@@ -20,17 +26,8 @@ use crate::output::scene::Scene;
 use crate::watch::{Stopped, Watch};
 
 /// Every format, in the order of the documentation.
-pub const FORMATS: &[&dyn Format] = &[
-    &json::Json,
-    &stats::Stats,
-    &obj::Obj,
-    &glb::Glb,
-    &gltf::Gltf,
-    &ply::Ply,
-    &stl::Stl,
-    &png::Png,
-    &svg::Svg,
-];
+pub const FORMATS: &[&dyn Format] =
+    &[&json::Json, &stats::Stats, &obj::Obj, &glb::Glb, &gltf::Gltf, &ply::Ply, &stl::Stl, &png::Png, &svg::Svg];
 
 /// The format of a name.
 pub fn named(name: &str) -> Option<&'static dyn Format> {
@@ -62,7 +59,8 @@ pub trait Format: std::fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// When the scene cannot be held after all, the writer fails, or the watch says stop.
-    fn write(&self, scene: &Scene<'_>, options: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError>;
+    fn write(&self, scene: &Scene<'_>, options: &Values, out: &mut dyn Write, watch: &Watch)
+    -> Result<(), FormatError>;
 }
 
 /// What kind of shape is to be written.

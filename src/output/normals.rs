@@ -3,7 +3,8 @@
 use rayon::prelude::*;
 
 use crate::math::functions::sqrt;
-use crate::output::scene::{FaceChunk, MeshSource, in_chunks};
+use crate::output::bounds::Bounds;
+use crate::output::scene::{CHUNK, FaceChunk, MeshSource, in_chunks};
 use crate::watch::{Stopped, Watch};
 
 /// Unit normals, `n_vertices x 3`: at each vertex the sum of the area vectors of its faces, scaled to length one.
@@ -41,6 +42,11 @@ pub fn area(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Res
 
 /// The vector of length one in the direction of `v`; zero for vectors without a direction.
 pub fn unit(v: [f64; 3]) -> [f64; 3] {
+    let square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    if SAFE.contains(&square) {
+        let length = sqrt(square);
+        return v.map(|x| x / length);
+    }
     let largest = v.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     if largest == 0.0 || !largest.is_finite() {
         return [0.0; 3];
@@ -49,6 +55,9 @@ pub fn unit(v: [f64; 3]) -> [f64; 3] {
     let length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     v.map(|x| x / length)
 }
+
+/// Squared lengths none of whose larger terms has overflowed or lost digits to underflow.
+const SAFE: std::ops::RangeInclusive<f64> = 1e-200..=1e200;
 
 /// The same normal, or +z for one that is undefined: what formats take that know unit vectors only.
 pub fn or_up(normal: [f64; 3]) -> [f64; 3] {
@@ -80,14 +89,13 @@ pub fn area_vector(face: &[u32], positions: &[[f64; 3]], scale: f64) -> [f64; 3]
 /// The power of two that brings the longest side of the bounding box near 1, so that products of lengths neither
 /// overflow nor vanish. A power of two changes no digit.
 pub fn scale(positions: &[[f64; 3]]) -> f64 {
-    let span = |k: usize| {
-        let (low, high) = positions
-            .par_iter()
-            .map(|p| (p[k], p[k]))
-            .reduce(|| (f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
-        high / 2.0 - low / 2.0
+    let block = |rows: &[[f64; 3]]| {
+        let mut bounds = Bounds::EMPTY;
+        bounds.add(rows);
+        bounds
     };
-    let half_side = span(0).max(span(1)).max(span(2));
+    let bounds = positions.par_chunks(CHUNK).map(block).reduce(|| Bounds::EMPTY, |a, b| a.joined(&b));
+    let half_side = bounds.half_side();
     if half_side > 0.0 && half_side.is_finite() { inverse_power_of_two(half_side) } else { 1.0 }
 }
 

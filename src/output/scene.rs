@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+pub use crate::shape::source::{Curve, FaceChunk, MeshSource};
+
 /// Rows that one chunk holds at most; writers ask for ranges no longer than this.
 pub const CHUNK: usize = 65_536;
 
@@ -12,6 +14,8 @@ pub struct Scene<'a> {
     pub shape: Shape<'a>,
     /// The shape as it was given, for overlays.
     pub control: Shape<'a>,
+    /// What the client should know about the result, in sentences.
+    pub warnings: &'a [String],
 }
 
 /// Curves or a mesh.
@@ -21,76 +25,6 @@ pub enum Shape<'a> {
     Curves(&'a [Curve]),
     /// A mesh of polygons.
     Mesh(&'a dyn MeshSource),
-}
-
-/// One polygon: `points` holds `n x dimension` coordinates, point after point, in model units.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Curve {
-    /// Coordinates, `n x dimension`.
-    pub points: Vec<f64>,
-    /// Coordinates a point, 1 to 4.
-    pub dimension: usize,
-    /// Whether the last point is joined to the first.
-    pub closed: bool,
-}
-
-impl Curve {
-    /// Number of points.
-    pub fn len(&self) -> usize {
-        self.points.len() / self.dimension
-    }
-
-    /// Whether there are no points.
-    pub fn is_empty(&self) -> bool {
-        self.points.is_empty()
-    }
-}
-
-/// A mesh as a source: vertices and faces in the documented order. Hidden faces (holes) are already left out.
-pub trait MeshSource: std::fmt::Debug + Sync {
-    /// Number of vertices.
-    fn n_vertices(&self) -> usize;
-    /// Number of shown faces.
-    fn n_faces(&self) -> usize;
-    /// Sum of the sizes of the shown faces.
-    fn n_corners(&self) -> usize;
-    /// Fills `out` with the positions (model units) of the vertices in `range`; what it held before is dropped.
-    fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>);
-    /// Fills `out` with the faces in `range`, counter-clockwise seen from outside; what it held before is dropped.
-    fn faces(&self, range: Range<usize>, out: &mut FaceChunk);
-}
-
-/// Some consecutive faces: `sizes[i]` vertex indices each, one face after another in `vertices`.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct FaceChunk {
-    /// Vertices of each face, 3 or more.
-    pub sizes: Vec<u32>,
-    /// Vertex indices, face after face.
-    pub vertices: Vec<u32>,
-}
-
-impl FaceChunk {
-    /// Drops all faces, keeps the memory.
-    pub fn clear(&mut self) {
-        self.sizes.clear();
-        self.vertices.clear();
-    }
-
-    /// Appends one face.
-    pub fn push(&mut self, vertices: &[u32]) {
-        self.sizes.push(u32::try_from(vertices.len()).expect("a face has fewer than 2^32 vertices"));
-        self.vertices.extend_from_slice(vertices);
-    }
-
-    /// The faces, one slice each.
-    pub fn iter(&self) -> impl Iterator<Item = &[u32]> {
-        let mut rest = self.vertices.as_slice();
-        self.sizes.iter().map(move |&size| {
-            let (face, after) = rest.split_at(size as usize);
-            rest = after;
-            face
-        })
-    }
 }
 
 /// Triangles of one polygon: quads along the diagonal from corner 0 to 2, larger faces as a fan from corner 0.

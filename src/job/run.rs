@@ -1,0 +1,102 @@
+//! Runs an admitted job: refine, then write one output.
+
+use std::io::Write;
+
+use super::limits::Admitted;
+use super::{Input, Output};
+use crate::output::FormatError;
+use crate::output::scene::{Curve, Scene, Shape};
+use crate::refine::{RefineError, RefinedMesh, refine_mesh, refine_polygon};
+use crate::scheme::mesh_net::{Boundary, MeshNet};
+use crate::scheme::plan::Scheduled;
+use crate::shape::mesh::Mesh;
+use crate::shape::polygon::Polygon;
+use crate::watch::{Stage, Stopped, Watch};
+
+/// What a run has to say besides the bytes.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Report {
+    /// What the client should know about the result, in sentences.
+    pub warnings: Vec<String>,
+}
+
+/// Why a run ended without a result.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// It was asked to stop.
+    #[error(transparent)]
+    Stopped(Stopped),
+    /// The job turned out to be impossible.
+    #[error("{0}")]
+    Impossible(String),
+    /// The bytes could not be taken.
+    #[error("writing the result failed: {0}")]
+    Io(std::io::Error),
+}
+
+impl From<RefineError> for RunError {
+    fn from(error: RefineError) -> Self {
+        match error {
+            RefineError::Stopped(stopped) => Self::Stopped(stopped),
+            other => Self::Impossible(other.to_string()),
+        }
+    }
+}
+
+impl From<FormatError> for RunError {
+    fn from(error: FormatError) -> Self {
+        match error {
+            FormatError::Stopped(stopped) => Self::Stopped(stopped),
+            FormatError::Io(error) => Self::Io(error),
+            FormatError::Unfit(detail) => Self::Impossible(detail),
+        }
+    }
+}
+
+/// Computes one output of a job and writes its bytes to `out`: a pure function of the job.
+///
+/// # Errors
+/// [`RunError`].
+pub fn run(admitted: &Admitted, output: &Output, out: &mut dyn Write, watch: &Watch) -> Result<Report, RunError> {
+    let job = admitted.job();
+    let steps = job.plan.schedule(job.levels).map_err(|fault| RunError::Impossible(fault.to_string()))?;
+    watch.enter(Stage::Refine);
+    match &job.input {
+        Input::Polygons(polygons) => {
+            let refined = refine_all(admitted, polygons, &steps, watch)?;
+            let control: Vec<Curve> = polygons.iter().map(control_curve).collect();
+            let scene = Scene { shape: Shape::Curves(&refined), control: Shape::Curves(&control), warnings: &[] };
+            write(&scene, output, out, watch)
+        }
+        Input::Mesh(mesh) => {
+            let refined = refine_mesh(mesh, &job.plan, &steps, watch)?;
+            let control = control_mesh(mesh);
+            let warnings = &mesh.warnings;
+            let scene = Scene { shape: Shape::Mesh(&refined), control: Shape::Mesh(&control), warnings };
+            write(&scene, output, out, watch)
+        }
+    }
+}
+
+fn refine_all(
+    admitted: &Admitted,
+    polygons: &[Polygon],
+    steps: &[Scheduled],
+    watch: &Watch,
+) -> Result<Vec<Curve>, RefineError> {
+    polygons.iter().map(|polygon| refine_polygon(polygon, &admitted.job().plan, steps, watch)).collect()
+}
+
+fn write(scene: &Scene<'_>, output: &Output, out: &mut dyn Write, watch: &Watch) -> Result<Report, RunError> {
+    watch.enter(Stage::Encode);
+    output.format.write(scene, &output.options, out, watch)?;
+    Ok(Report { warnings: scene.warnings.to_vec() })
+}
+
+fn control_curve(polygon: &Polygon) -> Curve {
+    Curve { points: polygon.points.clone(), dimension: polygon.dimension, closed: polygon.closed }
+}
+
+fn control_mesh(mesh: &Mesh) -> RefinedMesh {
+    RefinedMesh::new(MeshNet::new(mesh.topology.clone(), &[], &mesh.holes, Boundary::EdgeOnly), mesh.positions.clone())
+}

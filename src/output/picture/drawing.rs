@@ -1,0 +1,234 @@
+//! A drawing of curves as a display list, for the two back ends that paint or write it.
+
+#![expect(clippy::cast_possible_truncation, reason = "pixel coordinates need no more than the precision of f32")]
+
+use super::Options;
+use crate::output::FormatError;
+use crate::output::scene::{CHUNK, Curve, Scene, Shape};
+use crate::raster::{Camera, Projection, View};
+use crate::watch::Watch;
+
+/// Lines and discs over a background, in the order of painting. Places are pixel coordinates, y downwards.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::output) struct Drawing {
+    /// Width and height, pixels.
+    pub(in crate::output) size: [u32; 2],
+    /// Straight sRGB.
+    pub(in crate::output) background: [u8; 4],
+    /// What is painted, the first undermost.
+    pub(in crate::output) items: Vec<Item>,
+}
+
+/// One thing to paint.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::output) enum Item {
+    /// Polylines with round joins and caps.
+    Lines {
+        /// Two or more places each.
+        runs: Vec<Vec<[f32; 2]>>,
+        /// Width, pixels.
+        width_px: f32,
+        /// Straight sRGB.
+        color: [u8; 4],
+    },
+    /// Filled discs in a ring.
+    Discs {
+        /// Centres.
+        centres: Vec<[f32; 2]>,
+        /// Radius of the disc with its ring, pixels.
+        radius_px: f32,
+        /// Width of the ring, pixels.
+        ring_px: f32,
+        /// Straight sRGB.
+        color: [u8; 4],
+        /// Colour of the ring.
+        ring: [u8; 4],
+    },
+}
+
+/// What is shown when the request does not say.
+const DEFAULT_SHOW: &[&str] = &["curve", "control", "points"];
+const CURVE: [u8; 4] = [37, 99, 235, 255];
+const CONTROL: [u8; 4] = [160, 170, 184, 255];
+const POINT: [u8; 4] = [71, 85, 105, 255];
+const RING: [u8; 4] = [255; 4];
+
+/// Steps shorter than this are left out of a line, pixels.
+const FINEST_PX: f64 = 0.25;
+/// Longest polyline, so that painting one takes bounded memory.
+const LONGEST: usize = 4096;
+
+impl Drawing {
+    /// Draws the curves of a scene.
+    pub(in crate::output) fn of(scene: &Scene<'_>, options: &Options<'_>, watch: &Watch) -> Result<Self, FormatError> {
+        let (Shape::Curves(curves), Shape::Curves(control)) = (scene.shape, scene.control) else {
+            return Err(FormatError::Unfit("only curves can be drawn as lines; ask for \"png\" instead".into()));
+        };
+        let shows = |item| options.shows(item, DEFAULT_SHOW);
+        let mut shown: Vec<&Curve> = Vec::new();
+        shown.extend(curves.iter().filter(|_| shows("curve")));
+        shown.extend(control.iter().filter(|_| shows("control") || shows("points")));
+        let easel = Easel::new(&shown, options);
+        let unit = options.unit_px();
+        let mut items = Vec::new();
+        if shows("control") {
+            items.push(easel.lines(control, 1.5 * unit, CONTROL, watch)?);
+        }
+        if shows("curve") {
+            items.push(easel.lines(curves, 3.4 * unit, options.color(CURVE), watch)?);
+        }
+        if shows("points") {
+            let centres = easel.centres(control, watch)?;
+            let (radius_px, ring_px) = (5.6 * unit, 1.5 * unit);
+            items.push(Item::Discs { centres, radius_px, ring_px, color: POINT, ring: RING });
+        }
+        Ok(Self { size: options.size, background: options.background, items })
+    }
+}
+
+/// Brings points of 1 to 3 coordinates into the picture.
+struct Easel {
+    camera: Camera,
+    /// Middle and scale of the values of functions.
+    graph: [f64; 2],
+    /// Width over height of the picture.
+    aspect: f64,
+}
+
+impl Easel {
+    fn new(shown: &[&Curve], options: &Options<'_>) -> Self {
+        let [width, height] = options.size;
+        let mut easel = Self {
+            camera: Camera::framing(&View::default(), &[], width, height),
+            graph: [0.0, 1.0],
+            aspect: f64::from(width) / f64::from(height),
+        };
+        if shown.iter().any(|curve| curve.dimension == 1) {
+            let [low, high] = ends(shown.iter().flat_map(|curve| curve.points.iter().copied()));
+            let half = 0.5 * high - 0.5 * low;
+            let flat = half <= 1e-12 * low.abs().max(high.abs());
+            easel.graph = [0.5 * low + 0.5 * high, if flat { 1.0 } else { 0.5 / half }];
+        }
+        let planar = shown.iter().all(|curve| curve.dimension < 3);
+        let asked = options.view();
+        let view = View { projection: Projection::Orthographic, azimuth_rad: 0.0, elevation_rad: 0.0, ..asked };
+        let view = if planar { View { eye: None, up: [0.0, 1.0, 0.0], ..view } } else { asked };
+        let all = shown.iter().flat_map(|curve| (0..curve.len()).map(|i| easel.lifted(curve, i)));
+        let points: Vec<[f64; 3]> = if planar { corners(all) } else { all.collect() };
+        easel.camera = Camera::framing(&view, &[&points], width, height);
+        easel
+    }
+
+    /// Point `i` of a curve in space: functions become graphs over the unit interval, plane curves lie at z = 0.
+    fn lifted(&self, curve: &Curve, i: usize) -> [f64; 3] {
+        let at = |k: usize| curve.points[i * curve.dimension + k];
+        match curve.dimension {
+            1 => {
+                let steps = if curve.closed { curve.len() } else { curve.len() - 1 };
+                #[expect(clippy::cast_precision_loss, reason = "fewer than 2^52 points")]
+                let x = i as f64 / steps.max(1) as f64;
+                [x * self.aspect, (at(0) - self.graph[0]) * self.graph[1], 0.0]
+            }
+            2 => [at(0), at(1), 0.0],
+            _ => [at(0), at(1), at(2)],
+        }
+    }
+
+    fn lines(&self, curves: &[Curve], width_px: f32, color: [u8; 4], watch: &Watch) -> Result<Item, FormatError> {
+        let mut pen = Pen::default();
+        for curve in curves {
+            let n = curve.len();
+            // A function on a closed polygon is drawn over one period, not led back to its start.
+            let joined = curve.closed && curve.dimension > 1;
+            let segments = if joined && n > 2 { n } else { n.saturating_sub(1) };
+            for i in 0..segments {
+                if i % CHUNK == 0 {
+                    watch.check()?;
+                }
+                let ends = self.camera.segment(self.lifted(curve, i), self.lifted(curve, (i + 1) % n));
+                pen.draw(ends, i + 1 == segments);
+            }
+            pen.lift();
+        }
+        Ok(Item::Lines { runs: pen.runs, width_px, color })
+    }
+
+    fn centres(&self, curves: &[Curve], watch: &Watch) -> Result<Vec<[f32; 2]>, FormatError> {
+        let mut centres: Vec<[f32; 2]> = Vec::new();
+        for curve in curves {
+            for i in 0..curve.len() {
+                if i % CHUNK == 0 {
+                    watch.check()?;
+                }
+                let point = self.lifted(curve, i);
+                let Some([place, _]) = self.camera.segment(point, point) else { continue };
+                let place = place.map(|x| x as f32);
+                let fresh = centres.last().is_none_or(|last| {
+                    let (dx, dy) = (place[0] - last[0], place[1] - last[1]);
+                    dx * dx + dy * dy > 0.25
+                });
+                if fresh {
+                    centres.push(place);
+                }
+            }
+        }
+        Ok(centres)
+    }
+}
+
+/// Smallest and largest value; `[0, 0]` when there is none.
+fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let found = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+    if found[0] <= found[1] { found } else { [0.0; 2] }
+}
+
+/// Opposite corners of the bounding box in the plane.
+fn corners(points: impl Iterator<Item = [f64; 3]>) -> Vec<[f64; 3]> {
+    let none = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    let (low, high) =
+        points.fold(none, |(a, b), p| ([a[0].min(p[0]), a[1].min(p[1])], [b[0].max(p[0]), b[1].max(p[1])]));
+    if low[0] <= high[0] { vec![[low[0], low[1], 0.0], [high[0], high[1], 0.0]] } else { Vec::new() }
+}
+
+/// Joins segments to polylines and leaves out steps too small to see.
+#[derive(Default)]
+struct Pen {
+    runs: Vec<Vec<[f32; 2]>>,
+    run: Vec<[f32; 2]>,
+    /// Where the pen really is; the run may end a little before.
+    here: Option<[f64; 2]>,
+    kept: [f64; 2],
+}
+
+impl Pen {
+    fn draw(&mut self, segment: Option<[[f64; 2]; 2]>, last: bool) {
+        let Some([from, to]) = segment else { return self.lift() };
+        if self.here != Some(from) {
+            self.lift();
+            self.keep(from);
+        }
+        let (dx, dy) = (to[0] - self.kept[0], to[1] - self.kept[1]);
+        if last || self.run.len() < 2 || dx * dx + dy * dy > FINEST_PX * FINEST_PX {
+            self.keep(to);
+        }
+        self.here = Some(to);
+        if self.run.len() >= LONGEST {
+            self.lift();
+            self.keep(to);
+            self.here = Some(to);
+        }
+    }
+
+    fn keep(&mut self, place: [f64; 2]) {
+        self.run.push(place.map(|x| x as f32));
+        self.kept = place;
+    }
+
+    fn lift(&mut self) {
+        if self.run.len() > 1 {
+            self.runs.push(std::mem::take(&mut self.run));
+        }
+        self.run.clear();
+        self.here = None;
+    }
+}

@@ -1,0 +1,143 @@
+//! A picture of a mesh: its surface, the edges of its faces, and the control net.
+
+use rayon::prelude::*;
+
+use super::Options;
+use crate::output::FormatError;
+use crate::output::normals;
+use crate::output::scene::{FaceChunk, MeshSource, Scene, Shape, in_chunks, triangles};
+use crate::raster::{Camera, Crowding, Model, Normals, Strokes, Surface, render};
+use crate::watch::{Stopped, Watch};
+
+const DEFAULT_SHOW: &[&str] = &["surface"];
+const SURFACE: [u8; 4] = [112, 160, 222, 255];
+const WIRE: [u8; 4] = [22, 38, 66, 255];
+const CONTROL: [u8; 4] = [217, 93, 57, 255];
+const POINT: [u8; 4] = [176, 58, 32, 255];
+
+/// Rows of red, green, blue and alpha (straight), from the top.
+pub(in crate::output) fn picture(
+    scene: &Scene<'_>,
+    mesh: &dyn MeshSource,
+    options: &Options<'_>,
+    watch: &Watch,
+) -> Result<Vec<u8>, FormatError> {
+    let shows = |item| options.shows(item, DEFAULT_SHOW);
+    let body = shows("surface") || shows("wireframe");
+    let positions = if body { positions(mesh, watch)? } else { Vec::new() };
+    let triangles = if body { triangulated(mesh, watch)? } else { Vec::new() };
+    let smooth = if shows("surface") && !options.flat() { normals::area(mesh, &positions, watch)? } else { Vec::new() };
+    let flat = if shows("surface") && options.flat() { face_normals(mesh, &positions, watch)? } else { Vec::new() };
+    let wires = if shows("wireframe") { edges(mesh, watch)? } else { Vec::new() };
+    let net = match scene.control {
+        Shape::Mesh(net) if shows("control") || shows("points") => Net::of(net, watch)?,
+        _ => Net::default(),
+    };
+    let unit = options.unit_px();
+    let ring = options.background;
+    let ring = if ring[3] == 255 { ring } else { [255; 4] };
+    let line = |positions, segments, width: f32, color| Strokes {
+        positions,
+        segments,
+        width_px: width * unit,
+        color,
+        crowding: Crowding::Keep,
+    };
+    let mut strokes = Vec::new();
+    if shows("wireframe") {
+        strokes.push(Strokes { crowding: Crowding::Fade, ..line(&positions[..], &wires[..], 1.3, WIRE) });
+    }
+    if shows("control") {
+        strokes.push(line(&net.positions, &net.edges, 2.0, CONTROL));
+    }
+    if shows("points") {
+        strokes.push(line(&net.positions, &net.points, 10.5, ring));
+        strokes.push(line(&net.positions, &net.points, 8.0, POINT));
+    }
+    let model = Model {
+        positions: &positions,
+        triangles: &triangles,
+        normals: if options.flat() { Normals::Triangles(&flat) } else { Normals::Vertices(&smooth) },
+        surface: if shows("surface") { Surface::Lit(options.color(SURFACE)) } else { Surface::Unseen },
+        strokes: &strokes,
+    };
+    let camera = Camera::framing(&options.view(), &[&positions, &net.positions], options.size[0], options.size[1]);
+    Ok(render(&model, &camera, options.background, options.size, watch)?.bytes)
+}
+
+/// The control net: its points, edges and, for discs, each used point joined to itself.
+#[derive(Default)]
+struct Net {
+    positions: Vec<[f64; 3]>,
+    edges: Vec<[u32; 2]>,
+    points: Vec<[u32; 2]>,
+}
+
+impl Net {
+    fn of(mesh: &dyn MeshSource, watch: &Watch) -> Result<Self, Stopped> {
+        let positions = positions(mesh, watch)?;
+        let n = u32::try_from(positions.len()).expect("indices of vertices have 32 bits");
+        Ok(Self { positions, edges: edges(mesh, watch)?, points: (0..n).map(|i| [i, i]).collect() })
+    }
+}
+
+fn positions(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[f64; 3]>, Stopped> {
+    let mut all = Vec::with_capacity(mesh.n_vertices());
+    let mut chunk = Vec::new();
+    in_chunks(mesh.n_vertices(), |range| {
+        watch.check()?;
+        mesh.positions(range, &mut chunk);
+        all.extend_from_slice(&chunk);
+        Ok(())
+    })?;
+    Ok(all)
+}
+
+fn each_face(mesh: &dyn MeshSource, watch: &Watch, mut each: impl FnMut(&[u32])) -> Result<(), Stopped> {
+    let mut chunk = FaceChunk::default();
+    in_chunks(mesh.n_faces(), |range| {
+        watch.check()?;
+        mesh.faces(range, &mut chunk);
+        chunk.iter().for_each(&mut each);
+        Ok(())
+    })
+}
+
+fn triangulated(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 3]>, Stopped> {
+    let mut all = Vec::with_capacity(mesh.n_corners().saturating_sub(2 * mesh.n_faces()));
+    each_face(mesh, watch, |face| all.extend(triangles(face)))?;
+    Ok(all)
+}
+
+/// Each edge of the shown faces once.
+fn edges(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 2]>, Stopped> {
+    let mut keys: Vec<[u32; 2]> = Vec::with_capacity(mesh.n_corners());
+    each_face(mesh, watch, |face| {
+        let next = face.iter().cycle().skip(1);
+        keys.extend(face.iter().zip(next).map(|(&a, &b)| [a.min(b), a.max(b)]));
+    })?;
+    keys.par_sort_unstable();
+    keys.dedup();
+    Ok(keys)
+}
+
+/// For each triangle the normal of its face, by Newell's sum of cross products; any length.
+fn face_normals(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Vec<[f64; 3]>, Stopped> {
+    let mut all = Vec::with_capacity(mesh.n_corners().saturating_sub(2 * mesh.n_faces()));
+    each_face(mesh, watch, |face| {
+        let origin = positions[face[0] as usize];
+        let relative = |v: u32| {
+            let p = positions[v as usize];
+            [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]
+        };
+        let mut normal = [0.0; 3];
+        for pair in face.windows(2) {
+            let (a, b) = (relative(pair[0]), relative(pair[1]));
+            normal[0] += a[1] * b[2] - a[2] * b[1];
+            normal[1] += a[2] * b[0] - a[0] * b[2];
+            normal[2] += a[0] * b[1] - a[1] * b[0];
+        }
+        all.extend(triangles(face).map(|_| normal));
+    })?;
+    Ok(all)
+}

@@ -1,0 +1,195 @@
+//! What pictures have in common: their options, and what the options say.
+
+pub(super) mod drawing;
+pub(super) mod mesh;
+pub(super) mod paint;
+
+use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::output::ShapeKind;
+use crate::raster::{MAX_SIDE_PX, Projection, View};
+
+/// Largest width and height, pixels.
+const MAX_SIDE: i64 = MAX_SIDE_PX as i64;
+
+/// Width of the picture.
+pub(super) const WIDTH: Parameter = Parameter {
+    name: "width",
+    kind: Kind::Integer { min: 16, max: MAX_SIDE },
+    unit: "pixels",
+    default: Default::Number(1024.0),
+    doc: "Width of the picture.",
+};
+
+/// Height of the picture.
+pub(super) const HEIGHT: Parameter = Parameter {
+    name: "height",
+    kind: Kind::Integer { min: 16, max: MAX_SIDE },
+    unit: "pixels",
+    default: Default::Number(768.0),
+    doc: "Height of the picture.",
+};
+
+/// Colour behind everything.
+pub(super) const BACKGROUND: Parameter = Parameter {
+    name: "background",
+    kind: Kind::Color,
+    unit: "",
+    default: Default::Text("#ffffff"),
+    doc: "Colour behind everything; \"transparent\" leaves it out.",
+};
+
+/// Colour of the refined shape.
+pub(super) const COLOR: Parameter = Parameter {
+    name: "color",
+    kind: Kind::Color,
+    unit: "",
+    default: Default::Absent,
+    doc: "Colour of the refined shape; left out, a calm blue.",
+};
+
+/// The camera.
+pub(super) const CAMERA: Parameter = Parameter {
+    name: "camera",
+    kind: Kind::Group(CAMERA_FIELDS),
+    unit: "",
+    default: Default::Fields,
+    doc: "Where the picture is taken from; everything shown is framed unless an eye is given. Curves in the plane use only zoom and target.",
+};
+
+const CAMERA_FIELDS: &[Parameter] = &[
+    Parameter {
+        name: "projection",
+        kind: Kind::Choice(&["perspective", "orthographic"]),
+        unit: "",
+        default: Default::Text("perspective"),
+        doc: "Whether far things look smaller.",
+    },
+    Parameter {
+        name: "azimuth_deg",
+        kind: Kind::Number { min: -360.0, max: 360.0 },
+        unit: "degrees",
+        default: Default::Number(35.0),
+        doc: "Turn about the up axis; with y up, 0 looks from +z and 90 from +x.",
+    },
+    Parameter {
+        name: "elevation_deg",
+        kind: Kind::Number { min: -90.0, max: 90.0 },
+        unit: "degrees",
+        default: Default::Number(25.0),
+        doc: "Height above the horizon.",
+    },
+    Parameter {
+        name: "fov_deg",
+        kind: Kind::Number { min: 1.0, max: 150.0 },
+        unit: "degrees",
+        default: Default::Number(30.0),
+        doc: "Vertical angle of view of the perspective camera.",
+    },
+    Parameter {
+        name: "zoom",
+        kind: Kind::Number { min: 0.001, max: 1000.0 },
+        unit: "",
+        default: Default::Number(1.0),
+        doc: "Magnification about the centre of the picture.",
+    },
+    Parameter {
+        name: "eye",
+        kind: Kind::Vector,
+        unit: "model units",
+        default: Default::Absent,
+        doc: "Where the camera stands; with it the angles do not count.",
+    },
+    Parameter {
+        name: "target",
+        kind: Kind::Vector,
+        unit: "model units",
+        default: Default::Absent,
+        doc: "What stands in the centre of the picture; left out, the middle of what is shown.",
+    },
+    Parameter {
+        name: "up",
+        kind: Kind::Vector,
+        unit: "",
+        default: Default::Absent,
+        doc: "The direction that points up in the picture; left out, +y as in glTF.",
+    },
+];
+
+/// The options of a picture, read once.
+#[derive(Debug, Clone)]
+pub(super) struct Options<'a> {
+    values: &'a Values,
+    /// Width and height, pixels.
+    pub(super) size: [u32; 2],
+    /// Straight sRGB.
+    pub(super) background: [u8; 4],
+}
+
+impl<'a> Options<'a> {
+    /// Reads resolved values of the parameters above.
+    pub(super) fn new(values: &'a Values) -> Self {
+        Self { values, size: size(values), background: values.color("background").unwrap_or([255; 4]) }
+    }
+
+    /// Whether `item` is to be shown: as the request says, or `default` when it does not say.
+    pub(super) fn shows(&self, item: &str, default: &[&str]) -> bool {
+        let given = matches!(self.values.get("show"), crate::math::parameter::Value::Choices(_));
+        if given { self.values.has("show", item) } else { default.contains(&item) }
+    }
+
+    /// Whether each face has one normal.
+    pub(super) fn flat(&self) -> bool {
+        self.values.choice("shading") == Some("flat")
+    }
+
+    /// Colour of the refined shape.
+    pub(super) fn color(&self, default: [u8; 4]) -> [u8; 4] {
+        self.values.color("color").unwrap_or(default)
+    }
+
+    /// Pixels for each unit of line width, so that lines keep their proportion to the picture.
+    pub(super) fn unit_px(&self) -> f32 {
+        let smaller = f64::from(self.size[0].min(self.size[1]));
+        #[expect(clippy::cast_possible_truncation, reason = "a width needs no last digit")]
+        let unit = (smaller / 768.0).max(0.35) as f32;
+        unit
+    }
+
+    /// The view that the camera options ask for.
+    pub(super) fn view(&self) -> View {
+        let fallback = Values::default();
+        let camera = self.values.group("camera").unwrap_or(&fallback);
+        let number = |name: &str, default: f64| camera.number(name).unwrap_or(default);
+        let radians = |degrees: f64| degrees * (std::f64::consts::PI / 180.0);
+        let orthographic = camera.choice("projection") == Some("orthographic");
+        View {
+            projection: if orthographic { Projection::Orthographic } else { Projection::Perspective },
+            azimuth_rad: radians(number("azimuth_deg", 35.0)),
+            elevation_rad: radians(number("elevation_deg", 25.0)),
+            fov_rad: radians(number("fov_deg", 30.0)),
+            zoom: number("zoom", 1.0),
+            eye: camera.vector("eye"),
+            target: camera.vector("target"),
+            up: camera.vector("up").unwrap_or([0.0, 1.0, 0.0]),
+        }
+    }
+}
+
+/// Width and height, pixels.
+pub(super) fn size(values: &Values) -> [u32; 2] {
+    let side = |name: &str, default: u32| {
+        let given = values.integer(name).and_then(|n| u32::try_from(n).ok()).unwrap_or(default);
+        given.clamp(1, MAX_SIDE_PX)
+    };
+    [side("width", 1024), side("height", 768)]
+}
+
+/// Refuses curves that pictures cannot show.
+pub(super) fn drawable(kind: ShapeKind) -> Result<(), String> {
+    match kind {
+        ShapeKind::Mesh | ShapeKind::Curves { dimension: 1..=3 } => Ok(()),
+        ShapeKind::Curves { dimension } => Err(format!(
+            "points of {dimension} coordinates cannot be drawn, pictures show 1 to 3; ask for \"json\" instead"
+        )),
+    }
+}

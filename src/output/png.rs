@@ -1,0 +1,101 @@
+//! PNG: a lit picture of a mesh, or a drawing of curves.
+
+use std::io::{self, Write};
+
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder};
+
+use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::output::picture::drawing::Drawing;
+use crate::output::picture::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH, mesh, paint};
+use crate::output::scene::{Scene, Shape};
+use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
+use crate::watch::Watch;
+
+/// The format "png".
+#[derive(Debug, Clone, Copy)]
+pub struct Png;
+
+const PARAMETERS: &[Parameter] = &[
+    WIDTH,
+    HEIGHT,
+    BACKGROUND,
+    Parameter {
+        name: "show",
+        kind: Kind::Choices(&["surface", "wireframe", "control", "points", "curve"]),
+        unit: "",
+        default: Default::Absent,
+        doc: "What is drawn: of a mesh its surface, its wireframe, the control net and its points; of curves the curve, the control polygon and its points. Left out: the surface, or all of a curve.",
+    },
+    Parameter {
+        name: "shading",
+        kind: Kind::Choice(&["smooth", "flat"]),
+        unit: "",
+        default: Default::Text("smooth"),
+        doc: "Whether light sees a smooth surface or its faces.",
+    },
+    COLOR,
+    CAMERA,
+];
+
+impl Format for Png {
+    fn name(&self) -> &'static str {
+        "png"
+    }
+
+    fn media_type(&self) -> &'static str {
+        "image/png"
+    }
+
+    fn doc(&self) -> &'static str {
+        "A picture in pixels: a lit mesh with hidden lines removed, or curves with their control polygons."
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        PARAMETERS
+    }
+
+    fn holds(&self, kind: ShapeKind) -> Result<(), String> {
+        picture::drawable(kind)
+    }
+
+    /// The length of the rows stored without compression, which the encoder never exceeds, and a kilobyte around them.
+    fn size(&self, _: &Counts, options: &Values) -> Size {
+        let [width, height] = picture::size(options).map(u128::from);
+        let rows = height * (1 + 4 * width);
+        let blocks = rows / 32_768 + 1;
+        Size::AtMost(rows + 17 * blocks + 1024)
+    }
+
+    fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
+        let options = Options::new(values);
+        let pixels = match scene.shape {
+            Shape::Mesh(shape) => mesh::picture(scene, shape, &options, watch)?,
+            Shape::Curves(curves) => {
+                let dimension = curves.iter().map(|c| c.dimension).max().unwrap_or(1);
+                self.holds(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
+                paint::paint(&Drawing::of(scene, &options, watch)?, watch)?
+            }
+        };
+        watch.check()?;
+        encode(pixels, &options, out)
+    }
+}
+
+/// Writes the pixels (red, green, blue, alpha); an opaque background leaves nothing transparent, so alpha is dropped.
+fn encode(mut pixels: Vec<u8>, options: &Options<'_>, out: &mut dyn Write) -> Result<(), FormatError> {
+    let [width, height] = options.size;
+    let color = if options.background[3] == 255 {
+        let n = pixels.len() / 4;
+        for i in 0..n {
+            pixels.copy_within(4 * i..4 * i + 3, 3 * i);
+        }
+        pixels.truncate(3 * n);
+        ExtendedColorType::Rgb8
+    } else {
+        ExtendedColorType::Rgba8
+    };
+    PngEncoder::new_with_quality(out, CompressionType::Fast, FilterType::Adaptive)
+        .write_image(&pixels, width, height, color)
+        .map_err(|error| FormatError::Io(io::Error::other(error)))
+}

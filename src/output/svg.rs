@@ -1,0 +1,185 @@
+//! SVG: a drawing of curves as paths.
+
+use std::io::{self, Write};
+
+use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::output::picture::drawing::{Drawing, Item};
+use crate::output::picture::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH};
+use crate::output::scene::{Scene, Shape};
+use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
+use crate::watch::Watch;
+
+/// The format "svg".
+#[derive(Debug, Clone, Copy)]
+pub struct Svg;
+
+const PARAMETERS: &[Parameter] = &[
+    WIDTH,
+    HEIGHT,
+    BACKGROUND,
+    Parameter {
+        name: "show",
+        kind: Kind::Choices(&["curve", "control", "points"]),
+        unit: "",
+        default: Default::Texts(&["curve", "control", "points"]),
+        doc: "What is drawn: the refined curve, the control polygon, the control points.",
+    },
+    COLOR,
+    CAMERA,
+];
+
+/// Points that an open polygon loses at its ends, at most.
+const MOST_LOST: u128 = 128;
+
+impl Format for Svg {
+    fn name(&self) -> &'static str {
+        "svg"
+    }
+
+    fn media_type(&self) -> &'static str {
+        "image/svg+xml"
+    }
+
+    fn doc(&self) -> &'static str {
+        "A drawing of curves with their control polygons, in paths that scale."
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        PARAMETERS
+    }
+
+    fn holds(&self, kind: ShapeKind) -> Result<(), String> {
+        match kind {
+            ShapeKind::Mesh => Err("svg draws curves only; ask for \"png\" to see a mesh".into()),
+            ShapeKind::Curves { .. } => picture::drawable(kind),
+        }
+    }
+
+    /// A point costs at most 51 bytes in the curve (when each segment is a path of its own), 51 in the control polygon
+    /// and 49 as a disc. Control points are not counted in `counts`: refinement never leaves fewer points, but for
+    /// the few that open polygons lose at their ends.
+    fn size(&self, counts: &Counts, _: &Values) -> Size {
+        Size::AtMost(2048 + 160 * (counts.vertices + MOST_LOST * counts.polygons))
+    }
+
+    fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
+        if let Shape::Curves(curves) = scene.shape {
+            let dimension = curves.iter().map(|c| c.dimension).max().unwrap_or(1);
+            self.holds(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
+        }
+        let drawing = Drawing::of(scene, &Options::new(values), watch)?;
+        let mut page = Page { text: String::new(), out };
+        page.head(&drawing)?;
+        for item in &drawing.items {
+            watch.check()?;
+            page.item(item, watch)?;
+        }
+        page.text.push_str("</svg>\n");
+        page.flush()?;
+        Ok(())
+    }
+}
+
+/// Text on its way out.
+struct Page<'a> {
+    text: String,
+    out: &'a mut dyn Write,
+}
+
+impl Page<'_> {
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.write_all(self.text.as_bytes())?;
+        self.text.clear();
+        Ok(())
+    }
+
+    fn head(&mut self, drawing: &Drawing) -> io::Result<()> {
+        let [width, height] = drawing.size;
+        self.text += &format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\n"
+        );
+        if drawing.background[3] > 0 {
+            self.text += "<rect width=\"100%\" height=\"100%\"";
+            self.color("fill", drawing.background);
+            self.text += "/>\n";
+        }
+        self.flush()
+    }
+
+    fn item(&mut self, item: &Item, watch: &Watch) -> Result<(), FormatError> {
+        match item {
+            Item::Lines { runs, width_px, color } => {
+                self.text += "<g fill=\"none\" stroke-linejoin=\"round\" stroke-linecap=\"round\"";
+                self.color("stroke", *color);
+                self.number(" stroke-width=\"", *width_px);
+                self.text += "\">\n";
+                for run in runs {
+                    watch.check()?;
+                    self.path(run)?;
+                }
+            }
+            Item::Discs { centres, radius_px, ring_px, color, ring } => {
+                self.text += "<g";
+                self.color("fill", *color);
+                self.color("stroke", *ring);
+                self.number(" stroke-width=\"", *ring_px);
+                self.text += "\">\n";
+                for [x, y] in centres {
+                    self.number("<circle cx=\"", *x);
+                    self.number("\" cy=\"", *y);
+                    self.number("\" r=\"", radius_px - 0.5 * ring_px);
+                    self.text += "\"/>\n";
+                    if self.text.len() > 65_536 {
+                        watch.check()?;
+                        self.flush()?;
+                    }
+                }
+            }
+        }
+        self.text += "</g>\n";
+        self.flush()?;
+        Ok(())
+    }
+
+    fn path(&mut self, run: &[[f32; 2]]) -> io::Result<()> {
+        for (i, [x, y]) in run.iter().enumerate() {
+            let before = match i {
+                0 => "<path d=\"M",
+                1 => "L",
+                _ => " ",
+            };
+            self.number(before, *x);
+            self.number(" ", *y);
+        }
+        self.text += "\"/>\n";
+        self.flush()
+    }
+
+    fn color(&mut self, name: &str, [r, g, b, a]: [u8; 4]) {
+        self.text += &format!(" {name}=\"#{r:02x}{g:02x}{b:02x}\"");
+        if a < 255 {
+            self.number(&format!(" {name}-opacity=\""), f32::from(a) / 255.0);
+            self.text.push('"');
+        }
+    }
+
+    /// Writes `before`, then the value to the nearest hundredth without needless digits.
+    fn number(&mut self, before: &str, value: f32) {
+        self.text.push_str(before);
+        let scaled = f64::from(value) * 100.0;
+        #[expect(clippy::cast_possible_truncation, reason = "places lie within some thousand pixels")]
+        let hundredths = (scaled + if scaled < 0.0 { -0.5 } else { 0.5 }) as i64;
+        if hundredths < 0 {
+            self.text.push('-');
+        }
+        let (whole, rest) = (hundredths.unsigned_abs() / 100, hundredths.unsigned_abs() % 100);
+        self.text.push_str(itoa::Buffer::new().format(whole));
+        if rest > 0 {
+            self.text.push('.');
+            self.text.push(char::from(b'0' + u8::try_from(rest / 10).expect("a digit")));
+            if rest % 10 > 0 {
+                self.text.push(char::from(b'0' + u8::try_from(rest % 10).expect("a digit")));
+            }
+        }
+    }
+}

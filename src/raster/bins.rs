@@ -1,0 +1,109 @@
+//! Bins: which items touch which tile, in the order of submission.
+
+use super::TILE;
+
+/// A rectangle of tiles; the bounds are included.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TileRect {
+    left: u16,
+    top: u16,
+    right: u16,
+    bottom: u16,
+}
+
+impl TileRect {
+    /// The tiles that the pixels `left..=right` x `top..=bottom` touch, or `None` when they lie outside the picture.
+    pub(super) fn of(grid: Grid, [left, top, right, bottom]: [i32; 4]) -> Option<Self> {
+        if right < 0 || bottom < 0 || left > right || top > bottom {
+            return None;
+        }
+        let tile = |pixel: i32| u16::try_from(pixel.max(0) / TILE_PX).unwrap_or(u16::MAX);
+        let [left, top, right, bottom] = [tile(left), tile(top), tile(right), tile(bottom)];
+        (left < grid.columns && top < grid.rows).then(|| Self {
+            left,
+            top,
+            right: right.min(grid.columns - 1),
+            bottom: bottom.min(grid.rows - 1),
+        })
+    }
+
+    fn tiles(self) -> usize {
+        usize::from(self.right - self.left + 1) * usize::from(self.bottom - self.top + 1)
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "a tile is some dozen pixels wide")]
+const TILE_PX: i32 = TILE as i32;
+
+/// How many tiles a picture has.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Grid {
+    pub(super) columns: u16,
+    pub(super) rows: u16,
+}
+
+impl Grid {
+    pub(super) fn of(width: u32, height: u32) -> Self {
+        let tiles = |pixels: u32| u16::try_from((pixels as usize).div_ceil(TILE)).expect("pictures are bounded");
+        Self { columns: tiles(width), rows: tiles(height) }
+    }
+
+    fn len(self) -> usize {
+        usize::from(self.columns) * usize::from(self.rows)
+    }
+}
+
+/// Items that touch more tiles than this are kept in one list for all, so that memory stays in proportion to the items.
+const FEW_TILES: usize = 16;
+
+/// The items of one run of the submission, sorted by tile.
+#[derive(Debug, Default)]
+pub(super) struct Bins {
+    starts: Vec<u32>,
+    items: Vec<u32>,
+    large: Vec<u32>,
+}
+
+impl Bins {
+    /// Sorts `found`, pairs of an item and the tiles it touches, by tile; the order within a tile is kept.
+    pub(super) fn sort(grid: Grid, found: &[(u32, TileRect)]) -> Self {
+        let columns = usize::from(grid.columns);
+        let each = |rect: TileRect, at: &mut dyn FnMut(usize)| {
+            for row in rect.top..=rect.bottom {
+                (rect.left..=rect.right).for_each(|column| at(usize::from(row) * columns + usize::from(column)));
+            }
+        };
+        let mut starts = vec![0_u32; grid.len() + 2];
+        let mut large = Vec::new();
+        for &(item, rect) in found {
+            if rect.tiles() > FEW_TILES {
+                large.push(item);
+            } else {
+                each(rect, &mut |tile| starts[tile + 2] += 1);
+            }
+        }
+        for tile in 2..starts.len() {
+            starts[tile] += starts[tile - 1];
+        }
+        let mut items = vec![0; starts[starts.len() - 1] as usize];
+        for &(item, rect) in found.iter().filter(|(_, rect)| rect.tiles() <= FEW_TILES) {
+            each(rect, &mut |tile| {
+                items[starts[tile + 1] as usize] = item;
+                starts[tile + 1] += 1;
+            });
+        }
+        Self { starts, items, large }
+    }
+
+    /// Every item that may touch tile number `tile` (rows of tiles from the top).
+    pub(super) fn tile(&self, tile: usize) -> impl Iterator<Item = u32> + '_ {
+        let own =
+            if self.starts.is_empty() { 0..0 } else { self.starts[tile] as usize..self.starts[tile + 1] as usize };
+        self.large.iter().chain(&self.items[own]).copied()
+    }
+
+    /// Adds `shift` to every item from `first` on.
+    pub(super) fn shift_from(&mut self, first: u32, shift: u32) {
+        self.items.iter_mut().chain(&mut self.large).filter(|item| **item >= first).for_each(|item| *item += shift);
+    }
+}

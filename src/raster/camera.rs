@@ -1,0 +1,251 @@
+//! The camera: where it stands, how it frames a set of points, and where a point falls in the picture.
+
+use rayon::prelude::*;
+
+use super::clip::segment;
+use super::vector::{Vec3, add, cross, dot, scaled, sub, unit};
+use crate::math::functions::{cos, sin, tan};
+
+/// How depth shrinks what is seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Projection {
+    /// Far things look smaller.
+    Perspective,
+    /// Parallel rays.
+    Orthographic,
+}
+
+/// What a viewer asks for; [`Camera::framing`] fills in the rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View {
+    /// Perspective or parallel rays.
+    pub projection: Projection,
+    /// Turn about the up axis, radians; with up = y, 0 looks from +z and a quarter turn from +x.
+    pub azimuth_rad: f64,
+    /// Height above the horizon, radians.
+    pub elevation_rad: f64,
+    /// Vertical angle of view, radians (perspective only).
+    pub fov_rad: f64,
+    /// Magnification about the centre of the picture; 1 fills it.
+    pub zoom: f64,
+    /// Where the camera stands, model units. With it the angles do not count.
+    pub eye: Option<[f64; 3]>,
+    /// What stands in the centre of the picture, model units; otherwise the points are centred.
+    pub target: Option<[f64; 3]>,
+    /// The direction that points up in the picture.
+    pub up: [f64; 3],
+}
+
+impl Default for View {
+    /// From the front right, a little above, with a narrow lens; y is up, as in glTF.
+    fn default() -> Self {
+        Self {
+            projection: Projection::Perspective,
+            azimuth_rad: 0.6,
+            elevation_rad: 0.42,
+            fov_rad: 0.5,
+            zoom: 1.0,
+            eye: None,
+            target: None,
+            up: [0.0, 1.0, 0.0],
+        }
+    }
+}
+
+/// Share of the smaller side of the picture that stays free on each side.
+const MARGIN: f64 = 0.06;
+
+/// A camera that looks at something. Pixel coordinates have their origin in the upper left corner, y downwards.
+#[derive(Debug, Clone, Copy)]
+pub struct Camera {
+    pub(super) eye: Vec3,
+    pub(super) right: Vec3,
+    pub(super) up: Vec3,
+    pub(super) forward: Vec3,
+    /// The direction that counts as up in the model.
+    pub(super) sky: Vec3,
+    pub(super) projection: Projection,
+    /// Pixels a model unit at distance one (perspective) or everywhere (orthographic).
+    pub(super) focal_px: f64,
+    /// Width and height, pixels.
+    pub(super) size_px: [f64; 2],
+    /// Distance of the near plane (perspective), model units.
+    pub(super) near: f64,
+    /// Depth of the eye plane and its fall for each model unit (orthographic).
+    pub(super) fall: [f64; 2],
+    /// Half the largest extent of what is framed, model units.
+    pub(super) radius: f64,
+}
+
+/// Centre and half the largest side of the bounding box of finite points; `([0, 0, 0], 1)` when there is none.
+fn bounds(points: &[&[Vec3]]) -> (Vec3, f64) {
+    let none = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    let join = |(a, b): (Vec3, Vec3), (c, d): (Vec3, Vec3)| {
+        ([0, 1, 2].map(|i| a[i].min(c[i])), [0, 1, 2].map(|i| b[i].max(d[i])))
+    };
+    let (low, high) = points
+        .par_iter()
+        .map(|list| {
+            list.par_iter()
+                .with_min_len(4096)
+                .filter(|p| p.iter().all(|x| x.is_finite()))
+                .fold(|| none, |acc, &p| join(acc, (p, p)))
+                .reduce(|| none, join)
+        })
+        .reduce(|| none, join);
+    if low[0] > high[0] {
+        return ([0.0; 3], 1.0);
+    }
+    let centre = [0, 1, 2].map(|i| 0.5 * low[i] + 0.5 * high[i]);
+    let half = (0..3).map(|i| 0.5 * high[i] - 0.5 * low[i]).fold(0.0, f64::max);
+    let largest = low.iter().chain(&high).fold(0.0, |m: f64, x| m.max(x.abs()));
+    let radius = half.max(1e-9 * largest);
+    (centre, if radius > 1e-150 { radius.min(1e150) } else { 1.0 })
+}
+
+/// Right, up and forward of a camera that looks from the angles of `view`.
+fn orbit(view: &View) -> [Vec3; 3] {
+    let sky = unit(view.up).unwrap_or([0.0, 1.0, 0.0]);
+    let axis = if sky[0].abs() < 0.999 { [1.0, 0.0, 0.0] } else { [0.0, 0.0, -1.0] };
+    let side = unit(sub(axis, scaled(sky, dot(axis, sky)))).unwrap_or([0.0, 0.0, 1.0]);
+    let front = cross(side, sky);
+    let (sa, ca) = (sin(view.azimuth_rad), cos(view.azimuth_rad));
+    let (se, ce) = (sin(view.elevation_rad), cos(view.elevation_rad));
+    let around = add(scaled(front, ca), scaled(side, sa));
+    let right = sub(scaled(side, ca), scaled(front, sa));
+    let toward = add(scaled(around, ce), scaled(sky, se));
+    [right, sub(scaled(sky, ce), scaled(around, se)), scaled(toward, -1.0)]
+}
+
+/// Right, up and forward of a camera at `eye` that looks at `target`, or those of the angles when both coincide.
+fn aimed(view: &View, eye: Vec3, target: Vec3) -> [Vec3; 3] {
+    let Some(forward) = unit(sub(target, eye)) else { return orbit(view) };
+    let sky = unit(view.up).unwrap_or([0.0, 1.0, 0.0]);
+    let sideways = |up: Vec3| {
+        let right = cross(forward, up);
+        if dot(right, right) > 1e-12 { unit(right) } else { None }
+    };
+    let right = sideways(sky)
+        .or_else(|| sideways([0.0, 0.0, 1.0]))
+        .or_else(|| sideways([1.0, 0.0, 0.0]))
+        .unwrap_or([1.0, 0.0, 0.0]);
+    [right, cross(right, forward), forward]
+}
+
+/// Largest values over points: how far they reach to the right, left, top and bottom, each lessened by
+/// `tangent x distance`, then forward and backward.
+fn reach(points: &[&[Vec3]], centre: Vec3, [right, up, forward]: [Vec3; 3], tangent: [f64; 2]) -> [f64; 6] {
+    let none = [f64::NEG_INFINITY; 6];
+    let join = |a: [f64; 6], b: [f64; 6]| [0, 1, 2, 3, 4, 5].map(|i| a[i].max(b[i]));
+    let one = |&p: &Vec3| {
+        let r = sub(p, centre);
+        let (x, y, z) = (dot(r, right), dot(r, up), dot(r, forward));
+        [x - tangent[0] * z, -x - tangent[0] * z, y - tangent[1] * z, -y - tangent[1] * z, z, -z]
+    };
+    let found = points
+        .par_iter()
+        .map(|list| list.par_iter().with_min_len(4096).fold(|| none, |acc, p| join(acc, one(p))).reduce(|| none, join))
+        .reduce(|| none, join);
+    if found.iter().all(|x| x.is_finite()) { found } else { [0.0; 6] }
+}
+
+impl Camera {
+    /// The camera that shows all of `points` as large as the picture of `width x height` pixels allows, seen as `view`
+    /// asks. Works for no point, one point and any finite coordinates.
+    pub fn framing(view: &View, points: &[&[[f64; 3]]], width: u32, height: u32) -> Self {
+        let (centre, radius) = bounds(points);
+        let size_px = [f64::from(width.max(1)), f64::from(height.max(1))];
+        let axes = view.eye.map_or_else(|| orbit(view), |eye| aimed(view, eye, view.target.unwrap_or(centre)));
+        let margin = MARGIN * size_px[0].min(size_px[1]);
+        let half = [0.5 * size_px[0] - margin, 0.5 * size_px[1] - margin];
+        let mut camera = Self {
+            eye: view.eye.unwrap_or(centre),
+            right: axes[0],
+            up: axes[1],
+            forward: axes[2],
+            sky: unit(view.up).unwrap_or([0.0, 1.0, 0.0]),
+            projection: view.projection,
+            focal_px: 0.0,
+            size_px,
+            near: radius * 1e-4,
+            fall: [1.0, 0.0],
+            radius,
+        };
+        match view.projection {
+            Projection::Perspective => camera.frame_perspective(view, points, centre, half),
+            Projection::Orthographic => camera.frame_orthographic(view, points, centre, half),
+        }
+        camera.focal_px = (camera.focal_px * view.zoom).clamp(1e-200, 1e200);
+        camera
+    }
+
+    fn frame_perspective(&mut self, view: &View, points: &[&[Vec3]], centre: Vec3, half: [f64; 2]) {
+        self.focal_px = 0.5 * self.size_px[1] / tan(0.5 * view.fov_rad.clamp(1e-3, 3.0));
+        if view.eye.is_some() {
+            return;
+        }
+        let tangent = [half[0] / self.focal_px, half[1] / self.focal_px];
+        let [right, left, top, bottom, _, back] = reach(points, centre, [self.right, self.up, self.forward], tangent);
+        let [x, y] = view.target.map_or([0.5 * (right - left), 0.5 * (top - bottom)], |target| {
+            let to = sub(target, centre);
+            [dot(to, self.right), dot(to, self.up)]
+        });
+        let across = (right - x).max(left + x) / tangent[0];
+        let along = (top - y).max(bottom + y) / tangent[1];
+        let distance = across.max(along).max(back + 0.05 * self.radius);
+        self.eye = add(add(centre, scaled(self.right, x)), add(scaled(self.up, y), scaled(self.forward, -distance)));
+    }
+
+    fn frame_orthographic(&mut self, view: &View, points: &[&[Vec3]], centre: Vec3, half: [f64; 2]) {
+        let [right, left, top, bottom, front, back] =
+            reach(points, centre, [self.right, self.up, self.forward], [0.0; 2]);
+        let [x, y] = view.eye.or(view.target).map_or([0.5 * (right - left), 0.5 * (top - bottom)], |given| {
+            let to = sub(given, centre);
+            [dot(to, self.right), dot(to, self.up)]
+        });
+        let least = 1e-3 * self.radius;
+        let scale_x = half[0] / (right - x).max(left + x).max(least);
+        let scale_y = half[1] / (top - y).max(bottom + y).max(least);
+        self.focal_px = scale_x.min(scale_y);
+        let span = (front + back).max(least);
+        let start = add(centre, scaled(self.forward, -back));
+        self.eye = add(start, add(scaled(self.right, x), scaled(self.up, y)));
+        self.fall = [1.0, 0.999 / span];
+    }
+
+    /// Right and down in pixels times `w`, the divisor `w`, and the distance along the view, model units.
+    pub(super) fn view(&self, point: Vec3) -> [f64; 4] {
+        let r = sub(point, self.eye);
+        let z = dot(r, self.forward);
+        let w = if self.projection == Projection::Perspective { z } else { 1.0 };
+        [self.focal_px * dot(r, self.right), -self.focal_px * dot(r, self.up), w, z]
+    }
+
+    /// Depth as it is stored: linear over the picture, larger is nearer, above 0 and at most about 1.
+    pub(super) fn depth(&self, z: f64) -> f64 {
+        match self.projection {
+            Projection::Perspective => self.near / z,
+            Projection::Orthographic => (self.fall[0] - self.fall[1] * z).clamp(1e-6, 2.0),
+        }
+    }
+
+    /// `[c0, c2]`: moving a point of depth `d` nearer by one model unit adds about `c0 + c2 * d * d` to its depth.
+    pub(super) fn nearer(&self) -> [f64; 2] {
+        match self.projection {
+            Projection::Perspective => [0.0, 1.0 / self.near],
+            Projection::Orthographic => [self.fall[1], 0.0],
+        }
+    }
+
+    /// Where the segment from `a` to `b` (model units) falls in the picture, pixel coordinates: the part in front of the
+    /// camera and within 2,048 pixels of the picture, if there is one.
+    pub fn segment(&self, a: [f64; 3], b: [f64; 3]) -> Option<[[f64; 2]; 2]> {
+        let ends = segment(self, [self.view(a), self.view(b)])?.map(|end| self.pixel(end));
+        ends.iter().flatten().all(|x| x.is_finite()).then_some(ends)
+    }
+
+    /// Pixel coordinates of `[X, Y]` divided by `w`.
+    pub(super) fn pixel(&self, [x, y, w, _]: [f64; 4]) -> [f64; 2] {
+        [0.5 * self.size_px[0] + x / w, 0.5 * self.size_px[1] + y / w]
+    }
+}

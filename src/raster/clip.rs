@@ -1,0 +1,72 @@
+//! Clipping of triangles and segments that reach behind the camera or far beyond the picture.
+
+use super::camera::{Camera, Projection};
+use super::project::GUARD;
+
+/// A corner of a clipped polygon: view coordinates and its place in the original triangle.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Corner {
+    /// See [`Camera::view`].
+    pub(super) seen: [f64; 4],
+    /// Shares of the three original corners.
+    pub(super) shares: [f64; 3],
+}
+
+/// Signed distances from the planes: near, then left, right, top and bottom of the guard band; inside is not negative.
+/// The band is drawn in by a pixel, so that rounding leaves every result inside.
+fn distances(camera: &Camera, [x, y, w, _]: [f64; 4]) -> [f64; 5] {
+    let near = if camera.projection == Projection::Perspective { w - camera.near } else { 1.0 };
+    let reach_x = (0.5 * camera.size_px[0] + GUARD - 1.0) * w;
+    let reach_y = (0.5 * camera.size_px[1] + GUARD - 1.0) * w;
+    [near, reach_x + x, reach_x - x, reach_y + y, reach_y - y]
+}
+
+fn mix(a: f64, b: f64, t: f64) -> f64 {
+    a * (1.0 - t) + b * t
+}
+
+/// The part of a triangle (view coordinates) inside near plane and guard band: a convex polygon of up to eight corners,
+/// empty when nothing remains or a coordinate is not finite. Source: I. Sutherland, G. Hodgman, CACM 17 (1974), 32-42.
+pub(super) fn polygon(camera: &Camera, triangle: [[f64; 4]; 3]) -> Vec<Corner> {
+    if triangle.iter().flatten().any(|x| !x.is_finite()) {
+        return Vec::new();
+    }
+    let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let mut corners: Vec<Corner> = (0..3).map(|i| Corner { seen: triangle[i], shares: unit[i] }).collect();
+    for plane in 0..5 {
+        let mut kept = Vec::with_capacity(corners.len() + 1);
+        for (i, here) in corners.iter().enumerate() {
+            let next = &corners[(i + 1) % corners.len()];
+            let (a, b) = (distances(camera, here.seen)[plane], distances(camera, next.seen)[plane]);
+            if a >= 0.0 {
+                kept.push(*here);
+            }
+            if (a >= 0.0) != (b >= 0.0) {
+                let t = a / (a - b);
+                kept.push(Corner {
+                    seen: [0, 1, 2, 3].map(|k| mix(here.seen[k], next.seen[k], t)),
+                    shares: [0, 1, 2].map(|k| mix(here.shares[k], next.shares[k], t)),
+                });
+            }
+        }
+        corners = kept;
+    }
+    corners
+}
+
+/// The part of a segment (view coordinates) inside near plane and guard band.
+pub(super) fn segment(camera: &Camera, [a, b]: [[f64; 4]; 2]) -> Option<[[f64; 4]; 2]> {
+    let (da, db) = (distances(camera, a), distances(camera, b));
+    let (mut start, mut end) = (0.0_f64, 1.0_f64);
+    for (&u, &v) in da.iter().zip(&db) {
+        match (u >= 0.0, v >= 0.0) {
+            (true, true) => {}
+            (false, true) => start = start.max(u / (u - v)),
+            (true, false) => end = end.min(u / (u - v)),
+            (false, false) => return None,
+        }
+    }
+    let at = |t: f64| [0, 1, 2, 3].map(|k| mix(a[k], b[k], t));
+    let ends = [at(start), at(end)];
+    (start <= end && ends.iter().flatten().all(|x| x.is_finite())).then_some(ends)
+}

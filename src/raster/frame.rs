@@ -1,0 +1,208 @@
+//! A frame: the model projected, clipped and sorted into tiles, ready to be drawn tile by tile.
+
+use rayon::prelude::*;
+
+use super::bins::{Bins, Grid, TileRect};
+use super::camera::{Camera, Projection};
+use super::line::Layer;
+use super::project::{BEHIND, FAR_OUT, Vertex, vertex, vertices};
+use super::shade::{Lamps, Vec3f};
+use super::triangle::{area, pixel_box};
+use super::vector::{cross, sub, unit};
+use super::{Model, Normals, Surface, clip};
+use crate::watch::{Stopped, Watch};
+
+/// A piece of a clipped triangle.
+#[derive(Debug, Clone, Copy)]
+struct Piece {
+    corners: [Vertex; 3],
+    /// For each corner, the shares of the corners of the whole triangle.
+    shares: [[f64; 3]; 3],
+    whole: u32,
+}
+
+/// What is drawn, tile by tile.
+#[derive(Debug)]
+pub(super) struct Frame<'a> {
+    model: &'a Model<'a>,
+    pub(super) camera: &'a Camera,
+    pub(super) grid: Grid,
+    vertices: Vec<Vertex>,
+    pieces: Vec<Piece>,
+    runs: Vec<Bins>,
+    pub(super) layers: Vec<Layer>,
+    /// `None` when the surface is not seen.
+    pub(super) lamps: Option<Lamps>,
+}
+
+/// Blends the normals of a triangle over its place in the picture.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Facet {
+    /// Unnormalised normal at pixel (0, 0) of the tile, and its growth to the right and down.
+    base: Vec3f,
+    right: Vec3f,
+    down: Vec3f,
+    /// Whether its inside is seen.
+    pub(super) back: bool,
+}
+
+impl Facet {
+    /// The normal at a place in the tile, pixels; it has any length.
+    pub(super) fn normal(&self, [x, y]: [f32; 2]) -> Vec3f {
+        std::array::from_fn(|k| self.base[k] + self.right[k] * x + self.down[k] * y)
+    }
+}
+
+/// Found in one run of triangles.
+struct Run {
+    found: Vec<(u32, TileRect)>,
+    pieces: Vec<Piece>,
+}
+
+impl<'a> Frame<'a> {
+    pub(super) fn new(model: &'a Model<'a>, camera: &'a Camera, grid: Grid, watch: &Watch) -> Result<Self, Stopped> {
+        let vertices = if model.triangles.is_empty() { Vec::new() } else { vertices(camera, model.positions) };
+        watch.check()?;
+        let layers = model
+            .strokes
+            .iter()
+            .map(|strokes| Layer::new(camera, grid, strokes, watch))
+            .collect::<Result<Vec<_>, Stopped>>()?;
+        let lamps = match model.surface {
+            Surface::Lit(color) => Some(Lamps::new(camera, color)),
+            Surface::Unseen => None,
+        };
+        let mut frame = Self { model, camera, grid, vertices, pieces: Vec::new(), runs: Vec::new(), layers, lamps };
+        frame.sort(watch)?;
+        Ok(frame)
+    }
+
+    /// Culls, clips and bins the triangles, in runs whose borders depend on their number only.
+    fn sort(&mut self, watch: &Watch) -> Result<(), Stopped> {
+        let triangles = self.model.triangles;
+        let run = triangles.len().div_ceil(64).max(8192);
+        let runs: Vec<(Bins, Vec<Piece>)> = triangles
+            .par_chunks(run)
+            .enumerate()
+            .map(|(i, list)| {
+                watch.check()?;
+                let mut run_of = Run { found: Vec::with_capacity(list.len()), pieces: Vec::new() };
+                for (id, &triangle) in (i * run..).zip(list) {
+                    self.admit(u32::try_from(id).expect("fewer than 2^32 triangles"), triangle, &mut run_of);
+                }
+                Ok((Bins::sort(self.grid, &run_of.found), run_of.pieces))
+            })
+            .collect::<Result<_, Stopped>>()?;
+        let first = u32::try_from(triangles.len()).expect("fewer than 2^32 triangles");
+        for (mut bins, pieces) in runs {
+            bins.shift_from(first, u32::try_from(self.pieces.len()).expect("fewer than 2^32 pieces"));
+            self.pieces.extend(pieces);
+            self.runs.push(bins);
+        }
+        Ok(())
+    }
+
+    fn admit(&self, id: u32, triangle: [u32; 3], run: &mut Run) {
+        let corners = triangle.map(|v| self.vertices[v as usize]);
+        let [a, b, c] = corners.map(|v| v.sides);
+        if a & b & c & !FAR_OUT != 0 {
+            return;
+        }
+        if (a | b | c) & (BEHIND | FAR_OUT) != 0 {
+            self.admit_pieces(id, triangle, run);
+        } else if let Some(rect) = self.touched(&corners) {
+            run.found.push((id, rect));
+        }
+    }
+
+    fn touched(&self, corners: &[Vertex; 3]) -> Option<TileRect> {
+        let rect = TileRect::of(self.grid, pixel_box(corners))?;
+        (area(corners) != 0).then_some(rect)
+    }
+
+    fn admit_pieces(&self, id: u32, triangle: [u32; 3], run: &mut Run) {
+        let seen = triangle.map(|v| self.camera.view(self.model.positions[v as usize]));
+        let polygon = clip::polygon(self.camera, seen);
+        let corners: Vec<Vertex> = polygon.iter().map(|corner| vertex(self.camera, corner.seen)).collect();
+        if corners.iter().any(|v| v.sides & (BEHIND | FAR_OUT) != 0) {
+            return;
+        }
+        for k in 2..corners.len() {
+            let piece = [0, k - 1, k];
+            let corners = piece.map(|i| corners[i]);
+            if let Some(rect) = self.touched(&corners) {
+                let local = self.model.triangles.len() + run.pieces.len();
+                run.found.push((u32::try_from(local).expect("fewer than 2^32 pieces"), rect));
+                run.pieces.push(Piece { corners, shares: piece.map(|i| polygon[i].shares), whole: id });
+            }
+        }
+    }
+
+    /// Numbers of the triangles that may touch a tile.
+    pub(super) fn tile(&self, tile: usize) -> impl Iterator<Item = u32> + '_ {
+        self.runs.iter().flat_map(move |bins| bins.tile(tile))
+    }
+
+    fn piece(&self, id: u32) -> Option<&Piece> {
+        (id as usize).checked_sub(self.model.triangles.len()).map(|i| &self.pieces[i])
+    }
+
+    /// The corners of triangle number `id` in the picture.
+    pub(super) fn corners(&self, id: u32) -> [Vertex; 3] {
+        match self.model.triangles.get(id as usize) {
+            Some(triangle) => triangle.map(|v| self.vertices[v as usize]),
+            None => self.piece(id).map_or([Vertex::default(); 3], |piece| piece.corners),
+        }
+    }
+
+    /// Normals at the three corners of triangle number `id`.
+    fn normals(&self, id: u32) -> [[f64; 3]; 3] {
+        let piece = self.piece(id);
+        let whole = piece.map_or(id, |p| p.whole) as usize;
+        let triangle = self.model.triangles[whole];
+        let mut normals = match self.model.normals {
+            Normals::Vertices(list) => triangle.map(|v| list[v as usize]),
+            Normals::Triangles(list) => [list[whole]; 3],
+            Normals::Planes => [[0.0; 3]; 3],
+        };
+        if normals.iter().any(|n| *n == [0.0; 3]) {
+            let [a, b, c] = triangle.map(|v| self.model.positions[v as usize]);
+            let plane = unit(cross(sub(b, a), sub(c, a))).unwrap_or(self.camera.forward.map(|x| -x));
+            normals = normals.map(|n| if n == [0.0; 3] { plane } else { n });
+        }
+        match piece {
+            None => normals,
+            Some(piece) => piece.shares.map(|share| {
+                [0, 1, 2].map(|k| share[0] * normals[0][k] + share[1] * normals[1][k] + share[2] * normals[2][k])
+            }),
+        }
+    }
+
+    /// How the normal of triangle number `id` varies over the tile at `origin`. In perspective, shares are weighted by
+    /// the depth stored, which is inverse to the distance.
+    #[expect(clippy::cast_possible_truncation, reason = "light needs no more than the precision of f32")]
+    pub(super) fn facet(&self, id: u32, origin: [i32; 2]) -> Facet {
+        let corners = self.corners(id);
+        let area = area(&corners);
+        let normals = self.normals(id);
+        let perspective = self.camera.projection == Projection::Perspective;
+        let local: [[f64; 2]; 3] = corners
+            .map(|v| [f64::from(v.x) / 256.0 - f64::from(origin[0]), f64::from(v.y) / 256.0 - f64::from(origin[1])]);
+        #[expect(clippy::cast_precision_loss, reason = "areas stay below 2^48")]
+        let scale = 65536.0 / area as f64;
+        let mut facet = Facet { back: area > 0, ..Facet::default() };
+        for k in 0..3 {
+            let (a, b) = (local[(k + 1) % 3], local[(k + 2) % 3]);
+            let weight = scale * if perspective { f64::from(corners[k].depth / corners[0].depth) } else { 1.0 };
+            let right = (a[1] - b[1]) * weight;
+            let down = (b[0] - a[0]) * weight;
+            let base = (a[0] * b[1] - a[1] * b[0]) * weight;
+            for axis in 0..3 {
+                facet.base[axis] += (base * normals[k][axis]) as f32;
+                facet.right[axis] += (right * normals[k][axis]) as f32;
+                facet.down[axis] += (down * normals[k][axis]) as f32;
+            }
+        }
+        facet
+    }
+}

@@ -1,0 +1,189 @@
+//! Light: what colour a surface has, given its normal and where the viewer is.
+//!
+//! Three lamps move with the camera (key from the upper left, a cooler fill from the right, a rim from behind), and the
+//! hemisphere of the sky brightens what points up in the model. All light is linear; bytes are made at the very end.
+
+#![expect(clippy::cast_possible_truncation, reason = "colours and directions need no more than the precision of f32")]
+
+use super::camera::{Camera, Projection};
+use super::pixmap::linear;
+use super::vector::{add, scaled, unit};
+
+pub(super) type Vec3f = [f32; 3];
+
+#[inline(always)]
+fn dot(a: Vec3f, b: Vec3f) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The lamps of a picture, in model directions, and the surface they fall on.
+#[derive(Debug)]
+pub(super) struct Lamps {
+    key: Vec3f,
+    fill: Vec3f,
+    rim: Vec3f,
+    sky: Vec3f,
+    /// Halfway between key lamp and viewer.
+    gleam: Vec3f,
+    forward: Vec3f,
+    /// Direction of a ray: `forward + right * x + down * y` at pixel `(x, y)` from the centre.
+    across: Vec3f,
+    along: Vec3f,
+    centre_px: [f32; 2],
+    outside: Vec3f,
+    inside: Vec3f,
+}
+
+const KEY: [f64; 3] = [-0.48, 0.62, 0.62];
+const FILL: [f64; 3] = [0.80, 0.05, 0.45];
+const RIM: [f64; 3] = [0.25, 0.65, -0.72];
+
+const KEY_LIGHT: Vec3f = [0.80, 0.775, 0.735];
+const FILL_LIGHT: Vec3f = [0.17, 0.19, 0.225];
+const RIM_LIGHT: Vec3f = [0.30, 0.32, 0.36];
+const SKY_LIGHT: Vec3f = [0.30, 0.325, 0.365];
+const GROUND_LIGHT: Vec3f = [0.125, 0.115, 0.11];
+/// Share of the light that mirrors at the surface, straight on.
+const GLEAM: f32 = 0.16;
+
+impl Lamps {
+    /// The lamps for `camera`, falling on a surface of this sRGB colour.
+    pub(super) fn new(camera: &Camera, [r, g, b, _]: [u8; 4]) -> Self {
+        let single = |v: [f64; 3]| v.map(|x| x as f32);
+        let turned = |[x, y, z]: [f64; 3]| {
+            let v = add(add(scaled(camera.right, x), scaled(camera.up, y)), scaled(camera.forward, -z));
+            unit(v).unwrap_or(camera.up)
+        };
+        let key = turned(KEY);
+        let gleam = unit(add(key, scaled(camera.forward, -1.0))).unwrap_or(key);
+        let spread = if camera.projection == Projection::Perspective { 1.0 / camera.focal_px } else { 0.0 };
+        let outside = [linear(r), linear(g), linear(b)];
+        let grey = 0.2126 * outside[0] + 0.7152 * outside[1] + 0.0722 * outside[2];
+        Self {
+            key: single(key),
+            fill: single(turned(FILL)),
+            rim: single(turned(RIM)),
+            sky: single(camera.sky),
+            gleam: single(gleam),
+            forward: single(camera.forward),
+            across: single(scaled(camera.right, spread)),
+            along: single(scaled(camera.up, -spread)),
+            centre_px: [(0.5 * camera.size_px[0]) as f32, (0.5 * camera.size_px[1]) as f32],
+            outside,
+            inside: outside.map(|c| 0.45 * c + 0.3 * grey),
+        }
+    }
+
+    /// Adds the light of all `spots` to `light`, linear and premultiplied.
+    pub(super) fn illuminate(&self, spots: &Spots, light: &mut [[f32; 4]]) {
+        for start in (0..spots.pixel.len()).step_by(LANES) {
+            let lit = self.lit(spots, start);
+            for (lane, (&pixel, &share)) in
+                spots.pixel[start..].iter().zip(&spots.share[start..]).take(LANES).enumerate()
+            {
+                let [r, g, b] = [lit[0][lane], lit[1][lane], lit[2][lane]];
+                let sum = &mut light[pixel as usize];
+                *sum = [sum[0] + share * r, sum[1] + share * g, sum[2] + share * b, sum[3] + share];
+            }
+        }
+    }
+
+    /// Red, green and blue light of some spots at once. One loop without branches, so that it becomes vector code.
+    fn lit(&self, spots: &Spots, start: usize) -> [[f32; LANES]; 3] {
+        let load = |list: &[f32]| {
+            let mut lanes = [1.0_f32; LANES];
+            let n = LANES.min(list.len() - start);
+            lanes[..n].copy_from_slice(&list[start..start + n]);
+            lanes
+        };
+        let normal = [0, 1, 2].map(|k| load(&spots.normal[k]));
+        let place = [0, 1].map(|k| load(&spots.place[k]));
+        let back = load(&spots.back);
+        let mut lit = [[0.0; LANES]; 3];
+        for i in 0..LANES {
+            let n = [normal[0][i], normal[1][i], normal[2][i]];
+            let [r, g, b] = self.light(n, [place[0][i], place[1][i]], back[i]);
+            (lit[0][i], lit[1][i], lit[2][i]) = (r, g, b);
+        }
+        lit
+    }
+
+    /// Linear light that reaches the viewer from the pixel coordinates `place`. The normal need not have length one; it
+    /// points to the outside of the surface, and `back` is 1 where the inside is seen and otherwise 0.
+    #[inline(always)]
+    fn light(&self, normal: Vec3f, place: [f32; 2], back: f32) -> Vec3f {
+        let (x, y) = (place[0] - self.centre_px[0], place[1] - self.centre_px[1]);
+        let ray: Vec3f = [0, 1, 2].map(|k| self.forward[k] + self.across[k] * x + self.along[k] * y);
+        let scale = (1.0 - 2.0 * back) / dot(normal, normal).sqrt();
+        let n = normal.map(|c| c * scale);
+        let facing = positive(-dot(n, ray) / dot(ray, ray).sqrt());
+        let away = positive(1.0 - facing);
+        let edge = away * away * away;
+        let key = positive(dot(n, self.key));
+        let fill = positive(0.75 * dot(n, self.fill) + 0.25);
+        let rim = positive(dot(n, self.rim)) + 0.25 * edge;
+        let sky = 0.5 * dot(n, self.sky) + 0.5;
+        let gleam = GLEAM * polished(positive(dot(n, self.gleam))) + 0.10 * edge * sky;
+        [0, 1, 2].map(|k| {
+            let ambient = GROUND_LIGHT[k] + (SKY_LIGHT[k] - GROUND_LIGHT[k]) * sky;
+            let diffuse = KEY_LIGHT[k] * key + FILL_LIGHT[k] * fill + RIM_LIGHT[k] * rim + ambient;
+            let colour = self.outside[k] + (self.inside[k] - self.outside[k]) * back;
+            shoulder(colour * diffuse + gleam)
+        })
+    }
+}
+
+/// `x`, or 0 when it is negative or not a number.
+#[inline(always)]
+fn positive(x: f32) -> f32 {
+    if x > 0.0 { x } else { 0.0 }
+}
+
+/// The 40th power: how sharp highlights are.
+#[inline(always)]
+fn polished(x: f32) -> f32 {
+    let x2 = x * x;
+    let x4 = x2 * x2;
+    let x8 = x4 * x4;
+    let x16 = x8 * x8;
+    x16 * x16 * x8
+}
+
+/// Bends bright light softly below 1, so that highlights keep their shape.
+#[inline(always)]
+fn shoulder(light: f32) -> f32 {
+    const KNEE: f32 = 0.75;
+    let over = positive(light - KNEE);
+    light - over + over / (1.0 + over / (1.0 - KNEE))
+}
+
+/// Spots lit at once.
+const LANES: usize = 8;
+
+/// Places of a tile that wait for light.
+#[derive(Debug, Default)]
+pub(super) struct Spots {
+    normal: [Vec<f32>; 3],
+    place: [Vec<f32>; 2],
+    back: Vec<f32>,
+    share: Vec<f32>,
+    pixel: Vec<u32>,
+}
+
+impl Spots {
+    pub(super) fn clear(&mut self) {
+        self.normal.iter_mut().chain(&mut self.place).for_each(Vec::clear);
+        self.back.clear();
+        self.share.clear();
+        self.pixel.clear();
+    }
+
+    /// A spot at pixel coordinates `place` that gives `share` of the light of `pixel`, counted within the tile.
+    pub(super) fn push(&mut self, pixel: u32, share: f32, normal: Vec3f, place: [f32; 2], back: bool) {
+        self.normal.iter_mut().zip(normal).for_each(|(list, c)| list.push(c));
+        self.place.iter_mut().zip(place).for_each(|(list, c)| list.push(c));
+        self.back.push(if back { 1.0 } else { 0.0 });
+        self.share.push(share);
+        self.pixel.push(pixel);
+    }
+}

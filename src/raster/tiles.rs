@@ -1,0 +1,224 @@
+//! The loop over tiles: draw, light, draw lines over it, encode.
+
+#![expect(clippy::cast_precision_loss, reason = "pixel numbers are small")]
+
+use rayon::prelude::*;
+
+use super::TILE;
+use super::frame::{Facet, Frame};
+use super::line::Layer;
+use super::pixmap::{Encoding, Pixmap, premultiplied};
+use super::shade::{Lamps, Spots};
+use super::triangle::{NOBODY, PLACES, SAMPLES, Samples, slope};
+use crate::watch::{Stopped, Watch};
+
+#[expect(clippy::cast_possible_truncation, reason = "a tile is some dozen pixels wide")]
+const SIDE: u32 = TILE as u32;
+
+/// Lines on a surface are lifted toward the viewer by this share of the radius of the scene.
+const LIFT: f64 = 1e-3;
+/// On steep surfaces they are lifted by at most this share.
+const STEEP_LIFT: f64 = 1e-2;
+
+/// Scratch memory of one thread.
+struct Desk {
+    samples: Samples,
+    /// Linear, premultiplied light of each pixel.
+    light: Vec<[f32; 4]>,
+    coverage: Vec<f32>,
+    spots: Spots,
+}
+
+/// Draws every tile of the frame.
+pub(super) fn draw(
+    frame: &Frame<'_>,
+    background: [u8; 4],
+    width: u32,
+    height: u32,
+    watch: &Watch,
+) -> Result<Pixmap, Stopped> {
+    let (columns, n_rows) = (width as usize, height as usize);
+    let mut bytes = vec![0; columns * n_rows * 4];
+    let encoding = Encoding::new();
+    let paper = premultiplied(background);
+    bytes.par_chunks_mut(TILE * columns * 4).enumerate().try_for_each(|(row, band)| {
+        let mut tiles: Vec<Vec<&mut [u8]>> = (0..columns.div_ceil(TILE)).map(|_| Vec::with_capacity(TILE)).collect();
+        for line in band.chunks_mut(columns * 4) {
+            line.chunks_mut(TILE * 4).zip(&mut tiles).for_each(|(part, tile)| tile.push(part));
+        }
+        let n_columns = tiles.len();
+        tiles.par_iter_mut().enumerate().try_for_each_init(Desk::new, |desk, (column, lines)| {
+            watch.check()?;
+            let tile = row * n_columns + column;
+            let origin = [column, row].map(|i| i32::try_from(i * TILE).expect("pictures are bounded"));
+            if desk.draw(frame, tile, origin, paper, watch)? {
+                for (y, line) in lines.iter_mut().enumerate() {
+                    for (pixel, light) in line.chunks_exact_mut(4).zip(&desk.light[y * TILE..]) {
+                        pixel.copy_from_slice(&encoding.pixel(*light));
+                    }
+                }
+            } else {
+                let pixels = lines.iter_mut().flat_map(|line| line.chunks_exact_mut(4));
+                pixels.for_each(|pixel| pixel.copy_from_slice(&background));
+            }
+            Ok(())
+        })
+    })?;
+    Ok(Pixmap { width, height, bytes })
+}
+
+impl Desk {
+    fn new() -> Self {
+        let n = TILE * TILE;
+        Self { samples: Samples::new(), light: vec![[0.0; 4]; n], coverage: vec![0.0; n], spots: Spots::default() }
+    }
+
+    /// Draws one tile into `self.light`; `false` when nothing touches it.
+    fn draw(
+        &mut self,
+        frame: &Frame<'_>,
+        tile: usize,
+        origin: [i32; 2],
+        paper: [f32; 4],
+        watch: &Watch,
+    ) -> Result<bool, Stopped> {
+        let mut ids = frame.tile(tile).peekable();
+        let surface = ids.peek().is_some();
+        if !surface && frame.layers.iter().all(|layer| layer.tile(tile).next().is_none()) {
+            return Ok(false);
+        }
+        self.samples.clear();
+        for (n, id) in ids.enumerate() {
+            if n % 16384 == 16383 {
+                watch.check()?;
+            }
+            self.samples.draw(frame.corners(id), id, origin);
+        }
+        match &frame.lamps {
+            Some(lamps) if surface => self.illuminate(frame, lamps, paper, origin),
+            _ => self.light.fill(paper),
+        }
+        for layer in &frame.layers {
+            self.stroke(frame, layer, tile, origin, watch)?;
+        }
+        Ok(true)
+    }
+
+    /// Lights what is seen of the surface, once for each triangle in a pixel, at the centre of its samples there; what
+    /// is left of the pixel shows the paper.
+    fn illuminate(&mut self, frame: &Frame<'_>, lamps: &Lamps, paper: [f32; 4], origin: [i32; 2]) {
+        let corner = origin.map(|o| o as f32);
+        let mut known = NOBODY;
+        let mut facet = Facet::default();
+        self.spots.clear();
+        for (pixel, (owners, light)) in (0_u32..).zip(self.samples.owner.iter().zip(&mut self.light)) {
+            let (x, y) = ((pixel % SIDE) as f32, (pixel / SIDE) as f32);
+            let mut free = SAMPLES as f32;
+            let alike = owners.iter().all(|owner| *owner == owners[0]);
+            for (s, &owner) in owners.iter().enumerate().take(if alike { 1 } else { SAMPLES }) {
+                if owner == NOBODY || owners[..s].contains(&owner) {
+                    continue;
+                }
+                if owner != known {
+                    (known, facet) = (owner, frame.facet(owner, origin));
+                }
+                let (n, [right, down]) = if alike { (4.0, [0.5, 0.5]) } else { centre(owners, owner) };
+                let place = [x + right, y + down];
+                let global = [corner[0] + place[0], corner[1] + place[1]];
+                self.spots.push(pixel, n / SAMPLES as f32, facet.normal(place), global, facet.back);
+                free -= n;
+            }
+            let rest = free / SAMPLES as f32;
+            *light = paper.map(|c| c * rest);
+        }
+        lamps.illuminate(&self.spots, &mut self.light);
+    }
+
+    /// Draws a layer of lines: first the coverage of all of them, then their colour once, so that joints do not show.
+    fn stroke(
+        &mut self,
+        frame: &Frame<'_>,
+        layer: &Layer,
+        tile: usize,
+        origin: [i32; 2],
+        watch: &Watch,
+    ) -> Result<(), Stopped> {
+        self.coverage.fill(0.0);
+        let mut veil = Veil::new(frame, &self.samples, layer.half_px());
+        for (n, segment) in layer.tile(tile).enumerate() {
+            if n % 4096 == 4095 {
+                watch.check()?;
+            }
+            layer.cover(segment, origin, &mut self.coverage, |pixel, depth| veil.seen(pixel, depth));
+        }
+        for (light, &cover) in self.light.iter_mut().zip(&self.coverage).filter(|(_, cover)| **cover > 0.0) {
+            let rest = 1.0 - cover * layer.light[3];
+            *light = std::array::from_fn(|k| cover * layer.light[k] + rest * light[k]);
+        }
+        Ok(())
+    }
+}
+
+/// How many samples of a pixel `owner` has, and the centre of those, pixels.
+fn centre(owners: &[u32; SAMPLES], owner: u32) -> (f32, [f32; 2]) {
+    let mut n = 0.0;
+    let mut sum = [0.0_f32; 2];
+    for (place, _) in PLACES.iter().zip(owners).filter(|(_, o)| **o == owner) {
+        n += 1.0;
+        sum[0] += place[0] as f32;
+        sum[1] += place[1] as f32;
+    }
+    (n, sum.map(|c| c / (8.0 * n)))
+}
+
+/// What hides lines: the samples of a tile.
+struct Veil<'a> {
+    frame: &'a Frame<'a>,
+    samples: &'a Samples,
+    reach_px: f32,
+    lift: [f32; 2],
+    steep: [f32; 2],
+    known: u32,
+    slope: f32,
+}
+
+impl<'a> Veil<'a> {
+    fn new(frame: &'a Frame<'a>, samples: &'a Samples, half_px: f32) -> Self {
+        let nearer = frame.camera.nearer();
+        #[expect(clippy::cast_possible_truncation, reason = "a lift needs no last digit")]
+        let lifted = |share: f64| nearer.map(|c| (c * share * frame.camera.radius) as f32);
+        Self {
+            frame,
+            samples,
+            reach_px: half_px + 1.0,
+            lift: lifted(LIFT),
+            steep: lifted(STEEP_LIFT),
+            known: NOBODY,
+            slope: 0.0,
+        }
+    }
+
+    /// How much of a pixel, 0 to 1, shows something of this depth, lifted a little so that lines on a surface lie over
+    /// it also where the surface is steep.
+    fn seen(&mut self, pixel: usize, depth: f32) -> f32 {
+        let near = self.lift[0] + self.lift[1] * depth * depth;
+        let most = self.steep[0] + self.steep[1] * depth * depth;
+        let mut n = 0_u8;
+        for s in 0..SAMPLES {
+            let owner = self.samples.owner[pixel][s];
+            let surface = self.samples.depth[pixel][s];
+            if owner == NOBODY || depth + near >= surface {
+                n += 1;
+            } else if depth + most >= surface {
+                if owner != self.known {
+                    let [x, y] = slope(&self.frame.corners(owner));
+                    #[expect(clippy::cast_possible_truncation, reason = "a lift needs no last digit")]
+                    let steepness = (x.abs() + y.abs()) as f32;
+                    (self.known, self.slope) = (owner, steepness);
+                }
+                n += u8::from(depth + near + self.slope * self.reach_px >= surface);
+            }
+        }
+        f32::from(n) / SAMPLES as f32
+    }
+}

@@ -1,0 +1,220 @@
+//! Coverage and depth of triangles in one tile: whole-number edge functions at four samples a pixel.
+//!
+//! Every sample lies on the lattice of eighths of a pixel, so an edge function divided by the 32 sub-pixel steps of an
+//! eighth and rounded down keeps its sign at every sample, and fits 32 bits for every edge that crosses the tile. An
+//! edge that two triangles share is counted for exactly one of them. Source: J. Pineda, SIGGRAPH 1988, 17-20.
+
+#![expect(clippy::cast_possible_truncation, reason = "values are bounded by the guard band, see `project`")]
+
+use super::TILE;
+use super::project::{STEPS, Vertex};
+
+/// Samples a pixel.
+pub(super) const SAMPLES: usize = 4;
+
+/// Places of the samples in eighths of a pixel, right and down: no two in one row, column or diagonal.
+pub(super) const PLACES: [[i32; 2]; SAMPLES] = [[3, 1], [7, 3], [1, 5], [5, 7]];
+
+/// Owner of a sample that no triangle covers.
+pub(super) const NOBODY: u32 = u32::MAX;
+
+const EIGHTH: i32 = STEPS / 8;
+const SIDE: i32 = TILE as i32;
+
+/// Depth and owner of every sample of a tile.
+#[derive(Debug)]
+pub(super) struct Samples {
+    /// `TILE x TILE` pixels, four depths each; 0 is infinitely far.
+    pub(super) depth: Vec<[f32; SAMPLES]>,
+    /// The triangle seen at each sample.
+    pub(super) owner: Vec<[u32; SAMPLES]>,
+    /// No sample is farther than this.
+    farthest: f32,
+    /// Pixels visited since `farthest` was found.
+    visited: usize,
+}
+
+/// A triangle prepared for a tile; values are those of the first pixel of its bounding box.
+struct Setup {
+    /// At each sample of the pixel; not negative inside.
+    edges: [[i32; SAMPLES]; 3],
+    /// Steps to the next pixel.
+    right: [i32; 3],
+    down: [i32; 3],
+    /// Pixels of the tile, bounds included: left, top, right, bottom.
+    pixels: [i32; 4],
+    depth: [f32; SAMPLES],
+    slope: [f32; 2],
+    range: [f32; 2],
+}
+
+impl Samples {
+    pub(super) fn new() -> Self {
+        let n = TILE * TILE;
+        Self { depth: vec![[0.0; SAMPLES]; n], owner: vec![[NOBODY; SAMPLES]; n], farthest: 0.0, visited: 0 }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.depth.fill([0.0; SAMPLES]);
+        self.owner.fill([NOBODY; SAMPLES]);
+        (self.farthest, self.visited) = (0.0, 0);
+    }
+
+    /// Draws one triangle into the tile whose first pixel is `origin`.
+    pub(super) fn draw(&mut self, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
+        let nearest = corners[0].depth.max(corners[1].depth).max(corners[2].depth);
+        if nearest <= self.farthest {
+            return;
+        }
+        let Some(setup) = Setup::new(corners, origin) else { return };
+        let [left, top, right, bottom] = setup.pixels;
+        self.visited += ((right - left + 1) * (bottom - top + 1)) as usize;
+        self.fill(&setup, id);
+        if self.visited > 4 * TILE * TILE {
+            self.visited = 0;
+            self.farthest = self.depth.iter().flatten().fold(f32::INFINITY, |far, &d| far.min(d));
+        }
+    }
+
+    fn fill(&mut self, setup: &Setup, id: u32) {
+        let [left, top, right, bottom] = setup.pixels;
+        let n = (right - left + 1) as usize;
+        let mut start = setup.edges;
+        for (row, y) in (top..=bottom).enumerate() {
+            let first = (y * SIDE + left) as usize;
+            let lift = row as f32 * setup.slope[1];
+            let base = setup.depth.map(|z| z + lift);
+            let mut edges = start;
+            let depths = &mut self.depth[first..first + n];
+            let owners = &mut self.owner[first..first + n];
+            for (column, (depth, owner)) in depths.iter_mut().zip(owners).enumerate() {
+                let outside: [i32; SAMPLES] = std::array::from_fn(|s| edges[0][s] | edges[1][s] | edges[2][s]);
+                if outside[0] & outside[1] & outside[2] & outside[3] >= 0 {
+                    let shift = column as f32 * setup.slope[0];
+                    for s in 0..SAMPLES {
+                        let z = base[s] + shift;
+                        let z = if z > setup.range[0] { z } else { setup.range[0] };
+                        let z = if z < setup.range[1] { z } else { setup.range[1] };
+                        let seen = (outside[s] >= 0) & (z > depth[s]);
+                        depth[s] = if seen { z } else { depth[s] };
+                        owner[s] = if seen { id } else { owner[s] };
+                    }
+                }
+                step(&mut edges, setup.right);
+            }
+            step(&mut start, setup.down);
+        }
+    }
+}
+
+/// Moves the edge functions on.
+fn step(edges: &mut [[i32; SAMPLES]; 3], by: [i32; 3]) {
+    for (edge, by) in edges.iter_mut().zip(by) {
+        *edge = edge.map(|e| e.wrapping_add(by));
+    }
+}
+
+/// Twice the signed area in square steps.
+pub(super) fn area(&[a, b, c]: &[Vertex; 3]) -> i64 {
+    i64::from(b.x - a.x) * i64::from(c.y - a.y) - i64::from(c.x - a.x) * i64::from(b.y - a.y)
+}
+
+/// Pixels that hold a sample of the bounding box: left, top, right, bottom, bounds included.
+pub(super) fn pixel_box(&[a, b, c]: &[Vertex; 3]) -> [i32; 4] {
+    let low = |u: i32| (u - 7 * EIGHTH + STEPS - 1).div_euclid(STEPS);
+    let high = |u: i32| (u - EIGHTH).div_euclid(STEPS);
+    [low(a.x.min(b.x).min(c.x)), low(a.y.min(b.y).min(c.y)), high(a.x.max(b.x).max(c.x)), high(a.y.max(b.y).max(c.y))]
+}
+
+/// One edge in a tile.
+enum Edge {
+    /// The tile lies outside.
+    Outside,
+    /// The tile lies inside.
+    Inside,
+    /// Value at the origin of the tile and steps for each eighth of a pixel, right and down.
+    Crossing(i32, i32, i32),
+}
+
+fn edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> Edge {
+    let (dx, dy) = (i64::from(b.x - a.x), i64::from(b.y - a.y));
+    let counts = dy > 0 || (dy == 0 && dx > 0);
+    let x = i64::from(origin[0] * STEPS - a.x);
+    let y = i64::from(origin[1] * STEPS - a.y);
+    let value = (dx * y - dy * x - i64::from(!counts)) >> EIGHTH.trailing_zeros();
+    let last = i64::from(8 * SIDE - 1);
+    if value + (-dy * last).max(0) + (dx * last).max(0) < 0 {
+        Edge::Outside
+    } else if value + (-dy * last).min(0) + (dx * last).min(0) >= 0 {
+        Edge::Inside
+    } else {
+        Edge::Crossing(value as i32, -dy as i32, dx as i32)
+    }
+}
+
+impl Setup {
+    fn new(mut corners: [Vertex; 3], origin: [i32; 2]) -> Option<Self> {
+        let area = area(&corners);
+        if area < 0 {
+            corners.swap(1, 2);
+        }
+        let [x0, y0, x1, y1] = pixel_box(&corners);
+        let last = SIDE - 1;
+        let left = (x0 - origin[0]).max(0);
+        let top = (y0 - origin[1]).max(0);
+        let pixels = [left, top, (x1 - origin[0]).min(last), (y1 - origin[1]).min(last)];
+        if left > pixels[2] || top > pixels[3] || area == 0 {
+            return None;
+        }
+        let mut setup = Self {
+            edges: [[0; SAMPLES]; 3],
+            right: [0; 3],
+            down: [0; 3],
+            pixels,
+            depth: [0.0; SAMPLES],
+            slope: [0.0; 2],
+            range: [0.0; 2],
+        };
+        for k in 0..3 {
+            match edge(corners[k], corners[(k + 1) % 3], origin) {
+                Edge::Outside => return None,
+                Edge::Inside => {}
+                Edge::Crossing(value, right, down) => {
+                    (setup.right[k], setup.down[k]) = (8 * right, 8 * down);
+                    let first = value.wrapping_add(8 * right * left).wrapping_add(8 * down * top);
+                    setup.edges[k] = PLACES.map(|[x, y]| first.wrapping_add(right * x + down * y));
+                }
+            }
+        }
+        setup.interpolate(&corners, [origin[0] + left, origin[1] + top]);
+        Some(setup)
+    }
+
+    /// The plane of depths, from the first pixel of the box.
+    fn interpolate(&mut self, corners: &[Vertex; 3], first: [i32; 2]) {
+        let [a, b, c] = *corners;
+        let slope = slope(corners);
+        let x = f64::from(first[0] * STEPS - a.x) / f64::from(STEPS);
+        let y = f64::from(first[1] * STEPS - a.y) / f64::from(STEPS);
+        let corner = f64::from(a.depth) + slope[0] * x + slope[1] * y;
+        self.depth =
+            PLACES.map(|[x, y]| (corner + slope[0] * f64::from(x) / 8.0 + slope[1] * f64::from(y) / 8.0) as f32);
+        self.slope = slope.map(|s| s as f32);
+        self.range = [a.depth.min(b.depth).min(c.depth), a.depth.max(b.depth).max(c.depth)];
+    }
+}
+
+/// Growth of depth for each pixel to the right and down; 0 for a triangle without area.
+pub(super) fn slope(corners: &[Vertex; 3]) -> [f64; 2] {
+    let [a, b, c] = *corners;
+    let area = area(corners);
+    if area == 0 {
+        return [0.0; 2];
+    }
+    let (db, dc) = (f64::from(b.depth) - f64::from(a.depth), f64::from(c.depth) - f64::from(a.depth));
+    let (bx, by) = (f64::from(b.x - a.x), f64::from(b.y - a.y));
+    let (cx, cy) = (f64::from(c.x - a.x), f64::from(c.y - a.y));
+    #[expect(clippy::cast_precision_loss, reason = "areas stay below 2^48")]
+    let scale = f64::from(STEPS) / area as f64;
+    [(db * cy - dc * by) * scale, (dc * bx - db * cx) * scale]
+}

@@ -1,0 +1,136 @@
+//! Refinement: applies a plan's steps to points. Nothing outside knows how a net is stored.
+
+mod refined;
+
+pub use refined::RefinedMesh;
+
+use std::sync::Arc;
+
+use crate::math::rows::{RowSource, blend};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::step::{Action, StepError, Values};
+use crate::shape::mesh::Mesh;
+use crate::shape::polygon::Polygon;
+use crate::shape::source::Curve;
+use crate::watch::{Stopped, Watch};
+
+/// Why a refinement ended early.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RefineError {
+    /// It was asked to stop.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    /// An operator could not be applied.
+    #[error("level {level}: {error}")]
+    Step {
+        /// Where.
+        level: u32,
+        /// Why.
+        error: StepError,
+    },
+    /// A coordinate grew beyond all bounds.
+    #[error("level {level}: a coordinate is no longer finite; choose tamer parameters or fewer levels")]
+    NotFinite {
+        /// The first such level.
+        level: u32,
+    },
+}
+
+/// The net of a polygon before refinement.
+pub fn polygon_net(polygon: &Polygon, plan: &Plan) -> PolygonNet {
+    PolygonNet::new(polygon.len(), polygon.closed, plan.ends, &polygon.corners)
+}
+
+/// The net of a mesh before refinement.
+pub fn mesh_net(mesh: &Mesh, plan: &Plan) -> MeshNet {
+    MeshNet::new(mesh.topology.clone(), &mesh.corners, &mesh.holes, plan.boundary)
+}
+
+/// Refines one polygon.
+///
+/// # Errors
+/// [`RefineError`].
+pub fn refine_polygon(
+    polygon: &Polygon,
+    plan: &Plan,
+    steps: &[Scheduled],
+    watch: &Watch,
+) -> Result<Curve, RefineError> {
+    let mut net = polygon_net(polygon, plan);
+    let mut points = Points::new(polygon.points.clone(), polygon.dimension);
+    for step in steps {
+        let next = step.letter.operator.on_polygon(&net, &values(plan, step)).map_err(|error| at(step, error))?;
+        points.act(&next.action, step, watch)?;
+        net = next.net;
+    }
+    Ok(Curve { points: points.now, dimension: polygon.dimension, closed: polygon.closed })
+}
+
+/// Refines a mesh.
+///
+/// # Errors
+/// [`RefineError`].
+pub fn refine_mesh(mesh: &Mesh, plan: &Plan, steps: &[Scheduled], watch: &Watch) -> Result<RefinedMesh, RefineError> {
+    let mut net = mesh_net(mesh, plan);
+    let mut points = Points::new(mesh.positions.clone(), 3);
+    for step in steps {
+        let next = step.letter.operator.on_mesh(&net, &values(plan, step)).map_err(|error| at(step, error))?;
+        points.act(&next.action, step, watch)?;
+        net = next.net;
+    }
+    Ok(RefinedMesh::new(net, points.now))
+}
+
+fn values<'a>(plan: &'a Plan, step: &Scheduled) -> Values<'a> {
+    Values { arity: step.letter.arity, kernel: step.kernel, compensation: step.compensation, delta: &plan.delta }
+}
+
+fn at(step: &Scheduled, error: StepError) -> RefineError {
+    RefineError::Step { level: step.level, error }
+}
+
+/// Points of a net, `n x width`, with those that entered the last U.
+struct Points {
+    now: Vec<f64>,
+    anchor: Vec<f64>,
+    width: usize,
+}
+
+impl Points {
+    fn new(now: Vec<f64>, width: usize) -> Self {
+        Self { now, anchor: Vec::new(), width }
+    }
+
+    fn act(&mut self, action: &Action, step: &Scheduled, watch: &Watch) -> Result<(), RefineError> {
+        match action {
+            Action::Blend(rows) => self.now = blend(&**rows, &self.now, self.width, watch)?,
+            Action::BlendFromAnchor(rows) => {
+                let next = blend(&**rows, &self.now, self.width, watch)?;
+                self.anchor = std::mem::replace(&mut self.now, next);
+            }
+            Action::PushBack { rows, children } => self.push_back(&**rows, children, watch)?,
+            Action::Keep => {}
+        }
+        // a sum of finite numbers that overflows stays infinite or NaN, so a sample of the sums would not do
+        if self.now.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(RefineError::NotFinite { level: step.level }) }
+    }
+
+    /// `points + rows x (anchor - children)`.
+    fn push_back(&mut self, rows: &dyn RowSource, children: &Arc<[u32]>, watch: &Watch) -> Result<(), Stopped> {
+        let w = self.width;
+        let mut differences = self.anchor.clone();
+        for (difference, &child) in differences.chunks_exact_mut(w).zip(children.iter()) {
+            let child = child as usize * w;
+            for (d, x) in difference.iter_mut().zip(&self.now[child..child + w]) {
+                *d -= x;
+            }
+        }
+        let moves = blend(rows, &differences, w, watch)?;
+        for (x, m) in self.now.iter_mut().zip(&moves) {
+            *x += m;
+        }
+        Ok(())
+    }
+}

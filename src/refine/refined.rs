@@ -1,0 +1,118 @@
+//! A refined mesh as a source for the writers, in the documented order.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::scheme::mesh_net::MeshNet;
+use crate::shape::grid::Grid;
+use crate::shape::source::{FaceChunk, MeshSource};
+use crate::shape::topology::Topology;
+
+/// A refined mesh: positions in the order of construction, and the way from there to the documented order.
+#[derive(Debug)]
+pub struct RefinedMesh {
+    points: Vec<f64>,
+    base: Arc<Topology>,
+    /// `None` when the mesh was not split since its base: then the orders agree.
+    grid: Option<Grid>,
+    shown: Shown,
+}
+
+/// The faces that are shown: runs of consecutive ones.
+#[derive(Debug)]
+struct Shown {
+    /// For each run its first number among the shown faces and its first face.
+    runs: Vec<(usize, usize)>,
+    n: usize,
+    n_corners: usize,
+}
+
+impl RefinedMesh {
+    /// The mesh of a net with its points in the order of construction, `n x 3`.
+    pub fn new(net: MeshNet, points: Vec<f64>) -> Self {
+        let grid = net.parent.map(|parent| Grid::new(net.base.clone(), parent, net.splits));
+        let shown = Shown::new(&net.base, grid.as_ref(), &net.holes);
+        Self { points, base: net.base, grid, shown }
+    }
+
+    /// Positions of all vertices in the documented order, model units.
+    pub fn all_positions(&self) -> Vec<[f64; 3]> {
+        let mut positions = Vec::new();
+        self.positions(0..self.n_vertices(), &mut positions);
+        positions
+    }
+}
+
+impl Shown {
+    fn new(base: &Topology, grid: Option<&Grid>, holes: &[u32]) -> Self {
+        let all = grid.map_or(base.n_faces(), Grid::n_faces);
+        let first = |f: usize| if f == base.n_faces() { all } else { grid.map_or(f, |grid| grid.first_face(f)) };
+        let corners = |f: usize| base.face(f).len();
+        let mut runs = Vec::new();
+        let (mut n, mut n_corners, mut from) = (0, 0, 0);
+        let hidden = holes.iter().map(|&f| f as usize).chain([base.n_faces()]);
+        for hole in hidden {
+            if hole > from {
+                runs.push((n, first(from)));
+                n += first(hole) - first(from);
+                n_corners += (from..hole).map(corners).sum::<usize>();
+            }
+            from = hole + 1;
+        }
+        let n_corners = if grid.is_some() { 4 * n } else { n_corners };
+        Self { runs, n, n_corners }
+    }
+
+    fn face(&self, shown: usize) -> usize {
+        let run = self.runs.partition_point(|(first, _)| *first <= shown) - 1;
+        let (first_shown, first) = self.runs[run];
+        first + shown - first_shown
+    }
+}
+
+impl MeshSource for RefinedMesh {
+    fn n_vertices(&self) -> usize {
+        self.points.len() / 3
+    }
+
+    fn n_faces(&self) -> usize {
+        self.shown.n
+    }
+
+    fn n_corners(&self) -> usize {
+        self.shown.n_corners
+    }
+
+    fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
+        let (points, _) = self.points.as_chunks::<3>();
+        match &self.grid {
+            None => {
+                out.clear();
+                out.extend_from_slice(&points[range]);
+            }
+            Some(grid) => range
+                .into_par_iter()
+                .with_min_len(4096)
+                .map(|v| points[grid.constructed(v) as usize])
+                .collect_into_vec(out),
+        }
+    }
+
+    fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
+        out.clear();
+        match &self.grid {
+            None => range.for_each(|f| out.push(self.base.face(self.shown.face(f)))),
+            Some(grid) => {
+                out.sizes.resize(range.len(), 4);
+                out.vertices.resize(4 * range.len(), 0);
+                let (quads, _) = out.vertices.as_chunks_mut::<4>();
+                let start = range.start;
+                quads.par_iter_mut().with_min_len(4096).enumerate().for_each(|(i, quad)| {
+                    *quad = grid.face(self.shown.face(start + i));
+                });
+            }
+        }
+    }
+}

@@ -1,0 +1,273 @@
+//! The forecast: exact counts of every level, before anything is allocated for them.
+
+use std::sync::Arc;
+
+use super::mesh_net::MeshNet;
+use super::ops::Role;
+use super::plan::{Plan, Scheduled};
+use super::polygon_net::{Extent, PolygonNet};
+use super::step::{StepError, Values};
+use crate::fault::Fault;
+use crate::math::expression::Expression;
+use crate::shape::topology::Topology;
+
+/// Counts of one net.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Count {
+    /// Points or vertices.
+    pub vertices: u128,
+    /// Edges (of a polygon: pairs of neighbouring points).
+    pub edges: u128,
+    /// Faces, hidden ones included; 0 for polygons.
+    pub faces: u128,
+    /// Sum of the sizes of all faces.
+    pub corners: u128,
+    /// Hidden faces.
+    pub hidden_faces: u128,
+    /// Sum of the sizes of the hidden faces.
+    pub hidden_corners: u128,
+}
+
+impl Count {
+    fn plus(self, other: Self) -> Self {
+        Self {
+            vertices: self.vertices.saturating_add(other.vertices),
+            edges: self.edges.saturating_add(other.edges),
+            faces: self.faces.saturating_add(other.faces),
+            corners: self.corners.saturating_add(other.corners),
+            hidden_faces: self.hidden_faces.saturating_add(other.hidden_faces),
+            hidden_corners: self.hidden_corners.saturating_add(other.hidden_corners),
+        }
+    }
+
+    fn of_mesh(net: &MeshNet) -> Self {
+        let topology = &net.base;
+        let sizes = net.holes.iter().map(|&f| topology.face(f as usize).len() as u128);
+        let mut count = Self {
+            vertices: topology.n_vertices() as u128,
+            edges: topology.n_edges() as u128,
+            faces: topology.n_faces() as u128,
+            corners: topology.n_corners() as u128,
+            hidden_faces: net.holes.len() as u128,
+            hidden_corners: sizes.sum(),
+        };
+        for _ in 0..net.splits {
+            count = count.split();
+        }
+        count
+    }
+
+    /// After a U: V + E + F vertices, 2 E + (sum of sizes) edges, as many quads as there were corners.
+    fn split(self) -> Self {
+        let four = |n: u128| n.saturating_mul(4);
+        Self {
+            vertices: self.vertices.saturating_add(self.edges).saturating_add(self.faces),
+            edges: self.edges.saturating_mul(2).saturating_add(self.corners),
+            faces: self.corners,
+            corners: four(self.corners),
+            hidden_faces: self.hidden_corners,
+            hidden_corners: four(self.hidden_corners),
+        }
+    }
+
+    /// After a D on a closed mesh: vertices and faces change places.
+    fn dual(self) -> Self {
+        Self { vertices: self.faces, faces: self.vertices, corners: self.edges.saturating_mul(2), ..self }
+    }
+}
+
+/// Counts of every level of a job: entry 0 after the prefix, then one a level.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Forecast {
+    /// One entry a level.
+    pub levels: Vec<Count>,
+    /// The largest net met between operators.
+    pub peak: Count,
+    /// Rows of weights to be made in all: the unit of progress.
+    pub work: u128,
+}
+
+/// Why there is no forecast.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ForecastError {
+    /// An operator cannot be applied.
+    #[error("level {level}: {error}")]
+    Step {
+        /// Where.
+        level: u32,
+        /// Why.
+        error: StepError,
+    },
+    /// A net that can only be counted by building it passes the cap.
+    #[error("level {level} would have more than {cap} vertices")]
+    Cap {
+        /// The first such level.
+        level: u32,
+        /// The cap.
+        cap: u128,
+    },
+}
+
+/// Collects counts step by step.
+struct Tally {
+    levels: Vec<Count>,
+    peak: Count,
+    work: u128,
+}
+
+impl Tally {
+    fn new(start: Count) -> Self {
+        Self { levels: vec![start], peak: start, work: 0 }
+    }
+
+    fn step(&mut self, step: &Scheduled, count: Count) {
+        self.work = self.work.saturating_add(count.vertices);
+        if count.vertices > self.peak.vertices {
+            self.peak = count;
+        }
+        let level = step.level as usize;
+        while self.levels.len() <= level {
+            self.levels.push(count);
+        }
+        self.levels[level] = count;
+    }
+
+    /// Levels that have no operator repeat the one before.
+    fn finish(self) -> Forecast {
+        Forecast { levels: self.levels, peak: self.peak, work: self.work }
+    }
+}
+
+/// The forecast of several polygons refined alike.
+///
+/// # Errors
+/// When an operator cannot be applied to one of them.
+pub fn of_polygons(nets: &[PolygonNet], steps: &[Scheduled]) -> Result<Forecast, ForecastError> {
+    let mut sum: Option<Forecast> = None;
+    for net in nets {
+        let one = of_polygon(net, steps)?;
+        sum = Some(match sum {
+            None => one,
+            Some(sum) => Forecast {
+                levels: sum.levels.iter().zip(&one.levels).map(|(a, b)| a.plus(*b)).collect(),
+                peak: sum.peak.plus(one.peak),
+                work: sum.work.saturating_add(one.work),
+            },
+        });
+    }
+    Ok(sum.unwrap_or(Forecast { levels: vec![Count::default()], peak: Count::default(), work: 0 }))
+}
+
+fn of_polygon(net: &PolygonNet, steps: &[Scheduled]) -> Result<Forecast, ForecastError> {
+    let mut extent = net.extent;
+    let mut n = net.n as u128;
+    let count = |n: u128, extent: Extent| {
+        let edges = if extent == Extent::Closed { n } else { n.saturating_sub(1) };
+        Count { vertices: n, edges, ..Count::default() }
+    };
+    let mut tally = Tally::new(count(n, extent));
+    for step in steps {
+        (n, extent) = polygon_step(step, n, extent);
+        if n < 2 {
+            let error = StepError::TooFewPoints(usize::try_from(n).unwrap_or(0));
+            return Err(ForecastError::Step { level: step.level, error });
+        }
+        tally.step(step, count(n, extent));
+    }
+    Ok(tally.finish())
+}
+
+fn polygon_step(step: &Scheduled, n: u128, extent: Extent) -> (u128, Extent) {
+    let d = u128::from(step.letter.arity);
+    let dual = step.letter.operator.letter() == Some('D');
+    match (step.letter.operator.role(), extent) {
+        (Role::Upsample, Extent::Closed) => (n.saturating_mul(d), extent),
+        (Role::Upsample, Extent::Whole | Extent::Natural) => ((n - 1).saturating_mul(d).saturating_add(1), extent),
+        (Role::Upsample, Extent::Half) => ((n - 2).saturating_mul(2).saturating_add(1), Extent::Whole),
+        (Role::Average, Extent::Whole) if dual => (n.saturating_add(1), Extent::Half),
+        (Role::Average, Extent::Half) if dual => (n - 1, Extent::Whole),
+        (Role::Average, Extent::Natural) => (n.saturating_sub(if dual { 1 } else { 2 }), extent),
+        _ => (n, extent),
+    }
+}
+
+/// The forecast of a mesh. A mesh whose duals cannot be counted in closed form (open, or with vertices of valence 2)
+/// is followed through its topologies, which never pass `cap` vertices.
+///
+/// # Errors
+/// When an operator cannot be applied, or the cap is passed.
+pub fn of_mesh(net: &MeshNet, steps: &[Scheduled], cap: u128) -> Result<Forecast, ForecastError> {
+    let is_dual = |step: &Scheduled| step.letter.operator.letter() == Some('D');
+    let first_dual = steps.iter().position(is_dual);
+    let first_split = steps.iter().position(|step| step.letter.operator.role() == Role::Upsample);
+    let split_before = first_dual.is_none_or(|dual| first_split.is_some_and(|split| split < dual));
+    if first_dual.is_none() || split_before && is_simple(&net.base) {
+        Ok(counted(net, steps))
+    } else {
+        followed(net, steps, cap)
+    }
+}
+
+/// Closed, without isolated vertices, every valence 3 or more.
+fn is_simple(topology: &Topology) -> bool {
+    topology.n_boundary() == 0 && (0..topology.n_vertices()).all(|v| topology.ring(v).count() >= 3)
+}
+
+fn counted(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
+    let mut count = Count::of_mesh(net);
+    let mut tally = Tally::new(count);
+    for step in steps {
+        if step.letter.operator.role() == Role::Upsample {
+            count = count.split();
+        } else if step.letter.operator.letter() == Some('D') {
+            count = count.dual();
+        }
+        tally.step(step, count);
+    }
+    tally.finish()
+}
+
+fn followed(net: &MeshNet, steps: &[Scheduled], cap: u128) -> Result<Forecast, ForecastError> {
+    let mut net = net.clone();
+    let mut count = Count::of_mesh(&net);
+    let mut tally = Tally::new(count);
+    let one = Expression::constant(1.0);
+    for step in steps {
+        if step.letter.operator.role() == Role::Upsample {
+            count = count.split();
+            if count.vertices > cap || count.corners > cap.saturating_mul(8) {
+                return Err(ForecastError::Cap { level: step.level, cap });
+            }
+        }
+        if step.letter.operator.role() == Role::Upsample || step.letter.operator.letter() == Some('D') {
+            let values = Values { arity: step.letter.arity, kernel: 1.0, compensation: 1.0, delta: &one };
+            let next = step.letter.operator.on_mesh(&net, &values);
+            net = next.map_err(|error| ForecastError::Step { level: step.level, error })?.net;
+            count = Count::of_mesh(&net);
+        }
+        tally.step(step, count);
+    }
+    Ok(tally.finish())
+}
+
+/// Checks that delta has a value at every valence that the first levels of a mesh can show it.
+///
+/// # Errors
+/// A fault naming the valence.
+pub fn check_delta(plan: &Plan, topology: &Arc<Topology>) -> Result<(), Fault> {
+    if plan.delta.is_constant() {
+        return Ok(());
+    }
+    let mut valences: Vec<usize> = (0..topology.n_vertices()).map(|v| topology.ring(v).count()).collect();
+    valences.extend((0..topology.n_faces()).map(|f| topology.face(f).len()));
+    valences.sort_unstable();
+    valences.dedup();
+    for valence in valences.into_iter().filter(|&n| n > 0) {
+        #[expect(clippy::cast_precision_loss, reason = "valences are far below 2^52")]
+        let value = plan.delta.value(valence as f64);
+        if let Err(error) = value {
+            return Err(Fault::new("/parameters/delta", format!("{error} (valence {valence})")));
+        }
+    }
+    Ok(())
+}

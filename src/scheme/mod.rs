@@ -1,0 +1,11 @@
+//! Schemes: words over operators, presets that spell them, and what they do to a net's connectivity and weights.
+//! Coordinates are never seen here.
+
+pub mod forecast;
+pub mod mesh_net;
+pub mod ops;
+pub mod plan;
+pub mod polygon_net;
+pub mod presets;
+pub mod step;
+pub mod word;

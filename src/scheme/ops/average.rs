@@ -1,0 +1,185 @@
+//! C: the convolution average.
+
+use std::sync::Arc;
+
+use super::upsample::ratio;
+use super::{Operator, Role};
+use crate::math::rows::{Rows, RowsBy};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::polygon_net::{Anchor, Extent, Phase, PolygonNet};
+use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::shape::topology::{NONE, Topology, index};
+
+/// C, the convolution average: D twice, re-centred; on meshes the mean of the loop centres around a vertex.
+#[derive(Debug)]
+pub(super) struct Average;
+
+impl Operator for Average {
+    fn letter(&self) -> Option<char> {
+        Some('C')
+    }
+
+    fn name(&self) -> &'static str {
+        "average"
+    }
+
+    fn doc(&self) -> &'static str {
+        "The convolution average: D twice, re-centred. Curves: vertices (1, 2f, 1), edge points (f, 2, f), each over \
+         2(1 + f), with the kernel f in the first average after a U and 1 else. Meshes: the mean of the loop centres \
+         (f^2 V + f (E1 + E2) + F) / (1 + f)^2 of the quads around a vertex; boundaries follow the curve rule, corners \
+         stay."
+    }
+
+    fn source(&self) -> &'static str {
+        "Zhang and Wang 2002, formulas (2) and (5); Zorin and Schroeder, CAGD 18 (2001), 429-454"
+    }
+
+    fn role(&self) -> Role {
+        Role::Average
+    }
+
+    fn uses(&self) -> &'static [&'static str] {
+        &["kernel"]
+    }
+
+    fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
+        let natural = net.extent == Extent::Natural;
+        let trimmed = usize::from(natural);
+        let n = if natural { PolygonNet::remaining(net.n.saturating_sub(2))? } else { net.n };
+        let (old, f) = (net.clone(), values.kernel);
+        let rows = RowsBy::new(n, net.n, move |row, out: &mut Rows| {
+            let ends_fixed = matches!(old.extent, Extent::Whole | Extent::Half);
+            if ends_fixed && (row == 0 || row == n - 1) {
+                out.add(index(row), 1.0);
+                return;
+            }
+            let i = row + trimmed - old.first();
+            let centre = i.cast_signed();
+            if old.is_corner(i) {
+                old.add(centre, 1.0, out);
+                return;
+            }
+            let (side, middle) = if old.is_vertex(i) { (1.0, 2.0 * f) } else { (f, 2.0) };
+            let sum = 2.0 * (1.0 + f);
+            old.add(centre - 1, side / sum, out);
+            old.add(centre, middle / sum, out);
+            old.add(centre + 1, side / sum, out);
+        });
+        let anchor = net.anchor.clone().map(|anchor| Anchor { lost: natural || anchor.lost, ..anchor });
+        let next = PolygonNet { n, anchor, ..trim(net, trimmed, n) };
+        Ok(Step { net: next, action: Action::Blend(Box::new(rows)) })
+    }
+
+    fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+        let (old, n) = (net.clone(), net.n_vertices());
+        let action = match &net.parent {
+            Some(parent) => split_rows(old, parent.clone(), values.kernel),
+            None => plain_rows(old),
+        };
+        debug_assert_eq!(n, net.n_vertices());
+        Ok(Step { net: net.clone(), action })
+    }
+}
+
+/// The net without its first `by` points.
+fn trim(net: &PolygonNet, by: usize, n: usize) -> PolygonNet {
+    let shift = index(by);
+    let phase = net.phase.map(|phase| Phase { offset: (phase.offset + shift) % phase.arity, ..phase });
+    let corners = net.corners.iter().filter_map(|&c| c.checked_sub(shift)).filter(|&c| (c as usize) < n).collect();
+    PolygonNet { phase, corners, ..net.clone() }
+}
+
+/// C on a mesh whose vertices are the V, E, F of a split.
+fn split_rows(net: MeshNet, parent: Arc<Topology>, f: f64) -> Action {
+    let (n_v, n_e) = (parent.n_vertices(), parent.n_edges());
+    let n = net.n_vertices();
+    let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
+        if row < n_v {
+            if net.is_corner(row) || parent.is_isolated(row) {
+                out.add(index(row), 1.0);
+            } else {
+                vertex_row(&parent, row, f, out);
+            }
+        } else if row < n_v + n_e {
+            edge_row(&parent, row - n_v, f, out);
+        } else {
+            face_row(&parent, row - n_v - n_e, f, out);
+        }
+    });
+    Action::Blend(Box::new(rows))
+}
+
+/// Interior: `(N f^2 V + 2 f sum E + sum F) / (N (1 + f)^2)`; boundary: `(E + 2 f V + E) / (2 (1 + f))`.
+fn vertex_row(parent: &Topology, v: usize, f: f64, out: &mut Rows) {
+    let n_v = index(parent.n_vertices());
+    if let Some(edges) = parent.boundary_edges(v) {
+        let sum = 2.0 * (1.0 + f);
+        out.add(index(v), 2.0 * f / sum);
+        edges.iter().for_each(|&e| out.add(n_v + e, 1.0 / sum));
+        return;
+    }
+    let valence = ratio(parent.ring(v).count(), 1);
+    let sum = valence * (1.0 + f) * (1.0 + f);
+    out.add(index(v), valence * f * f / sum);
+    for corner in parent.ring(v) {
+        out.add(n_v + parent.edge(corner), 2.0 * f / sum);
+        out.add(n_v + index(parent.n_edges() + parent.face_of(corner)), 1.0 / sum);
+    }
+}
+
+/// Interior: `(2 f^2 (V1 + V2) + 4 f E + 2 (F1 + F2) + f (Ea + Eb + Ec + Ed)) / (4 (1 + f)^2)`; boundary:
+/// `(f V1 + 2 E + f V2) / (2 (1 + f))`.
+fn edge_row(parent: &Topology, e: usize, f: f64, out: &mut Rows) {
+    let n_v = index(parent.n_vertices());
+    let ends = parent.ends(e);
+    let corners = parent.edge_corners(e);
+    let here = n_v + index(e);
+    if corners[1] == NONE {
+        let sum = 2.0 * (1.0 + f);
+        out.add(here, 2.0 / sum);
+        ends.iter().for_each(|&v| out.add(v, f / sum));
+        return;
+    }
+    let sum = 4.0 * (1.0 + f) * (1.0 + f);
+    out.add(here, 4.0 * f / sum);
+    ends.iter().for_each(|&v| out.add(v, 2.0 * f * f / sum));
+    for corner in corners {
+        out.add(n_v + index(parent.n_edges() + parent.face_of(corner)), 2.0 / sum);
+        out.add(n_v + parent.edge(parent.next(corner)), f / sum);
+        out.add(n_v + parent.edge(parent.previous(corner)), f / sum);
+    }
+}
+
+/// `(n F + f^2 sum V + 2 f sum E) / (n (1 + f)^2)`.
+fn face_row(parent: &Topology, face: usize, f: f64, out: &mut Rows) {
+    let n_v = index(parent.n_vertices());
+    let size = ratio(parent.face(face).len(), 1);
+    let sum = size * (1.0 + f) * (1.0 + f);
+    out.add(n_v + index(parent.n_edges() + face), size / sum);
+    for corner in parent.corners(face) {
+        out.add(parent.vertex(corner), f * f / sum);
+        out.add(n_v + parent.edge(corner), 2.0 * f / sum);
+    }
+}
+
+/// C where there are no labels: the mean of the centroids of the faces around a vertex; boundary `(1, 2, 1) / 4`.
+fn plain_rows(net: MeshNet) -> Action {
+    let n = net.n_vertices();
+    let rows = RowsBy::new(n, n, move |v, out: &mut Rows| {
+        let topology = &net.base;
+        if net.is_corner(v) || topology.is_isolated(v) {
+            out.add(index(v), 1.0);
+        } else if let Some([onward, from]) = topology.boundary_edges(v) {
+            out.add(index(v), 0.5);
+            out.add(topology.ends(onward as usize)[1], 0.25);
+            out.add(topology.ends(from as usize)[0], 0.25);
+        } else {
+            let valence = topology.ring(v).count();
+            for corner in topology.ring(v) {
+                let face = topology.face(topology.face_of(corner));
+                face.iter().for_each(|&u| out.add(u, ratio(1, valence * face.len())));
+            }
+        }
+    });
+    Action::Blend(Box::new(rows))
+}

@@ -1,0 +1,173 @@
+//! D: the dual average.
+
+use std::sync::Arc;
+
+use super::upsample::ratio;
+use super::{Operator, Role};
+use crate::math::rows::{Rows, RowsBy};
+use crate::scheme::mesh_net::{self, MeshNet};
+use crate::scheme::polygon_net::{self, Extent, PolygonNet};
+use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::shape::check::{Checked, FaceList, Winding};
+use crate::shape::grid::Grid;
+use crate::shape::topology::{Topology, index};
+
+/// D, the dual average: one new point for each edge of a curve, for each face of a mesh.
+#[derive(Debug)]
+pub(super) struct Dual;
+
+impl Operator for Dual {
+    fn letter(&self) -> Option<char> {
+        Some('D')
+    }
+
+    fn name(&self) -> &'static str {
+        "dual"
+    }
+
+    fn doc(&self) -> &'static str {
+        "The dual average. Curves: q[j] = (w[j] p[j] + w[j+1] p[j+1]) / (w[j] + w[j+1]), with the kernel f as weight of \
+         vertices and 1 of edge points for the first average after a U, all 1 else. Meshes: one vertex for each face, at \
+         the mean of its vertices (weights f^2 for V, f for E, 1 for F in the first average after a U); one face for \
+         each interior vertex."
+    }
+
+    fn source(&self) -> &'static str {
+        "Lane and Riesenfeld, IEEE PAMI 2 (1980), 35-46; Zhang and Wang 2002, formula (2)"
+    }
+
+    fn role(&self) -> Role {
+        Role::Average
+    }
+
+    fn uses(&self) -> &'static [&'static str] {
+        &["kernel"]
+    }
+
+    fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
+        if !net.corners.is_empty() {
+            return Err(StepError::DualTags("corners"));
+        }
+        // the first D looks forward, the second back, so that two of them are centred again
+        let back = usize::from(net.duals % 2 == 1);
+        let (n, extent) = match net.extent {
+            Extent::Closed => (net.n, Extent::Closed),
+            Extent::Whole => (net.n + 1, Extent::Half),
+            Extent::Half => (net.n - 1, Extent::Whole),
+            Extent::Natural => (PolygonNet::remaining(net.n - 1)?, Extent::Natural),
+        };
+        let (old, f) = (net.clone(), values.kernel);
+        let rows = RowsBy::new(n, net.n, move |row, out: &mut Rows| {
+            let ends_fixed = matches!(old.extent, Extent::Whole | Extent::Half);
+            if ends_fixed && (row == 0 || row == n - 1) {
+                out.add(index(if row == 0 { 0 } else { old.n - 1 }), 1.0);
+                return;
+            }
+            let left = match old.extent {
+                Extent::Closed => (row + old.n - back) % old.n,
+                Extent::Natural => row,
+                Extent::Whole | Extent::Half => row - 1,
+            };
+            let right = if old.is_closed() { (left + 1) % old.n } else { left + 1 };
+            let weight = |i| if old.is_vertex(i) { f } else { 1.0 };
+            let (a, b) = (weight(left), weight(right));
+            old.add(left.cast_signed(), a / (a + b), out);
+            old.add(right.cast_signed(), b / (a + b), out);
+        });
+        let lost = net.extent == Extent::Natural;
+        let anchor = net.anchor.clone().map(|anchor| polygon_net::Anchor { lost: lost || anchor.lost, ..anchor });
+        let next = PolygonNet { n, extent, duals: net.duals + 1, anchor, ..net.clone() };
+        Ok(Step { net: next, action: Action::Blend(Box::new(rows)) })
+    }
+
+    fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+        if let Some(tags) = net.tagged {
+            return Err(StepError::DualTags(tags));
+        }
+        let ordered = Ordered::of(net);
+        let faces = dual_faces(&ordered)?;
+        if faces.is_empty() {
+            return Err(StepError::NoInterior);
+        }
+        let n_old = net.n_vertices();
+        let complete = faces.len() == n_old;
+        let checked = manifold(ordered.faces.len(), faces)?;
+        let (split_from, parent) = (checked.split_from, net.parent.clone());
+        let (n_new, f) = (checked.topology.n_vertices(), values.kernel);
+        let Ordered { faces, order, .. } = ordered;
+        let order_here = order.clone();
+        let n_faces = faces.len();
+        let rows = RowsBy::new(n_new, n_old, move |row, out: &mut Rows| {
+            let face = if row < n_faces { row } else { split_from[row - n_faces] as usize };
+            mean_of_face(faces.face(face), order.as_deref(), parent.as_deref(), f, out);
+        });
+        let anchor = net.anchor.clone().map(|anchor| mesh_net::Anchor {
+            lost: !complete || anchor.lost,
+            order: anchor.order.clone().or(order_here),
+            ..anchor
+        });
+        Ok(Step { net: net.after_dual(checked.topology, anchor), action: Action::Blend(Box::new(rows)) })
+    }
+}
+
+/// The weighted mean of the vertices of one face: weights f^2, f, 1 for V, E, F of the last U, equal ones when f is 1.
+fn mean_of_face(face: &[u32], order: Option<&[u32]>, parent: Option<&Topology>, f: f64, out: &mut Rows) {
+    let constructed = |v: u32| order.map_or(v, |order| order[v as usize]);
+    let Some(parent) = parent else {
+        face.iter().for_each(|&v| out.add(v, ratio(1, face.len())));
+        return;
+    };
+    let weight = |v: u32| match constructed(v) as usize {
+        v if v < parent.n_vertices() => f * f,
+        v if v < parent.n_vertices() + parent.n_edges() => f,
+        _ => 1.0,
+    };
+    let sum: f64 = face.iter().map(|&v| weight(v)).sum();
+    face.iter().for_each(|&v| out.add(constructed(v), weight(v) / sum));
+}
+
+/// The faces of a net in the documented order, with each vertex's number in the order of construction.
+struct Ordered {
+    faces: FaceList,
+    order: Option<Arc<[u32]>>,
+    topology: Arc<Topology>,
+}
+
+impl Ordered {
+    fn of(net: &MeshNet) -> Self {
+        let topology = net.topology();
+        let mut faces = FaceList::default();
+        let Some(parent) = net.parent.clone() else {
+            (0..topology.n_faces()).for_each(|f| faces.push(topology.face(f).iter().copied()));
+            return Self { faces, order: None, topology };
+        };
+        let grid = Grid::new(net.base.clone(), parent, net.splits);
+        (0..grid.n_faces()).for_each(|f| faces.push(grid.face(f)));
+        let order = (0..grid.n_vertices()).map(|v| grid.constructed(v)).collect();
+        Self { faces, order: Some(order), topology }
+    }
+}
+
+/// For each interior vertex in order the cycle of its faces, counter-clockwise, starting at the lowest.
+fn dual_faces(ordered: &Ordered) -> Result<FaceList, StepError> {
+    let explicit = manifold(ordered.topology.n_vertices(), ordered.faces.clone())?.topology;
+    let mut faces = FaceList::default();
+    for v in 0..explicit.n_vertices() {
+        if explicit.is_isolated(v) || explicit.boundary_edges(v).is_some() {
+            continue;
+        }
+        let mut cycle: Vec<u32> = explicit.ring(v).map(|corner| index(explicit.face_of(corner))).collect();
+        if cycle.len() < 3 {
+            continue;
+        }
+        let lowest = (0..cycle.len()).min_by_key(|&i| cycle[i]).unwrap_or(0);
+        cycle.rotate_left(lowest);
+        faces.push(cycle);
+    }
+    Ok(faces)
+}
+
+fn manifold(n_vertices: usize, faces: FaceList) -> Result<Checked, StepError> {
+    Topology::of_faces(n_vertices, faces, Winding::Refuse)
+        .map_err(|faults| StepError::DualNotManifold(faults.first().map_or(String::new(), ToString::to_string)))
+}

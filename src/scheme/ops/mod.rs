@@ -1,0 +1,97 @@
+//! Operators: one file each; the registry is the only place that lists them.
+
+mod average;
+mod catmull_clark;
+mod dual;
+mod push_back;
+mod upsample;
+
+use std::fmt;
+
+pub use catmull_clark::CatmullClark;
+
+use super::mesh_net::MeshNet;
+use super::polygon_net::PolygonNet;
+use super::step::{Step, StepError, Values};
+
+/// Every operator, in the order of the documentation.
+pub const OPERATORS: &[&dyn Operator] =
+    &[&upsample::Upsample, &dual::Dual, &average::Average, &push_back::PushBack, &catmull_clark::CatmullClark];
+
+/// Arities of U.
+pub const ARITIES: Arities = Arities { least: 2, most: 2 };
+
+/// A range of arities.
+#[derive(Debug, Clone, Copy)]
+pub struct Arities {
+    /// Smallest.
+    pub least: u32,
+    /// Largest.
+    pub most: u32,
+}
+
+impl Arities {
+    /// Whether `arity` is one of them.
+    pub fn contains(self, arity: u32) -> bool {
+        (self.least..=self.most).contains(&arity)
+    }
+}
+
+impl fmt::Display for Arities {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.least == self.most { write!(f, "{}", self.least) } else { write!(f, "{} to {}", self.least, self.most) }
+    }
+}
+
+/// The operator of a letter.
+pub fn lettered(letter: char) -> Option<&'static dyn Operator> {
+    OPERATORS.iter().copied().find(|op| op.letter() == Some(letter))
+}
+
+/// The operator of a name.
+pub fn named(name: &str) -> Option<&'static dyn Operator> {
+    OPERATORS.iter().copied().find(|op| op.name() == name)
+}
+
+/// What an operator means for the parameters that change along a plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// Divides alpha at the next of its kind, and lets the next average use the kernel.
+    Upsample,
+    /// Uses the kernel when it is the first since an upsampling.
+    Average,
+    /// Uses the compensation and delta.
+    PushBack,
+    /// Uses no parameter that changes.
+    Smooth,
+}
+
+/// An operator: weights and connectivity, never coordinates.
+pub trait Operator: fmt::Debug + Send + Sync {
+    /// Its letter in words; presets may use operators that have none.
+    fn letter(&self) -> Option<char> {
+        None
+    }
+    /// Its name in the catalogue and in keys.
+    fn name(&self) -> &'static str;
+    /// What it does, with the formula.
+    fn doc(&self) -> &'static str;
+    /// Author, year, page.
+    fn source(&self) -> &'static str;
+    /// What it means for the parameters.
+    fn role(&self) -> Role;
+    /// The plan parameters it uses.
+    fn uses(&self) -> &'static [&'static str] {
+        &[]
+    }
+    /// The step on a polygon.
+    ///
+    /// # Errors
+    /// When the operator cannot be applied here.
+    fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError>;
+    /// The step on a mesh.
+    ///
+    /// # Errors
+    /// When the operator cannot be applied here.
+    fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError>;
+}

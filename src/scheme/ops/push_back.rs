@@ -1,0 +1,157 @@
+//! P: the push-back.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::{Operator, Role};
+use crate::math::expression::Expression;
+use crate::math::rows::{Rows, RowsBy};
+use crate::scheme::mesh_net::{self, MeshNet};
+use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::shape::topology::{Topology, index};
+
+/// P, the push-back towards what entered the last U: `D_i = delta (P_i - V_i)`; `V += D_i`, `E += omega/2 (D_1 + D_2)`,
+/// `F += omega^2 / n sum D`.
+#[derive(Debug)]
+pub(super) struct PushBack;
+
+impl Operator for PushBack {
+    fn letter(&self) -> Option<char> {
+        Some('P')
+    }
+
+    fn name(&self) -> &'static str {
+        "push-back"
+    }
+
+    fn doc(&self) -> &'static str {
+        "Pushes back towards the polygon or mesh that entered the last U. With D = delta (old - new) at each vertex: \
+         vertices move by D, edge points by omega/2 (D1 + D2), face points of an n-gon by omega^2/n times the sum over \
+         its vertices; omega is the compensation. delta 0 changes nothing, 1 interpolates. Needs an even number of D \
+         since the last U."
+    }
+
+    fn source(&self) -> &'static str {
+        "Zhang and Wang 2002, formulas (3) and (6)-(9)"
+    }
+
+    fn role(&self) -> Role {
+        Role::PushBack
+    }
+
+    fn uses(&self) -> &'static [&'static str] {
+        &["delta", "compensation"]
+    }
+
+    fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
+        let anchor = net.anchor.clone().ok_or(StepError::NoAnchor)?;
+        legal(net.duals, anchor.lost, "natural ends")?;
+        let delta = values.delta.value(f64::NAN).map_err(|error| StepError::Delta { valence: 2, error })?;
+        let phase = net.phase.ok_or(StepError::NoAnchor)?;
+        let d = phase.arity as usize;
+        let children = (0..anchor.n_control).map(|i| index(d * i + phase.offset as usize));
+        let mut child_of: Vec<u32> = vec![0; anchor.n];
+        child_of[anchor.n - 1] = index(net.n - 1);
+        child_of[anchor.first..anchor.first + anchor.n_control].copy_from_slice(&children.collect::<Vec<_>>());
+        let (omega, closed, n) = (values.compensation, net.is_closed(), net.n);
+        let offset = phase.offset as usize;
+        let rows = RowsBy::new(n, anchor.n, move |row, out: &mut Rows| {
+            let mut push = |i: usize, weight: f64| {
+                let i = if closed { i % anchor.n_control } else { i };
+                let free = anchor.corners.binary_search(&index(i)).is_err();
+                if free && i < anchor.n_control {
+                    out.add(index(i + anchor.first), weight * delta);
+                }
+            };
+            // the end points of a dual polygon lie half a step outside its first and last point; the push-backs on both
+            // sides of them cancel
+            if offset == 1 && (row == 0 || row + 1 == n) {
+                return;
+            }
+            let (i, j) = ((row - offset) / d, (row - offset) % d);
+            if j == 0 {
+                push(i, 1.0);
+            } else {
+                push(i, omega / 2.0);
+                push(i + 1, omega / 2.0);
+            }
+        });
+        let children: Arc<[u32]> = child_of.into();
+        Ok(Step { net: net.clone(), action: Action::PushBack { rows: Box::new(rows), children } })
+    }
+
+    fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+        let anchor = net.anchor.clone().ok_or(StepError::NoAnchor)?;
+        legal(net.duals, anchor.lost, "the boundary")?;
+        let deltas = deltas(&anchor, values.delta)?;
+        let omega = values.compensation;
+        let children = children(&anchor);
+        let (n_v, n_e) = (anchor.topology.n_vertices(), anchor.topology.n_edges());
+        let rows = RowsBy::new(net.n_vertices(), n_v, move |row, out: &mut Rows| {
+            let place = anchor.order.as_ref().map_or(row, |order| order[row] as usize);
+            let mut push = |v: u32, weight: f64| out.add(v, weight * deltas[v as usize]);
+            if place < n_v {
+                push(index(place), 1.0);
+            } else if place < n_v + n_e {
+                anchor.topology.ends(place - n_v).iter().for_each(|&v| push(v, omega / 2.0));
+            } else {
+                let face = anchor.topology.face(place - n_v - n_e);
+                let weight = omega * omega / super::upsample::ratio(face.len(), 1);
+                face.iter().for_each(|&v| push(v, weight));
+            }
+        });
+        Ok(Step { net: net.clone(), action: Action::PushBack { rows: Box::new(rows), children } })
+    }
+}
+
+fn legal(duals: u32, lost: bool, to: &'static str) -> Result<(), StepError> {
+    if lost {
+        Err(StepError::LostPoints(to))
+    } else if duals % 2 == 1 {
+        Err(StepError::OddDuals(duals))
+    } else {
+        Ok(())
+    }
+}
+
+/// The vertex of the net that came of each anchor vertex.
+fn children(anchor: &mesh_net::Anchor) -> Arc<[u32]> {
+    let n_v = anchor.topology.n_vertices();
+    let mut children: Vec<u32> = (0..index(n_v)).collect();
+    if let Some(order) = &anchor.order {
+        for (here, &place) in order.iter().enumerate() {
+            if (place as usize) < n_v {
+                children[place as usize] = index(here);
+            }
+        }
+    }
+    children.into()
+}
+
+/// The push-back factor of each anchor vertex: 0 at corners, else the expression at its valence (4 on the boundary).
+fn deltas(anchor: &mesh_net::Anchor, delta: &Expression) -> Result<Vec<f64>, StepError> {
+    let mut known: BTreeMap<usize, f64> = BTreeMap::new();
+    let mut deltas = Vec::with_capacity(anchor.topology.n_vertices());
+    for v in 0..anchor.topology.n_vertices() {
+        let valence = valence(&anchor.topology, v);
+        let value = if let Some(&value) = known.get(&valence) {
+            value
+        } else {
+            let value = delta.value(super::upsample::ratio(valence, 1));
+            let value = value.map_err(|error| StepError::Delta { valence, error })?;
+            known.insert(valence, value);
+            value
+        };
+        deltas.push(value);
+    }
+    for &corner in anchor.corners.iter() {
+        deltas[corner as usize] = 0.0;
+    }
+    Ok(deltas)
+}
+
+/// The valence that expressions see: 4 on the boundary and at isolated vertices.
+fn valence(topology: &Topology, v: usize) -> usize {
+    if topology.is_isolated(v) || topology.boundary_edges(v).is_some() { 4 } else { topology.ring(v).count() }
+}

@@ -1,0 +1,133 @@
+//! Presets: named schemes, spelled as words over operators; the registry is the only place that lists them.
+
+mod b_splines;
+mod interpolating;
+mod meshes;
+mod push_back;
+
+use crate::fault::Fault;
+use crate::math::expression::Expression;
+use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::scheme::ops::{self, Operator};
+use crate::scheme::word::Letter;
+
+/// Every preset, in the order of the documentation.
+pub const PRESETS: &[&Preset] = &[
+    &b_splines::CHAIKIN,
+    &b_splines::CUBIC_B_SPLINE,
+    &b_splines::B_SPLINE,
+    &b_splines::C_B_SPLINE,
+    &interpolating::FOUR_POINT,
+    &push_back::PUSH_BACK,
+    &meshes::CATMULL_CLARK,
+    &meshes::BILINEAR,
+];
+
+/// The preset of a name.
+pub fn named(name: &str) -> Option<&'static Preset> {
+    PRESETS.iter().copied().find(|preset| preset.name == name)
+}
+
+/// A named scheme.
+#[derive(Debug)]
+pub struct Preset {
+    /// Name in requests.
+    pub name: &'static str,
+    /// What it is, with the formula.
+    pub doc: &'static str,
+    /// Author, year, page.
+    pub source: &'static str,
+    /// Its parameters.
+    pub parameters: &'static [Parameter],
+    /// Which inputs it refines.
+    pub refines: Refines,
+    /// How it is spelled.
+    pub spell: fn(&Values) -> Result<Spelling, Vec<Fault>>,
+}
+
+/// Which inputs a preset refines.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refines {
+    /// Polygons only.
+    Curves,
+    /// Meshes only.
+    Meshes,
+    /// Both.
+    Both,
+}
+
+/// A scheme spelled out: the cycle and the functions that its operators use.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spelling {
+    /// The word applied once a level.
+    pub cycle: Vec<Letter>,
+    /// Parameter spacing that enters the first U.
+    pub alpha: f64,
+    /// Kernels of the first, second, ... average after a U, in alpha.
+    pub kernel: Vec<Expression>,
+    /// Compensation function, in alpha.
+    pub compensation: Expression,
+    /// Push-back factor, in valence.
+    pub delta: Expression,
+}
+
+impl Spelling {
+    /// The cycle with alpha 0, kernel 1, compensation 1, delta 1.
+    fn of(cycle: Vec<Letter>) -> Self {
+        let one = Expression::constant(1.0);
+        Self { cycle, alpha: 0.0, kernel: vec![one.clone()], compensation: one.clone(), delta: one }
+    }
+}
+
+/// Letters of operators that have one.
+fn letters(word: &str) -> Vec<Letter> {
+    let operator = |letter| ops::lettered(letter).expect("presets are spelled in letters of the registry");
+    word.chars().map(|letter| plain(operator(letter))).collect()
+}
+
+fn plain(operator: &'static dyn Operator) -> Letter {
+    Letter { operator, arity: 2 }
+}
+
+/// The parameters shared by words and push-back.
+pub const ALPHA: Parameter = Parameter {
+    name: "alpha",
+    kind: Kind::Number { min: -1e6, max: 1e6 },
+    unit: "radians",
+    default: Default::Number(0.0),
+    doc: "Parameter spacing that enters the first U; each later U divides it by the arity of the U before it.",
+};
+
+/// The kernel f(alpha).
+pub const KERNEL: Parameter = Parameter {
+    name: "kernel",
+    kind: Kind::Expressions { variable: "alpha", most: 8 },
+    unit: "",
+    default: Default::Number(1.0),
+    doc: "Weight of vertices in the first average after a U; a list gives the second, third, ... average theirs.",
+};
+
+/// The compensation function omega(alpha).
+pub const COMPENSATION: Parameter = Parameter {
+    name: "compensation",
+    kind: Kind::Expression { variable: "alpha" },
+    unit: "",
+    default: Default::Number(1.0),
+    doc: "How strongly P moves edge points (omega) and face points (omega squared) along with the vertices.",
+};
+
+/// The push-back factor delta.
+pub const DELTA: Parameter = Parameter {
+    name: "delta",
+    kind: Kind::Expression { variable: "valence" },
+    unit: "",
+    default: Default::Number(1.0),
+    doc: "Push-back factor: 0 approximates, 1 interpolates; on meshes it may depend on the valence (4 on boundaries).",
+};
+
+/// Parameters of a plan given as a word.
+pub const WORD_PARAMETERS: &[Parameter] = &[ALPHA, KERNEL, COMPENSATION, DELTA];
+
+fn expression(values: &Values, name: &str) -> Expression {
+    values.expression(name).cloned().unwrap_or_else(|| Expression::constant(1.0))
+}

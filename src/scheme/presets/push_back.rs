@@ -1,0 +1,36 @@
+//! Semi-stationary push-back subdivision.
+
+use super::{ALPHA, COMPENSATION, DELTA, KERNEL, Preset, Refines, Spelling, expression, letters};
+use crate::math::parameter::{Default, Kind, Parameter};
+
+pub(super) const PUSH_BACK: Preset = Preset {
+    name: "push-back",
+    doc: "Semi-stationary push-back subdivision: the word U C^k P with kernel f(alpha), compensation omega(alpha) and \
+          push-back factor delta, from approximating (0) to interpolating (1). Kernel cos(alpha/2) and compensation \
+          1/cos(alpha/2) with alpha = 2 pi / K turn regular K-gons into circles for every delta.",
+    source: "Zhang and Wang 2002, formulas (1)-(9), theorem 1",
+    parameters: &[
+        ALPHA,
+        KERNEL,
+        COMPENSATION,
+        DELTA,
+        Parameter {
+            name: "k",
+            kind: Kind::Integer { min: 1, max: 8 },
+            unit: "",
+            default: Default::Number(1.0),
+            doc: "Number of convolution averages a level.",
+        },
+    ],
+    refines: Refines::Both,
+    spell: |values| {
+        let k = values.integer("k").and_then(|k| usize::try_from(k).ok()).unwrap_or(1);
+        Ok(Spelling {
+            alpha: values.number("alpha").unwrap_or(0.0),
+            kernel: values.expressions("kernel").to_vec(),
+            compensation: expression(values, "compensation"),
+            delta: expression(values, "delta"),
+            ..Spelling::of(letters(&format!("U{}P", "C".repeat(k))))
+        })
+    },
+};

@@ -1,0 +1,83 @@
+//! What one operator does to one net: the net that follows and the weights that lead to it.
+
+use std::sync::Arc;
+
+use crate::math::expression::{Expression, ExpressionError};
+use crate::math::rows::RowSource;
+
+/// The numbers an operator works with at one place of a plan.
+#[derive(Debug, Clone, Copy)]
+pub struct Values<'a> {
+    /// Arity of the upsampling.
+    pub arity: u32,
+    /// Value of the kernel for this average.
+    pub kernel: f64,
+    /// Value of the compensation function.
+    pub compensation: f64,
+    /// Push-back factor, an expression in the valence.
+    pub delta: &'a Expression,
+}
+
+/// One step of a refinement.
+#[derive(Debug)]
+pub struct Step<Net> {
+    /// The net after the step.
+    pub net: Net,
+    /// How its points come about.
+    pub action: Action,
+}
+
+/// How the points of a step come about.
+#[derive(Debug)]
+pub enum Action {
+    /// `points <- rows x points`.
+    Blend(Box<dyn RowSource>),
+    /// The points are remembered as the anchor, then blended.
+    BlendFromAnchor(Box<dyn RowSource>),
+    /// `points <- points + rows x (anchor - children)`; `children[i]` is the point that came of anchor point `i`.
+    PushBack {
+        /// One row for each point, over the anchor's points.
+        rows: Box<dyn RowSource>,
+        /// For each anchor point its child.
+        children: Arc<[u32]>,
+    },
+    /// The points stay as they are.
+    Keep,
+}
+
+/// Why an operator cannot be applied.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum StepError {
+    /// Push-back without an upsampling before it.
+    #[error("P needs a U before it: it pushes back towards what entered the last U")]
+    NoAnchor,
+    /// Push-back in a dual net.
+    #[error("P needs an even number of D since the last U; here it is {0}")]
+    OddDuals(u32),
+    /// Push-back after points were lost.
+    #[error("P needs a child of every point that entered the last U; here some were lost to {0}")]
+    LostPoints(&'static str),
+    /// Too few points would remain.
+    #[error("natural ends leave {0} points; at least 2 must remain: give more points or use clamped ends")]
+    TooFewPoints(usize),
+    /// D where something cannot follow.
+    #[error("D cannot carry {0}: leave them out or use C, which is two D at once")]
+    DualTags(&'static str),
+    /// A mesh without interior vertices has no dual.
+    #[error("D needs a vertex all of whose faces meet in a full ring; this mesh has none")]
+    NoInterior,
+    /// The dual is no manifold, as when two faces share several edges.
+    #[error("D is not possible here, as the dual is no manifold ({0}); apply a U first")]
+    DualNotManifold(String),
+    /// The operator acts on the other kind of net only.
+    #[error("{0}")]
+    WrongNet(&'static str),
+    /// The push-back factor has no value at some valence.
+    #[error("delta: {error} (valence {valence})")]
+    Delta {
+        /// Where it failed.
+        valence: usize,
+        /// Why.
+        error: ExpressionError,
+    },
+}

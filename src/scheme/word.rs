@@ -1,0 +1,203 @@
+//! Words: the grammar `item* [ '(' item+ ')' ]`, `item := letter [ '^' n ] | '(' item+ ')' '^' n`.
+
+use super::ops::{self, Operator};
+
+/// Longest text of a word, bytes.
+pub const MAX_BYTES: usize = 256;
+/// Most letters of a word after its powers are written out.
+pub const MAX_LETTERS: usize = 64;
+/// Deepest nesting of groups.
+pub const MAX_DEPTH: usize = 8;
+
+/// One letter of a word: an operator, and for U its arity.
+#[derive(Debug, Clone, Copy)]
+pub struct Letter {
+    /// The operator.
+    pub operator: &'static dyn Operator,
+    /// Arity of an upsampling, 2 for all others.
+    pub arity: u32,
+}
+
+impl PartialEq for Letter {
+    fn eq(&self, other: &Self) -> bool {
+        self.operator.name() == other.operator.name() && self.arity == other.arity
+    }
+}
+
+/// A word: the prefix is applied once, then the cycle once a level.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Word {
+    /// Applied once, first.
+    pub prefix: Vec<Letter>,
+    /// Applied once a level.
+    pub cycle: Vec<Letter>,
+}
+
+/// Why a text is no word.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum WordError {
+    /// Nothing to apply.
+    #[error("the word is empty; write at least one operator ({known})", known = known())]
+    Empty,
+    /// Longer than [`MAX_BYTES`].
+    #[error("the word has {0} bytes, at most {MAX_BYTES} are allowed; use powers such as (UC)^3")]
+    TooLong(usize),
+    /// More than [`MAX_LETTERS`] once written out.
+    #[error(
+        "the word has more than {MAX_LETTERS} letters once its powers are written out; ask for more levels instead"
+    )]
+    TooManyLetters,
+    /// Nested deeper than [`MAX_DEPTH`].
+    #[error("groups are nested deeper than {MAX_DEPTH}; write them out")]
+    TooDeep,
+    /// A letter that is no operator.
+    #[error("\"{letter}\" at character {at} is no operator; known are {known}", known = known())]
+    UnknownLetter {
+        /// The letter.
+        letter: char,
+        /// Its place, from 1.
+        at: usize,
+    },
+    /// Something else was expected.
+    #[error("expected {expected} at character {at}")]
+    Expected {
+        /// What would be right.
+        expected: &'static str,
+        /// The place, from 1.
+        at: usize,
+    },
+    /// An arity that no operator offers.
+    #[error("U{arity} is not offered; the arity of U is {}", ops::ARITIES)]
+    Arity {
+        /// The arity asked for.
+        arity: u32,
+    },
+}
+
+fn known() -> String {
+    ops::OPERATORS.iter().filter_map(|op| op.letter()).map(String::from).collect::<Vec<_>>().join(", ")
+}
+
+impl Word {
+    /// Reads a word. Without a trailing group the whole word is the cycle.
+    ///
+    /// # Errors
+    /// [`WordError`] naming the place.
+    pub fn parse(text: &str) -> Result<Self, WordError> {
+        if text.len() > MAX_BYTES {
+            return Err(WordError::TooLong(text.len()));
+        }
+        let characters: Vec<char> = text.chars().collect();
+        let mut parser = Parser { text: &characters, at: 0 };
+        let (letters, cycle) = parser.items(0)?;
+        if letters.is_empty() && cycle.is_none() {
+            return Err(WordError::Empty);
+        }
+        Ok(match cycle {
+            Some(cycle) => Self { prefix: letters, cycle },
+            None => Self { prefix: Vec::new(), cycle: letters },
+        })
+    }
+
+    /// The word with these letters repeated.
+    pub fn cycle(cycle: Vec<Letter>) -> Self {
+        Self { prefix: Vec::new(), cycle }
+    }
+
+    /// All letters of the prefix and `levels` cycles, in time order.
+    pub fn letters(&self, levels: u32) -> impl Iterator<Item = Letter> + '_ {
+        let cycles = (0..levels).flat_map(|_| self.cycle.iter());
+        self.prefix.iter().chain(cycles).copied()
+    }
+}
+
+struct Parser<'a> {
+    text: &'a [char],
+    at: usize,
+}
+
+impl Parser<'_> {
+    fn peek(&self) -> Option<char> {
+        self.text.get(self.at).copied()
+    }
+
+    fn expected(&self, expected: &'static str) -> WordError {
+        WordError::Expected { expected, at: self.at + 1 }
+    }
+
+    /// Items up to the end or a closing parenthesis; a group without a power is the cycle and must come last.
+    fn items(&mut self, depth: usize) -> Result<(Vec<Letter>, Option<Vec<Letter>>), WordError> {
+        if depth > MAX_DEPTH {
+            return Err(WordError::TooDeep);
+        }
+        let mut letters = Vec::new();
+        while let Some(next) = self.peek() {
+            if next == ')' && depth > 0 {
+                break;
+            }
+            let (unit, group) = if next == '(' { (self.group(depth)?, true) } else { (vec![self.letter()?], false) };
+            match self.power()? {
+                Some(n) => (0..n).try_for_each(|_| extend(&mut letters, &unit))?,
+                None if !group => extend(&mut letters, &unit)?,
+                None if depth == 0 && self.peek().is_none() => return Ok((letters, Some(unit))),
+                None => {
+                    return Err(self.expected("\"^\" and a power after the group; only the last group may go without"));
+                }
+            }
+        }
+        Ok((letters, None))
+    }
+
+    fn group(&mut self, depth: usize) -> Result<Vec<Letter>, WordError> {
+        self.at += 1;
+        let (letters, _) = self.items(depth + 1)?;
+        if letters.is_empty() {
+            return Err(self.expected("an operator in the group"));
+        }
+        if self.peek() != Some(')') {
+            return Err(self.expected("\")\""));
+        }
+        self.at += 1;
+        Ok(letters)
+    }
+
+    fn letter(&mut self) -> Result<Letter, WordError> {
+        let at = self.at + 1;
+        let letter = self.peek().ok_or_else(|| self.expected("an operator"))?;
+        let operator = ops::lettered(letter).ok_or(WordError::UnknownLetter { letter, at })?;
+        self.at += 1;
+        let arity = match self.peek() {
+            Some('0'..='9') if letter == 'U' => self.number()?,
+            _ => 2,
+        };
+        if ops::ARITIES.contains(arity) { Ok(Letter { operator, arity }) } else { Err(WordError::Arity { arity }) }
+    }
+
+    fn power(&mut self) -> Result<Option<u32>, WordError> {
+        if self.peek() != Some('^') {
+            return Ok(None);
+        }
+        self.at += 1;
+        match self.number()? {
+            0 => Err(self.expected("a power of at least 1")),
+            n => Ok(Some(n)),
+        }
+    }
+
+    fn number(&mut self) -> Result<u32, WordError> {
+        let mut value = None;
+        while let Some(digit) = self.peek().and_then(|c| c.to_digit(10)) {
+            value = Some(value.unwrap_or(0_u32).saturating_mul(10).saturating_add(digit));
+            self.at += 1;
+        }
+        value.ok_or_else(|| self.expected("a number"))
+    }
+}
+
+fn extend(letters: &mut Vec<Letter>, unit: &[Letter]) -> Result<(), WordError> {
+    if letters.len() + unit.len() > MAX_LETTERS {
+        return Err(WordError::TooManyLetters);
+    }
+    letters.extend_from_slice(unit);
+    Ok(())
+}

@@ -1,0 +1,297 @@
+//! Checks of a face list, and the topology of one that passes.
+
+use rayon::prelude::*;
+
+use super::topology::{Faces, NONE, Topology, index};
+use crate::fault::Fault;
+
+/// Most faults reported one by one; the rest are counted.
+const MAX_REPORTED: usize = 20;
+
+/// A face list: face `f` has the vertices `vertices[starts[f]..starts[f + 1]]`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FaceList {
+    starts: Vec<u32>,
+    vertices: Vec<u32>,
+}
+
+impl Default for FaceList {
+    fn default() -> Self {
+        Self { starts: vec![0], vertices: Vec::new() }
+    }
+}
+
+impl FaceList {
+    /// Appends a face.
+    pub fn push(&mut self, vertices: impl IntoIterator<Item = u32>) {
+        self.vertices.extend(vertices);
+        self.starts.push(index(self.vertices.len()));
+    }
+
+    /// Number of faces.
+    pub fn len(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Whether there is no face.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The vertices of face `f`.
+    pub fn face(&self, f: usize) -> &[u32] {
+        &self.vertices[self.starts[f] as usize..self.starts[f + 1] as usize]
+    }
+
+    fn reverse(&mut self, f: usize) {
+        self.vertices[self.starts[f] as usize..self.starts[f + 1] as usize].reverse();
+    }
+}
+
+/// What to do with faces whose winding disagrees with their neighbours'.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Winding {
+    /// They are a fault.
+    #[default]
+    Refuse,
+    /// They are turned to agree with the lowest face of their component.
+    Repair,
+}
+
+/// A topology with what was changed to get it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Checked {
+    /// The topology of the faces.
+    pub topology: Topology,
+    /// For each vertex appended by splitting fans apart: the vertex it was split from.
+    pub split_from: Vec<u32>,
+    /// Faces that were turned.
+    pub turned: Vec<u32>,
+}
+
+impl Topology {
+    /// Builds the topology of `faces` over `n_vertices` vertices.
+    ///
+    /// Edges are numbered by first appearance when the faces are scanned in order, corner by corner. A vertex that joins
+    /// several fans of faces is split into one vertex a fan; the fan of the lowest corner keeps the number.
+    ///
+    /// # Errors
+    /// Every fault with a pointer `/faces/...`: faces of fewer than three vertices, repeated or missing vertices, edges
+    /// with three faces or more, components that cannot be oriented or are wound inconsistently.
+    pub fn of_faces(n_vertices: usize, mut faces: FaceList, winding: Winding) -> Result<Checked, Vec<Fault>> {
+        check_faces(n_vertices, &faces)?;
+        let mut sides = sides(&faces);
+        check_edges(&faces, &sides)?;
+        let turned = orient(&mut faces, &sides, winding)?;
+        if !turned.is_empty() {
+            sides = self::sides(&faces);
+        }
+        let mut topology = connect(n_vertices, faces, &sides);
+        let split_from = topology.part_fans();
+        Ok(Checked { topology, split_from, turned })
+    }
+
+    /// Finds each vertex's first corner; splits vertices with several fans. Returns the origins of the added vertices.
+    fn part_fans(&mut self) -> Vec<u32> {
+        let mut seen = vec![false; self.n_corners()];
+        let mut split_from = Vec::new();
+        for corner in 0..index(self.n_corners()) {
+            if seen[corner as usize] {
+                continue;
+            }
+            let start = self.fan_start(corner);
+            let fan: Vec<u32> = super::topology::Ring::from(self, start).collect();
+            for &c in &fan {
+                seen[c as usize] = true;
+            }
+            let vertex = self.vertex(corner);
+            if self.vertex_corner[vertex as usize] == NONE {
+                self.vertex_corner[vertex as usize] = start;
+            } else {
+                let added = index(self.n_vertices);
+                self.n_vertices += 1;
+                self.vertex_corner.push(start);
+                split_from.push(vertex);
+                for c in fan {
+                    self.vertices[c as usize] = added;
+                }
+            }
+        }
+        split_from
+    }
+
+    /// The first corner, counter-clockwise, of the fan that holds `corner`: at the boundary, or `corner` itself.
+    fn fan_start(&self, corner: u32) -> u32 {
+        let mut at = corner;
+        loop {
+            let twin = self.twin(at);
+            if twin == NONE {
+                return at;
+            }
+            at = self.next(twin);
+            if at == corner {
+                return corner;
+            }
+        }
+    }
+}
+
+fn report(faults: Vec<Fault>) -> Result<(), Vec<Fault>> {
+    if faults.is_empty() {
+        return Ok(());
+    }
+    let more = faults.len().saturating_sub(MAX_REPORTED);
+    let mut faults: Vec<Fault> = faults.into_iter().take(MAX_REPORTED).collect();
+    if more > 0 {
+        faults.push(Fault::new("/faces", format!("and {more} more faults like these")));
+    }
+    Err(faults)
+}
+
+fn check_faces(n_vertices: usize, faces: &FaceList) -> Result<(), Vec<Fault>> {
+    let check = |f: usize| -> Option<Fault> {
+        let face = faces.face(f);
+        let place = format!("/faces/{f}");
+        if face.len() < 3 {
+            return Some(Fault::new(place, format!("a face of {} vertices; a face has at least 3", face.len())));
+        }
+        if let Some(j) = face.iter().position(|&v| v as usize >= n_vertices) {
+            let detail = format!("there is no vertex {}; the mesh has {n_vertices}, counted from 0", face[j]);
+            return Some(Fault::new(format!("{place}/{j}"), detail));
+        }
+        let mut sorted = face.to_vec();
+        sorted.sort_unstable();
+        let repeated = sorted.windows(2).find(|pair| pair[0] == pair[1])?;
+        Some(Fault::new(place, format!("vertex {} occurs twice; a face visits each of its vertices once", repeated[0])))
+    };
+    report((0..faces.len()).into_par_iter().filter_map(check).collect())
+}
+
+/// One side of an edge: the edge as (lower vertex, higher vertex), then the corner.
+type Side = ((u32, u32), u32);
+
+/// All sides, those of one edge next to each other, by ascending corner.
+fn sides(faces: &FaceList) -> Vec<Side> {
+    let of_face = |f: usize| {
+        let face = faces.face(f);
+        (0..face.len()).map(move |j| {
+            let (a, b) = (face[j], face[(j + 1) % face.len()]);
+            ((a.min(b), a.max(b)), faces.starts[f] + index(j))
+        })
+    };
+    let mut sides: Vec<Side> = (0..faces.len()).into_par_iter().flat_map_iter(of_face).collect();
+    sides.par_sort_unstable();
+    sides
+}
+
+fn groups(sides: &[Side]) -> impl Iterator<Item = &[Side]> {
+    sides.chunk_by(|a, b| a.0 == b.0)
+}
+
+fn face_of(faces: &FaceList, corner: u32) -> usize {
+    faces.starts.partition_point(|&start| start <= corner) - 1
+}
+
+fn check_edges(faces: &FaceList, sides: &[Side]) -> Result<(), Vec<Fault>> {
+    let crowded = groups(sides).filter(|group| group.len() > 2).map(|group| {
+        let ((a, b), corner) = group[2];
+        let all: Vec<String> = group.iter().take(8).map(|side| face_of(faces, side.1).to_string()).collect();
+        let detail = format!("edge ({a}, {b}) has {} faces ({}); at most 2 are allowed", group.len(), all.join(", "));
+        Fault::new(format!("/faces/{}", face_of(faces, corner)), detail)
+    });
+    report(crowded.collect())
+}
+
+/// Turns faces so that neighbours agree, or reports why they do not. Returns the faces turned.
+fn orient(faces: &mut FaceList, sides: &[Side], winding: Winding) -> Result<Vec<u32>, Vec<Fault>> {
+    let forward = |faces: &FaceList, side: &Side| faces.vertices[side.1 as usize] == side.0.0;
+    let disagree = |group: &[Side]| group.len() == 2 && forward(faces, &group[0]) == forward(faces, &group[1]);
+    let wrong: Vec<&[Side]> = groups(sides).filter(|group| disagree(group)).collect();
+    if wrong.is_empty() {
+        return Ok(Vec::new());
+    }
+    let turned = turns(faces, sides)?;
+    if winding == Winding::Refuse {
+        let faults = wrong.iter().map(|group| {
+            let ((a, b), corner) = group[1];
+            let (f, g) = (face_of(faces, group[0].1), face_of(faces, corner));
+            let detail = format!(
+                "faces {f} and {g} run along edge ({a}, {b}) in the same direction; turn one of them, or set \
+                 \"orient\": \"repair\""
+            );
+            Fault::new(format!("/faces/{g}"), detail)
+        });
+        report(faults.collect())?;
+    }
+    for &f in &turned {
+        faces.reverse(f as usize);
+    }
+    Ok(turned)
+}
+
+/// The faces to turn so that all agree with the lowest face of their component, by a search over neighbours.
+fn turns(faces: &FaceList, sides: &[Side]) -> Result<Vec<u32>, Vec<Fault>> {
+    let mut neighbours: Vec<Vec<(usize, bool, (u32, u32))>> = vec![Vec::new(); faces.len()];
+    for group in groups(sides).filter(|group| group.len() == 2) {
+        let [f, g] = [face_of(faces, group[0].1), face_of(faces, group[1].1)];
+        let same = faces.vertices[group[0].1 as usize] == faces.vertices[group[1].1 as usize];
+        neighbours[f].push((g, same, group[0].0));
+        neighbours[g].push((f, same, group[0].0));
+    }
+    let mut turn: Vec<Option<bool>> = vec![None; faces.len()];
+    for first in 0..faces.len() {
+        if turn[first].is_some() {
+            continue;
+        }
+        turn[first] = Some(false);
+        let mut waiting = vec![first];
+        while let Some(f) = waiting.pop() {
+            for &(g, same, (a, b)) in &neighbours[f] {
+                let wanted = turn[f].map(|turned| turned != same);
+                if turn[g].is_none() {
+                    turn[g] = wanted;
+                    waiting.push(g);
+                } else if turn[g] != wanted {
+                    let detail = format!(
+                        "the faces cannot be oriented: around edge ({a}, {b}) they form a one-sided strip; cut the mesh \
+                         along it"
+                    );
+                    return Err(vec![Fault::new(format!("/faces/{g}"), detail)]);
+                }
+            }
+        }
+    }
+    Ok((0..index(faces.len())).filter(|&f| turn[f as usize] == Some(true)).collect())
+}
+
+/// The topology of checked faces, but for [`Topology::part_fans`].
+fn connect(n_vertices: usize, faces: FaceList, sides: &[Side]) -> Topology {
+    let n_corners = faces.vertices.len();
+    let mut opposite = vec![NONE; n_corners];
+    for group in groups(sides).filter(|group| group.len() == 2) {
+        opposite[group[0].1 as usize] = group[1].1;
+        opposite[group[1].1 as usize] = group[0].1;
+    }
+    let mut corner_edge = vec![NONE; n_corners];
+    let mut edge_corners = Vec::with_capacity(sides.len());
+    for corner in 0..n_corners {
+        let other = opposite[corner];
+        if other == NONE || (other as usize) > corner {
+            corner_edge[corner] = index(edge_corners.len());
+            edge_corners.push([index(corner), other]);
+        } else {
+            corner_edge[corner] = corner_edge[other as usize];
+        }
+    }
+    let quads = faces.starts.windows(2).all(|pair| pair[1] - pair[0] == 4);
+    let FaceList { starts, vertices } = faces;
+    let layout = if quads {
+        Faces::Quads
+    } else {
+        let owner = starts.windows(2).enumerate();
+        let owner = owner.flat_map(|(f, pair)| std::iter::repeat_n(index(f), (pair[1] - pair[0]) as usize)).collect();
+        Faces::Mixed { starts, owner }
+    };
+    let vertex_corner = vec![NONE; n_vertices];
+    Topology { n_vertices, faces: layout, vertices, corner_edge, edge_corners, vertex_corner }
+}

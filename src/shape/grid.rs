@@ -1,0 +1,251 @@
+//! The documented order of a mesh that was split `s` times: base vertices, then the points on base edges, then those
+//! inside base faces, each base face a grid. Independent of the order in which the splits were carried out.
+//!
+//! With `n = 2^s`: an edge has `n - 1` inner points in the direction of its first appearance; a quad has `(n-1) x (n-1)`,
+//! row by row (origin at corner 0, first axis towards corner 1); any other face has its centre, then each spoke from the
+//! midpoint of edge 0, 1, ... to the centre, then the inside of the quad at corner 0, 1, ..., row by row. Faces stand by
+//! base face, row by row.
+
+use std::sync::Arc;
+
+use super::topology::{Topology, index};
+
+/// The order of one split mesh.
+#[derive(Debug, Clone)]
+pub struct Grid {
+    base: Arc<Topology>,
+    /// The topology before the last split.
+    parent: Arc<Topology>,
+    splits: u32,
+    /// First inner vertex of each base face, counted from the first inner vertex of all.
+    inner: Vec<u32>,
+}
+
+/// A place inside a base face.
+#[derive(Debug, Clone, Copy)]
+enum Place {
+    /// Of a quad: `(i, j)`, `0 <= i, j <= n`.
+    Quad(usize, usize),
+    /// Of the quad at one corner of another face: corner, `(i, j)`, `0 <= i, j <= n / 2`.
+    Part(usize, usize, usize),
+    /// On the spoke from the midpoint of an edge (0) to the centre (`n / 2`).
+    Spoke(usize, usize),
+    /// The centre of a face that is no quad.
+    Centre,
+}
+
+impl Grid {
+    /// The order of `base` after `splits` splits, `parent` being the topology before the last of them.
+    ///
+    /// # Panics
+    /// When `splits` is 0: then the order is that of the base.
+    pub fn new(base: Arc<Topology>, parent: Arc<Topology>, splits: u32) -> Self {
+        assert!(splits > 0, "an unsplit mesh is in its own order");
+        let half = 1 << (splits - 1);
+        let sizes = (0..base.n_faces()).map(|f| inner_vertices(base.face(f).len(), half));
+        let inner = sizes.scan(0, |sum, size| Some(std::mem::replace(sum, *sum + index(size)))).collect();
+        Self { base, parent, splits, inner }
+    }
+
+    fn n(&self) -> usize {
+        1 << self.splits
+    }
+
+    fn half(&self) -> usize {
+        1 << (self.splits - 1)
+    }
+
+    /// Number of vertices.
+    pub fn n_vertices(&self) -> usize {
+        self.parent.n_vertices() + self.parent.n_edges() + self.parent.n_faces()
+    }
+
+    /// Number of faces, all of them quads.
+    pub fn n_faces(&self) -> usize {
+        self.base.n_corners() * self.half() * self.half()
+    }
+
+    /// First inner vertex of all faces.
+    fn first_inner(&self) -> usize {
+        self.base.n_vertices() + self.base.n_edges() * (self.n() - 1)
+    }
+
+    /// The vertices of face `f`, numbered in the documented order.
+    pub fn face(&self, f: usize) -> [u32; 4] {
+        let half = self.half();
+        let base_face = self.base.face_of(index(f / (half * half)));
+        let local = f - self.base.corners(base_face).start as usize * half * half;
+        let around = [(0, 0), (1, 0), (1, 1), (0, 1)];
+        if self.base.face(base_face).len() == 4 {
+            let (i, j) = (local % self.n(), local / self.n());
+            around.map(|(di, dj)| self.quad_vertex(base_face, i + di, j + dj))
+        } else {
+            let part = local / (half * half);
+            let (i, j) = (local % half, local / half % half);
+            around.map(|(di, dj)| self.part_vertex(base_face, part, i + di, j + dj))
+        }
+    }
+
+    /// The base face that face `f` came from.
+    pub fn base_face(&self, f: usize) -> usize {
+        self.base.face_of(index(f / (self.half() * self.half())))
+    }
+
+    /// First face of base face `f`.
+    pub fn first_face(&self, f: usize) -> usize {
+        self.base.corners(f).start as usize * self.half() * self.half()
+    }
+
+    /// Point `at` (0 to n) on the side of a corner, counted from the corner.
+    fn on_side(&self, corner: u32, at: usize) -> u32 {
+        let n = self.n();
+        if at == 0 {
+            return self.base.vertex(corner);
+        }
+        if at == n {
+            return self.base.vertex(self.base.next(corner));
+        }
+        let edge = self.base.edge(corner) as usize;
+        let forward = self.base.edge_corners(edge)[0] == corner;
+        let at = if forward { at } else { n - at };
+        index(self.base.n_vertices() + edge * (n - 1) + at - 1)
+    }
+
+    fn inner_vertex(&self, f: usize, place: usize) -> u32 {
+        index(self.first_inner() + self.inner[f] as usize + place)
+    }
+
+    fn quad_vertex(&self, f: usize, i: usize, j: usize) -> u32 {
+        let n = self.n();
+        let first = self.base.corners(f).start;
+        match (i, j) {
+            (_, 0) => self.on_side(first, i),
+            (_, j) if i == n => self.on_side(first + 1, j),
+            (i, _) if j == n => self.on_side(first + 2, n - i),
+            (0, _) => self.on_side(first + 3, n - j),
+            _ => self.inner_vertex(f, (j - 1) * (n - 1) + i - 1),
+        }
+    }
+
+    fn part_vertex(&self, f: usize, part: usize, i: usize, j: usize) -> u32 {
+        let half = self.half();
+        let size = self.base.face(f).len();
+        let first = self.base.corners(f).start;
+        let before = (part + size - 1) % size;
+        match (i, j) {
+            (_, 0) => self.on_side(first + index(part), i),
+            (0, _) => self.on_side(first + index(before), self.n() - j),
+            (i, j) if i == half && j == half => self.inner_vertex(f, 0),
+            (i, _) if i == half => self.inner_vertex(f, 1 + part * (half - 1) + j - 1),
+            (_, j) if j == half => self.inner_vertex(f, 1 + before * (half - 1) + i - 1),
+            _ => {
+                let parts = 1 + size * (half - 1) + part * (half - 1) * (half - 1);
+                self.inner_vertex(f, parts + (j - 1) * (half - 1) + i - 1)
+            }
+        }
+    }
+
+    /// The number of vertex `v` in the order of construction (see [`Topology::split`]).
+    pub fn constructed(&self, v: usize) -> u32 {
+        let on_edges = self.base.n_vertices();
+        if v < on_edges {
+            return index(v);
+        }
+        if v < self.first_inner() {
+            let (edge, at) = ((v - on_edges) / (self.n() - 1), (v - on_edges) % (self.n() - 1) + 1);
+            return self.constructed_on_edge(edge, at);
+        }
+        let inner = index(v - self.first_inner());
+        let f = self.inner.partition_point(|&first| first <= inner) - 1;
+        self.constructed_inside(f, self.place(f, (inner - self.inner[f]) as usize))
+    }
+
+    /// Inner point `at` of base edge `edge`: it arose as the middle of a piece of the edge.
+    fn constructed_on_edge(&self, edge: usize, at: usize) -> u32 {
+        let level = self.splits - at.trailing_zeros();
+        let odd = at >> at.trailing_zeros();
+        let pieces = 1 << (level - 1);
+        index(self.vertices_at(level - 1) + edge * pieces + odd / 2)
+    }
+
+    /// Number of vertices after `level` splits, from Euler's count of the base.
+    fn vertices_at(&self, level: u32) -> usize {
+        let (mut v, mut e, mut f) = (self.base.n_vertices(), self.base.n_edges(), self.base.n_faces());
+        let mut corners = self.base.n_corners();
+        for _ in 0..level {
+            (v, e, f) = (v + e + f, 2 * e + corners, corners);
+            corners *= 4;
+        }
+        v
+    }
+
+    fn place(&self, f: usize, inner: usize) -> Place {
+        let (n, half) = (self.n(), self.half());
+        let size = self.base.face(f).len();
+        if size == 4 {
+            return Place::Quad(inner % (n - 1) + 1, inner / (n - 1) + 1);
+        }
+        if inner == 0 {
+            return Place::Centre;
+        }
+        let (rest, spoke) = (inner - 1, half - 1);
+        if rest < size * spoke {
+            return Place::Spoke(rest / spoke, rest % spoke + 1);
+        }
+        let rest = rest - size * spoke;
+        let (part, rest) = (rest / (spoke * spoke), rest % (spoke * spoke));
+        Place::Part(part, rest % spoke + 1, rest / spoke + 1)
+    }
+
+    fn constructed_inside(&self, f: usize, place: Place) -> u32 {
+        if self.splits == 1 || matches!(place, Place::Centre) {
+            return index(self.base.n_vertices() + self.base.n_edges() + f);
+        }
+        let first = self.base.corners(f).start as usize;
+        let quarter = 1_usize << (2 * (self.splits - 2));
+        let edge_points = index(self.parent.n_vertices());
+        match place {
+            Place::Quad(i, j) => self.constructed_at(first * quarter + morton(i / 2, j / 2), i, j),
+            Place::Part(part, i, j) => self.constructed_at((first + part) * quarter + morton(i / 2, j / 2), i, j),
+            Place::Spoke(part, at) => {
+                let cell = (first + part) * quarter + morton(self.half() / 2 - 1, at / 2);
+                let corner = index(4 * cell + 1);
+                if at % 2 == 0 { self.parent.vertex(corner) } else { edge_points + self.parent.edge(corner) }
+            }
+            Place::Centre => unreachable!("handled above"),
+        }
+    }
+
+    /// The vertex at the origin of a parent's cell (`i`, `j` even), on its sides at the origin (one odd), or inside it.
+    fn constructed_at(&self, cell: usize, i: usize, j: usize) -> u32 {
+        let edge_points = index(self.parent.n_vertices());
+        let origin = index(4 * cell);
+        match (i % 2, j % 2) {
+            (0, 0) => self.parent.vertex(origin),
+            (1, 0) => edge_points + self.parent.edge(origin),
+            (0, _) => edge_points + self.parent.edge(origin + 3),
+            _ => edge_points + index(self.parent.n_edges() + cell),
+        }
+    }
+}
+
+fn inner_vertices(size: usize, half: usize) -> usize {
+    if size == 4 { (2 * half - 1) * (2 * half - 1) } else { 1 + size * (half - 1) + size * (half - 1) * (half - 1) }
+}
+
+/// Interleaves the bits of `i` (even places) and `j` (odd places): the number of a cell after repeated splits.
+fn morton(i: usize, j: usize) -> usize {
+    fn spread(x: usize) -> usize {
+        let x = x as u64;
+        let x = (x | x << 16) & 0x0000_ffff_0000_ffff;
+        let x = (x | x << 8) & 0x00ff_00ff_00ff_00ff;
+        let x = (x | x << 4) & 0x0f0f_0f0f_0f0f_0f0f;
+        let x = (x | x << 2) & 0x3333_3333_3333_3333;
+        let x = (x | x << 1) & 0x5555_5555_5555_5555;
+        #[expect(clippy::cast_possible_truncation, reason = "cells are numbered below 2^32")]
+        {
+            x as usize
+        }
+    }
+    spread(i) | spread(j) << 1
+}

@@ -1,0 +1,127 @@
+//! Control meshes.
+
+use std::sync::Arc;
+
+use super::check::{FaceList, Winding};
+use super::topology::Topology;
+use crate::fault::{Fault, under};
+
+/// Sharpness from which on an edge or vertex counts as infinitely sharp (as in OpenSubdiv).
+pub const INFINITE_SHARPNESS: f64 = 10.0;
+
+/// A checked control mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mesh {
+    /// Coordinates, `n_vertices x 3`, model units.
+    pub positions: Vec<f64>,
+    /// Connectivity.
+    pub topology: Arc<Topology>,
+    /// Vertices that keep their place, ascending.
+    pub corners: Vec<u32>,
+    /// Faces that are refined but not shown, ascending.
+    pub holes: Vec<u32>,
+    /// What was changed or is worth knowing, in sentences.
+    pub warnings: Vec<String>,
+}
+
+/// What a client gives of a mesh, unchecked.
+#[derive(Debug, Clone, Default)]
+pub struct MeshInput {
+    /// Positions of the vertices.
+    pub positions: Vec<[f64; 3]>,
+    /// Faces.
+    pub faces: FaceList,
+    /// Vertex and sharpness.
+    pub corners: Vec<(u64, f64)>,
+    /// Faces that are refined but not shown.
+    pub holes: Vec<u64>,
+    /// What to do with inconsistent winding.
+    pub winding: Winding,
+}
+
+impl Mesh {
+    /// Checks and builds a mesh.
+    ///
+    /// # Errors
+    /// Every fault found, with a pointer below the mesh.
+    pub fn new(input: MeshInput) -> Result<Self, Vec<Fault>> {
+        let n = input.positions.len();
+        let n_faces = input.faces.len();
+        let mut faults = check_positions(&input.positions);
+        if n_faces == 0 {
+            faults.push(Fault::new("/faces", "there is no face; a mesh has at least one"));
+        }
+        let corners = check_corners(&input.corners, n, &mut faults);
+        let holes = check_holes(&input.holes, n_faces, &mut faults);
+        let checked = match Topology::of_faces(n, input.faces, input.winding) {
+            Ok(checked) => checked,
+            Err(found) => {
+                faults.extend(found);
+                return Err(faults);
+            }
+        };
+        if !faults.is_empty() {
+            return Err(faults);
+        }
+        let mut positions: Vec<f64> = input.positions.into_iter().flatten().map(|x| x + 0.0).collect();
+        let mut warnings = Vec::new();
+        for (added, &from) in (n..).zip(&checked.split_from) {
+            positions.extend_from_within(3 * from as usize..3 * from as usize + 3);
+            warnings.push(format!("vertex {from} joined several fans of faces; vertex {added} was split from it"));
+        }
+        if !checked.turned.is_empty() {
+            warnings.push(format!("{} faces were turned to agree with their neighbours", checked.turned.len()));
+        }
+        Ok(Self { positions, topology: Arc::new(checked.topology), corners, holes, warnings })
+    }
+}
+
+fn check_positions(positions: &[[f64; 3]]) -> Vec<Fault> {
+    let wrong = positions.iter().enumerate().filter_map(|(i, p)| Some((i, p.iter().position(|x| !x.is_finite())?, p)));
+    let faults = wrong.map(|(i, j, p)| Fault::new(format!("/{i}/{j}"), format!("{} is not a finite number", p[j])));
+    under("/positions", faults.take(20).collect())
+}
+
+/// Corner vertices in ascending order; a sharpness of 0 is no corner.
+fn check_corners(corners: &[(u64, f64)], n: usize, faults: &mut Vec<Fault>) -> Vec<u32> {
+    let mut found = Vec::new();
+    for (i, &(vertex, sharpness)) in corners.iter().enumerate() {
+        let place = format!("/corners/{i}");
+        let index = u32::try_from(vertex).ok().filter(|&v| (v as usize) < n);
+        if index.is_none() {
+            let detail = format!("there is no vertex {vertex}; the mesh has {n}, counted from 0");
+            faults.push(Fault::new(format!("{place}/vertex"), detail));
+        }
+        if sharpness.is_nan() || sharpness < 0.0 {
+            let detail =
+                format!("{sharpness} is no sharpness; 0 is smooth, {INFINITE_SHARPNESS} or more infinitely sharp");
+            faults.push(Fault::new(format!("{place}/sharpness"), detail));
+        } else if sharpness > 0.0 && sharpness < INFINITE_SHARPNESS {
+            let detail = format!(
+                "sharpness {sharpness} lies between 0 and {INFINITE_SHARPNESS}; this release knows smooth (0) and \
+                 infinitely sharp ({INFINITE_SHARPNESS} or more) corners"
+            );
+            faults.push(Fault::new(format!("{place}/sharpness"), detail));
+        }
+        found.extend(index.filter(|_| sharpness > 0.0));
+    }
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+fn check_holes(holes: &[u64], n_faces: usize, faults: &mut Vec<Fault>) -> Vec<u32> {
+    let mut found = Vec::new();
+    for (i, &hole) in holes.iter().enumerate() {
+        match u32::try_from(hole) {
+            Ok(face) if (face as usize) < n_faces => found.push(face),
+            _ => {
+                let detail = format!("there is no face {hole}; the mesh has {n_faces}, counted from 0");
+                faults.push(Fault::new(format!("/holes/{i}"), detail));
+            }
+        }
+    }
+    found.sort_unstable();
+    found.dedup();
+    found
+}

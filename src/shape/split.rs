@@ -1,0 +1,107 @@
+//! The quad split of a topology: every face of n vertices becomes n quads, all in closed form and in parallel.
+
+use rayon::prelude::*;
+
+use super::topology::{Faces, NONE, Topology, index};
+
+/// Where the child quad of a corner of a four-sided face stands among the four: row by row.
+const ROW_BY_ROW: [u32; 4] = [0, 1, 3, 2];
+
+impl Topology {
+    /// The topology after an upsampling of arity 2.
+    ///
+    /// Vertices: those of the parent, then one for each edge, then one for each face. The child quad of a corner holds
+    /// (vertex, edge point, face point, edge point before), counter-clockwise. The four quads of a quad stand row by row
+    /// (origin at corner 0, first axis towards corner 1) and keep its orientation; those of another face stand corner
+    /// by corner, each starting at its vertex.
+    #[must_use]
+    pub fn split(&self) -> Self {
+        let (n_v, n_e, n_c) = (self.n_vertices(), self.n_edges(), self.n_corners());
+        let mut vertices = vec![0; 4 * n_c];
+        let mut corner_edge = vec![0; 4 * n_c];
+        let quads = vertices.par_chunks_exact_mut(4).zip(corner_edge.par_chunks_exact_mut(4));
+        quads.enumerate().with_min_len(1024).for_each(|(child, (vertices, edges))| {
+            let corner = self.parent_corner(index(child));
+            let turn = self.child(corner, 0) & 3;
+            let (quad, sides) = (self.child_quad(corner), self.child_edges(corner));
+            for i in 0..4 {
+                let at = (i + turn as usize) & 3;
+                vertices[at] = quad[i];
+                edges[at] = sides[i];
+            }
+        });
+        let halves = (0..2 * n_e).into_par_iter().with_min_len(1024).map(|half| self.half_corners(half));
+        let spokes = (0..n_c).into_par_iter().with_min_len(1024).map(|corner| {
+            let corner = index(corner);
+            [self.child(corner, 1), self.child(self.next(corner), 2)]
+        });
+        let kept = self.vertex_corner.par_iter().map(|&c| if c == NONE { NONE } else { self.child(c, 0) });
+        let on_edges = self.edge_corners.par_iter().map(|corners| self.child(self.next(corners[0]), 3));
+        let on_faces = (0..self.n_faces()).into_par_iter().map(|f| self.child(self.corners(f).start, 2));
+        Self {
+            n_vertices: n_v + n_e + self.n_faces(),
+            faces: Faces::Quads,
+            vertices,
+            corner_edge,
+            edge_corners: halves.chain(spokes).collect(),
+            vertex_corner: kept.chain(on_edges).chain(on_faces).collect(),
+        }
+    }
+
+    /// The vertices of the child quad of a corner: its vertex, edge point, face point, edge point before.
+    #[inline]
+    pub fn child_quad(&self, corner: u32) -> [u32; 4] {
+        let (n_v, n_e) = (index(self.n_vertices()), index(self.n_edges()));
+        let face = index(self.face_of(corner));
+        let before = self.edge(self.previous(corner));
+        [self.vertex(corner), n_v + self.edge(corner), n_v + n_e + face, n_v + before]
+    }
+
+    /// Child corner `i` (0 to 3, counted from the vertex) in the child quad of `corner`.
+    #[inline]
+    fn child(&self, corner: u32, i: u32) -> u32 {
+        let range = self.corners(self.face_of(corner));
+        let j = corner - range.start;
+        if range.end - range.start == 4 {
+            4 * (range.start + ROW_BY_ROW[j as usize]) + ((j + i) & 3)
+        } else {
+            4 * corner + i
+        }
+    }
+
+    /// The corner whose child quad has number `child`: the inverse of [`Topology::child`].
+    #[inline]
+    pub fn parent_corner(&self, child: u32) -> u32 {
+        let range = self.corners(self.face_of(child));
+        if range.end - range.start == 4 { range.start + ROW_BY_ROW[(child - range.start) as usize] } else { child }
+    }
+
+    /// Edges of the child quad of a corner, in the order of [`Topology::child_quad`].
+    #[inline]
+    fn child_edges(&self, corner: u32) -> [u32; 4] {
+        let n_e = index(self.n_edges());
+        let before = self.previous(corner);
+        let (edge, edge_before) = (self.edge(corner), self.edge(before));
+        let forward = self.edge_corners[edge as usize][0] == corner;
+        let forward_before = self.edge_corners[edge_before as usize][0] == before;
+        [
+            2 * edge + u32::from(!forward),
+            2 * n_e + corner,
+            2 * n_e + before,
+            2 * edge_before + u32::from(forward_before),
+        ]
+    }
+
+    /// Corners on half `half & 1` of edge `half / 2`.
+    #[inline]
+    fn half_corners(&self, half: usize) -> [u32; 2] {
+        let [first, second] = self.edge_corners[half / 2];
+        if half & 1 == 0 {
+            let other = if second == NONE { NONE } else { self.child(self.next(second), 3) };
+            [self.child(first, 0), other]
+        } else {
+            let other = if second == NONE { NONE } else { self.child(second, 0) };
+            [self.child(self.next(first), 3), other]
+        }
+    }
+}

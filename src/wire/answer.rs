@@ -1,0 +1,1 @@
+//! Answers: what the service says besides artifacts.

@@ -1,0 +1,1 @@
+//! The catalogue: operators, presets and formats with their parameters.

@@ -1,0 +1,359 @@
+//! The job as clients write it.
+
+use serde::Deserialize;
+use utoipa::ToSchema;
+
+use super::literal::WireFields;
+use crate::fault::{Fault, token, under};
+use crate::job::{Input, Job, Output};
+use crate::math::parameter::{Literal, Values, shortened};
+use crate::output::{self, Format, ShapeKind};
+use crate::scheme::mesh_net::Boundary;
+use crate::scheme::plan::PlanInput;
+use crate::scheme::polygon_net::Ends;
+use crate::shape::check::{FaceList, Winding};
+use crate::shape::mesh::{Mesh, MeshInput};
+use crate::shape::polygon::Polygon;
+
+/// Most outputs of one job.
+const MAX_OUTPUTS: usize = 64;
+/// Most polygons of one job.
+const MAX_POLYGONS: usize = 4096;
+
+/// A job: what is refined, how, how often, and what is answered.
+#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct JobRequest {
+    /// Version of this notation; 1 when left out.
+    #[schema(minimum = 1, maximum = 1, default = 1)]
+    pub spec: Option<u64>,
+    /// What is refined: exactly one kind of input.
+    pub input: InputRequest,
+    /// How it is refined; may be left out together with `levels`, to convert or draw the input as it is.
+    pub plan: Option<PlanRequest>,
+    /// How often the plan's cycle is applied.
+    #[schema(minimum = 0, maximum = 64)]
+    pub levels: Option<u64>,
+    /// What is answered.
+    #[serde(default)]
+    pub outputs: Vec<OutputRequest>,
+}
+
+/// The input: exactly one of `mesh`, `polygon` and `polygons`.
+#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InputRequest {
+    /// A control mesh.
+    pub mesh: Option<MeshRequest>,
+    /// A control polygon.
+    pub polygon: Option<PolygonRequest>,
+    /// Several control polygons, refined alike.
+    pub polygons: Option<Vec<PolygonRequest>>,
+    /// What to do with faces whose winding disagrees with their neighbours': `refuse` (default) or `repair`.
+    pub orient: Option<OrientRequest>,
+}
+
+/// A control mesh.
+#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeshRequest {
+    /// Vertex positions, `n x 3`, model units.
+    pub positions: Vec<[f64; 3]>,
+    /// Faces as lists of vertex indices, counted from 0, counter-clockwise seen from outside.
+    pub faces: Vec<Vec<u64>>,
+    /// Vertices that keep their place.
+    #[serde(default)]
+    pub corners: Vec<CornerRequest>,
+    /// Faces that are refined but not shown.
+    #[serde(default)]
+    pub holes: Vec<u64>,
+}
+
+/// A corner of a mesh.
+#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CornerRequest {
+    /// The vertex.
+    pub vertex: u64,
+    /// 0 is smooth, 10 or more infinitely sharp.
+    pub sharpness: f64,
+}
+
+/// A control polygon.
+#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PolygonRequest {
+    /// Points, all of the same 1 to 4 coordinates.
+    pub points: Vec<Vec<f64>>,
+    /// Whether the last point is joined to the first.
+    #[serde(default)]
+    pub closed: bool,
+    /// Indices of points that keep their place.
+    #[serde(default)]
+    pub corners: Vec<u64>,
+}
+
+/// What to do with inconsistent winding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum OrientRequest {
+    /// Refuse the mesh.
+    Refuse,
+    /// Turn faces to agree with the lowest of their component.
+    Repair,
+}
+
+/// How the input is refined: a preset or a word.
+#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlanRequest {
+    /// Name of a preset, see `/v1/presets`.
+    pub preset: Option<String>,
+    /// A word over operators, see `/v1/operators`.
+    pub word: Option<String>,
+    /// Parameters of the preset, or of the word: numbers, constant expressions, expressions.
+    #[serde(default)]
+    #[schema(value_type = Object)]
+    pub parameters: WireFields,
+    /// Boundary rule of meshes; `edge-and-corner` when left out.
+    pub boundary: Option<BoundaryRequest>,
+    /// End rule of open polygons; `clamped` when left out.
+    pub ends: Option<EndsRequest>,
+    /// Seed of random perturbation; without effect on plans that have none.
+    pub seed: Option<u64>,
+}
+
+/// Boundary rule of meshes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum BoundaryRequest {
+    /// Boundary curves by the curve rule; vertices with one face keep their place.
+    EdgeAndCorner,
+    /// Boundary curves by the curve rule.
+    EdgeOnly,
+    /// As `edge-only`, and faces that touch the boundary are not shown.
+    None,
+}
+
+/// End rule of open polygons.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum EndsRequest {
+    /// The curve starts and ends at the end points.
+    Clamped,
+    /// Only points whose whole stencil exists.
+    Natural,
+}
+
+/// One result: a `format`, a `name` (the format's when left out) and the format's options, see `/v1/formats`.
+#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[serde(transparent)]
+pub struct OutputRequest {
+    #[schema(value_type = Object)]
+    fields: WireFields,
+}
+
+impl OutputRequest {
+    /// The output of a format with its default options.
+    pub fn of_format(name: &str) -> Self {
+        Self { fields: WireFields(vec![("format".into(), Literal::Text(name.into()))]) }
+    }
+
+    /// The name of its format, where it is a text.
+    pub fn format(&self) -> Option<&str> {
+        self.fields.0.iter().find_map(|(name, value)| match value {
+            Literal::Text(text) if name == "format" => Some(text.as_str()),
+            _ => None,
+        })
+    }
+}
+
+impl JobRequest {
+    /// What kind of result it has, as far as that can be told before it is checked.
+    pub fn shape_kind(&self) -> ShapeKind {
+        let first = self.input.polygon.iter().chain(self.input.polygons.iter().flatten()).next();
+        match first {
+            Some(polygon) if self.input.mesh.is_none() => {
+                ShapeKind::Curves { dimension: polygon.points.first().map_or(1, Vec::len) }
+            }
+            _ => ShapeKind::Mesh,
+        }
+    }
+
+    /// Checks the request as a whole.
+    ///
+    /// # Errors
+    /// All faults found in input and outputs, or, where these are right, in the plan.
+    pub fn resolve(self) -> Result<Job, Vec<Fault>> {
+        let mut faults = Vec::new();
+        if self.spec.is_some_and(|spec| spec != 1) {
+            faults.push(Fault::new("/spec", format!("{} is unknown; this server speaks 1", self.spec.unwrap_or(0))));
+        }
+        let input = keep(self.input.resolve().map_err(|found| under("/input", found)), &mut faults);
+        let outputs = keep(outputs(&self.outputs), &mut faults);
+        let plan = self.plan.map(PlanRequest::resolve);
+        match (input, outputs) {
+            (Some(input), Some(outputs)) => match Job::new(input, plan.as_ref(), self.levels, outputs) {
+                Ok(job) if faults.is_empty() => Ok(job),
+                Ok(_) => Err(faults),
+                Err(found) => Err(faults.into_iter().chain(found).collect()),
+            },
+            _ => Err(faults),
+        }
+    }
+}
+
+fn keep<T>(result: Result<T, Vec<Fault>>, faults: &mut Vec<Fault>) -> Option<T> {
+    result.map_err(|found| faults.extend(found)).ok()
+}
+
+impl InputRequest {
+    /// Checks the input.
+    ///
+    /// # Errors
+    /// All faults, with pointers below the input.
+    pub fn resolve(self) -> Result<Input, Vec<Fault>> {
+        let given = [self.mesh.is_some(), self.polygon.is_some(), self.polygons.is_some()];
+        if given.iter().filter(|given| **given).count() != 1 {
+            let detail = "give exactly one of \"mesh\", \"polygon\" and \"polygons\"";
+            return Err(vec![Fault::new("", detail)]);
+        }
+        if let Some(mesh) = self.mesh {
+            return mesh.resolve(self.orient).map(Input::Mesh).map_err(|found| under("/mesh", found));
+        }
+        if self.orient.is_some() {
+            return Err(vec![Fault::new("/orient", "polygons have no winding; leave it out")]);
+        }
+        if let Some(polygon) = self.polygon {
+            let polygon = polygon.resolve().map_err(|found| under("/polygon", found))?;
+            return Ok(Input::Polygons(vec![polygon]));
+        }
+        polygons(self.polygons.unwrap_or_default()).map(Input::Polygons).map_err(|found| under("/polygons", found))
+    }
+}
+
+fn polygons(requests: Vec<PolygonRequest>) -> Result<Vec<Polygon>, Vec<Fault>> {
+    if requests.is_empty() || requests.len() > MAX_POLYGONS {
+        let detail = format!("{} polygons; 1 to {MAX_POLYGONS} are allowed", requests.len());
+        return Err(vec![Fault::new("", detail)]);
+    }
+    let mut faults = Vec::new();
+    let mut found = Vec::with_capacity(requests.len());
+    for (i, request) in requests.into_iter().enumerate() {
+        match request.resolve() {
+            Ok(polygon) => found.push(polygon),
+            Err(wrong) => faults.extend(under(&format!("/{i}"), wrong)),
+        }
+    }
+    if faults.is_empty() { Ok(found) } else { Err(faults) }
+}
+
+impl PolygonRequest {
+    fn resolve(self) -> Result<Polygon, Vec<Fault>> {
+        Polygon::new(&self.points, self.closed, &self.corners)
+    }
+}
+
+impl MeshRequest {
+    /// Checks the mesh.
+    ///
+    /// # Errors
+    /// All faults, with pointers below the mesh.
+    pub fn resolve(self, orient: Option<OrientRequest>) -> Result<Mesh, Vec<Fault>> {
+        let mut faces = FaceList::default();
+        for face in &self.faces {
+            // an index beyond 32 bits is beyond every mesh, too
+            faces.push(face.iter().map(|&v| u32::try_from(v).unwrap_or(u32::MAX)));
+        }
+        let winding = if orient == Some(OrientRequest::Repair) { Winding::Repair } else { Winding::Refuse };
+        let corners = self.corners.iter().map(|corner| (corner.vertex, corner.sharpness)).collect();
+        Mesh::new(MeshInput { positions: self.positions, faces, corners, holes: self.holes, winding })
+    }
+}
+
+impl PlanRequest {
+    /// The plan as it is to be resolved for its input.
+    pub fn resolve(self) -> PlanInput {
+        PlanInput {
+            preset: self.preset,
+            word: self.word,
+            parameters: self.parameters.0,
+            boundary: match self.boundary {
+                None | Some(BoundaryRequest::EdgeAndCorner) => Boundary::EdgeAndCorner,
+                Some(BoundaryRequest::EdgeOnly) => Boundary::EdgeOnly,
+                Some(BoundaryRequest::None) => Boundary::None,
+            },
+            ends: match self.ends {
+                None | Some(EndsRequest::Clamped) => Ends::Clamped,
+                Some(EndsRequest::Natural) => Ends::Natural,
+            },
+        }
+    }
+}
+
+fn outputs(requests: &[OutputRequest]) -> Result<Vec<Output>, Vec<Fault>> {
+    if requests.is_empty() || requests.len() > MAX_OUTPUTS {
+        let detail = format!("{} outputs; ask for 1 to {MAX_OUTPUTS}", requests.len());
+        return Err(vec![Fault::new("/outputs", detail)]);
+    }
+    let mut faults = Vec::new();
+    let mut found: Vec<Output> = Vec::with_capacity(requests.len());
+    for (i, request) in requests.iter().enumerate() {
+        match output(request) {
+            Ok(output) if found.iter().any(|known| known.name == output.name) => {
+                let detail = format!("the name \"{}\" is taken; give each output its own", shortened(&output.name));
+                faults.push(Fault::new(format!("/outputs/{i}/name"), detail));
+            }
+            Ok(output) => found.push(output),
+            Err(wrong) => faults.extend(under(&format!("/outputs/{i}"), wrong)),
+        }
+    }
+    if faults.is_empty() { Ok(found) } else { Err(faults) }
+}
+
+fn output(request: &OutputRequest) -> Result<Output, Vec<Fault>> {
+    let (mut format, mut name) = (None, None);
+    let mut options = Vec::new();
+    for (field, value) in &request.fields.0 {
+        match field.as_str() {
+            "format" => format = Some(known_format(value)?),
+            "name" => name = Some(output_name(value)?),
+            _ => options.push((field.clone(), value.clone())),
+        }
+    }
+    let Some(format) = format else {
+        return Err(vec![Fault::new("", format!("an output has a \"format\": one of {}", format_names()))]);
+    };
+    let options = Values::resolve(format.parameters(), &options).map_err(|faults| {
+        let known =
+            |fault: Fault| Fault { detail: fault.detail.replace("unknown parameter", "unknown option"), ..fault };
+        faults.into_iter().map(known).collect::<Vec<_>>()
+    })?;
+    Ok(Output { name: name.unwrap_or_else(|| format.name().to_owned()), format, options })
+}
+
+fn known_format(value: &Literal) -> Result<&'static dyn Format, Vec<Fault>> {
+    let Literal::Text(name) = value else {
+        return Err(vec![Fault::new("/format", format!("expected a text: one of {}", format_names()))]);
+    };
+    output::named(name).ok_or_else(|| {
+        let detail = format!("there is no format \"{}\"; known are {}", shortened(name), format_names());
+        vec![Fault::new("/format", detail)]
+    })
+}
+
+fn format_names() -> String {
+    output::FORMATS.iter().map(|format| format.name()).collect::<Vec<_>>().join(", ")
+}
+
+fn output_name(value: &Literal) -> Result<String, Vec<Fault>> {
+    let Literal::Text(name) = value else { return Err(vec![Fault::new("/name", "expected a text")]) };
+    let fits = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    if (1..=64).contains(&name.len()) && name.chars().all(fits) {
+        Ok(name.clone())
+    } else {
+        let detail =
+            format!("\"{}\" is no name; use 1 to 64 letters, digits, \"-\", \"_\" and \".\"", token(&shortened(name)));
+        Err(vec![Fault::new("/name", detail)])
+    }
+}

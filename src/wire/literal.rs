@@ -1,0 +1,105 @@
+//! Free-form values of parameters and options.
+
+use std::fmt;
+
+use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
+
+use crate::math::parameter::Literal;
+
+/// Most entries of one list or object among parameters.
+const MAX_ENTRIES: usize = 10_000;
+
+/// A [`Literal`] as it is read from JSON.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WireLiteral(pub Literal);
+
+/// Named literals as they are read from a JSON object, in their order; a name may stand only once.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct WireFields(pub Vec<(String, Literal)>);
+
+impl<'de> Deserialize<'de> for WireLiteral {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(LiteralVisitor).map(Self)
+    }
+}
+
+impl<'de> Deserialize<'de> for WireFields {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(FieldsVisitor).map(Self)
+    }
+}
+
+struct LiteralVisitor;
+
+impl<'de> Visitor<'de> for LiteralVisitor {
+    type Value = Literal;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a number, a text, a flag, a list or an object")
+    }
+
+    fn visit_unit<E: Error>(self) -> Result<Literal, E> {
+        Ok(Literal::Null)
+    }
+
+    fn visit_bool<E: Error>(self, value: bool) -> Result<Literal, E> {
+        Ok(Literal::Flag(value))
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Literal, E> {
+        Ok(Literal::Number(value))
+    }
+
+    #[expect(clippy::cast_precision_loss, reason = "JSON knows one kind of number, f64")]
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Literal, E> {
+        Ok(Literal::Number(value as f64))
+    }
+
+    #[expect(clippy::cast_precision_loss, reason = "JSON knows one kind of number, f64")]
+    fn visit_u64<E: Error>(self, value: u64) -> Result<Literal, E> {
+        Ok(Literal::Number(value as f64))
+    }
+
+    fn visit_str<E: Error>(self, value: &str) -> Result<Literal, E> {
+        Ok(Literal::Text(value.to_owned()))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Literal, A::Error> {
+        let mut items = Vec::new();
+        while let Some(WireLiteral(item)) = list.next_element()? {
+            if items.len() == MAX_ENTRIES {
+                return Err(A::Error::custom(format!("the list has more than {MAX_ENTRIES} entries")));
+            }
+            items.push(item);
+        }
+        Ok(Literal::List(items))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Literal, A::Error> {
+        FieldsVisitor.visit_map(map).map(Literal::Map)
+    }
+}
+
+struct FieldsVisitor;
+
+impl<'de> Visitor<'de> for FieldsVisitor {
+    type Value = Vec<(String, Literal)>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an object")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+        let mut fields: Vec<(String, Literal)> = Vec::new();
+        while let Some((name, WireLiteral(value))) = map.next_entry::<String, _>()? {
+            if fields.iter().any(|(known, _)| *known == name) {
+                return Err(A::Error::custom(format!("duplicate field `{name}`")));
+            }
+            if fields.len() == 100 {
+                return Err(A::Error::custom("the object has more than 100 fields"));
+            }
+            fields.push((name, value));
+        }
+        Ok(fields)
+    }
+}

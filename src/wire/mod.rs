@@ -1,0 +1,9 @@
+//! Request and answer types: the only serde of jobs; used by http and cli.
+
+pub mod answer;
+pub mod catalogue;
+pub mod job;
+pub mod literal;
+pub mod read;
+
+pub use job::JobRequest;

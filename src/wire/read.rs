@@ -1,0 +1,73 @@
+//! From bytes to typed requests, with a pointer to whatever does not fit.
+
+use serde::de::DeserializeOwned;
+use serde_path_to_error::{Path, Segment};
+
+use crate::fault::{Fault, token};
+
+/// Why bytes are no request.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ReadError {
+    /// The text is not JSON.
+    NotJson(String),
+    /// JSON, but not what was asked for.
+    Unfit(Vec<Fault>),
+}
+
+/// Reads a request.
+///
+/// # Errors
+/// [`ReadError`].
+pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ReadError> {
+    let mut deserializer = serde_json::Deserializer::from_slice(bytes);
+    let value = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
+        let pointer = pointer(error.path());
+        refusal(error.inner(), pointer)
+    })?;
+    deserializer.end().map_err(|error| refusal(&error, String::new()))?;
+    Ok(value)
+}
+
+fn refusal(error: &serde_json::Error, pointer: String) -> ReadError {
+    let text = error.to_string();
+    // a number beyond f64 is JSON all the same
+    let beyond = text.starts_with("number out of range");
+    if error.is_data() || beyond {
+        let detail = text.split(" at line ").next().unwrap_or(&text).to_owned();
+        let detail = if beyond { "the number is too large; the largest is about 1.8e308".to_owned() } else { detail };
+        ReadError::Unfit(vec![Fault::new(pointer, plain(&detail))])
+    } else {
+        let deep = text.starts_with("recursion limit");
+        let remedy = if deep { "; lists and objects are nested too deep" } else { "" };
+        ReadError::NotJson(format!("the body is not JSON: {text}{remedy}"))
+    }
+}
+
+/// Type names of this implementation in the words of JSON.
+fn plain(detail: &str) -> String {
+    detail
+        .replace("expected f64", "expected a number")
+        .replace("expected u64", "expected a whole number of at least 0")
+        .replace("expected u32", "expected a whole number of at least 0")
+        .replace("expected a sequence", "expected a list")
+        .replace("floating point", "number")
+        .replace(
+            "expected struct JobRequest",
+            "expected a job: an object with \"input\", \"plan\", \"levels\" and \"outputs\"",
+        )
+        .replace("expected struct ", "expected an object: ")
+        .replace("an array of length 3", "a list of three numbers")
+        .replace('`', "\"")
+}
+
+fn pointer(path: &Path) -> String {
+    let mut pointer = String::new();
+    for segment in path {
+        match segment {
+            Segment::Seq { index } => pointer.push_str(&format!("/{index}")),
+            Segment::Map { key } => pointer.push_str(&format!("/{}", token(key))),
+            Segment::Enum { .. } | Segment::Unknown => {}
+        }
+    }
+    pointer
+}

@@ -1,0 +1,5 @@
+//! One binary, one story a file.
+
+mod formats;
+mod store;
+mod support;

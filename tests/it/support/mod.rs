@@ -1,0 +1,33 @@
+//! What the stories share: jobs from JSON through the public API.
+
+use planish::fault::Fault;
+use planish::job::limits::{Limits, Refusal};
+use planish::job::{Report, run};
+use planish::watch::Watch;
+use planish::wire::JobRequest;
+use planish::wire::read::{ReadError, read};
+
+/// Runs the first output of a job given as JSON; the bytes and the report.
+pub fn render(job: &serde_json::Value) -> Result<(Vec<u8>, Report), Vec<Fault>> {
+    let text = serde_json::to_vec(job).expect("a JSON value can be written");
+    let request: JobRequest = read(&text).map_err(|error| match error {
+        ReadError::NotJson(detail) => vec![Fault::new("", detail)],
+        ReadError::Unfit(faults) => faults,
+    })?;
+    let admitted = Limits::default().admit(request.resolve()?).map_err(|refusal| match refusal {
+        Refusal::Impossible(faults) => faults,
+        Refusal::TooLarge { detail, .. } => vec![Fault::new("/levels", detail)],
+    })?;
+    let output = admitted.job().outputs[0].clone();
+    let mut bytes = Vec::new();
+    let report =
+        run(&admitted, &output, &mut bytes, &Watch::new()).map_err(|error| vec![Fault::new("", error.to_string())])?;
+    Ok((bytes, report))
+}
+
+/// The json output of a job without outputs.
+pub fn json(mut job: serde_json::Value) -> serde_json::Value {
+    job["outputs"] = serde_json::json!([{ "format": "json" }]);
+    let (bytes, _) = render(&job).unwrap_or_else(|faults| panic!("{faults:?} for {job}"));
+    serde_json::from_slice(&bytes).expect("the json output is JSON")
+}
