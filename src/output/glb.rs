@@ -68,6 +68,7 @@ impl Format for Glb {
             return Err(FormatError::Unfit(detail.into()));
         };
         let mut json = document(&buffer, None)?;
+        debug_assert!(json.len() <= room as usize, "the document fits its room");
         json.resize(room as usize, b' ');
         out.write_all(b"glTF")?;
         out.write_all([2, file].map(u32::to_le_bytes).as_flattened())?;

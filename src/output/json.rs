@@ -11,9 +11,9 @@ use crate::output::stream::{Positions, Stream, unfit};
 use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
 use crate::watch::Watch;
 
-/// Most bytes of the warnings, and of the last one when it counts those left out.
+/// Most bytes of the entry of the warnings, and of what stands in it beside them.
 const WARNINGS: usize = 8_192;
-const LAST_WARNING: usize = 64;
+const WARNINGS_FRAME: usize = 64;
 
 /// `{"positions":[...],"faces":[...]}` for meshes, `{"points":[...],"closed":...}` for one polygon,
 /// `{"polygons":[...]}` with such objects for any other number of them.
@@ -84,17 +84,18 @@ fn warnings(warnings: &[String]) -> Vec<u8> {
     if warnings.is_empty() {
         return Vec::new();
     }
-    let mut entry = String::from(r#","warnings":["#);
+    let mut texts = Vec::new();
+    let mut room = WARNINGS - WARNINGS_FRAME;
     for (i, warning) in warnings.iter().enumerate() {
-        let comma = if i > 0 { "," } else { "" };
         let text = Value::from(warning.as_str()).to_string();
-        if entry.len() + text.len() + LAST_WARNING > WARNINGS {
-            entry += &format!(r#"{comma}"and {} more""#, warnings.len() - i);
+        if text.len() >= room {
+            texts.push(format!(r#""and {} more""#, warnings.len() - i));
             break;
         }
-        entry += &format!("{comma}{text}");
+        room -= text.len() + 1;
+        texts.push(text);
     }
-    (entry + "]").into_bytes()
+    format!(r#","warnings":[{}]"#, texts.join(",")).into_bytes()
 }
 
 fn write_mesh(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), FormatError> {

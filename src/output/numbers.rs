@@ -5,15 +5,17 @@ pub(super) const REAL: u128 = 24;
 
 /// Appends the shortest decimal that reads back as `x`, whole numbers without a point, and -0 as 0.
 pub(super) fn real(out: &mut Vec<u8>, x: f64) {
-    let mut buffer = zmij::Buffer::new();
-    let text = buffer.format_finite(x + 0.0);
-    out.extend_from_slice(text.strip_suffix(".0").unwrap_or(text).as_bytes());
+    shortest(out, x + 0.0);
 }
 
 /// As [`real`], for the f32 nearest to `x`.
 pub(super) fn real_f32(out: &mut Vec<u8>, x: f64) {
+    shortest(out, rounded(x) + 0.0);
+}
+
+fn shortest(out: &mut Vec<u8>, x: impl zmij::Float) {
     let mut buffer = zmij::Buffer::new();
-    let text = buffer.format_finite(rounded(x) + 0.0);
+    let text = buffer.format_finite(x);
     out.extend_from_slice(text.strip_suffix(".0").unwrap_or(text).as_bytes());
 }
 

@@ -74,38 +74,22 @@ impl Lamps {
         }
     }
 
-    /// Adds the light of all `spots` to `light`, linear and premultiplied.
-    pub(super) fn illuminate(&self, spots: &Spots, light: &mut [[f32; 4]]) {
-        for start in (0..spots.pixel.len()).step_by(LANES) {
-            let lit = self.lit(spots, start);
-            for (lane, (&pixel, &share)) in
-                spots.pixel[start..].iter().zip(&spots.share[start..]).take(LANES).enumerate()
-            {
-                let [r, g, b] = [lit[0][lane], lit[1][lane], lit[2][lane]];
-                let sum = &mut light[pixel as usize];
-                *sum = [sum[0] + share * r, sum[1] + share * g, sum[2] + share * b, sum[3] + share];
-            }
-        }
-    }
-
-    /// Red, green and blue light of some spots at once. One loop without branches, so that it becomes vector code.
-    fn lit(&self, spots: &Spots, start: usize) -> [[f32; LANES]; 3] {
-        let load = |list: &[f32]| {
-            let mut lanes = [1.0_f32; LANES];
-            let n = LANES.min(list.len() - start);
-            lanes[..n].copy_from_slice(&list[start..start + n]);
-            lanes
-        };
-        let normal = [0, 1, 2].map(|k| load(&spots.normal[k]));
-        let place = [0, 1].map(|k| load(&spots.place[k]));
-        let back = load(&spots.back);
+    /// Adds the light of the waiting spots to `light`, linear and premultiplied. The loop over lanes has no branches, so
+    /// that it becomes vector code.
+    #[inline(never)]
+    pub(super) fn illuminate(&self, spots: &mut Spots, light: &mut [[f32; 4]]) {
         let mut lit = [[0.0; LANES]; 3];
         for i in 0..LANES {
-            let n = [normal[0][i], normal[1][i], normal[2][i]];
-            let [r, g, b] = self.light(n, [place[0][i], place[1][i]], back[i]);
+            let normal = [spots.normal[0][i], spots.normal[1][i], spots.normal[2][i]];
+            let [r, g, b] = self.light(normal, [spots.place[0][i], spots.place[1][i]], spots.back[i]);
             (lit[0][i], lit[1][i], lit[2][i]) = (r, g, b);
         }
-        lit
+        for i in 0..spots.waiting {
+            let share = spots.share[i];
+            let sum = &mut light[spots.pixel[i] as usize];
+            *sum = [sum[0] + share * lit[0][i], sum[1] + share * lit[1][i], sum[2] + share * lit[2][i], sum[3] + share];
+        }
+        spots.waiting = 0;
     }
 
     /// Linear light that reaches the viewer from the pixel coordinates `place`. The normal need not have length one; it
@@ -163,27 +147,29 @@ const LANES: usize = 8;
 /// Places of a tile that wait for light.
 #[derive(Debug, Default)]
 pub(super) struct Spots {
-    normal: [Vec<f32>; 3],
-    place: [Vec<f32>; 2],
-    back: Vec<f32>,
-    share: Vec<f32>,
-    pixel: Vec<u32>,
+    normal: [[f32; LANES]; 3],
+    place: [[f32; LANES]; 2],
+    back: [f32; LANES],
+    share: [f32; LANES],
+    pixel: [u32; LANES],
+    waiting: usize,
 }
 
 impl Spots {
-    pub(super) fn clear(&mut self) {
-        self.normal.iter_mut().chain(&mut self.place).for_each(Vec::clear);
-        self.back.clear();
-        self.share.clear();
-        self.pixel.clear();
+    /// Adds a spot at pixel coordinates `place` that gives `share` of the light of `pixel`, counted within the tile.
+    /// There must be room.
+    pub(super) fn push(&mut self, pixel: u32, share: f32, normal: Vec3f, place: [f32; 2], back: bool) {
+        let i = self.waiting % LANES;
+        (0..3).for_each(|k| self.normal[k][i] = normal[k]);
+        (0..2).for_each(|k| self.place[k][i] = place[k]);
+        self.back[i] = if back { 1.0 } else { 0.0 };
+        self.share[i] = share;
+        self.pixel[i] = pixel;
+        self.waiting = i + 1;
     }
 
-    /// A spot at pixel coordinates `place` that gives `share` of the light of `pixel`, counted within the tile.
-    pub(super) fn push(&mut self, pixel: u32, share: f32, normal: Vec3f, place: [f32; 2], back: bool) {
-        self.normal.iter_mut().zip(normal).for_each(|(list, c)| list.push(c));
-        self.place.iter_mut().zip(place).for_each(|(list, c)| list.push(c));
-        self.back.push(if back { 1.0 } else { 0.0 });
-        self.share.push(share);
-        self.pixel.push(pixel);
+    /// Whether there is no room for one more.
+    pub(super) fn full(&self) -> bool {
+        self.waiting == LANES
     }
 }

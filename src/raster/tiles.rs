@@ -106,32 +106,32 @@ impl Desk {
 
     /// Lights what is seen of the surface, once for each triangle in a pixel, at the centre of its samples there; what
     /// is left of the pixel shows the paper.
+    #[inline(never)]
     fn illuminate(&mut self, frame: &Frame<'_>, lamps: &Lamps, paper: [f32; 4], origin: [i32; 2]) {
         let corner = origin.map(|o| o as f32);
         let mut known = NOBODY;
         let mut facet = Facet::default();
-        self.spots.clear();
-        for (pixel, (owners, light)) in (0_u32..).zip(self.samples.owner.iter().zip(&mut self.light)) {
+        for (pixel, owners) in (0_u32..).zip(&self.samples.owner) {
             let (x, y) = ((pixel % SIDE) as f32, (pixel / SIDE) as f32);
-            let mut free = SAMPLES as f32;
-            let alike = owners.iter().all(|owner| *owner == owners[0]);
-            for (s, &owner) in owners.iter().enumerate().take(if alike { 1 } else { SAMPLES }) {
-                if owner == NOBODY || owners[..s].contains(&owner) {
-                    continue;
-                }
+            let mut rest = held_by(owners, NOBODY);
+            self.light[pixel as usize] = paper.map(|c| c * CENTRES[rest][2]);
+            while rest != ALL {
+                let owner = owners[rest.trailing_ones() as usize];
+                let held = held_by(owners, owner);
+                rest |= held;
                 if owner != known {
                     (known, facet) = (owner, frame.facet(owner, origin));
                 }
-                let (n, [right, down]) = if alike { (4.0, [0.5, 0.5]) } else { centre(owners, owner) };
+                let [right, down, share] = CENTRES[held];
                 let place = [x + right, y + down];
                 let global = [corner[0] + place[0], corner[1] + place[1]];
-                self.spots.push(pixel, n / SAMPLES as f32, facet.normal(place), global, facet.back);
-                free -= n;
+                self.spots.push(pixel, share, facet.normal(place), global, facet.back);
+                if self.spots.full() {
+                    lamps.illuminate(&mut self.spots, &mut self.light);
+                }
             }
-            let rest = free / SAMPLES as f32;
-            *light = paper.map(|c| c * rest);
         }
-        lamps.illuminate(&self.spots, &mut self.light);
+        lamps.illuminate(&mut self.spots, &mut self.light);
     }
 
     /// Draws a layer of lines: first the coverage of all of them, then their colour once, so that joints do not show.
@@ -159,17 +159,32 @@ impl Desk {
     }
 }
 
-/// How many samples of a pixel `owner` has, and the centre of those, pixels.
-fn centre(owners: &[u32; SAMPLES], owner: u32) -> (f32, [f32; 2]) {
-    let mut n = 0.0;
-    let mut sum = [0.0_f32; 2];
-    for (place, _) in PLACES.iter().zip(owners).filter(|(_, o)| **o == owner) {
-        n += 1.0;
-        sum[0] += place[0] as f32;
-        sum[1] += place[1] as f32;
-    }
-    (n, sum.map(|c| c / (8.0 * n)))
+/// All samples of a pixel, as bits.
+const ALL: usize = (1 << SAMPLES) - 1;
+
+/// The samples that `owner` has, as bits.
+fn held_by(owners: &[u32; SAMPLES], owner: u32) -> usize {
+    (0..SAMPLES).fold(0, |held, s| held | (usize::from(owners[s] == owner) << s))
 }
+
+/// For each set of samples: its centre in the pixel, right and down, and its share of the pixel.
+const CENTRES: [[f32; 3]; ALL + 1] = {
+    let mut centres = [[0.0; 3]; ALL + 1];
+    let mut held = 1;
+    while held <= ALL {
+        let (mut n, mut x, mut y, mut s) = (0, 0, 0, 0);
+        while s < SAMPLES {
+            if held >> s & 1 == 1 {
+                (n, x, y) = (n + 1, x + PLACES[s][0], y + PLACES[s][1]);
+            }
+            s += 1;
+        }
+        let eighths = 8.0 * n as f32;
+        centres[held] = [x as f32 / eighths, y as f32 / eighths, n as f32 / SAMPLES as f32];
+        held += 1;
+    }
+    centres
+};
 
 /// What hides lines: the samples of a tile.
 struct Veil<'a> {

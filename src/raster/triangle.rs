@@ -76,6 +76,7 @@ impl Samples {
         }
     }
 
+    #[inline(never)]
     fn fill(&mut self, setup: &Setup, id: u32) {
         let [left, top, right, bottom] = setup.pixels;
         let n = (right - left + 1) as usize;
@@ -153,6 +154,7 @@ fn edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> Edge {
 }
 
 impl Setup {
+    #[inline(never)]
     fn new(mut corners: [Vertex; 3], origin: [i32; 2]) -> Option<Self> {
         let area = area(&corners);
         if area < 0 {

@@ -201,7 +201,9 @@ proptest! {
         for face in &mut moved.faces {
             let corner = turn % face.len();
             face.rotate_left(corner);
-            face.iter_mut().for_each(|vertex| *vertex = (*vertex + shift) % n);
+            for vertex in face.iter_mut() {
+                *vertex = (*vertex + shift) % n;
+            }
         }
         moved.faces.reverse();
         let (before, after) = (stats(Shape::Mesh(&net)), stats(Shape::Mesh(&moved)));

@@ -90,7 +90,7 @@ fn a_truncated_or_missing_file_is_noticed_when_read() {
     (0..2).for_each(|number| drop(put(&store, number, &noise(number, 5000))));
     change(&bytes_path(&scratch.0, 0), |bytes| bytes.truncate(4999));
     fs::remove_file(bytes_path(&scratch.0, 1)).unwrap();
-    assert_eq!(here(&store, 0..2), []);
+    assert!(here(&store, 0..2).is_empty());
     assert_eq!((store.usage().artifacts, store.usage().bytes, store.usage().damaged), (0, 0, 2));
 }
 
@@ -247,7 +247,7 @@ fn folders_that_vanish_cost_one_answer_and_come_back() {
     fs::remove_file(scratch.0.join("tmp")).unwrap();
     put(&store, 3, &noise(3, 10));
     fs::remove_dir_all(scratch.0.join("artifacts")).unwrap();
-    assert_eq!(here(&store, 1..4), []);
+    assert!(here(&store, 1..4).is_empty());
     put(&store, 4, &noise(4, 10));
     assert_eq!(here(&store, 1..5), [4]);
     assert_eq!(n_files(&scratch.0.join("tmp")), 0);
