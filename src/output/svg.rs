@@ -95,9 +95,8 @@ impl Page<'_> {
 
     fn head(&mut self, drawing: &Drawing) -> io::Result<()> {
         let [width, height] = drawing.size;
-        self.text += &format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\n"
-        );
+        let view = format!("width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\"");
+        writeln!(self.out, "<svg xmlns=\"http://www.w3.org/2000/svg\" {view}>")?;
         if drawing.background[3] > 0 {
             self.text += "<rect width=\"100%\" height=\"100%\"";
             self.color("fill", drawing.background);
@@ -156,7 +155,13 @@ impl Page<'_> {
     }
 
     fn color(&mut self, name: &str, [r, g, b, a]: [u8; 4]) {
-        self.text += &format!(" {name}=\"#{r:02x}{g:02x}{b:02x}\"");
+        for part in [" ", name, "=\"#"] {
+            self.text.push_str(part);
+        }
+        for digit in [r >> 4, r & 15, g >> 4, g & 15, b >> 4, b & 15] {
+            self.text.push(char::from(b"0123456789abcdef"[usize::from(digit)]));
+        }
+        self.text.push('"');
         if a < 255 {
             self.number(&format!(" {name}-opacity=\""), f32::from(a) / 255.0);
             self.text.push('"');

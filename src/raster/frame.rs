@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::bins::{Bins, Grid, TileRect};
 use super::camera::{Camera, Projection};
 use super::line::Layer;
-use super::project::{BEHIND, FAR_OUT, Vertex, vertex, vertices};
+use super::project::{BEHIND, FAR_OUT, STEPS, Vertex, vertex, vertices};
 use super::shade::{Lamps, Vec3f};
 use super::triangle::{area, pixel_box};
 use super::vector::{cross, sub, unit};
@@ -52,6 +52,9 @@ impl Facet {
         std::array::from_fn(|k| self.base[k] + self.right[k] * x + self.down[k] * y)
     }
 }
+
+/// Sub-pixel steps a pixel.
+const STEP: f64 = STEPS as f64;
 
 /// Found in one run of triangles.
 struct Run {
@@ -103,8 +106,8 @@ impl<'a> Frame<'a> {
     }
 
     fn admit(&self, id: u32, triangle: [u32; 3], run: &mut Run) {
-        let corners = triangle.map(|v| self.vertices[v as usize]);
-        let [a, b, c] = corners.map(|v| v.sides);
+        let corners = self.placed(triangle);
+        let [a, b, c] = [corners[0].sides, corners[1].sides, corners[2].sides];
         if a & b & c & !FAR_OUT != 0 {
             return;
         }
@@ -143,6 +146,10 @@ impl<'a> Frame<'a> {
         self.runs.iter().flat_map(move |bins| bins.tile(tile))
     }
 
+    fn placed(&self, [a, b, c]: [u32; 3]) -> [Vertex; 3] {
+        [self.vertices[a as usize], self.vertices[b as usize], self.vertices[c as usize]]
+    }
+
     fn piece(&self, id: u32) -> Option<&Piece> {
         (id as usize).checked_sub(self.model.triangles.len()).map(|i| &self.pieces[i])
     }
@@ -150,7 +157,7 @@ impl<'a> Frame<'a> {
     /// The corners of triangle number `id` in the picture.
     pub(super) fn corners(&self, id: u32) -> [Vertex; 3] {
         match self.model.triangles.get(id as usize) {
-            Some(triangle) => triangle.map(|v| self.vertices[v as usize]),
+            Some(&triangle) => self.placed(triangle),
             None => self.piece(id).map_or([Vertex::default(); 3], |piece| piece.corners),
         }
     }
@@ -161,14 +168,17 @@ impl<'a> Frame<'a> {
         let whole = piece.map_or(id, |p| p.whole) as usize;
         let triangle = self.model.triangles[whole];
         let mut normals = match self.model.normals {
-            Normals::Vertices(list) => triangle.map(|v| list[v as usize]),
+            Normals::Vertices(list) => {
+                [list[triangle[0] as usize], list[triangle[1] as usize], list[triangle[2] as usize]]
+            }
             Normals::Triangles(list) => [list[whole]; 3],
             Normals::Planes => [[0.0; 3]; 3],
         };
-        if normals.iter().any(|n| *n == [0.0; 3]) {
+        let undefined = |n: &[f64; 3]| n.iter().all(|c| c.abs() <= 0.0);
+        if normals.iter().any(undefined) {
             let [a, b, c] = triangle.map(|v| self.model.positions[v as usize]);
             let plane = unit(cross(sub(b, a), sub(c, a))).unwrap_or(self.camera.forward.map(|x| -x));
-            normals = normals.map(|n| if n == [0.0; 3] { plane } else { n });
+            normals.iter_mut().filter(|n| undefined(n)).for_each(|n| *n = plane);
         }
         match piece {
             None => normals,
@@ -183,24 +193,26 @@ impl<'a> Frame<'a> {
     #[expect(clippy::cast_possible_truncation, reason = "light needs no more than the precision of f32")]
     pub(super) fn facet(&self, id: u32, origin: [i32; 2]) -> Facet {
         let corners = self.corners(id);
-        let area = area(&corners);
         let normals = self.normals(id);
         let perspective = self.camera.projection == Projection::Perspective;
-        let local: [[f64; 2]; 3] = corners
-            .map(|v| [f64::from(v.x) / 256.0 - f64::from(origin[0]), f64::from(v.y) / 256.0 - f64::from(origin[1])]);
-        #[expect(clippy::cast_precision_loss, reason = "areas stay below 2^48")]
-        let scale = 65536.0 / area as f64;
-        let mut facet = Facet { back: area > 0, ..Facet::default() };
+        let [left, top] = [f64::from(origin[0]), f64::from(origin[1])];
+        let local: [[f64; 2]; 3] =
+            std::array::from_fn(|k| [f64::from(corners[k].x) / STEP - left, f64::from(corners[k].y) / STEP - top]);
+        let back = area(&corners) > 0;
+        let mut facet = Facet { back, ..Facet::default() };
+        let unit = if back { 1.0 } else { -1.0 };
+        let nearness = unit / f64::from(corners[0].depth);
         for k in 0..3 {
             let (a, b) = (local[(k + 1) % 3], local[(k + 2) % 3]);
-            let weight = scale * if perspective { f64::from(corners[k].depth / corners[0].depth) } else { 1.0 };
-            let right = (a[1] - b[1]) * weight;
-            let down = (b[0] - a[0]) * weight;
-            let base = (a[0] * b[1] - a[1] * b[0]) * weight;
-            for axis in 0..3 {
-                facet.base[axis] += (base * normals[k][axis]) as f32;
-                facet.right[axis] += (right * normals[k][axis]) as f32;
-                facet.down[axis] += (down * normals[k][axis]) as f32;
+            let weight = if perspective { f64::from(corners[k].depth) * nearness } else { unit };
+            let right = ((a[1] - b[1]) * weight) as f32;
+            let down = ((b[0] - a[0]) * weight) as f32;
+            let base = ((a[0] * b[1] - a[1] * b[0]) * weight) as f32;
+            let [x, y, z] = normals[k];
+            for (axis, along) in [x as f32, y as f32, z as f32].into_iter().enumerate() {
+                facet.base[axis] += base * along;
+                facet.right[axis] += right * along;
+                facet.down[axis] += down * along;
             }
         }
         facet

@@ -1,6 +1,7 @@
 //! Lines and discs, anti-aliased and hidden behind surfaces.
 
 #![expect(clippy::cast_possible_truncation, reason = "values are checked to lie inside the guard band before the cast")]
+#![expect(clippy::cast_sign_loss, reason = "values are clamped to the tile before the cast")]
 #![expect(clippy::cast_precision_loss, reason = "pixel numbers and counts are small or need no last digit")]
 
 use rayon::prelude::*;

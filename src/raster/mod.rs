@@ -45,7 +45,7 @@ pub struct Model<'a> {
     pub strokes: &'a [Strokes<'a>],
 }
 
-/// Normals of a surface. They need not have length one; where one is zero, that of the triangle's plane is taken.
+/// Normals of a surface, of length one or zero; where one is zero, that of the triangle's plane is taken.
 #[derive(Debug, Clone, Copy)]
 pub enum Normals<'a> {
     /// One a vertex, blended over the triangle.

@@ -1,5 +1,7 @@
 //! Pixels and their encoding.
 
+use std::sync::LazyLock;
+
 use crate::math::functions::pow;
 
 /// A picture: rows from the top, four bytes a pixel (red, green, blue, alpha; sRGB, straight alpha).
@@ -28,8 +30,11 @@ const STEPS: usize = 4096;
 #[derive(Debug)]
 pub(super) struct Encoding(Vec<u8>);
 
+/// The table, made once.
+pub(super) static ENCODING: LazyLock<Encoding> = LazyLock::new(Encoding::new);
+
 impl Encoding {
-    pub(super) fn new() -> Self {
+    fn new() -> Self {
         let last = f64::from(u32::try_from(STEPS - 1).expect("the table is short"));
         let byte = |i: u32| {
             let c = f64::from(i) / last;

@@ -11,7 +11,7 @@ use super::vector::{add, scaled, unit};
 
 pub(super) type Vec3f = [f32; 3];
 
-#[inline(always)]
+#[inline]
 fn dot(a: Vec3f, b: Vec3f) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
@@ -76,30 +76,29 @@ impl Lamps {
 
     /// Adds the light of the waiting spots to `light`, linear and premultiplied. The loop over lanes has no branches, so
     /// that it becomes vector code.
-    #[inline(never)]
     pub(super) fn illuminate(&self, spots: &mut Spots, light: &mut [[f32; 4]]) {
-        let mut lit = [[0.0; LANES]; 3];
+        let [mut red, mut green, mut blue] = [[0.0; LANES]; 3];
         for i in 0..LANES {
             let normal = [spots.normal[0][i], spots.normal[1][i], spots.normal[2][i]];
-            let [r, g, b] = self.light(normal, [spots.place[0][i], spots.place[1][i]], spots.back[i]);
-            (lit[0][i], lit[1][i], lit[2][i]) = (r, g, b);
+            let lit = self.light(normal, [spots.place[0][i], spots.place[1][i]], spots.back[i]);
+            [red[i], green[i], blue[i]] = lit;
         }
         for i in 0..spots.waiting {
             let share = spots.share[i];
             let sum = &mut light[spots.pixel[i] as usize];
-            *sum = [sum[0] + share * lit[0][i], sum[1] + share * lit[1][i], sum[2] + share * lit[2][i], sum[3] + share];
+            *sum = [sum[0] + share * red[i], sum[1] + share * green[i], sum[2] + share * blue[i], sum[3] + share];
         }
         spots.waiting = 0;
     }
 
     /// Linear light that reaches the viewer from the pixel coordinates `place`. The normal need not have length one; it
     /// points to the outside of the surface, and `back` is 1 where the inside is seen and otherwise 0.
-    #[inline(always)]
+    #[inline]
     fn light(&self, normal: Vec3f, place: [f32; 2], back: f32) -> Vec3f {
         let (x, y) = (place[0] - self.centre_px[0], place[1] - self.centre_px[1]);
-        let ray: Vec3f = [0, 1, 2].map(|k| self.forward[k] + self.across[k] * x + self.along[k] * y);
+        let ray: Vec3f = std::array::from_fn(|k| self.forward[k] + self.across[k] * x + self.along[k] * y);
         let scale = (1.0 - 2.0 * back) / dot(normal, normal).sqrt();
-        let n = normal.map(|c| c * scale);
+        let n = [normal[0] * scale, normal[1] * scale, normal[2] * scale];
         let facing = positive(-dot(n, ray) / dot(ray, ray).sqrt());
         let away = positive(1.0 - facing);
         let edge = away * away * away;
@@ -108,7 +107,7 @@ impl Lamps {
         let rim = positive(dot(n, self.rim)) + 0.25 * edge;
         let sky = 0.5 * dot(n, self.sky) + 0.5;
         let gleam = GLEAM * polished(positive(dot(n, self.gleam))) + 0.10 * edge * sky;
-        [0, 1, 2].map(|k| {
+        std::array::from_fn(|k| {
             let ambient = GROUND_LIGHT[k] + (SKY_LIGHT[k] - GROUND_LIGHT[k]) * sky;
             let diffuse = KEY_LIGHT[k] * key + FILL_LIGHT[k] * fill + RIM_LIGHT[k] * rim + ambient;
             let colour = self.outside[k] + (self.inside[k] - self.outside[k]) * back;
@@ -118,13 +117,13 @@ impl Lamps {
 }
 
 /// `x`, or 0 when it is negative or not a number.
-#[inline(always)]
+#[inline]
 fn positive(x: f32) -> f32 {
     if x > 0.0 { x } else { 0.0 }
 }
 
 /// The 40th power: how sharp highlights are.
-#[inline(always)]
+#[inline]
 fn polished(x: f32) -> f32 {
     let x2 = x * x;
     let x4 = x2 * x2;
@@ -134,7 +133,7 @@ fn polished(x: f32) -> f32 {
 }
 
 /// Bends bright light softly below 1, so that highlights keep their shape.
-#[inline(always)]
+#[inline]
 fn shoulder(light: f32) -> f32 {
     const KNEE: f32 = 0.75;
     let over = positive(light - KNEE);

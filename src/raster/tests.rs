@@ -1,1 +1,154 @@
 //! Laws of the rasteriser.
+
+use super::project::Vertex;
+use super::triangle::{NOBODY, SAMPLES, Samples};
+use super::*;
+
+fn at(x: f64, y: f64) -> Vertex {
+    #[expect(clippy::cast_possible_truncation, reason = "test places are small")]
+    let steps = |u: f64| (u * 256.0) as i32;
+    Vertex { x: steps(x), y: steps(y), depth: 0.5, sides: 0 }
+}
+
+fn covered(corners: [Vertex; 3]) -> Vec<bool> {
+    let mut samples = Samples::new();
+    samples.draw(corners, 7, [0, 0]);
+    samples.owner.iter().flatten().map(|o| *o != NOBODY).collect()
+}
+
+/// A fan of triangles around a centre in the tile that covers all of it.
+fn fan(centre: [f64; 2], n: u32) -> Vec<[Vertex; 3]> {
+    let rim = |k: u32| {
+        let angle = f64::from(k % n) / f64::from(n) * std::f64::consts::TAU;
+        at(16.0 + 200.0 * crate::math::functions::cos(angle), 16.0 + 200.0 * crate::math::functions::sin(angle))
+    };
+    (0..n).map(|k| [at(centre[0], centre[1]), rim(k), rim(k + 1)]).collect()
+}
+
+#[test]
+fn a_triangle_around_the_tile_covers_every_sample_and_its_mirror_image_does_too() {
+    let triangle = [at(-300.0, -300.0), at(900.0, -200.0), at(-200.0, 900.0)];
+    assert!(covered(triangle).iter().all(|&c| c));
+    assert!(covered([triangle[0], triangle[2], triangle[1]]).iter().all(|&c| c));
+}
+
+#[test]
+fn triangles_that_share_edges_leave_no_gap_and_hit_no_sample_twice() {
+    let centres = [[16.0, 16.0], [10.375, 7.125], [0.875, 31.375], [5.3, 6.7], [12.625, 20.0]];
+    for (centre, n) in centres.into_iter().flat_map(|c| [3, 4, 7, 64, 360].map(|n| (c, n))) {
+        let mut hits = vec![0; TILE * TILE * SAMPLES];
+        for triangle in fan(centre, n) {
+            covered(triangle).iter().zip(&mut hits).for_each(|(&c, hit)| *hit += u32::from(c));
+        }
+        assert!(hits.iter().all(|&h| h == 1), "fan of {n} around {centre:?}");
+    }
+}
+
+/// A waved sheet of `n x n` squares.
+fn sheet(n: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    let step = 1.0 / f64::from(n);
+    let wave = |x: f64, y: f64| 0.2 * crate::math::functions::sin(9.0 * x) * crate::math::functions::cos(7.0 * y);
+    let point = |i: u32, j: u32| {
+        let (x, y) = (f64::from(i) * step, f64::from(j) * step);
+        [x, wave(x, y), y]
+    };
+    let positions = (0..=n).flat_map(|j| (0..=n).map(move |i| point(i, j))).collect();
+    let quad = |i: u32, j: u32| {
+        let a = j * (n + 1) + i;
+        [[a, a + n + 1, a + n + 2], [a, a + n + 2, a + 1]]
+    };
+    (positions, (0..n).flat_map(|j| (0..n).flat_map(move |i| quad(i, j))).collect())
+}
+
+fn picture(view: &View, positions: &[[f64; 3]], triangles: &[[u32; 3]], size: [u32; 2]) -> Pixmap {
+    let segments: Vec<[u32; 2]> = triangles.iter().flat_map(|t| [[t[0], t[1]], [t[1], t[1]]]).collect();
+    let strokes =
+        [Strokes { positions, segments: &segments, width_px: 2.0, color: [9, 9, 9, 200], crowding: Crowding::Fade }];
+    let surface = Surface::Lit([200, 80, 40, 255]);
+    let model = Model { positions, triangles, normals: Normals::Planes, surface, strokes: &strokes };
+    let camera = Camera::framing(view, &[positions], size[0], size[1]);
+    render(&model, &camera, [0; 4], size, &Watch::new()).expect("nobody says stop")
+}
+
+#[test]
+fn the_number_of_threads_does_not_change_a_byte() {
+    let (positions, triangles) = sheet(120);
+    let with = |n| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().expect("threads can be started");
+        pool.install(|| picture(&View::default(), &positions, &triangles, [200, 150]))
+    };
+    let one = with(1);
+    assert!(one.bytes.chunks(4).filter(|p| p[3] == 255).count() > 3000);
+    assert_eq!(one, with(2));
+    assert_eq!(one, with(8));
+}
+
+#[test]
+fn everything_framed_lies_inside_the_margin_and_reaches_it() {
+    let (positions, _) = sheet(9);
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        let camera = Camera::framing(&View { projection, ..View::default() }, &[&positions], 400, 300);
+        let places: Vec<[f64; 2]> =
+            positions.iter().filter_map(|&p| camera.segment(p, p)).map(|[place, _]| place).collect();
+        assert_eq!(places.len(), positions.len());
+        let margin = 0.06 * 300.0;
+        let free = places.iter().map(|[x, y]| x.min(400.0 - x).min(*y).min(300.0 - y)).fold(f64::INFINITY, f64::min);
+        assert!((free - margin).abs() < 1e-6, "{free} pixels are free, expected {margin}");
+    }
+}
+
+#[test]
+fn strange_shapes_and_cameras_give_a_picture() {
+    let triangles = [[0, 1, 2], [0, 0, 1], [2, 1, 0]];
+    let shapes: Vec<[[f64; 3]; 3]> = [0.0, 1.0, 1e-6, 1e6, 1e-200, 1e200, f64::MAX, f64::NAN, f64::INFINITY]
+        .into_iter()
+        .flat_map(|s| {
+            let flat = [[s, 0.0, 0.0], [-s, 0.0, 0.0], [0.0, s, 0.0]];
+            [flat, [[s, s, s]; 3], [[s, 0.0, 0.0], [1e6 + s, 0.0, 0.0], [1e6, 1e-6, 1e6]]]
+        })
+        .collect();
+    let vectors = [[0.0; 3], [0.0, 1.0, 0.0], [1e-6, 0.0, 0.0], [1e300, -1e300, 0.0], [f64::NAN; 3]];
+    let mut views = Vec::new();
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        for (zoom, fov_rad) in [(1.0, 0.5), (1e3, 3.2)] {
+            for v in vectors {
+                let plain = View { projection, fov_rad, zoom, ..View::default() };
+                views.extend([
+                    plain,
+                    View { eye: Some(v), ..plain },
+                    View { target: Some(v), up: v, ..plain },
+                    View { eye: Some(v), target: Some(v), up: v, ..plain },
+                ]);
+            }
+        }
+    }
+    for shape in &shapes {
+        for view in &views {
+            assert_eq!(picture(view, shape, &triangles, [33, 16]).bytes.len(), 33 * 16 * 4);
+        }
+    }
+    assert!(picture(&View::default(), &[], &[], [17, 16]).bytes.iter().all(|&b| b == 0));
+}
+
+#[test]
+fn a_camera_inside_a_box_sees_walls_in_every_pixel() {
+    let positions: Vec<[f64; 3]> = (0..8_u32).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
+    let quads = [[0, 2, 3, 1], [0, 1, 5, 4], [0, 4, 6, 2], [7, 6, 4, 5], [7, 3, 2, 6], [7, 5, 1, 3]];
+    let triangles: Vec<[u32; 3]> = quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+    for target in [[0.9, 0.3, 0.6], [0.0, 0.0, 0.0], [0.5, 0.9999, 0.5], [-3.0, 0.5, 7.0]] {
+        let view = View { eye: Some([0.5, 0.01, 0.4]), target: Some(target), fov_rad: 2.0, ..View::default() };
+        let seen = picture(&view, &positions, &triangles, [90, 64]);
+        assert!(seen.bytes.chunks(4).all(|p| p[3] == 255), "toward {target:?}");
+    }
+}
+
+#[test]
+fn a_stopped_watch_ends_the_picture() {
+    let (positions, triangles) = sheet(3);
+    let watch = Watch::new();
+    watch.stop();
+    let surface = Surface::Lit([200, 80, 40, 255]);
+    let model = Model { positions: &positions, triangles: &triangles, normals: Normals::Planes, surface, strokes: &[] };
+    let camera = Camera::framing(&View::default(), &[&positions], 64, 64);
+    assert_eq!(render(&model, &camera, [0; 4], [64, 64], &watch), Err(Stopped));
+}

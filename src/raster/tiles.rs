@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::TILE;
 use super::frame::{Facet, Frame};
 use super::line::Layer;
-use super::pixmap::{Encoding, Pixmap, premultiplied};
+use super::pixmap::{ENCODING, Pixmap, premultiplied};
 use super::shade::{Lamps, Spots};
 use super::triangle::{NOBODY, PLACES, SAMPLES, Samples, slope};
 use crate::watch::{Stopped, Watch};
@@ -39,7 +39,7 @@ pub(super) fn draw(
 ) -> Result<Pixmap, Stopped> {
     let (columns, n_rows) = (width as usize, height as usize);
     let mut bytes = vec![0; columns * n_rows * 4];
-    let encoding = Encoding::new();
+    let encoding = &*ENCODING;
     let paper = premultiplied(background);
     bytes.par_chunks_mut(TILE * columns * 4).enumerate().try_for_each(|(row, band)| {
         let mut tiles: Vec<Vec<&mut [u8]>> = (0..columns.div_ceil(TILE)).map(|_| Vec::with_capacity(TILE)).collect();
@@ -106,7 +106,6 @@ impl Desk {
 
     /// Lights what is seen of the surface, once for each triangle in a pixel, at the centre of its samples there; what
     /// is left of the pixel shows the paper.
-    #[inline(never)]
     fn illuminate(&mut self, frame: &Frame<'_>, lamps: &Lamps, paper: [f32; 4], origin: [i32; 2]) {
         let corner = origin.map(|o| o as f32);
         let mut known = NOBODY;

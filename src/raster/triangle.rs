@@ -5,6 +5,9 @@
 //! edge that two triangles share is counted for exactly one of them. Source: J. Pineda, SIGGRAPH 1988, 17-20.
 
 #![expect(clippy::cast_possible_truncation, reason = "values are bounded by the guard band, see `project`")]
+#![expect(clippy::cast_possible_wrap, reason = "a tile is some dozen pixels wide")]
+#![expect(clippy::cast_sign_loss, reason = "pixels are clamped to the tile")]
+#![expect(clippy::cast_precision_loss, reason = "pixels are clamped to the tile and areas stay below 2^48")]
 
 use super::TILE;
 use super::project::{STEPS, Vertex};
@@ -76,7 +79,6 @@ impl Samples {
         }
     }
 
-    #[inline(never)]
     fn fill(&mut self, setup: &Setup, id: u32) {
         let [left, top, right, bottom] = setup.pixels;
         let n = (right - left + 1) as usize;
@@ -84,7 +86,7 @@ impl Samples {
         for (row, y) in (top..=bottom).enumerate() {
             let first = (y * SIDE + left) as usize;
             let lift = row as f32 * setup.slope[1];
-            let base = setup.depth.map(|z| z + lift);
+            let base: [f32; SAMPLES] = std::array::from_fn(|s| setup.depth[s] + lift);
             let mut edges = start;
             let depths = &mut self.depth[first..first + n];
             let owners = &mut self.owner[first..first + n];
@@ -96,7 +98,8 @@ impl Samples {
                         let z = base[s] + shift;
                         let z = if z > setup.range[0] { z } else { setup.range[0] };
                         let z = if z < setup.range[1] { z } else { setup.range[1] };
-                        let seen = (outside[s] >= 0) & (z > depth[s]);
+                        let z = if outside[s] >= 0 { z } else { 0.0 };
+                        let seen = z > depth[s];
                         depth[s] = if seen { z } else { depth[s] };
                         owner[s] = if seen { id } else { owner[s] };
                     }
@@ -111,7 +114,9 @@ impl Samples {
 /// Moves the edge functions on.
 fn step(edges: &mut [[i32; SAMPLES]; 3], by: [i32; 3]) {
     for (edge, by) in edges.iter_mut().zip(by) {
-        *edge = edge.map(|e| e.wrapping_add(by));
+        for e in edge {
+            *e = e.wrapping_add(by);
+        }
     }
 }
 
@@ -154,7 +159,6 @@ fn edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> Edge {
 }
 
 impl Setup {
-    #[inline(never)]
     fn new(mut corners: [Vertex; 3], origin: [i32; 2]) -> Option<Self> {
         let area = area(&corners);
         if area < 0 {
@@ -184,7 +188,9 @@ impl Setup {
                 Edge::Crossing(value, right, down) => {
                     (setup.right[k], setup.down[k]) = (8 * right, 8 * down);
                     let first = value.wrapping_add(8 * right * left).wrapping_add(8 * down * top);
-                    setup.edges[k] = PLACES.map(|[x, y]| first.wrapping_add(right * x + down * y));
+                    for (value, [x, y]) in setup.edges[k].iter_mut().zip(PLACES) {
+                        *value = first.wrapping_add(right * x + down * y);
+                    }
                 }
             }
         }
@@ -196,12 +202,14 @@ impl Setup {
     fn interpolate(&mut self, corners: &[Vertex; 3], first: [i32; 2]) {
         let [a, b, c] = *corners;
         let slope = slope(corners);
-        let x = f64::from(first[0] * STEPS - a.x) / f64::from(STEPS);
-        let y = f64::from(first[1] * STEPS - a.y) / f64::from(STEPS);
+        let x = f64::from(first[0] * STEPS - a.x) * (1.0 / f64::from(STEPS));
+        let y = f64::from(first[1] * STEPS - a.y) * (1.0 / f64::from(STEPS));
         let corner = f64::from(a.depth) + slope[0] * x + slope[1] * y;
-        self.depth =
-            PLACES.map(|[x, y]| (corner + slope[0] * f64::from(x) / 8.0 + slope[1] * f64::from(y) / 8.0) as f32);
-        self.slope = slope.map(|s| s as f32);
+        let (right, down) = (slope[0] / 8.0, slope[1] / 8.0);
+        for (depth, [x, y]) in self.depth.iter_mut().zip(PLACES) {
+            *depth = (corner + right * f64::from(x) + down * f64::from(y)) as f32;
+        }
+        self.slope = [slope[0] as f32, slope[1] as f32];
         self.range = [a.depth.min(b.depth).min(c.depth), a.depth.max(b.depth).max(c.depth)];
     }
 }
@@ -216,7 +224,6 @@ pub(super) fn slope(corners: &[Vertex; 3]) -> [f64; 2] {
     let (db, dc) = (f64::from(b.depth) - f64::from(a.depth), f64::from(c.depth) - f64::from(a.depth));
     let (bx, by) = (f64::from(b.x - a.x), f64::from(b.y - a.y));
     let (cx, cy) = (f64::from(c.x - a.x), f64::from(c.y - a.y));
-    #[expect(clippy::cast_precision_loss, reason = "areas stay below 2^48")]
     let scale = f64::from(STEPS) / area as f64;
     [(db * cy - dc * by) * scale, (dc * bx - db * cx) * scale]
 }
