@@ -3,3 +3,4 @@
 mod formats;
 mod store;
 mod support;
+mod vectors;

@@ -1,20 +1,27 @@
-//! What the stories share: jobs from JSON through the public API.
+//! What the stories share: jobs from JSON through the public API, and nets to try them on.
+
+pub(crate) mod nets;
 
 use planish::fault::Fault;
 use planish::job::limits::{Limits, Refusal};
-use planish::job::{Report, run};
+use planish::job::{Job, Report, run};
 use planish::watch::Watch;
 use planish::wire::JobRequest;
 use planish::wire::read::{ReadError, read};
 
-/// Runs the first output of a job given as JSON; the bytes and the report.
-pub fn render(job: &serde_json::Value) -> Result<(Vec<u8>, Report), Vec<Fault>> {
-    let text = serde_json::to_vec(job).expect("a JSON value can be written");
-    let request: JobRequest = read(&text).map_err(|error| match error {
+/// Reads and checks a job given as JSON text.
+pub(crate) fn parsed(text: &[u8]) -> Result<Job, Vec<Fault>> {
+    let request: JobRequest = read(text).map_err(|error| match error {
         ReadError::NotJson(detail) => vec![Fault::new("", detail)],
         ReadError::Unfit(faults) => faults,
     })?;
-    let admitted = Limits::default().admit(request.resolve()?).map_err(|refusal| match refusal {
+    request.resolve()
+}
+
+/// Runs the first output of a job given as JSON; the bytes and the report.
+pub(crate) fn render(job: &serde_json::Value) -> Result<(Vec<u8>, Report), Vec<Fault>> {
+    let text = serde_json::to_vec(job).expect("a JSON value can be written");
+    let admitted = Limits::default().admit(parsed(&text)?).map_err(|refusal| match refusal {
         Refusal::Impossible(faults) => faults,
         Refusal::TooLarge { detail, .. } => vec![Fault::new("/levels", detail)],
     })?;
@@ -26,8 +33,17 @@ pub fn render(job: &serde_json::Value) -> Result<(Vec<u8>, Report), Vec<Fault>> 
 }
 
 /// The json output of a job without outputs.
-pub fn json(mut job: serde_json::Value) -> serde_json::Value {
+pub(crate) fn json(mut job: serde_json::Value) -> serde_json::Value {
     job["outputs"] = serde_json::json!([{ "format": "json" }]);
     let (bytes, _) = render(&job).unwrap_or_else(|faults| panic!("{faults:?} for {job}"));
     serde_json::from_slice(&bytes).expect("the json output is JSON")
+}
+
+/// Why a job without outputs is refused.
+pub(crate) fn faults(mut job: serde_json::Value) -> Vec<Fault> {
+    job["outputs"] = serde_json::json!([{ "format": "json" }]);
+    match render(&job) {
+        Ok((bytes, _)) => panic!("{job} was accepted: {}", String::from_utf8_lossy(&bytes)),
+        Err(faults) => faults,
+    }
 }

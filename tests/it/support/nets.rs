@@ -1,0 +1,229 @@
+//! Small meshes, and random ones, for the laws.
+
+use std::collections::BTreeSet;
+
+use proptest::prelude::*;
+use serde_json::{Value, json};
+
+/// A mesh as a request has it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Net {
+    /// Positions.
+    pub(crate) positions: Vec<[f64; 3]>,
+    /// Faces.
+    pub(crate) faces: Vec<Vec<usize>>,
+}
+
+impl Net {
+    /// The `mesh` of a job.
+    pub(crate) fn to_json(&self) -> Value {
+        json!({ "positions": self.positions, "faces": self.faces })
+    }
+
+    /// The input of a job.
+    pub(crate) fn input(&self) -> Value {
+        json!({ "mesh": self.to_json() })
+    }
+
+    /// Reads the json output of a mesh.
+    pub(crate) fn of(result: &Value) -> Self {
+        let positions = serde_json::from_value(result["positions"].clone()).expect("positions");
+        let faces = serde_json::from_value(result["faces"].clone()).expect("faces");
+        Self { positions, faces }
+    }
+
+    /// The undirected edges, each once.
+    pub(crate) fn edges(&self) -> BTreeSet<(usize, usize)> {
+        let sides = self.faces.iter().flat_map(|face| {
+            (0..face.len()).map(move |j| {
+                let (a, b) = (face[j], face[(j + 1) % face.len()]);
+                (a.min(b), a.max(b))
+            })
+        });
+        sides.collect()
+    }
+}
+
+/// Largest difference of a coordinate; infinite where one is missing or not a number.
+pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let differences = a.iter().zip(b).map(|(x, y)| (x - y).abs());
+    let largest = differences.fold(0.0, |most: f64, x| if x.is_nan() { f64::INFINITY } else { most.max(x) });
+    if a.len() == b.len() { largest } else { f64::INFINITY }
+}
+
+/// For each expected point the one found next to it, one to one, within `tolerance` per coordinate.
+pub(crate) fn matched(found: &[[f64; 3]], expected: &[[f64; 3]], tolerance: f64) -> Result<Vec<usize>, String> {
+    let mut image = Vec::with_capacity(expected.len());
+    for point in expected {
+        let distances = found.iter().map(|other| distance(point, other)).enumerate();
+        let (nearest, off) = distances.min_by(|a, b| a.1.total_cmp(&b.1)).ok_or("there are no vertices")?;
+        if off > tolerance {
+            return Err(format!("{point:?} is off by {off}"));
+        }
+        image.push(nearest);
+    }
+    let distinct = image.iter().collect::<BTreeSet<_>>().len();
+    if distinct == found.len() && distinct == image.len() {
+        Ok(image)
+    } else {
+        Err(format!("{} points match {distinct} of {}", expected.len(), found.len()))
+    }
+}
+
+/// Checks that two meshes are the same surface: points matched one to one, faces as cycles of matched points.
+pub(crate) fn same_surface(found: &Net, expected: &Net, tolerance: f64) -> Result<(), String> {
+    let image = matched(&found.positions, &expected.positions, tolerance)?;
+    let reference = cycles(&expected.faces, |v| image[v]);
+    if reference == cycles(&found.faces, |v| v) { Ok(()) } else { Err("the faces differ".into()) }
+}
+
+/// Faces as cycles, each starting at its lowest vertex, in ascending order.
+fn cycles(faces: &[Vec<usize>], image: impl Fn(usize) -> usize) -> Vec<Vec<usize>> {
+    let cycle = |face: &Vec<usize>| {
+        let mut face: Vec<usize> = face.iter().map(|&v| image(v)).collect();
+        let lowest = (0..face.len()).min_by_key(|&i| face[i]).expect("a face has vertices");
+        face.rotate_left(lowest);
+        face
+    };
+    let mut cycles: Vec<_> = faces.iter().map(cycle).collect();
+    cycles.sort();
+    cycles
+}
+
+fn of(positions: &[[f64; 3]], faces: &[&[usize]]) -> Net {
+    Net { positions: positions.to_vec(), faces: faces.iter().map(|face| face.to_vec()).collect() }
+}
+
+/// A crooked cube.
+pub(crate) fn cube() -> Net {
+    let positions = (0..8).map(|i| {
+        let [x, y, z] = [i & 1, i >> 1 & 1, i >> 2].map(f64::from);
+        [x + 0.125 * y, y - 0.25 * z * x, z + 0.0625 * x * y]
+    });
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    Net { positions: positions.collect(), faces: faces.map(Vec::from).to_vec() }
+}
+
+/// A tetrahedron.
+pub(crate) fn tetrahedron() -> Net {
+    of(&[[0., 0., 0.], [2., 0., 0.25], [0., 2., 0.], [0.5, 0., 2.]], &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[2, 0, 3]])
+}
+
+/// A bumpy rectangle of `n x m` quads.
+pub(crate) fn grid(n: usize, m: usize) -> Net {
+    let bump = |i: usize, j: usize| f64::from(u8::try_from((3 * i * i + 5 * j + i * j) % 7).expect("below 7")) / 8.0;
+    let whole = |i: usize| f64::from(u32::try_from(i).expect("a small net"));
+    let points = (0..=m).flat_map(|j| (0..=n).map(move |i| [whole(i), whole(j), bump(i, j)]));
+    let first = (0..m).flat_map(|j| (0..n).map(move |i| j * (n + 1) + i));
+    Net { positions: points.collect(), faces: first.map(|a| vec![a, a + 1, a + n + 2, a + n + 1]).collect() }
+}
+
+/// A torus of `n x m` quads, `n` and `m` at least 3.
+pub(crate) fn torus(n: usize, m: usize) -> Net {
+    let Net { positions, .. } = grid(n - 1, m - 1);
+    let at = |i: usize, j: usize| (j % m) * n + i % n;
+    let quads = (0..m).flat_map(|j| (0..n).map(move |i| vec![at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]));
+    Net { positions, faces: quads.collect() }
+}
+
+/// An open strip of a triangle, a quad and a pentagon.
+pub(crate) fn mixed() -> Net {
+    of(
+        &[
+            [0., 0., 0.],
+            [2., 0., 1.],
+            [2., 2., 0.],
+            [0., 2., 0.5],
+            [-2., 1., 0.],
+            [4., -1., 0.],
+            [5., 1., 2.],
+            [4., 3., 0.],
+        ],
+        &[&[0, 1, 2, 3], &[3, 4, 0], &[1, 5, 6, 7, 2]],
+    )
+}
+
+/// A prism over an `n`-gon, closed.
+pub(crate) fn prism(n: usize) -> Net {
+    let mut positions = grid(n - 1, 1).positions;
+    positions.truncate(2 * n);
+    let mut faces: Vec<Vec<usize>> = (0..n).map(|i| vec![i, (i + 1) % n, n + (i + 1) % n, n + i]).collect();
+    faces.push((0..n).rev().collect());
+    faces.push((n..2 * n).collect());
+    Net { positions, faces }
+}
+
+/// A random manifold: one of the families, some faces taken away, some split into triangles, some pairs merged, vertices
+/// renumbered, and some isolated ones added.
+pub(crate) fn manifold() -> impl Strategy<Value = Net> {
+    let family = prop_oneof![
+        Just(cube()),
+        Just(tetrahedron()),
+        Just(mixed()),
+        (1..5_usize, 1..5_usize).prop_map(|(n, m)| grid(n, m)),
+        (3..6_usize, 3..6_usize).prop_map(|(n, m)| torus(n, m)),
+        (3..8_usize).prop_map(prism),
+    ];
+    let choices = proptest::collection::vec(any::<u8>(), 64);
+    (family, choices, 0..3_usize, any::<bool>()).prop_map(|(net, choices, isolated, whole)| {
+        let mut net = if whole { net } else { punctured(net, &choices) };
+        net = triangulated(net, &choices[16..]);
+        net = merged(net, usize::from(choices[40]));
+        for i in 0..isolated {
+            net.positions.insert(usize::from(choices[50 + i]) % (net.positions.len() + 1), [9.0, 9.0, 9.0]);
+            let at = net.positions.iter().position(|p| *p == [9.0; 3]).expect("just added");
+            net.positions[at] = [0.5, -1.0, 3.0];
+            net.faces.iter_mut().flatten().filter(|v| **v >= at).for_each(|v| *v += 1);
+        }
+        let turn = usize::from(choices[60]);
+        net.faces.iter_mut().for_each(|face| {
+            let by = turn % face.len();
+            face.rotate_left(by);
+        });
+        net
+    })
+}
+
+/// The net without the faces that `choices` picks, at least one staying; vertices may end up isolated or in two fans.
+fn punctured(net: Net, choices: &[u8]) -> Net {
+    let keep = |i: usize| i == 0 || !choices[i % choices.len()].is_multiple_of(4);
+    let faces = net.faces.into_iter().enumerate().filter(|(i, _)| keep(*i)).map(|(_, face)| face).collect();
+    Net { faces, ..net }
+}
+
+/// Some quads cut along a diagonal.
+fn triangulated(net: Net, choices: &[u8]) -> Net {
+    let faces = net.faces.into_iter().enumerate().flat_map(|(i, face)| match (face.as_slice(), choices[i % 24] % 3) {
+        (&[a, b, c, d], 0) => vec![vec![a, b, c], vec![c, d, a]],
+        _ => vec![face],
+    });
+    Net { faces: faces.collect(), ..net }
+}
+
+/// One face glued to a neighbour over their only common edge, where there is one.
+fn merged(mut net: Net, start: usize) -> Net {
+    let n = net.faces.len();
+    for f in (0..n).map(|i| (i + start) % n) {
+        let face = net.faces[f].clone();
+        for j in 0..face.len() {
+            let (a, b) = (face[j], face[(j + 1) % face.len()]);
+            let Some(g) = (0..n).find(|&g| g != f && side(&net.faces[g], b, a).is_some()) else { continue };
+            let other = net.faces[g].clone();
+            if face.iter().filter(|v| other.contains(v)).count() != 2 {
+                continue;
+            }
+            let k = side(&other, b, a).expect("just found");
+            let mut whole: Vec<usize> = (1..=face.len()).map(|i| face[(j + i) % face.len()]).collect();
+            whole.extend((2..other.len()).map(|i| other[(k + i) % other.len()]));
+            net.faces[f] = whole;
+            net.faces.remove(g);
+            return net;
+        }
+    }
+    net
+}
+
+/// Where a face runs from `a` to `b`.
+fn side(face: &[usize], a: usize, b: usize) -> Option<usize> {
+    (0..face.len()).find(|&j| face[j] == a && face[(j + 1) % face.len()] == b)
+}

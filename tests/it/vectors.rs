@@ -1,0 +1,268 @@
+//! The reference vectors of `tests/vectors`, reproduced through the public API: each becomes jobs, one a level, whose
+//! json output must agree within the file's own tolerance.
+//!
+//! A new scheme adds its pattern to one of the tables below; a new kind of file adds a function.
+
+use std::fs;
+use std::path::PathBuf;
+
+use planish::math::functions::{cos, sin, sqrt};
+use serde_json::{Value, json};
+
+use crate::support::json;
+use crate::support::nets::{Net, distance, same_surface};
+
+const CURVES: &[(&str, usize)] = &[
+    ("curve_chaikin", 1),
+    ("curve_cubic_bspline", 1),
+    ("curve_four_point", 1),
+    ("curve_pushback_static_*", 4),
+    ("curve_semi_*", 8),
+    ("curve_word_*", 5),
+    ("curve_open_clamped_*", 3),
+];
+const CIRCLES: &[(&str, usize)] = &[("circle_theorem1", 1), ("circle_cbspline_word", 1)];
+const SURFACES: &[(&str, usize)] = &[("surf_pushback_*", 13), ("surf_table1_*", 4), ("surf_cc_identity_*", 2)];
+const OPENSUBDIV: &[(&str, usize)] = &[
+    ("osd_cc_cube", 1),
+    ("osd_cc_tet", 1),
+    ("osd_cc_pentprism", 1),
+    ("osd_cc_grid_edgecorner", 1),
+    ("osd_cc_grid_edgeonly", 1),
+    ("osd_cc_mixed_ngon_open*", 2),
+];
+
+#[test]
+fn curves_agree_with_the_vectors() {
+    assert_eq!(reproduced(CURVES, curve), 72, "levels compared");
+}
+
+#[test]
+fn circles_have_the_predicted_radius() {
+    assert_eq!(reproduced(CIRCLES, circle), 52, "circles compared");
+}
+
+#[test]
+fn surfaces_agree_with_the_vectors() {
+    assert_eq!(reproduced(SURFACES, surface), 42, "levels compared");
+}
+
+#[test]
+fn catmull_clark_agrees_with_opensubdiv() {
+    assert_eq!(reproduced(OPENSUBDIV, opensubdiv), 22, "levels compared");
+}
+
+#[test]
+fn the_copy_of_the_vectors_is_complete() {
+    let files = matching("*");
+    assert_eq!(files.len(), 111);
+    for (id, vector) in files {
+        assert_eq!(vector["id"], id);
+        assert!(vector["tol"].as_f64().is_some_and(|tol| tol > 0.0), "{id} has a tolerance");
+    }
+}
+
+/// Checks every file that matches a pattern; returns the number of comparisons made.
+///
+/// # Panics
+/// When a pattern does not match as many files as the table says: a vector that did not run proves nothing.
+fn reproduced(table: &[(&str, usize)], check: fn(&Value) -> usize) -> usize {
+    let mut compared = 0;
+    for (pattern, expected) in table {
+        let files = matching(pattern);
+        assert_eq!(files.len(), *expected, "files named {pattern}");
+        compared += files.iter().map(|(_, vector)| check(vector)).sum::<usize>();
+    }
+    compared
+}
+
+/// The vectors whose name is `pattern`, or starts with what stands before its `*`.
+fn matching(pattern: &str) -> Vec<(String, Value)> {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/vectors");
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).expect("the vectors are there") {
+        let path = entry.expect("the folder can be read").path();
+        let Some(name) = path.file_name().and_then(|name| name.to_str()).and_then(|name| name.strip_suffix(".json"))
+        else {
+            continue;
+        };
+        if pattern.strip_suffix('*').map_or(name == pattern, |start| name.starts_with(start)) {
+            let text = fs::read_to_string(&path).expect("a vector can be read");
+            files.push((name.to_owned(), serde_json::from_str(&text).expect("a vector is JSON")));
+        }
+    }
+    files.sort_by(|a, b| a.0.cmp(&b.0));
+    files
+}
+
+/// A function of alpha as an expression.
+fn expression(function: &Value) -> Value {
+    match function["type"].as_str() {
+        Some("const") => function["value"].clone(),
+        Some("cos_half") => match function["scale"].as_str() {
+            Some(scale) => json!(format!("{scale}*cos(alpha/2)")),
+            None => json!("cos(alpha/2)"),
+        },
+        Some("sec_half") => json!("1/cos(alpha/2)"),
+        // words give their constants bare
+        _ => {
+            if function.is_null() {
+                json!(1)
+            } else {
+                function.clone()
+            }
+        }
+    }
+}
+
+fn push_back(params: &Value) -> Value {
+    let delta = params["delta"].as_str().expect("delta is a fraction").replace('N', "valence");
+    json!({ "preset": "push-back", "parameters": {
+        "alpha": if params["alpha0"].is_null() { json!(0) } else { params["alpha0"].clone() },
+        "kernel": expression(&params["f"]), "compensation": expression(&params["omega"]),
+        "delta": delta, "k": params["k"],
+    } })
+}
+
+fn curve_plan(vector: &Value) -> Value {
+    let params = &vector["params"];
+    match vector["scheme"].as_str().expect("a vector names its scheme") {
+        "chaikin" => json!({ "preset": "chaikin" }),
+        "cubic_bspline" => json!({ "preset": "cubic-b-spline" }),
+        "four_point" => {
+            let w = format!("({})/2", params["alpha"].as_str().expect("alpha is a fraction"));
+            json!({ "preset": "four-point", "parameters": { "w": w } })
+        }
+        "pushback" => push_back(params),
+        "word" => {
+            let delta = if params["delta"].is_null() { json!(1) } else { params["delta"].clone() };
+            json!({ "word": params["word"], "parameters": {
+                "kernel": expression(&params["f"]), "compensation": expression(&params["omega"]), "delta": delta,
+            } })
+        }
+        scheme => panic!("no plan is known for {scheme}"),
+    }
+}
+
+fn curve(vector: &Value) -> usize {
+    let polygon = json!({
+        "points": vector["input"], "closed": vector["closed"],
+        "corners": vector["params"].get("corners").cloned().unwrap_or_else(|| json!([])),
+    });
+    let convention = vector["index_convention"].as_str().unwrap_or_default();
+    let cyclic = vector["compare"] == "cyclic" || convention.contains("cyclic");
+    let levels = vector["levels"].as_array().expect("levels are a list");
+    for level in levels {
+        let job = json!({ "input": { "polygon": polygon }, "plan": curve_plan(vector), "levels": level["level"] });
+        let (found, expected): (Vec<Vec<f64>>, Vec<Vec<f64>>) =
+            (points(&json(job)["points"]), points(&level["points"]));
+        assert_eq!(found.len(), expected.len(), "points of {} at level {}", vector["id"], level["level"]);
+        let shifts = if cyclic { expected.len() } else { 1 };
+        let deviation = |shift: usize| {
+            let pairs = (0..expected.len()).map(|i| distance(&found[(i + shift) % found.len()], &expected[i]));
+            pairs.fold(0.0, f64::max)
+        };
+        let least = (0..shifts).map(deviation).fold(f64::INFINITY, f64::min);
+        assert!(least <= tolerance(vector), "{} level {}: off by {least}", vector["id"], level["level"]);
+    }
+    levels.len()
+}
+
+fn circle(vector: &Value) -> usize {
+    let rows = vector["rows"].as_array().expect("rows are a list");
+    for row in rows {
+        let (k, winding) = (number(&row["K"]), row["winding"].as_f64().unwrap_or(1.0));
+        let alpha = format!("2*pi*{winding}/{k}");
+        let plan = match vector["scheme"].as_str() {
+            Some("pushback") => json!({ "preset": "push-back", "parameters": {
+                "alpha": alpha, "kernel": "cos(alpha/2)", "compensation": "1/cos(alpha/2)",
+                "delta": row["delta"], "k": row["k"],
+            } }),
+            Some("word") => json!({ "word": format!("UD^{}", row["m"]), "parameters": {
+                "alpha": alpha, "kernel": "cos(alpha/2)",
+            } }),
+            scheme => panic!("no plan is known for {scheme:?}"),
+        };
+        let corners = row["K"].as_u64().expect("K is whole");
+        let corner = |i: u64| 2.0 * std::f64::consts::PI * winding * f64::from(u32::try_from(i).unwrap()) / k;
+        let polygon: Vec<_> = (0..corners).map(|i| [cos(corner(i)), sin(corner(i))]).collect();
+        let job = json!({ "input": { "polygon": { "points": polygon, "closed": true } }, "plan": plan, "levels": 5 });
+        let radius = number(&row["radius_level5"]);
+        let found: Vec<[f64; 2]> = points(&json(job)["points"]);
+        assert_eq!(found.len() as u64, corners * 32);
+        for point in found {
+            let off = (sqrt(point[0] * point[0] + point[1] * point[1]) - radius).abs();
+            assert!(off <= tolerance(vector), "{} {row}: off by {off}", vector["id"]);
+        }
+    }
+    rows.len()
+}
+
+fn surface(vector: &Value) -> usize {
+    let (params, input) = (&vector["params"], &vector["input"]);
+    let tagged = vector["corners"].as_array().into_iter().flatten();
+    let corners: Vec<_> = tagged.map(|v| json!({ "vertex": v, "sharpness": 10 })).collect();
+    let mesh = json!({ "positions": input["points"], "faces": input["faces"], "corners": corners });
+    let mut push_back = push_back(&if params["f"].is_number() {
+        let constant = |x: &Value| json!({ "type": "const", "value": x });
+        json!({ "f": constant(&params["f"]), "omega": constant(&params["omega"]), "delta": params["delta"], "k": params["k"] })
+    } else {
+        params.clone()
+    });
+    push_back["boundary"] = json!("edge-only");
+    let catmull_clark = json!({ "preset": "catmull-clark", "boundary": "edge-only" });
+    let mut compared = 0;
+    for level in vector["levels"].as_array().expect("levels are a list") {
+        for (plan, points) in
+            [(&push_back, "points"), (&push_back, "points_pushback"), (&catmull_clark, "points_catmull_clark")]
+        {
+            if level[points].is_array() {
+                check_mesh(vector, &mesh, plan, level, points);
+                compared += 1;
+            }
+        }
+    }
+    compared
+}
+
+fn opensubdiv(vector: &Value) -> usize {
+    let input = &vector["input"];
+    assert_eq!(vector["scheme"], "catmull_clark");
+    for tags in ["creases", "corners"] {
+        assert_eq!(input[tags], json!([]), "{} has {tags}", vector["id"]);
+    }
+    let boundary = match vector["boundary_interpolation"].as_str() {
+        Some("edge") => "edge-only",
+        Some("edgecorner") => "edge-and-corner",
+        other => panic!("no rule is known for {other:?}"),
+    };
+    let mesh = json!({ "positions": input["points"], "faces": input["faces"] });
+    let plan = json!({ "preset": "catmull-clark", "boundary": boundary });
+    let levels = vector["levels"].as_array().expect("levels are a list");
+    levels.iter().for_each(|level| check_mesh(vector, &mesh, &plan, level, "vertices"));
+    levels.len()
+}
+
+/// Compares one level: points matched one to one by nearest neighbour, faces as a set of cycles of matched points.
+fn check_mesh(vector: &Value, mesh: &Value, plan: &Value, level: &Value, key: &str) {
+    let what = format!("{} level {} ({key})", vector["id"], level["level"]);
+    let result = json(json!({ "input": { "mesh": mesh }, "plan": plan, "levels": level["level"] }));
+    let mut expected = Net { positions: points(&level[key]), faces: Vec::new() };
+    expected.faces = serde_json::from_value(level["faces"].clone()).expect("faces are lists of indices");
+    if let Err(difference) = same_surface(&Net::of(&result), &expected, tolerance(vector)) {
+        panic!("{what}: {difference}");
+    }
+}
+
+/// Points of any dimension that deserialises.
+fn points<T: serde::de::DeserializeOwned>(list: &Value) -> Vec<T> {
+    serde_json::from_value(list.clone()).expect("points are lists of numbers")
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+fn tolerance(vector: &Value) -> f64 {
+    number(&vector["tol"])
+}
