@@ -188,3 +188,18 @@ impl Page<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_hundredths_and_no_needless_digits() {
+        let mut out = Vec::new();
+        let mut page = Page { text: String::new(), out: &mut out };
+        for value in [0.0, 0.004, 1.5, -0.25, 10.05, -2048.996, 8192.0] {
+            page.number(" ", value);
+        }
+        assert_eq!(page.text, " 0 0 1.5 -0.25 10.05 -2049 8192");
+    }
+}

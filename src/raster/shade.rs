@@ -38,13 +38,13 @@ const KEY: [f64; 3] = [-0.48, 0.62, 0.62];
 const FILL: [f64; 3] = [0.80, 0.05, 0.45];
 const RIM: [f64; 3] = [0.25, 0.65, -0.72];
 
-const KEY_LIGHT: Vec3f = [0.80, 0.775, 0.735];
-const FILL_LIGHT: Vec3f = [0.17, 0.19, 0.225];
+const KEY_LIGHT: Vec3f = [0.93, 0.90, 0.855];
+const FILL_LIGHT: Vec3f = [0.13, 0.15, 0.185];
 const RIM_LIGHT: Vec3f = [0.30, 0.32, 0.36];
-const SKY_LIGHT: Vec3f = [0.30, 0.325, 0.365];
-const GROUND_LIGHT: Vec3f = [0.125, 0.115, 0.11];
+const SKY_LIGHT: Vec3f = [0.25, 0.275, 0.315];
+const GROUND_LIGHT: Vec3f = [0.115, 0.105, 0.10];
 /// Share of the light that mirrors at the surface, straight on.
-const GLEAM: f32 = 0.16;
+const GLEAM: f32 = 0.36;
 
 impl Lamps {
     /// The lamps for `camera`, falling on a surface of this sRGB colour.
@@ -111,7 +111,8 @@ impl Lamps {
             let ambient = GROUND_LIGHT[k] + (SKY_LIGHT[k] - GROUND_LIGHT[k]) * sky;
             let diffuse = KEY_LIGHT[k] * key + FILL_LIGHT[k] * fill + RIM_LIGHT[k] * rim + ambient;
             let colour = self.outside[k] + (self.inside[k] - self.outside[k]) * back;
-            shoulder(colour * diffuse + gleam)
+            let matt = shoulder(colour * diffuse);
+            matt + gleam * (1.0 - matt)
         })
     }
 }

@@ -79,8 +79,7 @@ impl Drawing {
         }
         if shows("points") {
             let centres = easel.centres(control, watch)?;
-            let (radius_px, ring_px) = (5.6 * unit, 1.5 * unit);
-            items.push(Item::Discs { centres, radius_px, ring_px, color: POINT, ring: RING });
+            items.push(discs(centres, unit));
         }
         Ok(Self { size: options.size, background: options.background, items })
     }
@@ -134,6 +133,12 @@ impl Easel {
         }
     }
 
+    /// Point `i` in space and, unless that is out of the picture, its pixel coordinates.
+    fn spot(&self, curve: &Curve, i: usize) -> ([f64; 3], Option<[f64; 2]>) {
+        let point = self.lifted(curve, i);
+        (point, self.camera.place(point))
+    }
+
     fn lines(&self, curves: &[Curve], width_px: f32, color: [u8; 4], watch: &Watch) -> Result<Item, FormatError> {
         let mut pen = Pen::default();
         for curve in curves {
@@ -141,12 +146,19 @@ impl Easel {
             // A function on a closed polygon is drawn over one period, not led back to its start.
             let joined = curve.closed && curve.dimension > 1;
             let segments = if joined && n > 2 { n } else { n.saturating_sub(1) };
+            let mut from = (n > 0).then(|| self.spot(curve, 0));
             for i in 0..segments {
                 if i % CHUNK == 0 {
                     watch.check()?;
                 }
-                let ends = self.camera.segment(self.lifted(curve, i), self.lifted(curve, (i + 1) % n));
+                let to = self.spot(curve, (i + 1) % n);
+                let ends = match (from, to) {
+                    (Some((_, Some(a))), (_, Some(b))) => Some([a, b]),
+                    (Some((a, _)), (b, _)) => self.camera.segment(a, b),
+                    (None, _) => None,
+                };
                 pen.draw(ends, i + 1 == segments);
+                from = Some(to);
             }
             pen.lift();
         }
@@ -160,8 +172,7 @@ impl Easel {
                 if i % CHUNK == 0 {
                     watch.check()?;
                 }
-                let point = self.lifted(curve, i);
-                let Some([place, _]) = self.camera.segment(point, point) else { continue };
+                let (_, Some(place)) = self.spot(curve, i) else { continue };
                 let place = place.map(|x| x as f32);
                 let fresh = centres.last().is_none_or(|last| {
                     let (dx, dy) = (place[0] - last[0], place[1] - last[1]);
@@ -174,6 +185,20 @@ impl Easel {
         }
         Ok(centres)
     }
+}
+
+/// Discs that shrink where they would hide each other and the curve.
+fn discs(centres: Vec<[f32; 2]>, unit: f32) -> Item {
+    let steps = centres.windows(2).map(|pair| {
+        let (dx, dy) = (f64::from(pair[1][0] - pair[0][0]), f64::from(pair[1][1] - pair[0][1]));
+        (dx * dx + dy * dy).sqrt()
+    });
+    #[expect(clippy::cast_precision_loss, reason = "fewer than 2^52 points")]
+    let mean = if centres.len() > 1 { steps.sum::<f64>() / (centres.len() - 1) as f64 } else { f64::INFINITY };
+    let scale = (0.5 * mean as f32 / (5.6 * unit)).clamp(0.25, 1.0);
+    let ring_px = if scale < 0.5 { 0.0 } else { 1.5 * unit * scale };
+    let radius_px = 4.1 * unit * scale + ring_px;
+    Item::Discs { centres, radius_px, ring_px, color: POINT, ring: RING }
 }
 
 /// Smallest and largest value; `[0, 0]` when there is none.

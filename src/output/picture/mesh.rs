@@ -36,6 +36,8 @@ pub(in crate::output) fn picture(
     let unit = options.unit_px();
     let ring = options.background;
     let ring = if ring[3] == 255 { ring } else { [255; 4] };
+    let room = options.room(net.positions.len());
+    let (thin, small) = (room.min(25.0) * 0.08, room.min(32.0) * 0.25);
     let line = |positions, segments, width: f32, color| Strokes {
         positions,
         segments,
@@ -48,11 +50,11 @@ pub(in crate::output) fn picture(
         strokes.push(Strokes { crowding: Crowding::Fade, ..line(&positions[..], &wires[..], 1.3, WIRE) });
     }
     if shows("control") {
-        strokes.push(line(&net.positions, &net.edges, 2.0, CONTROL));
+        strokes.push(line(&net.positions, &net.edges, thin, CONTROL));
     }
     if shows("points") {
-        strokes.push(line(&net.positions, &net.points, 10.5, ring));
-        strokes.push(line(&net.positions, &net.points, 8.0, POINT));
+        strokes.push(line(&net.positions, &net.points, 1.31 * small, ring));
+        strokes.push(line(&net.positions, &net.points, small, POINT));
     }
     let model = Model {
         positions: &positions,
@@ -121,7 +123,7 @@ fn edges(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 2]>, Stopped>
     Ok(keys)
 }
 
-/// For each triangle the normal of its face, by Newell's sum of cross products; any length.
+/// For each triangle the normal of its face, by Newell's sum of cross products; of length one or zero.
 fn face_normals(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Vec<[f64; 3]>, Stopped> {
     let mut all = Vec::with_capacity(mesh.n_corners().saturating_sub(2 * mesh.n_faces()));
     each_face(mesh, watch, |face| {
@@ -137,6 +139,7 @@ fn face_normals(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) ->
             normal[1] += a[2] * b[0] - a[0] * b[2];
             normal[2] += a[0] * b[1] - a[1] * b[0];
         }
+        let normal = normals::unit(normal);
         all.extend(triangles(face).map(|_| normal));
     })?;
     Ok(all)

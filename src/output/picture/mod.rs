@@ -155,6 +155,17 @@ impl<'a> Options<'a> {
         unit
     }
 
+    /// Side of the square that each of `n` things has in the picture, in units of line width.
+    pub(super) fn room(&self, n: usize) -> f32 {
+        let [width, height] = self.size.map(f64::from);
+        let unit = f64::from(self.unit_px());
+        #[expect(clippy::cast_precision_loss, reason = "a width needs no last digit")]
+        let each = width * height / (unit * unit * n.max(1) as f64);
+        #[expect(clippy::cast_possible_truncation, reason = "a width needs no last digit")]
+        let side = each.sqrt() as f32;
+        side
+    }
+
     /// The view that the camera options ask for.
     pub(super) fn view(&self) -> View {
         let fallback = Values::default();

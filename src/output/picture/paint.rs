@@ -27,7 +27,9 @@ pub(in crate::output) fn paint(drawing: &Drawing, watch: &Watch) -> Result<Vec<u
                 for batch in centres.chunks(BATCH) {
                     watch.check()?;
                     for &centre in batch {
-                        disc(&mut pixmap, centre, *radius_px, *ring);
+                        if *ring_px > 0.0 {
+                            disc(&mut pixmap, centre, *radius_px, *ring);
+                        }
                         disc(&mut pixmap, centre, radius_px - ring_px, *color);
                     }
                 }
