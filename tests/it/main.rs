@@ -1,6 +1,7 @@
 //! One binary, one story a file.
 
 mod formats;
+mod laws;
 mod store;
 mod support;
 mod vectors;
