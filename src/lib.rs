@@ -20,4 +20,8 @@ pub mod job;
 
 pub mod service;
 
+pub mod config;
 pub mod wire;
+
+pub mod cli;
+pub mod http;

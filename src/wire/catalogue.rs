@@ -1,1 +1,189 @@
 //! The catalogue: operators, presets and formats with their parameters.
+
+use serde::Serialize;
+use serde_json::{Value, json};
+use utoipa::ToSchema;
+
+use crate::math::parameter::{Default, Kind, Parameter};
+use crate::output::{FORMATS, Format, ShapeKind};
+use crate::scheme::ops::{OPERATORS, Operator};
+use crate::scheme::presets::{PRESETS, Preset, Refines, WORD_PARAMETERS};
+
+/// One parameter or option.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct ParameterEntry {
+    /// Its name.
+    pub name: &'static str,
+    /// What may be written, in words.
+    pub expects: String,
+    /// Its unit, where it has one.
+    #[serde(skip_serializing_if = "str::is_empty")]
+    pub unit: &'static str,
+    /// Whether it must be given.
+    pub required: bool,
+    /// Its value when it is left out; null when there is none.
+    pub default: Value,
+    /// Bounds, choices or fields, by kind.
+    #[serde(flatten)]
+    #[schema(value_type = Object)]
+    pub bounds: Value,
+    /// What it does.
+    pub doc: &'static str,
+}
+
+/// One preset.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct PresetEntry {
+    /// Its name.
+    pub name: &'static str,
+    /// What it refines: `polygons`, `meshes` or both.
+    pub refines: &'static [&'static str],
+    /// Its parameters.
+    pub parameters: Vec<ParameterEntry>,
+    /// What it is, with the formula.
+    pub doc: &'static str,
+    /// Author, year, page.
+    pub source: &'static str,
+}
+
+/// One operator.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct OperatorEntry {
+    /// Its letter in words.
+    pub letter: char,
+    /// Its name.
+    pub name: &'static str,
+    /// The plan parameters that it uses.
+    pub parameters: Vec<ParameterEntry>,
+    /// What it does, with the formula.
+    pub doc: &'static str,
+    /// Author, year, page.
+    pub source: &'static str,
+}
+
+/// One format.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct FormatEntry {
+    /// Its name.
+    pub name: &'static str,
+    /// Its media type.
+    pub media_type: &'static str,
+    /// Its file extension.
+    pub extension: &'static str,
+    /// What it holds: `polygons`, `meshes` or both.
+    pub holds: Vec<&'static str>,
+    /// Its options.
+    pub options: Vec<ParameterEntry>,
+    /// What it is.
+    pub doc: &'static str,
+}
+
+impl ParameterEntry {
+    fn new(parameter: &Parameter) -> Self {
+        Self {
+            name: parameter.name,
+            expects: parameter.kind.expected(),
+            unit: parameter.unit,
+            required: matches!(parameter.default, Default::Required),
+            default: default(parameter.default),
+            bounds: bounds(&parameter.kind),
+            doc: parameter.doc,
+        }
+    }
+
+    fn all(parameters: &[Parameter]) -> Vec<Self> {
+        parameters.iter().map(Self::new).collect()
+    }
+}
+
+fn default(default: Default) -> Value {
+    match default {
+        Default::Absent | Default::Required => Value::Null,
+        Default::Number(x) => number(x),
+        Default::Flag(x) => json!(x),
+        Default::Text(x) => json!(x),
+        Default::Texts(x) => json!(x),
+        Default::Fields => json!({}),
+    }
+}
+
+/// Whole numbers are written without a fraction.
+fn number(x: f64) -> Value {
+    #[expect(clippy::cast_possible_truncation, reason = "checked to be whole and small")]
+    if x.fract() == 0.0 && x.abs() < 1e15 { json!(x as i64) } else { json!(x) }
+}
+
+fn bounds(kind: &Kind) -> Value {
+    let bound = |x: f64| if x.is_finite() { number(x) } else { Value::Null };
+    match kind {
+        Kind::Number { min, max } => json!({ "kind": "number", "min": bound(*min), "max": bound(*max) }),
+        Kind::Integer { min, max } => json!({ "kind": "integer", "min": min, "max": max }),
+        Kind::Flag => json!({ "kind": "flag" }),
+        Kind::Choice(names) => json!({ "kind": "choice", "choices": names }),
+        Kind::Choices(names) => json!({ "kind": "choices", "choices": names }),
+        Kind::Expression { variable } => json!({ "kind": "expression", "variable": variable }),
+        Kind::Expressions { variable, most } => json!({ "kind": "expressions", "variable": variable, "most": most }),
+        Kind::Color => json!({ "kind": "color" }),
+        Kind::Vector => json!({ "kind": "vector" }),
+        Kind::Group(fields) => json!({ "kind": "group", "fields": ParameterEntry::all(fields) }),
+    }
+}
+
+impl PresetEntry {
+    fn new(preset: &Preset) -> Self {
+        let refines: &[&str] = match preset.refines {
+            Refines::Curves => &["polygons"],
+            Refines::Meshes => &["meshes"],
+            Refines::Both => &["polygons", "meshes"],
+        };
+        Self {
+            name: preset.name,
+            refines,
+            parameters: ParameterEntry::all(preset.parameters),
+            doc: preset.doc,
+            source: preset.source,
+        }
+    }
+}
+
+impl OperatorEntry {
+    fn new(operator: &dyn Operator) -> Option<Self> {
+        let used = WORD_PARAMETERS.iter().filter(|parameter| operator.uses().contains(&parameter.name));
+        Some(Self {
+            letter: operator.letter()?,
+            name: operator.name(),
+            parameters: used.map(ParameterEntry::new).collect(),
+            doc: operator.doc(),
+            source: operator.source(),
+        })
+    }
+}
+
+impl FormatEntry {
+    fn new(format: &dyn Format) -> Self {
+        let kinds = [("polygons", ShapeKind::Curves { dimension: 2 }), ("meshes", ShapeKind::Mesh)];
+        Self {
+            name: format.name(),
+            media_type: format.media_type(),
+            extension: format.extension(),
+            holds: kinds.into_iter().filter(|(_, kind)| format.holds(*kind).is_ok()).map(|(name, _)| name).collect(),
+            options: ParameterEntry::all(format.parameters()),
+            doc: format.doc(),
+        }
+    }
+}
+
+/// All presets.
+pub fn presets() -> Vec<PresetEntry> {
+    PRESETS.iter().map(|preset| PresetEntry::new(preset)).collect()
+}
+
+/// All operators that have a letter.
+pub fn operators() -> Vec<OperatorEntry> {
+    OPERATORS.iter().filter_map(|operator| OperatorEntry::new(*operator)).collect()
+}
+
+/// All formats.
+pub fn formats() -> Vec<FormatEntry> {
+    FORMATS.iter().map(|format| FormatEntry::new(*format)).collect()
+}

@@ -5,5 +5,6 @@ pub mod catalogue;
 pub mod job;
 pub mod literal;
 pub mod read;
+mod report;
 
 pub use job::JobRequest;

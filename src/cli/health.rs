@@ -1,0 +1,16 @@
+//! `planish health`: asks a running service whether it is ready.
+
+use std::time::Duration;
+
+use super::CliError;
+
+/// Asks `GET /readyz`.
+pub(super) fn health(url: &str) -> Result<(), CliError> {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(CliError::new)?;
+    let answer = runtime.block_on(async {
+        let client = reqwest::Client::builder().timeout(Duration::from_secs(5)).no_proxy().build()?;
+        client.get(format!("{}/readyz", url.trim_end_matches('/'))).send().await
+    });
+    let status = answer.map_err(|error| CliError::new(format!("no answer from {url}: {error}")))?.status();
+    if status.is_success() { Ok(()) } else { Err(CliError::new(format!("{url} answers {status}"))) }
+}

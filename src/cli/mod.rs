@@ -1,0 +1,117 @@
+//! The command line: the same jobs as over HTTP, by the same path, to the same bytes.
+
+mod estimate;
+mod health;
+mod job;
+mod presets;
+mod render;
+mod serve;
+
+use std::fmt;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::config::Given;
+use crate::fault::Fault;
+
+/// Refines control polygons and control meshes by subdivision.
+#[derive(Debug, Parser)]
+#[command(name = "planish", version, about, max_term_width = 110)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Serve jobs over HTTP.
+    ///
+    /// Every setting is a flag, an environment variable and a key of the TOML file; the flag wins over the variable, the
+    /// variable over the file. Defaults are listed by GET /v1/limits.
+    Serve {
+        /// Settings file (TOML); its keys are the names of the flags.
+        #[arg(long, env = "PLANISH_CONFIG")]
+        config: Option<PathBuf>,
+        #[command(flatten)]
+        given: Box<Given>,
+    },
+    /// Render a job to a file; the format follows the extension.
+    Render {
+        /// The job, a JSON file; - reads standard input.
+        job: PathBuf,
+        /// The file to write; - writes to standard output.
+        #[arg(short, long)]
+        output: PathBuf,
+        /// Format, where the extension does not tell.
+        #[arg(long)]
+        format: Option<String>,
+        /// Most faces of a mesh at any level.
+        #[arg(long)]
+        max_faces: Option<u64>,
+    },
+    /// Tell what a job would come to, without running it.
+    Estimate {
+        /// The job, a JSON file; - reads standard input.
+        job: PathBuf,
+    },
+    /// List the presets, or one with its parameters.
+    Presets {
+        /// Name of a preset.
+        name: Option<String>,
+    },
+    /// Ask a running service whether it is ready; for health checks.
+    Health {
+        /// Address of the service.
+        #[arg(long, default_value = "http://127.0.0.1:8080")]
+        url: String,
+    },
+}
+
+/// Why a command failed.
+#[derive(Debug)]
+pub(crate) enum CliError {
+    /// One sentence.
+    Plain(String),
+    /// Faults of a job.
+    Faults(Vec<Fault>),
+}
+
+impl fmt::Display for CliError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Plain(text) => f.write_str(text),
+            Self::Faults(faults) => {
+                write!(f, "the job cannot be done:")?;
+                faults.iter().try_for_each(|fault| write!(f, "\n  {fault}"))
+            }
+        }
+    }
+}
+
+impl CliError {
+    fn new(text: impl fmt::Display) -> Self {
+        Self::Plain(text.to_string())
+    }
+}
+
+/// Runs a command.
+pub fn run(cli: Cli) -> ExitCode {
+    let done = match cli.command {
+        Command::Serve { config, given } => serve::serve(*given, config.as_deref()),
+        Command::Render { job, output, format, max_faces } => {
+            render::render(&job, &output, format.as_deref(), max_faces)
+        }
+        Command::Estimate { job } => estimate::estimate(&job),
+        Command::Presets { name } => presets::presets(name.as_deref()),
+        Command::Health { url } => health::health(&url),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("planish: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}

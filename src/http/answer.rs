@@ -1,0 +1,187 @@
+//! Answers that carry an artifact: headers, and bytes part by part.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::body::{Body, Bytes};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use futures_util::stream;
+
+use super::App;
+use super::negotiate::Part;
+use super::problem::{self, Problem};
+use crate::output::Format;
+use crate::service::computation::Timings;
+use crate::service::desk::Origin;
+use crate::service::store::{Manifest, PART_BYTES};
+
+/// An artifact to be answered.
+#[derive(Debug)]
+pub(super) struct Found {
+    pub(super) manifest: Arc<Manifest>,
+    /// The bytes, when no store has them.
+    pub(super) loose: Option<Bytes>,
+    pub(super) origin: Origin,
+    pub(super) timings: Timings,
+}
+
+impl Found {
+    /// An artifact that was there.
+    pub(super) fn kept(manifest: Arc<Manifest>) -> Self {
+        Self { manifest, loose: None, origin: Origin::Hit, timings: Timings::default() }
+    }
+}
+
+/// Where an artifact has its address.
+pub(super) fn address(key: impl std::fmt::Display, format: &dyn Format) -> String {
+    format!("/v1/artifacts/{key}.{}", format.extension())
+}
+
+/// Headers that every answer about an artifact has.
+pub(super) fn headers(found: &Found, address: &str) -> HeaderMap {
+    let mut headers = HeaderMap::new();
+    let mut put = |name: HeaderName, value: String| {
+        if let Ok(value) = HeaderValue::try_from(value) {
+            headers.insert(name, value);
+        }
+    };
+    let cache = match (found.origin, &found.loose) {
+        (Origin::Hit, _) => "planish; hit",
+        (Origin::Made, None) => "planish; fwd=miss; stored",
+        (Origin::Made, Some(_)) => "planish; fwd=miss",
+        (Origin::Joined, _) => "planish; fwd=miss; collapsed",
+    };
+    put(header::ETAG, format!("\"{}\"", found.manifest.key));
+    put(HeaderName::from_static("cache-status"), cache.to_owned());
+    put(HeaderName::from_static("server-timing"), server_timing(&found.timings));
+    put(header::CONTENT_LOCATION, address.to_owned());
+    put(header::CONTENT_TYPE, found.manifest.media_type.clone());
+    put(header::ACCEPT_RANGES, "bytes".to_owned());
+    put(header::CONTENT_SECURITY_POLICY, "default-src 'none'; style-src 'unsafe-inline'; sandbox".to_owned());
+    put(HeaderName::from_static("cross-origin-resource-policy"), "cross-origin".to_owned());
+    put(HeaderName::from_static("timing-allow-origin"), "*".to_owned());
+    if !found.manifest.warnings.is_empty() {
+        put(HeaderName::from_static("planish-warnings"), warnings(&found.manifest.warnings));
+    }
+    headers
+}
+
+fn server_timing(timings: &Timings) -> String {
+    let ms = |duration: Duration| duration.as_secs_f64() * 1000.0;
+    format!(
+        "queue;dur={:.3}, refine;dur={:.3}, render;dur={:.3}, encode;dur={:.3}",
+        ms(timings.queue),
+        ms(timings.refine),
+        ms(timings.render),
+        ms(timings.encode)
+    )
+}
+
+/// Warnings as a list of quoted strings (RFC 8941), at most 4 KiB of them.
+fn warnings(warnings: &[String]) -> String {
+    let mut text = String::new();
+    for (i, warning) in warnings.iter().enumerate() {
+        let quoted: String =
+            warning.chars().map(|c| if matches!(c, ' '..='~') && c != '"' && c != '\\' { c } else { '\'' }).collect();
+        if text.len() + quoted.len() > 4096 {
+            text.push_str(&format!(", \"and {} more\"", warnings.len() - i));
+            break;
+        }
+        text.push_str(&format!("{}\"{quoted}\"", if i > 0 { ", " } else { "" }));
+    }
+    text
+}
+
+/// The artifact's bytes, or the part of them that was asked for.
+///
+/// # Errors
+/// When the bytes turn out to be gone or damaged before the answer has begun.
+pub(super) async fn bytes(
+    app: &Arc<App>,
+    found: Found,
+    mut headers: HeaderMap,
+    part: Part,
+) -> Result<Response, Problem> {
+    let length = found.manifest.length;
+    let (status, first, last) = match part {
+        Part::Whole => (StatusCode::OK, 0, length.saturating_sub(1)),
+        Part::Bytes { first, last } => (StatusCode::PARTIAL_CONTENT, first, last),
+        Part::Beyond => {
+            let mut response = Problem::new(problem::RANGE, format!("the artifact has {length} bytes")).into_response();
+            if let Ok(range) = HeaderValue::try_from(format!("bytes */{length}")) {
+                response.headers_mut().insert(header::CONTENT_RANGE, range);
+            }
+            return Ok(response);
+        }
+    };
+    let content = if length == 0 { 0 } else { last - first + 1 };
+    headers.insert(header::CONTENT_LENGTH, content.into());
+    if status == StatusCode::PARTIAL_CONTENT
+        && let Ok(range) = HeaderValue::try_from(format!("bytes {first}-{last}/{length}"))
+    {
+        headers.insert(header::CONTENT_RANGE, range);
+    }
+    let body = if content == 0 { Body::empty() } else { body(app, found, first, last).await? };
+    Ok((status, headers, body).into_response())
+}
+
+/// The bytes `first ..= last`: the first part at once, so that damage is found before the answer begins.
+async fn body(app: &Arc<App>, found: Found, first: u64, last: u64) -> Result<Body, Problem> {
+    let slice = |bytes: &Bytes, start: u64| {
+        let from = usize::try_from(first.saturating_sub(start)).unwrap_or(0);
+        let to = usize::try_from(last + 1 - start).unwrap_or(usize::MAX).min(bytes.len());
+        bytes.slice(from.min(to)..to)
+    };
+    if let Some(bytes) = &found.loose {
+        return Ok(Body::from(slice(bytes, 0)));
+    }
+    let part_bytes = PART_BYTES as u64;
+    let index = |byte: u64| usize::try_from(byte / part_bytes).unwrap_or(usize::MAX);
+    let (from, to) = (index(first), index(last));
+    let manifest = found.manifest;
+    let Some(head) = read_part(app, &manifest, from).await else {
+        let detail = "the stored result was damaged or has just left the cache; send the job again";
+        return Err(Problem::new(problem::GONE, detail));
+    };
+    let head = slice(&head, from as u64 * part_bytes);
+    if from == to {
+        return Ok(Body::from(head));
+    }
+    let app = app.clone();
+    let tail = stream::unfold(from + 1, move |at| {
+        let (app, manifest) = (app.clone(), manifest.clone());
+        async move {
+            if at > to {
+                return None;
+            }
+            let start = at as u64 * part_bytes;
+            let part = read_part(&app, &manifest, at).await;
+            let end = usize::try_from(last + 1 - start).unwrap_or(usize::MAX);
+            // an error ends the connection: a broken answer, but never a wrong byte
+            let part = part.map(|part| part.slice(..end.min(part.len()))).ok_or(std::io::ErrorKind::InvalidData);
+            Some((part.map_err(std::io::Error::from), at + 1))
+        }
+    });
+    let head = stream::once(async move { Ok::<_, std::io::Error>(head) });
+    Ok(Body::from_stream(futures_util::StreamExt::chain(head, tail)))
+}
+
+async fn read_part(app: &Arc<App>, manifest: &Arc<Manifest>, index: usize) -> Option<Bytes> {
+    if let Some(part) = app.desk.tiers.part_at_hand(manifest, index) {
+        return Some(part);
+    }
+    let (app, manifest) = (app.clone(), manifest.clone());
+    let read = tokio::task::spawn_blocking(move || app.desk.tiers.part(&manifest, index)).await;
+    match read {
+        Ok(Ok(part)) => part,
+        Ok(Err(error)) => {
+            tracing::warn!(%error, "a part of an artifact could not be read");
+            None
+        }
+        Err(error) => {
+            tracing::error!(%error, "reading a part panicked");
+            None
+        }
+    }
+}

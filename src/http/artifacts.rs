@@ -1,0 +1,76 @@
+//! GET and HEAD /v1/artifacts/{id}.{ext}: immutable bytes.
+
+use std::sync::Arc;
+
+use axum::extract::{Path, State};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+
+use super::answer::{self, Found, address};
+use super::problem::{self, Problem};
+use super::{App, Shared, negotiate};
+use crate::job::key::Key;
+use crate::output::FORMATS;
+use crate::service::computation::Phase;
+
+/// The bytes of an artifact: immutable, with a strong `ETag` and byte ranges.
+#[utoipa::path(
+    get, path = "/v1/artifacts/{file}", tag = "jobs",
+    params(("file" = String, Path, description = "Key of the artifact, a dot, and the extension of its format")),
+    responses(
+        (status = 200, description = "The bytes"),
+        (status = 206, description = "The part of them that `Range` asked for"),
+        (status = 304, description = "The client has it already (`If-None-Match`)"),
+        (status = "4XX", description = "A problem", body = crate::wire::answer::ProblemAnswer, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn artifact(State(app): State<Shared>, Path(file): Path<String>, headers: HeaderMap) -> Response {
+    answered(&app, &file, &headers).await.unwrap_or_else(IntoResponse::into_response)
+}
+
+async fn answered(app: &Arc<App>, file: &str, headers: &HeaderMap) -> Result<Response, Problem> {
+    let unknown = || {
+        let detail =
+            "there is no artifact of this name; an address is /v1/artifacts/{64 hexadecimal digits}.{extension}";
+        Problem::new(problem::NOT_FOUND, detail)
+    };
+    let (id, extension) = file.split_once('.').ok_or_else(unknown)?;
+    let key = Key::parse(id).ok_or_else(unknown)?;
+    let found = match app.desk.find(key).await {
+        Some(manifest) => Found::kept(manifest),
+        None => again(app, &key).await?,
+    };
+    let formats = FORMATS.iter().filter(|format| format.media_type() == found.manifest.media_type);
+    if !formats.clone().any(|format| format.extension() == extension) {
+        let right = formats.map(|format| address(key, *format)).next().unwrap_or_default();
+        return Err(Problem::new(problem::NOT_FOUND, format!("the artifact has another extension: {right}")));
+    }
+    let mut head = answer::headers(&found, &format!("/v1/artifacts/{file}"));
+    head.insert(header::CACHE_CONTROL, HeaderValue::from_static("public, max-age=31536000, immutable"));
+    if negotiate::has_already(headers, &key) {
+        head.remove(header::CONTENT_TYPE);
+        return Ok((StatusCode::NOT_MODIFIED, head).into_response());
+    }
+    let part = negotiate::part(headers, &key, found.manifest.length);
+    answer::bytes(app, found, head, part).await
+}
+
+/// An artifact that is not kept: made again where its job is known.
+async fn again(app: &Arc<App>, key: &Key) -> Result<Found, Problem> {
+    let Some(record) = app.desk.jobs.of_artifact(key) else {
+        let detail = "this artifact is not kept here; send its job to /v1/render, and it will have this address";
+        return Err(Problem::new(problem::NOT_FOUND, detail));
+    };
+    let output = record.admitted.estimate().outputs.iter().position(|(known, _)| known == key).unwrap_or(0);
+    let interest = app.desk.compute(record.admitted, output)?;
+    match interest.computation.finished().await {
+        Phase::Done(outcome) => {
+            let (manifest, loose) = (outcome.manifest.clone(), outcome.loose.clone());
+            Ok(Found { manifest, loose, origin: interest.origin, timings: outcome.timings })
+        }
+        Phase::Failed(failure) => Err(failure.into()),
+        Phase::Queued | Phase::Running => {
+            Err(Problem::new(problem::GONE, "the artifact left the cache; send its job again"))
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! The canary: a small real job, computed every ten seconds on the compute threads, which shows that work gets done.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use crate::job::limits::{Admitted, Limits};
+use crate::job::run;
+use crate::service::desk::Desk;
+use crate::watch::Watch;
+use crate::wire::JobRequest;
+
+/// Time between two runs.
+const INTERVAL: Duration = Duration::from_secs(10);
+/// Age of the last success from which on the service is not ready.
+pub(super) const STALE: Duration = Duration::from_secs(30);
+
+/// A cube, refined twice and drawn: it passes through operators, rasteriser and encoder.
+const JOB: &str = r#"{
+  "input": { "mesh": {
+    "positions": [[-1,-1,-1],[1,-1,-1],[1,1,-1],[-1,1,-1],[-1,-1,1],[1,-1,1],[1,1,1],[-1,1,1]],
+    "faces": [[0,3,2,1],[4,5,6,7],[0,1,5,4],[1,2,6,5],[2,3,7,6],[3,0,4,7]] } },
+  "plan": { "preset": "catmull-clark" }, "levels": 2,
+  "outputs": [{ "format": "png", "width": 64, "height": 64 }]
+}"#;
+
+/// When the canary job last succeeded, and how long it took.
+#[derive(Debug, Default)]
+pub struct Canary(Mutex<Option<(Instant, Duration)>>);
+
+impl Canary {
+    /// Age of the last success and its duration.
+    pub fn last_success(&self) -> Option<(Duration, Duration)> {
+        let last = *self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        last.map(|(at, took)| (at.elapsed(), took))
+    }
+
+    fn succeeded(&self, took: Duration) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some((Instant::now(), took));
+    }
+}
+
+/// Runs the canary for as long as the service lives.
+pub(super) async fn sing(app: Arc<super::App>) {
+    let job = Arc::new(admitted());
+    loop {
+        let (desk, job) = (app.desk.clone(), job.clone());
+        let sung = tokio::task::spawn_blocking(move || once(&desk, &job)).await;
+        match sung {
+            Ok(Ok(took)) => app.canary.succeeded(took),
+            Ok(Err(error)) => tracing::error!(%error, "the canary job failed"),
+            Err(error) => tracing::error!(%error, "the canary job panicked"),
+        }
+        tokio::time::sleep(INTERVAL).await;
+    }
+}
+
+fn admitted() -> Admitted {
+    let request: JobRequest = serde_json::from_str(JOB).expect("the canary job is JSON");
+    let job = request.resolve().expect("the canary job is possible");
+    Limits::default().admit(job).expect("the canary job is small")
+}
+
+fn once(desk: &Desk, job: &Admitted) -> Result<Duration, crate::job::RunError> {
+    let start = Instant::now();
+    let mut bytes = Vec::new();
+    desk.pool.aside(|| run(job, &job.job().outputs[0], &mut bytes, &Watch::new()))?;
+    Ok(start.elapsed())
+}

@@ -1,0 +1,84 @@
+//! What can be asked for: presets, operators, formats, limits.
+
+use axum::Json;
+use axum::extract::{Path, State};
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::Shared;
+use super::problem::{self, Problem};
+use crate::math::parameter::shortened;
+use crate::wire::catalogue::{self, FormatEntry, OperatorEntry, PresetEntry};
+
+/// All presets.
+#[utoipa::path(get, path = "/v1/presets", tag = "catalogue", responses((status = 200, body = Vec<PresetEntry>)))]
+pub(super) async fn presets() -> Json<Vec<PresetEntry>> {
+    Json(catalogue::presets())
+}
+
+/// One preset.
+#[utoipa::path(
+    get, path = "/v1/presets/{name}", tag = "catalogue", params(("name" = String, Path, description = "Name of the preset")),
+    responses((status = 200, body = PresetEntry), (status = 404, body = crate::wire::answer::ProblemAnswer, content_type = "application/problem+json"))
+)]
+pub(super) async fn preset(Path(name): Path<String>) -> Response {
+    let found = catalogue::presets().into_iter().find(|preset| preset.name == name);
+    found.map(Json).ok_or_else(|| unknown("preset", &name, "/v1/presets")).into_response()
+}
+
+/// All operators.
+#[utoipa::path(get, path = "/v1/operators", tag = "catalogue", responses((status = 200, body = Vec<OperatorEntry>)))]
+pub(super) async fn operators() -> Json<Vec<OperatorEntry>> {
+    Json(catalogue::operators())
+}
+
+/// One operator.
+#[utoipa::path(
+    get, path = "/v1/operators/{letter}", tag = "catalogue", params(("letter" = String, Path, description = "Letter of the operator")),
+    responses((status = 200, body = OperatorEntry), (status = 404, body = crate::wire::answer::ProblemAnswer, content_type = "application/problem+json"))
+)]
+pub(super) async fn operator(Path(letter): Path<String>) -> Response {
+    let found = catalogue::operators().into_iter().find(|operator| letter == operator.letter.to_string());
+    found.map(Json).ok_or_else(|| unknown("operator", &letter, "/v1/operators")).into_response()
+}
+
+/// All formats.
+#[utoipa::path(get, path = "/v1/formats", tag = "catalogue", responses((status = 200, body = Vec<FormatEntry>)))]
+pub(super) async fn formats() -> Json<Vec<FormatEntry>> {
+    Json(catalogue::formats())
+}
+
+/// One limit.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub(super) struct LimitEntry {
+    name: &'static str,
+    value: u64,
+    unit: &'static str,
+    doc: String,
+}
+
+/// The limits of this server.
+#[utoipa::path(get, path = "/v1/limits", tag = "operations", responses((status = 200, body = Vec<LimitEntry>)))]
+pub(super) async fn limits(State(app): State<Shared>) -> Json<Vec<LimitEntry>> {
+    let fixed = [
+        ("max_levels", u64::from(crate::scheme::plan::MAX_LEVELS), "levels", "Most levels of any plan."),
+        (
+            "max_word_letters",
+            crate::scheme::word::MAX_LETTERS as u64,
+            "letters",
+            "Most letters of a word, powers written out.",
+        ),
+        ("max_expression_bytes", crate::math::expression::MAX_BYTES as u64, "bytes", "Longest expression."),
+    ];
+    let fixed = fixed.map(|(name, value, unit, doc)| LimitEntry { name, value, unit, doc: doc.to_owned() });
+    let settings = app.settings.list().into_iter().filter_map(|(name, value, unit, doc)| {
+        let value = value.parse().ok()?;
+        Some(LimitEntry { name, value, unit, doc })
+    });
+    Json(settings.chain(fixed).collect())
+}
+
+fn unknown(kind: &str, name: &str, list: &str) -> Problem {
+    Problem::new(problem::NOT_FOUND, format!("there is no {kind} \"{}\"; {list} lists them", shortened(name)))
+}

@@ -1,0 +1,130 @@
+//! The HTTP interface: a list of routes, one file a resource.
+
+mod answer;
+mod artifacts;
+mod body;
+mod canary;
+mod catalogue;
+mod estimate;
+mod guard;
+mod health;
+mod jobs;
+mod negotiate;
+mod pages;
+mod problem;
+mod render;
+pub mod serve;
+mod validate;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::Router;
+use axum::extract::DefaultBodyLimit;
+use axum::http::{HeaderName, Method, header};
+use axum::middleware;
+use tower_http::catch_panic::CatchPanicLayer;
+use tower_http::compression::CompressionLayer;
+use tower_http::cors::{Any, CorsLayer};
+use utoipa::OpenApi;
+use utoipa::openapi;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use crate::config::Settings;
+use crate::service::desk::Desk;
+
+pub use canary::Canary;
+
+/// What every handler knows.
+#[derive(Debug)]
+pub struct App {
+    /// Finds and makes artifacts.
+    pub desk: Arc<Desk>,
+    /// The settings of this service.
+    pub settings: Settings,
+    /// The job that shows whether the service works.
+    pub canary: Canary,
+}
+
+/// The state of the router.
+type Shared = Arc<App>;
+
+/// The document about the interface, but for its paths.
+#[derive(OpenApi)]
+#[openapi(
+    info(
+        title = "planish",
+        description = "Refines control polygons and control meshes by subdivision and answers with meshes and pictures.",
+        license(name = "MIT OR Apache-2.0")
+    ),
+    tags(
+        (name = "jobs", description = "Render, and follow what takes longer."),
+        (name = "questions", description = "Ask before you render."),
+        (name = "catalogue", description = "What can be asked for."),
+        (name = "operations", description = "Health and limits.")
+    )
+)]
+struct Document;
+
+/// All routes and the document that describes them.
+fn routed() -> OpenApiRouter<Shared> {
+    // artifacts are answered as they are, or their ETag would not be strong; other texts are compressed
+    let artifacts = OpenApiRouter::new().routes(routes!(render::render)).routes(routes!(artifacts::artifact));
+    let texts = OpenApiRouter::new()
+        .routes(routes!(jobs::job))
+        .routes(routes!(estimate::estimate))
+        .routes(routes!(validate::validate))
+        .routes(routes!(catalogue::presets))
+        .routes(routes!(catalogue::preset))
+        .routes(routes!(catalogue::operators))
+        .routes(routes!(catalogue::operator))
+        .routes(routes!(catalogue::formats))
+        .routes(routes!(catalogue::limits))
+        .routes(routes!(health::livez))
+        .routes(routes!(health::readyz))
+        .routes(routes!(pages::openapi))
+        .routes(routes!(pages::problem))
+        .routes(routes!(pages::index))
+        .layer(CompressionLayer::new());
+    OpenApiRouter::with_openapi(Document::openapi()).merge(artifacts).merge(texts)
+}
+
+/// The OpenAPI document of the interface.
+pub fn document() -> openapi::OpenApi {
+    routed().into_openapi()
+}
+
+/// The router of a service.
+pub fn router(app: Arc<App>) -> Router {
+    let (router, _) = routed().split_for_parts();
+    router
+        .fallback(problem::no_such_page)
+        .method_not_allowed_fallback(problem::method_not_allowed)
+        .layer(DefaultBodyLimit::disable())
+        .layer(CatchPanicLayer::custom(problem::panicked))
+        .layer(middleware::from_fn_with_state(app.clone(), guard::check_host))
+        .layer(cors())
+        .layer(middleware::from_fn(guard::headers))
+        .with_state(app)
+}
+
+/// Any page may ask; no cookies are involved.
+fn cors() -> CorsLayer {
+    let exposed = ["etag", "location", "content-location", "cache-status", "server-timing", "retry-after"];
+    let exposed =
+        exposed.into_iter().chain(["planish-warnings", "preference-applied", "accept-ranges", "content-range"]);
+    CorsLayer::new()
+        .allow_origin(Any)
+        .allow_methods([Method::GET, Method::HEAD, Method::POST, Method::DELETE, Method::OPTIONS])
+        .allow_headers([
+            header::CONTENT_TYPE,
+            header::ACCEPT,
+            header::IF_NONE_MATCH,
+            header::RANGE,
+            header::IF_RANGE,
+            HeaderName::from_static("prefer"),
+        ])
+        .expose_headers(exposed.map(HeaderName::from_static).collect::<Vec<_>>())
+        .max_age(Duration::from_secs(86_400))
+}

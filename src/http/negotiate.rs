@@ -1,0 +1,128 @@
+//! What the client's headers ask for: a format, patience, a range, what it has already.
+
+use std::time::Duration;
+
+use axum::http::{HeaderMap, HeaderName, header};
+
+use super::problem::{self, Problem};
+use crate::job::key::Key;
+use crate::output::{FORMATS, Format, ShapeKind};
+
+/// Longest wait that is granted.
+const MAX_WAIT: Duration = Duration::from_secs(300);
+/// Wait when none is named.
+const DEFAULT_WAIT: Duration = Duration::from_secs(30);
+
+/// The format that `Accept` asks for: of the highest quality, and among equals the first in the catalogue; without a
+/// wish glb for meshes and json for polygons.
+pub(super) fn format(headers: &HeaderMap, kind: ShapeKind) -> Result<&'static dyn Format, Problem> {
+    let default = if kind == ShapeKind::Mesh { "glb" } else { "json" };
+    let default = crate::output::named(default).expect("the default formats are in the registry");
+    let wishes: Vec<&str> = headers.get_all(header::ACCEPT).iter().filter_map(|value| value.to_str().ok()).collect();
+    let wishes = wishes.join(",");
+    if wishes.trim().is_empty() {
+        return Ok(default);
+    }
+    let quality = |format: &&dyn Format| {
+        let matching = wishes.split(',').filter_map(|wish| accepts(wish, format.media_type()));
+        matching.max_by_key(|(precision, _)| *precision).map_or(0, |(_, quality)| quality)
+    };
+    let holding = FORMATS.iter().copied().filter(|format| format.holds(kind).is_ok());
+    let best = holding.clone().map(|format| quality(&format)).max().unwrap_or(0);
+    if best == 0 {
+        let types: Vec<&str> = holding.map(Format::media_type).collect();
+        let what = if kind == ShapeKind::Mesh { "a mesh" } else { "a polygon" };
+        let detail = format!("{what} can be answered as {}; change Accept or name an output", types.join(", "));
+        return Err(Problem::new(problem::NOT_ACCEPTABLE, detail));
+    }
+    if quality(&default) == best {
+        return Ok(default);
+    }
+    let mut candidates = holding.filter(|format| quality(format) == best);
+    Ok(candidates.next().expect("some format has the best quality"))
+}
+
+/// How precisely one wish names a media type (2 exactly, 1 its family, 0 anything), and its quality in thousandths.
+fn accepts(wish: &str, media_type: &str) -> Option<(u8, u32)> {
+    let mut parts = wish.split(';').map(str::trim);
+    let range = parts.next()?.to_ascii_lowercase();
+    let precision = if range == media_type {
+        2
+    } else if range.strip_suffix("/*").is_some_and(|family| media_type.split('/').next() == Some(family)) {
+        1
+    } else if range == "*/*" {
+        0
+    } else {
+        return None;
+    };
+    let quality = parts.find_map(|part| part.strip_prefix("q=")).map_or(Some(1.0), |q| q.parse::<f64>().ok())?;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..1000")]
+    Some((precision, (quality.clamp(0.0, 1.0) * 1000.0) as u32))
+}
+
+/// How long the client wants to wait (`Prefer: wait=N`, `respond-async`), and whether it said so.
+pub(super) fn patience(headers: &HeaderMap) -> (Duration, bool) {
+    let preferences = headers.get_all(HeaderName::from_static("prefer"));
+    let preferences =
+        preferences.iter().filter_map(|value| value.to_str().ok()).flat_map(|value| value.split([',', ';']));
+    for preference in preferences.map(|preference| preference.trim().to_ascii_lowercase()) {
+        if preference == "respond-async" {
+            return (Duration::ZERO, true);
+        }
+        let seconds = preference.strip_prefix("wait=").and_then(|n| n.trim_matches('"').parse::<u64>().ok());
+        if let Some(seconds) = seconds {
+            return (Duration::from_secs(seconds).min(MAX_WAIT), true);
+        }
+    }
+    (DEFAULT_WAIT, false)
+}
+
+/// Whether the client has the artifact already (`If-None-Match`, compared weakly as RFC 9110 says).
+pub(super) fn has_already(headers: &HeaderMap, key: &Key) -> bool {
+    let tags = headers.get_all(header::IF_NONE_MATCH);
+    let mut tags = tags.iter().filter_map(|value| value.to_str().ok()).flat_map(|value| value.split(','));
+    tags.any(|tag| {
+        let tag = tag.trim();
+        let tag = tag.strip_prefix("W/").unwrap_or(tag);
+        tag == "*" || tag.strip_prefix('"').and_then(|tag| tag.strip_suffix('"')) == Some(key.to_string().as_str())
+    })
+}
+
+/// A part of an artifact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Part {
+    /// All of it.
+    Whole,
+    /// The bytes `first ..= last`.
+    Bytes {
+        /// First byte.
+        first: u64,
+        /// Last byte.
+        last: u64,
+    },
+    /// Nothing that exists.
+    Beyond,
+}
+
+/// The part that `Range` asks for; several ranges, other units and a foreign `If-Range` are answered with the whole.
+pub(super) fn part(headers: &HeaderMap, key: &Key, length: u64) -> Part {
+    let Some(range) = headers.get(header::RANGE).and_then(|value| value.to_str().ok()) else { return Part::Whole };
+    let etag = format!("\"{key}\"");
+    if headers.get(header::IF_RANGE).is_some_and(|value| value != etag.as_str()) {
+        return Part::Whole;
+    }
+    let Some((first, last)) = range.strip_prefix("bytes=").and_then(|range| range.trim().split_once('-')) else {
+        return Part::Whole;
+    };
+    match (first.trim().parse::<u64>(), last.trim().parse::<u64>()) {
+        (Ok(first), _) if first >= length => Part::Beyond,
+        (Ok(first), Ok(last)) if last >= first => Part::Bytes { first, last: last.min(length - 1) },
+        (Ok(first), Err(_)) if last.trim().is_empty() => Part::Bytes { first, last: length - 1 },
+        (Err(_), Ok(0)) if first.trim().is_empty() => Part::Beyond,
+        (Err(_), Ok(suffix)) if first.trim().is_empty() && length > 0 => {
+            Part::Bytes { first: length - suffix.min(length), last: length - 1 }
+        }
+        (Err(_), Ok(_)) if first.trim().is_empty() => Part::Beyond,
+        _ => Part::Whole,
+    }
+}

@@ -1,0 +1,47 @@
+//! Pages for people and their tools: the OpenAPI document, the kinds of problems, a start page.
+
+use std::sync::LazyLock;
+
+use axum::extract::Path;
+use axum::http::header;
+use axum::response::{Html, IntoResponse, Response};
+
+use super::problem::{self, KINDS, Problem};
+use crate::math::parameter::shortened;
+
+/// The OpenAPI 3.1 document of this interface.
+#[utoipa::path(get, path = "/openapi.json", tag = "operations", responses((status = 200, description = "This document")))]
+pub(super) async fn openapi() -> Response {
+    static TEXT: LazyLock<String> = LazyLock::new(|| super::serve::document_text());
+    ([(header::CONTENT_TYPE, "application/json")], TEXT.as_str()).into_response()
+}
+
+/// What a kind of problem means.
+#[utoipa::path(
+    get, path = "/docs/problems/{kind}", tag = "operations", params(("kind" = String, Path, description = "The last part of a problem's type")),
+    responses((status = 200, description = "A page", content_type = "text/html"), (status = 404, description = "No such kind"))
+)]
+pub(super) async fn problem(Path(kind): Path<String>) -> Response {
+    let Some(kind) = KINDS.iter().find(|known| known.slug == kind) else {
+        let detail = format!("there is no kind of problem \"{}\"", shortened(&kind));
+        return Problem::new(problem::NOT_FOUND, detail).into_response();
+    };
+    let doc = kind.doc.replace('&', "&amp;").replace('<', "&lt;");
+    page(kind.title, &format!("<p>Status {}</p><p>{doc}</p>", kind.status.as_u16())).into_response()
+}
+
+/// A start page with the way to everything else.
+#[utoipa::path(get, path = "/", tag = "operations", responses((status = 200, description = "A page", content_type = "text/html")))]
+pub(super) async fn index() -> Response {
+    let links = ["/openapi.json", "/v1/presets", "/v1/operators", "/v1/formats", "/v1/limits", "/livez", "/readyz"];
+    let links: String = links.map(|link| format!("<li><a href=\"{link}\">{link}</a></li>")).concat();
+    let text = "<p>Refines control polygons and control meshes by subdivision. Send a job to <code>POST /v1/render</code>.</p>";
+    page("planish", &format!("{text}<ul>{links}</ul>")).into_response()
+}
+
+fn page(title: &str, content: &str) -> Html<String> {
+    Html(format!(
+        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>{title}</title><style>body{{font:16px/1.5 \
+         system-ui,sans-serif;max-width:40rem;margin:3rem auto;padding:0 1rem}}</style><h1>{title}</h1>{content}</html>\n"
+    ))
+}

@@ -1,0 +1,204 @@
+//! Errors: every refusal as problem+json (RFC 9457), with what to do.
+
+use std::any::Any;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, SystemTime};
+
+use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
+use axum::response::{IntoResponse, Response};
+
+use crate::fault::Fault;
+use crate::job::limits::Refusal;
+use crate::math::parameter::shortened;
+use crate::service::computation::Failure;
+use crate::service::pool::Busy;
+use crate::wire::answer::ProblemAnswer;
+use crate::wire::read::ReadError;
+
+/// A kind of problem: its slug, title and status, and a page's worth of explanation.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Kind {
+    pub(super) slug: &'static str,
+    pub(super) title: &'static str,
+    pub(super) status: StatusCode,
+    pub(super) doc: &'static str,
+}
+
+macro_rules! kinds {
+    ($($name:ident: $slug:literal, $status:ident, $title:literal, $doc:literal;)*) => {
+        $(pub(super) const $name: Kind =
+            Kind { slug: $slug, title: $title, status: StatusCode::$status, doc: $doc };)*
+        /// All kinds, for their pages.
+        pub(super) const KINDS: &[Kind] = &[$($name),*];
+    };
+}
+
+kinds! {
+    NOT_JSON: "not-json", BAD_REQUEST, "The body is not JSON",
+        "The text of the request ends early or breaks the grammar of JSON. The detail names line and column.";
+    INVALID: "invalid-job", UNPROCESSABLE_ENTITY, "The job cannot be done",
+        "The body is JSON, but no job: a field is unknown, missing or of the wrong kind, or the parts do not fit each \
+         other. Every entry of `errors` points to one fault.";
+    TOO_LARGE: "too-large", UNPROCESSABLE_ENTITY, "The result would be too large",
+        "The exact counts of the result pass a limit of this server; see /v1/limits, and /v1/estimate to ask first.";
+    NOT_ACCEPTABLE: "not-acceptable", NOT_ACCEPTABLE, "No such format for this input",
+        "None of the media types in `Accept` can hold the result; see /v1/formats.";
+    BODY_TOO_LONG: "body-too-long", PAYLOAD_TOO_LARGE, "The body is too long",
+        "The body has more bytes than this server reads; see /v1/limits.";
+    MEDIA_TYPE: "unsupported-media-type", UNSUPPORTED_MEDIA_TYPE, "The body is of the wrong media type",
+        "Jobs are sent as `Content-Type: application/json` without `Content-Encoding`.";
+    NOT_FOUND: "not-found", NOT_FOUND, "There is no such thing here",
+        "No page, job, artifact or catalogue entry has this address; see /openapi.json for those that exist.";
+    GONE: "gone", GONE, "It was here, but is no longer kept",
+        "The artifact left the cache. Send the job again; it will have the same address.";
+    METHOD: "method-not-allowed", METHOD_NOT_ALLOWED, "The page does not know this method",
+        "The header `Allow` lists the methods that the page knows.";
+    RANGE: "range-not-satisfiable", RANGE_NOT_SATISFIABLE, "The range lies beyond the end",
+        "The header `Content-Range` tells the length of the artifact.";
+    SLOW: "too-slow", REQUEST_TIMEOUT, "The request took too long to arrive",
+        "The body stopped arriving for longer than this server waits.";
+    HOST: "wrong-host", FORBIDDEN, "The server is not known by this name",
+        "A server that listens on a loopback address answers only to localhost and loopback addresses, so that pages \
+         from elsewhere cannot reach it under a name of their own.";
+    BUSY: "busy", SERVICE_UNAVAILABLE, "Too much is waiting already",
+        "The queue is full. Come back after the seconds in `Retry-After`.";
+    NOT_READY: "not-ready", SERVICE_UNAVAILABLE, "The service is not ready",
+        "The small job that the service runs regularly did not succeed lately.";
+    TIMED_OUT: "timed-out", UNPROCESSABLE_ENTITY, "The computation took too long",
+        "One computation may run for a limited time; see /v1/limits. Ask for fewer levels or a smaller picture.";
+    CANCELLED: "cancelled", CONFLICT, "The job was cancelled",
+        "Send the job again to have it queued again.";
+    INTERNAL: "internal", INTERNAL_SERVER_ERROR, "The service made a mistake",
+        "This is a fault of planish, not of the request. Please report it with the `trace_id`.";
+}
+
+/// A refusal.
+#[derive(Debug, Clone)]
+pub(super) struct Problem {
+    kind: Kind,
+    detail: String,
+    errors: Vec<Fault>,
+    retry_after: Option<Duration>,
+}
+
+impl Problem {
+    pub(super) fn new(kind: Kind, detail: impl Into<String>) -> Self {
+        Self { kind, detail: detail.into(), errors: Vec::new(), retry_after: None }
+    }
+
+    /// A job that cannot be, with all its faults.
+    pub(super) fn invalid(errors: Vec<Fault>) -> Self {
+        let detail = match errors.as_slice() {
+            [one] => one.to_string(),
+            [first, ..] => format!("{first} (and {} more, see errors)", errors.len() - 1),
+            [] => "the job cannot be done".to_owned(),
+        };
+        Self { errors, ..Self::new(INVALID, detail) }
+    }
+}
+
+impl From<ReadError> for Problem {
+    fn from(error: ReadError) -> Self {
+        match error {
+            ReadError::NotJson(detail) => Self::new(NOT_JSON, detail),
+            ReadError::Unfit(faults) => Self::invalid(faults),
+        }
+    }
+}
+
+impl From<Refusal> for Problem {
+    fn from(refusal: Refusal) -> Self {
+        match refusal {
+            Refusal::Impossible(faults) => Self::invalid(faults),
+            Refusal::TooLarge { detail, faults } => Self { errors: faults, ..Self::new(TOO_LARGE, detail) },
+        }
+    }
+}
+
+impl From<Busy> for Problem {
+    fn from(busy: Busy) -> Self {
+        let seconds = busy.retry_after.as_secs().max(1);
+        let detail = format!("too many jobs are waiting; come back in {seconds} s");
+        Self { retry_after: Some(busy.retry_after), ..Self::new(BUSY, detail) }
+    }
+}
+
+impl From<Failure> for Problem {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Cancelled => Self::new(CANCELLED, "the job was cancelled; send it again to have it queued again"),
+            Failure::Impossible(detail) => Self::invalid(vec![Fault::new("", detail)]),
+            Failure::TimedOut(limit) => {
+                let seconds = limit.as_secs();
+                let remedy = "ask for fewer levels or a smaller picture";
+                Self::new(
+                    TIMED_OUT,
+                    format!("the computation ran for {seconds} s, the most this server allows; {remedy}"),
+                )
+            }
+            Failure::Internal(error) => {
+                tracing::error!(%error, "a computation failed");
+                Self::new(INTERNAL, "the computation failed; this is a fault of planish, please report it")
+            }
+        }
+    }
+}
+
+/// An id to find an answer in the log: distinct within and, by the start time, across processes.
+fn trace_id() -> String {
+    static COUNTER: AtomicU64 = AtomicU64::new(0);
+    let count = COUNTER.fetch_add(1, Ordering::Relaxed);
+    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    let mut seed = since.as_nanos().to_le_bytes().to_vec();
+    seed.extend(count.to_le_bytes());
+    seed.extend(std::process::id().to_le_bytes());
+    crate::job::key::content(&seed).to_string()[..16].to_owned()
+}
+
+impl IntoResponse for Problem {
+    fn into_response(self) -> Response {
+        let answer = ProblemAnswer {
+            kind: format!("/docs/problems/{}", self.kind.slug),
+            title: self.kind.title.to_owned(),
+            status: self.kind.status.as_u16(),
+            detail: self.detail,
+            errors: self.errors.into_iter().map(Into::into).collect(),
+            trace_id: trace_id(),
+        };
+        tracing::info!(trace_id = answer.trace_id, status = answer.status, detail = answer.detail, "refused");
+        let body = serde_json::to_vec(&answer).expect("a problem is plain text and numbers");
+        let mut headers = HeaderMap::new();
+        headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));
+        headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
+        if let Some(retry_after) = self.retry_after {
+            headers.insert(header::RETRY_AFTER, retry_after.as_secs().max(1).into());
+        }
+        (self.kind.status, headers, body).into_response()
+    }
+}
+
+/// The answer where no route is.
+pub(super) async fn no_such_page(uri: Uri) -> Problem {
+    let path = shortened(uri.path());
+    Problem::new(NOT_FOUND, format!("there is no page {path}; /openapi.json lists those that exist"))
+}
+
+/// The answer to a method that a page does not know.
+pub(super) async fn method_not_allowed(method: Method, uri: Uri) -> Problem {
+    let path = shortened(uri.path());
+    let remedy = match path.as_str() {
+        "/v1/render" | "/v1/estimate" | "/v1/validate" => "send a job with POST",
+        _ => "the header Allow lists the methods it knows",
+    };
+    Problem::new(METHOD, format!("{path} does not know {method}; {remedy}"))
+}
+
+/// The answer after a panic in a handler.
+#[expect(clippy::needless_pass_by_value, reason = "the signature is that of the panic layer")]
+pub(super) fn panicked(panic: Box<dyn Any + Send>) -> Response {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
+    tracing::error!(panic = text.unwrap_or("no message"), "a handler panicked");
+    Problem::new(INTERNAL, "the request made planish fail; this is a fault of planish, please report it")
+        .into_response()
+}

@@ -1,0 +1,139 @@
+//! POST /v1/render: one job, one output, the bytes now.
+
+use std::sync::Arc;
+
+use axum::body::Body;
+use axum::extract::State;
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+
+use super::answer::{self, Found, address};
+use super::negotiate::{self, Part};
+use super::problem::Problem;
+use super::{App, Shared, body, jobs};
+use crate::fault::Fault;
+use crate::job::Job;
+use crate::job::key::Key;
+use crate::job::limits::Admitted;
+use crate::service::computation::Phase;
+use crate::service::desk::Origin;
+use crate::wire::JobRequest;
+use crate::wire::job::OutputRequest;
+
+/// Renders a job with one output and answers with its bytes.
+///
+/// Without `outputs`, `Accept` chooses the format. `Prefer: wait=N` (default 30 s, at most 300 s) bounds the wait; after
+/// it the answer is 202 with the address of the job.
+#[utoipa::path(
+    post, path = "/v1/render", tag = "jobs", request_body = JobRequest,
+    responses(
+        (status = 200, description = "The bytes of the result, in the format asked for"),
+        (status = 202, description = "Not finished in time; `Location` has the job", body = crate::wire::answer::JobAnswer),
+        (status = 304, description = "The client has it already (`If-None-Match`)"),
+        (status = "4XX", description = "A problem", body = crate::wire::answer::ProblemAnswer, content_type = "application/problem+json"),
+        (status = "5XX", description = "A problem", body = crate::wire::answer::ProblemAnswer, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn render(State(app): State<Shared>, headers: HeaderMap, body: Body) -> Response {
+    rendered(&app, &headers, body).await.unwrap_or_else(IntoResponse::into_response)
+}
+
+/// A job with the key and the address of its one output.
+struct Asked {
+    job: Job,
+    key: Key,
+    address: String,
+}
+
+async fn rendered(app: &Arc<App>, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
+    let asked = read(app, headers, body).await?;
+    if negotiate::has_already(headers, &asked.key) {
+        return Ok(not_modified(&asked));
+    }
+    let (patience, said) = negotiate::patience(headers);
+    let (found, address) = if let Some(manifest) = app.desk.find(asked.key).await {
+        (Found::kept(manifest), asked.address)
+    } else {
+        let admitted = admit(app, asked.job).await?;
+        let interest = app.desk.compute(admitted.clone(), 0)?;
+        let computation = interest.computation.clone();
+        match tokio::time::timeout(patience, computation.finished()).await {
+            Ok(Phase::Done(outcome)) => {
+                if interest.origin == Origin::Made && outcome.loose.is_none() {
+                    app.desk.persist(outcome.manifest.clone());
+                }
+                let (manifest, loose) = (outcome.manifest.clone(), outcome.loose.clone());
+                (Found { manifest, loose, origin: interest.origin, timings: outcome.timings }, asked.address)
+            }
+            Ok(Phase::Failed(failure)) => return Err(failure.into()),
+            Ok(Phase::Queued | Phase::Running) | Err(_) => {
+                let id = admitted.job().id();
+                app.desk.detach(id, admitted, interest);
+                return Ok(later(app, &id, said.then_some(patience.as_secs())));
+            }
+        }
+    };
+    let head = answer::headers(&found, &address);
+    answer::bytes(app, found, head, Part::Whole).await
+}
+
+/// Reads, checks and keys the job; on the blocking pool when it is long.
+async fn read(app: &Arc<App>, headers: &HeaderMap, body: Body) -> Result<Asked, Problem> {
+    let bytes = body::collect(app, headers, body).await?;
+    let headers = headers.clone();
+    body::off_loop(bytes.len(), move || {
+        let mut request: JobRequest = crate::wire::read::read(&bytes)?;
+        if request.outputs.is_empty() {
+            let format = negotiate::format(&headers, request.shape_kind())?;
+            request.outputs = vec![OutputRequest::of_format(format.name())];
+        } else if request.outputs.len() > 1 {
+            let detail = format!("{} outputs; /v1/render answers one, send one job for each", request.outputs.len());
+            return Err(Problem::invalid(vec![Fault::new("/outputs", detail)]));
+        }
+        let job = request.resolve().map_err(Problem::invalid)?;
+        let output = &job.outputs[0];
+        let key = job.key(output);
+        let address = address(key, output.format);
+        Ok(Asked { job, key, address })
+    })
+    .await
+}
+
+/// Admits a job: on the blocking pool, as some forecasts follow the mesh through its levels.
+pub(super) async fn admit(app: &Arc<App>, job: Job) -> Result<Arc<Admitted>, Problem> {
+    let desk = app.desk.clone();
+    let admitted = tokio::task::spawn_blocking(move || desk.limits.admit(job)).await;
+    match admitted {
+        Ok(admitted) => Ok(Arc::new(admitted?)),
+        Err(error) => Err(crate::service::computation::Failure::Internal(error.to_string()).into()),
+    }
+}
+
+fn not_modified(asked: &Asked) -> Response {
+    let mut headers = HeaderMap::new();
+    if let (Ok(etag), Ok(address)) =
+        (HeaderValue::try_from(format!("\"{}\"", asked.key)), HeaderValue::try_from(asked.address.as_str()))
+    {
+        headers.insert(header::ETAG, etag);
+        headers.insert(header::CONTENT_LOCATION, address);
+    }
+    headers.insert(HeaderName::from_static("cache-status"), HeaderValue::from_static("planish; hit"));
+    (StatusCode::NOT_MODIFIED, headers).into_response()
+}
+
+/// 202: the job goes on, and here is where.
+fn later(app: &Arc<App>, id: &Key, applied: Option<u64>) -> Response {
+    let Some(answer) = jobs::answer(app, id) else {
+        return Problem::new(super::problem::NOT_FOUND, "the job is no longer known; send it again").into_response();
+    };
+    let mut response = (StatusCode::ACCEPTED, axum::Json(answer)).into_response();
+    let headers = response.headers_mut();
+    headers.insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
+    if let Ok(location) = HeaderValue::try_from(format!("/v1/jobs/{id}")) {
+        headers.insert(header::LOCATION, location);
+    }
+    if let Some(Ok(applied)) = applied.map(|seconds| HeaderValue::try_from(format!("wait={seconds}"))) {
+        headers.insert(HeaderName::from_static("preference-applied"), applied);
+    }
+    response
+}

@@ -1,0 +1,56 @@
+//! POST /v1/validate: what can be said of a mesh before it is refined.
+
+use axum::body::Body;
+use axum::extract::State;
+use axum::http::HeaderMap;
+use axum::response::{IntoResponse, Response};
+use serde::Deserialize;
+use utoipa::ToSchema;
+
+use super::problem::Problem;
+use super::{Shared, body};
+use crate::fault::{Fault, under};
+use crate::job::Input;
+use crate::wire::answer::{FaultAnswer, MeshReport, ValidateAnswer};
+use crate::wire::job::InputRequest;
+
+/// The question: an input, as in a job.
+#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ValidateRequest {
+    /// The mesh (or polygons) to be checked.
+    input: InputRequest,
+}
+
+/// Reports what a mesh is like: manifold, boundary loops, valences, degenerate faces, each fault with its index.
+#[utoipa::path(
+    post, path = "/v1/validate", tag = "questions", request_body = ValidateRequest,
+    responses(
+        (status = 200, description = "The report; `valid` tells whether a job would take the input", body = ValidateAnswer),
+        (status = "4XX", description = "A problem", body = crate::wire::answer::ProblemAnswer, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn validate(State(app): State<Shared>, headers: HeaderMap, body: Body) -> Response {
+    let answer = async {
+        let request: ValidateRequest = body::json(&app, &headers, body).await?;
+        body::off_loop(usize::MAX, move || Ok::<_, Problem>(axum::Json(report(request.input)))).await
+    };
+    answer.await.into_response()
+}
+
+fn report(input: InputRequest) -> ValidateAnswer {
+    match input.resolve() {
+        Ok(Input::Mesh(mesh)) => {
+            let report = Some(MeshReport::new(&mesh));
+            ValidateAnswer { valid: true, errors: Vec::new(), warnings: mesh.warnings, report }
+        }
+        Ok(Input::Polygons(_)) => {
+            ValidateAnswer { valid: true, errors: Vec::new(), warnings: Vec::new(), report: None }
+        }
+        Err(faults) => {
+            let errors: Vec<Fault> = under("/input", faults);
+            let errors = errors.into_iter().map(FaultAnswer::from).collect();
+            ValidateAnswer { valid: false, errors, warnings: Vec::new(), report: None }
+        }
+    }
+}

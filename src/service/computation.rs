@@ -1,0 +1,161 @@
+//! One computation under way, shared by everyone who is interested in its result.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use bytes::Bytes;
+use tokio::sync::watch;
+
+use super::clock::Clock;
+use super::store::Manifest;
+use crate::job::key::Key;
+use crate::watch::{Stage, Watch};
+
+/// Where a computation stands.
+#[derive(Debug, Clone)]
+pub enum Phase {
+    /// Waiting for a turn.
+    Queued,
+    /// Under way.
+    Running,
+    /// Finished.
+    Done(Arc<Outcome>),
+    /// Ended without a result.
+    Failed(Failure),
+}
+
+impl Phase {
+    /// Whether nothing more will happen.
+    pub fn is_final(&self) -> bool {
+        matches!(self, Self::Done(_) | Self::Failed(_))
+    }
+}
+
+/// A result.
+#[derive(Debug)]
+pub struct Outcome {
+    /// What is known of the bytes.
+    pub manifest: Arc<Manifest>,
+    /// The bytes themselves when no store could take them.
+    pub loose: Option<Bytes>,
+    /// How long it took.
+    pub timings: Timings,
+}
+
+/// Why a computation ended without a result.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Failure {
+    /// Nobody was interested any more, or it was cancelled.
+    Cancelled,
+    /// The job turned out to be impossible.
+    Impossible(String),
+    /// It ran longer than a computation may.
+    TimedOut(Duration),
+    /// A fault of the service itself.
+    Internal(String),
+}
+
+/// How long the stages of a computation took.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Timings {
+    /// Waiting for a turn.
+    pub queue: Duration,
+    /// Refining.
+    pub refine: Duration,
+    /// Drawing.
+    pub render: Duration,
+    /// Writing bytes.
+    pub encode: Duration,
+}
+
+/// A computation.
+#[derive(Debug)]
+pub struct Computation {
+    /// Key of the artifact being made.
+    pub key: Key,
+    /// Its stop flag and progress.
+    pub watch: Watch,
+    /// Rows to be made in all.
+    pub work: u128,
+    phase: watch::Sender<Phase>,
+    interests: AtomicUsize,
+    stages: Arc<Stages>,
+}
+
+/// The moments at which stages began.
+#[derive(Debug)]
+struct Stages {
+    clock: Arc<dyn Clock>,
+    begun: Mutex<Vec<(Option<Stage>, Duration)>>,
+}
+
+impl Stages {
+    fn mark(&self, stage: Option<Stage>) {
+        let now = self.clock.now();
+        self.begun.lock().unwrap_or_else(PoisonError::into_inner).push((stage, now));
+    }
+}
+
+impl Computation {
+    /// A computation that waits for its turn, with one interest in it.
+    pub fn new(key: Key, work: u128, clock: Arc<dyn Clock>) -> Self {
+        let stages = Arc::new(Stages { clock, begun: Mutex::default() });
+        stages.mark(None);
+        let watch = Watch::new();
+        let observed = stages.clone();
+        watch.observe(move |stage| observed.mark(Some(stage)));
+        Self { key, watch, work, phase: watch::channel(Phase::Queued).0, interests: AtomicUsize::new(1), stages }
+    }
+
+    /// Where it stands.
+    pub fn phase(&self) -> Phase {
+        self.phase.borrow().clone()
+    }
+
+    /// Moves it on.
+    pub fn set(&self, phase: Phase) {
+        self.phase.send_replace(phase);
+    }
+
+    /// Waits until nothing more will happen.
+    pub async fn finished(&self) -> Phase {
+        let mut receiver = self.phase.subscribe();
+        let last = receiver.wait_for(Phase::is_final).await.map(|phase| phase.clone());
+        last.unwrap_or_else(|_| self.phase())
+    }
+
+    /// Share of the work done, from 0 to 1.
+    #[expect(clippy::cast_precision_loss, reason = "a share needs few digits")]
+    pub fn progress(&self) -> f64 {
+        (self.watch.done() as f64 / self.work.max(1) as f64).min(1.0)
+    }
+
+    /// One interest more; false when there were none left, so that the computation is ending.
+    pub fn join(&self) -> bool {
+        let more = |n: usize| (n > 0).then_some(n + 1);
+        self.interests.fetch_update(Ordering::AcqRel, Ordering::Acquire, more).is_ok()
+    }
+
+    /// One interest less; true when that was the last.
+    pub fn leave(&self) -> bool {
+        self.interests.fetch_sub(1, Ordering::AcqRel) == 1
+    }
+
+    /// How long its stages took so far.
+    pub fn timings(&self) -> Timings {
+        let begun = self.stages.begun.lock().unwrap_or_else(PoisonError::into_inner);
+        let ends = begun.iter().skip(1).map(|(_, end)| *end).chain([self.stages.clock.now()]);
+        let mut timings = Timings::default();
+        for ((stage, start), end) in begun.iter().zip(ends) {
+            let took = end.saturating_sub(*start);
+            match stage {
+                None => timings.queue += took,
+                Some(Stage::Refine) => timings.refine += took,
+                Some(Stage::Render) => timings.render += took,
+                Some(Stage::Encode) => timings.encode += took,
+            }
+        }
+        timings
+    }
+}
