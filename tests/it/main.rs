@@ -2,6 +2,7 @@
 
 mod formats;
 mod laws;
+mod shapes;
 mod store;
 mod support;
 mod vectors;

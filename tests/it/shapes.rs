@@ -1,0 +1,6 @@
+//! What a shape may be, what each fault is told, and in which order a refined one comes out.
+
+mod dual_order;
+mod faults;
+mod order;
+mod repairs;

@@ -1,0 +1,178 @@
+//! The documented order of refined meshes, on the preset bilinear, where every point is known in closed form.
+//!
+//! With n = 2^levels: the input's vertices; then by input edge (numbered by first appearance) its n - 1 inner points in
+//! the direction of that appearance; then by input face its inside: of a quad the grid row by row, origin at corner 0,
+//! first axis towards corner 1; of another face the centre, the spokes from each edge's midpoint to the centre, and the
+//! grids of the quads at its corners. Faces by input face, row by row.
+
+use std::collections::BTreeSet;
+
+use planish::math::functions::sqrt;
+use serde_json::json;
+
+use crate::support;
+use crate::support::nets::{self, Net, distance};
+
+type Point = [f64; 3];
+
+fn mix(a: Point, b: Point, t: f64) -> Point {
+    [0, 1, 2].map(|i| (1.0 - t) * a[i] + t * b[i])
+}
+
+/// The point of the patch with these corners at `(u, v)`, u towards corner 1, v towards corner 3.
+fn on_patch([a, b, c, d]: [Point; 4], u: f64, v: f64) -> Point {
+    mix(mix(a, b, u), mix(d, c, u), v)
+}
+
+fn fraction(i: usize, n: usize) -> f64 {
+    f64::from(u32::try_from(i).expect("small")) / f64::from(u32::try_from(n).expect("small"))
+}
+
+fn centre(corners: &[Point]) -> Point {
+    [0, 1, 2].map(|i| corners.iter().map(|p| p[i]).sum::<f64>() / fraction(corners.len(), 1))
+}
+
+/// The patch at corner `j` of a face: corner, midpoint of the edge after it, centre, midpoint of the edge before it.
+fn part(corners: &[Point], j: usize) -> [Point; 4] {
+    let n = corners.len();
+    let middle = |j: usize| mix(corners[j % n], corners[(j + 1) % n], 0.5);
+    [corners[j], middle(j), centre(corners), middle(j + n - 1)]
+}
+
+fn corners(net: &Net, face: &[usize]) -> Vec<Point> {
+    face.iter().map(|&v| net.positions[v]).collect()
+}
+
+/// The positions in the documented order.
+fn expected_positions(net: &Net, levels: u32) -> Vec<Point> {
+    let n = 1_usize << levels;
+    let mut positions = net.positions.clone();
+    let mut seen = BTreeSet::new();
+    for face in &net.faces {
+        for j in 0..face.len() {
+            let (a, b) = (face[j], face[(j + 1) % face.len()]);
+            if seen.insert((a.min(b), a.max(b))) {
+                positions.extend((1..n).map(|i| mix(net.positions[a], net.positions[b], fraction(i, n))));
+            }
+        }
+    }
+    for face in net.faces.iter().filter(|_| levels > 0) {
+        let corners = corners(net, face);
+        if let Ok(patch) = <[Point; 4]>::try_from(corners.clone()) {
+            positions.extend(inside(patch, n));
+        } else {
+            positions.push(centre(&corners));
+            for j in 0..corners.len() {
+                let middle = part(&corners, j)[1];
+                positions.extend((1..n / 2).map(|i| mix(middle, centre(&corners), fraction(i, n / 2))));
+            }
+            positions.extend((0..corners.len()).flat_map(|j| inside(part(&corners, j), n / 2)));
+        }
+    }
+    positions
+}
+
+/// The inner points of a patch with `n` cells a side, row by row.
+fn inside(patch: [Point; 4], n: usize) -> Vec<Point> {
+    let places = (1..n).flat_map(|j| (1..n).map(move |i| (i, j)));
+    places.map(|(i, j)| on_patch(patch, fraction(i, n), fraction(j, n))).collect()
+}
+
+/// The corners of the faces in the documented order.
+fn expected_faces(net: &Net, levels: u32) -> Vec<Vec<Point>> {
+    if levels == 0 {
+        return net.faces.iter().map(|face| corners(net, face)).collect();
+    }
+    let n = 1_usize << levels;
+    net.faces
+        .iter()
+        .flat_map(|face| {
+            let corners = corners(net, face);
+            match <[Point; 4]>::try_from(corners.clone()) {
+                Ok(patch) => cells(patch, n),
+                Err(_) => (0..corners.len()).flat_map(|j| cells(part(&corners, j), n / 2)).collect(),
+            }
+        })
+        .collect()
+}
+
+/// The corners of the cells of a patch with `n` cells a side, row by row.
+fn cells(patch: [Point; 4], n: usize) -> Vec<Vec<Point>> {
+    let cell = |i: usize, j: usize| {
+        let around = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
+        around.map(|(i, j)| on_patch(patch, fraction(i, n), fraction(j, n))).to_vec()
+    };
+    (0..n).flat_map(|j| (0..n).map(move |i| (i, j))).map(|(i, j)| cell(i, j)).collect()
+}
+
+fn check(net: &Net) {
+    for levels in 0..=4 {
+        let job = json!({ "input": net.input(), "plan": { "preset": "bilinear" }, "levels": levels });
+        let found = Net::of(&support::json(job));
+        let positions = expected_positions(net, levels);
+        assert_eq!(found.positions.len(), positions.len(), "level {levels}");
+        for (v, (p, q)) in found.positions.iter().zip(&positions).enumerate() {
+            assert!(distance(p, q) < 1e-12, "level {levels}: vertex {v} is {p:?}, not {q:?}");
+        }
+        let faces = expected_faces(net, levels);
+        assert_eq!(found.faces.len(), faces.len(), "level {levels}");
+        for (f, (face, expected)) in found.faces.iter().zip(&faces).enumerate() {
+            assert_eq!(face.len(), expected.len(), "level {levels}: face {f}");
+            for (v, q) in face.iter().zip(expected) {
+                let p = found.positions[*v];
+                assert!(distance(&p, q) < 1e-12, "level {levels}: face {f} has {p:?}, not {q:?}");
+            }
+        }
+    }
+}
+
+/// Points of the same net at places that no two refined points share.
+fn scattered(net: Net) -> Net {
+    let irrational = |i: usize, k: u32| (sqrt(f64::from(k)) * fraction(3 * i + 1, 1)).fract() * 4.0;
+    let positions = (0..net.positions.len()).map(|i| [irrational(i, 2), irrational(i, 3), irrational(i, 5)]).collect();
+    Net { positions, ..net }
+}
+
+#[test]
+fn an_open_mixed_mesh_comes_out_in_the_documented_order() {
+    check(&scattered(nets::mixed()));
+}
+
+#[test]
+fn quad_meshes_come_out_in_the_documented_order() {
+    check(&scattered(nets::cube()));
+    check(&scattered(nets::grid(3, 2)));
+    check(&scattered(nets::torus(3, 3)));
+}
+
+#[test]
+fn polyhedra_come_out_in_the_documented_order() {
+    check(&scattered(nets::tetrahedron()));
+    check(&scattered(nets::prism(5)));
+    check(&scattered(nets::prism(6)));
+}
+
+#[test]
+fn isolated_vertices_take_part_in_the_order() {
+    let mut net = nets::mixed();
+    net.positions.push([0.0; 3]);
+    check(&scattered(net));
+}
+
+/// Whatever the scheme, the order is that of bilinear: faces and counts agree, and only positions differ.
+#[test]
+fn all_schemes_that_split_share_the_order() {
+    for net in [nets::mixed(), nets::prism(5), nets::cube()] {
+        for levels in 0..=3 {
+            let of = |plan: &serde_json::Value| {
+                Net::of(&support::json(json!({ "input": net.input(), "plan": plan, "levels": levels })))
+            };
+            let bilinear = of(&json!({ "preset": "bilinear" }));
+            for plan in [json!({ "preset": "catmull-clark" }), json!({ "word": "UCP" }), json!({ "word": "UCC" })] {
+                let other = of(&plan);
+                assert_eq!(other.faces, bilinear.faces, "{plan}");
+                assert_eq!(other.positions.len(), bilinear.positions.len(), "{plan}");
+            }
+        }
+    }
+}
