@@ -108,9 +108,10 @@ impl Limits {
             let bound = format!("this server allows {} a job", in_bytes(self.max_job_bytes.into()));
             return Err(self.too_large(job, &forecast, &format!("{place}; {bound}"), |_| false));
         }
+        // measured, rounded up: 100 ns a row, 10 ns a byte of the result (pictures are counted by their pixels)
+        let bytes = sizes.iter().fold(0, |sum: u128, size| sum.saturating_add(size.bytes()));
+        let time_ms = forecast.work / 10_000 + bytes / 100_000 + 1;
         let outputs = job.outputs.iter().zip(sizes).map(|(output, size)| (job.key(output), size)).collect();
-        // about 100 ns a row, 20 ns a byte of a picture, 2 ns a byte of anything else: measured, rounded up
-        let time_ms = forecast.work / 10_000 + 1;
         Ok(Estimate { forecast, outputs, memory_bytes, time_ms })
     }
 
@@ -208,6 +209,7 @@ fn counts(job: &Job, count: Count) -> Counts {
     Counts {
         kind: job.input.shape_kind(),
         polygons,
+        control: job.input.n_points() as u128,
         vertices: count.vertices,
         faces: count.faces - count.hidden_faces,
         corners: count.corners - count.hidden_corners,

@@ -32,6 +32,14 @@ impl Input {
         }
     }
 
+    /// Number of points or vertices.
+    pub fn n_points(&self) -> usize {
+        match self {
+            Self::Polygons(polygons) => polygons.iter().map(Polygon::len).sum(),
+            Self::Mesh(mesh) => mesh.topology.n_vertices(),
+        }
+    }
+
     /// The kind of the result, for formats.
     pub fn shape_kind(&self) -> ShapeKind {
         match self {
@@ -104,6 +112,8 @@ impl Job {
         for (i, output) in outputs.iter().enumerate() {
             if let Err(detail) = output.format.holds(input.shape_kind()) {
                 faults.push(Fault::new(format!("/outputs/{i}/format"), detail));
+            } else if let Err(fault) = output.format.suits(input.shape_kind(), &output.options) {
+                faults.push(fault.under(&format!("/outputs/{i}")));
             }
         }
         let plan = match resolved {

@@ -140,6 +140,7 @@ fn counts(shape: Shape<'_>) -> Counts {
         Shape::Mesh(mesh) => Counts {
             kind: ShapeKind::Mesh,
             polygons: 1,
+            control: 0,
             vertices: mesh.n_vertices() as u128,
             faces: mesh.n_faces() as u128,
             corners: mesh.n_corners() as u128,
@@ -147,6 +148,7 @@ fn counts(shape: Shape<'_>) -> Counts {
         Shape::Curves(curves) => Counts {
             kind: ShapeKind::Curves { dimension: 3 },
             polygons: curves.len() as u128,
+            control: 0,
             vertices: curves.iter().map(|curve| curve.len() as u128).sum(),
             faces: 0,
             corners: 0,

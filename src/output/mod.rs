@@ -21,6 +21,7 @@ mod svg;
 
 use std::io::{self, Write};
 
+use crate::fault::Fault;
 use crate::math::parameter::{Parameter, Values};
 use crate::output::scene::Scene;
 use crate::watch::{Stopped, Watch};
@@ -53,6 +54,13 @@ pub trait Format: std::fmt::Debug + Send + Sync {
     /// # Errors
     /// A sentence that says why not, and which formats can.
     fn holds(&self, kind: ShapeKind) -> Result<(), String>;
+    /// Whether the options make sense for a shape of this kind.
+    ///
+    /// # Errors
+    /// The fault, with a pointer below the output.
+    fn suits(&self, _kind: ShapeKind, _options: &Values) -> Result<(), Fault> {
+        Ok(())
+    }
     /// Bytes that `counts` will take.
     fn size(&self, counts: &Counts, options: &Values) -> Size;
     /// Writes the scene.
@@ -82,6 +90,8 @@ pub struct Counts {
     pub kind: ShapeKind,
     /// Number of polygons (1 for a mesh).
     pub polygons: u128,
+    /// Points or vertices of the input.
+    pub control: u128,
     /// Points or vertices.
     pub vertices: u128,
     /// Shown faces (0 for curves).

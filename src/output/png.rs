@@ -5,12 +5,13 @@ use std::io::{self, Write};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 
+use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::picture::drawing::Drawing;
 use crate::output::picture::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH, mesh, paint};
 use crate::output::scene::{Scene, Shape};
 use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
-use crate::watch::Watch;
+use crate::watch::{Stage, Watch};
 
 /// The format "png".
 #[derive(Debug, Clone, Copy)]
@@ -59,6 +60,14 @@ impl Format for Png {
         picture::drawable(kind)
     }
 
+    fn suits(&self, kind: ShapeKind, options: &Values) -> Result<(), Fault> {
+        let fitting: &[&str] = match kind {
+            ShapeKind::Mesh => &["surface", "wireframe", "control", "points"],
+            ShapeKind::Curves { .. } => &["control", "points", "curve"],
+        };
+        picture::shows_only(fitting, kind, options)
+    }
+
     /// The length of the rows stored without compression, which the encoder never exceeds, and a kilobyte around them.
     fn size(&self, _: &Counts, options: &Values) -> Size {
         let [width, height] = picture::size(options).map(u128::from);
@@ -69,6 +78,7 @@ impl Format for Png {
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
         let options = Options::new(values);
+        watch.enter(Stage::Render);
         let pixels = match scene.shape {
             Shape::Mesh(shape) => mesh::picture(scene, shape, &options, watch)?,
             Shape::Curves(curves) => {
@@ -78,6 +88,7 @@ impl Format for Png {
             }
         };
         watch.check()?;
+        watch.enter(Stage::Encode);
         encode(pixels, &options, out)
     }
 }

@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::picture::drawing::{Drawing, Item};
 use crate::output::picture::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH};
@@ -28,9 +29,6 @@ const PARAMETERS: &[Parameter] = &[
     CAMERA,
 ];
 
-/// Points that an open polygon loses at its ends, at most.
-const MOST_LOST: u128 = 128;
-
 impl Format for Svg {
     fn name(&self) -> &'static str {
         "svg"
@@ -55,11 +53,15 @@ impl Format for Svg {
         }
     }
 
+    fn suits(&self, kind: ShapeKind, options: &Values) -> Result<(), Fault> {
+        picture::shows_only(&["control", "points", "curve"], kind, options)
+    }
+
     /// A point costs at most 51 bytes in the curve (when each segment is a path of its own), 51 in the control polygon
-    /// and 49 as a disc. Control points are not counted in `counts`: refinement never leaves fewer points, but for
-    /// the few that open polygons lose at their ends.
+    /// and 49 as a disc.
     fn size(&self, counts: &Counts, _: &Values) -> Size {
-        Size::AtMost(2048 + 160 * (counts.vertices + MOST_LOST * counts.polygons))
+        let points = counts.vertices.saturating_add(counts.control).saturating_add(counts.polygons);
+        Size::AtMost(points.saturating_mul(160).saturating_add(2048))
     }
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {

@@ -60,6 +60,7 @@ fn counts(shape: Shape<'_>) -> Counts {
         Shape::Mesh(mesh) => Counts {
             kind: ShapeKind::Mesh,
             polygons: 1,
+            control: 0,
             vertices: mesh.n_vertices() as u128,
             faces: mesh.n_faces() as u128,
             corners: mesh.n_corners() as u128,
@@ -67,6 +68,7 @@ fn counts(shape: Shape<'_>) -> Counts {
         Shape::Curves(curves) => Counts {
             kind: ShapeKind::Curves { dimension: curves.first().map_or(1, |curve| curve.dimension) },
             polygons: curves.len() as u128,
+            control: 0,
             vertices: curves.iter().map(|curve| curve.len() as u128).sum(),
             faces: 0,
             corners: 0,

@@ -4,7 +4,8 @@ pub(super) mod drawing;
 pub(super) mod mesh;
 pub(super) mod paint;
 
-use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::fault::Fault;
+use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
 use crate::output::ShapeKind;
 use crate::raster::{MAX_SIDE_PX, Projection, View};
 
@@ -115,6 +116,14 @@ const CAMERA_FIELDS: &[Parameter] = &[
     },
 ];
 
+/// Refuses parts to show that a shape of this kind does not have.
+pub(super) fn shows_only(fitting: &[&str], kind: ShapeKind, options: &Values) -> Result<(), Fault> {
+    let Value::Choices(items) = options.get("show") else { return Ok(()) };
+    let Some(alien) = items.iter().find(|item| !fitting.contains(item)) else { return Ok(()) };
+    let what = if kind == ShapeKind::Mesh { "a mesh" } else { "a curve" };
+    Err(Fault::new("/show", format!("{what} has no \"{alien}\" to show; it has {}", fitting.join(", "))))
+}
+
 /// The options of a picture, read once.
 #[derive(Debug, Clone)]
 pub(super) struct Options<'a> {
@@ -133,7 +142,7 @@ impl<'a> Options<'a> {
 
     /// Whether `item` is to be shown: as the request says, or `default` when it does not say.
     pub(super) fn shows(&self, item: &str, default: &[&str]) -> bool {
-        let given = matches!(self.values.get("show"), crate::math::parameter::Value::Choices(_));
+        let given = matches!(self.values.get("show"), Value::Choices(_));
         if given { self.values.has("show", item) } else { default.contains(&item) }
     }
 
