@@ -78,19 +78,22 @@ fn server_timing(timings: &Timings) -> String {
     )
 }
 
-/// Warnings as a list of quoted strings (RFC 8941), at most 4 KiB of them.
+/// Warnings as a list of quoted strings (RFC 8941), at most about 4 KiB of them.
 fn warnings(warnings: &[String]) -> String {
-    let mut text = String::new();
-    for (i, warning) in warnings.iter().enumerate() {
-        let quoted: String =
-            warning.chars().map(|c| if matches!(c, ' '..='~') && c != '"' && c != '\\' { c } else { '\'' }).collect();
-        if text.len() + quoted.len() > 4096 {
-            text.push_str(&format!(", \"and {} more\"", warnings.len() - i));
-            break;
-        }
-        text.push_str(&format!("{}\"{quoted}\"", if i > 0 { ", " } else { "" }));
+    let plain = |c: char| if matches!(c, ' '..='~') && c != '"' && c != '\\' { c } else { '\'' };
+    let quoted = |text: &str| format!("\"{}\"", text.chars().map(plain).collect::<String>());
+    let mut room: usize = 4096;
+    let mut listed: Vec<String> = Vec::new();
+    for warning in warnings {
+        let text = quoted(warning);
+        let Some(rest) = room.checked_sub(text.len()) else { break };
+        room = rest;
+        listed.push(text);
     }
-    text
+    if listed.len() < warnings.len() {
+        listed.push(format!("\"and {} more\"", warnings.len() - listed.len()));
+    }
+    listed.join(", ")
 }
 
 /// The artifact's bytes, or the part of them that was asked for.

@@ -126,5 +126,5 @@ fn cors() -> CorsLayer {
             HeaderName::from_static("prefer"),
         ])
         .expose_headers(exposed.map(HeaderName::from_static).collect::<Vec<_>>())
-        .max_age(Duration::from_secs(86_400))
+        .max_age(Duration::from_hours(24))
 }

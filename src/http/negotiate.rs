@@ -9,7 +9,7 @@ use crate::job::key::Key;
 use crate::output::{FORMATS, Format, ShapeKind};
 
 /// Longest wait that is granted.
-const MAX_WAIT: Duration = Duration::from_secs(300);
+const MAX_WAIT: Duration = Duration::from_mins(5);
 /// Wait when none is named.
 const DEFAULT_WAIT: Duration = Duration::from_secs(30);
 

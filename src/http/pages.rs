@@ -12,7 +12,7 @@ use crate::math::parameter::shortened;
 /// The OpenAPI 3.1 document of this interface.
 #[utoipa::path(get, path = "/openapi.json", tag = "operations", responses((status = 200, description = "This document")))]
 pub(super) async fn openapi() -> Response {
-    static TEXT: LazyLock<String> = LazyLock::new(|| super::serve::document_text());
+    static TEXT: LazyLock<String> = LazyLock::new(super::serve::document_text);
     ([(header::CONTENT_TYPE, "application/json")], TEXT.as_str()).into_response()
 }
 

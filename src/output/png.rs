@@ -15,7 +15,7 @@ use crate::watch::{Stage, Watch};
 
 /// The format "png".
 #[derive(Debug, Clone, Copy)]
-pub struct Png;
+pub(super) struct Png;
 
 const PARAMETERS: &[Parameter] = &[
     WIDTH,

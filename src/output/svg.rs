@@ -12,7 +12,7 @@ use crate::watch::Watch;
 
 /// The format "svg".
 #[derive(Debug, Clone, Copy)]
-pub struct Svg;
+pub(super) struct Svg;
 
 const PARAMETERS: &[Parameter] = &[
     WIDTH,

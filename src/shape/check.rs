@@ -229,9 +229,12 @@ fn orient(faces: &mut FaceList, sides: &[Side], winding: Winding) -> Result<Vec<
     Ok(turned)
 }
 
+/// A neighbouring face, whether it runs along the common edge in the same direction, and that edge.
+type Neighbour = (usize, bool, (u32, u32));
+
 /// The faces to turn so that all agree with the lowest face of their component, by a search over neighbours.
 fn turns(faces: &FaceList, sides: &[Side]) -> Result<Vec<u32>, Vec<Fault>> {
-    let mut neighbours: Vec<Vec<(usize, bool, (u32, u32))>> = vec![Vec::new(); faces.len()];
+    let mut neighbours: Vec<Vec<Neighbour>> = vec![Vec::new(); faces.len()];
     for group in groups(sides).filter(|group| group.len() == 2) {
         let [f, g] = [face_of(faces, group[0].1), face_of(faces, group[1].1)];
         let same = faces.vertices[group[0].1 as usize] == faces.vertices[group[1].1 as usize];

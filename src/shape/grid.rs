@@ -242,10 +242,7 @@ fn morton(i: usize, j: usize) -> usize {
         let x = (x | x << 4) & 0x0f0f_0f0f_0f0f_0f0f;
         let x = (x | x << 2) & 0x3333_3333_3333_3333;
         let x = (x | x << 1) & 0x5555_5555_5555_5555;
-        #[expect(clippy::cast_possible_truncation, reason = "cells are numbered below 2^32")]
-        {
-            x as usize
-        }
+        usize::try_from(x).expect("cells are numbered below 2^32")
     }
     spread(i) | spread(j) << 1
 }
