@@ -1,5 +1,6 @@
 //! One binary, one story a file.
 
+mod forecast;
 mod formats;
 mod laws;
 mod shapes;
