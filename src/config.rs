@@ -44,7 +44,7 @@ macro_rules! settings {
 settings! {
     /// Address to listen on.
     listen: SocketAddr = SocketAddr::from(([127, 0, 0, 1], 8080)), "PLANISH_LISTEN", "address";
-    /// Folder for the cache; by the platform's convention when left out, no disk cache when empty.
+    /// Folder for the cache; by the platform's convention when left out.
     data_dir: PathBuf = default_data_dir(), "PLANISH_DATA_DIR", "path";
     /// Compute threads a lane; 0 means one a core.
     threads: usize = 0, "PLANISH_THREADS", "threads";
@@ -66,7 +66,7 @@ settings! {
     max_connections: usize = 1024, "PLANISH_MAX_CONNECTIONS", "connections";
     /// Memory for cached results; 0 turns the memory cache off.
     memory_cache_bytes: u64 = 512 << 20, "PLANISH_MEMORY_CACHE_BYTES", "bytes";
-    /// Disk space for cached results.
+    /// Disk space for cached results; 0 keeps nothing on disk.
     cache_bytes: u64 = 8 << 30, "PLANISH_CACHE_BYTES", "bytes";
     /// Longest time one computation may run.
     run_timeout_s: u64 = 300, "PLANISH_RUN_TIMEOUT_S", "seconds";
