@@ -2,9 +2,6 @@
 
 use std::process::ExitCode;
 
-use clap::Parser;
-use planish::cli::Cli;
-
 fn main() -> ExitCode {
-    planish::cli::run(Cli::parse())
+    planish::cli::run(planish::cli::Cli::from_command_line())
 }

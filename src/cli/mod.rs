@@ -11,9 +11,9 @@ use std::fmt;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use crate::config::Given;
+use crate::config::{Given, Settings};
 use crate::fault::Fault;
 
 /// Refines control polygons and control meshes by subdivision.
@@ -29,7 +29,7 @@ enum Command {
     /// Serve jobs over HTTP.
     ///
     /// Every setting is a flag, an environment variable and a key of the TOML file; the flag wins over the variable, the
-    /// variable over the file. Defaults are listed by GET /v1/limits.
+    /// variable over the file. GET /v1/limits tells those of a running service.
     Serve {
         /// Settings file (TOML); its keys are the names of the flags.
         #[arg(long, env = "PLANISH_CONFIG")]
@@ -67,6 +67,22 @@ enum Command {
         #[arg(long, default_value = "http://127.0.0.1:8080")]
         url: String,
     },
+}
+
+impl Cli {
+    /// The command line of this process; its help tells the default of every setting.
+    pub fn from_command_line() -> Self {
+        let defaults = Settings::default().list();
+        let with_defaults = |serve: clap::Command| {
+            defaults.iter().fold(serve, |serve, (name, value, unit, doc)| {
+                let value = value.trim_matches('"');
+                let help = format!("{doc} [default: {value}{}{unit}]", if unit.is_empty() { "" } else { " " });
+                serve.mut_arg(name, |arg| arg.help(help))
+            })
+        };
+        let command = Self::command().mut_subcommand("serve", with_defaults);
+        Self::from_arg_matches(&command.get_matches()).unwrap_or_else(|error| error.exit())
+    }
 }
 
 /// Why a command failed.

@@ -38,7 +38,9 @@ pub enum StartError {
         error: io::Error,
     },
     /// The data directory cannot be used.
-    #[error("cannot keep the cache in {path}: {error}; choose another with --data-dir, or keep nothing on disk with --cache-bytes 0")]
+    #[error(
+        "cannot keep the cache in {path}: {error}; choose another with --data-dir, or keep nothing on disk with --cache-bytes 0"
+    )]
     Store {
         /// The directory.
         path: String,
