@@ -43,9 +43,9 @@ macro_rules! settings {
 
 settings! {
     /// Address to listen on.
-    listen: SocketAddr = SocketAddr::from(([127, 0, 0, 1], 8080)), "PLANISH_LISTEN", "address";
+    listen: SocketAddr = SocketAddr::from(([127, 0, 0, 1], 8080)), "PLANISH_LISTEN", "";
     /// Folder for the cache; by the platform's convention when left out.
-    data_dir: PathBuf = default_data_dir(), "PLANISH_DATA_DIR", "path";
+    data_dir: PathBuf = default_data_dir(), "PLANISH_DATA_DIR", "";
     /// Compute threads a lane; 0 means one a core.
     threads: usize = 0, "PLANISH_THREADS", "threads";
     /// Most faces of a mesh at any level.
