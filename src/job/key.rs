@@ -129,7 +129,16 @@ fn faces(topology: &Topology) -> Item<'static> {
 fn plan(job: &Job) -> Item<'static> {
     let (plan, levels) = (&job.plan, job.levels);
     let letters = |letters: &[Letter]| {
-        let letter = |l: &Letter| Item::List(vec![text(l.operator.name()), Item::Integer(u64::from(l.arity))]);
+        let letter = |l: &Letter| {
+            let mask = l.mask.as_ref().map(|mask| {
+                Item::List(vec![
+                    Item::Integer(i64::from(mask.first).cast_unsigned()),
+                    Item::Numbers(mask.values.clone().into()),
+                ])
+            });
+            let head = [text(l.operator.name()), Item::Integer(u64::from(l.arity))];
+            Item::List(head.into_iter().chain(mask).collect())
+        };
         Item::List(letters.iter().map(letter).collect())
     };
     let cycle: &[Letter] = if levels == 0 { &[] } else { &plan.word.cycle };
@@ -187,6 +196,7 @@ fn value(value: &Value) -> Item<'static> {
         Value::Choices(xs) => Item::List(xs.iter().map(|x| text(x)).collect()),
         Value::Expression(x) => expression(x),
         Value::Expressions(xs) => Item::List(xs.iter().map(expression).collect()),
+        Value::Numbers(x) => Item::Numbers(x.clone().into()),
         Value::Color(x) => Item::Integer(u64::from(u32::from_le_bytes(*x))),
         Value::Vector(x) => Item::Numbers(x.to_vec().into()),
         Value::Group(x) => values(x),

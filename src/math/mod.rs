@@ -2,5 +2,6 @@
 
 pub mod expression;
 pub mod functions;
+pub mod mask;
 pub mod parameter;
 pub mod rows;

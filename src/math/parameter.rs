@@ -83,6 +83,11 @@ pub enum Kind {
         /// Longest list allowed.
         most: usize,
     },
+    /// A list of up to `most` finite numbers or constant expressions.
+    Numbers {
+        /// Longest list allowed.
+        most: usize,
+    },
     /// A colour: `#rgb`, `#rrggbb`, `#rrggbbaa` or `transparent`.
     Color,
     /// Three finite numbers.
@@ -129,6 +134,8 @@ pub enum Value {
     Expression(Expression),
     /// See [`Kind::Expressions`]; never empty.
     Expressions(Vec<Expression>),
+    /// See [`Kind::Numbers`].
+    Numbers(Vec<f64>),
     /// See [`Kind::Color`]: red, green, blue, alpha (straight).
     Color([u8; 4]),
     /// See [`Kind::Vector`].
@@ -276,6 +283,7 @@ impl Kind {
                 expression(literal, variable).map(|e| Value::Expressions(vec![e])).map_err(one)
             }
             (Self::Expressions { variable, most }, Literal::List(items)) => expressions(items, variable, *most),
+            (Self::Numbers { most }, Literal::List(items)) => numbers(items, *most).map(Value::Numbers),
             (Self::Color, Literal::Text(text)) => color(text).map(Value::Color).map_err(one),
             (Self::Vector, Literal::List(items)) => vector(items).map(Value::Vector).map_err(one),
             (Self::Group(fields), Literal::Map(given)) => Values::resolve(fields, given).map(Value::Group),
@@ -295,6 +303,7 @@ impl Kind {
             Self::Expressions { variable, most } => {
                 format!("a number or an expression in {variable}, or a list of at most {most} of them")
             }
+            Self::Numbers { most } => format!("a list of at most {most} numbers or constant expressions"),
             Self::Color => "a colour (\"#rgb\", \"#rrggbb\", \"#rrggbbaa\" or \"transparent\")".into(),
             Self::Vector => "a list of three numbers".into(),
             Self::Group(_) => "an object".into(),
@@ -381,6 +390,17 @@ fn expressions(items: &[Literal], variable: &'static str, most: usize) -> Result
         }
     }
     if faults.is_empty() { Ok(Value::Expressions(found)) } else { Err(faults) }
+}
+
+fn numbers(items: &[Literal], most: usize) -> Result<Vec<f64>, Vec<Fault>> {
+    if items.is_empty() || items.len() > most {
+        return Err(vec![Fault::new("", format!("{} entries; expected 1 to {most}", items.len()))]);
+    }
+    let number = |(i, item): (usize, &Literal)| {
+        let value = constant(item).and_then(|x| ranged(x, f64::NEG_INFINITY, f64::INFINITY));
+        value.map_err(|detail| vec![Fault::new(format!("/{i}"), detail)])
+    };
+    items.iter().enumerate().map(number).collect()
 }
 
 fn color(text: &str) -> Result<[u8; 4], String> {

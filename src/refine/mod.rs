@@ -83,8 +83,8 @@ pub fn refine_mesh(mesh: &Mesh, plan: &Plan, steps: &[Scheduled], watch: &Watch)
     Ok(RefinedMesh::new(net, points.now))
 }
 
-fn values<'a>(plan: &'a Plan, step: &Scheduled) -> Values<'a> {
-    Values { arity: step.letter.arity, kernel: step.kernel, compensation: step.compensation, delta: &plan.delta }
+fn values<'a>(plan: &'a Plan, step: &'a Scheduled) -> Values<'a> {
+    Values { letter: &step.letter, kernel: step.kernel, compensation: step.compensation, delta: &plan.delta }
 }
 
 fn at(step: &Scheduled, error: StepError) -> RefineError {

@@ -166,8 +166,16 @@ fn of_polygon(net: &PolygonNet, steps: &[Scheduled]) -> Result<Forecast, Forecas
         Count { vertices: n, edges, ..Count::default() }
     };
     let mut tally = Tally::new(count(n, extent));
+    let mut duals = 0;
     for step in steps {
-        (n, extent) = polygon_step(step, n, extent);
+        if step.letter.operator.role() == Role::Upsample {
+            duals = 0;
+        }
+        if let Some(window) = step.letter.operator.window(&step.letter, duals) {
+            let landing = window.land(n, extent);
+            (n, extent) = (landing.n, landing.extent);
+        }
+        duals += u32::from(step.letter.operator.shifts(&step.letter));
         if n < 2 {
             let error = StepError::TooFewPoints(usize::try_from(n).unwrap_or(0));
             return Err(ForecastError::Step { level: step.level, error });
@@ -175,20 +183,6 @@ fn of_polygon(net: &PolygonNet, steps: &[Scheduled]) -> Result<Forecast, Forecas
         tally.step(step, count(n, extent));
     }
     Ok(tally.finish())
-}
-
-fn polygon_step(step: &Scheduled, n: u128, extent: Extent) -> (u128, Extent) {
-    let d = u128::from(step.letter.arity);
-    let dual = step.letter.operator.letter() == Some('D');
-    match (step.letter.operator.role(), extent) {
-        (Role::Upsample, Extent::Closed) => (n.saturating_mul(d), extent),
-        (Role::Upsample, Extent::Whole | Extent::Natural) => ((n - 1).saturating_mul(d).saturating_add(1), extent),
-        (Role::Upsample, Extent::Half) => ((n - 2).saturating_mul(2).saturating_add(1), Extent::Whole),
-        (Role::Average, Extent::Whole) if dual => (n.saturating_add(1), Extent::Half),
-        (Role::Average, Extent::Half) if dual => (n - 1, Extent::Whole),
-        (Role::Average, Extent::Natural) => (n.saturating_sub(if dual { 1 } else { 2 }), extent),
-        _ => (n, extent),
-    }
 }
 
 /// The forecast of a mesh. A mesh whose duals cannot be counted in closed form (open, or with vertices of valence 2)
@@ -240,7 +234,7 @@ fn followed(net: &MeshNet, steps: &[Scheduled], cap: u128) -> Result<Forecast, F
             }
         }
         if step.letter.operator.role() == Role::Upsample || step.letter.operator.letter() == Some('D') {
-            let values = Values { arity: step.letter.arity, kernel: 1.0, compensation: 1.0, delta: &one };
+            let values = Values { letter: &step.letter, kernel: 1.0, compensation: 1.0, delta: &one };
             let next = step.letter.operator.on_mesh(&net, &values);
             net = next.map_err(|error| ForecastError::Step { level: step.level, error })?.net;
             count = Count::of_mesh(&net);

@@ -8,4 +8,5 @@ pub mod plan;
 pub mod polygon_net;
 pub mod presets;
 pub mod step;
+pub mod window;
 pub mod word;

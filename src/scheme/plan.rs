@@ -62,7 +62,7 @@ pub struct Plan {
 }
 
 /// One operator with the numbers of its place in the plan.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Scheduled {
     /// The operator.
     pub letter: Letter,
@@ -134,14 +134,17 @@ impl Plan {
         for (i, letter) in self.word.letters(levels).enumerate() {
             let level = if i < prefix { 0 } else { (i - prefix) / self.word.cycle.len() + 1 };
             let level = u32::try_from(level).unwrap_or(u32::MAX);
+            let operator = letter.operator;
+            let arity = letter.arity;
             let mut step = Scheduled { letter, level, kernel: 1.0, compensation: 1.0 };
-            match letter.operator.role() {
+            match operator.role() {
                 Role::Upsample => {
                     alpha /= f64::from(last_arity.unwrap_or(1));
-                    last_arity = Some(letter.arity);
+                    last_arity = Some(arity);
                     averages = Some(0);
                 }
                 Role::Average => {
+                    step.letter.arity = last_arity.unwrap_or(arity);
                     if let Some(place) = averages {
                         step.kernel = self.kernel_at(place, alpha, level)?;
                         averages = Some(place + 1);
@@ -181,11 +184,19 @@ impl Plan {
     fn check_legal(&self, subject: Subject) -> Result<(), StepError> {
         let (mut upsampled, mut duals, mut lost) = (false, 0, false);
         let natural = !subject.is_mesh && subject.is_open && self.ends == Ends::Natural;
-        for letter in self.word.letters(2) {
-            let dual = letter.operator.letter() == Some('D');
-            match letter.operator.role() {
-                Role::Upsample => (upsampled, duals, lost) = (true, 0, false),
+        let mut arity = 2;
+        for mut letter in self.word.letters(2) {
+            let role = letter.operator.role();
+            if role == Role::Average {
+                letter.arity = arity;
+            }
+            let dual = letter.operator.shifts(&letter);
+            match role {
+                Role::Upsample => (upsampled, duals, lost, arity) = (true, 0, letter.mask.is_some(), letter.arity),
                 Role::Average => {
+                    if letter.operator.needs_upsampling() && !upsampled {
+                        return Err(StepError::NoArity);
+                    }
                     if let Some(tags) = subject.tags.filter(|_| dual) {
                         return Err(StepError::DualTags(tags));
                     }
@@ -194,7 +205,11 @@ impl Plan {
                 }
                 Role::PushBack if !upsampled => return Err(StepError::NoAnchor),
                 Role::PushBack if lost => {
-                    return Err(StepError::LostPoints(if natural { "natural ends" } else { "the boundary" }));
+                    return Err(StepError::LostPoints(match (natural, subject.is_mesh) {
+                        (true, _) => "natural ends",
+                        (false, true) => "the boundary",
+                        (false, false) => "a scheme of its own mask",
+                    }));
                 }
                 Role::PushBack if duals % 2 == 1 => return Err(StepError::OddDuals(duals)),
                 Role::PushBack | Role::Smooth => {}
@@ -269,7 +284,7 @@ fn pair_duals(letters: &mut Vec<Letter>) {
     for letter in letters.drain(..) {
         if is_dual(&letter) && paired.last().is_some_and(is_dual) {
             paired.pop();
-            paired.push(Letter { operator: average, arity: 2 });
+            paired.push(Letter { operator: average, arity: 2, mask: None });
         } else {
             paired.push(letter);
         }

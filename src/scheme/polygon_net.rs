@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::step::StepError;
+use super::window::Window;
 use crate::math::rows::Rows;
 use crate::shape::topology::index;
 
@@ -65,10 +66,71 @@ pub struct Anchor {
     pub first: usize,
     /// Number of control points.
     pub n_control: usize,
+    /// Whether it is closed.
+    pub closed: bool,
     /// Its corners.
     pub corners: Arc<[u32]>,
     /// Whether points were lost since.
     pub lost: bool,
+}
+
+impl Anchor {
+    /// Adds `weight x` the displacement of control point `i` to a row: none at corners; beyond the ends of an open
+    /// polygon that of its mirror image, reversed.
+    pub(super) fn push(&self, i: isize, weight: f64, rows: &mut Rows) {
+        let n = self.n_control.cast_signed();
+        let (i, weight) = match (self.closed, self.first) {
+            (true, _) => (i.rem_euclid(n), weight),
+            (false, 1) if i < 0 => (-1 - i, -weight),
+            (false, 1) if i >= n => (2 * n - 1 - i, -weight),
+            _ => (i, weight),
+        };
+        let Ok(i) = usize::try_from(i) else { return };
+        if i < self.n_control && self.corners.binary_search(&index(i)).is_err() {
+            rows.add(index(i + self.first), weight);
+        }
+    }
+}
+
+impl Phase {
+    /// The phase when the first control point moves by so many steps.
+    fn moved(self, by: i32) -> Self {
+        let by = by.rem_euclid(self.arity.cast_signed()).unsigned_abs();
+        Self { offset: (self.offset + by) % self.arity, ..self }
+    }
+}
+
+/// Where the stored points of a net come from.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Origin {
+    n: usize,
+    /// The last stored point of the old net, when the two ends stay where they are.
+    ends: Option<usize>,
+    start: isize,
+}
+
+/// Where one stored point comes from.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum From {
+    /// It is this stored end point of the old net.
+    End(usize),
+    /// It has this index `j` in the window.
+    Point(isize),
+}
+
+impl Origin {
+    /// Index `j` of a stored point in the window, ends included.
+    pub(super) fn point(&self, row: usize) -> isize {
+        self.start + row.cast_signed()
+    }
+
+    pub(super) fn of(&self, row: usize) -> From {
+        match self.ends {
+            Some(_) if row == 0 => From::End(0),
+            Some(last) if row + 1 == self.n => From::End(last),
+            _ => From::Point(self.point(row)),
+        }
+    }
 }
 
 impl PolygonNet {
@@ -98,8 +160,27 @@ impl PolygonNet {
     }
 
     /// Whether control point `i` is a child of a vertex of the last U.
-    pub fn is_vertex(&self, i: usize) -> bool {
-        self.phase.is_none_or(|phase| (index(i) + phase.offset).is_multiple_of(phase.arity))
+    pub fn is_vertex(&self, i: isize) -> bool {
+        let on = |phase: Phase| (i + phase.offset as isize).rem_euclid(phase.arity as isize) == 0;
+        self.phase.is_none_or(on)
+    }
+
+    /// The net after an average that moved it by so many half steps: with natural ends points were lost.
+    pub(super) fn shifted(self, by: u32) -> Self {
+        let lost = self.extent == Extent::Natural;
+        let anchor = self.anchor.map(|anchor| Anchor { lost: lost || anchor.lost, ..anchor });
+        Self { duals: self.duals + by, anchor, ..self }
+    }
+
+    /// The labels of this net, made of `old` by an upsampling: multiples of the arity, counted from control point 0.
+    pub(super) fn phase_of(&self, old: &Self, arity: u32) -> Phase {
+        let start = Window::upsample(arity).land(old.n as u128, old.extent).start;
+        Phase { arity, offset: 0 }.moved(start)
+    }
+
+    /// Number of a control point that is within reach, cyclically where the polygon is closed.
+    pub(super) fn control(&self, i: isize) -> usize {
+        i.rem_euclid(self.n_control().cast_signed()).unsigned_abs()
     }
 
     /// Whether control point `i` keeps its place.
@@ -107,9 +188,22 @@ impl PolygonNet {
         self.corners.binary_search(&index(i)).is_ok()
     }
 
-    /// Fails when fewer than two points would remain.
-    pub(super) fn remaining(n: usize) -> Result<usize, StepError> {
-        if n < 2 { Err(StepError::TooFewPoints(n)) } else { Ok(n) }
+    /// The net after an operator with this window, and where its points come from. Labels, counts of D and the anchor
+    /// are left as they are.
+    pub(super) fn land(&self, window: Window) -> Result<(Self, Origin), StepError> {
+        let landing = window.land(self.n as u128, self.extent);
+        let n = usize::try_from(landing.n).unwrap_or(usize::MAX);
+        if n < 2 {
+            return Err(StepError::TooFewPoints(n));
+        }
+        let fixed_ends = matches!(self.extent, Extent::Whole | Extent::Half);
+        let first = isize::from(landing.extent == Extent::Half);
+        let origin = Origin { n, ends: fixed_ends.then_some(self.n - 1), start: landing.start as isize - first };
+        let (d, start) = (i64::from(window.arity), i64::from(landing.start));
+        let corners = self.corners.iter().map(|&c| i64::from(c) * d - start);
+        let corners = corners.filter_map(|c| u32::try_from(c).ok()).filter(|&c| (c as usize) < n).collect();
+        let phase = self.phase.map(|phase| phase.moved(landing.start));
+        Ok((Self { n, extent: landing.extent, corners, phase, ..self.clone() }, origin))
     }
 
     /// Adds `weight x` control point `i` to a row, `i` taken beyond the ends by the extent's rule.

@@ -2,14 +2,15 @@
 
 use std::sync::Arc;
 
+use super::word::Letter;
 use crate::math::expression::{Expression, ExpressionError};
 use crate::math::rows::RowSource;
 
 /// The numbers an operator works with at one place of a plan.
 #[derive(Debug, Clone, Copy)]
 pub struct Values<'a> {
-    /// Arity of the upsampling.
-    pub arity: u32,
+    /// The letter: its arity and mask.
+    pub letter: &'a Letter,
     /// Value of the kernel for this average.
     pub kernel: f64,
     /// Value of the compensation function.
@@ -51,6 +52,9 @@ pub enum StepError {
     /// Push-back without an upsampling before it.
     #[error("P needs a U before it: it pushes back towards what entered the last U")]
     NoAnchor,
+    /// A window average without an upsampling that gives its width.
+    #[error("A needs a U before it: it averages as many points as the arity of the last U")]
+    NoArity,
     /// Push-back in a dual net.
     #[error("P needs an even number of D since the last U; here it is {0}")]
     OddDuals(u32),

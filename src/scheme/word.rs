@@ -1,6 +1,9 @@
 //! Words: the grammar `item* [ '(' item+ ')' ]`, `item := letter [ '^' n ] | '(' item+ ')' '^' n`.
 
+use std::sync::Arc;
+
 use super::ops::{self, Operator};
+use crate::math::mask::Mask;
 
 /// Longest text of a word, bytes.
 pub const MAX_BYTES: usize = 256;
@@ -10,17 +13,19 @@ pub const MAX_LETTERS: usize = 64;
 pub const MAX_DEPTH: usize = 8;
 
 /// One letter of a word: an operator, and for U its arity.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Letter {
     /// The operator.
     pub operator: &'static dyn Operator,
-    /// Arity of an upsampling, 2 for all others.
+    /// Arity of an upsampling; of an average that of the last upsampling, once the plan is scheduled.
     pub arity: u32,
+    /// The mask, for operators that have one of their own.
+    pub mask: Option<Arc<Mask>>,
 }
 
 impl PartialEq for Letter {
     fn eq(&self, other: &Self) -> bool {
-        self.operator.name() == other.operator.name() && self.arity == other.arity
+        self.operator.name() == other.operator.name() && self.arity == other.arity && self.mask == other.mask
     }
 }
 
@@ -107,7 +112,7 @@ impl Word {
     /// All letters of the prefix and `levels` cycles, in time order.
     pub fn letters(&self, levels: u32) -> impl Iterator<Item = Letter> + '_ {
         let cycles = (0..levels).flat_map(|_| self.cycle.iter());
-        self.prefix.iter().chain(cycles).copied()
+        self.prefix.iter().chain(cycles).cloned()
     }
 }
 
@@ -170,7 +175,11 @@ impl Parser<'_> {
             Some('0'..='9') if letter == 'U' => self.number()?,
             _ => 2,
         };
-        if ops::ARITIES.contains(arity) { Ok(Letter { operator, arity }) } else { Err(WordError::Arity { arity }) }
+        if ops::ARITIES.contains(arity) {
+            Ok(Letter { operator, arity, mask: None })
+        } else {
+            Err(WordError::Arity { arity })
+        }
     }
 
     fn power(&mut self) -> Result<Option<u32>, WordError> {

@@ -123,6 +123,7 @@ fn bounds(kind: &Kind) -> Value {
         Kind::Choices(names) => json!({ "kind": "choices", "choices": names }),
         Kind::Expression { variable } => json!({ "kind": "expression", "variable": variable }),
         Kind::Expressions { variable, most } => json!({ "kind": "expressions", "variable": variable, "most": most }),
+        Kind::Numbers { most } => json!({ "kind": "numbers", "most": most }),
         Kind::Color => json!({ "kind": "color" }),
         Kind::Vector => json!({ "kind": "vector" }),
         Kind::Group(fields) => json!({ "kind": "group", "fields": ParameterEntry::all(fields) }),

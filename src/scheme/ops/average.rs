@@ -6,8 +6,10 @@ use super::upsample::ratio;
 use super::{Operator, Role};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::polygon_net::{Anchor, Extent, Phase, PolygonNet};
+use crate::scheme::polygon_net::{From, PolygonNet};
 use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::window::Window;
+use crate::scheme::word::Letter;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// C, the convolution average: D twice, re-centred; on meshes the mean of the loop centres around a vertex.
@@ -42,32 +44,25 @@ impl Operator for Average {
         &["kernel"]
     }
 
+    fn window(&self, _: &Letter, _: u32) -> Option<Window> {
+        Some(Window::mean(3, false))
+    }
+
     fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
-        let natural = net.extent == Extent::Natural;
-        let trimmed = usize::from(natural);
-        let n = if natural { PolygonNet::remaining(net.n.saturating_sub(2))? } else { net.n };
+        let (landed, origin) = net.land(Window::mean(3, false))?;
         let (old, f) = (net.clone(), values.kernel);
-        let rows = RowsBy::new(n, net.n, move |row, out: &mut Rows| {
-            let ends_fixed = matches!(old.extent, Extent::Whole | Extent::Half);
-            if ends_fixed && (row == 0 || row == n - 1) {
-                out.add(index(row), 1.0);
-                return;
+        let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match origin.of(row) {
+            From::End(end) => out.add(index(end), 1.0),
+            From::Point(j) if old.is_corner(old.control(j)) => old.add(j, 1.0, out),
+            From::Point(j) => {
+                let (side, middle) = if old.is_vertex(j) { (1.0, 2.0 * f) } else { (f, 2.0) };
+                let sum = 2.0 * (1.0 + f);
+                old.add(j - 1, side / sum, out);
+                old.add(j, middle / sum, out);
+                old.add(j + 1, side / sum, out);
             }
-            let i = row + trimmed - old.first();
-            let centre = i.cast_signed();
-            if old.is_corner(i) {
-                old.add(centre, 1.0, out);
-                return;
-            }
-            let (side, middle) = if old.is_vertex(i) { (1.0, 2.0 * f) } else { (f, 2.0) };
-            let sum = 2.0 * (1.0 + f);
-            old.add(centre - 1, side / sum, out);
-            old.add(centre, middle / sum, out);
-            old.add(centre + 1, side / sum, out);
         });
-        let anchor = net.anchor.clone().map(|anchor| Anchor { lost: natural || anchor.lost, ..anchor });
-        let next = PolygonNet { n, anchor, ..trim(net, trimmed, n) };
-        Ok(Step { net: next, action: Action::Blend(Box::new(rows)) })
+        Ok(Step { net: landed.shifted(0), action: Action::Blend(Box::new(rows)) })
     }
 
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
@@ -79,14 +74,6 @@ impl Operator for Average {
         debug_assert_eq!(n, net.n_vertices());
         Ok(Step { net: net.clone(), action })
     }
-}
-
-/// The net without its first `by` points.
-fn trim(net: &PolygonNet, by: usize, n: usize) -> PolygonNet {
-    let shift = index(by);
-    let phase = net.phase.map(|phase| Phase { offset: (phase.offset + shift) % phase.arity, ..phase });
-    let corners = net.corners.iter().filter_map(|&c| c.checked_sub(shift)).filter(|&c| (c as usize) < n).collect();
-    PolygonNet { phase, corners, ..net.clone() }
 }
 
 /// C on a mesh whose vertices are the V, E, F of a split.

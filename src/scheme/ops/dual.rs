@@ -6,8 +6,10 @@ use super::upsample::ratio;
 use super::{Operator, Role};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::{self, MeshNet};
-use crate::scheme::polygon_net::{self, Extent, PolygonNet};
+use crate::scheme::polygon_net::{From, PolygonNet};
 use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::window::Window;
+use crate::scheme::word::Letter;
 use crate::shape::check::{Checked, FaceList, Winding};
 use crate::shape::grid::Grid;
 use crate::shape::topology::{Topology, index};
@@ -44,40 +46,29 @@ impl Operator for Dual {
         &["kernel"]
     }
 
+    fn window(&self, _: &Letter, duals: u32) -> Option<Window> {
+        // the first D looks forward, the second back, so that two of them are centred again
+        Some(Window::mean(2, duals % 2 == 1))
+    }
+
     fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
         if !net.corners.is_empty() {
             return Err(StepError::DualTags("corners"));
         }
-        // the first D looks forward, the second back, so that two of them are centred again
-        let back = usize::from(net.duals % 2 == 1);
-        let (n, extent) = match net.extent {
-            Extent::Closed => (net.n, Extent::Closed),
-            Extent::Whole => (net.n + 1, Extent::Half),
-            Extent::Half => (net.n - 1, Extent::Whole),
-            Extent::Natural => (PolygonNet::remaining(net.n - 1)?, Extent::Natural),
-        };
+        let back = isize::from(net.duals % 2 == 1);
+        let (landed, origin) = net.land(Window::mean(2, back == 1))?;
         let (old, f) = (net.clone(), values.kernel);
-        let rows = RowsBy::new(n, net.n, move |row, out: &mut Rows| {
-            let ends_fixed = matches!(old.extent, Extent::Whole | Extent::Half);
-            if ends_fixed && (row == 0 || row == n - 1) {
-                out.add(index(if row == 0 { 0 } else { old.n - 1 }), 1.0);
-                return;
+        let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match origin.of(row) {
+            From::End(end) => out.add(index(end), 1.0),
+            From::Point(j) => {
+                let (left, right) = (j - back, j - back + 1);
+                let weight = |i| if old.is_vertex(i) { f } else { 1.0 };
+                let (a, b) = (weight(left), weight(right));
+                old.add(left, a / (a + b), out);
+                old.add(right, b / (a + b), out);
             }
-            let left = match old.extent {
-                Extent::Closed => (row + old.n - back) % old.n,
-                Extent::Natural => row,
-                Extent::Whole | Extent::Half => row - 1,
-            };
-            let right = if old.is_closed() { (left + 1) % old.n } else { left + 1 };
-            let weight = |i| if old.is_vertex(i) { f } else { 1.0 };
-            let (a, b) = (weight(left), weight(right));
-            old.add(left.cast_signed(), a / (a + b), out);
-            old.add(right.cast_signed(), b / (a + b), out);
         });
-        let lost = net.extent == Extent::Natural;
-        let anchor = net.anchor.clone().map(|anchor| polygon_net::Anchor { lost: lost || anchor.lost, ..anchor });
-        let next = PolygonNet { n, extent, duals: net.duals + 1, anchor, ..net.clone() };
-        Ok(Step { net: next, action: Action::Blend(Box::new(rows)) })
+        Ok(Step { net: landed.shifted(1), action: Action::Blend(Box::new(rows)) })
     }
 
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {

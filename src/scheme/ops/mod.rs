@@ -1,25 +1,37 @@
 //! Operators: one file each; the registry is the only place that lists them.
 
 mod average;
+mod box_average;
 mod catmull_clark;
 mod dual;
+mod masked;
 mod push_back;
 mod upsample;
 
 use std::fmt;
 
 pub use catmull_clark::CatmullClark;
+pub use masked::Masked;
 
 use super::mesh_net::MeshNet;
 use super::polygon_net::PolygonNet;
 use super::step::{Step, StepError, Values};
+use super::window::Window;
+use super::word::Letter;
 
 /// Every operator, in the order of the documentation.
-pub const OPERATORS: &[&dyn Operator] =
-    &[&upsample::Upsample, &dual::Dual, &average::Average, &push_back::PushBack, &catmull_clark::CatmullClark];
+pub const OPERATORS: &[&dyn Operator] = &[
+    &upsample::Upsample,
+    &dual::Dual,
+    &average::Average,
+    &box_average::BoxAverage,
+    &push_back::PushBack,
+    &masked::Masked,
+    &catmull_clark::CatmullClark,
+];
 
 /// Arities of U.
-pub const ARITIES: Arities = Arities { least: 2, most: 2 };
+pub const ARITIES: Arities = Arities { least: 2, most: 8 };
 
 /// A range of arities.
 #[derive(Debug, Clone, Copy)]
@@ -83,6 +95,19 @@ pub trait Operator: fmt::Debug + Send + Sync {
     /// The plan parameters it uses.
     fn uses(&self) -> &'static [&'static str] {
         &[]
+    }
+    /// How it moves and counts the points of a polygon after `duals` half steps since the last upsampling; `None` when
+    /// every point stays one.
+    fn window(&self, _letter: &Letter, _duals: u32) -> Option<Window> {
+        None
+    }
+    /// Whether it makes sense only after an upsampling.
+    fn needs_upsampling(&self) -> bool {
+        false
+    }
+    /// Whether it moves the points of a polygon by half a step.
+    fn shifts(&self, letter: &Letter) -> bool {
+        self.window(letter, 0).is_some_and(|window| window.arity == 1 && (window.first + window.last) % 2 != 0)
     }
     /// The step on a polygon.
     ///

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::upsample::ratio;
 use super::{Operator, Role};
 use crate::math::expression::Expression;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::{self, MeshNet};
-use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::polygon_net::{self, PolygonNet};
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::shape::topology::{Topology, index};
 
@@ -49,35 +50,26 @@ impl Operator for PushBack {
         legal(net.duals, anchor.lost, "natural ends")?;
         let delta = values.delta.value(f64::NAN).map_err(|error| StepError::Delta { valence: 2, error })?;
         let phase = net.phase.ok_or(StepError::NoAnchor)?;
-        let d = phase.arity as usize;
-        let children = (0..anchor.n_control).map(|i| index(d * i + phase.offset as usize));
-        let mut child_of: Vec<u32> = vec![0; anchor.n];
-        child_of[anchor.n - 1] = index(net.n - 1);
-        child_of[anchor.first..anchor.first + anchor.n_control].copy_from_slice(&children.collect::<Vec<_>>());
-        let (omega, closed, n) = (values.compensation, net.is_closed(), net.n);
-        let offset = phase.offset as usize;
-        let rows = RowsBy::new(n, anchor.n, move |row, out: &mut Rows| {
-            let mut push = |i: usize, weight: f64| {
-                let i = if closed { i % anchor.n_control } else { i };
-                let free = anchor.corners.binary_search(&index(i)).is_err();
-                if free && i < anchor.n_control {
-                    out.add(index(i + anchor.first), weight * delta);
-                }
-            };
-            // the end points of a dual polygon lie half a step outside its first and last point; the push-backs on both
-            // sides of them cancel
-            if offset == 1 && (row == 0 || row + 1 == n) {
+        let (d, offset) = (phase.arity as isize, phase.offset as isize);
+        // control point k of the net has the index j = k + start, and vertices stand at the multiples of d
+        let start = if net.is_closed() { 0 } else { -((d - offset) % d) };
+        let children = children_of(&anchor, net, d, start);
+        let (omega, last, first) = (values.compensation, net.n - 1, net.first().cast_signed());
+        let ends_fixed = !net.is_closed();
+        let rows = RowsBy::new(net.n, anchor.n, move |row, out: &mut Rows| {
+            if ends_fixed && (row == 0 || row == last) && (first == 1 || start != 0) {
                 return;
             }
-            let (i, j) = ((row - offset) / d, (row - offset) % d);
-            if j == 0 {
-                push(i, 1.0);
+            let j = row.cast_signed() - first + start;
+            let (i, part) = (j.div_euclid(d), j.rem_euclid(d));
+            if part == 0 {
+                anchor.push(i, delta, out);
             } else {
-                push(i, omega / 2.0);
-                push(i + 1, omega / 2.0);
+                let share = |steps: isize| omega * ratio(steps.unsigned_abs(), d.unsigned_abs());
+                anchor.push(i, share(d - part) * delta, out);
+                anchor.push(i + 1, share(part) * delta, out);
             }
         });
-        let children: Arc<[u32]> = child_of.into();
         Ok(Step { net: net.clone(), action: Action::PushBack { rows: Box::new(rows), children } })
     }
 
@@ -97,12 +89,23 @@ impl Operator for PushBack {
                 anchor.topology.ends(place - n_v).iter().for_each(|&v| push(v, omega / 2.0));
             } else {
                 let face = anchor.topology.face(place - n_v - n_e);
-                let weight = omega * omega / super::upsample::ratio(face.len(), 1);
+                let weight = omega * omega / ratio(face.len(), 1);
                 face.iter().for_each(|&v| push(v, weight));
             }
         });
         Ok(Step { net: net.clone(), action: Action::PushBack { rows: Box::new(rows), children } })
     }
+}
+
+/// For each stored point of the anchor its child; the end points of a dual polygon are their own.
+fn children_of(anchor: &polygon_net::Anchor, net: &PolygonNet, d: isize, start: isize) -> Arc<[u32]> {
+    let mut children = vec![0; anchor.n];
+    children[anchor.n - 1] = index(net.n - 1);
+    for i in 0..anchor.n_control {
+        let child = d * i.cast_signed() - start + net.first().cast_signed();
+        children[i + anchor.first] = index(child.unsigned_abs());
+    }
+    children.into()
 }
 
 fn legal(duals: u32, lost: bool, to: &'static str) -> Result<(), StepError> {
@@ -138,7 +141,7 @@ fn deltas(anchor: &mesh_net::Anchor, delta: &Expression) -> Result<Vec<f64>, Ste
         let value = if let Some(&value) = known.get(&valence) {
             value
         } else {
-            let value = delta.value(super::upsample::ratio(valence, 1));
+            let value = delta.value(ratio(valence, 1));
             let value = value.map_err(|error| StepError::Delta { valence, error })?;
             known.insert(valence, value);
             value

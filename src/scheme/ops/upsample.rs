@@ -3,8 +3,10 @@
 use super::{Operator, Role};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::{self, MeshNet};
-use crate::scheme::polygon_net::{self, Extent, Phase, PolygonNet};
+use crate::scheme::polygon_net::{self, From, PolygonNet};
 use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::window::Window;
+use crate::scheme::word::Letter;
 use crate::shape::topology::{Topology, index};
 
 /// U, upsampling of arity d: `q[d i + j] = ((d - j) p[i] + j p[i + 1]) / d` on curves; on meshes (d = 2) vertices stay,
@@ -22,7 +24,7 @@ impl Operator for Upsample {
     }
 
     fn doc(&self) -> &'static str {
-        "Upsamples by linear interpolation. Curves: q[2i] = p[i], q[2i+1] = (p[i] + p[i+1]) / 2. Meshes: vertices stay, \
+        "Upsamples by linear interpolation. Curves, arity d (U is U2): q[di+j] = ((d-j) p[i] + j p[i+1]) / d. Meshes: vertices stay, \
          every edge gets its midpoint and every face the mean of its vertices, so that an n-gon becomes n quads."
     }
 
@@ -38,52 +40,46 @@ impl Operator for Upsample {
         &["alpha"]
     }
 
+    fn window(&self, letter: &Letter, _: u32) -> Option<Window> {
+        Some(Window::upsample(letter.arity))
+    }
+
     fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
-        let d = values.arity as usize;
-        let (controls, half) = (net.n_control(), net.extent == Extent::Half);
-        let n = match net.extent {
-            Extent::Closed => d * controls,
-            Extent::Whole | Extent::Natural => d * (controls - 1) + 1,
-            // from one end point, half a step before the first point, to the other (arity 2)
-            Extent::Half => 2 * controls + 1,
-        };
-        let offset = usize::from(half);
+        let arity = values.letter.arity;
+        let (landed, origin) = net.land(Window::upsample(arity))?;
         let old = net.clone();
-        let rows = RowsBy::new(n, net.n, move |row, out: &mut Rows| {
-            if half && (row == 0 || row == n - 1) {
-                out.add(index(if row == 0 { 0 } else { old.n - 1 }), 1.0);
-                return;
-            }
-            // shifted by one period, so that the point half a step before the first stays above 0
-            let place = row + d - offset;
-            let (i, j) = ((place / d).cast_signed() - 1, place % d);
-            if j == 0 {
-                old.add(i, 1.0, out);
-            } else {
-                old.add(i, ratio(d - j, d), out);
-                old.add(i + 1, ratio(j, d), out);
+        let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match origin.of(row) {
+            From::End(end) => out.add(index(end), 1.0),
+            From::Point(j) => {
+                let d = arity as isize;
+                let (i, j) = (j.div_euclid(d), j.rem_euclid(d).unsigned_abs());
+                let d = arity as usize;
+                if j == 0 {
+                    old.add(i, 1.0, out);
+                } else {
+                    old.add(i, ratio(d - j, d), out);
+                    old.add(i + 1, ratio(j, d), out);
+                }
             }
         });
-        let corners = net.corners.iter().map(|&c| c * values.arity + index(offset)).collect();
         let anchor = polygon_net::Anchor {
             n: net.n,
             first: net.first(),
-            n_control: controls,
+            n_control: net.n_control(),
+            closed: net.is_closed(),
             corners: net.corners.clone(),
             lost: false,
         };
-        let next = PolygonNet {
-            n,
-            extent: if half { Extent::Whole } else { net.extent },
-            duals: 0,
-            phase: Some(Phase { arity: values.arity, offset: index(offset) }),
-            corners,
-            anchor: Some(anchor),
-        };
+        let next = PolygonNet { duals: 0, phase: Some(landed.phase_of(net, arity)), anchor: Some(anchor), ..landed };
         Ok(Step { net: next, action: Action::BlendFromAnchor(Box::new(rows)) })
     }
 
-    fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+    fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+        if values.letter.arity != 2 {
+            return Err(StepError::WrongNet(
+                "meshes are upsampled by U, which is of arity 2; U3 and higher refine polygons",
+            ));
+        }
         let parent = net.topology();
         let anchor =
             mesh_net::Anchor { topology: parent.clone(), corners: net.corners.clone(), order: None, lost: false };

@@ -57,6 +57,31 @@ pub(super) const C_B_SPLINE: Preset = Preset {
     },
 };
 
+pub(super) const D_ARY_B_SPLINE: Preset = Preset {
+    name: "d-ary-b-spline",
+    doc: "The uniform B-spline of degree g by refinement of arity d: U of arity d, then g - 1 averages of d points; symbol \
+          (1 + z + ... + z^(d-1))^(g+1) / d^g. The word U3 A^3 for d = 3, g = 4.",
+    source: "Zhang and Wang 2002, section 4.2; Maillot and Stam, Computer Graphics Forum 20 (2001)",
+    parameters: &[
+        Parameter {
+            name: "arity",
+            kind: Kind::Integer { min: 2, max: 8 },
+            unit: "",
+            default: Default::Number(3.0),
+            doc: "New points for each old one.",
+        },
+        degree(1),
+    ],
+    refines: Refines::Curves,
+    spell: |values| {
+        let arity = values.integer("arity").and_then(|d| u32::try_from(d).ok()).unwrap_or(3);
+        let averages = values.integer("degree").and_then(|g| usize::try_from(g - 1).ok()).unwrap_or(0);
+        let mut cycle = letters(&format!("U{}", "A".repeat(averages)));
+        cycle[0].arity = arity;
+        Ok(Spelling::of(cycle))
+    },
+};
+
 const fn degree(min: i64) -> Parameter {
     Parameter {
         name: "degree",

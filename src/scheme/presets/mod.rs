@@ -2,13 +2,18 @@
 
 mod b_splines;
 mod interpolating;
+mod masks;
 mod meshes;
 mod push_back;
+mod ternary;
+
+use std::sync::Arc;
 
 use crate::fault::Fault;
 use crate::math::expression::Expression;
+use crate::math::mask::Mask;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
-use crate::scheme::ops::{self, Operator};
+use crate::scheme::ops::{self, Masked, Operator};
 use crate::scheme::word::Letter;
 
 /// Every preset, in the order of the documentation.
@@ -18,6 +23,21 @@ pub const PRESETS: &[&Preset] = &[
     &b_splines::B_SPLINE,
     &b_splines::C_B_SPLINE,
     &interpolating::FOUR_POINT,
+    &masks::TWO_N_POINT,
+    &b_splines::D_ARY_B_SPLINE,
+    &ternary::BLENDING,
+    &ternary::C4,
+    &ternary::LINEAR,
+    &ternary::QUADRATIC,
+    &ternary::CUBIC,
+    &ternary::QUARTIC,
+    &ternary::QUINTIC,
+    &ternary::THREE_POINT,
+    &ternary::FOUR_POINT,
+    &ternary::PAN,
+    &ternary::REHAN,
+    &ternary::NOVARA,
+    &masks::MASK,
     &push_back::PUSH_BACK,
     &meshes::CATMULL_CLARK,
     &meshes::BILINEAR,
@@ -86,7 +106,14 @@ fn letters(word: &str) -> Vec<Letter> {
 }
 
 fn plain(operator: &'static dyn Operator) -> Letter {
-    Letter { operator, arity: 2 }
+    Letter { operator, arity: 2, mask: None }
+}
+
+/// A scheme that is one mask; without entries there is none.
+fn masked(arity: u32, mask: Option<Mask>) -> Result<Spelling, Vec<Fault>> {
+    let none = || vec![Fault::new("/mask", "every entry of the mask is 0; give the weights of the scheme")];
+    let mask = Some(Arc::new(mask.ok_or_else(none)?));
+    Ok(Spelling::of(vec![Letter { operator: &Masked, arity, mask }]))
 }
 
 /// The parameters shared by words and push-back.

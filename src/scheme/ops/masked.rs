@@ -1,0 +1,87 @@
+//! A whole level of a linear curve scheme, given by its mask.
+
+use super::{Operator, Role};
+use crate::math::mask::Mask;
+use crate::math::rows::{RowSource, Rows, RowsBy};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::polygon_net::{From, PolygonNet};
+use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::window::Window;
+use crate::scheme::word::Letter;
+use crate::shape::topology::index;
+
+/// A level of the scheme `q[j] = sum over i of a[j - d i] p[i]` of arity d with the mask a.
+#[derive(Debug)]
+pub struct Masked;
+
+impl Operator for Masked {
+    fn name(&self) -> &'static str {
+        "mask"
+    }
+
+    fn doc(&self) -> &'static str {
+        "A level of a linear curve scheme of arity d: q[j] = sum over i of a[j - d i] p[i]. Used by presets."
+    }
+
+    fn source(&self) -> &'static str {
+        "Dyn, Subdivision schemes in CAGD, 1992, section 2"
+    }
+
+    fn role(&self) -> Role {
+        Role::Upsample
+    }
+
+    fn window(&self, letter: &Letter, _: u32) -> Option<Window> {
+        let mask = letter.mask.as_ref()?;
+        Some(Window { arity: letter.arity, first: mask.first, last: mask.last() })
+    }
+
+    fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
+        let letter = values.letter;
+        let (Some(window), Some(mask)) = (self.window(letter, 0), &letter.mask) else {
+            return Err(StepError::WrongNet("a mask operator has a mask"));
+        };
+        if !net.corners.is_empty() {
+            return Err(StepError::WrongNet("corners need a word over U, C and P; this scheme is a mask and has none"));
+        }
+        let (landed, rows) = apply(net, window, Mask::clone(mask))?;
+        let next = PolygonNet { duals: 0, phase: None, anchor: None, ..landed };
+        Ok(Step { net: next, action: Action::Blend(rows) })
+    }
+
+    fn on_mesh(&self, _: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+        Err(StepError::WrongNet("this scheme refines polygons"))
+    }
+}
+
+/// The net and the rows after a mask. Ends stay where they are when the mask is its own mirror image; else they follow
+/// from the reflected points like all others.
+pub(super) fn apply(
+    net: &PolygonNet,
+    window: Window,
+    mask: Mask,
+) -> Result<(PolygonNet, Box<dyn RowSource>), StepError> {
+    let (landed, origin) = net.land(window)?;
+    let symmetric = mask.is_symmetric();
+    let old = net.clone();
+    let n = landed.n;
+    let rows = RowsBy::new(n, net.n, move |row, out: &mut Rows| match origin.of(row) {
+        From::End(end) if symmetric || old.first() == 1 => out.add(index(end), 1.0),
+        From::End(_) | From::Point(_) => {
+            let j = origin.point(row);
+            if old.is_corner(old.control(j)) {
+                old.add(j, 1.0, out);
+                return;
+            }
+            let d = window.arity as isize;
+            let (lowest, highest) = (j - window.last as isize, j - window.first as isize);
+            for i in -(-lowest).div_euclid(d)..=highest.div_euclid(d) {
+                let weight = mask.at(j - d * i);
+                if weight != 0.0 {
+                    old.add(i, weight, out);
+                }
+            }
+        }
+    });
+    Ok((landed, Box::new(rows)))
+}

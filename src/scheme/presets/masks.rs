@@ -1,0 +1,94 @@
+//! Schemes given by their masks: a client's own, and the 2n-point interpolation of Deslauriers and Dubuc.
+
+use super::{Preset, Refines, Spelling, masked};
+use crate::fault::Fault;
+use crate::math::mask::Mask;
+use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
+
+pub(super) const TWO_N_POINT: Preset = Preset {
+    name: "two-n-point",
+    doc: "The interpolating 2n-point scheme: odd points by the polynomial of degree 2n - 1 through the 2n neighbours, \
+          a[+-(2j-1)] = (-1)^(j-1) ((2n-1)!!)^2 / (2^(2n-1) (n+j-1)! (n-j)! (2j-1)). C1 for n = 2, then C2, C3, C4, C4.",
+    source: "Deslauriers and Dubuc, Constructive Approximation 5 (1989), 49-68",
+    parameters: &[Parameter {
+        name: "n",
+        kind: Kind::Integer { min: 1, max: 16 },
+        unit: "",
+        default: Default::Number(2.0),
+        doc: "Half the number of points that make a new one.",
+    }],
+    refines: Refines::Curves,
+    spell: |values| {
+        let n = values.integer("n").and_then(|n| u128::try_from(n).ok()).unwrap_or(2);
+        let mut outwards = Vec::new();
+        for j in 1..=n {
+            outwards.push(deslauriers_dubuc(n, j));
+            outwards.push(0.0);
+        }
+        masked(2, Mask::symmetric(1.0, &outwards))
+    },
+};
+
+/// The weight at offset 2j - 1, from exact integers, rounded once.
+fn deslauriers_dubuc(n: u128, j: u128) -> f64 {
+    let odds = (1..=n).flat_map(|i| [2 * i - 1, 2 * i - 1]);
+    let twos = std::iter::repeat_n(2, usize::try_from(2 * n - 1).unwrap_or(0));
+    let factorials = (1..=n + j - 1).chain(1..=n - j);
+    let denominators: Vec<u128> = twos.chain(factorials).chain([2 * j - 1]).collect();
+    let (mut numerator, mut denominator) = (1_u128, 1_u128);
+    let mut odds = odds.chain(std::iter::repeat(1));
+    for d in denominators {
+        numerator *= odds.next().unwrap_or(1);
+        denominator *= d;
+        let common = gcd(numerator, denominator);
+        numerator /= common;
+        denominator /= common;
+    }
+    // the denominator is a power of two, so that the quotient is rounded once
+    #[expect(clippy::cast_precision_loss, reason = "this is the one rounding")]
+    let weight = numerator as f64 / denominator as f64;
+    if j % 2 == 1 { weight } else { -weight }
+}
+
+fn gcd(a: u128, b: u128) -> u128 {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+pub(super) const MASK: Preset = Preset {
+    name: "mask",
+    doc: "Any linear scheme: q[j] = sum over i of a[j - d i] p[i] with arity d and the mask a. Schemes that converge have \
+          entries that sum to 1 in each residue class modulo d.",
+    source: "Dyn, Subdivision schemes in CAGD, 1992, section 2",
+    parameters: &[
+        Parameter {
+            name: "arity",
+            kind: Kind::Integer { min: 2, max: 8 },
+            unit: "",
+            default: Default::Number(2.0),
+            doc: "New points for each old one.",
+        },
+        Parameter {
+            name: "mask",
+            kind: Kind::Numbers { most: 129 },
+            unit: "",
+            default: Default::Required,
+            doc: "Entries of the mask.",
+        },
+        Parameter {
+            name: "first",
+            kind: Kind::Integer { min: -128, max: 128 },
+            unit: "",
+            default: Default::Required,
+            doc: "Index of the first entry.",
+        },
+    ],
+    refines: Refines::Curves,
+    spell: own,
+};
+
+fn own(values: &Values) -> Result<Spelling, Vec<Fault>> {
+    let arity = values.integer("arity").and_then(|d| u32::try_from(d).ok()).unwrap_or(2);
+    let first = values.integer("first").and_then(|first| i32::try_from(first).ok()).unwrap_or(0);
+    let Value::Numbers(entries) = values.get("mask") else { return masked(arity, None) };
+    masked(arity, Mask::new(first, entries))
+}

@@ -1,0 +1,65 @@
+//! Windows: how an operator of some arity moves and counts the points of a polygon.
+
+use super::polygon_net::Extent;
+
+/// Arity and reach of an operator: new point `j` is made of the old points `i` with `first <= j - d i <= last`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Window {
+    /// Arity d.
+    pub arity: u32,
+    /// First index of the mask.
+    pub first: i32,
+    /// Last index of the mask.
+    pub last: i32,
+}
+
+/// A polygon after an operator.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Landing {
+    /// Stored points.
+    pub n: u128,
+    /// How they go on.
+    pub extent: Extent,
+    /// The `j` of the first control point.
+    pub start: i32,
+}
+
+impl Window {
+    /// U of arity d.
+    pub const fn upsample(arity: u32) -> Self {
+        let reach = arity.cast_signed() - 1;
+        Self { arity, first: -reach, last: reach }
+    }
+
+    /// The mean of `width` neighbours; of an even number the extra one stands after the point, or before it.
+    pub const fn mean(width: u32, before: bool) -> Self {
+        let spare = width.cast_signed() - 1;
+        let back = if before { spare - spare / 2 } else { spare / 2 };
+        Self { arity: 1, first: back - spare, last: back }
+    }
+
+    /// The polygon of `n` stored points after the operator. With the centre of reflection at `c`, the new one lies at
+    /// `d c + (first + last) / 2`: on a point, or half a step before one.
+    pub fn land(&self, n: u128, extent: Extent) -> Landing {
+        let d = u128::from(self.arity);
+        let width = u128::from(self.last.abs_diff(self.first));
+        let shift = self.first + self.last;
+        let controls = match extent {
+            Extent::Closed => return Landing { n: n.saturating_mul(d), extent, start: 0 },
+            Extent::Natural => {
+                let n = n.saturating_add(1).saturating_mul(d).saturating_sub(1 + width);
+                return Landing { n, extent, start: self.last - self.arity.cast_signed() + 1 };
+            }
+            Extent::Whole => n.saturating_sub(1),
+            Extent::Half => n.saturating_sub(2),
+        };
+        // twice the new centre
+        let centre = shift - if extent == Extent::Half { self.arity.cast_signed() } else { 0 };
+        let steps = controls.saturating_mul(d);
+        if centre % 2 == 0 {
+            Landing { n: steps.saturating_add(1), extent: Extent::Whole, start: centre / 2 }
+        } else {
+            Landing { n: steps.saturating_add(2), extent: Extent::Half, start: (centre + 1) / 2 }
+        }
+    }
+}
