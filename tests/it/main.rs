@@ -3,6 +3,7 @@
 mod forecast;
 mod formats;
 mod laws;
+mod robustness;
 mod shapes;
 mod store;
 mod support;
