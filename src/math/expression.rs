@@ -92,9 +92,9 @@ impl Binary {
             Self::Divide => x / y,
             Self::Power => f::pow(x, y),
             // NaN must not vanish in a comparison
-            Self::Min if x.is_nan() || y <= x => y,
-            Self::Max if x.is_nan() || y >= x => y,
-            Self::Min | Self::Max if y.is_nan() => y,
+            Self::Min | Self::Max if x.is_nan() => x,
+            Self::Min if y.is_nan() || y <= x => y,
+            Self::Max if y.is_nan() || y >= x => y,
             Self::Min | Self::Max => x,
         }
     }

@@ -55,14 +55,14 @@ pub struct Anchor {
 impl MeshNet {
     /// The net of a control mesh with tagged corners and holes.
     pub fn new(topology: Arc<Topology>, corners: &[u32], holes: &[u32], boundary: Boundary) -> Self {
+        let holes = shown_holes(&topology, holes, boundary);
         let tagged = if !corners.is_empty() {
             Some("corners")
-        } else if !holes.is_empty() || boundary == Boundary::None {
+        } else if !holes.is_empty() {
             Some("holes (boundary \"none\" makes some)")
         } else {
             None
         };
-        let holes = shown_holes(&topology, holes, boundary);
         let corners = fixed(&topology, corners, boundary);
         Self { base: topology, splits: 0, parent: None, corners, holes, boundary, tagged, duals: 0, anchor: None }
     }

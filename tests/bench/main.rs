@@ -1,1 +1,44 @@
-fn main() {}
+//! How quick planish is, as one table: `cargo bench`, or `cargo bench -- refine pictures encode http` for some parts.
+//!
+//! Every figure is the median of a few runs on a warm heap. Absolute figures drift between machines; the column "ratio"
+//! relates each to something measured in the same run.
+
+mod encode;
+mod http;
+mod load;
+mod nets;
+mod pictures;
+mod refine;
+mod table;
+
+use std::error::Error;
+use std::io::{self, Write};
+
+use table::Table;
+
+type Part = fn(&mut Table);
+
+const PARTS: &[(&str, Part)] = &[
+    ("refine", refine::measure),
+    ("pictures", pictures::measure),
+    ("encode", encode::measure),
+    ("http", http::measure),
+];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    // cargo itself adds --bench
+    let asked: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
+    let known = |name: &String| PARTS.iter().any(|(part, _)| part == name);
+    if let Some(unknown) = asked.iter().find(|name| !known(name)) {
+        let names: Vec<_> = PARTS.iter().map(|(name, _)| *name).collect();
+        return Err(format!("there is no part {unknown}; known are {}", names.join(", ")).into());
+    }
+    let mut table = Table::default();
+    for (name, part) in PARTS {
+        if asked.is_empty() || asked.iter().any(|asked| asked == name) {
+            part(&mut table);
+        }
+    }
+    io::stdout().write_all(table.text().as_bytes())?;
+    Ok(())
+}

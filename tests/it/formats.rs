@@ -217,7 +217,7 @@ proptest! {
 fn forecasts_of_absurd_counts_saturate() {
     for kind in [ShapeKind::Mesh, ShapeKind::Curves { dimension: 3 }] {
         for n in [1_u128 << 100, u128::MAX] {
-            let counts = Counts { kind, polygons: n, vertices: n, faces: n, corners: n };
+            let counts = Counts { kind, polygons: n, control: n, vertices: n, faces: n, corners: n };
             for (format, options) in variants() {
                 let least = if format.name() == "stats" { 0 } else { n / 2 };
                 let holds_nothing = format.name() == "stl";

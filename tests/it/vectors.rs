@@ -20,6 +20,9 @@ const CURVES: &[(&str, usize)] = &[
     ("curve_semi_*", 8),
     ("curve_word_*", 5),
     ("curve_open_clamped_*", 3),
+    ("curve_dary_*", 3),
+    ("curve_dd_*", 3),
+    ("ternary_*", 8),
 ];
 const CIRCLES: &[(&str, usize)] = &[("circle_theorem1", 1), ("circle_cbspline_word", 1)];
 const SURFACES: &[(&str, usize)] = &[("surf_pushback_*", 13), ("surf_table1_*", 4), ("surf_cc_identity_*", 2)];
@@ -140,6 +143,9 @@ fn curve_plan(vector: &Value) -> Value {
                 "kernel": expression(&params["f"]), "compensation": expression(&params["omega"]), "delta": delta,
             } })
         }
+        "d_ary" => json!({ "preset": "d-ary-b-spline", "parameters": { "arity": params["d"], "degree": params["degree"] } }),
+        "dd_2n_point" => json!({ "preset": "two-n-point", "parameters": { "n": params["n"] } }),
+        "ternary" => json!({ "preset": "ternary-blending", "parameters": params }),
         scheme => panic!("no plan is known for {scheme}"),
     }
 }

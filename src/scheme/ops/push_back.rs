@@ -75,7 +75,7 @@ impl Operator for PushBack {
 
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
         let anchor = net.anchor.clone().ok_or(StepError::NoAnchor)?;
-        legal(net.duals, anchor.lost, "the boundary")?;
+        legal(net.duals, anchor.lost, "a boundary or a valence below 3")?;
         let deltas = deltas(&anchor, values.delta)?;
         let omega = values.compensation;
         let children = children(&anchor);

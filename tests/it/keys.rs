@@ -1,0 +1,330 @@
+//! Keys: equal jobs have equal ones however they are written, different jobs have different ones.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use planish::job::codec::Item;
+use planish::job::key::Key;
+use proptest::prelude::*;
+use serde_json::{Value, json};
+
+use crate::support::{nets, parsed, render};
+
+fn key_of_text(text: &str) -> Key {
+    let job = parsed(text.as_bytes()).unwrap_or_else(|faults| panic!("{faults:?} for {text}"));
+    job.key(&job.outputs[0])
+}
+
+fn key(job: &Value) -> Key {
+    key_of_text(&job.to_string())
+}
+
+fn curve_job() -> Value {
+    json!({
+        "input": { "polygon": { "points": [[0.0, 0.5], [2.0, 1.0], [3.0, -1.0], [1.0, -2.0]] } },
+        "plan": { "word": "UCP", "parameters": {
+            "alpha": 0.5, "kernel": "cos(alpha/2)", "compensation": "1/cos(alpha/2)", "delta": 0.25,
+        } },
+        "levels": 2,
+        "outputs": [{ "format": "json" }],
+    })
+}
+
+fn mesh_job() -> Value {
+    json!({
+        "input": { "mesh": nets::mixed().to_json() },
+        "plan": { "word": "UCP", "parameters": { "delta": "(valence-4)/valence", "compensation": 0 } },
+        "levels": 1,
+        "outputs": [{ "format": "png", "width": 64, "height": 64 }],
+    })
+}
+
+/// The job with the value at a pointer replaced.
+fn with(job: &Value, pointer: &str, value: Value) -> Value {
+    let mut changed = job.clone();
+    let (parent, name) = pointer.rsplit_once('/').expect("a pointer");
+    let parent = changed.pointer_mut(parent).expect("the place exists");
+    match name.parse::<usize>() {
+        Ok(index) if parent.is_array() => parent[index] = value,
+        _ => parent[name] = value,
+    }
+    changed
+}
+
+fn check_distinct(base: &Value, changes: &[(&str, Value)]) {
+    let mut known = BTreeMap::from([(key(base), base.clone())]);
+    for (pointer, value) in changes {
+        let job = with(base, pointer, value.clone());
+        if let Some(same) = known.insert(key(&job), job.clone()) {
+            panic!("one key for {job} and {same}");
+        }
+    }
+}
+
+/// Both jobs have one key, and really the same bytes.
+fn check_equal(a: &str, b: &str) {
+    assert_eq!(key_of_text(a), key_of_text(b), "{a} and {b}");
+    let [a_bytes, b_bytes] = [a, b].map(|text| {
+        let job = serde_json::from_str(text).expect("a job is JSON");
+        render(&job).unwrap_or_else(|faults| panic!("{faults:?} for {text}")).0
+    });
+    assert_eq!(a_bytes, b_bytes, "{a} and {b}");
+}
+
+#[test]
+fn curves_that_differ_have_keys_that_differ() {
+    check_distinct(
+        &curve_job(),
+        &[
+            ("/input/polygon/points/0/0", json!(5e-324)),
+            ("/input/polygon/points/3/1", json!(-2.000_000_000_000_000_4)),
+            ("/input/polygon/points", json!([[2.0, 1.0], [3.0, -1.0], [1.0, -2.0], [0.0, 0.5]])),
+            ("/input/polygon/points", json!([[0.0], [0.5], [2.0], [1.0], [3.0], [-1.0], [1.0], [-2.0]])),
+            ("/input/polygon/points", json!([[0.0, 0.5, 2.0, 1.0], [3.0, -1.0, 1.0, -2.0]])),
+            ("/input/polygon/closed", json!(true)),
+            ("/input/polygon/corners", json!([1])),
+            ("/input/polygon/corners", json!([1, 2])),
+            ("/plan/word", json!("UC")),
+            ("/plan/word", json!("UCCP")),
+            ("/plan/word", json!("UCP(UC)")),
+            ("/plan/word", json!("UCPUCP")),
+            ("/plan/parameters/alpha", json!(0.25)),
+            ("/plan/parameters/kernel", json!("cos(alpha/4)")),
+            ("/plan/parameters/kernel", json!(["cos(alpha/2)", "cos(alpha/2)"])),
+            ("/plan/parameters/kernel", json!("alpha")),
+            ("/plan/parameters/kernel", json!(0.5)),
+            ("/plan/parameters/compensation", json!("cos(alpha/2)")),
+            ("/plan/parameters/delta", json!(0.5)),
+            ("/levels", json!(0)),
+            ("/levels", json!(1)),
+            ("/levels", json!(3)),
+            ("/outputs/0/format", json!("obj")),
+            ("/outputs/0/format", json!("svg")),
+            ("/outputs/0/format", json!("stats")),
+        ],
+    );
+}
+
+#[test]
+fn meshes_that_differ_have_keys_that_differ() {
+    check_distinct(
+        &mesh_job(),
+        &[
+            ("/input/mesh/positions/4/2", json!(0.5)),
+            ("/input/mesh/faces", json!([[1, 2, 3, 0], [3, 4, 0], [1, 5, 6, 7, 2]])),
+            ("/input/mesh/faces", json!([[3, 4, 0], [0, 1, 2, 3], [1, 5, 6, 7, 2]])),
+            ("/input/mesh/faces", json!([[0, 1, 2, 3], [3, 4, 0], [1, 5, 6, 7], [7, 2, 1]])),
+            ("/input/mesh/faces", json!([[0, 1, 2, 3], [3, 4, 0]])),
+            ("/input/mesh/corners", json!([{ "vertex": 1, "sharpness": 10 }])),
+            ("/input/mesh/holes", json!([1])),
+            ("/input/mesh/holes", json!([2])),
+            ("/plan/boundary", json!("edge-only")),
+            ("/plan/boundary", json!("none")),
+            ("/plan/parameters/delta", json!("(valence-4)/4")),
+            ("/plan/parameters/delta", json!("(valence-4)*valence")),
+            ("/plan/parameters/delta", json!("(4-valence)/valence")),
+            ("/plan/parameters/compensation", json!(1)),
+            ("/plan", json!({ "preset": "catmull-clark" })),
+            ("/plan", json!({ "preset": "bilinear" })),
+            ("/levels", json!(2)),
+            ("/outputs/0/width", json!(65)),
+            ("/outputs/0/height", json!(65)),
+            ("/outputs/0/background", json!("#123456")),
+            ("/outputs/0/background", json!("transparent")),
+            ("/outputs/0", json!({ "format": "obj" })),
+            ("/outputs/0", json!({ "format": "obj", "normals": "area" })),
+            ("/outputs/0", json!({ "format": "ply" })),
+            ("/outputs/0", json!({ "format": "ply", "ascii": true })),
+            ("/outputs/0", json!({ "format": "glb" })),
+            ("/outputs/0", json!({ "format": "gltf" })),
+        ],
+    );
+}
+
+const SHORT: &str = r#"{"input":{"polygon":{"points":[[0,0],[4,0],[4,4],[0,0.25]],"closed":true}},"levels":2,
+    "plan":{"preset":"four-point"},"outputs":[{"format":"json"}]}"#;
+
+#[test]
+fn spelling_does_not_matter() {
+    for same in [
+        // other order of fields, defaults written out, other name of the output
+        r#"{"outputs":[{"name":"mine","format":"json"}],"plan":{"seed":7,"ends":"clamped","parameters":{"w":0.0625},
+            "boundary":"edge-and-corner","preset":"four-point"},"spec":1,"levels":2,
+            "input":{"polygon":{"corners":[],"closed":true,"points":[[0,0],[4,0],[4,4],[0,0.25]]}}}"#,
+        // numbers as fractions, exponents, minus zero
+        r#"{"input":{"polygon":{"points":[[-0,-0.0],[4e0,0.0],[40e-1,4.00],[0,25e-2]],"closed":true}},"levels":2,
+            "plan":{"preset":"four-point","parameters":{"w":"1/16"}},"outputs":[{"format":"json"}]}"#,
+        r#"{"input":{"polygon":{"points":[[0,0],[4,0],[4,4],[0,0.25]],"closed":true}},"levels":2,
+            "plan":{"preset":"four-point","parameters":{"w":" (2 - 1) / 2^4 "}},"outputs":[{"format":"json"}]}"#,
+        // the word of the preset
+        r#"{"input":{"polygon":{"points":[[0,0],[4,0],[4,4],[0,0.25]],"closed":true}},"levels":2,
+            "plan":{"word":"UCP"},"outputs":[{"format":"json"}]}"#,
+        r#"{"input":{"polygon":{"points":[[0,0],[4,0],[4,4],[0,0.25]],"closed":true}},"levels":2,
+            "plan":{"word":"(UCP)","parameters":{"delta":"3-2","compensation":1,"kernel":[1]}},
+            "outputs":[{"format":"json"}]}"#,
+        r#"{"input":{"polygon":{"points":[[0,0],[4,0],[4,4],[0,0.25]],"closed":true}},"levels":2,
+            "plan":{"word":"UD^2P"},"outputs":[{"format":"json"}]}"#,
+        // one polygon in a list
+        r#"{"input":{"polygons":[{"points":[[0,0],[4,0],[4,4],[0,0.25]],"closed":true}]},"levels":2,
+            "plan":{"preset":"four-point"},"outputs":[{"format":"json"}]}"#,
+    ] {
+        check_equal(SHORT, same);
+    }
+}
+
+/// What no operator of the plan uses, or the input does not have, is not part of the key.
+#[test]
+fn what_has_no_effect_does_not_matter() {
+    let equal = |base: &Value, pointer: &str, value: Value| {
+        check_equal(&base.to_string(), &with(base, pointer, value).to_string());
+    };
+    let mut smooth = curve_job();
+    smooth["plan"] = json!({ "word": "UC", "parameters": { "kernel": 2 } });
+    equal(&smooth, "/plan/parameters/delta", json!(0.125));
+    equal(&smooth, "/plan/parameters/compensation", json!("cos(alpha)"));
+    equal(&smooth, "/plan/parameters/alpha", json!(3));
+    equal(&smooth, "/plan/boundary", json!("none"));
+    let mut closed = smooth.clone();
+    closed["input"]["polygon"]["closed"] = json!(true);
+    equal(&closed, "/plan/ends", json!("natural"));
+    let mut cube = mesh_job();
+    cube["input"]["mesh"] = nets::cube().to_json();
+    equal(&cube, "/plan/boundary", json!("edge-only"));
+    equal(&cube, "/plan/boundary", json!("none"));
+    equal(&cube, "/plan/ends", json!("natural"));
+    equal(&cube, "/input/mesh/corners", json!([{ "vertex": 3, "sharpness": 0 }]));
+    // 0 levels of anything without a prefix are no plan
+    let mut as_it_is = curve_job();
+    as_it_is["levels"] = json!(0);
+    equal(&as_it_is, "/plan/word", json!("UD"));
+    let mut unplanned = as_it_is.clone();
+    unplanned.as_object_mut().expect("an object").shift_remove("plan");
+    check_equal(&as_it_is.to_string(), &unplanned.to_string());
+}
+
+#[test]
+fn corners_and_holes_are_sets() {
+    let mut job = mesh_job();
+    job["input"]["mesh"]["corners"] = json!([{ "vertex": 1, "sharpness": 10 }, { "vertex": 4, "sharpness": 12.5 }]);
+    job["input"]["mesh"]["holes"] = json!([0, 2]);
+    let mut same = job.clone();
+    same["input"]["mesh"]["corners"] = json!([
+        { "vertex": 4, "sharpness": 1e300 }, { "vertex": 1, "sharpness": 10 }, { "vertex": 4, "sharpness": 10 },
+    ]);
+    same["input"]["mesh"]["holes"] = json!([2, 0, 2]);
+    check_equal(&job.to_string(), &same.to_string());
+}
+
+#[test]
+fn names_are_part_of_the_job_but_not_of_its_artifacts() {
+    let job = |outputs: Value| {
+        let text = with(&curve_job(), "/outputs", outputs).to_string();
+        parsed(text.as_bytes()).expect("a job")
+    };
+    let plain = job(json!([{ "format": "json" }, { "format": "obj" }]));
+    let named = job(json!([{ "format": "json", "name": "a" }, { "format": "obj" }]));
+    let turned = job(json!([{ "format": "obj" }, { "format": "json" }]));
+    assert_eq!(plain.key(&plain.outputs[0]), named.key(&named.outputs[0]));
+    assert_eq!(plain.key(&plain.outputs[0]), turned.key(&turned.outputs[1]));
+    assert_ne!(plain.id(), named.id());
+    assert_ne!(plain.id(), turned.id());
+    assert_eq!(plain.id(), job(json!([{ "format": "json", "name": "json" }, { "format": "obj" }])).id());
+}
+
+#[test]
+fn keys_are_written_as_64_lowercase_hexadecimal_digits() {
+    let key = key(&curve_job());
+    let text = key.to_string();
+    assert_eq!(text.len(), 64);
+    assert_eq!(Key::parse(&text), Some(key));
+    assert_eq!(Key::parse(&"0f".repeat(32)), Some(Key::from_bytes([15; 32])));
+    let upper = text.to_uppercase();
+    assert_ne!(upper, text);
+    for wrong in [&text[1..], &upper, &format!("{text}0"), "", &" ".repeat(64), &"g".repeat(64), &"é".repeat(32)] {
+        assert_eq!(Key::parse(wrong), None, "{wrong}");
+    }
+}
+
+fn item() -> impl Strategy<Value = Item<'static>> {
+    let number = || any::<f64>().prop_filter("equal to itself", |x| !x.is_nan());
+    let leaf = prop_oneof![
+        any::<u64>().prop_map(Item::Integer),
+        number().prop_map(Item::Number),
+        ".{0,12}".prop_map(|text| Item::Text(Cow::Owned(text))),
+        proptest::collection::vec(number(), 0..6).prop_map(|xs| Item::Numbers(Cow::Owned(xs))),
+        proptest::collection::vec(any::<u32>(), 0..6).prop_map(|xs| Item::Indices(Cow::Owned(xs))),
+    ];
+    leaf.prop_recursive(6, 40, 6, |inner| proptest::collection::vec(inner, 0..6).prop_map(Item::List))
+}
+
+fn encoded(item: &Item<'_>) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    item.encode(&mut bytes);
+    bytes
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn what_was_encoded_can_be_decoded(item in item()) {
+        prop_assert_eq!(Item::decode(&encoded(&item)), Some(item));
+    }
+
+    #[test]
+    fn different_items_have_different_encodings(a in item(), b in item()) {
+        prop_assert_eq!(a == b, encoded(&a) == encoded(&b));
+    }
+
+    #[test]
+    fn no_encoding_is_the_start_of_another(a in item(), more in proptest::collection::vec(any::<u8>(), 1..20)) {
+        let bytes = encoded(&a);
+        prop_assert_eq!(Item::decode(&[&bytes[..], &more[..]].concat()), None);
+        prop_assert_eq!(Item::decode(&bytes[..bytes.len() - 1]), None);
+    }
+
+    #[test]
+    fn random_bytes_never_panic(bytes in proptest::collection::vec(prop_oneof![0..8_u8, any::<u8>()], 0..60)) {
+        if let Some(item) = Item::decode(&bytes) {
+            prop_assert_eq!(encoded(&item).len(), bytes.len());
+        }
+    }
+
+    #[test]
+    fn damaged_encodings_never_panic(item in item(), at in any::<prop::sample::Index>(), byte in any::<u8>()) {
+        let mut bytes = encoded(&item);
+        let at = at.index(bytes.len());
+        bytes[at] = byte;
+        if let Some(item) = Item::decode(&bytes) {
+            prop_assert_eq!(encoded(&item).len(), bytes.len());
+        }
+    }
+
+    #[test]
+    fn jobs_with_different_points_have_different_keys(
+        a in proptest::collection::vec(proptest::array::uniform2(-4..4_i32), 2..5),
+        b in proptest::collection::vec(proptest::array::uniform2(-4..4_i32), 2..5),
+    ) {
+        let of = |points: &[[i32; 2]]| key(&with(&curve_job(), "/input/polygon/points", json!(points)));
+        prop_assert_eq!(a == b, of(&a) == of(&b));
+    }
+}
+
+#[test]
+fn minus_zero_is_zero() {
+    assert_eq!(encoded(&Item::Number(-0.0)), encoded(&Item::Number(0.0)));
+    assert_eq!(encoded(&Item::Numbers(vec![-0.0].into())), encoded(&Item::Numbers(vec![0.0].into())));
+}
+
+/// A list may claim any length and any depth.
+#[test]
+fn lying_lengths_end_soon() {
+    for tag in 3..=6 {
+        for length in [1, 1 << 20, 1 << 61, u64::MAX] {
+            let bytes = [&[tag][..], &length.to_le_bytes(), &[1, 2, 3]].concat();
+            assert_eq!(Item::decode(&bytes), None);
+        }
+    }
+    let deep = [&[6][..], &1_u64.to_le_bytes()].concat().repeat(100_000);
+    assert_eq!(Item::decode(&deep), None);
+}
