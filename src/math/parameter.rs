@@ -1,7 +1,11 @@
 //! Parameters as data: what operators, presets and formats declare, what requests give, and what resolving them yields.
 
+mod read;
+
 use crate::fault::{Fault, token, under};
 use crate::math::expression::Expression;
+
+use read::{choices, chosen, color, constant, expression, expressions, numbers, range, ranged, vector, whole};
 
 /// What a client wrote for one parameter, before its kind is known.
 #[derive(Debug, Clone, PartialEq)]
@@ -309,117 +313,4 @@ impl Kind {
             Self::Group(_) => "an object".into(),
         }
     }
-}
-
-fn range(min: f64, max: f64) -> String {
-    match (min.is_finite(), max.is_finite()) {
-        (true, true) => format!("from {min} to {max}"),
-        (true, false) => format!("of at least {min}"),
-        (false, true) => format!("of at most {max}"),
-        (false, false) => "of any size".into(),
-    }
-}
-
-fn constant(literal: &Literal) -> Result<f64, String> {
-    match literal {
-        Literal::Number(x) => Ok(*x),
-        Literal::Text(text) => Expression::parse(text, "").and_then(|e| e.value(0.0)).map_err(|e| e.to_string()),
-        _ => Err("expected a number".into()),
-    }
-}
-
-fn ranged(x: f64, min: f64, max: f64) -> Result<f64, String> {
-    if !x.is_finite() {
-        Err(format!("{x} is not a finite number"))
-    } else if x < min || x > max {
-        Err(format!("{x} is out of range; expected a number {}", range(min, max)))
-    } else {
-        Ok(x + 0.0)
-    }
-}
-
-fn whole(x: f64, min: i64, max: i64) -> Result<i64, String> {
-    #[expect(clippy::cast_precision_loss, reason = "bounds of whole parameters are small")]
-    let inside = x >= min as f64 && x <= max as f64;
-    #[expect(clippy::cast_possible_truncation, reason = "checked to be whole and inside the bounds")]
-    if inside && x.fract() == 0.0 {
-        Ok(x as i64)
-    } else {
-        Err(format!("{x} is not a whole number from {min} to {max}"))
-    }
-}
-
-fn chosen(names: &'static [&'static str], text: &str) -> Result<&'static str, String> {
-    let found = names.iter().copied().find(|name| *name == text);
-    found.ok_or_else(|| format!("\"{}\" is not one of {}", shortened(text), names.join(", ")))
-}
-
-fn choices(names: &'static [&'static str], items: &[Literal]) -> Result<Vec<&'static str>, Vec<Fault>> {
-    let mut faults = Vec::new();
-    let mut found = Vec::new();
-    for (i, item) in items.iter().enumerate().take(names.len() + 1) {
-        let name = if let Literal::Text(text) = item { chosen(names, text) } else { Err("expected a text".into()) };
-        match name {
-            Ok(name) if found.contains(&name) => faults.push(Fault::new(format!("/{i}"), "named twice")),
-            Ok(name) => found.push(name),
-            Err(detail) => faults.push(Fault::new(format!("/{i}"), detail)),
-        }
-    }
-    let ordered = names.iter().copied().filter(|name| found.contains(name)).collect();
-    if faults.is_empty() { Ok(ordered) } else { Err(faults) }
-}
-
-fn expression(literal: &Literal, variable: &'static str) -> Result<Expression, String> {
-    match literal {
-        Literal::Number(x) => ranged(*x, f64::NEG_INFINITY, f64::INFINITY).map(Expression::constant),
-        Literal::Text(text) => Expression::parse(text, variable).map_err(|e| e.to_string()),
-        _ => Err("expected a number or an expression".into()),
-    }
-}
-
-fn expressions(items: &[Literal], variable: &'static str, most: usize) -> Result<Value, Vec<Fault>> {
-    if items.is_empty() || items.len() > most {
-        return Err(vec![Fault::new("", format!("{} entries; expected 1 to {most}", items.len()))]);
-    }
-    let mut faults = Vec::new();
-    let mut found = Vec::new();
-    for (i, item) in items.iter().enumerate() {
-        match expression(item, variable) {
-            Ok(e) => found.push(e),
-            Err(detail) => faults.push(Fault::new(format!("/{i}"), detail)),
-        }
-    }
-    if faults.is_empty() { Ok(Value::Expressions(found)) } else { Err(faults) }
-}
-
-fn numbers(items: &[Literal], most: usize) -> Result<Vec<f64>, Vec<Fault>> {
-    if items.is_empty() || items.len() > most {
-        return Err(vec![Fault::new("", format!("{} entries; expected 1 to {most}", items.len()))]);
-    }
-    let number = |(i, item): (usize, &Literal)| {
-        let value = constant(item).and_then(|x| ranged(x, f64::NEG_INFINITY, f64::INFINITY));
-        value.map_err(|detail| vec![Fault::new(format!("/{i}"), detail)])
-    };
-    items.iter().enumerate().map(number).collect()
-}
-
-fn color(text: &str) -> Result<[u8; 4], String> {
-    if text == "transparent" {
-        return Ok([0; 4]);
-    }
-    let digits: Option<Vec<u8>> = text
-        .strip_prefix('#')
-        .and_then(|hex| hex.chars().map(|c| c.to_digit(16).and_then(|d| u8::try_from(d).ok())).collect());
-    match digits.as_deref() {
-        Some([r, g, b]) => Ok([r * 17, g * 17, b * 17, 255]),
-        Some([a, b, c, d, e, f]) => Ok([a * 16 + b, c * 16 + d, e * 16 + f, 255]),
-        Some([a, b, c, d, e, f, g, h]) => Ok([a * 16 + b, c * 16 + d, e * 16 + f, g * 16 + h]),
-        _ => Err(format!("\"{}\" is not {}", shortened(text), Kind::Color.expected())),
-    }
-}
-
-fn vector(items: &[Literal]) -> Result<[f64; 3], String> {
-    let [x, y, z] = items else { return Err(format!("{} entries; expected three numbers", items.len())) };
-    let finite = |literal| constant(literal).and_then(|v| ranged(v, f64::NEG_INFINITY, f64::INFINITY));
-    Ok([finite(x)?, finite(y)?, finite(z)?])
 }

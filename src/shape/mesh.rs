@@ -70,7 +70,9 @@ impl Mesh {
             warnings.push(format!("vertex {from} joined several fans of faces; vertex {added} was split from it"));
         }
         if !checked.turned.is_empty() {
-            warnings.push(format!("{} faces were turned to agree with their neighbours", checked.turned.len()));
+            let list: Vec<String> = checked.turned.iter().take(20).map(u32::to_string).collect();
+            let more = if checked.turned.len() > list.len() { ", ..." } else { "" };
+            warnings.push(format!("faces turned to agree with their neighbours: {}{more}", list.join(", ")));
         }
         Ok(Self { positions, topology: Arc::new(checked.topology), corners, holes, warnings })
     }

@@ -6,6 +6,7 @@ mod invariance;
 mod masks;
 mod meshes;
 mod spellings;
+mod ternary;
 
 use serde_json::{Value, json};
 

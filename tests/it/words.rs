@@ -37,19 +37,19 @@ fn words_are_read() {
 
 #[test]
 fn other_texts_are_refused_at_their_place() {
-    rejects("", "the word is empty; write at least one operator (U, D, C, P)");
+    rejects("", "the word is empty; write at least one operator (U, D, C, A, P)");
     rejects("()", "expected an operator in the group at character 2");
-    rejects("X", "\"X\" at character 1 is no operator; known are U, D, C, P");
-    rejects("Uc", "\"c\" at character 2 is no operator; known are U, D, C, P");
-    rejects("U C", "\" \" at character 2 is no operator; known are U, D, C, P");
-    rejects("UÜC", "\"Ü\" at character 2 is no operator; known are U, D, C, P");
-    rejects("U)", "\")\" at character 2 is no operator; known are U, D, C, P");
-    rejects("D2", "\"2\" at character 2 is no operator; known are U, D, C, P");
+    rejects("X", "\"X\" at character 1 is no operator; known are U, D, C, A, P");
+    rejects("Uc", "\"c\" at character 2 is no operator; known are U, D, C, A, P");
+    rejects("U C", "\" \" at character 2 is no operator; known are U, D, C, A, P");
+    rejects("UÜC", "\"Ü\" at character 2 is no operator; known are U, D, C, A, P");
+    rejects("U)", "\")\" at character 2 is no operator; known are U, D, C, A, P");
+    rejects("D2", "\"2\" at character 2 is no operator; known are U, D, C, A, P");
     rejects("(UC", "expected \")\" at character 4");
-    rejects("^2", "\"^\" at character 1 is no operator; known are U, D, C, P");
+    rejects("^2", "\"^\" at character 1 is no operator; known are U, D, C, A, P");
     rejects("U^", "expected a number at character 3");
     rejects("U^-1", "expected a number at character 3");
-    rejects("U^2^2", "\"^\" at character 4 is no operator; known are U, D, C, P");
+    rejects("U^2^2", "\"^\" at character 4 is no operator; known are U, D, C, A, P");
     rejects("U^0", "expected a power of at least 1 at character 4");
     rejects("U^٣", "expected a number at character 3");
     for text in ["(UC)U", "(UC)(U)", "((UC))"] {
@@ -57,7 +57,7 @@ fn other_texts_are_refused_at_their_place() {
         let expected = "\"^\" and a power after the group; only the last group may go without";
         rejects(text, &format!("expected {expected} at character {place}"));
     }
-    rejects("U3", "U3 is not offered; the arity of U is 2");
+    rejects("U9", "U9 is not offered; the arity of U is 2 to 8");
     rejects("U0", "U0 is not offered; the arity of U is 2");
     rejects("U99999999999999999999", "U4294967295 is not offered; the arity of U is 2");
 }

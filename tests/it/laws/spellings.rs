@@ -58,6 +58,15 @@ fn c_b_splines_are_their_words() {
 }
 
 #[test]
+fn d_ary_b_splines_are_their_words() {
+    for (arity, degree) in [(2, 3), (3, 1), (3, 4), (4, 3), (5, 2)] {
+        let preset = json!({ "preset": "d-ary-b-spline", "parameters": { "arity": arity, "degree": degree } });
+        let averages = if degree > 1 { format!("A^{}", degree - 1) } else { String::new() };
+        check_curves(&preset, &json!({ "word": format!("U{arity}{averages}") }));
+    }
+}
+
+#[test]
 fn four_point_is_its_word() {
     check_curves(&json!({ "preset": "four-point" }), &json!({ "word": "UCP" }));
     let preset = json!({ "preset": "four-point", "parameters": { "w": "1/20" } });
@@ -88,7 +97,17 @@ fn bilinear_is_its_word() {
 #[test]
 fn every_preset_but_catmull_clark_is_spelled_here() {
     let names: Vec<_> = planish::scheme::presets::PRESETS.iter().map(|preset| preset.name).collect();
-    let here = ["chaikin", "cubic-b-spline", "b-spline", "c-b-spline", "four-point", "push-back", "bilinear"];
-    let others: Vec<_> = names.into_iter().filter(|name| !here.contains(name)).collect();
+    let masks = |name: &&str| name.starts_with("ternary-") || ["mask", "two-n-point"].contains(name);
+    let here = [
+        "d-ary-b-spline",
+        "chaikin",
+        "cubic-b-spline",
+        "b-spline",
+        "c-b-spline",
+        "four-point",
+        "push-back",
+        "bilinear",
+    ];
+    let others: Vec<_> = names.into_iter().filter(|name| !here.contains(name) && !masks(name)).collect();
     assert_eq!(others, ["catmull-clark"], "a new preset shows here that it is its word");
 }
