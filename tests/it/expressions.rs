@@ -270,10 +270,8 @@ proptest! {
     fn random_text_is_read_or_refused(
         text in prop_oneof!["[-+*/^()0-9.e, ]{0,60}", "[a-z(),+^ 0-9]{0,60}", ".{0,60}", "(cos\\(|-|2\\^|\\(){0,80}"],
     ) {
-        if let Ok(expression) = Expression::parse(&text, "alpha") {
-            if let Ok(value) = expression.value(0.3) {
-                prop_assert!(value.is_finite());
-            }
+        if let Ok(Ok(value)) = Expression::parse(&text, "alpha").map(|expression| expression.value(0.3)) {
+            prop_assert!(value.is_finite());
         }
     }
 }

@@ -176,8 +176,7 @@ fn check_bytes(input: &Value, word: &Word, extra: &Value, levels: u32) -> Result
 fn options(format: &dyn Format) -> Vec<Value> {
     let name = format.name();
     match name {
-        "png" => vec![json!({ "format": name, "width": 32, "height": 24 })],
-        "svg" => vec![json!({ "format": name, "width": 32, "height": 24 })],
+        "png" | "svg" => vec![json!({ "format": name, "width": 32, "height": 24 })],
         "ply" => vec![json!({ "format": name }), json!({ "format": name, "ascii": true })],
         "obj" => vec![json!({ "format": name }), json!({ "format": name, "normals": "area" })],
         _ => vec![json!({ "format": name })],
@@ -260,21 +259,21 @@ proptest! {
 
     #[test]
     fn bytes_of_polygons_are_as_forecast(polygon in polygon(), levels in 0..4_u32) {
-        let compared = check_bytes(&json!({ "polygon": polygon }), &("".into(), "UC".into()), &json!({}), levels)?;
+        let compared = check_bytes(&json!({ "polygon": polygon }), &(String::new(), "UC".into()), &json!({}), levels)?;
         let holding = FORMATS.iter().filter(|format| format.holds(ShapeKind::Curves { dimension: 2 }).is_ok());
         prop_assert!(compared >= holding.count());
     }
 
     #[test]
     fn bytes_of_meshes_are_as_forecast((input, extra) in tagged_mesh(), levels in 0..3_u32) {
-        let compared = check_bytes(&input, &("".into(), "UCP".into()), &extra, levels)?;
+        let compared = check_bytes(&input, &(String::new(), "UCP".into()), &extra, levels)?;
         let holding = FORMATS.iter().filter(|format| format.holds(ShapeKind::Mesh).is_ok());
         prop_assert!(compared >= holding.count());
     }
 
     #[test]
     fn bytes_of_duals_are_as_forecast(net in nets::manifold()) {
-        check_bytes(&net.input(), &("".into(), "UD".into()), &json!({}), 1)?;
+        check_bytes(&net.input(), &(String::new(), "UD".into()), &json!({}), 1)?;
     }
 }
 

@@ -3,8 +3,10 @@
 mod expressions;
 mod forecast;
 mod formats;
+mod house;
 mod keys;
 mod laws;
+mod nets;
 mod robustness;
 mod shapes;
 mod store;

@@ -192,7 +192,7 @@ fn circle(vector: &Value) -> usize {
             scheme => panic!("no plan is known for {scheme:?}"),
         };
         let corners = row["K"].as_u64().expect("K is whole");
-        let corner = |i: u64| 2.0 * std::f64::consts::PI * winding * f64::from(u32::try_from(i).unwrap()) / k;
+        let corner = |i: u64| 2.0 * std::f64::consts::PI * winding * f64::from(u32::try_from(i).expect("small")) / k;
         let polygon: Vec<_> = (0..corners).map(|i| [cos(corner(i)), sin(corner(i))]).collect();
         let job = json!({ "input": { "polygon": { "points": polygon, "closed": true } }, "plan": plan, "levels": 5 });
         let radius = number(&row["radius_level5"]);

@@ -113,7 +113,7 @@ proptest! {
             prop_assert_eq!(face.len(), expected.len());
             for (&v, &number) in face.iter().zip(expected) {
                 // where fans of the dual met in a vertex, all but one got a copy
-                let copied = v >= own.len() && split_off[v - own.len()] == own[number];
+                let copied = v >= own.len() && split_off.get(v - own.len()) == own.get(number);
                 prop_assert!(v == number || copied, "{} is not {}", v, number);
             }
         }

@@ -52,7 +52,7 @@ pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// For each expected point the one found next to it, one to one, within `tolerance` per coordinate.
-pub(crate) fn matched(found: &[[f64; 3]], expected: &[[f64; 3]], tolerance: f64) -> Result<Vec<usize>, String> {
+fn matched(found: &[[f64; 3]], expected: &[[f64; 3]], tolerance: f64) -> Result<Vec<usize>, String> {
     let mut image = Vec::with_capacity(expected.len());
     for point in expected {
         let distances = found.iter().map(|other| distance(point, other)).enumerate();
@@ -170,9 +170,8 @@ pub(crate) fn manifold() -> impl Strategy<Value = Net> {
         net = triangulated(net, &choices[16..]);
         net = merged(net, usize::from(choices[40]));
         for i in 0..isolated {
-            net.positions.insert(usize::from(choices[50 + i]) % (net.positions.len() + 1), [9.0, 9.0, 9.0]);
-            let at = net.positions.iter().position(|p| *p == [9.0; 3]).expect("just added");
-            net.positions[at] = [0.5, -1.0, 3.0];
+            let at = usize::from(choices[50 + i]) % (net.positions.len() + 1);
+            net.positions.insert(at, [0.5, -1.0, 3.0]);
             net.faces.iter_mut().flatten().filter(|v| **v >= at).for_each(|v| *v += 1);
         }
         let turn = usize::from(choices[60]);

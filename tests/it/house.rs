@@ -1,0 +1,226 @@
+//! The house keeps its floors: each folder imports from lower ones only, and some things are absent from some floors.
+//!
+//! This reads the text of `src`, comments left out.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Every module of the crate's root with its floor; leaves stand on no floor and may be used by all.
+const FLOORS: &[(&str, u32)] = &[
+    ("math", 1),
+    ("raster", 2),
+    ("shape", 2),
+    ("scheme", 3),
+    ("refine", 4),
+    ("output", 5),
+    ("analysis", 5),
+    ("input", 5),
+    ("job", 6),
+    ("service", 7),
+    ("config", 7),
+    ("wire", 8),
+    ("http", 9),
+    ("cli", 9),
+];
+const LEAVES: &[&str] = &["fault", "watch"];
+/// The one import between neighbours: the command `serve` starts the server.
+const NEIGHBOURS: &[(&str, &str)] = &[("cli", "http")];
+const MAX_LINES: usize = 400;
+
+/// A source file: its module of the crate's root, its path, its lines without comments.
+struct Source {
+    module: String,
+    path: PathBuf,
+    lines: Vec<String>,
+    n_lines: usize,
+}
+
+impl Source {
+    fn floor(&self) -> Option<u32> {
+        floor(&self.module)
+    }
+
+    /// Fails at the first line that contains one of the words.
+    fn never_says(&self, words: &[&str]) {
+        for (i, line) in self.lines.iter().enumerate() {
+            for word in words {
+                assert!(
+                    !line.contains(word),
+                    "{}:{}: \"{word}\" has no place here: {line}",
+                    self.path.display(),
+                    i + 1
+                );
+            }
+        }
+    }
+}
+
+fn floor(module: &str) -> Option<u32> {
+    FLOORS.iter().find(|(name, _)| *name == module).map(|(_, floor)| *floor)
+}
+
+fn sources() -> Vec<Source> {
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut found = Vec::new();
+    read(&root, &root, &mut found);
+    assert!(found.len() > 50, "the sources were not found");
+    found
+}
+
+fn read(folder: &Path, root: &Path, found: &mut Vec<Source>) {
+    let mut entries: Vec<PathBuf> =
+        fs::read_dir(folder).expect("a folder can be read").map(|entry| entry.expect("an entry").path()).collect();
+    entries.sort();
+    for path in entries {
+        if path.is_dir() {
+            read(&path, root, found);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            let text = fs::read_to_string(&path).expect("a source can be read");
+            let inside = path.strip_prefix(root).expect("below the root");
+            let first = inside.components().next().expect("a name").as_os_str().to_string_lossy();
+            let code = |line: &str| line.split("//").next().unwrap_or_default().to_owned();
+            found.push(Source {
+                module: first.trim_end_matches(".rs").to_owned(),
+                path: inside.to_owned(),
+                lines: text.lines().map(code).collect(),
+                n_lines: text.lines().count(),
+            });
+        }
+    }
+}
+
+/// Names that follow `crate::` in a line.
+fn imports(line: &str) -> impl Iterator<Item = &str> {
+    line.match_indices("crate::").map(|(at, found)| {
+        let rest = &line[at + found.len()..];
+        rest.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').next().unwrap_or_default()
+    })
+}
+
+#[test]
+fn each_folder_imports_from_lower_floors_only() {
+    let mut read = 0;
+    for source in sources() {
+        if ["lib", "main"].contains(&source.module.as_str()) {
+            continue;
+        }
+        let own = source.floor();
+        assert!(own.is_some() || LEAVES.contains(&source.module.as_str()), "{} is on no floor", source.module);
+        for (i, line) in source.lines.iter().enumerate() {
+            for import in imports(line) {
+                read += 1;
+                let place = format!("{}:{}", source.path.display(), i + 1);
+                assert!(!import.is_empty(), "{place}: name one module after crate::, so that this can be read");
+                let known = floor(import).is_some() || LEAVES.contains(&import);
+                assert!(known, "{place}: {import} is on no floor");
+                let neighbours = NEIGHBOURS.contains(&(source.module.as_str(), import));
+                let allowed = import == source.module
+                    || LEAVES.contains(&import) && own.is_some()
+                    || floor(import) < own && own.is_some()
+                    || neighbours;
+                assert!(allowed, "{place}: {} may not import {import}, which is not on a lower floor", source.module);
+            }
+        }
+        // from a file right in a folder this would be the crate's root
+        if source.path.components().count() == 2 {
+            source.never_says(&["super::super"]);
+        }
+    }
+    assert!(read > 200, "only {read} imports were read");
+}
+
+#[test]
+fn the_root_lists_the_floors_from_below() {
+    let root = sources().into_iter().find(|source| source.module == "lib").expect("there is a root");
+    let mut last = 0;
+    for line in root.lines.iter().filter(|line| !line.trim().is_empty()) {
+        let module = line.strip_prefix("pub mod ").and_then(|rest| rest.strip_suffix(';'));
+        let module = module.unwrap_or_else(|| panic!("the root holds modules only, not {line}"));
+        let floor = floor(module).unwrap_or(0);
+        assert!(floor > 0 || LEAVES.contains(&module), "{module} is on no floor");
+        assert!(floor >= last, "{module} stands above what it is built on");
+        last = floor;
+    }
+    assert_eq!(last, 9);
+}
+
+#[test]
+fn below_the_service_nothing_waits() {
+    for source in sources().iter().filter(|source| source.floor() < floor("service")) {
+        if source.module != "lib" && source.module != "main" {
+            source.never_says(&["tokio", "async ", ".await", "futures"]);
+        }
+    }
+}
+
+#[test]
+fn below_the_wire_nothing_knows_requests() {
+    for source in
+        sources().iter().filter(|source| source.floor().is_some_and(|own| own < 8) && source.module != "config")
+    {
+        source.never_says(&["Serialize", "Deserialize", "serde::", "StatusCode", "axum", "hyper", "utoipa"]);
+    }
+}
+
+#[test]
+fn jobs_are_pure() {
+    for source in sources().iter().filter(|source| source.floor().is_some_and(|own| own <= 6)) {
+        source.never_says(&[
+            "std::fs",
+            "std::net",
+            "std::env",
+            "std::time",
+            "std::process",
+            "SystemTime",
+            "Instant",
+            "rand::",
+            "println!",
+        ]);
+    }
+}
+
+#[test]
+fn schemes_see_no_coordinates() {
+    for source in sources().iter().filter(|source| source.module == "scheme") {
+        source.never_says(&["shape::mesh", "shape::polygon", "shape::source", "positions"]);
+    }
+}
+
+#[test]
+fn refinement_knows_no_names_of_schemes() {
+    for source in sources().iter().filter(|source| source.module == "refine") {
+        source.never_says(&["presets", "catmull", "chaikin", "four-point"]);
+    }
+}
+
+#[test]
+fn only_keys_are_hashed_and_stores_know_no_jobs() {
+    for source in sources() {
+        if source.path != Path::new("job/key.rs")
+            && source.floor().is_some_and(|own| own < 7)
+            && source.module != "output"
+        {
+            source.never_says(&["blake3"]);
+        }
+        if source.path.starts_with("service/store") {
+            source.never_says(&["job::Job", "job::run", "Admitted", "crate::wire"]);
+        }
+    }
+}
+
+#[test]
+fn nothing_is_unsafe_and_nothing_is_unwrapped() {
+    for source in sources() {
+        source.never_says(&["unsafe {", "unsafe fn", "unsafe impl", ".unwrap()", "todo!(", "dbg!("]);
+    }
+}
+
+#[test]
+fn files_stay_short() {
+    let long: Vec<String> = sources()
+        .iter()
+        .filter(|source| source.n_lines > MAX_LINES)
+        .map(|source| format!("{} has {} lines", source.path.display(), source.n_lines))
+        .collect();
+    assert!(long.is_empty(), "at most {MAX_LINES} lines a file: {long:?}");
+}
