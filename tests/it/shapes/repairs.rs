@@ -86,7 +86,7 @@ fn faces_are_turned_to_agree_with_the_lowest_of_their_component() {
     let input = json!({ "mesh": net.to_json(), "orient": "repair" });
     let (found, warnings) = understood(&input);
     assert_eq!(same_cycles(&found), same_cycles(&expected));
-    assert_eq!(warnings, ["2 faces were turned to agree with their neighbours"]);
+    assert_eq!(warnings, ["faces turned to agree with their neighbours: 2, 5"]);
 }
 
 #[test]
