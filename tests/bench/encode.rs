@@ -8,7 +8,7 @@ use planish::shape::source::MeshSource;
 use planish::watch::Watch;
 
 use crate::nets;
-use crate::table::{Aim, Table, median, millions_a_second, ms};
+use crate::table::{Aim, Table, best, millions_a_second, ms};
 
 pub(crate) fn measure(table: &mut Table) {
     let mesh = nets::refined(25, 4);
@@ -17,12 +17,12 @@ pub(crate) fn measure(table: &mut Table) {
         let format = planish::output::named(name).expect("a format of the catalogue");
         let options = Values::resolve(format.parameters(), &[]).expect("defaults are allowed");
         let mut bytes = Vec::new();
-        let time = median(|| {
+        let time = best(|| {
             bytes.clear();
             format.write(&scene, &options, &mut bytes, &Watch::new()).expect("a vector takes everything");
         });
         let mut copy = bytes.clone();
-        let copying = median(|| {
+        let copying = best(|| {
             copy.copy_from_slice(black_box(&bytes));
             black_box(&copy);
         });

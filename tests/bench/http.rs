@@ -19,7 +19,7 @@ use crate::load::{Asked, ask, rate};
 use crate::table::{Aim, Table, figure};
 
 /// Rounds of each load; they take turns, so that a change of the machine's pace meets all.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 7;
 
 /// Ten quads once halved are 80 triangles: 4084 bytes of STL.
 const JOB: &str = r#"{"input":{"mesh":{"positions":[[0,0,0],[1,0,0],[2,0,1],[3,0,0],[4,0,0],[5,0,0],[0,1,0],[1,1,0],[2,1,1],[3,1,0],[4,1,0],[5,1,0],[0,2,0],[1,2,0],[2,2,1],[3,2,0],[4,2,0],[5,2,0]],"faces":[[0,1,7,6],[1,2,8,7],[2,3,9,8],[3,4,10,9],[4,5,11,10],[6,7,13,12],[7,8,14,13],[8,9,15,14],[9,10,16,15],[10,11,17,16]]}},"plan":{"preset":"bilinear"},"levels":1,"outputs":[{"format":"stl"}]}"#;
@@ -51,16 +51,14 @@ fn compare(table: &mut Table) -> Result<(), Box<dyn Error>> {
             rates.push(rate(load)?);
         }
     }
-    let [get_bare, get_artifact, post_bare, post_hit] = rates.map(|mut rates| {
-        rates.sort_unstable_by(f64::total_cmp);
-        rates[rates.len() / 2]
-    });
-    let bytes = made.body.len();
-    for (what, ours, bare) in
-        [("GET /v1/artifacts, cached", get_artifact, get_bare), ("POST /v1/render, cached", post_hit, post_bare)]
-    {
-        let detail = format!("{} k/s, bare axum {} k/s, {bytes} bytes", figure(ours / 1e3), figure(bare / 1e3));
-        table.add(what, (ours / bare, "of bare axum"), "", Aim::AtLeast(0.5), &detail);
+    for (what, bare, ours) in [("GET /v1/artifacts, cached", 0, 1), ("POST /v1/render, cached", 2, 3)] {
+        // neighbours in time compare best
+        let mut ratios: Vec<f64> = rates[ours].iter().zip(&rates[bare]).map(|(ours, bare)| ours / bare).collect();
+        ratios.sort_unstable_by(f64::total_cmp);
+        let best = |of: usize| figure(rates[of].iter().copied().fold(0.0, f64::max) / 1e3);
+        let bytes = made.body.len();
+        let detail = format!("at best {} k/s, bare axum {} k/s, {bytes} bytes", best(ours), best(bare));
+        table.add(what, (ratios[ROUNDS / 2], "of bare axum"), "", Aim::AtLeast(0.5), &detail);
     }
     let _ = stop.send(());
     runtime.shutdown_background();

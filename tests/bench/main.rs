@@ -1,6 +1,7 @@
-//! How quick planish is, as one table: `cargo bench`, or `cargo bench -- refine pictures encode http` for some parts.
+//! How quick planish is, as one table: `cargo bench --bench bench`, followed by `-- refine pictures encode http` or some of
+//! these for some parts only.
 //!
-//! Every figure is the median of a few runs on a warm heap. Absolute figures drift between machines; the column "ratio"
+//! Every figure is the best of a few runs on a warm heap. Absolute figures drift between machines; the column "ratio"
 //! relates each to something measured in the same run.
 
 mod encode;

@@ -1,7 +1,7 @@
 //! Pictures: from a refined mesh in memory to PNG bytes.
 
 use std::sync::{Arc, Mutex};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use planish::math::parameter::{Literal, Values};
 use planish::output::scene::{Scene, Shape};
@@ -10,7 +10,7 @@ use planish::shape::source::MeshSource;
 use planish::watch::{Stage, Watch};
 
 use crate::nets;
-use crate::table::{Aim, Table, median, ms};
+use crate::table::{Aim, Table, best, ms};
 
 const SIDE: f64 = 1024.0;
 
@@ -25,8 +25,8 @@ fn picture(table: &mut Table, what: &str, mesh: &RefinedMesh, aim: Aim, smaller:
     let options = Values::resolve(png.parameters(), &size).expect("a picture that is allowed");
     let scene = Scene { shape: Shape::Mesh(mesh), control: Shape::Mesh(mesh), warnings: &[] };
     let mut bytes = Vec::new();
-    let mut encoding = Vec::new();
-    let all = median(|| {
+    let mut encoding = Duration::MAX;
+    let all = best(|| {
         let begun = Arc::new(Mutex::new(None));
         let watch = Watch::new();
         let noted = begun.clone();
@@ -38,10 +38,8 @@ fn picture(table: &mut Table, what: &str, mesh: &RefinedMesh, aim: Aim, smaller:
         bytes.clear();
         png.write(&scene, &options, &mut bytes, &watch).expect("a vector takes everything");
         let begun = begun.lock().expect("one thread").expect("every picture is encoded");
-        encoding.push(begun.elapsed());
+        encoding = encoding.min(begun.elapsed());
     });
-    encoding.sort_unstable();
-    let encoding = encoding[encoding.len() / 2];
     let triangles = mesh.n_corners() - 2 * mesh.n_faces();
     let ratio = smaller.map_or_else(String::new, |smaller| format!("{:.2} x 100k", ms(all) / smaller));
     let detail = format!(
