@@ -53,7 +53,7 @@ pub struct JobAnswer {
     pub progress: f64,
     /// How often it was queued.
     pub attempts: u32,
-    /// Time spent so far.
+    /// Time spent so far, or in all.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub timings_ms: Option<TimingsAnswer>,
     /// Counts and predicted cost.

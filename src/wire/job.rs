@@ -4,6 +4,7 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::literal::WireFields;
+use super::object;
 use crate::fault::{Fault, token, under};
 use crate::job::{Input, Job, Output};
 use crate::math::parameter::{Literal, Values, shortened};
@@ -16,9 +17,9 @@ use crate::shape::mesh::{Mesh, MeshInput};
 use crate::shape::polygon::Polygon;
 
 /// Most outputs of one job.
-const MAX_OUTPUTS: usize = 64;
+pub(crate) const MAX_OUTPUTS: usize = 64;
 /// Most polygons of one job.
-const MAX_POLYGONS: usize = 4096;
+pub(crate) const MAX_POLYGONS: usize = 4096;
 
 /// A job: what is refined, how, how often, and what is answered.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
@@ -28,8 +29,10 @@ pub struct JobRequest {
     #[schema(minimum = 1, maximum = 1, default = 1)]
     pub spec: Option<u64>,
     /// What is refined: exactly one kind of input.
+    #[serde(deserialize_with = "object::one")]
     pub input: InputRequest,
     /// How it is refined; may be left out together with `levels`, to convert or draw the input as it is.
+    #[serde(default, deserialize_with = "object::optional")]
     pub plan: Option<PlanRequest>,
     /// How often the plan's cycle is applied.
     #[schema(minimum = 0, maximum = 64)]
@@ -44,10 +47,13 @@ pub struct JobRequest {
 #[serde(deny_unknown_fields)]
 pub struct InputRequest {
     /// A control mesh.
+    #[serde(default, deserialize_with = "object::optional")]
     pub mesh: Option<MeshRequest>,
     /// A control polygon.
+    #[serde(default, deserialize_with = "object::optional")]
     pub polygon: Option<PolygonRequest>,
     /// Several control polygons, refined alike.
+    #[serde(default, deserialize_with = "object::optional_list")]
     pub polygons: Option<Vec<PolygonRequest>>,
     /// What to do with faces whose winding disagrees with their neighbours': `refuse` (default) or `repair`.
     pub orient: Option<OrientRequest>,
@@ -62,7 +68,7 @@ pub struct MeshRequest {
     /// Faces as lists of vertex indices, counted from 0, counter-clockwise seen from outside.
     pub faces: Vec<Vec<u64>>,
     /// Vertices that keep their place.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "object::list")]
     pub corners: Vec<CornerRequest>,
     /// Faces that are refined but not shown.
     #[serde(default)]

@@ -4,6 +4,7 @@ pub mod answer;
 pub mod catalogue;
 pub mod job;
 pub mod literal;
+pub mod object;
 pub mod read;
 mod report;
 

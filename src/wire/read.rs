@@ -3,6 +3,7 @@
 use serde::de::DeserializeOwned;
 use serde_path_to_error::{Path, Segment};
 
+use super::object::Object;
 use crate::fault::{Fault, token};
 
 /// Why bytes are no request.
@@ -14,13 +15,13 @@ pub enum ReadError {
     Unfit(Vec<Fault>),
 }
 
-/// Reads a request.
+/// Reads a request, which is an object.
 ///
 /// # Errors
 /// [`ReadError`].
 pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ReadError> {
     let mut deserializer = serde_json::Deserializer::from_slice(bytes);
-    let value = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
+    let Object(value) = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
         let pointer = pointer(error.path());
         refusal(error.inner(), pointer)
     })?;
