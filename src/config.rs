@@ -74,7 +74,7 @@ settings! {
     header_timeout_s: u64 = 10, "PLANISH_HEADER_TIMEOUT_S", "seconds";
     /// Longest silence within a request body, and within the reading of an answer.
     body_timeout_s: u64 = 15, "PLANISH_BODY_TIMEOUT_S", "seconds";
-    /// Time for running requests to end after the signal to stop.
+    /// Time for running requests and jobs to end after the signal to stop.
     shutdown_timeout_s: u64 = 20, "PLANISH_SHUTDOWN_TIMEOUT_S", "seconds";
     /// Write logs as JSON lines.
     log_json: bool = false, "PLANISH_LOG_JSON", "";

@@ -38,6 +38,17 @@ pub(super) fn address(key: impl std::fmt::Display, format: &dyn Format) -> Strin
     format!("/v1/artifacts/{key}.{}", format.extension())
 }
 
+/// The bytes of an artifact were damaged, or have just left the cache.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Gone;
+
+impl From<Gone> for Problem {
+    fn from(_: Gone) -> Self {
+        let detail = "the stored result was damaged or has just left the cache; send the job again";
+        Self::new(problem::GONE, detail)
+    }
+}
+
 /// Headers that every answer about an artifact has.
 pub(super) fn headers(found: &Found, address: &str) -> HeaderMap {
     let mut headers = HeaderMap::new();
@@ -99,13 +110,8 @@ fn warnings(warnings: &[String]) -> String {
 /// The artifact's bytes, or the part of them that was asked for.
 ///
 /// # Errors
-/// When the bytes turn out to be gone or damaged before the answer has begun.
-pub(super) async fn bytes(
-    app: &Arc<App>,
-    found: Found,
-    mut headers: HeaderMap,
-    part: Part,
-) -> Result<Response, Problem> {
+/// [`Gone`], when that turns out before the answer has begun.
+pub(super) async fn bytes(app: &Arc<App>, found: Found, mut headers: HeaderMap, part: Part) -> Result<Response, Gone> {
     let length = found.manifest.length;
     let (status, first, last) = match part {
         Part::Whole => (StatusCode::OK, 0, length.saturating_sub(1)),
@@ -130,7 +136,7 @@ pub(super) async fn bytes(
 }
 
 /// The bytes `first ..= last`: the first part at once, so that damage is found before the answer begins.
-async fn body(app: &Arc<App>, found: Found, first: u64, last: u64) -> Result<Body, Problem> {
+async fn body(app: &Arc<App>, found: Found, first: u64, last: u64) -> Result<Body, Gone> {
     let slice = |bytes: &Bytes, start: u64| {
         let from = usize::try_from(first.saturating_sub(start)).unwrap_or(0);
         let to = usize::try_from(last + 1 - start).unwrap_or(usize::MAX).min(bytes.len());
@@ -143,10 +149,7 @@ async fn body(app: &Arc<App>, found: Found, first: u64, last: u64) -> Result<Bod
     let index = |byte: u64| usize::try_from(byte / part_bytes).unwrap_or(usize::MAX);
     let (from, to) = (index(first), index(last));
     let manifest = found.manifest;
-    let Some(head) = read_part(app, &manifest, from).await else {
-        let detail = "the stored result was damaged or has just left the cache; send the job again";
-        return Err(Problem::new(problem::GONE, detail));
-    };
+    let head = read_part(app, &manifest, from).await.ok_or(Gone)?;
     let head = slice(&head, from as u64 * part_bytes);
     if from == to {
         return Ok(Body::from(head));

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use axum::extract::{Path, State};
-use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::extract::State;
+use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
-use super::answer::{self, Found, address};
+use super::answer::{self, Found, Gone, address};
 use super::problem::{self, Problem};
+use super::segment::Segment;
 use super::{App, Shared, negotiate};
 use crate::job::key::Key;
 use crate::output::FORMATS;
@@ -24,7 +25,15 @@ use crate::service::computation::Phase;
         (status = "4XX", description = "A problem", body = crate::wire::answer::ProblemAnswer, content_type = "application/problem+json"),
     )
 )]
-pub(super) async fn artifact(State(app): State<Shared>, Path(file): Path<String>, headers: HeaderMap) -> Response {
+pub(super) async fn artifact(
+    State(app): State<Shared>,
+    Segment(file): Segment,
+    method: Method,
+    mut headers: HeaderMap,
+) -> Response {
+    if method == Method::HEAD {
+        headers.remove(header::RANGE); // ranges are for GET alone (RFC 9110, 14.2)
+    }
     answered(&app, &file, &headers).await.unwrap_or_else(IntoResponse::into_response)
 }
 
@@ -36,23 +45,37 @@ async fn answered(app: &Arc<App>, file: &str, headers: &HeaderMap) -> Result<Res
     };
     let (id, extension) = file.split_once('.').ok_or_else(unknown)?;
     let key = Key::parse(id).ok_or_else(unknown)?;
-    let found = match app.desk.find(key).await {
-        Some(manifest) => Found::kept(manifest),
-        None => again(app, &key).await?,
-    };
+    if let Some(manifest) = app.desk.find(key).await {
+        // what turns out to be damaged has been dropped, and is made again where its job is known
+        if let Ok(response) = tell(app, &key, extension, headers, Found::kept(manifest)).await? {
+            return Ok(response);
+        }
+    }
+    let found = again(app, &key).await?;
+    Ok(tell(app, &key, extension, headers, found).await??)
+}
+
+/// The answer about an artifact that was found.
+async fn tell(
+    app: &Arc<App>,
+    key: &Key,
+    extension: &str,
+    headers: &HeaderMap,
+    found: Found,
+) -> Result<Result<Response, Gone>, Problem> {
     let formats = FORMATS.iter().filter(|format| format.media_type() == found.manifest.media_type);
     if !formats.clone().any(|format| format.extension() == extension) {
         let right = formats.map(|format| address(key, *format)).next().unwrap_or_default();
         return Err(Problem::new(problem::NOT_FOUND, format!("the artifact has another extension: {right}")));
     }
-    let mut head = answer::headers(&found, &format!("/v1/artifacts/{file}"));
+    let mut head = answer::headers(&found, &format!("/v1/artifacts/{key}.{extension}"));
     head.insert(header::CACHE_CONTROL, HeaderValue::from_static("public, max-age=31536000, immutable"));
-    if negotiate::has_already(headers, &key) {
+    if negotiate::has_already(headers, key) || negotiate::wants_nothing_kept(headers) {
         head.remove(header::CONTENT_TYPE);
-        return Ok((StatusCode::NOT_MODIFIED, head).into_response());
+        return Ok(Ok((StatusCode::NOT_MODIFIED, head).into_response()));
     }
-    let part = negotiate::part(headers, &key, found.manifest.length);
-    answer::bytes(app, found, head, part).await
+    let part = negotiate::part(headers, key, found.manifest.length);
+    Ok(answer::bytes(app, found, head, part).await)
 }
 
 /// An artifact that is not kept: made again where its job is known.

@@ -79,7 +79,9 @@ pub(super) async fn collect(app: &App, headers: &HeaderMap, body: Body) -> Resul
 }
 
 fn check_media_type(headers: &HeaderMap) -> Result<(), Problem> {
-    if let Some(encoding) = headers.get(header::CONTENT_ENCODING).filter(|value| *value != "identity") {
+    if let Some(encoding) =
+        headers.get(header::CONTENT_ENCODING).filter(|value| !value.as_bytes().eq_ignore_ascii_case(b"identity"))
+    {
         let detail = format!("Content-Encoding {encoding:?} is not read; send the JSON as it is");
         return Err(Problem::new(problem::MEDIA_TYPE, detail));
     }

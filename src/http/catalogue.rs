@@ -1,13 +1,14 @@
 //! What can be asked for: presets, operators, formats, limits.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::Shared;
 use super::problem::{self, Problem};
+use super::segment::Segment;
 use crate::math::parameter::shortened;
 use crate::wire::catalogue::{self, FormatEntry, OperatorEntry, PresetEntry};
 
@@ -22,7 +23,7 @@ pub(super) async fn presets() -> Json<Vec<PresetEntry>> {
     get, path = "/v1/presets/{name}", tag = "catalogue", params(("name" = String, Path, description = "Name of the preset")),
     responses((status = 200, body = PresetEntry), (status = 404, body = crate::wire::answer::ProblemAnswer, content_type = "application/problem+json"))
 )]
-pub(super) async fn preset(Path(name): Path<String>) -> Response {
+pub(super) async fn preset(Segment(name): Segment) -> Response {
     let found = catalogue::presets().into_iter().find(|preset| preset.name == name);
     found.map(Json).ok_or_else(|| unknown("preset", &name, "/v1/presets")).into_response()
 }
@@ -38,7 +39,7 @@ pub(super) async fn operators() -> Json<Vec<OperatorEntry>> {
     get, path = "/v1/operators/{letter}", tag = "catalogue", params(("letter" = String, Path, description = "Letter of the operator")),
     responses((status = 200, body = OperatorEntry), (status = 404, body = crate::wire::answer::ProblemAnswer, content_type = "application/problem+json"))
 )]
-pub(super) async fn operator(Path(letter): Path<String>) -> Response {
+pub(super) async fn operator(Segment(letter): Segment) -> Response {
     let found = catalogue::operators().into_iter().find(|operator| letter == operator.letter.to_string());
     found.map(Json).ok_or_else(|| unknown("operator", &letter, "/v1/operators")).into_response()
 }
@@ -70,6 +71,9 @@ pub(super) async fn limits(State(app): State<Shared>) -> Json<Vec<LimitEntry>> {
             "Most letters of a word, powers written out.",
         ),
         ("max_expression_bytes", crate::math::expression::MAX_BYTES as u64, "bytes", "Longest expression."),
+        ("max_outputs", crate::wire::job::MAX_OUTPUTS as u64, "outputs", "Most outputs of one job."),
+        ("max_polygons", crate::wire::job::MAX_POLYGONS as u64, "polygons", "Most polygons of one job."),
+        ("max_wait_s", super::negotiate::MAX_WAIT.as_secs(), "seconds", "Longest wait that `Prefer` is granted."),
     ];
     let fixed = fixed.map(|(name, value, unit, doc)| LimitEntry { name, value, unit, doc: doc.to_owned() });
     let settings = app.settings.list().into_iter().filter_map(|(name, value, unit, doc)| {

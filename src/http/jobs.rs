@@ -3,12 +3,13 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::http::{HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 
 use super::answer::address;
 use super::problem::{self, Problem};
+use super::segment::Segment;
 use super::{App, Shared};
 use crate::job::key::Key;
 use crate::service::computation::{Failure, Phase, Timings};
@@ -24,7 +25,7 @@ use crate::wire::answer::{CostAnswer, JobAnswer, OutputAnswer, TimingsAnswer};
         (status = 404, description = "No such job", body = crate::wire::answer::ProblemAnswer, content_type = "application/problem+json"),
     )
 )]
-pub(super) async fn job(State(app): State<Shared>, Path(id): Path<String>) -> Response {
+pub(super) async fn job(State(app): State<Shared>, Segment(id): Segment) -> Response {
     let answer = Key::parse(&id).and_then(|id| answer(&app, &id));
     let Some(answer) = answer else {
         let detail = "there is no job of this id; send the job to /v1/render, it has the same id each time";
@@ -73,7 +74,7 @@ fn standing(state: &Standing) -> (&'static str, f64, Option<Timings>, Option<Str
             let state = if matches!(computation.phase(), Phase::Queued) { "queued" } else { "running" };
             (state, computation.progress(), Some(computation.timings()), None)
         }
-        Standing::Done(_) => ("done", 1.0, None, None),
+        Standing::Done(_, timings) => ("done", 1.0, Some(*timings), None),
         Standing::Failed(Failure::Cancelled) => ("cancelled", 0.0, None, None),
         Standing::Failed(Failure::Impossible(detail)) => ("failed", 0.0, None, Some(detail.clone())),
         Standing::Failed(Failure::TimedOut(limit)) => {
@@ -87,7 +88,7 @@ fn standing(state: &Standing) -> (&'static str, f64, Option<Timings>, Option<Str
 
 fn warnings(record: &Record) -> Vec<String> {
     match &record.state {
-        Standing::Done(manifest) => manifest.warnings.clone(),
+        Standing::Done(manifest, _) => manifest.warnings.clone(),
         _ => Vec::new(),
     }
 }

@@ -13,6 +13,7 @@ mod negotiate;
 mod pages;
 mod problem;
 mod render;
+mod segment;
 pub mod serve;
 mod validate;
 

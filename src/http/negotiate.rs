@@ -9,7 +9,7 @@ use crate::job::key::Key;
 use crate::output::{FORMATS, Format, ShapeKind};
 
 /// Longest wait that is granted.
-const MAX_WAIT: Duration = Duration::from_mins(5);
+pub(super) const MAX_WAIT: Duration = Duration::from_mins(5);
 /// Wait when none is named.
 const DEFAULT_WAIT: Duration = Duration::from_secs(30);
 
@@ -44,8 +44,9 @@ pub(super) fn format(headers: &HeaderMap, kind: ShapeKind) -> Result<&'static dy
 
 /// How precisely one wish names a media type (2 exactly, 1 its family, 0 anything), and its quality in thousandths.
 fn accepts(wish: &str, media_type: &str) -> Option<(u8, u32)> {
+    let wish = wish.to_ascii_lowercase();
     let mut parts = wish.split(';').map(str::trim);
-    let range = parts.next()?.to_ascii_lowercase();
+    let range = parts.next()?;
     let precision = if range == media_type {
         2
     } else if range.strip_suffix("/*").is_some_and(|family| media_type.split('/').next() == Some(family)) {
@@ -77,15 +78,24 @@ pub(super) fn patience(headers: &HeaderMap) -> (Duration, bool) {
     (DEFAULT_WAIT, false)
 }
 
-/// Whether the client has the artifact already (`If-None-Match`, compared weakly as RFC 9110 says).
+/// Whether the client names the artifact as one it has (`If-None-Match`, compared weakly as RFC 9110 says).
 pub(super) fn has_already(headers: &HeaderMap, key: &Key) -> bool {
-    let tags = headers.get_all(header::IF_NONE_MATCH);
-    let mut tags = tags.iter().filter_map(|value| value.to_str().ok()).flat_map(|value| value.split(','));
-    tags.any(|tag| {
-        let tag = tag.trim();
+    let key = key.to_string();
+    unwanted(headers).any(|tag| {
         let tag = tag.strip_prefix("W/").unwrap_or(tag);
-        tag == "*" || tag.strip_prefix('"').and_then(|tag| tag.strip_suffix('"')) == Some(key.to_string().as_str())
+        tag.strip_prefix('"').and_then(|tag| tag.strip_suffix('"')) == Some(key.as_str())
     })
+}
+
+/// Whether the client wants nothing that is kept here (`If-None-Match: *`).
+pub(super) fn wants_nothing_kept(headers: &HeaderMap) -> bool {
+    unwanted(headers).any(|tag| tag == "*")
+}
+
+/// The entries of `If-None-Match`.
+fn unwanted(headers: &HeaderMap) -> impl Iterator<Item = &str> {
+    let values = headers.get_all(header::IF_NONE_MATCH).iter().filter_map(|value| value.to_str().ok());
+    values.flat_map(|value| value.split(',')).map(str::trim)
 }
 
 /// A part of an artifact.

@@ -2,11 +2,11 @@
 
 use std::sync::LazyLock;
 
-use axum::extract::Path;
 use axum::http::header;
 use axum::response::{Html, IntoResponse, Response};
 
 use super::problem::{self, KINDS, Problem};
+use super::segment::Segment;
 use crate::math::parameter::shortened;
 
 /// The OpenAPI 3.1 document of this interface.
@@ -21,7 +21,7 @@ pub(super) async fn openapi() -> Response {
     get, path = "/docs/problems/{kind}", tag = "operations", params(("kind" = String, Path, description = "The last part of a problem's type")),
     responses((status = 200, description = "A page", content_type = "text/html"), (status = 404, description = "No such kind"))
 )]
-pub(super) async fn problem(Path(kind): Path<String>) -> Response {
+pub(super) async fn problem(Segment(kind): Segment) -> Response {
     let Some(kind) = KINDS.iter().find(|known| known.slug == kind) else {
         let detail = format!("there is no kind of problem \"{}\"", shortened(&kind));
         return Problem::new(problem::NOT_FOUND, detail).into_response();

@@ -7,7 +7,7 @@ use axum::extract::State;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
-use super::answer::{self, Found, address};
+use super::answer::{self, Found, Gone, address};
 use super::negotiate::{self, Part};
 use super::problem::Problem;
 use super::{App, Shared, body, jobs};
@@ -16,7 +16,6 @@ use crate::job::Job;
 use crate::job::key::Key;
 use crate::job::limits::Admitted;
 use crate::service::computation::Phase;
-use crate::service::desk::Origin;
 use crate::wire::JobRequest;
 use crate::wire::job::OutputRequest;
 
@@ -50,30 +49,41 @@ async fn rendered(app: &Arc<App>, headers: &HeaderMap, body: Body) -> Result<Res
     if negotiate::has_already(headers, &asked.key) {
         return Ok(not_modified(&asked));
     }
-    let (patience, said) = negotiate::patience(headers);
-    let (found, address) = if let Some(manifest) = app.desk.find(asked.key).await {
-        (Found::kept(manifest), asked.address)
-    } else {
-        let admitted = admit(app, asked.job).await?;
-        let interest = app.desk.compute(admitted.clone(), 0)?;
-        let computation = interest.computation.clone();
-        match tokio::time::timeout(patience, computation.finished()).await {
-            Ok(Phase::Done(outcome)) => {
-                if interest.origin == Origin::Made && outcome.loose.is_none() {
-                    app.desk.persist(outcome.manifest.clone());
-                }
-                let (manifest, loose) = (outcome.manifest.clone(), outcome.loose.clone());
-                (Found { manifest, loose, origin: interest.origin, timings: outcome.timings }, asked.address)
-            }
-            Ok(Phase::Failed(failure)) => return Err(failure.into()),
-            Ok(Phase::Queued | Phase::Running) | Err(_) => {
-                let id = admitted.job().id();
-                app.desk.detach(id, admitted, interest);
-                return Ok(later(app, &id, said.then_some(patience.as_secs())));
-            }
+    if let Some(manifest) = app.desk.find(asked.key).await {
+        if negotiate::wants_nothing_kept(headers) {
+            return Ok(not_modified(&asked));
         }
-    };
-    let head = answer::headers(&found, &address);
+        // what turns out to be damaged has been dropped, and is made again
+        if let Ok(response) = whole(app, Found::kept(manifest), &asked.address).await {
+            return Ok(response);
+        }
+    }
+    made(app, headers, asked).await
+}
+
+/// Has the artifact made, and answers with it or, when that takes too long, with where it will be.
+async fn made(app: &Arc<App>, headers: &HeaderMap, asked: Asked) -> Result<Response, Problem> {
+    let (patience, said) = negotiate::patience(headers);
+    let admitted = admit(app, asked.job).await?;
+    let interest = app.desk.compute(admitted.clone(), 0)?;
+    let computation = interest.computation.clone();
+    match tokio::time::timeout(patience, computation.finished()).await {
+        Ok(Phase::Done(outcome)) => {
+            let (manifest, loose) = (outcome.manifest.clone(), outcome.loose.clone());
+            let found = Found { manifest, loose, origin: interest.origin, timings: outcome.timings };
+            Ok(whole(app, found, &asked.address).await?)
+        }
+        Ok(Phase::Failed(failure)) => Err(failure.into()),
+        Ok(Phase::Queued | Phase::Running) | Err(_) => {
+            let id = admitted.job().id();
+            app.desk.detach(id, admitted, interest);
+            Ok(later(app, &id, said.then_some(patience.as_secs())))
+        }
+    }
+}
+
+async fn whole(app: &Arc<App>, found: Found, address: &str) -> Result<Response, Gone> {
+    let head = answer::headers(&found, address);
     answer::bytes(app, found, head, Part::Whole).await
 }
 

@@ -119,9 +119,14 @@ pub async fn serve(listener: TcpListener, app: Arc<App>, stop: impl Future<Outpu
     }
     drop(listener);
     let patience = Duration::from_secs(app.settings.shutdown_timeout_s);
-    tracing::info!(seconds = patience.as_secs(), "stopping; running requests may end");
-    if tokio::time::timeout(patience, graceful.shutdown()).await.is_err() {
-        tracing::warn!("some requests did not end in time");
+    tracing::info!(seconds = patience.as_secs(), "stopping; running requests and jobs may end");
+    let ended = async {
+        graceful.shutdown().await;
+        app.desk.idle().await;
+    };
+    if tokio::time::timeout(patience, ended).await.is_err() {
+        tracing::warn!("some requests or jobs did not end in time");
+        app.desk.stop();
     }
     canary.abort();
 }

@@ -1,11 +1,11 @@
 //! One computation under way, shared by everyone who is interested in its result.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use bytes::Bytes;
-use tokio::sync::watch;
+use tokio::sync::{Notify, watch};
 
 use super::clock::Clock;
 use super::store::Manifest;
@@ -80,6 +80,8 @@ pub struct Computation {
     pub work: u128,
     phase: watch::Sender<Phase>,
     interests: AtomicUsize,
+    stopping: Notify,
+    overdue: AtomicBool,
     stages: Arc<Stages>,
 }
 
@@ -105,7 +107,16 @@ impl Computation {
         let watch = Watch::new();
         let observed = stages.clone();
         watch.observe(move |stage| observed.mark(Some(stage)));
-        Self { key, watch, work, phase: watch::channel(Phase::Queued).0, interests: AtomicUsize::new(1), stages }
+        Self {
+            key,
+            watch,
+            work,
+            phase: watch::channel(Phase::Queued).0,
+            interests: AtomicUsize::new(1),
+            stopping: Notify::new(),
+            overdue: AtomicBool::new(false),
+            stages,
+        }
     }
 
     /// Where it stands.
@@ -140,6 +151,33 @@ impl Computation {
     /// One interest less; true when that was the last.
     pub fn leave(&self) -> bool {
         self.interests.fetch_sub(1, Ordering::AcqRel) == 1
+    }
+
+    /// Ends it, whether it waits or runs.
+    pub fn stop(&self) {
+        self.watch.stop();
+        self.stopping.notify_one();
+    }
+
+    /// Comes true when it is to end; for the one task that has it made.
+    pub async fn stopped(&self) {
+        self.stopping.notified().await;
+    }
+
+    /// Ends it because it ran too long.
+    pub fn run_out(&self) {
+        self.overdue.store(true, Ordering::Release);
+        self.watch.stop();
+    }
+
+    /// Whether it ran too long.
+    pub fn ran_out(&self) -> bool {
+        self.overdue.load(Ordering::Acquire)
+    }
+
+    /// How many are interested in its result.
+    pub fn n_interests(&self) -> usize {
+        self.interests.load(Ordering::Acquire)
     }
 
     /// How long its stages took so far.

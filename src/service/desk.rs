@@ -60,7 +60,7 @@ impl Drop for Interest {
     fn drop(&mut self) {
         let mut under_way = self.desk.under_way.lock().unwrap_or_else(PoisonError::into_inner);
         if self.computation.leave() {
-            self.computation.watch.stop();
+            self.computation.stop();
             let key = self.computation.key;
             if under_way.get(&key).is_some_and(|current| Arc::ptr_eq(current, &self.computation)) {
                 under_way.remove(&key);
@@ -112,7 +112,10 @@ impl Desk {
         drop(under_way);
         let (desk, task) = (self.clone(), computation.clone());
         tokio::spawn(async move {
-            let turn = desk.pool.turn(lane, admitted.estimate().memory_bytes).await;
+            let turn = tokio::select! {
+                turn = desk.pool.turn(lane, admitted.estimate().memory_bytes) => turn,
+                () = task.stopped() => return desk.finish(&task, Phase::Failed(Failure::Cancelled)),
+            };
             drop(waiting);
             let stopper = tokio::spawn(stop_later(task.clone(), desk.run_timeout));
             let worker = (desk.clone(), task.clone());
@@ -120,7 +123,12 @@ impl Desk {
                 tokio::task::spawn_blocking(move || worker.0.make(&worker.1, &admitted, output, size.bytes(), turn));
             let phase = made.await.unwrap_or_else(|error| Phase::Failed(Failure::Internal(error.to_string())));
             stopper.abort();
+            let stored = match &phase {
+                Phase::Done(outcome) if outcome.loose.is_none() => Some(outcome.manifest.clone()),
+                _ => None,
+            };
             desk.finish(&task, phase);
+            stored.into_iter().for_each(|manifest| desk.persist(manifest));
         });
         Ok(Interest { computation, origin: Origin::Made, desk: self.clone() })
     }
@@ -149,9 +157,7 @@ impl Desk {
         self.pool.finished(took);
         match made {
             Ok(Ok(outcome)) => Phase::Done(Arc::new(outcome)),
-            Ok(Err(RunError::Stopped(_))) if took >= self.run_timeout => {
-                Phase::Failed(Failure::TimedOut(self.run_timeout))
-            }
+            Ok(Err(RunError::Stopped(_))) if task.ran_out() => Phase::Failed(Failure::TimedOut(self.run_timeout)),
             Ok(Err(RunError::Stopped(_))) => Phase::Failed(Failure::Cancelled),
             Ok(Err(RunError::Impossible(detail))) => Phase::Failed(Failure::Impossible(detail)),
             Ok(Err(RunError::Io(error))) => Phase::Failed(Failure::Internal(error.to_string())),
@@ -192,23 +198,24 @@ impl Desk {
     /// Makes a job's record follow its computation, so that it goes on without its request.
     pub fn detach(self: &Arc<Self>, id: Key, admitted: Arc<Admitted>, interest: Interest) {
         let artifact = interest.computation.key;
-        let attempts = self.jobs.get(&id).map_or(1, |record| record.attempts + 1);
+        let again = u32::from(interest.origin == Origin::Made);
+        let attempts = self.jobs.get(&id).map_or(1, |record| record.attempts + again);
         let computation = interest.computation.clone();
         let state = State::Active(Arc::new(interest));
         self.jobs.put(Record { id, admitted, artifact, attempts, state });
         let desk = self.clone();
         tokio::spawn(async move {
             let state = match computation.finished().await {
-                Phase::Done(outcome) => State::Done(outcome.manifest.clone()),
+                Phase::Done(outcome) => State::Done(outcome.manifest.clone(), outcome.timings),
                 Phase::Failed(failure) => State::Failed(failure),
                 Phase::Queued | Phase::Running => return,
             };
-            desk.jobs.settle(&id, state);
+            desk.jobs.settle(&id, &computation, state);
         });
     }
 
-    /// Brings an artifact that was just made to disk; in the background of its answer.
-    pub fn persist(self: &Arc<Self>, manifest: Arc<Manifest>) {
+    /// Brings an artifact that was just made to disk, in the background of its answer.
+    fn persist(self: &Arc<Self>, manifest: Arc<Manifest>) {
         let desk = self.clone();
         tokio::task::spawn_blocking(move || {
             if let Err(error) = desk.tiers.persist(&manifest) {
@@ -221,12 +228,33 @@ impl Desk {
     pub fn n_under_way(&self) -> usize {
         self.under_way.lock().unwrap_or_else(PoisonError::into_inner).len()
     }
+
+    /// Waits until no computation is under way or waiting.
+    pub async fn idle(&self) {
+        loop {
+            let some = self.under_way.lock().unwrap_or_else(PoisonError::into_inner).values().next().cloned();
+            let Some(computation) = some else { return };
+            computation.finished().await;
+        }
+    }
+
+    /// Ends every computation, for the end of the service.
+    pub fn stop(&self) {
+        let under_way = self.under_way.lock().unwrap_or_else(PoisonError::into_inner);
+        under_way.values().for_each(|computation| computation.stop());
+    }
+
+    /// Requests and jobs that wait for a computation.
+    pub fn n_interests(&self) -> usize {
+        let under_way = self.under_way.lock().unwrap_or_else(PoisonError::into_inner);
+        under_way.values().map(|computation| computation.n_interests()).sum()
+    }
 }
 
 /// Stops a computation that runs too long.
 async fn stop_later(computation: Arc<Computation>, after: Duration) {
     tokio::time::sleep(after).await;
-    computation.watch.stop();
+    computation.run_out();
 }
 
 fn loose(task: &Computation, media_type: String, bytes: Vec<u8>, report: Report) -> Outcome {

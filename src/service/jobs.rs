@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::computation::Failure;
+use super::computation::{Computation, Failure, Timings};
 use super::desk::Interest;
 use super::store::Manifest;
 use crate::job::key::Key;
@@ -32,8 +32,8 @@ pub struct Record {
 pub enum State {
     /// Its computation goes on.
     Active(Arc<Interest>),
-    /// Its artifact was made.
-    Done(Arc<Manifest>),
+    /// Its artifact was made, in so much time.
+    Done(Arc<Manifest>, Timings),
     /// It ended without a result.
     Failed(Failure),
 }
@@ -84,9 +84,11 @@ impl Jobs {
         table.records.insert(record.id, (age, record));
     }
 
-    /// Changes how a job stands, if it is known.
-    pub fn settle(&self, id: &Key, state: State) {
-        if let Some((_, record)) = self.table().records.get_mut(id) {
+    /// Changes how a job stands, if it still stands for this computation.
+    pub fn settle(&self, id: &Key, computation: &Arc<Computation>, state: State) {
+        let mut table = self.table();
+        let Some((_, record)) = table.records.get_mut(id) else { return };
+        if matches!(&record.state, State::Active(interest) if Arc::ptr_eq(&interest.computation, computation)) {
             record.state = state;
         }
     }

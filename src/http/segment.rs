@@ -1,0 +1,20 @@
+//! The variable part of an address.
+
+use axum::extract::{FromRequestParts, Path};
+use axum::http::request::Parts;
+
+use super::problem::{self, Problem};
+
+/// What stands in the last place of an address; one that is no text is the address of nothing.
+#[derive(Debug)]
+pub(super) struct Segment(pub(super) String);
+
+impl<S: Send + Sync> FromRequestParts<S> for Segment {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let detail = "the address is no text in UTF-8; /openapi.json lists the pages that exist";
+        let text = Path::<String>::from_request_parts(parts, state).await;
+        text.map(|Path(text)| Self(text)).map_err(|_| Problem::new(problem::NOT_FOUND, detail))
+    }
+}
