@@ -1,9 +1,11 @@
 //! One binary, one story a file.
 
+mod cache;
 mod expressions;
 mod forecast;
 mod formats;
 mod house;
+mod http;
 mod keys;
 mod laws;
 mod nets;

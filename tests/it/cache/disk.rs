@@ -1,0 +1,175 @@
+//! Results on disk: they outlast the process, and damage is found.
+
+use std::path::{Path, PathBuf};
+
+use planish::config::Settings;
+use planish::service::store::Usage;
+use serde_json::Value;
+
+use crate::http::jobs::{mesh, polygon, with};
+use crate::http::server::{Answer, Folder, Server, settings, story};
+
+/// A server with a data directory.
+fn on(folder: &Folder) -> Settings {
+    Settings { data_dir: folder.path().to_owned(), ..settings() }
+}
+
+/// A server with a data directory and no memory cache.
+fn on_disk_alone(folder: &Folder) -> Settings {
+    Settings { memory_cache_bytes: 0, ..on(folder) }
+}
+
+/// Three results of different size; the last one takes several parts of the store.
+fn jobs() -> [Value; 3] {
+    [with(polygon(2), "svg"), mesh(2), with(mesh(7), "json")]
+}
+
+async fn all(server: &Server) -> Vec<Answer> {
+    let mut answers = Vec::new();
+    for job in jobs() {
+        answers.push(server.render(&job).await.ok());
+    }
+    answers
+}
+
+fn disk(server: &Server) -> Usage {
+    server.app.desk.tiers.usage().into_iter().find(|(name, _)| *name == "disk").unwrap().1
+}
+
+/// Every file below a folder, in order.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() { found.extend(files(&path)) } else { found.push(path) }
+    }
+    found.sort();
+    found
+}
+
+#[test]
+fn a_new_process_answers_from_disk_what_the_last_one_made() {
+    let folder = Folder::new();
+    for settings in [on(&folder), on_disk_alone(&folder)] {
+        let made = story(on(&folder), async |server| all(server).await);
+        story(settings, async |server| {
+            let held = server.hold().await;
+            for (job, made) in jobs().iter().zip(&made) {
+                let answer = server.render(job).await.ok();
+                assert_eq!(answer.header("cache-status"), "planish; hit");
+                assert_eq!(answer.body, made.body);
+                let kept = server.get(made.header("content-location")).await.ok();
+                assert_eq!(kept.body, made.body);
+                assert_eq!(kept.header("etag"), made.header("etag"));
+            }
+            drop(held);
+        });
+    }
+}
+
+#[test]
+fn a_result_that_outlasted_its_request_is_on_disk_like_all_others() {
+    let folder = Folder::new();
+    let href = story(on(&folder), async |server| {
+        let held = server.hold().await;
+        let later = server.post_with("/v1/render", &mesh(2), &[("prefer", "wait=0")]).await;
+        drop(held);
+        let status = server.settled(later.header("location")).await;
+        status["outputs"][0]["href"].as_str().unwrap().to_owned()
+    });
+    story(on(&folder), async |server| {
+        server.get(&href).await.ok();
+        assert_eq!(server.render(&mesh(2)).await.ok().header("cache-status"), "planish; hit");
+    });
+}
+
+#[test]
+fn a_flipped_bit_is_recomputed_and_never_served() {
+    let folder = Folder::new();
+    let made = story(on(&folder), async |server| all(server).await);
+    for settings in [on(&folder), on_disk_alone(&folder)] {
+        for at in [0.0, 0.5, 1.0] {
+            for path in files(&folder.path().join("artifacts")) {
+                let mut bytes = std::fs::read(&path).unwrap();
+                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place within a file")]
+                let place = ((bytes.len() - 1) as f64 * at) as usize;
+                bytes[place] ^= 1 << (place % 8);
+                std::fs::write(&path, bytes).unwrap();
+            }
+            let damaged = story(settings.clone(), async |server| {
+                for (job, made) in jobs().iter().zip(&made) {
+                    // damage behind the first part breaks the answer off; it is never a wrong byte
+                    let first = server.client.post(server.url("/v1/render")).json(job).send().await.unwrap();
+                    let cache = first.headers()["cache-status"].to_str().unwrap().to_owned();
+                    match first.bytes().await {
+                        Ok(bytes) => assert_eq!(bytes, made.body),
+                        Err(_) => assert_eq!(cache, "planish; hit"),
+                    }
+                    let second = server.render(job).await.ok();
+                    assert_eq!(second.body, made.body);
+                }
+                disk(server).damaged
+            });
+            assert!(damaged >= 3, "{damaged} found damaged");
+        }
+    }
+}
+
+#[test]
+fn an_address_whose_bytes_are_damaged_is_made_again_where_its_job_is_known_and_gone_elsewhere() {
+    let folder = Folder::new();
+    story(on_disk_alone(&folder), async |server| {
+        let held = server.hold().await;
+        let later = server.post_with("/v1/render", &mesh(2), &[("prefer", "wait=0")]).await;
+        drop(held);
+        let status = server.settled(later.header("location")).await;
+        let href = status["outputs"][0]["href"].as_str().unwrap();
+        let sound = server.get(href).await.ok();
+        damage(&folder);
+        assert_eq!(server.get(href).await.ok().body, sound.body, "its job is known");
+        let other = server.render(&mesh(1)).await.ok();
+        damage(&folder);
+        server.get(other.header("content-location")).await.problem(404, "not-found");
+        assert_eq!(server.render(&mesh(1)).await.ok().body, other.body);
+    });
+}
+
+/// Flips a bit in the bytes of every artifact.
+fn damage(folder: &Folder) {
+    for path in files(&folder.path().join("artifacts")).iter().filter(|path| path.extension().is_none()) {
+        let mut bytes = std::fs::read(path).unwrap();
+        bytes[9] ^= 4;
+        std::fs::write(path, bytes).unwrap();
+    }
+}
+
+#[test]
+fn whatever_happens_to_the_other_files_every_answer_is_right() {
+    let folder = Folder::new();
+    let made = story(on(&folder), async |server| all(server).await);
+    let right = || {
+        story(on(&folder), async |server| {
+            for (answer, made) in all(server).await.iter().zip(&made) {
+                assert_eq!(answer.body, made.body);
+            }
+        });
+    };
+    std::fs::write(folder.path().join("index.redb"), b"no index").unwrap();
+    right();
+    for path in files(&folder.path().join("artifacts")) {
+        let length = std::fs::metadata(&path).unwrap().len();
+        std::fs::File::options().write(true).open(&path).unwrap().set_len(length / 2).unwrap();
+    }
+    right();
+    std::fs::remove_dir_all(folder.path().join("artifacts")).unwrap();
+    right();
+}
+
+#[test]
+fn two_services_do_not_share_a_folder() {
+    let folder = Folder::new();
+    story(on(&folder), async |_| {
+        let error = planish::http::serve::bind(on(&folder)).await.map(drop).unwrap_err().to_string();
+        assert!(error.contains("--data-dir"), "it says what to do: {error}");
+    });
+}

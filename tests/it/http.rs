@@ -1,0 +1,15 @@
+//! The service as its clients see it: a real server on a free port, asked over TCP.
+#![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+mod browsers;
+mod caching;
+mod catalogue;
+mod errors;
+mod formats;
+pub(crate) mod jobs;
+mod negotiation;
+mod operations;
+mod questions;
+mod ranges;
+pub(crate) mod server;
+mod waiting;

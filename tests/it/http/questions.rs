@@ -1,0 +1,113 @@
+//! Questions that compute nothing: estimate and validate.
+
+use serde_json::json;
+
+use super::jobs::{cube, formats, mesh, polygon, with};
+use super::server::{settings, story};
+
+#[test]
+fn the_estimate_of_every_format_is_what_comes_out() {
+    story(settings(), async |server| {
+        for (is_mesh, job) in [(true, mesh(2)), (false, polygon(3))] {
+            for format in formats(is_mesh) {
+                let job = with(job.clone(), format.name());
+                let estimate = server.post("/v1/estimate", &job).await.ok().json();
+                let made = server.render(&job).await.ok();
+                let output = &estimate["outputs"][0];
+                let length = made.body.len() as u64;
+                match (output["bytes"]["exact"].as_u64(), output["bytes"]["at_most"].as_u64()) {
+                    (Some(exact), None) => assert_eq!(exact, length, "{}", format.name()),
+                    (None, Some(bound)) => assert!(length <= bound, "{}: {length} > {bound}", format.name()),
+                    _ => panic!("{estimate}"),
+                }
+                assert_eq!(made.header("etag"), format!("\"{}\"", output["key"].as_str().unwrap()));
+            }
+        }
+    });
+}
+
+#[test]
+fn an_estimate_counts_every_level_and_runs_nothing() {
+    story(settings(), async |server| {
+        let held = server.hold().await;
+        let estimate = server.post("/v1/estimate", &mesh(3)).await.ok().json();
+        drop(held);
+        let faces: Vec<u64> =
+            estimate["levels"].as_array().unwrap().iter().map(|level| level["faces"].as_u64().unwrap()).collect();
+        assert_eq!(faces, [6, 24, 96, 384]);
+        assert_eq!(estimate["levels"][3]["vertices"], 386);
+        assert_eq!(estimate["levels"][3]["edges"], 768);
+        assert_eq!(estimate["outputs"][0]["format"], "glb", "the default of meshes");
+        for field in ["time_ms", "memory_bytes"] {
+            assert!(estimate[field].as_u64().unwrap() > 0, "{estimate}");
+        }
+        let job = server.post_with("/v1/render", &mesh(3), &[("prefer", "wait=0")]).await;
+        assert!(job.status == 200 || job.json()["id"] == estimate["id"]);
+    });
+}
+
+#[test]
+fn an_estimate_takes_many_outputs_and_refuses_what_cannot_be() {
+    story(settings(), async |server| {
+        let mut job = mesh(1);
+        job["outputs"] = json!([{ "format": "glb" }, { "name": "figure", "format": "png" }]);
+        let estimate = server.post("/v1/estimate", &job).await.ok().json();
+        assert_eq!(estimate["outputs"][1]["name"], "figure");
+        server.post("/v1/estimate", &mesh(40)).await.problem(422, "too-large");
+        server.post("/v1/estimate", &with(mesh(1), "svg")).await.problem(422, "invalid-job");
+    });
+}
+
+#[test]
+fn a_valid_mesh_is_described() {
+    story(settings(), async |server| {
+        let answer = server.post("/v1/validate", &json!({ "input": cube() })).await.ok().json();
+        assert_eq!((&answer["valid"], &answer["errors"]), (&json!(true), &json!([])));
+        let report = &answer["report"];
+        let expected = json!({ "vertices": 8, "edges": 12, "faces": 6, "components": 1, "euler_characteristic": 2,
+            "manifold": true, "closed": true, "boundary_loops": [], "valences": { "3": 8 }, "face_sizes": { "4": 6 },
+            "isolated_vertices": [], "degenerate_faces": [], "coincident_vertices": [] });
+        for (name, value) in expected.as_object().unwrap() {
+            assert_eq!(&report[name], value, "{name}");
+        }
+    });
+}
+
+#[test]
+fn each_fault_of_a_mesh_is_named_with_its_index() {
+    story(settings(), async |server| {
+        let mut input = cube();
+        input["mesh"]["faces"][2][1] = json!(77);
+        input["mesh"]["faces"][4] = json!([1, 1, 2]);
+        let answer = server.post("/v1/validate", &json!({ "input": input })).await.ok().json();
+        assert_eq!(answer["valid"], false);
+        assert_eq!(answer["errors"][0]["pointer"], "/input/mesh/faces/2/1", "{answer}");
+        assert!(answer["errors"][1]["pointer"].as_str().unwrap().starts_with("/input/mesh/faces/4"), "{answer}");
+        assert!(answer.get("report").is_none());
+    });
+}
+
+#[test]
+fn winding_is_refused_or_repaired_as_asked() {
+    story(settings(), async |server| {
+        let mut input = cube();
+        input["mesh"]["faces"][1].as_array_mut().unwrap().reverse();
+        let refused = server.post("/v1/validate", &json!({ "input": input })).await.ok().json();
+        assert_eq!(refused["valid"], false, "{refused}");
+        input["orient"] = json!("repair");
+        let repaired = server.post("/v1/validate", &json!({ "input": input })).await.ok().json();
+        assert_eq!(repaired["valid"], true, "{repaired}");
+        assert!(!repaired["warnings"].as_array().unwrap().is_empty(), "{repaired}");
+    });
+}
+
+#[test]
+fn polygons_are_validated_too() {
+    story(settings(), async |server| {
+        let fine = json!({ "input": polygon(0)["input"] });
+        assert_eq!(server.post("/v1/validate", &fine).await.ok().json()["valid"], true);
+        let wrong = json!({ "input": { "polygon": { "points": [[0, 0], [1]] } } });
+        let answer = server.post("/v1/validate", &wrong).await.ok().json();
+        assert_eq!(answer["errors"][0]["pointer"], "/input/polygon/points/1", "{answer}");
+    });
+}
