@@ -114,6 +114,7 @@ fn polygon(polygon: &Polygon) -> Item<'_> {
     Item::List(vec![
         Item::Integer(polygon.dimension as u64),
         Item::Integer(u64::from(polygon.closed)),
+        Item::Integer(u64::from(polygon.rational)),
         Item::Numbers((&polygon.points).into()),
         Item::Indices((&polygon.corners).into()),
     ])
@@ -136,8 +137,9 @@ fn plan(job: &Job) -> Item<'static> {
                     Item::Numbers(mask.values.clone().into()),
                 ])
             });
-            let head = [text(l.operator.name()), Item::Integer(u64::from(l.arity))];
-            Item::List(head.into_iter().chain(mask).collect())
+            let head = [l.arity, l.averages].map(|n| Item::Integer(u64::from(n)));
+            let head = [text(l.operator.name())].into_iter().chain(head);
+            Item::List(head.chain(mask).collect())
         };
         Item::List(letters.iter().map(letter).collect())
     };
@@ -151,11 +153,16 @@ fn plan(job: &Job) -> Item<'static> {
         functions.push(("compensation", expression(&plan.compensation)));
         functions.push(("delta", expression(&plan.delta)));
     }
+    let follows = |l: &Letter| l.operator.needs_alpha();
+    let compensated = has(Role::PushBack) && !plan.compensation.is_constant();
+    let other = plan.compensation_alpha.filter(|_| compensated);
     let in_alpha = has(Role::Average) && plan.kernel.iter().any(|k| !k.is_constant())
-        || has(Role::PushBack) && !plan.compensation.is_constant();
+        || compensated && other.is_none()
+        || plan.word.prefix.iter().chain(cycle).any(follows);
     if in_alpha {
         functions.push(("alpha", Item::Number(plan.alpha)));
     }
+    functions.extend(other.map(|other| ("compensation_alpha", Item::Number(other))));
     let (is_mesh, is_open) = job.input.kind();
     if is_open && is_mesh {
         functions.push(("boundary", Item::Integer(plan.boundary as u64)));

@@ -44,7 +44,7 @@ impl Input {
     pub fn shape_kind(&self) -> ShapeKind {
         match self {
             Self::Polygons(polygons) => {
-                ShapeKind::Curves { dimension: polygons.iter().map(|p| p.dimension).max().unwrap_or(1) }
+                ShapeKind::Curves { dimension: polygons.iter().map(Polygon::result_dimension).max().unwrap_or(1) }
             }
             Self::Mesh(_) => ShapeKind::Mesh,
         }

@@ -64,7 +64,7 @@ pub fn run(admitted: &Admitted, output: &Output, out: &mut dyn Write, watch: &Wa
     match &job.input {
         Input::Polygons(polygons) => {
             let refined = refine_all(admitted, polygons, &steps, watch)?;
-            let control: Vec<Curve> = polygons.iter().map(control_curve).collect();
+            let control: Vec<Curve> = polygons.iter().map(control_curve).collect::<Result<_, _>>()?;
             let scene = Scene { shape: Shape::Curves(&refined), control: Shape::Curves(&control), warnings: &[] };
             write(&scene, output, out, watch)
         }
@@ -83,8 +83,12 @@ fn refine_all(
     polygons: &[Polygon],
     steps: &[Scheduled],
     watch: &Watch,
-) -> Result<Vec<Curve>, RefineError> {
-    polygons.iter().map(|polygon| refine_polygon(polygon, &admitted.job().plan, steps, watch)).collect()
+) -> Result<Vec<Curve>, RunError> {
+    let refine = |polygon: &Polygon| {
+        let curve = refine_polygon(polygon, &admitted.job().plan, steps, watch)?;
+        if polygon.rational { projected(&curve) } else { Ok(curve) }
+    };
+    polygons.iter().map(refine).collect()
 }
 
 fn write(scene: &Scene<'_>, output: &Output, out: &mut dyn Write, watch: &Watch) -> Result<Report, RunError> {
@@ -93,8 +97,23 @@ fn write(scene: &Scene<'_>, output: &Output, out: &mut dyn Write, watch: &Watch)
     Ok(Report { warnings: scene.warnings.to_vec() })
 }
 
-fn control_curve(polygon: &Polygon) -> Curve {
-    Curve { points: polygon.points.clone(), dimension: polygon.dimension, closed: polygon.closed }
+fn control_curve(polygon: &Polygon) -> Result<Curve, RunError> {
+    let curve = Curve { points: polygon.points.clone(), dimension: polygon.dimension, closed: polygon.closed };
+    if polygon.rational { projected(&curve) } else { Ok(curve) }
+}
+
+/// Homogeneous points divided by their last coordinate.
+fn projected(curve: &Curve) -> Result<Curve, RunError> {
+    let dimension = curve.dimension - 1;
+    let divided = |point: &[f64]| point[..dimension].iter().map(|x| x / point[dimension]).collect::<Vec<_>>();
+    let points: Vec<f64> = curve.points.chunks_exact(curve.dimension).flat_map(divided).collect();
+    if points.iter().all(|x| x.is_finite()) {
+        Ok(Curve { points, dimension, closed: curve.closed })
+    } else {
+        Err(RunError::Impossible(
+            "a weight of the refined curve is 0, a point at infinity; choose other weights".into(),
+        ))
+    }
 }
 
 fn control_mesh(mesh: &Mesh) -> RefinedMesh {

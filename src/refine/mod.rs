@@ -84,7 +84,13 @@ pub fn refine_mesh(mesh: &Mesh, plan: &Plan, steps: &[Scheduled], watch: &Watch)
 }
 
 fn values<'a>(plan: &'a Plan, step: &'a Scheduled) -> Values<'a> {
-    Values { letter: &step.letter, kernel: step.kernel, compensation: step.compensation, delta: &plan.delta }
+    Values {
+        letter: &step.letter,
+        alpha: step.alpha,
+        kernel: step.kernel,
+        compensation: step.compensation,
+        delta: &plan.delta,
+    }
 }
 
 fn at(step: &Scheduled, error: StepError) -> RefineError {

@@ -49,6 +49,8 @@ pub struct Plan {
     pub word: Word,
     /// Parameter spacing that enters the first U, radians.
     pub alpha: f64,
+    /// The same for the compensation, where it differs.
+    pub compensation_alpha: Option<f64>,
     /// Kernels of the first, second, ... average after a U, in alpha.
     pub kernel: Vec<Expression>,
     /// Compensation function, in alpha.
@@ -68,6 +70,8 @@ pub struct Scheduled {
     pub letter: Letter,
     /// The level it belongs to: 0 for the prefix, then 1, 2, ...
     pub level: u32,
+    /// Parameter spacing that entered the last upsampling, radians.
+    pub alpha: f64,
     /// Value of the kernel.
     pub kernel: f64,
     /// Value of the compensation.
@@ -81,6 +85,7 @@ impl Plan {
         Self {
             word: Word::default(),
             alpha: 0.0,
+            compensation_alpha: None,
             kernel: vec![one.clone()],
             compensation: one.clone(),
             delta: one,
@@ -114,8 +119,18 @@ impl Plan {
             pair_duals(&mut word.prefix);
             pair_duals(&mut word.cycle);
         }
-        let Spelling { alpha, kernel, compensation, delta, .. } = spelling;
-        let plan = Self { word, alpha, kernel, compensation, delta, boundary: input.boundary, ends: input.ends };
+        let Spelling { alpha, compensation_alpha, kernel, compensation, delta, .. } = spelling;
+        let compensation_alpha = compensation_alpha.filter(|other| other.to_bits() != alpha.to_bits());
+        let plan = Self {
+            word,
+            alpha,
+            compensation_alpha,
+            kernel,
+            compensation,
+            delta,
+            boundary: input.boundary,
+            ends: input.ends,
+        };
         plan.check_legal(subject).map_err(|error| vec![Fault::new(place, error.to_string())])?;
         plan.check_delta(subject)?;
         Ok(plan)
@@ -126,7 +141,7 @@ impl Plan {
     /// # Errors
     /// When a function has no value at some level; the fault names level and alpha.
     pub fn schedule(&self, levels: u32) -> Result<Vec<Scheduled>, Fault> {
-        let mut alpha = self.alpha;
+        let (mut alpha, mut other) = (self.alpha, self.compensation_alpha.unwrap_or(self.alpha));
         let mut last_arity = None;
         let mut averages = None;
         let mut steps = Vec::new();
@@ -136,10 +151,12 @@ impl Plan {
             let level = u32::try_from(level).unwrap_or(u32::MAX);
             let operator = letter.operator;
             let arity = letter.arity;
-            let mut step = Scheduled { letter, level, kernel: 1.0, compensation: 1.0 };
+            let mut step = Scheduled { letter, level, alpha, kernel: 1.0, compensation: 1.0 };
             match operator.role() {
                 Role::Upsample => {
                     alpha /= f64::from(last_arity.unwrap_or(1));
+                    other /= f64::from(last_arity.unwrap_or(1));
+                    step.alpha = alpha;
                     last_arity = Some(arity);
                     averages = Some(0);
                 }
@@ -150,9 +167,13 @@ impl Plan {
                         averages = Some(place + 1);
                     }
                 }
-                Role::PushBack => step.compensation = self.compensation_at(alpha, level)?,
+                Role::PushBack => step.compensation = self.compensation_at(other, level)?,
                 Role::Smooth => {}
             }
+            let at_alpha = step.letter.operator.at_alpha(&mut step.letter, step.alpha);
+            at_alpha.map_err(|error| {
+                Fault::new("/parameters/alpha", format!("{error} (level {level}); choose another alpha"))
+            })?;
             steps.push(step);
         }
         Ok(steps)
@@ -262,6 +283,7 @@ fn word_functions(parameters: &[(String, Literal)], _: Subject) -> Result<Spelli
     Ok(Spelling {
         cycle: Vec::new(),
         alpha: values.number("alpha").unwrap_or(0.0),
+        compensation_alpha: values.number("compensation_alpha"),
         kernel: values.expressions("kernel").to_vec(),
         compensation: values.expression("compensation").cloned().unwrap_or_else(|| one.clone()),
         delta: values.expression("delta").cloned().unwrap_or(one),
@@ -284,7 +306,7 @@ fn pair_duals(letters: &mut Vec<Letter>) {
     for letter in letters.drain(..) {
         if is_dual(&letter) && paired.last().is_some_and(is_dual) {
             paired.pop();
-            paired.push(Letter { operator: average, arity: 2, mask: None });
+            paired.push(Letter::plain(average));
         } else {
             paired.push(letter);
         }

@@ -75,6 +75,18 @@ pub struct Anchor {
 }
 
 impl Anchor {
+    /// The anchor for an upsampling of `net`.
+    pub(super) fn of(net: &PolygonNet) -> Self {
+        Self {
+            n: net.n,
+            first: net.first(),
+            n_control: net.n_control(),
+            closed: net.is_closed(),
+            corners: net.corners.clone(),
+            lost: false,
+        }
+    }
+
     /// Adds `weight x` the displacement of control point `i` to a row: none at corners; beyond the ends of an open
     /// polygon that of its mirror image, reversed.
     pub(super) fn push(&self, i: isize, weight: f64, rows: &mut Rows) {

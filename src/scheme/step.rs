@@ -11,6 +11,8 @@ use crate::math::rows::RowSource;
 pub struct Values<'a> {
     /// The letter: its arity and mask.
     pub letter: &'a Letter,
+    /// Parameter spacing that entered the last upsampling, radians.
+    pub alpha: f64,
     /// Value of the kernel for this average.
     pub kernel: f64,
     /// Value of the compensation function.

@@ -19,13 +19,25 @@ pub struct Letter {
     pub operator: &'static dyn Operator,
     /// Arity of an upsampling; of an average that of the last upsampling, once the plan is scheduled.
     pub arity: u32,
+    /// Averages within the operator, for those that have some.
+    pub averages: u32,
     /// The mask, for operators that have one of their own.
     pub mask: Option<Arc<Mask>>,
 }
 
+impl Letter {
+    /// An operator of arity 2 without a mask.
+    pub fn plain(operator: &'static dyn Operator) -> Self {
+        Self { operator, arity: 2, averages: 0, mask: None }
+    }
+}
+
 impl PartialEq for Letter {
     fn eq(&self, other: &Self) -> bool {
-        self.operator.name() == other.operator.name() && self.arity == other.arity && self.mask == other.mask
+        self.operator.name() == other.operator.name()
+            && self.arity == other.arity
+            && self.averages == other.averages
+            && self.mask == other.mask
     }
 }
 
@@ -176,7 +188,7 @@ impl Parser<'_> {
             _ => 2,
         };
         if ops::ARITIES.contains(arity) {
-            Ok(Letter { operator, arity, mask: None })
+            Ok(Letter { arity, ..Letter::plain(operator) })
         } else {
             Err(WordError::Arity { arity })
         }

@@ -16,6 +16,8 @@ pub struct Polygon {
     pub closed: bool,
     /// Indices of points that keep their place, ascending.
     pub corners: Vec<u32>,
+    /// Whether points are homogeneous: the last coordinate is a weight, by which the others are divided at the end.
+    pub rational: bool,
 }
 
 impl Polygon {
@@ -40,7 +42,35 @@ impl Polygon {
         if !faults.is_empty() {
             return Err(faults);
         }
-        Ok(Self { points: points.iter().flatten().map(|x| x + 0.0).collect(), dimension, closed, corners })
+        Ok(Self {
+            points: points.iter().flatten().map(|x| x + 0.0).collect(),
+            dimension,
+            closed,
+            corners,
+            rational: false,
+        })
+    }
+
+    /// The polygon with homogeneous points.
+    ///
+    /// # Errors
+    /// When there is no coordinate besides the weight, or a weight is 0.
+    pub fn rational(self) -> Result<Self, Vec<Fault>> {
+        if self.dimension < 2 {
+            let detail = "rational points have a weight as their last coordinate; give at least 2 coordinates";
+            return Err(vec![Fault::new("/rational", detail)]);
+        }
+        let last = self.dimension - 1;
+        let weightless = self.points.chunks_exact(self.dimension).position(|point| point[last] == 0.0);
+        match weightless {
+            Some(i) => Err(vec![Fault::new(format!("/points/{i}/{last}"), "a weight of 0 is a point at infinity")]),
+            None => Ok(Self { rational: true, ..self }),
+        }
+    }
+
+    /// Coordinates of a point of the result.
+    pub fn result_dimension(&self) -> usize {
+        self.dimension - usize::from(self.rational)
     }
 
     /// Number of points.

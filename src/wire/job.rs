@@ -97,6 +97,9 @@ pub struct PolygonRequest {
     /// Indices of points that keep their place.
     #[serde(default)]
     pub corners: Vec<u64>,
+    /// Whether points are homogeneous: the last coordinate is a weight, by which the others are divided after refining.
+    #[serde(default)]
+    pub rational: bool,
 }
 
 /// What to do with inconsistent winding.
@@ -180,7 +183,8 @@ impl JobRequest {
         let first = self.input.polygon.iter().chain(self.input.polygons.iter().flatten()).next();
         match first {
             Some(polygon) if self.input.mesh.is_none() => {
-                ShapeKind::Curves { dimension: polygon.points.first().map_or(1, Vec::len) }
+                let dimension = polygon.points.first().map_or(1, Vec::len);
+                ShapeKind::Curves { dimension: dimension.saturating_sub(usize::from(polygon.rational)).max(1) }
             }
             _ => ShapeKind::Mesh,
         }
@@ -256,7 +260,8 @@ fn polygons(requests: Vec<PolygonRequest>) -> Result<Vec<Polygon>, Vec<Fault>> {
 
 impl PolygonRequest {
     fn resolve(self) -> Result<Polygon, Vec<Fault>> {
-        Polygon::new(&self.points, self.closed, &self.corners)
+        let polygon = Polygon::new(&self.points, self.closed, &self.corners)?;
+        if self.rational { polygon.rational() } else { Ok(polygon) }
     }
 }
 

@@ -24,7 +24,7 @@ const CURVES: &[(&str, usize)] = &[
     ("curve_dd_*", 3),
     ("ternary_*", 8),
 ];
-const CIRCLES: &[(&str, usize)] = &[("circle_theorem1", 1), ("circle_cbspline_word", 1)];
+const CIRCLES: &[(&str, usize)] = &[("circle_theorem1", 1), ("circle_cbspline_word", 1), ("circle_dary", 1)];
 const SURFACES: &[(&str, usize)] = &[("surf_pushback_*", 13), ("surf_table1_*", 4), ("surf_cc_identity_*", 2)];
 const OPENSUBDIV: &[(&str, usize)] = &[
     ("osd_cc_cube", 1),
@@ -42,7 +42,7 @@ fn curves_agree_with_the_vectors() {
 
 #[test]
 fn circles_have_the_predicted_radius() {
-    assert_eq!(reproduced(CIRCLES, circle), 52, "circles compared");
+    assert_eq!(reproduced(CIRCLES, circle), 58, "circles compared");
 }
 
 #[test]
@@ -189,15 +189,20 @@ fn circle(vector: &Value) -> usize {
             Some("word") => json!({ "word": format!("UD^{}", row["m"]), "parameters": {
                 "alpha": alpha, "kernel": "cos(alpha/2)",
             } }),
+            Some("d_ary_trig") => json!({ "preset": "d-ary-circle", "parameters": {
+                "alpha": alpha, "arity": row["d"], "averages": row["m"],
+            } }),
             scheme => panic!("no plan is known for {scheme:?}"),
         };
+        let (arity, levels) = (row["d"].as_u64().unwrap_or(2), row["levels"].as_u64().unwrap_or(5));
         let corners = row["K"].as_u64().expect("K is whole");
         let corner = |i: u64| 2.0 * std::f64::consts::PI * winding * f64::from(u32::try_from(i).expect("small")) / k;
         let polygon: Vec<_> = (0..corners).map(|i| [cos(corner(i)), sin(corner(i))]).collect();
-        let job = json!({ "input": { "polygon": { "points": polygon, "closed": true } }, "plan": plan, "levels": 5 });
-        let radius = number(&row["radius_level5"]);
+        let job =
+            json!({ "input": { "polygon": { "points": polygon, "closed": true } }, "plan": plan, "levels": levels });
+        let radius = number(row.get("radius_level5").unwrap_or(&row["radius"]));
         let found: Vec<[f64; 2]> = points(&json(job)["points"]);
-        assert_eq!(found.len() as u64, corners * 32);
+        assert_eq!(found.len() as u64, (0..levels).fold(corners, |n, _| n * arity));
         for point in found {
             let off = (sqrt(point[0] * point[0] + point[1] * point[1]) - radius).abs();
             assert!(off <= tolerance(vector), "{} {row}: off by {off}", vector["id"]);

@@ -3,6 +3,7 @@
 mod average;
 mod box_average;
 mod catmull_clark;
+mod circle;
 mod dual;
 mod masked;
 mod push_back;
@@ -11,7 +12,9 @@ mod upsample;
 use std::fmt;
 
 pub use catmull_clark::CatmullClark;
+pub use circle::Circle;
 pub use masked::Masked;
+pub use push_back::CIRCULAR_PUSH_BACK;
 
 use super::mesh_net::MeshNet;
 use super::polygon_net::PolygonNet;
@@ -25,8 +28,10 @@ pub const OPERATORS: &[&dyn Operator] = &[
     &dual::Dual,
     &average::Average,
     &box_average::BoxAverage,
-    &push_back::PushBack,
+    &push_back::PUSH_BACK,
     &masked::Masked,
+    &circle::Circle,
+    &push_back::CIRCULAR_PUSH_BACK,
     &catmull_clark::CatmullClark,
 ];
 
@@ -100,6 +105,17 @@ pub trait Operator: fmt::Debug + Send + Sync {
     /// every point stays one.
     fn window(&self, _letter: &Letter, _duals: u32) -> Option<Window> {
         None
+    }
+    /// Whether its weights follow alpha.
+    fn needs_alpha(&self) -> bool {
+        false
+    }
+    /// Sets what follows alpha in its letter.
+    ///
+    /// # Errors
+    /// A sentence, where alpha does not allow it.
+    fn at_alpha(&self, _letter: &mut Letter, _alpha: f64) -> Result<(), String> {
+        Ok(())
     }
     /// Whether it makes sense only after an upsampling.
     fn needs_upsampling(&self) -> bool {

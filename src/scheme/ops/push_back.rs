@@ -6,24 +6,64 @@ use std::sync::Arc;
 use super::upsample::ratio;
 use super::{Operator, Role};
 use crate::math::expression::Expression;
+use crate::math::functions::sin;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::{self, MeshNet};
 use crate::scheme::polygon_net::{self, PolygonNet};
 use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::word::Letter;
 use crate::shape::topology::{Topology, index};
 
 /// P, the push-back towards what entered the last U: `D_i = delta (P_i - V_i)`; `V += D_i`, `E += omega/2 (D_1 + D_2)`,
 /// `F += omega^2 / n sum D`.
 #[derive(Debug)]
-pub(super) struct PushBack;
+pub struct PushBack(Share);
+
+/// The push-back of words.
+pub(super) const PUSH_BACK: PushBack = PushBack(Share::Linear);
+/// The push-back of circle schemes.
+pub const CIRCULAR_PUSH_BACK: PushBack = PushBack(Share::Circular);
+
+/// How a point between two vertices takes part in their displacements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Share {
+    /// `omega (d - j) / d` and `omega j / d`.
+    Linear,
+    /// `sin((d - j) alpha / d) / sin(alpha)` and `sin(j alpha / d) / sin(alpha)`.
+    Circular,
+}
+
+impl Share {
+    /// The share in the displacement of the vertex that is `steps` of `d` away from the other one.
+    fn of(self, steps: isize, d: isize, values: &Values<'_>) -> f64 {
+        let linear = ratio(steps.unsigned_abs(), d.unsigned_abs());
+        match self {
+            Self::Linear => values.compensation * linear,
+            Self::Circular if values.alpha == 0.0 => linear,
+            Self::Circular => sin(linear * values.alpha) / sin(values.alpha),
+        }
+    }
+}
 
 impl Operator for PushBack {
     fn letter(&self) -> Option<char> {
-        Some('P')
+        (self.0 == Share::Linear).then_some('P')
     }
 
     fn name(&self) -> &'static str {
-        "push-back"
+        match self.0 {
+            Share::Linear => "push-back",
+            Share::Circular => "circular-push-back",
+        }
+    }
+
+    fn needs_alpha(&self) -> bool {
+        self.0 == Share::Circular
+    }
+
+    fn at_alpha(&self, _: &mut Letter, alpha: f64) -> Result<(), String> {
+        let pole = self.0 == Share::Circular && alpha != 0.0 && sin(alpha).abs() < 1e-9;
+        if pole { Err(format!("the circular push-back has a pole at alpha = {alpha}")) } else { Ok(()) }
     }
 
     fn doc(&self) -> &'static str {
@@ -54,7 +94,8 @@ impl Operator for PushBack {
         // control point k of the net has the index j = k + start, and vertices stand at the multiples of d
         let start = if net.is_closed() { 0 } else { -((d - offset) % d) };
         let children = children_of(&anchor, net, d, start);
-        let (omega, last, first) = (values.compensation, net.n - 1, net.first().cast_signed());
+        let (last, first) = (net.n - 1, net.first().cast_signed());
+        let shares: Vec<f64> = (0..d).map(|steps| self.0.of(steps, d, values)).collect();
         let ends_fixed = !net.is_closed();
         let rows = RowsBy::new(net.n, anchor.n, move |row, out: &mut Rows| {
             if ends_fixed && (row == 0 || row == last) && (first == 1 || start != 0) {
@@ -65,15 +106,17 @@ impl Operator for PushBack {
             if part == 0 {
                 anchor.push(i, delta, out);
             } else {
-                let share = |steps: isize| omega * ratio(steps.unsigned_abs(), d.unsigned_abs());
-                anchor.push(i, share(d - part) * delta, out);
-                anchor.push(i + 1, share(part) * delta, out);
+                anchor.push(i, shares[(d - part).unsigned_abs()] * delta, out);
+                anchor.push(i + 1, shares[part.unsigned_abs()] * delta, out);
             }
         });
         Ok(Step { net: net.clone(), action: Action::PushBack { rows: Box::new(rows), children } })
     }
 
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+        if self.0 == Share::Circular {
+            return Err(StepError::WrongNet("this scheme refines polygons"));
+        }
         let anchor = net.anchor.clone().ok_or(StepError::NoAnchor)?;
         legal(net.duals, anchor.lost, "a boundary or a valence below 3")?;
         let deltas = deltas(&anchor, values.delta)?;

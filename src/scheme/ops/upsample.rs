@@ -62,14 +62,7 @@ impl Operator for Upsample {
                 }
             }
         });
-        let anchor = polygon_net::Anchor {
-            n: net.n,
-            first: net.first(),
-            n_control: net.n_control(),
-            closed: net.is_closed(),
-            corners: net.corners.clone(),
-            lost: false,
-        };
+        let anchor = polygon_net::Anchor::of(net);
         let next = PolygonNet { duals: 0, phase: Some(landed.phase_of(net, arity)), anchor: Some(anchor), ..landed };
         Ok(Step { net: next, action: Action::BlendFromAnchor(Box::new(rows)) })
     }

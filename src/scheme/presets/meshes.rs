@@ -1,7 +1,8 @@
 //! Classical schemes on meshes.
 
-use super::{Preset, Refines, Spelling, letters, plain};
+use super::{Preset, Refines, Spelling, letters};
 use crate::scheme::ops::CatmullClark;
+use crate::scheme::word::Letter;
 
 pub(super) const CATMULL_CLARK: Preset = Preset {
     name: "catmull-clark",
@@ -12,7 +13,7 @@ pub(super) const CATMULL_CLARK: Preset = Preset {
     refines: Refines::Meshes,
     spell: |_| {
         let mut cycle = letters("U");
-        cycle.push(plain(&CatmullClark));
+        cycle.push(Letter::plain(&CatmullClark));
         Ok(Spelling::of(cycle))
     },
 };

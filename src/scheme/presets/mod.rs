@@ -1,6 +1,7 @@
 //! Presets: named schemes, spelled as words over operators; the registry is the only place that lists them.
 
 mod b_splines;
+mod circles;
 mod interpolating;
 mod masks;
 mod meshes;
@@ -13,7 +14,7 @@ use crate::fault::Fault;
 use crate::math::expression::Expression;
 use crate::math::mask::Mask;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
-use crate::scheme::ops::{self, Masked, Operator};
+use crate::scheme::ops::{self, Masked};
 use crate::scheme::word::Letter;
 
 /// Every preset, in the order of the documentation.
@@ -25,6 +26,7 @@ pub const PRESETS: &[&Preset] = &[
     &interpolating::FOUR_POINT,
     &masks::TWO_N_POINT,
     &b_splines::D_ARY_B_SPLINE,
+    &circles::D_ARY_CIRCLE,
     &ternary::BLENDING,
     &ternary::C4,
     &ternary::LINEAR,
@@ -83,6 +85,8 @@ pub struct Spelling {
     pub cycle: Vec<Letter>,
     /// Parameter spacing that enters the first U.
     pub alpha: f64,
+    /// The same for the compensation, where it differs.
+    pub compensation_alpha: Option<f64>,
     /// Kernels of the first, second, ... average after a U, in alpha.
     pub kernel: Vec<Expression>,
     /// Compensation function, in alpha.
@@ -95,25 +99,28 @@ impl Spelling {
     /// The cycle with alpha 0, kernel 1, compensation 1, delta 1.
     fn of(cycle: Vec<Letter>) -> Self {
         let one = Expression::constant(1.0);
-        Self { cycle, alpha: 0.0, kernel: vec![one.clone()], compensation: one.clone(), delta: one }
+        Self {
+            cycle,
+            alpha: 0.0,
+            compensation_alpha: None,
+            kernel: vec![one.clone()],
+            compensation: one.clone(),
+            delta: one,
+        }
     }
 }
 
 /// Letters of operators that have one.
 fn letters(word: &str) -> Vec<Letter> {
     let operator = |letter| ops::lettered(letter).expect("presets are spelled in letters of the registry");
-    word.chars().map(|letter| plain(operator(letter))).collect()
-}
-
-fn plain(operator: &'static dyn Operator) -> Letter {
-    Letter { operator, arity: 2, mask: None }
+    word.chars().map(|letter| Letter::plain(operator(letter))).collect()
 }
 
 /// A scheme that is one mask; without entries there is none.
 fn masked(arity: u32, mask: Option<Mask>) -> Result<Spelling, Vec<Fault>> {
     let none = || vec![Fault::new("/mask", "every entry of the mask is 0; give the weights of the scheme")];
     let mask = Some(Arc::new(mask.ok_or_else(none)?));
-    Ok(Spelling::of(vec![Letter { operator: &Masked, arity, mask }]))
+    Ok(Spelling::of(vec![Letter { arity, mask, ..Letter::plain(&Masked) }]))
 }
 
 /// The parameters shared by words and push-back.
@@ -152,8 +159,17 @@ pub const DELTA: Parameter = Parameter {
     doc: "Push-back factor: 0 approximates, 1 interpolates; on meshes it may depend on the valence (4 on boundaries).",
 };
 
+/// The alpha of the compensation, where it differs.
+pub const COMPENSATION_ALPHA: Parameter = Parameter {
+    name: "compensation_alpha",
+    kind: Kind::Number { min: -1e6, max: 1e6 },
+    unit: "radians",
+    default: Default::Absent,
+    doc: "The alpha that the compensation sees at the first U, divided like alpha; alpha itself when left out.",
+};
+
 /// Parameters of a plan given as a word.
-pub const WORD_PARAMETERS: &[Parameter] = &[ALPHA, KERNEL, COMPENSATION, DELTA];
+pub const WORD_PARAMETERS: &[Parameter] = &[ALPHA, KERNEL, COMPENSATION, COMPENSATION_ALPHA, DELTA];
 
 fn expression(values: &Values, name: &str) -> Expression {
     values.expression(name).cloned().unwrap_or_else(|| Expression::constant(1.0))

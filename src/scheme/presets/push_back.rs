@@ -1,6 +1,6 @@
 //! Semi-stationary push-back subdivision.
 
-use super::{ALPHA, COMPENSATION, DELTA, KERNEL, Preset, Refines, Spelling, expression, letters};
+use super::{ALPHA, COMPENSATION, COMPENSATION_ALPHA, DELTA, KERNEL, Preset, Refines, Spelling, expression, letters};
 use crate::math::parameter::{Default, Kind, Parameter};
 
 pub(super) const PUSH_BACK: Preset = Preset {
@@ -13,6 +13,7 @@ pub(super) const PUSH_BACK: Preset = Preset {
         ALPHA,
         KERNEL,
         COMPENSATION,
+        COMPENSATION_ALPHA,
         DELTA,
         Parameter {
             name: "k",
@@ -27,6 +28,7 @@ pub(super) const PUSH_BACK: Preset = Preset {
         let k = values.integer("k").and_then(|k| usize::try_from(k).ok()).unwrap_or(1);
         Ok(Spelling {
             alpha: values.number("alpha").unwrap_or(0.0),
+            compensation_alpha: values.number("compensation_alpha"),
             kernel: values.expressions("kernel").to_vec(),
             compensation: expression(values, "compensation"),
             delta: expression(values, "delta"),

@@ -86,3 +86,29 @@ fn a_wrong_alpha_gives_no_circle() {
     let spread = radii.iter().fold(0.0, |most: f64, r| most.max((r - radii[0]).abs()));
     assert!(spread > 1e-4, "{spread}");
 }
+
+#[test]
+fn d_ary_circle_schemes_keep_circles_for_every_arity_and_delta() {
+    for arity in 2..=8 {
+        for (k, averages, delta) in [(3, 0, 0.0), (3, 2, 0.5), (5, 2, 1.0), (6, 4, -0.1), (12, 1, 0.0)] {
+            let plan = json!({ "preset": "d-ary-circle", "parameters": {
+                "arity": arity, "averages": averages, "alpha": format!("2*pi/{k}"), "delta": delta,
+            } });
+            let radius = check(&regular_polygon(k, 1), &plan, if arity < 5 { 4 } else { 2 });
+            assert!(delta < 1.0 || (radius - 1.0).abs() <= TOLERANCE, "delta 1 keeps the radius, not {radius}");
+        }
+    }
+}
+
+#[test]
+fn the_compensation_may_have_an_alpha_of_its_own() {
+    let square = regular_polygon(4, 1);
+    let plan = |parameters: Value| json!({ "word": "UCP", "parameters": parameters });
+    let both = plan(json!({ "alpha": "pi/2", "kernel": "cos(alpha/2)", "compensation": "1/cos(alpha/2)" }));
+    let split = plan(json!({
+        "alpha": "pi/2", "compensation_alpha": "pi/4", "kernel": "cos(alpha/2)", "compensation": "1/cos(alpha)",
+    }));
+    for (a, b) in refined(&square, true, &both, 3).iter().zip(refined(&square, true, &split, 3)) {
+        assert!((a[0] - b[0]).abs() < 1e-14 && (a[1] - b[1]).abs() < 1e-14);
+    }
+}

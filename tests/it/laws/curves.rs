@@ -175,3 +175,18 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn rational_points_are_divided_by_their_weight() {
+    let plan = json!({ "preset": "cubic-b-spline" });
+    let run = |polygon: Value| {
+        crate::support::json(json!({ "input": { "polygon": polygon }, "plan": plan, "levels": 3 }))["points"].clone()
+    };
+    let plain = run(json!({ "points": [[0, 0], [2, 1], [3, 5], [-1, 4]], "closed": true }));
+    let weighted = [[0, 0, 4], [8, 4, 4], [12, 20, 4], [-4, 16, 4]];
+    assert_eq!(run(json!({ "points": weighted, "closed": true, "rational": true })), plain);
+    let uneven =
+        run(json!({ "points": [[0, 0, 1], [2, 1, 1], [6, 10, 2], [-1, 4, 1]], "closed": true, "rational": true }));
+    assert_ne!(uneven, plain);
+    assert_eq!(uneven[0].as_array().map(Vec::len), Some(2));
+}

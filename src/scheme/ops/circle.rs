@@ -1,0 +1,98 @@
+//! A level of the d-ary circle scheme: a mask that follows alpha.
+
+use super::masked::apply;
+use super::{Operator, Role};
+use crate::math::functions::sin;
+use crate::math::mask::Mask;
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::polygon_net::{self, PolygonNet};
+use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::window::Window;
+use crate::scheme::word::Letter;
+
+/// A level of the d-ary scheme with m averages that reproduces circles of angle alpha a point: the mask
+/// `d sigma^m E / (sigma(1)^m E(1))` with `sigma = 1 + z + ... + z^(d-1)`, `E` having the coefficients
+/// `e[j] = sin((j+1) alpha/d) / sin(alpha/d)` for `0 <= j < d` and `e[2d-2-j] = e[j]`.
+#[derive(Debug)]
+pub struct Circle;
+
+impl Circle {
+    /// The mask at alpha, centred on 0 or half a step before it; `None` where it has a pole.
+    pub fn mask(arity: u32, averages: u32, alpha: f64) -> Option<Mask> {
+        let d = f64::from(arity);
+        let angle = alpha / d;
+        let term = |j: u32| {
+            let k = f64::from(j + 1);
+            if angle == 0.0 { k } else { sin(k * angle) / sin(angle) }
+        };
+        let mut values: Vec<f64> = (0..arity).chain((0..arity - 1).rev()).map(term).collect();
+        for _ in 0..averages {
+            values = summed(&values, arity as usize);
+        }
+        let sum: f64 = values.iter().sum();
+        let scaled: Vec<f64> = values.iter().map(|a| d * a / sum).collect();
+        if scaled.iter().any(|a| !a.is_finite() || a.abs() > 1e9) {
+            return None;
+        }
+        let reach = i32::try_from(scaled.len() / 2).ok()?;
+        Some(Mask { first: -reach, values: scaled })
+    }
+}
+
+/// The product with `1 + z + ... + z^(d-1)`.
+fn summed(values: &[f64], d: usize) -> Vec<f64> {
+    let n = values.len() + d - 1;
+    (0..n).map(|j| values[(j + 1).saturating_sub(d)..values.len().min(j + 1)].iter().sum()).collect()
+}
+
+impl Operator for Circle {
+    fn name(&self) -> &'static str {
+        "circle-mask"
+    }
+
+    fn doc(&self) -> &'static str {
+        "A level of the d-ary scheme that keeps circles of angle alpha a point. Used by the preset d-ary-circle."
+    }
+
+    fn source(&self) -> &'static str {
+        "after Zhang and Wang 2002, section 4.2; space {1, ..., t^(m-1), cos t, sin t}"
+    }
+
+    fn role(&self) -> Role {
+        Role::Upsample
+    }
+
+    fn needs_alpha(&self) -> bool {
+        true
+    }
+
+    fn at_alpha(&self, letter: &mut Letter, alpha: f64) -> Result<(), String> {
+        let mask = Self::mask(letter.arity, letter.averages, alpha);
+        letter.mask = Some(mask.ok_or_else(|| format!("the circle mask has a pole at alpha = {alpha}"))?.into());
+        Ok(())
+    }
+
+    fn window(&self, letter: &Letter, _: u32) -> Option<Window> {
+        let mask = letter.mask.as_ref()?;
+        Some(Window { arity: letter.arity, first: mask.first, last: mask.last() })
+    }
+
+    fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
+        let letter = values.letter;
+        let (Some(window), Some(mask)) = (self.window(letter, 0), &letter.mask) else {
+            return Err(StepError::WrongNet("a circle mask is scheduled before it is applied"));
+        };
+        if !net.corners.is_empty() {
+            return Err(StepError::WrongNet("corners need a word over U, C and P; this scheme is a mask and has none"));
+        }
+        let (landed, rows) = apply(net, window, Mask::clone(mask))?;
+        let anchor = polygon_net::Anchor::of(net);
+        let phase = Some(landed.phase_of(net, letter.arity));
+        let next = PolygonNet { duals: 0, phase, anchor: Some(anchor), ..landed };
+        Ok(Step { net: next, action: Action::BlendFromAnchor(rows) })
+    }
+
+    fn on_mesh(&self, _: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+        Err(StepError::WrongNet("this scheme refines polygons"))
+    }
+}
