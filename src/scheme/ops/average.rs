@@ -26,7 +26,7 @@ impl Operator for Average {
     }
 
     fn doc(&self) -> &'static str {
-        "The convolution average: D twice, re-centred. Curves: vertices (1, 2f, 1), edge points (f, 2, f), each over \
+        "The convolution average: D twice, re-centred. Curves after U: vertices (1, 2f, 1), edge points (f, 2, f), each over \
          2(1 + f), with the kernel f in the first average after a U and 1 else. Meshes: the mean of the loop centres \
          (f^2 V + f (E1 + E2) + F) / (1 + f)^2 of the quads around a vertex; boundaries follow the curve rule, corners \
          stay."
@@ -55,11 +55,12 @@ impl Operator for Average {
             From::End(end) => out.add(index(end), 1.0),
             From::Point(j) if old.is_corner(old.control(j)) => old.add(j, 1.0, out),
             From::Point(j) => {
-                let (side, middle) = if old.is_vertex(j) { (1.0, 2.0 * f) } else { (f, 2.0) };
-                let sum = 2.0 * (1.0 + f);
-                old.add(j - 1, side / sum, out);
-                old.add(j, middle / sum, out);
-                old.add(j + 1, side / sum, out);
+                // two D: the means of the pairs before and after, with the kernel as weight of vertices, and their mean
+                let [a, b, c] = [j - 1, j, j + 1].map(|i| if old.is_vertex(i) { f } else { 1.0 });
+                let (before, after) = (2.0 * (a + b), 2.0 * (b + c));
+                old.add(j - 1, a / before, out);
+                old.add(j, b / before + b / after, out);
+                old.add(j + 1, c / after, out);
             }
         });
         Ok(Step { net: landed.shifted(0), action: Action::Blend(Box::new(rows)) })

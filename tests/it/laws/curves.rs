@@ -190,3 +190,18 @@ fn rational_points_are_divided_by_their_weight() {
     assert_ne!(uneven, plain);
     assert_eq!(uneven[0].as_array().map(Vec::len), Some(2));
 }
+
+#[test]
+fn an_average_is_two_duals_after_higher_arities_too() {
+    let parameters = json!({ "alpha": 1, "kernel": "2*cos(alpha/2)" });
+    for (duals, average) in [("UDD", "UC"), ("U3DD", "U3C"), ("U5DD", "U5C")] {
+        // a list of kernels keeps the two D apart
+        let list = json!({ "alpha": 1, "kernel": ["2*cos(alpha/2)", 1] });
+        let points = [[0.0, 0.0], [2.0, 1.0], [3.0, 5.0], [-1.0, 4.0]];
+        let a = refined(&points, true, &json!({ "word": duals, "parameters": list }), 2);
+        let b = refined(&points, true, &json!({ "word": average, "parameters": parameters }), 2);
+        for (p, q) in a.iter().zip(&b) {
+            assert!((p[0] - q[0]).abs() < 1e-14 && (p[1] - q[1]).abs() < 1e-14, "{duals}: {p:?} {q:?}");
+        }
+    }
+}
