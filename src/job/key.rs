@@ -8,6 +8,7 @@ use crate::math::expression::{Expression, Instruction};
 use crate::math::parameter::{Value, Values};
 use crate::scheme::ops::Role;
 use crate::scheme::word::Letter;
+use crate::shape::attributes::Attributes;
 use crate::shape::polygon::Polygon;
 use crate::shape::topology::{Topology, index};
 
@@ -115,9 +116,16 @@ fn polygon(polygon: &Polygon) -> Item<'_> {
         Item::Integer(polygon.dimension as u64),
         Item::Integer(u64::from(polygon.closed)),
         Item::Integer(u64::from(polygon.rational)),
+        Item::List(attributes(polygon)),
         Item::Numbers((&polygon.points).into()),
         Item::Indices((&polygon.corners).into()),
     ])
+}
+
+fn attributes(polygon: &Polygon) -> Vec<Item<'_>> {
+    let arrays = polygon.attributes.iter().flat_map(Attributes::arrays);
+    let given = arrays.filter_map(|(name, array)| Some((name, array?)));
+    given.map(|(name, array)| Item::List(vec![text(name), Item::Numbers(array.into())])).collect()
 }
 
 fn faces(topology: &Topology) -> Item<'static> {
@@ -163,6 +171,11 @@ fn plan(job: &Job) -> Item<'static> {
         functions.push(("alpha", Item::Number(plan.alpha)));
     }
     functions.extend(other.map(|other| ("compensation_alpha", Item::Number(other))));
+    if let Some(perturbation) = plan.perturbation.filter(|_| has(Role::Average) || has(Role::PushBack)) {
+        let numbers = vec![perturbation.amplitude, perturbation.decay];
+        let seed = Item::Integer(perturbation.seed);
+        functions.push(("perturbation", Item::List(vec![Item::Numbers(numbers.into()), seed])));
+    }
     let (is_mesh, is_open) = job.input.kind();
     if is_open && is_mesh {
         functions.push(("boundary", Item::Integer(plan.boundary as u64)));

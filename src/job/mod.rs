@@ -53,7 +53,10 @@ impl Input {
     fn subject(&self, input: &PlanInput) -> Subject {
         let (is_mesh, is_open) = self.kind();
         let tags = match self {
-            Self::Polygons(polygons) => polygons.iter().any(|p| !p.corners.is_empty()).then_some("corners"),
+            Self::Polygons(polygons) if polygons.iter().any(|p| !p.corners.is_empty()) => Some("corners"),
+            Self::Polygons(polygons) => {
+                polygons.iter().any(|p| p.attributes.is_some()).then_some("parameters of points")
+            }
             Self::Mesh(mesh) if !mesh.corners.is_empty() => Some("corners"),
             Self::Mesh(mesh) if !mesh.holes.is_empty() => Some("holes"),
             Self::Mesh(_) if is_open && input.boundary == crate::scheme::mesh_net::Boundary::None => {

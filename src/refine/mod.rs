@@ -40,7 +40,8 @@ pub enum RefineError {
 
 /// The net of a polygon before refinement.
 pub fn polygon_net(polygon: &Polygon, plan: &Plan) -> PolygonNet {
-    PolygonNet::new(polygon.len(), polygon.closed, plan.ends, &polygon.corners)
+    let attributes = polygon.attributes.clone().map(Arc::new);
+    PolygonNet { attributes, ..PolygonNet::new(polygon.len(), polygon.closed, plan.ends, &polygon.corners) }
 }
 
 /// The net of a mesh before refinement.
@@ -90,6 +91,8 @@ fn values<'a>(plan: &'a Plan, step: &'a Scheduled) -> Values<'a> {
         kernel: step.kernel,
         compensation: step.compensation,
         delta: &plan.delta,
+        first: step.first,
+        sources: plan.sources(step),
     }
 }
 

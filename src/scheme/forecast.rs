@@ -236,8 +236,15 @@ fn followed(net: &MeshNet, steps: &[Scheduled], cap: u128) -> Result<Forecast, F
         let role = step.letter.operator.role();
         // a P changes no count, but whether it can be applied shows only here
         if matches!(role, Role::Upsample | Role::PushBack) || step.letter.operator.letter() == Some('D') {
-            let values =
-                Values { letter: &step.letter, alpha: step.alpha, kernel: 1.0, compensation: 1.0, delta: &one };
+            let values = Values {
+                letter: &step.letter,
+                alpha: step.alpha,
+                kernel: 1.0,
+                compensation: 1.0,
+                delta: &one,
+                first: false,
+                sources: None,
+            };
             let next = step.letter.operator.on_mesh(&net, &values);
             net = next.map_err(|error| ForecastError::Step { level: step.level, error })?.net;
             count = Count::of_mesh(&net);

@@ -2,6 +2,7 @@
 //! Coordinates are never seen here.
 
 pub mod forecast;
+pub mod local;
 pub mod mesh_net;
 pub mod ops;
 pub mod plan;

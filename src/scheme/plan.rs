@@ -1,5 +1,6 @@
 //! Plans: a preset or a word with its parameters, resolved for one kind of input.
 
+use super::local::{Noise, Sources};
 use super::mesh_net::Boundary;
 use super::ops::Role;
 use super::polygon_net::Ends;
@@ -29,6 +30,8 @@ pub struct PlanInput {
     pub boundary: Boundary,
     /// End rule of open polygons.
     pub ends: Ends,
+    /// Seed of random perturbation.
+    pub seed: u64,
 }
 
 /// What a plan is to be applied to.
@@ -61,6 +64,19 @@ pub struct Plan {
     pub boundary: Boundary,
     /// End rule of open polygons.
     pub ends: Ends,
+    /// Decaying perturbation, if any.
+    pub perturbation: Option<Perturbation>,
+}
+
+/// A random perturbation `c gamma^h xi` of kernel and compensation at the h-th upsampling, `xi` in `[-1, 1)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Perturbation {
+    /// Amplitude c.
+    pub amplitude: f64,
+    /// Decay gamma.
+    pub decay: f64,
+    /// Seed.
+    pub seed: u64,
 }
 
 /// One operator with the numbers of its place in the plan.
@@ -72,6 +88,14 @@ pub struct Scheduled {
     pub level: u32,
     /// Parameter spacing that entered the last upsampling, radians.
     pub alpha: f64,
+    /// The same for the compensation.
+    pub compensation_alpha: f64,
+    /// By what the upsamplings before divided alpha: the factor of the alphas that points carry.
+    pub scale: f64,
+    /// Number of upsamplings before.
+    pub upsamplings: u32,
+    /// Whether it is the first average since an upsampling.
+    pub first: bool,
     /// Value of the kernel.
     pub kernel: f64,
     /// Value of the compensation.
@@ -91,6 +115,7 @@ impl Plan {
             delta: one,
             boundary,
             ends,
+            perturbation: None,
         }
     }
 
@@ -119,7 +144,8 @@ impl Plan {
             pair_duals(&mut word.prefix);
             pair_duals(&mut word.cycle);
         }
-        let Spelling { alpha, compensation_alpha, kernel, compensation, delta, .. } = spelling;
+        let Spelling { alpha, compensation_alpha, kernel, compensation, delta, perturbation, .. } = spelling;
+        let perturbation = perturbation.map(|[amplitude, decay]| Perturbation { amplitude, decay, seed: input.seed });
         let compensation_alpha = compensation_alpha.filter(|other| other.to_bits() != alpha.to_bits());
         let plan = Self {
             word,
@@ -130,7 +156,12 @@ impl Plan {
             delta,
             boundary: input.boundary,
             ends: input.ends,
+            perturbation,
         };
+        if subject.is_mesh && plan.perturbation.is_some() {
+            let detail = "perturbation acts on polygons; leave it out";
+            return Err(vec![Fault::new("/parameters/perturbation", detail)]);
+        }
         plan.check_legal(subject).map_err(|error| vec![Fault::new(place, error.to_string())])?;
         plan.check_delta(subject)?;
         Ok(plan)
@@ -142,6 +173,7 @@ impl Plan {
     /// When a function has no value at some level; the fault names level and alpha.
     pub fn schedule(&self, levels: u32) -> Result<Vec<Scheduled>, Fault> {
         let (mut alpha, mut other) = (self.alpha, self.compensation_alpha.unwrap_or(self.alpha));
+        let (mut scale, mut upsamplings) = (1.0, 0);
         let mut last_arity = None;
         let mut averages = None;
         let mut steps = Vec::new();
@@ -151,12 +183,25 @@ impl Plan {
             let level = u32::try_from(level).unwrap_or(u32::MAX);
             let operator = letter.operator;
             let arity = letter.arity;
-            let mut step = Scheduled { letter, level, alpha, kernel: 1.0, compensation: 1.0 };
+            let mut step = Scheduled {
+                letter,
+                level,
+                alpha,
+                compensation_alpha: other,
+                scale,
+                upsamplings,
+                first: false,
+                kernel: 1.0,
+                compensation: 1.0,
+            };
             match operator.role() {
                 Role::Upsample => {
-                    alpha /= f64::from(last_arity.unwrap_or(1));
-                    other /= f64::from(last_arity.unwrap_or(1));
-                    step.alpha = alpha;
+                    let before = f64::from(last_arity.unwrap_or(1));
+                    alpha /= before;
+                    other /= before;
+                    scale /= before;
+                    (step.alpha, step.compensation_alpha, step.scale) = (alpha, other, scale);
+                    upsamplings += 1;
                     last_arity = Some(arity);
                     averages = Some(0);
                 }
@@ -164,6 +209,7 @@ impl Plan {
                     step.letter.arity = last_arity.unwrap_or(arity);
                     if let Some(place) = averages {
                         step.kernel = self.kernel_at(place, alpha, level)?;
+                        step.first = place == 0;
                         averages = Some(place + 1);
                     }
                 }
@@ -177,6 +223,25 @@ impl Plan {
             steps.push(step);
         }
         Ok(steps)
+    }
+
+    /// From what an upsampling computes the values of single points.
+    pub fn sources(&self, step: &Scheduled) -> Option<Sources<'_>> {
+        let kernel = self.kernel.first()?;
+        let noise = self.perturbation.map(|perturbation| Noise {
+            amplitude: (0..step.upsamplings).fold(perturbation.amplitude, |c, _| c * perturbation.decay),
+            seed: perturbation.seed,
+            upsamplings: step.upsamplings,
+        });
+        Some(Sources {
+            kernel,
+            compensation: &self.compensation,
+            delta: &self.delta,
+            alpha: step.alpha,
+            compensation_alpha: step.compensation_alpha,
+            scale: step.scale,
+            noise,
+        })
     }
 
     fn kernel_at(&self, place: usize, alpha: f64, level: u32) -> Result<f64, Fault> {
@@ -213,7 +278,13 @@ impl Plan {
             }
             let dual = letter.operator.shifts(&letter);
             match role {
-                Role::Upsample => (upsampled, duals, lost, arity) = (true, 0, letter.mask.is_some(), letter.arity),
+                Role::Upsample if letter.mask.is_some() || letter.operator.needs_alpha() => {
+                    if let Some(tags) = subject.tags {
+                        return Err(StepError::MaskTags(tags));
+                    }
+                    (upsampled, duals, lost, arity) = (true, 0, letter.mask.is_some(), letter.arity);
+                }
+                Role::Upsample => (upsampled, duals, lost, arity) = (true, 0, false, letter.arity),
                 Role::Average => {
                     if letter.operator.needs_upsampling() && !upsampled {
                         return Err(StepError::NoArity);
@@ -287,6 +358,7 @@ fn word_functions(parameters: &[(String, Literal)], _: Subject) -> Result<Spelli
         kernel: values.expressions("kernel").to_vec(),
         compensation: values.expression("compensation").cloned().unwrap_or_else(|| one.clone()),
         delta: values.expression("delta").cloned().unwrap_or(one),
+        perturbation: presets::perturbation(&values),
     })
 }
 

@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
+use super::local::Local;
 use super::step::StepError;
 use super::window::Window;
 use crate::math::rows::Rows;
+use crate::shape::attributes::Attributes;
 use crate::shape::topology::index;
 
 /// End rule of open polygons.
@@ -46,6 +48,10 @@ pub struct PolygonNet {
     pub corners: Arc<[u32]>,
     /// What entered the last U.
     pub anchor: Option<Anchor>,
+    /// Parameters that control points carry.
+    pub attributes: Option<Arc<Attributes>>,
+    /// Values of single points at the last U.
+    pub local: Option<Arc<Local>>,
 }
 
 /// Which control points are children of vertices.
@@ -87,9 +93,9 @@ impl Anchor {
         }
     }
 
-    /// Adds `weight x` the displacement of control point `i` to a row: none at corners; beyond the ends of an open
-    /// polygon that of its mirror image, reversed.
-    pub(super) fn push(&self, i: isize, weight: f64, rows: &mut Rows) {
+    /// Adds `weight x delta x` the displacement of control point `i` to a row: none at corners; beyond the ends of an
+    /// open polygon that of its mirror image, reversed.
+    pub(super) fn push(&self, i: isize, weight: f64, delta: impl Fn(usize) -> f64, rows: &mut Rows) {
         let n = self.n_control.cast_signed();
         let (i, weight) = match (self.closed, self.first) {
             (true, _) => (i.rem_euclid(n), weight),
@@ -99,12 +105,18 @@ impl Anchor {
         };
         let Ok(i) = usize::try_from(i) else { return };
         if i < self.n_control && self.corners.binary_search(&index(i)).is_err() {
-            rows.add(index(i + self.first), weight);
+            rows.add(index(i + self.first), weight * delta(i));
         }
     }
 }
 
 impl Phase {
+    /// The index `j` of control point 0, counted so that vertices stand at the multiples of the arity.
+    pub(super) fn start(self) -> isize {
+        let (d, offset) = (self.arity as isize, self.offset as isize);
+        -((d - offset) % d)
+    }
+
     /// The phase when the first control point moves by so many steps.
     fn moved(self, by: i32) -> Self {
         let by = by.rem_euclid(self.arity.cast_signed()).unsigned_abs();
@@ -153,7 +165,7 @@ impl PolygonNet {
             (false, Ends::Clamped) => Extent::Whole,
             (false, Ends::Natural) => Extent::Natural,
         };
-        Self { n, extent, duals: 0, phase: None, corners: corners.into(), anchor: None }
+        Self { n, extent, duals: 0, phase: None, corners: corners.into(), anchor: None, attributes: None, local: None }
     }
 
     /// Whether the polygon is closed.
@@ -190,6 +202,16 @@ impl PolygonNet {
         Phase { arity, offset: 0 }.moved(start)
     }
 
+    /// Weight of control point `i` in the first average after a U: `f`, or the point's own kernel, at vertices, 1 else.
+    pub(super) fn weight(&self, i: isize, f: f64, first: bool) -> f64 {
+        if !self.is_vertex(i) {
+            return 1.0;
+        }
+        let (Some(local), Some(phase)) = (self.local.as_ref().filter(|_| first), self.phase) else { return f };
+        let (d, n) = (phase.arity as isize, local.kernel.len().cast_signed());
+        local.kernel[(i + phase.start()).div_euclid(d).rem_euclid(n).unsigned_abs()]
+    }
+
     /// Number of a control point that is within reach, cyclically where the polygon is closed.
     pub(super) fn control(&self, i: isize) -> usize {
         i.rem_euclid(self.n_control().cast_signed()).unsigned_abs()
@@ -215,7 +237,10 @@ impl PolygonNet {
         let corners = self.corners.iter().map(|&c| i64::from(c) * d - start);
         let corners = corners.filter_map(|c| u32::try_from(c).ok()).filter(|&c| (c as usize) < n).collect();
         let phase = self.phase.map(|phase| phase.moved(landing.start));
-        Ok((Self { n, extent: landing.extent, corners, phase, ..self.clone() }, origin))
+        let trimmed = usize::try_from(landing.start).ok().filter(|_| self.extent == Extent::Natural && d == 1);
+        let part = |attributes: &Arc<Attributes>| trimmed.map(|start| Arc::new(attributes.part(start, n)));
+        let attributes = self.attributes.as_ref().map(|kept| part(kept).unwrap_or_else(|| kept.clone()));
+        Ok((Self { n, extent: landing.extent, corners, phase, attributes, ..self.clone() }, origin))
     }
 
     /// Adds `weight x` control point `i` to a row, `i` taken beyond the ends by the extent's rule.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::local::Sources;
 use super::word::Letter;
 use crate::math::expression::{Expression, ExpressionError};
 use crate::math::rows::RowSource;
@@ -19,6 +20,10 @@ pub struct Values<'a> {
     pub compensation: f64,
     /// Push-back factor, an expression in the valence.
     pub delta: &'a Expression,
+    /// Whether it is the first average since the last upsampling.
+    pub first: bool,
+    /// From what upsamplings compute values of single points; `None` when all have the plan's.
+    pub sources: Option<Sources<'a>>,
 }
 
 /// One step of a refinement.
@@ -57,6 +62,12 @@ pub enum StepError {
     /// A window average without an upsampling that gives its width.
     #[error("A needs a U before it: it averages as many points as the arity of the last U")]
     NoArity,
+    /// A value of a single point that does not exist.
+    #[error("{0}; choose other values")]
+    Local(String),
+    /// Tags that a scheme of its own mask cannot carry.
+    #[error("this scheme is a mask, which knows no {0}; leave them out or use a word over U, C and P")]
+    MaskTags(&'static str),
     /// Push-back in a dual net.
     #[error("P needs an even number of D since the last U; here it is {0}")]
     OddDuals(u32),

@@ -1,5 +1,6 @@
 //! Shapes: polygons and meshes as they are given, and the flat topology that operators read.
 
+pub mod attributes;
 pub mod check;
 pub mod grid;
 pub mod mesh;

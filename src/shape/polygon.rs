@@ -1,6 +1,7 @@
 //! Control polygons.
 
-use crate::fault::Fault;
+use super::attributes::Attributes;
+use crate::fault::{Fault, under};
 
 /// Most coordinates a point may have.
 pub const MAX_DIMENSION: usize = 4;
@@ -18,6 +19,8 @@ pub struct Polygon {
     pub corners: Vec<u32>,
     /// Whether points are homogeneous: the last coordinate is a weight, by which the others are divided at the end.
     pub rational: bool,
+    /// Parameters that points carry, if any.
+    pub attributes: Option<Attributes>,
 }
 
 impl Polygon {
@@ -48,6 +51,7 @@ impl Polygon {
             closed,
             corners,
             rational: false,
+            attributes: None,
         })
     }
 
@@ -66,6 +70,15 @@ impl Polygon {
             Some(i) => Err(vec![Fault::new(format!("/points/{i}/{last}"), "a weight of 0 is a point at infinity")]),
             None => Ok(Self { rational: true, ..self }),
         }
+    }
+
+    /// The polygon with parameters of its points.
+    ///
+    /// # Errors
+    /// When there is not one number a point.
+    pub fn carrying(self, attributes: Attributes) -> Result<Self, Vec<Fault>> {
+        attributes.check(self.len()).map_err(|faults| under("/parameters", faults))?;
+        Ok(Self { attributes: Some(attributes), ..self })
     }
 
     /// Coordinates of a point of the result.

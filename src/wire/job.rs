@@ -12,6 +12,7 @@ use crate::output::{self, Format, ShapeKind};
 use crate::scheme::mesh_net::Boundary;
 use crate::scheme::plan::PlanInput;
 use crate::scheme::polygon_net::Ends;
+use crate::shape::attributes::Attributes;
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::mesh::{Mesh, MeshInput};
 use crate::shape::polygon::Polygon;
@@ -100,6 +101,22 @@ pub struct PolygonRequest {
     /// Whether points are homogeneous: the last coordinate is a weight, by which the others are divided after refining.
     #[serde(default)]
     pub rational: bool,
+    /// Parameters that points carry: each a list of one number a point.
+    pub parameters: Option<PointParameters>,
+}
+
+/// Parameters that points carry; each beats the plan's.
+#[derive(Debug, Clone, Default, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PointParameters {
+    /// Parameter spacing, radians.
+    pub alpha: Option<Vec<f64>>,
+    /// Kernel.
+    pub kernel: Option<Vec<f64>>,
+    /// Compensation.
+    pub compensation: Option<Vec<f64>>,
+    /// Push-back factor.
+    pub delta: Option<Vec<f64>>,
 }
 
 /// What to do with inconsistent winding.
@@ -261,7 +278,13 @@ fn polygons(requests: Vec<PolygonRequest>) -> Result<Vec<Polygon>, Vec<Fault>> {
 impl PolygonRequest {
     fn resolve(self) -> Result<Polygon, Vec<Fault>> {
         let polygon = Polygon::new(&self.points, self.closed, &self.corners)?;
-        if self.rational { polygon.rational() } else { Ok(polygon) }
+        let polygon = if self.rational { polygon.rational()? } else { polygon };
+        match self.parameters {
+            None => Ok(polygon),
+            Some(PointParameters { alpha, kernel, compensation, delta }) => {
+                polygon.carrying(Attributes { alpha, kernel, compensation, delta })
+            }
+        }
     }
 }
 
@@ -298,6 +321,7 @@ impl PlanRequest {
                 None | Some(EndsRequest::Clamped) => Ends::Clamped,
                 Some(EndsRequest::Natural) => Ends::Natural,
             },
+            seed: self.seed.unwrap_or(0),
         }
     }
 }

@@ -23,6 +23,8 @@ const CURVES: &[(&str, usize)] = &[
     ("curve_dary_*", 3),
     ("curve_dd_*", 3),
     ("ternary_*", 8),
+    ("curve_per_vertex", 1),
+    ("curve_random_perturbation", 1),
 ];
 const CIRCLES: &[(&str, usize)] = &[("circle_theorem1", 1), ("circle_cbspline_word", 1), ("circle_dary", 1)];
 const SURFACES: &[(&str, usize)] = &[("surf_pushback_*", 13), ("surf_table1_*", 4), ("surf_cc_identity_*", 2)];
@@ -37,7 +39,7 @@ const OPENSUBDIV: &[(&str, usize)] = &[
 
 #[test]
 fn curves_agree_with_the_vectors() {
-    assert_eq!(reproduced(CURVES, curve), 100, "levels compared");
+    assert_eq!(reproduced(CURVES, curve), 105, "levels compared");
 }
 
 #[test]
@@ -148,15 +150,29 @@ fn curve_plan(vector: &Value) -> Value {
         }
         "dd_2n_point" => json!({ "preset": "two-n-point", "parameters": { "n": params["n"] } }),
         "ternary" => json!({ "preset": "ternary-blending", "parameters": params }),
+        "pushback_per_vertex" => json!({ "preset": "push-back", "parameters": { "k": params["k"] } }),
+        "pushback_perturbed" => json!({ "preset": "push-back", "seed": params["seed"], "parameters": {
+            "kernel": params["f"], "compensation": params["omega"], "delta": params["delta"], "k": params["k"],
+            "perturbation": { "amplitude": params["c"], "decay": params["gamma"] },
+        } }),
         scheme => panic!("no plan is known for {scheme}"),
     }
 }
 
 fn curve(vector: &Value) -> usize {
-    let polygon = json!({
-        "points": vector["input"], "closed": vector["closed"],
+    let mut polygon = json!({
+        "points": vector["input"].get("points").unwrap_or(&vector["input"]), "closed": vector["closed"],
         "corners": vector["params"].get("corners").cloned().unwrap_or_else(|| json!([])),
     });
+    if vector["input"].get("points").is_some() {
+        let fraction = |text: &Value| {
+            let text = text.as_str().expect("parameters of points are fractions");
+            let (p, q) = text.split_once('/').unwrap_or((text, "1"));
+            p.parse::<f64>().unwrap() / q.parse::<f64>().unwrap()
+        };
+        let list = |name: &str| vector["input"][name].as_array().unwrap().iter().map(fraction).collect::<Vec<_>>();
+        polygon["parameters"] = json!({ "kernel": list("f"), "compensation": list("omega"), "delta": list("delta") });
+    }
     let convention = vector["index_convention"].as_str().unwrap_or_default();
     let cyclic = vector["compare"] == "cyclic" || convention.contains("cyclic");
     let levels = vector["levels"].as_array().expect("levels are a list");

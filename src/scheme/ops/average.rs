@@ -50,13 +50,13 @@ impl Operator for Average {
 
     fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
         let (landed, origin) = net.land(Window::mean(3, false))?;
-        let (old, f) = (net.clone(), values.kernel);
+        let (old, f, first) = (net.clone(), values.kernel, values.first);
         let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match origin.of(row) {
             From::End(end) => out.add(index(end), 1.0),
             From::Point(j) if old.is_corner(old.control(j)) => old.add(j, 1.0, out),
             From::Point(j) => {
                 // two D: the means of the pairs before and after, with the kernel as weight of vertices, and their mean
-                let [a, b, c] = [j - 1, j, j + 1].map(|i| if old.is_vertex(i) { f } else { 1.0 });
+                let [a, b, c] = [j - 1, j, j + 1].map(|i| old.weight(i, f, first));
                 let (before, after) = (2.0 * (a + b), 2.0 * (b + c));
                 old.add(j - 1, a / before, out);
                 old.add(j, b / before + b / after, out);

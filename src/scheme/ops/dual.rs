@@ -57,13 +57,12 @@ impl Operator for Dual {
         }
         let back = isize::from(net.duals % 2 == 1);
         let (landed, origin) = net.land(Window::mean(2, back == 1))?;
-        let (old, f) = (net.clone(), values.kernel);
+        let (old, f, first) = (net.clone(), values.kernel, values.first);
         let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match origin.of(row) {
             From::End(end) => out.add(index(end), 1.0),
             From::Point(j) => {
                 let (left, right) = (j - back, j - back + 1);
-                let weight = |i| if old.is_vertex(i) { f } else { 1.0 };
-                let (a, b) = (weight(left), weight(right));
+                let (a, b) = (old.weight(left, f, first), old.weight(right, f, first));
                 old.add(left, a / (a + b), out);
                 old.add(right, b / (a + b), out);
             }

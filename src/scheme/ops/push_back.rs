@@ -90,24 +90,28 @@ impl Operator for PushBack {
         legal(net.duals, anchor.lost, "natural ends")?;
         let delta = values.delta.value(f64::NAN).map_err(|error| StepError::Delta { valence: 2, error })?;
         let phase = net.phase.ok_or(StepError::NoAnchor)?;
-        let (d, offset) = (phase.arity as isize, phase.offset as isize);
         // control point k of the net has the index j = k + start, and vertices stand at the multiples of d
-        let start = if net.is_closed() { 0 } else { -((d - offset) % d) };
+        let (d, start) = (phase.arity as isize, phase.start());
         let children = children_of(&anchor, net, d, start);
         let (last, first) = (net.n - 1, net.first().cast_signed());
         let shares: Vec<f64> = (0..d).map(|steps| self.0.of(steps, d, values)).collect();
-        let ends_fixed = !net.is_closed();
+        let (ends_fixed, local) = (!net.is_closed(), net.local.clone());
         let rows = RowsBy::new(net.n, anchor.n, move |row, out: &mut Rows| {
             if ends_fixed && (row == 0 || row == last) && (first == 1 || start != 0) {
                 return;
             }
             let j = row.cast_signed() - first + start;
             let (i, part) = (j.div_euclid(d), j.rem_euclid(d));
+            let delta = |i: usize| local.as_ref().map_or(delta, |local| local.delta[i]);
             if part == 0 {
-                anchor.push(i, delta, out);
+                anchor.push(i, 1.0, delta, out);
             } else {
-                anchor.push(i, shares[(d - part).unsigned_abs()] * delta, out);
-                anchor.push(i + 1, shares[part.unsigned_abs()] * delta, out);
+                let share = |steps: isize| match &local {
+                    Some(local) => local.compensation(i, part) * ratio(steps.unsigned_abs(), d.unsigned_abs()),
+                    None => shares[steps.unsigned_abs()],
+                };
+                anchor.push(i, share(d - part), delta, out);
+                anchor.push(i + 1, share(part), delta, out);
             }
         });
         Ok(Step { net: net.clone(), action: Action::PushBack { rows: Box::new(rows), children } })

@@ -1,7 +1,10 @@
 //! U: linear interpolation.
 
+use std::sync::Arc;
+
 use super::{Operator, Role};
 use crate::math::rows::{Rows, RowsBy};
+use crate::scheme::local::Local;
 use crate::scheme::mesh_net::{self, MeshNet};
 use crate::scheme::polygon_net::{self, From, PolygonNet};
 use crate::scheme::step::{Action, Step, StepError, Values};
@@ -63,7 +66,10 @@ impl Operator for Upsample {
             }
         });
         let anchor = polygon_net::Anchor::of(net);
-        let next = PolygonNet { duals: 0, phase: Some(landed.phase_of(net, arity)), anchor: Some(anchor), ..landed };
+        let local = values.sources.as_ref().map_or(Ok(None), |sources| Local::of(net, arity, sources))?;
+        let attributes = net.attributes.as_ref().map(|kept| Arc::new(kept.upsampled(arity, net.is_closed())));
+        let phase = Some(landed.phase_of(net, arity));
+        let next = PolygonNet { duals: 0, phase, anchor: Some(anchor), attributes, local, ..landed };
         Ok(Step { net: next, action: Action::BlendFromAnchor(Box::new(rows)) })
     }
 

@@ -93,6 +93,8 @@ pub struct Spelling {
     pub compensation: Expression,
     /// Push-back factor, in valence.
     pub delta: Expression,
+    /// Amplitude and decay of the perturbation, if any.
+    pub perturbation: Option<[f64; 2]>,
 }
 
 impl Spelling {
@@ -106,6 +108,7 @@ impl Spelling {
             kernel: vec![one.clone()],
             compensation: one.clone(),
             delta: one,
+            perturbation: None,
         }
     }
 }
@@ -168,8 +171,38 @@ pub const COMPENSATION_ALPHA: Parameter = Parameter {
     doc: "The alpha that the compensation sees at the first U, divided like alpha; alpha itself when left out.",
 };
 
+/// The random perturbation.
+pub const PERTURBATION: Parameter = Parameter {
+    name: "perturbation",
+    kind: Kind::Group(&[
+        Parameter {
+            name: "amplitude",
+            kind: Kind::Number { min: 0.0, max: 1e3 },
+            unit: "",
+            default: Default::Required,
+            doc: "Amplitude c at the first U.",
+        },
+        Parameter {
+            name: "decay",
+            kind: Kind::Number { min: 0.0, max: 0.999 },
+            unit: "",
+            default: Default::Number(0.5),
+            doc: "Decay gamma: each U multiplies the amplitude by it; below 1/2 the limit stays C1.",
+        },
+    ]),
+    unit: "",
+    default: Default::Absent,
+    doc: "Random perturbation of kernel and compensation by c gamma^h xi at the h-th U, from the plan's seed.",
+};
+
+/// Amplitude and decay, if a perturbation is given.
+pub(super) fn perturbation(values: &Values) -> Option<[f64; 2]> {
+    let group = values.group("perturbation")?;
+    Some([group.number("amplitude")?, group.number("decay")?])
+}
+
 /// Parameters of a plan given as a word.
-pub const WORD_PARAMETERS: &[Parameter] = &[ALPHA, KERNEL, COMPENSATION, COMPENSATION_ALPHA, DELTA];
+pub const WORD_PARAMETERS: &[Parameter] = &[ALPHA, KERNEL, COMPENSATION, COMPENSATION_ALPHA, DELTA, PERTURBATION];
 
 fn expression(values: &Values, name: &str) -> Expression {
     values.expression(name).cloned().unwrap_or_else(|| Expression::constant(1.0))

@@ -1,6 +1,9 @@
 //! Semi-stationary push-back subdivision.
 
-use super::{ALPHA, COMPENSATION, COMPENSATION_ALPHA, DELTA, KERNEL, Preset, Refines, Spelling, expression, letters};
+use super::{
+    ALPHA, COMPENSATION, COMPENSATION_ALPHA, DELTA, KERNEL, PERTURBATION, Preset, Refines, Spelling, expression,
+    letters, perturbation,
+};
 use crate::math::parameter::{Default, Kind, Parameter};
 
 pub(super) const PUSH_BACK: Preset = Preset {
@@ -15,6 +18,7 @@ pub(super) const PUSH_BACK: Preset = Preset {
         COMPENSATION,
         COMPENSATION_ALPHA,
         DELTA,
+        PERTURBATION,
         Parameter {
             name: "k",
             kind: Kind::Integer { min: 1, max: 8 },
@@ -32,6 +36,7 @@ pub(super) const PUSH_BACK: Preset = Preset {
             kernel: values.expressions("kernel").to_vec(),
             compensation: expression(values, "compensation"),
             delta: expression(values, "delta"),
+            perturbation: perturbation(values),
             ..Spelling::of(letters(&format!("U{}P", "C".repeat(k))))
         })
     },

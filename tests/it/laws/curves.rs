@@ -205,3 +205,44 @@ fn an_average_is_two_duals_after_higher_arities_too() {
         }
     }
 }
+
+#[test]
+fn equal_parameters_of_points_are_those_of_the_plan() {
+    let plan = |parameters: Value| json!({ "word": "UCP", "parameters": parameters });
+    let run = |points: Value, plan: Value, closed: bool| {
+        let polygon = json!({ "points": [[0, 0], [2, 1], [3, 5], [-1, 4]], "closed": closed, "parameters": points });
+        let points = crate::support::json(json!({ "input": { "polygon": polygon }, "plan": plan, "levels": 3 }));
+        serde_json::from_value::<Vec<[f64; 2]>>(points["points"].clone()).unwrap()
+    };
+    for closed in [true, false] {
+        let own = run(json!({ "kernel": [2, 2, 2, 2], "delta": [0.5, 0.5, 0.5, 0.5] }), plan(json!({})), closed);
+        let of_plan = run(json!({}), plan(json!({ "kernel": 2, "delta": 0.5 })), closed);
+        let functions = json!({ "kernel": "2*cos(alpha/2)", "compensation": "1/cos(alpha/2)" });
+        let by_alpha = run(json!({ "alpha": [1, 1, 1, 1] }), plan(functions.clone()), closed);
+        let mut with_alpha = functions;
+        with_alpha["alpha"] = json!(1);
+        for (a, b) in [(own, of_plan), (by_alpha, run(json!({}), plan(with_alpha), closed))] {
+            let close = |(p, q): (&[f64; 2], &[f64; 2])| (p[0] - q[0]).abs() < 1e-14 && (p[1] - q[1]).abs() < 1e-14;
+            assert!(a.len() == b.len() && a.iter().zip(&b).all(close));
+        }
+    }
+}
+
+#[test]
+fn parameters_of_points_are_refused_where_nothing_uses_them() {
+    for (plan, says) in [("UD", "D cannot carry parameters of points"), ("U3A", "")] {
+        let job = json!({
+            "input": { "polygon": { "points": [[0], [1], [2]], "closed": true, "parameters": { "kernel": [1, 1, 1] } } },
+            "plan": { "word": plan }, "levels": 1, "outputs": [{ "format": "json" }],
+        });
+        let refused = crate::support::render(&job).err();
+        assert!(says.is_empty() == refused.is_none(), "{plan}: {refused:?}");
+        assert!(refused.is_none_or(|faults| faults[0].detail.contains(says)));
+    }
+    let job = json!({
+        "input": { "polygon": { "points": [[0], [1], [2]], "closed": true, "parameters": { "delta": [1, 1] } } },
+        "plan": { "word": "UCP" }, "levels": 1, "outputs": [{ "format": "json" }],
+    });
+    let faults = crate::support::render(&job).unwrap_err();
+    assert_eq!(faults[0].pointer, "/input/polygon/parameters/delta");
+}

@@ -1,0 +1,120 @@
+//! Values of single points at an upsampling: from the parameters that they carry, and from perturbations that decay.
+
+use std::sync::Arc;
+
+use super::polygon_net::PolygonNet;
+use super::step::StepError;
+use crate::math::expression::Expression;
+use crate::shape::attributes::between;
+
+/// A decaying perturbation at one upsampling.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noise {
+    /// Amplitude at this upsampling: `c gamma^h`.
+    pub amplitude: f64,
+    /// Seed of the plan.
+    pub seed: u64,
+    /// Number h of upsamplings before this one.
+    pub upsamplings: u32,
+}
+
+impl Noise {
+    /// The perturbation of element `i`: 0 for vertices, 1 for edges, as `operation`. Uniform in `[-c, c)`.
+    fn at(&self, operation: u64, i: usize) -> f64 {
+        let mixed = [u64::from(self.upsamplings), operation, i as u64].iter().fold(mix(self.seed), |x, y| mix(x ^ y));
+        #[expect(clippy::cast_precision_loss, reason = "53 bits are exact")]
+        let unit = (mixed >> 11) as f64 / 9_007_199_254_740_992.0;
+        self.amplitude * (2.0 * unit - 1.0)
+    }
+}
+
+/// The output function of `SplitMix64` (Steele, Lea, Flood 2014).
+fn mix(x: u64) -> u64 {
+    let z = x.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+    z ^ z >> 31
+}
+
+/// From what local values are computed at an upsampling.
+#[derive(Debug, Clone, Copy)]
+pub struct Sources<'a> {
+    /// Kernel of the first average, in alpha.
+    pub kernel: &'a Expression,
+    /// Compensation, in alpha.
+    pub compensation: &'a Expression,
+    /// Push-back factor.
+    pub delta: &'a Expression,
+    /// The plan's alpha at this upsampling.
+    pub alpha: f64,
+    /// The alpha of the compensation.
+    pub compensation_alpha: f64,
+    /// By what the alpha of points is multiplied at this upsampling.
+    pub scale: f64,
+    /// Perturbation, if any.
+    pub noise: Option<Noise>,
+}
+
+/// Values of the points that entered the last upsampling, and of the points made on the edges between them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Local {
+    /// Kernel of each vertex.
+    pub kernel: Vec<f64>,
+    /// Push-back factor of each vertex.
+    pub delta: Vec<f64>,
+    /// Compensation of each point made on an edge, edge after edge.
+    compensation: Vec<f64>,
+    arity: u32,
+}
+
+impl Local {
+    /// The local values at an upsampling of `net`; `None` when all points have the plan's.
+    pub(super) fn of(net: &PolygonNet, arity: u32, sources: &Sources<'_>) -> Result<Option<Arc<Self>>, StepError> {
+        if net.attributes.is_none() && sources.noise.is_none() {
+            return Ok(None);
+        }
+        let n = net.n_control();
+        let attributes = net.attributes.as_deref().cloned().unwrap_or_default();
+        let own = |array: &Option<Vec<f64>>, i: usize| array.as_ref().map(|array| array[i]);
+        let noise = |operation, i| sources.noise.map_or(0.0, |noise| noise.at(operation, i));
+        let kernel = (0..n).map(|i| {
+            let alpha = own(&attributes.alpha, i).map_or(sources.alpha, |alpha| alpha * sources.scale);
+            let value = own(&attributes.kernel, i).map_or_else(|| sources.kernel.value(alpha), Ok);
+            finite("kernel", i, value.map(|value| value + noise(0, i)))
+        });
+        let delta = (0..n).map(|i| {
+            let value = own(&attributes.delta, i).map_or_else(|| sources.delta.value(f64::NAN), Ok);
+            finite("delta", i, value)
+        });
+        let edges = if net.is_closed() { n } else { n - 1 };
+        let places = (0..edges).flat_map(|e| (1..arity).map(move |j| (e, j)));
+        let compensation = places.map(|(e, j)| {
+            let own = |array: &Option<Vec<f64>>| array.as_ref().map(|array| between(array, e, j, arity));
+            let alpha = own(&attributes.alpha).map_or(sources.compensation_alpha, |alpha| alpha * sources.scale);
+            let value = own(&attributes.compensation).map_or_else(|| sources.compensation.value(alpha), Ok);
+            finite("compensation", e, value.map(|value| value + noise(1, e)))
+        });
+        let kernel: Vec<f64> = kernel.collect::<Result<_, _>>()?;
+        if let Some(i) = kernel.iter().position(|f| (1.0 + f).abs() < 1e-9) {
+            return Err(StepError::Local(format!("the kernel of point {i} is -1, where no average exists")));
+        }
+        let (delta, compensation) = (delta.collect::<Result<_, _>>()?, compensation.collect::<Result<_, _>>()?);
+        Ok(Some(Arc::new(Self { kernel, delta, compensation, arity })))
+    }
+
+    /// Compensation of the point `j / d` of the way along edge `e`; beyond the ends that of the last edge.
+    pub(super) fn compensation(&self, e: isize, j: isize) -> f64 {
+        let inner = self.arity as usize - 1;
+        let edges = self.compensation.len() / inner;
+        let e = e.clamp(0, edges.cast_signed() - 1).unsigned_abs();
+        self.compensation[e * inner + j.unsigned_abs() - 1]
+    }
+}
+
+fn finite<E: std::fmt::Display>(name: &str, i: usize, value: Result<f64, E>) -> Result<f64, StepError> {
+    match value {
+        Ok(value) if value.is_finite() => Ok(value),
+        Ok(value) => Err(StepError::Local(format!("the {name} of point {i} is {value}"))),
+        Err(error) => Err(StepError::Local(format!("{name} of point {i}: {error}"))),
+    }
+}

@@ -1,0 +1,79 @@
+//! Parameters that points carry along.
+
+use crate::fault::Fault;
+
+/// Parameters that points carry: for each control point a number, where the parameter is given at all.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Attributes {
+    /// Parameter spacing, radians, before it is divided by the arities of the levels.
+    pub alpha: Option<Vec<f64>>,
+    /// Kernel.
+    pub kernel: Option<Vec<f64>>,
+    /// Compensation.
+    pub compensation: Option<Vec<f64>>,
+    /// Push-back factor.
+    pub delta: Option<Vec<f64>>,
+}
+
+impl Attributes {
+    /// All arrays with their names.
+    pub fn arrays(&self) -> [(&'static str, Option<&[f64]>); 4] {
+        [
+            ("alpha", self.alpha.as_deref()),
+            ("kernel", self.kernel.as_deref()),
+            ("compensation", self.compensation.as_deref()),
+            ("delta", self.delta.as_deref()),
+        ]
+    }
+
+    fn map(&self, change: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+        let change = |array: &Option<Vec<f64>>| array.as_deref().map(&change);
+        Self {
+            alpha: change(&self.alpha),
+            kernel: change(&self.kernel),
+            compensation: change(&self.compensation),
+            delta: change(&self.delta),
+        }
+    }
+
+    /// The numbers of the points after an upsampling: linear interpolation.
+    pub fn upsampled(&self, arity: u32, closed: bool) -> Self {
+        self.map(|array| {
+            let edges = array.len() - usize::from(!closed);
+            let points = (0..edges).flat_map(|e| (0..arity).map(move |j| between(array, e, j, arity)));
+            let last = array.last().copied().filter(|_| !closed);
+            points.chain(last).collect()
+        })
+    }
+
+    /// Those of the points `start .. start + n`.
+    pub fn part(&self, start: usize, n: usize) -> Self {
+        self.map(|array| array.iter().skip(start).take(n).copied().collect())
+    }
+}
+
+/// The number `j / d` of the way along edge `e`.
+pub fn between(array: &[f64], e: usize, j: u32, d: u32) -> f64 {
+    let next = array[(e + 1) % array.len()];
+    (f64::from(d - j) * array[e] + f64::from(j) * next) / f64::from(d)
+}
+
+impl Attributes {
+    /// Checks that every array given has one number a point.
+    ///
+    /// # Errors
+    /// Faults with pointers below the parameters.
+    pub fn check(&self, n: usize) -> Result<(), Vec<Fault>> {
+        let mut faults = Vec::new();
+        for (name, array) in self.arrays() {
+            let Some(array) = array else { continue };
+            if array.len() != n {
+                let detail = format!("{} numbers for {n} points; give one a point", array.len());
+                faults.push(Fault::new(format!("/{name}"), detail));
+            } else if let Some(i) = array.iter().position(|x| !x.is_finite()) {
+                faults.push(Fault::new(format!("/{name}/{i}"), format!("{} is not a finite number", array[i])));
+            }
+        }
+        if faults.is_empty() { Ok(()) } else { Err(faults) }
+    }
+}
