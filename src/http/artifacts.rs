@@ -17,12 +17,16 @@ use crate::service::computation::Phase;
 /// The bytes of an artifact: immutable, with a strong `ETag` and byte ranges.
 #[utoipa::path(
     get, path = "/v1/artifacts/{file}", tag = "jobs",
-    params(("file" = String, Path, description = "Key of the artifact, a dot, and the extension of its format")),
+    params(
+        ("file" = String, Path, description = "Key of the artifact (64 hexadecimal digits), a dot, and the extension of its format"),
+        ("Range" = Option<String>, Header, description = "One range of bytes, `bytes=first-last`"),
+        ("If-Range" = Option<String>, Header, description = "An ETag; where it is another, `Range` is ignored"),
+        ("If-None-Match" = Option<String>, Header, description = "ETags of results that the client has"),
+    ),
     responses(
         (status = 200, description = "The bytes"),
         (status = 206, description = "The part of them that `Range` asked for"),
         (status = 304, description = "The client has it already (`If-None-Match`)"),
-        (status = "4XX", description = "A problem", body = crate::wire::answer::ProblemAnswer, content_type = "application/problem+json"),
     )
 )]
 pub(super) async fn artifact(

@@ -13,7 +13,7 @@ use crate::math::parameter::shortened;
 use crate::wire::catalogue::{self, FormatEntry, OperatorEntry, PresetEntry};
 
 /// All presets.
-#[utoipa::path(get, path = "/v1/presets", tag = "catalogue", responses((status = 200, body = Vec<PresetEntry>)))]
+#[utoipa::path(get, path = "/v1/presets", tag = "catalogue", responses((status = 200, description = "The presets", body = Vec<PresetEntry>)))]
 pub(super) async fn presets() -> Json<Vec<PresetEntry>> {
     Json(catalogue::presets())
 }
@@ -21,7 +21,7 @@ pub(super) async fn presets() -> Json<Vec<PresetEntry>> {
 /// One preset.
 #[utoipa::path(
     get, path = "/v1/presets/{name}", tag = "catalogue", params(("name" = String, Path, description = "Name of the preset")),
-    responses((status = 200, body = PresetEntry), (status = 404, body = crate::wire::answer::ProblemAnswer, content_type = "application/problem+json"))
+    responses((status = 200, description = "The preset", body = PresetEntry))
 )]
 pub(super) async fn preset(Segment(name): Segment) -> Response {
     let found = catalogue::presets().into_iter().find(|preset| preset.name == name);
@@ -29,7 +29,7 @@ pub(super) async fn preset(Segment(name): Segment) -> Response {
 }
 
 /// All operators.
-#[utoipa::path(get, path = "/v1/operators", tag = "catalogue", responses((status = 200, body = Vec<OperatorEntry>)))]
+#[utoipa::path(get, path = "/v1/operators", tag = "catalogue", responses((status = 200, description = "The operators", body = Vec<OperatorEntry>)))]
 pub(super) async fn operators() -> Json<Vec<OperatorEntry>> {
     Json(catalogue::operators())
 }
@@ -37,7 +37,7 @@ pub(super) async fn operators() -> Json<Vec<OperatorEntry>> {
 /// One operator.
 #[utoipa::path(
     get, path = "/v1/operators/{letter}", tag = "catalogue", params(("letter" = String, Path, description = "Letter of the operator")),
-    responses((status = 200, body = OperatorEntry), (status = 404, body = crate::wire::answer::ProblemAnswer, content_type = "application/problem+json"))
+    responses((status = 200, description = "The operator", body = OperatorEntry))
 )]
 pub(super) async fn operator(Segment(letter): Segment) -> Response {
     let found = catalogue::operators().into_iter().find(|operator| letter == operator.letter.to_string());
@@ -45,7 +45,7 @@ pub(super) async fn operator(Segment(letter): Segment) -> Response {
 }
 
 /// All formats.
-#[utoipa::path(get, path = "/v1/formats", tag = "catalogue", responses((status = 200, body = Vec<FormatEntry>)))]
+#[utoipa::path(get, path = "/v1/formats", tag = "catalogue", responses((status = 200, description = "The formats", body = Vec<FormatEntry>)))]
 pub(super) async fn formats() -> Json<Vec<FormatEntry>> {
     Json(catalogue::formats())
 }
@@ -53,14 +53,18 @@ pub(super) async fn formats() -> Json<Vec<FormatEntry>> {
 /// One limit.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub(super) struct LimitEntry {
+    /// Its name; that of a setting, where it is one.
     name: &'static str,
+    /// Its value.
     value: u64,
+    /// What it counts.
     unit: &'static str,
+    /// What it bounds.
     doc: String,
 }
 
 /// The limits of this server.
-#[utoipa::path(get, path = "/v1/limits", tag = "operations", responses((status = 200, body = Vec<LimitEntry>)))]
+#[utoipa::path(get, path = "/v1/limits", tag = "operations", responses((status = 200, description = "The limits", body = Vec<LimitEntry>)))]
 pub(super) async fn limits(State(app): State<Shared>) -> Json<Vec<LimitEntry>> {
     let fixed = [
         ("max_levels", u64::from(crate::scheme::plan::MAX_LEVELS), "levels", "Most levels of any plan."),

@@ -16,7 +16,6 @@ use crate::wire::job::OutputRequest;
     post, path = "/v1/estimate", tag = "questions", request_body = JobRequest,
     responses(
         (status = 200, description = "What it would come to", body = EstimateAnswer),
-        (status = "4XX", description = "A problem", body = crate::wire::answer::ProblemAnswer, content_type = "application/problem+json"),
     )
 )]
 pub(super) async fn estimate(State(app): State<Shared>, headers: HeaderMap, body: Body) -> Response {

@@ -11,7 +11,7 @@ use super::Shared;
 use super::problem::{self, Problem};
 
 /// The process answers.
-#[utoipa::path(get, path = "/livez", tag = "operations", responses((status = 200, description = "It lives")))]
+#[utoipa::path(get, path = "/livez", tag = "operations", responses((status = 200, description = "It lives", body = String, content_type = "text/plain")))]
 pub(super) async fn livez() -> &'static str {
     "alive\n"
 }
@@ -19,6 +19,7 @@ pub(super) async fn livez() -> &'static str {
 /// How ready the service is.
 #[derive(Debug, Clone, Copy, Serialize, ToSchema)]
 pub(super) struct Readiness {
+    /// True: what is not ready is answered by a problem.
     ready: bool,
     /// Seconds since the canary job last succeeded.
     canary_age_s: f64,
@@ -33,7 +34,6 @@ pub(super) struct Readiness {
     get, path = "/readyz", tag = "operations",
     responses(
         (status = 200, description = "It works", body = Readiness),
-        (status = 503, description = "It does not", body = crate::wire::answer::ProblemAnswer, content_type = "application/problem+json"),
     )
 )]
 pub(super) async fn readyz(State(app): State<Shared>) -> Response {

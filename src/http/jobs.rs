@@ -22,7 +22,6 @@ use crate::wire::answer::{CostAnswer, JobAnswer, OutputAnswer, TimingsAnswer};
     params(("id" = String, Path, description = "Id of the job, 64 hexadecimal digits")),
     responses(
         (status = 200, description = "How it stands", body = JobAnswer),
-        (status = 404, description = "No such job", body = crate::wire::answer::ProblemAnswer, content_type = "application/problem+json"),
     )
 )]
 pub(super) async fn job(State(app): State<Shared>, Segment(id): Segment) -> Response {

@@ -5,6 +5,7 @@ mod artifacts;
 mod body;
 mod canary;
 mod catalogue;
+mod document;
 mod estimate;
 mod guard;
 mod health;
@@ -51,23 +52,6 @@ pub struct App {
 /// The state of the router.
 type Shared = Arc<App>;
 
-/// The document about the interface, but for its paths.
-#[derive(OpenApi)]
-#[openapi(
-    info(
-        title = "planish",
-        description = "Refines control polygons and control meshes by subdivision and answers with meshes and pictures.",
-        license(name = "MIT OR Apache-2.0")
-    ),
-    tags(
-        (name = "jobs", description = "Render, and follow what takes longer."),
-        (name = "questions", description = "Ask before you render."),
-        (name = "catalogue", description = "What can be asked for."),
-        (name = "operations", description = "Health and limits.")
-    )
-)]
-struct Document;
-
 /// All routes and the document that describes them.
 fn routed() -> OpenApiRouter<Shared> {
     // artifacts are answered as they are, or their ETag would not be strong; other texts are compressed
@@ -88,12 +72,12 @@ fn routed() -> OpenApiRouter<Shared> {
         .routes(routes!(pages::problem))
         .routes(routes!(pages::index))
         .layer(CompressionLayer::new());
-    OpenApiRouter::with_openapi(Document::openapi()).merge(artifacts).merge(texts)
+    OpenApiRouter::with_openapi(document::Document::openapi()).merge(artifacts).merge(texts)
 }
 
 /// The OpenAPI document of the interface.
 pub fn document() -> openapi::OpenApi {
-    routed().into_openapi()
+    document::completed(routed().into_openapi())
 }
 
 /// The router of a service.

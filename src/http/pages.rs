@@ -10,7 +10,7 @@ use super::segment::Segment;
 use crate::math::parameter::shortened;
 
 /// The OpenAPI 3.1 document of this interface.
-#[utoipa::path(get, path = "/openapi.json", tag = "operations", responses((status = 200, description = "This document")))]
+#[utoipa::path(get, path = "/openapi.json", tag = "operations", responses((status = 200, description = "This document", body = Object, content_type = "application/json")))]
 pub(super) async fn openapi() -> Response {
     static TEXT: LazyLock<String> = LazyLock::new(super::serve::document_text);
     ([(header::CONTENT_TYPE, "application/json")], TEXT.as_str()).into_response()
@@ -19,7 +19,7 @@ pub(super) async fn openapi() -> Response {
 /// What a kind of problem means.
 #[utoipa::path(
     get, path = "/docs/problems/{kind}", tag = "operations", params(("kind" = String, Path, description = "The last part of a problem's type")),
-    responses((status = 200, description = "A page", content_type = "text/html"), (status = 404, description = "No such kind"))
+    responses((status = 200, description = "A page", body = String, content_type = "text/html"))
 )]
 pub(super) async fn problem(Segment(kind): Segment) -> Response {
     let Some(kind) = KINDS.iter().find(|known| known.slug == kind) else {
@@ -31,7 +31,7 @@ pub(super) async fn problem(Segment(kind): Segment) -> Response {
 }
 
 /// A start page with the way to everything else.
-#[utoipa::path(get, path = "/", tag = "operations", responses((status = 200, description = "A page", content_type = "text/html")))]
+#[utoipa::path(get, path = "/", tag = "operations", responses((status = 200, description = "A page", body = String, content_type = "text/html")))]
 pub(super) async fn index() -> Response {
     let links = ["/openapi.json", "/v1/presets", "/v1/operators", "/v1/formats", "/v1/limits", "/livez", "/readyz"];
     let links: String = links.map(|link| format!("<li><a href=\"{link}\">{link}</a></li>")).concat();

@@ -24,13 +24,19 @@ use crate::wire::job::OutputRequest;
 /// Without `outputs`, `Accept` chooses the format. `Prefer: wait=N` (default 30 s, at most 300 s) bounds the wait; after
 /// it the answer is 202 with the address of the job.
 #[utoipa::path(
-    post, path = "/v1/render", tag = "jobs", request_body = JobRequest,
+    post, path = "/v1/render", tag = "jobs",
+    params(
+        ("Prefer" = Option<String>, Header, description = "`wait=N` waits N seconds at most, `respond-async` not at all"),
+        ("If-None-Match" = Option<String>, Header, description = "ETags of results that the client has"),
+    ),
+    request_body(content = JobRequest, example = json!({
+        "input": { "polygon": { "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "closed": true } },
+        "plan": { "preset": "chaikin" }, "levels": 4, "outputs": [{ "format": "svg" }]
+    })),
     responses(
-        (status = 200, description = "The bytes of the result, in the format asked for"),
+        (status = 200, description = "The bytes of the result, in the format that `outputs` or `Accept` asks for"),
         (status = 202, description = "Not finished in time; `Location` has the job", body = crate::wire::answer::JobAnswer),
         (status = 304, description = "The client has it already (`If-None-Match`)"),
-        (status = "4XX", description = "A problem", body = crate::wire::answer::ProblemAnswer, content_type = "application/problem+json"),
-        (status = "5XX", description = "A problem", body = crate::wire::answer::ProblemAnswer, content_type = "application/problem+json"),
     )
 )]
 pub(super) async fn render(State(app): State<Shared>, headers: HeaderMap, body: Body) -> Response {

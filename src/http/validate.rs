@@ -27,7 +27,6 @@ pub(super) struct ValidateRequest {
     post, path = "/v1/validate", tag = "questions", request_body = ValidateRequest,
     responses(
         (status = 200, description = "The report; `valid` tells whether a job would take the input", body = ValidateAnswer),
-        (status = "4XX", description = "A problem", body = crate::wire::answer::ProblemAnswer, content_type = "application/problem+json"),
     )
 )]
 pub(super) async fn validate(State(app): State<Shared>, headers: HeaderMap, body: Body) -> Response {

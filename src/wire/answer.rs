@@ -47,7 +47,8 @@ impl From<Fault> for FaultAnswer {
 pub struct JobAnswer {
     /// Id of the job.
     pub id: String,
-    /// `queued`, `running`, `done`, `failed` or `cancelled`.
+    /// Where it stands.
+    #[schema(pattern = "^(queued|running|done|failed|cancelled)$")]
     pub state: &'static str,
     /// Share of the work done, from 0 to 1.
     pub progress: f64,
@@ -191,14 +192,17 @@ pub struct MeshReport {
     /// Boundary loops as vertex indices.
     pub boundary_loops: Vec<Vec<u32>>,
     /// How many vertices have each valence.
+    #[schema(schema_with = super::schema::histogram)]
     pub valences: std::collections::BTreeMap<usize, usize>,
     /// How many faces have each size.
+    #[schema(schema_with = super::schema::histogram)]
     pub face_sizes: std::collections::BTreeMap<usize, usize>,
     /// Vertices that no face has.
     pub isolated_vertices: Vec<u32>,
     /// Faces without area.
     pub degenerate_faces: Vec<u32>,
     /// Pairs of vertices at the same place.
+    #[schema(schema_with = super::schema::pairs)]
     pub coincident_vertices: Vec<[u32; 2]>,
 }
 

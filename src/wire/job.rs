@@ -4,7 +4,7 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::literal::WireFields;
-use super::object;
+use super::{object, schema};
 use crate::fault::{Fault, token, under};
 use crate::job::{Input, Job, Output};
 use crate::math::parameter::{Literal, Values, shortened};
@@ -35,11 +35,12 @@ pub struct JobRequest {
     /// How it is refined; may be left out together with `levels`, to convert or draw the input as it is.
     #[serde(default, deserialize_with = "object::optional")]
     pub plan: Option<PlanRequest>,
-    /// How often the plan's cycle is applied.
+    /// How often the plan's cycle is applied; has to be given where there is a plan.
     #[schema(minimum = 0, maximum = 64)]
     pub levels: Option<u64>,
-    /// What is answered.
+    /// What is answered, 1 to 64 results; without any, /v1/render goes by `Accept`.
     #[serde(default)]
+    #[schema(max_items = 64)]
     pub outputs: Vec<OutputRequest>,
 }
 
@@ -55,6 +56,7 @@ pub struct InputRequest {
     pub polygon: Option<PolygonRequest>,
     /// Several control polygons, refined alike.
     #[serde(default, deserialize_with = "object::optional_list")]
+    #[schema(min_items = 1, max_items = 4096)]
     pub polygons: Option<Vec<PolygonRequest>>,
     /// What to do with faces whose winding disagrees with their neighbours': `refuse` (default) or `repair`.
     pub orient: Option<OrientRequest>,
@@ -65,8 +67,10 @@ pub struct InputRequest {
 #[serde(deny_unknown_fields)]
 pub struct MeshRequest {
     /// Vertex positions, `n x 3`, model units.
+    #[schema(schema_with = schema::positions)]
     pub positions: Vec<[f64; 3]>,
     /// Faces as lists of vertex indices, counted from 0, counter-clockwise seen from outside.
+    #[schema(schema_with = schema::faces)]
     pub faces: Vec<Vec<u64>>,
     /// Vertices that keep their place.
     #[serde(default, deserialize_with = "object::list")]
@@ -91,6 +95,7 @@ pub struct CornerRequest {
 #[serde(deny_unknown_fields)]
 pub struct PolygonRequest {
     /// Points, all of the same 1 to 4 coordinates.
+    #[schema(schema_with = schema::points)]
     pub points: Vec<Vec<f64>>,
     /// Whether the last point is joined to the first.
     #[serde(default)]
@@ -172,10 +177,9 @@ pub enum EndsRequest {
 }
 
 /// One result: a `format`, a `name` (the format's when left out) and the format's options, see `/v1/formats`.
-#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[derive(Debug, Clone, Deserialize)]
 #[serde(transparent)]
 pub struct OutputRequest {
-    #[schema(value_type = Object)]
     fields: WireFields,
 }
 

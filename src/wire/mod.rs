@@ -7,5 +7,6 @@ pub mod literal;
 pub mod object;
 pub mod read;
 mod report;
+mod schema;
 
 pub use job::JobRequest;

@@ -9,6 +9,7 @@ mod http;
 mod keys;
 mod laws;
 mod nets;
+mod openapi;
 mod robustness;
 mod shapes;
 mod store;

@@ -1,0 +1,62 @@
+//! Schemas that are not told by the types alone.
+
+use utoipa::openapi::schema::{AdditionalProperties, SchemaType};
+use utoipa::openapi::{ArrayBuilder, Object, ObjectBuilder, RefOr, Schema, Type};
+use utoipa::{PartialSchema, ToSchema};
+
+use super::job::OutputRequest;
+use crate::output::FORMATS;
+
+fn of(kind: Type) -> ObjectBuilder {
+    ObjectBuilder::new().schema_type(SchemaType::new(kind))
+}
+
+fn index() -> Object {
+    of(Type::Integer).minimum(Some(0)).build()
+}
+
+fn lists(item: Object, least: usize, most: Option<usize>, doc: &str) -> RefOr<Schema> {
+    let inner = ArrayBuilder::new().items(item).min_items(Some(least)).max_items(most);
+    ArrayBuilder::new().items(inner).description(Some(doc)).into()
+}
+
+/// Positions in space.
+pub(super) fn positions() -> RefOr<Schema> {
+    lists(of(Type::Number).build(), 3, Some(3), "Vertex positions, `n x 3`, model units.")
+}
+
+/// Points of a polygon.
+pub(super) fn points() -> RefOr<Schema> {
+    lists(of(Type::Number).build(), 1, Some(4), "Points, all of the same 1 to 4 coordinates.")
+}
+
+/// Faces of a mesh.
+pub(super) fn faces() -> RefOr<Schema> {
+    let doc = "Faces as lists of 3 or more vertex indices, counted from 0, counter-clockwise seen from outside.";
+    lists(index(), 3, None, doc)
+}
+
+/// Pairs of vertices.
+pub(super) fn pairs() -> RefOr<Schema> {
+    lists(index(), 2, Some(2), "Pairs of vertices at the same place.")
+}
+
+/// How many there are of each number; as JSON has it, the numbers are texts.
+pub(super) fn histogram() -> RefOr<Schema> {
+    let properties = AdditionalProperties::from(of(Type::Integer).minimum(Some(0)));
+    of(Type::Object).additional_properties(Some(properties)).description(Some("How many there are of each.")).into()
+}
+
+impl PartialSchema for OutputRequest {
+    fn schema() -> RefOr<Schema> {
+        let names = FORMATS.iter().map(|format| format.name());
+        let format = of(Type::String).enum_values(Some(names)).description(Some("The format, see `/v1/formats`."));
+        let doc = "Name among the outputs of the job; the format's when left out.";
+        let name = of(Type::String).pattern(Some("^[A-Za-z0-9._-]{1,64}$")).description(Some(doc));
+        let doc = "One result: a `format`, a `name`, and the format's options, see `/v1/formats`.";
+        let output = of(Type::Object).property("format", format).property("name", name).required("format");
+        output.additional_properties(Some(AdditionalProperties::FreeForm(true))).description(Some(doc)).into()
+    }
+}
+
+impl ToSchema for OutputRequest {}

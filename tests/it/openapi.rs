@@ -1,0 +1,144 @@
+//! The OpenAPI document: committed, true, and fit for a client generator.
+#![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+use std::path::Path;
+
+use planish::http::serve::document_text;
+use planish::output::FORMATS;
+use serde_json::Value;
+
+fn document() -> Value {
+    serde_json::from_str(&document_text()).unwrap()
+}
+
+/// Every operation: method, path, and what the document says of it.
+fn operations(document: &Value) -> Vec<(String, String, &Value)> {
+    let mut found = Vec::new();
+    for (path, methods) in document["paths"].as_object().unwrap() {
+        for (method, operation) in methods.as_object().unwrap() {
+            found.push((method.clone(), path.clone(), operation));
+        }
+    }
+    found
+}
+
+#[test]
+fn the_committed_document_is_what_the_code_says() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("api/openapi.json");
+    if std::env::var_os("BLESS").is_some() {
+        std::fs::write(&path, document_text()).unwrap();
+    }
+    let committed = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(committed == document_text(), "api/openapi.json is out of date; BLESS=1 cargo test openapi:: rewrites it");
+}
+
+#[test]
+fn it_is_openapi_3_1_and_every_reference_leads_somewhere() {
+    let document = document();
+    assert!(document["openapi"].as_str().unwrap().starts_with("3.1."));
+    let text = document_text();
+    for reference in text.split("\"$ref\": \"#").skip(1).map(|rest| rest.split('"').next().unwrap()) {
+        assert!(document.pointer(reference).is_some(), "{reference} leads nowhere");
+    }
+    for name in document["components"]["schemas"].as_object().unwrap().keys() {
+        assert!(text.contains(&format!("#/components/schemas/{name}\"")), "{name} is used nowhere");
+    }
+}
+
+#[test]
+fn every_route_of_the_service_is_described() {
+    let document = document();
+    let described: Vec<String> = operations(&document)
+        .into_iter()
+        .map(|(method, path, _)| format!("{} {path}", method.to_uppercase()))
+        .collect();
+    let routes = [
+        "GET /",
+        "GET /docs/problems/{kind}",
+        "GET /livez",
+        "GET /openapi.json",
+        "GET /readyz",
+        "GET /v1/artifacts/{file}",
+        "HEAD /v1/artifacts/{file}",
+        "POST /v1/estimate",
+        "GET /v1/formats",
+        "GET /v1/jobs/{id}",
+        "GET /v1/limits",
+        "GET /v1/operators",
+        "GET /v1/operators/{letter}",
+        "GET /v1/presets",
+        "GET /v1/presets/{name}",
+        "POST /v1/render",
+        "POST /v1/validate",
+    ];
+    assert_eq!(described, routes);
+}
+
+#[test]
+fn every_operation_says_what_it_takes_and_answers() {
+    let document = document();
+    let mut ids = std::collections::BTreeSet::new();
+    for (method, path, operation) in operations(&document) {
+        let place = format!("{method} {path}");
+        assert!(ids.insert(operation["operationId"].as_str().unwrap().to_owned()), "{place}: the id is taken");
+        assert!(!operation["summary"].as_str().unwrap_or("").is_empty(), "{place} has a summary");
+        let inside = path.split('{').skip(1).map(|rest| rest.split('}').next().unwrap());
+        for name in inside {
+            let parameters = operation["parameters"].as_array().unwrap();
+            assert!(
+                parameters.iter().any(|known| known["name"] == name && known["required"] == true),
+                "{place}: {name}"
+            );
+        }
+        let responses = operation["responses"].as_object().unwrap();
+        for (status, response) in responses {
+            assert!(!response["description"].as_str().unwrap_or("").is_empty(), "{place} {status} has a description");
+            if status.starts_with(['4', '5', 'd']) && method != "head" {
+                let schema = &response["content"]["application/problem+json"]["schema"]["$ref"];
+                assert_eq!(schema, "#/components/schemas/ProblemAnswer", "{place} {status}");
+            }
+            if matches!(status.as_str(), "200" | "202" | "206") && method != "head" {
+                assert!(response["content"].as_object().is_some_and(|content| !content.is_empty()), "{place} {status}");
+            }
+        }
+        assert!(responses.contains_key("default"), "{place} may be refused");
+    }
+}
+
+#[test]
+fn results_come_in_every_format_of_the_registry() {
+    let document = document();
+    for (path, method, status) in
+        [("/v1/render", "post", "200"), ("/v1/artifacts/{file}", "get", "200"), ("/v1/artifacts/{file}", "get", "206")]
+    {
+        let response = &document["paths"][path][method]["responses"][status];
+        for format in FORMATS {
+            assert!(response["content"].get(format.media_type()).is_some(), "{path}: {}", format.name());
+        }
+        for header in ["ETag", "Cache-Status", "Server-Timing", "Content-Location"] {
+            assert!(response["headers"].get(header).is_some(), "{path}: {header}");
+        }
+    }
+    let format = &document["components"]["schemas"]["OutputRequest"]["properties"]["format"]["enum"];
+    let names: Vec<&str> = FORMATS.iter().map(|format| format.name()).collect();
+    assert_eq!(format, &serde_json::json!(names));
+}
+
+#[test]
+fn every_field_of_a_job_is_described_and_no_other_is_allowed() {
+    let document = document();
+    let schemas = &document["components"]["schemas"];
+    for (name, fields) in [
+        ("JobRequest", &["spec", "input", "plan", "levels", "outputs"][..]),
+        ("InputRequest", &["mesh", "polygon", "polygons", "orient"]),
+        ("MeshRequest", &["positions", "faces", "corners", "holes"]),
+        ("PolygonRequest", &["points", "closed", "corners"]),
+        ("PlanRequest", &["preset", "word", "parameters", "boundary", "ends", "seed"]),
+    ] {
+        assert_eq!(schemas[name]["additionalProperties"], false, "{name}");
+        for field in fields {
+            let described = schemas[name]["properties"][field].to_string();
+            assert!(described.contains("description"), "{name}.{field}: {described}");
+        }
+    }
+}
