@@ -22,47 +22,61 @@ use crate::table::{Aim, Table, figure};
 const ROUNDS: usize = 7;
 
 /// Ten quads once halved are 80 triangles: 4084 bytes of STL.
-const JOB: &str = r#"{"input":{"mesh":{"positions":[[0,0,0],[1,0,0],[2,0,1],[3,0,0],[4,0,0],[5,0,0],[0,1,0],[1,1,0],[2,1,1],[3,1,0],[4,1,0],[5,1,0],[0,2,0],[1,2,0],[2,2,1],[3,2,0],[4,2,0],[5,2,0]],"faces":[[0,1,7,6],[1,2,8,7],[2,3,9,8],[3,4,10,9],[4,5,11,10],[6,7,13,12],[7,8,14,13],[8,9,15,14],[9,10,16,15],[10,11,17,16]]}},"plan":{"preset":"bilinear"},"levels":1,"outputs":[{"format":"stl"}]}"#;
+const MESH: &str = r#"{"input":{"mesh":{"positions":[[0,0,0],[1,0,0],[2,0,1],[3,0,0],[4,0,0],[5,0,0],[0,1,0],[1,1,0],[2,1,1],[3,1,0],[4,1,0],[5,1,0],[0,2,0],[1,2,0],[2,2,1],[3,2,0],[4,2,0],[5,2,0]],"faces":[[0,1,7,6],[1,2,8,7],[2,3,9,8],[3,4,10,9],[4,5,11,10],[6,7,13,12],[7,8,14,13],[8,9,15,14],[9,10,16,15],[10,11,17,16]]}},"plan":{"preset":"bilinear"},"levels":1,"outputs":[{"format":"stl"}]}"#;
+
+/// Four points five times doubled: 128 points and 128 edges of 32 bytes together, behind the header of a PLY.
+const POLYGON: &str = r#"{"input":{"polygon":{"points":[[0,0,0],[4,0,1],[4,3,0],[0,3,1]],"closed":true}},"plan":{"preset":"cubic-b-spline"},"levels":5,"outputs":[{"format":"ply"}]}"#;
 
 pub(crate) fn measure(table: &mut Table) {
-    compare(table).expect("both servers answer");
-}
-
-fn compare(table: &mut Table) -> Result<(), Box<dyn Error>> {
-    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().expect("threads can be started");
     let (stop, stopped) = oneshot::channel::<()>();
-    let planish = start_planish(&runtime, stopped)?;
-    let post = format!(
-        "POST /v1/render HTTP/1.1\r\nhost: {planish}\r\ncontent-type: application/json\r\ncontent-length: {}\r\n\r\n{JOB}",
-        JOB.len()
-    );
-    let made = ask(planish, &post)?;
-    let place = made.header("content-location").ok_or("the answer has an address")?.to_owned();
-    let bare = start_bare(&runtime, Bytes::from(made.body.clone()))?;
-    let loads = [
-        Asked::new(bare, format!("GET /bytes HTTP/1.1\r\nhost: {bare}\r\n\r\n"))?,
-        Asked::new(planish, format!("GET {place} HTTP/1.1\r\nhost: {planish}\r\n\r\n"))?,
-        Asked::new(bare, post.replace("/v1/render", "/bytes"))?,
-        Asked::new(planish, post)?,
-    ];
-    let mut rates = [const { Vec::new() }; 4];
-    for _ in 0..ROUNDS {
-        for (load, rates) in loads.iter().zip(&mut rates) {
-            rates.push(rate(load)?);
-        }
-    }
-    for (what, bare, ours) in [("GET /v1/artifacts, cached", 0, 1), ("POST /v1/render, cached", 2, 3)] {
-        // neighbours in time compare best
-        let mut ratios: Vec<f64> = rates[ours].iter().zip(&rates[bare]).map(|(ours, bare)| ours / bare).collect();
-        ratios.sort_unstable_by(f64::total_cmp);
-        let best = |of: usize| figure(rates[of].iter().copied().fold(0.0, f64::max) / 1e3);
-        let bytes = made.body.len();
-        let detail = format!("at best {} k/s, bare axum {} k/s, {bytes} bytes", best(ours), best(bare));
-        table.add(what, (ratios[ROUNDS / 2], "of bare axum"), "", Aim::AtLeast(0.5), &detail);
-    }
+    let compared = start_planish(&runtime, stopped).and_then(|planish| {
+        compare(table, &runtime, planish, "GET /v1/artifacts, cached", MESH, true)?;
+        compare(table, &runtime, planish, "POST /v1/render, cached, polygon", POLYGON, false)?;
+        compare(table, &runtime, planish, "POST /v1/render, cached, mesh", MESH, false)
+    });
+    compared.expect("both servers answer");
     let _ = stop.send(());
     runtime.shutdown_background();
+}
+
+/// Loads planish and a bare handler in turns.
+fn compare(
+    table: &mut Table,
+    runtime: &Runtime,
+    planish: SocketAddr,
+    what: &str,
+    job: &str,
+    by_address: bool,
+) -> Result<(), Box<dyn Error>> {
+    let made = ask(planish, &post(planish, "/v1/render", job))?;
+    let bare = start_bare(runtime, Bytes::from(made.body.clone()))?;
+    let place = made.header("content-location").ok_or("the answer has an address")?;
+    let request = |address, path| if by_address { get_from(address, path) } else { post(address, path, job) };
+    let ours = Asked::new(planish, request(planish, if by_address { place } else { "/v1/render" }))?;
+    let theirs = Asked::new(bare, request(bare, "/bytes"))?;
+    // neighbours in time compare best
+    let mut rounds = Vec::new();
+    for _ in 0..ROUNDS {
+        rounds.push([rate(&ours)?, rate(&theirs)?]);
+    }
+    let best = |of: usize| figure(rounds.iter().map(|rates| rates[of]).fold(0.0, f64::max) / 1e3);
+    let detail = format!("at best {} k/s, bare axum {} k/s, {} bytes", best(0), best(1), made.body.len());
+    let mut ratios: Vec<f64> = rounds.iter().map(|[ours, theirs]| ours / theirs).collect();
+    ratios.sort_unstable_by(f64::total_cmp);
+    table.add(what, (ratios[ROUNDS / 2], "of bare axum"), "", Aim::AtLeast(0.5), &detail);
     Ok(())
+}
+
+fn get_from(address: SocketAddr, path: &str) -> String {
+    format!("GET {path} HTTP/1.1\r\nhost: {address}\r\n\r\n")
+}
+
+fn post(address: SocketAddr, path: &str, job: &str) -> String {
+    let length = job.len();
+    format!(
+        "POST {path} HTTP/1.1\r\nhost: {address}\r\ncontent-type: application/json\r\ncontent-length: {length}\r\n\r\n{job}"
+    )
 }
 
 fn start_planish(runtime: &Runtime, stopped: oneshot::Receiver<()>) -> Result<SocketAddr, Box<dyn Error>> {
