@@ -4,6 +4,7 @@ mod cache;
 mod expressions;
 mod forecast;
 mod formats;
+mod hardening;
 mod house;
 mod http;
 mod keys;

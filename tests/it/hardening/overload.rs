@@ -1,0 +1,58 @@
+//! More work than there is room for.
+
+use planish::config::Settings;
+
+use crate::http::jobs::{endless, mesh, with};
+use crate::http::server::{settings, story, until};
+
+#[test]
+fn a_full_queue_is_answered_503_while_cached_answers_and_health_go_on() {
+    story(Settings { max_queue: 2, ..settings() }, async |server| {
+        let cached = server.render(&mesh(1)).await.ok();
+        until("the canary has sung", || server.app.canary.last_success().is_some()).await;
+        let held = server.hold().await;
+        for format in ["obj", "ply"] {
+            let answer = server.post_with("/v1/render", &with(mesh(2), format), &[("prefer", "wait=0")]).await;
+            assert_eq!(answer.status, 202);
+        }
+        for _ in 0..20 {
+            let refused = server.render(&with(mesh(2), "stl")).await;
+            refused.problem(503, "busy");
+            assert!(refused.header("retry-after").parse::<u64>().unwrap() >= 1);
+            let hit = server.render(&mesh(1)).await.ok();
+            assert_eq!(hit.header("cache-status"), "planish; hit");
+            assert_eq!(hit.body, cached.body);
+            for health in ["/livez", "/readyz"] {
+                assert_eq!(server.get(health).await.status, 200, "{health}");
+            }
+        }
+        let joined = server.post_with("/v1/render", &with(mesh(2), "obj"), &[("prefer", "wait=0")]).await;
+        assert_eq!(joined.status, 202, "who joins needs no place");
+        drop(held);
+        until("the queue is empty", || server.app.desk.n_under_way() == 0).await;
+        server.render(&with(mesh(2), "stl")).await.ok();
+    });
+}
+
+#[test]
+fn short_work_does_not_wait_behind_long_work() {
+    story(settings(), async |server| {
+        let client = server.said(&server.request("/v1/render", "", &with(endless(), "stats").to_string())).await;
+        until("the long one runs", || server.app.desk.n_under_way() == 1 && server.app.desk.pool.waiting() == [0, 0])
+            .await;
+        server.render(&mesh(2)).await.ok();
+        assert_eq!(server.app.desk.n_under_way(), 1, "the long one still runs");
+        drop(client);
+    });
+}
+
+#[test]
+fn a_job_that_is_too_large_is_refused_before_it_takes_a_place() {
+    story(settings(), async |server| {
+        let held = server.hold().await;
+        for levels in [20, 40, 64] {
+            server.render(&mesh(levels)).await.problem(422, "too-large");
+        }
+        drop(held);
+    });
+}
