@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::local::Local;
 use super::step::StepError;
-use super::window::Window;
+use super::window::{Window, steps};
 use crate::math::rows::Rows;
 use crate::shape::attributes::Attributes;
 use crate::shape::topology::index;
@@ -113,7 +113,7 @@ impl Anchor {
 impl Phase {
     /// The index `j` of control point 0, counted so that vertices stand at the multiples of the arity.
     pub(super) fn start(self) -> isize {
-        let (d, offset) = (self.arity as isize, self.offset as isize);
+        let (d, offset) = (steps(self.arity), steps(self.offset));
         -((d - offset) % d)
     }
 
@@ -185,7 +185,7 @@ impl PolygonNet {
 
     /// Whether control point `i` is a child of a vertex of the last U.
     pub fn is_vertex(&self, i: isize) -> bool {
-        let on = |phase: Phase| (i + phase.offset as isize).rem_euclid(phase.arity as isize) == 0;
+        let on = |phase: Phase| (i + steps(phase.offset)).rem_euclid(steps(phase.arity)) == 0;
         self.phase.is_none_or(on)
     }
 
@@ -196,9 +196,9 @@ impl PolygonNet {
         Self { duals: self.duals + by, anchor, ..self }
     }
 
-    /// The labels of this net, made of `old` by an upsampling: multiples of the arity, counted from control point 0.
-    pub(super) fn phase_of(&self, old: &Self, arity: u32) -> Phase {
-        let start = Window::upsample(arity).land(old.n as u128, old.extent).start;
+    /// The labels after an upsampling of this net: vertices stand at the multiples of the arity.
+    pub(super) fn phase_after(&self, arity: u32) -> Phase {
+        let start = Window::upsample(arity).land(self.n as u128, self.extent).start;
         Phase { arity, offset: 0 }.moved(start)
     }
 
@@ -208,7 +208,7 @@ impl PolygonNet {
             return 1.0;
         }
         let (Some(local), Some(phase)) = (self.local.as_ref().filter(|_| first), self.phase) else { return f };
-        let (d, n) = (phase.arity as isize, local.kernel.len().cast_signed());
+        let (d, n) = (steps(phase.arity), local.kernel.len().cast_signed());
         local.kernel[(i + phase.start()).div_euclid(d).rem_euclid(n).unsigned_abs()]
     }
 

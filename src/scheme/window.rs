@@ -13,6 +13,12 @@ pub struct Window {
     pub last: i32,
 }
 
+/// An arity or a part of one as a signed number of steps.
+#[expect(clippy::cast_possible_wrap, reason = "arities are at most 8")]
+pub(super) const fn steps(n: u32) -> isize {
+    n as isize
+}
+
 /// A polygon after an operator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Landing {

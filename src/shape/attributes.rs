@@ -37,6 +37,7 @@ impl Attributes {
     }
 
     /// The numbers of the points after an upsampling: linear interpolation.
+    #[must_use]
     pub fn upsampled(&self, arity: u32, closed: bool) -> Self {
         self.map(|array| {
             let edges = array.len() - usize::from(!closed);
@@ -47,6 +48,7 @@ impl Attributes {
     }
 
     /// Those of the points `start .. start + n`.
+    #[must_use]
     pub fn part(&self, start: usize, n: usize) -> Self {
         self.map(|array| array.iter().skip(start).take(n).copied().collect())
     }

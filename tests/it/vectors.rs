@@ -168,9 +168,12 @@ fn curve(vector: &Value) -> usize {
         let fraction = |text: &Value| {
             let text = text.as_str().expect("parameters of points are fractions");
             let (p, q) = text.split_once('/').unwrap_or((text, "1"));
-            p.parse::<f64>().unwrap() / q.parse::<f64>().unwrap()
+            let number = |text: &str| text.parse::<f64>().expect("parts of a fraction are numbers");
+            number(p) / number(q)
         };
-        let list = |name: &str| vector["input"][name].as_array().unwrap().iter().map(fraction).collect::<Vec<_>>();
+        let list = |name: &str| {
+            vector["input"][name].as_array().expect("parameters are lists").iter().map(fraction).collect::<Vec<_>>()
+        };
         polygon["parameters"] = json!({ "kernel": list("f"), "compensation": list("omega"), "delta": list("delta") });
     }
     let convention = vector["index_convention"].as_str().unwrap_or_default();

@@ -87,7 +87,7 @@ impl Operator for Circle {
         }
         let (landed, rows) = apply(net, window, Mask::clone(mask))?;
         let anchor = polygon_net::Anchor::of(net);
-        let phase = Some(landed.phase_of(net, letter.arity));
+        let phase = Some(net.phase_after(letter.arity));
         let next = PolygonNet { duals: 0, phase, anchor: Some(anchor), ..landed };
         Ok(Step { net: next, action: Action::BlendFromAnchor(rows) })
     }

@@ -6,7 +6,7 @@ use crate::math::rows::{RowSource, Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::polygon_net::{From, PolygonNet};
 use crate::scheme::step::{Action, Step, StepError, Values};
-use crate::scheme::window::Window;
+use crate::scheme::window::{Window, steps};
 use crate::scheme::word::Letter;
 use crate::shape::topology::index;
 
@@ -73,7 +73,7 @@ pub(super) fn apply(
                 old.add(j, 1.0, out);
                 return;
             }
-            let d = window.arity as isize;
+            let d = steps(window.arity);
             let (lowest, highest) = (j - window.last as isize, j - window.first as isize);
             for i in -(-lowest).div_euclid(d)..=highest.div_euclid(d) {
                 let weight = mask.at(j - d * i);

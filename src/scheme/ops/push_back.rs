@@ -11,6 +11,7 @@ use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::{self, MeshNet};
 use crate::scheme::polygon_net::{self, PolygonNet};
 use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::window::steps;
 use crate::scheme::word::Letter;
 use crate::shape::topology::{Topology, index};
 
@@ -91,7 +92,7 @@ impl Operator for PushBack {
         let delta = values.delta.value(f64::NAN).map_err(|error| StepError::Delta { valence: 2, error })?;
         let phase = net.phase.ok_or(StepError::NoAnchor)?;
         // control point k of the net has the index j = k + start, and vertices stand at the multiples of d
-        let (d, start) = (phase.arity as isize, phase.start());
+        let (d, start) = (steps(phase.arity), phase.start());
         let children = children_of(&anchor, net, d, start);
         let (last, first) = (net.n - 1, net.first().cast_signed());
         let shares: Vec<f64> = (0..d).map(|steps| self.0.of(steps, d, values)).collect();

@@ -8,7 +8,7 @@ use crate::scheme::local::Local;
 use crate::scheme::mesh_net::{self, MeshNet};
 use crate::scheme::polygon_net::{self, From, PolygonNet};
 use crate::scheme::step::{Action, Step, StepError, Values};
-use crate::scheme::window::Window;
+use crate::scheme::window::{Window, steps};
 use crate::scheme::word::Letter;
 use crate::shape::topology::{Topology, index};
 
@@ -54,7 +54,7 @@ impl Operator for Upsample {
         let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match origin.of(row) {
             From::End(end) => out.add(index(end), 1.0),
             From::Point(j) => {
-                let d = arity as isize;
+                let d = steps(arity);
                 let (i, j) = (j.div_euclid(d), j.rem_euclid(d).unsigned_abs());
                 let d = arity as usize;
                 if j == 0 {
@@ -68,7 +68,7 @@ impl Operator for Upsample {
         let anchor = polygon_net::Anchor::of(net);
         let local = values.sources.as_ref().map_or(Ok(None), |sources| Local::of(net, arity, sources))?;
         let attributes = net.attributes.as_ref().map(|kept| Arc::new(kept.upsampled(arity, net.is_closed())));
-        let phase = Some(landed.phase_of(net, arity));
+        let phase = Some(net.phase_after(arity));
         let next = PolygonNet { duals: 0, phase, anchor: Some(anchor), attributes, local, ..landed };
         Ok(Step { net: next, action: Action::BlendFromAnchor(Box::new(rows)) })
     }

@@ -33,7 +33,7 @@ pub(super) const TWO_N_POINT: Preset = Preset {
 fn deslauriers_dubuc(n: u128, j: u128) -> f64 {
     let odds = (1..=n).flat_map(|i| [2 * i - 1, 2 * i - 1]);
     let twos = std::iter::repeat_n(2, usize::try_from(2 * n - 1).unwrap_or(0));
-    let factorials = (1..=n + j - 1).chain(1..=n - j);
+    let factorials = (1..n + j).chain(1..=n - j);
     let denominators: Vec<u128> = twos.chain(factorials).chain([2 * j - 1]).collect();
     let (mut numerator, mut denominator) = (1_u128, 1_u128);
     let mut odds = odds.chain(std::iter::repeat(1));

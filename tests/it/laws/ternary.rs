@@ -1,6 +1,8 @@
 //! Schemes given by masks: each row of the blending scheme's table is the scheme that it names, special cases coincide,
 //! polynomials are reproduced, ends stay.
 
+#![expect(clippy::float_cmp, reason = "weights that are dyadic are exact")]
+
 use serde_json::{Value, json};
 
 use crate::support::json;
@@ -10,7 +12,7 @@ fn mask(plan: &Value) -> Vec<f64> {
     let mut points = vec![[0.0]; 33];
     points[16] = [1.0];
     let job = json!({ "input": { "polygon": { "points": points, "closed": true } }, "plan": plan, "levels": 1 });
-    let found: Vec<[f64; 1]> = serde_json::from_value(json(job)["points"].clone()).unwrap();
+    let found: Vec<[f64; 1]> = serde_json::from_value(json(job)["points"].clone()).expect("points are lists");
     let middle = 16 * found.len() / 33;
     (0..=8).map(|k| found[middle + k][0]).collect()
 }
