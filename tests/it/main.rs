@@ -1,6 +1,7 @@
 //! One binary, one story a file.
 
 mod cache;
+mod cli;
 mod expressions;
 mod forecast;
 mod formats;

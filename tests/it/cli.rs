@@ -1,0 +1,300 @@
+//! The command line: the same jobs as over HTTP, to the same bytes.
+#![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+
+use planish::config::Settings;
+use planish::output::FORMATS;
+use serde_json::{Value, json};
+
+use crate::http::jobs::{endless, formats, mesh, polygon, with};
+use crate::http::server::Folder;
+use crate::support::render;
+
+/// The program, away from the settings of whoever runs the tests.
+fn planish() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_planish"));
+    for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("PLANISH_")) {
+        command.env_remove(name);
+    }
+    command.stdin(Stdio::null());
+    command
+}
+
+fn run(arguments: &[&str]) -> Output {
+    planish().args(arguments).output().unwrap()
+}
+
+/// Runs with something on standard input.
+fn piped(arguments: &[&str], input: &Value) -> Output {
+    let mut child =
+        planish().args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    child.stdin.take().unwrap().write_all(input.to_string().as_bytes()).unwrap();
+    child.wait_with_output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn saved(folder: &Folder, job: &Value) -> String {
+    let path = folder.path().join("job.json");
+    std::fs::write(&path, job.to_string()).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+/// Fails with code 1 and one of these sentences.
+fn refused(output: &Output, parts: &[&str]) {
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(output.stdout.is_empty(), "nothing but an answer goes to standard output");
+    for part in parts {
+        assert!(said.contains(part), "{part:?} in {said}");
+    }
+}
+
+#[test]
+fn the_extension_chooses_the_format_and_the_bytes_are_those_of_the_library() {
+    let folder = Folder::new();
+    for (is_mesh, job) in [(true, mesh(2)), (false, polygon(2))] {
+        let path = saved(&folder, &job);
+        for format in formats(is_mesh).into_iter().filter(|format| format.name() == format.extension()) {
+            let target = folder.path().join(format!("out.{}", format.extension()));
+            let output = run(&["render", &path, "-o", target.to_str().unwrap()]);
+            assert!(output.status.success(), "{}", text(&output.stderr));
+            let (expected, _) = render(&with(job.clone(), format.name())).unwrap();
+            assert_eq!(std::fs::read(&target).unwrap(), expected, "{}", format.name());
+        }
+    }
+    let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert!(left.iter().all(|name| !name.to_string_lossy().contains("part")), "{left:?}");
+}
+
+#[test]
+fn a_dash_is_a_standard_stream() {
+    for format in FORMATS.iter().filter(|format| formats(true).iter().any(|held| held.name() == format.name())) {
+        let output = piped(&["render", "-", "-o", "-", "--format", format.name()], &mesh(1));
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        assert!(output.stderr.is_empty(), "no bar without a terminal");
+        let (expected, _) = render(&with(mesh(1), format.name())).unwrap();
+        assert_eq!(output.stdout, expected, "{}", format.name());
+    }
+    let one = piped(&["render", "-", "-o", "-"], &with(mesh(1), "obj"));
+    assert_eq!(one.stdout, render(&with(mesh(1), "obj")).unwrap().0, "the job's only output");
+    refused(&piped(&["render", "-", "-o", "-"], &mesh(1)), &["--format"]);
+}
+
+#[test]
+fn the_options_of_the_output_that_fits_are_used() {
+    let folder = Folder::new();
+    let mut job = mesh(1);
+    job["outputs"] = json!([{ "format": "obj" }, { "format": "png", "width": 60, "height": 40 }]);
+    let target = folder.path().join("picture.png");
+    let output = run(&["render", &saved(&folder, &job), "-o", target.to_str().unwrap()]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let picture = image::load_from_memory(&std::fs::read(&target).unwrap()).unwrap();
+    assert_eq!((picture.width(), picture.height()), (60, 40));
+}
+
+#[test]
+fn mistakes_are_named_with_their_place_and_end_with_code_1() {
+    let folder = Folder::new();
+    let target = folder.path().join("out.glb");
+    let render = |job: &Value| run(&["render", &saved(&folder, job), "-o", target.to_str().unwrap()]);
+    let mut typo = mesh(2);
+    typo["level"] = json!(2);
+    refused(&render(&typo), &["/level", "unknown field", "levels"]);
+    let mut index = mesh(2);
+    index["input"]["mesh"]["faces"][2][0] = json!(80);
+    refused(&render(&index), &["/input/mesh/faces/2/0", "80"]);
+    refused(&render(&mesh(40)), &["at most"]);
+    let drawing = folder.path().join("out.svg");
+    refused(&run(&["render", &saved(&folder, &mesh(1)), "-o", drawing.to_str().unwrap()]), &["/outputs/0/format"]);
+    assert!(!target.exists() && !drawing.exists(), "a job that fails leaves no file");
+    refused(&run(&["render", "/nowhere/job.json", "-o", "out.glb"]), &["/nowhere/job.json"]);
+    let half = folder.path().join("half.json");
+    std::fs::write(&half, "{\"input\": ").unwrap();
+    refused(&run(&["render", half.to_str().unwrap(), "-o", "x.glb"]), &["not JSON", "line 1"]);
+    refused(&run(&["render", &saved(&folder, &mesh(1)), "-o", "x.fbx"]), &[".fbx", "--format"]);
+    refused(&run(&["render", &saved(&folder, &mesh(1)), "-o", "/nowhere/x.glb"]), &["/nowhere/x.glb"]);
+    refused(&run(&["render", &saved(&folder, &mesh(4)), "-o", "x.glb", "--max-faces", "100"]), &["100 faces"]);
+    assert_eq!(run(&["rendre"]).status.code(), Some(2), "a wrong command line is no failed job");
+}
+
+#[test]
+fn an_estimate_is_that_of_the_service() {
+    let output = piped(&["estimate", "-"], &mesh(3));
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let estimate: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(estimate["levels"][3]["faces"], 384);
+    let settings = crate::http::server::settings();
+    let answered =
+        crate::http::server::story(settings, async |server| server.post("/v1/estimate", &mesh(3)).await.json());
+    assert_eq!(estimate, answered);
+    refused(&piped(&["estimate", "-"], &json!({ "input": {} })), &["/input"]);
+}
+
+#[test]
+fn presets_are_listed_and_explained() {
+    let list = text(&run(&["presets"]).stdout);
+    for preset in planish::scheme::presets::PRESETS {
+        assert!(list.lines().any(|line| line.starts_with(preset.name)), "{}", preset.name);
+        let one = text(&run(&["presets", preset.name]).stdout);
+        for parameter in preset.parameters {
+            assert!(one.contains(parameter.name), "{} of {}", parameter.name, preset.name);
+        }
+        assert!(one.contains(preset.source), "{one}");
+    }
+    refused(&run(&["presets", "nurbs"]), &["nurbs", "planish presets"]);
+}
+
+#[test]
+fn help_lists_every_setting_with_its_variable_and_default() {
+    let output = planish().args(["serve", "--help"]).output().unwrap();
+    assert!(output.status.success());
+    let help = text(&output.stdout);
+    for (name, _, _, _) in Settings::default().list() {
+        assert!(help.contains(&format!("--{}", name.replace('_', "-"))), "--{name}");
+        assert!(help.contains(&format!("PLANISH_{}", name.to_uppercase())), "PLANISH_{name}");
+    }
+    let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(help.matches("[default: ").count() >= Settings::default().list().len(), "{help}");
+    for (command, word) in [("render", "--output"), ("estimate", "JOB"), ("presets", "NAME"), ("health", "--url")] {
+        assert!(text(&run(&[command, "--help"]).stdout).contains(word), "{command}");
+    }
+}
+
+#[test]
+fn settings_come_from_flags_then_variables_then_the_file() {
+    let folder = Folder::new();
+    let file = folder.path().join("planish.toml");
+    std::fs::write(&file, "max-faces = 1\nmax-queue = 2\nmax-wait = 3\n").unwrap();
+    let with_file = |file: &Path| {
+        let mut command = planish();
+        command.args(["serve", "--listen", "127.0.0.1:0", "--cache-bytes", "0", "--config"]).arg(file);
+        command
+    };
+    refused(&with_file(&file).output().unwrap(), &["max-wait"]);
+    refused(&with_file(&folder.path().join("none.toml")).output().unwrap(), &["none.toml"]);
+    std::fs::write(&file, "max-faces = 1\nmax-queue = 2\nmax-vertices = 3\ndata-dir = \"\"\n").unwrap();
+    let mut command = with_file(&file);
+    command.args(["--max-faces", "100"]).env("PLANISH_MAX_FACES", "10").env("PLANISH_MAX_QUEUE", "20");
+    let (service, url) = started(&mut command);
+    let limits: Value = serde_json::from_str(&get(&url, "/v1/limits")).unwrap();
+    let value =
+        |name: &str| limits.as_array().unwrap().iter().find(|limit| limit["name"] == name).unwrap()["value"].clone();
+    assert_eq!((value("max_faces"), value("max_queue"), value("max_vertices")), (100.into(), 20.into(), 3.into()));
+    assert_eq!(ended(service), Some(0));
+}
+
+#[test]
+fn a_service_serves_until_it_is_told_to_end_and_ends_well() {
+    let folder = Folder::new();
+    let mut command = planish();
+    command.args(["serve", "--listen", "127.0.0.1:0", "--data-dir"]).arg(folder.path());
+    let (service, url) = started(&mut command);
+    assert_eq!(get(&url, "/livez"), "alive\n");
+    let made = post(&url, &mesh(2), "");
+    assert!(made.starts_with("HTTP/1.1 200"), "{made}");
+    assert_eq!(ended(service), Some(0));
+
+    let (service, url) = started(&mut command);
+    let kept = post(&url, &mesh(2), "");
+    assert!(kept.contains("planish; hit"), "{kept}");
+    assert_eq!(ended(service), Some(0));
+}
+
+#[test]
+fn a_service_with_an_endless_job_ends_in_time_too() {
+    let mut command = planish();
+    command.args(["serve", "--listen", "127.0.0.1:0", "--cache-bytes", "0", "--shutdown-timeout-s", "1"]);
+    let (service, url) = started(&mut command);
+    let later = post(&url, &with(endless(), "stats"), "prefer: wait=0\r\n");
+    assert!(later.starts_with("HTTP/1.1 202"), "{later}");
+    assert_eq!(ended(service), Some(0));
+}
+
+#[test]
+fn health_tells_by_its_code_whether_a_service_is_ready() {
+    let mut command = planish();
+    command.args(["serve", "--listen", "127.0.0.1:0", "--cache-bytes", "0"]);
+    let (service, url) = started(&mut command);
+    let start = std::time::Instant::now();
+    while !run(&["health", "--url", &format!("http://{url}")]).status.success() {
+        assert!(start.elapsed() < crate::http::server::PATIENCE, "never ready");
+    }
+    assert_eq!(ended(service), Some(0));
+    refused(&run(&["health", "--url", &format!("http://{url}")]), &["no answer"]);
+}
+
+#[test]
+fn a_service_that_cannot_start_says_why() {
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = taken.local_addr().unwrap().to_string();
+    refused(&run(&["serve", "--listen", &address, "--cache-bytes", "0"]), &[&address, "--listen"]);
+    refused(&run(&["serve", "--listen", "127.0.0.1:0", "--data-dir", "/dev/null/x"]), &["--data-dir"]);
+    refused(&run(&["serve", "--max-queue", "0"]), &["max_queue"]);
+}
+
+/// A service under its own process; ended when the test is.
+struct Service(Child);
+
+impl Drop for Service {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Starts a service; it and its host and port.
+fn started(command: &mut Command) -> (Service, String) {
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut said = BufReader::new(child.stderr.take().unwrap());
+    let mut line = String::new();
+    said.read_line(&mut line).unwrap();
+    let url = line.trim().rsplit("http://").next().unwrap().to_owned();
+    assert!(line.contains("listening"), "{line}");
+    // whatever else it says is read, so that it never waits for a reader
+    std::thread::spawn(move || std::io::copy(&mut said, &mut std::io::sink()));
+    (Service(child), url)
+}
+
+/// Tells a service to end; its code.
+fn ended(mut service: Service) -> Option<i32> {
+    let told = Command::new("kill").args(["-TERM", &service.0.id().to_string()]).status().unwrap();
+    assert!(told.success());
+    let start = std::time::Instant::now();
+    loop {
+        if let Some(status) = service.0.try_wait().unwrap() {
+            return status.code();
+        }
+        assert!(start.elapsed() < crate::http::server::PATIENCE, "it does not end");
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+}
+
+fn exchanged(host: &str, request: &str) -> String {
+    let mut stream = std::net::TcpStream::connect(host).unwrap();
+    stream.write_all(request.as_bytes()).unwrap();
+    let mut answer = Vec::new();
+    stream.read_to_end(&mut answer).unwrap();
+    text(&answer)
+}
+
+fn get(host: &str, path: &str) -> String {
+    let answer = exchanged(host, &format!("GET {path} HTTP/1.1\r\nhost: {host}\r\nconnection: close\r\n\r\n"));
+    answer.split_once("\r\n\r\n").unwrap().1.to_owned()
+}
+
+fn post(host: &str, job: &Value, headers: &str) -> String {
+    let job = job.to_string();
+    let length = job.len();
+    exchanged(
+        host,
+        &format!(
+            "POST /v1/render HTTP/1.1\r\nhost: {host}\r\nconnection: close\r\ncontent-type: application/json\r\ncontent-length: {length}\r\n{headers}\r\n{job}"
+        ),
+    )
+}
