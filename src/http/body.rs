@@ -15,6 +15,9 @@ use crate::wire::read::read;
 /// Bodies up to this length are parsed where they arrive; longer ones on the blocking pool.
 const SHORT_BYTES: usize = 16 << 10;
 
+/// Of a body that is refused, so much is read and forgotten at most.
+const DRAINED_BYTES: u64 = 64 << 20;
+
 /// Reads the body of a request as JSON.
 ///
 /// # Errors
@@ -43,7 +46,36 @@ pub(super) async fn off_loop<T: Send + 'static>(
 }
 
 /// The bytes of a body that says it is JSON.
-pub(super) async fn collect(app: &App, headers: &HeaderMap, body: Body) -> Result<Bytes, Problem> {
+pub(super) async fn collect(app: &App, headers: &HeaderMap, mut body: Body) -> Result<Bytes, Problem> {
+    let collected = collected(app, headers, &mut body).await;
+    let is_coming =
+        collected.as_ref().is_err_and(|problem| !problem.is(problem::SLOW) && !problem.is(problem::NOT_JSON));
+    if is_coming && !headers.contains_key(header::EXPECT) && announced(headers).unwrap_or(0) <= DRAINED_BYTES {
+        drain(body, Duration::from_secs(app.settings.body_timeout_s)).await;
+    }
+    collected
+}
+
+/// Reads the rest of a refused body and forgets it: most clients read no answer before they have sent everything.
+async fn drain(mut body: Body, most: Duration) {
+    let mut left = DRAINED_BYTES;
+    let reading = async {
+        while let Some(Ok(frame)) = body.frame().await {
+            let length = frame.data_ref().map_or(0, Bytes::len) as u64;
+            let Some(rest) = left.checked_sub(length) else { return };
+            left = rest;
+        }
+    };
+    // a client that takes longer than `most` has to do without the answer
+    let _ = tokio::time::timeout(most, reading).await;
+}
+
+/// The length that the client says the body has.
+fn announced(headers: &HeaderMap) -> Option<u64> {
+    headers.get(header::CONTENT_LENGTH)?.to_str().ok()?.parse().ok()
+}
+
+async fn collected(app: &App, headers: &HeaderMap, body: &mut Body) -> Result<Bytes, Problem> {
     check_media_type(headers)?;
     let limit = app.settings.max_body_bytes;
     let too_long = |length: u64| {
@@ -54,12 +86,10 @@ pub(super) async fn collect(app: &App, headers: &HeaderMap, body: Body) -> Resul
         );
         Problem::new(problem::BODY_TOO_LONG, detail)
     };
-    let announced = headers.get(header::CONTENT_LENGTH).and_then(|value| value.to_str().ok()?.parse::<u64>().ok());
-    if let Some(length) = announced.filter(|length| *length > limit) {
+    if let Some(length) = announced(headers).filter(|length| *length > limit) {
         return Err(too_long(length));
     }
     let silence = Duration::from_secs(app.settings.body_timeout_s);
-    let mut body = body;
     let mut bytes = Vec::new();
     loop {
         let frame = tokio::time::timeout(silence, body.frame()).await.map_err(|_| {

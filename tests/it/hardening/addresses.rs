@@ -23,7 +23,7 @@ fn no_trick_with_an_address_leads_anywhere() {
             format!("..%2fartifacts%2f{}%2f{id}", &id[..2]),
             format!("%2e%2e%2f{id}.glb"),
             format!("..%5c{id}.glb"),
-            format!("%2e%2e%2f%2e%2e%2fetc%2fpasswd"),
+            "%2e%2e%2f%2e%2e%2fetc%2fpasswd".to_owned(),
             format!("{}\u{ff10}.glb", &id[..63]).replace('\u{ff10}', "%ef%bc%90"),
             format!("{}%c0%af.glb", &id[..62]),
             format!("{id}{id}.glb"),
