@@ -5,6 +5,7 @@ mod browsers;
 mod caching;
 mod catalogue;
 mod errors;
+mod examples;
 mod formats;
 pub(crate) mod jobs;
 mod negotiation;

@@ -18,7 +18,7 @@ use tokio::net::TcpStream;
 use tokio::sync::oneshot;
 
 /// Nothing a story waits for takes this long, however slow the machine.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(240);
+pub(crate) const PATIENCE: Duration = Duration::from_mins(4);
 
 /// A server that keeps nothing on disk, with one place in each lane.
 pub(crate) fn settings() -> Settings {

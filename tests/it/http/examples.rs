@@ -1,0 +1,227 @@
+//! One request and its full answer for every route, in `api/examples/http`: told by a running server, kept true here.
+
+use std::path::{Path, PathBuf};
+
+use axum::http::HeaderMap;
+use serde_json::Value;
+
+use super::jobs::{mesh, polygon, with};
+use super::server::{Answer, Server, settings, story};
+
+/// A request, as it stands in a file.
+struct Asked {
+    method: &'static str,
+    path: String,
+    headers: Vec<(&'static str, String)>,
+    body: String,
+}
+
+impl Asked {
+    fn get(path: impl Into<String>) -> Self {
+        Self { method: "GET", path: path.into(), headers: Vec::new(), body: String::new() }
+    }
+
+    fn post(path: &str, body: &Value) -> Self {
+        let body = body.to_string();
+        Self { method: "POST", path: path.into(), headers: vec![("content-type", "application/json".into())], body }
+    }
+
+    fn with(mut self, name: &'static str, value: impl Into<String>) -> Self {
+        self.headers.push((name, value.into()));
+        self
+    }
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("api/examples/http")
+}
+
+#[test]
+fn the_committed_requests_have_the_committed_answers() {
+    let told = story(settings(), async |server| {
+        let mut told = Vec::new();
+        told.extend(results(server).await);
+        told.extend(questions(server).await);
+        told.extend(refusals(server).await);
+        told
+    });
+    if std::env::var_os("BLESS").is_some() {
+        let _ = std::fs::remove_dir_all(folder());
+        std::fs::create_dir_all(folder()).unwrap();
+        told.iter().for_each(|(name, text)| std::fs::write(folder().join(format!("{name}.http")), text).unwrap());
+    }
+    for (name, text) in &told {
+        let committed = std::fs::read_to_string(folder().join(format!("{name}.http"))).unwrap_or_default();
+        assert_eq!(&committed, text, "{name}.http is out of date; BLESS=1 cargo test examples rewrites it");
+    }
+    let n_files = std::fs::read_dir(folder()).unwrap().count();
+    assert_eq!(n_files, told.len(), "every file is told by the server");
+}
+
+/// Render, artifacts, jobs.
+async fn results(server: &Server) -> Vec<(&'static str, String)> {
+    let mut told = Vec::new();
+    let render = || Asked::post("/v1/render", &mesh(1)).with("accept", "model/gltf-binary");
+    told.push(("render-miss", exchange(server, render()).await));
+    told.push(("render-hit", exchange(server, render()).await));
+    let made = server.render(&mesh(1)).await.ok();
+    let (etag, place) = (made.header("etag").to_owned(), made.header("content-location").to_owned());
+    told.push(("render-not-modified", exchange(server, render().with("if-none-match", etag.clone())).await));
+    told.push(("render-svg", exchange(server, Asked::post("/v1/render", &with(polygon(2), "svg"))).await));
+    told.push(("artifact", exchange(server, Asked::get(place.clone())).await));
+    told.push(("artifact-head", exchange(server, Asked { method: "HEAD", ..Asked::get(place.clone()) }).await));
+    told.push(("artifact-range", exchange(server, Asked::get(place.clone()).with("range", "bytes=0-11")).await));
+    told.push((
+        "artifact-range-beyond",
+        exchange(server, Asked::get(place.clone()).with("range", "bytes=9999999-")).await,
+    ));
+    told.push(("artifact-not-modified", exchange(server, Asked::get(place).with("if-none-match", etag)).await));
+
+    let held = server.hold().await;
+    let later = || Asked::post("/v1/render", &with(mesh(2), "obj")).with("prefer", "wait=0");
+    told.push(("render-later", exchange(server, later()).await));
+    let location = server.post_with("/v1/render", &with(mesh(2), "obj"), &[("prefer", "wait=0")]).await;
+    let location = location.header("location").to_owned();
+    told.push(("job-queued", exchange(server, Asked::get(location.clone())).await));
+    drop(held);
+    server.settled(&location).await;
+    told.push(("job-done", exchange(server, Asked::get(location)).await));
+    told
+}
+
+/// Estimate, validate, the catalogue, operations.
+async fn questions(server: &Server) -> Vec<(&'static str, String)> {
+    super::server::until("the canary has sung", || server.app.canary.last_success().is_some()).await;
+    let input = serde_json::json!({ "input": mesh(1)["input"] });
+    let mut wrong = input.clone();
+    wrong["input"]["mesh"]["faces"][2][1] = 77.into();
+    let mut told = Vec::new();
+    for (name, asked) in [
+        ("estimate", Asked::post("/v1/estimate", &mesh(3))),
+        ("validate", Asked::post("/v1/validate", &input)),
+        ("validate-faults", Asked::post("/v1/validate", &wrong)),
+        ("preset", Asked::get("/v1/presets/four-point")),
+        ("operator", Asked::get("/v1/operators/U")),
+        ("presets", Asked::get("/v1/presets")),
+        ("operators", Asked::get("/v1/operators")),
+        ("formats", Asked::get("/v1/formats")),
+        ("limits", Asked::get("/v1/limits")),
+        ("livez", Asked::get("/livez")),
+        ("readyz", Asked::get("/readyz")),
+        ("openapi", Asked::get("/openapi.json")),
+        ("index", Asked::get("/")),
+        ("problem-page", Asked::get("/docs/problems/too-large")),
+    ] {
+        told.push((name, exchange(server, asked).await));
+    }
+    told
+}
+
+/// One of each class of error that a single request can meet.
+async fn refusals(server: &Server) -> Vec<(&'static str, String)> {
+    let mut typo = polygon(2);
+    typo["level"] = 2.into();
+    let mut text = Asked::post("/v1/render", &polygon(2));
+    text.headers[0].1 = "text/plain".into();
+    let mut half = Asked::post("/v1/render", &polygon(2));
+    half.body.truncate(40);
+    let mut told = Vec::new();
+    for (name, asked) in [
+        ("refused-400-half-a-json", half),
+        ("refused-404-no-such-page", Asked::get("/v2")),
+        ("refused-405-get-on-render", Asked::get("/v1/render")),
+        ("refused-406-svg-of-a-mesh", Asked::post("/v1/render", &mesh(1)).with("accept", "image/svg+xml")),
+        ("refused-415-text", text),
+        ("refused-422-typo", Asked::post("/v1/render", &typo)),
+        ("refused-422-too-large", Asked::post("/v1/render", &mesh(40))),
+    ] {
+        told.push((name, exchange(server, asked).await));
+    }
+    told
+}
+
+/// Asks, and writes question and answer down.
+async fn exchange(server: &Server, asked: Asked) -> String {
+    let headers: Vec<_> = asked.headers.iter().map(|(name, value)| (*name, value.as_str())).collect();
+    let answer =
+        server.ask(asked.method.parse().unwrap(), &asked.path, &headers, asked.body.clone().into_bytes()).await;
+    let mut lines = vec![format!("{} {} HTTP/1.1\nhost: localhost:8080\n", asked.method, asked.path)];
+    lines.extend(headers.iter().map(|(name, value)| format!("{name}: {value}\n")));
+    if !asked.body.is_empty() {
+        lines.push(format!("content-length: {}\n\n{}", asked.body.len(), ended(&asked.body)));
+    }
+    let status = axum::http::StatusCode::from_u16(answer.status).unwrap();
+    let (body, steady) = told_body(&answer);
+    let headers = told_headers(&answer.headers, steady);
+    lines.push(format!("\nHTTP/1.1 {status}\n{headers}\n{body}"));
+    lines.concat()
+}
+
+/// The headers in the order of their names, so that a server may send them in any; the length only of what stays.
+fn told_headers(headers: &HeaderMap, steady: bool) -> String {
+    let told = |(name, value): (&axum::http::HeaderName, &axum::http::HeaderValue)| match name.as_str() {
+        "content-length" if !steady => "content-length: {length}\n".to_owned(),
+        name => told_header(name, value.to_str().unwrap()),
+    };
+    let mut lines: Vec<String> = headers.iter().map(told).collect();
+    lines.sort();
+    lines.concat()
+}
+
+fn told_header(name: &str, value: &str) -> String {
+    let told = match name {
+        "date" => "{date}".to_owned(),
+        "server-timing" => {
+            let stages = value.split(", ").map(|entry| format!("{};dur={{ms}}", entry.split(';').next().unwrap()));
+            stages.collect::<Vec<_>>().join(", ")
+        }
+        _ => value.to_owned(),
+    };
+    format!("{name}: {told}\n")
+}
+
+/// The body, and whether its length is the same in every run and with every growth of the catalogue.
+///
+/// Lists are told by their first entry, long or binary bodies by length and hash.
+fn told_body(answer: &Answer) -> (String, bool) {
+    let kind = answer.header("content-type");
+    if answer.body.is_empty() {
+        return (String::new(), true);
+    }
+    if kind == "application/json" && answer.json().is_array() {
+        return (format!("[{}, {{more}}]\n", answer.json()[0]), false);
+    }
+    let is_text = ["text/", "application/", "image/svg"].iter().any(|start| kind.starts_with(start));
+    match is_text {
+        true if answer.body.len() < 4096 => measured(&answer.text()),
+        true => ("{as in api/openapi.json}\n".to_owned(), false),
+        false => (format!("{{{} bytes, BLAKE3 {}}}\n", answer.body.len(), blake3::hash(&answer.body)), true),
+    }
+}
+
+/// Text; JSON with placeholders for what is measured or counted, and whether its length stays.
+fn measured(text: &str) -> (String, bool) {
+    let Ok(mut value) = serde_json::from_str::<Value>(text) else { return (ended(text), true) };
+    let (mut changed, mut steady) = (false, true);
+    for (pointer, told) in [
+        ("/trace_id", "0123456789abcdef"),
+        ("/canary_age_s", "{s}"),
+        ("/canary_ms", "{ms}"),
+        ("/timings_ms/queue", "{ms}"),
+        ("/timings_ms/refine", "{ms}"),
+        ("/timings_ms/render", "{ms}"),
+        ("/timings_ms/encode", "{ms}"),
+    ] {
+        if let Some(place) = value.pointer_mut(pointer) {
+            *place = told.into();
+            changed = true;
+            steady &= pointer == "/trace_id";
+        }
+    }
+    let text = if changed { value.to_string() } else { text.to_owned() };
+    (ended(&text.replace("\"{ms}\"", "{ms}").replace("\"{s}\"", "{s}")), steady)
+}
+
+fn ended(text: &str) -> String {
+    if text.is_empty() || text.ends_with('\n') { text.to_owned() } else { format!("{text}\n") }
+}
