@@ -6,7 +6,7 @@ use super::{CliError, job};
 use crate::job::limits::Limits;
 use crate::output::ShapeKind;
 use crate::wire::answer::EstimateAnswer;
-use crate::wire::job::OutputRequest;
+use crate::wire::output::OutputRequest;
 
 /// Prints the estimate of the job in `path` as JSON.
 #[expect(clippy::print_stdout, reason = "the answer of a command goes to standard output")]

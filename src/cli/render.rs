@@ -15,7 +15,7 @@ use crate::job::{Output, Report, RunError, run};
 use crate::output::{self, Format};
 use crate::watch::Watch;
 use crate::wire::JobRequest;
-use crate::wire::job::OutputRequest;
+use crate::wire::output::OutputRequest;
 
 /// Renders the job in `path` to `target`.
 pub(super) fn render(path: &Path, target: &Path, format: Option<&str>, max_faces: Option<u64>) -> Result<(), CliError> {

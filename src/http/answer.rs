@@ -68,6 +68,7 @@ pub(super) fn headers(found: &Found, address: &str) -> HeaderMap {
     put(HeaderName::from_static("server-timing"), server_timing(&found.timings));
     put(header::CONTENT_LOCATION, address.to_owned());
     put(header::CONTENT_TYPE, found.manifest.media_type.clone());
+    put(header::VARY, "accept".to_owned());
     put(header::ACCEPT_RANGES, "bytes".to_owned());
     put(header::CONTENT_SECURITY_POLICY, "default-src 'none'; style-src 'unsafe-inline'; sandbox".to_owned());
     put(HeaderName::from_static("cross-origin-resource-policy"), "cross-origin".to_owned());

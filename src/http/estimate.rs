@@ -9,7 +9,7 @@ use super::problem::Problem;
 use super::{Shared, body, render};
 use crate::wire::JobRequest;
 use crate::wire::answer::EstimateAnswer;
-use crate::wire::job::OutputRequest;
+use crate::wire::output::OutputRequest;
 
 /// What a job would come to: exact counts a level, bytes and key of each output, predicted time and memory.
 #[utoipa::path(

@@ -75,7 +75,7 @@ fn standing(state: &Standing) -> (&'static str, f64, Option<Timings>, Option<Str
         }
         Standing::Done(_, timings) => ("done", 1.0, Some(*timings), None),
         Standing::Failed(Failure::Cancelled) => ("cancelled", 0.0, None, None),
-        Standing::Failed(Failure::Impossible(detail)) => ("failed", 0.0, None, Some(detail.clone())),
+        Standing::Failed(Failure::Impossible(fault)) => ("failed", 0.0, None, Some(fault.to_string())),
         Standing::Failed(Failure::TimedOut(limit)) => {
             ("failed", 0.0, None, Some(format!("it ran for {} s, the most this server allows", limit.as_secs())))
         }

@@ -101,7 +101,7 @@ fn cors() -> CorsLayer {
         exposed.into_iter().chain(["planish-warnings", "preference-applied", "accept-ranges", "content-range"]);
     CorsLayer::new()
         .allow_origin(Any)
-        .allow_methods([Method::GET, Method::HEAD, Method::POST, Method::DELETE, Method::OPTIONS])
+        .allow_methods([Method::GET, Method::HEAD, Method::POST, Method::OPTIONS])
         .allow_headers([
             header::CONTENT_TYPE,
             header::ACCEPT,

@@ -132,7 +132,7 @@ impl From<Failure> for Problem {
     fn from(failure: Failure) -> Self {
         match failure {
             Failure::Cancelled => Self::new(CANCELLED, "the job was cancelled; send it again to have it queued again"),
-            Failure::Impossible(detail) => Self::invalid(vec![Fault::new("", detail)]),
+            Failure::Impossible(fault) => Self::invalid(vec![fault]),
             Failure::TimedOut(limit) => {
                 let seconds = limit.as_secs();
                 let remedy = "ask for fewer levels or a smaller picture";

@@ -17,7 +17,7 @@ use crate::job::key::Key;
 use crate::job::limits::Admitted;
 use crate::service::computation::Phase;
 use crate::wire::JobRequest;
-use crate::wire::job::OutputRequest;
+use crate::wire::output::OutputRequest;
 
 /// Renders a job with one output and answers with its bytes.
 ///
@@ -102,11 +102,16 @@ async fn read(app: &Arc<App>, headers: &HeaderMap, body: Body) -> Result<Asked, 
         if request.outputs.is_empty() {
             let format = negotiate::format(&headers, request.shape_kind())?;
             request.outputs = vec![OutputRequest::of_format(format.name())];
-        } else if request.outputs.len() > 1 {
-            let detail = format!("{} outputs; /v1/render answers one, send one job for each", request.outputs.len());
-            return Err(Problem::invalid(vec![Fault::new("/outputs", detail)]));
         }
-        let job = request.resolve().map_err(Problem::invalid)?;
+        let n = request.outputs.len();
+        let resolved = request.resolve();
+        let job = if n > 1 {
+            let detail = format!("{n} outputs; /v1/render answers one, send one job for each");
+            let many = Fault::new("/outputs", detail);
+            return Err(Problem::invalid(std::iter::once(many).chain(resolved.err().into_iter().flatten()).collect()));
+        } else {
+            resolved.map_err(Problem::invalid)?
+        };
         let output = &job.outputs[0];
         let key = job.key(output);
         let address = address(key, output.format);

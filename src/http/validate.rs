@@ -5,6 +5,7 @@ use axum::extract::State;
 use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 use utoipa::ToSchema;
 
 use super::problem::Problem;
@@ -20,6 +21,22 @@ use crate::wire::job::InputRequest;
 pub(super) struct ValidateRequest {
     /// The mesh (or polygons) to be checked.
     input: InputRequest,
+    /// The rest of a job, which is not looked at: a job may be sent as it is.
+    #[serde(rename = "spec")]
+    #[schema(value_type = Option<Object>)]
+    _spec: Option<IgnoredAny>,
+    /// Not looked at.
+    #[serde(rename = "plan")]
+    #[schema(value_type = Option<Object>)]
+    _plan: Option<IgnoredAny>,
+    /// Not looked at.
+    #[serde(rename = "levels")]
+    #[schema(value_type = Option<Object>)]
+    _levels: Option<IgnoredAny>,
+    /// Not looked at.
+    #[serde(rename = "outputs")]
+    #[schema(value_type = Option<Object>)]
+    _outputs: Option<IgnoredAny>,
 }
 
 /// Reports what a mesh is like: manifold, boundary loops, valences, degenerate faces, each fault with its index.

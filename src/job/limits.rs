@@ -6,6 +6,7 @@ use crate::fault::Fault;
 use crate::output::{Counts, Size};
 use crate::refine::{mesh_net, polygon_net};
 use crate::scheme::forecast::{self, Count, Forecast, ForecastError};
+use crate::scheme::step::StepError;
 
 /// Bounds on one job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -117,6 +118,9 @@ impl Limits {
 
     fn no_forecast(&self, error: &ForecastError) -> Refusal {
         match error {
+            ForecastError::Step { error: StepError::TooFewPoints(_), .. } => {
+                Refusal::Impossible(vec![Fault::new("/plan/ends", error.to_string())])
+            }
             ForecastError::Step { .. } => Refusal::Impossible(vec![Fault::new("/plan", error.to_string())]),
             ForecastError::Cap { level, .. } => {
                 let remedy = match level {

@@ -4,6 +4,7 @@ use std::io::Write;
 
 use super::limits::Admitted;
 use super::{Input, Output};
+use crate::fault::Fault;
 use crate::output::FormatError;
 use crate::output::scene::{Curve, Scene, Shape};
 use crate::refine::{RefineError, RefinedMesh, refine_mesh, refine_polygon};
@@ -26,9 +27,9 @@ pub enum RunError {
     /// It was asked to stop.
     #[error(transparent)]
     Stopped(Stopped),
-    /// The job turned out to be impossible.
+    /// The job turned out to be impossible: where, and why.
     #[error("{0}")]
-    Impossible(String),
+    Impossible(Fault),
     /// The bytes could not be taken.
     #[error("writing the result failed: {0}")]
     Io(std::io::Error),
@@ -38,7 +39,7 @@ impl From<RefineError> for RunError {
     fn from(error: RefineError) -> Self {
         match error {
             RefineError::Stopped(stopped) => Self::Stopped(stopped),
-            other => Self::Impossible(other.to_string()),
+            other => Self::Impossible(Fault::new("/plan", other.to_string())),
         }
     }
 }
@@ -48,7 +49,7 @@ impl From<FormatError> for RunError {
         match error {
             FormatError::Stopped(stopped) => Self::Stopped(stopped),
             FormatError::Io(error) => Self::Io(error),
-            FormatError::Unfit(detail) => Self::Impossible(detail),
+            FormatError::Unfit(detail) => Self::Impossible(Fault::new("/outputs/0", detail)),
         }
     }
 }
@@ -59,7 +60,7 @@ impl From<FormatError> for RunError {
 /// [`RunError`].
 pub fn run(admitted: &Admitted, output: &Output, out: &mut dyn Write, watch: &Watch) -> Result<Report, RunError> {
     let job = admitted.job();
-    let steps = job.plan.schedule(job.levels).map_err(|fault| RunError::Impossible(fault.to_string()))?;
+    let steps = job.plan.schedule(job.levels).map_err(|fault| RunError::Impossible(fault.under("/plan")))?;
     watch.enter(Stage::Refine);
     match &job.input {
         Input::Polygons(polygons) => {
@@ -110,9 +111,10 @@ fn projected(curve: &Curve) -> Result<Curve, RunError> {
     if points.iter().all(|x| x.is_finite()) {
         Ok(Curve { points, dimension, closed: curve.closed })
     } else {
-        Err(RunError::Impossible(
-            "a weight of the refined curve is 0, a point at infinity; choose other weights".into(),
-        ))
+        Err(RunError::Impossible(Fault::new(
+            "/input",
+            "a weight of the refined curve is 0, a point at infinity; choose other weights",
+        )))
     }
 }
 

@@ -79,6 +79,7 @@ impl Format for Png {
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
         let options = Options::new(values);
         watch.enter(Stage::Render);
+        picture::check_extent(scene)?;
         let pixels = match scene.shape {
             Shape::Mesh(shape) => mesh::picture(scene, shape, &options, watch)?,
             Shape::Curves(curves) => {

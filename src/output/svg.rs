@@ -69,6 +69,7 @@ impl Format for Svg {
             let dimension = curves.iter().map(|c| c.dimension).max().unwrap_or(1);
             self.holds(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
         }
+        picture::check_extent(scene)?;
         let drawing = Drawing::of(scene, &Options::new(values), watch)?;
         let mut page = Page { text: String::new(), out };
         page.head(&drawing)?;

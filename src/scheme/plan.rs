@@ -276,6 +276,9 @@ impl Plan {
             if role == Role::Average {
                 letter.arity = arity;
             }
+            if subject.is_mesh && (role == Role::Upsample && letter.arity != 2 || letter.operator.needs_upsampling()) {
+                return Err(StepError::WrongNet("U3 and higher, and A, refine polygons; meshes take U, D, C and P"));
+            }
             let dual = letter.operator.shifts(&letter);
             match role {
                 Role::Upsample if letter.mask.is_some() || letter.operator.needs_alpha() => {

@@ -9,6 +9,7 @@ use tokio::sync::{Notify, watch};
 
 use super::clock::Clock;
 use super::store::Manifest;
+use crate::fault::Fault;
 use crate::job::key::Key;
 use crate::watch::{Stage, Watch};
 
@@ -49,7 +50,7 @@ pub enum Failure {
     /// Nobody was interested any more, or it was cancelled.
     Cancelled,
     /// The job turned out to be impossible.
-    Impossible(String),
+    Impossible(Fault),
     /// It ran longer than a computation may.
     TimedOut(Duration),
     /// A fault of the service itself.
@@ -139,7 +140,8 @@ impl Computation {
     /// Share of the work done, from 0 to 1.
     #[expect(clippy::cast_precision_loss, reason = "a share needs few digits")]
     pub fn progress(&self) -> f64 {
-        (self.watch.done() as f64 / self.work.max(1) as f64).min(1.0)
+        // refining is counted, drawing and writing are not: 1 is kept for the end
+        (self.watch.done() as f64 / self.work.max(1) as f64).min(0.99)
     }
 
     /// One interest more; false when there were none left, so that the computation is ending.

@@ -159,7 +159,7 @@ impl Desk {
             Ok(Ok(outcome)) => Phase::Done(Arc::new(outcome)),
             Ok(Err(RunError::Stopped(_))) if task.ran_out() => Phase::Failed(Failure::TimedOut(self.run_timeout)),
             Ok(Err(RunError::Stopped(_))) => Phase::Failed(Failure::Cancelled),
-            Ok(Err(RunError::Impossible(detail))) => Phase::Failed(Failure::Impossible(detail)),
+            Ok(Err(RunError::Impossible(fault))) => Phase::Failed(Failure::Impossible(fault)),
             Ok(Err(RunError::Io(error))) => Phase::Failed(Failure::Internal(error.to_string())),
             Err(panic) => Phase::Failed(Failure::Internal(message(&*panic))),
         }

@@ -34,7 +34,7 @@ impl Polygon {
         let least = if closed { 3 } else { 2 };
         if points.len() < least {
             let kind = if closed { "a closed" } else { "an open" };
-            let detail = format!("{} points; {kind} polygon needs at least {least}", points.len());
+            let detail = format!("{kind} polygon needs at least {least} points; this one has {}", points.len());
             faults.push(Fault::new("/points", detail));
         }
         let dimension = points.first().map_or(1, Vec::len);

@@ -4,11 +4,11 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::literal::WireFields;
+use super::output::{OutputRequest, outputs};
 use super::{object, schema};
-use crate::fault::{Fault, token, under};
-use crate::job::{Input, Job, Output};
-use crate::math::parameter::{Literal, Values, shortened};
-use crate::output::{self, Format, ShapeKind};
+use crate::fault::{Fault, under};
+use crate::job::{Input, Job};
+use crate::output::ShapeKind;
 use crate::scheme::mesh_net::Boundary;
 use crate::scheme::plan::PlanInput;
 use crate::scheme::polygon_net::Ends;
@@ -17,8 +17,6 @@ use crate::shape::check::{FaceList, Winding};
 use crate::shape::mesh::{Mesh, MeshInput};
 use crate::shape::polygon::Polygon;
 
-/// Most outputs of one job.
-pub(crate) const MAX_OUTPUTS: usize = 64;
 /// Most polygons of one job.
 pub(crate) const MAX_POLYGONS: usize = 4096;
 
@@ -176,28 +174,6 @@ pub enum EndsRequest {
     Natural,
 }
 
-/// One result: a `format`, a `name` (the format's when left out) and the format's options, see `/v1/formats`.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(transparent)]
-pub struct OutputRequest {
-    fields: WireFields,
-}
-
-impl OutputRequest {
-    /// The output of a format with its default options.
-    pub fn of_format(name: &str) -> Self {
-        Self { fields: WireFields(vec![("format".into(), Literal::Text(name.into()))]) }
-    }
-
-    /// The name of its format, where it is a text.
-    pub fn format(&self) -> Option<&str> {
-        self.fields.0.iter().find_map(|(name, value)| match value {
-            Literal::Text(text) if name == "format" => Some(text.as_str()),
-            _ => None,
-        })
-    }
-}
-
 impl JobRequest {
     /// What kind of result it has, as far as that can be told before it is checked.
     pub fn shape_kind(&self) -> ShapeKind {
@@ -223,13 +199,12 @@ impl JobRequest {
         let input = keep(self.input.resolve().map_err(|found| under("/input", found)), &mut faults);
         let outputs = keep(outputs(&self.outputs), &mut faults);
         let plan = self.plan.map(PlanRequest::resolve);
-        match (input, outputs) {
-            (Some(input), Some(outputs)) => match Job::new(input, plan.as_ref(), self.levels, outputs) {
-                Ok(job) if faults.is_empty() => Ok(job),
-                Ok(_) => Err(faults),
-                Err(found) => Err(faults.into_iter().chain(found).collect()),
-            },
-            _ => Err(faults),
+        let Some(input) = input else { return Err(faults) };
+        // a plan is looked at even where the outputs are wrong, so that all faults come together
+        match Job::new(input, plan.as_ref(), self.levels, outputs.unwrap_or_default()) {
+            Ok(job) if faults.is_empty() => Ok(job),
+            Ok(_) => Err(faults),
+            Err(found) => Err(faults.into_iter().chain(found).collect()),
         }
     }
 }
@@ -303,6 +278,16 @@ impl MeshRequest {
             // an index beyond 32 bits is beyond every mesh, too
             faces.push(face.iter().map(|&v| u32::try_from(v).unwrap_or(u32::MAX)));
         }
+        let beyond = |(f, face): (usize, &Vec<u64>)| {
+            let j = face.iter().position(|&v| v >= u64::from(u32::MAX))?;
+            let detail =
+                format!("there is no vertex {}; the mesh has {}, counted from 0", face[j], self.positions.len());
+            Some(Fault::new(format!("/faces/{f}/{j}"), detail))
+        };
+        let beyond: Vec<Fault> = self.faces.iter().enumerate().filter_map(beyond).take(20).collect();
+        if !beyond.is_empty() {
+            return Err(beyond);
+        }
         let winding = if orient == Some(OrientRequest::Repair) { Winding::Repair } else { Winding::Refuse };
         let corners = self.corners.iter().map(|corner| (corner.vertex, corner.sharpness)).collect();
         Mesh::new(MeshInput { positions: self.positions, faces, corners, holes: self.holes, winding })
@@ -327,72 +312,5 @@ impl PlanRequest {
             },
             seed: self.seed.unwrap_or(0),
         }
-    }
-}
-
-fn outputs(requests: &[OutputRequest]) -> Result<Vec<Output>, Vec<Fault>> {
-    if requests.is_empty() || requests.len() > MAX_OUTPUTS {
-        let detail = format!("{} outputs; ask for 1 to {MAX_OUTPUTS}", requests.len());
-        return Err(vec![Fault::new("/outputs", detail)]);
-    }
-    let mut faults = Vec::new();
-    let mut found: Vec<Output> = Vec::with_capacity(requests.len());
-    for (i, request) in requests.iter().enumerate() {
-        match output(request) {
-            Ok(output) if found.iter().any(|known| known.name == output.name) => {
-                let detail = format!("the name \"{}\" is taken; give each output its own", shortened(&output.name));
-                faults.push(Fault::new(format!("/outputs/{i}/name"), detail));
-            }
-            Ok(output) => found.push(output),
-            Err(wrong) => faults.extend(under(&format!("/outputs/{i}"), wrong)),
-        }
-    }
-    if faults.is_empty() { Ok(found) } else { Err(faults) }
-}
-
-fn output(request: &OutputRequest) -> Result<Output, Vec<Fault>> {
-    let (mut format, mut name) = (None, None);
-    let mut options = Vec::new();
-    for (field, value) in &request.fields.0 {
-        match field.as_str() {
-            "format" => format = Some(known_format(value)?),
-            "name" => name = Some(output_name(value)?),
-            _ => options.push((field.clone(), value.clone())),
-        }
-    }
-    let Some(format) = format else {
-        return Err(vec![Fault::new("", format!("an output has a \"format\": one of {}", format_names()))]);
-    };
-    let options = Values::resolve(format.parameters(), &options).map_err(|faults| {
-        let known =
-            |fault: Fault| Fault { detail: fault.detail.replace("unknown parameter", "unknown option"), ..fault };
-        faults.into_iter().map(known).collect::<Vec<_>>()
-    })?;
-    Ok(Output { name: name.unwrap_or_else(|| format.name().to_owned()), format, options })
-}
-
-fn known_format(value: &Literal) -> Result<&'static dyn Format, Vec<Fault>> {
-    let Literal::Text(name) = value else {
-        return Err(vec![Fault::new("/format", format!("expected a text: one of {}", format_names()))]);
-    };
-    output::named(name).ok_or_else(|| {
-        let detail = format!("there is no format \"{}\"; known are {}", shortened(name), format_names());
-        vec![Fault::new("/format", detail)]
-    })
-}
-
-fn format_names() -> String {
-    output::FORMATS.iter().map(|format| format.name()).collect::<Vec<_>>().join(", ")
-}
-
-fn output_name(value: &Literal) -> Result<String, Vec<Fault>> {
-    let Literal::Text(name) = value else { return Err(vec![Fault::new("/name", "expected a text")]) };
-    let fits = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
-    if (1..=64).contains(&name.len()) && name.chars().all(fits) {
-        Ok(name.clone())
-    } else {
-        let detail =
-            format!("\"{}\" is no name; use 1 to 64 letters, digits, \"-\", \"_\" and \".\"", token(&shortened(name)));
-        Err(vec![Fault::new("/name", detail)])
     }
 }

@@ -5,6 +5,7 @@ pub mod catalogue;
 pub mod job;
 pub mod literal;
 pub mod object;
+pub mod output;
 pub mod read;
 mod report;
 mod schema;

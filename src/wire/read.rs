@@ -1,6 +1,6 @@
 //! From bytes to typed requests, with a pointer to whatever does not fit.
 
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, IgnoredAny};
 use serde_path_to_error::{Path, Segment};
 
 use super::object::Object;
@@ -23,17 +23,23 @@ pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ReadError> {
     let mut deserializer = serde_json::Deserializer::from_slice(bytes);
     let Object(value) = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
         let pointer = pointer(error.path());
-        refusal(error.inner(), pointer)
+        refusal(error.inner(), pointer, bytes)
     })?;
-    deserializer.end().map_err(|error| refusal(&error, String::new()))?;
+    deserializer.end().map_err(|error| refusal(&error, String::new(), bytes))?;
     Ok(value)
 }
 
-fn refusal(error: &serde_json::Error, pointer: String) -> ReadError {
-    let text = error.to_string();
+fn refusal(error: &serde_json::Error, pointer: String, bytes: &[u8]) -> ReadError {
+    let mut text = error.to_string();
     // a number beyond f64 is JSON all the same
     let beyond = text.starts_with("number out of range");
-    if error.is_data() || beyond {
+    let fits_json = error.is_data() || beyond;
+    // what does not fit may stand in a text that breaks off later, and then it is no JSON in the first place
+    let broken = if fits_json { serde_json::from_slice::<IgnoredAny>(bytes).err() } else { None };
+    if let Some(broken) = &broken {
+        text = broken.to_string();
+    }
+    if fits_json && broken.is_none() {
         let detail = text.split(" at line ").next().unwrap_or(&text).to_owned();
         let detail = if beyond { "the number is too large; the largest is about 1.8e308".to_owned() } else { detail };
         ReadError::Unfit(vec![Fault::new(pointer, plain(&detail))])
@@ -46,6 +52,11 @@ fn refusal(error: &serde_json::Error, pointer: String) -> ReadError {
 
 /// Type names of this implementation in the words of JSON.
 fn plain(detail: &str) -> String {
+    // the name of a request's type means nothing to a client
+    let detail = match detail.split_once("expected struct ") {
+        Some((before, name)) if !name.starts_with("JobRequest") => &format!("{before}expected an object"),
+        _ => detail,
+    };
     detail
         .replace("expected f64", "expected a number")
         .replace("expected u64", "expected a whole number of at least 0")
@@ -56,7 +67,8 @@ fn plain(detail: &str) -> String {
             "expected struct JobRequest",
             "expected a job: an object with \"input\", \"plan\", \"levels\" and \"outputs\"",
         )
-        .replace("expected struct ", "expected an object: ")
+        .replace("a boolean", "true or false")
+        .replace("unknown variant", "unknown choice")
         .replace("an array of length 3", "a list of three numbers")
         .replace('`', "\"")
 }

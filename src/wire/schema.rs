@@ -4,7 +4,7 @@ use utoipa::openapi::schema::{AdditionalProperties, SchemaType};
 use utoipa::openapi::{ArrayBuilder, Object, ObjectBuilder, RefOr, Schema, Type};
 use utoipa::{PartialSchema, ToSchema};
 
-use super::job::OutputRequest;
+use super::output::OutputRequest;
 use crate::output::FORMATS;
 
 fn of(kind: Type) -> ObjectBuilder {

@@ -12,6 +12,7 @@ mod keys;
 mod laws;
 mod nets;
 mod openapi;
+mod refusals;
 mod robustness;
 mod shapes;
 mod store;

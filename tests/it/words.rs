@@ -58,8 +58,8 @@ fn other_texts_are_refused_at_their_place() {
         rejects(text, &format!("expected {expected} at character {place}"));
     }
     rejects("U9", "U9 is not offered; the arity of U is 2 to 8");
-    rejects("U0", "U0 is not offered; the arity of U is 2");
-    rejects("U99999999999999999999", "U4294967295 is not offered; the arity of U is 2");
+    rejects("U0", "U0 is not offered; the arity of U is 2 to 8");
+    rejects("U99999999999999999999", "U4294967295 is not offered; the arity of U is 2 to 8");
 }
 
 #[test]

@@ -6,7 +6,8 @@ pub(super) mod paint;
 
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
-use crate::output::ShapeKind;
+use crate::output::scene::{Scene, Shape, in_chunks};
+use crate::output::{FormatError, ShapeKind};
 use crate::raster::{MAX_SIDE_PX, Projection, View};
 
 /// Largest width and height, pixels.
@@ -116,9 +117,38 @@ const CAMERA_FIELDS: &[Parameter] = &[
     },
 ];
 
-/// Refuses parts to show that a shape of this kind does not have.
+/// Refuses shapes whose extent leaves no room for the arithmetic of a camera.
+pub(super) fn check_extent(scene: &Scene<'_>) -> Result<(), FormatError> {
+    let mut largest = 0.0_f64;
+    match scene.control {
+        Shape::Curves(curves) => {
+            curves.iter().flat_map(|curve| &curve.points).for_each(|x| largest = largest.max(x.abs()));
+        }
+        Shape::Mesh(mesh) => {
+            let mut chunk = Vec::new();
+            in_chunks(mesh.n_vertices(), |range| {
+                mesh.positions(range, &mut chunk);
+                chunk.iter().flatten().for_each(|x| largest = largest.max(x.abs()));
+                Ok::<_, FormatError>(())
+            })?;
+        }
+    }
+    if largest == 0.0 || (1e-100..=1e100).contains(&largest) {
+        return Ok(());
+    }
+    let detail = format!("coordinates up to {largest:e} cannot be drawn; scale the input to between 1e-100 and 1e100");
+    Err(FormatError::Unfit(detail))
+}
+
+/// Refuses parts to show that a shape of this kind does not have, and colours that let something through.
 pub(super) fn shows_only(fitting: &[&str], kind: ShapeKind, options: &Values) -> Result<(), Fault> {
+    if options.color("color").is_some_and(|color| color[3] != 255) {
+        return Err(Fault::new("/color", "shapes are drawn opaque; give a colour as #rgb or #rrggbb"));
+    }
     let Value::Choices(items) = options.get("show") else { return Ok(()) };
+    if items.is_empty() {
+        return Err(Fault::new("/show", format!("an empty list shows nothing; name some of {}", fitting.join(", "))));
+    }
     let Some(alien) = items.iter().find(|item| !fitting.contains(item)) else { return Ok(()) };
     let what = if kind == ShapeKind::Mesh { "a mesh" } else { "a curve" };
     Err(Fault::new("/show", format!("{what} has no \"{alien}\" to show; it has {}", fitting.join(", "))))

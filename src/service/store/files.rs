@@ -194,7 +194,7 @@ fn sync_folder(path: &Path) -> io::Result<()> {
 }
 
 fn in_use(root: &Path) -> String {
-    format!("{} is in use by another process; stop that one or choose another --cache-dir", root.display())
+    format!("{} is in use by another process; stop that one", root.display())
 }
 
 /// Says what was being done and where when `error` came.

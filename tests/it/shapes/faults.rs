@@ -138,10 +138,13 @@ fn numbers_that_are_not_finite_are_refused() {
 #[test]
 fn polygons_are_told_apart_by_their_faults() {
     let check = |polygon: Value, expected: &[(&str, &str)]| check_input(&json!({ "polygon": polygon }), expected);
-    check(json!({ "points": [[0]] }), &[("/input/polygon/points", "1 points; an open polygon needs at least 2")]);
+    check(
+        json!({ "points": [[0]] }),
+        &[("/input/polygon/points", "an open polygon needs at least 2 points; this one has 1")],
+    );
     check(
         json!({ "points": [[0], [1]], "closed": true }),
-        &[("/input/polygon/points", "2 points; a closed polygon needs at least 3")],
+        &[("/input/polygon/points", "a closed polygon needs at least 3 points; this one has 2")],
     );
     check(
         json!({ "points": [[0, 1], [1], []] }),
@@ -167,7 +170,7 @@ fn polygons_are_told_apart_by_their_faults() {
 fn one_of_several_polygons_is_named_by_its_place() {
     check_input(
         &json!({ "polygons": [{ "points": [[0], [1]] }, { "points": [[0]] }] }),
-        &[("/input/polygons/1/points", "1 points; an open polygon needs at least 2")],
+        &[("/input/polygons/1/points", "an open polygon needs at least 2 points; this one has 1")],
     );
     check_input(&json!({ "polygons": [] }), &[("/input/polygons", "0 polygons; 1 to 4096 are allowed")]);
 }

@@ -4,7 +4,7 @@ pub(crate) mod nets;
 
 use planish::fault::Fault;
 use planish::job::limits::{Limits, Refusal};
-use planish::job::{Job, Report, run};
+use planish::job::{Job, Report, RunError, run};
 use planish::watch::Watch;
 use planish::wire::JobRequest;
 use planish::wire::read::{ReadError, read};
@@ -27,8 +27,10 @@ pub(crate) fn render(job: &serde_json::Value) -> Result<(Vec<u8>, Report), Vec<F
     })?;
     let output = admitted.job().outputs[0].clone();
     let mut bytes = Vec::new();
-    let report =
-        run(&admitted, &output, &mut bytes, &Watch::new()).map_err(|error| vec![Fault::new("", error.to_string())])?;
+    let report = run(&admitted, &output, &mut bytes, &Watch::new()).map_err(|error| match error {
+        RunError::Impossible(fault) => vec![fault],
+        other => vec![Fault::new("", other.to_string())],
+    })?;
     Ok((bytes, report))
 }
 

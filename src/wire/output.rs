@@ -1,0 +1,101 @@
+//! What a job asks for, as clients write it.
+
+use serde::Deserialize;
+
+use super::literal::WireFields;
+use crate::fault::{Fault, under};
+use crate::job::Output;
+use crate::math::parameter::{Literal, Values, shortened};
+use crate::output::{self, Format};
+
+/// Most outputs of one job.
+pub(crate) const MAX_OUTPUTS: usize = 64;
+
+/// One result: a `format`, a `name` (the format's when left out) and the format's options, see `/v1/formats`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(transparent)]
+pub struct OutputRequest {
+    fields: WireFields,
+}
+
+impl OutputRequest {
+    /// The output of a format with its default options.
+    pub fn of_format(name: &str) -> Self {
+        Self { fields: WireFields(vec![("format".into(), Literal::Text(name.into()))]) }
+    }
+
+    /// The name of its format, where it is a text.
+    pub fn format(&self) -> Option<&str> {
+        self.fields.0.iter().find_map(|(name, value)| match value {
+            Literal::Text(text) if name == "format" => Some(text.as_str()),
+            _ => None,
+        })
+    }
+}
+
+/// Checks what is asked for.
+pub(super) fn outputs(requests: &[OutputRequest]) -> Result<Vec<Output>, Vec<Fault>> {
+    if requests.is_empty() || requests.len() > MAX_OUTPUTS {
+        let detail = format!("{} outputs; ask for 1 to {MAX_OUTPUTS}", requests.len());
+        return Err(vec![Fault::new("/outputs", detail)]);
+    }
+    let mut faults = Vec::new();
+    let mut found: Vec<Output> = Vec::with_capacity(requests.len());
+    for (i, request) in requests.iter().enumerate() {
+        match output(request) {
+            Ok(output) if found.iter().any(|known| known.name == output.name) => {
+                let detail = format!("the name \"{}\" is taken; give each output its own", shortened(&output.name));
+                faults.push(Fault::new(format!("/outputs/{i}/name"), detail));
+            }
+            Ok(output) => found.push(output),
+            Err(wrong) => faults.extend(under(&format!("/outputs/{i}"), wrong)),
+        }
+    }
+    if faults.is_empty() { Ok(found) } else { Err(faults) }
+}
+
+fn output(request: &OutputRequest) -> Result<Output, Vec<Fault>> {
+    let (mut format, mut name) = (None, None);
+    let mut options = Vec::new();
+    for (field, value) in &request.fields.0 {
+        match field.as_str() {
+            "format" => format = Some(known_format(value)?),
+            "name" => name = Some(output_name(value)?),
+            _ => options.push((field.clone(), value.clone())),
+        }
+    }
+    let Some(format) = format else {
+        return Err(vec![Fault::new("", format!("an output has a \"format\": one of {}", format_names()))]);
+    };
+    let options = Values::resolve(format.parameters(), &options).map_err(|faults| {
+        let known =
+            |fault: Fault| Fault { detail: fault.detail.replace("unknown parameter", "unknown option"), ..fault };
+        faults.into_iter().map(known).collect::<Vec<_>>()
+    })?;
+    Ok(Output { name: name.unwrap_or_else(|| format.name().to_owned()), format, options })
+}
+
+fn known_format(value: &Literal) -> Result<&'static dyn Format, Vec<Fault>> {
+    let Literal::Text(name) = value else {
+        return Err(vec![Fault::new("/format", format!("expected a text: one of {}", format_names()))]);
+    };
+    output::named(name).ok_or_else(|| {
+        let detail = format!("there is no format \"{}\"; known are {}", shortened(name), format_names());
+        vec![Fault::new("/format", detail)]
+    })
+}
+
+fn format_names() -> String {
+    output::FORMATS.iter().map(|format| format.name()).collect::<Vec<_>>().join(", ")
+}
+
+fn output_name(value: &Literal) -> Result<String, Vec<Fault>> {
+    let Literal::Text(name) = value else { return Err(vec![Fault::new("/name", "expected a text")]) };
+    let fits = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    if (1..=64).contains(&name.len()) && name.chars().all(fits) {
+        Ok(name.clone())
+    } else {
+        let detail = format!("\"{}\" is no name; use 1 to 64 letters, digits, \"-\", \"_\" and \".\"", shortened(name));
+        Err(vec![Fault::new("/name", detail)])
+    }
+}

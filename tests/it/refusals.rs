@@ -1,0 +1,84 @@
+//! Refusals that a stranger met: each says what is wrong, where, and all of it.
+
+use planish::wire::JobRequest;
+use planish::wire::read::{ReadError, read};
+use serde_json::{Value, json};
+
+use crate::support::render;
+
+fn places(job: &Value) -> Vec<String> {
+    render(job).expect_err("the job is refused").into_iter().map(|fault| fault.pointer).collect()
+}
+
+fn triangle(outputs: &Value) -> Value {
+    json!({
+        "input": { "mesh": { "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "faces": [[0, 1, 2]] } },
+        "plan": { "preset": "catmull-clark" }, "levels": 1, "outputs": outputs,
+    })
+}
+
+#[test]
+fn a_text_that_breaks_off_is_no_json_whatever_stands_before() {
+    for text in ["[1,2", "{\"input\":5,", "{\"foo\":1,", "{} {}", "[[[[", "{\"input\":1e999,"] {
+        let refused = read::<JobRequest>(text.as_bytes()).expect_err("it is no job");
+        assert!(matches!(refused, ReadError::NotJson(_)), "{text}: {refused:?}");
+    }
+    for text in ["[1,2]", "{\"input\":5}", "{\"foo\":1}", "{}", "{\"input\":1e999}"] {
+        let refused = read::<JobRequest>(text.as_bytes()).expect_err("it is no job");
+        assert!(matches!(refused, ReadError::Unfit(_)), "{text}: {refused:?}");
+    }
+}
+
+#[test]
+fn faults_of_plan_and_outputs_come_together() {
+    let mut job = triangle(&json!([{ "format": "gif" }, { "format": "png", "width": 1 }]));
+    job["levels"] = json!(99);
+    job["plan"] = json!({ "word": "X", "parameters": { "foo": 1 } });
+    let expected =
+        ["/outputs/0/format", "/outputs/1/width", "/levels", "/plan/word", "/plan/parameters/foo"].map(String::from);
+    assert_eq!(places(&job), expected);
+}
+
+#[test]
+fn a_huge_index_is_named_as_it_was_written() {
+    let mut job = triangle(&json!([{ "format": "stl" }]));
+    job["input"]["mesh"]["faces"] = json!([[0, 1, 4_294_967_296_u64]]);
+    let faults = render(&job).expect_err("there is no such vertex");
+    assert_eq!(faults[0].pointer, "/input/mesh/faces/0/2");
+    assert!(faults[0].detail.contains("4294967296"), "{}", faults[0].detail);
+}
+
+#[test]
+fn pictures_that_would_be_blank_are_refused() {
+    assert_eq!(places(&triangle(&json!([{ "format": "png", "show": [] }]))), ["/outputs/0/show"]);
+    assert_eq!(places(&triangle(&json!([{ "format": "png", "show": ["curve"] }]))), ["/outputs/0/show"]);
+    assert_eq!(places(&triangle(&json!([{ "format": "png", "color": "transparent" }]))), ["/outputs/0/color"]);
+    for size in [1e300, 1e-300] {
+        let mut job = triangle(&json!([{ "format": "png" }]));
+        job["input"]["mesh"]["positions"] = json!([[0, 0, 0], [size, 0, 0], [0, size, 0]]);
+        assert_eq!(places(&job), ["/outputs/0"]);
+    }
+}
+
+#[test]
+fn operators_of_polygons_are_refused_on_meshes_at_their_word() {
+    for word in ["U3", "UA"] {
+        let mut job = triangle(&json!([{ "format": "stl" }]));
+        job["plan"] = json!({ "word": word });
+        assert_eq!(places(&job), ["/plan/word"], "{word}");
+    }
+}
+
+#[test]
+fn type_names_of_the_implementation_stay_inside() {
+    for (text, says) in [
+        ("{\"input\":{},\"plan\":\"chaikin\"}", "expected an object"),
+        ("{\"input\":5}", "expected an object"),
+        ("{\"input\":{\"polygon\":{\"points\":[[0],[1]],\"closed\":3}}}", "expected true or false"),
+    ] {
+        let Err(ReadError::Unfit(faults)) = read::<JobRequest>(text.as_bytes()) else {
+            panic!("{text} is JSON, but no job")
+        };
+        assert!(faults[0].detail.contains(says) && !faults[0].detail.contains("Request"), "{}", faults[0].detail);
+    }
+}
