@@ -69,7 +69,7 @@ impl Topology {
         }
     }
 
-    /// The corner whose child quad has number `child`: the inverse of [`Topology::child`].
+    /// The corner whose child quad has number `child`: the inverse of `child`.
     #[inline]
     pub fn parent_corner(&self, child: u32) -> u32 {
         let range = self.corners(self.face_of(child));
