@@ -10,6 +10,7 @@ mod estimate;
 mod guard;
 mod health;
 mod jobs;
+mod memo;
 mod negotiate;
 mod pages;
 mod problem;
@@ -37,6 +38,7 @@ use crate::config::Settings;
 use crate::service::desk::Desk;
 
 pub use canary::Canary;
+pub use memo::Memo;
 
 /// What every handler knows.
 #[derive(Debug)]
@@ -47,6 +49,8 @@ pub struct App {
     pub settings: Settings,
     /// The job that shows whether the service works.
     pub canary: Canary,
+    /// What was asked lately.
+    pub memo: Memo,
 }
 
 /// The state of the router.

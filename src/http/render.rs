@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use axum::body::Body;
+use axum::body::{Body, Bytes};
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -10,7 +10,7 @@ use axum::response::{IntoResponse, Response};
 use super::answer::{self, Found, Gone, address};
 use super::negotiate::{self, Part};
 use super::problem::Problem;
-use super::{App, Shared, body, jobs};
+use super::{App, Shared, body, jobs, memo};
 use crate::fault::Fault;
 use crate::job::Job;
 use crate::job::key::Key;
@@ -51,13 +51,21 @@ struct Asked {
 }
 
 async fn rendered(app: &Arc<App>, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
-    let asked = read(app, headers, body).await?;
+    let bytes = body::collect(app, headers, body).await?;
+    let request = memo::identity(headers, &bytes);
+    if let Some(response) = again(app, headers, request).await {
+        return Ok(response);
+    }
+    let asked = read(headers, bytes).await?;
+    if let Some(request) = request {
+        app.memo.put(request, asked.key, &asked.address);
+    }
     if negotiate::has_already(headers, &asked.key) {
-        return Ok(not_modified(&asked));
+        return Ok(not_modified(&asked.key, &asked.address));
     }
     if let Some(manifest) = app.desk.find(asked.key).await {
         if negotiate::wants_nothing_kept(headers) {
-            return Ok(not_modified(&asked));
+            return Ok(not_modified(&asked.key, &asked.address));
         }
         // what turns out to be damaged has been dropped, and is made again
         if let Ok(response) = whole(app, Found::kept(manifest), &asked.address).await {
@@ -65,6 +73,16 @@ async fn rendered(app: &Arc<App>, headers: &HeaderMap, body: Body) -> Result<Res
         }
     }
     made(app, headers, asked).await
+}
+
+/// The answer to a request that came before and whose result is at hand.
+async fn again(app: &Arc<App>, headers: &HeaderMap, request: Option<Key>) -> Option<Response> {
+    let (key, address) = app.memo.get(&request?)?;
+    let manifest = app.desk.tiers.at_hand(&key)?;
+    if negotiate::has_already(headers, &key) || negotiate::wants_nothing_kept(headers) {
+        return Some(not_modified(&key, &address));
+    }
+    whole(app, Found::kept(manifest), &address).await.ok()
 }
 
 /// Has the artifact made, and answers with it or, when that takes too long, with where it will be.
@@ -94,8 +112,7 @@ async fn whole(app: &Arc<App>, found: Found, address: &str) -> Result<Response, 
 }
 
 /// Reads, checks and keys the job; on the blocking pool when it is long.
-async fn read(app: &Arc<App>, headers: &HeaderMap, body: Body) -> Result<Asked, Problem> {
-    let bytes = body::collect(app, headers, body).await?;
+async fn read(headers: &HeaderMap, bytes: Bytes) -> Result<Asked, Problem> {
     let headers = headers.clone();
     body::off_loop(bytes.len(), move || {
         let mut request: JobRequest = crate::wire::read::read(&bytes)?;
@@ -130,11 +147,9 @@ pub(super) async fn admit(app: &Arc<App>, job: Job) -> Result<Arc<Admitted>, Pro
     }
 }
 
-fn not_modified(asked: &Asked) -> Response {
+fn not_modified(key: &Key, address: &str) -> Response {
     let mut headers = HeaderMap::new();
-    if let (Ok(etag), Ok(address)) =
-        (HeaderValue::try_from(format!("\"{}\"", asked.key)), HeaderValue::try_from(asked.address.as_str()))
-    {
+    if let (Ok(etag), Ok(address)) = (HeaderValue::try_from(format!("\"{key}\"")), HeaderValue::try_from(address)) {
         headers.insert(header::ETAG, etag);
         headers.insert(header::CONTENT_LOCATION, address);
     }

@@ -18,7 +18,7 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::Semaphore;
 use tokio::time::Sleep;
 
-use super::{App, Canary, canary, document, router};
+use super::{App, Canary, Memo, canary, document, router};
 use crate::config::Settings;
 use crate::service::clock::Monotonic;
 use crate::service::desk::Desk;
@@ -81,7 +81,7 @@ pub async fn bind(settings: Settings) -> Result<(TcpListener, Arc<App>), StartEr
     let tiers = Tiers::new(settings.memory_cache_bytes, disk);
     let run_timeout = Duration::from_secs(settings.run_timeout_s);
     let desk = Desk::new(settings.limits(), tiers, pool, run_timeout, Arc::new(Monotonic::default()));
-    Ok((listener, Arc::new(App { desk: Arc::new(desk), settings, canary: Canary::default() })))
+    Ok((listener, Arc::new(App { desk: Arc::new(desk), settings, canary: Canary::default(), memo: Memo::default() })))
 }
 
 /// Serves until `stop` comes true, then lets running requests end.

@@ -1,0 +1,48 @@
+//! What was asked lately: from the bytes of a request to the key of its result, so that a request that comes again is
+//! neither parsed nor checked again. It holds keys only; the result itself must still be at hand.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use axum::http::{HeaderMap, header};
+
+use crate::job::key::{Key, content};
+
+/// Longest request that is remembered, bytes.
+const MAX_BYTES: usize = 64 << 10;
+/// Most requests remembered; when there are more, all are forgotten.
+const MAX_REQUESTS: usize = 16_384;
+
+/// Requests whose jobs were found possible.
+#[derive(Debug, Default)]
+pub struct Memo(Mutex<HashMap<Key, (Key, Arc<str>)>>);
+
+/// The identity of a request: its body, and the header that can change its meaning.
+pub(super) fn identity(headers: &HeaderMap, body: &[u8]) -> Option<Key> {
+    if body.len() > MAX_BYTES {
+        return None;
+    }
+    let mut bytes = (body.len() as u64).to_le_bytes().to_vec();
+    bytes.extend_from_slice(body);
+    for wish in headers.get_all(header::ACCEPT) {
+        bytes.extend_from_slice(wish.as_bytes());
+        bytes.push(b',');
+    }
+    Some(content(&bytes))
+}
+
+impl Memo {
+    /// Key and address of the result of a request.
+    pub(super) fn get(&self, request: &Key) -> Option<(Key, Arc<str>)> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).get(request).cloned()
+    }
+
+    /// Remembers a request.
+    pub(super) fn put(&self, request: Key, key: Key, address: &str) {
+        let mut requests = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if requests.len() >= MAX_REQUESTS {
+            requests.clear();
+        }
+        requests.insert(request, (key, address.into()));
+    }
+}
