@@ -76,7 +76,7 @@ pub(super) async fn limits(State(app): State<Shared>) -> Json<Vec<LimitEntry>> {
         ),
         ("max_expression_bytes", crate::math::expression::MAX_BYTES as u64, "bytes", "Longest expression."),
         ("max_outputs", crate::wire::output::MAX_OUTPUTS as u64, "outputs", "Most outputs of one job."),
-        ("max_polygons", crate::wire::job::MAX_POLYGONS as u64, "polygons", "Most polygons of one job."),
+        ("max_polygons", crate::wire::polygon::MAX_POLYGONS as u64, "polygons", "Most polygons of one job."),
         ("max_wait_s", super::negotiate::MAX_WAIT.as_secs(), "seconds", "Longest wait that `Prefer` is granted."),
     ];
     let fixed = fixed.map(|(name, value, unit, doc)| LimitEntry { name, value, unit, doc: doc.to_owned() });

@@ -13,7 +13,7 @@ use super::{Shared, body};
 use crate::fault::{Fault, under};
 use crate::job::Input;
 use crate::wire::answer::{FaultAnswer, MeshReport, ValidateAnswer};
-use crate::wire::job::InputRequest;
+use crate::wire::input::InputRequest;
 
 /// The question: an input, as in a job.
 #[derive(Debug, Clone, Deserialize, ToSchema)]

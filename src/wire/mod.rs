@@ -2,10 +2,14 @@
 
 pub mod answer;
 pub mod catalogue;
+pub mod input;
 pub mod job;
 pub mod literal;
+pub mod mesh;
 pub mod object;
 pub mod output;
+pub mod plan;
+pub mod polygon;
 pub mod read;
 mod report;
 mod schema;

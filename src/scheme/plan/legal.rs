@@ -1,0 +1,55 @@
+//! Which operators may follow which.
+
+use super::{Plan, Subject};
+use crate::scheme::ops::Role;
+use crate::scheme::polygon_net::Ends;
+use crate::scheme::step::StepError;
+
+impl Plan {
+    /// Whether every operator can follow those before it, in the prefix and the first two applications of the cycle.
+    pub(super) fn check_legal(&self, subject: Subject) -> Result<(), StepError> {
+        let (mut upsampled, mut duals, mut lost) = (false, 0, false);
+        let natural = !subject.is_mesh && subject.is_open && self.ends == Ends::Natural;
+        let mut arity = 2;
+        for mut letter in self.word.letters(2) {
+            let role = letter.operator.role();
+            if role == Role::Average {
+                letter.arity = arity;
+            }
+            if subject.is_mesh && (role == Role::Upsample && letter.arity != 2 || letter.operator.needs_upsampling()) {
+                return Err(StepError::WrongNet("U3 and higher, and A, refine polygons; meshes take U, D, C and P"));
+            }
+            let dual = letter.operator.shifts(&letter);
+            match role {
+                Role::Upsample if letter.mask.is_some() || letter.operator.needs_alpha() => {
+                    if let Some(tags) = subject.tags {
+                        return Err(StepError::MaskTags(tags));
+                    }
+                    (upsampled, duals, lost, arity) = (true, 0, letter.mask.is_some(), letter.arity);
+                }
+                Role::Upsample => (upsampled, duals, lost, arity) = (true, 0, false, letter.arity),
+                Role::Average => {
+                    if letter.operator.needs_upsampling() && !upsampled {
+                        return Err(StepError::NoArity);
+                    }
+                    if let Some(tags) = subject.tags.filter(|_| dual) {
+                        return Err(StepError::DualTags(tags));
+                    }
+                    duals += u32::from(dual);
+                    lost |= natural || dual && subject.is_mesh && subject.is_open;
+                }
+                Role::PushBack if !upsampled => return Err(StepError::NoAnchor),
+                Role::PushBack if lost => {
+                    return Err(StepError::LostPoints(match (natural, subject.is_mesh) {
+                        (true, _) => "natural ends",
+                        (false, true) => "the boundary",
+                        (false, false) => "a scheme of its own mask",
+                    }));
+                }
+                Role::PushBack if duals % 2 == 1 => return Err(StepError::OddDuals(duals)),
+                Role::PushBack | Role::Smooth => {}
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,124 @@
+//! From what a client wrote to a plan.
+
+use super::{Perturbation, Plan, PlanInput, Subject};
+use crate::fault::{Fault, under};
+use crate::math::expression::Expression;
+use crate::math::parameter::{Literal, Values, shortened};
+use crate::scheme::presets::{self, Preset, Refines, Spelling, WORD_PARAMETERS};
+use crate::scheme::word::{Letter, Word};
+
+impl Plan {
+    /// Resolves what a client wrote for a subject.
+    ///
+    /// # Errors
+    /// Every fault, with pointers below the plan.
+    pub fn resolve(input: &PlanInput, subject: Subject) -> Result<Self, Vec<Fault>> {
+        let (spelling, prefix, place) = match (&input.preset, &input.word) {
+            (Some(name), None) => (preset(name, &input.parameters, subject)?, Vec::new(), "/preset"),
+            (None, Some(text)) => {
+                let word = Word::parse(text).map_err(|error| vec![Fault::new("/word", error.to_string())]);
+                let functions = word_functions(&input.parameters, subject);
+                let (word, functions) = both(word, functions)?;
+                (Spelling { cycle: word.cycle, ..functions }, word.prefix, "/word")
+            }
+            (None, None) => {
+                return Err(vec![Fault::new("", "a plan is a \"preset\" or a \"word\"; give one of them")]);
+            }
+            (Some(_), Some(_)) => {
+                return Err(vec![Fault::new("/word", "a plan is a \"preset\" or a \"word\"; leave one of them out")]);
+            }
+        };
+        let mut word = Word { prefix, cycle: spelling.cycle };
+        if !subject.is_mesh && spelling.kernel.len() == 1 {
+            pair_duals(&mut word.prefix);
+            pair_duals(&mut word.cycle);
+        }
+        let Spelling { alpha, compensation_alpha, kernel, compensation, delta, perturbation, .. } = spelling;
+        let perturbation = perturbation.map(|[amplitude, decay]| Perturbation { amplitude, decay, seed: input.seed });
+        let compensation_alpha = compensation_alpha.filter(|other| other.to_bits() != alpha.to_bits());
+        let plan = Self {
+            word,
+            alpha,
+            compensation_alpha,
+            kernel,
+            compensation,
+            delta,
+            boundary: input.boundary,
+            ends: input.ends,
+            perturbation,
+        };
+        if subject.is_mesh && plan.perturbation.is_some() {
+            let detail = "perturbation acts on polygons; leave it out";
+            return Err(vec![Fault::new("/parameters/perturbation", detail)]);
+        }
+        plan.check_legal(subject).map_err(|error| vec![Fault::new(place, error.to_string())])?;
+        plan.check_delta(subject)?;
+        Ok(plan)
+    }
+
+    fn check_delta(&self, subject: Subject) -> Result<(), Vec<Fault>> {
+        if subject.is_mesh || self.delta.is_constant() {
+            let value = self.delta.value(4.0);
+            return value.map(drop).map_err(|error| vec![Fault::new("/parameters/delta", error.to_string())]);
+        }
+        Err(vec![Fault::new("/parameters/delta", "valence is a property of mesh vertices; give polygons a number")])
+    }
+}
+
+fn preset(name: &str, parameters: &[(String, Literal)], subject: Subject) -> Result<Spelling, Vec<Fault>> {
+    let Some(preset) = presets::named(name) else {
+        let known = presets::PRESETS.iter().map(|p| p.name).collect::<Vec<_>>().join(", ");
+        let detail = format!("there is no preset \"{}\"; known are {known}", shortened(name));
+        return Err(vec![Fault::new("/preset", detail)]);
+    };
+    check_subject(preset, subject)?;
+    let values = Values::resolve(preset.parameters, parameters).map_err(|faults| under("/parameters", faults))?;
+    (preset.spell)(&values).map_err(|faults| under("/parameters", faults))
+}
+
+fn check_subject(preset: &Preset, subject: Subject) -> Result<(), Vec<Fault>> {
+    let (kind, remedy) = match (preset.refines, subject.is_mesh) {
+        (Refines::Curves, true) => ("polygons", "a mesh takes catmull-clark, bilinear, push-back or a word"),
+        (Refines::Meshes, false) => ("meshes", "a polygon takes cubic-b-spline, four-point, push-back or a word"),
+        _ => return Ok(()),
+    };
+    Err(vec![Fault::new("/preset", format!("{} refines {kind}; {remedy}", preset.name))])
+}
+
+fn word_functions(parameters: &[(String, Literal)], _: Subject) -> Result<Spelling, Vec<Fault>> {
+    let values = Values::resolve(WORD_PARAMETERS, parameters).map_err(|faults| under("/parameters", faults))?;
+    let one = Expression::constant(1.0);
+    Ok(Spelling {
+        cycle: Vec::new(),
+        alpha: values.number("alpha").unwrap_or(0.0),
+        compensation_alpha: values.number("compensation_alpha"),
+        kernel: values.expressions("kernel").to_vec(),
+        compensation: values.expression("compensation").cloned().unwrap_or_else(|| one.clone()),
+        delta: values.expression("delta").cloned().unwrap_or(one),
+        perturbation: presets::perturbation(&values),
+    })
+}
+
+/// Both results, or the faults of both.
+fn both<A, B>(a: Result<A, Vec<Fault>>, b: Result<B, Vec<Fault>>) -> Result<(A, B), Vec<Fault>> {
+    match (a, b) {
+        (Ok(a), Ok(b)) => Ok((a, b)),
+        (a, b) => Err(a.err().into_iter().chain(b.err()).flatten().collect()),
+    }
+}
+
+/// On polygons two D next to each other are a C; one spelling of them makes one key.
+fn pair_duals(letters: &mut Vec<Letter>) {
+    let average = crate::scheme::ops::lettered('C').expect("C is an operator");
+    let mut paired: Vec<Letter> = Vec::with_capacity(letters.len());
+    let is_dual = |letter: &Letter| letter.operator.letter() == Some('D');
+    for letter in letters.drain(..) {
+        if is_dual(&letter) && paired.last().is_some_and(is_dual) {
+            paired.pop();
+            paired.push(Letter::plain(average));
+        } else {
+            paired.push(letter);
+        }
+    }
+    *letters = paired;
+}

@@ -1,0 +1,100 @@
+//! A plan written out: every operator of every level with its numbers.
+
+use super::{Plan, Scheduled};
+use crate::fault::Fault;
+use crate::math::expression::{Expression, ExpressionError};
+use crate::scheme::ops::Role;
+
+/// Compensations beyond this come from a pole of the function, not from a wish.
+const MAX_COMPENSATION: f64 = 1e12;
+
+impl Plan {
+    /// The operators of `levels` levels with their numbers.
+    ///
+    /// # Errors
+    /// When a function has no value at some level; the fault names level and alpha.
+    pub fn schedule(&self, levels: u32) -> Result<Vec<Scheduled>, Fault> {
+        let (mut alpha, mut other) = (self.alpha, self.compensation_alpha.unwrap_or(self.alpha));
+        let (mut scale, mut upsamplings) = (1.0, 0);
+        let mut last_arity = None;
+        let mut averages = None;
+        let mut steps = Vec::new();
+        let prefix = self.word.prefix.len();
+        for (i, letter) in self.word.letters(levels).enumerate() {
+            let level = if i < prefix { 0 } else { (i - prefix) / self.word.cycle.len() + 1 };
+            let level = u32::try_from(level).unwrap_or(u32::MAX);
+            let operator = letter.operator;
+            let arity = letter.arity;
+            let mut step = Scheduled {
+                letter,
+                level,
+                alpha,
+                compensation_alpha: other,
+                scale,
+                upsamplings,
+                first: false,
+                kernel: 1.0,
+                compensation: 1.0,
+            };
+            match operator.role() {
+                Role::Upsample => {
+                    let before = f64::from(last_arity.unwrap_or(1));
+                    alpha /= before;
+                    other /= before;
+                    scale /= before;
+                    (step.alpha, step.compensation_alpha, step.scale) = (alpha, other, scale);
+                    upsamplings += 1;
+                    last_arity = Some(arity);
+                    averages = Some(0);
+                }
+                Role::Average => {
+                    step.letter.arity = last_arity.unwrap_or(arity);
+                    if let Some(place) = averages {
+                        step.kernel = self.kernel_at(place, alpha, level)?;
+                        step.first = place == 0;
+                        averages = Some(place + 1);
+                    }
+                }
+                Role::PushBack => step.compensation = self.compensation_at(other, level)?,
+                Role::Smooth => {}
+            }
+            let at_alpha = step.letter.operator.at_alpha(&mut step.letter, step.alpha);
+            at_alpha.map_err(|error| {
+                Fault::new("/parameters/alpha", format!("{error} (level {level}); choose another alpha"))
+            })?;
+            steps.push(step);
+        }
+        Ok(steps)
+    }
+
+    fn kernel_at(&self, place: usize, alpha: f64, level: u32) -> Result<f64, Fault> {
+        let Some(kernel) = self.kernel.get(place) else { return Ok(1.0) };
+        let value = at(kernel, alpha, level, "kernel")?;
+        if (1.0 + value).abs() < 1e-9 {
+            let detail = format!("the kernel is -1 at level {level} (alpha = {alpha}), where no average exists");
+            return Err(Fault::new("/parameters/kernel", detail));
+        }
+        Ok(value)
+    }
+
+    fn compensation_at(&self, alpha: f64, level: u32) -> Result<f64, Fault> {
+        let value = at(&self.compensation, alpha, level, "compensation")?;
+        if value.abs() > MAX_COMPENSATION {
+            let detail = format!(
+                "the compensation is {value} at level {level} (alpha = {alpha}), a pole of the function; at most \
+                 {MAX_COMPENSATION} is allowed: choose another alpha"
+            );
+            return Err(Fault::new("/parameters/compensation", detail));
+        }
+        Ok(value)
+    }
+}
+
+fn at(function: &Expression, alpha: f64, level: u32, name: &str) -> Result<f64, Fault> {
+    function.value(alpha).map_err(|error| {
+        let value = if let ExpressionError::NotFinite { value, .. } = error { value } else { f64::NAN };
+        let detail =
+            format!("the {name} is {value} at level {level} (alpha = {alpha}); it must be finite at every level");
+        Fault::new(format!("/parameters/{name}"), detail)
+    })
+}

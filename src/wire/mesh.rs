@@ -1,0 +1,65 @@
+//! Control meshes as clients write them.
+
+use serde::Deserialize;
+use utoipa::ToSchema;
+
+use super::input::OrientRequest;
+use super::{object, schema};
+use crate::fault::Fault;
+use crate::shape::check::{FaceList, Winding};
+use crate::shape::mesh::{Mesh, MeshInput};
+
+/// A control mesh.
+#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeshRequest {
+    /// Vertex positions, `n x 3`, model units.
+    #[schema(schema_with = schema::positions)]
+    pub positions: Vec<[f64; 3]>,
+    /// Faces as lists of vertex indices, counted from 0, counter-clockwise seen from outside.
+    #[schema(schema_with = schema::faces)]
+    pub faces: Vec<Vec<u64>>,
+    /// Vertices that keep their place.
+    #[serde(default, deserialize_with = "object::list")]
+    pub corners: Vec<CornerRequest>,
+    /// Faces that are refined but not shown.
+    #[serde(default)]
+    pub holes: Vec<u64>,
+}
+
+/// A corner of a mesh.
+#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CornerRequest {
+    /// The vertex.
+    pub vertex: u64,
+    /// 0 is smooth, 10 or more infinitely sharp.
+    pub sharpness: f64,
+}
+
+impl MeshRequest {
+    /// Checks the mesh.
+    ///
+    /// # Errors
+    /// All faults, with pointers below the mesh.
+    pub fn resolve(self, orient: Option<OrientRequest>) -> Result<Mesh, Vec<Fault>> {
+        let mut faces = FaceList::default();
+        for face in &self.faces {
+            // an index beyond 32 bits is beyond every mesh, too
+            faces.push(face.iter().map(|&v| u32::try_from(v).unwrap_or(u32::MAX)));
+        }
+        let beyond = |(f, face): (usize, &Vec<u64>)| {
+            let j = face.iter().position(|&v| v >= u64::from(u32::MAX))?;
+            let detail =
+                format!("there is no vertex {}; the mesh has {}, counted from 0", face[j], self.positions.len());
+            Some(Fault::new(format!("/faces/{f}/{j}"), detail))
+        };
+        let beyond: Vec<Fault> = self.faces.iter().enumerate().filter_map(beyond).take(20).collect();
+        if !beyond.is_empty() {
+            return Err(beyond);
+        }
+        let winding = if orient == Some(OrientRequest::Repair) { Winding::Repair } else { Winding::Refuse };
+        let corners = self.corners.iter().map(|corner| (corner.vertex, corner.sharpness)).collect();
+        Mesh::new(MeshInput { positions: self.positions, faces, corners, holes: self.holes, winding })
+    }
+}

@@ -1,0 +1,72 @@
+//! The plan as clients write it.
+
+use serde::Deserialize;
+use utoipa::ToSchema;
+
+use super::literal::WireFields;
+use crate::scheme::mesh_net::Boundary;
+use crate::scheme::plan::PlanInput;
+use crate::scheme::polygon_net::Ends;
+
+/// How the input is refined: a preset or a word.
+#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlanRequest {
+    /// Name of a preset, see `/v1/presets`.
+    pub preset: Option<String>,
+    /// A word over operators, see `/v1/operators`.
+    pub word: Option<String>,
+    /// Parameters of the preset, or of the word: numbers, constant expressions, expressions.
+    #[serde(default)]
+    #[schema(value_type = Object)]
+    pub parameters: WireFields,
+    /// Boundary rule of meshes; `edge-and-corner` when left out.
+    pub boundary: Option<BoundaryRequest>,
+    /// End rule of open polygons; `clamped` when left out.
+    pub ends: Option<EndsRequest>,
+    /// Seed of random perturbation; without effect on plans that have none.
+    pub seed: Option<u64>,
+}
+
+/// Boundary rule of meshes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum BoundaryRequest {
+    /// Boundary curves by the curve rule; vertices with one face keep their place.
+    EdgeAndCorner,
+    /// Boundary curves by the curve rule.
+    EdgeOnly,
+    /// As `edge-only`, and faces that touch the boundary are not shown.
+    None,
+}
+
+/// End rule of open polygons.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum EndsRequest {
+    /// The curve starts and ends at the end points.
+    Clamped,
+    /// Only points whose whole stencil exists.
+    Natural,
+}
+
+impl PlanRequest {
+    /// The plan as it is to be resolved for its input.
+    pub fn resolve(self) -> PlanInput {
+        PlanInput {
+            preset: self.preset,
+            word: self.word,
+            parameters: self.parameters.0,
+            boundary: match self.boundary {
+                None | Some(BoundaryRequest::EdgeAndCorner) => Boundary::EdgeAndCorner,
+                Some(BoundaryRequest::EdgeOnly) => Boundary::EdgeOnly,
+                Some(BoundaryRequest::None) => Boundary::None,
+            },
+            ends: match self.ends {
+                None | Some(EndsRequest::Clamped) => Ends::Clamped,
+                Some(EndsRequest::Natural) => Ends::Natural,
+            },
+            seed: self.seed.unwrap_or(0),
+        }
+    }
+}

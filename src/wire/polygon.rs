@@ -1,0 +1,75 @@
+//! Control polygons as clients write them.
+
+use serde::Deserialize;
+use utoipa::ToSchema;
+
+use super::schema;
+use crate::fault::{Fault, under};
+use crate::shape::attributes::Attributes;
+use crate::shape::polygon::Polygon;
+
+/// Most polygons of one job.
+pub(crate) const MAX_POLYGONS: usize = 4096;
+
+/// A control polygon.
+#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PolygonRequest {
+    /// Points, all of the same 1 to 4 coordinates.
+    #[schema(schema_with = schema::points)]
+    pub points: Vec<Vec<f64>>,
+    /// Whether the last point is joined to the first.
+    #[serde(default)]
+    pub closed: bool,
+    /// Indices of points that keep their place.
+    #[serde(default)]
+    pub corners: Vec<u64>,
+    /// Whether points are homogeneous: the last coordinate is a weight, by which the others are divided after refining.
+    #[serde(default)]
+    pub rational: bool,
+    /// Parameters that points carry: each a list of one number a point.
+    pub parameters: Option<PointParameters>,
+}
+
+/// Parameters that points carry; each beats the plan's.
+#[derive(Debug, Clone, Default, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PointParameters {
+    /// Parameter spacing, radians.
+    pub alpha: Option<Vec<f64>>,
+    /// Kernel.
+    pub kernel: Option<Vec<f64>>,
+    /// Compensation.
+    pub compensation: Option<Vec<f64>>,
+    /// Push-back factor.
+    pub delta: Option<Vec<f64>>,
+}
+
+pub(super) fn polygons(requests: Vec<PolygonRequest>) -> Result<Vec<Polygon>, Vec<Fault>> {
+    if requests.is_empty() || requests.len() > MAX_POLYGONS {
+        let detail = format!("{} polygons; 1 to {MAX_POLYGONS} are allowed", requests.len());
+        return Err(vec![Fault::new("", detail)]);
+    }
+    let mut faults = Vec::new();
+    let mut found = Vec::with_capacity(requests.len());
+    for (i, request) in requests.into_iter().enumerate() {
+        match request.resolve() {
+            Ok(polygon) => found.push(polygon),
+            Err(wrong) => faults.extend(under(&format!("/{i}"), wrong)),
+        }
+    }
+    if faults.is_empty() { Ok(found) } else { Err(faults) }
+}
+
+impl PolygonRequest {
+    pub(super) fn resolve(self) -> Result<Polygon, Vec<Fault>> {
+        let polygon = Polygon::new(&self.points, self.closed, &self.corners)?;
+        let polygon = if self.rational { polygon.rational()? } else { polygon };
+        match self.parameters {
+            None => Ok(polygon),
+            Some(PointParameters { alpha, kernel, compensation, delta }) => {
+                polygon.carrying(Attributes { alpha, kernel, compensation, delta })
+            }
+        }
+    }
+}
