@@ -112,14 +112,19 @@ fn input(input: &Input) -> Item<'_> {
 }
 
 fn polygon(polygon: &Polygon) -> Item<'_> {
-    Item::List(vec![
+    let mut items = vec![
         Item::Integer(polygon.dimension as u64),
         Item::Integer(u64::from(polygon.closed)),
         Item::Integer(u64::from(polygon.rational)),
         Item::List(attributes(polygon)),
         Item::Numbers((&polygon.points).into()),
         Item::Indices((&polygon.corners).into()),
-    ])
+    ];
+    items.extend(polygon.tangents.as_ref().map(|tangents| Item::Numbers(tangents.into())));
+    if !polygon.pinned.is_empty() {
+        items.push(Item::Indices((&polygon.pinned).into()));
+    }
+    Item::List(items)
 }
 
 fn attributes(polygon: &Polygon) -> Vec<Item<'_>> {
@@ -147,7 +152,7 @@ fn plan(job: &Job) -> Item<'static> {
             });
             let head = [l.arity, l.averages].map(|n| Item::Integer(u64::from(n)));
             let head = [text(l.operator.name())].into_iter().chain(head);
-            Item::List(head.chain(mask).collect())
+            Item::List(head.chain(mask).chain(l.blending.map(Item::Number)).collect())
         };
         Item::List(letters.iter().map(letter).collect())
     };

@@ -4,6 +4,7 @@ pub mod codec;
 pub mod key;
 pub mod limits;
 mod run;
+mod steering;
 
 pub use run::{Report, RunError, run};
 
@@ -131,6 +132,7 @@ impl Job {
             let fault = crate::scheme::forecast::check_delta(&plan, &mesh.topology).err();
             faults.extend(fault.map(|fault| fault.under("/plan")));
         }
+        faults.extend(steering::check(&input, &plan));
         if faults.is_empty() { Ok(Self { input, plan, levels, outputs }) } else { Err(faults) }
     }
 

@@ -99,7 +99,8 @@ fn write(scene: &Scene<'_>, output: &Output, out: &mut dyn Write, watch: &Watch)
 }
 
 fn control_curve(polygon: &Polygon) -> Result<Curve, RunError> {
-    let curve = Curve { points: polygon.points.clone(), dimension: polygon.dimension, closed: polygon.closed };
+    let curve =
+        Curve { points: polygon.points.clone(), dimension: polygon.dimension, closed: polygon.closed, tangents: None };
     if polygon.rational { projected(&curve) } else { Ok(curve) }
 }
 
@@ -109,7 +110,7 @@ fn projected(curve: &Curve) -> Result<Curve, RunError> {
     let divided = |point: &[f64]| point[..dimension].iter().map(|x| x / point[dimension]).collect::<Vec<_>>();
     let points: Vec<f64> = curve.points.chunks_exact(curve.dimension).flat_map(divided).collect();
     if points.iter().all(|x| x.is_finite()) {
-        Ok(Curve { points, dimension, closed: curve.closed })
+        Ok(Curve { points, dimension, closed: curve.closed, tangents: None })
     } else {
         Err(RunError::Impossible(Fault::new(
             "/input",

@@ -4,4 +4,5 @@ pub mod expression;
 pub mod functions;
 pub mod mask;
 pub mod parameter;
+pub mod planar;
 pub mod rows;

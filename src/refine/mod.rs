@@ -6,11 +6,12 @@ pub use refined::RefinedMesh;
 
 use std::sync::Arc;
 
+use crate::math::planar;
 use crate::math::rows::{RowSource, blend};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::polygon_net::PolygonNet;
-use crate::scheme::step::{Action, StepError, Values};
+use crate::scheme::step::{Action, PointMap, StepError, Values};
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
 use crate::shape::source::Curve;
@@ -41,7 +42,8 @@ pub enum RefineError {
 /// The net of a polygon before refinement.
 pub fn polygon_net(polygon: &Polygon, plan: &Plan) -> PolygonNet {
     let attributes = polygon.attributes.clone().map(Arc::new);
-    PolygonNet { attributes, ..PolygonNet::new(polygon.len(), polygon.closed, plan.ends, &polygon.corners) }
+    let pinned = polygon.pinned.as_slice().into();
+    PolygonNet { pinned, attributes, ..PolygonNet::new(polygon.len(), polygon.closed, plan.ends, &polygon.corners) }
 }
 
 /// The net of a mesh before refinement.
@@ -61,12 +63,23 @@ pub fn refine_polygon(
 ) -> Result<Curve, RefineError> {
     let mut net = polygon_net(polygon, plan);
     let mut points = Points::new(polygon.points.clone(), polygon.dimension);
+    if plan.turns_tangents().is_some() {
+        points.tangents = Some(start_tangents(polygon, watch)?);
+    }
     for step in steps {
         let next = step.letter.operator.on_polygon(&net, &values(plan, step)).map_err(|error| at(step, error))?;
         points.act(&next.action, step, watch)?;
         net = next.net;
     }
-    Ok(Curve { points: points.now, dimension: polygon.dimension, closed: polygon.closed })
+    Ok(Curve { points: points.now, dimension: polygon.dimension, closed: polygon.closed, tangents: points.tangents })
+}
+
+/// The tangents of a polygon in the plane: those given, or else those of circles through neighbours.
+fn start_tangents(polygon: &Polygon, watch: &Watch) -> Result<Vec<f64>, Stopped> {
+    match &polygon.tangents {
+        Some(tangents) => Ok(tangents.clone()),
+        None => planar::tangents(polygon.points.as_chunks().0, polygon.closed, watch).map(Vec::into_flattened),
+    }
 }
 
 /// Refines a mesh.
@@ -104,12 +117,14 @@ fn at(step: &Scheduled, error: StepError) -> RefineError {
 struct Points {
     now: Vec<f64>,
     anchor: Vec<f64>,
+    /// Unit tangents, `n x width`, under plans that turn them.
+    tangents: Option<Vec<f64>>,
     width: usize,
 }
 
 impl Points {
     fn new(now: Vec<f64>, width: usize) -> Self {
-        Self { now, anchor: Vec::new(), width }
+        Self { now, anchor: Vec::new(), tangents: None, width }
     }
 
     fn act(&mut self, action: &Action, step: &Scheduled, watch: &Watch) -> Result<(), RefineError> {
@@ -120,10 +135,22 @@ impl Points {
                 self.anchor = std::mem::replace(&mut self.now, next);
             }
             Action::PushBack { rows, children } => self.push_back(&**rows, children, watch)?,
+            Action::Map(map) => self.map(&**map, watch)?,
             Action::Keep => {}
         }
         // a sum of finite numbers that overflows stays infinite or NaN, so a sample of the sums would not do
-        if self.now.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(RefineError::NotFinite { level: step.level }) }
+        if self.now.iter().chain(self.tangents.iter().flatten()).all(|x| x.is_finite()) {
+            Ok(())
+        } else {
+            Err(RefineError::NotFinite { level: step.level })
+        }
+    }
+
+    fn map(&mut self, map: &dyn PointMap, watch: &Watch) -> Result<(), Stopped> {
+        let tangents = self.tangents.as_ref().expect("plans with such a step start with tangents");
+        let (points, tangents) = map.apply(self.now.as_chunks().0, tangents.as_chunks().0, watch)?;
+        (self.now, self.tangents) = (points.into_flattened(), Some(tangents.into_flattened()));
+        Ok(())
     }
 
     /// `points + rows x (anchor - children)`.

@@ -1,5 +1,5 @@
 //! Schemes: words over operators, presets that spell them, and what they do to a net's connectivity and weights.
-//! Coordinates are never seen here.
+//! Coordinates are never seen here, except by steps that are not linear.
 
 pub mod forecast;
 pub mod local;

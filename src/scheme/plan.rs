@@ -6,6 +6,7 @@ mod schedule;
 
 use super::local::{Noise, Sources};
 use super::mesh_net::Boundary;
+use super::ops::Operator;
 use super::polygon_net::Ends;
 use super::word::{Letter, Word};
 use crate::math::expression::Expression;
@@ -113,6 +114,13 @@ impl Plan {
             ends,
             perturbation: None,
         }
+    }
+
+    /// The name of the operator that turns tangents along with points of the plane, if there is one; such a plan is not
+    /// linear.
+    pub fn turns_tangents(&self) -> Option<&'static str> {
+        let mut operators = self.word.prefix.iter().chain(&self.word.cycle).map(|letter| letter.operator);
+        operators.find(|operator| operator.turns_tangents()).map(Operator::name)
     }
 
     /// From what an upsampling computes the values of single points.

@@ -46,6 +46,8 @@ pub struct PolygonNet {
     pub phase: Option<Phase>,
     /// Control points that keep their place, ascending.
     pub corners: Arc<[u32]>,
+    /// Control points whose tangents stay, ascending; only steps that turn tangents move them along.
+    pub pinned: Arc<[u32]>,
     /// What entered the last U.
     pub anchor: Option<Anchor>,
     /// Parameters that control points carry.
@@ -165,7 +167,17 @@ impl PolygonNet {
             (false, Ends::Clamped) => Extent::Whole,
             (false, Ends::Natural) => Extent::Natural,
         };
-        Self { n, extent, duals: 0, phase: None, corners: corners.into(), anchor: None, attributes: None, local: None }
+        Self {
+            n,
+            extent,
+            duals: 0,
+            phase: None,
+            corners: corners.into(),
+            pinned: Arc::default(),
+            anchor: None,
+            attributes: None,
+            local: None,
+        }
     }
 
     /// Whether the polygon is closed.

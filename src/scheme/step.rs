@@ -1,11 +1,14 @@
 //! What one operator does to one net: the net that follows and the weights that lead to it.
 
+use std::fmt;
 use std::sync::Arc;
 
 use super::local::Sources;
 use super::word::Letter;
 use crate::math::expression::{Expression, ExpressionError};
+use crate::math::planar::Vector;
 use crate::math::rows::RowSource;
+use crate::watch::{Stopped, Watch};
 
 /// The numbers an operator works with at one place of a plan.
 #[derive(Debug, Clone, Copy)]
@@ -49,8 +52,24 @@ pub enum Action {
         /// For each anchor point its child.
         children: Arc<[u32]>,
     },
+    /// Points and tangents are turned into the next ones, by a step that is not linear.
+    Map(Box<dyn PointMap>),
     /// The points stay as they are.
     Keep,
+}
+
+/// A step that is not linear: the one kind that sees coordinates, those of points in the plane and of their tangents.
+pub trait PointMap: fmt::Debug + Send + Sync {
+    /// The next points and their unit tangents, from points and unit tangents, one for each.
+    ///
+    /// # Errors
+    /// [`Stopped`] when the watch says so.
+    fn apply(
+        &self,
+        points: &[Vector],
+        tangents: &[Vector],
+        watch: &Watch,
+    ) -> Result<(Vec<Vector>, Vec<Vector>), Stopped>;
 }
 
 /// Why an operator cannot be applied.

@@ -23,12 +23,14 @@ pub struct Letter {
     pub averages: u32,
     /// The mask, for operators that have one of their own.
     pub mask: Option<Arc<Mask>>,
+    /// The blending factor, for operators that have one.
+    pub blending: Option<f64>,
 }
 
 impl Letter {
     /// An operator of arity 2 without a mask.
     pub fn plain(operator: &'static dyn Operator) -> Self {
-        Self { operator, arity: 2, averages: 0, mask: None }
+        Self { operator, arity: 2, averages: 0, mask: None, blending: None }
     }
 }
 
@@ -38,6 +40,7 @@ impl PartialEq for Letter {
             && self.arity == other.arity
             && self.averages == other.averages
             && self.mask == other.mask
+            && self.blending == other.blending
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::attributes::Attributes;
 use crate::fault::{Fault, under};
+use crate::math::functions::sqrt;
 
 /// Most coordinates a point may have.
 pub const MAX_DIMENSION: usize = 4;
@@ -19,6 +20,10 @@ pub struct Polygon {
     pub corners: Vec<u32>,
     /// Whether points are homogeneous: the last coordinate is a weight, by which the others are divided at the end.
     pub rational: bool,
+    /// Unit tangents, `n x dimension`, if they are given.
+    pub tangents: Option<Vec<f64>>,
+    /// Indices of points whose tangents stay, ascending.
+    pub pinned: Vec<u32>,
     /// Parameters that points carry, if any.
     pub attributes: Option<Attributes>,
 }
@@ -41,7 +46,7 @@ impl Polygon {
         for (i, point) in points.iter().enumerate() {
             check_point(i, point, dimension, &mut faults);
         }
-        let corners = check_corners(corners, points.len(), &mut faults);
+        let corners = check_indices("/corners", corners, points.len(), &mut faults);
         if !faults.is_empty() {
             return Err(faults);
         }
@@ -51,6 +56,8 @@ impl Polygon {
             closed,
             corners,
             rational: false,
+            tangents: None,
+            pinned: Vec::new(),
             attributes: None,
         })
     }
@@ -81,6 +88,48 @@ impl Polygon {
         Ok(Self { attributes: Some(attributes), ..self })
     }
 
+    /// The polygon with tangents of its points, of any length but 0, and with the points whose tangents stay.
+    ///
+    /// # Errors
+    /// When there is not one tangent a point, one has no direction or another dimension than the points, or a pinned
+    /// point does not exist.
+    pub fn steered(self, tangents: Option<&[Vec<f64>]>, pinned: &[u64]) -> Result<Self, Vec<Fault>> {
+        let mut faults = Vec::new();
+        let mut pinned = check_indices("/pinned", pinned, self.len(), &mut faults);
+        // at the ends of an open polygon tangents stay in any case
+        pinned.retain(|&i| self.closed || i > 0 && i as usize + 1 < self.len());
+        let tangents = tangents.map(|tangents| self.directions(tangents, &mut faults));
+        if faults.is_empty() { Ok(Self { tangents, pinned, ..self }) } else { Err(faults) }
+    }
+
+    /// Vectors scaled to length 1, one a point.
+    fn directions(&self, tangents: &[Vec<f64>], faults: &mut Vec<Fault>) -> Vec<f64> {
+        if tangents.len() != self.len() {
+            let detail = format!("{} tangents for {} points; give one a point", tangents.len(), self.len());
+            faults.push(Fault::new("/tangents", detail));
+        }
+        let mut directions = Vec::with_capacity(self.points.len());
+        for (i, tangent) in tangents.iter().enumerate() {
+            let place = format!("/tangents/{i}");
+            let most = tangent.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+            if tangent.len() != self.dimension {
+                let detail =
+                    format!("{} coordinates; points have {}, and so have tangents", tangent.len(), self.dimension);
+                faults.push(Fault::new(place, detail));
+            } else if let Some(j) = tangent.iter().position(|x| !x.is_finite()) {
+                faults.push(Fault::new(format!("{place}/{j}"), format!("{} is not a finite number", tangent[j])));
+            } else if most == 0.0 {
+                faults.push(Fault::new(place, "the vector 0 has no direction; give a tangent of any other length"));
+            } else {
+                // divided by the largest coordinate first, so that no square overflows
+                let scaled = tangent.iter().map(|x| x / most + 0.0);
+                let norm = sqrt(scaled.clone().map(|x| x * x).sum());
+                directions.extend(scaled.map(|x| x / norm));
+            }
+        }
+        directions
+    }
+
     /// Coordinates of a point of the result.
     pub fn result_dimension(&self) -> usize {
         self.dimension - usize::from(self.rational)
@@ -109,15 +158,15 @@ fn check_point(i: usize, point: &[f64], dimension: usize, faults: &mut Vec<Fault
     }
 }
 
-/// Corner indices in ascending order.
-fn check_corners(corners: &[u64], n: usize, faults: &mut Vec<Fault>) -> Vec<u32> {
-    let mut found = Vec::with_capacity(corners.len());
-    for (i, &corner) in corners.iter().enumerate() {
-        match u32::try_from(corner) {
+/// Indices of points in ascending order.
+fn check_indices(place: &str, indices: &[u64], n: usize, faults: &mut Vec<Fault>) -> Vec<u32> {
+    let mut found = Vec::with_capacity(indices.len());
+    for (i, &given) in indices.iter().enumerate() {
+        match u32::try_from(given) {
             Ok(index) if (index as usize) < n => found.push(index),
             _ => {
-                let detail = format!("there is no point {corner}; the polygon has {n}, counted from 0");
-                faults.push(Fault::new(format!("/corners/{i}"), detail));
+                let detail = format!("there is no point {given}; the polygon has {n}, counted from 0");
+                faults.push(Fault::new(format!("{place}/{i}"), detail));
             }
         }
     }

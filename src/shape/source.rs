@@ -11,6 +11,8 @@ pub struct Curve {
     pub dimension: usize,
     /// Whether the last point is joined to the first.
     pub closed: bool,
+    /// Unit tangents, `n x dimension`, where they are known.
+    pub tangents: Option<Vec<f64>>,
 }
 
 impl Curve {

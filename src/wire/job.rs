@@ -55,6 +55,7 @@ impl JobRequest {
         if self.spec.is_some_and(|spec| spec != 1) {
             faults.push(Fault::new("/spec", format!("{} is unknown; this server speaks 1", self.spec.unwrap_or(0))));
         }
+        let alone = self.input.polygon.is_some();
         let input = keep(self.input.resolve().map_err(|found| under("/input", found)), &mut faults);
         let outputs = keep(outputs(&self.outputs), &mut faults);
         let plan = self.plan.map(PlanRequest::resolve);
@@ -63,8 +64,16 @@ impl JobRequest {
         match Job::new(input, plan.as_ref(), self.levels, outputs.unwrap_or_default()) {
             Ok(job) if faults.is_empty() => Ok(job),
             Ok(_) => Err(faults),
-            Err(found) => Err(faults.into_iter().chain(found).collect()),
+            Err(found) => Err(faults.into_iter().chain(found.into_iter().map(|f| as_written(f, alone))).collect()),
         }
+    }
+}
+
+/// The fault with its pointer as the request is written: a polygon alone stands in no list.
+fn as_written(fault: Fault, alone: bool) -> Fault {
+    match fault.pointer.strip_prefix("/input/polygons/0/") {
+        Some(inside) if alone => Fault { pointer: format!("/input/polygon/{inside}"), ..fault },
+        _ => fault,
     }
 }
 

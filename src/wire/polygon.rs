@@ -27,6 +27,13 @@ pub struct PolygonRequest {
     /// Whether points are homogeneous: the last coordinate is a weight, by which the others are divided after refining.
     #[serde(default)]
     pub rational: bool,
+    /// Tangents of the points, of any length but 0, for presets that use them (`incenter`); without them each is that of
+    /// the circle through the point and its neighbours.
+    #[schema(schema_with = schema::tangents)]
+    pub tangents: Option<Vec<Vec<f64>>>,
+    /// Indices of points whose tangents stay as they are.
+    #[serde(default)]
+    pub pinned: Vec<u64>,
     /// Parameters that points carry: each a list of one number a point.
     pub parameters: Option<PointParameters>,
 }
@@ -65,6 +72,7 @@ impl PolygonRequest {
     pub(super) fn resolve(self) -> Result<Polygon, Vec<Fault>> {
         let polygon = Polygon::new(&self.points, self.closed, &self.corners)?;
         let polygon = if self.rational { polygon.rational()? } else { polygon };
+        let polygon = polygon.steered(self.tangents.as_deref(), &self.pinned)?;
         match self.parameters {
             None => Ok(polygon),
             Some(PointParameters { alpha, kernel, compensation, delta }) => {

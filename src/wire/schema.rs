@@ -30,6 +30,13 @@ pub(super) fn points() -> RefOr<Schema> {
     lists(of(Type::Number).build(), 1, Some(4), "Points, all of the same 1 to 4 coordinates.")
 }
 
+/// Tangents of a polygon.
+pub(super) fn tangents() -> RefOr<Schema> {
+    let doc = "Tangents of the points, one a point, of any length but 0, for presets that use them (`incenter`); without \
+               them each is that of the circle through the point and its neighbours.";
+    lists(of(Type::Number).build(), 1, Some(4), doc)
+}
+
 /// Faces of a mesh.
 pub(super) fn faces() -> RefOr<Schema> {
     let doc = "Faces as lists of 3 or more vertex indices, counted from 0, counter-clockwise seen from outside.";

@@ -235,6 +235,23 @@ proptest! {
     }
 
     #[test]
+    fn counts_of_steps_that_are_not_linear_are_as_forecast(
+        polygons in proptest::collection::vec(polygon(), 1..4), levels in 0..5_u32,
+    ) {
+        let text = json!({
+            "input": { "polygons": polygons }, "plan": { "preset": "incenter" }, "levels": levels,
+            "outputs": [{ "format": "json" }],
+        });
+        let job = parsed(text.to_string().as_bytes()).expect("a job");
+        let estimate = Limits::default().estimate(&job).expect("it is small");
+        let (bytes, _) = render(&text).expect("it can be refined");
+        let actual = counted(&bytes);
+        prop_assert_eq!(*estimate.forecast.levels.last().expect("level 0"), actual);
+        prop_assert_eq!(estimate.forecast.peak, actual);
+        prop_assert!(estimate.outputs[0].1.bytes() >= bytes.len() as u128);
+    }
+
+    #[test]
     fn counts_of_meshes_are_as_forecast(net in nets::manifold(), word in words(OPEN_MESH)) {
         check(&net.input(), &word, &json!({}))?;
     }

@@ -52,7 +52,7 @@ fn grid(n: u32) -> Net {
 }
 
 fn curve(dimension: usize, closed: bool, points: &[f64]) -> Curve {
-    Curve { points: points.to_vec(), dimension, closed }
+    Curve { points: points.to_vec(), dimension, closed, tangents: None }
 }
 
 fn counts(shape: Shape<'_>) -> Counts {
@@ -168,7 +168,7 @@ fn any_curves() -> impl Strategy<Value = Vec<Curve>> {
     (1_usize..=4).prop_flat_map(|dimension| {
         let polygon = (prop::collection::vec(number(), 0..40), any::<bool>()).prop_map(move |(mut points, closed)| {
             points.truncate(points.len() / dimension * dimension);
-            Curve { points, dimension, closed }
+            Curve { points, dimension, closed, tangents: None }
         });
         prop::collection::vec(polygon, 0..5)
     })

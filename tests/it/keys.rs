@@ -106,6 +106,35 @@ fn curves_that_differ_have_keys_that_differ() {
 }
 
 #[test]
+fn tangents_belong_to_the_key() {
+    let mut base = curve_job();
+    base["input"]["polygon"]["closed"] = json!(true);
+    base["plan"] = json!({ "preset": "incenter", "parameters": {} });
+    let changes = [
+        ("/input/polygon/tangents", json!([[1, 0], [1, 1], [0, 1], [-1, 0]])),
+        ("/input/polygon/tangents", json!([[1, 0], [1, 1], [0, 1], [1, 0]])),
+        ("/input/polygon/pinned", json!([1])),
+        ("/input/polygon/pinned", json!([1, 2])),
+        ("/plan/parameters/mu", json!(0)),
+        ("/plan/parameters/mu", json!(1)),
+        ("/plan", json!({ "preset": "four-point" })),
+    ];
+    check_distinct(&base, &changes);
+    let [mut given, mut scaled] = [base.clone(), base.clone()];
+    given["input"]["polygon"]["tangents"] = json!([[1, 0], [1, 1], [0, 1], [-1, 0]]);
+    scaled["input"]["polygon"]["tangents"] = json!([[3, 0], [1e-300, 1e-300], [0, 1e300], [-5e-324, -0.0]]);
+    check_equal(&given.to_string(), &scaled.to_string());
+    let [mut unordered, mut plain] = [given.clone(), given];
+    unordered["input"]["polygon"]["pinned"] = json!([2, 1, 2]);
+    plain["input"]["polygon"]["pinned"] = json!([1, 2]);
+    check_equal(&unordered.to_string(), &plain.to_string());
+    // at the ends of an open polygon tangents stay in any case
+    base["input"]["polygon"]["closed"] = json!(false);
+    check_equal(&base.to_string(), &with(&base, "/input/polygon/pinned", json!([0, 3])).to_string());
+    check_equal(&base.to_string(), &with(&base, "/plan/parameters/mu", json!("1/4")).to_string());
+}
+
+#[test]
 fn meshes_that_differ_have_keys_that_differ() {
     check_distinct(
         &mesh_job(),

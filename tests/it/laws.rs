@@ -2,6 +2,7 @@
 
 mod circles;
 mod curves;
+mod incenter;
 mod invariance;
 mod masks;
 mod meshes;

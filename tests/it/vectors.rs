@@ -25,6 +25,7 @@ const CURVES: &[(&str, usize)] = &[
     ("ternary_*", 8),
     ("curve_per_vertex", 1),
     ("curve_random_perturbation", 1),
+    ("curve_incenter_mu*", 3),
 ];
 const CIRCLES: &[(&str, usize)] = &[("circle_theorem1", 1), ("circle_cbspline_word", 1), ("circle_dary", 1)];
 const SURFACES: &[(&str, usize)] = &[("surf_pushback_*", 13), ("surf_table1_*", 4), ("surf_cc_identity_*", 2)];
@@ -39,12 +40,17 @@ const OPENSUBDIV: &[(&str, usize)] = &[
 
 #[test]
 fn curves_agree_with_the_vectors() {
-    assert_eq!(reproduced(CURVES, curve), 105, "levels compared");
+    assert_eq!(reproduced(CURVES, curve), 114, "levels compared");
 }
 
 #[test]
 fn circles_have_the_predicted_radius() {
     assert_eq!(reproduced(CIRCLES, circle), 58, "circles compared");
+}
+
+#[test]
+fn points_on_a_circle_stay_on_it() {
+    assert_eq!(reproduced(&[("circle_incenter", 1)], points_on_circle), 192, "points compared");
 }
 
 #[test]
@@ -148,6 +154,7 @@ fn curve_plan(vector: &Value) -> Value {
         "d_ary" => {
             json!({ "preset": "d-ary-b-spline", "parameters": { "arity": params["d"], "degree": params["degree"] } })
         }
+        "incenter" => json!({ "preset": "incenter", "parameters": { "mu": params["mu"] } }),
         "dd_2n_point" => json!({ "preset": "two-n-point", "parameters": { "n": params["n"] } }),
         "ternary" => json!({ "preset": "ternary-blending", "parameters": params }),
         "pushback_per_vertex" => json!({ "preset": "push-back", "parameters": { "k": params["k"] } }),
@@ -228,6 +235,21 @@ fn circle(vector: &Value) -> usize {
         }
     }
     rows.len()
+}
+
+fn points_on_circle(vector: &Value) -> usize {
+    let circle = &vector["circle"];
+    let job = json!({
+        "input": { "polygon": { "points": vector["input"], "closed": true } },
+        "plan": { "preset": vector["scheme"], "parameters": vector["params"] }, "levels": circle["levels"],
+    });
+    let [center, found] = [points::<[f64; 2]>(&json!([circle["center"]])), points(&json(job)["points"])];
+    for point in &found {
+        let [x, y] = [0, 1].map(|i| point[i] - center[0][i]);
+        let off = (sqrt(x * x + y * y) - number(&circle["radius"])).abs();
+        assert!(off <= tolerance(vector), "{}: {point:?} is off by {off}", vector["id"]);
+    }
+    found.len()
 }
 
 fn surface(vector: &Value) -> usize {

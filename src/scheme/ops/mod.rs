@@ -5,6 +5,7 @@ mod box_average;
 mod catmull_clark;
 mod circle;
 mod dual;
+mod incenter;
 mod masked;
 mod push_back;
 mod upsample;
@@ -13,6 +14,7 @@ use std::fmt;
 
 pub use catmull_clark::CatmullClark;
 pub use circle::Circle;
+pub use incenter::Incenter;
 pub use masked::Masked;
 pub use push_back::CIRCULAR_PUSH_BACK;
 
@@ -32,6 +34,7 @@ pub const OPERATORS: &[&dyn Operator] = &[
     &masked::Masked,
     &circle::Circle,
     &push_back::CIRCULAR_PUSH_BACK,
+    &incenter::Incenter,
     &catmull_clark::CatmullClark,
 ];
 
@@ -83,7 +86,9 @@ pub enum Role {
     Smooth,
 }
 
-/// An operator: weights and connectivity, never coordinates.
+/// An operator: weights and connectivity; coordinates are seen only by those that are not linear, in an [`Action::Map`].
+///
+/// [`Action::Map`]: super::step::Action::Map
 pub trait Operator: fmt::Debug + Send + Sync {
     /// Its letter in words; presets may use operators that have none.
     fn letter(&self) -> Option<char> {
@@ -116,6 +121,10 @@ pub trait Operator: fmt::Debug + Send + Sync {
     /// A sentence, where alpha does not allow it.
     fn at_alpha(&self, _letter: &mut Letter, _alpha: f64) -> Result<(), String> {
         Ok(())
+    }
+    /// Whether it is not linear but turns tangents along with points of the plane.
+    fn turns_tangents(&self) -> bool {
+        false
     }
     /// Whether it makes sense only after an upsampling.
     fn needs_upsampling(&self) -> bool {

@@ -2,6 +2,7 @@
 
 mod b_splines;
 mod circles;
+mod incenter;
 mod interpolating;
 mod masks;
 mod meshes;
@@ -39,6 +40,7 @@ pub const PRESETS: &[&Preset] = &[
     &ternary::PAN,
     &ternary::REHAN,
     &ternary::NOVARA,
+    &incenter::INCENTER,
     &masks::MASK,
     &push_back::PUSH_BACK,
     &meshes::CATMULL_CLARK,

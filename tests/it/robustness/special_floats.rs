@@ -39,7 +39,12 @@ fn coordinates() {
                 "positions": [[a, b, 0], [b, a, 1], [-a, b, a], [1, -b, b]],
                 "faces": [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
             } });
-            for (input, plan) in [(&input, json!({ "word": "UCP" })), (&mesh, json!({ "preset": "catmull-clark" }))] {
+            let plans = [
+                (&input, json!({ "word": "UCP" })),
+                (&input, json!({ "preset": "incenter" })),
+                (&mesh, json!({ "preset": "catmull-clark" })),
+            ];
+            for (input, plan) in plans {
                 let job = json!({ "input": input, "plan": plan, "levels": 2, "outputs": [{ "format": "json" }] });
                 refined += u32::from(survives(&job));
             }

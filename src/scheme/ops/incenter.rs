@@ -1,0 +1,156 @@
+//! Incenter subdivision: a biarc on each edge, whose joint is inserted.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::{Operator, Role};
+use crate::math::functions::sin;
+use crate::math::planar::{Neighbours, Vector, direction, half_chord, length, rotated, turn};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::step::{Action, PointMap, Step, StepError, Values};
+use crate::scheme::window::Window;
+use crate::scheme::word::Letter;
+use crate::watch::{Stopped, Watch};
+
+/// Edges that one thread takes at a time.
+const BLOCK: usize = 4096;
+/// Turnings below this, radians, are what rounding leaves of a straight edge; their quotient would be noise.
+const STRAIGHT: f64 = 1e-9;
+
+/// A level of incenter subdivision: points and unit tangents give points and unit tangents. On an edge of direction `e`
+/// from A to B, with the turnings `a` from A's tangent to `e` and `b` from `e` to B's, the joint
+/// `J = A + |AB| sin(b/2) / sin((a+b)/2) rot(e, -a/2)` is inserted, with tangent `e`. Then each tangent is turned by
+/// `mu` of the angle to that of the circle through the point and its neighbours.
+#[derive(Debug)]
+pub struct Incenter;
+
+impl Operator for Incenter {
+    fn name(&self) -> &'static str {
+        "incenter"
+    }
+
+    fn doc(&self) -> &'static str {
+        "A level of incenter subdivision, which is not linear: it turns tangents along with points of the plane. Used by \
+         the preset incenter."
+    }
+
+    fn source(&self) -> &'static str {
+        "after Deng and Wang, CAGD 27 (2010), 48-59"
+    }
+
+    fn role(&self) -> Role {
+        Role::Upsample
+    }
+
+    fn turns_tangents(&self) -> bool {
+        true
+    }
+
+    fn window(&self, letter: &Letter, _: u32) -> Option<Window> {
+        Some(Window::upsample(letter.arity))
+    }
+
+    fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
+        let Some(mu) = values.letter.blending else {
+            return Err(StepError::WrongNet("incenter subdivision has a blending factor mu"));
+        };
+        let (landed, _) = net.land(Window::upsample(2))?;
+        let map = Biarcs { closed: net.is_closed(), mu, pinned: net.pinned.clone() };
+        let pinned = net.pinned.iter().map(|i| 2 * i).collect();
+        let next = PolygonNet { duals: 0, phase: Some(net.phase_after(2)), anchor: None, pinned, ..landed };
+        Ok(Step { net: next, action: Action::Map(Box::new(map)) })
+    }
+
+    fn on_mesh(&self, _: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+        Err(StepError::WrongNet("this scheme refines polygons"))
+    }
+}
+
+/// The joints of the biarcs of all edges.
+#[derive(Debug)]
+struct Biarcs {
+    closed: bool,
+    mu: f64,
+    /// Points whose tangents stay, ascending.
+    pinned: Arc<[u32]>,
+}
+
+impl PointMap for Biarcs {
+    fn apply(
+        &self,
+        points: &[Vector],
+        tangents: &[Vector],
+        watch: &Watch,
+    ) -> Result<(Vec<Vector>, Vec<Vector>), Stopped> {
+        let n = points.len();
+        let n_new = if self.closed { 2 * n } else { 2 * n - 1 };
+        let (mut new_points, mut new_tangents) = (vec![[0.0; 2]; n_new], vec![[0.0; 2]; n_new]);
+        let blocks = new_points.par_chunks_mut(2 * BLOCK).zip(new_tangents.par_chunks_mut(2 * BLOCK));
+        blocks.enumerate().try_for_each(|(block, (new_points, new_tangents))| {
+            watch.check()?;
+            let edges = new_points.chunks_mut(2).zip(new_tangents.chunks_mut(2));
+            for (i, (point, tangent)) in (block * BLOCK..).zip(edges) {
+                (point[0], tangent[0]) = (points[i], tangents[i]);
+                // the last point of an open polygon has no edge
+                if point.len() == 2 {
+                    let next = (i + 1) % n;
+                    (point[1], tangent[1]) = joint(points[i], tangents[i], points[next], tangents[next]);
+                }
+            }
+            watch.advance(new_points.len() as u64);
+            Ok(())
+        })?;
+        self.blend(&new_points, &mut new_tangents, watch)?;
+        for &i in self.pinned.iter() {
+            new_tangents[2 * i as usize] = tangents[i as usize];
+        }
+        Ok((new_points, new_tangents))
+    }
+}
+
+impl Biarcs {
+    /// Turns each tangent by mu of the angle to the circle tangent.
+    fn blend(&self, points: &[Vector], tangents: &mut [Vector], watch: &Watch) -> Result<(), Stopped> {
+        if self.mu == 0.0 {
+            return Ok(());
+        }
+        let neighbours = Neighbours::of(points, self.closed, watch)?;
+        tangents.par_chunks_mut(BLOCK).enumerate().try_for_each(|(block, tangents)| {
+            watch.check()?;
+            for (i, tangent) in (block * BLOCK..).zip(tangents) {
+                if let Some(circle) = neighbours.tangent(points, i) {
+                    *tangent = rotated(*tangent, self.mu * turn(*tangent, circle));
+                }
+            }
+            Ok(())
+        })
+    }
+}
+
+/// The point that is inserted between two points, and its tangent.
+fn joint(a: Vector, tangent_a: Vector, b: Vector, tangent_b: Vector) -> (Vector, Vector) {
+    let half = half_chord(a, b);
+    let Some(e) = direction(half) else {
+        return (a, rotated(tangent_a, turn(tangent_a, tangent_b) / 2.0));
+    };
+    let (turn_a, turn_b) = (turn(tangent_a, e), turn(e, tangent_b));
+    let sum = turn_a + turn_b;
+    let middle = [a[0] / 2.0 + b[0] / 2.0, a[1] / 2.0 + b[1] / 2.0];
+    if turn_a.abs() < STRAIGHT && turn_b.abs() < STRAIGHT {
+        // the height of the arc of so small an angle over its chord
+        let height = length(half) * sum / 4.0;
+        return ([middle[0] + height * e[1], middle[1] - height * e[0]], e);
+    }
+    if !(turn_a > 0.0 && turn_b > 0.0 || turn_a < 0.0 && turn_b < 0.0) {
+        return (middle, rotated(e, (turn_a - turn_b) / 2.0));
+    }
+    // tangents that both run against the edge meet at infinity
+    if sum.abs() > 2.0 * std::f64::consts::PI - STRAIGHT {
+        return (middle, e);
+    }
+    let reach = length(half) * (2.0 * sin(turn_b / 2.0) / sin(sum / 2.0));
+    let way = rotated(e, -turn_a / 2.0);
+    ([a[0] + reach * way[0], a[1] + reach * way[1]], e)
+}
