@@ -206,9 +206,10 @@ fn expression(expression: &Expression) -> Item<'static> {
     Item::List(expression.code().iter().map(instruction).collect())
 }
 
+/// Options as they are written or left out makes no difference, so that new ones leave old keys alone.
 fn values(values: &Values) -> Item<'static> {
     let entry = |(name, value)| Item::List(vec![text(name), self::value(value)]);
-    Item::List(values.iter().map(entry).collect())
+    Item::List(values.unusual().map(entry).collect())
 }
 
 fn value(value: &Value) -> Item<'static> {

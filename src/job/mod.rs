@@ -1,6 +1,7 @@
 //! The job: what is to be made, under which limits, by which key; pure, without I/O, clock or randomness.
 
 pub mod codec;
+mod curves;
 pub mod key;
 pub mod limits;
 mod run;
@@ -133,6 +134,12 @@ impl Job {
             faults.extend(fault.map(|fault| fault.under("/plan")));
         }
         faults.extend(steering::check(&input, &plan));
+        if let (Input::Polygons(polygons), true) = (&input, faults.is_empty()) {
+            for (i, output) in outputs.iter().enumerate() {
+                let fault = curves::check_wanted(polygons, &plan, levels, output).err();
+                faults.extend(fault.map(|fault| fault.under(&format!("/outputs/{i}"))));
+            }
+        }
         if faults.is_empty() { Ok(Self { input, plan, levels, outputs }) } else { Err(faults) }
     }
 

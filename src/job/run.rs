@@ -3,15 +3,13 @@
 use std::io::Write;
 
 use super::limits::Admitted;
-use super::{Input, Output};
+use super::{Input, Output, curves};
 use crate::fault::Fault;
 use crate::output::FormatError;
 use crate::output::scene::{Curve, Scene, Shape};
-use crate::refine::{RefineError, RefinedMesh, refine_mesh, refine_polygon};
+use crate::refine::{RefineError, RefinedMesh, refine_mesh};
 use crate::scheme::mesh_net::{Boundary, MeshNet};
-use crate::scheme::plan::Scheduled;
 use crate::shape::mesh::Mesh;
-use crate::shape::polygon::Polygon;
 use crate::watch::{Stage, Stopped, Watch};
 
 /// What a run has to say besides the bytes.
@@ -64,8 +62,8 @@ pub fn run(admitted: &Admitted, output: &Output, out: &mut dyn Write, watch: &Wa
     watch.enter(Stage::Refine);
     match &job.input {
         Input::Polygons(polygons) => {
-            let refined = refine_all(admitted, polygons, &steps, watch)?;
-            let control: Vec<Curve> = polygons.iter().map(control_curve).collect::<Result<_, _>>()?;
+            let refined = curves::refine_all(job, polygons, &steps, output, watch)?;
+            let control: Vec<Curve> = polygons.iter().map(curves::control).collect::<Result<_, _>>()?;
             let scene = Scene { shape: Shape::Curves(&refined), control: Shape::Curves(&control), warnings: &[] };
             write(&scene, output, out, watch)
         }
@@ -79,44 +77,10 @@ pub fn run(admitted: &Admitted, output: &Output, out: &mut dyn Write, watch: &Wa
     }
 }
 
-fn refine_all(
-    admitted: &Admitted,
-    polygons: &[Polygon],
-    steps: &[Scheduled],
-    watch: &Watch,
-) -> Result<Vec<Curve>, RunError> {
-    let refine = |polygon: &Polygon| {
-        let curve = refine_polygon(polygon, &admitted.job().plan, steps, watch)?;
-        if polygon.rational { projected(&curve) } else { Ok(curve) }
-    };
-    polygons.iter().map(refine).collect()
-}
-
 fn write(scene: &Scene<'_>, output: &Output, out: &mut dyn Write, watch: &Watch) -> Result<Report, RunError> {
     watch.enter(Stage::Encode);
     output.format.write(scene, &output.options, out, watch)?;
     Ok(Report { warnings: scene.warnings.to_vec() })
-}
-
-fn control_curve(polygon: &Polygon) -> Result<Curve, RunError> {
-    let curve =
-        Curve { points: polygon.points.clone(), dimension: polygon.dimension, closed: polygon.closed, tangents: None };
-    if polygon.rational { projected(&curve) } else { Ok(curve) }
-}
-
-/// Homogeneous points divided by their last coordinate.
-fn projected(curve: &Curve) -> Result<Curve, RunError> {
-    let dimension = curve.dimension - 1;
-    let divided = |point: &[f64]| point[..dimension].iter().map(|x| x / point[dimension]).collect::<Vec<_>>();
-    let points: Vec<f64> = curve.points.chunks_exact(curve.dimension).flat_map(divided).collect();
-    if points.iter().all(|x| x.is_finite()) {
-        Ok(Curve { points, dimension, closed: curve.closed, tangents: None })
-    } else {
-        Err(RunError::Impossible(Fault::new(
-            "/input",
-            "a weight of the refined curve is 0, a point at infinity; choose other weights",
-        )))
-    }
 }
 
 fn control_mesh(mesh: &Mesh) -> RefinedMesh {

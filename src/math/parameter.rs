@@ -150,7 +150,15 @@ pub enum Value {
 
 /// Resolved parameters: one value for each declaration, in its order.
 #[derive(Debug, Clone, PartialEq, std::default::Default)]
-pub struct Values(Vec<(&'static str, Value)>);
+pub struct Values(Vec<Entry>);
+
+#[derive(Debug, Clone, PartialEq)]
+struct Entry {
+    name: &'static str,
+    value: Value,
+    /// Whether it is the value that the parameter has when it is left out.
+    usual: bool,
+}
 
 impl Values {
     /// Checks `given` against the declarations and fills in the defaults.
@@ -168,21 +176,24 @@ impl Values {
         for parameter in declared {
             let written = given.iter().find(|(name, _)| name == parameter.name).map(|(_, literal)| literal);
             match parameter.value(written) {
-                Ok(value) => values.push((parameter.name, value)),
+                Ok(value) => {
+                    let usual = written.is_none() || parameter.value(None).is_ok_and(|usual| usual == value);
+                    values.push(Entry { name: parameter.name, value, usual });
+                }
                 Err(found) => faults.extend(under(&format!("/{}", parameter.name), found)),
             }
         }
         if faults.is_empty() { Ok(Self(values)) } else { Err(faults) }
     }
 
-    /// All values in the order of their declarations.
-    pub fn iter(&self) -> impl Iterator<Item = (&'static str, &Value)> {
-        self.0.iter().map(|(name, value)| (*name, value))
+    /// The values that differ from those of parameters left out, in the order of their declarations.
+    pub fn unusual(&self) -> impl Iterator<Item = (&'static str, &Value)> {
+        self.0.iter().filter(|entry| !entry.usual).map(|entry| (entry.name, &entry.value))
     }
 
     /// The value of a declared parameter.
     pub fn get(&self, name: &str) -> &Value {
-        self.0.iter().find(|(n, _)| *n == name).map_or(&Value::Absent, |(_, value)| value)
+        self.0.iter().find(|entry| entry.name == name).map_or(&Value::Absent, |entry| &entry.value)
     }
 
     /// A number, or `None` when absent.

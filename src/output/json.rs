@@ -4,12 +4,24 @@ use std::io::Write;
 
 use serde_json::Value;
 
-use crate::math::parameter::{Parameter, Values};
-use crate::output::numbers::{REAL, digits, reals, total, whole};
+use crate::fault::Fault;
+use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::output::curvature;
+use crate::output::numbers::{REAL, digits, real, reals, total, whole};
 use crate::output::scene::{Curve, MeshSource, Scene, Shape};
 use crate::output::stream::{Positions, Stream, unfit};
-use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
+use crate::output::{Counts, Format, FormatError, LIMIT, POSITIONS, ShapeKind, Size, TANGENTS};
 use crate::watch::Watch;
+
+/// The option of discrete curvature.
+const CURVATURE: Parameter = Parameter {
+    name: "discrete_curvature",
+    kind: Kind::Flag,
+    unit: "",
+    default: Default::Flag(false),
+    doc: "Whether the curvature of the circle through each point and its neighbours is written, signed in the plane; \
+          null at ends and at repeated points. Curves in the plane and in space only.",
+};
 
 /// Most bytes of the entry of the warnings, and of what stands in it beside them.
 const WARNINGS: usize = 8_192;
@@ -36,20 +48,50 @@ impl Format for Json {
     }
 
     fn parameters(&self) -> &'static [Parameter] {
-        &[]
+        &[POSITIONS, TANGENTS, CURVATURE]
+    }
+
+    fn suits(&self, kind: ShapeKind, options: &Values) -> Result<(), Fault> {
+        let (curves, bends) = match kind {
+            ShapeKind::Curves { dimension } => (true, dimension == 2 || dimension == 3),
+            ShapeKind::Mesh => (false, false),
+        };
+        if options.flag(TANGENTS.name) && !curves {
+            return Err(Fault::new(
+                "/tangents",
+                "a mesh has no tangents; ask for \"normals\" where a format knows them",
+            ));
+        }
+        if options.choice(POSITIONS.name) == Some(LIMIT) && !curves {
+            return Err(Fault::new("/positions", "limit positions are offered for curves; leave it out"));
+        }
+        if options.flag(CURVATURE.name) && !bends {
+            let detail = "discrete curvature is defined for curves in the plane and in space; leave it out";
+            return Err(Fault::new("/discrete_curvature", detail));
+        }
+        Ok(())
     }
 
     fn holds(&self, _kind: ShapeKind) -> Result<(), String> {
         Ok(())
     }
 
-    fn size(&self, counts: &Counts, _options: &Values) -> Size {
+    fn size(&self, counts: &Counts, options: &Values) -> Size {
         let row = |dimension: u128| 2 + dimension * (REAL + 1);
+        let asked = |name: &str| u128::from(options.flag(name));
         let content = match counts.kind {
             ShapeKind::Curves { dimension } => {
                 let braces = br#"{"polygons":[]}"#.len() as u128;
                 let polygon = br#"{"points":[],"closed":false},"#.len() as u128;
-                total(&[(1, braces), (counts.polygons, polygon), (counts.vertices, row(dimension as u128))])
+                let arrays = br#","tangents":[],"discrete_curvature":[]"#.len() as u128;
+                let row = row(dimension as u128);
+                total(&[
+                    (1, braces),
+                    (counts.polygons, polygon + arrays),
+                    (counts.vertices, row),
+                    (counts.vertices * asked(TANGENTS.name), row.max(5)),
+                    (counts.vertices * asked(CURVATURE.name), REAL + 1),
+                ])
             }
             ShapeKind::Mesh => {
                 let braces = br#"{"positions":[],"faces":[]}"#.len() as u128;
@@ -63,7 +105,7 @@ impl Format for Json {
     fn write(
         &self,
         scene: &Scene<'_>,
-        _options: &Values,
+        options: &Values,
         out: &mut dyn Write,
         watch: &Watch,
     ) -> Result<(), FormatError> {
@@ -71,8 +113,8 @@ impl Format for Json {
         stream.bytes(b"{")?;
         match scene.shape {
             Shape::Mesh(mesh) => write_mesh(mesh, &mut stream)?,
-            Shape::Curves([curve]) => write_curve(curve, &mut stream)?,
-            Shape::Curves(curves) => write_curves(curves, &mut stream)?,
+            Shape::Curves([curve]) => write_curve(curve, options, &mut stream)?,
+            Shape::Curves(curves) => write_curves(curves, options, &mut stream)?,
         }
         stream.bytes(&warnings(scene.warnings))?;
         stream.bytes(b"}")
@@ -119,17 +161,17 @@ fn write_mesh(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), Form
     stream.bytes(b"]")
 }
 
-fn write_curves(curves: &[Curve], stream: &mut Stream<'_>) -> Result<(), FormatError> {
+fn write_curves(curves: &[Curve], options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     stream.bytes(br#""polygons":["#)?;
     for (i, curve) in curves.iter().enumerate() {
         stream.bytes(if i > 0 { b",{" } else { b"{" })?;
-        write_curve(curve, stream)?;
+        write_curve(curve, options, stream)?;
         stream.bytes(b"}")?;
     }
     stream.bytes(b"]")
 }
 
-fn write_curve(curve: &Curve, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+fn write_curve(curve: &Curve, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     if let Some(i) = curve.points.iter().position(|x| !x.is_finite()) {
         return Err(unfit(i / curve.dimension, curve.points[i]));
     }
@@ -140,7 +182,43 @@ fn write_curve(curve: &Curve, stream: &mut Stream<'_>) -> Result<(), FormatError
             row(start + i, out, |out| reals(out, point, b','));
         }
     })?;
-    stream.bytes(format!(r#"],"closed":{}"#, curve.closed).as_bytes())
+    stream.bytes(format!(r#"],"closed":{}"#, curve.closed).as_bytes())?;
+    if let Some(tangents) = curve.tangents.as_ref().filter(|_| options.flag(TANGENTS.name)) {
+        write_tangents(tangents, curve.dimension, stream)?;
+    }
+    if options.flag(CURVATURE.name) { write_curvatures(curve, points.len(), stream) } else { Ok(()) }
+}
+
+fn write_tangents(tangents: &[f64], dimension: usize, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    stream.bytes(br#","tangents":["#)?;
+    let tangents: Vec<&[f64]> = tangents.chunks_exact(dimension).collect();
+    stream.rows(0, &tangents, |start, rows, out| {
+        for (i, tangent) in rows.iter().enumerate() {
+            if tangent.iter().any(|x| *x != 0.0) {
+                row(start + i, out, |out| reals(out, tangent, b','));
+            } else {
+                out.extend_from_slice(if start + i > 0 { b",null" } else { b"null" });
+            }
+        }
+    })?;
+    stream.bytes(b"]")
+}
+
+fn write_curvatures(curve: &Curve, n: usize, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    stream.bytes(br#","discrete_curvature":["#)?;
+    let indices: Vec<usize> = (0..n).collect();
+    stream.rows(0, &indices, |_, rows, out| {
+        for &i in rows {
+            if i > 0 {
+                out.push(b',');
+            }
+            match curvature::discrete(curve, i) {
+                Some(value) => real(out, value),
+                None => out.extend_from_slice(b"null"),
+            }
+        }
+    })?;
+    stream.bytes(b"]")
 }
 
 /// One list in a list of lists, with a comma before all but the first.

@@ -4,6 +4,7 @@ pub mod normals;
 pub mod scene;
 
 mod bounds;
+mod curvature;
 mod glb;
 mod gltf;
 mod gltf_buffer;
@@ -22,7 +23,7 @@ mod svg;
 use std::io::{self, Write};
 
 use crate::fault::Fault;
-use crate::math::parameter::{Parameter, Values};
+use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::scene::Scene;
 use crate::watch::{Stopped, Watch};
 
@@ -34,6 +35,27 @@ pub const FORMATS: &[&dyn Format] =
 pub fn named(name: &str) -> Option<&'static dyn Format> {
     FORMATS.iter().copied().find(|format| format.name() == name)
 }
+
+/// Name of the choice that moves points to the limit.
+pub const LIMIT: &str = "limit";
+
+/// The option where the points of the last level stand.
+pub const POSITIONS: Parameter = Parameter {
+    name: "positions",
+    kind: Kind::Choice(&["refined", LIMIT]),
+    unit: "",
+    default: Default::Text("refined"),
+    doc: "Whether the points of the last level stay where refinement put them, or move to their limit.",
+};
+
+/// The option of unit tangents.
+pub const TANGENTS: Parameter = Parameter {
+    name: "tangents",
+    kind: Kind::Flag,
+    unit: "",
+    default: Default::Flag(false),
+    doc: "Whether the unit tangents of the limit curve at the points are written; null where there is none. Curves only.",
+};
 
 /// A way to write a scene as bytes.
 pub trait Format: std::fmt::Debug + Send + Sync {

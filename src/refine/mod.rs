@@ -1,7 +1,10 @@
 //! Refinement: applies a plan's steps to points. Nothing outside knows how a net is stored.
 
+pub mod curve;
+
 mod refined;
 
+pub use curve::refine_polygon;
 pub use refined::RefinedMesh;
 
 use std::sync::Arc;
@@ -14,7 +17,6 @@ use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, PointMap, StepError, Values};
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
-use crate::shape::source::Curve;
 use crate::watch::{Stopped, Watch};
 
 /// Why a refinement ended early.
@@ -49,29 +51,6 @@ pub fn polygon_net(polygon: &Polygon, plan: &Plan) -> PolygonNet {
 /// The net of a mesh before refinement.
 pub fn mesh_net(mesh: &Mesh, plan: &Plan) -> MeshNet {
     MeshNet::new(mesh.topology.clone(), &mesh.corners, &mesh.holes, plan.boundary)
-}
-
-/// Refines one polygon.
-///
-/// # Errors
-/// [`RefineError`].
-pub fn refine_polygon(
-    polygon: &Polygon,
-    plan: &Plan,
-    steps: &[Scheduled],
-    watch: &Watch,
-) -> Result<Curve, RefineError> {
-    let mut net = polygon_net(polygon, plan);
-    let mut points = Points::new(polygon.points.clone(), polygon.dimension);
-    if plan.turns_tangents().is_some() {
-        points.tangents = Some(start_tangents(polygon, watch)?);
-    }
-    for step in steps {
-        let next = step.letter.operator.on_polygon(&net, &values(plan, step)).map_err(|error| at(step, error))?;
-        points.act(&next.action, step, watch)?;
-        net = next.net;
-    }
-    Ok(Curve { points: points.now, dimension: polygon.dimension, closed: polygon.closed, tangents: points.tangents })
 }
 
 /// The tangents of a polygon in the plane: those given, or else those of circles through neighbours.

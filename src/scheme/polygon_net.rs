@@ -225,7 +225,7 @@ impl PolygonNet {
     }
 
     /// Number of a control point that is within reach, cyclically where the polygon is closed.
-    pub(super) fn control(&self, i: isize) -> usize {
+    pub fn control(&self, i: isize) -> usize {
         i.rem_euclid(self.n_control().cast_signed()).unsigned_abs()
     }
 

@@ -15,7 +15,7 @@ pub struct Window {
 
 /// An arity or a part of one as a signed number of steps.
 #[expect(clippy::cast_possible_wrap, reason = "arities are at most 8")]
-pub(super) const fn steps(n: u32) -> isize {
+pub(crate) const fn steps(n: u32) -> isize {
     n as isize
 }
 

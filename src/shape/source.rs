@@ -11,7 +11,7 @@ pub struct Curve {
     pub dimension: usize,
     /// Whether the last point is joined to the first.
     pub closed: bool,
-    /// Unit tangents, `n x dimension`, where they are known.
+    /// Unit tangents, `n x dimension`, where they are known; a row of zeros where there is none.
     pub tangents: Option<Vec<f64>>,
 }
 

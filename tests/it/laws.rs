@@ -4,6 +4,7 @@ mod circles;
 mod curves;
 mod incenter;
 mod invariance;
+mod limits;
 mod masks;
 mod meshes;
 mod spellings;

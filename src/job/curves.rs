@@ -1,0 +1,136 @@
+//! The polygons of a job, refined as one of its outputs wants them.
+
+use super::run::RunError;
+use super::{Job, Output};
+use crate::fault::Fault;
+use crate::math::functions::sqrt;
+use crate::output::{LIMIT, POSITIONS, TANGENTS};
+use crate::refine::curve::{LimitRows, NoLimit, check, refine_to_limit};
+use crate::refine::refine_polygon;
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::shape::polygon::Polygon;
+use crate::shape::source::Curve;
+use crate::watch::Watch;
+
+/// What of the limit curve an output wants.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Wanted {
+    points: bool,
+    tangents: bool,
+}
+
+impl Wanted {
+    fn of(output: &Output) -> Self {
+        Self {
+            points: output.options.choice(POSITIONS.name) == Some(LIMIT),
+            tangents: output.options.flag(TANGENTS.name),
+        }
+    }
+
+    fn nothing(self) -> bool {
+        !self.points && !self.tangents
+    }
+}
+
+/// Checks that the plan has for these polygons what an output wants of their limit.
+///
+/// # Errors
+/// A fault below the output.
+pub(super) fn check_wanted(polygons: &[Polygon], plan: &Plan, levels: u32, output: &Output) -> Result<(), Fault> {
+    let wanted = Wanted::of(output);
+    if wanted.nothing() || plan.turns_tangents().is_some() {
+        return Ok(());
+    }
+    let place = if wanted.points { "/positions" } else { "/tangents" };
+    let fault = |error: NoLimit| Fault::new(place, error.to_string());
+    polygons.iter().try_for_each(|polygon| check(polygon, plan)).map_err(fault)?;
+    let rows = LimitRows::of(plan, levels).map_err(|error| fault(error.into()))?;
+    if wanted.tangents && rows.tangent.is_none() {
+        return Err(Fault::new("/tangents", NoLimit::NoTangent.to_string()));
+    }
+    Ok(())
+}
+
+/// The polygons of a job after its levels.
+///
+/// # Errors
+/// [`RunError`].
+pub(super) fn refine_all(
+    job: &Job,
+    polygons: &[Polygon],
+    steps: &[Scheduled],
+    output: &Output,
+    watch: &Watch,
+) -> Result<Vec<Curve>, RunError> {
+    let wanted = Wanted::of(output);
+    // a scheme that turns tangents interpolates: its points are limit points, and it has its own tangents
+    if wanted.nothing() || job.plan.turns_tangents().is_some() {
+        let refine = |polygon: &Polygon| finished(refine_polygon(polygon, &job.plan, steps, watch)?, polygon);
+        return polygons.iter().map(refine).collect();
+    }
+    let rows = LimitRows::of(&job.plan, job.levels);
+    let rows = rows.map_err(|error| RunError::Impossible(Fault::new("/plan", NoLimit::Plan(error).to_string())))?;
+    let refine = |polygon: &Polygon| {
+        let (mut curve, limit) = refine_to_limit(polygon, &job.plan, steps, &rows, watch)?;
+        if wanted.tangents {
+            curve.tangents = Some(tangents(polygon, &limit.points, &limit.tangents));
+        }
+        if wanted.points {
+            curve.points = limit.points;
+        }
+        finished(curve, polygon)
+    };
+    polygons.iter().map(refine).collect()
+}
+
+/// A polygon as it was given, as the curve that pictures show beside its refinement.
+///
+/// # Errors
+/// When a weight is 0.
+pub(super) fn control(polygon: &Polygon) -> Result<Curve, RunError> {
+    let points = polygon.points.clone();
+    finished(Curve { points, dimension: polygon.dimension, closed: polygon.closed, tangents: None }, polygon)
+}
+
+/// Unit tangents; those of rational points are tangents of the projected curve, `(x' w - x w') / |x' w - x w'|`.
+fn tangents(polygon: &Polygon, points: &[f64], derivatives: &[f64]) -> Vec<f64> {
+    let (width, kept) = (polygon.dimension, polygon.result_dimension());
+    let mut tangents = Vec::with_capacity(points.len() / width * kept);
+    for (point, derivative) in points.chunks_exact(width).zip(derivatives.chunks_exact(width)) {
+        let last = width - 1;
+        let projected = |i: usize| derivative[i] * point[last] - point[i] * derivative[last];
+        let along = |i: usize| if polygon.rational { projected(i) } else { derivative[i] };
+        tangents.extend(unit(&(0..kept).map(along).collect::<Vec<_>>()));
+    }
+    tangents
+}
+
+/// The vector over its length; zeros where it has none.
+fn unit(vector: &[f64]) -> Vec<f64> {
+    let most = vector.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    if most == 0.0 || !most.is_finite() {
+        return vec![0.0; vector.len()];
+    }
+    // scaled first, so that no square is lost
+    let scaled: Vec<f64> = vector.iter().map(|x| x / most).collect();
+    let length = sqrt(scaled.iter().map(|x| x * x).sum());
+    scaled.iter().map(|x| x / length).collect()
+}
+
+/// The curve of a result: homogeneous points divided by their last coordinate.
+fn finished(curve: Curve, polygon: &Polygon) -> Result<Curve, RunError> {
+    if !polygon.rational {
+        return Ok(curve);
+    }
+    let dimension = polygon.result_dimension();
+    let divided = |point: &[f64]| point[..dimension].iter().map(|x| x / point[dimension]).collect::<Vec<_>>();
+    let points: Vec<f64> = curve.points.chunks_exact(curve.dimension).flat_map(divided).collect();
+    if points.iter().all(|x| x.is_finite()) {
+        Ok(Curve { points, dimension, ..curve })
+    } else {
+        Err(RunError::Impossible(Fault::new(
+            "/input",
+            "a weight of the refined curve is 0, a point at infinity; choose other weights",
+        )))
+    }
+}

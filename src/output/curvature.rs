@@ -1,0 +1,33 @@
+//! Discrete curvature of polygons.
+
+use crate::math::functions::sqrt;
+use crate::output::scene::Curve;
+
+/// The discrete curvature at each point: that of the circle through it and its two neighbours,
+/// `4 A / (|a| |b| |a + b|)` with the area A of their triangle and the edges a, b before and after the point, in 1 / model
+/// units. In the plane it has a sign, positive where the polygon turns left. `None` at the ends of open polygons and where
+/// two of the three points coincide.
+///
+/// Source: Menger, Mathematische Annalen 103 (1930), 466-501.
+pub(super) fn discrete(curve: &Curve, i: usize) -> Option<f64> {
+    let n = curve.len();
+    let at = |i: usize| &curve.points[i * curve.dimension..(i + 1) * curve.dimension];
+    let (before, after) = match (curve.closed, i) {
+        (true, _) => ((i + n - 1) % n, (i + 1) % n),
+        (false, 0) => return None,
+        (false, _) if i + 1 == n => return None,
+        (false, _) => (i - 1, i + 1),
+    };
+    let edge = |from: usize, to: usize| -> [f64; 3] {
+        std::array::from_fn(|k| if k < curve.dimension { at(to)[k] - at(from)[k] } else { 0.0 })
+    };
+    let (a, b, c) = (edge(before, i), edge(i, after), edge(before, after));
+    let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    let twice_area = if curve.dimension == 2 { cross[2] } else { length(cross) };
+    let curvature = 2.0 * twice_area / length(a) / length(b) / length(c);
+    curvature.is_finite().then_some(curvature)
+}
+
+fn length(vector: [f64; 3]) -> f64 {
+    sqrt(vector.iter().map(|x| x * x).sum())
+}

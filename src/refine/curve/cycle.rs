@@ -1,0 +1,185 @@
+//! One application of a plan's cycle to polygons as one mask, found by refining a single impulse.
+
+use crate::math::mask::Mask;
+use crate::refine::{Points, values};
+use crate::scheme::ops::Role;
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::polygon_net::{Ends, PolygonNet};
+use crate::watch::Watch;
+
+/// Most points of the polygon that carries the impulse.
+const MAX_POINTS: u64 = 1 << 16;
+/// Masks that differ by less count as equal.
+const SAME: f64 = 1e-15;
+/// Most levels whose masks may differ from the static limit.
+const MAX_CHANGING: u32 = 128;
+
+/// Why the cycle of a plan is not a mask a level.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NoMask {
+    /// There is nothing to repeat.
+    #[error("there is no plan that could be repeated")]
+    NoCycle,
+    /// The rules are random.
+    #[error("a perturbed plan has random rules at every level")]
+    Perturbed,
+    /// The rules depend on the points.
+    #[error("{0} is not linear")]
+    NotLinear(&'static str),
+    /// The roles of points go on from one application to the next.
+    #[error("the cycle does not begin with an upsampling")]
+    NoUpsampling,
+    /// The mask would be very long.
+    #[error("the cycle reaches too far")]
+    TooWide,
+    /// A function has no value.
+    #[error("{0}")]
+    NoValue(String),
+    /// There is no limit.
+    #[error("the scheme does not converge")]
+    Diverges,
+    /// The levels do not come close to a static scheme.
+    #[error("the rules do not settle as alpha goes to 0")]
+    Unsettled,
+}
+
+/// One application of a cycle: `q[j] = sum over i of a[j - d i] p[i]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cycle {
+    /// Arity d of the whole cycle.
+    pub arity: i64,
+    /// The mask a.
+    pub mask: Mask,
+}
+
+impl Cycle {
+    /// The cycle as it is applied at level `level + 1`, closed polygons and points without parameters of their own.
+    ///
+    /// # Errors
+    /// [`NoMask`].
+    pub fn of(plan: &Plan, level: u32) -> Result<Self, NoMask> {
+        if plan.perturbation.is_some() {
+            return Err(NoMask::Perturbed);
+        }
+        if let Some(name) = plan.turns_tangents() {
+            return Err(NoMask::NotLinear(name));
+        }
+        let first = plan.word.cycle.first().ok_or(NoMask::NoCycle)?;
+        if first.operator.role() != Role::Upsample {
+            return Err(NoMask::NoUpsampling);
+        }
+        let steps = plan.schedule(level + 1).map_err(|fault| NoMask::NoValue(fault.detail))?;
+        let steps: Vec<Scheduled> = steps.into_iter().filter(|step| step.level == level + 1).collect();
+        let (arity, reach) = extent(&steps).ok_or(NoMask::TooWide)?;
+        let n = 2 * reach.div_ceil(arity) + 3;
+        if n.saturating_mul(arity) > MAX_POINTS {
+            return Err(NoMask::TooWide);
+        }
+        let response = response(plan, &steps, usize::try_from(n).map_err(|_| NoMask::TooWide)?)?;
+        let reach = usize::try_from(reach).map_err(|_| NoMask::TooWide)?;
+        // the points before the impulse stand at the end of the closed polygon
+        let around = response[response.len() - reach..].iter().chain(&response[..=reach]);
+        let around: Vec<f64> = around.copied().collect();
+        let first = i32::try_from(reach).map_err(|_| NoMask::TooWide)?;
+        let mask = Mask::new(-first, &around).ok_or(NoMask::Unsettled)?;
+        Ok(Self { arity: arity.cast_signed(), mask })
+    }
+
+    /// The cycle to which those of a plan come ever closer as alpha is divided: the one at alpha 0.
+    ///
+    /// # Errors
+    /// [`NoMask`].
+    pub fn settled(plan: &Plan) -> Result<Self, NoMask> {
+        Self::of(&Plan { alpha: 0.0, compensation_alpha: None, ..plan.clone() }, 0)
+    }
+
+    /// The cycles after `levels` levels until they differ no more from the static limit, and that.
+    ///
+    /// # Errors
+    /// [`NoMask`].
+    pub fn from_level(plan: &Plan, levels: u32) -> Result<(Vec<Self>, Self), NoMask> {
+        let settled = Self::settled(plan)?;
+        let mut changing = Vec::new();
+        for level in levels..levels + MAX_CHANGING {
+            let cycle = Self::of(plan, level)?;
+            if cycle.distance(&settled) <= SAME {
+                return Ok((changing, settled));
+            }
+            changing.push(cycle);
+        }
+        Err(NoMask::Unsettled)
+    }
+
+    /// Twice the index `c` around which the mask is balanced, to the nearest whole number: old point `i` has its new
+    /// place at `d i + c`. Exact for masks that are their own mirror image.
+    pub fn twice_centre(&self) -> i64 {
+        let sum: f64 = self.mask.values.iter().sum();
+        let moment: f64 = self.entries().map(|(j, a)| real(j) * a).sum();
+        let centre = (2.0 * moment / sum).round();
+        let (least, most) = (2 * i64::from(self.mask.first), 2 * i64::from(self.mask.last()));
+        // a mask that is balanced nowhere within itself is placed by its middle
+        (least..=most).find(|&c| (real(c) - centre).abs() < 0.25).unwrap_or_else(|| i64::midpoint(least, most))
+    }
+
+    /// The entries with their indices.
+    pub fn entries(&self) -> impl Iterator<Item = (i64, f64)> + '_ {
+        (i64::from(self.mask.first)..).zip(self.mask.values.iter().copied())
+    }
+
+    /// The entry `a[j]`, 0 outside.
+    pub fn at(&self, j: i64) -> f64 {
+        isize::try_from(j).map_or(0.0, |j| self.mask.at(j))
+    }
+
+    fn distance(&self, other: &Self) -> f64 {
+        let least = self.mask.first.min(other.mask.first);
+        let most = self.mask.last().max(other.mask.last());
+        (least..=most).map(|j| (self.at(j.into()) - other.at(j.into())).abs()).fold(0.0, f64::max)
+    }
+}
+
+/// A small whole number as a real one.
+#[expect(clippy::cast_precision_loss, reason = "indices of masks are far below 2^52")]
+pub(super) fn real(n: i64) -> f64 {
+    n as f64
+}
+
+/// Arity of all steps together, and how far they spread a point, in new points.
+fn extent(steps: &[Scheduled]) -> Option<(u64, u64)> {
+    let (mut arity, mut last, mut reach, mut duals) = (1_u64, 1_u64, 0_u64, 0);
+    for step in steps {
+        let operator = step.letter.operator;
+        if operator.role() == Role::Upsample {
+            duals = 0;
+        }
+        if let Some(window) = operator.window(&step.letter, duals) {
+            let d = u64::from(window.arity);
+            arity = arity.checked_mul(d).filter(|&arity| arity <= MAX_POINTS)?;
+            let spread = window.first.unsigned_abs().max(window.last.unsigned_abs());
+            reach = reach.checked_mul(d)?.checked_add(spread.into())?;
+            last = if d > 1 { d } else { last };
+        }
+        if operator.role() == Role::PushBack {
+            reach += last;
+        }
+        duals += u32::from(operator.shifts(&step.letter));
+    }
+    Some((arity, reach))
+}
+
+/// What becomes of 1 at point 0 and 0 at the other points of a closed polygon.
+fn response(plan: &Plan, steps: &[Scheduled], n: usize) -> Result<Vec<f64>, NoMask> {
+    let mut net = PolygonNet::new(n, true, Ends::Clamped, &[]);
+    let mut impulse = vec![0.0; n];
+    impulse[0] = 1.0;
+    let mut points = Points::new(impulse, 1);
+    for step in steps {
+        let operator = step.letter.operator;
+        let next =
+            operator.on_polygon(&net, &values(plan, step)).map_err(|error| NoMask::NoValue(error.to_string()))?;
+        let acted = points.act(&next.action, step, &Watch::new());
+        acted.map_err(|error| NoMask::NoValue(error.to_string()))?;
+        net = next.net;
+    }
+    Ok(points.now)
+}

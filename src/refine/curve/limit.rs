@@ -1,0 +1,169 @@
+//! Limit points and tangents of a refined polygon.
+
+use super::cycle::NoMask;
+use super::rows::{LimitRows, Row};
+use crate::math::rows::{Rows, RowsBy, blend};
+use crate::scheme::ops::Role;
+use crate::scheme::plan::Plan;
+use crate::scheme::polygon_net::{Ends, Extent, PolygonNet};
+use crate::scheme::window::{Window, steps};
+use crate::shape::polygon::Polygon;
+use crate::shape::topology::index;
+use crate::watch::{Stopped, Watch};
+
+/// Why a polygon has no limit rows.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NoLimit {
+    /// The plan has none.
+    #[error("{0}, so that it has no limit masks")]
+    Plan(#[from] NoMask),
+    /// Points have rules of their own.
+    #[error("points with parameters of their own have no common limit mask; leave \"parameters\" out")]
+    Parameters,
+    /// Points are lost at the ends.
+    #[error("limit masks reach beyond natural ends; use clamped ends")]
+    NaturalEnds,
+    /// Rules reach across corners.
+    #[error("the rules of this plan reach across corners; leave \"corners\" out, or use a word over U, C and P")]
+    Corners,
+    /// The limit has no tangents at the points.
+    #[error("the limit curve has no tangents at its points, as the scheme is not C1")]
+    NoTangent,
+}
+
+/// Limit points and derivatives of a polygon: each `n x width`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Limit {
+    /// Limit points, model units.
+    pub points: Vec<f64>,
+    /// Tangent vectors of any length, zero at corners; empty where the plan has none.
+    pub tangents: Vec<f64>,
+}
+
+/// Whether limit rows hold for a polygon under a plan: linear rules that are the same everywhere, or end at corners.
+///
+/// # Errors
+/// [`NoLimit`].
+pub fn check(polygon: &Polygon, plan: &Plan) -> Result<(), NoLimit> {
+    if polygon.attributes.is_some() {
+        return Err(NoLimit::Parameters);
+    }
+    if !polygon.closed && plan.ends == Ends::Natural {
+        return Err(NoLimit::NaturalEnds);
+    }
+    // what reaches one point on each side never looks across a corner, which is fixed
+    let near = |window: Window| window.first >= -1 && window.last <= 1;
+    let mut letters = plan.word.prefix.iter().chain(&plan.word.cycle);
+    let crosses = letters.any(|letter| {
+        let window = letter.operator.window(letter, 0);
+        letter.operator.role() == Role::Average && !window.is_some_and(near)
+    });
+    if !polygon.corners.is_empty() && crosses { Err(NoLimit::Corners) } else { Ok(()) }
+}
+
+/// Limit points and tangents of the `points` (`n x width`) of a refined polygon.
+///
+/// # Errors
+/// [`Stopped`] when the watch says so.
+pub(super) fn limit(
+    net: &PolygonNet,
+    points: &[f64],
+    width: usize,
+    rows: &LimitRows,
+    watch: &Watch,
+) -> Result<Limit, Stopped> {
+    let pieces = Pieces { net };
+    let positions = RowsBy::new(net.n, net.n, |stored, out: &mut Rows| match pieces.place(stored) {
+        Place::Fixed(_) => out.add(index(stored), 1.0),
+        Place::Inner(i) => pieces.add(i, &rows.position[0], out),
+    });
+    let positions = blend(&positions, points, width, watch)?;
+    let tangents = match &rows.tangent {
+        None => Vec::new(),
+        Some(pair) => {
+            let rows = RowsBy::new(net.n, net.n, |stored, out: &mut Rows| match pieces.place(stored) {
+                Place::Inner(i) | Place::Fixed(End::Point(i)) => pieces.add(i, &pair[0], out),
+                Place::Fixed(End::Corner) => {}
+                Place::Fixed(End::Middle(i)) => pieces.add(i, &pair[1], out),
+            });
+            blend(&rows, points, width, watch)?
+        }
+    };
+    Ok(Limit { points: positions, tangents })
+}
+
+/// A polygon cut at its corners: each piece goes on beyond its ends by reflection.
+struct Pieces<'a> {
+    net: &'a PolygonNet,
+}
+
+/// A stored point.
+enum Place {
+    /// It stays where it is.
+    Fixed(End),
+    /// Control point with rules from both sides.
+    Inner(isize),
+}
+
+/// A point that stays where it is.
+enum End {
+    /// A corner between two pieces, without a tangent.
+    Corner,
+    /// Control point at an end.
+    Point(isize),
+    /// An end half a step before this control point.
+    Middle(isize),
+}
+
+impl Pieces<'_> {
+    fn place(&self, stored: usize) -> Place {
+        let net = self.net;
+        let i = stored.cast_signed() - net.first().cast_signed();
+        let n = net.n_control().cast_signed();
+        match net.extent {
+            Extent::Half if i < 0 => Place::Fixed(End::Middle(0)),
+            Extent::Half if i >= n => Place::Fixed(End::Middle(n)),
+            Extent::Whole if i == 0 || i + 1 == n => Place::Fixed(End::Point(i)),
+            _ if net.is_corner(i.unsigned_abs()) => Place::Fixed(End::Corner),
+            _ => Place::Inner(i),
+        }
+    }
+
+    /// Adds the row around control point `i`, or around the middle before it.
+    fn add(&self, i: isize, row: &Row, out: &mut Rows) {
+        let piece = self.piece(i);
+        for (offset, weight) in row.entries() {
+            // around a middle, the offsets -1/2 and 1/2 are the points i - 1 and i
+            let at = i + isize::try_from(offset.div_euclid(2)).unwrap_or(0);
+            match &piece {
+                None => self.net.add(at, weight, out),
+                Some((start, piece)) => {
+                    let mut within = Rows::default();
+                    piece.add(at - start, weight, &mut within);
+                    within.end_row();
+                    let (indices, weights) = within.row(0);
+                    for (&k, &w) in indices.iter().zip(weights) {
+                        let stored = self.net.control(start + steps(k)) + self.net.first();
+                        out.add(index(stored), w);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The piece between the corners around control point `i`, as a polygon of its own; none when there are no corners.
+    fn piece(&self, i: isize) -> Option<(isize, PolygonNet)> {
+        let corners = &self.net.corners;
+        let (&lowest, &highest) = (corners.first()?, corners.last()?);
+        let n = self.net.n_control().cast_signed();
+        let here = corners.partition_point(|&c| steps(c) <= i);
+        let (before, after) = (here.checked_sub(1).map(|k| steps(corners[k])), corners.get(here).map(|&c| steps(c)));
+        let (start, end) = if self.net.is_closed() {
+            (before.unwrap_or(steps(highest) - n), after.unwrap_or(steps(lowest) + n))
+        } else {
+            (before.unwrap_or(0), after.unwrap_or(n - 1))
+        };
+        let length = (end - start).unsigned_abs() + 1;
+        Some((start, PolygonNet::new(length, false, Ends::Clamped, &[])))
+    }
+}

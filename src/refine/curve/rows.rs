@@ -1,0 +1,198 @@
+//! Limit rows: the weights of the points around a place that give the limit point and the tangent there.
+//!
+//! A place is a point or the middle between two points. A cycle of arity d and centre c takes the place x of a polygon to
+//! `d x + c` of the next, so that the limit row of a place is that of its image times the matrix of the cycle.
+
+use super::cycle::{Cycle, NoMask, real};
+use crate::scheme::plan::Plan;
+
+/// Most repetitions of a static cycle.
+const MAX_ROUNDS: u32 = 4_000;
+/// Rows that change by less in a repetition have arrived, or by less than [`NOISE`] and no longer less and less.
+const ARRIVED: f64 = 3e-16;
+const NOISE: f64 = 1e-14;
+/// Tangent rows that agree so far are one.
+const AGREE: f64 = 1e-9;
+
+/// Weights around a place: those of the points at the offsets `(first + 2 k) / 2`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// Twice the first offset: even around a point, odd around a middle.
+    pub first: i64,
+    /// Weights.
+    pub weights: Vec<f64>,
+}
+
+/// Rows around a point and around a middle.
+pub(super) type Pair = [Row; 2];
+
+/// Limit points and, where the limit has them, tangents of a polygon after some levels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LimitRows {
+    /// Weights of limit points; they sum to 1.
+    pub position: Pair,
+    /// Weights of tangents, of any length; they sum to 0.
+    pub tangent: Option<Pair>,
+}
+
+impl Row {
+    fn new(first: i64, weights: &[f64]) -> Self {
+        Self { first, weights: weights.to_vec() }
+    }
+
+    /// Twice the offsets, with the weights.
+    pub fn entries(&self) -> impl Iterator<Item = (i64, f64)> + '_ {
+        (0..).map(|k| self.first + 2 * k).zip(self.weights.iter().copied())
+    }
+
+    /// The row over the points before a cycle, around a place of parity `parity`.
+    pub(super) fn before(&self, cycle: &Cycle, parity: i64) -> Self {
+        let (d, c) = (cycle.arity, cycle.twice_centre());
+        let (low, high) = (i64::from(cycle.mask.first), i64::from(cycle.mask.last()));
+        let last = self.first + 2 * (i64::try_from(self.weights.len()).unwrap_or(1) - 1);
+        // d o = c + o' - 2 j for twice the offsets o, o' and the indices j of the mask
+        let mut least = (c + self.first - 2 * high).div_euclid(d);
+        least += (least - parity).rem_euclid(2);
+        let most = (c + last - 2 * low).div_euclid(d);
+        let mut weights = Vec::new();
+        let mut offset = least;
+        while offset <= most {
+            let weight = |(o, w): (i64, f64)| w * cycle.at((c + o - d * offset) / 2);
+            weights.push(self.entries().map(weight).sum());
+            offset += 2;
+        }
+        Self { first: least, weights }.trimmed()
+    }
+
+    fn trimmed(mut self) -> Self {
+        while self.weights.len() > 1 && self.weights.last() == Some(&0.0) {
+            self.weights.pop();
+        }
+        let zeros = self.weights.iter().take_while(|w| **w == 0.0).count().min(self.weights.len() - 1);
+        self.first += 2 * i64::try_from(zeros).unwrap_or(0);
+        self.weights.drain(..zeros);
+        self
+    }
+
+    fn sum(&self) -> f64 {
+        self.weights.iter().sum()
+    }
+
+    fn at(&self, offset: i64) -> f64 {
+        let place = usize::try_from((offset - self.first) / 2).ok().filter(|_| offset >= self.first);
+        place.and_then(|k| self.weights.get(k)).copied().unwrap_or(0.0)
+    }
+
+    /// `self - factor x other`, both of the same parity.
+    fn less(&self, factor: f64, other: &Self) -> Self {
+        let end = |row: &Self| row.first + 2 * i64::try_from(row.weights.len()).unwrap_or(0);
+        let (first, end) = (self.first.min(other.first), end(self).max(end(other)));
+        let count = usize::try_from((end - first) / 2).unwrap_or(0);
+        let offsets = (0..count).map(|k| first + 2 * i64::try_from(k).unwrap_or(0));
+        Self { first, weights: offsets.map(|o| self.at(o) - factor * other.at(o)).collect() }
+    }
+
+    fn distance(&self, other: &Self) -> f64 {
+        self.less(1.0, other).weights.iter().fold(0.0, |most: f64, w| most.max(w.abs()))
+    }
+
+    fn scaled(&self, factor: f64) -> Self {
+        Self { first: self.first, weights: self.weights.iter().map(|w| w * factor).collect() }
+    }
+
+    /// What it gives for points that stand at their offsets.
+    fn slope(&self) -> f64 {
+        self.entries().map(|(o, w)| real(o) / 2.0 * w).sum()
+    }
+}
+
+/// Whether a row that changes by `change`, before that by `last`, is as good as it will become.
+fn arrived(change: f64, last: f64) -> bool {
+    change <= ARRIVED || change <= NOISE && change >= last
+}
+
+/// Rows of both kinds of places before a cycle.
+fn before(pair: &Pair, cycle: &Cycle) -> Pair {
+    [0, 1].map(|parity| {
+        let image = (cycle.twice_centre() + cycle.arity * parity).rem_euclid(2);
+        pair[usize::from(image == 1)].before(cycle, parity)
+    })
+}
+
+impl LimitRows {
+    /// The rows for the polygon after `levels` levels of a plan: those of its static limit, times the matrices of the
+    /// levels that remain. Tangents are those of the static limit at these places, as far as both of its one-sided
+    /// differences agree there.
+    ///
+    /// Source: Dyn, Subdivision schemes in CAGD, 1992, section 2.3; limit rows are left eigenvectors for 1 and 1/d.
+    ///
+    /// # Errors
+    /// [`NoMask`], also when the static limit does not converge.
+    pub fn of(plan: &Plan, levels: u32) -> Result<Self, NoMask> {
+        let (changing, settled) = Cycle::from_level(plan, levels)?;
+        let mut position = settled_positions(&settled)?;
+        let mut tangent = settled_tangents(&settled, &position);
+        for cycle in changing.iter().rev() {
+            position = before(&position, cycle);
+            tangent =
+                tangent.map(|pair| pure(&before(&pair, cycle), &position).map(|row| row.scaled(real(cycle.arity))));
+        }
+        Ok(Self { position, tangent })
+    }
+}
+
+/// Tangent rows without the trace of the eigenvalue 1 that rounding leaves in them, and that would grow.
+fn pure(tangent: &Pair, position: &Pair) -> Pair {
+    [0, 1].map(|parity| tangent[parity].less(tangent[parity].sum(), &position[parity]))
+}
+
+/// Left eigenvectors for 1 of a static cycle.
+fn settled_positions(cycle: &Cycle) -> Result<Pair, NoMask> {
+    let mut pair = [Row::new(0, &[1.0]), Row::new(-1, &[0.5, 0.5])];
+    let mut last = f64::INFINITY;
+    for _ in 0..MAX_ROUNDS {
+        let next = before(&pair, cycle);
+        let change = next[0].distance(&pair[0]).max(next[1].distance(&pair[1]));
+        pair = next;
+        if arrived(change, last) {
+            let complete = pair.iter().all(|row| (row.sum() - 1.0).abs() < 1e-9);
+            return if complete { Ok(pair) } else { Err(NoMask::Diverges) };
+        }
+        if !change.is_finite() || change > 1e9 {
+            break;
+        }
+        last = change;
+    }
+    Err(NoMask::Diverges)
+}
+
+/// Left eigenvectors for 1/d, which give 1 for points at their own places; `None` where differences from both sides do
+/// not lead to the same.
+fn settled_tangents(cycle: &Cycle, position: &Pair) -> Option<Pair> {
+    let after = settled_tangent(cycle, position, [Row::new(0, &[-1.0, 1.0]), Row::new(1, &[-1.0, 1.0])])?;
+    let ahead = settled_tangent(cycle, position, [Row::new(-2, &[-1.0, 1.0]), Row::new(-3, &[-1.0, 1.0])])?;
+    let agree = after.iter().zip(&ahead).all(|(a, b)| a.distance(b) < AGREE);
+    agree.then_some(after)
+}
+
+fn settled_tangent(cycle: &Cycle, position: &Pair, start: Pair) -> Option<Pair> {
+    let mut pair = start;
+    let mut last = f64::INFINITY;
+    for _ in 0..MAX_ROUNDS {
+        let mut next = pure(&before(&pair, cycle), position);
+        for row in &mut next {
+            let slope = row.slope();
+            if !slope.is_finite() || slope.abs() < 1e-6 * row.weights.iter().map(|w| w.abs()).sum::<f64>() {
+                return None;
+            }
+            *row = row.scaled(1.0 / slope).trimmed();
+        }
+        let change = next[0].distance(&pair[0]).max(next[1].distance(&pair[1]));
+        pair = next;
+        if arrived(change, last) {
+            return Some(pair);
+        }
+        last = change;
+    }
+    None
+}
