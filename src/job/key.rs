@@ -6,9 +6,12 @@ use super::codec::Item;
 use super::{Input, Job, Output};
 use crate::math::expression::{Expression, Instruction};
 use crate::math::parameter::{Value, Values};
+use crate::scheme::mesh_net::{Rules, TriangleRule};
 use crate::scheme::ops::Role;
+use crate::scheme::sharpness::Creasing;
 use crate::scheme::word::Letter;
 use crate::shape::attributes::Attributes;
+use crate::shape::creases::{INFINITE_SHARPNESS, Sharp};
 use crate::shape::polygon::Polygon;
 use crate::shape::topology::{Topology, index};
 
@@ -99,16 +102,28 @@ fn input(input: &Input) -> Item<'_> {
         Input::Polygons(polygons) => {
             Item::List(vec![text("polygons"), Item::List(polygons.iter().map(polygon).collect())])
         }
-        Input::Mesh(mesh) => Item::List(vec![
-            text("mesh"),
-            Item::Numbers((&mesh.positions).into()),
-            faces(&mesh.topology),
-            Item::Indices((&mesh.corners).into()),
-            Item::Indices((&mesh.holes).into()),
-            // repairs are reported with the result, so that they belong to it
-            Item::List(mesh.warnings.iter().map(|warning| text(warning)).collect()),
-        ]),
+        Input::Mesh(mesh) => {
+            let mut items = vec![
+                text("mesh"),
+                Item::Numbers((&mesh.positions).into()),
+                faces(&mesh.topology),
+                Item::Indices((&mesh.corners).into()),
+                Item::Indices((&mesh.holes).into()),
+                // repairs are reported with the result, so that they belong to it
+                Item::List(mesh.warnings.iter().map(|warning| text(warning)).collect()),
+            ];
+            items.extend(sharp("creases", &mesh.creases));
+            items.extend(sharp("semi-sharp corners", &mesh.semi_sharp_corners));
+            Item::List(items)
+        }
     }
+}
+
+/// What is sharp, if anything is.
+fn sharp(name: &str, sharp: &Sharp) -> Option<Item<'static>> {
+    let (indices, values): (Vec<u32>, Vec<f64>) = sharp.iter().copied().unzip();
+    let item = || Item::List(vec![text(name), Item::Indices(indices.into()), Item::Numbers(values.into())]);
+    (!sharp.is_empty()).then(item)
 }
 
 fn polygon(polygon: &Polygon) -> Item<'_> {
@@ -181,6 +196,7 @@ fn plan(job: &Job) -> Item<'static> {
         let seed = Item::Integer(perturbation.seed);
         functions.push(("perturbation", Item::List(vec![Item::Numbers(numbers.into()), seed])));
     }
+    functions.extend(rules(job).map(|rule| (rule, text("yes"))));
     let (is_mesh, is_open) = job.input.kind();
     if is_open && is_mesh {
         functions.push(("boundary", Item::Integer(plan.boundary as u64)));
@@ -194,6 +210,19 @@ fn plan(job: &Job) -> Item<'static> {
         Item::Integer(u64::from(levels)),
         Item::List(functions),
     ])
+}
+
+/// The rules of meshes that are not the usual ones, as far as the mesh gives them something to do.
+fn rules(job: &Job) -> impl Iterator<Item = &'static str> {
+    let Rules { creasing, triangles } = job.plan.rules;
+    let (chaikin, smooth) = match &job.input {
+        Input::Mesh(mesh) if job.levels > 0 => (
+            creasing == Creasing::Chaikin && mesh.creases.iter().any(|&(_, s)| s < INFINITE_SHARPNESS),
+            triangles == TriangleRule::Smooth && (0..mesh.topology.n_faces()).any(|f| mesh.topology.face(f).len() == 3),
+        ),
+        _ => (false, false),
+    };
+    [(chaikin, "chaikin creasing"), (smooth, "smooth triangles")].into_iter().filter(|rule| rule.0).map(|rule| rule.1)
 }
 
 fn expression(expression: &Expression) -> Item<'static> {

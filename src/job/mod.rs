@@ -13,6 +13,7 @@ use crate::fault::{Fault, under};
 use crate::math::parameter::Values;
 use crate::output::{Format, ShapeKind};
 use crate::scheme::plan::{MAX_LEVELS, Plan, PlanInput, Subject};
+use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
 
@@ -59,14 +60,23 @@ impl Input {
             Self::Polygons(polygons) => {
                 polygons.iter().any(|p| p.attributes.is_some()).then_some("parameters of points")
             }
-            Self::Mesh(mesh) if !mesh.corners.is_empty() => Some("corners"),
+            Self::Mesh(mesh) if !mesh.corners.is_empty() || !mesh.semi_sharp_corners.is_empty() => Some("corners"),
+            Self::Mesh(mesh) if !mesh.creases.is_empty() => Some("creases"),
             Self::Mesh(mesh) if !mesh.holes.is_empty() => Some("holes"),
             Self::Mesh(_) if is_open && input.boundary == crate::scheme::mesh_net::Boundary::None => {
                 Some("the holes that boundary \"none\" makes")
             }
             Self::Mesh(_) => None,
         };
-        Subject { is_mesh, is_open, tags }
+        let (creased, semi_sharp) = match self {
+            Self::Polygons(_) => (false, None),
+            Self::Mesh(mesh) if !mesh.semi_sharp_corners.is_empty() => (!mesh.creases.is_empty(), Some("corners")),
+            Self::Mesh(mesh) => {
+                let semi_sharp = mesh.creases.iter().any(|&(_, sharpness)| sharpness < INFINITE_SHARPNESS);
+                (!mesh.creases.is_empty(), semi_sharp.then_some("creases"))
+            }
+        };
+        Subject { is_mesh, is_open, tags, creased, semi_sharp }
     }
 }
 

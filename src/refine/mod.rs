@@ -14,6 +14,7 @@ use crate::math::rows::{RowSource, blend};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::sharpness::Sharpness;
 use crate::scheme::step::{Action, PointMap, StepError, Values};
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
@@ -50,7 +51,9 @@ pub fn polygon_net(polygon: &Polygon, plan: &Plan) -> PolygonNet {
 
 /// The net of a mesh before refinement.
 pub fn mesh_net(mesh: &Mesh, plan: &Plan) -> MeshNet {
-    MeshNet::new(mesh.topology.clone(), &mesh.corners, &mesh.holes, plan.boundary)
+    let sharpness = Sharpness::of(&mesh.creases, &mesh.semi_sharp_corners);
+    let net = MeshNet::new(mesh.topology.clone(), &mesh.corners, &mesh.holes, plan.boundary);
+    net.with_sharpness(sharpness, plan.rules)
 }
 
 /// The tangents of a polygon in the plane: those given, or else those of circles through neighbours.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::sharpness::{Creasing, Sharpness};
 use crate::shape::topology::{Topology, index};
 
 /// Boundary rule of meshes.
@@ -16,6 +17,25 @@ pub enum Boundary {
     None,
 }
 
+/// What Catmull-Clark does at edges beside triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TriangleRule {
+    /// What it does everywhere.
+    #[default]
+    Catmark,
+    /// Face points count more, so that triangles in a mesh of quads dent it less.
+    Smooth,
+}
+
+/// Rules that a preset chooses for meshes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Rules {
+    /// How sharpness becomes less.
+    pub creasing: Creasing,
+    /// What happens beside triangles.
+    pub triangles: TriangleRule,
+}
+
 /// The state of a mesh under refinement.
 #[derive(Debug, Clone)]
 pub struct MeshNet {
@@ -27,6 +47,10 @@ pub struct MeshNet {
     pub parent: Option<Arc<Topology>>,
     /// Vertices that keep their place, ascending; they are vertices of the base.
     pub corners: Arc<[u32]>,
+    /// Sharpness of its edges and of its other vertices; `None` when all are smooth.
+    pub sharpness: Option<Arc<Sharpness>>,
+    /// Rules of the scheme.
+    pub rules: Rules,
     /// Base faces that are not shown, ascending.
     pub holes: Arc<[u32]>,
     /// Boundary rule.
@@ -46,6 +70,8 @@ pub struct Anchor {
     pub topology: Arc<Topology>,
     /// Its vertices that keep their place.
     pub corners: Arc<[u32]>,
+    /// Sharpness of its edges and of its other vertices; `None` when all were smooth.
+    pub sharpness: Option<Arc<Sharpness>>,
     /// Where the net was put into another order since: for each vertex its number in (vertices, edges, faces).
     pub order: Option<Arc<[u32]>>,
     /// Whether vertices were lost since.
@@ -64,7 +90,26 @@ impl MeshNet {
             None
         };
         let corners = fixed(&topology, corners, boundary);
-        Self { base: topology, splits: 0, parent: None, corners, holes, boundary, tagged, duals: 0, anchor: None }
+        Self {
+            base: topology,
+            splits: 0,
+            parent: None,
+            corners,
+            sharpness: None,
+            rules: Rules::default(),
+            holes,
+            boundary,
+            tagged,
+            duals: 0,
+            anchor: None,
+        }
+    }
+
+    /// The same net with sharp edges and vertices, and the rules of a scheme.
+    #[must_use]
+    pub fn with_sharpness(self, sharpness: Option<Sharpness>, rules: Rules) -> Self {
+        let tagged = self.tagged.or(sharpness.is_some().then_some("creases"));
+        Self { sharpness: sharpness.map(Arc::new), rules, tagged, ..self }
     }
 
     /// The net of an explicit topology that came of a D.
@@ -75,6 +120,8 @@ impl MeshNet {
             splits: 0,
             parent: None,
             corners,
+            sharpness: None,
+            rules: self.rules,
             holes: Arc::default(),
             boundary: self.boundary,
             tagged: None,

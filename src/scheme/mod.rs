@@ -1,6 +1,7 @@
 //! Schemes: words over operators, presets that spell them, and what they do to a net's connectivity and weights.
 //! Coordinates are never seen here, except by steps that are not linear.
 
+pub mod creases;
 pub mod forecast;
 pub mod local;
 pub mod mesh_net;
@@ -8,6 +9,7 @@ pub mod ops;
 pub mod plan;
 pub mod polygon_net;
 pub mod presets;
+pub mod sharpness;
 pub mod step;
 pub mod window;
 pub mod word;

@@ -5,7 +5,7 @@ mod resolve;
 mod schedule;
 
 use super::local::{Noise, Sources};
-use super::mesh_net::Boundary;
+use super::mesh_net::{Boundary, Rules};
 use super::ops::Operator;
 use super::polygon_net::Ends;
 use super::word::{Letter, Word};
@@ -32,7 +32,7 @@ pub struct PlanInput {
 }
 
 /// What a plan is to be applied to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Subject {
     /// Polygons or a mesh.
     pub is_mesh: bool,
@@ -40,6 +40,10 @@ pub struct Subject {
     pub is_open: bool,
     /// What a D could not carry along, if anything.
     pub tags: Option<&'static str>,
+    /// Whether edges are sharp.
+    pub creased: bool,
+    /// What has a sharpness between smooth and infinitely sharp, if anything.
+    pub semi_sharp: Option<&'static str>,
 }
 
 /// A resolved plan; equal plans are equal values, whether written as preset or word.
@@ -59,6 +63,8 @@ pub struct Plan {
     pub delta: Expression,
     /// Boundary rule of meshes.
     pub boundary: Boundary,
+    /// Rules of the scheme for meshes.
+    pub rules: Rules,
     /// End rule of open polygons.
     pub ends: Ends,
     /// Decaying perturbation, if any.
@@ -111,6 +117,7 @@ impl Plan {
             compensation: one.clone(),
             delta: one,
             boundary,
+            rules: Rules::default(),
             ends,
             perturbation: None,
         }

@@ -8,6 +8,7 @@ use super::word::Letter;
 use crate::math::expression::{Expression, ExpressionError};
 use crate::math::planar::Vector;
 use crate::math::rows::RowSource;
+use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::watch::{Stopped, Watch};
 
 /// The numbers an operator works with at one place of a plan.
@@ -99,6 +100,15 @@ pub enum StepError {
     /// D where something cannot follow.
     #[error("D cannot carry {0}: leave them out or use C, which is two D at once")]
     DualTags(&'static str),
+    /// Sharp edges where they are not known.
+    #[error("this scheme knows no creases; leave them out, or use catmull-clark, push-back or a word over U, C and P")]
+    Creases,
+    /// Sharpness between smooth and infinitely sharp where it is not known.
+    #[error(
+        "{0} of a sharpness between 0 and {INFINITE_SHARPNESS} belong to catmull-clark; here an edge or vertex is smooth \
+         (0) or infinitely sharp ({INFINITE_SHARPNESS} or more)"
+    )]
+    SemiSharp(&'static str),
     /// A mesh without interior vertices has no dual.
     #[error("D needs a vertex all of whose faces meet in a full ring; this mesh has none")]
     NoInterior,

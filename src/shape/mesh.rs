@@ -3,11 +3,9 @@
 use std::sync::Arc;
 
 use super::check::{FaceList, Winding};
+use super::creases::{INFINITE_SHARPNESS, Pairs, Sharp, check_corners};
 use super::topology::Topology;
 use crate::fault::{Fault, under};
-
-/// Sharpness from which on an edge or vertex counts as infinitely sharp (as in OpenSubdiv).
-pub const INFINITE_SHARPNESS: f64 = 10.0;
 
 /// A checked control mesh.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,8 +14,12 @@ pub struct Mesh {
     pub positions: Vec<f64>,
     /// Connectivity.
     pub topology: Arc<Topology>,
-    /// Vertices that keep their place, ascending.
+    /// Vertices that keep their place, ascending: those that are infinitely sharp.
     pub corners: Vec<u32>,
+    /// Sharpness of the other sharp vertices.
+    pub semi_sharp_corners: Sharp,
+    /// Sharpness of interior edges.
+    pub creases: Sharp,
     /// Faces that are refined but not shown, ascending.
     pub holes: Vec<u32>,
     /// What was changed or is worth knowing, in sentences.
@@ -33,6 +35,8 @@ pub struct MeshInput {
     pub faces: FaceList,
     /// Vertex and sharpness.
     pub corners: Vec<(u64, f64)>,
+    /// The ends of edges and their sharpness.
+    pub creases: Vec<([u64; 2], f64)>,
     /// Faces that are refined but not shown.
     pub holes: Vec<u64>,
     /// What to do with inconsistent winding.
@@ -52,6 +56,7 @@ impl Mesh {
             faults.push(Fault::new("/faces", "there is no face; a mesh has at least one"));
         }
         let corners = check_corners(&input.corners, n, &mut faults);
+        let pairs = Pairs::check(&input.creases, n, &mut faults);
         let holes = check_holes(&input.holes, n_faces, &mut faults);
         let checked = match Topology::of_faces(n, input.faces, input.winding) {
             Ok(checked) => checked,
@@ -60,6 +65,10 @@ impl Mesh {
                 return Err(faults);
             }
         };
+        let creases = pairs.edges(&checked.topology, n, &checked.split_from).unwrap_or_else(|found| {
+            faults.extend(found);
+            Sharp::new()
+        });
         if !faults.is_empty() {
             return Err(faults);
         }
@@ -74,7 +83,11 @@ impl Mesh {
             let more = if checked.turned.len() > list.len() { ", ..." } else { "" };
             warnings.push(format!("faces turned to agree with their neighbours: {}{more}", list.join(", ")));
         }
-        Ok(Self { positions, topology: Arc::new(checked.topology), corners, holes, warnings })
+        let (fixed, semi_sharp_corners): (Sharp, Sharp) =
+            corners.into_iter().partition(|&(_, sharpness)| sharpness >= INFINITE_SHARPNESS);
+        let corners = fixed.into_iter().map(|(v, _)| v).collect();
+        let topology = Arc::new(checked.topology);
+        Ok(Self { positions, topology, corners, semi_sharp_corners, creases, holes, warnings })
     }
 }
 
@@ -82,34 +95,6 @@ fn check_positions(positions: &[[f64; 3]]) -> Vec<Fault> {
     let wrong = positions.iter().enumerate().filter_map(|(i, p)| Some((i, p.iter().position(|x| !x.is_finite())?, p)));
     let faults = wrong.map(|(i, j, p)| Fault::new(format!("/{i}/{j}"), format!("{} is not a finite number", p[j])));
     under("/positions", faults.take(20).collect())
-}
-
-/// Corner vertices in ascending order; a sharpness of 0 is no corner.
-fn check_corners(corners: &[(u64, f64)], n: usize, faults: &mut Vec<Fault>) -> Vec<u32> {
-    let mut found = Vec::new();
-    for (i, &(vertex, sharpness)) in corners.iter().enumerate() {
-        let place = format!("/corners/{i}");
-        let index = u32::try_from(vertex).ok().filter(|&v| (v as usize) < n);
-        if index.is_none() {
-            let detail = format!("there is no vertex {vertex}; the mesh has {n}, counted from 0");
-            faults.push(Fault::new(format!("{place}/vertex"), detail));
-        }
-        if sharpness.is_nan() || sharpness < 0.0 {
-            let detail =
-                format!("{sharpness} is no sharpness; 0 is smooth, {INFINITE_SHARPNESS} or more infinitely sharp");
-            faults.push(Fault::new(format!("{place}/sharpness"), detail));
-        } else if sharpness > 0.0 && sharpness < INFINITE_SHARPNESS {
-            let detail = format!(
-                "sharpness {sharpness} lies between 0 and {INFINITE_SHARPNESS}; this release knows smooth (0) and \
-                 infinitely sharp ({INFINITE_SHARPNESS} or more) corners"
-            );
-            faults.push(Fault::new(format!("{place}/sharpness"), detail));
-        }
-        found.extend(index.filter(|_| sharpness > 0.0));
-    }
-    found.sort_unstable();
-    found.dedup();
-    found
 }
 
 fn check_holes(holes: &[u64], n_faces: usize, faults: &mut Vec<Fault>) -> Vec<u32> {

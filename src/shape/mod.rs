@@ -2,6 +2,7 @@
 
 pub mod attributes;
 pub mod check;
+pub mod creases;
 pub mod grid;
 pub mod mesh;
 pub mod polygon;

@@ -194,6 +194,10 @@ pub struct MeshReport {
     /// How many vertices have each valence.
     #[schema(schema_with = super::schema::histogram)]
     pub valences: std::collections::BTreeMap<usize, usize>,
+    /// Interior edges that are sharp.
+    pub creases: usize,
+    /// Vertices that are sharp by themselves.
+    pub corners: usize,
     /// How many faces have each size.
     #[schema(schema_with = super::schema::histogram)]
     pub face_sizes: std::collections::BTreeMap<usize, usize>,

@@ -19,9 +19,12 @@ pub struct MeshRequest {
     /// Faces as lists of vertex indices, counted from 0, counter-clockwise seen from outside.
     #[schema(schema_with = schema::faces)]
     pub faces: Vec<Vec<u64>>,
-    /// Vertices that keep their place.
+    /// Sharp vertices: infinitely sharp ones keep their place.
     #[serde(default, deserialize_with = "object::list")]
     pub corners: Vec<CornerRequest>,
+    /// Sharp edges.
+    #[serde(default, deserialize_with = "object::list")]
+    pub creases: Vec<CreaseRequest>,
     /// Faces that are refined but not shown.
     #[serde(default)]
     pub holes: Vec<u64>,
@@ -33,7 +36,21 @@ pub struct MeshRequest {
 pub struct CornerRequest {
     /// The vertex.
     pub vertex: u64,
-    /// 0 is smooth, 10 or more infinitely sharp.
+    /// 0 is smooth, 10 or more infinitely sharp; what lies between belongs to `catmull-clark`.
+    #[schema(minimum = 0)]
+    pub sharpness: f64,
+}
+
+/// A sharp edge of a mesh.
+#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CreaseRequest {
+    /// The two ends of the edge, in any order.
+    #[schema(schema_with = schema::ends)]
+    pub edge: [u64; 2],
+    /// 0 is smooth, 10 or more infinitely sharp; what lies between belongs to `catmull-clark`, which makes it less by 1
+    /// from level to level.
+    #[schema(minimum = 0)]
     pub sharpness: f64,
 }
 
@@ -60,6 +77,7 @@ impl MeshRequest {
         }
         let winding = if orient == Some(OrientRequest::Repair) { Winding::Repair } else { Winding::Refuse };
         let corners = self.corners.iter().map(|corner| (corner.vertex, corner.sharpness)).collect();
-        Mesh::new(MeshInput { positions: self.positions, faces, corners, holes: self.holes, winding })
+        let creases = self.creases.iter().map(|crease| (crease.edge, crease.sharpness)).collect();
+        Mesh::new(MeshInput { positions: self.positions, faces, corners, creases, holes: self.holes, winding })
     }
 }

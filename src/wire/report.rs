@@ -35,6 +35,8 @@ impl MeshReport {
             closed: boundary_loops.is_empty(),
             boundary_loops,
             valences,
+            creases: mesh.creases.len(),
+            corners: mesh.corners.len() + mesh.semi_sharp_corners.len(),
             face_sizes,
             isolated_vertices: isolated,
             degenerate_faces: degenerate(mesh),

@@ -43,6 +43,12 @@ pub(super) fn faces() -> RefOr<Schema> {
     lists(index(), 3, None, doc)
 }
 
+/// The two ends of an edge.
+pub(super) fn ends() -> RefOr<Schema> {
+    let doc = "The two ends of the edge, in any order.";
+    ArrayBuilder::new().items(index()).min_items(Some(2)).max_items(Some(2)).description(Some(doc)).into()
+}
+
 /// Pairs of vertices.
 pub(super) fn pairs() -> RefOr<Schema> {
     lists(index(), 2, Some(2), "Pairs of vertices at the same place.")

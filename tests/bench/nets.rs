@@ -56,7 +56,7 @@ pub(crate) fn plan(preset: &str, parameters: &[(&str, &str)], levels: u32) -> (P
         parameters: parameters.iter().map(text).collect(),
         ..PlanInput::default()
     };
-    let subject = Subject { is_mesh: true, is_open: false, tags: None };
+    let subject = Subject { is_mesh: true, ..Subject::default() };
     let plan: Result<Plan, Vec<Fault>> = Plan::resolve(&input, subject);
     let plan = plan.expect("a preset of the catalogue");
     let steps = plan.schedule(levels).expect("functions that are finite");

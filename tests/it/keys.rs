@@ -145,6 +145,9 @@ fn meshes_that_differ_have_keys_that_differ() {
             ("/input/mesh/faces", json!([[0, 1, 2, 3], [3, 4, 0], [1, 5, 6, 7], [7, 2, 1]])),
             ("/input/mesh/faces", json!([[0, 1, 2, 3], [3, 4, 0]])),
             ("/input/mesh/corners", json!([{ "vertex": 1, "sharpness": 10 }])),
+            ("/input/mesh/corners", json!([{ "vertex": 3, "sharpness": 10 }])),
+            ("/input/mesh/creases", json!([{ "edge": [0, 3], "sharpness": 10 }])),
+            ("/input/mesh/creases", json!([{ "edge": [1, 2], "sharpness": 10 }])),
             ("/input/mesh/holes", json!([1])),
             ("/input/mesh/holes", json!([2])),
             ("/plan/boundary", json!("edge-only")),
@@ -154,6 +157,7 @@ fn meshes_that_differ_have_keys_that_differ() {
             ("/plan/parameters/delta", json!("(4-valence)/valence")),
             ("/plan/parameters/compensation", json!(1)),
             ("/plan", json!({ "preset": "catmull-clark" })),
+            ("/plan", json!({ "preset": "catmull-clark", "parameters": { "triangle_rule": "smooth" } })),
             ("/plan", json!({ "preset": "bilinear" })),
             ("/levels", json!(2)),
             ("/outputs/0/width", json!(65)),
@@ -166,6 +170,27 @@ fn meshes_that_differ_have_keys_that_differ() {
             ("/outputs/0", json!({ "format": "ply", "ascii": true })),
             ("/outputs/0", json!({ "format": "glb" })),
             ("/outputs/0", json!({ "format": "gltf" })),
+        ],
+    );
+}
+
+#[test]
+fn sharpness_is_part_of_the_key() {
+    let mut job = mesh_job();
+    job["plan"] = json!({ "preset": "catmull-clark" });
+    job["input"]["mesh"]["creases"] = json!([{ "edge": [0, 3], "sharpness": 2 }]);
+    check_distinct(
+        &job,
+        &[
+            ("/input/mesh/creases/0/sharpness", json!(2.5)),
+            ("/input/mesh/creases/0/sharpness", json!(10)),
+            ("/input/mesh/creases/0/edge", json!([1, 2])),
+            ("/input/mesh/creases", json!([])),
+            ("/input/mesh/corners", json!([{ "vertex": 3, "sharpness": 2 }])),
+            ("/input/mesh/corners", json!([{ "vertex": 3, "sharpness": 3 }])),
+            ("/input/mesh/corners", json!([{ "vertex": 3, "sharpness": 10 }])),
+            ("/plan/parameters", json!({ "creasing": "chaikin" })),
+            ("/plan/parameters", json!({ "triangle_rule": "smooth" })),
         ],
     );
 }
@@ -222,6 +247,18 @@ fn what_has_no_effect_does_not_matter() {
     equal(&cube, "/plan/boundary", json!("none"));
     equal(&cube, "/plan/ends", json!("natural"));
     equal(&cube, "/input/mesh/corners", json!([{ "vertex": 3, "sharpness": 0 }]));
+    equal(&cube, "/input/mesh/creases", json!([{ "edge": [0, 1], "sharpness": 0 }]));
+    cube["plan"] = json!({ "preset": "catmull-clark" });
+    equal(&cube, "/plan/parameters", json!({ "triangle_rule": "smooth" }));
+    equal(&cube, "/plan/parameters", json!({ "creasing": "chaikin" }));
+    cube["input"]["mesh"]["creases"] = json!([{ "edge": [0, 1], "sharpness": 10 }]);
+    equal(&cube, "/plan/parameters", json!({ "creasing": "chaikin" }));
+    equal(&cube, "/input/mesh/creases/0/sharpness", json!(11));
+    equal(&cube, "/input/mesh/creases/0/edge", json!([1, 0]));
+    // boundary edges are infinitely sharp by themselves
+    let mut open = mesh_job();
+    open["plan"] = json!({ "preset": "catmull-clark" });
+    equal(&open, "/input/mesh/creases", json!([{ "edge": [0, 1], "sharpness": 3 }]));
     // 0 levels of anything without a prefix are no plan
     let mut as_it_is = curve_job();
     as_it_is["levels"] = json!(0);

@@ -1,5 +1,6 @@
 //! Whatever comes in, a result or faults come out: never a panic, never a number that is not finite.
 
+mod creases;
 mod mutations;
 mod push_back;
 mod soups;

@@ -3,14 +3,15 @@
 use std::sync::Arc;
 
 use super::upsample::ratio;
-use super::{Operator, Role};
+use super::{Follows, Operator, Role};
 use crate::math::rows::{Rows, RowsBy};
+use crate::scheme::creases::{Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::polygon_net::{From, PolygonNet};
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::Window;
 use crate::scheme::word::Letter;
-use crate::shape::topology::{NONE, Topology, index};
+use crate::shape::topology::{Topology, index};
 
 /// C, the convolution average: D twice, re-centred; on meshes the mean of the loop centres around a vertex.
 #[derive(Debug)]
@@ -28,8 +29,8 @@ impl Operator for Average {
     fn doc(&self) -> &'static str {
         "The convolution average: D twice, re-centred. Curves after U: vertices (1, 2f, 1), edge points (f, 2, f), each over \
          2(1 + f), with the kernel f in the first average after a U and 1 else. Meshes: the mean of the loop centres \
-         (f^2 V + f (E1 + E2) + F) / (1 + f)^2 of the quads around a vertex; boundaries follow the curve rule, corners \
-         stay."
+         (f^2 V + f (E1 + E2) + F) / (1 + f)^2 of the quads around a vertex; boundaries and creases follow the \
+         curve rule, corners stay."
     }
 
     fn source(&self) -> &'static str {
@@ -42,6 +43,10 @@ impl Operator for Average {
 
     fn uses(&self) -> &'static [&'static str] {
         &["kernel"]
+    }
+
+    fn follows(&self) -> Follows {
+        Follows::Creases
     }
 
     fn window(&self, _: &Letter, _: u32) -> Option<Window> {
@@ -81,15 +86,21 @@ impl Operator for Average {
 fn split_rows(net: MeshNet, parent: Arc<Topology>, f: f64) -> Action {
     let (n_v, n_e) = (parent.n_vertices(), parent.n_edges());
     let n = net.n_vertices();
+    let creases = Creases::of_parent(&net);
     let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
         if row < n_v {
-            if net.is_corner(row) || parent.is_isolated(row) {
-                out.add(index(row), 1.0);
-            } else {
-                vertex_row(&parent, row, f, out);
+            match rule(&net, &parent, creases.as_ref(), row) {
+                Rule::Corner => out.add(index(row), 1.0),
+                Rule::Crease(edges) => crease_row(&parent, row, edges, f, out),
+                Rule::Smooth => vertex_row(&parent, row, f, out),
             }
         } else if row < n_v + n_e {
-            edge_row(&parent, row - n_v, f, out);
+            let e = row - n_v;
+            if parent.is_boundary_edge(e) || creases.as_ref().is_some_and(|creases| creases.edge(e) > 0.0) {
+                crease_edge_row(&parent, e, f, out);
+            } else {
+                edge_row(&parent, e, f, out);
+            }
         } else {
             face_row(&parent, row - n_v - n_e, f, out);
         }
@@ -97,15 +108,28 @@ fn split_rows(net: MeshNet, parent: Arc<Topology>, f: f64) -> Action {
     Action::Blend(Box::new(rows))
 }
 
-/// Interior: `(N f^2 V + 2 f sum E + sum F) / (N (1 + f)^2)`; boundary: `(E + 2 f V + E) / (2 (1 + f))`.
+/// How vertex `v` of a topology comes about: edges are smooth or infinitely sharp here.
+fn rule(net: &MeshNet, topology: &Topology, creases: Option<&Creases>, v: usize) -> Rule {
+    if net.is_corner(v) || topology.is_isolated(v) {
+        return Rule::Corner;
+    }
+    match creases.and_then(|creases| creases.vertex(v)) {
+        Some(blend) => blend.before,
+        None => topology.boundary_edges(v).map_or(Rule::Smooth, Rule::Crease),
+    }
+}
+
+/// `(E + 2 f V + E) / (2 (1 + f))`.
+fn crease_row(parent: &Topology, v: usize, edges: [u32; 2], f: f64, out: &mut Rows) {
+    let n_v = index(parent.n_vertices());
+    let sum = 2.0 * (1.0 + f);
+    out.add(index(v), 2.0 * f / sum);
+    edges.iter().for_each(|&e| out.add(n_v + e, 1.0 / sum));
+}
+
+/// `(N f^2 V + 2 f sum E + sum F) / (N (1 + f)^2)`.
 fn vertex_row(parent: &Topology, v: usize, f: f64, out: &mut Rows) {
     let n_v = index(parent.n_vertices());
-    if let Some(edges) = parent.boundary_edges(v) {
-        let sum = 2.0 * (1.0 + f);
-        out.add(index(v), 2.0 * f / sum);
-        edges.iter().for_each(|&e| out.add(n_v + e, 1.0 / sum));
-        return;
-    }
     let valence = ratio(parent.ring(v).count(), 1);
     let sum = valence * (1.0 + f) * (1.0 + f);
     out.add(index(v), valence * f * f / sum);
@@ -115,19 +139,19 @@ fn vertex_row(parent: &Topology, v: usize, f: f64, out: &mut Rows) {
     }
 }
 
-/// Interior: `(2 f^2 (V1 + V2) + 4 f E + 2 (F1 + F2) + f (Ea + Eb + Ec + Ed)) / (4 (1 + f)^2)`; boundary:
 /// `(f V1 + 2 E + f V2) / (2 (1 + f))`.
+fn crease_edge_row(parent: &Topology, e: usize, f: f64, out: &mut Rows) {
+    let sum = 2.0 * (1.0 + f);
+    out.add(index(parent.n_vertices() + e), 2.0 / sum);
+    parent.ends(e).iter().for_each(|&v| out.add(v, f / sum));
+}
+
+/// `(2 f^2 (V1 + V2) + 4 f E + 2 (F1 + F2) + f (Ea + Eb + Ec + Ed)) / (4 (1 + f)^2)`.
 fn edge_row(parent: &Topology, e: usize, f: f64, out: &mut Rows) {
     let n_v = index(parent.n_vertices());
     let ends = parent.ends(e);
     let corners = parent.edge_corners(e);
     let here = n_v + index(e);
-    if corners[1] == NONE {
-        let sum = 2.0 * (1.0 + f);
-        out.add(here, 2.0 / sum);
-        ends.iter().for_each(|&v| out.add(v, f / sum));
-        return;
-    }
     let sum = 4.0 * (1.0 + f) * (1.0 + f);
     out.add(here, 4.0 * f / sum);
     ends.iter().for_each(|&v| out.add(v, 2.0 * f * f / sum));
@@ -150,22 +174,28 @@ fn face_row(parent: &Topology, face: usize, f: f64, out: &mut Rows) {
     }
 }
 
-/// C where there are no labels: the mean of the centroids of the faces around a vertex; boundary `(1, 2, 1) / 4`.
+/// C where there are no labels: the mean of the centroids of the faces around a vertex; boundaries and creases
+/// `(1, 2, 1) / 4`.
 fn plain_rows(net: MeshNet) -> Action {
     let n = net.n_vertices();
+    let creases = Creases::of_net(&net);
     let rows = RowsBy::new(n, n, move |v, out: &mut Rows| {
         let topology = &net.base;
-        if net.is_corner(v) || topology.is_isolated(v) {
-            out.add(index(v), 1.0);
-        } else if let Some([onward, from]) = topology.boundary_edges(v) {
-            out.add(index(v), 0.5);
-            out.add(topology.ends(onward as usize)[1], 0.25);
-            out.add(topology.ends(from as usize)[0], 0.25);
-        } else {
-            let valence = topology.ring(v).count();
-            for corner in topology.ring(v) {
-                let face = topology.face(topology.face_of(corner));
-                face.iter().for_each(|&u| out.add(u, ratio(1, valence * face.len())));
+        match rule(&net, topology, creases.as_ref(), v) {
+            Rule::Corner => out.add(index(v), 1.0),
+            Rule::Crease(edges) => {
+                out.add(index(v), 0.5);
+                for e in edges {
+                    let [from, to] = topology.ends(e as usize);
+                    out.add(if from as usize == v { to } else { from }, 0.25);
+                }
+            }
+            Rule::Smooth => {
+                let valence = topology.ring(v).count();
+                for corner in topology.ring(v) {
+                    let face = topology.face(topology.face_of(corner));
+                    face.iter().for_each(|&u| out.add(u, ratio(1, valence * face.len())));
+                }
             }
         }
     });

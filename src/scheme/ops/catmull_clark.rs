@@ -1,15 +1,17 @@
 //! The smoothing half of Catmull-Clark, applied after U.
 
 use super::upsample::ratio;
-use super::{Operator, Role};
+use super::{Follows, Operator, Role};
 use crate::math::rows::{Rows, RowsBy};
-use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::creases::{Creases, Rule};
+use crate::scheme::mesh_net::{MeshNet, TriangleRule};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::shape::topology::{NONE, Topology, index};
 
 /// Catmull-Clark after U, for faces of any size: `F' = F`, `E' = E/2 + (F1 + F2)/4` (which is `(V1 + V2 + F1 + F2)/4`),
-/// `V' = (N-3)/N V + 2/N^2 sum E + 1/N^2 sum F`; boundaries: `E' = E`, `V' = V/2 + (E1 + E2)/4`; corners stay.
+/// `V' = (N-3)/N V + 2/N^2 sum E + 1/N^2 sum F`; boundaries and creases: `E' = E`, `V' = V/2 + (E1 + E2)/4`; corners
+/// stay. An edge of sharpness below 1 is that much of a crease; a vertex whose rule changes in a level is a mean of both.
 #[derive(Debug)]
 pub struct CatmullClark;
 
@@ -20,7 +22,7 @@ impl Operator for CatmullClark {
 
     fn doc(&self) -> &'static str {
         "The smoothing of Catmull and Clark after U: face points stay, edge points E/2 + (F1 + F2)/4, vertices of valence \
-         N (N-3)/N V + 2/N^2 sum E + 1/N^2 sum F; boundary curves are cubic B-splines. Used by the preset catmull-clark."
+         N (N-3)/N V + 2/N^2 sum E + 1/N^2 sum F; boundaries and creases are cubic B-splines, while they are sharp. Used by the preset catmull-clark."
     }
 
     fn source(&self) -> &'static str {
@@ -35,17 +37,32 @@ impl Operator for CatmullClark {
         Err(StepError::WrongNet("catmull-clark refines meshes; for polygons use cubic-b-spline"))
     }
 
+    fn follows(&self) -> Follows {
+        Follows::SemiSharp
+    }
+
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
         let parent = net.parent.clone().ok_or(StepError::NoAnchor)?;
         let (n, n_v, n_e) = (net.n_vertices(), parent.n_vertices(), parent.n_edges());
         let old = net.clone();
+        let creases = Creases::of_parent(net);
+        let triangles = if parent.is_quads() { TriangleRule::Catmark } else { net.rules.triangles };
         let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
             if row >= n_v + n_e || old.is_corner(row) || row < n_v && parent.is_isolated(row) {
                 out.add(index(row), 1.0);
             } else if row < n_v {
-                vertex_row(&parent, row, out);
+                match creases.as_ref().and_then(|creases| creases.vertex(row)) {
+                    None => vertex_row(&parent, row, out),
+                    Some(blend) => blend.rules().for_each(|(rule, weight)| ruled_row(&parent, row, rule, weight, out)),
+                }
             } else {
-                edge_row(&parent, row - n_v, out);
+                let e = row - n_v;
+                let sharpness = creases.as_ref().map_or(0.0, |creases| creases.edge(e));
+                let weight = match triangles {
+                    TriangleRule::Catmark => 0.25,
+                    TriangleRule::Smooth => smooth_weight(&parent, e),
+                };
+                edge_row(&parent, e, (1.0 - sharpness) * weight, out);
             }
         });
         Ok(Step { net: net.clone(), action: Action::Blend(Box::new(rows)) })
@@ -53,30 +70,57 @@ impl Operator for CatmullClark {
 }
 
 fn vertex_row(parent: &Topology, v: usize, out: &mut Rows) {
-    let n_v = index(parent.n_vertices());
-    if let Some(edges) = parent.boundary_edges(v) {
-        out.add(index(v), 0.5);
-        edges.iter().for_each(|&e| out.add(n_v + e, 0.25));
-        return;
-    }
-    let n = ratio(parent.ring(v).count(), 1);
-    out.add(index(v), (n - 3.0) / n);
-    for corner in parent.ring(v) {
-        out.add(n_v + parent.edge(corner), 2.0 / (n * n));
-        out.add(n_v + index(parent.n_edges() + parent.face_of(corner)), 1.0 / (n * n));
+    match parent.boundary_edges(v) {
+        Some(edges) => ruled_row(parent, v, Rule::Crease(edges), 1.0, out),
+        None => ruled_row(parent, v, Rule::Smooth, 1.0, out),
     }
 }
 
-fn edge_row(parent: &Topology, e: usize, out: &mut Rows) {
+/// The row of a vertex by one rule, multiplied by `scale`.
+#[inline]
+fn ruled_row(parent: &Topology, v: usize, rule: Rule, scale: f64, out: &mut Rows) {
+    let n_v = index(parent.n_vertices());
+    match rule {
+        Rule::Corner => out.add(index(v), scale),
+        Rule::Crease(edges) => {
+            out.add(index(v), scale * 0.5);
+            edges.iter().for_each(|&e| out.add(n_v + e, scale * 0.25));
+        }
+        Rule::Smooth => {
+            let n = ratio(parent.ring(v).count(), 1);
+            let (edge, face) = (scale * (2.0 / (n * n)), scale * (1.0 / (n * n)));
+            out.add(index(v), scale * ((n - 3.0) / n));
+            for corner in parent.ring(v) {
+                out.add(n_v + parent.edge(corner), edge);
+                out.add(n_v + index(parent.n_edges() + parent.face_of(corner)), face);
+            }
+        }
+    }
+}
+
+/// The weight of the face points under the triangle rule `smooth`: the mean of 0.47 for a triangle and 1/4 for others.
+///
+/// Source: OpenSubdiv 3.5, class `Sdc::Scheme` of Catmull-Clark.
+fn smooth_weight(parent: &Topology, e: usize) -> f64 {
+    let weight = |corner: u32| {
+        let triangle = corner != NONE && parent.face(parent.face_of(corner)).len() == 3;
+        if triangle { 0.47 } else { 0.25 }
+    };
+    let [first, second] = parent.edge_corners(e);
+    0.5 * (weight(first) + weight(second))
+}
+
+/// The row of an edge point; `weight` is that of each face point.
+fn edge_row(parent: &Topology, e: usize, weight: f64, out: &mut Rows) {
     let n_v = index(parent.n_vertices());
     let corners = parent.edge_corners(e);
     let here = n_v + index(e);
-    if corners[1] == NONE {
+    if corners[1] == NONE || weight == 0.0 {
         out.add(here, 1.0);
         return;
     }
-    out.add(here, 0.5);
+    out.add(here, 1.0 - 2.0 * weight);
     for corner in corners {
-        out.add(n_v + index(parent.n_edges() + parent.face_of(corner)), 0.25);
+        out.add(n_v + index(parent.n_edges() + parent.face_of(corner)), weight);
     }
 }

@@ -86,6 +86,17 @@ pub enum Role {
     Smooth,
 }
 
+/// Which sharp edges and vertices an operator follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Follows {
+    /// Vertices that are infinitely sharp.
+    Corners,
+    /// Edges that are infinitely sharp, too.
+    Creases,
+    /// Any sharpness.
+    SemiSharp,
+}
+
 /// An operator: weights and connectivity; coordinates are seen only by those that are not linear, in an [`Action::Map`].
 ///
 /// [`Action::Map`]: super::step::Action::Map
@@ -133,6 +144,10 @@ pub trait Operator: fmt::Debug + Send + Sync {
     /// Whether it moves the points of a polygon by half a step.
     fn shifts(&self, letter: &Letter) -> bool {
         self.window(letter, 0).is_some_and(|window| window.arity == 1 && (window.first + window.last) % 2 != 0)
+    }
+    /// Which sharp edges and vertices of meshes it follows.
+    fn follows(&self) -> Follows {
+        Follows::Corners
     }
     /// The step on a polygon.
     ///

@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::upsample::ratio;
-use super::{Operator, Role};
+use super::{Follows, Operator, Role};
 use crate::math::expression::Expression;
 use crate::math::functions::sin;
 use crate::math::rows::{Rows, RowsBy};
+use crate::scheme::creases::{Creases, Rule};
 use crate::scheme::mesh_net::{self, MeshNet};
 use crate::scheme::polygon_net::{self, PolygonNet};
 use crate::scheme::step::{Action, Step, StepError, Values};
@@ -82,6 +83,10 @@ impl Operator for PushBack {
         Role::PushBack
     }
 
+    fn follows(&self) -> Follows {
+        if self.0 == Share::Linear { Follows::Creases } else { Follows::Corners }
+    }
+
     fn uses(&self) -> &'static [&'static str] {
         &["delta", "compensation"]
     }
@@ -124,7 +129,7 @@ impl Operator for PushBack {
         }
         let anchor = net.anchor.clone().ok_or(StepError::NoAnchor)?;
         legal(net.duals, anchor.lost, "a boundary or a valence below 3")?;
-        let deltas = deltas(&anchor, values.delta)?;
+        let deltas = deltas(net, &anchor, values.delta)?;
         let omega = values.compensation;
         let children = children(&anchor);
         let (n_v, n_e) = (anchor.topology.n_vertices(), anchor.topology.n_edges());
@@ -180,12 +185,17 @@ fn children(anchor: &mesh_net::Anchor) -> Arc<[u32]> {
     children.into()
 }
 
-/// The push-back factor of each anchor vertex: 0 at corners, else the expression at its valence (4 on the boundary).
-fn deltas(anchor: &mesh_net::Anchor, delta: &Expression) -> Result<Vec<f64>, StepError> {
+/// The push-back factor of each anchor vertex: 0 at corners, else the expression at its valence (4 on boundaries and
+/// creases).
+fn deltas(net: &MeshNet, anchor: &mesh_net::Anchor, delta: &Expression) -> Result<Vec<f64>, StepError> {
+    let creases = Creases::of_parent(net);
     let mut known: BTreeMap<usize, f64> = BTreeMap::new();
     let mut deltas = Vec::with_capacity(anchor.topology.n_vertices());
     for v in 0..anchor.topology.n_vertices() {
-        let valence = valence(&anchor.topology, v);
+        let valence = match creases.as_ref().and_then(|creases| creases.vertex(v)) {
+            Some(_) => 4,
+            None => valence(&anchor.topology, v),
+        };
         let value = if let Some(&value) = known.get(&valence) {
             value
         } else {
@@ -197,6 +207,10 @@ fn deltas(anchor: &mesh_net::Anchor, delta: &Expression) -> Result<Vec<f64>, Ste
         deltas.push(value);
     }
     for &corner in anchor.corners.iter() {
+        deltas[corner as usize] = 0.0;
+    }
+    let apart = creases.as_ref().map_or(&[][..], Creases::vertices);
+    for &(corner, _) in apart.iter().filter(|(_, blend)| blend.before == Rule::Corner) {
         deltas[corner as usize] = 0.0;
     }
     Ok(deltas)

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Operator, Role};
+use super::{Follows, Operator, Role};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::local::Local;
 use crate::scheme::mesh_net::{self, MeshNet};
@@ -43,6 +43,10 @@ impl Operator for Upsample {
         &["alpha"]
     }
 
+    fn follows(&self) -> Follows {
+        Follows::Creases
+    }
+
     fn window(&self, letter: &Letter, _: u32) -> Option<Window> {
         Some(Window::upsample(letter.arity))
     }
@@ -80,9 +84,16 @@ impl Operator for Upsample {
             ));
         }
         let parent = net.topology();
-        let anchor =
-            mesh_net::Anchor { topology: parent.clone(), corners: net.corners.clone(), order: None, lost: false };
+        let anchor = mesh_net::Anchor {
+            topology: parent.clone(),
+            corners: net.corners.clone(),
+            sharpness: net.sharpness.clone(),
+            order: None,
+            lost: false,
+        };
+        let halves = net.sharpness.as_ref().and_then(|sharpness| sharpness.split(&parent, net.rules.creasing));
         let next = MeshNet {
+            sharpness: halves.map(Arc::new),
             splits: net.splits + 1,
             parent: Some(parent.clone()),
             duals: 0,

@@ -1,7 +1,7 @@
 //! Which operators may follow which.
 
 use super::{Plan, Subject};
-use crate::scheme::ops::Role;
+use crate::scheme::ops::{Follows, Role};
 use crate::scheme::polygon_net::Ends;
 use crate::scheme::step::StepError;
 
@@ -11,6 +11,7 @@ impl Plan {
         let (mut upsampled, mut duals, mut lost) = (false, 0, false);
         let natural = !subject.is_mesh && subject.is_open && self.ends == Ends::Natural;
         let mut arity = 2;
+        let mut most = Follows::Corners;
         for mut letter in self.word.letters(2) {
             let role = letter.operator.role();
             if role == Role::Average {
@@ -20,6 +21,11 @@ impl Plan {
                 return Err(StepError::WrongNet("U3 and higher, and A, refine polygons; meshes take U, D, C and P"));
             }
             let dual = letter.operator.shifts(&letter);
+            let follows = letter.operator.follows();
+            most = most.max(follows);
+            if subject.creased && follows == Follows::Corners && !dual {
+                return Err(StepError::Creases);
+            }
             match role {
                 Role::Upsample if letter.mask.is_some() || letter.operator.needs_alpha() => {
                     if let Some(tags) = subject.tags {
@@ -50,6 +56,9 @@ impl Plan {
                 Role::PushBack | Role::Smooth => {}
             }
         }
-        Ok(())
+        match subject.semi_sharp {
+            Some(tags) if most < Follows::SemiSharp => Err(StepError::SemiSharp(tags)),
+            _ => Ok(()),
+        }
     }
 }

@@ -4,6 +4,7 @@ use super::{Perturbation, Plan, PlanInput, Subject};
 use crate::fault::{Fault, under};
 use crate::math::expression::Expression;
 use crate::math::parameter::{Literal, Values, shortened};
+use crate::scheme::mesh_net::Rules;
 use crate::scheme::presets::{self, Preset, Refines, Spelling, WORD_PARAMETERS};
 use crate::scheme::word::{Letter, Word};
 
@@ -33,7 +34,7 @@ impl Plan {
             pair_duals(&mut word.prefix);
             pair_duals(&mut word.cycle);
         }
-        let Spelling { alpha, compensation_alpha, kernel, compensation, delta, perturbation, .. } = spelling;
+        let Spelling { alpha, compensation_alpha, kernel, compensation, delta, perturbation, rules, .. } = spelling;
         let perturbation = perturbation.map(|[amplitude, decay]| Perturbation { amplitude, decay, seed: input.seed });
         let compensation_alpha = compensation_alpha.filter(|other| other.to_bits() != alpha.to_bits());
         let plan = Self {
@@ -44,6 +45,7 @@ impl Plan {
             compensation,
             delta,
             boundary: input.boundary,
+            rules,
             ends: input.ends,
             perturbation,
         };
@@ -96,6 +98,7 @@ fn word_functions(parameters: &[(String, Literal)], _: Subject) -> Result<Spelli
         compensation: values.expression("compensation").cloned().unwrap_or_else(|| one.clone()),
         delta: values.expression("delta").cloned().unwrap_or(one),
         perturbation: presets::perturbation(&values),
+        rules: Rules::default(),
     })
 }
 

@@ -1,20 +1,25 @@
 //! Classical schemes on meshes.
 
 use super::{Preset, Refines, Spelling, letters};
+use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::scheme::mesh_net::{Rules, TriangleRule};
 use crate::scheme::ops::CatmullClark;
+use crate::scheme::sharpness::Creasing;
 use crate::scheme::word::Letter;
 
 pub(super) const CATMULL_CLARK: Preset = Preset {
     name: "catmull-clark",
     doc: "Catmull-Clark for faces of any size: bicubic B-splines in regular regions, C1 at extraordinary vertices. \
-          Boundaries by the plan's `boundary`.",
+          Boundaries by the plan's `boundary`, sharp edges and corners by the input's `creases` and `corners`.",
     source: "Catmull and Clark, CAD 10 (1978), 350-355; boundaries as OpenSubdiv 3.5",
-    parameters: &[],
+    parameters: &[CREASING, TRIANGLE_RULE],
     refines: Refines::Meshes,
-    spell: |_| {
+    spell: |values| {
         let mut cycle = letters("U");
         cycle.push(Letter::plain(&CatmullClark));
-        Ok(Spelling::of(cycle))
+        let triangles =
+            if values.choice("triangle_rule") == Some("smooth") { TriangleRule::Smooth } else { TriangleRule::Catmark };
+        Ok(Spelling { rules: Rules { creasing: creasing(values), triangles }, ..Spelling::of(cycle) })
     },
 };
 
@@ -26,3 +31,25 @@ pub(super) const BILINEAR: Preset = Preset {
     refines: Refines::Meshes,
     spell: |_| Ok(Spelling::of(letters("U"))),
 };
+
+const CREASING: Parameter = Parameter {
+    name: "creasing",
+    kind: Kind::Choice(&["uniform", "chaikin"]),
+    unit: "",
+    default: Default::Text("uniform"),
+    doc: "How much of its sharpness s an edge hands on to its halves: s - 1, or 3/4 s + 1/4 m - 1 with m the mean of the \
+          other semi-sharp edges at the half's end.",
+};
+
+const TRIANGLE_RULE: Parameter = Parameter {
+    name: "triangle_rule",
+    kind: Kind::Choice(&["catmark", "smooth"]),
+    unit: "",
+    default: Default::Text("catmark"),
+    doc: "Edge points beside triangles: the usual (V1 + V2 + F1 + F2)/4, or (1/2 - w)(V1 + V2) + w (F1 + F2), with w the \
+          mean of 0.47 for a triangle and 1/4 for any other face.",
+};
+
+fn creasing(values: &Values) -> Creasing {
+    if values.choice("creasing") == Some("chaikin") { Creasing::Chaikin } else { Creasing::Uniform }
+}

@@ -15,6 +15,7 @@ use crate::fault::Fault;
 use crate::math::expression::Expression;
 use crate::math::mask::Mask;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::scheme::mesh_net::Rules;
 use crate::scheme::ops::{self, Masked};
 use crate::scheme::word::Letter;
 
@@ -97,6 +98,8 @@ pub struct Spelling {
     pub delta: Expression,
     /// Amplitude and decay of the perturbation, if any.
     pub perturbation: Option<[f64; 2]>,
+    /// Rules of the scheme for meshes.
+    pub rules: Rules,
 }
 
 impl Spelling {
@@ -111,6 +114,7 @@ impl Spelling {
             compensation: one.clone(),
             delta: one,
             perturbation: None,
+            rules: Rules::default(),
         }
     }
 }

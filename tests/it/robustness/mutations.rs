@@ -14,6 +14,7 @@ const LIMITS: Limits = Limits { max_faces: 400, max_vertices: 500, max_output_by
 fn valid_jobs() -> Vec<Value> {
     let mut mesh = nets::mixed().to_json();
     mesh["corners"] = json!([{ "vertex": 5, "sharpness": 10 }]);
+    mesh["creases"] = json!([{ "edge": [0, 3], "sharpness": 1.5 }, { "edge": [2, 1], "sharpness": 12 }]);
     mesh["holes"] = json!([1]);
     let points = [[0.0, 0.0], [2.0, 1.0], [1.0, 3.0], [-1.0, 2.0]];
     let functions =
@@ -21,7 +22,10 @@ fn valid_jobs() -> Vec<Value> {
     vec![
         json!({
             "spec": 1, "input": { "mesh": mesh, "orient": "repair" }, "levels": 1,
-            "plan": { "preset": "catmull-clark", "boundary": "edge-only", "seed": 3 },
+            "plan": {
+                "preset": "catmull-clark", "boundary": "edge-only", "seed": 3,
+                "parameters": { "creasing": "chaikin", "triangle_rule": "smooth" },
+            },
             "outputs": [{ "name": "a", "format": "obj", "normals": "area" }, { "format": "stats" }],
         }),
         json!({

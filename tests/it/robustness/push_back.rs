@@ -104,6 +104,7 @@ fn duals_carry_no_tags() {
     };
     for (input, tag) in [
         (tagged(json!({ "corners": [{ "vertex": 0, "sharpness": 10 }] })), "corners"),
+        (tagged(json!({ "creases": [{ "edge": [0, 1], "sharpness": 10 }] })), "creases"),
         (tagged(json!({ "holes": [0] })), "holes"),
         (json!({ "polygon": { "points": [[0], [1], [2]], "corners": [1] } }), "corners"),
     ] {

@@ -101,6 +101,30 @@ fn corners_and_holes_name_what_exists() {
 }
 
 #[test]
+fn creases_name_edges_and_give_each_one_sharpness() {
+    let crease = |edge: Value, sharpness: f64| json!({ "edge": edge, "sharpness": sharpness });
+    check(
+        json!({ "creases": [crease(json!([0, 2]), 0.0), crease(json!([1, 1]), 3.0)] }),
+        &[
+            ("/creases/0/edge", "there is no edge (0, 2); name the two ends of a side of some face"),
+            ("/creases/1/edge", "there is no edge (1, 1); name the two ends of a side of some face"),
+        ],
+    );
+    check(
+        json!({ "creases": [crease(json!([0, 9]), -0.5), crease(json!([0, 1]), 2.0), crease(json!([1, 0]), 3.0)] }),
+        &[
+            ("/creases/0/edge/1", "there is no vertex 9; the mesh has 5, counted from 0"),
+            ("/creases/0/sharpness", "-0.5 is no sharpness; 0 is smooth, 10 or more infinitely sharp"),
+            ("/creases/2/sharpness", "edge (1, 0) has sharpness 2 at /creases/1 and 3 here; give it one"),
+        ],
+    );
+    check(
+        json!({ "corners": [{ "vertex": 1, "sharpness": 2 }, { "vertex": 1, "sharpness": 10 }] }),
+        &[("/corners/1/sharpness", "vertex 1 has sharpness 2 at /corners/0 and 10 here; give it one")],
+    );
+}
+
+#[test]
 fn all_faults_of_a_mesh_are_told_together() {
     check(
         json!({ "faces": [[0, 1], [0, 1, 9], [2, 2, 3]], "holes": [7] }),

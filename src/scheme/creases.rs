@@ -1,0 +1,165 @@
+//! The rules at vertices and edges that are not smooth: along creases, at corners, and while sharpness becomes less.
+
+use std::sync::Arc;
+
+use super::mesh_net::MeshNet;
+use super::sharpness::{Sharpness, edges_at};
+use crate::shape::topology::{Topology, index};
+
+/// How a vertex comes about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rule {
+    /// By the scheme's rule for smooth vertices; so do darts, the ends of single creases.
+    Smooth,
+    /// By the curve rule along these two edges.
+    Crease([u32; 2]),
+    /// It stays.
+    Corner,
+}
+
+/// The rule of a vertex before a level, that after it, and the weight of the first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Blend {
+    /// By the sharpness that enters the level.
+    pub before: Rule,
+    /// By the sharpness that leaves it.
+    pub after: Rule,
+    /// Weight of `before`, from 0 to 1; that of `after` is what is missing to 1.
+    pub weight: f64,
+}
+
+impl Blend {
+    /// The rules with their weights; one alone where both agree.
+    pub fn rules(&self) -> impl Iterator<Item = (Rule, f64)> + use<> {
+        let blended = self.before != self.after && self.weight < 1.0;
+        let first = (self.before, if blended { self.weight } else { 1.0 });
+        let second = blended.then_some((self.after, 1.0 - self.weight));
+        std::iter::once(first).chain(second).filter(|&(_, weight)| weight > 0.0)
+    }
+}
+
+/// The vertices and edges of a topology that sharpness sets apart.
+///
+/// Source: DeRose, Kass and Truong, SIGGRAPH 1998, 85-94; fractional sharpness and the blend of rules as
+/// OpenSubdiv 3.5 has them.
+#[derive(Debug, Clone)]
+pub struct Creases {
+    vertices: Vec<(u32, Blend)>,
+    before: Arc<Sharpness>,
+}
+
+impl Creases {
+    /// What sets the vertices and edges apart that entered the last U of a net; `None` when nothing does.
+    pub fn of_parent(net: &MeshNet) -> Option<Self> {
+        let anchor = net.anchor.as_ref()?;
+        let before = anchor.sharpness.as_ref()?;
+        let after = net.sharpness.as_deref();
+        let edge_after = |e: u32, end: usize| after.map_or(0.0, |after| after.edge(2 * e as usize + end));
+        let corner_after = |v: usize| after.map_or(0.0, |after| after.vertex(v));
+        Some(Self::of(&anchor.topology, before, edge_after, corner_after))
+    }
+
+    /// What sets the vertices and edges of an unsplit net apart; `None` when nothing does.
+    pub fn of_net(net: &MeshNet) -> Option<Self> {
+        let sharpness = net.sharpness.as_ref().filter(|_| net.parent.is_none())?;
+        let after = |e: u32, _| sharpness.edge(e as usize);
+        Some(Self::of(&net.base, sharpness, after, |v| sharpness.vertex(v)))
+    }
+
+    fn of(
+        topology: &Topology,
+        before: &Arc<Sharpness>,
+        edge_after: impl Fn(u32, usize) -> f64,
+        corner_after: impl Fn(usize) -> f64,
+    ) -> Self {
+        let ends = before.edges().iter().flat_map(|&(e, _)| topology.ends(e as usize));
+        let mut apart: Vec<u32> = ends.chain(before.vertices().iter().map(|&(v, _)| v)).collect();
+        apart.sort_unstable();
+        apart.dedup();
+        let blend = |v: u32| {
+            let blend = Around::of(topology, before, v as usize, &edge_after, &corner_after).blend();
+            let smooth = [blend.before, blend.after] == [Rule::Smooth; 2];
+            (!smooth).then_some((v, blend))
+        };
+        Self { vertices: apart.into_iter().filter_map(blend).collect(), before: before.clone() }
+    }
+
+    /// The rules of vertex `v`; `None` where the usual one applies: smooth inside, the curve rule on the boundary.
+    pub fn vertex(&self, v: usize) -> Option<Blend> {
+        let at = self.vertices.binary_search_by_key(&index(v), |&(v, _)| v).ok()?;
+        Some(self.vertices[at].1)
+    }
+
+    /// How far edge `e` follows the curve rule: 0 not at all, 1 alone.
+    pub fn edge(&self, e: usize) -> f64 {
+        self.before.edge(e).min(1.0)
+    }
+
+    /// The vertices that are set apart, ascending.
+    pub fn vertices(&self) -> &[(u32, Blend)] {
+        &self.vertices
+    }
+}
+
+/// The sharp edges around a vertex.
+#[derive(Default)]
+struct Around {
+    /// Sharp edges, at most three of them: before and after the level.
+    sharp: [Vec<u32>; 2],
+    /// Whether the vertex itself is sharp: before and after the level.
+    corner: [bool; 2],
+    /// Sum and number of the sharpnesses that vanish in the level.
+    vanishing: (f64, f64),
+}
+
+impl Around {
+    fn of(
+        topology: &Topology,
+        before: &Sharpness,
+        v: usize,
+        edge_after: impl Fn(u32, usize) -> f64,
+        corner_after: impl Fn(usize) -> f64,
+    ) -> Self {
+        let mut around = Self::default();
+        let values = [before.vertex(v), corner_after(v)];
+        around.corner = values.map(|sharpness| sharpness > 0.0);
+        around.vanish(values);
+        for e in edges_at(topology, v) {
+            let values = if topology.is_boundary_edge(e as usize) {
+                [f64::INFINITY; 2]
+            } else {
+                let end = usize::from(topology.ends(e as usize)[0] as usize != v);
+                [before.edge(e as usize), edge_after(e, end)]
+            };
+            around.vanish(values);
+            for (sharp, value) in around.sharp.iter_mut().zip(values) {
+                if value > 0.0 && sharp.len() < 3 {
+                    sharp.push(e);
+                }
+            }
+        }
+        around
+    }
+
+    fn vanish(&mut self, [before, after]: [f64; 2]) {
+        if before > 0.0 && after <= 0.0 {
+            let (sum, n) = self.vanishing;
+            self.vanishing = (sum + before, n + 1.0);
+        }
+    }
+
+    fn rule(&self, when: usize) -> Rule {
+        match (self.corner[when], self.sharp[when].as_slice()) {
+            (true, _) | (_, [_, _, _, ..]) => Rule::Corner,
+            (false, &[a, b]) => Rule::Crease([a, b]),
+            (false, _) => Rule::Smooth,
+        }
+    }
+
+    /// The two rules, and as weight of the first the mean of the sharpnesses that vanish, at most 1.
+    fn blend(&self) -> Blend {
+        let (sum, n) = self.vanishing;
+        let weight = if n > 0.0 { (sum / n).min(1.0) } else { 1.0 };
+        Blend { before: self.rule(0), after: self.rule(1), weight }
+    }
+}

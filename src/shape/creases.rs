@@ -1,0 +1,119 @@
+//! Sharp edges and corners as a client tags them.
+
+use std::collections::BTreeMap;
+
+use super::topology::{Topology, index};
+use crate::fault::Fault;
+
+/// Sharpness from which on an edge or vertex counts as infinitely sharp.
+///
+/// Source: OpenSubdiv 3.5, class `Sdc::Crease`.
+pub const INFINITE_SHARPNESS: f64 = 10.0;
+
+/// Sharpness of edges or vertices: index and value above 0, ascending; whatever is infinitely sharp has
+/// [`INFINITE_SHARPNESS`].
+pub type Sharp = Vec<(u32, f64)>;
+
+/// Most faults reported one by one.
+const MAX_REPORTED: usize = 20;
+
+/// Sharp edges as pairs of vertices, checked as far as that needs no faces.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Pairs(BTreeMap<(u32, u32), (usize, f64)>);
+
+/// The sharpness of a request as it is meant, or why it is none.
+fn sharpness(value: f64) -> Result<f64, String> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(value.min(INFINITE_SHARPNESS) + 0.0)
+    } else {
+        Err(format!("{value} is no sharpness; 0 is smooth, {INFINITE_SHARPNESS} or more infinitely sharp"))
+    }
+}
+
+fn vertex(v: u64, n: usize, place: &str, faults: &mut Vec<Fault>) -> Option<u32> {
+    let found = u32::try_from(v).ok().filter(|&v| (v as usize) < n);
+    if found.is_none() {
+        let detail = format!("there is no vertex {v}; the mesh has {n}, counted from 0");
+        faults.push(Fault::new(place, detail));
+    }
+    found
+}
+
+/// Checks the sharpness of vertices.
+pub(super) fn check_corners(corners: &[(u64, f64)], n: usize, faults: &mut Vec<Fault>) -> Sharp {
+    let mut found: BTreeMap<u32, (usize, f64)> = BTreeMap::new();
+    let mut wrong = Vec::new();
+    for (i, &(v, value)) in corners.iter().enumerate() {
+        let place = format!("/corners/{i}");
+        let v = vertex(v, n, &format!("{place}/vertex"), &mut wrong);
+        match (v, sharpness(value)) {
+            (_, Err(detail)) => wrong.push(Fault::new(format!("{place}/sharpness"), detail)),
+            (None, Ok(_)) => {}
+            (Some(v), Ok(value)) => {
+                let (first, known) = *found.entry(v).or_insert((i, value));
+                if known.to_bits() != value.to_bits() {
+                    let detail =
+                        format!("vertex {v} has sharpness {known} at /corners/{first} and {value} here; give it one");
+                    wrong.push(Fault::new(format!("{place}/sharpness"), detail));
+                }
+            }
+        }
+    }
+    faults.extend(wrong.into_iter().take(MAX_REPORTED));
+    found.into_iter().map(|(v, (_, value))| (v, value)).filter(|&(_, value)| value > 0.0).collect()
+}
+
+impl Pairs {
+    /// Checks the sharpness of edges, except whether the edges exist.
+    pub(super) fn check(creases: &[([u64; 2], f64)], n: usize, faults: &mut Vec<Fault>) -> Self {
+        let mut found: BTreeMap<(u32, u32), (usize, f64)> = BTreeMap::new();
+        let mut wrong = Vec::new();
+        for (i, &(ends, value)) in creases.iter().enumerate() {
+            let place = format!("/creases/{i}");
+            let [a, b] = [0, 1].map(|j| vertex(ends[j], n, &format!("{place}/edge/{j}"), &mut wrong));
+            let value = sharpness(value).map_err(|detail| Fault::new(format!("{place}/sharpness"), detail));
+            match (a, b, value) {
+                (_, _, Err(fault)) => wrong.push(fault),
+                (Some(a), Some(b), Ok(value)) => {
+                    let (first, known) = *found.entry((a.min(b), a.max(b))).or_insert((i, value));
+                    if known.to_bits() != value.to_bits() {
+                        let detail = format!(
+                            "edge ({a}, {b}) has sharpness {known} at /creases/{first} and {value} here; give it one"
+                        );
+                        wrong.push(Fault::new(format!("{place}/sharpness"), detail));
+                    }
+                }
+                _ => {}
+            }
+        }
+        faults.extend(wrong.into_iter().take(MAX_REPORTED));
+        Self(found)
+    }
+
+    /// The sharp edges of a topology. Boundary edges are infinitely sharp whatever their tag says, so they are left out.
+    ///
+    /// `split_from` holds for each vertex from `n` on the one that it was split from.
+    pub(super) fn edges(&self, topology: &Topology, n: usize, split_from: &[u32]) -> Result<Sharp, Vec<Fault>> {
+        if self.0.is_empty() {
+            return Ok(Vec::new());
+        }
+        let given = |v: u32| split_from.get((v as usize).wrapping_sub(n)).copied().unwrap_or(v);
+        let mut missing = self.0.clone();
+        let mut sharp = Sharp::new();
+        for e in 0..topology.n_edges() {
+            let [a, b] = topology.ends(e).map(given);
+            if let Some((_, value)) = missing.remove(&(a.min(b), a.max(b)))
+                && value > 0.0
+                && !topology.is_boundary_edge(e)
+            {
+                sharp.push((index(e), value));
+            }
+        }
+        let fault = |(&(a, b), &(i, _)): (&(u32, u32), &(usize, f64))| {
+            let detail = format!("there is no edge ({a}, {b}); name the two ends of a side of some face");
+            Fault::new(format!("/creases/{i}/edge"), detail)
+        };
+        let faults: Vec<Fault> = missing.iter().map(fault).take(MAX_REPORTED).collect();
+        if faults.is_empty() { Ok(sharp) } else { Err(faults) }
+    }
+}
