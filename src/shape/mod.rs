@@ -3,9 +3,11 @@
 pub mod attributes;
 pub mod check;
 pub mod creases;
+mod corner_cut;
 pub mod grid;
 pub mod mesh;
 pub mod polygon;
+pub mod root_three;
 pub mod source;
 mod split;
 pub mod topology;

@@ -3,4 +3,5 @@
 mod dual_order;
 mod faults;
 mod order;
+mod own_connectivity;
 mod repairs;

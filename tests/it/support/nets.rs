@@ -226,3 +226,19 @@ fn merged(mut net: Net, start: usize) -> Net {
 fn side(face: &[usize], a: usize, b: usize) -> Option<usize> {
     (0..face.len()).find(|&j| face[j] == a && face[(j + 1) % face.len()] == b)
 }
+
+/// A random manifold of triangles: the faces of one of [`manifold`] cut into fans.
+pub(crate) fn triangles() -> impl Strategy<Value = Net> {
+    let fan = |face: Vec<usize>| (1..face.len() - 1).map(move |j| vec![face[0], face[j], face[j + 1]]);
+    let whole = manifold().prop_map(move |net| Net { faces: net.faces.into_iter().flat_map(fan).collect(), ..net });
+    // fans of neighbouring faces may share a diagonal
+    whole.prop_filter("an edge has four faces", |net| {
+        let mut sides: Vec<_> = net
+            .faces
+            .iter()
+            .flat_map(|face| (0..3).map(|j| (face[j], face[(j + 1) % 3])).collect::<Vec<_>>())
+            .collect();
+        sides.sort_unstable();
+        sides.windows(2).all(|pair| pair[0] != pair[1])
+    })
+}

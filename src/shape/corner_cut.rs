@@ -1,0 +1,234 @@
+//! The connectivity of Doo and Sabin: a vertex for each corner of a face, a face for each face, edge and vertex; in
+//! closed form and in parallel, but for the first step of an open mesh.
+//!
+//! Order. Vertices: face by face, corner by corner; the first step of an open mesh appends for each boundary edge, in
+//! their order, a vertex near its start and one near its end, then the corners that stay. Faces: first one for each face,
+//! in its order and starting at its first corner; then one for each edge in their order, starting at the start of the
+//! edge in its first face, then in its second; then one for each vertex in their order, counter-clockwise from its first
+//! corner. After the first step boundary edges and boundary vertices have no face of their own.
+
+use rayon::prelude::*;
+
+use super::check::{Checked, FaceList, Winding};
+use super::topology::{Faces, NONE, Topology, index};
+use crate::fault::Fault;
+
+/// Sizes below which a loop is not worth sharing.
+const GRAIN: usize = 1024;
+
+impl Topology {
+    /// The topology after a first step of Doo and Sabin. Each boundary edge and each boundary vertex gets a face, too:
+    /// the edge a quad with two new vertices on the boundary, a vertex with k faces one of k + 2 vertices; at a corner
+    /// that stays, which has one face, one of 4.
+    ///
+    /// # Errors
+    /// Those of [`Topology::of_faces`].
+    pub fn cut_corners_first(&self, fixed: &[u32]) -> Result<Self, Vec<Fault>> {
+        if self.n_boundary() == 0 {
+            return Ok(self.cut_corners());
+        }
+        let rim = BoundaryRank::of(self);
+        let n_c = index(self.n_corners());
+        let near = |corner: u32, end: u32| n_c + 2 * rim.rank(self.edge(corner)) + end;
+        let mut faces = FaceList::default();
+        (0..self.n_faces()).for_each(|f| faces.push(self.corners(f)));
+        for e in 0..self.n_edges() {
+            let [first, second] = self.edge_corners(e);
+            let [start, end] =
+                if second == NONE { [near(first, 0), near(first, 1)] } else { [self.next(second), second] };
+            faces.push([first, start, end, self.next(first)]);
+        }
+        for v in (0..self.n_vertices()).filter(|&v| !self.is_isolated(v)) {
+            let mut cycle: Vec<u32> = self.ring(v).collect();
+            let (first, last) = (cycle[0], cycle[cycle.len() - 1]);
+            if self.twin(first) == NONE {
+                cycle.push(near(self.previous(last), 1));
+                let corner = fixed.binary_search(&index(v)).ok();
+                cycle.extend(corner.map(|place| n_c + 2 * rim.len() + index(place)));
+                cycle.push(near(first, 0));
+            }
+            faces.push(cycle);
+        }
+        let n = (n_c + 2 * rim.len()) as usize + fixed.len();
+        Self::of_faces(n, faces, Winding::Refuse).map(|Checked { topology, .. }| topology)
+    }
+
+    /// The topology after a step of Doo and Sabin: each inner edge and each inner vertex gets a face. Vertices that no
+    /// face has are left out; inner vertices have at least 3 faces, boundary vertices at most 2.
+    #[must_use]
+    pub fn cut_corners(&self) -> Self {
+        CornerCut::of(self).topology()
+    }
+}
+
+/// Boundary edges, ascending.
+#[derive(Debug)]
+struct BoundaryRank(Vec<u32>);
+
+impl BoundaryRank {
+    fn of(topology: &Topology) -> Self {
+        Self((0..index(topology.n_edges())).filter(|&e| topology.is_boundary_edge(e as usize)).collect())
+    }
+
+    fn len(&self) -> u32 {
+        index(self.0.len())
+    }
+
+    fn rank(&self, edge: u32) -> u32 {
+        index(self.0.partition_point(|&e| e < edge))
+    }
+}
+
+/// One step and the numbers of its parts.
+struct CornerCut<'a> {
+    old: &'a Topology,
+    /// Number of each edge's face among those of edges, where not all edges have one.
+    rank: Option<Vec<u32>>,
+    /// First corner of each vertex's face, counted from the first corner of these faces, and their sum.
+    starts: Vec<u32>,
+    n_edge_faces: usize,
+}
+
+impl<'a> CornerCut<'a> {
+    fn of(old: &'a Topology) -> Self {
+        let n_boundary = old.n_boundary();
+        let rank = (n_boundary > 0).then(|| {
+            let inner = (0..old.n_edges()).map(|e| u32::from(!old.is_boundary_edge(e)));
+            inner.scan(0, |sum, one| Some(std::mem::replace(sum, *sum + one))).collect()
+        });
+        let mut starts: Vec<u32> = (0..old.n_vertices())
+            .into_par_iter()
+            .with_min_len(GRAIN)
+            .map(|v| if n_boundary > 0 && old.boundary_edges(v).is_some() { 0 } else { index(old.ring(v).count()) })
+            .collect();
+        let mut sum = 0;
+        starts.iter_mut().for_each(|start| sum += std::mem::replace(start, sum));
+        starts.push(sum);
+        Self { old, rank, starts, n_edge_faces: old.n_edges() - n_boundary }
+    }
+
+    /// First corner of the face of an inner edge.
+    #[inline]
+    fn edge_face(&self, e: u32) -> u32 {
+        let rank = self.rank.as_ref().map_or(e, |rank| rank[e as usize]);
+        index(self.old.n_corners()) + 4 * rank
+    }
+
+    /// First corner of the faces of vertices.
+    fn first_vertex_face(&self) -> u32 {
+        index(self.old.n_corners() + 4 * self.n_edge_faces)
+    }
+
+    /// The edge of the new net that crosses an inner edge at the end where an outgoing corner lies.
+    #[inline]
+    fn crossing(&self, outgoing: u32) -> u32 {
+        let e = self.old.edge(outgoing);
+        let n_c = index(self.old.n_corners());
+        let end = u32::from(self.old.edge_corners(e as usize)[0] != outgoing);
+        n_c + (self.edge_face(e) - n_c) / 2 + end
+    }
+
+    fn topology(&self) -> Topology {
+        let (vertices, corner_edge) = self.corners();
+        Topology {
+            n_vertices: self.old.n_corners(),
+            faces: self.faces(),
+            vertices,
+            corner_edge,
+            edge_corners: self.edges(),
+            vertex_corner: self.outgoing(),
+        }
+    }
+
+    /// Sizes of the faces: those of the old ones, 4 for each edge, the number of faces around each vertex.
+    fn faces(&self) -> Faces {
+        let old = self.old;
+        let quads = old.is_quads() && self.starts.windows(2).all(|pair| matches!(pair[1] - pair[0], 0 | 4));
+        if quads {
+            return Faces::Quads;
+        }
+        let kept = (0..old.n_faces()).map(|f| old.corners(f).start);
+        let of_edges = (0..index(self.n_edge_faces)).map(|rank| index(old.n_corners()) + 4 * rank);
+        let first = self.first_vertex_face();
+        let of_vertices = self.starts.windows(2).filter(|pair| pair[1] > pair[0]).map(|pair| first + pair[0]);
+        let end = first + self.starts[self.starts.len() - 1];
+        let starts: Vec<u32> = kept.chain(of_edges).chain(of_vertices).chain([end]).collect();
+        let mut owner = vec![0; end as usize];
+        starts.windows(2).enumerate().for_each(|(f, pair)| {
+            owner[pair[0] as usize..pair[1] as usize].fill(index(f));
+        });
+        Faces::Mixed { starts, owner }
+    }
+
+    /// Vertex and edge at each corner.
+    fn corners(&self) -> (Vec<u32>, Vec<u32>) {
+        let old = self.old;
+        let n_c = index(old.n_corners());
+        let of_edge = |e: usize| {
+            let [first, second] = old.edge_corners(e);
+            let vertices = [first, old.next(second), second, old.next(first)];
+            (vertices, [self.crossing(first), second, self.crossing(second), first])
+        };
+        let inner = |e: &usize| self.rank.is_none() || !old.is_boundary_edge(*e);
+        let of_edges: Vec<_> =
+            (0..old.n_edges()).into_par_iter().with_min_len(GRAIN).filter(inner).map(of_edge).collect();
+        let of_vertex = |v: usize| {
+            let shown = self.starts[v + 1] > self.starts[v];
+            let ring = shown.then(|| old.ring(v)).into_iter().flatten();
+            // the edge onward crosses the one to the predecessor, which is left by the next corner of the ring
+            ring.map(|corner| (corner, self.crossing(old.twin(old.previous(corner)))))
+        };
+        let of_vertices: Vec<(u32, u32)> =
+            (0..old.n_vertices()).into_par_iter().with_min_len(GRAIN).flat_map_iter(of_vertex).collect();
+        let vertices = (0..n_c)
+            .chain(of_edges.iter().flat_map(|(vertices, _)| *vertices))
+            .chain(of_vertices.iter().map(|(vertex, _)| *vertex));
+        let edges = (0..n_c)
+            .chain(of_edges.iter().flat_map(|(_, edges)| *edges))
+            .chain(of_vertices.iter().map(|(_, edge)| *edge));
+        rayon::join(|| vertices.collect(), || edges.collect())
+    }
+
+    /// Corners on each edge: along the sides of the old faces, then across both ends of each inner edge.
+    fn edges(&self) -> Vec<[u32; 2]> {
+        let old = self.old;
+        let along = (0..index(old.n_corners())).into_par_iter().with_min_len(GRAIN).map(|corner| {
+            let [first, second] = old.edge_corners(old.edge(corner) as usize);
+            let side = if first == corner { 3 } else { 1 };
+            [corner, if second == NONE { NONE } else { self.edge_face(old.edge(corner)) + side }]
+        });
+        let across = (0..index(old.n_edges())).into_par_iter().with_min_len(GRAIN).flat_map_iter(|e| {
+            let [first, second] = old.edge_corners(e as usize);
+            let ends = (second != NONE).then(|| {
+                let start = [self.edge_face(e), self.around(old.next(second))];
+                [start, [self.edge_face(e) + 2, self.around(old.next(first))]]
+            });
+            ends.into_iter().flatten()
+        });
+        along.chain(across).collect()
+    }
+
+    /// The corner of a vertex's face at the new vertex of an outgoing corner, or [`NONE`] on the boundary.
+    fn around(&self, outgoing: u32) -> u32 {
+        let v = self.old.vertex(outgoing) as usize;
+        if self.starts[v + 1] == self.starts[v] {
+            return NONE;
+        }
+        let place = self.old.ring(v).position(|corner| corner == outgoing).unwrap_or(0);
+        self.first_vertex_face() + self.starts[v] + index(place)
+    }
+
+    /// First outgoing corner of each new vertex: in its face, or on the boundary over the edge between its two faces.
+    fn outgoing(&self) -> Vec<u32> {
+        let old = self.old;
+        let first = |corner: u32| {
+            let on_edge = self.rank.is_some() && old.boundary_edges(old.vertex(corner) as usize).is_some();
+            if !on_edge || old.twin(corner) == NONE {
+                return corner;
+            }
+            let e = old.edge(corner);
+            self.edge_face(e) + if old.edge_corners(e as usize)[0] == corner { 0 } else { 2 }
+        };
+        (0..index(old.n_corners())).into_par_iter().with_min_len(GRAIN).map(first).collect()
+    }
+}

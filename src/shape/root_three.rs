@@ -1,0 +1,215 @@
+//! The connectivity of the sqrt 3 split of triangles: a vertex in each face, every inner edge flipped; in closed form and
+//! in parallel.
+//!
+//! Order. Vertices: the old ones, then one for each face, in its order; where boundary edges are cut in three, the vertex
+//! of a face at the boundary is the one next to the start of its boundary edge, and those next to the ends follow, edge by
+//! edge. Faces: by old face, corner by corner: at the corner `a -> b` of the face `f` the triangle of `a`, the vertex of
+//! the face beyond, and that of `f`; at a boundary edge left whole `a`, `b` and the vertex of `f`; at one cut in three the
+//! two new vertices on it and the third vertex of `f`.
+
+use rayon::prelude::*;
+
+use super::topology::{Faces, NONE, Topology, index};
+
+/// Sizes below which a loop is not worth sharing.
+const GRAIN: usize = 1024;
+
+/// What a sqrt 3 split does to boundary edges.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rim {
+    /// They stay whole: the first of two steps.
+    Whole,
+    /// They are cut in three: the second of two steps. Every face has at most one boundary edge then.
+    Thirds,
+}
+
+impl Topology {
+    /// The topology after a sqrt 3 split of triangles; see the order above.
+    #[must_use]
+    pub fn split_root_three(&self, rim: Rim) -> Self {
+        let split = RootThree::of(self, rim);
+        let n_c = self.n_corners();
+        let mut vertices = vec![0; 3 * n_c];
+        let mut corner_edge = vec![0; 3 * n_c];
+        let triangles = vertices.par_chunks_exact_mut(3).zip(corner_edge.par_chunks_exact_mut(3));
+        triangles.enumerate().with_min_len(GRAIN).for_each(|(corner, (vertices, edges))| {
+            vertices.copy_from_slice(&split.triangle(index(corner)));
+            edges.copy_from_slice(&split.sides(index(corner)));
+        });
+        let starts = (0..=index(n_c)).map(|f| 3 * f).collect();
+        let owner = (0..index(3 * n_c)).map(|corner| corner / 3).collect();
+        Self {
+            n_vertices: self.n_vertices() + self.n_faces() + split.cut.len(),
+            faces: Faces::Mixed { starts, owner },
+            vertices,
+            corner_edge,
+            edge_corners: split.edges(),
+            vertex_corner: split.outgoing(),
+        }
+    }
+}
+
+/// One split: the net before, and the boundary corners whose edges are cut.
+struct RootThree<'a> {
+    old: &'a Topology,
+    rim: Rim,
+    /// Corners on the boundary edges that are cut, by edge.
+    cut: Vec<u32>,
+}
+
+impl<'a> RootThree<'a> {
+    fn of(old: &'a Topology, rim: Rim) -> Self {
+        let cut = match rim {
+            Rim::Whole => Vec::new(),
+            Rim::Thirds => {
+                let boundary = (0..old.n_edges()).filter(|&e| old.is_boundary_edge(e));
+                boundary.map(|e| old.edge_corners(e)[0]).collect()
+            }
+        };
+        Self { old, rim, cut }
+    }
+
+    /// The boundary corner of the face of a corner, if its edge is cut.
+    #[inline]
+    fn cut_in(&self, corner: u32) -> Option<u32> {
+        if self.cut.is_empty() {
+            return None;
+        }
+        let mut corners = self.old.corners(self.old.face_of(corner));
+        corners.find(|&corner| self.old.twin(corner) == NONE)
+    }
+
+    /// Place of a boundary corner among those that are cut.
+    fn rank(&self, corner: u32) -> u32 {
+        let edge = self.old.edge(corner);
+        index(self.cut.partition_point(|&other| self.old.edge(other) < edge))
+    }
+
+    /// The vertex next to the start of the cut edge of a face, or the vertex of a face without one.
+    #[inline]
+    fn vertex_of(&self, corner: u32) -> u32 {
+        index(self.old.n_vertices() + self.old.face_of(corner))
+    }
+
+    /// The vertex next to the end of a cut edge.
+    fn second(&self, cut: u32) -> u32 {
+        index(self.old.n_vertices() + self.old.n_faces()) + self.rank(cut)
+    }
+
+    /// The vertex of a face as it is seen from one of its inner edges.
+    #[inline]
+    fn centre(&self, corner: u32) -> u32 {
+        match self.cut_in(corner) {
+            Some(cut) if self.old.next(cut) == corner => self.second(cut),
+            _ => self.vertex_of(corner),
+        }
+    }
+
+    /// The new triangle at a corner.
+    #[inline]
+    fn triangle(&self, corner: u32) -> [u32; 3] {
+        let old = self.old;
+        let twin = old.twin(corner);
+        match self.rim {
+            _ if twin != NONE => [old.vertex(corner), self.centre(twin), self.centre(corner)],
+            Rim::Whole => [old.vertex(corner), old.vertex(old.next(corner)), self.vertex_of(corner)],
+            Rim::Thirds => [self.vertex_of(corner), self.second(corner), old.vertex(old.previous(corner))],
+        }
+    }
+
+    /// The edge between a corner's vertex and the vertex of its face, as the triangle across the edge before it has it.
+    #[inline]
+    fn spoke(&self, corner: u32) -> u32 {
+        index(self.old.n_edges()) + corner
+    }
+
+    /// The second spoke at the vertex opposite a cut edge, to the new vertex next to the edge's end.
+    fn extra_spoke(&self, cut: u32) -> u32 {
+        index(self.old.n_edges() + self.old.n_corners()) + self.rank(cut)
+    }
+
+    /// The spoke at a corner to the centre that the inner edge of `from`, of the same face, sees.
+    #[inline]
+    fn spoke_seen(&self, corner: u32, from: u32) -> u32 {
+        match self.cut_in(corner) {
+            Some(cut) if self.old.next(cut) == from && self.old.previous(cut) == corner => self.extra_spoke(cut),
+            _ => self.spoke(corner),
+        }
+    }
+
+    /// Edges of the new triangle at a corner. Those of inner old edges cross them, a boundary edge keeps its number, and
+    /// so does the middle third of one that is cut.
+    #[inline]
+    fn sides(&self, corner: u32) -> [u32; 3] {
+        let old = self.old;
+        let (edge, twin) = (old.edge(corner), old.twin(corner));
+        match self.rim {
+            _ if twin != NONE => [self.spoke_seen(old.next(twin), twin), edge, self.spoke_seen(corner, corner)],
+            Rim::Whole => [edge, self.spoke(old.next(corner)), self.spoke(corner)],
+            Rim::Thirds => [edge, self.extra_spoke(corner), self.spoke(old.previous(corner))],
+        }
+    }
+
+    /// Corners on each edge.
+    fn edges(&self) -> Vec<[u32; 2]> {
+        let old = self.old;
+        let crossing = (0..old.n_edges()).into_par_iter().with_min_len(GRAIN).map(|e| {
+            let [first, second] = old.edge_corners(e);
+            if second == NONE { [3 * first, NONE] } else { [3 * first + 1, 3 * second + 1] }
+        });
+        let spokes =
+            (0..index(old.n_corners())).into_par_iter().with_min_len(GRAIN).map(|corner| self.on_spoke(corner));
+        let extra = self.cut.par_iter().map(|&cut| {
+            // from the vertex opposite to the second new vertex: seen from across, and from the middle triangle
+            [3 * old.twin(old.next(cut)), 3 * cut + 1]
+        });
+        crossing.chain(spokes).chain(extra).collect()
+    }
+
+    /// Corners on a spoke; the first runs towards the vertex of the face unless there is only the other.
+    #[inline]
+    fn on_spoke(&self, corner: u32) -> [u32; 2] {
+        let old = self.old;
+        let before = old.previous(corner);
+        match self.cut_in(corner) {
+            // at the start of a cut edge: a boundary edge now
+            Some(cut) if cut == corner => [3 * old.twin(before), NONE],
+            // at its end: a boundary edge towards the end
+            Some(cut) if old.next(cut) == corner => [3 * corner + 2, NONE],
+            // at the third vertex, to the first new vertex: the middle triangle has it, too
+            Some(cut) => [3 * cut + 2, 3 * corner + 2],
+            None => {
+                let towards = if old.twin(before) == NONE { 3 * before + 1 } else { 3 * old.twin(before) };
+                [towards, 3 * corner + 2]
+            }
+        }
+    }
+
+    /// First outgoing corner of each vertex.
+    fn outgoing(&self) -> Vec<u32> {
+        let old = self.old;
+        let kept = |v: usize| {
+            let corner = old.vertex_corner[v];
+            if corner == NONE {
+                return NONE;
+            }
+            if self.rim == Rim::Whole || old.twin(corner) != NONE {
+                return 3 * corner;
+            }
+            // the boundary goes on to the first new vertex: the triangle beyond the edge before has that edge
+            3 * old.twin(old.previous(corner))
+        };
+        let of_face = |f: usize| {
+            let first = old.corners(f).start;
+            match self.cut_in(first) {
+                // from the first new vertex along the middle third
+                Some(cut) => 3 * cut,
+                None => 3 * first + 2,
+            }
+        };
+        // from the second new vertex to the end of the old edge
+        let seconds = self.cut.par_iter().map(|&cut| 3 * old.next(cut) + 2);
+        let kept = (0..old.n_vertices()).into_par_iter().with_min_len(GRAIN).map(kept);
+        kept.chain((0..old.n_faces()).into_par_iter().with_min_len(GRAIN).map(of_face)).chain(seconds).collect()
+    }
+}
