@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::census::Census;
 use super::mesh_net::MeshNet;
 use super::ops::Role;
 use super::plan::{Plan, Scheduled};
@@ -191,6 +192,11 @@ fn of_polygon(net: &PolygonNet, steps: &[Scheduled]) -> Result<Forecast, Forecas
 /// # Errors
 /// When an operator cannot be applied, or the cap is passed.
 pub fn of_mesh(net: &MeshNet, steps: &[Scheduled], cap: u128) -> Result<Forecast, ForecastError> {
+    if let Some(step) = steps.iter().find(|step| step.letter.operator.census(&Census::of(net)).is_some()) {
+        let admitted = step.letter.operator.admits(net);
+        admitted.map_err(|error| ForecastError::Step { level: step.level, error })?;
+        return Ok(rebuilt(net, steps));
+    }
     let is_dual = |step: &Scheduled| step.letter.operator.letter() == Some('D');
     let first_dual = steps.iter().position(is_dual);
     let first_split = steps.iter().position(|step| step.letter.operator.role() == Role::Upsample);
@@ -217,6 +223,17 @@ fn counted(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
             count = count.dual();
         }
         tally.step(step, count);
+    }
+    tally.finish()
+}
+
+/// The forecast of a scheme that makes a connectivity of its own.
+fn rebuilt(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
+    let mut census = Census::of(net);
+    let mut tally = Tally::new(census.count);
+    for step in steps {
+        census = step.letter.operator.census(&census).unwrap_or(census);
+        tally.step(step, census.count);
     }
     tally.finish()
 }

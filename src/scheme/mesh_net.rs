@@ -59,6 +59,8 @@ pub struct MeshNet {
     pub tagged: Option<&'static str>,
     /// Number of D since the last U.
     pub duals: u32,
+    /// Number of steps of a scheme with a connectivity of its own, such as Doo-Sabin.
+    pub rounds: u32,
     /// What entered the last U.
     pub anchor: Option<Anchor>,
 }
@@ -101,6 +103,7 @@ impl MeshNet {
             boundary,
             tagged,
             duals: 0,
+            rounds: 0,
             anchor: None,
         }
     }
@@ -126,8 +129,17 @@ impl MeshNet {
             boundary: self.boundary,
             tagged: None,
             duals: self.duals + 1,
+            rounds: 0,
             anchor,
         }
+    }
+
+    /// The net of an explicit topology that a scheme of its own connectivity made, with the vertices that keep their
+    /// place, ascending.
+    pub(super) fn after_own(&self, topology: Topology, corners: Vec<u32>) -> Self {
+        let corners = corners.into();
+        let rounds = self.rounds + 1;
+        Self { base: Arc::new(topology), splits: 0, parent: None, corners, rounds, anchor: None, ..self.clone() }
     }
 
     /// Number of vertices.

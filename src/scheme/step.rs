@@ -115,6 +115,56 @@ pub enum StepError {
     /// The dual is no manifold, as when two faces share several edges.
     #[error("D is not possible here, as the dual is no manifold ({0}); apply a U first")]
     DualNotManifold(String),
+    /// A scheme of its own connectivity where something cannot follow.
+    #[error("{0} cannot carry {1}, as its faces lie across several old ones; leave them out")]
+    OwnTags(&'static str, &'static str),
+    /// A corner that has no vertex in the dual.
+    #[error(
+        "vertex {0} is tagged as a corner; doo-sabin, which makes faces of vertices, keeps corners only on the boundary \
+         where one face meets them: leave the tag out"
+    )]
+    DualCorner(usize),
+    /// A face that is not a triangle.
+    #[error("face {face} has {size} vertices; {scheme} refines triangles only: split the face or use another scheme")]
+    NoTriangle {
+        /// The scheme.
+        scheme: &'static str,
+        /// The face.
+        face: usize,
+        /// Its vertices.
+        size: usize,
+    },
+    /// A vertex all around which there are two faces only.
+    #[error(
+        "all around vertex {vertex} there are only two faces; {scheme} needs at least three there: remove the vertex or \
+         split the faces"
+    )]
+    TwoFaces {
+        /// The scheme.
+        scheme: &'static str,
+        /// The vertex.
+        vertex: usize,
+    },
+    /// A face of more vertices than there may be.
+    #[error("face {face} has {size} vertices; doo-sabin takes at most {most}: split the face")]
+    LargeFace {
+        /// The face.
+        face: usize,
+        /// Its vertices.
+        size: usize,
+        /// The bound.
+        most: usize,
+    },
+    /// A vertex of more faces than there may be.
+    #[error("vertex {vertex} has {n} faces; doo-sabin takes at most {most} around a vertex: split the vertex")]
+    LargeRing {
+        /// The vertex.
+        vertex: usize,
+        /// Its faces.
+        n: usize,
+        /// The bound.
+        most: usize,
+    },
     /// The operator acts on the other kind of net only.
     #[error("{0}")]
     WrongNet(&'static str),

@@ -2,8 +2,8 @@
 
 pub mod attributes;
 pub mod check;
-pub mod creases;
 mod corner_cut;
+pub mod creases;
 pub mod grid;
 pub mod mesh;
 pub mod polygon;

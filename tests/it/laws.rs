@@ -1,13 +1,18 @@
 //! Laws: identities that hold for every input, tried on small and on random ones.
 
+mod averaging;
 mod circles;
 mod creases;
 mod curves;
+mod doo_sabin;
 mod incenter;
+mod interpolating;
 mod invariance;
 mod limits;
 mod masks;
 mod meshes;
+mod own;
+mod root_three;
 mod spellings;
 mod ternary;
 
@@ -68,6 +73,9 @@ fn mesh_plans() -> Vec<Value> {
     plans.push(semi_stationary("UCP", "pi/3", 0.4));
     plans.push(json!({ "preset": "catmull-clark" }));
     plans.push(json!({ "preset": "catmull-clark", "boundary": "edge-only" }));
+    plans.push(json!({ "preset": "kobbelt" }));
+    plans.push(json!({ "preset": "kobbelt", "boundary": "edge-only" }));
+    plans.push(json!({ "preset": "repeated-averaging", "parameters": { "degree": 5 } }));
     plans.push(json!({ "preset": "push-back", "parameters": { "delta": "(valence-4)/valence", "compensation": 0 } }));
     plans
 }

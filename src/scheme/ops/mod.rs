@@ -4,20 +4,30 @@ mod average;
 mod box_average;
 mod catmull_clark;
 mod circle;
+mod cosines;
+mod doo_sabin;
 mod dual;
 mod incenter;
+mod kobbelt_edges;
+mod kobbelt_faces;
 mod masked;
 mod push_back;
+mod root_three;
 mod upsample;
 
 use std::fmt;
 
 pub use catmull_clark::CatmullClark;
 pub use circle::Circle;
+pub use doo_sabin::DooSabin;
 pub use incenter::Incenter;
+pub use kobbelt_edges::KobbeltEdges;
+pub use kobbelt_faces::KobbeltFaces;
 pub use masked::Masked;
 pub use push_back::CIRCULAR_PUSH_BACK;
+pub use root_three::RootThree;
 
+use super::census::Census;
 use super::mesh_net::MeshNet;
 use super::polygon_net::PolygonNet;
 use super::step::{Step, StepError, Values};
@@ -36,6 +46,10 @@ pub const OPERATORS: &[&dyn Operator] = &[
     &push_back::CIRCULAR_PUSH_BACK,
     &incenter::Incenter,
     &catmull_clark::CatmullClark,
+    &doo_sabin::DooSabin,
+    &kobbelt_edges::KobbeltEdges,
+    &kobbelt_faces::KobbeltFaces,
+    &root_three::RootThree,
 ];
 
 /// Arities of U.
@@ -148,6 +162,17 @@ pub trait Operator: fmt::Debug + Send + Sync {
     /// Which sharp edges and vertices of meshes it follows.
     fn follows(&self) -> Follows {
         Follows::Corners
+    }
+    /// Whether it can be applied to a mesh as it is given, as far as that depends on its connectivity and tags.
+    ///
+    /// # Errors
+    /// Why not, and where.
+    fn admits(&self, _net: &MeshNet) -> Result<(), StepError> {
+        Ok(())
+    }
+    /// The counts of a mesh after it; `None` unless it makes a connectivity of its own.
+    fn census(&self, _before: &Census) -> Option<Census> {
+        None
     }
     /// The step on a polygon.
     ///

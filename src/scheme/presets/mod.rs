@@ -7,7 +7,9 @@ mod interpolating;
 mod masks;
 mod meshes;
 mod push_back;
+mod quads;
 mod ternary;
+mod triangles;
 
 use std::sync::Arc;
 
@@ -46,6 +48,10 @@ pub const PRESETS: &[&Preset] = &[
     &push_back::PUSH_BACK,
     &meshes::CATMULL_CLARK,
     &meshes::BILINEAR,
+    &quads::DOO_SABIN,
+    &quads::REPEATED_AVERAGING,
+    &quads::KOBBELT,
+    &triangles::SQRT_3,
 ];
 
 /// The preset of a name.

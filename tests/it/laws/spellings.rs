@@ -95,7 +95,21 @@ fn bilinear_is_its_word() {
 }
 
 #[test]
-fn every_preset_but_catmull_clark_and_incenter_is_spelled_here() {
+fn repeated_averaging_is_its_word() {
+    for (degree, word) in (2..=9).zip(["UD", "UC", "UCD", "UCC", "UCCD", "UCCC", "UCCCD", "UCCCC"]) {
+        let preset = json!({ "preset": "repeated-averaging", "parameters": { "degree": degree } });
+        let word = json!({ "word": word });
+        for net in [nets::cube(), nets::torus(3, 4), nets::prism(5)] {
+            check(&net.input(), &preset, &word, "json");
+        }
+        if degree % 2 == 1 {
+            check_meshes(&preset, &word);
+        }
+    }
+}
+
+#[test]
+fn every_preset_with_a_word_is_spelled_here() {
     let names: Vec<_> = planish::scheme::presets::PRESETS.iter().map(|preset| preset.name).collect();
     let masks = |name: &&str| name.starts_with("ternary-") || ["mask", "two-n-point", "d-ary-circle"].contains(name);
     let here = [
@@ -107,7 +121,9 @@ fn every_preset_but_catmull_clark_and_incenter_is_spelled_here() {
         "four-point",
         "push-back",
         "bilinear",
+        "repeated-averaging",
     ];
     let others: Vec<_> = names.into_iter().filter(|name| !here.contains(name) && !masks(name)).collect();
-    assert_eq!(others, ["incenter", "catmull-clark"], "a new preset shows here that it is its word");
+    let own = ["incenter", "catmull-clark", "doo-sabin", "kobbelt", "sqrt-3"];
+    assert_eq!(others, own, "a new preset shows here that it is its word");
 }

@@ -28,7 +28,8 @@ fn distinct(n: usize) -> impl Strategy<Value = Vec<usize>> {
 
 fn plans() -> Vec<Value> {
     let words = ["U", "D", "UD", "UDDP", "UCP", "C", "UUCPD(UC)"].map(|word| json!({ "word": word }));
-    let presets = ["catmull-clark", "push-back"].map(|preset| json!({ "preset": preset, "boundary": "edge-only" }));
+    let presets = ["catmull-clark", "push-back", "doo-sabin", "kobbelt", "sqrt-3"]
+        .map(|preset| json!({ "preset": preset, "boundary": "edge-only" }));
     words.into_iter().chain(presets).chain([json!({ "preset": "catmull-clark", "boundary": "none" })]).collect()
 }
 

@@ -1,0 +1,53 @@
+//! Counts of a mesh and of what decides how they grow, for schemes that make a connectivity of their own.
+
+use super::forecast::Count;
+use super::mesh_net::MeshNet;
+
+/// Counts of one mesh. Numbers saturate; nothing is allocated for them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Census {
+    /// Vertices, edges, faces and the sum of the sizes of the faces.
+    pub count: Count,
+    /// Boundary edges, which are as many as boundary vertices.
+    pub boundary: u128,
+    /// Vertices that keep their place.
+    pub corners: u128,
+    /// Vertices without a face.
+    pub isolated: u128,
+    /// Steps of such a scheme since the mesh was given.
+    pub rounds: u32,
+}
+
+impl Census {
+    /// The counts of a net that is not split.
+    pub fn of(net: &MeshNet) -> Self {
+        let topology = &net.base;
+        let count = Count {
+            vertices: topology.n_vertices() as u128,
+            edges: topology.n_edges() as u128,
+            faces: topology.n_faces() as u128,
+            corners: topology.n_corners() as u128,
+            ..Count::default()
+        };
+        Self {
+            count,
+            boundary: topology.n_boundary() as u128,
+            corners: net.corners.len() as u128,
+            isolated: (0..topology.n_vertices()).filter(|&v| topology.is_isolated(v)).count() as u128,
+            rounds: net.rounds,
+        }
+    }
+
+    /// The counts after a step: the edges follow from the sizes of the faces and the boundary.
+    #[must_use]
+    pub fn after(&self, vertices: u128, faces: u128, corners: u128, boundary: u128) -> Self {
+        let edges = corners.saturating_add(boundary) / 2;
+        let count = Count { vertices, edges, faces, corners, ..Count::default() };
+        Self { count, boundary, rounds: self.rounds.saturating_add(1), ..*self }
+    }
+}
+
+/// A sum of products of counts with small factors.
+pub(super) fn sum(terms: &[(u128, u128)]) -> u128 {
+    terms.iter().fold(0, |sum: u128, (factor, n)| sum.saturating_add(factor.saturating_mul(*n)))
+}

@@ -1,0 +1,227 @@
+//! A level of Doo and Sabin.
+
+use std::collections::BTreeMap;
+
+use super::cosines::cosine;
+use super::upsample::ratio;
+use super::{Operator, Role};
+use crate::math::rows::{Rows, RowsBy};
+use crate::scheme::census::{Census, sum};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::shape::topology::{NONE, Topology, index};
+
+/// Most vertices of a face and most faces around a vertex: each new vertex takes weights of a whole face.
+const MOST_AROUND: usize = 1024;
+
+/// Doo and Sabin: a new vertex for each corner of a face of n vertices, with the weights `w[0] = (n + 5)/(4n)` of the
+/// corner itself and `w[i] = (3 + 2 cos(2 pi i/n))/(4n)` of the vertex i places further; a face for each face, edge and
+/// vertex (order: see [`Topology::cut_corners`]).
+///
+/// The surface is reflected at its boundary, which is the quadratic B-spline of the boundary polygon. In the first step
+/// a boundary edge `(a, b)` gets the vertices `(3a + b)/4` and `(a + 3b)/4`, and the strip between them and the new
+/// vertices inside consists of half faces. From then on a half face `(a, b, c[1], ..., c[k])` stands for the face of 2k
+/// vertices `c[1], ..., c[k], 2 m[k] - c[k], ..., 2 m[1] - c[1]` with the axis `m[i] = (a + b)/2 + (b - a)/2
+/// cos(pi (i - 1/2)/k) / cos(pi/2k)`, which the step maps to itself. Corners, which have one face, stay; the quarter face
+/// there gives the mean of its vertices, and its boundary edges their middles.
+#[derive(Debug)]
+pub struct DooSabin;
+
+impl Operator for DooSabin {
+    fn name(&self) -> &'static str {
+        "doo-sabin"
+    }
+
+    fn doc(&self) -> &'static str {
+        "A level of Doo and Sabin: a new vertex for each corner of a face of n vertices, with weights (n + 5)/(4n) for the \
+         corner and (3 + 2 cos(2 pi i/n))/(4n) for the others; a face for each face, edge and vertex. Boundaries follow \
+         Chaikin, and the surface is reflected at them. Used by the preset doo-sabin."
+    }
+
+    fn source(&self) -> &'static str {
+        "Doo and Sabin, CAD 10 (1978), 356-360; Doo, Proc. Interactive Techniques in CAD (1978), 157-165"
+    }
+
+    fn role(&self) -> Role {
+        Role::Smooth
+    }
+
+    fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
+        Err(StepError::WrongNet("doo-sabin refines meshes; for polygons use chaikin"))
+    }
+
+    fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
+        let topology = &net.base;
+        if !net.holes.is_empty() {
+            return Err(StepError::OwnTags("doo-sabin", "holes (boundary \"none\" makes some)"));
+        }
+        if let Some(f) = (0..topology.n_faces()).find(|&f| topology.face(f).len() > MOST_AROUND) {
+            return Err(StepError::LargeFace { face: f, size: topology.face(f).len(), most: MOST_AROUND });
+        }
+        for v in 0..topology.n_vertices() {
+            let n = topology.ring(v).count();
+            let inner = topology.boundary_edges(v).is_none();
+            if inner && n == 2 {
+                return Err(StepError::TwoFaces { scheme: "doo-sabin", vertex: v });
+            }
+            if n > MOST_AROUND {
+                return Err(StepError::LargeRing { vertex: v, n, most: MOST_AROUND });
+            }
+            if net.is_corner(v) && (inner || n != 1) {
+                return Err(StepError::DualCorner(v));
+            }
+        }
+        Ok(())
+    }
+
+    fn census(&self, before: &Census) -> Option<Census> {
+        let Census { count, boundary: b, corners: q, isolated, rounds } = *before;
+        let (v, e, f, c) = (count.vertices, count.edges, count.faces, count.corners);
+        if rounds == 0 {
+            let vertices = sum(&[(1, c), (2, b), (1, q)]);
+            let faces = sum(&[(1, f), (1, e), (1, v.saturating_sub(isolated))]);
+            let after = before.after(vertices, faces, sum(&[(2, c), (4, e), (2, b), (1, q)]), sum(&[(2, b), (1, q)]));
+            return Some(Census { isolated: 0, ..after });
+        }
+        let inner = e.saturating_sub(b);
+        let faces = sum(&[(1, f), (1, inner), (1, v.saturating_sub(b))]);
+        let corners = sum(&[(2, c), (4, inner), (1, q)]).saturating_sub(sum(&[(2, b)]));
+        Some(before.after(c, faces, corners, sum(&[(2, b)]).saturating_sub(q)))
+    }
+
+    fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+        if net.rounds == 0 {
+            self.admits(net)?;
+        }
+        let old = net.base.clone();
+        let (n_c, n_old) = (index(old.n_corners()), old.n_vertices());
+        let weights = Weights::of(&old);
+        if net.rounds > 0 {
+            let next = net.after_own(old.cut_corners(), later_corners(net));
+            let is_open = old.n_boundary() > 0;
+            let rows = RowsBy::new(next.n_vertices(), n_old, move |row, out: &mut Rows| {
+                let corner = index(row);
+                if is_open { later_row(&old, &weights, corner, out) } else { face_row(&old, &weights, corner, out) }
+            });
+            return Ok(Step { net: next, action: Action::Blend(Box::new(rows)) });
+        }
+        let topology = old
+            .cut_corners_first(&net.corners)
+            .map_err(|faults| StepError::DualNotManifold(faults.first().map_or(String::new(), ToString::to_string)))?;
+        let boundary: Vec<u32> = (0..old.n_edges()).filter(|&e| old.is_boundary_edge(e)).map(index).collect();
+        let (fixed, n_rim) = (net.corners.clone(), 2 * boundary.len());
+        let first_fixed = n_c + index(n_rim);
+        let next = net.after_own(topology, (first_fixed..).take(fixed.len()).collect());
+        let rows = RowsBy::new(next.n_vertices(), n_old, move |row, out: &mut Rows| {
+            let Some(beyond) = row.checked_sub(n_c as usize) else {
+                return face_row(&old, &weights, index(row), out);
+            };
+            if let Some(&edge) = boundary.get(beyond / 2).filter(|_| beyond < n_rim) {
+                let [a, b] = old.ends(edge as usize);
+                let [near, far] = if beyond.is_multiple_of(2) { [a, b] } else { [b, a] };
+                out.add(near, 0.75);
+                out.add(far, 0.25);
+            } else {
+                out.add(fixed[beyond - n_rim], 1.0);
+            }
+        });
+        Ok(Step { net: next, action: Action::Blend(Box::new(rows)) })
+    }
+}
+
+/// Where the corners of a net that is not the first go: each has one face, whose corner there is the new vertex.
+fn later_corners(net: &MeshNet) -> Vec<u32> {
+    let mut corners: Vec<u32> = net.corners.iter().filter_map(|&v| net.base.ring(v as usize).next()).collect();
+    corners.sort_unstable();
+    corners
+}
+
+/// The weights of faces by their size; those of quads are kept apart.
+#[derive(Debug)]
+struct Weights(BTreeMap<usize, Vec<f64>>);
+
+const QUAD: [f64; 4] = [9.0 / 16.0, 3.0 / 16.0, 1.0 / 16.0, 3.0 / 16.0];
+
+impl Weights {
+    fn of(topology: &Topology) -> Self {
+        let mut table = BTreeMap::from([(2, vec![0.75, 0.25]), (4, QUAD.to_vec())]);
+        for f in 0..topology.n_faces() {
+            // a half face of n vertices has n - 2 inside and as many reflected
+            let n = topology.face(f).len();
+            for n in [n, 2 * n - 4].into_iter().filter(|&n| n != 4) {
+                table.entry(n).or_insert_with(|| (0..n).map(|i| weight(i, n)).collect());
+            }
+        }
+        Self(table)
+    }
+
+    #[inline]
+    fn of_size(&self, n: usize) -> &[f64] {
+        if n == 4 { &QUAD } else { &self.0[&n] }
+    }
+}
+
+/// Weight of the vertex `i` places from the corner in a face of `n` vertices, 3 or more.
+fn weight(i: usize, n: usize) -> f64 {
+    let own = if i == 0 { ratio(1, 4) } else { 0.0 };
+    own + (3.0 + 2.0 * cosine(i, n)) / ratio(4 * n, 1)
+}
+
+/// The new vertex at a corner of a whole face.
+#[inline]
+fn face_row(old: &Topology, weights: &Weights, corner: u32, out: &mut Rows) {
+    let range = old.corners(old.face_of(corner));
+    let around = (corner..range.end).chain(range.start..corner);
+    let weights = weights.of_size((range.end - range.start) as usize);
+    around.zip(weights).for_each(|(other, &weight)| out.add(old.vertex(other), weight));
+}
+
+/// The new vertex at a corner after the first step of an open mesh.
+fn later_row(old: &Topology, weights: &Weights, corner: u32, out: &mut Rows) {
+    let is_rim = |corner: u32| old.twin(corner) == NONE;
+    let before = old.previous(corner);
+    match (is_rim(before), is_rim(corner)) {
+        (true, true) => out.add(old.vertex(corner), 1.0),
+        (false, true) => rim_row(old, corner, old.next(corner), is_rim(old.next(corner)), out),
+        (true, false) => rim_row(old, corner, before, is_rim(old.previous(before)), out),
+        (false, false) => {
+            let mut rims = old.corners(old.face_of(corner)).filter(|&corner| is_rim(corner));
+            match (rims.next(), rims.next()) {
+                (None, _) => face_row(old, weights, corner, out),
+                (Some(rim), None) => half_row(old, weights, corner, rim, out),
+                (Some(_), Some(_)) => {
+                    let face = old.face(old.face_of(corner));
+                    face.iter().for_each(|&v| out.add(v, ratio(1, face.len())));
+                }
+            }
+        }
+    }
+}
+
+/// On a boundary edge, near one end; an edge that ends in a corner is half as long as the others.
+fn rim_row(old: &Topology, near: u32, far: u32, to_corner: bool, out: &mut Rows) {
+    let share = if to_corner { 0.5 } else { 0.25 };
+    out.add(old.vertex(near), 1.0 - share);
+    out.add(old.vertex(far), share);
+}
+
+/// Inside a half face with the boundary corner `rim`.
+fn half_row(old: &Topology, weights: &Weights, corner: u32, rim: u32, out: &mut Rows) {
+    let end = old.next(rim);
+    let k = old.face(old.face_of(rim)).len() - 2;
+    let weights = weights.of_size(2 * k);
+    let axis = |i: usize| if k == 1 { 0.0 } else { cosine(2 * i + 1, 4 * k) / cosine(1, 4 * k) };
+    let around = || std::iter::successors(Some(old.next(end)), |&other| Some(old.next(other))).take(k);
+    let own = around().position(|other| other == corner).unwrap_or(0);
+    // the axis goes to itself, half as long; what is off the axis is weighed without and with its reflection
+    let (mut centre, mut along) = (1.0, axis(own) / 2.0);
+    for (i, other) in around().enumerate() {
+        let weight = weights[own.abs_diff(i)] - weights[(own + i + 1) % (2 * k)];
+        out.add(old.vertex(other), weight);
+        centre -= weight;
+        along -= weight * axis(i);
+    }
+    out.add(old.vertex(rim), 0.5 * centre - 0.5 * along);
+    out.add(old.vertex(end), 0.5 * centre + 0.5 * along);
+}

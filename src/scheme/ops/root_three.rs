@@ -1,0 +1,150 @@
+//! A level of sqrt 3 subdivision.
+
+use super::cosines::cosine;
+use super::upsample::ratio;
+use super::{Operator, Role};
+use crate::math::rows::{Rows, RowsBy};
+use crate::scheme::census::{Census, sum};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::shape::root_three::Rim;
+use crate::shape::topology::{NONE, Topology, index};
+
+/// Kobbelt's sqrt 3 scheme for triangles: a vertex at the centroid of each face, every inner edge flipped, and the old
+/// inner vertices of valence n moved to `(1 - a) p + a/n sum neighbours`, `a = (4 - 2 cos(2 pi/n))/9` (order: see
+/// [`Topology::split_root_three`]).
+///
+/// Boundaries wait every first step and are cut in three every second one, by the ternary cubic B-spline: `(4, 19, 4)/27`
+/// for the old vertices, `(1, 16, 10)/27` and `(10, 16, 1)/27` for the new ones. Corners stay, and boundary curves are
+/// reflected at them.
+#[derive(Debug)]
+pub struct RootThree;
+
+impl Operator for RootThree {
+    fn name(&self) -> &'static str {
+        "sqrt-3"
+    }
+
+    fn doc(&self) -> &'static str {
+        "A level of Kobbelt's sqrt 3 scheme on triangles: centroids of the faces, flipped edges, and old vertices moved by \
+         (4 - 2 cos(2 pi/n))/9 of the way to the mean of their n neighbours. Every second level cuts boundary edges in \
+         three, by the ternary cubic B-spline (1, 4, 10, 16, 19, 16, 10, 4, 1)/27. Used by the preset sqrt-3."
+    }
+
+    fn source(&self) -> &'static str {
+        "Kobbelt, SIGGRAPH 2000, 103-112"
+    }
+
+    fn role(&self) -> Role {
+        Role::Smooth
+    }
+
+    fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
+        Err(StepError::WrongNet("sqrt-3 refines meshes of triangles; for polygons use ternary-cubic"))
+    }
+
+    fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
+        let topology = &net.base;
+        if !net.holes.is_empty() {
+            return Err(StepError::OwnTags("sqrt-3", "holes (boundary \"none\" makes some)"));
+        }
+        if let Some(f) = (0..topology.n_faces()).find(|&f| topology.face(f).len() != 3) {
+            return Err(StepError::NoTriangle { scheme: "sqrt-3", face: f, size: topology.face(f).len() });
+        }
+        let two = |&v: &usize| topology.boundary_edges(v).is_none() && topology.ring(v).count() == 2;
+        match (0..topology.n_vertices()).find(two) {
+            Some(vertex) => Err(StepError::TwoFaces { scheme: "sqrt-3", vertex }),
+            None => Ok(()),
+        }
+    }
+
+    fn census(&self, before: &Census) -> Option<Census> {
+        let (v, f, b) = (before.count.vertices, before.count.faces, before.boundary);
+        Some(match rim(before.rounds) {
+            Rim::Whole => before.after(sum(&[(1, v), (1, f)]), sum(&[(3, f)]), sum(&[(9, f)]), b),
+            Rim::Thirds => before.after(sum(&[(1, v), (1, f), (1, b)]), sum(&[(3, f)]), sum(&[(9, f)]), sum(&[(3, b)])),
+        })
+    }
+
+    fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+        if net.rounds == 0 {
+            self.admits(net)?;
+        }
+        let (old, rim) = (net.base.clone(), rim(net.rounds));
+        let next = net.after_own(old.split_root_three(rim), net.corners.to_vec());
+        let (n_v, n_f) = (old.n_vertices(), old.n_faces());
+        let cut: Vec<u32> = match rim {
+            Rim::Whole => Vec::new(),
+            Rim::Thirds => (0..old.n_edges()).filter(|&e| old.is_boundary_edge(e)).map(index).collect(),
+        };
+        let before = net.clone();
+        let rows = RowsBy::new(next.n_vertices(), n_v, move |row, out: &mut Rows| {
+            if row < n_v {
+                vertex_row(&before, rim, row, out);
+            } else if row < n_v + n_f {
+                let face = row - n_v;
+                match old.corners(face).find(|&corner| rim == Rim::Thirds && old.twin(corner) == NONE) {
+                    Some(corner) => third_row(&before, old.edge(corner), Near::Start, out),
+                    None => old.face(face).iter().for_each(|&v| out.add(v, ratio(1, 3))),
+                }
+            } else {
+                third_row(&before, cut[row - n_v - n_f], Near::End, out);
+            }
+        });
+        Ok(Step { net: next, action: Action::Blend(Box::new(rows)) })
+    }
+}
+
+/// Boundaries are cut in every second step.
+fn rim(rounds: u32) -> Rim {
+    if rounds.is_multiple_of(2) { Rim::Whole } else { Rim::Thirds }
+}
+
+fn vertex_row(net: &MeshNet, rim: Rim, v: usize, out: &mut Rows) {
+    let old = &net.base;
+    let here = index(v);
+    if net.is_corner(v) || old.is_isolated(v) {
+        return out.add(here, 1.0);
+    }
+    match (old.boundary_edges(v), rim) {
+        (Some(_), Rim::Whole) => out.add(here, 1.0),
+        (Some([onward, from]), Rim::Thirds) => {
+            out.add(here, ratio(19, 27));
+            out.add(old.ends(onward as usize)[1], ratio(4, 27));
+            out.add(old.ends(from as usize)[0], ratio(4, 27));
+        }
+        (None, _) => {
+            let n = old.ring(v).count();
+            let moved = (4.0 - 2.0 * cosine(1, n)) / 9.0;
+            out.add(here, 1.0 - moved);
+            old.ring(v).for_each(|corner| out.add(old.vertex(old.next(corner)), moved / ratio(n, 1)));
+        }
+    }
+}
+
+/// Which end of an edge is near.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Near {
+    Start,
+    End,
+}
+
+/// A third of the way along a boundary edge: `(16 near + 10 far + 1 beyond)/27`, reflected at a corner.
+fn third_row(net: &MeshNet, edge: u32, near: Near, out: &mut Rows) {
+    let topology: &Topology = &net.base;
+    let [start, end] = topology.ends(edge as usize);
+    let [a, b] = if near == Near::Start { [start, end] } else { [end, start] };
+    if net.is_corner(a as usize) {
+        out.add(a, ratio(18, 27));
+        out.add(b, ratio(9, 27));
+        return;
+    }
+    out.add(a, ratio(16, 27));
+    out.add(b, ratio(10, 27));
+    if let Some([onward, from]) = topology.boundary_edges(a as usize) {
+        let beyond =
+            if near == Near::Start { topology.ends(from as usize)[0] } else { topology.ends(onward as usize)[1] };
+        out.add(beyond, ratio(1, 27));
+    }
+}

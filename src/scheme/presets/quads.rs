@@ -1,0 +1,53 @@
+//! Classical schemes on quads besides Catmull-Clark.
+
+use super::{Preset, Refines, Spelling, letters};
+use crate::math::parameter::{Default, Kind, Parameter};
+use crate::scheme::ops::{DooSabin, KobbeltEdges, KobbeltFaces};
+use crate::scheme::word::Letter;
+
+pub(super) const DOO_SABIN: Preset = Preset {
+    name: "doo-sabin",
+    doc: "Doo-Sabin with the original weights (n + 5)/(4n) and (3 + 2 cos(2 pi i/n))/(4n) for faces of any size: biquadratic \
+          B-splines in regular regions, C1 everywhere. Boundaries are the quadratic B-splines of their polygons, corners \
+          by the plan's `boundary`.",
+    source: "Doo and Sabin, CAD 10 (1978), 356-360",
+    parameters: &[],
+    refines: Refines::Meshes,
+    spell: |_| Ok(Spelling::of(vec![Letter::plain(&DooSabin)])),
+};
+
+pub(super) const REPEATED_AVERAGING: Preset = Preset {
+    name: "repeated-averaging",
+    doc: "Repeated averaging: tensor B-splines of the degree in regular regions. Odd degrees are primal, the word \
+          U C^((degree-1)/2); even ones dual, U C^((degree-2)/2) D, which draw an open mesh in by half a face a level. \
+          Degree 3 is Catmull-Clark with another rule at extraordinary vertices, degree 2 Doo-Sabin.",
+    source: "Zorin and Schroeder, CAGD 18 (2001), 429-454; Stam, CAGD 18 (2001), 383-396",
+    parameters: &[Parameter {
+        name: "degree",
+        kind: Kind::Integer { min: 2, max: 9 },
+        unit: "",
+        default: Default::Number(3.0),
+        doc: "Polynomial degree in regular regions: odd for primal schemes, even for dual ones.",
+    }],
+    refines: Refines::Meshes,
+    spell: |values| {
+        let averages = values.integer("degree").and_then(|degree| usize::try_from(degree - 1).ok()).unwrap_or(2);
+        Ok(Spelling::of(letters(&format!("U{}{}", "C".repeat(averages / 2), "D".repeat(averages % 2)))))
+    },
+};
+
+pub(super) const KOBBELT: Preset = Preset {
+    name: "kobbelt",
+    doc: "Kobbelt's interpolating scheme: the tensor product of the four-point scheme in regular regions, with a virtual \
+          point beyond extraordinary vertices. Boundaries are four-point curves of their polygons; the surface inside is \
+          reflected at them. A first step turns faces of any size into quads.",
+    source: "Kobbelt, Computer Graphics Forum 15 (1996), 409-420",
+    parameters: &[],
+    refines: Refines::Meshes,
+    spell: |_| {
+        let mut cycle = letters("U");
+        cycle.push(Letter::plain(&KobbeltEdges));
+        cycle.push(Letter::plain(&KobbeltFaces));
+        Ok(Spelling::of(cycle))
+    },
+};
