@@ -1,4 +1,4 @@
-//! How quick planish is, as one table: `cargo bench --bench bench`, followed by `-- refine pictures encode http` or some of
+//! How quick planish is, as one table: `cargo bench --bench bench`, followed by `-- refine schemes pictures encode http` or some of
 //! these for some parts only.
 //!
 //! Every figure is the best of a few runs on a warm heap. Absolute figures drift between machines; the column "ratio"
@@ -10,6 +10,7 @@ mod load;
 mod nets;
 mod pictures;
 mod refine;
+mod schemes;
 mod table;
 
 use std::error::Error;
@@ -21,6 +22,7 @@ type Part = fn(&mut Table);
 
 const PARTS: &[(&str, Part)] = &[
     ("refine", refine::measure),
+    ("schemes", schemes::measure),
     ("pictures", pictures::measure),
     ("encode", encode::measure),
     ("http", http::measure),

@@ -28,6 +28,20 @@ pub(crate) fn sphere(n: u32) -> Mesh {
     Mesh::new(MeshInput { positions: net.positions, faces: net.faces, ..MeshInput::default() }).expect("a sound mesh")
 }
 
+/// The same with each quad cut into two triangles.
+pub(crate) fn triangles(n: u32) -> Mesh {
+    let quads = sphere(n);
+    let mut faces = FaceList::default();
+    for f in 0..quads.topology.n_faces() {
+        if let &[a, b, c, d] = quads.topology.face(f) {
+            faces.push([a, b, c]);
+            faces.push([c, d, a]);
+        }
+    }
+    let (positions, _) = quads.positions.as_chunks::<3>();
+    Mesh::new(MeshInput { positions: positions.to_vec(), faces, ..MeshInput::default() }).expect("a sound mesh")
+}
+
 /// A net in the making; vertices are places of a lattice.
 #[derive(Default)]
 struct Net {
