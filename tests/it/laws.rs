@@ -12,6 +12,7 @@ mod limits;
 mod masks;
 mod meshes;
 mod own;
+mod polynomials;
 mod root_three;
 mod spellings;
 mod ternary;

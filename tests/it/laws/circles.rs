@@ -112,3 +112,77 @@ fn the_compensation_may_have_an_alpha_of_its_own() {
         assert!((a[0] - b[0]).abs() < 1e-14 && (a[1] - b[1]).abs() < 1e-14);
     }
 }
+
+/// The radius after the levels: `prod_h (g + delta (1 - g))`, `g = cos(a/2) cos(a/4)^(2(k-1))`, with a halved each time.
+fn radius(alpha: f64, averages: u32, delta: f64, levels: u32) -> f64 {
+    let mut alpha = alpha;
+    (0..levels).fold(1.0, |radius, _| {
+        let g = (1..averages).fold(cos(alpha / 2.0), |g, _| g * cos(alpha / 4.0) * cos(alpha / 4.0));
+        alpha /= 2.0;
+        radius * (g + delta * (1.0 - g))
+    })
+}
+
+#[test]
+fn regular_polygons_that_are_stretched_become_ellipses() {
+    let image = |[x, y]: [f64; 2]| [3.0 * x + 1.5 * y - 4.0, -0.5 * x + 0.75 * y + 2.0];
+    for (k, winding, averages) in [(3, 1, 1), (5, 1, 2), (8, 1, 1), (7, 2, 1)] {
+        for delta in [0.0, 0.5, 1.0] {
+            let polygon: Vec<[f64; 2]> = regular_polygon(k, winding).into_iter().map(image).collect();
+            let plan = semi_stationary(&format!("UC^{averages}P"), &format!("2*pi*{winding}/{k}"), delta);
+            let points = refined(&polygon, true, &plan, 5);
+            let alpha = 2.0 * std::f64::consts::PI * f64::from(winding) / f64::from(k);
+            let expected = radius(alpha, averages, delta, 5);
+            for (j, p) in (0_u32..).zip(&points) {
+                let angle = alpha * f64::from(j) / 32.0;
+                let [x, y] = image([expected * cos(angle), expected * sin(angle)]);
+                assert!((p[0] - x).abs() <= TOLERANCE && (p[1] - y).abs() <= TOLERANCE, "{plan}: {p:?}, not {x}, {y}");
+            }
+        }
+    }
+}
+
+#[test]
+fn screwed_polygons_become_helices() {
+    const POINTS: u32 = 31;
+    const LEVELS: u32 = 4;
+    for (k, averages) in [(4, 1), (6, 1), (5, 2)] {
+        for delta in [0.0, 0.5, 1.0] {
+            let alpha = 2.0 * std::f64::consts::PI / f64::from(k);
+            let on_helix = |t: f64, r: f64| [r * cos(alpha * t), r * sin(alpha * t), 0.3 * t];
+            let polygon: Vec<[f64; 3]> = (0..POINTS).map(|i| on_helix(f64::from(i), 1.0)).collect();
+            let plan = semi_stationary(&format!("UC^{averages}P"), &format!("2*pi/{k}"), delta);
+            let points = refined(&polygon, false, &plan, LEVELS);
+            let radius = radius(alpha, averages, delta, LEVELS);
+            // away from the ends, whose reflections are no helices
+            let middle = (10 << LEVELS)..=((POINTS - 11) << LEVELS);
+            assert!(middle.clone().count() > 100);
+            for j in middle {
+                let expected = on_helix(f64::from(j) / f64::from(1 << LEVELS), radius);
+                let found = points[j as usize];
+                let off = found.iter().zip(expected).fold(0.0, |most: f64, (x, y)| most.max((x - y).abs()));
+                assert!(off <= TOLERANCE, "{plan}: {found:?} is not {expected:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn circles_are_circles_at_level_10() {
+    let circular = json!({ "arity": 2, "averages": 2, "alpha": "2*pi/5", "delta": 0.5 });
+    let with_angle = |name: &str, parameters: &Value| json!({ "preset": name, "parameters": parameters });
+    for plan in [
+        semi_stationary("UCP", "2*pi/5", 0.0),
+        semi_stationary("UCP", "2*pi/5", 0.5),
+        semi_stationary("UC^2P", "2*pi/5", 1.0),
+        with_angle("c-b-spline", &json!({ "degree": 2, "alpha": "2*pi/5" })),
+        with_angle("c-b-spline", &json!({ "degree": 3, "alpha": "2*pi/5" })),
+        with_angle("c-b-spline", &json!({ "degree": 6, "alpha": "2*pi/5" })),
+        with_angle("d-ary-circle", &circular),
+        json!({ "preset": "incenter" }),
+    ] {
+        check(&regular_polygon(5, 1), &plan, 10);
+    }
+    let ternary = json!({ "arity": 3, "averages": 1, "alpha": "2*pi/3" });
+    check(&regular_polygon(3, 1), &with_angle("d-ary-circle", &ternary), 10);
+}

@@ -62,6 +62,44 @@ fn rows_of_the_table_are_the_schemes_they_name() {
     agree(&row("-1/60", "1/30", &format!("1/9+2*{bend}"), &delta, &lambda), &rehan);
 }
 
+/// The same masks as their own papers write them, entry by entry.
+#[test]
+fn combined_schemes_have_the_masks_that_are_told_of_them() {
+    let check = |name: &str, parameters: &Value, expected: [f64; 7]| {
+        let found = mask(&preset(name, parameters));
+        for (x, y) in found.iter().zip(expected.into_iter().chain([0.0, 0.0])) {
+            assert!((x - y).abs() < 1e-15, "{name} has {x}, not {y}");
+        }
+    };
+    let (a, b, c): (f64, f64, f64) = (0.26, 0.1, -0.03);
+    check("ternary-three-point", &json!({ "alpha": a }), [1.0, 4.0 / 3.0 - 2.0 * a, a, 0.0, a - 1.0 / 3.0, 0.0, 0.0]);
+    let four =
+        [1.0, 13.0 / 18.0 + b / 2.0, 7.0 / 18.0 - b / 2.0, 0.0, -1.0 / 18.0 - b / 6.0, -1.0 / 18.0 + b / 6.0, 0.0];
+    check("ternary-four-point", &json!({ "mu": b }), four);
+    let novara = [7.0 / 9.0 + 2.0 * a, 2.0 / 3.0 + c - 2.0 * b, 1.0 / 3.0 + b - 2.0 * c, 1.0 / 9.0 - a, b, c, 0.0];
+    check("ternary-combined-novara", &json!({ "alpha": a, "beta": b, "gamma": c }), novara);
+    let c4 = |eta: f64| {
+        // (1 + z + z^2)^5 over 81 times (t, 1 - 2t, t) with t = 81 eta
+        let quartic = [51.0, 45.0, 30.0, 15.0, 5.0, 1.0, 0.0, 0.0].map(|x| x / 81.0);
+        let at = |i: usize| quartic[i];
+        [0, 1, 2, 3, 4, 5, 6].map(|k: usize| (1.0 - 162.0 * eta) * at(k) + 81.0 * eta * (at(k.abs_diff(1)) + at(k + 1)))
+    };
+    check("ternary-c4", &json!({ "eta": "1/200" }), c4(1.0 / 200.0));
+    // vertices alone are told of the other two
+    let vertex = |name: &str, parameters: &Value| {
+        let found = mask(&preset(name, parameters));
+        [found[0], found[3], found[6]]
+    };
+    let pan = vertex("ternary-combined-pan", &json!({ "alpha": a, "beta": b }));
+    let rehan = vertex("ternary-combined-rehan", &json!({ "alpha": a, "beta": b }));
+    for (x, y) in pan.iter().zip([1.0 - 8.0 * a / 27.0, 4.0 * a / 27.0, 0.0]) {
+        assert!((x - y).abs() < 1e-15, "{pan:?}");
+    }
+    for (x, y) in rehan.iter().zip([1.0 - 6.0 * a, 4.0 * a, -a]) {
+        assert!((x - y).abs() < 1e-15, "{rehan:?}");
+    }
+}
+
 #[test]
 fn special_cases_coincide() {
     agree(&preset("ternary-c4", &json!({ "eta": "1/243" })), &preset("ternary-quintic", &json!({})));
