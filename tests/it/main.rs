@@ -3,6 +3,7 @@
 mod cache;
 mod cli;
 mod expressions;
+mod figures;
 mod forecast;
 mod formats;
 mod hardening;

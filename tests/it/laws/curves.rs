@@ -246,3 +246,36 @@ fn parameters_of_points_are_refused_where_nothing_uses_them() {
     let faults = crate::support::render(&job).unwrap_err();
     assert_eq!(faults[0].pointer, "/input/polygon/parameters/delta");
 }
+
+/// n points, arity d, a mask of w + 1 entries: `d (n-1) + 1` clamped and primal, `d (n-1) + 2`, then `d (n-2) + 2`
+/// clamped and dual, `d (n+1) - 1 - w` natural, `d n` closed.
+#[test]
+fn ends_give_the_counts_that_are_told_of_them() {
+    let counts = |plan: &Value, closed: bool, ends: &str| {
+        let mut plan = plan.clone();
+        plan["ends"] = json!(ends);
+        [1, 2].map(|levels| refined(&polygon(), closed, &plan, levels).len())
+    };
+    let preset = |name: &str, parameters: Value| json!({ "preset": name, "parameters": parameters });
+    let narrow = json!({ "mask": ["1/3", "2/3", "2/3", "1/3"], "first": -2 });
+    for (plan, d, w, dual) in [
+        (word("UC"), 2, 4, false),
+        (preset("b-spline", json!({ "degree": 2 })), 2, 3, true),
+        (preset("mask", narrow), 2, 3, true),
+        (preset("d-ary-b-spline", json!({ "arity": 4, "degree": 2 })), 4, 9, true),
+        (preset("d-ary-b-spline", json!({ "arity": 3, "degree": 2 })), 3, 6, false),
+        (preset("ternary-quartic", json!({})), 3, 10, false),
+        (preset("two-n-point", json!({ "n": 3 })), 2, 10, false),
+    ] {
+        let n = polygon().len();
+        assert_eq!(counts(&plan, true, "natural"), [d * n, d * d * n], "{plan}");
+        let clamped =
+            if dual { [d * (n - 1) + 2, d * d * (n - 1) + 2] } else { [d * (n - 1) + 1, d * d * (n - 1) + 1] };
+        assert_eq!(counts(&plan, false, "clamped"), clamped, "{plan}");
+        if w == 10 && d == 2 {
+            continue; // after one level too few points are left for another
+        }
+        let natural = d * (n + 1) - 1 - w;
+        assert_eq!(counts(&plan, false, "natural"), [natural, d * (natural + 1) - 1 - w], "{plan}");
+    }
+}

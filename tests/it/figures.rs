@@ -1,0 +1,105 @@
+//! The pictures of `docs/curves` are what planish renders from their jobs, and `docs/presets.md` has a section for each
+//! preset of curves with what the catalogue says of it.
+//!
+//! `BLESS=1 cargo test --test it figures::` writes both anew.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::PathBuf;
+
+use planish::wire::catalogue::{ParameterEntry, PresetEntry, presets};
+use serde_json::Value;
+
+use crate::support::render;
+
+/// What stands after this line of the page is written from the catalogue.
+const MARK: &str = "<!-- From here on the sections follow the catalogue. -->\n";
+const MAX_BYTES: usize = 30 << 10;
+const ENDS: [&str; 5] =
+    ["ends-clamped-primal", "ends-clamped-dual", "ends-clamped-wide", "ends-incenter", "ends-natural"];
+
+fn path(inside: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(inside)
+}
+
+fn blessing() -> bool {
+    std::env::var_os("BLESS").is_some()
+}
+
+fn curves() -> Vec<&'static str> {
+    presets().iter().filter(|preset| preset.refines.contains(&"polygons")).map(|preset| preset.name).collect()
+}
+
+fn job(name: &str) -> Value {
+    let path = path(&format!("api/examples/jobs/figure-{name}-png.json"));
+    let text = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    serde_json::from_str(&text).expect("a job is JSON")
+}
+
+#[test]
+fn pictures_are_what_their_jobs_render() {
+    for name in curves().into_iter().chain(ENDS) {
+        let job = job(name);
+        assert!(ENDS.contains(&name) || job["plan"]["preset"] == name, "the figure of {name} shows another preset");
+        let (bytes, _) = render(&job).unwrap_or_else(|faults| panic!("{name}: {faults:?}"));
+        assert!(bytes.len() <= MAX_BYTES, "the picture of {name} has {} bytes", bytes.len());
+        let picture = path(&format!("docs/curves/{name}.png"));
+        if blessing() {
+            fs::write(&picture, &bytes).expect("the picture can be written");
+        }
+        let committed = fs::read(&picture).unwrap_or_else(|error| panic!("{}: {error}", picture.display()));
+        assert!(committed == bytes, "docs/curves/{name}.png is not what its job renders");
+    }
+}
+
+#[test]
+fn every_picture_is_shown() {
+    if blessing() {
+        return; // the page is being written
+    }
+    let page = fs::read_to_string(path("docs/presets.md")).expect("the page is there");
+    let shown: BTreeSet<&str> =
+        page.split("src=\"curves/").skip(1).filter_map(|rest| rest.split(".png\"").next()).collect();
+    let files = fs::read_dir(path("docs/curves")).expect("the pictures are there");
+    let names = files.map(|file| file.expect("an entry").file_name().to_string_lossy().into_owned());
+    let pictures: BTreeSet<String> = names.filter_map(|name| Some(name.strip_suffix(".png")?.to_owned())).collect();
+    assert_eq!(shown.into_iter().map(str::to_owned).collect::<BTreeSet<_>>(), pictures);
+}
+
+#[test]
+fn the_page_says_what_the_catalogue_says() {
+    let file = path("docs/presets.md");
+    let page = fs::read_to_string(&file).expect("the page is there");
+    let (head, sections) = page.split_once(MARK).expect("the page has the mark");
+    let expected = sections_of_presets();
+    if blessing() {
+        fs::write(&file, format!("{head}{MARK}{expected}")).expect("the page can be written");
+    } else {
+        assert_eq!(sections, expected);
+    }
+}
+
+fn sections_of_presets() -> String {
+    presets().iter().filter(|preset| preset.refines.contains(&"polygons")).map(section).collect()
+}
+
+fn section(preset: &PresetEntry) -> String {
+    let PresetEntry { name, doc, source, .. } = preset;
+    let plan = serde_json::to_string(&job(name)["plan"]).expect("a plan is JSON");
+    let picture = format!("<img src=\"curves/{name}.png\" width=\"400\" alt=\"A curve by {name}\">");
+    let job = format!("[The job](../api/examples/jobs/figure-{name}-png.json) has the plan `{plan}`.");
+    let head = format!("\n## {name}\n\n{doc}\n\nSource: {source}.\n\n{picture}\n\n{job}\n");
+    let table =
+        if preset.parameters.is_empty() { "" } else { "\n| Parameter | Is | Default | Does |\n|---|---|---|---|\n" };
+    head + table + &preset.parameters.iter().map(row).collect::<String>()
+}
+
+fn row(parameter: &ParameterEntry) -> String {
+    let unit = if parameter.unit.is_empty() { String::new() } else { format!(", {}", parameter.unit) };
+    let default = match &parameter.default {
+        Value::Null if parameter.required => "required".to_owned(),
+        Value::Null => "none".to_owned(),
+        value => value.to_string(),
+    };
+    format!("| `{}` | {}{unit} | {default} | {} |\n", parameter.name, parameter.expects, parameter.doc)
+}
