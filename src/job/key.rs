@@ -6,6 +6,7 @@ use super::codec::Item;
 use super::{Input, Job, Output};
 use crate::math::expression::{Expression, Instruction};
 use crate::math::parameter::{Value, Values};
+use crate::output::{LIMIT, TANGENTS};
 use crate::scheme::mesh_net::{Rules, TriangleRule};
 use crate::scheme::ops::Role;
 use crate::scheme::sharpness::Creasing;
@@ -76,7 +77,7 @@ pub fn artifact(job: &Job, output: &Output) -> Key {
         text("planish artifact"),
         Item::Integer(u64::from(RESULTS_VERSION)),
         input(&job.input),
-        plan(job),
+        plan(job, output),
         text(output.format.name()),
         values(&output.options),
     ]);
@@ -154,8 +155,14 @@ fn faces(topology: &Topology) -> Item<'static> {
     Item::List(vec![Item::Indices(sizes.into()), Item::Indices(vertices.into())])
 }
 
+/// Whether an output shows the limit, which is that of the plan even where none of its levels was applied.
+fn shows_limit(output: &Output) -> bool {
+    let of_limit = |(name, value): (&str, &Value)| name == TANGENTS.name || *value == Value::Choice(LIMIT);
+    output.options.unusual().any(of_limit)
+}
+
 /// Everything of a plan that can change the result: what no operator uses is left out.
-fn plan(job: &Job) -> Item<'static> {
+fn plan(job: &Job, output: &Output) -> Item<'static> {
     let (plan, levels) = (&job.plan, job.levels);
     let letters = |letters: &[Letter]| {
         let letter = |l: &Letter| {
@@ -171,7 +178,7 @@ fn plan(job: &Job) -> Item<'static> {
         };
         Item::List(letters.iter().map(letter).collect())
     };
-    let cycle: &[Letter] = if levels == 0 { &[] } else { &plan.word.cycle };
+    let cycle: &[Letter] = if levels == 0 && !shows_limit(output) { &[] } else { &plan.word.cycle };
     let has = |role: Role| plan.word.prefix.iter().chain(cycle).any(|l| l.operator.role() == role);
     let mut functions = Vec::new();
     if has(Role::Average) {

@@ -105,6 +105,19 @@ fn curves_that_differ_have_keys_that_differ() {
     );
 }
 
+/// The limit is that of a plan even where none of its levels was applied.
+#[test]
+fn limits_belong_to_the_plan_at_level_0_too() {
+    for output in [json!({ "format": "json", "positions": "limit" }), json!({ "format": "json", "tangents": true })] {
+        let mut base = curve_job();
+        base["levels"] = json!(0);
+        base["plan"] = json!({ "preset": "chaikin" });
+        base["outputs"] = json!([output]);
+        let others = ["cubic-b-spline", "four-point", "incenter"].map(|name| ("/plan", json!({ "preset": name })));
+        check_distinct(&base, &others);
+    }
+}
+
 #[test]
 fn tangents_belong_to_the_key() {
     let mut base = curve_job();

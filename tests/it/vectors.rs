@@ -9,8 +9,8 @@ use std::path::PathBuf;
 use planish::math::functions::{cos, sin, sqrt};
 use serde_json::{Value, json};
 
-use crate::support::json;
 use crate::support::nets::{Net, distance, same_surface};
+use crate::support::{json, render};
 
 const CURVES: &[(&str, usize)] = &[
     ("curve_chaikin", 1),
@@ -189,9 +189,22 @@ fn curve(vector: &Value) -> usize {
     let cyclic = vector["compare"] == "cyclic" || convention.contains("cyclic");
     let levels = vector["levels"].as_array().expect("levels are a list");
     for level in levels {
-        let job = json!({ "input": { "polygon": polygon }, "plan": curve_plan(vector), "levels": level["level"] });
-        let (found, expected): (Vec<Vec<f64>>, Vec<Vec<f64>>) =
-            (points(&json(job)["points"]), points(&level["points"]));
+        let with_tangents = level["tangent_unit"].is_array();
+        let job = json!({
+            "input": { "polygon": polygon }, "plan": curve_plan(vector), "levels": level["level"],
+            "outputs": [{ "format": "json", "tangents": with_tangents }],
+        });
+        let result: Value = serde_json::from_slice(&render(&job).expect("it can be refined").0).expect("JSON");
+        if with_tangents {
+            let (found, expected): (Vec<Vec<f64>>, Vec<Vec<f64>>) =
+                (points(&result["tangents"]), points(&level["tangent_unit"]));
+            assert_eq!(found.len(), expected.len());
+            for (found, expected) in found.iter().zip(&expected) {
+                let off = distance(found, expected);
+                assert!(off <= tolerance(vector), "a tangent of {} is off by {off}", vector["id"]);
+            }
+        }
+        let (found, expected): (Vec<Vec<f64>>, Vec<Vec<f64>>) = (points(&result["points"]), points(&level["points"]));
         assert_eq!(found.len(), expected.len(), "points of {} at level {}", vector["id"], level["level"]);
         let shifts = if cyclic { expected.len() } else { 1 };
         let deviation = |shift: usize| {

@@ -10,7 +10,7 @@ use planish::watch::Watch;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-use crate::support::{faults, parsed};
+use crate::support::{faults, parsed, render};
 
 const PI: f64 = std::f64::consts::PI;
 
@@ -308,6 +308,23 @@ fn straight_points_stay_straight_and_are_halved() {
     for (i, p) in (0_u32..).zip(&found) {
         let t = f64::from(i) / 64.0 * 0.1;
         near(&[*p], &[[0.3 + t / 7.0, 0.7 - 3.0 * t]], 1e-14, "on the line");
+    }
+}
+
+#[test]
+fn tangents_come_out_beside_the_points() {
+    let polygon = json!({ "points": egg(), "closed": true });
+    for levels in [0, 3] {
+        let (points, tangents) = refined(&polygon, &json!(0.25), levels);
+        let job = json!({
+            "input": { "polygon": polygon }, "plan": { "preset": "incenter" }, "levels": levels,
+            "outputs": [{ "format": "json", "tangents": true, "positions": "limit" }],
+        });
+        let (bytes, _) = render(&job).expect("it can be refined");
+        let found: Value = serde_json::from_slice(&bytes).expect("the json output is JSON");
+        let [found_points, found_tangents] = ["points", "tangents"]
+            .map(|name| serde_json::from_value::<Points>(found[name].clone()).expect("lists of numbers"));
+        assert_eq!((found_points, found_tangents), (points, tangents), "level {levels}");
     }
 }
 
