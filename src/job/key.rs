@@ -11,6 +11,7 @@ use crate::scheme::mesh_net::{Rules, TriangleRule};
 use crate::scheme::ops::Role;
 use crate::scheme::sharpness::Creasing;
 use crate::scheme::word::Letter;
+use crate::shape::attachments::Attachments;
 use crate::shape::attributes::Attributes;
 use crate::shape::creases::{INFINITE_SHARPNESS, Sharp};
 use crate::shape::polygon::Polygon;
@@ -73,16 +74,19 @@ pub fn content(bytes: &[u8]) -> Key {
 /// Key of one output of a job: over the results version, the shape, the plan as far as it matters, the levels, and the
 /// output's format and options. Names of outputs, and the words in which the job was written, are not part of it.
 pub fn artifact(job: &Job, output: &Output) -> Key {
-    let item = Item::List(vec![
+    let mut items = vec![
         text("planish artifact"),
         Item::Integer(u64::from(RESULTS_VERSION)),
         input(&job.input),
         plan(job, output),
         text(output.format.name()),
         values(&output.options),
-    ]);
+    ];
+    if !job.frame.is_default() {
+        items.push(Item::List(vec![text(job.frame.unit.name()), text(job.frame.up.name())]));
+    }
     let mut bytes = Vec::new();
-    item.encode(&mut bytes);
+    Item::List(items).encode(&mut bytes);
     content(&bytes)
 }
 
@@ -115,9 +119,29 @@ fn input(input: &Input) -> Item<'_> {
             ];
             items.extend(sharp("creases", &mesh.creases));
             items.extend(sharp("semi-sharp corners", &mesh.semi_sharp_corners));
+            items.extend(attachments(&mesh.attachments));
             Item::List(items)
         }
     }
+}
+
+/// What a mesh carries, where there is any: a list for each kind that is given.
+fn attachments(attachments: &Attachments) -> Option<Item<'_>> {
+    let mut kinds = Vec::new();
+    if !attachments.channels.is_empty() {
+        kinds.push(text("channels"));
+        kinds.extend(attachments.channels.iter().map(|channel| {
+            let width = Item::Integer(channel.width as u64);
+            Item::List(vec![text(&channel.name), width, Item::Numbers((&channel.values).into())])
+        }));
+    }
+    for (kind, labels) in [("groups", &attachments.groups), ("materials", &attachments.materials)] {
+        if !labels.is_empty() {
+            let names = labels.names.iter().map(|name| text(name)).collect();
+            kinds.push(Item::List(vec![text(kind), Item::List(names), Item::Indices((&labels.of_faces).into())]));
+        }
+    }
+    (!kinds.is_empty()).then_some(Item::List(kinds))
 }
 
 /// What is sharp, if anything is.

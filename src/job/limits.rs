@@ -1,5 +1,7 @@
 //! Limits: what this server takes on, checked against the exact forecast before anything is allocated.
 
+use std::sync::Arc;
+
 use super::key::Key;
 use super::{Input, Job};
 use crate::fault::Fault;
@@ -96,14 +98,17 @@ impl Limits {
             }
             Input::Mesh(mesh) => forecast::of_mesh(&mesh_net(mesh, &job.plan), &steps, self.max_vertices.into()),
         };
-        let forecast = forecast.map_err(|error| self.no_forecast(&error))?;
+        let mut forecast = forecast.map_err(|error| self.no_forecast(&error))?;
+        let carried = carried(job);
+        // the rows are made once more for each channel
+        forecast.work = forecast.work.saturating_mul(1 + carried.channels);
         self.check_levels(job, &forecast)?;
         let counts = counts(job, forecast.levels.last().copied().unwrap_or_default());
         let sizes: Vec<Size> = job.outputs.iter().map(|output| output.format.size(&counts, &output.options)).collect();
         for (i, size) in sizes.iter().enumerate() {
             self.check_bytes(job, i, *size, &forecast)?;
         }
-        let memory_bytes = memory(&forecast, &sizes);
+        let memory_bytes = memory(&forecast, &sizes, &carried);
         if memory_bytes > self.max_job_bytes.into() {
             let place = format!("the job needs about {} of memory", in_bytes(memory_bytes));
             let bound = format!("this server allows {} a job", in_bytes(self.max_job_bytes.into()));
@@ -217,14 +222,33 @@ fn counts(job: &Job, count: Count) -> Counts {
         vertices: count.vertices,
         faces: count.faces - count.hidden_faces,
         corners: count.corners - count.hidden_corners,
+        frame: job.frame,
+        attachments: if let Input::Mesh(mesh) = &job.input { mesh.attachments.clone() } else { Arc::default() },
+        input_faces: if let Input::Mesh(mesh) = &job.input { mesh.topology.n_faces() } else { 0 },
+    }
+}
+
+/// What is refined along with the positions.
+struct Carried {
+    channels: u128,
+    /// Numbers a vertex.
+    numbers: u128,
+}
+
+fn carried(job: &Job) -> Carried {
+    match &job.input {
+        Input::Mesh(mesh) => {
+            Carried { channels: mesh.attachments.channels.len() as u128, numbers: mesh.attachments.width() as u128 }
+        }
+        Input::Polygons(_) => Carried { channels: 0, numbers: 0 },
     }
 }
 
 /// Old and new points (24 bytes each), the topology before the last split (about 17 bytes a face after it), normals and
-/// indices of a picture, and the largest result.
-fn memory(forecast: &Forecast, sizes: &[Size]) -> u128 {
+/// indices of a picture, three times the numbers of channels, and the largest result.
+fn memory(forecast: &Forecast, sizes: &[Size], carried: &Carried) -> u128 {
     let count = forecast.peak;
-    let net = count.vertices.saturating_mul(72).saturating_add(count.faces.saturating_mul(44));
+    let net = count.vertices.saturating_mul(72 + 24 * carried.numbers).saturating_add(count.faces.saturating_mul(44));
     net.saturating_add(sizes.iter().map(|size| size.bytes()).max().unwrap_or(0))
 }
 

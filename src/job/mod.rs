@@ -14,6 +14,7 @@ use crate::math::parameter::Values;
 use crate::output::{Format, ShapeKind};
 use crate::scheme::plan::{MAX_LEVELS, Plan, PlanInput, Subject};
 use crate::shape::creases::INFINITE_SHARPNESS;
+use crate::shape::frame::Frame;
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
 
@@ -66,6 +67,7 @@ impl Input {
             Self::Mesh(_) if is_open && input.boundary == crate::scheme::mesh_net::Boundary::None => {
                 Some("the holes that boundary \"none\" makes")
             }
+            Self::Mesh(mesh) if mesh.attachments.names_faces() => Some("groups and materials"),
             Self::Mesh(_) => None,
         };
         let (creased, semi_sharp) = match self {
@@ -102,6 +104,8 @@ pub struct Job {
     pub levels: u32,
     /// What is answered.
     pub outputs: Vec<Output>,
+    /// What the coordinates of the input mean.
+    pub frame: Frame,
 }
 
 impl Job {
@@ -118,7 +122,12 @@ impl Job {
         let mut faults = Vec::new();
         let resolved = match plan {
             None => Ok(Plan::none(PlanInput::default().boundary, PlanInput::default().ends)),
-            Some(plan) => Plan::resolve(plan, input.subject(plan)).map_err(|found| under("/plan", found)),
+            Some(plan) => {
+                let subject = input.subject(plan);
+                let ids = outputs.iter().any(|output| output.options.flag("ids"));
+                let subject = Subject { tags: subject.tags.or(ids.then_some("ids")), ..subject };
+                Plan::resolve(plan, subject).map_err(|found| under("/plan", found))
+            }
         };
         let levels = check_levels(plan.is_some(), levels).unwrap_or_else(|fault| {
             faults.push(fault);
@@ -150,7 +159,13 @@ impl Job {
                 faults.extend(fault.map(|fault| fault.under(&format!("/outputs/{i}"))));
             }
         }
-        if faults.is_empty() { Ok(Self { input, plan, levels, outputs }) } else { Err(faults) }
+        if faults.is_empty() { Ok(Self { input, plan, levels, outputs, frame: Frame::default() }) } else { Err(faults) }
+    }
+
+    /// The same job, its coordinates meant in this frame.
+    #[must_use]
+    pub fn framed(self, frame: Frame) -> Self {
+        Self { frame, ..self }
     }
 
     /// The key of one of its outputs.

@@ -64,14 +64,16 @@ pub fn run(admitted: &Admitted, output: &Output, out: &mut dyn Write, watch: &Wa
         Input::Polygons(polygons) => {
             let refined = curves::refine_all(job, polygons, &steps, output, watch)?;
             let control: Vec<Curve> = polygons.iter().map(curves::control).collect::<Result<_, _>>()?;
-            let scene = Scene { shape: Shape::Curves(&refined), control: Shape::Curves(&control), warnings: &[] };
+            let (shape, control) = (Shape::Curves(&refined), Shape::Curves(&control));
+            let scene = Scene { shape, control, warnings: &[], frame: job.frame };
             write(&scene, output, out, watch)
         }
         Input::Mesh(mesh) => {
             let refined = refine_mesh(mesh, &job.plan, &steps, watch)?;
             let control = control_mesh(mesh);
             let warnings = &mesh.warnings;
-            let scene = Scene { shape: Shape::Mesh(&refined), control: Shape::Mesh(&control), warnings };
+            let (shape, control) = (Shape::Mesh(&refined), Shape::Mesh(&control));
+            let scene = Scene { shape, control, warnings, frame: job.frame };
             write(&scene, output, out, watch)
         }
     }

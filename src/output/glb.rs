@@ -3,8 +3,9 @@
 use std::io::Write;
 
 use crate::math::parameter::{Parameter, Values};
-use crate::output::gltf_buffer::{Amounts, Buffer};
-use crate::output::gltf_document::{PARAMETERS, document, room, with_normals};
+use crate::output::gltf_amounts::{Amounts, Contents};
+use crate::output::gltf_buffer::Buffer;
+use crate::output::gltf_document::{PARAMETERS, document};
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::stream::holds_space;
@@ -17,8 +18,8 @@ const CHUNK_HEADER: u128 = 8;
 
 /// Binary glTF 2.0: triangles or line strips in f32.
 ///
-/// The JSON chunk is padded with spaces to a length that depends on the kind of the shape and the number of polygons
-/// only, so that the length of the file is known beforehand. Models far from the origin are moved there, and the node's
+/// The JSON chunk is padded with spaces to a length that depends on the kind of the shape, the number of polygons and what
+/// a mesh carries only, so that the length of the file is known beforehand. Models far from the origin are moved there, and the node's
 /// translation moves them back.
 ///
 /// Source: Khronos Group, glTF 2.0 Specification, section 4.4.
@@ -47,8 +48,8 @@ impl Format for Glb {
     }
 
     fn size(&self, counts: &Counts, options: &Values) -> Size {
-        let binary = Amounts::of(counts, with_normals(options)).bytes();
-        Size::Exact(file(room(counts.kind, counts.polygons), binary))
+        let binary = Amounts::of(counts, options).bytes();
+        Size::Exact(file(Contents::of(counts, options).room(), binary))
     }
 
     fn write(
@@ -58,9 +59,8 @@ impl Format for Glb {
         out: &mut dyn Write,
         watch: &Watch,
     ) -> Result<(), FormatError> {
-        let buffer = Buffer::of(scene.shape, with_normals(options), watch)?;
-        let kind = if buffer.is_mesh() { ShapeKind::Mesh } else { ShapeKind::Curves { dimension: 3 } };
-        let room = room(kind, buffer.parts.len() as u128);
+        let buffer = Buffer::of(scene, options, watch)?;
+        let room = buffer.contents().room();
         let binary = buffer.amounts.bytes();
         let lengths = [file(room, binary), room, binary].map(u32::try_from);
         let [Ok(file), Ok(room), Ok(binary)] = lengths else {

@@ -3,8 +3,9 @@
 use std::io::{self, Write};
 
 use crate::math::parameter::{Parameter, Values};
-use crate::output::gltf_buffer::{Amounts, Buffer};
-use crate::output::gltf_document::{PARAMETERS, document, room, with_normals};
+use crate::output::gltf_amounts::{Amounts, Contents};
+use crate::output::gltf_buffer::Buffer;
+use crate::output::gltf_document::{PARAMETERS, document};
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::stream::holds_space;
@@ -39,8 +40,8 @@ impl Format for Gltf {
     }
 
     fn size(&self, counts: &Counts, options: &Values) -> Size {
-        let binary = Amounts::of(counts, with_normals(options)).bytes();
-        let json = room(counts.kind, counts.polygons);
+        let binary = Amounts::of(counts, options).bytes();
+        let json = Contents::of(counts, options).room();
         Size::AtMost(total(&[(json, 1), (URI.len() as u128, 1), (binary.div_ceil(3), 4)]))
     }
 
@@ -51,7 +52,7 @@ impl Format for Gltf {
         out: &mut dyn Write,
         watch: &Watch,
     ) -> Result<(), FormatError> {
-        let buffer = Buffer::of(scene.shape, with_normals(options), watch)?;
+        let buffer = Buffer::of(scene, options, watch)?;
         let json = document(&buffer, Some(URI))?;
         let Some(start) = json.windows(URI.len()).position(|text| text == URI.as_bytes()) else {
             return Ok(out.write_all(&json)?);

@@ -1,31 +1,38 @@
-//! The binary half of glTF: f32 positions and normals, then u32 indices.
+//! The binary half of glTF: f32 positions, normals and channels, then u32 indices.
 
 use std::io::Write;
+use std::ops::Range;
 
+use crate::math::parameter::Values;
 use crate::output::bounds::Bounds;
-use crate::output::numbers::{rounded, total};
-use crate::output::scene::{MeshSource, Shape, triangles};
-use crate::output::stream::{Positions, Stream};
-use crate::output::{Counts, FormatError, ShapeKind, normals};
-use crate::watch::Watch;
+use crate::output::colors::linear;
+use crate::output::gltf_amounts::{Amounts, Contents, VECTOR};
+use crate::output::numbers::rounded;
+use crate::output::scene::{FaceChunk, Frame, MeshSource, Scene, Shape, in_chunks, triangles};
+use crate::output::stream::{Positions, Stream, channels_within_f32};
+use crate::output::{FormatError, ShapeKind, normals};
+use crate::shape::attachments::Attachments;
+use crate::shape::labels::{Part as Faces, parts};
+use crate::watch::{Stopped, Watch};
 
 /// The middle of the model is moved to the origin when it is farther away than this many times half its longest side.
 const FAR: f64 = 4.0;
 
-/// Bytes of a position or a normal.
-pub(super) const VECTOR: u128 = 12;
-
-/// Bytes of three indices.
-pub(super) const TRIANGLE: u128 = 12;
+/// Input cells whose numbers f32 holds exactly.
+const CELLS: usize = 1 << 24;
 
 /// Everything that goes into the buffer, and the numbers that describe it.
 pub(super) struct Buffer<'a> {
     mesh: Option<&'a dyn MeshSource>,
     /// One for the mesh or for each polygon.
     pub(super) parts: Vec<Part<'a>>,
+    /// Faces of the mesh by group and material, those without triangles left out.
+    pub(super) faces: Vec<Section>,
     /// What was subtracted from all positions (model units); each coordinate is an f32, so that it can be added again
     /// without a loss.
     pub(super) center: [f64; 3],
+    /// What the coordinates mean.
+    pub(super) frame: Frame,
     /// How much there is of what.
     pub(super) amounts: Amounts,
 }
@@ -46,48 +53,34 @@ impl Part<'_> {
     }
 }
 
-/// Numbers of rows in the buffer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Amounts {
-    /// Positions.
-    pub(super) vertices: u128,
-    /// Whether each position has a normal.
-    pub(super) normals: bool,
-    /// Triples of indices.
+/// The faces of one primitive.
+pub(super) struct Section {
+    /// Number of the group, if any.
+    pub(super) group: Option<usize>,
+    /// Number of the material, if any.
+    pub(super) material: Option<usize>,
+    /// Triangles that they make.
     pub(super) triangles: u128,
-}
-
-impl Amounts {
-    /// The amounts for these counts; shapes without faces have no normals.
-    pub(super) fn of(counts: &Counts, normals: bool) -> Self {
-        let faces = if counts.kind == ShapeKind::Mesh { counts.faces } else { 0 };
-        let triangles = if faces == 0 { 0 } else { counts.corners.saturating_sub(faces.saturating_mul(2)) };
-        Self { vertices: counts.vertices, normals: normals && faces > 0, triangles }
-    }
-
-    /// Length of the buffer in bytes, a multiple of 4.
-    pub(super) fn bytes(&self) -> u128 {
-        let vectors = if self.normals { 2 } else { 1 };
-        total(&[(self.vertices, vectors * VECTOR), (self.triangles, TRIANGLE)])
-    }
+    /// Shown faces, in ascending ranges.
+    ranges: Vec<Range<usize>>,
 }
 
 impl<'a> Buffer<'a> {
-    /// Measures a shape.
+    /// Measures a scene.
     ///
     /// # Errors
     /// Coordinates that f32 cannot hold, more vertices than 32-bit indices reach, or a stopped watch.
-    pub(super) fn of(shape: Shape<'a>, normals: bool, watch: &Watch) -> Result<Self, FormatError> {
-        let (mesh, counts, sources) = match shape {
+    pub(super) fn of(scene: &Scene<'a>, options: &Values, watch: &Watch) -> Result<Self, FormatError> {
+        let amounts = Amounts::of_shape(scene.shape, options);
+        let (mesh, sources) = match scene.shape {
             Shape::Mesh(mesh) => {
                 let positions = Positions::of_mesh(mesh);
-                let normals = normals && mesh.n_faces() > 0;
-                let positions = if normals { positions.held(watch)? } else { positions };
-                (Some(mesh), counts(shape), vec![(positions, None)])
+                let positions = if amounts.normals { positions.held(watch)? } else { positions };
+                (Some(mesh), vec![(positions, None)])
             }
             Shape::Curves(curves) => {
                 let positions = curves.iter().map(|curve| (Positions::of_curve(curve), Some(curve.closed)));
-                (None, counts(shape), positions.collect())
+                (None, positions.collect())
             }
         };
         let mut parts = Vec::with_capacity(sources.len());
@@ -100,7 +93,32 @@ impl<'a> Buffer<'a> {
             parts.push(Part { positions, bounds, closed });
         }
         let center = center(&parts.iter().fold(Bounds::EMPTY, |all, part| all.joined(&part.bounds)))?;
-        Ok(Self { mesh, parts, center, amounts: Amounts::of(&counts, normals) })
+        let faces = match mesh {
+            Some(mesh) => {
+                channels_within_f32(mesh, watch)?;
+                check_origins(mesh, &amounts)?;
+                sections(mesh, watch)?
+            }
+            None => Vec::new(),
+        };
+        Ok(Self { mesh, parts, faces, center, frame: scene.frame, amounts })
+    }
+
+    /// What the mesh carries.
+    pub(super) fn attachments(&self) -> &'a Attachments {
+        self.mesh.map_or(Attachments::none(), |mesh| mesh.attachments())
+    }
+
+    /// What decides on the length of the document.
+    pub(super) fn contents(&self) -> Contents<'a> {
+        Contents {
+            kind: if self.is_mesh() { ShapeKind::Mesh } else { ShapeKind::Curves { dimension: 3 } },
+            polygons: self.parts.len() as u128,
+            frame: self.frame,
+            attachments: self.attachments(),
+            input_faces: self.mesh.map_or(0, |mesh| mesh.input_cells()[2]),
+            ids: self.amounts.ids,
+        }
     }
 
     /// Whether it is the buffer of a mesh.
@@ -126,34 +144,96 @@ impl<'a> Buffer<'a> {
                 vectors(rows, out, |normal| normals::or_up(normal).map(rounded));
             })?;
         }
-        stream.faces(mesh, |_, face, out| {
-            for triangle in triangles(face) {
-                out.extend_from_slice(triangle.map(u32::to_le_bytes).as_flattened());
+        self.write_carried(mesh, &mut stream)?;
+        for range in self.faces.iter().flat_map(|section| &section.ranges) {
+            stream.faces_in(mesh, range.clone(), |_, face, out| {
+                for triangle in triangles(face) {
+                    out.extend_from_slice(triangle.map(u32::to_le_bytes).as_flattened());
+                }
+            })?;
+        }
+        if self.amounts.ids {
+            for range in self.faces.iter().flat_map(|section| &section.ranges) {
+                stream.faces_in(mesh, range.clone(), |index, face, out| {
+                    let origin = mesh.face_origin(index).to_le_bytes();
+                    triangles(face).for_each(|_| out.extend_from_slice(&origin));
+                })?;
             }
-        })
+        }
+        Ok(())
+    }
+
+    /// Channels, and the origins of vertices where they are asked for.
+    fn write_carried(&self, mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+        for (i, channel) in mesh.attachments().channels.iter().enumerate() {
+            let color = channel.is_color();
+            stream.channel(mesh, i, |_, row, out| {
+                for (k, &x) in row.iter().enumerate() {
+                    let x = if color { linear(k, x) } else { x };
+                    out.extend_from_slice(&(rounded(x) + 0.0).to_le_bytes());
+                }
+            })?;
+        }
+        if self.amounts.ids {
+            stream.each(0..mesh.n_vertices(), |vertex, out| {
+                let origin = mesh.vertex_origin(vertex);
+                let pair = [f64::from(origin.dimension), f64::from(origin.cell)];
+                out.extend_from_slice(pair.map(|x| rounded(x).to_le_bytes()).as_flattened());
+            })?;
+        }
+        Ok(())
     }
 }
 
-/// The counts of a shape that is there.
-fn counts(shape: Shape<'_>) -> Counts {
-    match shape {
-        Shape::Mesh(mesh) => Counts {
-            kind: ShapeKind::Mesh,
-            polygons: 1,
-            control: 0,
-            vertices: mesh.n_vertices() as u128,
-            faces: mesh.n_faces() as u128,
-            corners: mesh.n_corners() as u128,
-        },
-        Shape::Curves(curves) => Counts {
-            kind: ShapeKind::Curves { dimension: 3 },
-            polygons: curves.len() as u128,
-            control: 0,
-            vertices: curves.iter().map(|curve| curve.len() as u128).sum(),
-            faces: 0,
-            corners: 0,
-        },
+/// The faces of a mesh by group and material, in the order in which these first appear.
+fn sections(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<Section>, FormatError> {
+    let attachments = mesh.attachments();
+    let parts = if attachments.names_faces() {
+        parts(&attachments.groups, &attachments.materials, mesh.input_cells()[2])
+    } else {
+        let triangles = mesh.n_corners() as u128 - 2 * mesh.n_faces() as u128;
+        let ranges = std::iter::once(0..mesh.n_faces()).collect();
+        return Ok(if triangles > 0 {
+            vec![Section { group: None, material: None, triangles, ranges }]
+        } else {
+            vec![]
+        });
+    };
+    let section = |Faces { group, material, runs }: Faces| {
+        let shown = |f: u32| mesh.faces_of(f as usize);
+        let ranges = runs.iter().map(|run| shown(run.start).start..shown(run.end - 1).end);
+        let ranges: Vec<_> = ranges.filter(|range| !range.is_empty()).collect();
+        let mut triangles = 0;
+        for range in &ranges {
+            triangles += n_triangles(mesh, range, watch)?;
+        }
+        Ok(Section { group, material, triangles, ranges })
+    };
+    let sections: Result<Vec<_>, FormatError> = parts.into_iter().map(section).collect();
+    Ok(sections?.into_iter().filter(|section| section.triangles > 0).collect())
+}
+
+/// Triangles of some consecutive faces.
+fn n_triangles(mesh: &dyn MeshSource, some: &Range<usize>, watch: &Watch) -> Result<u128, Stopped> {
+    let mut chunk = FaceChunk::default();
+    let mut n = 0;
+    in_chunks(some.len(), |range| {
+        watch.check()?;
+        mesh.faces(some.start + range.start..some.start + range.end, &mut chunk);
+        n += chunk.vertices.len() as u128 - 2 * chunk.sizes.len() as u128;
+        Ok(())
+    })?;
+    Ok(n)
+}
+
+/// Refuses numbers of input cells that f32 does not hold.
+fn check_origins(mesh: &dyn MeshSource, amounts: &Amounts) -> Result<(), FormatError> {
+    if amounts.ids && mesh.input_cells().iter().any(|&n| n > CELLS) {
+        let detail =
+            format!("glTF tells the origin of vertices for inputs of at most {CELLS} cells; ask for json or ply");
+        return Err(FormatError::Unfit(detail));
     }
+    Ok(())
 }
 
 /// What to subtract from all positions: the middle of the box, rounded to f32, when it is far from the origin.

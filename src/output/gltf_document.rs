@@ -1,45 +1,39 @@
-//! The JSON half of glTF: one node with one mesh, its material, and where its numbers lie in the buffer.
+//! The JSON half of glTF: nodes, one mesh with its materials, and where its numbers lie in the buffer.
 
 use std::collections::BTreeMap;
 
-use gltf::json::accessor::{ComponentType, GenericComponentType, Type};
-use gltf::json::buffer::{Stride, Target, View};
-use gltf::json::material::{PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor};
+use gltf::json::accessor::{ComponentType, Type};
+use gltf::json::material::{AlphaMode, PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
-use gltf::json::validation::Checked::Valid;
+use gltf::json::scene::UnitQuaternion;
+use gltf::json::validation::Checked::{self, Valid};
 use gltf::json::{self, Accessor, Asset, Extras, Index, Material, Mesh, Node, Root, Scene};
-use serde_json::json;
+use serde_json::value::{RawValue, to_raw_value};
+use serde_json::{Map, Value, json};
 
-use crate::math::parameter::{Default as Otherwise, Kind, Parameter, Values};
-use crate::output::gltf_buffer::{Amounts, Buffer, Part, VECTOR};
-use crate::output::numbers::{rounded, total};
-use crate::output::{FormatError, ShapeKind};
+use crate::math::parameter::{Default as Otherwise, Kind, Parameter};
+use crate::output::gltf_amounts::{NUMBER, ORIGIN, TRIANGLE, VECTOR};
+use crate::output::gltf_buffer::{Buffer, Part, Section};
+use crate::output::gltf_views::{Views, accessor, length};
+use crate::output::numbers::rounded;
+use crate::output::{FormatError, IDS};
+use crate::shape::frame::{Frame, Unit, Up};
 
 /// Linear base colours of surfaces and of curves.
 const SURFACE: [f32; 4] = [0.3, 0.47, 0.65, 1.0];
 const CURVE: [f32; 4] = [0.03, 0.06, 0.1, 1.0];
 
 /// Options of both containers.
-pub(super) const PARAMETERS: &[Parameter] = &[Parameter {
-    name: "normals",
-    kind: Kind::Choice(&["area", "none"]),
-    unit: "",
-    default: Otherwise::Text("area"),
-    doc: "Vertex normals of a mesh: weighted by the area of the faces around the vertex, or none (flat shading)",
-}];
-
-/// Whether normals are asked for.
-pub(super) fn with_normals(options: &Values) -> bool {
-    options.choice("normals") != Some("none")
-}
-
-/// Most bytes of the document of a shape, a multiple of 4: 1,536 for a mesh, for curves 768 and 384 a polygon.
-pub(super) fn room(kind: ShapeKind, polygons: u128) -> u128 {
-    match kind {
-        ShapeKind::Mesh => 1_536,
-        ShapeKind::Curves { .. } => total(&[(768, 1), (384, polygons)]),
-    }
-}
+pub(super) const PARAMETERS: &[Parameter] = &[
+    Parameter {
+        name: "normals",
+        kind: Kind::Choice(&["area", "none"]),
+        unit: "",
+        default: Otherwise::Text("area"),
+        doc: "Vertex normals of a mesh: weighted by the area of the faces around the vertex, or none (flat shading)",
+    },
+    IDS,
+];
 
 /// The document that describes `buffer`, whose bytes are found at `uri` (in the container's own chunk without one).
 ///
@@ -53,10 +47,9 @@ pub(super) fn document(buffer: &Buffer<'_>, uri: Option<&str>) -> Result<Vec<u8>
     let mut root = Root { asset: asset(), scene: Some(Index::new(0)), ..Root::default() };
     let mut node = Node { name: Some("planish".into()), translation: translation(buffer), ..Node::default() };
     root.scenes = vec![Scene { extensions: None, extras: Extras::default(), name: None, nodes: vec![Index::new(0)] }];
-    let primitives = primitives(buffer, &mut root);
+    let primitives = if buffer.is_mesh() { surface(buffer, &mut root)? } else { curves(buffer, &mut root) };
     if !primitives.is_empty() {
         node.mesh = Some(Index::new(0));
-        root.materials = vec![material(buffer.is_mesh())];
         root.meshes = vec![Mesh { extensions: None, extras: Extras::default(), name: None, primitives, weights: None }];
         root.buffers = vec![json::Buffer {
             byte_length: length(buffer.amounts.bytes()).into(),
@@ -65,10 +58,13 @@ pub(super) fn document(buffer: &Buffer<'_>, uri: Option<&str>) -> Result<Vec<u8>
             extensions: None,
             extras: Extras::default(),
         }];
-        root.buffer_views = views(&buffer.amounts);
     }
-    root.nodes = vec![node];
-    root.to_vec().map_err(|error| FormatError::Unfit(format!("the glTF document cannot be written: {error}")))
+    root.nodes = framed(node, buffer.frame);
+    root.to_vec().map_err(|error| unwritten(&error))
+}
+
+fn unwritten(error: &serde_json::Error) -> FormatError {
+    FormatError::Unfit(format!("the glTF document cannot be written: {error}"))
 }
 
 fn asset() -> Asset {
@@ -80,11 +76,32 @@ fn translation(buffer: &Buffer<'_>) -> Option<[f32; 3]> {
     moved.then(|| buffer.center.map(|x| rounded(x) + 0.0))
 }
 
-fn material(surface: bool) -> Material {
+/// The node, turned so that y is up and scaled to metres. A node that is moved stays as it is below another one that
+/// turns and scales, so that its translation is still told exactly.
+fn framed(mut node: Node, frame: Frame) -> Vec<Node> {
+    if frame.is_default() {
+        return vec![node];
+    }
+    // a quarter turn about x brings z to y
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    let rotation = (frame.up == Up::Z).then_some(UnitQuaternion([-half, 0.0, 0.0, half]));
+    let metres = rounded(frame.unit.metres());
+    let scale = (frame.unit != Unit::Metre).then_some([metres; 3]);
+    if node.translation.is_none() {
+        return vec![Node { rotation, scale, ..node }];
+    }
+    let name = node.name.take();
+    vec![Node { name, rotation, scale, children: Some(vec![Index::new(1)]), ..Node::default() }, node]
+}
+
+/// The look of surfaces; with colours of their own they are white, and see-through where these say so.
+fn look(base: [f32; 4], name: Option<&str>, alpha: bool) -> Material {
     Material {
+        name: name.map(Into::into),
         double_sided: true,
+        alpha_mode: Valid(if alpha { AlphaMode::Blend } else { AlphaMode::Opaque }),
         pbr_metallic_roughness: PbrMetallicRoughness {
-            base_color_factor: PbrBaseColorFactor(if surface { SURFACE } else { CURVE }),
+            base_color_factor: PbrBaseColorFactor(base),
             metallic_factor: StrengthFactor(0.0),
             roughness_factor: StrengthFactor(0.5),
             ..PbrMetallicRoughness::default()
@@ -93,90 +110,125 @@ fn material(surface: bool) -> Material {
     }
 }
 
-/// The sections of the buffer: positions, normals, indices.
-fn views(amounts: &Amounts) -> Vec<View> {
-    let vectors = amounts.vertices * VECTOR;
-    let mut views = vec![view(0, vectors, Target::ArrayBuffer)];
-    if amounts.normals {
-        views.push(view(vectors, vectors, Target::ArrayBuffer));
-    }
-    if amounts.triangles > 0 {
-        let start = if amounts.normals { 2 * vectors } else { vectors };
-        views.push(view(start, amounts.bytes() - start, Target::ElementArrayBuffer));
-    }
-    views
-}
-
-fn view(start: u128, bytes: u128, target: Target) -> View {
-    View {
-        buffer: Index::new(0),
-        byte_length: length(bytes).into(),
-        byte_offset: (start > 0).then(|| length(start).into()),
-        byte_stride: (target == Target::ArrayBuffer).then_some(Stride(VECTOR as usize)),
-        name: None,
-        target: Some(Valid(target)),
-        extensions: None,
-        extras: Extras::default(),
-    }
-}
-
-/// One primitive for the mesh or for each polygon with points; their accessors go into `root`.
-fn primitives(buffer: &Buffer<'_>, root: &mut Root) -> Vec<Primitive> {
-    let mut start = 0;
+/// One primitive for each polygon with points.
+fn curves(buffer: &Buffer<'_>, root: &mut Root) -> Vec<Primitive> {
     let mut primitives = Vec::with_capacity(buffer.parts.len());
-    for part in buffer.parts.iter().filter(|part| part.len() > 0) {
-        let mut positions = accessor(0, start, part.len() as u128, ComponentType::F32, Type::Vec3);
-        positions.min = Some(json!(buffer.local(part.bounds.min).map(|x| x + 0.0)));
-        positions.max = Some(json!(buffer.local(part.bounds.max).map(|x| x + 0.0)));
-        start += part.len() as u128 * VECTOR;
-        let mut attributes = BTreeMap::from([(Valid(Semantic::Positions), root.push(positions))]);
-        let Amounts { vertices, normals, triangles } = buffer.amounts;
-        if normals {
-            let normals = accessor(1, 0, vertices, ComponentType::F32, Type::Vec3);
-            attributes.insert(Valid(Semantic::Normals), root.push(normals));
-        }
-        let view = if normals { 2 } else { 1 };
-        let indices = (triangles > 0).then(|| accessor(view, 0, 3 * triangles, ComponentType::U32, Type::Scalar));
-        primitives.push(Primitive {
-            attributes,
-            extensions: None,
-            extras: Extras::default(),
-            indices: indices.map(|indices| root.push(indices)),
-            material: Some(Index::new(0)),
-            mode: Valid(mode(part, triangles > 0)),
-            targets: None,
-        });
+    if buffer.amounts.vertices == 0 {
+        return primitives;
     }
+    let view = Views::of(root).vertices(buffer.amounts.vertices, VECTOR);
+    let mut start = 0;
+    for part in buffer.parts.iter().filter(|part| part.len() > 0) {
+        let positions = root.push(positions(buffer, part, view, start));
+        start += part.len() as u128 * VECTOR;
+        let mode = match (part.closed, part.len()) {
+            (_, 1) => Mode::Points,
+            (Some(true), _) => Mode::LineLoop,
+            _ => Mode::LineStrip,
+        };
+        primitives.push(primitive(BTreeMap::from([(Valid(Semantic::Positions), positions)]), mode));
+    }
+    root.materials = vec![look(CURVE, None, false)];
     primitives
 }
 
-fn mode(part: &Part<'_>, surface: bool) -> Mode {
-    match (surface, part.closed, part.len()) {
-        (true, ..) => Mode::Triangles,
-        (false, None, _) | (false, Some(_), 0 | 1) => Mode::Points,
-        (false, Some(true), _) => Mode::LineLoop,
-        (false, Some(false), _) => Mode::LineStrip,
+/// One primitive for each group and material, or points where there are no faces.
+fn surface(buffer: &Buffer<'_>, root: &mut Root) -> Result<Vec<Primitive>, FormatError> {
+    let Some(part) = buffer.parts.first().filter(|part| part.len() > 0) else { return Ok(Vec::new()) };
+    let attributes = attributes(buffer, part, root);
+    let color = buffer.attachments().color().map(|(_, channel)| channel.width);
+    let base = if color.is_some() { [1.0; 4] } else { SURFACE };
+    let look = |name| look(base, name, color == Some(4));
+    if buffer.faces.is_empty() {
+        root.materials = vec![look(None)];
+        return Ok(vec![primitive(attributes, Mode::Points)]);
     }
+    let triangles = buffer.amounts.triangles;
+    let corners = Views::of(root).indices(triangles * TRIANGLE);
+    let origins = buffer.amounts.ids.then(|| Views::of(root).loose(triangles * 4));
+    let mut known: Vec<Option<usize>> = Vec::new();
+    let mut primitives = Vec::with_capacity(buffer.faces.len());
+    let mut start = 0;
+    for section in &buffer.faces {
+        let material = known.iter().position(|&material| material == section.material).unwrap_or_else(|| {
+            let name = section.material.map(|material| buffer.attachments().materials.names[material].as_str());
+            root.materials.push(look(name));
+            known.push(section.material);
+            known.len() - 1
+        });
+        let (n, component) = (section.triangles, ComponentType::U32);
+        let indices = root.push(accessor(corners, start * TRIANGLE, 3 * n, component, Type::Scalar));
+        let faces = origins.map(|view| root.push(accessor(view, start * 4, n, component, Type::Scalar)));
+        start += n;
+        primitives.push(Primitive {
+            indices: Some(indices),
+            material: Some(Index::new(u32::try_from(material).expect("there are few materials"))),
+            extras: extras(buffer, section, faces)?,
+            ..primitive(attributes.clone(), Mode::Triangles)
+        });
+    }
+    Ok(primitives)
 }
 
-fn accessor(view: u32, start: u128, count: u128, component: ComponentType, kind: Type) -> Accessor {
-    Accessor {
-        buffer_view: Some(Index::new(view)),
-        byte_offset: (start > 0).then(|| length(start).into()),
-        count: length(count).into(),
-        component_type: Valid(GenericComponentType(component)),
+/// What a primitive says beyond glTF: its group, and the accessor with the input face of each triangle.
+fn extras(
+    buffer: &Buffer<'_>,
+    section: &Section,
+    faces: Option<Index<Accessor>>,
+) -> Result<Option<Box<RawValue>>, FormatError> {
+    let mut told = Map::new();
+    if let Some(group) = section.group {
+        told.insert("group".into(), json!(buffer.attachments().groups.names[group]));
+    }
+    if let Some(faces) = faces {
+        told.insert("faces".into(), json!(faces.value()));
+    }
+    if told.is_empty() {
+        return Ok(None);
+    }
+    to_raw_value(&Value::Object(told)).map(Some).map_err(|error| unwritten(&error))
+}
+
+type Attributes = BTreeMap<Checked<Semantic>, Index<Accessor>>;
+
+/// What each vertex of a mesh has.
+fn attributes(buffer: &Buffer<'_>, part: &Part<'_>, root: &mut Root) -> Attributes {
+    let n = buffer.amounts.vertices;
+    let view = Views::of(root).vertices(n, VECTOR);
+    let mut attributes = BTreeMap::from([(Valid(Semantic::Positions), root.push(positions(buffer, part, view, 0)))]);
+    let mut floats = |root: &mut Root, semantic, width: u128| {
+        let view = Views::of(root).vertices(n, width * NUMBER);
+        let kind = [Type::Scalar, Type::Vec2, Type::Vec3, Type::Vec4][usize::try_from(width - 1).unwrap_or(3).min(3)];
+        attributes.insert(Valid(semantic), root.push(accessor(view, 0, n, ComponentType::F32, kind)));
+    };
+    if buffer.amounts.normals {
+        floats(root, Semantic::Normals, VECTOR / NUMBER);
+    }
+    for channel in &buffer.attachments().channels {
+        let custom = || Semantic::Extras(channel.name.to_ascii_uppercase());
+        floats(root, if channel.is_color() { Semantic::Colors(0) } else { custom() }, channel.width as u128);
+    }
+    if buffer.amounts.ids {
+        floats(root, Semantic::Extras("ORIGIN".into()), ORIGIN / NUMBER);
+    }
+    attributes
+}
+
+fn positions(buffer: &Buffer<'_>, part: &Part<'_>, view: u32, start: u128) -> Accessor {
+    let mut positions = accessor(view, start, part.len() as u128, ComponentType::F32, Type::Vec3);
+    positions.min = Some(json!(buffer.local(part.bounds.min).map(|x| x + 0.0)));
+    positions.max = Some(json!(buffer.local(part.bounds.max).map(|x| x + 0.0)));
+    positions
+}
+
+fn primitive(attributes: Attributes, mode: Mode) -> Primitive {
+    Primitive {
+        attributes,
         extensions: None,
         extras: Extras::default(),
-        type_: Valid(kind),
-        min: None,
-        max: None,
-        name: None,
-        normalized: false,
-        sparse: None,
+        indices: None,
+        material: Some(Index::new(0)),
+        mode: Valid(mode),
+        targets: None,
     }
-}
-
-/// A length that is known to be that of something in memory or behind 32-bit indices.
-fn length(n: u128) -> u64 {
-    u64::try_from(n).expect("numbers of rows are below 2^40")
 }

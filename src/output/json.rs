@@ -1,5 +1,7 @@
 //! JSON in the notation of requests: every format's fallback, holding everything at full precision.
 
+mod carried;
+
 use std::io::Write;
 
 use serde_json::Value;
@@ -10,7 +12,7 @@ use crate::output::curvature;
 use crate::output::numbers::{REAL, digits, real, reals, total, whole};
 use crate::output::scene::{Curve, MeshSource, Scene, Shape};
 use crate::output::stream::{Positions, Stream, unfit};
-use crate::output::{Counts, Format, FormatError, LIMIT, POSITIONS, ShapeKind, Size, TANGENTS};
+use crate::output::{Counts, Format, FormatError, IDS, LIMIT, POSITIONS, ShapeKind, Size, TANGENTS};
 use crate::watch::Watch;
 
 /// The option of discrete curvature.
@@ -30,6 +32,10 @@ const WARNINGS_FRAME: usize = 64;
 /// `{"positions":[...],"faces":[...]}` for meshes, `{"points":[...],"closed":...}` for one polygon,
 /// `{"polygons":[...]}` with such objects for any other number of them.
 ///
+/// What a mesh carries follows in the notation of requests: `"channels":{...}`, `"groups":[...]` and `"materials":[...]` of
+/// output faces. With `ids` an entry `"ids":{"faces":[...],"vertices":[[dimension,cell],...]}` follows: the input face of
+/// each face, and for each vertex the input cell (dimension 0 a vertex, 1 an edge, 2 a face).
+///
 /// With warnings, an entry `"warnings":[...]` follows. Numbers are the shortest decimals that read back as the same f64; whole ones have no point, -0 is 0.
 #[derive(Debug)]
 pub(super) struct Json;
@@ -48,7 +54,7 @@ impl Format for Json {
     }
 
     fn parameters(&self) -> &'static [Parameter] {
-        &[POSITIONS, TANGENTS, CURVATURE]
+        &[POSITIONS, TANGENTS, CURVATURE, IDS]
     }
 
     fn suits(&self, kind: ShapeKind, options: &Values) -> Result<(), Fault> {
@@ -96,7 +102,9 @@ impl Format for Json {
             ShapeKind::Mesh => {
                 let braces = br#"{"positions":[],"faces":[]}"#.len() as u128;
                 let corner = digits(counts.vertices) + 1;
-                total(&[(1, braces), (counts.vertices, row(3)), (counts.faces, 2), (counts.corners, corner)])
+                let rows = [(counts.vertices, row(3)), (counts.faces, 2), (counts.corners, corner)];
+                let carried = carried::size(counts, options.flag("ids"));
+                total(&[(1, braces), rows[0], rows[1], rows[2], (1, carried)])
             }
         };
         Size::AtMost(content.saturating_add(WARNINGS as u128))
@@ -112,7 +120,10 @@ impl Format for Json {
         let mut stream = Stream::new(out, watch);
         stream.bytes(b"{")?;
         match scene.shape {
-            Shape::Mesh(mesh) => write_mesh(mesh, &mut stream)?,
+            Shape::Mesh(mesh) => {
+                write_mesh(mesh, &mut stream)?;
+                carried::write(mesh, options.flag("ids"), &mut stream)?;
+            }
             Shape::Curves([curve]) => write_curve(curve, options, &mut stream)?,
             Shape::Curves(curves) => write_curves(curves, options, &mut stream)?,
         }

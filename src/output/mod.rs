@@ -4,11 +4,14 @@ pub mod normals;
 pub mod scene;
 
 mod bounds;
+mod colors;
 mod curvature;
 mod glb;
 mod gltf;
+mod gltf_amounts;
 mod gltf_buffer;
 mod gltf_document;
+mod gltf_views;
 mod json;
 mod numbers;
 mod obj;
@@ -21,15 +24,27 @@ mod stream;
 mod svg;
 
 use std::io::{self, Write};
+use std::sync::Arc;
 
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::scene::Scene;
+use crate::shape::attachments::Attachments;
+use crate::shape::frame::Frame;
 use crate::watch::{Stopped, Watch};
 
 /// Every format, in the order of the documentation.
 pub const FORMATS: &[&dyn Format] =
     &[&json::Json, &stats::Stats, &obj::Obj, &glb::Glb, &gltf::Gltf, &ply::Ply, &stl::Stl, &png::Png, &svg::Svg];
+
+/// The option of mesh formats that tells of what in the input everything came.
+const IDS: Parameter = Parameter {
+    name: "ids",
+    kind: Kind::Flag,
+    unit: "",
+    default: Default::Flag(false),
+    doc: "For each face of a mesh the input face it came of, for each vertex the input vertex, edge or face",
+};
 
 /// The format of a name.
 pub fn named(name: &str) -> Option<&'static dyn Format> {
@@ -106,7 +121,7 @@ pub enum ShapeKind {
 }
 
 /// Exact counts of a result, known before it is computed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Counts {
     /// Curves or a mesh.
     pub kind: ShapeKind,
@@ -120,6 +135,12 @@ pub struct Counts {
     pub faces: u128,
     /// Sum of the sizes of the shown faces.
     pub corners: u128,
+    /// What the coordinates mean.
+    pub frame: Frame,
+    /// What a mesh carries besides its shape.
+    pub attachments: Arc<Attachments>,
+    /// Faces of the input mesh, hidden ones included (0 for curves).
+    pub input_faces: usize,
 }
 
 impl Counts {

@@ -3,18 +3,34 @@
 use std::io::Write;
 
 use crate::math::parameter::{Default, Kind, Parameter, Values};
-use crate::output::numbers::{REAL, digits, reals, total, whole};
-use crate::output::scene::{Curve, MeshSource, Scene, Shape};
+use crate::output::colors::within;
+use crate::output::numbers::{REAL, digits, real, reals, total, whole};
+use crate::output::scene::{Curve, Frame, MeshSource, Scene, Shape};
 use crate::output::stream::{Positions, Stream, holds_space};
-use crate::output::{Counts, Format, FormatError, ShapeKind, Size, normals};
+use crate::output::{Counts, Format, FormatError, IDS, ShapeKind, Size, normals};
+use crate::shape::labels::Labels;
 use crate::watch::Watch;
 
-const HEADER: &[u8] = b"# planish\n";
+/// The first lines: who wrote the file, and what coordinates mean.
+fn header(frame: Frame) -> String {
+    ["planish".to_owned()]
+        .into_iter()
+        .chain(frame.remarks())
+        .map(|remark| format!("# {remark}\n"))
+        .collect::<Vec<_>>()
+        .concat()
+}
+
+/// What faces without a group or material are said to have.
+const UNNAMED: &str = "default";
 
 /// Wavefront OBJ: `v`, `vn` on request, `f` for meshes; `v` and `l` for curves.
 ///
 /// Numbers are the shortest decimals that read back as the same f64. A closed curve repeats its first index; missing
-/// coordinates of points are 0.
+/// coordinates of points are 0. Unit and up axis stand in comments where they are not the defaults. The channel `color`
+/// stands behind the coordinates (red, green, blue), other channels have no place. Groups and materials are `g` and
+/// `usemtl`, "default" for faces without; there is no library of materials. Origins are comments before the first
+/// vertex and face of each input cell.
 #[derive(Debug)]
 pub(super) struct Obj;
 
@@ -32,13 +48,7 @@ impl Format for Obj {
     }
 
     fn parameters(&self) -> &'static [Parameter] {
-        &[Parameter {
-            name: "normals",
-            kind: Kind::Choice(&["none", "area"]),
-            unit: "",
-            default: Default::Text("none"),
-            doc: "Vertex normals of a mesh: none, or weighted by the area of the faces around the vertex",
-        }]
+        PARAMETERS
     }
 
     fn holds(&self, kind: ShapeKind) -> Result<(), String> {
@@ -48,7 +58,7 @@ impl Format for Obj {
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         let index = digits(counts.vertices);
         let row = 3 * (1 + REAL);
-        let header = HEADER.len() as u128;
+        let header = header(counts.frame).len() as u128;
         Size::AtMost(match counts.kind {
             ShapeKind::Curves { .. } => total(&[
                 (1, header),
@@ -58,7 +68,11 @@ impl Format for Obj {
             ]),
             ShapeKind::Mesh => {
                 let (normal, corner) = if with_normals(options) { (3 + row, 3 + 2 * index) } else { (0, 1 + index) };
-                total(&[(1, header), (counts.vertices, 2 + row + normal), (counts.faces, 2), (counts.corners, corner)])
+                let told = told(counts, options.flag("ids"));
+                let color = if counts.attachments.color().is_some() { row } else { 0 };
+                let vertex = 2 + row + color + normal;
+                let rows = [(counts.vertices, vertex), (counts.faces, 2), (counts.corners, corner)];
+                total(&[(1, header), (1, told), rows[0], rows[1], rows[2]])
             }
         })
     }
@@ -71,13 +85,17 @@ impl Format for Obj {
         watch: &Watch,
     ) -> Result<(), FormatError> {
         let mut stream = Stream::new(out, watch);
-        stream.bytes(HEADER)?;
+        stream.bytes(header(scene.frame).as_bytes())?;
         match scene.shape {
             Shape::Curves(curves) => write_curves(curves, &mut stream),
-            Shape::Mesh(mesh) if with_normals(options) => write_with_normals(mesh, &mut stream, watch),
             Shape::Mesh(mesh) => {
-                vertices(&Positions::of_mesh(mesh), &mut stream)?;
-                stream.faces(mesh, |_, face, out| {
+                let told = Told { mesh, ids: options.flag("ids") };
+                if with_normals(options) {
+                    return write_with_normals(&told, &mut stream, watch);
+                }
+                told.vertices(&Positions::of_mesh(mesh), &mut stream)?;
+                stream.faces(mesh, |index, face, out| {
+                    told.before_face(index, out);
                     out.push(b'f');
                     for &vertex in face {
                         corner(vertex, out);
@@ -89,13 +107,25 @@ impl Format for Obj {
     }
 }
 
+const PARAMETERS: &[Parameter] = &[
+    Parameter {
+        name: "normals",
+        kind: Kind::Choice(&["none", "area"]),
+        unit: "",
+        default: Default::Text("none"),
+        doc: "Vertex normals of a mesh: none, or weighted by the area of the faces around the vertex",
+    },
+    IDS,
+];
+
 fn with_normals(options: &Values) -> bool {
     options.choice("normals") == Some("area")
 }
 
-fn write_with_normals(mesh: &dyn MeshSource, stream: &mut Stream<'_>, watch: &Watch) -> Result<(), FormatError> {
+fn write_with_normals(told: &Told<'_>, stream: &mut Stream<'_>, watch: &Watch) -> Result<(), FormatError> {
+    let mesh = told.mesh;
     let positions = Positions::of_mesh(mesh).held(watch)?;
-    vertices(&positions, stream)?;
+    told.vertices(&positions, stream)?;
     let normals = normals::area(mesh, positions.rows(), watch)?;
     drop(positions);
     stream.rows(0, &normals, |_, rows, out| {
@@ -105,7 +135,8 @@ fn write_with_normals(mesh: &dyn MeshSource, stream: &mut Stream<'_>, watch: &Wa
             out.push(b'\n');
         }
     })?;
-    stream.faces(mesh, |_, face, out| {
+    stream.faces(mesh, |index, face, out| {
+        told.before_face(index, out);
         out.push(b'f');
         for &vertex in face {
             corner(vertex, out);
@@ -147,8 +178,7 @@ fn write_curves(curves: &[Curve], stream: &mut Stream<'_>) -> Result<(), FormatE
 fn vertices(positions: &Positions<'_>, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     stream.positions(positions, |_, rows, out| {
         for position in rows {
-            out.extend_from_slice(b"v ");
-            reals(out, position, b' ');
+            vertex(position, out);
             out.push(b'\n');
         }
     })
@@ -157,4 +187,104 @@ fn vertices(positions: &Positions<'_>, stream: &mut Stream<'_>) -> Result<(), Fo
 fn corner(vertex: u32, out: &mut Vec<u8>) {
     out.push(b' ');
     whole(out, u64::from(vertex) + 1);
+}
+
+/// What is told of a mesh besides its shape.
+struct Told<'a> {
+    mesh: &'a dyn MeshSource,
+    /// Whether origins are told.
+    ids: bool,
+}
+
+impl Told<'_> {
+    /// Writes the vertices with their colours and origins.
+    fn vertices(&self, positions: &Positions<'_>, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+        let Some((channel, color)) = self.mesh.attachments().color().map(|(i, color)| (i, color.width)) else {
+            if !self.ids {
+                return vertices(positions, stream);
+            }
+            return stream.positions(positions, |start, rows, out| {
+                for (i, position) in rows.iter().enumerate() {
+                    self.before_vertex(start + i, out);
+                    vertex(position, out);
+                    out.push(b'\n');
+                }
+            });
+        };
+        stream.positions(positions, |start, rows, out| {
+            let mut colors = Vec::new();
+            self.mesh.channel(channel, start..start + rows.len(), &mut colors);
+            for (i, (position, color)) in rows.iter().zip(colors.chunks_exact(color)).enumerate() {
+                self.before_vertex(start + i, out);
+                vertex(position, out);
+                for &x in &color[..3] {
+                    out.push(b' ');
+                    real(out, within(x));
+                }
+                out.push(b'\n');
+            }
+        })
+    }
+
+    /// Appends the origin of a vertex where it differs from that of the vertex before.
+    fn before_vertex(&self, vertex: usize, out: &mut Vec<u8>) {
+        if !self.ids {
+            return;
+        }
+        let origin = self.mesh.vertex_origin(vertex);
+        if vertex.checked_sub(1).map(|before| self.mesh.vertex_origin(before)) != Some(origin) {
+            let cell = ["vertex", "edge", "face"][usize::from(origin.dimension.min(2))];
+            comment(cell, origin.cell, out);
+        }
+    }
+
+    /// Appends origin, group and material of a face where they differ from those of the face before.
+    fn before_face(&self, face: usize, out: &mut Vec<u8>) {
+        let attachments = self.mesh.attachments();
+        if !self.ids && !attachments.names_faces() {
+            return;
+        }
+        let origin = self.mesh.face_origin(face);
+        let before = face.checked_sub(1).map(|before| self.mesh.face_origin(before));
+        if before == Some(origin) {
+            return;
+        }
+        if self.ids {
+            comment("face", origin, out);
+        }
+        for (keyword, labels) in [("g ", &attachments.groups), ("usemtl ", &attachments.materials)] {
+            if !labels.is_empty() && before.map(|before| labels.number(before)) != Some(labels.number(origin)) {
+                out.extend_from_slice(keyword.as_bytes());
+                out.extend_from_slice(labels.name(origin).unwrap_or(UNNAMED).as_bytes());
+                out.push(b'\n');
+            }
+        }
+    }
+}
+
+fn comment(cell: &str, number: u32, out: &mut Vec<u8>) {
+    out.extend_from_slice(b"# from ");
+    out.extend_from_slice(cell.as_bytes());
+    out.push(b' ');
+    whole(out, number.into());
+    out.push(b'\n');
+}
+
+fn vertex(position: &[f64; 3], out: &mut Vec<u8>) {
+    out.extend_from_slice(b"v ");
+    reals(out, position, b' ');
+}
+
+/// Most bytes of the lines that tell of origins, groups and materials.
+fn told(counts: &Counts, ids: bool) -> u128 {
+    let cells = counts.corners.max(counts.vertices).max(counts.input_faces as u128);
+    let remark = if ids { "# from vertex \n".len() as u128 + digits(cells) } else { 0 };
+    let line = |keyword: &str, labels: &Labels| {
+        let longest = labels.names.iter().map(String::len).max().map_or(0, |longest| longest.max(UNNAMED.len()));
+        if labels.is_empty() { 0 } else { keyword.len() + longest + 1 }
+    };
+    let names = line("g ", &counts.attachments.groups) + line("usemtl ", &counts.attachments.materials);
+    let changes = counts.faces.min(counts.input_faces as u128);
+    let vertices = if ids { counts.vertices } else { 0 };
+    total(&[(vertices, remark), (changes, remark + names as u128)])
 }

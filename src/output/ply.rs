@@ -1,16 +1,24 @@
 //! Stanford PLY: polygons and f64 coordinates in few bytes.
 
+mod carried;
+
 use std::io::Write;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::numbers::{REAL, digits, real, real_f32, rounded, total, whole};
-use crate::output::scene::{Curve, MeshSource, Scene, Shape};
-use crate::output::stream::{Positions, Stream, holds_space};
-use crate::output::{Counts, Format, FormatError, ShapeKind, Size, normals};
+use crate::output::scene::{Curve, Frame, MeshSource, Scene, Shape};
+use crate::output::stream::{Positions, Stream, channels_within_f32, holds_space};
+use crate::output::{Counts, Format, FormatError, IDS, ShapeKind, Size, normals};
+use crate::shape::attachments::Attachments;
 use crate::watch::Watch;
+use carried::Carried;
 
 /// PLY, binary little endian unless `ascii`: elements `vertex` and `face` for meshes, `vertex` and `edge` for curves.
+///
+/// Unit and up axis stand in comments where they are not the defaults. The channel `color` becomes `red`, `green`, `blue`
+/// and perhaps `alpha` of one byte, others properties of their names. Groups and materials become `int` properties of
+/// faces, -1 for none, their names comments. Origins are a `uint` of faces, for vertices with the dimension of the cell.
 ///
 /// Indices are `int`, or `uint` where there are more than 2^31 vertices. The size of a face is one byte, or four with
 /// `"face_sizes": "uint"`.
@@ -55,8 +63,8 @@ impl Format for Ply {
     ) -> Result<(), FormatError> {
         let mut stream = Stream::new(out, watch);
         match scene.shape {
-            Shape::Mesh(mesh) => write_mesh(mesh, Layout::of(options), &mut stream, watch),
-            Shape::Curves(curves) => write_curves(curves, Layout::of_curves(options), &mut stream),
+            Shape::Mesh(mesh) => write_mesh(mesh, scene.frame, Layout::of(options), &mut stream, watch),
+            Shape::Curves(curves) => write_curves(curves, scene.frame, Layout::of_curves(options), &mut stream),
         }
     }
 }
@@ -90,6 +98,7 @@ const PARAMETERS: &[Parameter] = &[
         default: Default::Text("uchar"),
         doc: "Type of the number of corners of a face: uchar, which every program reads, or uint for more than 255",
     },
+    IDS,
 ];
 
 /// How rows are written.
@@ -98,6 +107,7 @@ struct Layout {
     encoding: Encoding,
     float: bool,
     normals: bool,
+    ids: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -119,12 +129,13 @@ impl Layout {
             },
             float: options.choice("precision") == Some("f32"),
             normals: options.choice("normals") == Some("area"),
+            ids: options.flag("ids"),
         }
     }
 
-    /// The same layout for curves, which have no normals.
+    /// The same layout for curves, which have no normals and no origins.
     fn of_curves(options: &Values) -> Self {
-        Self { normals: false, ..Self::of(options) }
+        Self { normals: false, ids: false, ..Self::of(options) }
     }
 
     /// Numbers a vertex.
@@ -144,17 +155,31 @@ impl Layout {
 
     fn vertex(self, numbers: &[f64], out: &mut Vec<u8>) {
         for (k, &x) in numbers.iter().enumerate() {
-            if self.encoding == Encoding::Ascii && k > 0 {
-                out.push(b' ');
+            if k > 0 {
+                self.separate(out);
             }
-            match (self.encoding, self.float) {
-                (Encoding::Ascii, true) => real_f32(out, x),
-                (Encoding::Ascii, false) => real(out, x),
-                (_, true) => out.extend_from_slice(&rounded(x).to_le_bytes()),
-                (_, false) => out.extend_from_slice(&x.to_le_bytes()),
-            }
+            self.number(x, out);
         }
-        self.end_row(out);
+    }
+
+    /// What stands between two numbers.
+    fn separate(self, out: &mut Vec<u8>) {
+        if self.encoding == Encoding::Ascii {
+            out.push(b' ');
+        }
+    }
+
+    fn number(self, x: f64, out: &mut Vec<u8>) {
+        match (self.encoding, self.float) {
+            (Encoding::Ascii, true) => real_f32(out, x),
+            (Encoding::Ascii, false) => real(out, x),
+            (_, true) => out.extend_from_slice(&rounded(x).to_le_bytes()),
+            (_, false) => out.extend_from_slice(&x.to_le_bytes()),
+        }
+    }
+
+    fn byte(self, x: u8, out: &mut Vec<u8>) {
+        if self.encoding == Encoding::Ascii { whole(out, x.into()) } else { out.push(x) }
     }
 
     fn face(self, face: &[u32], out: &mut Vec<u8>) {
@@ -165,19 +190,14 @@ impl Layout {
             Encoding::Uint => out.extend_from_slice(&size.to_le_bytes()[..4]),
         }
         for &vertex in face {
-            if self.encoding == Encoding::Ascii {
-                out.push(b' ');
-            }
+            self.separate(out);
             self.index(vertex, out);
         }
-        self.end_row(out);
     }
 
     fn edge(self, [a, b]: [u32; 2], out: &mut Vec<u8>) {
         self.index(a, out);
-        if self.encoding == Encoding::Ascii {
-            out.push(b' ');
-        }
+        self.separate(out);
         self.index(b, out);
         self.end_row(out);
     }
@@ -197,41 +217,53 @@ impl Layout {
 }
 
 fn mesh_size(counts: &Counts, layout: Layout) -> Size {
-    let header = mesh_header(counts.vertices, counts.faces, layout).len() as u128;
+    let attachments = &counts.attachments;
+    let header = mesh_header(counts.vertices, counts.faces, counts.frame, attachments, layout).len() as u128;
+    let (carried, of_face) =
+        carried::bytes(attachments, layout, counts.corners.max(counts.vertices).max(counts.input_faces as u128));
     let (face, corner) = match layout.encoding {
         Encoding::Ascii => (digits(counts.corners) + 1, digits(counts.vertices) + 1),
         Encoding::Uchar => (1, 4),
         Encoding::Uint => (4, 4),
     };
-    let vertex = layout.vertex_bytes();
+    let (vertex, face) = (layout.vertex_bytes() + carried, face + of_face);
     let bytes = total(&[(1, header), (counts.vertices, vertex), (counts.faces, face), (counts.corners, corner)]);
     if layout.encoding == Encoding::Ascii { Size::AtMost(bytes) } else { Size::Exact(bytes) }
 }
 
 fn curves_size(counts: &Counts, layout: Layout) -> u128 {
-    let header = curves_header(counts.vertices, counts.vertices, layout).len() as u128;
+    let header = curves_header(counts.vertices, counts.vertices, counts.frame, layout).len() as u128;
     let index = if layout.encoding == Encoding::Ascii { digits(counts.vertices) + 1 } else { 4 };
     total(&[(1, header), (counts.vertices, layout.vertex_bytes()), (counts.vertices, 2 * index)])
 }
 
-fn mesh_header(vertices: u128, faces: u128, layout: Layout) -> String {
+fn mesh_header(vertices: u128, faces: u128, frame: Frame, attachments: &Attachments, layout: Layout) -> String {
     let size = if layout.encoding == Encoding::Uint { "uint" } else { "uchar" };
     let list = format!("property list {size} {} vertex_indices", index_type(vertices));
-    format!("{}element face {faces}\n{list}\nend_header\n", vertex_header(vertices, layout))
+    let remarks = remarks(frame) + &carried::remarks(attachments);
+    let of_vertices = vertex_header(vertices, &remarks, layout) + &carried::vertex_properties(attachments, layout);
+    let of_faces = carried::face_properties(attachments, layout);
+    format!("{of_vertices}element face {faces}\n{list}\n{of_faces}end_header\n")
 }
 
-fn curves_header(vertices: u128, edges: u128, layout: Layout) -> String {
+fn curves_header(vertices: u128, edges: u128, frame: Frame, layout: Layout) -> String {
     let index = index_type(vertices);
     let ends = format!("property {index} vertex1\nproperty {index} vertex2");
-    format!("{}element edge {edges}\n{ends}\nend_header\n", vertex_header(vertices, layout))
+    let of_vertices = vertex_header(vertices, &remarks(frame), layout);
+    format!("{of_vertices}element edge {edges}\n{ends}\nend_header\n")
 }
 
-fn vertex_header(vertices: u128, layout: Layout) -> String {
+/// Lines of the header that tell what coordinates mean.
+fn remarks(frame: Frame) -> String {
+    frame.remarks().iter().map(|remark| format!("comment {remark}\n")).collect::<Vec<_>>().concat()
+}
+
+fn vertex_header(vertices: u128, remarks: &str, layout: Layout) -> String {
     let encoding = if layout.encoding == Encoding::Ascii { "ascii" } else { "binary_little_endian" };
     let number = if layout.float { "float" } else { "double" };
     let names = &["x", "y", "z", "nx", "ny", "nz"][..layout.numbers()];
     let properties: String = names.iter().flat_map(|name| ["property ", number, " ", name, "\n"]).collect();
-    format!("ply\nformat {encoding} 1.0\ncomment planish\nelement vertex {vertices}\n{properties}")
+    format!("ply\nformat {encoding} 1.0\ncomment planish\n{remarks}element vertex {vertices}\n{properties}")
 }
 
 fn index_type(vertices: u128) -> &'static str {
@@ -240,23 +272,38 @@ fn index_type(vertices: u128) -> &'static str {
 
 fn write_mesh(
     mesh: &dyn MeshSource,
+    frame: Frame,
     layout: Layout,
     stream: &mut Stream<'_>,
     watch: &Watch,
 ) -> Result<(), FormatError> {
-    stream.bytes(mesh_header(mesh.n_vertices() as u128, mesh.n_faces() as u128, layout).as_bytes())?;
+    if layout.float {
+        channels_within_f32(mesh, watch)?;
+    }
+    let (vertices, faces) = (mesh.n_vertices() as u128, mesh.n_faces() as u128);
+    stream.bytes(mesh_header(vertices, faces, frame, mesh.attachments(), layout).as_bytes())?;
     let positions = within(Positions::of_mesh(mesh), layout);
     if layout.normals {
         let positions = positions.held(watch)?;
         let normals = normals::area(mesh, positions.rows(), watch)?;
         stream.positions(&positions, |start, rows, out| {
-            for (&[x, y, z], &normal) in rows.iter().zip(&normals[start..]) {
+            let carried = Carried::of(mesh, layout, start, rows.len());
+            for (i, (&[x, y, z], &normal)) in rows.iter().zip(&normals[start..]).enumerate() {
                 let [nx, ny, nz] = normals::or_up(normal);
                 layout.vertex(&[x, y, z, nx, ny, nz], out);
+                carried.vertex(i, out);
+                layout.end_row(out);
             }
         })?;
     } else {
-        stream.positions(&positions, |_, rows, out| rows.iter().for_each(|p| layout.vertex(p, out)))?;
+        stream.positions(&positions, |start, rows, out| {
+            let carried = Carried::of(mesh, layout, start, rows.len());
+            for (i, position) in rows.iter().enumerate() {
+                layout.vertex(position, out);
+                carried.vertex(i, out);
+                layout.end_row(out);
+            }
+        })?;
     }
     write_faces(mesh, layout, stream)
 }
@@ -268,6 +315,8 @@ fn write_faces(mesh: &dyn MeshSource, layout: Layout, stream: &mut Stream<'_>) -
             first_large.fetch_min(index, Ordering::Relaxed);
         }
         layout.face(face, out);
+        carried::face(mesh, layout, index, out);
+        layout.end_row(out);
     })?;
     match first_large.into_inner() {
         usize::MAX => Ok(()),
@@ -277,16 +326,21 @@ fn write_faces(mesh: &dyn MeshSource, layout: Layout, stream: &mut Stream<'_>) -
     }
 }
 
-fn write_curves(curves: &[Curve], layout: Layout, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+fn write_curves(curves: &[Curve], frame: Frame, layout: Layout, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     let n_vertices: usize = curves.iter().map(Curve::len).sum();
     let n_edges: usize = curves.iter().map(edges_of).sum();
     if u32::try_from(n_vertices).is_err() {
         return Err(FormatError::Unfit(format!("{n_vertices} points, ply numbers at most {}; ask for json", u32::MAX)));
     }
-    stream.bytes(curves_header(n_vertices as u128, n_edges as u128, layout).as_bytes())?;
+    stream.bytes(curves_header(n_vertices as u128, n_edges as u128, frame, layout).as_bytes())?;
     for curve in curves {
         let positions = within(Positions::of_curve(curve), layout);
-        stream.positions(&positions, |_, rows, out| rows.iter().for_each(|p| layout.vertex(p, out)))?;
+        stream.positions(&positions, |_, rows, out| {
+            for point in rows {
+                layout.vertex(point, out);
+                layout.end_row(out);
+            }
+        })?;
     }
     let mut start = 0;
     for curve in curves {

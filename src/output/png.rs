@@ -77,7 +77,7 @@ impl Format for Png {
     }
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
-        let options = Options::new(values);
+        let options = Options::new(values, scene.frame);
         watch.enter(Stage::Render);
         picture::check_extent(scene)?;
         let pixels = match scene.shape {

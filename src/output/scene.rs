@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-pub use crate::shape::source::{Curve, FaceChunk, MeshSource};
+pub use crate::shape::frame::Frame;
+pub use crate::shape::source::{Curve, FaceChunk, MeshSource, Origin};
 
 /// Rows that one chunk holds at most; writers ask for ranges no longer than this.
 pub const CHUNK: usize = 65_536;
@@ -16,6 +17,8 @@ pub struct Scene<'a> {
     pub control: Shape<'a>,
     /// What the client should know about the result, in sentences.
     pub warnings: &'a [String],
+    /// What its coordinates mean.
+    pub frame: Frame,
 }
 
 /// Curves or a mesh.

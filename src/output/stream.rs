@@ -63,15 +63,66 @@ impl<'a> Stream<'a> {
         mesh: &dyn MeshSource,
         encode: impl Fn(usize, &[u32], &mut Vec<u8>) + Sync,
     ) -> Result<(), FormatError> {
+        self.faces_in(mesh, 0..mesh.n_faces(), encode)
+    }
+
+    /// Writes some consecutive faces, as [`Stream::faces`] does.
+    pub(super) fn faces_in(
+        &mut self,
+        mesh: &dyn MeshSource,
+        some: Range<usize>,
+        encode: impl Fn(usize, &[u32], &mut Vec<u8>) + Sync,
+    ) -> Result<(), FormatError> {
         let mut chunk = FaceChunk::default();
-        in_chunks(mesh.n_faces(), |range| {
+        in_chunks(some.len(), |range| {
             self.watch.check()?;
+            let range = some.start + range.start..some.start + range.end;
             mesh.faces(range.clone(), &mut chunk);
             self.encoded(&face_blocks(&chunk), |block, out| {
                 for (i, face) in block.iter().enumerate() {
                     encode(range.start + block.first + i, face, out);
                 }
             })
+        })
+    }
+
+    /// Writes the numbers that all vertices carry in a channel: `encode` appends the bytes of those of one vertex, given
+    /// with its index.
+    pub(super) fn channel(
+        &mut self,
+        mesh: &dyn MeshSource,
+        channel: usize,
+        encode: impl Fn(usize, &[f64], &mut Vec<u8>) + Sync,
+    ) -> Result<(), FormatError> {
+        let width = mesh.attachments().channels[channel].width;
+        let mut values = Vec::new();
+        in_chunks(mesh.n_vertices(), |range| {
+            self.watch.check()?;
+            mesh.channel(channel, range.clone(), &mut values);
+            let blocks: Vec<(usize, &[f64])> =
+                values.chunks(width * BLOCK).enumerate().map(|(i, block)| (range.start + i * BLOCK, block)).collect();
+            self.encoded(&blocks, |(first, block), out| {
+                for (i, row) in block.chunks_exact(width).enumerate() {
+                    encode(first + i, row, out);
+                }
+            })
+        })
+    }
+
+    /// Writes the numbers of some consecutive things: `encode` appends the bytes of one of them, given with its index.
+    pub(super) fn each(
+        &mut self,
+        range: Range<usize>,
+        encode: impl Fn(usize, &mut Vec<u8>) + Sync,
+    ) -> Result<(), FormatError> {
+        in_chunks(range.len(), |part| {
+            self.watch.check()?;
+            let start = range.start + part.start;
+            let blocks: Vec<Range<usize>> = (start..range.start + part.end)
+                .step_by(BLOCK)
+                .map(|first| first..(first + BLOCK).min(range.start + part.end))
+                .collect();
+            self.encoded(&blocks, |block, out| block.clone().for_each(|i| encode(i, out)))
         })
     }
 
@@ -209,6 +260,25 @@ impl<'a> Positions<'a> {
         let x = rows[i].iter().copied().find(|x| !fits(x)).unwrap_or(f64::NAN);
         Err(unfit(start + i, x))
     }
+}
+
+/// Refuses meshes with a channel of numbers beyond the range of f32.
+pub(super) fn channels_within_f32(mesh: &dyn MeshSource, watch: &Watch) -> Result<(), FormatError> {
+    let mut values = Vec::new();
+    for (i, channel) in mesh.attachments().channels.iter().enumerate() {
+        in_chunks(mesh.n_vertices(), |range| {
+            watch.check()?;
+            mesh.channel(i, range.clone(), &mut values);
+            let Some(k) = values.iter().position(|x| x.abs() > f64::from(f32::MAX)) else { return Ok(()) };
+            let (name, vertex, x) = (&channel.name, range.start + k / channel.width, values[k]);
+            let most = f32::MAX;
+            let detail = format!(
+                "vertex {vertex} has {x:e} in the channel \"{name}\", this format holds at most {most:e}; ask for json"
+            );
+            Err(FormatError::Unfit(detail))
+        })?;
+    }
+    Ok(())
 }
 
 /// The refusal of a coordinate `x` that the format cannot hold.

@@ -70,7 +70,7 @@ impl Format for Svg {
             self.holds(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
         }
         picture::check_extent(scene)?;
-        let drawing = Drawing::of(scene, &Options::new(values), watch)?;
+        let drawing = Drawing::of(scene, &Options::new(values, scene.frame), watch)?;
         let mut page = Page { text: String::new(), out };
         page.head(&drawing)?;
         for item in &drawing.items {

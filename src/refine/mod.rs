@@ -52,7 +52,10 @@ pub fn polygon_net(polygon: &Polygon, plan: &Plan) -> PolygonNet {
 /// The net of a mesh before refinement.
 pub fn mesh_net(mesh: &Mesh, plan: &Plan) -> MeshNet {
     let sharpness = Sharpness::of(&mesh.creases, &mesh.semi_sharp_corners);
-    let net = MeshNet::new(mesh.topology.clone(), &mesh.corners, &mesh.holes, plan.boundary);
+    let mut net = MeshNet::new(mesh.topology.clone(), &mesh.corners, &mesh.holes, plan.boundary);
+    if mesh.attachments.names_faces() {
+        net.tagged = net.tagged.or(Some("groups and materials"));
+    }
     net.with_sharpness(sharpness, plan.rules)
 }
 
@@ -64,19 +67,23 @@ fn start_tangents(polygon: &Polygon, watch: &Watch) -> Result<Vec<f64>, Stopped>
     }
 }
 
-/// Refines a mesh.
+/// Refines a mesh with its channels, all by the same rows.
 ///
 /// # Errors
 /// [`RefineError`].
 pub fn refine_mesh(mesh: &Mesh, plan: &Plan, steps: &[Scheduled], watch: &Watch) -> Result<RefinedMesh, RefineError> {
     let mut net = mesh_net(mesh, plan);
     let mut points = Points::new(mesh.positions.clone(), 3);
+    let channels = mesh.attachments.channels.iter();
+    let mut channels: Vec<Points> = channels.map(|c| Points::new(c.values.clone(), c.width)).collect();
     for step in steps {
         let next = step.letter.operator.on_mesh(&net, &values(plan, step)).map_err(|error| at(step, error))?;
         points.act(&next.action, step, watch)?;
+        channels.iter_mut().try_for_each(|channel| channel.act(&next.action, step, watch))?;
         net = next.net;
     }
-    Ok(RefinedMesh::new(net, points.now))
+    let channels = channels.into_iter().map(|channel| channel.now).collect();
+    Ok(RefinedMesh::new(net, points.now).carrying(mesh.attachments.clone(), channels))
 }
 
 fn values<'a>(plan: &'a Plan, step: &'a Scheduled) -> Values<'a> {

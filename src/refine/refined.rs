@@ -6,9 +6,10 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::scheme::mesh_net::MeshNet;
+use crate::shape::attachments::Attachments;
 use crate::shape::grid::Grid;
-use crate::shape::source::{FaceChunk, MeshSource};
-use crate::shape::topology::Topology;
+use crate::shape::source::{FaceChunk, MeshSource, Origin};
+use crate::shape::topology::{Topology, index};
 
 /// A refined mesh: positions in the order of construction, and the way from there to the documented order.
 #[derive(Debug)]
@@ -18,6 +19,9 @@ pub struct RefinedMesh {
     /// `None` when the mesh was not split since its base: then the orders agree.
     grid: Option<Grid>,
     shown: Shown,
+    attachments: Arc<Attachments>,
+    /// The numbers of each channel, in the order of construction.
+    channels: Vec<Vec<f64>>,
 }
 
 /// The faces that are shown: runs of consecutive ones.
@@ -34,7 +38,13 @@ impl RefinedMesh {
     pub fn new(net: MeshNet, points: Vec<f64>) -> Self {
         let grid = net.parent.map(|parent| Grid::new(net.base.clone(), parent, net.splits));
         let shown = Shown::new(&net.base, grid.as_ref(), &net.holes);
-        Self { points, base: net.base, grid, shown }
+        Self { points, base: net.base, grid, shown, attachments: Arc::default(), channels: Vec::new() }
+    }
+
+    /// The same mesh with what it carries: for each channel its numbers in the order of construction.
+    #[must_use]
+    pub fn carrying(self, attachments: Arc<Attachments>, channels: Vec<Vec<f64>>) -> Self {
+        Self { attachments, channels, ..self }
     }
 
     /// Positions of all vertices in the documented order, model units.
@@ -63,6 +73,14 @@ impl Shown {
         }
         let n_corners = if grid.is_some() { 4 * n } else { n_corners };
         Self { runs, n, n_corners }
+    }
+
+    /// The number that face `face` has among the shown ones, or that of the first shown one after it.
+    fn number(&self, face: usize) -> usize {
+        let run = self.runs.partition_point(|(_, first)| *first <= face);
+        let end = self.runs.get(run).map_or(self.n, |(number, _)| *number);
+        let number = run.checked_sub(1).map_or(0, |run| self.runs[run].0 + face - self.runs[run].1);
+        number.min(end)
     }
 
     fn face(&self, shown: usize) -> usize {
@@ -113,6 +131,50 @@ impl MeshSource for RefinedMesh {
                     *quad = grid.face(self.shown.face(start + i));
                 });
             }
+        }
+    }
+
+    fn attachments(&self) -> &Attachments {
+        &self.attachments
+    }
+
+    fn channel(&self, channel: usize, range: Range<usize>, out: &mut Vec<f64>) {
+        out.clear();
+        let (values, width) = (&self.channels[channel], self.attachments.channels[channel].width);
+        let Some(grid) = &self.grid else {
+            out.extend_from_slice(&values[width * range.start..width * range.end]);
+            return;
+        };
+        out.resize(width * range.len(), 0.0);
+        let rows = out.par_chunks_exact_mut(width).with_min_len(4096);
+        rows.zip(range).for_each(|(row, v)| {
+            let at = grid.constructed(v) as usize * width;
+            row.copy_from_slice(&values[at..at + width]);
+        });
+    }
+
+    fn input_cells(&self) -> [usize; 3] {
+        [self.base.n_vertices(), self.base.n_edges(), self.base.n_faces()]
+    }
+
+    fn face_origin(&self, face: usize) -> u32 {
+        let face = self.shown.face(face);
+        index(self.grid.as_ref().map_or(face, |grid| grid.base_face(face)))
+    }
+
+    fn faces_of(&self, face: usize) -> Range<usize> {
+        let first = |f: usize| match &self.grid {
+            None => f,
+            Some(grid) if f == self.base.n_faces() => grid.n_faces(),
+            Some(grid) => grid.first_face(f),
+        };
+        self.shown.number(first(face))..self.shown.number(first(face + 1))
+    }
+
+    fn vertex_origin(&self, vertex: usize) -> Origin {
+        match &self.grid {
+            None => Origin { dimension: 0, cell: index(vertex) },
+            Some(grid) => grid.origin(vertex),
         }
     }
 }

@@ -8,6 +8,7 @@
 
 use std::sync::Arc;
 
+use super::source::Origin;
 use super::topology::{Topology, index};
 
 /// The order of one split mesh.
@@ -89,6 +90,19 @@ impl Grid {
     /// The base face that face `f` came from.
     pub fn base_face(&self, f: usize) -> usize {
         self.base.face_of(index(f / (self.half() * self.half())))
+    }
+
+    /// The cell of the base in which vertex `v`, numbered in the documented order, arose.
+    pub fn origin(&self, v: usize) -> Origin {
+        let on_edges = self.base.n_vertices();
+        if v < on_edges {
+            return Origin { dimension: 0, cell: index(v) };
+        }
+        if v < self.first_inner() {
+            return Origin { dimension: 1, cell: index((v - on_edges) / (self.n() - 1)) };
+        }
+        let inner = index(v - self.first_inner());
+        Origin { dimension: 2, cell: index(self.inner.partition_point(|&first| first <= inner) - 1) }
     }
 
     /// First face of base face `f`.

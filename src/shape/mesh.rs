@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::attachments::{Attachments, AttachmentsInput};
 use super::check::{FaceList, Winding};
 use super::creases::{INFINITE_SHARPNESS, Pairs, Sharp, check_corners};
 use super::topology::Topology;
@@ -22,6 +23,8 @@ pub struct Mesh {
     pub creases: Sharp,
     /// Faces that are refined but not shown, ascending.
     pub holes: Vec<u32>,
+    /// What it carries besides its shape.
+    pub attachments: Arc<Attachments>,
     /// What was changed or is worth knowing, in sentences.
     pub warnings: Vec<String>,
 }
@@ -41,6 +44,8 @@ pub struct MeshInput {
     pub holes: Vec<u64>,
     /// What to do with inconsistent winding.
     pub winding: Winding,
+    /// What it carries besides its shape.
+    pub attachments: AttachmentsInput,
 }
 
 impl Mesh {
@@ -69,9 +74,9 @@ impl Mesh {
             faults.extend(found);
             Sharp::new()
         });
-        if !faults.is_empty() {
-            return Err(faults);
-        }
+        let attachments = Attachments::new(input.attachments, n, n_faces, &checked.split_from);
+        faults.extend(attachments.as_ref().err().into_iter().flatten().cloned());
+        let (true, Ok(attachments)) = (faults.is_empty(), attachments) else { return Err(faults) };
         let mut positions: Vec<f64> = input.positions.into_iter().flatten().map(|x| x + 0.0).collect();
         let mut warnings = Vec::new();
         for (added, &from) in (n..).zip(&checked.split_from) {
@@ -87,7 +92,8 @@ impl Mesh {
             corners.into_iter().partition(|&(_, sharpness)| sharpness >= INFINITE_SHARPNESS);
         let corners = fixed.into_iter().map(|(v, _)| v).collect();
         let topology = Arc::new(checked.topology);
-        Ok(Self { positions, topology, corners, semi_sharp_corners, creases, holes, warnings })
+        let attachments = Arc::new(attachments);
+        Ok(Self { positions, topology, corners, semi_sharp_corners, creases, holes, attachments, warnings })
     }
 }
 

@@ -1,10 +1,13 @@
 //! Shapes: polygons and meshes as they are given, and the flat topology that operators read.
 
+pub mod attachments;
 pub mod attributes;
 pub mod check;
 mod corner_cut;
 pub mod creases;
+pub mod frame;
 pub mod grid;
+pub mod labels;
 pub mod mesh;
 pub mod polygon;
 pub mod root_three;

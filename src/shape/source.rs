@@ -2,6 +2,9 @@
 
 use std::ops::Range;
 
+use super::attachments::Attachments;
+use super::topology::index;
+
 /// One polygon: `points` holds `n x dimension` coordinates, point after point, in model units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
@@ -39,6 +42,41 @@ pub trait MeshSource: std::fmt::Debug + Sync {
     fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>);
     /// Fills `out` with the faces in `range`, counter-clockwise seen from outside; what it held before is dropped.
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk);
+
+    /// What the mesh carries besides its shape; the names belong to input faces.
+    fn attachments(&self) -> &Attachments {
+        Attachments::none()
+    }
+    /// Fills `out` with the numbers that the vertices in `range` carry in channel number `channel`, vertex after vertex;
+    /// what it held before is dropped.
+    fn channel(&self, _channel: usize, _range: Range<usize>, out: &mut Vec<f64>) {
+        out.clear();
+    }
+    /// Numbers of vertices, edges and faces of the input, hidden ones included.
+    fn input_cells(&self) -> [usize; 3] {
+        [self.n_vertices(), 0, self.n_faces()]
+    }
+    /// The input face that shown face `face` came of.
+    fn face_origin(&self, face: usize) -> u32 {
+        index(face)
+    }
+    /// The shown faces that came of input face `face`: consecutive ones, none where it is hidden.
+    fn faces_of(&self, face: usize) -> Range<usize> {
+        face..face + 1
+    }
+    /// The cell of the input that vertex `vertex` came of.
+    fn vertex_origin(&self, vertex: usize) -> Origin {
+        Origin { dimension: 0, cell: index(vertex) }
+    }
+}
+
+/// The cell of the input in which a vertex arose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Origin {
+    /// 0 for a vertex, 1 for an edge, 2 for a face.
+    pub dimension: u8,
+    /// Its number; edges are numbered by first appearance when faces are scanned in order, corner by corner.
+    pub cell: u32,
 }
 
 /// Some consecutive faces: `sizes[i]` vertex indices each, one face after another in `vertices`.

@@ -8,6 +8,7 @@ use super::object;
 use super::polygon::{PolygonRequest, polygons};
 use crate::fault::{Fault, under};
 use crate::job::Input;
+use crate::shape::frame::{Frame, Unit, Up};
 
 /// The input: exactly one of `mesh`, `polygon` and `polygons`.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
@@ -23,6 +24,10 @@ pub struct InputRequest {
     #[serde(default, deserialize_with = "object::optional_list")]
     #[schema(min_items = 1, max_items = 4096)]
     pub polygons: Option<Vec<PolygonRequest>>,
+    /// Unit of the coordinates: `m` (default), `mm`, `cm`, `in`.
+    pub unit: Option<UnitRequest>,
+    /// The axis that points up: `y` (default) or `z`.
+    pub up: Option<UpRequest>,
     /// What to do with faces whose winding disagrees with their neighbours': `refuse` (default) or `repair`.
     pub orient: Option<OrientRequest>,
 }
@@ -37,7 +42,46 @@ pub enum OrientRequest {
     Repair,
 }
 
+/// Unit of the coordinates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum UnitRequest {
+    /// Metres.
+    M,
+    /// Millimetres.
+    Mm,
+    /// Centimetres.
+    Cm,
+    /// Inches.
+    In,
+}
+
+/// The axis that points up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum UpRequest {
+    /// The second, as in glTF.
+    Y,
+    /// The third.
+    Z,
+}
+
 impl InputRequest {
+    /// What its coordinates mean.
+    pub fn frame(&self) -> Frame {
+        let unit = match self.unit {
+            None | Some(UnitRequest::M) => Unit::Metre,
+            Some(UnitRequest::Mm) => Unit::Millimetre,
+            Some(UnitRequest::Cm) => Unit::Centimetre,
+            Some(UnitRequest::In) => Unit::Inch,
+        };
+        let up = match self.up {
+            None | Some(UpRequest::Y) => Up::Y,
+            Some(UpRequest::Z) => Up::Z,
+        };
+        Frame { unit, up }
+    }
+
     /// Checks the input.
     ///
     /// # Errors

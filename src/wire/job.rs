@@ -56,13 +56,14 @@ impl JobRequest {
             faults.push(Fault::new("/spec", format!("{} is unknown; this server speaks 1", self.spec.unwrap_or(0))));
         }
         let alone = self.input.polygon.is_some();
+        let frame = self.input.frame();
         let input = keep(self.input.resolve().map_err(|found| under("/input", found)), &mut faults);
         let outputs = keep(outputs(&self.outputs), &mut faults);
         let plan = self.plan.map(PlanRequest::resolve);
         let Some(input) = input else { return Err(faults) };
         // a plan is looked at even where the outputs are wrong, so that all faults come together
         match Job::new(input, plan.as_ref(), self.levels, outputs.unwrap_or_default()) {
-            Ok(job) if faults.is_empty() => Ok(job),
+            Ok(job) if faults.is_empty() => Ok(job.framed(frame)),
             Ok(_) => Err(faults),
             Err(found) => Err(faults.into_iter().chain(found.into_iter().map(|f| as_written(f, alone))).collect()),
         }

@@ -3,10 +3,13 @@
 use serde::Deserialize;
 use utoipa::ToSchema;
 
+use super::channels::ChannelsRequest;
 use super::input::OrientRequest;
 use super::{object, schema};
 use crate::fault::Fault;
+use crate::shape::attachments::AttachmentsInput;
 use crate::shape::check::{FaceList, Winding};
+use crate::shape::labels::FaceSet;
 use crate::shape::mesh::{Mesh, MeshInput};
 
 /// A control mesh.
@@ -28,6 +31,33 @@ pub struct MeshRequest {
     /// Faces that are refined but not shown.
     #[serde(default)]
     pub holes: Vec<u64>,
+    /// Numbers that vertices carry, by name: `n` numbers, or `n` lists of 1 to 4 numbers; refined like positions.
+    /// `color` (red, green, blue and perhaps alpha, sRGB from 0 to 1) is the colour of the vertices.
+    #[serde(default)]
+    #[schema(schema_with = schema::channels)]
+    pub channels: ChannelsRequest,
+    /// Groups of faces; a face is in one of them at most.
+    #[serde(default, deserialize_with = "object::list")]
+    #[schema(max_items = 256)]
+    pub groups: Vec<FaceSetRequest>,
+    /// Materials of faces; a face has one of them at most.
+    #[serde(default, deserialize_with = "object::list")]
+    #[schema(max_items = 256)]
+    pub materials: Vec<FaceSetRequest>,
+}
+
+/// Some faces under one name.
+#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FaceSetRequest {
+    /// The name: 1 to 64 bytes without blanks, control characters and `#`.
+    pub name: String,
+    /// Faces, counted from 0.
+    pub faces: Vec<u64>,
+}
+
+fn face_sets(requests: Vec<FaceSetRequest>) -> Vec<FaceSet> {
+    requests.into_iter().map(|FaceSetRequest { name, faces }| FaceSet { name, faces }).collect()
 }
 
 /// A corner of a mesh.
@@ -78,6 +108,12 @@ impl MeshRequest {
         let winding = if orient == Some(OrientRequest::Repair) { Winding::Repair } else { Winding::Refuse };
         let corners = self.corners.iter().map(|corner| (corner.vertex, corner.sharpness)).collect();
         let creases = self.creases.iter().map(|crease| (crease.edge, crease.sharpness)).collect();
-        Mesh::new(MeshInput { positions: self.positions, faces, corners, creases, holes: self.holes, winding })
+        let attachments = AttachmentsInput {
+            channels: self.channels.0,
+            groups: face_sets(self.groups),
+            materials: face_sets(self.materials),
+        };
+        let (positions, holes) = (self.positions, self.holes);
+        Mesh::new(MeshInput { positions, faces, corners, creases, holes, winding, attachments })
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod answer;
 pub mod catalogue;
+mod channels;
 pub mod input;
 pub mod job;
 pub mod literal;

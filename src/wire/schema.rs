@@ -1,7 +1,7 @@
 //! Schemas that are not told by the types alone.
 
 use utoipa::openapi::schema::{AdditionalProperties, SchemaType};
-use utoipa::openapi::{ArrayBuilder, Object, ObjectBuilder, RefOr, Schema, Type};
+use utoipa::openapi::{ArrayBuilder, Object, ObjectBuilder, OneOfBuilder, RefOr, Schema, Type};
 use utoipa::{PartialSchema, ToSchema};
 
 use super::output::OutputRequest;
@@ -47,6 +47,17 @@ pub(super) fn faces() -> RefOr<Schema> {
 pub(super) fn ends() -> RefOr<Schema> {
     let doc = "The two ends of the edge, in any order.";
     ArrayBuilder::new().items(index()).min_items(Some(2)).max_items(Some(2)).description(Some(doc)).into()
+}
+
+/// Channels of numbers on vertices.
+pub(super) fn channels() -> RefOr<Schema> {
+    let number = of(Type::Number).build();
+    let row = ArrayBuilder::new().items(number.clone()).min_items(Some(1)).max_items(Some(4));
+    let entry = OneOfBuilder::new().item(number).item(row);
+    let properties = AdditionalProperties::from(RefOr::from(Schema::from(ArrayBuilder::new().items(entry).build())));
+    let doc = "Numbers that vertices carry, by name: a number or a list of 1 to 4 numbers for each vertex. `color` \
+               (red, green, blue, perhaps alpha; sRGB from 0 to 1) is the colour of the vertices.";
+    of(Type::Object).additional_properties(Some(properties)).description(Some(doc)).into()
 }
 
 /// Pairs of vertices.

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use planish::math::parameter::Values;
-use planish::output::scene::{Scene, Shape};
+use planish::output::scene::{Frame, Scene, Shape};
 use planish::shape::source::MeshSource;
 use planish::watch::Watch;
 
@@ -12,7 +12,8 @@ use crate::table::{Aim, Table, best, millions_a_second, ms};
 
 pub(crate) fn measure(table: &mut Table) {
     let mesh = nets::refined(25, 4);
-    let scene = Scene { shape: Shape::Mesh(&mesh), control: Shape::Mesh(&mesh), warnings: &[] };
+    let scene =
+        Scene { shape: Shape::Mesh(&mesh), control: Shape::Mesh(&mesh), warnings: &[], frame: Frame::default() };
     for name in ["obj", "glb", "ply"] {
         let format = planish::output::named(name).expect("a format of the catalogue");
         let options = Values::resolve(format.parameters(), &[]).expect("defaults are allowed");

@@ -2,9 +2,10 @@
 
 use std::io::{self, Write};
 use std::ops::Range;
+use std::sync::Arc;
 
 use planish::math::parameter::{Literal, Values};
-use planish::output::scene::{Curve, FaceChunk, MeshSource, Scene, Shape, in_chunks};
+use planish::output::scene::{Curve, FaceChunk, Frame, MeshSource, Scene, Shape, in_chunks};
 use planish::output::{Counts, Format, FormatError, ShapeKind, Size, named};
 use planish::watch::Watch;
 use proptest::prelude::*;
@@ -64,6 +65,9 @@ fn counts(shape: Shape<'_>) -> Counts {
             vertices: mesh.n_vertices() as u128,
             faces: mesh.n_faces() as u128,
             corners: mesh.n_corners() as u128,
+            frame: Frame::default(),
+            attachments: Arc::new(mesh.attachments().clone()),
+            input_faces: mesh.input_cells()[2],
         },
         Shape::Curves(curves) => Counts {
             kind: ShapeKind::Curves { dimension: curves.first().map_or(1, |curve| curve.dimension) },
@@ -72,6 +76,9 @@ fn counts(shape: Shape<'_>) -> Counts {
             vertices: curves.iter().map(|curve| curve.len() as u128).sum(),
             faces: 0,
             corners: 0,
+            frame: Frame::default(),
+            attachments: Arc::default(),
+            input_faces: 0,
         },
     }
 }
@@ -109,7 +116,12 @@ fn options(name: &str, given: &[(&str, Literal)]) -> Values {
 
 fn attempt(format: &dyn Format, options: &Values, shape: Shape<'_>) -> Result<Vec<u8>, FormatError> {
     let mut out = Vec::new();
-    format.write(&Scene { shape, control: shape, warnings: &[] }, options, &mut out, &Watch::new())?;
+    format.write(
+        &Scene { shape, control: shape, warnings: &[], frame: Frame::default() },
+        options,
+        &mut out,
+        &Watch::new(),
+    )?;
     Ok(out)
 }
 
@@ -217,7 +229,15 @@ proptest! {
 fn forecasts_of_absurd_counts_saturate() {
     for kind in [ShapeKind::Mesh, ShapeKind::Curves { dimension: 3 }] {
         for n in [1_u128 << 100, u128::MAX] {
-            let counts = Counts { kind, polygons: n, control: n, vertices: n, faces: n, corners: n };
+            let counts = Counts {
+                kind,
+                polygons: n,
+                control: n,
+                vertices: n,
+                faces: n,
+                corners: n,
+                ..counts(Shape::Curves(&[]))
+            };
             for (format, options) in variants() {
                 let least = if format.name() == "stats" { 0 } else { n / 2 };
                 let holds_nothing = format.name() == "stl";
@@ -278,7 +298,7 @@ fn json_carries_warnings_as_far_as_its_forecast_allows() {
         let warnings: Vec<String> = (0..n).map(|i| format!("\"odd\" vertex {i}")).collect();
         let mut out = Vec::new();
         json.write(
-            &Scene { shape, control: shape, warnings: &warnings },
+            &Scene { shape, control: shape, warnings: &warnings, frame: Frame::default() },
             &options("json", &[]),
             &mut out,
             &Watch::new(),
@@ -375,7 +395,7 @@ fn a_stopped_watch_and_a_full_disk_end_every_writer() {
     }
     let net = cube();
     let shape = Shape::Mesh(&net);
-    let scene = Scene { shape, control: shape, warnings: &[] };
+    let scene = Scene { shape, control: shape, warnings: &[], frame: Frame::default() };
     let stopped = Watch::new();
     stopped.stop();
     for (format, options) in variants() {

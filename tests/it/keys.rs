@@ -163,6 +163,18 @@ fn meshes_that_differ_have_keys_that_differ() {
             ("/input/mesh/creases", json!([{ "edge": [1, 2], "sharpness": 10 }])),
             ("/input/mesh/holes", json!([1])),
             ("/input/mesh/holes", json!([2])),
+            ("/input/mesh/channels", json!({ "w": [0, 1, 2, 3, 4, 5, 6, 7] })),
+            ("/input/mesh/channels", json!({ "v": [0, 1, 2, 3, 4, 5, 6, 7] })),
+            ("/input/mesh/channels", json!({ "w": [0, 1, 2, 3, 4, 5, 6, 8] })),
+            ("/input/mesh/channels", json!({ "w": (0..8).map(|i| [i, i]).collect::<Vec<_>>() })),
+            ("/input/mesh/groups", json!([{ "name": "a", "faces": [0] }])),
+            ("/input/mesh/groups", json!([{ "name": "a", "faces": [1] }])),
+            ("/input/mesh/groups", json!([{ "name": "b", "faces": [0] }])),
+            ("/input/mesh/groups", json!([{ "name": "a", "faces": [0] }, { "name": "b", "faces": [] }])),
+            ("/input/mesh/materials", json!([{ "name": "a", "faces": [0] }])),
+            ("/input/unit", json!("mm")),
+            ("/input/unit", json!("in")),
+            ("/input/up", json!("z")),
             ("/plan/boundary", json!("edge-only")),
             ("/plan/boundary", json!("none")),
             ("/plan/parameters/delta", json!("(valence-4)/4")),
@@ -179,6 +191,7 @@ fn meshes_that_differ_have_keys_that_differ() {
             ("/outputs/0/background", json!("transparent")),
             ("/outputs/0", json!({ "format": "obj" })),
             ("/outputs/0", json!({ "format": "obj", "normals": "area" })),
+            ("/outputs/0", json!({ "format": "obj", "ids": true })),
             ("/outputs/0", json!({ "format": "ply" })),
             ("/outputs/0", json!({ "format": "ply", "ascii": true })),
             ("/outputs/0", json!({ "format": "glb" })),
@@ -292,6 +305,28 @@ fn corners_and_holes_are_sets() {
     ]);
     same["input"]["mesh"]["holes"] = json!([2, 0, 2]);
     check_equal(&job.to_string(), &same.to_string());
+}
+
+#[test]
+fn what_travels_is_told_in_any_order_and_may_be_empty() {
+    let plain = mesh_job();
+    for (pointer, nothing) in [
+        ("/input/mesh/channels", json!({})),
+        ("/input/mesh/groups", json!([])),
+        ("/input/mesh/materials", json!([])),
+        ("/input/unit", json!("m")),
+        ("/input/up", json!("y")),
+    ] {
+        assert_eq!(key(&with(&plain, pointer, nothing)), key(&plain), "{pointer}");
+    }
+    let [one, other] =
+        [r#"{"a":[0,1,2,3,4,5,6,7],"b":[7,6,5,4,3,2,1,0]}"#, r#"{"b":[7,6,5,4,3,2,1,0],"a":[0,1,2,3,4,5,6,7]}"#]
+            .map(|channels| with(&plain, "/input/mesh/channels", serde_json::from_str(channels).expect("JSON")));
+    assert_ne!(one.to_string(), other.to_string());
+    assert_eq!(key(&one), key(&other));
+    let [one, other] = [json!([2, 0, 2]), json!([0, 2])]
+        .map(|faces| with(&plain, "/input/mesh/groups", json!([{ "name": "a", "faces": faces }])));
+    assert_eq!(key(&one), key(&other));
 }
 
 #[test]

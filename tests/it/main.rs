@@ -1,6 +1,7 @@
 //! One binary, one story a file.
 
 mod cache;
+mod carried;
 mod cli;
 mod expressions;
 mod figures;

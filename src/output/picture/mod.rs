@@ -6,7 +6,7 @@ pub(super) mod paint;
 
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
-use crate::output::scene::{Scene, Shape, in_chunks};
+use crate::output::scene::{Frame, Scene, Shape, in_chunks};
 use crate::output::{FormatError, ShapeKind};
 use crate::raster::{MAX_SIDE_PX, Projection, View};
 
@@ -113,7 +113,7 @@ const CAMERA_FIELDS: &[Parameter] = &[
         kind: Kind::Vector,
         unit: "",
         default: Default::Absent,
-        doc: "The direction that points up in the picture; left out, +y as in glTF.",
+        doc: "The direction that points up in the picture; left out, that of the input's `up`: +y, or +z.",
     },
 ];
 
@@ -158,6 +158,8 @@ pub(super) fn shows_only(fitting: &[&str], kind: ShapeKind, options: &Values) ->
 #[derive(Debug, Clone)]
 pub(super) struct Options<'a> {
     values: &'a Values,
+    /// What coordinates mean.
+    frame: Frame,
     /// Width and height, pixels.
     pub(super) size: [u32; 2],
     /// Straight sRGB.
@@ -166,8 +168,8 @@ pub(super) struct Options<'a> {
 
 impl<'a> Options<'a> {
     /// Reads resolved values of the parameters above.
-    pub(super) fn new(values: &'a Values) -> Self {
-        Self { values, size: size(values), background: values.color("background").unwrap_or([255; 4]) }
+    pub(super) fn new(values: &'a Values, frame: Frame) -> Self {
+        Self { values, frame, size: size(values), background: values.color("background").unwrap_or([255; 4]) }
     }
 
     /// Whether `item` is to be shown: as the request says, or `default` when it does not say.
@@ -220,7 +222,7 @@ impl<'a> Options<'a> {
             zoom: number("zoom", 1.0),
             eye: camera.vector("eye"),
             target: camera.vector("target"),
-            up: camera.vector("up").unwrap_or([0.0, 1.0, 0.0]),
+            up: camera.vector("up").unwrap_or(self.frame.up.direction()),
         }
     }
 }

@@ -1,0 +1,140 @@
+//! How long the halves of glTF are, known before either is written.
+
+use crate::math::parameter::Values;
+use crate::output::numbers::total;
+use crate::output::scene::{Frame, Shape};
+use crate::output::{Counts, ShapeKind};
+use crate::shape::attachments::Attachments;
+use crate::shape::labels::parts;
+
+/// Bytes of a position or a normal.
+pub(super) const VECTOR: u128 = 12;
+
+/// Bytes of three indices.
+pub(super) const TRIANGLE: u128 = 12;
+
+/// Bytes of one number of a channel.
+pub(super) const NUMBER: u128 = 4;
+
+/// Bytes of the origin of a vertex: dimension and number of the input cell.
+pub(super) const ORIGIN: u128 = 8;
+
+/// Whether normals are asked for.
+pub(super) fn with_normals(options: &Values) -> bool {
+    options.choice("normals") != Some("none")
+}
+
+/// Numbers of rows in the buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Amounts {
+    /// Positions.
+    pub(super) vertices: u128,
+    /// Whether each position has a normal.
+    pub(super) normals: bool,
+    /// Numbers that each vertex carries in channels.
+    pub(super) numbers: u128,
+    /// Whether vertices and triangles have their origins.
+    pub(super) ids: bool,
+    /// Triples of indices.
+    pub(super) triangles: u128,
+}
+
+impl Amounts {
+    /// The amounts for these counts; shapes without faces have no normals, curves carry nothing.
+    pub(super) fn of(counts: &Counts, options: &Values) -> Self {
+        let mesh = counts.kind == ShapeKind::Mesh;
+        let faces = if mesh { counts.faces } else { 0 };
+        Self {
+            vertices: counts.vertices,
+            normals: with_normals(options) && faces > 0,
+            numbers: counts.attachments.width() as u128,
+            ids: mesh && options.flag("ids"),
+            triangles: if faces == 0 { 0 } else { counts.corners.saturating_sub(faces.saturating_mul(2)) },
+        }
+    }
+
+    /// The amounts of a shape that is there.
+    pub(super) fn of_shape(shape: Shape<'_>, options: &Values) -> Self {
+        match shape {
+            Shape::Mesh(mesh) => {
+                let faces = mesh.n_faces() as u128;
+                Self {
+                    vertices: mesh.n_vertices() as u128,
+                    normals: with_normals(options) && faces > 0,
+                    numbers: mesh.attachments().width() as u128,
+                    ids: options.flag("ids"),
+                    triangles: mesh.n_corners() as u128 - 2 * faces,
+                }
+            }
+            Shape::Curves(curves) => Self {
+                vertices: curves.iter().map(|curve| curve.len() as u128).sum(),
+                normals: false,
+                numbers: 0,
+                ids: false,
+                triangles: 0,
+            },
+        }
+    }
+
+    /// Length of the buffer in bytes, a multiple of 4.
+    pub(super) fn bytes(&self) -> u128 {
+        let vectors = if self.normals { 2 } else { 1 };
+        let (origin, face) = if self.ids { (ORIGIN, 4) } else { (0, 0) };
+        let vertex = vectors * VECTOR + self.numbers * NUMBER + origin;
+        total(&[(self.vertices, vertex), (self.triangles, TRIANGLE + face)])
+    }
+}
+
+/// What decides on the length of a document.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Contents<'a> {
+    /// Curves or a mesh.
+    pub(super) kind: ShapeKind,
+    /// Number of polygons.
+    pub(super) polygons: u128,
+    /// What the coordinates mean.
+    pub(super) frame: Frame,
+    /// What the mesh carries.
+    pub(super) attachments: &'a Attachments,
+    /// Faces of the input.
+    pub(super) input_faces: usize,
+    /// Whether origins are told.
+    pub(super) ids: bool,
+}
+
+impl<'a> Contents<'a> {
+    /// What these counts decide.
+    pub(super) fn of(counts: &'a Counts, options: &Values) -> Self {
+        Self {
+            kind: counts.kind,
+            polygons: counts.polygons,
+            frame: counts.frame,
+            attachments: &counts.attachments,
+            input_faces: counts.input_faces,
+            ids: counts.kind == ShapeKind::Mesh && options.flag("ids"),
+        }
+    }
+
+    /// Most bytes of the document, a multiple of 4: 1,536 for a mesh, for curves 768 and 384 a polygon, and more for what
+    /// is told beyond the shape.
+    pub(super) fn room(&self) -> u128 {
+        let plain = match self.kind {
+            ShapeKind::Mesh => 1_536,
+            ShapeKind::Curves { .. } => total(&[(768, 1), (384, self.polygons)]),
+        };
+        let framed = if self.frame.is_default() { 0 } else { 256 };
+        if self.attachments.is_empty() && !self.ids {
+            return plain + framed;
+        }
+        let Attachments { channels, groups, materials, .. } = self.attachments;
+        let name_bytes: usize = channels.iter().map(|channel| channel.name.len()).sum();
+        let (channels, names) = (channels.len() as u128, name_bytes as u128);
+        let parts = parts(groups, materials, self.input_faces).len() as u128;
+        // every name of a group and of a material may need a backslash for each byte
+        let longest = |names: &[String]| names.iter().map(|name| 2 * name.len() as u128).max().unwrap_or(0);
+        let labels = longest(&groups.names) + longest(&materials.names);
+        let part = 768 + names + 16 * channels + labels;
+        let room = total(&[(plain + framed, 1), (512, 1), (384, channels), (part, parts)]);
+        room.saturating_add(3) / 4 * 4
+    }
+}

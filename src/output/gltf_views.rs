@@ -1,0 +1,71 @@
+//! Where the numbers of a glTF model lie in its buffer: views one after another, accessors into them.
+
+use gltf::json::accessor::{ComponentType, GenericComponentType, Type};
+use gltf::json::buffer::{Stride, Target, View};
+use gltf::json::validation::Checked::Valid;
+use gltf::json::{Accessor, Extras, Index, Root};
+
+/// The views of a document, each starting where the one before ends.
+pub(super) struct Views<'a>(&'a mut Root);
+
+impl<'a> Views<'a> {
+    /// Those of a document.
+    pub(super) fn of(root: &'a mut Root) -> Self {
+        Self(root)
+    }
+
+    /// Adds one with `stride` bytes for each of `n` vertices; returns its number.
+    pub(super) fn vertices(self, n: u128, stride: u128) -> u32 {
+        let stride_of = usize::try_from(stride).expect("a vertex has few numbers");
+        self.add(n * stride, Some(Stride(stride_of)), Some(Target::ArrayBuffer))
+    }
+
+    /// Adds one for indices; returns its number.
+    pub(super) fn indices(self, bytes: u128) -> u32 {
+        self.add(bytes, None, Some(Target::ElementArrayBuffer))
+    }
+
+    /// Adds one for numbers that are not drawn; returns its number.
+    pub(super) fn loose(self, bytes: u128) -> u32 {
+        self.add(bytes, None, None)
+    }
+
+    fn add(self, bytes: u128, byte_stride: Option<Stride>, target: Option<Target>) -> u32 {
+        let views = &mut self.0.buffer_views;
+        let start = views.last().map_or(0, |last| last.byte_offset.map_or(0, |start| start.0) + last.byte_length.0);
+        views.push(View {
+            buffer: Index::new(0),
+            byte_length: length(bytes).into(),
+            byte_offset: (start > 0).then(|| start.into()),
+            byte_stride,
+            name: None,
+            target: target.map(Valid),
+            extensions: None,
+            extras: Extras::default(),
+        });
+        u32::try_from(views.len() - 1).expect("there are few views")
+    }
+}
+
+/// An accessor to `count` items in a view, from byte `start` of it on.
+pub(super) fn accessor(view: u32, start: u128, count: u128, component: ComponentType, kind: Type) -> Accessor {
+    Accessor {
+        buffer_view: Some(Index::new(view)),
+        byte_offset: (start > 0).then(|| length(start).into()),
+        count: length(count).into(),
+        component_type: Valid(GenericComponentType(component)),
+        extensions: None,
+        extras: Extras::default(),
+        type_: Valid(kind),
+        min: None,
+        max: None,
+        name: None,
+        normalized: false,
+        sparse: None,
+    }
+}
+
+/// A length that is known to be that of something in memory or behind 32-bit indices.
+pub(super) fn length(n: u128) -> u64 {
+    u64::try_from(n).expect("numbers of rows are below 2^40")
+}

@@ -1,0 +1,113 @@
+//! What a mesh carries, in the notation of requests, and the origins of its vertices and faces.
+
+use serde_json::Value;
+
+use crate::output::numbers::{REAL, digits, real, reals, total, whole};
+use crate::output::scene::MeshSource;
+use crate::output::stream::Stream;
+use crate::output::{Counts, FormatError};
+use crate::shape::attachments::Channel;
+use crate::shape::labels::Labels;
+
+/// Most bytes of these entries.
+pub(super) fn size(counts: &Counts, ids: bool) -> u128 {
+    let attachments = &counts.attachments;
+    let row = |channel: &Channel| 3 + channel.width as u128 * (REAL + 1);
+    let channels = attachments.channels.iter().map(|channel| {
+        total(&[(1, br#""":[],"#.len() as u128 + channel.name.len() as u128), (counts.vertices, row(channel))])
+    });
+    let channels: u128 = channels.fold(br#","channels":{}"#.len() as u128, u128::saturating_add);
+    let labels = |labels: &Labels| {
+        let frames = br#"{"name":"","faces":[]},"#.len() * labels.names.len() + 6 * labels.name_bytes();
+        let faces = if labels.is_empty() { 0 } else { counts.faces };
+        total(&[(1, br#","materials":[]"#.len() as u128), (1, frames as u128), (faces, digits(counts.faces) + 1)])
+    };
+    let cell = digits(counts.corners.max(counts.vertices).max(counts.input_faces as u128)) + 1;
+    let origins = br#","ids":{"faces":[],"vertices":[]}"#.len() as u128;
+    let origins = if ids { total(&[(1, origins), (counts.faces, cell), (counts.vertices, cell + 4)]) } else { 0 };
+    [channels, labels(&attachments.groups), labels(&attachments.materials), origins]
+        .into_iter()
+        .fold(0, u128::saturating_add)
+}
+
+/// Writes the entries that there are, each after a comma.
+pub(super) fn write(mesh: &dyn MeshSource, ids: bool, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    let attachments = mesh.attachments();
+    for (i, channel) in attachments.channels.iter().enumerate() {
+        stream.bytes(if i == 0 { br#","channels":{"# } else { b"," })?;
+        stream.bytes(format!("{}:[", Value::from(channel.name.as_str())).as_bytes())?;
+        write_channel(mesh, i, stream)?;
+        stream.bytes(b"]")?;
+    }
+    if !attachments.channels.is_empty() {
+        stream.bytes(b"}")?;
+    }
+    for (kind, labels) in [("groups", &attachments.groups), ("materials", &attachments.materials)] {
+        if !labels.is_empty() {
+            stream.bytes(format!(",\"{kind}\":[").as_bytes())?;
+            write_labels(mesh, labels, stream)?;
+            stream.bytes(b"]")?;
+        }
+    }
+    if ids { write_origins(mesh, stream) } else { Ok(()) }
+}
+
+fn write_channel(mesh: &dyn MeshSource, i: usize, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    stream.channel(mesh, i, |vertex, row, out| {
+        if vertex > 0 {
+            out.push(b',');
+        }
+        if let [x] = row {
+            real(out, *x);
+        } else {
+            out.push(b'[');
+            reals(out, row, b',');
+            out.push(b']');
+        }
+    })
+}
+
+/// The output faces of each name.
+fn write_labels(mesh: &dyn MeshSource, labels: &Labels, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    let mut ranges = vec![Vec::new(); labels.names.len()];
+    for face in 0..mesh.input_cells()[2] {
+        let range = mesh.faces_of(face);
+        let label = u32::try_from(face).ok().and_then(|face| labels.number(face));
+        if let Some(label) = label.filter(|_| !range.is_empty()) {
+            ranges[label].push(range);
+        }
+    }
+    for (i, (name, ranges)) in labels.names.iter().zip(ranges).enumerate() {
+        let comma = if i > 0 { "," } else { "" };
+        stream.bytes(format!("{comma}{{\"name\":{},\"faces\":[", Value::from(name.as_str())).as_bytes())?;
+        let first = ranges.first().map(|range| range.start);
+        for range in ranges {
+            stream.each(range, |face, out| listed(face as u64, Some(face) == first, out))?;
+        }
+        stream.bytes(b"]}")?;
+    }
+    Ok(())
+}
+
+fn write_origins(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    stream.bytes(br#","ids":{"faces":["#)?;
+    stream.each(0..mesh.n_faces(), |face, out| listed(mesh.face_origin(face).into(), face == 0, out))?;
+    stream.bytes(br#"],"vertices":["#)?;
+    stream.each(0..mesh.n_vertices(), |vertex, out| {
+        let origin = mesh.vertex_origin(vertex);
+        out.extend_from_slice(if vertex == 0 { b"[" } else { b",[" });
+        whole(out, origin.dimension.into());
+        out.push(b',');
+        whole(out, origin.cell.into());
+        out.push(b']');
+    })?;
+    stream.bytes(b"]}")
+}
+
+/// One number of a list, with a comma before all but the first.
+fn listed(n: u64, first: bool, out: &mut Vec<u8>) {
+    if !first {
+        out.push(b',');
+    }
+    whole(out, n);
+}

@@ -1,0 +1,139 @@
+//! What vertices and faces have in PLY besides their places: channels, names, origins.
+
+use super::{Encoding, Layout};
+use crate::output::colors::byte;
+use crate::output::numbers::{REAL, digits, whole};
+use crate::output::scene::MeshSource;
+use crate::shape::attachments::{Attachments, Channel};
+use crate::shape::labels::Labels;
+
+/// Names of the properties of a colour.
+const COLORS: [&str; 4] = ["red", "green", "blue", "alpha"];
+
+/// Most bytes of the number of a group or material: four in binary, a blank and three digits in text.
+const LABEL: u128 = 4;
+
+/// Lines of the header that tell the names of groups and materials by their numbers.
+pub(super) fn remarks(attachments: &Attachments) -> String {
+    kinds(attachments)
+        .flat_map(|(kind, labels)| labels.names.iter().enumerate().map(move |(i, name)| (kind, i, name)))
+        .map(|(kind, i, name)| format!("comment {kind} {i} {name}\n"))
+        .collect::<Vec<_>>()
+        .concat()
+}
+
+/// Lines of the header for the properties of vertices.
+pub(super) fn vertex_properties(attachments: &Attachments, layout: Layout) -> String {
+    let number = if layout.float { "float" } else { "double" };
+    let property = |channel: &Channel| -> Vec<String> {
+        if channel.is_color() {
+            return COLORS[..channel.width].iter().map(|name| format!("property uchar {name}\n")).collect();
+        }
+        channel.number_names().iter().map(|name| format!("property {number} {name}\n")).collect()
+    };
+    let mut properties = attachments.channels.iter().flat_map(property).collect::<Vec<_>>().concat();
+    if layout.ids {
+        properties.push_str("property uchar origin_dimension\nproperty uint origin\n");
+    }
+    properties
+}
+
+/// Lines of the header for the properties of faces.
+pub(super) fn face_properties(attachments: &Attachments, layout: Layout) -> String {
+    let mut properties =
+        kinds(attachments).map(|(kind, _)| format!("property int {kind}\n")).collect::<Vec<_>>().concat();
+    if layout.ids {
+        properties.push_str("property uint origin\n");
+    }
+    properties
+}
+
+/// Kinds of names that are given.
+fn kinds(attachments: &Attachments) -> impl Iterator<Item = (&'static str, &Labels)> {
+    [("group", &attachments.groups), ("material", &attachments.materials)]
+        .into_iter()
+        .filter(|(_, labels)| !labels.is_empty())
+}
+
+/// Bytes a vertex and a face beyond places and corners, at most where they are text.
+pub(super) fn bytes(attachments: &Attachments, layout: Layout, cells: u128) -> (u128, u128) {
+    let ascii = layout.encoding == Encoding::Ascii;
+    let number = match (ascii, layout.float) {
+        (true, _) => REAL + 1,
+        (false, true) => 4,
+        (false, false) => 8,
+    };
+    let of_channel = |channel: &Channel| {
+        let each = if channel.is_color() { if ascii { 4 } else { 1 } } else { number };
+        channel.width as u128 * each
+    };
+    let names = kinds(attachments).count() as u128;
+    // a number of a cell is at most that of a vertex, edge or face, and -1 takes two bytes
+    let cell = if ascii { digits(cells) + 1 } else { 4 };
+    let (vertex_origin, face_origin) = match (layout.ids, ascii) {
+        (false, _) => (0, 0),
+        (true, true) => (2 + cell, cell),
+        (true, false) => (1 + cell, cell),
+    };
+    (attachments.channels.iter().map(of_channel).sum::<u128>() + vertex_origin, names * LABEL + face_origin)
+}
+
+/// Rows of some consecutive vertices as they are appended to their places.
+pub(super) struct Carried<'a> {
+    mesh: &'a dyn MeshSource,
+    layout: Layout,
+    start: usize,
+    /// The numbers of each channel.
+    channels: Vec<Vec<f64>>,
+}
+
+impl<'a> Carried<'a> {
+    /// What the vertices `start .. start + n` carry.
+    pub(super) fn of(mesh: &'a dyn MeshSource, layout: Layout, start: usize, n: usize) -> Self {
+        let fetch = |channel| {
+            let mut values = Vec::new();
+            mesh.channel(channel, start..start + n, &mut values);
+            values
+        };
+        Self { mesh, layout, start, channels: (0..mesh.attachments().channels.len()).map(fetch).collect() }
+    }
+
+    /// Appends what vertex number `i` of these carries.
+    pub(super) fn vertex(&self, i: usize, out: &mut Vec<u8>) {
+        for (channel, values) in self.mesh.attachments().channels.iter().zip(&self.channels) {
+            for &x in &values[i * channel.width..(i + 1) * channel.width] {
+                self.layout.separate(out);
+                if channel.is_color() { self.layout.byte(byte(x), out) } else { self.layout.number(x, out) }
+            }
+        }
+        if self.layout.ids {
+            let origin = self.mesh.vertex_origin(self.start + i);
+            self.layout.separate(out);
+            self.layout.byte(origin.dimension, out);
+            self.layout.separate(out);
+            self.layout.index(origin.cell, out);
+        }
+    }
+}
+
+/// Appends what face number `index` has.
+pub(super) fn face(mesh: &dyn MeshSource, layout: Layout, index: usize, out: &mut Vec<u8>) {
+    let attachments = mesh.attachments();
+    if !layout.ids && !attachments.names_faces() {
+        return;
+    }
+    let origin = mesh.face_origin(index);
+    for (_, labels) in kinds(attachments) {
+        layout.separate(out);
+        let label = labels.number(origin).and_then(|label| i32::try_from(label).ok());
+        match (layout.encoding, label) {
+            (Encoding::Ascii, None) => out.extend_from_slice(b"-1"),
+            (Encoding::Ascii, Some(label)) => whole(out, label.unsigned_abs().into()),
+            (_, label) => out.extend_from_slice(&label.unwrap_or(-1).to_le_bytes()),
+        }
+    }
+    if layout.ids {
+        layout.separate(out);
+        layout.index(origin, out);
+    }
+}

@@ -1,0 +1,191 @@
+//! What a mesh carries besides its shape: channels of numbers on its vertices, and names on its faces.
+
+use super::labels::{FaceSet, Labels};
+use crate::fault::{Fault, token, under};
+
+/// Most channels of a mesh.
+pub const MAX_CHANNELS: usize = 64;
+
+/// Most numbers that a vertex carries in one channel.
+pub const MAX_WIDTH: usize = 4;
+
+/// Most numbers that a vertex carries in all channels together.
+pub const MAX_TOTAL_WIDTH: usize = 128;
+
+/// Longest name of a channel, bytes.
+const MAX_NAME: usize = 48;
+
+/// The channel that formats know as the colour of a vertex: sRGB, 0 to 1, with or without alpha.
+pub const COLOR: &str = "color";
+
+/// Names of PLY properties that stand for something else.
+const TAKEN: &[&str] =
+    &["x", "y", "z", "nx", "ny", "nz", "s", "t", "red", "green", "blue", "alpha", "origin", "origin_dimension"];
+
+/// Numbers on vertices that are refined like positions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// Its name: a letter, then letters, digits and underscores.
+    pub name: String,
+    /// Numbers a vertex, 1 to 4.
+    pub width: usize,
+    /// `n_vertices x width`, vertex after vertex.
+    pub values: Vec<f64>,
+}
+
+impl Channel {
+    /// Whether it is the colour of the vertices.
+    pub fn is_color(&self) -> bool {
+        self.name == COLOR
+    }
+
+    /// One name for each of its numbers: its own, or its own with `_0`, `_1`, ... behind it where there are several.
+    pub fn number_names(&self) -> Vec<String> {
+        if self.width == 1 {
+            return vec![self.name.clone()];
+        }
+        (0..self.width).map(|k| format!("{}_{k}", self.name)).collect()
+    }
+}
+
+/// What a client gives along with a mesh, unchecked.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct AttachmentsInput {
+    /// Channels.
+    pub channels: Vec<Channel>,
+    /// Groups of faces.
+    pub groups: Vec<FaceSet>,
+    /// Materials of faces.
+    pub materials: Vec<FaceSet>,
+}
+
+/// What a mesh carries besides its shape, checked.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Attachments {
+    /// Channels by ascending name.
+    pub channels: Vec<Channel>,
+    /// Groups of faces.
+    pub groups: Labels,
+    /// Materials of faces.
+    pub materials: Labels,
+}
+
+/// Nothing at all.
+static NONE: Attachments = Attachments { channels: Vec::new(), groups: Labels::NONE, materials: Labels::NONE };
+
+impl Attachments {
+    /// Nothing at all.
+    pub fn none() -> &'static Self {
+        &NONE
+    }
+
+    /// Whether there is nothing.
+    pub fn is_empty(&self) -> bool {
+        self == Self::none()
+    }
+
+    /// Whether faces have names.
+    pub fn names_faces(&self) -> bool {
+        !self.groups.is_empty() || !self.materials.is_empty()
+    }
+
+    /// The colour of the vertices, if there is one, and its number among the channels.
+    pub fn color(&self) -> Option<(usize, &Channel)> {
+        self.channels.iter().enumerate().find(|(_, channel)| channel.is_color())
+    }
+
+    /// Numbers that a vertex carries in all channels.
+    pub fn width(&self) -> usize {
+        self.channels.iter().map(|channel| channel.width).sum()
+    }
+
+    /// Checks what comes with a mesh of `n_vertices` vertices, of which those from `n_vertices` on are copies of
+    /// `split_from`, and `n_faces` faces.
+    ///
+    /// # Errors
+    /// Every fault found, with a pointer below the mesh.
+    pub fn new(
+        input: AttachmentsInput,
+        n_vertices: usize,
+        n_faces: usize,
+        split_from: &[u32],
+    ) -> Result<Self, Vec<Fault>> {
+        let AttachmentsInput { mut channels, groups, materials } = input;
+        let mut faults = check_channels(&channels, n_vertices);
+        let mut labels = |sets: Vec<FaceSet>, place: &str| {
+            Labels::new(sets, n_faces).map_err(|found| faults.extend(under(place, found))).unwrap_or_default()
+        };
+        let (groups, materials) = (labels(groups, "/groups"), labels(materials, "/materials"));
+        if !faults.is_empty() {
+            return Err(faults);
+        }
+        for channel in &mut channels {
+            channel.values.iter_mut().for_each(|x| *x += 0.0);
+            for &from in split_from {
+                let start = from as usize * channel.width;
+                channel.values.extend_from_within(start..start + channel.width);
+            }
+        }
+        channels.sort_by(|a, b| a.name.cmp(&b.name));
+        Ok(Self { channels, groups, materials })
+    }
+}
+
+fn check_channels(channels: &[Channel], n: usize) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    let total: usize = channels.iter().map(|channel| channel.width).sum();
+    if channels.len() > MAX_CHANNELS || total > MAX_TOTAL_WIDTH {
+        let found = format!("{} channels with {total} numbers a vertex", channels.len());
+        let detail = format!("{found}; at most {MAX_CHANNELS} channels with {MAX_TOTAL_WIDTH} numbers are allowed");
+        return vec![Fault::new("/channels", detail)];
+    }
+    for (i, channel) in channels.iter().enumerate() {
+        let place = format!("/channels/{}", token(&channel.name));
+        let wrong = check_name(&channel.name)
+            .or_else(|| check_clash(channel, &channels[..i]))
+            .or_else(|| check_width(channel))
+            .or_else(|| check_length(channel, n));
+        if let Some(detail) = wrong {
+            faults.push(Fault::new(place, detail));
+        } else if let Some(k) = channel.values.iter().position(|x| !x.is_finite()) {
+            let detail = format!("{} is not a finite number", channel.values[k]);
+            faults.push(Fault::new(format!("{place}/{}", k / channel.width), detail));
+        }
+    }
+    faults
+}
+
+fn check_name(name: &str) -> Option<String> {
+    let starts = name.starts_with(|c: char| c.is_ascii_alphabetic());
+    let sound = starts && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') && name.len() <= MAX_NAME;
+    let rule = format!("a letter, then letters, digits and underscores, {MAX_NAME} at most");
+    (!sound).then(|| format!("\"{}\" is no name of a channel; it is {rule}", crate::math::parameter::shortened(name)))
+}
+
+fn check_clash(channel: &Channel, before: &[Channel]) -> Option<String> {
+    let names = channel.number_names();
+    if let Some(taken) = names.iter().find(|name| TAKEN.contains(&name.to_ascii_lowercase().as_str())) {
+        return Some(format!("\"{taken}\" means something else in files; choose another name"));
+    }
+    let same = |a: &String, b: &String| a.eq_ignore_ascii_case(b);
+    let clash = before.iter().find(|other| {
+        let others = other.number_names();
+        same(&other.name, &channel.name) || others.iter().any(|a| names.iter().any(|b| same(a, b)))
+    })?;
+    Some(format!("it cannot be told from the channel \"{}\" in files; choose another name", clash.name))
+}
+
+fn check_width(channel: &Channel) -> Option<String> {
+    let width = channel.width;
+    if channel.is_color() && !(3..=4).contains(&width) {
+        return Some(format!("{width} numbers a vertex; a color has 3 or 4: red, green, blue, alpha from 0 to 1"));
+    }
+    let sound = (1..=MAX_WIDTH).contains(&width);
+    (!sound).then(|| format!("{width} numbers a vertex; a channel has 1 to {MAX_WIDTH}"))
+}
+
+fn check_length(channel: &Channel, n: usize) -> Option<String> {
+    let rows = channel.values.len() / channel.width;
+    let sound = channel.values.len() == n * channel.width;
+    (!sound).then(|| format!("{rows} entries for {n} vertices; give one a vertex"))
+}

@@ -1,0 +1,88 @@
+//! What the coordinates of an input mean in the world: their unit of length, and which axis points up.
+
+/// Unit of length of an input.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Unit {
+    /// Metres.
+    #[default]
+    Metre,
+    /// Millimetres.
+    Millimetre,
+    /// Centimetres.
+    Centimetre,
+    /// Inches.
+    Inch,
+}
+
+impl Unit {
+    /// Its length in metres.
+    pub fn metres(self) -> f64 {
+        match self {
+            Self::Metre => 1.0,
+            Self::Millimetre => 0.001,
+            Self::Centimetre => 0.01,
+            Self::Inch => 0.0254,
+        }
+    }
+
+    /// Its name in requests and in comments of files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Metre => "m",
+            Self::Millimetre => "mm",
+            Self::Centimetre => "cm",
+            Self::Inch => "in",
+        }
+    }
+}
+
+/// The axis of an input that points up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Up {
+    /// The second, as in glTF.
+    #[default]
+    Y,
+    /// The third.
+    Z,
+}
+
+impl Up {
+    /// The direction, in coordinates of the input.
+    pub fn direction(self) -> [f64; 3] {
+        match self {
+            Self::Y => [0.0, 1.0, 0.0],
+            Self::Z => [0.0, 0.0, 1.0],
+        }
+    }
+
+    /// Its name in requests and in comments of files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Y => "y",
+            Self::Z => "z",
+        }
+    }
+}
+
+/// Unit and up axis together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Frame {
+    /// Unit of length.
+    pub unit: Unit,
+    /// The axis that points up.
+    pub up: Up,
+}
+
+impl Frame {
+    /// Whether it is metres with y up, of which files need not tell.
+    pub fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// What files say about it in comments: unit and axis as they are named in requests, where they are not the defaults.
+    pub fn remarks(&self) -> Vec<String> {
+        let unit = (self.unit != Unit::default()).then(|| format!("unit {}", self.unit.name()));
+        let up = (self.up != Up::default()).then(|| format!("up {}", self.up.name()));
+        unit.into_iter().chain(up).collect()
+    }
+}

@@ -1,0 +1,137 @@
+//! Names on faces: groups and materials.
+
+use std::collections::BTreeSet;
+
+use super::topology::{NONE, index};
+use crate::fault::Fault;
+use crate::math::parameter::shortened;
+
+/// Most groups, and most materials, of a mesh.
+pub const MAX_LABELS: usize = 256;
+
+/// Longest name, bytes.
+const MAX_NAME: usize = 64;
+
+/// Some faces under one name, as a client gives them.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct FaceSet {
+    /// The name.
+    pub name: String,
+    /// Faces, counted from 0.
+    pub faces: Vec<u64>,
+}
+
+/// Names on faces, at most one a face.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Labels {
+    /// The names, in the order in which they were given.
+    pub names: Vec<String>,
+    /// For each input face the number of its name, or [`NONE`]; empty without names.
+    pub of_faces: Vec<u32>,
+}
+
+impl Labels {
+    /// No names.
+    pub const NONE: Self = Self { names: Vec::new(), of_faces: Vec::new() };
+
+    /// Whether there are no names.
+    pub fn is_empty(&self) -> bool {
+        self.names.is_empty()
+    }
+
+    /// The number of the name of input face `f`, if it has one.
+    pub fn number(&self, f: u32) -> Option<usize> {
+        let label = *self.of_faces.get(f as usize)?;
+        (label != NONE).then_some(label as usize)
+    }
+
+    /// The name of input face `f`, if it has one.
+    pub fn name(&self, f: u32) -> Option<&str> {
+        self.number(f).map(|label| self.names[label].as_str())
+    }
+
+    /// Bytes of all names.
+    pub fn name_bytes(&self) -> usize {
+        self.names.iter().map(String::len).sum()
+    }
+
+    /// Checks the sets of a mesh with `n_faces` faces.
+    ///
+    /// # Errors
+    /// Names that are empty, too long, given twice or hold blanks, faces that do not exist or are in two sets; with
+    /// pointers below the sets.
+    pub fn new(sets: Vec<FaceSet>, n_faces: usize) -> Result<Self, Vec<Fault>> {
+        if sets.is_empty() {
+            return Ok(Self::NONE);
+        }
+        if sets.len() > MAX_LABELS {
+            return Err(vec![Fault::new("", format!("{} names; at most {MAX_LABELS} are allowed", sets.len()))]);
+        }
+        let mut faults = Vec::new();
+        let mut of_faces = vec![NONE; n_faces];
+        let mut known = BTreeSet::new();
+        for (i, set) in sets.iter().enumerate() {
+            let again = !known.insert(set.name.as_str());
+            faults.extend(check_name(&set.name, again).map(|detail| Fault::new(format!("/{i}/name"), detail)));
+            for (j, &face) in set.faces.iter().enumerate() {
+                let slot = usize::try_from(face).ok().and_then(|f| of_faces.get_mut(f));
+                let detail = match slot {
+                    None => format!("there is no face {face}; the mesh has {n_faces}, counted from 0"),
+                    Some(&mut label) if label != NONE && label != index(i) => {
+                        let other = shortened(&sets[label as usize].name);
+                        format!("face {face} is in \"{other}\" already; a face has one name of a kind")
+                    }
+                    Some(label) => {
+                        *label = index(i);
+                        continue;
+                    }
+                };
+                if faults.len() < 20 {
+                    faults.push(Fault::new(format!("/{i}/faces/{j}"), detail));
+                }
+            }
+        }
+        let names = sets.into_iter().map(|set| set.name).collect();
+        if faults.is_empty() { Ok(Self { names, of_faces }) } else { Err(faults) }
+    }
+}
+
+fn check_name(name: &str, again: bool) -> Option<String> {
+    let alien = |c: char| c.is_whitespace() || c.is_control() || c == '#';
+    if name.is_empty() || name.len() > MAX_NAME {
+        return Some(format!("a name of {} bytes; it has 1 to {MAX_NAME}", name.len()));
+    }
+    if let Some(c) = name.chars().find(|&c| alien(c)) {
+        return Some(format!("{c:?} has no place in a name; leave out blanks, control characters and #"));
+    }
+    again.then(|| format!("the name \"{}\" is taken; list all its faces in one place", shortened(name)))
+}
+
+/// Input faces of one group and one material.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Part {
+    /// Number of the group, if any.
+    pub group: Option<usize>,
+    /// Number of the material, if any.
+    pub material: Option<usize>,
+    /// Runs of consecutive input faces, ascending.
+    pub runs: Vec<std::ops::Range<u32>>,
+}
+
+/// The parts of a mesh with `n_faces` input faces, by first appearance; without names one part with all faces.
+pub fn parts(groups: &Labels, materials: &Labels, n_faces: usize) -> Vec<Part> {
+    let mut parts: Vec<Part> = Vec::new();
+    let mut numbers = std::collections::BTreeMap::new();
+    for f in 0..index(n_faces) {
+        let kind = (groups.number(f), materials.number(f));
+        let number = *numbers.entry(kind).or_insert(parts.len());
+        if number == parts.len() {
+            parts.push(Part { group: kind.0, material: kind.1, runs: Vec::new() });
+        }
+        match parts[number].runs.last_mut() {
+            Some(run) if run.end == f => run.end += 1,
+            _ => parts[number].runs.push(f..f + 1),
+        }
+    }
+    parts
+}
