@@ -35,6 +35,9 @@ pub(super) fn render(path: &Path, target: &Path, format: Option<&str>, max_faces
     } else {
         to_file(&admitted, output, target)?
     };
+    if let Some(reached) = admitted.job().reached {
+        eprintln!("planish: note: level {} is at most {} from the limit", reached.level, reached.bound);
+    }
     report.warnings.iter().for_each(|warning| eprintln!("planish: note: {warning}"));
     Ok(())
 }

@@ -14,7 +14,7 @@ use super::{App, Shared};
 use crate::job::key::Key;
 use crate::service::computation::{Failure, Phase, Timings};
 use crate::service::jobs::{Record, State as Standing};
-use crate::wire::answer::{CostAnswer, JobAnswer, OutputAnswer, TimingsAnswer};
+use crate::wire::answer::{CostAnswer, JobAnswer, OutputAnswer, ReachedAnswer, TimingsAnswer};
 
 /// How a job stands: state, progress, timings, cost, outputs.
 #[utoipa::path(
@@ -63,6 +63,7 @@ pub(super) fn answer(app: &Arc<App>, id: &Key) -> Option<JobAnswer> {
         outputs: job.outputs.iter().map(output).collect(),
         error,
         warnings: warnings(&record),
+        reached: job.reached.map(ReachedAnswer::from),
     })
 }
 

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use axum::http::{HeaderMap, header};
 
 use crate::job::key::{Key, content};
+use crate::refine::curve::Reached;
 
 /// Longest request that is remembered, bytes.
 const MAX_BYTES: usize = 64 << 10;
@@ -15,7 +16,18 @@ const MAX_REQUESTS: usize = 16_384;
 
 /// Requests whose jobs were found possible.
 #[derive(Debug, Default)]
-pub struct Memo(Mutex<HashMap<Key, (Key, Arc<str>)>>);
+pub struct Memo(Mutex<HashMap<Key, Known>>);
+
+/// What is known of a request.
+#[derive(Debug, Clone)]
+pub(super) struct Known {
+    /// Key of the result.
+    pub(super) key: Key,
+    /// Its address.
+    pub(super) address: Arc<str>,
+    /// What a tolerance led to.
+    pub(super) reached: Option<Reached>,
+}
 
 /// The identity of a request: its body, and the header that can change its meaning.
 pub(super) fn identity(headers: &HeaderMap, body: &[u8]) -> Option<Key> {
@@ -32,17 +44,17 @@ pub(super) fn identity(headers: &HeaderMap, body: &[u8]) -> Option<Key> {
 }
 
 impl Memo {
-    /// Key and address of the result of a request.
-    pub(super) fn get(&self, request: &Key) -> Option<(Key, Arc<str>)> {
+    /// What is known of a request.
+    pub(super) fn get(&self, request: &Key) -> Option<Known> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).get(request).cloned()
     }
 
     /// Remembers a request.
-    pub(super) fn put(&self, request: Key, key: Key, address: &str) {
+    pub(super) fn put(&self, request: Key, known: Known) {
         let mut requests = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if requests.len() >= MAX_REQUESTS {
             requests.clear();
         }
-        requests.insert(request, (key, address.into()));
+        requests.insert(request, known);
     }
 }

@@ -101,8 +101,14 @@ pub fn router(app: Arc<App>) -> Router {
 /// Any page may ask; no cookies are involved.
 fn cors() -> CorsLayer {
     let exposed = ["etag", "location", "content-location", "cache-status", "server-timing", "retry-after"];
-    let exposed =
-        exposed.into_iter().chain(["planish-warnings", "preference-applied", "accept-ranges", "content-range"]);
+    let exposed = exposed.into_iter().chain([
+        "planish-warnings",
+        "planish-level",
+        "planish-bound",
+        "preference-applied",
+        "accept-ranges",
+        "content-range",
+    ]);
     CorsLayer::new()
         .allow_origin(Any)
         .allow_methods([Method::GET, Method::HEAD, Method::POST, Method::OPTIONS])

@@ -8,6 +8,7 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
 use super::answer::{self, Found, Gone, address};
+use super::memo::Known;
 use super::negotiate::{self, Part};
 use super::problem::Problem;
 use super::{App, Shared, body, jobs, memo};
@@ -15,6 +16,7 @@ use crate::fault::Fault;
 use crate::job::Job;
 use crate::job::key::Key;
 use crate::job::limits::Admitted;
+use crate::refine::curve::Reached;
 use crate::service::computation::Phase;
 use crate::wire::JobRequest;
 use crate::wire::output::OutputRequest;
@@ -34,7 +36,8 @@ use crate::wire::output::OutputRequest;
         "plan": { "preset": "chaikin" }, "levels": 4, "outputs": [{ "format": "svg" }]
     })),
     responses(
-        (status = 200, description = "The bytes of the result, in the format that `outputs` or `Accept` asks for"),
+        (status = 200, description = "The bytes of the result, in the format that `outputs` or `Accept` asks for; where \
+            `levels` is a tolerance, `Planish-Level` and `Planish-Bound` say what it led to"),
         (status = 202, description = "Not finished in time; `Location` has the job", body = crate::wire::answer::JobAnswer),
         (status = 304, description = "The client has it already (`If-None-Match`)"),
     )
@@ -46,8 +49,7 @@ pub(super) async fn render(State(app): State<Shared>, headers: HeaderMap, body: 
 /// A job with the key and the address of its one output.
 struct Asked {
     job: Job,
-    key: Key,
-    address: String,
+    known: Known,
 }
 
 async fn rendered(app: &Arc<App>, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
@@ -58,17 +60,17 @@ async fn rendered(app: &Arc<App>, headers: &HeaderMap, body: Body) -> Result<Res
     }
     let asked = read(headers, bytes).await?;
     if let Some(request) = request {
-        app.memo.put(request, asked.key, &asked.address);
+        app.memo.put(request, asked.known.clone());
     }
-    if negotiate::has_already(headers, &asked.key) {
-        return Ok(not_modified(&asked.key, &asked.address));
+    if negotiate::has_already(headers, &asked.known.key) {
+        return Ok(not_modified(&asked.known));
     }
-    if let Some(manifest) = app.desk.find(asked.key).await {
+    if let Some(manifest) = app.desk.find(asked.known.key).await {
         if negotiate::wants_nothing_kept(headers) {
-            return Ok(not_modified(&asked.key, &asked.address));
+            return Ok(not_modified(&asked.known));
         }
         // what turns out to be damaged has been dropped, and is made again
-        if let Ok(response) = whole(app, Found::kept(manifest), &asked.address).await {
+        if let Ok(response) = whole(app, Found::kept(manifest), &asked.known).await {
             return Ok(response);
         }
     }
@@ -77,12 +79,12 @@ async fn rendered(app: &Arc<App>, headers: &HeaderMap, body: Body) -> Result<Res
 
 /// The answer to a request that came before and whose result is at hand.
 async fn again(app: &Arc<App>, headers: &HeaderMap, request: Option<Key>) -> Option<Response> {
-    let (key, address) = app.memo.get(&request?)?;
-    let manifest = app.desk.tiers.at_hand(&key)?;
-    if negotiate::has_already(headers, &key) || negotiate::wants_nothing_kept(headers) {
-        return Some(not_modified(&key, &address));
+    let known = app.memo.get(&request?)?;
+    let manifest = app.desk.tiers.at_hand(&known.key)?;
+    if negotiate::has_already(headers, &known.key) || negotiate::wants_nothing_kept(headers) {
+        return Some(not_modified(&known));
     }
-    whole(app, Found::kept(manifest), &address).await.ok()
+    whole(app, Found::kept(manifest), &known).await.ok()
 }
 
 /// Has the artifact made, and answers with it or, when that takes too long, with where it will be.
@@ -95,7 +97,7 @@ async fn made(app: &Arc<App>, headers: &HeaderMap, asked: Asked) -> Result<Respo
         Ok(Phase::Done(outcome)) => {
             let (manifest, loose) = (outcome.manifest.clone(), outcome.loose.clone());
             let found = Found { manifest, loose, origin: interest.origin, timings: outcome.timings };
-            Ok(whole(app, found, &asked.address).await?)
+            Ok(whole(app, found, &asked.known).await?)
         }
         Ok(Phase::Failed(failure)) => Err(failure.into()),
         Ok(Phase::Queued | Phase::Running) | Err(_) => {
@@ -106,8 +108,9 @@ async fn made(app: &Arc<App>, headers: &HeaderMap, asked: Asked) -> Result<Respo
     }
 }
 
-async fn whole(app: &Arc<App>, found: Found, address: &str) -> Result<Response, Gone> {
-    let head = answer::headers(&found, address);
+async fn whole(app: &Arc<App>, found: Found, known: &Known) -> Result<Response, Gone> {
+    let mut head = answer::headers(&found, &known.address);
+    said(known.reached, &mut head);
     answer::bytes(app, found, head, Part::Whole).await
 }
 
@@ -131,8 +134,8 @@ async fn read(headers: &HeaderMap, bytes: Bytes) -> Result<Asked, Problem> {
         };
         let output = &job.outputs[0];
         let key = job.key(output);
-        let address = address(key, output.format);
-        Ok(Asked { job, key, address })
+        let known = Known { key, address: address(key, output.format).into(), reached: job.reached };
+        Ok(Asked { job, known })
     })
     .await
 }
@@ -147,9 +150,20 @@ pub(super) async fn admit(app: &Arc<App>, job: Job) -> Result<Arc<Admitted>, Pro
     }
 }
 
-fn not_modified(key: &Key, address: &str) -> Response {
+/// What a tolerance led to: the level, and how far from the limit the result is at most.
+fn said(reached: Option<Reached>, headers: &mut HeaderMap) {
+    let Some(reached) = reached else { return };
+    headers.insert(HeaderName::from_static("planish-level"), reached.level.into());
+    if let Ok(bound) = HeaderValue::try_from(reached.bound.to_string()) {
+        headers.insert(HeaderName::from_static("planish-bound"), bound);
+    }
+}
+
+fn not_modified(known: &Known) -> Response {
     let mut headers = HeaderMap::new();
-    if let (Ok(etag), Ok(address)) = (HeaderValue::try_from(format!("\"{key}\"")), HeaderValue::try_from(address)) {
+    said(known.reached, &mut headers);
+    let etag = HeaderValue::try_from(format!("\"{}\"", known.key));
+    if let (Ok(etag), Ok(address)) = (etag, HeaderValue::try_from(&*known.address)) {
         headers.insert(header::ETAG, etag);
         headers.insert(header::CONTENT_LOCATION, address);
     }

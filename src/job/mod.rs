@@ -3,16 +3,19 @@
 pub mod codec;
 mod curves;
 pub mod key;
+mod levels;
 pub mod limits;
 mod run;
 mod steering;
 
+pub use levels::Levels;
 pub use run::{Report, RunError, run};
 
 use crate::fault::{Fault, under};
 use crate::math::parameter::Values;
 use crate::output::{Format, ShapeKind};
-use crate::scheme::plan::{MAX_LEVELS, Plan, PlanInput, Subject};
+use crate::refine::curve::Reached;
+use crate::scheme::plan::{Plan, PlanInput, Subject};
 use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::frame::Frame;
 use crate::shape::mesh::Mesh;
@@ -102,6 +105,8 @@ pub struct Job {
     pub plan: Plan,
     /// How often the plan's cycle is applied.
     pub levels: u32,
+    /// How close to the limit that comes, where a tolerance was asked for.
+    pub reached: Option<Reached>,
     /// What is answered.
     pub outputs: Vec<Output>,
     /// What the coordinates of the input mean.
@@ -116,7 +121,7 @@ impl Job {
     pub fn new(
         input: Input,
         plan: Option<&PlanInput>,
-        levels: Option<u64>,
+        levels: Option<Levels>,
         outputs: Vec<Output>,
     ) -> Result<Self, Vec<Fault>> {
         let mut faults = Vec::new();
@@ -129,9 +134,9 @@ impl Job {
                 Plan::resolve(plan, subject).map_err(|found| under("/plan", found))
             }
         };
-        let levels = check_levels(plan.is_some(), levels).unwrap_or_else(|fault| {
+        let asked = levels::check(plan.is_some(), levels).unwrap_or_else(|fault| {
             faults.push(fault);
-            0
+            levels::Asked::Count(0)
         });
         for (i, output) in outputs.iter().enumerate() {
             if let Err(detail) = output.format.holds(input.shape_kind()) {
@@ -147,6 +152,10 @@ impl Job {
                 return Err(faults);
             }
         };
+        let (levels, reached) = asked.resolve(&input, &plan).unwrap_or_else(|fault| {
+            faults.push(fault);
+            (0, None)
+        });
         faults.extend(plan.schedule(levels).err().map(|fault| fault.under("/plan")));
         if let Input::Mesh(mesh) = &input {
             let fault = crate::scheme::forecast::check_delta(&plan, &mesh.topology).err();
@@ -159,7 +168,11 @@ impl Job {
                 faults.extend(fault.map(|fault| fault.under(&format!("/outputs/{i}"))));
             }
         }
-        if faults.is_empty() { Ok(Self { input, plan, levels, outputs, frame: Frame::default() }) } else { Err(faults) }
+        if faults.is_empty() {
+            Ok(Self { input, plan, levels, reached, outputs, frame: Frame::default() })
+        } else {
+            Err(faults)
+        }
     }
 
     /// The same job, its coordinates meant in this frame.
@@ -177,24 +190,5 @@ impl Job {
     pub fn id(&self) -> key::Key {
         let keys: Vec<_> = self.outputs.iter().map(|output| (output.name.clone(), self.key(output))).collect();
         key::job(&keys)
-    }
-}
-
-fn check_levels(planned: bool, levels: Option<u64>) -> Result<u32, Fault> {
-    match levels {
-        None if planned => {
-            let detail =
-                format!("\"levels\" says how often the plan is applied; give a whole number from 0 to {MAX_LEVELS}");
-            Err(Fault::new("/levels", detail))
-        }
-        None => Ok(0),
-        Some(levels) if levels > 0 && !planned => {
-            Err(Fault::new("/plan", format!("{levels} levels of what? give a \"plan\", or ask for 0 levels")))
-        }
-        Some(levels) => u32::try_from(levels).ok().filter(|&levels| levels <= MAX_LEVELS).ok_or_else(|| {
-            let detail =
-                format!("{levels} levels; at most {MAX_LEVELS} are allowed, and far fewer fit any limit of size");
-            Fault::new("/levels", detail)
-        }),
     }
 }

@@ -7,7 +7,7 @@ use super::{Input, Output, curves};
 use crate::fault::Fault;
 use crate::output::FormatError;
 use crate::output::scene::{Curve, Scene, Shape};
-use crate::refine::{RefineError, RefinedMesh, refine_mesh};
+use crate::refine::{RefineError, RefinedMesh, curve, refine_mesh};
 use crate::scheme::mesh_net::{Boundary, MeshNet};
 use crate::shape::mesh::Mesh;
 use crate::watch::{Stage, Stopped, Watch};
@@ -64,8 +64,9 @@ pub fn run(admitted: &Admitted, output: &Output, out: &mut dyn Write, watch: &Wa
         Input::Polygons(polygons) => {
             let refined = curves::refine_all(job, polygons, &steps, output, watch)?;
             let control: Vec<Curve> = polygons.iter().map(curves::control).collect::<Result<_, _>>()?;
+            let warnings = curve::warnings(&job.plan, job.levels);
             let (shape, control) = (Shape::Curves(&refined), Shape::Curves(&control));
-            let scene = Scene { shape, control, warnings: &[], frame: job.frame };
+            let scene = Scene { shape, control, warnings: &warnings, frame: job.frame };
             write(&scene, output, out, watch)
         }
         Input::Mesh(mesh) => {

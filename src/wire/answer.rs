@@ -7,6 +7,7 @@ use crate::fault::Fault;
 use crate::job::Job;
 use crate::job::limits::Estimate;
 use crate::output::Size;
+use crate::refine::curve::Reached;
 
 /// A problem (RFC 9457).
 #[derive(Debug, Clone, Serialize, ToSchema)]
@@ -66,6 +67,24 @@ pub struct JobAnswer {
     pub error: Option<String>,
     /// What the client should know about the result.
     pub warnings: Vec<String>,
+    /// What a tolerance led to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reached: Option<ReachedAnswer>,
+}
+
+/// The level that a tolerance led to.
+#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
+pub struct ReachedAnswer {
+    /// The level.
+    pub level: u32,
+    /// The result is at most this far from the limit, model units.
+    pub bound: f64,
+}
+
+impl From<Reached> for ReachedAnswer {
+    fn from(reached: Reached) -> Self {
+        Self { level: reached.level, bound: reached.bound }
+    }
 }
 
 /// Time by stage, milliseconds.
@@ -120,6 +139,9 @@ pub struct EstimateAnswer {
     pub time_ms: u64,
     /// Predicted memory, bytes.
     pub memory_bytes: u64,
+    /// What a tolerance led to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reached: Option<ReachedAnswer>,
 }
 
 /// Exact counts of one level.
@@ -245,6 +267,7 @@ impl EstimateAnswer {
             outputs: job.outputs.iter().zip(&estimate.outputs).map(output).collect(),
             time_ms: count(estimate.time_ms),
             memory_bytes: count(estimate.memory_bytes),
+            reached: job.reached.map(ReachedAnswer::from),
         }
     }
 }

@@ -4,6 +4,7 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::input::InputRequest;
+use super::levels::LevelsRequest;
 use super::object;
 use super::output::{OutputRequest, outputs};
 use super::plan::PlanRequest;
@@ -24,9 +25,9 @@ pub struct JobRequest {
     /// How it is refined; may be left out together with `levels`, to convert or draw the input as it is.
     #[serde(default, deserialize_with = "object::optional")]
     pub plan: Option<PlanRequest>,
-    /// How often the plan's cycle is applied; has to be given where there is a plan.
-    #[schema(minimum = 0, maximum = 64)]
-    pub levels: Option<u64>,
+    /// How often the plan's cycle is applied, or how close to the limit it is to come; has to be given where there is a
+    /// plan.
+    pub levels: Option<LevelsRequest>,
     /// What is answered, 1 to 64 results; without any, /v1/render goes by `Accept`.
     #[serde(default)]
     #[schema(max_items = 64)]
@@ -62,7 +63,7 @@ impl JobRequest {
         let plan = self.plan.map(PlanRequest::resolve);
         let Some(input) = input else { return Err(faults) };
         // a plan is looked at even where the outputs are wrong, so that all faults come together
-        match Job::new(input, plan.as_ref(), self.levels, outputs.unwrap_or_default()) {
+        match Job::new(input, plan.as_ref(), self.levels.map(|levels| levels.0), outputs.unwrap_or_default()) {
             Ok(job) if faults.is_empty() => Ok(job.framed(frame)),
             Ok(_) => Err(faults),
             Err(found) => Err(faults.into_iter().chain(found.into_iter().map(|f| as_written(f, alone))).collect()),

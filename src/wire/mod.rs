@@ -5,6 +5,7 @@ pub mod catalogue;
 mod channels;
 pub mod input;
 pub mod job;
+pub mod levels;
 pub mod literal;
 pub mod mesh;
 pub mod object;

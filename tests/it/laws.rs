@@ -16,6 +16,8 @@ mod polynomials;
 mod root_three;
 mod spellings;
 mod ternary;
+mod tolerance;
+mod warnings;
 
 use serde_json::{Value, json};
 

@@ -121,6 +121,27 @@ impl Cycle {
         (least..=most).find(|&c| (real(c) - centre).abs() < 0.25).unwrap_or_else(|| i64::midpoint(least, most))
     }
 
+    /// The cycle that changes nothing.
+    pub fn identity() -> Self {
+        Self { arity: 1, mask: Mask { first: 0, values: vec![1.0] } }
+    }
+
+    /// This cycle and another one after it, as one.
+    #[must_use]
+    pub fn then(&self, next: &Self) -> Self {
+        let first = i64::from(self.mask.first) * next.arity + i64::from(next.mask.first);
+        let last = i64::from(self.mask.last()) * next.arity + i64::from(next.mask.last());
+        let mut values = vec![0.0; usize::try_from(last - first + 1).unwrap_or(0)];
+        for (m, weight) in self.entries() {
+            for (j, value) in next.entries() {
+                let at = m * next.arity + j - first;
+                values[usize::try_from(at).unwrap_or(0)] += weight * value;
+            }
+        }
+        let first = i32::try_from(first).unwrap_or(0);
+        Self { arity: self.arity * next.arity, mask: Mask { first, values } }
+    }
+
     /// The entries with their indices.
     pub fn entries(&self) -> impl Iterator<Item = (i64, f64)> + '_ {
         (i64::from(self.mask.first)..).zip(self.mask.values.iter().copied())

@@ -1,12 +1,18 @@
 //! What is known of the limit of refined polygons: its points and tangents, how far it is, whether there is one.
 
+mod convergence;
 mod cycle;
+mod distance;
 mod limit;
 mod rows;
+mod tolerance;
 
+pub use convergence::warnings;
 pub use cycle::{Cycle, NoMask};
+pub use distance::{Distances, NoBound};
 pub use limit::{Limit, NoLimit, check};
 pub use rows::{LimitRows, Row};
+pub use tolerance::{NoLevel, Reached, reach};
 
 use super::{Points, RefineError, at, polygon_net, start_tangents, values};
 use crate::scheme::plan::{Plan, Scheduled};

@@ -1,0 +1,242 @@
+//! How far a polygon is from its limit curve at most, by its second differences.
+//!
+//! A scheme that reproduces linear functions moves a polygon only by what bends it. With the polygon `p` after some levels,
+//! its piecewise linear curve `f`, the limit curve `F` in the same parameter and `D = max |p[i-1] - 2 p[i] + p[i+1]|`:
+//! `F - f = sum over i of w[i] (p[i-1] - 2 p[i] + p[i+1])`, so that `|F - f| <= max sum |w| D`. The sum is taken exactly
+//! where `n` more levels put their points, and for what follows by `B D' / (1 - N)` with the second differences `D'` then,
+//! the greatest sum of one level `B` and the norm `N < 1` by which a block of levels multiplies second differences.
+//!
+//! Source: Dyn and Levin, Acta Numerica 11 (2002), section 3, on difference schemes; Nairn, Peters and Lutterkort,
+//! CAGD 16 (1999), 613-631, on second differences as a measure of the distance.
+
+use super::cycle::{Cycle, NoMask, real};
+use crate::scheme::plan::Plan;
+
+/// Most points for each old one of the levels that are followed at once.
+const MAX_BLOCK: i64 = 256;
+/// What rounding leaves of sums that are 0.
+const ROUNDING: f64 = 1e-9;
+/// Most levels.
+const MAX_LEVELS: usize = 64;
+
+/// Why second differences bound no distance.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NoBound {
+    /// The plan is not one mask a level.
+    #[error("{0}, so that no distance to the limit is known in advance")]
+    Plan(#[from] NoMask),
+    /// Straight polygons with equal edges do not stay what they are.
+    #[error("the scheme does not reproduce linear functions, so that second differences do not bound its distance")]
+    NotLinear,
+    /// Second differences need not vanish.
+    #[error("second differences need not vanish under the scheme, so that they do not bound its distance")]
+    NotContractive,
+}
+
+/// What the levels of a plan do to second differences.
+#[derive(Debug)]
+pub struct Distances {
+    changing: Vec<Cycle>,
+    settled: Cycle,
+}
+
+/// Some levels taken together, with the place that they give to point 0.
+#[derive(Debug, Clone)]
+struct Block {
+    cycle: Cycle,
+    twice_centre: i64,
+}
+
+impl Distances {
+    /// Those of a plan.
+    ///
+    /// # Errors
+    /// [`NoBound`].
+    pub fn of(plan: &Plan) -> Result<Self, NoBound> {
+        let (changing, settled) = Cycle::from_level(plan, 0)?;
+        Ok(Self { changing, settled })
+    }
+
+    fn cycle(&self, level: usize) -> &Cycle {
+        self.changing.get(level).unwrap_or(&self.settled)
+    }
+
+    /// Levels from `level` on that are followed at once.
+    fn block_length(&self) -> usize {
+        let (mut length, mut arity) = (1, self.settled.arity);
+        while arity * self.settled.arity <= MAX_BLOCK {
+            arity *= self.settled.arity;
+            length += 1;
+        }
+        length
+    }
+
+    /// By what `after - before` levels multiply the greatest second difference, at most.
+    ///
+    /// # Errors
+    /// [`NoBound`].
+    pub fn contraction(&self, before: usize, after: usize) -> Result<f64, NoBound> {
+        let length = self.block_length();
+        let mut factor = 1.0;
+        for start in (before..after).step_by(length) {
+            let end = after.min(start + length);
+            factor *= Block::of((start..end).map(|level| self.cycle(level))).second_differences()?;
+        }
+        Ok(factor)
+    }
+
+    /// The distance of the polygon after `level` levels from the limit, over its greatest second difference, at most.
+    ///
+    /// # Errors
+    /// [`NoBound`].
+    pub fn factor(&self, level: usize) -> Result<f64, NoBound> {
+        let length = self.block_length();
+        let first = Block::of((level..level + length).map(|level| self.cycle(level)));
+        let mut sum = first.deviation()?;
+        let mut left = first.second_differences()?;
+        let mut start = level + length;
+        while start < self.changing.len() {
+            let (deviations, contraction) = self.following(start, length)?;
+            sum += left * deviations;
+            left *= contraction;
+            start += length;
+        }
+        let (deviations, contraction) = self.following(start, length)?;
+        if contraction < 1.0 { Ok(sum + left * deviations / (1.0 - contraction)) } else { Err(NoBound::NotContractive) }
+    }
+
+    /// Of the block of levels that begins at `start`: the sum of what each level moves, over the greatest second
+    /// difference before it, and what becomes of that.
+    fn following(&self, start: usize, length: usize) -> Result<(f64, f64), NoBound> {
+        let mut sum = 0.0;
+        for level in start..start + length {
+            let left = Block::of((start..level).map(|level| self.cycle(level))).second_differences()?;
+            sum += left * Block::of([self.cycle(level)].into_iter()).deviation()?;
+        }
+        let all = Block::of((start..start + length).map(|level| self.cycle(level)));
+        Ok((sum, all.second_differences()?))
+    }
+
+    /// The first level at which the distance is known to be at most `tolerance`, and that distance, where
+    /// `second_differences[l]` is the greatest second difference after `l` levels, as far as known (at least one entry).
+    ///
+    /// # Errors
+    /// [`NoBound`]; `Ok(None)` when no level does.
+    pub fn level(&self, second_differences: &[f64], tolerance: f64) -> Result<Option<(u32, f64)>, NoBound> {
+        let (known, last) = (second_differences.len() - 1, second_differences.last().copied().unwrap_or(0.0));
+        let mut settled = None;
+        for level in 0..=MAX_LEVELS {
+            let bends = match second_differences.get(level) {
+                Some(&bends) => bends,
+                None => last * self.contraction(known, level)?,
+            };
+            let factor = match settled {
+                Some(factor) => factor,
+                None => self.factor(level)?,
+            };
+            if level >= self.changing.len() {
+                settled = Some(factor);
+            }
+            if factor * bends <= tolerance {
+                return Ok(Some((u32::try_from(level).unwrap_or(u32::MAX), factor * bends)));
+            }
+        }
+        Ok(None)
+    }
+}
+
+impl Block {
+    /// Levels one after another; none at all leave everything as it is.
+    fn of<'a>(cycles: impl Iterator<Item = &'a Cycle>) -> Self {
+        let mut block = Self { cycle: Cycle::identity(), twice_centre: 0 };
+        for cycle in cycles {
+            block.twice_centre = cycle.arity * block.twice_centre + cycle.twice_centre();
+            block.cycle = block.cycle.then(cycle);
+        }
+        block
+    }
+
+    /// Weights of the old points in new point `j`, and the index of the first of them.
+    fn row(&self, j: i64) -> (i64, Vec<f64>) {
+        let (d, mask) = (self.cycle.arity, &self.cycle.mask);
+        let first = -(i64::from(mask.last()) - j).div_euclid(d);
+        let last = (j - i64::from(mask.first)).div_euclid(d);
+        (first, (first..=last).map(|i| self.cycle.at(j - d * i)).collect())
+    }
+
+    /// The greatest sum of absolute weights of second differences in the new points less the old polygon.
+    fn deviation(&self) -> Result<f64, NoBound> {
+        let d = self.cycle.arity;
+        let mut most: f64 = 0.0;
+        for j in 0..d {
+            // twice the place of new point j in units of new edges, from old point 0
+            let place = 2 * j - self.twice_centre;
+            let (before, part) = (place.div_euclid(2 * d), real(place.rem_euclid(2 * d)) / real(2 * d));
+            let mut sum = Combination::default();
+            sum.add(1.0, self.row(j));
+            sum.add(-1.0, (before, vec![1.0 - part, part]));
+            most = most.max(sum.bend()?);
+        }
+        // where the old points stand, halfway between new ones in dual schemes
+        let low = self.twice_centre.div_euclid(2);
+        let high = low + self.twice_centre.rem_euclid(2);
+        let mut sum = Combination::default();
+        sum.add(0.5, self.row(low));
+        sum.add(0.5, self.row(high));
+        sum.add(-1.0, (0, vec![1.0]));
+        Ok(most.max(sum.bend()?))
+    }
+
+    /// The greatest sum of absolute weights of old second differences in new ones.
+    fn second_differences(&self) -> Result<f64, NoBound> {
+        let mut most: f64 = 0.0;
+        for j in 0..self.cycle.arity {
+            let mut sum = Combination::default();
+            sum.add(1.0, self.row(j - 1));
+            sum.add(-2.0, self.row(j));
+            sum.add(1.0, self.row(j + 1));
+            most = most.max(sum.bend()?);
+        }
+        Ok(most)
+    }
+}
+
+/// Weights of points.
+#[derive(Debug, Default)]
+struct Combination {
+    first: i64,
+    weights: Vec<f64>,
+}
+
+impl Combination {
+    fn add(&mut self, factor: f64, (first, weights): (i64, Vec<f64>)) {
+        if self.weights.is_empty() {
+            self.first = first;
+        }
+        while self.first > first {
+            self.weights.insert(0, 0.0);
+            self.first -= 1;
+        }
+        for (k, weight) in weights.iter().enumerate() {
+            let at = usize::try_from(first - self.first).unwrap_or(0) + k;
+            if self.weights.len() <= at {
+                self.weights.resize(at + 1, 0.0);
+            }
+            self.weights[at] += factor * weight;
+        }
+    }
+
+    /// The sum of absolute weights when it is written in second differences: the running sums of its running sums.
+    fn bend(&self) -> Result<f64, NoBound> {
+        let (mut once, mut twice, mut sum) = (0.0, 0.0, 0.0_f64);
+        let size: f64 = self.weights.iter().map(|w| w.abs()).sum();
+        for weight in &self.weights {
+            once += weight;
+            twice += once;
+            sum += f64::abs(twice);
+        }
+        // what neither sums to 0 nor is balanced is no combination of second differences
+        let rest = f64::abs(once).max(f64::abs(twice));
+        if rest <= ROUNDING * size.max(1.0) { Ok(sum) } else { Err(NoBound::NotLinear) }
+    }
+}

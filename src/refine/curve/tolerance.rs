@@ -1,0 +1,145 @@
+//! The level at which polygons are within a tolerance of their limit curves.
+
+use super::distance::{Distances, NoBound};
+use super::limit::{NoLimit, check};
+use crate::math::functions::sqrt;
+use crate::refine::{Points, RefineError, at, polygon_net, values};
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::polygon_net::{Extent, PolygonNet};
+use crate::shape::polygon::Polygon;
+use crate::watch::Watch;
+
+/// Points up to which second differences are measured; from there on they are bounded by their contraction.
+const MEASURED_POINTS: usize = 16_384;
+/// Most levels that are measured.
+const MEASURED_LEVELS: u32 = 16;
+/// The least tolerance, over the greatest coordinate: below it, rounding is not negligible.
+const LEAST: f64 = 1e-12;
+
+/// The level that a tolerance asks for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reached {
+    /// The level.
+    pub level: u32,
+    /// Its distance from the limit is at most this, model units.
+    pub bound: f64,
+}
+
+/// Why no level can be given for a tolerance.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NoLevel {
+    /// The polygons, or the plan for them, have no limit masks.
+    #[error("{0}")]
+    Limit(#[from] NoLimit),
+    /// Distances are not bounded.
+    #[error("{0}")]
+    Bound(#[from] NoBound),
+    /// Distances are not kept by the projection.
+    #[error(
+        "rational points are divided by their weights at the end, which distances do not survive; give \"levels\" as a number"
+    )]
+    Rational,
+    /// Rounding is larger.
+    #[error("{tolerance} is below what rounding leaves of coordinates of {size}; ask for at least {least}", least = size * LEAST)]
+    TooFine {
+        /// What was asked for.
+        tolerance: f64,
+        /// Greatest coordinate.
+        size: f64,
+    },
+    /// Not within any number of levels.
+    #[error("no level up to {max} is known to be within {0} of the limit; ask for a coarser tolerance", max = crate::scheme::plan::MAX_LEVELS)]
+    Never(f64),
+    /// A level cannot be computed.
+    #[error("{0}")]
+    Level(String),
+}
+
+/// The first level at which all polygons are known to be within `tolerance` of their limits.
+///
+/// # Errors
+/// [`NoLevel`].
+pub fn reach(polygons: &[Polygon], plan: &Plan, tolerance: f64) -> Result<Reached, NoLevel> {
+    let distances = Distances::of(plan)?;
+    for polygon in polygons {
+        check(polygon, plan)?;
+        if polygon.rational {
+            return Err(NoLevel::Rational);
+        }
+        let size = polygon.points.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        if tolerance < LEAST * size {
+            return Err(NoLevel::TooFine { tolerance, size });
+        }
+    }
+    let bends = measured(polygons, plan)?;
+    let found = distances.level(&bends, tolerance)?;
+    let (level, bound) = found.ok_or(NoLevel::Never(tolerance))?;
+    Ok(Reached { level, bound })
+}
+
+/// The greatest second difference of all polygons after 0, 1, ... levels, as long as they are small.
+fn measured(polygons: &[Polygon], plan: &Plan) -> Result<Vec<f64>, NoLevel> {
+    let mut bends: Vec<f64> = Vec::new();
+    for polygon in polygons {
+        let most = MEASURED_POINTS / polygons.len().min(MEASURED_POINTS);
+        let of_one = measured_one(polygon, plan, most).map_err(|error| NoLevel::Level(error.to_string()))?;
+        // levels that some polygon is not followed to are bounded for all
+        let shared = if bends.is_empty() { of_one.len() } else { bends.len().min(of_one.len()) };
+        bends.resize(shared, 0.0);
+        for (most, bend) in bends.iter_mut().zip(&of_one) {
+            *most = most.max(*bend);
+        }
+    }
+    Ok(bends)
+}
+
+fn measured_one(polygon: &Polygon, plan: &Plan, most: usize) -> Result<Vec<f64>, RefineError> {
+    let watch = Watch::new();
+    let mut net = polygon_net(polygon, plan);
+    let mut points = Points::new(polygon.points.clone(), polygon.dimension);
+    let mut bends = Vec::new();
+    for level in 0..=MEASURED_LEVELS {
+        // a level whose functions have no value is refused when it is asked for
+        let Ok(steps) = plan.schedule(level) else { break };
+        for step in steps.iter().filter(|step: &&Scheduled| step.level == level) {
+            let next = step.letter.operator.on_polygon(&net, &values(plan, step)).map_err(|error| at(step, error))?;
+            points.act(&next.action, step, &watch)?;
+            net = next.net;
+        }
+        bends.push(greatest_second_difference(&net, &points.now, polygon.dimension));
+        if net.n > most {
+            break;
+        }
+    }
+    Ok(bends)
+}
+
+/// `max |p[i-1] - 2 p[i] + p[i+1]|` over all control points with rules from both sides.
+fn greatest_second_difference(net: &PolygonNet, points: &[f64], width: usize) -> f64 {
+    let n = net.n;
+    let at = |i: usize| &points[i * width..(i + 1) * width];
+    let bend = |a: &[f64], b: &[f64], c: &[f64], factors: [f64; 3]| {
+        let squares = (0..width).map(|k| {
+            let x = factors[0] * a[k] + factors[1] * b[k] + factors[2] * c[k];
+            x * x
+        });
+        sqrt(squares.sum())
+    };
+    let mut most: f64 = 0.0;
+    let inner = match net.extent {
+        Extent::Closed => 0..n,
+        Extent::Whole | Extent::Natural => 1..n.saturating_sub(1),
+        Extent::Half => 2..n.saturating_sub(2),
+    };
+    for i in inner.filter(|&i| !net.is_corner(i.saturating_sub(net.first()))) {
+        most = most.max(bend(at((i + n - 1) % n), at(i), at((i + 1) % n), [1.0, -2.0, 1.0]));
+    }
+    if net.extent == Extent::Half && n == 3 {
+        most = most.max(bend(at(0), at(1), at(2), [2.0, -4.0, 2.0]));
+    } else if net.extent == Extent::Half && n > 3 {
+        // the point before the first one is its mirror image about the end
+        most = most.max(bend(at(0), at(1), at(2), [2.0, -3.0, 1.0]));
+        most = most.max(bend(at(n - 1), at(n - 2), at(n - 3), [2.0, -3.0, 1.0]));
+    }
+    most
+}

@@ -1,0 +1,65 @@
+//! How often a plan is applied, as clients write it.
+
+use std::fmt;
+
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
+use utoipa::openapi::schema::{Object, OneOf, Schema, Type};
+use utoipa::openapi::{ObjectBuilder, RefOr};
+use utoipa::{PartialSchema, ToSchema};
+
+use crate::job::Levels;
+
+/// A number of levels, or a tolerance: `4` or `{"tolerance": 0.01}`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LevelsRequest(pub Levels);
+
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ToleranceRequest {
+    tolerance: f64,
+}
+
+impl<'de> Deserialize<'de> for LevelsRequest {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(LevelsVisitor).map(Self)
+    }
+}
+
+struct LevelsVisitor;
+
+impl<'de> Visitor<'de> for LevelsVisitor {
+    type Value = Levels;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "a whole number of levels, or an object with a \"tolerance\"")
+    }
+
+    fn visit_u64<E>(self, levels: u64) -> Result<Levels, E> {
+        Ok(Levels::Count(levels))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Levels, A::Error> {
+        let request = ToleranceRequest::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(Levels::Tolerance(request.tolerance))
+    }
+}
+
+impl PartialSchema for LevelsRequest {
+    fn schema() -> RefOr<Schema> {
+        let count = ObjectBuilder::new().schema_type(Type::Integer).minimum(Some(0)).maximum(Some(64));
+        let tolerance = ObjectBuilder::new()
+            .schema_type(Type::Number)
+            .exclusive_minimum(Some(0))
+            .description(Some("Greatest distance between the result and the limit, model units."));
+        let within = ObjectBuilder::new()
+            .property("tolerance", tolerance)
+            .required("tolerance")
+            .additional_properties(Some(utoipa::openapi::schema::AdditionalProperties::FreeForm(false)));
+        let mut either = OneOf::new();
+        either.items = vec![Object::from(count).into(), Object::from(within).into()];
+        RefOr::T(Schema::OneOf(either))
+    }
+}
+
+impl ToSchema for LevelsRequest {}
