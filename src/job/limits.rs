@@ -248,10 +248,12 @@ fn carried(job: &Job) -> Carried {
 }
 
 /// Old and new points (24 bytes each), the topology before the last split (about 17 bytes a face after it), normals and
-/// indices of a picture, three times the numbers of channels, and the largest result.
+/// indices of a picture, three times the numbers of channels, the topologies of schemes that make their own, and the
+/// largest result.
 fn memory(forecast: &Forecast, sizes: &[Size], carried: &Carried) -> u128 {
     let count = forecast.peak;
     let net = count.vertices.saturating_mul(72 + 24 * carried.numbers).saturating_add(count.faces.saturating_mul(44));
+    let net = net.saturating_add(forecast.topology_bytes);
     net.saturating_add(sizes.iter().map(|size| size.bytes()).max().unwrap_or(0))
 }
 

@@ -38,6 +38,13 @@ impl Census {
         }
     }
 
+    /// Bytes of the topology while it is made: four numbers a corner, one of them on the way only, six an edge, and one
+    /// a vertex and a face.
+    pub fn bytes(&self) -> u128 {
+        let Count { vertices, edges, faces, corners, .. } = self.count;
+        sum(&[(16, corners), (24, edges), (4, vertices), (4, faces)])
+    }
+
     /// The counts after a step: the edges follow from the sizes of the faces and the boundary.
     #[must_use]
     pub fn after(&self, vertices: u128, faces: u128, corners: u128, boundary: u128) -> Self {

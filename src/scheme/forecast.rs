@@ -86,6 +86,8 @@ pub struct Forecast {
     pub peak: Count,
     /// Rows of weights to be made in all: the unit of progress.
     pub work: u128,
+    /// Bytes of the topologies that a scheme of its own connectivity makes in its largest step.
+    pub topology_bytes: u128,
 }
 
 /// Why there is no forecast.
@@ -135,7 +137,7 @@ impl Tally {
 
     /// Levels that have no operator repeat the one before.
     fn finish(self) -> Forecast {
-        Forecast { levels: self.levels, peak: self.peak, work: self.work }
+        Forecast { levels: self.levels, peak: self.peak, work: self.work, topology_bytes: 0 }
     }
 }
 
@@ -153,10 +155,11 @@ pub fn of_polygons(nets: &[PolygonNet], steps: &[Scheduled]) -> Result<Forecast,
                 levels: sum.levels.iter().zip(&one.levels).map(|(a, b)| a.plus(*b)).collect(),
                 peak: sum.peak.plus(one.peak),
                 work: sum.work.saturating_add(one.work),
+                topology_bytes: 0,
             },
         });
     }
-    Ok(sum.unwrap_or(Forecast { levels: vec![Count::default()], peak: Count::default(), work: 0 }))
+    Ok(sum.unwrap_or(Forecast { levels: vec![Count::default()], peak: Count::default(), work: 0, topology_bytes: 0 }))
 }
 
 fn of_polygon(net: &PolygonNet, steps: &[Scheduled]) -> Result<Forecast, ForecastError> {
@@ -231,11 +234,14 @@ fn counted(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
 fn rebuilt(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
     let mut census = Census::of(net);
     let mut tally = Tally::new(census.count);
+    let mut topology_bytes = 0;
     for step in steps {
+        let before = census;
         census = step.letter.operator.census(&census).unwrap_or(census);
+        topology_bytes = topology_bytes.max(census.bytes().saturating_add(before.bytes()));
         tally.step(step, census.count);
     }
-    tally.finish()
+    Forecast { topology_bytes, ..tally.finish() }
 }
 
 fn followed(net: &MeshNet, steps: &[Scheduled], cap: u128) -> Result<Forecast, ForecastError> {
