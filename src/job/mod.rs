@@ -59,6 +59,10 @@ impl Input {
 
     fn subject(&self, input: &PlanInput) -> Subject {
         let (is_mesh, is_open) = self.kind();
+        let attached = match self {
+            Self::Mesh(mesh) if mesh.attachments.names_faces() => Some("groups and materials"),
+            Self::Mesh(_) | Self::Polygons(_) => None,
+        };
         let tags = match self {
             Self::Polygons(polygons) if polygons.iter().any(|p| !p.corners.is_empty()) => Some("corners"),
             Self::Polygons(polygons) => {
@@ -70,8 +74,7 @@ impl Input {
             Self::Mesh(_) if is_open && input.boundary == crate::scheme::mesh_net::Boundary::None => {
                 Some("the holes that boundary \"none\" makes")
             }
-            Self::Mesh(mesh) if mesh.attachments.names_faces() => Some("groups and materials"),
-            Self::Mesh(_) => None,
+            Self::Mesh(_) => attached,
         };
         let (creased, semi_sharp) = match self {
             Self::Polygons(_) => (false, None),
@@ -81,7 +84,7 @@ impl Input {
                 (!mesh.creases.is_empty(), semi_sharp.then_some("creases"))
             }
         };
-        Subject { is_mesh, is_open, tags, creased, semi_sharp }
+        Subject { is_mesh, is_open, tags, attached, creased, semi_sharp }
     }
 }
 
@@ -130,7 +133,8 @@ impl Job {
             Some(plan) => {
                 let subject = input.subject(plan);
                 let ids = outputs.iter().any(|output| output.options.flag("ids"));
-                let subject = Subject { tags: subject.tags.or(ids.then_some("ids")), ..subject };
+                let ids = ids.then_some("ids");
+                let subject = Subject { tags: subject.tags.or(ids), attached: subject.attached.or(ids), ..subject };
                 Plan::resolve(plan, subject).map_err(|found| under("/plan", found))
             }
         };

@@ -40,6 +40,8 @@ pub struct Subject {
     pub is_open: bool,
     /// What a D could not carry along, if anything.
     pub tags: Option<&'static str>,
+    /// What refers to single faces or vertices of the input, which a connectivity of its own could not carry along.
+    pub attached: Option<&'static str>,
     /// Whether edges are sharp.
     pub creased: bool,
     /// What has a sharpness between smooth and infinitely sharp, if anything.

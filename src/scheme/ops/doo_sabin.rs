@@ -51,6 +51,10 @@ impl Operator for DooSabin {
         Err(StepError::WrongNet("doo-sabin refines meshes; for polygons use chaikin"))
     }
 
+    fn rebuilds(&self) -> bool {
+        true
+    }
+
     fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
         let topology = &net.base;
         if !net.holes.is_empty() {

@@ -163,6 +163,10 @@ pub trait Operator: fmt::Debug + Send + Sync {
     fn follows(&self) -> Follows {
         Follows::Corners
     }
+    /// Whether it makes a connectivity of its own, whose faces lie across several old ones.
+    fn rebuilds(&self) -> bool {
+        false
+    }
     /// Whether it can be applied to a mesh as it is given, as far as that depends on its connectivity and tags.
     ///
     /// # Errors
@@ -170,7 +174,7 @@ pub trait Operator: fmt::Debug + Send + Sync {
     fn admits(&self, _net: &MeshNet) -> Result<(), StepError> {
         Ok(())
     }
-    /// The counts of a mesh after it; `None` unless it makes a connectivity of its own.
+    /// The counts of a mesh after it; `None` unless it [rebuilds](Self::rebuilds) it.
     fn census(&self, _before: &Census) -> Option<Census> {
         None
     }

@@ -44,6 +44,10 @@ impl Operator for RootThree {
         Err(StepError::WrongNet("sqrt-3 refines meshes of triangles; for polygons use ternary-cubic"))
     }
 
+    fn rebuilds(&self) -> bool {
+        true
+    }
+
     fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
         let topology = &net.base;
         if !net.holes.is_empty() {

@@ -21,6 +21,9 @@ impl Plan {
                 return Err(StepError::WrongNet("U3 and higher, and A, refine polygons; meshes take U, D, C and P"));
             }
             let dual = letter.operator.shifts(&letter);
+            if let Some(tags) = subject.attached.filter(|_| letter.operator.rebuilds()) {
+                return Err(StepError::OwnTags(letter.operator.name(), tags));
+            }
             let follows = letter.operator.follows();
             most = most.max(follows);
             if subject.creased && follows == Follows::Corners && !dual {

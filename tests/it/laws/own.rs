@@ -143,6 +143,26 @@ fn isolated_vertices() {
     assert_eq!(primal.positions.get(4), Some(&[9.0, 9.0, 9.0]));
 }
 
+/// New faces come of several old ones, so nothing that names faces goes along; channels are refined like positions.
+#[test]
+fn what_names_faces_is_refused_and_channels_are_refined() {
+    for preset in ["doo-sabin", "sqrt-3"] {
+        let mut mesh = nets::tetrahedron().to_json();
+        mesh["channels"] = json!({ "place": mesh["positions"] });
+        let job = |mesh: &Value, ids: bool| {
+            let output = json!({ "format": "json", "ids": ids });
+            json!({ "input": { "mesh": mesh }, "plan": { "preset": preset }, "levels": 2, "outputs": [output] })
+        };
+        let result: Value =
+            serde_json::from_slice(&render(&job(&mesh, false)).expect("it runs").0).expect("the json output is JSON");
+        assert_eq!(result["channels"]["place"], result["positions"], "{preset}");
+        let refused = |job: &Value| render(job).expect_err("it is refused")[0].detail.clone();
+        assert!(refused(&job(&mesh, true)).contains(&format!("{preset} cannot carry ids")));
+        mesh["groups"] = json!([{ "name": "top", "faces": [0, 1] }]);
+        assert!(refused(&job(&mesh, false)).contains(&format!("{preset} cannot carry groups and materials")));
+    }
+}
+
 #[test]
 fn a_hundred_levels_of_growth_are_counted_without_being_made() {
     for preset in ["doo-sabin", "sqrt-3"] {
