@@ -15,6 +15,7 @@ use crate::shape::attachments::Attachments;
 use crate::shape::attributes::Attributes;
 use crate::shape::creases::{INFINITE_SHARPNESS, Sharp};
 use crate::shape::polygon::Polygon;
+use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 
 /// Version of the results: raised whenever any artifact's bytes change.
@@ -198,7 +199,8 @@ fn plan(job: &Job, output: &Output) -> Item<'static> {
             });
             let head = [l.arity, l.averages].map(|n| Item::Integer(u64::from(n)));
             let head = [text(l.operator.name())].into_iter().chain(head);
-            Item::List(head.chain(mask).chain(l.blending.map(Item::Number)).collect())
+            let tile = (l.tile == Tile::Triangle).then(|| text("triangle"));
+            Item::List(head.chain(mask).chain(l.blending.map(Item::Number)).chain(tile).collect())
         };
         Item::List(letters.iter().map(letter).collect())
     };
@@ -207,6 +209,10 @@ fn plan(job: &Job, output: &Output) -> Item<'static> {
     let mut functions = Vec::new();
     if has(Role::Average) {
         functions.push(("kernel", Item::List(plan.kernel.iter().map(expression).collect())));
+    }
+    let averages = |l: &Letter| l.tile == Tile::Triangle && l.operator.uses().contains(&"mu");
+    if plan.word.prefix.iter().chain(cycle).any(averages) {
+        functions.push(("mu", Item::Number(plan.mu)));
     }
     if has(Role::PushBack) {
         functions.push(("compensation", expression(&plan.compensation)));

@@ -84,7 +84,14 @@ impl Input {
                 (!mesh.creases.is_empty(), semi_sharp.then_some("creases"))
             }
         };
-        Subject { is_mesh, is_open, tags, attached, creased, semi_sharp }
+        let other_face = match self {
+            Self::Polygons(_) => None,
+            Self::Mesh(mesh) => {
+                let topology = &mesh.topology;
+                topology.first_other_than_triangle().map(|f| (f, topology.face(f).len()))
+            }
+        };
+        Subject { is_mesh, is_open, tags, attached, creased, semi_sharp, other_face }
     }
 }
 

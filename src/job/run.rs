@@ -87,5 +87,6 @@ fn write(scene: &Scene<'_>, output: &Output, out: &mut dyn Write, watch: &Watch)
 }
 
 fn control_mesh(mesh: &Mesh) -> RefinedMesh {
-    RefinedMesh::new(MeshNet::new(mesh.topology.clone(), &[], &mesh.holes, Boundary::EdgeOnly), mesh.positions.clone())
+    let net = MeshNet::new(mesh.topology.clone(), &[], &mesh.holes, Boundary::EdgeOnly);
+    RefinedMesh::new(&net, mesh.positions.clone())
 }

@@ -83,7 +83,7 @@ pub fn refine_mesh(mesh: &Mesh, plan: &Plan, steps: &[Scheduled], watch: &Watch)
         net = next.net;
     }
     let channels = channels.into_iter().map(|channel| channel.now).collect();
-    Ok(RefinedMesh::new(net, points.now).carrying(mesh.attachments.clone(), channels))
+    Ok(RefinedMesh::new(&net, points.now).carrying(mesh.attachments.clone(), channels))
 }
 
 fn values<'a>(plan: &'a Plan, step: &'a Scheduled) -> Values<'a> {
@@ -91,6 +91,7 @@ fn values<'a>(plan: &'a Plan, step: &'a Scheduled) -> Values<'a> {
         letter: &step.letter,
         alpha: step.alpha,
         kernel: step.kernel,
+        mu: plan.mu,
         compensation: step.compensation,
         delta: &plan.delta,
         first: step.first,

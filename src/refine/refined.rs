@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::scheme::mesh_net::MeshNet;
 use crate::shape::attachments::Attachments;
-use crate::shape::grid::Grid;
+use crate::shape::order::Order;
 use crate::shape::source::{FaceChunk, MeshSource, Origin};
 use crate::shape::topology::{Topology, index};
 
@@ -17,7 +17,7 @@ pub struct RefinedMesh {
     points: Vec<f64>,
     base: Arc<Topology>,
     /// `None` when the mesh was not split since its base: then the orders agree.
-    grid: Option<Grid>,
+    order: Option<Order>,
     shown: Shown,
     attachments: Arc<Attachments>,
     /// The numbers of each channel, in the order of construction.
@@ -35,10 +35,11 @@ struct Shown {
 
 impl RefinedMesh {
     /// The mesh of a net with its points in the order of construction, `n x 3`.
-    pub fn new(net: MeshNet, points: Vec<f64>) -> Self {
-        let grid = net.parent.map(|parent| Grid::new(net.base.clone(), parent, net.splits));
-        let shown = Shown::new(&net.base, grid.as_ref(), &net.holes);
-        Self { points, base: net.base, grid, shown, attachments: Arc::default(), channels: Vec::new() }
+    pub fn new(net: &MeshNet, points: Vec<f64>) -> Self {
+        let order = net.order();
+        let shown = Shown::new(&net.base, order.as_ref(), &net.holes);
+        let base = net.base.clone();
+        Self { points, base, order, shown, attachments: Arc::default(), channels: Vec::new() }
     }
 
     /// The same mesh with what it carries: for each channel its numbers in the order of construction.
@@ -56,9 +57,9 @@ impl RefinedMesh {
 }
 
 impl Shown {
-    fn new(base: &Topology, grid: Option<&Grid>, holes: &[u32]) -> Self {
-        let all = grid.map_or(base.n_faces(), Grid::n_faces);
-        let first = |f: usize| if f == base.n_faces() { all } else { grid.map_or(f, |grid| grid.first_face(f)) };
+    fn new(base: &Topology, order: Option<&Order>, holes: &[u32]) -> Self {
+        let all = order.map_or(base.n_faces(), Order::n_faces);
+        let first = |f: usize| if f == base.n_faces() { all } else { order.map_or(f, |order| order.first_face(f)) };
         let corners = |f: usize| base.face(f).len();
         let mut runs = Vec::new();
         let (mut n, mut n_corners, mut from) = (0, 0, 0);
@@ -71,7 +72,7 @@ impl Shown {
             }
             from = hole + 1;
         }
-        let n_corners = if grid.is_some() { 4 * n } else { n_corners };
+        let n_corners = order.map_or(n_corners, |order| order.face_size() * n);
         Self { runs, n, n_corners }
     }
 
@@ -105,30 +106,31 @@ impl MeshSource for RefinedMesh {
 
     fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
         let (points, _) = self.points.as_chunks::<3>();
-        match &self.grid {
+        match &self.order {
             None => {
                 out.clear();
                 out.extend_from_slice(&points[range]);
             }
-            Some(grid) => range
+            Some(order) => range
                 .into_par_iter()
                 .with_min_len(4096)
-                .map(|v| points[grid.constructed(v) as usize])
+                .map(|v| points[order.constructed(v) as usize])
                 .collect_into_vec(out),
         }
     }
 
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
         out.clear();
-        match &self.grid {
+        match &self.order {
             None => range.for_each(|f| out.push(self.base.face(self.shown.face(f)))),
-            Some(grid) => {
-                out.sizes.resize(range.len(), 4);
-                out.vertices.resize(4 * range.len(), 0);
-                let (quads, _) = out.vertices.as_chunks_mut::<4>();
+            Some(order) => {
+                let size = order.face_size();
+                out.sizes.resize(range.len(), index(size));
+                out.vertices.resize(size * range.len(), 0);
+                let faces = out.vertices.par_chunks_exact_mut(size);
                 let start = range.start;
-                quads.par_iter_mut().with_min_len(4096).enumerate().for_each(|(i, quad)| {
-                    *quad = grid.face(self.shown.face(start + i));
+                faces.with_min_len(4096).enumerate().for_each(|(i, face)| {
+                    order.face(self.shown.face(start + i), face);
                 });
             }
         }
@@ -141,14 +143,14 @@ impl MeshSource for RefinedMesh {
     fn channel(&self, channel: usize, range: Range<usize>, out: &mut Vec<f64>) {
         out.clear();
         let (values, width) = (&self.channels[channel], self.attachments.channels[channel].width);
-        let Some(grid) = &self.grid else {
+        let Some(order) = &self.order else {
             out.extend_from_slice(&values[width * range.start..width * range.end]);
             return;
         };
         out.resize(width * range.len(), 0.0);
         let rows = out.par_chunks_exact_mut(width).with_min_len(4096);
         rows.zip(range).for_each(|(row, v)| {
-            let at = grid.constructed(v) as usize * width;
+            let at = order.constructed(v) as usize * width;
             row.copy_from_slice(&values[at..at + width]);
         });
     }
@@ -159,22 +161,22 @@ impl MeshSource for RefinedMesh {
 
     fn face_origin(&self, face: usize) -> u32 {
         let face = self.shown.face(face);
-        index(self.grid.as_ref().map_or(face, |grid| grid.base_face(face)))
+        index(self.order.as_ref().map_or(face, |order| order.base_face(face)))
     }
 
     fn faces_of(&self, face: usize) -> Range<usize> {
-        let first = |f: usize| match &self.grid {
+        let first = |f: usize| match &self.order {
             None => f,
-            Some(grid) if f == self.base.n_faces() => grid.n_faces(),
-            Some(grid) => grid.first_face(f),
+            Some(order) if f == self.base.n_faces() => order.n_faces(),
+            Some(order) => order.first_face(f),
         };
         self.shown.number(first(face))..self.shown.number(first(face + 1))
     }
 
     fn vertex_origin(&self, vertex: usize) -> Origin {
-        match &self.grid {
+        match &self.order {
             None => Origin { dimension: 0, cell: index(vertex) },
-            Some(grid) => grid.origin(vertex),
+            Some(order) => order.origin(vertex),
         }
     }
 }

@@ -54,16 +54,17 @@ impl Creases {
         let anchor = net.anchor.as_ref()?;
         let before = anchor.sharpness.as_ref()?;
         let after = net.sharpness.as_deref();
-        let edge_after = |e: u32, end: usize| after.map_or(0.0, |after| after.edge(2 * e as usize + end));
+        let d = anchor.pieces_of_an_edge();
+        let edge_after = |e: u32, end: usize| after.map_or(0.0, |after| after.edge(d * e as usize + end * (d - 1)));
         let corner_after = |v: usize| after.map_or(0.0, |after| after.vertex(v));
         Some(Self::of(&anchor.topology, before, edge_after, corner_after))
     }
 
-    /// What sets the vertices and edges of an unsplit net apart; `None` when nothing does.
-    pub fn of_net(net: &MeshNet) -> Option<Self> {
-        let sharpness = net.sharpness.as_ref().filter(|_| net.parent.is_none())?;
+    /// What sets the vertices and edges of a net apart whose explicit topology this is; `None` when nothing does.
+    pub fn of_net(net: &MeshNet, topology: &Topology) -> Option<Self> {
+        let sharpness = net.sharpness.as_ref()?;
         let after = |e: u32, _| sharpness.edge(e as usize);
-        Some(Self::of(&net.base, sharpness, after, |v| sharpness.vertex(v)))
+        Some(Self::of(topology, sharpness, after, |v| sharpness.vertex(v)))
     }
 
     fn of(

@@ -4,12 +4,14 @@ use std::sync::Arc;
 
 use super::census::Census;
 use super::mesh_net::MeshNet;
-use super::ops::Role;
-use super::plan::{Plan, Scheduled};
+use super::ops::{Role, seen_valence};
+use super::plan::{DEFAULT_MU, Plan, Scheduled};
 use super::polygon_net::{Extent, PolygonNet};
 use super::step::{StepError, Values};
+use super::word::Letter;
 use crate::fault::Fault;
 use crate::math::expression::Expression;
+use crate::shape::tile::Tile;
 use crate::shape::topology::Topology;
 
 /// Counts of one net.
@@ -44,7 +46,7 @@ impl Count {
     fn of_mesh(net: &MeshNet) -> Self {
         let topology = &net.base;
         let sizes = net.holes.iter().map(|&f| topology.face(f as usize).len() as u128);
-        let mut count = Self {
+        let count = Self {
             vertices: topology.n_vertices() as u128,
             edges: topology.n_edges() as u128,
             faces: topology.n_faces() as u128,
@@ -52,14 +54,31 @@ impl Count {
             hidden_faces: net.holes.len() as u128,
             hidden_corners: sizes.sum(),
         };
-        for _ in 0..net.splits {
-            count = count.split();
-        }
-        count
+        net.pieces.iter().fold(count, |count, &pieces| count.split(net.tile, pieces))
     }
 
-    /// After a U: V + E + F vertices, 2 E + (sum of sizes) edges, as many quads as there were corners.
-    fn split(self) -> Self {
+    /// After a split with so many pieces an edge: of faces of any size into quads when it is 2, else of triangles or
+    /// quads alone.
+    fn split(self, tile: Tile, pieces: u32) -> Self {
+        if tile == Tile::Quad && pieces == 2 {
+            return self.halved();
+        }
+        let d = pieces as usize;
+        let [points, edges] =
+            [tile.inner_vertices(d), tile.inner_edges(d)].map(|n| self.faces.saturating_mul(n as u128));
+        let cells = |n: u128| n.saturating_mul(u128::from(pieces) * u128::from(pieces));
+        Self {
+            vertices: self.vertices.saturating_add(self.edges.saturating_mul(d as u128 - 1)).saturating_add(points),
+            edges: self.edges.saturating_mul(d as u128).saturating_add(edges),
+            faces: cells(self.faces),
+            corners: cells(self.corners),
+            hidden_faces: cells(self.hidden_faces),
+            hidden_corners: cells(self.hidden_corners),
+        }
+    }
+
+    /// After a U of arity 2: V + E + F vertices, 2 E + (sum of sizes) edges, as many quads as there were corners.
+    fn halved(self) -> Self {
         let four = |n: u128| n.saturating_mul(4);
         Self {
             vertices: self.vertices.saturating_add(self.edges).saturating_add(self.faces),
@@ -69,6 +88,13 @@ impl Count {
             hidden_faces: self.hidden_corners,
             hidden_corners: four(self.hidden_corners),
         }
+    }
+
+    /// After a U on a mesh whose faces are all quads, or not.
+    fn upsampled(self, letter: &Letter, is_quads: bool) -> Self {
+        let first = letter.tile == Tile::Quad && letter.arity != 2 && !is_quads;
+        let count = if first { self.halved() } else { self };
+        count.split(letter.tile, letter.arity)
     }
 
     /// After a D on a closed mesh: vertices and faces change places.
@@ -204,7 +230,10 @@ pub fn of_mesh(net: &MeshNet, steps: &[Scheduled], cap: u128) -> Result<Forecast
     let first_dual = steps.iter().position(is_dual);
     let first_split = steps.iter().position(|step| step.letter.operator.role() == Role::Upsample);
     let split_before = first_dual.is_none_or(|dual| first_split.is_some_and(|split| split < dual));
-    if first_dual.is_none() || split_before && is_simple(&net.base) {
+    // the faces of a dual may be of any size, which decides how they are split further, and whether they can be
+    let after_dual = |step: &Scheduled| step.letter.operator.role() == Role::Upsample && !step.letter.halves();
+    let split_after = first_dual.is_some_and(|dual| steps[dual..].iter().any(after_dual));
+    if first_dual.is_none() || split_before && !split_after && is_simple(&net.base) {
         Ok(counted(net, steps))
     } else {
         followed(net, steps, cap)
@@ -219,9 +248,11 @@ fn is_simple(topology: &Topology) -> bool {
 fn counted(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
     let mut count = Count::of_mesh(net);
     let mut tally = Tally::new(count);
+    let mut is_quads = net.base.is_quads();
     for step in steps {
         if step.letter.operator.role() == Role::Upsample {
-            count = count.split();
+            count = count.upsampled(&step.letter, is_quads);
+            is_quads = true;
         } else if step.letter.operator.letter() == Some('D') {
             count = count.dual();
         }
@@ -251,7 +282,7 @@ fn followed(net: &MeshNet, steps: &[Scheduled], cap: u128) -> Result<Forecast, F
     let one = Expression::constant(1.0);
     for step in steps {
         if step.letter.operator.role() == Role::Upsample {
-            count = count.split();
+            count = count.upsampled(&step.letter, net.is_quads());
             if count.vertices > cap || count.corners > cap.saturating_mul(8) {
                 return Err(ForecastError::Cap { level: step.level, cap });
             }
@@ -263,6 +294,7 @@ fn followed(net: &MeshNet, steps: &[Scheduled], cap: u128) -> Result<Forecast, F
                 letter: &step.letter,
                 alpha: step.alpha,
                 kernel: 1.0,
+                mu: DEFAULT_MU,
                 compensation: 1.0,
                 delta: &one,
                 first: false,
@@ -285,8 +317,14 @@ pub fn check_delta(plan: &Plan, topology: &Arc<Topology>) -> Result<(), Fault> {
     if plan.delta.is_constant() {
         return Ok(());
     }
-    let mut valences: Vec<usize> = (0..topology.n_vertices()).map(|v| topology.ring(v).count()).collect();
-    valences.extend((0..topology.n_faces()).map(|f| topology.face(f).len()));
+    let tile = plan.tile();
+    let mut valences: Vec<usize> = match tile {
+        Tile::Quad => (0..topology.n_vertices()).map(|v| topology.ring(v).count()).collect(),
+        Tile::Triangle => (0..topology.n_vertices()).map(|v| seen_valence(topology, tile, v)).collect(),
+    };
+    if tile == Tile::Quad {
+        valences.extend((0..topology.n_faces()).map(|f| topology.face(f).len()));
+    }
     valences.sort_unstable();
     valences.dedup();
     for valence in valences.into_iter().filter(|&n| n > 0) {

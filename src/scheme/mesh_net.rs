@@ -1,8 +1,12 @@
-//! A mesh as the operators see it: an explicit topology, or the quad split of one whose vertices carry the labels V, E, F.
+//! A mesh as the operators see it: an explicit topology, or the split of one, whose vertices carry the labels V, E, F.
 
 use std::sync::Arc;
 
+use super::anchor::Anchor;
 use super::sharpness::{Creasing, Sharpness};
+use crate::shape::order::Order;
+use crate::shape::tile::Tile;
+use crate::shape::tiling::Tiling;
 use crate::shape::topology::{Topology, index};
 
 /// Boundary rule of meshes.
@@ -41,9 +45,11 @@ pub struct Rules {
 pub struct MeshNet {
     /// The mesh whose vertex and face order the result follows: the input, or the result of the last D.
     pub base: Arc<Topology>,
-    /// Number of U since the base.
-    pub splits: u32,
-    /// The topology that entered the last of these U; the net is its split. `None` when `splits` is 0.
+    /// Into what the U since the base split the faces.
+    pub tile: Tile,
+    /// Pieces of an edge at each split since the base.
+    pub pieces: Arc<[u32]>,
+    /// The topology before the last of these splits, of which the net is the split. `None` when there was none.
     pub parent: Option<Arc<Topology>>,
     /// Vertices that keep their place, ascending; they are vertices of the base.
     pub corners: Arc<[u32]>,
@@ -65,21 +71,6 @@ pub struct MeshNet {
     pub anchor: Option<Anchor>,
 }
 
-/// The mesh that entered the last U.
-#[derive(Debug, Clone)]
-pub struct Anchor {
-    /// Its topology; the net's vertices are its vertices, edges and faces, in this order or in that of `order`.
-    pub topology: Arc<Topology>,
-    /// Its vertices that keep their place.
-    pub corners: Arc<[u32]>,
-    /// Sharpness of its edges and of its other vertices; `None` when all were smooth.
-    pub sharpness: Option<Arc<Sharpness>>,
-    /// Where the net was put into another order since: for each vertex its number in (vertices, edges, faces).
-    pub order: Option<Arc<[u32]>>,
-    /// Whether vertices were lost since.
-    pub lost: bool,
-}
-
 impl MeshNet {
     /// The net of a control mesh with tagged corners and holes.
     pub fn new(topology: Arc<Topology>, corners: &[u32], holes: &[u32], boundary: Boundary) -> Self {
@@ -94,7 +85,8 @@ impl MeshNet {
         let corners = fixed(&topology, corners, boundary);
         Self {
             base: topology,
-            splits: 0,
+            tile: Tile::default(),
+            pieces: Arc::default(),
             parent: None,
             corners,
             sharpness: None,
@@ -120,7 +112,8 @@ impl MeshNet {
         let corners = fixed(&topology, &[], self.boundary);
         Self {
             base: Arc::new(topology),
-            splits: 0,
+            tile: Tile::default(),
+            pieces: Arc::default(),
             parent: None,
             corners,
             sharpness: None,
@@ -138,23 +131,67 @@ impl MeshNet {
     /// place, ascending.
     pub(super) fn after_own(&self, topology: Topology, corners: Vec<u32>) -> Self {
         let corners = corners.into();
-        let rounds = self.rounds + 1;
-        Self { base: Arc::new(topology), splits: 0, parent: None, corners, rounds, anchor: None, ..self.clone() }
+        let (base, pieces, rounds) = (Arc::new(topology), Arc::default(), self.rounds + 1);
+        Self { base, pieces, parent: None, corners, rounds, anchor: None, ..self.clone() }
+    }
+
+    /// The net after an upsampling of the topology in `anchor`.
+    pub(super) fn upsampled(&self, anchor: Anchor) -> Self {
+        let halved = anchor.quads.is_some().then_some(2);
+        let pieces = self.pieces.iter().copied().chain(halved).chain([anchor.pieces]).collect();
+        let (tile, parent) = (anchor.tile, Some(anchor.parent().clone()));
+        let sharpness = anchor.sharpness_after(self.rules.creasing);
+        Self { tile, pieces, parent, sharpness, duals: 0, anchor: Some(anchor), ..self.clone() }
+    }
+
+    /// The last split, if it was not one into quads with two pieces an edge.
+    fn tiling(&self) -> Option<Tiling<'_>> {
+        let (parent, &pieces) = (self.parent.as_ref()?, self.pieces.last()?);
+        let halves = self.tile == Tile::Quad && pieces == 2;
+        (!halves).then(|| Tiling::new(parent, self.tile, pieces as usize))
+    }
+
+    /// Whether all faces are quads.
+    pub(super) fn is_quads(&self) -> bool {
+        if self.parent.is_some() { self.tile == Tile::Quad } else { self.base.is_quads() }
     }
 
     /// Number of vertices.
     pub fn n_vertices(&self) -> usize {
-        self.parent.as_ref().map_or(self.base.n_vertices(), |p| p.n_vertices() + p.n_edges() + p.n_faces())
+        match (self.tiling(), &self.parent) {
+            (Some(tiling), _) => tiling.n_vertices(),
+            (None, Some(parent)) => parent.n_vertices() + parent.n_edges() + parent.n_faces(),
+            (None, None) => self.base.n_vertices(),
+        }
     }
 
     /// Number of faces, hidden ones included.
     pub fn n_faces(&self) -> usize {
-        self.parent.as_ref().map_or(self.base.n_faces(), |p| p.n_corners())
+        match (self.tiling(), &self.parent) {
+            (Some(tiling), _) => tiling.n_faces(),
+            (None, Some(parent)) => parent.n_corners(),
+            (None, None) => self.base.n_faces(),
+        }
     }
 
-    /// The net's topology made explicit, in the order of its construction (see [`Topology::split`]).
+    /// The net's topology made explicit, in the order of its construction (see [`Topology::split`] and [`Tiling`]).
     pub fn topology(&self) -> Arc<Topology> {
-        self.parent.as_ref().map_or_else(|| self.base.clone(), |parent| Arc::new(parent.split()))
+        match (self.tiling(), &self.parent) {
+            (Some(tiling), _) => Arc::new(tiling.topology()),
+            (None, Some(parent)) => Arc::new(parent.split()),
+            (None, None) => self.base.clone(),
+        }
+    }
+
+    /// The parent, if the last split halved the edges and made quads.
+    pub fn halved(&self) -> Option<&Arc<Topology>> {
+        self.parent.as_ref().filter(|_| self.tiling().is_none())
+    }
+
+    /// The way from the order of construction to the documented one; `None` when they agree.
+    pub fn order(&self) -> Option<Order> {
+        let parent = self.parent.clone()?;
+        Some(Order::new(self.base.clone(), parent, self.tile, self.pieces.clone()))
     }
 
     /// Whether vertex `v` keeps its place.

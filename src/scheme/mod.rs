@@ -1,6 +1,7 @@
 //! Schemes: words over operators, presets that spell them, and what they do to a net's connectivity and weights.
 //! Coordinates are never seen here, except by steps that are not linear.
 
+pub mod anchor;
 pub mod census;
 pub mod creases;
 pub mod forecast;

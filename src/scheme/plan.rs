@@ -11,9 +11,12 @@ use super::polygon_net::Ends;
 use super::word::{Letter, Word};
 use crate::math::expression::Expression;
 use crate::math::parameter::Literal;
+use crate::shape::tile::Tile;
 
 /// Most levels of any plan.
 pub const MAX_LEVELS: u32 = 64;
+/// The weight of a vertex in averages of triangles with which `UC` is Loop's scheme at regular vertices.
+pub const DEFAULT_MU: f64 = 0.25;
 /// What a client writes as a plan.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PlanInput {
@@ -46,6 +49,8 @@ pub struct Subject {
     pub creased: bool,
     /// What has a sharpness between smooth and infinitely sharp, if anything.
     pub semi_sharp: Option<&'static str>,
+    /// Number and size of the first face that is no triangle, if there is one.
+    pub other_face: Option<(usize, usize)>,
 }
 
 /// A resolved plan; equal plans are equal values, whether written as preset or word.
@@ -59,6 +64,8 @@ pub struct Plan {
     pub compensation_alpha: Option<f64>,
     /// Kernels of the first, second, ... average after a U, in alpha.
     pub kernel: Vec<Expression>,
+    /// Weight of a vertex in averages of triangles.
+    pub mu: f64,
     /// Compensation function, in alpha.
     pub compensation: Expression,
     /// Push-back factor, in valence.
@@ -116,6 +123,7 @@ impl Plan {
             alpha: 0.0,
             compensation_alpha: None,
             kernel: vec![one.clone()],
+            mu: DEFAULT_MU,
             compensation: one.clone(),
             delta: one,
             boundary,
@@ -130,6 +138,12 @@ impl Plan {
     pub fn turns_tangents(&self) -> Option<&'static str> {
         let mut operators = self.word.prefix.iter().chain(&self.word.cycle).map(|letter| letter.operator);
         operators.find(|operator| operator.turns_tangents()).map(Operator::name)
+    }
+
+    /// Into what the faces of a mesh are split.
+    pub fn tile(&self) -> Tile {
+        let triangles = self.word.letters(1).any(|letter| letter.tile == Tile::Triangle);
+        if triangles { Tile::Triangle } else { Tile::Quad }
     }
 
     /// From what an upsampling computes the values of single points.

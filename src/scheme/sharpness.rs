@@ -89,6 +89,16 @@ impl Sharpness {
         Self::of(&edges, &vertices)
     }
 
+    /// The sharpness after a split whose edge `e` becomes the edges `d e`, `d e + 1`, ..., in order: what is infinitely
+    /// sharp stays so, the rest becomes less once.
+    pub fn pieces(&self, d: usize) -> Option<Self> {
+        let vertices = self.vertices.iter().map(|&(v, sharpness)| (v, less(sharpness)));
+        let pieces = |&(e, sharpness): &(u32, f64)| (0..d).map(move |at| (index(e as usize * d + at), less(sharpness)));
+        let mut edges: Sharp = self.edges.iter().flat_map(pieces).collect();
+        edges.retain(|&(_, sharpness)| sharpness > 0.0);
+        Self::of(&edges, &vertices.filter(|&(_, sharpness)| sharpness > 0.0).collect())
+    }
+
     /// Both ends of every sharp edge, by vertex, then by edge.
     fn ends(&self, topology: &Topology) -> Vec<End> {
         let ends = |&(e, sharpness): &(u32, f64)| {

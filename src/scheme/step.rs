@@ -20,6 +20,8 @@ pub struct Values<'a> {
     pub alpha: f64,
     /// Value of the kernel for this average.
     pub kernel: f64,
+    /// Weight of a vertex in averages of triangles.
+    pub mu: f64,
     /// Value of the compensation function.
     pub compensation: f64,
     /// Push-back factor, an expression in the valence.
@@ -164,6 +166,17 @@ pub enum StepError {
         n: usize,
         /// The bound.
         most: usize,
+    },
+    /// A face that cannot be split into triangles.
+    #[error(
+        "face {face} has {size} vertices, and only triangles are split into triangles; send a mesh of triangles, or use \
+         a scheme for any faces, such as catmull-clark or a word with \"split\": \"quad\""
+    )]
+    NotTriangles {
+        /// The first such face.
+        face: usize,
+        /// Its number of vertices.
+        size: usize,
     },
     /// The operator acts on the other kind of net only.
     #[error("{0}")]

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::ops::{self, Operator};
 use crate::math::mask::Mask;
+use crate::shape::tile::Tile;
 
 /// Longest text of a word, bytes.
 pub const MAX_BYTES: usize = 256;
@@ -19,6 +20,8 @@ pub struct Letter {
     pub operator: &'static dyn Operator,
     /// Arity of an upsampling; of an average that of the last upsampling, once the plan is scheduled.
     pub arity: u32,
+    /// On meshes: into what faces are split.
+    pub tile: Tile,
     /// Averages within the operator, for those that have some.
     pub averages: u32,
     /// The mask, for operators that have one of their own.
@@ -30,7 +33,14 @@ pub struct Letter {
 impl Letter {
     /// An operator of arity 2 without a mask.
     pub fn plain(operator: &'static dyn Operator) -> Self {
-        Self { operator, arity: 2, averages: 0, mask: None, blending: None }
+        Self { operator, arity: 2, tile: Tile::default(), averages: 0, mask: None, blending: None }
+    }
+}
+
+impl Letter {
+    /// Whether a U of it splits faces of any size into quads, one a corner.
+    pub fn halves(&self) -> bool {
+        self.tile == Tile::Quad && self.arity == 2
     }
 }
 
@@ -38,6 +48,7 @@ impl PartialEq for Letter {
     fn eq(&self, other: &Self) -> bool {
         self.operator.name() == other.operator.name()
             && self.arity == other.arity
+            && self.tile == other.tile
             && self.averages == other.averages
             && self.mask == other.mask
             && self.blending == other.blending

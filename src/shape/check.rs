@@ -286,10 +286,13 @@ fn connect(n_vertices: usize, faces: FaceList, sides: &[Side]) -> Topology {
             corner_edge[corner] = corner_edge[other as usize];
         }
     }
-    let quads = faces.starts.windows(2).all(|pair| pair[1] - pair[0] == 4);
+    let all = |size: u32| faces.starts.windows(2).all(|pair| pair[1] - pair[0] == size);
+    let (quads, triangles) = (all(4), all(3));
     let FaceList { starts, vertices } = faces;
     let layout = if quads {
         Faces::Quads
+    } else if triangles {
+        Faces::Triangles
     } else {
         let owner = starts.windows(2).enumerate();
         let owner = owner.flat_map(|(f, pair)| std::iter::repeat_n(index(f), (pair[1] - pair[0]) as usize)).collect();

@@ -1,7 +1,7 @@
-//! The documented order of a mesh that was split `s` times: base vertices, then the points on base edges, then those
+//! The documented order of a mesh that was split into quads: base vertices, then the points on base edges, then those
 //! inside base faces, each base face a grid. Independent of the order in which the splits were carried out.
 //!
-//! With `n = 2^s`: an edge has `n - 1` inner points in the direction of its first appearance; a quad has `(n-1) x (n-1)`,
+//! With `n` pieces an edge, the product of those of all splits (even where some face is no quad): an edge has `n - 1` inner points in the direction of its first appearance; a quad has `(n-1) x (n-1)`,
 //! row by row (origin at corner 0, first axis towards corner 1); any other face has its centre, then each spoke from the
 //! midpoint of edge 0, 1, ... to the centre, then the inside of the quad at corner 0, 1, ..., row by row. Faces stand by
 //! base face, row by row.
@@ -9,7 +9,10 @@
 use std::sync::Arc;
 
 use super::source::Origin;
+use super::tile::Tile;
+use super::tiling::Tiling;
 use super::topology::{Topology, index};
+use super::triangle_grid::descended;
 
 /// The order of one split mesh.
 #[derive(Debug, Clone)]
@@ -17,7 +20,14 @@ pub struct Grid {
     base: Arc<Topology>,
     /// The topology before the last split.
     parent: Arc<Topology>,
-    splits: u32,
+    /// Pieces of an edge at each split.
+    pieces: Arc<[u32]>,
+    /// Pieces of a base edge.
+    n: usize,
+    /// Whether all splits have arity 2.
+    is_binary: bool,
+    /// Whether all base faces are quads.
+    is_quads: bool,
     /// First inner vertex of each base face, counted from the first inner vertex of all.
     inner: Vec<u32>,
 }
@@ -36,34 +46,46 @@ enum Place {
 }
 
 impl Grid {
-    /// The order of `base` after `splits` splits, `parent` being the topology before the last of them.
+    /// The order of `base` after splits with so many pieces an edge each, `parent` being the topology before the last of
+    /// them. Where some face of the base is no quad, the first split has 2 pieces an edge.
     ///
     /// # Panics
-    /// When `splits` is 0: then the order is that of the base.
-    pub fn new(base: Arc<Topology>, parent: Arc<Topology>, splits: u32) -> Self {
-        assert!(splits > 0, "an unsplit mesh is in its own order");
-        let half = 1 << (splits - 1);
-        let sizes = (0..base.n_faces()).map(|f| inner_vertices(base.face(f).len(), half));
+    /// When there is no split: then the order is that of the base.
+    pub fn new(base: Arc<Topology>, parent: Arc<Topology>, pieces: Arc<[u32]>) -> Self {
+        assert!(!pieces.is_empty(), "an unsplit mesh is in its own order");
+        let n = pieces.iter().map(|&d| d as usize).product();
+        let sizes = (0..base.n_faces()).map(|f| inner_vertices(base.face(f).len(), n));
         let inner = sizes.scan(0, |sum, size| Some(std::mem::replace(sum, *sum + index(size)))).collect();
-        Self { base, parent, splits, inner }
+        let (is_binary, is_quads) = (pieces.iter().all(|&d| d == 2), base.is_quads());
+        Self { base, parent, pieces, n, is_binary, is_quads, inner }
     }
 
     fn n(&self) -> usize {
-        1 << self.splits
+        self.n
     }
 
+    /// Pieces of half an edge, where there are faces that are no quads.
     fn half(&self) -> usize {
-        1 << (self.splits - 1)
+        self.n / 2
+    }
+
+    fn splits(&self) -> usize {
+        self.pieces.len()
+    }
+
+    /// Faces of the base faces whose corners add up to this number: a quarter of a grid for each.
+    fn faces_of(&self, corners: usize) -> usize {
+        corners * self.n * self.n / 4
     }
 
     /// Number of vertices.
     pub fn n_vertices(&self) -> usize {
-        self.parent.n_vertices() + self.parent.n_edges() + self.parent.n_faces()
+        self.first_inner() + self.inner.last().map_or(0, |&last| last as usize + self.inner_of(self.inner.len() - 1))
     }
 
     /// Number of faces, all of them quads.
     pub fn n_faces(&self) -> usize {
-        self.base.n_corners() * self.half() * self.half()
+        self.faces_of(self.base.n_corners())
     }
 
     /// First inner vertex of all faces.
@@ -74,8 +96,8 @@ impl Grid {
     /// The vertices of face `f`, numbered in the documented order.
     pub fn face(&self, f: usize) -> [u32; 4] {
         let half = self.half();
-        let base_face = self.base.face_of(index(f / (half * half)));
-        let local = f - self.base.corners(base_face).start as usize * half * half;
+        let base_face = self.base_face(f);
+        let local = f - self.first_face(base_face);
         let around = [(0, 0), (1, 0), (1, 1), (0, 1)];
         if self.base.face(base_face).len() == 4 {
             let (i, j) = (local % self.n(), local / self.n());
@@ -89,7 +111,7 @@ impl Grid {
 
     /// The base face that face `f` came from.
     pub fn base_face(&self, f: usize) -> usize {
-        self.base.face_of(index(f / (self.half() * self.half())))
+        self.base.face_of(index(4 * f / (self.n * self.n)))
     }
 
     /// The cell of the base in which vertex `v`, numbered in the documented order, arose.
@@ -107,7 +129,7 @@ impl Grid {
 
     /// First face of base face `f`.
     pub fn first_face(&self, f: usize) -> usize {
-        self.base.corners(f).start as usize * self.half() * self.half()
+        self.faces_of(self.base.corners(f).start as usize)
     }
 
     /// Point `at` (0 to n) on the side of a corner, counted from the corner.
@@ -123,6 +145,11 @@ impl Grid {
         let forward = self.base.edge_corners(edge)[0] == corner;
         let at = if forward { at } else { n - at };
         index(self.base.n_vertices() + edge * (n - 1) + at - 1)
+    }
+
+    /// Points inside base face `f`.
+    fn inner_of(&self, f: usize) -> usize {
+        inner_vertices(self.base.face(f).len(), self.n)
     }
 
     fn inner_vertex(&self, f: usize, place: usize) -> u32 {
@@ -167,23 +194,29 @@ impl Grid {
         }
         if v < self.first_inner() {
             let (edge, at) = ((v - on_edges) / (self.n() - 1), (v - on_edges) % (self.n() - 1) + 1);
-            return self.constructed_on_edge(edge, at);
+            return if self.is_binary {
+                self.constructed_on_edge(edge, at)
+            } else {
+                let (f, place) = self.beside(edge, at);
+                self.descended(f, place)
+            };
         }
         let inner = index(v - self.first_inner());
         let f = self.inner.partition_point(|&first| first <= inner) - 1;
-        self.constructed_inside(f, self.place(f, (inner - self.inner[f]) as usize))
+        let place = self.place(f, (inner - self.inner[f]) as usize);
+        if self.is_binary { self.constructed_inside(f, place) } else { self.descended(f, place) }
     }
 
     /// Inner point `at` of base edge `edge`: it arose as the middle of a piece of the edge.
     fn constructed_on_edge(&self, edge: usize, at: usize) -> u32 {
-        let level = self.splits - at.trailing_zeros();
+        let level = self.splits() - at.trailing_zeros() as usize;
         let odd = at >> at.trailing_zeros();
         let pieces = 1 << (level - 1);
         index(self.vertices_at(level - 1) + edge * pieces + odd / 2)
     }
 
     /// Number of vertices after `level` splits, from Euler's count of the base.
-    fn vertices_at(&self, level: u32) -> usize {
+    fn vertices_at(&self, level: usize) -> usize {
         let (mut v, mut e, mut f) = (self.base.n_vertices(), self.base.n_edges(), self.base.n_faces());
         let mut corners = self.base.n_corners();
         for _ in 0..level {
@@ -212,11 +245,11 @@ impl Grid {
     }
 
     fn constructed_inside(&self, f: usize, place: Place) -> u32 {
-        if self.splits == 1 || matches!(place, Place::Centre) {
+        if self.splits() == 1 || matches!(place, Place::Centre) {
             return index(self.base.n_vertices() + self.base.n_edges() + f);
         }
         let first = self.base.corners(f).start as usize;
-        let quarter = 1_usize << (2 * (self.splits - 2));
+        let quarter = 1_usize << (2 * (self.splits() - 2));
         let edge_points = index(self.parent.n_vertices());
         match place {
             Place::Quad(i, j) => self.constructed_at(first * quarter + morton(i / 2, j / 2), i, j),
@@ -241,10 +274,43 @@ impl Grid {
             _ => edge_points + index(self.parent.n_edges() + cell),
         }
     }
+
+    /// The first face of a base edge and the place there of the edge's inner point `at`.
+    fn beside(&self, edge: usize, at: usize) -> (usize, Place) {
+        let corner = self.base.edge_corners(edge)[0];
+        let f = self.base.face_of(corner);
+        let (side, size) = (corner - self.base.corners(f).start, self.base.face(f).len());
+        if size == 4 {
+            let [i, j] = Tile::Quad.along(self.n, side, at);
+            (f, Place::Quad(i, j))
+        } else if at <= self.half() {
+            (f, Place::Part(side as usize, at, 0))
+        } else {
+            (f, Place::Part((side as usize + 1) % size, 0, self.n - at))
+        }
+    }
+
+    /// The number of a place of a base face after splits of any arity.
+    fn descended(&self, f: usize, place: Place) -> u32 {
+        let (n, half, first) = (self.n, self.half(), self.base.corners(f).start as usize);
+        let (pieces, n, face, place) = match place {
+            Place::Quad(i, j) if self.is_quads => (&self.pieces[..], n, f, [i, j]),
+            Place::Quad(i, j) => {
+                let (cell, place) = Tile::Quad.enter(2, half, [i, j]);
+                (&self.pieces[1..], half, first + Tile::Quad.number(2, cell), place)
+            }
+            Place::Part(part, i, j) => (&self.pieces[1..], half, first + part, [i, j]),
+            Place::Spoke(part, at) => (&self.pieces[1..], half, first + part, [half, at]),
+            Place::Centre => (&self.pieces[1..], half, first, [half, half]),
+        };
+        let (face, place) = descended(Tile::Quad, pieces, n, face, place);
+        Tiling::new(&self.parent, Tile::Quad, self.pieces[self.splits() - 1] as usize).vertex(face, place)
+    }
 }
 
-fn inner_vertices(size: usize, half: usize) -> usize {
-    if size == 4 { (2 * half - 1) * (2 * half - 1) } else { 1 + size * (half - 1) + size * (half - 1) * (half - 1) }
+fn inner_vertices(size: usize, n: usize) -> usize {
+    let half = n / 2;
+    if size == 4 { (n - 1) * (n - 1) } else { 1 + size * (half - 1) + size * (half - 1) * (half - 1) }
 }
 
 /// Interleaves the bits of `i` (even places) and `j` (odd places): the number of a cell after repeated splits.

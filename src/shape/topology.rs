@@ -29,6 +29,8 @@ pub struct Topology {
 pub(super) enum Faces {
     /// Face `f` has the corners `4 f .. 4 f + 4`.
     Quads,
+    /// Face `f` has the corners `3 f .. 3 f + 3`.
+    Triangles,
     /// Face `f` has the corners `starts[f] .. starts[f + 1]`; `owner` is the face of each corner.
     Mixed { starts: Vec<u32>, owner: Vec<u32> },
 }
@@ -54,6 +56,7 @@ impl Topology {
     pub fn n_faces(&self) -> usize {
         match &self.faces {
             Faces::Quads => self.vertices.len() / 4,
+            Faces::Triangles => self.vertices.len() / 3,
             Faces::Mixed { starts, .. } => starts.len() - 1,
         }
     }
@@ -67,7 +70,16 @@ impl Topology {
     pub fn is_quads(&self) -> bool {
         match &self.faces {
             Faces::Quads => true,
+            Faces::Triangles => false,
             Faces::Mixed { starts, .. } => starts.windows(2).all(|pair| pair[1] - pair[0] == 4),
+        }
+    }
+
+    /// The first face that is no triangle, if there is one.
+    pub fn first_other_than_triangle(&self) -> Option<usize> {
+        match &self.faces {
+            Faces::Triangles => None,
+            _ => (0..self.n_faces()).find(|&f| self.face(f).len() != 3),
         }
     }
 
@@ -76,6 +88,7 @@ impl Topology {
     pub fn corners(&self, f: usize) -> std::ops::Range<u32> {
         match &self.faces {
             Faces::Quads => index(4 * f)..index(4 * f + 4),
+            Faces::Triangles => index(3 * f)..index(3 * f + 3),
             Faces::Mixed { starts, .. } => starts[f]..starts[f + 1],
         }
     }
@@ -92,6 +105,7 @@ impl Topology {
     pub fn face_of(&self, corner: u32) -> usize {
         match &self.faces {
             Faces::Quads => corner as usize / 4,
+            Faces::Triangles => corner as usize / 3,
             Faces::Mixed { owner, .. } => owner[corner as usize] as usize,
         }
     }
@@ -101,6 +115,13 @@ impl Topology {
     pub fn next(&self, corner: u32) -> u32 {
         match &self.faces {
             Faces::Quads => (corner & !3) | ((corner + 1) & 3),
+            Faces::Triangles => {
+                if corner % 3 == 2 {
+                    corner - 2
+                } else {
+                    corner + 1
+                }
+            }
             Faces::Mixed { .. } => {
                 let range = self.corners(self.face_of(corner));
                 if corner + 1 == range.end { range.start } else { corner + 1 }
@@ -113,6 +134,13 @@ impl Topology {
     pub fn previous(&self, corner: u32) -> u32 {
         match &self.faces {
             Faces::Quads => (corner & !3) | (corner.wrapping_sub(1) & 3),
+            Faces::Triangles => {
+                if corner.is_multiple_of(3) {
+                    corner + 2
+                } else {
+                    corner - 1
+                }
+            }
             Faces::Mixed { .. } => {
                 let range = self.corners(self.face_of(corner));
                 if corner == range.start { range.end - 1 } else { corner - 1 }
@@ -143,6 +171,13 @@ impl Topology {
     pub fn ends(&self, e: usize) -> [u32; 2] {
         let corner = self.edge_corners[e][0];
         [self.vertex(corner), self.vertex(self.next(corner))]
+    }
+
+    /// The end of edge `e` that is not its end `v`.
+    #[inline]
+    pub fn other_end(&self, e: usize, v: usize) -> u32 {
+        let [from, to] = self.ends(e);
+        if from as usize == v { to } else { from }
     }
 
     /// Whether edge `e` has one face only.

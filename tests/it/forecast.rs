@@ -271,6 +271,59 @@ proptest! {
     }
 }
 
+/// The word with the U of several arities.
+fn with_arities((prefix, cycle): &Word, arities: &[u32]) -> Word {
+    let mut next = arities.iter().cycle();
+    let mut write = |word: &str| {
+        let letter = |c: char| if c == 'U' { format!("U{}", next.next().expect("endless")) } else { c.to_string() };
+        word.chars().map(letter).collect::<String>()
+    };
+    (write(prefix), write(cycle))
+}
+
+fn arities() -> impl Strategy<Value = Vec<u32>> {
+    proptest::collection::vec(2..6_u32, 1..4)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn counts_of_any_arity_are_as_forecast(
+        (input, extra) in tagged_mesh(), word in words(CLAMPED), arities in arities(),
+    ) {
+        // D carries no tags
+        let word = (word.0.replace('D', ""), word.1.replace('D', "C"));
+        prop_assume!(is_legal(&format!("{}{}{}", word.0, word.1, word.1), CLAMPED));
+        check(&input, &with_arities(&word, &arities), &extra)?;
+    }
+
+    #[test]
+    fn counts_of_any_arity_with_duals_are_as_forecast(
+        net in nets::manifold(), word in words(OPEN_MESH), arities in arities(),
+    ) {
+        check(&net.input(), &with_arities(&word, &arities), &json!({}))?;
+    }
+
+    #[test]
+    fn counts_of_triangles_are_as_forecast(
+        net in nets::triangle_manifold(), word in words(OPEN_MESH), arities in arities(),
+    ) {
+        check_triangles(&net.input(), &with_arities(&word, &arities))?;
+    }
+
+    #[test]
+    fn counts_of_closed_triangles_are_as_forecast(
+        net in closed_mesh(), word in words(CLAMPED), arities in arities(),
+    ) {
+        check_triangles(&nets::triangulated(net).input(), &with_arities(&word, &arities))?;
+    }
+}
+
+fn check_triangles(input: &Value, word: &Word) -> Result<(), TestCaseError> {
+    check(input, word, &json!({ "parameters": { "kernel": 0.8, "delta": 0.4, "split": "triangle" } }))
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -284,6 +337,14 @@ proptest! {
     #[test]
     fn bytes_of_meshes_are_as_forecast((input, extra) in tagged_mesh(), levels in 0..3_u32) {
         let compared = check_bytes(&input, &(String::new(), "UCP".into()), &extra, levels)?;
+        let holding = FORMATS.iter().filter(|format| format.holds(ShapeKind::Mesh).is_ok());
+        prop_assert!(compared >= holding.count());
+    }
+
+    #[test]
+    fn bytes_of_triangles_are_as_forecast(net in nets::triangle_manifold(), levels in 0..3_u32) {
+        let extra = json!({ "parameters": { "split": "triangle" } });
+        let compared = check_bytes(&net.input(), &(String::new(), "UCP".into()), &extra, levels)?;
         let holding = FORMATS.iter().filter(|format| format.holds(ShapeKind::Mesh).is_ok());
         prop_assert!(compared >= holding.count());
     }

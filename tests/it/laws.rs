@@ -17,6 +17,7 @@ mod root_three;
 mod spellings;
 mod ternary;
 mod tolerance;
+mod triangles;
 mod warnings;
 
 use serde_json::{Value, json};

@@ -5,3 +5,4 @@ mod faults;
 mod order;
 mod own_connectivity;
 mod repairs;
+mod triangle_order;

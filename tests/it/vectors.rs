@@ -40,6 +40,9 @@ const OPENSUBDIV: &[(&str, usize)] = &[
     ("osd_cc_three_creases", 1),
 ];
 
+const LOOP: &[(&str, usize)] = &[("osd_loop_*", 9)];
+const TRIANGLES: &[(&str, usize)] = &[("tri_*", 4)];
+
 #[test]
 fn curves_agree_with_the_vectors() {
     assert_eq!(reproduced(CURVES, curve), 114, "levels compared");
@@ -63,6 +66,16 @@ fn surfaces_agree_with_the_vectors() {
 #[test]
 fn catmull_clark_agrees_with_opensubdiv() {
     assert_eq!(reproduced(OPENSUBDIV, opensubdiv), 58, "levels compared");
+}
+
+#[test]
+fn loop_agrees_with_opensubdiv() {
+    assert_eq!(reproduced(LOOP, opensubdiv), 28, "levels compared");
+}
+
+#[test]
+fn words_on_triangles_agree_with_the_vectors() {
+    assert_eq!(reproduced(TRIANGLES, triangle_word), 8, "levels compared");
 }
 
 #[test]
@@ -296,7 +309,11 @@ fn surface(vector: &Value) -> usize {
 
 fn opensubdiv(vector: &Value) -> usize {
     let input = &vector["input"];
-    assert_eq!(vector["scheme"], "catmull_clark");
+    let preset = match vector["scheme"].as_str() {
+        Some("catmull_clark") => "catmull-clark",
+        Some("loop") => "loop",
+        other => panic!("no preset is known for {other:?}"),
+    };
     let list = |name: &str| input[name].as_array().expect("tags are a list").iter();
     let creases: Vec<_> =
         list("creases").map(|crease| json!({ "edge": [crease[0], crease[1]], "sharpness": crease[2] })).collect();
@@ -304,9 +321,12 @@ fn opensubdiv(vector: &Value) -> usize {
         list("corners").map(|corner| json!({ "vertex": corner[0], "sharpness": corner[1] })).collect();
     let mesh = json!({ "positions": input["points"], "faces": input["faces"], "creases": creases, "corners": corners });
     let creasing = &vector["creasing"];
-    let parameters = json!({ "creasing": creasing, "triangle_rule": vector["triangle_rule"] });
+    let mut parameters = json!({ "creasing": creasing });
+    if preset == "catmull-clark" {
+        parameters["triangle_rule"] = vector["triangle_rule"].clone();
+    }
     let boundary = vector["boundary_interpolation"].as_str();
-    let plan = |boundary| json!({ "preset": "catmull-clark", "boundary": boundary, "parameters": parameters });
+    let plan = |boundary| json!({ "preset": preset, "boundary": boundary, "parameters": parameters });
     // OpenSubdiv does not keep Chaikin's weights below 1, as the note in the file says; planish does
     let same = if creasing == "chaikin" { 1 } else { usize::MAX };
     let levels = vector["levels"].as_array().expect("levels are a list").iter().take(same);
@@ -333,6 +353,25 @@ fn check_shown(vector: &Value, mesh: &Value, plan: &Value, level: &Value) {
             |other: &Vec<usize>| face.iter().all(|&v| other.iter().any(|&u| close(&found.positions[v], &expected[u])));
         assert!(faces.iter().any(same), "{} level {}: {face:?}", vector["id"], level["level"]);
     }
+}
+
+/// A word `U C^repeats`, with a push-back where the vector has a delta: then it is Loop's scheme.
+fn triangle_word(vector: &Value) -> usize {
+    let (params, input) = (&vector["params"], &vector["input"]);
+    let repeats = usize::try_from(params["repeats"].as_u64().expect("repeats are whole")).expect("few");
+    let averages = "C".repeat(repeats);
+    let mut plan = json!({ "word": format!("U{averages}"), "boundary": "edge-only", "parameters": {
+        "split": "triangle", "mu": params["mu"],
+    } });
+    if params["delta"].is_string() {
+        plan["word"] = json!(format!("U{averages}P"));
+        plan["parameters"]["compensation"] = json!(0);
+        plan["parameters"]["delta"] = json!("1 - 8/3*(5/8 - (3/8 + cos(2*pi/valence)/4)^2)");
+    }
+    let mesh = json!({ "positions": input["points"], "faces": input["faces"] });
+    let levels = vector["levels"].as_array().expect("levels are a list");
+    levels.iter().for_each(|level| check_mesh(vector, &mesh, &plan, level, "points"));
+    levels.len()
 }
 
 /// Compares one level: points matched one to one by nearest neighbour, faces as a set of cycles of matched points.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::ring_average::{self, Around};
 use super::upsample::ratio;
 use super::{Follows, Operator, Role};
 use crate::math::rows::{Rows, RowsBy};
@@ -11,6 +12,7 @@ use crate::scheme::polygon_net::{From, PolygonNet};
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::Window;
 use crate::scheme::word::Letter;
+use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 
 /// C, the convolution average: D twice, re-centred; on meshes the mean of the loop centres around a vertex.
@@ -29,8 +31,9 @@ impl Operator for Average {
     fn doc(&self) -> &'static str {
         "The convolution average: D twice, re-centred. Curves after U: vertices (1, 2f, 1), edge points (f, 2, f), each over \
          2(1 + f), with the kernel f in the first average after a U and 1 else. Meshes: the mean of the loop centres \
-         (f^2 V + f (E1 + E2) + F) / (1 + f)^2 of the quads around a vertex; boundaries and creases follow the \
-         curve rule, corners stay."
+         (f^2 V + f (E1 + E2) + F) / (1 + f)^2 of the quads around a vertex, after U3 and higher with f^2 for V, f for \
+         points of edges, 1 for points inside faces; with split triangle mu P + (1 - mu) times the mean of the neighbours, \
+         where V has the weight f. Boundaries and creases follow the curve rule, corners stay."
     }
 
     fn source(&self) -> &'static str {
@@ -42,7 +45,7 @@ impl Operator for Average {
     }
 
     fn uses(&self) -> &'static [&'static str] {
-        &["kernel"]
+        &["kernel", "mu"]
     }
 
     fn follows(&self) -> Follows {
@@ -72,12 +75,14 @@ impl Operator for Average {
     }
 
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let (old, n) = (net.clone(), net.n_vertices());
-        let action = match &net.parent {
-            Some(parent) => split_rows(old, parent.clone(), values.kernel),
-            None => plain_rows(old),
+        let action = match net.halved() {
+            _ if values.letter.tile == Tile::Triangle => {
+                ring_average::rows(net, Around::Neighbours { mu: values.mu }, values.kernel)
+            }
+            Some(parent) => split_rows(net.clone(), parent.clone(), values.kernel),
+            None if net.parent.is_some() => ring_average::rows(net, Around::Faces, values.kernel),
+            None => plain_rows(net.clone()),
         };
-        debug_assert_eq!(n, net.n_vertices());
         Ok(Step { net: net.clone(), action })
     }
 }
@@ -109,7 +114,7 @@ fn split_rows(net: MeshNet, parent: Arc<Topology>, f: f64) -> Action {
 }
 
 /// How vertex `v` of a topology comes about: edges are smooth or infinitely sharp here.
-fn rule(net: &MeshNet, topology: &Topology, creases: Option<&Creases>, v: usize) -> Rule {
+pub(super) fn rule(net: &MeshNet, topology: &Topology, creases: Option<&Creases>, v: usize) -> Rule {
     if net.is_corner(v) || topology.is_isolated(v) {
         return Rule::Corner;
     }
@@ -178,7 +183,7 @@ fn face_row(parent: &Topology, face: usize, f: f64, out: &mut Rows) {
 /// `(1, 2, 1) / 4`.
 fn plain_rows(net: MeshNet) -> Action {
     let n = net.n_vertices();
-    let creases = Creases::of_net(&net);
+    let creases = Creases::of_net(&net, &net.base);
     let rows = RowsBy::new(n, n, move |v, out: &mut Rows| {
         let topology = &net.base;
         match rule(&net, topology, creases.as_ref(), v) {

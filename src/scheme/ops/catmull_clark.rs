@@ -42,7 +42,7 @@ impl Operator for CatmullClark {
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let parent = net.parent.clone().ok_or(StepError::NoAnchor)?;
+        let parent = net.halved().cloned().ok_or(StepError::NoAnchor)?;
         let (n, n_v, n_e) = (net.n_vertices(), parent.n_vertices(), parent.n_edges());
         let old = net.clone();
         let creases = Creases::of_parent(net);

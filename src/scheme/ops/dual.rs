@@ -5,13 +5,13 @@ use std::sync::Arc;
 use super::upsample::ratio;
 use super::{Operator, Role};
 use crate::math::rows::{Rows, RowsBy};
-use crate::scheme::mesh_net::{self, MeshNet};
+use crate::scheme::anchor::Anchor;
+use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::polygon_net::{From, PolygonNet};
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::Window;
 use crate::scheme::word::Letter;
 use crate::shape::check::{Checked, FaceList, Winding};
-use crate::shape::grid::Grid;
 use crate::shape::topology::{Topology, index};
 
 /// D, the dual average: one new point for each edge of a curve, for each face of a mesh.
@@ -82,16 +82,17 @@ impl Operator for Dual {
         let n_old = net.n_vertices();
         let complete = faces.len() == n_old;
         let checked = manifold(ordered.faces.len(), faces)?;
-        let (split_from, parent) = (checked.split_from, net.parent.clone());
+        let split_from = checked.split_from;
+        let labels = net.anchor.clone().filter(|_| net.parent.is_some());
         let (n_new, f) = (checked.topology.n_vertices(), values.kernel);
         let Ordered { faces, order, .. } = ordered;
         let order_here = order.clone();
         let n_faces = faces.len();
         let rows = RowsBy::new(n_new, n_old, move |row, out: &mut Rows| {
             let face = if row < n_faces { row } else { split_from[row - n_faces] as usize };
-            mean_of_face(faces.face(face), order.as_deref(), parent.as_deref(), f, out);
+            mean_of_face(faces.face(face), order.as_deref(), labels.as_ref(), f, out);
         });
-        let anchor = net.anchor.clone().map(|anchor| mesh_net::Anchor {
+        let anchor = net.anchor.clone().map(|anchor| Anchor {
             lost: !complete || anchor.lost,
             order: anchor.order.clone().or(order_here),
             ..anchor
@@ -100,18 +101,15 @@ impl Operator for Dual {
     }
 }
 
-/// The weighted mean of the vertices of one face: weights f^2, f, 1 for V, E, F of the last U, equal ones when f is 1.
-fn mean_of_face(face: &[u32], order: Option<&[u32]>, parent: Option<&Topology>, f: f64, out: &mut Rows) {
+/// The weighted mean of the vertices of one face: weights f^2, f, 1 for V, E, F of the last U (of triangles f for V, 1
+/// else), equal ones when f is 1.
+fn mean_of_face(face: &[u32], order: Option<&[u32]>, labels: Option<&Anchor>, f: f64, out: &mut Rows) {
     let constructed = |v: u32| order.map_or(v, |order| order[v as usize]);
-    let Some(parent) = parent else {
+    let Some(labels) = labels else {
         face.iter().for_each(|&v| out.add(v, ratio(1, face.len())));
         return;
     };
-    let weight = |v: u32| match constructed(v) as usize {
-        v if v < parent.n_vertices() => f * f,
-        v if v < parent.n_vertices() + parent.n_edges() => f,
-        _ => 1.0,
-    };
+    let weight = |v: u32| labels.weight(constructed(v) as usize, f);
     let sum: f64 = face.iter().map(|&v| weight(v)).sum();
     face.iter().for_each(|&v| out.add(constructed(v), weight(v) / sum));
 }
@@ -127,13 +125,16 @@ impl Ordered {
     fn of(net: &MeshNet) -> Self {
         let topology = net.topology();
         let mut faces = FaceList::default();
-        let Some(parent) = net.parent.clone() else {
+        let Some(order) = net.order() else {
             (0..topology.n_faces()).for_each(|f| faces.push(topology.face(f).iter().copied()));
             return Self { faces, order: None, topology };
         };
-        let grid = Grid::new(net.base.clone(), parent, net.splits);
-        (0..grid.n_faces()).for_each(|f| faces.push(grid.face(f)));
-        let order = (0..grid.n_vertices()).map(|v| grid.constructed(v)).collect();
+        let mut face = vec![0; order.face_size()];
+        for f in 0..order.n_faces() {
+            order.face(f, &mut face);
+            faces.push(face.iter().copied());
+        }
+        let order = (0..order.n_vertices()).map(|v| order.constructed(v)).collect();
         Self { faces, order: Some(order), topology }
     }
 }

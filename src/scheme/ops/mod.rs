@@ -10,8 +10,10 @@ mod dual;
 mod incenter;
 mod kobbelt_edges;
 mod kobbelt_faces;
+mod loop_smoothing;
 mod masked;
 mod push_back;
+mod ring_average;
 mod root_three;
 mod upsample;
 
@@ -23,8 +25,10 @@ pub use doo_sabin::DooSabin;
 pub use incenter::Incenter;
 pub use kobbelt_edges::KobbeltEdges;
 pub use kobbelt_faces::KobbeltFaces;
+pub use loop_smoothing::LoopSmoothing;
 pub use masked::Masked;
 pub use push_back::CIRCULAR_PUSH_BACK;
+pub(super) use push_back::seen_valence;
 pub use root_three::RootThree;
 
 use super::census::Census;
@@ -46,6 +50,7 @@ pub const OPERATORS: &[&dyn Operator] = &[
     &push_back::CIRCULAR_PUSH_BACK,
     &incenter::Incenter,
     &catmull_clark::CatmullClark,
+    &loop_smoothing::LoopSmoothing,
     &doo_sabin::DooSabin,
     &kobbelt_edges::KobbeltEdges,
     &kobbelt_faces::KobbeltFaces,

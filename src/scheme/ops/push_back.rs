@@ -8,12 +8,14 @@ use super::{Follows, Operator, Role};
 use crate::math::expression::Expression;
 use crate::math::functions::sin;
 use crate::math::rows::{Rows, RowsBy};
+use crate::scheme::anchor::Anchor;
 use crate::scheme::creases::{Creases, Rule};
-use crate::scheme::mesh_net::{self, MeshNet};
+use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::polygon_net::{self, PolygonNet};
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::steps;
 use crate::scheme::word::Letter;
+use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 
 /// P, the push-back towards what entered the last U: `D_i = delta (P_i - V_i)`; `V += D_i`, `E += omega/2 (D_1 + D_2)`,
@@ -71,7 +73,8 @@ impl Operator for PushBack {
     fn doc(&self) -> &'static str {
         "Pushes back towards the polygon or mesh that entered the last U. With D = delta (old - new) at each vertex: \
          vertices move by D, edge points by omega/2 (D1 + D2), face points of an n-gon by omega^2/n times the sum over \
-         its vertices; omega is the compensation. delta 0 changes nothing, 1 interpolates. Needs an even number of D \
+         its vertices; omega is the compensation. For higher arities D is interpolated as U interpolates, times omega \
+         on edges and omega^2 inside faces. delta 0 changes nothing, 1 interpolates. Needs an even number of D \
          since the last U."
     }
 
@@ -132,19 +135,10 @@ impl Operator for PushBack {
         let deltas = deltas(net, &anchor, values.delta)?;
         let omega = values.compensation;
         let children = children(&anchor);
-        let (n_v, n_e) = (anchor.topology.n_vertices(), anchor.topology.n_edges());
-        let rows = RowsBy::new(net.n_vertices(), n_v, move |row, out: &mut Rows| {
+        let rows = RowsBy::new(net.n_vertices(), anchor.topology.n_vertices(), move |row, out: &mut Rows| {
             let place = anchor.order.as_ref().map_or(row, |order| order[row] as usize);
-            let mut push = |v: u32, weight: f64| out.add(v, weight * deltas[v as usize]);
-            if place < n_v {
-                push(index(place), 1.0);
-            } else if place < n_v + n_e {
-                anchor.topology.ends(place - n_v).iter().for_each(|&v| push(v, omega / 2.0));
-            } else {
-                let face = anchor.topology.face(place - n_v - n_e);
-                let weight = omega * omega / ratio(face.len(), 1);
-                face.iter().for_each(|&v| push(v, weight));
-            }
+            let scales = [1.0, omega, omega * omega];
+            anchor.shares(place, scales, |v, share| out.add(v, share * deltas[v as usize]));
         });
         Ok(Step { net: net.clone(), action: Action::PushBack { rows: Box::new(rows), children } })
     }
@@ -172,7 +166,7 @@ fn legal(duals: u32, lost: bool, to: &'static str) -> Result<(), StepError> {
 }
 
 /// The vertex of the net that came of each anchor vertex.
-fn children(anchor: &mesh_net::Anchor) -> Arc<[u32]> {
+fn children(anchor: &Anchor) -> Arc<[u32]> {
     let n_v = anchor.topology.n_vertices();
     let mut children: Vec<u32> = (0..index(n_v)).collect();
     if let Some(order) = &anchor.order {
@@ -185,16 +179,16 @@ fn children(anchor: &mesh_net::Anchor) -> Arc<[u32]> {
     children.into()
 }
 
-/// The push-back factor of each anchor vertex: 0 at corners, else the expression at its valence (4 on boundaries and
-/// creases).
-fn deltas(net: &MeshNet, anchor: &mesh_net::Anchor, delta: &Expression) -> Result<Vec<f64>, StepError> {
+/// The push-back factor of each anchor vertex: 0 at corners, else the expression at its valence, as [`seen_valence`] has
+/// it; that of regular vertices on creases.
+fn deltas(net: &MeshNet, anchor: &Anchor, delta: &Expression) -> Result<Vec<f64>, StepError> {
     let creases = Creases::of_parent(net);
     let mut known: BTreeMap<usize, f64> = BTreeMap::new();
     let mut deltas = Vec::with_capacity(anchor.topology.n_vertices());
     for v in 0..anchor.topology.n_vertices() {
         let valence = match creases.as_ref().and_then(|creases| creases.vertex(v)) {
-            Some(_) => 4,
-            None => valence(&anchor.topology, v),
+            Some(_) => anchor.tile.regular_valence(),
+            None => seen_valence(&anchor.topology, anchor.tile, v),
         };
         let value = if let Some(&value) = known.get(&valence) {
             value
@@ -216,7 +210,12 @@ fn deltas(net: &MeshNet, anchor: &mesh_net::Anchor, delta: &Expression) -> Resul
     Ok(deltas)
 }
 
-/// The valence that expressions see: 4 on the boundary and at isolated vertices.
-fn valence(topology: &Topology, v: usize) -> usize {
-    if topology.is_isolated(v) || topology.boundary_edges(v).is_some() { 4 } else { topology.ring(v).count() }
+/// The valence that expressions see: that of regular vertices (4, of triangles 6) on the boundary and at isolated
+/// vertices.
+pub(in crate::scheme) fn seen_valence(topology: &Topology, tile: Tile, v: usize) -> usize {
+    if topology.is_isolated(v) || topology.boundary_edges(v).is_some() {
+        tile.regular_valence()
+    } else {
+        topology.ring(v).count()
+    }
 }

@@ -4,16 +4,20 @@ use std::sync::Arc;
 
 use super::{Follows, Operator, Role};
 use crate::math::rows::{Rows, RowsBy};
+use crate::scheme::anchor::Anchor;
 use crate::scheme::local::Local;
-use crate::scheme::mesh_net::{self, MeshNet};
+use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::polygon_net::{self, From, PolygonNet};
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::{Window, steps};
 use crate::scheme::word::Letter;
-use crate::shape::topology::{Topology, index};
+use crate::shape::tile::Tile;
+use crate::shape::topology::index;
 
-/// U, upsampling of arity d: `q[d i + j] = ((d - j) p[i] + j p[i + 1]) / d` on curves; on meshes (d = 2) vertices stay,
-/// edges get their midpoint, faces the mean of their vertices.
+pub(super) use crate::scheme::anchor::ratio;
+
+/// U, upsampling of arity d: `q[d i + j] = ((d - j) p[i] + j p[i + 1]) / d` on curves; on meshes vertices stay,
+/// edges are interpolated linearly, quads bilinearly, triangles linearly, other faces through the mean of their vertices.
 #[derive(Debug)]
 pub(super) struct Upsample;
 
@@ -28,7 +32,9 @@ impl Operator for Upsample {
 
     fn doc(&self) -> &'static str {
         "Upsamples by linear interpolation. Curves, arity d (U is U2): q[di+j] = ((d-j) p[i] + j p[i+1]) / d. Meshes: vertices stay, \
-         every edge gets its midpoint and every face the mean of its vertices, so that an n-gon becomes n quads."
+         every edge gets its midpoint and every face the mean of its vertices, so that an n-gon becomes n quads; arity d \
+         splits quads into d x d bilinearly, after a U where a mesh has other faces. With split triangle every triangle \
+         becomes d x d triangles."
     }
 
     fn source(&self) -> &'static str {
@@ -40,7 +46,7 @@ impl Operator for Upsample {
     }
 
     fn uses(&self) -> &'static [&'static str] {
-        &["alpha"]
+        &["alpha", "split"]
     }
 
     fn follows(&self) -> Follows {
@@ -78,49 +84,28 @@ impl Operator for Upsample {
     }
 
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        if values.letter.arity != 2 {
-            return Err(StepError::WrongNet(
-                "meshes are upsampled by U, which is of arity 2; U3 and higher refine polygons",
-            ));
+        let entered = net.topology();
+        let (tile, pieces) = (values.letter.tile, values.letter.arity);
+        if tile == Tile::Triangle
+            && let Some(face) = entered.first_other_than_triangle()
+        {
+            return Err(StepError::NotTriangles { face, size: entered.face(face).len() });
         }
-        let parent = net.topology();
-        let anchor = mesh_net::Anchor {
-            topology: parent.clone(),
+        let quads = tile == Tile::Quad && pieces != 2 && !entered.is_quads();
+        let anchor = Anchor {
+            quads: quads.then(|| Arc::new(entered.split())),
+            topology: entered.clone(),
+            tile,
+            pieces,
             corners: net.corners.clone(),
             sharpness: net.sharpness.clone(),
             order: None,
             lost: false,
         };
-        let halves = net.sharpness.as_ref().and_then(|sharpness| sharpness.split(&parent, net.rules.creasing));
-        let next = MeshNet {
-            sharpness: halves.map(Arc::new),
-            splits: net.splits + 1,
-            parent: Some(parent.clone()),
-            duals: 0,
-            anchor: Some(anchor),
-            ..net.clone()
-        };
-        let (n_v, n_e) = (parent.n_vertices(), parent.n_edges());
-        let rows = RowsBy::new(next.n_vertices(), n_v, move |row, out: &mut Rows| {
-            if row < n_v {
-                out.add(index(row), 1.0);
-            } else if row < n_v + n_e {
-                parent.ends(row - n_v).iter().for_each(|&v| out.add(v, 0.5));
-            } else {
-                mean_of_face(&parent, row - n_v - n_e, out);
-            }
+        let next = net.upsampled(anchor.clone());
+        let rows = RowsBy::new(next.n_vertices(), entered.n_vertices(), move |row, out: &mut Rows| {
+            anchor.shares(row, [1.0; 3], |v, weight| out.add(v, weight));
         });
         Ok(Step { net: next, action: Action::BlendFromAnchor(Box::new(rows)) })
     }
-}
-
-fn mean_of_face(topology: &Topology, f: usize, out: &mut Rows) {
-    let face = topology.face(f);
-    let weight = ratio(1, face.len());
-    face.iter().for_each(|&v| out.add(v, weight));
-}
-
-#[expect(clippy::cast_precision_loss, reason = "arities and face sizes are far below 2^52")]
-pub(super) fn ratio(a: usize, b: usize) -> f64 {
-    a as f64 / b as f64
 }

@@ -4,6 +4,7 @@ use super::{Plan, Subject};
 use crate::scheme::ops::{Follows, Role};
 use crate::scheme::polygon_net::Ends;
 use crate::scheme::step::StepError;
+use crate::shape::tile::Tile;
 
 impl Plan {
     /// Whether every operator can follow those before it, in the prefix and the first two applications of the cycle.
@@ -17,8 +18,12 @@ impl Plan {
             if role == Role::Average {
                 letter.arity = arity;
             }
-            if subject.is_mesh && (role == Role::Upsample && letter.arity != 2 || letter.operator.needs_upsampling()) {
-                return Err(StepError::WrongNet("U3 and higher, and A, refine polygons; meshes take U, D, C and P"));
+            if subject.is_mesh && letter.operator.needs_upsampling() {
+                return Err(StepError::WrongNet("A averages the points of polygons; meshes take U, D, C and P"));
+            }
+            let splits_input = role == Role::Upsample && letter.tile == Tile::Triangle && !upsampled && duals == 0;
+            if let Some((face, size)) = subject.other_face.filter(|_| splits_input) {
+                return Err(StepError::NotTriangles { face, size });
             }
             let dual = letter.operator.shifts(&letter);
             if let Some(tags) = subject.attached.filter(|_| letter.operator.rebuilds()) {

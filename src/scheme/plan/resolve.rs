@@ -1,12 +1,15 @@
 //! From what a client wrote to a plan.
 
-use super::{Perturbation, Plan, PlanInput, Subject};
+use super::{DEFAULT_MU, Perturbation, Plan, PlanInput, Subject};
 use crate::fault::{Fault, under};
 use crate::math::expression::Expression;
 use crate::math::parameter::{Literal, Values, shortened};
+use crate::scheme::anchor::ratio;
 use crate::scheme::mesh_net::Rules;
 use crate::scheme::presets::{self, Preset, Refines, Spelling, WORD_PARAMETERS};
+use crate::scheme::step::StepError;
 use crate::scheme::word::{Letter, Word};
+use crate::shape::tile::Tile;
 
 impl Plan {
     /// Resolves what a client wrote for a subject.
@@ -34,7 +37,10 @@ impl Plan {
             pair_duals(&mut word.prefix);
             pair_duals(&mut word.cycle);
         }
-        let Spelling { alpha, compensation_alpha, kernel, compensation, delta, perturbation, rules, .. } = spelling;
+        if subject.is_mesh && spelling.tile == Tile::Triangle {
+            word.prefix.iter_mut().chain(&mut word.cycle).for_each(|letter| letter.tile = Tile::Triangle);
+        }
+        let Spelling { alpha, compensation_alpha, kernel, mu, compensation, delta, perturbation, rules, .. } = spelling;
         let perturbation = perturbation.map(|[amplitude, decay]| Perturbation { amplitude, decay, seed: input.seed });
         let compensation_alpha = compensation_alpha.filter(|other| other.to_bits() != alpha.to_bits());
         let plan = Self {
@@ -42,6 +48,7 @@ impl Plan {
             alpha,
             compensation_alpha,
             kernel,
+            mu,
             compensation,
             delta,
             boundary: input.boundary,
@@ -53,14 +60,17 @@ impl Plan {
             let detail = "perturbation acts on polygons; leave it out";
             return Err(vec![Fault::new("/parameters/perturbation", detail)]);
         }
-        plan.check_legal(subject).map_err(|error| vec![Fault::new(place, error.to_string())])?;
+        plan.check_legal(subject).map_err(|error| {
+            let split = matches!(error, StepError::NotTriangles { .. }) && input.word.is_some();
+            vec![Fault::new(if split { "/parameters/split" } else { place }, error.to_string())]
+        })?;
         plan.check_delta(subject)?;
         Ok(plan)
     }
 
     fn check_delta(&self, subject: Subject) -> Result<(), Vec<Fault>> {
         if subject.is_mesh || self.delta.is_constant() {
-            let value = self.delta.value(4.0);
+            let value = self.delta.value(ratio(self.tile().regular_valence(), 1));
             return value.map(drop).map_err(|error| vec![Fault::new("/parameters/delta", error.to_string())]);
         }
         Err(vec![Fault::new("/parameters/delta", "valence is a property of mesh vertices; give polygons a number")])
@@ -95,6 +105,8 @@ fn word_functions(parameters: &[(String, Literal)], _: Subject) -> Result<Spelli
         alpha: values.number("alpha").unwrap_or(0.0),
         compensation_alpha: values.number("compensation_alpha"),
         kernel: values.expressions("kernel").to_vec(),
+        tile: presets::tile(&values),
+        mu: values.number("mu").unwrap_or(DEFAULT_MU),
         compensation: values.expression("compensation").cloned().unwrap_or_else(|| one.clone()),
         delta: values.expression("delta").cloned().unwrap_or(one),
         perturbation: presets::perturbation(&values),

@@ -3,9 +3,10 @@
 use super::{Preset, Refines, Spelling, letters};
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::scheme::mesh_net::{Rules, TriangleRule};
-use crate::scheme::ops::CatmullClark;
+use crate::scheme::ops::{CatmullClark, LoopSmoothing};
 use crate::scheme::sharpness::Creasing;
 use crate::scheme::word::Letter;
+use crate::shape::tile::Tile;
 
 pub(super) const CATMULL_CLARK: Preset = Preset {
     name: "catmull-clark",
@@ -20,6 +21,21 @@ pub(super) const CATMULL_CLARK: Preset = Preset {
         let triangles =
             if values.choice("triangle_rule") == Some("smooth") { TriangleRule::Smooth } else { TriangleRule::Catmark };
         Ok(Spelling { rules: Rules { creasing: creasing(values), triangles }, ..Spelling::of(cycle) })
+    },
+};
+
+pub(super) const LOOP: Preset = Preset {
+    name: "loop",
+    doc: "Loop's scheme for meshes of triangles: a box spline, C2, in regular regions (valence 6), C1 at other vertices. \
+          Boundaries by the plan's `boundary`, sharp edges and corners by the input's `creases` and `corners`.",
+    source: "Loop, Smooth subdivision surfaces based on triangles, 1987; boundaries as OpenSubdiv 3.5",
+    parameters: &[CREASING],
+    refines: Refines::Meshes,
+    spell: |values| {
+        let mut cycle = letters("U");
+        cycle.push(Letter::plain(&LoopSmoothing));
+        let rules = Rules { creasing: creasing(values), ..Rules::default() };
+        Ok(Spelling { tile: Tile::Triangle, rules, ..Spelling::of(cycle) })
     },
 };
 

@@ -19,7 +19,9 @@ use crate::math::mask::Mask;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::scheme::mesh_net::Rules;
 use crate::scheme::ops::{self, Masked};
+use crate::scheme::plan::DEFAULT_MU;
 use crate::scheme::word::Letter;
+use crate::shape::tile::Tile;
 
 /// Every preset, in the order of the documentation.
 pub const PRESETS: &[&Preset] = &[
@@ -47,6 +49,7 @@ pub const PRESETS: &[&Preset] = &[
     &masks::MASK,
     &push_back::PUSH_BACK,
     &meshes::CATMULL_CLARK,
+    &meshes::LOOP,
     &meshes::BILINEAR,
     &quads::DOO_SABIN,
     &quads::REPEATED_AVERAGING,
@@ -98,6 +101,10 @@ pub struct Spelling {
     pub compensation_alpha: Option<f64>,
     /// Kernels of the first, second, ... average after a U, in alpha.
     pub kernel: Vec<Expression>,
+    /// Into what the faces of a mesh are split.
+    pub tile: Tile,
+    /// Weight of a vertex in averages of triangles.
+    pub mu: f64,
     /// Compensation function, in alpha.
     pub compensation: Expression,
     /// Push-back factor, in valence.
@@ -117,6 +124,8 @@ impl Spelling {
             alpha: 0.0,
             compensation_alpha: None,
             kernel: vec![one.clone()],
+            tile: Tile::Quad,
+            mu: DEFAULT_MU,
             compensation: one.clone(),
             delta: one,
             perturbation: None,
@@ -183,6 +192,25 @@ pub const COMPENSATION_ALPHA: Parameter = Parameter {
     doc: "The alpha that the compensation sees at the first U, divided like alpha; alpha itself when left out.",
 };
 
+/// Into what the faces of a mesh are split.
+pub const SPLIT: Parameter = Parameter {
+    name: "split",
+    kind: Kind::Choice(&["quad", "triangle"]),
+    unit: "",
+    default: Default::Text("quad"),
+    doc: "Into what U splits the faces of a mesh: quads, or triangles if all faces are triangles. Without effect on polygons.",
+};
+
+/// The weight of a vertex in averages of triangles.
+pub const MU: Parameter = Parameter {
+    name: "mu",
+    kind: Kind::Number { min: 0.0, max: 1.0 },
+    unit: "",
+    default: Default::Number(DEFAULT_MU),
+    doc: "Weight of a vertex itself in averages with split triangle; 1/4 makes UC Loop's scheme at regular vertices, 1/3 \
+          averages the centroids. Without effect with split quad.",
+};
+
 /// The random perturbation.
 pub const PERTURBATION: Parameter = Parameter {
     name: "perturbation",
@@ -207,6 +235,11 @@ pub const PERTURBATION: Parameter = Parameter {
     doc: "Random perturbation of kernel and compensation by c gamma^h xi at the h-th U, from the plan's seed.",
 };
 
+/// Into what the faces of a mesh are split.
+pub(super) fn tile(values: &Values) -> Tile {
+    if values.choice("split") == Some("triangle") { Tile::Triangle } else { Tile::Quad }
+}
+
 /// Amplitude and decay, if a perturbation is given.
 pub(super) fn perturbation(values: &Values) -> Option<[f64; 2]> {
     let group = values.group("perturbation")?;
@@ -214,7 +247,8 @@ pub(super) fn perturbation(values: &Values) -> Option<[f64; 2]> {
 }
 
 /// Parameters of a plan given as a word.
-pub const WORD_PARAMETERS: &[Parameter] = &[ALPHA, KERNEL, COMPENSATION, COMPENSATION_ALPHA, DELTA, PERTURBATION];
+pub const WORD_PARAMETERS: &[Parameter] =
+    &[ALPHA, KERNEL, COMPENSATION, COMPENSATION_ALPHA, DELTA, PERTURBATION, SPLIT, MU];
 
 fn expression(values: &Values, name: &str) -> Expression {
     values.expression(name).cloned().unwrap_or_else(|| Expression::constant(1.0))

@@ -1,10 +1,11 @@
 //! Semi-stationary push-back subdivision.
 
 use super::{
-    ALPHA, COMPENSATION, COMPENSATION_ALPHA, DELTA, KERNEL, PERTURBATION, Preset, Refines, Spelling, expression,
-    letters, perturbation,
+    ALPHA, COMPENSATION, COMPENSATION_ALPHA, DELTA, KERNEL, MU, PERTURBATION, Preset, Refines, SPLIT, Spelling,
+    expression, letters, perturbation, tile,
 };
 use crate::math::parameter::{Default, Kind, Parameter};
+use crate::scheme::plan::DEFAULT_MU;
 
 pub(super) const PUSH_BACK: Preset = Preset {
     name: "push-back",
@@ -19,6 +20,8 @@ pub(super) const PUSH_BACK: Preset = Preset {
         COMPENSATION_ALPHA,
         DELTA,
         PERTURBATION,
+        SPLIT,
+        MU,
         Parameter {
             name: "k",
             kind: Kind::Integer { min: 1, max: 8 },
@@ -34,6 +37,8 @@ pub(super) const PUSH_BACK: Preset = Preset {
             alpha: values.number("alpha").unwrap_or(0.0),
             compensation_alpha: values.number("compensation_alpha"),
             kernel: values.expressions("kernel").to_vec(),
+            tile: tile(values),
+            mu: values.number("mu").unwrap_or(DEFAULT_MU),
             compensation: expression(values, "compensation"),
             delta: expression(values, "delta"),
             perturbation: perturbation(values),

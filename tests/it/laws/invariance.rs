@@ -9,7 +9,7 @@ use crate::support::nets::{self, Net};
 /// Coordinates are below 10 and maps below 3, amplified by a few levels of unequal weights.
 const TOLERANCE: f64 = 1e-11;
 
-fn assert_near(found: &[f64], expected: &[f64], what: &str) -> Result<(), TestCaseError> {
+pub(super) fn assert_near(found: &[f64], expected: &[f64], what: &str) -> Result<(), TestCaseError> {
     prop_assert_eq!(found.len(), expected.len());
     for (x, y) in found.iter().zip(expected) {
         prop_assert!((x - y).abs() <= TOLERANCE, "{}: {} is not {}", what, x, y);
@@ -23,13 +23,13 @@ fn point<const D: usize>() -> impl Strategy<Value = [f64; D]> {
 
 /// `matrix x p + shift`.
 #[derive(Debug, Clone)]
-struct Affine<const D: usize> {
+pub(super) struct Affine<const D: usize> {
     matrix: [[f64; D]; D],
     shift: [f64; D],
 }
 
 impl<const D: usize> Affine<D> {
-    fn random() -> impl Strategy<Value = Self> {
+    pub(super) fn random() -> impl Strategy<Value = Self> {
         let matrix = proptest::array::uniform(proptest::array::uniform(-3.0..3.0));
         (matrix, point()).prop_map(|(matrix, shift)| Self { matrix, shift })
     }
@@ -42,7 +42,7 @@ impl<const D: usize> Affine<D> {
         image
     }
 
-    fn all(&self, points: &[[f64; D]]) -> Vec<[f64; D]> {
+    pub(super) fn all(&self, points: &[[f64; D]]) -> Vec<[f64; D]> {
         points.iter().map(|point| self.of(point)).collect()
     }
 }

@@ -1,6 +1,7 @@
-//! The documented order of refined meshes, on the preset bilinear, where every point is known in closed form.
+//! The documented order of refined meshes, on the preset bilinear and words over U, where every point is known in closed
+//! form.
 //!
-//! With n = 2^levels: the input's vertices; then by input edge (numbered by first appearance) its n - 1 inner points in
+//! With n pieces an edge, 2^levels for bilinear: the input's vertices; then by input edge (numbered by first appearance) its n - 1 inner points in
 //! the direction of that appearance; then by input face its inside: of a quad the grid row by row, origin at corner 0,
 //! first axis towards corner 1; of another face the centre, the spokes from each edge's midpoint to the centre, and the
 //! grids of the quads at its corners. Faces by input face, row by row.
@@ -13,9 +14,9 @@ use serde_json::json;
 use crate::support;
 use crate::support::nets::{self, Net, distance};
 
-type Point = [f64; 3];
+pub(super) type Point = [f64; 3];
 
-fn mix(a: Point, b: Point, t: f64) -> Point {
+pub(super) fn mix(a: Point, b: Point, t: f64) -> Point {
     [0, 1, 2].map(|i| (1.0 - t) * a[i] + t * b[i])
 }
 
@@ -24,7 +25,7 @@ fn on_patch([a, b, c, d]: [Point; 4], u: f64, v: f64) -> Point {
     mix(mix(a, b, u), mix(d, c, u), v)
 }
 
-fn fraction(i: usize, n: usize) -> f64 {
+pub(super) fn fraction(i: usize, n: usize) -> f64 {
     f64::from(u32::try_from(i).expect("small")) / f64::from(u32::try_from(n).expect("small"))
 }
 
@@ -39,13 +40,12 @@ fn part(corners: &[Point], j: usize) -> [Point; 4] {
     [corners[j], middle(j), centre(corners), middle(j + n - 1)]
 }
 
-fn corners(net: &Net, face: &[usize]) -> Vec<Point> {
+pub(super) fn corners(net: &Net, face: &[usize]) -> Vec<Point> {
     face.iter().map(|&v| net.positions[v]).collect()
 }
 
-/// The positions in the documented order.
-fn expected_positions(net: &Net, levels: u32) -> Vec<Point> {
-    let n = 1_usize << levels;
+/// The input's vertices and the points on its edges.
+pub(super) fn expected_on_edges(net: &Net, n: usize) -> Vec<Point> {
     let mut positions = net.positions.clone();
     let mut seen = BTreeSet::new();
     for face in &net.faces {
@@ -56,7 +56,13 @@ fn expected_positions(net: &Net, levels: u32) -> Vec<Point> {
             }
         }
     }
-    for face in net.faces.iter().filter(|_| levels > 0) {
+    positions
+}
+
+/// The positions in the documented order.
+fn expected_positions(net: &Net, n: usize) -> Vec<Point> {
+    let mut positions = expected_on_edges(net, n);
+    for face in net.faces.iter().filter(|_| n > 1) {
         let corners = corners(net, face);
         if let Ok(patch) = <[Point; 4]>::try_from(corners.clone()) {
             positions.extend(inside(patch, n));
@@ -79,11 +85,10 @@ fn inside(patch: [Point; 4], n: usize) -> Vec<Point> {
 }
 
 /// The corners of the faces in the documented order.
-fn expected_faces(net: &Net, levels: u32) -> Vec<Vec<Point>> {
-    if levels == 0 {
+fn expected_faces(net: &Net, n: usize) -> Vec<Vec<Point>> {
+    if n == 1 {
         return net.faces.iter().map(|face| corners(net, face)).collect();
     }
-    let n = 1_usize << levels;
     net.faces
         .iter()
         .flat_map(|face| {
@@ -108,26 +113,64 @@ fn cells(patch: [Point; 4], n: usize) -> Vec<Vec<Point>> {
 fn check(net: &Net) {
     for levels in 0..=4 {
         let job = json!({ "input": net.input(), "plan": { "preset": "bilinear" }, "levels": levels });
-        let found = Net::of(&support::json(job));
-        let positions = expected_positions(net, levels);
-        assert_eq!(found.positions.len(), positions.len(), "level {levels}");
-        for (v, (p, q)) in found.positions.iter().zip(&positions).enumerate() {
-            assert!(distance(p, q) < 1e-12, "level {levels}: vertex {v} is {p:?}, not {q:?}");
+        check_job(job, &expected_positions(net, 1 << levels), &expected_faces(net, 1 << levels));
+    }
+}
+
+/// Checks that a job answers these positions and faces with these corners, in this order.
+pub(super) fn check_job(job: serde_json::Value, positions: &[Point], faces: &[Vec<Point>]) {
+    let what = format!("{} {}", job["plan"], job["levels"]);
+    let found = Net::of(&support::json(job));
+    assert_eq!(found.positions.len(), positions.len(), "{what}");
+    for (v, (p, q)) in found.positions.iter().zip(positions).enumerate() {
+        assert!(distance(p, q) < 1e-12, "{what}: vertex {v} is {p:?}, not {q:?}");
+    }
+    assert_eq!(found.faces.len(), faces.len(), "{what}");
+    for (f, (face, expected)) in found.faces.iter().zip(faces).enumerate() {
+        assert_eq!(face.len(), expected.len(), "{what}: face {f}");
+        for (v, q) in face.iter().zip(expected) {
+            let p = found.positions[*v];
+            assert!(distance(&p, q) < 1e-12, "{what}: face {f} has {p:?}, not {q:?}");
         }
-        let faces = expected_faces(net, levels);
-        assert_eq!(found.faces.len(), faces.len(), "level {levels}");
-        for (f, (face, expected)) in found.faces.iter().zip(&faces).enumerate() {
-            assert_eq!(face.len(), expected.len(), "level {levels}: face {f}");
-            for (v, q) in face.iter().zip(expected) {
-                let p = found.positions[*v];
-                assert!(distance(&p, q) < 1e-12, "level {levels}: face {f} has {p:?}, not {q:?}");
-            }
+    }
+}
+
+/// Words over U with the pieces of an edge after the prefix, and those that each level makes of one.
+const WORDS: &[(&str, usize, usize)] = &[
+    ("U3", 1, 3),
+    ("U4", 1, 4),
+    ("U5", 1, 5),
+    ("U2U3", 1, 6),
+    ("U3U2", 1, 6),
+    ("U3(U2)", 3, 2),
+    ("U2(U4)", 2, 4),
+    ("U2U2(U3)", 4, 3),
+];
+
+/// Each word, levels, and the pieces of an edge after them.
+pub(super) fn applications() -> impl Iterator<Item = (&'static str, u32, usize)> {
+    let levels = |&(word, start, each): &(&'static str, usize, usize)| {
+        (0..4).map(move |levels| (word, levels, (0..levels).fold(start, |n, _| n * each)))
+    };
+    WORDS.iter().flat_map(levels).filter(|&(_, _, n)| n <= 27)
+}
+
+#[test]
+fn splits_of_any_arity_come_out_in_the_documented_order() {
+    for net in [nets::cube(), nets::grid(2, 1), nets::torus(3, 3), nets::mixed(), nets::prism(5)].map(scattered) {
+        let quads = net.faces.iter().all(|face| face.len() == 4);
+        for (word, levels, n) in applications() {
+            // other faces are split into quads before anything else
+            let halved = !quads && n > 1 && !word.starts_with("U2");
+            let n = if halved { 2 * n } else { n };
+            let job = json!({ "input": net.input(), "plan": { "word": word }, "levels": levels });
+            check_job(job, &expected_positions(&net, n), &expected_faces(&net, n));
         }
     }
 }
 
 /// Points of the same net at places that no two refined points share.
-fn scattered(net: Net) -> Net {
+pub(super) fn scattered(net: Net) -> Net {
     let irrational = |i: usize, k: u32| (sqrt(f64::from(k)) * fraction(3 * i + 1, 1)).fract() * 4.0;
     let positions = (0..net.positions.len()).map(|i| [irrational(i, 2), irrational(i, 3), irrational(i, 5)]).collect();
     Net { positions, ..net }

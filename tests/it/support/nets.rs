@@ -167,7 +167,7 @@ pub(crate) fn manifold() -> impl Strategy<Value = Net> {
     let choices = proptest::collection::vec(any::<u8>(), 64);
     (family, choices, 0..3_usize, any::<bool>()).prop_map(|(net, choices, isolated, whole)| {
         let mut net = if whole { net } else { punctured(net, &choices) };
-        net = triangulated(net, &choices[16..]);
+        net = partly_triangulated(net, &choices[16..]);
         net = merged(net, usize::from(choices[40]));
         for i in 0..isolated {
             let at = usize::from(choices[50 + i]) % (net.positions.len() + 1);
@@ -183,6 +183,24 @@ pub(crate) fn manifold() -> impl Strategy<Value = Net> {
     })
 }
 
+/// A random manifold of triangles, with or without boundary, with or without isolated vertices: larger faces get a vertex
+/// in their middle, as a diagonal may already be an edge elsewhere.
+pub(crate) fn triangle_manifold() -> impl Strategy<Value = Net> {
+    manifold().prop_map(|Net { mut positions, faces }| {
+        let mut triangles = Vec::new();
+        for face in faces {
+            if face.len() == 3 {
+                triangles.push(face);
+                continue;
+            }
+            let middle = positions.len();
+            positions.push([0, 1, 2].map(|k| 0.5 * (positions[face[0]][k] + positions[face[2]][k])));
+            triangles.extend((0..face.len()).map(|j| vec![middle, face[j], face[(j + 1) % face.len()]]));
+        }
+        Net { positions, faces: triangles }
+    })
+}
+
 /// The net without the faces that `choices` picks, at least one staying; vertices may end up isolated or in two fans.
 fn punctured(net: Net, choices: &[u8]) -> Net {
     let keep = |i: usize| i == 0 || !choices[i % choices.len()].is_multiple_of(4);
@@ -190,8 +208,23 @@ fn punctured(net: Net, choices: &[u8]) -> Net {
     Net { faces, ..net }
 }
 
+/// All faces cut into triangles: quads along the diagonal from corner 0, larger ones as fans.
+pub(crate) fn triangulated(net: Net) -> Net {
+    let fan =
+        |face: Vec<usize>| (1..face.len() - 1).map(move |i| vec![face[0], face[i], face[i + 1]]).collect::<Vec<_>>();
+    Net { faces: net.faces.into_iter().flat_map(fan).collect(), ..net }
+}
+
+/// An octahedron.
+pub(crate) fn octahedron() -> Net {
+    let positions = [[1., 0., 0.], [-1., 0.25, 0.], [0., 1., 0.], [0.25, -1., 0.], [0., 0., 1.25], [0., 0., -1.]];
+    let faces: [&[usize]; 8] =
+        [&[0, 2, 4], &[2, 1, 4], &[1, 3, 4], &[3, 0, 4], &[2, 0, 5], &[1, 2, 5], &[3, 1, 5], &[0, 3, 5]];
+    of(&positions, &faces)
+}
+
 /// Some quads cut along a diagonal.
-fn triangulated(net: Net, choices: &[u8]) -> Net {
+fn partly_triangulated(net: Net, choices: &[u8]) -> Net {
     let faces = net.faces.into_iter().enumerate().flat_map(|(i, face)| match (face.as_slice(), choices[i % 24] % 3) {
         (&[a, b, c, d], 0) => vec![vec![a, b, c], vec![c, d, a]],
         _ => vec![face],

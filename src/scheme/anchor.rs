@@ -1,0 +1,164 @@
+//! The mesh that entered the last upsampling, and how the points made there lie between its vertices.
+
+use std::sync::Arc;
+
+use super::sharpness::{Creasing, Sharpness};
+use crate::shape::tile::Tile;
+use crate::shape::tiling::{Ancestor, Tiling};
+use crate::shape::topology::{Topology, index};
+
+/// The mesh that entered the last U.
+#[derive(Debug, Clone)]
+pub struct Anchor {
+    /// Its topology.
+    pub topology: Arc<Topology>,
+    /// Its quads, where it had other faces and the arity was above 2: then each face was split into quads first.
+    pub quads: Option<Arc<Topology>>,
+    /// Into what its faces were split.
+    pub tile: Tile,
+    /// Pieces of an edge, of its own or of the quads.
+    pub pieces: u32,
+    /// Its vertices that keep their place.
+    pub corners: Arc<[u32]>,
+    /// Sharpness of its edges and of its other vertices; `None` when all were smooth.
+    pub sharpness: Option<Arc<Sharpness>>,
+    /// Where the net was put into another order since: for each vertex its number at the U.
+    pub order: Option<Arc<[u32]>>,
+    /// Whether vertices were lost since.
+    pub lost: bool,
+}
+
+/// What a vertex was made of by the last U.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Label {
+    /// A vertex, V.
+    Vertex,
+    /// Points of an edge, E.
+    Edge,
+    /// Points inside a face, F.
+    Face,
+}
+
+impl Anchor {
+    /// The topology that was split at last.
+    pub fn parent(&self) -> &Arc<Topology> {
+        self.quads.as_ref().unwrap_or(&self.topology)
+    }
+
+    /// Pieces that each of its edges became.
+    pub fn pieces_of_an_edge(&self) -> usize {
+        if self.quads.is_some() { 2 * self.pieces as usize } else { self.pieces as usize }
+    }
+
+    /// The sharpness of the net after the U.
+    pub(super) fn sharpness_after(&self, creasing: Creasing) -> Option<Arc<Sharpness>> {
+        let before = self.sharpness.as_ref()?;
+        let after = if self.pieces_of_an_edge() == 2 {
+            before.split(&self.topology, creasing)
+        } else {
+            before.pieces(self.pieces_of_an_edge())
+        };
+        after.map(Arc::new)
+    }
+
+    /// Whether every edge got its middle and every face its centre.
+    fn is_halving(&self) -> bool {
+        self.tile == Tile::Quad && self.pieces == 2
+    }
+
+    /// The label of the vertex with this number at the U.
+    pub fn label(&self, v: usize) -> Label {
+        let parent = self.parent();
+        let (n_v, n_e) = (self.topology.n_vertices(), self.topology.n_edges());
+        let label = |edges: usize| match v {
+            v if v < n_v => Label::Vertex,
+            v if v < n_v + edges => Label::Edge,
+            _ => Label::Face,
+        };
+        if self.is_halving() {
+            return label(n_e);
+        }
+        if self.quads.is_none() || v < parent.n_vertices() {
+            let inner = if self.quads.is_none() { self.pieces as usize - 1 } else { 1 };
+            return label(n_e * inner);
+        }
+        // the halves of the mesh's own edges come first among those of the quads
+        match self.tiling().ancestor(v) {
+            Ancestor::Edge(edge, _) if edge < 2 * n_e => Label::Edge,
+            _ => Label::Face,
+        }
+    }
+
+    /// The weight of the vertex with this number in the first average after the U: `f^2` for V, `f` for E, 1 for F; where
+    /// triangles were split `f` for V, 1 else.
+    pub fn weight(&self, v: usize, f: f64) -> f64 {
+        match (self.tile, self.label(v)) {
+            (Tile::Quad, Label::Vertex) => f * f,
+            (Tile::Quad, Label::Edge) | (Tile::Triangle, Label::Vertex) => f,
+            _ => 1.0,
+        }
+    }
+
+    fn tiling(&self) -> Tiling<'_> {
+        Tiling::new(self.parent(), self.tile, self.pieces as usize)
+    }
+
+    /// Calls `add(vertex, share)` for the vertices of which the U made the vertex with this number: linearly along
+    /// edges, bilinearly in quads, by area in triangles, all alike at the centres of faces. All shares are multiplied by
+    /// the first, second or third scale if it is a V, E or F.
+    pub fn shares(&self, v: usize, scales: [f64; 3], mut add: impl FnMut(u32, f64)) {
+        let scale = match self.label(v) {
+            Label::Vertex => scales[0],
+            Label::Edge => scales[1],
+            Label::Face => scales[2],
+        };
+        if self.is_halving() {
+            halved(&self.topology, v, scale, &mut add);
+            return;
+        }
+        let mut add = |u: u32, weight: f64| match self.quads {
+            None => add(u, scale * weight),
+            Some(_) => halved(&self.topology, u as usize, scale * weight, &mut add),
+        };
+        let (parent, d) = (self.parent(), self.pieces as usize);
+        match self.tiling().ancestor(v) {
+            Ancestor::Vertex(v) => add(index(v), 1.0),
+            Ancestor::Edge(edge, at) => {
+                let [a, b] = parent.ends(edge);
+                add(a, ratio(d - at, d));
+                add(b, ratio(at, d));
+            }
+            Ancestor::Face(face, [i, j]) => match (self.tile, parent.face(face)) {
+                (Tile::Triangle, &[a, b, c]) => {
+                    add(a, ratio(d - i - j, d));
+                    add(b, ratio(i, d));
+                    add(c, ratio(j, d));
+                }
+                (_, face) => {
+                    let weights = [(d - i) * (d - j), i * (d - j), i * j, (d - i) * j];
+                    face.iter().zip(weights).for_each(|(&v, weight)| add(v, ratio(weight, d * d)));
+                }
+            },
+        }
+    }
+}
+
+/// Adds the shares of a vertex of the quads: a vertex of the mesh, the middle of an edge or the centre of a face.
+fn halved(topology: &Topology, v: usize, weight: f64, add: &mut impl FnMut(u32, f64)) {
+    let (n_v, n_e) = (topology.n_vertices(), topology.n_edges());
+    if v < n_v {
+        add(index(v), weight);
+    } else if v < n_v + n_e {
+        topology.ends(v - n_v).iter().for_each(|&end| add(end, weight / 2.0));
+    } else {
+        let face = topology.face(v - n_v - n_e);
+        let share = weight / ratio(face.len(), 1);
+        face.iter().for_each(|&v| add(v, share));
+    }
+}
+
+/// One whole number over another.
+#[expect(clippy::cast_precision_loss, reason = "arities and face sizes are far below 2^52")]
+pub(super) fn ratio(a: usize, b: usize) -> f64 {
+    a as f64 / b as f64
+}

@@ -1,0 +1,93 @@
+//! C on split meshes of any arity, from the faces around each vertex.
+
+use super::average::rule;
+use super::upsample::ratio;
+use crate::math::rows::{Rows, RowsBy};
+use crate::scheme::anchor::{Anchor, Label};
+use crate::scheme::creases::{Creases, Rule};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::step::Action;
+use crate::shape::topology::{Topology, index};
+
+/// What the faces around a vertex contribute.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Around {
+    /// The weighted mean of their vertices.
+    Faces,
+    /// With the neighbours A and B of P in a face: `mu P + (1 - mu)/2 (A + B)`, weighted.
+    Neighbours {
+        /// The weight of P.
+        mu: f64,
+    },
+}
+
+/// The mean of what the faces around a vertex contribute, with the weights that the kernel `f` gives to V, E and F;
+/// boundaries and creases follow the curve rule, corners stay.
+pub(super) fn rows(net: &MeshNet, around: Around, f: f64) -> Action {
+    let n = net.n_vertices();
+    let topology = net.topology();
+    let weights = Weights { labels: net.anchor.clone().filter(|_| net.parent.is_some()), f };
+    let creases = Creases::of_net(net, &topology);
+    let old = net.clone();
+    let rows = RowsBy::new(n, n, move |v, out: &mut Rows| match (rule(&old, &topology, creases.as_ref(), v), around) {
+        (Rule::Corner, _) => out.add(index(v), 1.0),
+        (Rule::Crease(edges), _) => {
+            let ends = edges.map(|e| topology.other_end(e as usize, v));
+            crease_row(&weights, v, ends, out);
+        }
+        (Rule::Smooth, Around::Faces) => faces_row(&topology, &weights, v, out),
+        (Rule::Smooth, Around::Neighbours { mu }) => neighbours_row(&topology, &weights, v, mu, out),
+    });
+    Action::Blend(Box::new(rows))
+}
+
+/// The weights of vertices by what the last U made them of.
+struct Weights {
+    /// `None` where there are no labels: all weights are 1.
+    labels: Option<Anchor>,
+    f: f64,
+}
+
+impl Weights {
+    fn in_faces(&self, v: u32) -> f64 {
+        self.labels.as_ref().map_or(1.0, |labels| labels.weight(v as usize, self.f))
+    }
+
+    fn on_curves(&self, v: u32) -> f64 {
+        let is_vertex = |labels: &Anchor| labels.label(v as usize) == Label::Vertex;
+        if self.labels.as_ref().is_some_and(is_vertex) { self.f } else { 1.0 }
+    }
+}
+
+/// The curve rule: the mean of the weighted means with either neighbour.
+fn crease_row(weights: &Weights, v: usize, [before, after]: [u32; 2], out: &mut Rows) {
+    let [a, b, c] = [before, index(v), after].map(|v| weights.on_curves(v));
+    let (first, second) = (2.0 * (a + b), 2.0 * (b + c));
+    out.add(before, a / first);
+    out.add(index(v), b / first + b / second);
+    out.add(after, c / second);
+}
+
+fn faces_row(topology: &Topology, weights: &Weights, v: usize, out: &mut Rows) {
+    let valence = ratio(topology.ring(v).count(), 1);
+    for corner in topology.ring(v) {
+        let face = topology.face(topology.face_of(corner));
+        let sum: f64 = face.iter().map(|&u| weights.in_faces(u)).sum();
+        face.iter().for_each(|&u| out.add(u, weights.in_faces(u) / (sum * valence)));
+    }
+}
+
+fn neighbours_row(topology: &Topology, weights: &Weights, v: usize, mu: f64, out: &mut Rows) {
+    let valence = ratio(topology.ring(v).count(), 1);
+    let mut own = 0.0;
+    for corner in topology.ring(v) {
+        let [a, b] = [topology.next(corner), topology.previous(corner)].map(|corner| topology.vertex(corner));
+        let [p, q, r] = [index(v), a, b].map(|u| weights.in_faces(u));
+        let [p, q, r] = [mu * p, 0.5 * (1.0 - mu) * q, 0.5 * (1.0 - mu) * r];
+        let sum = (p + q + r) * valence;
+        own += p / sum;
+        out.add(a, q / sum);
+        out.add(b, r / sum);
+    }
+    out.add(index(v), own);
+}

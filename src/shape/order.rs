@@ -1,0 +1,96 @@
+//! The documented order of a split mesh, whatever the split.
+
+use std::sync::Arc;
+
+use super::grid::Grid;
+use super::source::Origin;
+use super::tile::Tile;
+use super::topology::Topology;
+use super::triangle_grid::TriangleGrid;
+
+/// The documented order of a split mesh.
+#[derive(Debug, Clone)]
+pub enum Order {
+    /// After splits into quads.
+    Quads(Grid),
+    /// After splits into triangles.
+    Triangles(TriangleGrid),
+}
+
+impl Order {
+    /// The order of `base` after splits with so many pieces an edge each, `parent` being the topology before the last.
+    ///
+    /// # Panics
+    /// When there is no split: then the order is that of the base.
+    pub fn new(base: Arc<Topology>, parent: Arc<Topology>, tile: Tile, pieces: Arc<[u32]>) -> Self {
+        match tile {
+            Tile::Quad => Self::Quads(Grid::new(base, parent, pieces)),
+            Tile::Triangle => Self::Triangles(TriangleGrid::new(base, parent, pieces)),
+        }
+    }
+
+    /// Number of vertices.
+    pub fn n_vertices(&self) -> usize {
+        match self {
+            Self::Quads(grid) => grid.n_vertices(),
+            Self::Triangles(grid) => grid.n_vertices(),
+        }
+    }
+
+    /// Number of faces.
+    pub fn n_faces(&self) -> usize {
+        match self {
+            Self::Quads(grid) => grid.n_faces(),
+            Self::Triangles(grid) => grid.n_faces(),
+        }
+    }
+
+    /// Vertices of each face.
+    pub fn face_size(&self) -> usize {
+        match self {
+            Self::Quads(_) => 4,
+            Self::Triangles(_) => 3,
+        }
+    }
+
+    /// The base face that face `f` came from.
+    pub fn base_face(&self, f: usize) -> usize {
+        match self {
+            Self::Quads(grid) => grid.base_face(f),
+            Self::Triangles(grid) => grid.base_face(f),
+        }
+    }
+
+    /// The cell of the base in which vertex `v`, numbered in the documented order, arose.
+    pub fn origin(&self, v: usize) -> Origin {
+        match self {
+            Self::Quads(grid) => grid.origin(v),
+            Self::Triangles(grid) => grid.origin(v),
+        }
+    }
+
+    /// First face of base face `f`.
+    pub fn first_face(&self, f: usize) -> usize {
+        match self {
+            Self::Quads(grid) => grid.first_face(f),
+            Self::Triangles(grid) => grid.first_face(f),
+        }
+    }
+
+    /// Writes the vertices of face `f`, numbered in the documented order, to `out`, which has [`Order::face_size`]
+    /// places.
+    pub fn face(&self, f: usize, out: &mut [u32]) {
+        match self {
+            Self::Quads(grid) => out.copy_from_slice(&grid.face(f)),
+            Self::Triangles(grid) => out.copy_from_slice(&grid.face(f)),
+        }
+    }
+
+    /// The number of vertex `v` in the order of construction.
+    pub fn constructed(&self, v: usize) -> u32 {
+        match self {
+            Self::Quads(grid) => grid.constructed(v),
+            Self::Triangles(grid) => grid.constructed(v),
+        }
+    }
+}

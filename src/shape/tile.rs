@@ -1,0 +1,380 @@
+//! One face split `d x d`: its cells, the points inside it and the edges between the cells, as pure arithmetic.
+//!
+//! A place is `[i, j]`: `i` steps from corner 0 towards corner 1 and `j` steps towards the last corner; of a quad
+//! `0 <= i, j <= d`, of a triangle `i + j <= d`. Rows are those of equal `j`. A triangle's row holds upward cells
+//! (`[i, j]`, `[i + 1, j]`, `[i, j + 1]`) and between them downward ones (`[i + 1, j + 1]`, `[i, j + 1]`, `[i + 1, j]`),
+//! from left to right. Cells are counter-clockwise like their face.
+
+/// How the faces of a mesh are split.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Tile {
+    /// Quads into `d x d` quads.
+    #[default]
+    Quad,
+    /// Triangles into `d x d` triangles.
+    Triangle,
+}
+
+/// A cell of a face: the lower left one of its places, and whether it is a downward triangle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Cell {
+    at: [usize; 2],
+    down: bool,
+}
+
+impl Cell {
+    /// The cell of which an inner place is corner 0.
+    pub(super) const fn at(at: [usize; 2]) -> Self {
+        Self { at, down: false }
+    }
+}
+
+/// Where a place of a face lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Place {
+    /// At this corner of the face.
+    Corner(u32),
+    /// On the side from this corner to the next, so many steps from the corner.
+    Side(u32, usize),
+    /// Inside, with this number row by row.
+    Inside(usize),
+}
+
+/// What a side of a cell is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Piece {
+    /// This piece, counted from 0, of the side from this corner of the face.
+    Outer(u32, usize),
+    /// An edge inside the face.
+    Inner(usize),
+}
+
+/// Rows of `n, n - 1, ..., 1` entries, numbered from 0 on.
+#[derive(Debug, Clone, Copy)]
+struct Stairs(usize);
+
+impl Stairs {
+    const fn len(self) -> usize {
+        self.0 * (self.0 + 1) / 2
+    }
+
+    /// Number of the first entry of a row.
+    const fn first(self, row: usize) -> usize {
+        row * (2 * self.0 + 1 - row) / 2
+    }
+
+    /// Column and row of an entry.
+    const fn find(self, number: usize) -> [usize; 2] {
+        // counted from the end, the last s rows hold s (s + 1) / 2 entries
+        let left = self.len() - number;
+        let row = self.0 - (8 * left - 7).isqrt().div_ceil(2);
+        [number - self.first(row), row]
+    }
+}
+
+impl Tile {
+    /// Sides of a face.
+    pub const fn sides(self) -> u32 {
+        match self {
+            Self::Quad => 4,
+            Self::Triangle => 3,
+        }
+    }
+
+    /// Edges at an interior vertex of a regular mesh.
+    pub const fn regular_valence(self) -> usize {
+        match self {
+            Self::Quad => 4,
+            Self::Triangle => 6,
+        }
+    }
+
+    /// Points inside a face.
+    pub const fn inner_vertices(self, d: usize) -> usize {
+        match self {
+            Self::Quad => (d - 1) * (d - 1),
+            Self::Triangle => (d - 1) * (d - 1).saturating_sub(1) / 2,
+        }
+    }
+
+    /// Edges inside a face.
+    pub const fn inner_edges(self, d: usize) -> usize {
+        match self {
+            Self::Quad => 2 * d * (d - 1),
+            Self::Triangle => 3 * Stairs(d - 1).len(),
+        }
+    }
+
+    /// The cell with this number, row by row.
+    pub(super) const fn cell(self, d: usize, number: usize) -> Cell {
+        match self {
+            Self::Quad => Cell { at: [number % d, number / d], down: false },
+            Self::Triangle => {
+                // the rows from the top hold 1, 4, 9, ... cells in all
+                let row = d - (d * d - number - 1).isqrt() - 1;
+                let along = number - (d * d - (d - row) * (d - row));
+                Cell { at: [along / 2, row], down: along % 2 == 1 }
+            }
+        }
+    }
+
+    /// The number of a cell, row by row.
+    pub(super) const fn number(self, d: usize, cell: Cell) -> usize {
+        let [i, j] = cell.at;
+        match self {
+            Self::Quad => j * d + i,
+            Self::Triangle => d * d - (d - j) * (d - j) + 2 * i + cell.down as usize,
+        }
+    }
+
+    /// The places of the corners of a cell; of a triangle the first three count.
+    pub(super) const fn corners(self, cell: Cell) -> [[usize; 2]; 4] {
+        let [i, j] = cell.at;
+        match (self, cell.down) {
+            (Self::Quad, _) => [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]],
+            (Self::Triangle, false) => [[i, j], [i + 1, j], [i, j + 1], [i, j]],
+            (Self::Triangle, true) => [[i + 1, j + 1], [i, j + 1], [i + 1, j], [i + 1, j + 1]],
+        }
+    }
+
+    /// Where a place lies.
+    pub(super) const fn place(self, d: usize, [i, j]: [usize; 2]) -> Place {
+        match self {
+            Self::Quad => match (i, j) {
+                (0, 0) => Place::Corner(0),
+                (i, 0) if i == d => Place::Corner(1),
+                (i, j) if i == d && j == d => Place::Corner(2),
+                (0, j) if j == d => Place::Corner(3),
+                (i, 0) => Place::Side(0, i),
+                (i, j) if i == d => Place::Side(1, j),
+                (i, j) if j == d => Place::Side(2, d - i),
+                (0, j) => Place::Side(3, d - j),
+                _ => Place::Inside((j - 1) * (d - 1) + i - 1),
+            },
+            Self::Triangle => match (i, j) {
+                (0, 0) => Place::Corner(0),
+                (i, 0) if i == d => Place::Corner(1),
+                (0, j) if j == d => Place::Corner(2),
+                (i, 0) => Place::Side(0, i),
+                (i, j) if i + j == d => Place::Side(1, j),
+                (0, j) => Place::Side(2, d - j),
+                _ => Place::Inside(Stairs(d - 2).first(j - 1) + i - 1),
+            },
+        }
+    }
+
+    /// The place of the inner point with this number.
+    pub(super) const fn inside(self, d: usize, number: usize) -> [usize; 2] {
+        match self {
+            Self::Quad => [number % (d - 1) + 1, number / (d - 1) + 1],
+            Self::Triangle => {
+                let [i, j] = Stairs(d - 2).find(number);
+                [i + 1, j + 1]
+            }
+        }
+    }
+
+    /// The place so many steps along the side from a corner to the next.
+    pub(super) const fn along(self, d: usize, side: u32, at: usize) -> [usize; 2] {
+        match (self, side) {
+            (_, 0) => [at, 0],
+            (Self::Quad, 1) => [d, at],
+            (Self::Quad, 2) => [d - at, d],
+            (Self::Triangle, 1) => [d - at, at],
+            (Self::Quad | Self::Triangle, _) => [0, d - at],
+        }
+    }
+
+    /// The cell at a piece of a side; the piece is its side of the same number.
+    pub(super) const fn at_side(self, d: usize, side: u32, piece: usize) -> Cell {
+        let at = match (self, side) {
+            (_, 0) => [piece, 0],
+            (Self::Quad, 1) => [d - 1, piece],
+            (Self::Quad, 2) => [d - 1 - piece, d - 1],
+            (Self::Triangle, 1) => [d - 1 - piece, piece],
+            (Self::Quad | Self::Triangle, _) => [0, d - 1 - piece],
+        };
+        Cell { at, down: false }
+    }
+
+    /// What side `side` of a cell is. Inside a triangle every edge belongs to one downward cell.
+    pub(super) fn side(self, d: usize, cell: Cell, side: u32) -> Piece {
+        let [i, j] = cell.at;
+        match self {
+            Self::Quad => match side {
+                0 if j == 0 => Piece::Outer(0, i),
+                1 if i == d - 1 => Piece::Outer(1, j),
+                2 if j == d - 1 => Piece::Outer(2, d - 1 - i),
+                3 if i == 0 => Piece::Outer(3, d - 1 - j),
+                0 => Piece::Inner((j - 1) * d + i),
+                2 => Piece::Inner(j * d + i),
+                1 => Piece::Inner(d * (d - 1) + i * d + j),
+                _ => Piece::Inner(d * (d - 1) + (i - 1) * d + j),
+            },
+            Self::Triangle => {
+                let inner =
+                    |i: usize, j: usize, side: u32| Piece::Inner(3 * (Stairs(d - 1).first(j) + i) + side as usize);
+                match (cell.down, side) {
+                    (true, side) => inner(i, j, side),
+                    (_, 0) if j == 0 => Piece::Outer(0, i),
+                    (_, 1) if i + j == d - 1 => Piece::Outer(1, j),
+                    (_, 2) if i == 0 => Piece::Outer(2, d - 1 - j),
+                    (_, 0) => inner(i, j - 1, 0),
+                    (_, 1) => inner(i, j, 1),
+                    _ => inner(i - 1, j, 2),
+                }
+            }
+        }
+    }
+
+    /// The two cells at an inner edge with their sides; the edge runs as it does for the first.
+    pub(super) fn at_edge(self, d: usize, edge: usize) -> [(Cell, u32); 2] {
+        let up = |i: usize, j: usize| Cell { at: [i, j], down: false };
+        match self {
+            Self::Quad => {
+                let n = d * (d - 1);
+                if edge < n {
+                    let [i, j] = [edge % d, edge / d];
+                    [(up(i, j + 1), 0), (up(i, j), 2)]
+                } else {
+                    let [i, j] = [(edge - n) / d, (edge - n) % d];
+                    [(up(i, j), 1), (up(i + 1, j), 3)]
+                }
+            }
+            Self::Triangle => {
+                let [i, j] = Stairs(d - 1).find(edge / 3);
+                let down = Cell { at: [i, j], down: true };
+                match edge % 3 {
+                    0 => [(down, 0), (up(i, j + 1), 0)],
+                    1 => [(down, 1), (up(i, j), 1)],
+                    _ => [(down, 2), (up(i + 1, j), 2)],
+                }
+            }
+        }
+    }
+
+    /// With `cells` cells a side of `step` steps each: a cell that has the place, and the place seen from that cell.
+    pub(super) const fn enter(self, cells: usize, step: usize, [i, j]: [usize; 2]) -> (Cell, [usize; 2]) {
+        let [a, b] = [i / step, j / step];
+        match self {
+            Self::Quad => {
+                let a = if a == cells { a - 1 } else { a };
+                let b = if b == cells { b - 1 } else { b };
+                (Cell { at: [a, b], down: false }, [i - a * step, j - b * step])
+            }
+            Self::Triangle => {
+                let [x, y] = [i % step, j % step];
+                if a + b == cells {
+                    // a corner of cells on the side from corner 1 to corner 2
+                    let (at, place) = if a > 0 { ([a - 1, b], [step, 0]) } else { ([a, b - 1], [0, step]) };
+                    (Cell { at, down: false }, place)
+                } else if x + y <= step {
+                    (Cell { at: [a, b], down: false }, [x, y])
+                } else {
+                    (Cell { at: [a, b], down: true }, [step - x, step - y])
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TILES: [Tile; 2] = [Tile::Quad, Tile::Triangle];
+
+    #[test]
+    fn cells_are_numbered_row_by_row() {
+        for tile in TILES {
+            for d in 1..9 {
+                let cells: Vec<Cell> = (0..d * d).map(|number| tile.cell(d, number)).collect();
+                for (number, &cell) in cells.iter().enumerate() {
+                    assert_eq!(tile.number(d, cell), number);
+                }
+                let key = |cell: &Cell| (cell.at[1], cell.at[0], cell.down);
+                assert!(cells.is_sorted_by_key(key), "{tile:?} {d}");
+            }
+        }
+    }
+
+    #[test]
+    fn inner_points_are_numbered_row_by_row() {
+        for tile in TILES {
+            for d in 2..9 {
+                let places: Vec<_> = (0..tile.inner_vertices(d)).map(|number| tile.inside(d, number)).collect();
+                for (number, &place) in places.iter().enumerate() {
+                    assert_eq!(tile.place(d, place), Place::Inside(number), "{tile:?} {d}");
+                }
+                assert!(places.is_sorted_by_key(|place| (place[1], place[0])));
+            }
+        }
+    }
+
+    #[test]
+    fn every_side_of_a_cell_is_a_piece_of_a_side_or_an_edge_of_two_cells() {
+        for tile in TILES {
+            for d in 1..7 {
+                let mut outer = 0;
+                for cell in (0..d * d).map(|number| tile.cell(d, number)) {
+                    for side in 0..tile.sides() {
+                        match tile.side(d, cell, side) {
+                            Piece::Outer(outside, piece) => {
+                                outer += 1;
+                                assert_eq!((tile.at_side(d, outside, piece), outside), (cell, side));
+                            }
+                            Piece::Inner(edge) => {
+                                let [first, second] = tile.at_edge(d, edge);
+                                assert!(first == (cell, side) || second == (cell, side), "{tile:?} {d} {edge}");
+                                let ends = |(cell, side): (Cell, u32)| {
+                                    let corners = tile.corners(cell);
+                                    [corners[side as usize], corners[((side + 1) % tile.sides()) as usize]]
+                                };
+                                let [a, b] = ends(first);
+                                assert_eq!(ends(second), [b, a]);
+                                assert!(edge < tile.inner_edges(d));
+                            }
+                        }
+                    }
+                }
+                assert_eq!(outer, tile.sides() as usize * d);
+            }
+        }
+    }
+
+    #[test]
+    fn sides_run_from_corner_to_corner() {
+        for tile in TILES {
+            for d in 2..6 {
+                for side in 0..tile.sides() {
+                    assert_eq!(tile.place(d, tile.along(d, side, 0)), Place::Corner(side));
+                    assert_eq!(tile.place(d, tile.along(d, side, d)), Place::Corner((side + 1) % tile.sides()));
+                    for at in 1..d {
+                        assert_eq!(tile.place(d, tile.along(d, side, at)), Place::Side(side, at));
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_cell_that_was_entered_has_the_place() {
+        for tile in TILES {
+            for (cells, step) in [(1, 4), (2, 1), (2, 3), (3, 2), (5, 2)] {
+                let n = cells * step;
+                let places = (0..=n).flat_map(|j| (0..=n).map(move |i| [i, j]));
+                for [i, j] in places.filter(|[i, j]| tile == Tile::Quad || i + j <= n) {
+                    let (cell, [x, y]) = tile.enter(cells, step, [i, j]);
+                    assert!(tile.number(cells, cell) < cells * cells);
+                    let [origin, first, .., last] = tile.corners(cell);
+                    let last = if tile == Tile::Quad { last } else { tile.corners(cell)[2] };
+                    let coordinate = |k: usize| {
+                        let [o, f, l] = [origin, first, last].map(|corner| corner[k].cast_signed());
+                        o * step.cast_signed() + (f - o) * x.cast_signed() + (l - o) * y.cast_signed()
+                    };
+                    assert_eq!([coordinate(0), coordinate(1)], [i, j].map(usize::cast_signed), "{tile:?}");
+                }
+            }
+        }
+    }
+}

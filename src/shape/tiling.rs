@@ -1,0 +1,166 @@
+//! A topology whose faces are all split `d x d`: quads into quads, or triangles into triangles.
+
+use rayon::prelude::*;
+
+use super::tile::{Cell, Piece, Place, Tile};
+use super::topology::{Faces, NONE, Topology, index};
+
+/// The split of a topology in closed form: numbers of vertices, edges and faces after it, and where they came from.
+///
+/// Vertices: those of the parent; then edge by edge its `d - 1` points in its direction; then face by face its inner
+/// points, row by row. Edges: edge by edge its `d` pieces, then those inside the faces. Faces: face by face its cells,
+/// row by row. For `d = 2` and quads this is [`Topology::split`].
+#[derive(Debug, Clone, Copy)]
+pub struct Tiling<'a> {
+    parent: &'a Topology,
+    tile: Tile,
+    pieces: usize,
+}
+
+/// Where a vertex after a split came from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ancestor {
+    /// A vertex of the parent.
+    Vertex(usize),
+    /// A point on an edge of the parent, so many steps from its start.
+    Edge(usize, usize),
+    /// A point inside a face of the parent: steps towards corner 1, steps towards the last corner.
+    Face(usize, [usize; 2]),
+}
+
+impl<'a> Tiling<'a> {
+    /// The split of `parent`, whose faces all have as many sides as `tile`, with so many pieces an edge.
+    pub fn new(parent: &'a Topology, tile: Tile, pieces: usize) -> Self {
+        Self { parent, tile, pieces }
+    }
+
+    /// Number of vertices after the split.
+    pub fn n_vertices(&self) -> usize {
+        self.first_inner() + self.parent.n_faces() * self.tile.inner_vertices(self.pieces)
+    }
+
+    /// Number of faces after the split.
+    pub fn n_faces(&self) -> usize {
+        self.parent.n_faces() * self.pieces * self.pieces
+    }
+
+    /// Number of the first vertex inside a face.
+    fn first_inner(&self) -> usize {
+        self.parent.n_vertices() + self.parent.n_edges() * (self.pieces - 1)
+    }
+
+    /// Where a vertex came from.
+    #[inline]
+    pub fn ancestor(&self, v: usize) -> Ancestor {
+        let n_v = self.parent.n_vertices();
+        if v < n_v {
+            Ancestor::Vertex(v)
+        } else if v < self.first_inner() {
+            Ancestor::Edge((v - n_v) / (self.pieces - 1), (v - n_v) % (self.pieces - 1) + 1)
+        } else {
+            let (inner, each) = (v - self.first_inner(), self.tile.inner_vertices(self.pieces));
+            Ancestor::Face(inner / each, self.tile.inside(self.pieces, inner % each))
+        }
+    }
+
+    /// The vertex at a place of a face of the parent.
+    #[inline]
+    pub fn vertex(&self, face: usize, place: [usize; 2]) -> u32 {
+        let first = self.parent.corners(face).start;
+        match self.tile.place(self.pieces, place) {
+            Place::Corner(corner) => self.parent.vertex(first + corner),
+            Place::Side(side, at) => {
+                let edge = self.parent.edge(first + side) as usize;
+                let forward = self.parent.edge_corners(edge)[0] == first + side;
+                let at = if forward { at } else { self.pieces - at };
+                index(self.parent.n_vertices() + edge * (self.pieces - 1) + at - 1)
+            }
+            Place::Inside(number) => index(self.first_inner() + face * self.tile.inner_vertices(self.pieces) + number),
+        }
+    }
+
+    /// The vertices of a face after the split; of a triangle the first three count.
+    #[inline]
+    pub fn face(&self, face: usize) -> [u32; 4] {
+        let each = self.pieces * self.pieces;
+        let cell = self.tile.cell(self.pieces, face % each);
+        self.tile.corners(cell).map(|place| self.vertex(face / each, place))
+    }
+
+    /// A corner of the parent's face, its side, and a place so many steps along an edge of the parent.
+    pub(super) fn along(&self, edge: usize, at: usize) -> (usize, [usize; 2]) {
+        let corner = self.parent.edge_corners(edge)[0];
+        let face = self.parent.face_of(corner);
+        let side = corner - self.parent.corners(face).start;
+        (face, self.tile.along(self.pieces, side, at))
+    }
+
+    /// Corner `corner` of a cell of a face.
+    fn corner(&self, face: usize, cell: Cell, corner: u32) -> u32 {
+        let number = face * self.pieces * self.pieces + self.tile.number(self.pieces, cell);
+        index(number) * self.tile.sides() + corner
+    }
+
+    /// The corner whose half-edge is this piece, counted along the half-edge of a corner of the parent.
+    fn piece(&self, corner: u32, piece: usize) -> u32 {
+        let face = self.parent.face_of(corner);
+        let side = corner - self.parent.corners(face).start;
+        self.corner(face, self.tile.at_side(self.pieces, side, piece), side)
+    }
+
+    /// The edge at side `side` of a cell of a face.
+    fn edge(&self, face: usize, cell: Cell, side: u32) -> u32 {
+        let d = self.pieces;
+        match self.tile.side(d, cell, side) {
+            Piece::Outer(side, piece) => {
+                let corner = self.parent.corners(face).start + side;
+                let edge = self.parent.edge(corner) as usize;
+                let forward = self.parent.edge_corners(edge)[0] == corner;
+                index(edge * d + if forward { piece } else { d - 1 - piece })
+            }
+            Piece::Inner(number) => index(self.parent.n_edges() * d + face * self.tile.inner_edges(d) + number),
+        }
+    }
+
+    /// The topology after the split.
+    pub fn topology(&self) -> Topology {
+        let (parent, tile, d) = (self.parent, self.tile, self.pieces);
+        let sides = tile.sides() as usize;
+        let mut vertices = vec![0; sides * self.n_faces()];
+        let mut corner_edge = vec![0; vertices.len()];
+        let cells = vertices.par_chunks_exact_mut(sides).zip(corner_edge.par_chunks_exact_mut(sides));
+        cells.enumerate().with_min_len(1024).for_each(|(child, (vertices, edges))| {
+            let (face, cell) = (child / (d * d), tile.cell(d, child % (d * d)));
+            vertices.copy_from_slice(&self.face(child)[..sides]);
+            (0..).zip(edges).for_each(|(side, edge)| *edge = self.edge(face, cell, side));
+        });
+        let pieces = (0..d * parent.n_edges()).into_par_iter().with_min_len(1024).map(|piece| {
+            let [first, second] = parent.edge_corners(piece / d);
+            let other = if second == NONE { NONE } else { self.piece(second, d - 1 - piece % d) };
+            [self.piece(first, piece % d), other]
+        });
+        let each = tile.inner_edges(d);
+        let inner = (0..each * parent.n_faces())
+            .into_par_iter()
+            .with_min_len(1024)
+            .map(|edge| tile.at_edge(d, edge % each).map(|(cell, side)| self.corner(edge / each, cell, side)));
+        let new = parent.n_vertices()..self.n_vertices();
+        let kept = parent.vertex_corner.par_iter().map(|&c| if c == NONE { NONE } else { self.piece(c, 0) });
+        let made = new.into_par_iter().with_min_len(1024).map(|v| match self.ancestor(v) {
+            Ancestor::Edge(edge, at) => self.piece(parent.edge_corners(edge)[0], at),
+            Ancestor::Face(face, place) => self.corner(face, Cell::at(place), 0),
+            Ancestor::Vertex(_) => unreachable!("vertices of the parent come first"),
+        });
+        Topology {
+            n_vertices: self.n_vertices(),
+            faces: match tile {
+                Tile::Quad => Faces::Quads,
+                Tile::Triangle => Faces::Triangles,
+            },
+            edge_corners: pieces.chain(inner).collect(),
+            vertex_corner: kept.chain(made).collect(),
+            vertices,
+            corner_edge,
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! The documented order of a triangle mesh that was split: base vertices, then the points on base edges, then those
+//! inside base faces, row by row. Independent of the order in which the splits were carried out.
+//!
+//! With `n` pieces an edge: an edge has `n - 1` inner points in the direction of its first appearance; a triangle has
+//! `(n-1)(n-2)/2`, row by row (origin at corner 0, first axis towards corner 1). Faces stand by base face, row by row; a
+//! row holds upward and downward triangles from left to right. The upward one at `(i, j)` starts there and goes on to
+//! `(i + 1, j)`, `(i, j + 1)`; the downward one beside it starts at `(i + 1, j + 1)` and goes on to `(i, j + 1)`,
+//! `(i + 1, j)`.
+
+use std::sync::Arc;
+
+use super::source::Origin;
+use super::tile::Tile;
+use super::tiling::{Ancestor, Tiling};
+use super::topology::{Topology, index};
+
+/// The order of one split triangle mesh.
+#[derive(Debug, Clone)]
+pub struct TriangleGrid {
+    base: Arc<Topology>,
+    /// The topology before the last split.
+    parent: Arc<Topology>,
+    /// Pieces of an edge at each split.
+    pieces: Arc<[u32]>,
+    /// Pieces of a base edge.
+    n: usize,
+}
+
+impl TriangleGrid {
+    /// The order of `base` after splits with so many pieces an edge, `parent` being the topology before the last of
+    /// them.
+    ///
+    /// # Panics
+    /// When there is no split: then the order is that of the base.
+    pub fn new(base: Arc<Topology>, parent: Arc<Topology>, pieces: Arc<[u32]>) -> Self {
+        assert!(!pieces.is_empty(), "an unsplit mesh is in its own order");
+        let n = pieces.iter().map(|&d| d as usize).product();
+        Self { base, parent, pieces, n }
+    }
+
+    /// The base split at once, which numbers everything in the documented order.
+    fn whole(&self) -> Tiling<'_> {
+        Tiling::new(&self.base, Tile::Triangle, self.n)
+    }
+
+    /// Number of vertices.
+    pub fn n_vertices(&self) -> usize {
+        self.whole().n_vertices()
+    }
+
+    /// Number of faces.
+    pub fn n_faces(&self) -> usize {
+        self.whole().n_faces()
+    }
+
+    /// The vertices of face `f`, numbered in the documented order.
+    pub fn face(&self, f: usize) -> [u32; 3] {
+        let [a, b, c, _] = self.whole().face(f);
+        [a, b, c]
+    }
+
+    /// The base face that face `f` came from.
+    pub fn base_face(&self, f: usize) -> usize {
+        f / (self.n * self.n)
+    }
+
+    /// The cell of the base in which vertex `v`, numbered in the documented order, arose.
+    pub fn origin(&self, v: usize) -> Origin {
+        let (dimension, cell) = match self.whole().ancestor(v) {
+            Ancestor::Vertex(v) => (0, v),
+            Ancestor::Edge(edge, _) => (1, edge),
+            Ancestor::Face(face, _) => (2, face),
+        };
+        Origin { dimension, cell: index(cell) }
+    }
+
+    /// First face of base face `f`.
+    pub fn first_face(&self, f: usize) -> usize {
+        f * self.n * self.n
+    }
+
+    /// The number of vertex `v` in the order of construction (see [`Tiling`]).
+    pub fn constructed(&self, v: usize) -> u32 {
+        let (face, place) = match self.whole().ancestor(v) {
+            Ancestor::Vertex(v) => return index(v),
+            Ancestor::Edge(edge, at) => self.whole().along(edge, at),
+            Ancestor::Face(face, place) => (face, place),
+        };
+        let last = self.pieces[self.pieces.len() - 1] as usize;
+        let (face, place) = descended(Tile::Triangle, &self.pieces, self.n, face, place);
+        Tiling::new(&self.parent, Tile::Triangle, last).vertex(face, place)
+    }
+}
+
+/// Follows a place of a face with `n` pieces an edge through all splits but the last: the face before that one, and the
+/// place in it.
+pub(super) fn descended(
+    tile: Tile,
+    pieces: &[u32],
+    n: usize,
+    mut face: usize,
+    mut place: [usize; 2],
+) -> (usize, [usize; 2]) {
+    let mut step = n;
+    for &d in &pieces[..pieces.len() - 1] {
+        let d = d as usize;
+        step /= d;
+        let (cell, inside) = tile.enter(d, step, place);
+        face = face * d * d + tile.number(d, cell);
+        place = inside;
+    }
+    (face, place)
+}
