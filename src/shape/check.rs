@@ -38,6 +38,11 @@ impl FaceList {
         self.len() == 0
     }
 
+    /// Number of corners: the sum of the sizes of all faces.
+    pub fn n_corners(&self) -> usize {
+        self.vertices.len()
+    }
+
     /// The vertices of face `f`.
     pub fn face(&self, f: usize) -> &[u32] {
         &self.vertices[self.starts[f] as usize..self.starts[f + 1] as usize]
@@ -134,6 +139,17 @@ impl Topology {
             }
         }
     }
+}
+
+/// Turns faces so that neighbours run along their edges in opposite directions. Returns those that were turned.
+///
+/// # Errors
+/// As [`Topology::of_faces`].
+pub fn oriented(n_vertices: usize, faces: &mut FaceList, winding: Winding) -> Result<Vec<u32>, Vec<Fault>> {
+    check_faces(n_vertices, faces)?;
+    let sides = sides(faces);
+    check_edges(faces, &sides)?;
+    orient(faces, &sides, winding)
 }
 
 fn report(faults: Vec<Fault>) -> Result<(), Vec<Fault>> {

@@ -46,6 +46,8 @@ pub struct MeshInput {
     pub winding: Winding,
     /// What it carries besides its shape.
     pub attachments: AttachmentsInput,
+    /// What was done to it before, in sentences.
+    pub notes: Vec<String>,
 }
 
 impl Mesh {
@@ -78,16 +80,12 @@ impl Mesh {
         faults.extend(attachments.as_ref().err().into_iter().flatten().cloned());
         let (true, Ok(attachments)) = (faults.is_empty(), attachments) else { return Err(faults) };
         let mut positions: Vec<f64> = input.positions.into_iter().flatten().map(|x| x + 0.0).collect();
-        let mut warnings = Vec::new();
+        let mut warnings = input.notes;
         for (added, &from) in (n..).zip(&checked.split_from) {
             positions.extend_from_within(3 * from as usize..3 * from as usize + 3);
             warnings.push(format!("vertex {from} joined several fans of faces; vertex {added} was split from it"));
         }
-        if !checked.turned.is_empty() {
-            let list: Vec<String> = checked.turned.iter().take(20).map(u32::to_string).collect();
-            let more = if checked.turned.len() > list.len() { ", ..." } else { "" };
-            warnings.push(format!("faces turned to agree with their neighbours: {}{more}", list.join(", ")));
-        }
+        warnings.extend(turned(&checked.turned));
         let (fixed, semi_sharp_corners): (Sharp, Sharp) =
             corners.into_iter().partition(|&(_, sharpness)| sharpness >= INFINITE_SHARPNESS);
         let corners = fixed.into_iter().map(|(v, _)| v).collect();
@@ -95,6 +93,18 @@ impl Mesh {
         let attachments = Arc::new(attachments);
         Ok(Self { positions, topology, corners, semi_sharp_corners, creases, holes, attachments, warnings })
     }
+}
+
+/// What is said of faces that were turned.
+pub(super) fn turned(faces: &[u32]) -> Option<String> {
+    (!faces.is_empty()).then(|| format!("faces turned to agree with their neighbours: {}", listed(faces)))
+}
+
+/// The first numbers of a list.
+pub(super) fn listed(numbers: &[u32]) -> String {
+    let list: Vec<String> = numbers.iter().take(20).map(u32::to_string).collect();
+    let more = if numbers.len() > list.len() { ", ..." } else { "" };
+    format!("{}{more}", list.join(", "))
 }
 
 fn check_positions(positions: &[[f64; 3]]) -> Vec<Fault> {

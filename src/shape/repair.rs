@@ -1,0 +1,96 @@
+//! Repairs of a mesh before it is checked: merged vertices, triangles paired into quads. Each leaves a note.
+
+use std::collections::BTreeSet;
+
+use super::check::{FaceList, oriented};
+use super::mesh::{MeshInput, listed, turned};
+use super::pair::{Diagonal, pair};
+use super::topology::NONE;
+use super::weld::{weld, weld_faces};
+use crate::fault::Fault;
+
+impl MeshInput {
+    /// Merges vertices that are at most `distance` (model units) apart, and leaves out faces that come to nothing.
+    ///
+    /// A mesh with faults that have nothing to do with it is given back as it is, for [`super::mesh::Mesh::new`] to refuse.
+    ///
+    /// # Errors
+    /// A distance that cannot be used, at `/weld`; a face that would meet a vertex twice.
+    pub fn welded(mut self, distance: f64) -> Result<Self, Fault> {
+        let n = self.positions.len();
+        let is_whole = (0..self.faces.len()).all(|f| self.faces.face(f).iter().all(|&v| (v as usize) < n));
+        if !is_whole || self.positions.iter().flatten().any(|x| !x.is_finite()) {
+            return Ok(self);
+        }
+        let welded = weld(&self.positions, distance).map_err(|detail| Fault::new("/weld", detail))?;
+        let result = weld_faces(&self.faces, &welded).map_err(|(f, v)| {
+            let detail = format!(
+                "merging vertices within {distance} makes face {f} meet vertex {v} twice; choose a smaller distance"
+            );
+            Fault::new("/weld", detail)
+        })?;
+        if welded.merged() > 0 {
+            let pairs: Vec<String> = welded.pairs.iter().map(|[from, into]| format!("{from} into {into}")).collect();
+            let more = if welded.merged() > pairs.len() { ", ..." } else { "" };
+            let n = welded.merged();
+            let vertices = if n == 1 { "vertex" } else { "vertices" };
+            self.notes.push(format!("welding merged {n} {vertices}: {}{more}", pairs.join(", ")));
+        }
+        if !result.gone.is_empty() {
+            self.notes.push(format!("faces left out because welding left them no area: {}", listed(&result.gone)));
+        }
+        self.positions = welded.kept.iter().map(|&v| self.positions[v as usize]).collect();
+        let image =
+            |vertex: u64| usize::try_from(vertex).ok().and_then(|v| welded.image.get(v)).map_or(vertex, |&v| v.into());
+        self.corners.iter_mut().for_each(|(vertex, _)| *vertex = image(*vertex));
+        self.creases.iter_mut().for_each(|(edge, _)| *edge = edge.map(image));
+        self.creases.retain(|([a, b], _)| a != b);
+        self.refaced(result.faces, &result.kept);
+        Ok(self)
+    }
+
+    /// Joins pairs of triangles into quads where there is one way to do it; faces are turned first as `winding` says.
+    ///
+    /// A mesh with faults is given back as it is, for [`super::mesh::Mesh::new`] to refuse.
+    #[must_use]
+    pub fn paired(mut self) -> Self {
+        let mut faces = self.faces.clone();
+        let Ok(changed) = oriented(self.positions.len(), &mut faces, self.winding) else { return self };
+        if self.positions.iter().flatten().any(|x| !x.is_finite()) {
+            return self;
+        }
+        self.notes.extend(turned(&changed));
+        self.faces = faces;
+        let mut is_hole = vec![false; self.faces.len()];
+        for &hole in &self.holes {
+            usize::try_from(hole).ok().and_then(|f| is_hole.get_mut(f)).into_iter().for_each(|flag| *flag = true);
+        }
+        let sharp = self.creases.iter().filter(|(_, sharpness)| *sharpness > 0.0);
+        let sharp: BTreeSet<[u64; 2]> = sharp.map(|&([a, b], _)| [a.min(b), a.max(b)]).collect();
+        let may_join = |diagonal: Diagonal| {
+            let [f, g] = diagonal.faces.map(|f| is_hole[f as usize]);
+            let [a, b] = diagonal.ends.map(u64::from);
+            f == g && !sharp.contains(&[a.min(b), a.max(b)])
+        };
+        let paired = pair(&self.positions, &self.faces, may_join);
+        let left = (0..paired.faces.len()).filter(|&f| paired.faces.face(f).len() == 3).count();
+        self.notes
+            .push(format!("{} pairs of triangles were joined into quads; {left} triangles are left", paired.made));
+        self.refaced(paired.faces, &paired.kept);
+        self
+    }
+
+    /// Takes other faces, for each of which `kept` names the old one, ascending; holes follow.
+    fn refaced(&mut self, faces: FaceList, kept: &[u32]) {
+        let mut image = vec![NONE; self.faces.len()];
+        kept.iter().zip(0..).for_each(|(&old, new)| image[old as usize] = new);
+        let moved = |hole: u64| match usize::try_from(hole).ok().and_then(|f| image.get(f)) {
+            Some(&NONE) => None,
+            Some(&new) => Some(u64::from(new)),
+            // there is no such face, neither before nor after
+            None => Some(hole),
+        };
+        self.holes = self.holes.iter().filter_map(|&hole| moved(hole)).collect();
+        self.faces = faces;
+    }
+}

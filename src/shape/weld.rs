@@ -1,0 +1,163 @@
+//! Merging of vertices that lie at the same place or close to each other.
+
+use std::collections::HashMap;
+
+use super::check::FaceList;
+use super::topology::index;
+
+/// Pairs that are kept for the report.
+const MAX_PAIRS: usize = 5;
+
+/// Smallest distance of a weld, as a part of the largest coordinate: below it neighbouring numbers are further apart.
+pub const LEAST_PART: f64 = 1e-12;
+
+/// Which vertices stay, and where the others went.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Welded {
+    /// For each old vertex the new one.
+    pub image: Vec<u32>,
+    /// For each new vertex the old one whose place it has, ascending.
+    pub kept: Vec<u32>,
+    /// The first vertices that were merged: the vertex, then the one it was merged into, by their old numbers.
+    pub pairs: Vec<[u32; 2]>,
+}
+
+impl Welded {
+    /// Number of vertices that were merged into others.
+    pub fn merged(&self) -> usize {
+        self.image.len() - self.kept.len()
+    }
+}
+
+/// Merges each vertex, in their order, into the lowest vertex that stayed and lies at most `distance` (model units, 0 or
+/// more) away; a vertex without such a neighbour stays. With 0 equal places are merged.
+///
+/// Vertices are sorted into a grid of cells as wide as the distance, so that only the 27 cells around a vertex are looked
+/// at. Vertices that stay are further apart than the distance, hence few in a cell.
+///
+/// # Errors
+/// A distance that is no number of at least 0, or too small for the largest coordinate.
+pub fn weld(positions: &[[f64; 3]], distance: f64) -> Result<Welded, String> {
+    let largest = positions.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+    if !distance.is_finite() || distance < 0.0 {
+        return Err(format!("{distance} is no distance; give a number of at least 0, where 0 merges equal positions"));
+    }
+    if distance > 0.0 && distance < LEAST_PART * largest {
+        let least = LEAST_PART * largest;
+        return Err(format!(
+            "{distance:e} is too small for coordinates up to {largest:e}; give at least {least:e}, or 0 to merge equal \
+             positions"
+        ));
+    }
+    let mut welded = Welded { image: Vec::with_capacity(positions.len()), kept: Vec::new(), pairs: Vec::new() };
+    let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+    for (v, place) in positions.iter().enumerate() {
+        let cell = cell(*place, distance);
+        let near = |new: &u32| is_near(positions[welded.kept[*new as usize] as usize], *place, distance);
+        let around = neighbours(cell, distance).filter_map(|cell| cells.get(&cell)).flatten();
+        if let Some(new) = around.copied().filter(|new| near(new)).min() {
+            if welded.pairs.len() < MAX_PAIRS {
+                welded.pairs.push([index(v), welded.kept[new as usize]]);
+            }
+            welded.image.push(new);
+        } else {
+            let new = index(welded.kept.len());
+            cells.entry(cell).or_default().push(new);
+            welded.kept.push(index(v));
+            welded.image.push(new);
+        }
+    }
+    Ok(welded)
+}
+
+/// The cell of a place; without a distance each place is a cell of its own.
+#[expect(clippy::cast_possible_truncation, reason = "the least distance keeps quotients below 2^40")]
+fn cell(place: [f64; 3], distance: f64) -> [i64; 3] {
+    place.map(|x| if distance > 0.0 { (x / distance).floor() as i64 } else { (x + 0.0).to_bits().cast_signed() })
+}
+
+fn neighbours(cell: [i64; 3], distance: f64) -> impl Iterator<Item = [i64; 3]> {
+    let reach = if distance > 0.0 { -1..=1 } else { 0..=0 };
+    let plane = move |x: i64| {
+        let reach = if distance > 0.0 { -1..=1 } else { 0..=0 };
+        reach.clone().flat_map(move |y| reach.clone().map(move |z| [x, y, z]))
+    };
+    reach.flat_map(plane).map(move |by| std::array::from_fn(|k| cell[k].saturating_add(by[k])))
+}
+
+/// Whether two places of neighbouring cells are at most `distance` apart.
+fn is_near(a: [f64; 3], b: [f64; 3], distance: f64) -> bool {
+    // divided first, so that squares of small numbers do not vanish; without a distance the cell is the place
+    let part = |k: usize| if distance > 0.0 { (a[k] - b[k]) / distance } else { 0.0 };
+    (0..3).map(|k| part(k) * part(k)).sum::<f64>() <= 1.0
+}
+
+/// What becomes of a face whose vertices were merged.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Collapsed {
+    /// The places of the old face that stay, ascending.
+    Kept(Vec<usize>),
+    /// Fewer than three different vertices are left.
+    Gone,
+    /// It meets this vertex twice, with others between: not one face any more.
+    Pinched(u32),
+}
+
+/// Drops repeated neighbours from a face of merged vertices.
+pub fn collapse(face: &[u32]) -> Collapsed {
+    let mut places: Vec<usize> = Vec::with_capacity(face.len());
+    for (j, &v) in face.iter().enumerate() {
+        if places.last().is_none_or(|&last| face[last] != v) {
+            places.push(j);
+        }
+    }
+    while places.len() > 1 && face[places[0]] == face[places[places.len() - 1]] {
+        places.pop();
+    }
+    if places.len() < 3 {
+        return Collapsed::Gone;
+    }
+    let mut sorted: Vec<u32> = places.iter().map(|&j| face[j]).collect();
+    sorted.sort_unstable();
+    match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => Collapsed::Pinched(pair[0]),
+        None => Collapsed::Kept(places),
+    }
+}
+
+/// The faces over merged vertices, for each the old face, and the faces that are gone.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct WeldedFaces {
+    /// The faces that stay.
+    pub faces: FaceList,
+    /// For each face that stays its old number, ascending.
+    pub kept: Vec<u32>,
+    /// For each corner that stays its old number, ascending.
+    pub corners: Vec<u32>,
+    /// The old numbers of the faces that are gone.
+    pub gone: Vec<u32>,
+}
+
+/// Rewrites faces for merged vertices. A face that already visits fewer than three vertices stays as it is.
+///
+/// # Errors
+/// The old number of a pinched face and the old number of the vertex it meets twice.
+pub fn weld_faces(faces: &FaceList, welded: &Welded) -> Result<WeldedFaces, (usize, u32)> {
+    let mut result = WeldedFaces::default();
+    let mut first_corner = 0;
+    for f in 0..faces.len() {
+        let face = faces.face(f);
+        let image: Vec<u32> = face.iter().map(|&v| welded.image[v as usize]).collect();
+        match if face.len() < 3 { Collapsed::Kept((0..face.len()).collect()) } else { collapse(&image) } {
+            Collapsed::Kept(places) => {
+                result.faces.push(places.iter().map(|&j| image[j]));
+                result.kept.push(index(f));
+                result.corners.extend(places.iter().map(|&j| index(first_corner + j)));
+            }
+            Collapsed::Gone => result.gone.push(index(f)),
+            Collapsed::Pinched(vertex) => return Err((f, welded.kept[vertex as usize])),
+        }
+        first_corner += face.len();
+    }
+    Ok(result)
+}
