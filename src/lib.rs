@@ -14,6 +14,7 @@ pub mod scheme;
 
 pub mod refine;
 
+pub mod input;
 pub mod output;
 
 pub mod job;

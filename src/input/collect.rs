@@ -1,0 +1,83 @@
+//! Vertices and faces as they come from a file, counted against the limits before they are kept.
+
+use super::{ReadLimits, ReadMesh};
+
+/// Most corners of all faces: corners are numbered with 32 bits, and a refined face has several for each.
+const MAX_CORNERS: usize = u32::MAX as usize / 5;
+
+/// A mesh that is being read.
+#[derive(Debug)]
+pub(super) struct Collected {
+    /// What has come so far.
+    pub(super) mesh: ReadMesh,
+    limits: ReadLimits,
+}
+
+impl Collected {
+    /// Nothing yet.
+    pub(super) fn new(limits: &ReadLimits) -> Self {
+        Self { mesh: ReadMesh::default(), limits: *limits }
+    }
+
+    /// Whether so many vertices may come.
+    ///
+    /// # Errors
+    /// They may not.
+    pub(super) fn expect_vertices(&self, n: u64) -> Result<(), String> {
+        let bound = self.limits.max_vertices;
+        if n > bound {
+            return Err(format!("the file has {n} vertices or more; {bound} are allowed; send a smaller mesh"));
+        }
+        Ok(())
+    }
+
+    /// Whether so many faces may come.
+    ///
+    /// # Errors
+    /// They may not.
+    pub(super) fn expect_faces(&self, n: u64) -> Result<(), String> {
+        let bound = self.limits.max_faces;
+        if n > bound {
+            return Err(format!("the file has {n} faces or more; {bound} are allowed; send a smaller mesh"));
+        }
+        Ok(())
+    }
+
+    /// Takes a vertex.
+    ///
+    /// # Errors
+    /// One too many.
+    pub(super) fn vertex(&mut self, position: [f64; 3]) -> Result<(), String> {
+        self.expect_vertices(self.mesh.positions.len() as u64 + 1)?;
+        self.mesh.positions.push(position);
+        Ok(())
+    }
+
+    /// Takes a face.
+    ///
+    /// # Errors
+    /// One too many, or one of fewer than three vertices.
+    pub(super) fn face(&mut self, vertices: &[u32]) -> Result<(), String> {
+        if vertices.len() < 3 {
+            return Err(format!("a face of {} vertices; a face has at least 3", vertices.len()));
+        }
+        self.expect_faces(self.mesh.faces.len() as u64 + 1)?;
+        let corners = self.mesh.faces.n_corners() + vertices.len();
+        if corners > MAX_CORNERS {
+            return Err(format!(
+                "the faces have {corners} corners or more; {MAX_CORNERS} are allowed; send a smaller mesh"
+            ));
+        }
+        self.mesh.faces.push(vertices.iter().copied());
+        Ok(())
+    }
+}
+
+/// A number among `n` as an index.
+///
+/// # Errors
+/// There is no such vertex.
+pub(super) fn vertex_index(vertex: u64, n: usize) -> Result<u32, String> {
+    let found = u32::try_from(vertex).ok().filter(|&v| (v as usize) < n);
+    found.ok_or_else(|| format!("there is no vertex {vertex}; the file has {n}, counted from 0"))
+}

@@ -1,0 +1,71 @@
+//! glTF 2.0 and GLB: the triangles of a scene, each node where its transforms put it.
+//!
+//! Source: Khronos Group, glTF 2.0 Specification (2021).
+
+mod accessor;
+mod buffers;
+mod scene;
+mod transform;
+
+use self::buffers::Document;
+use super::{ReadLimits, ReadMesh, Reader};
+use crate::fault::Fault;
+
+/// glTF in one text file. Buffers have to be data URIs.
+///
+/// Read are the triangles, strips and fans of the default scene; vertices stay apart where the file has them apart (weld
+/// with 0 to merge equal places). Node names are groups, materials materials, `COLOR_0` is the channel `color`,
+/// `TEXCOORD_0` the texture coordinates, turned to count v upwards. Normals are ignored; points, lines, skins and morph
+/// targets are left out with a note.
+#[derive(Debug)]
+pub(super) struct Gltf;
+
+/// The same in one binary file.
+#[derive(Debug)]
+pub(super) struct Glb;
+
+impl Reader for Gltf {
+    fn name(&self) -> &'static str {
+        "gltf"
+    }
+
+    fn media_type(&self) -> &'static str {
+        "model/gltf+json"
+    }
+
+    fn doc(&self) -> &'static str {
+        "glTF 2.0 in JSON with data URIs: the triangles of its scene"
+    }
+
+    fn read(&self, bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
+        let document = if bytes.starts_with(b"glTF") {
+            Err("the file is binary; read it as glb".to_owned())
+        } else {
+            Document::of_json(bytes, None)
+        };
+        read(document, bytes.len(), limits)
+    }
+}
+
+impl Reader for Glb {
+    fn name(&self) -> &'static str {
+        "glb"
+    }
+
+    fn media_type(&self) -> &'static str {
+        "model/gltf-binary"
+    }
+
+    fn doc(&self) -> &'static str {
+        "Binary glTF 2.0: the triangles of its scene"
+    }
+
+    fn read(&self, bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
+        read(Document::of_glb(bytes), bytes.len(), limits)
+    }
+}
+
+fn read(document: Result<Document<'_>, String>, length: usize, limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
+    let mesh = document.and_then(|document| scene::read(&document, length, limits));
+    mesh.map_err(|detail| vec![Fault::new("", detail)])
+}

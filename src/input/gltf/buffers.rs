@@ -1,0 +1,105 @@
+//! The JSON half of glTF with the bytes that it speaks of.
+
+use std::borrow::Cow;
+
+use gltf::json::Root;
+
+use crate::input::base64;
+use crate::input::text::quoted;
+
+/// Bytes of the header of GLB, and of a chunk.
+const HEADER: usize = 12;
+const CHUNK: usize = 8;
+
+/// Extensions that a file may require, as they do not touch what is read here.
+const HARMLESS: &[&str] = &["KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual", "KHR_materials_"];
+
+/// A document and its buffers.
+#[derive(Debug)]
+pub(super) struct Document<'a> {
+    pub(super) root: Root,
+    pub(super) buffers: Vec<Cow<'a, [u8]>>,
+}
+
+impl<'a> Document<'a> {
+    /// A document; `binary` is the second chunk of GLB.
+    pub(super) fn of_json(json: &[u8], binary: Option<&'a [u8]>) -> Result<Self, String> {
+        let root = Root::from_slice(json.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(json))
+            .map_err(|error| format!("the document is no glTF: {error}"))?;
+        if !root.asset.version.starts_with("2.") {
+            return Err(format!("version {} of glTF; 2.0 is read", quoted(&root.asset.version)));
+        }
+        let is_harmless = |name: &String| HARMLESS.iter().any(|known| name.starts_with(known));
+        if let Some(name) = root.extensions_required.iter().find(|name| !is_harmless(name)) {
+            return Err(format!("the file requires {}, which is not read; export it without", quoted(name)));
+        }
+        let mut buffers = Vec::with_capacity(root.buffers.len());
+        for (i, buffer) in root.buffers.iter().enumerate() {
+            let bytes: Cow<'a, [u8]> = match (&buffer.uri, binary) {
+                (Some(uri), _) => Cow::Owned(embedded(uri).map_err(|detail| format!("buffer {i}: {detail}"))?),
+                (None, Some(binary)) if i == 0 => Cow::Borrowed(binary),
+                (None, _) => return Err(format!("buffer {i} has no data; give it a data URI, or send glb")),
+            };
+            if buffer.byte_length.0 > bytes.len() as u64 {
+                let (claimed, found) = (buffer.byte_length.0, bytes.len());
+                return Err(format!("buffer {i} says it has {claimed} bytes, and has {found}; send it whole"));
+            }
+            buffers.push(bytes);
+        }
+        Ok(Self { root, buffers })
+    }
+
+    /// A document in the binary container.
+    pub(super) fn of_glb(bytes: &'a [u8]) -> Result<Self, String> {
+        let word = |at: usize| bytes.get(at..at + 4)?.try_into().ok().map(u32::from_le_bytes);
+        let (Some(magic), Some(version), Some(length)) = (bytes.get(..4), word(4), word(8)) else {
+            return Err(format!("{} bytes; a GLB has at least {HEADER}", bytes.len()));
+        };
+        if magic != b"glTF" {
+            return Err("byte 0: a GLB starts with \"glTF\"; read the text form as gltf".to_owned());
+        }
+        if version != 2 {
+            return Err(format!("byte 4: version {version} of GLB; 2 is read"));
+        }
+        if length as usize != bytes.len() {
+            return Err(format!(
+                "byte 8: the header counts {length} bytes, the file has {}; send it whole",
+                bytes.len()
+            ));
+        }
+        let (json, rest) = chunk(bytes, HEADER, Some(*b"JSON"))?;
+        let binary = if rest < bytes.len() { Some(chunk(bytes, rest, None)?.0) } else { None };
+        Self::of_json(json, binary)
+    }
+}
+
+/// The content of the chunk that starts at a byte, and where the next one starts.
+fn chunk(bytes: &[u8], at: usize, kind: Option<[u8; 4]>) -> Result<(&[u8], usize), String> {
+    let header =
+        bytes.get(at..at + CHUNK).ok_or_else(|| format!("byte {at}: the file ends within a chunk's header"))?;
+    let (length, found) = header.split_at(4);
+    let length = length.try_into().map_or(0, u32::from_le_bytes) as usize;
+    if kind.is_some_and(|kind| kind != *found) {
+        return Err(format!(
+            "byte {}: the first chunk is {}; it has to be JSON",
+            at + 4,
+            quoted(&String::from_utf8_lossy(found))
+        ));
+    }
+    let start = at + CHUNK;
+    match bytes.get(start..).and_then(|rest| rest.get(..length)) {
+        Some(content) => Ok((content, start + length)),
+        None => Err(format!("byte {at}: a chunk of {length} bytes; the file has {} more", bytes.len() - start)),
+    }
+}
+
+/// The bytes of a data URI.
+fn embedded(uri: &str) -> Result<Vec<u8>, String> {
+    let Some(data) = uri.strip_prefix("data:") else {
+        return Err(format!("{} lies outside the file; only embedded data are read, save it as glb", quoted(uri)));
+    };
+    match data.split_once(";base64,") {
+        Some((_, text)) => base64::decode(text),
+        None => Err("the data URI is not in base64; write data:application/octet-stream;base64,...".to_owned()),
+    }
+}

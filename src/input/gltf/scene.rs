@@ -1,0 +1,271 @@
+//! The nodes of the scene, and the triangles of their meshes.
+
+use std::collections::BTreeMap;
+
+use gltf::json::accessor::Accessor;
+use gltf::json::mesh::{Mode, Primitive, Semantic};
+use gltf::json::validation::Checked::Valid;
+use gltf::json::{Index, Node};
+
+use super::buffers::Document;
+use super::transform::Transform;
+use crate::input::collect::Collected;
+use crate::input::{Channel, FaceSet, ReadLimits, ReadMesh, Uvs};
+use crate::shape::topology::index;
+
+/// A file may come to so many vertices, faces or primitives, or to as many as it has bytes: nodes that share a mesh must
+/// not make much of little.
+const LEAST_ROOM: usize = 1_000_000;
+
+/// Reads the default scene, else the first, else all nodes that are nobody's child.
+pub(super) fn read(document: &Document<'_>, length: usize, limits: &ReadLimits) -> Result<ReadMesh, String> {
+    let room = length.max(LEAST_ROOM);
+    let mut reading = Reading {
+        document,
+        mesh: Collected::new(limits),
+        room,
+        primitives: 0,
+        uvs: Some(Vec::new()),
+        colors: Some(Vec::new()),
+        color_width: 3,
+        materials: BTreeMap::new(),
+        groups: Vec::new(),
+        degenerate: 0,
+        other: 0,
+        is_posed: false,
+    };
+    let nodes = &document.root.nodes;
+    let mut seen = vec![false; nodes.len()];
+    let mut waiting: Vec<(usize, Transform)> = Vec::new();
+    roots(document)?.into_iter().rev().for_each(|node| waiting.push((node, Transform::IDENTITY)));
+    while let Some((i, outer)) = waiting.pop() {
+        let node = nodes.get(i).ok_or_else(|| format!("there is no node {i}; the file has {}", nodes.len()))?;
+        if std::mem::replace(&mut seen[i], true) {
+            return Err(format!("node {i} is reached twice; nodes are to form trees"));
+        }
+        let transform = outer.after(&Transform::of(node));
+        reading.node(i, node, &transform)?;
+        let children = node.children.iter().flatten().rev();
+        waiting.extend(children.map(|child| (child.value(), transform)));
+    }
+    Ok(reading.finish())
+}
+
+fn roots(document: &Document<'_>) -> Result<Vec<usize>, String> {
+    let root = &document.root;
+    let scene = match root.scene {
+        Some(scene) => {
+            let i = scene.value();
+            Some(
+                root.scenes
+                    .get(i)
+                    .ok_or_else(|| format!("there is no scene {i}; the file has {}", root.scenes.len()))?,
+            )
+        }
+        None => root.scenes.first(),
+    };
+    if let Some(scene) = scene {
+        return Ok(scene.nodes.iter().map(Index::value).collect());
+    }
+    let mut is_child = vec![false; root.nodes.len()];
+    for child in root.nodes.iter().flat_map(|node| node.children.iter().flatten()) {
+        is_child.get_mut(child.value()).into_iter().for_each(|flag| *flag = true);
+    }
+    Ok((0..root.nodes.len()).filter(|&i| !is_child[i]).collect())
+}
+
+struct Reading<'a> {
+    document: &'a Document<'a>,
+    mesh: Collected,
+    room: usize,
+    primitives: usize,
+    /// Texture coordinates of vertices, as long as all have them.
+    uvs: Option<Vec<[f64; 2]>>,
+    /// Red, green, blue and alpha of vertices, as long as all have them.
+    colors: Option<Vec<f64>>,
+    color_width: usize,
+    /// Faces of each material; those without one are in none.
+    materials: BTreeMap<usize, Vec<u32>>,
+    groups: Vec<FaceSet>,
+    degenerate: usize,
+    other: usize,
+    is_posed: bool,
+}
+
+/// Accessors that make the vertices of a primitive.
+type Attributes = [Option<usize>; 3];
+
+impl Reading<'_> {
+    fn node(&mut self, i: usize, node: &Node, transform: &Transform) -> Result<(), String> {
+        let Some(mesh) = node.mesh else { return Ok(()) };
+        let m = mesh.value();
+        let mesh = self.document.root.meshes.get(m).ok_or_else(|| format!("node {i}: there is no mesh {m}"))?;
+        self.is_posed |= node.skin.is_some();
+        let first = self.mesh.mesh.faces.len();
+        let mut shared: BTreeMap<Attributes, (usize, usize)> = BTreeMap::new();
+        for (p, primitive) in mesh.primitives.iter().enumerate() {
+            let place = |detail: String| format!("mesh {m}, primitive {p}: {detail}");
+            self.primitives += 1;
+            if self.primitives > self.room {
+                return Err(place(format!("the file comes to more than {} primitives; send fewer", self.room)));
+            }
+            self.primitive(primitive, transform, &mut shared).map_err(place)?;
+        }
+        let faces: Vec<u32> = (index(first)..index(self.mesh.mesh.faces.len())).collect();
+        if !faces.is_empty() {
+            let name = node.name.clone().or_else(|| mesh.name.clone()).unwrap_or_else(|| format!("node {i}"));
+            self.groups.push(FaceSet { name, faces });
+        }
+        Ok(())
+    }
+
+    fn primitive(
+        &mut self,
+        primitive: &Primitive,
+        transform: &Transform,
+        shared: &mut BTreeMap<Attributes, (usize, usize)>,
+    ) -> Result<(), String> {
+        let Valid(mode) = primitive.mode else { return Err("its mode is not known".to_owned()) };
+        if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+            self.other += 1;
+            return Ok(());
+        }
+        self.is_posed |= primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty());
+        let attribute = |semantic: Semantic| primitive.attributes.get(&Valid(semantic)).copied();
+        let positions = attribute(Semantic::Positions).ok_or("it has no POSITION")?;
+        let others = [attribute(Semantic::TexCoords(0)), attribute(Semantic::Colors(0))];
+        let attributes = [Some(positions), others[0], others[1]];
+        let key: Attributes = attributes.map(|accessor| accessor.map(|accessor| accessor.value()));
+        let (start, n) = if let Some(&known) = shared.get(&key) {
+            known
+        } else {
+            let found = self.vertices(positions, others, transform)?;
+            shared.insert(key, found);
+            found
+        };
+        let order = match primitive.indices {
+            Some(indices) => self.document.indices(indices, self.room.saturating_mul(3))?,
+            None => (0..n).collect(),
+        };
+        if let Some(beyond) = order.iter().find(|&&v| v >= n) {
+            return Err(format!("there is no vertex {beyond}; it has {n}, counted from 0"));
+        }
+        if mode == Mode::Triangles && !order.len().is_multiple_of(3) {
+            return Err(format!("{} corners; triangles have 3 each", order.len()));
+        }
+        let faces = self.mesh.mesh.faces.len();
+        for triangle in triangles(mode, &order) {
+            let mut corners = triangle.map(|v| index(start + v));
+            if corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0] {
+                self.degenerate += 1;
+                continue;
+            }
+            if transform.is_mirror() {
+                corners.swap(1, 2);
+            }
+            self.mesh.face(&corners)?;
+            if self.mesh.mesh.faces.len() > self.room {
+                return Err(format!("the file comes to more than {} triangles; send less at once", self.room));
+            }
+        }
+        if let Some(material) = primitive.material {
+            let made = index(faces)..index(self.mesh.mesh.faces.len());
+            self.materials.entry(material.value()).or_default().extend(made);
+        }
+        Ok(())
+    }
+
+    /// Appends the vertices of a primitive: where they start, how many they are.
+    fn vertices(
+        &mut self,
+        positions: Index<Accessor>,
+        [uvs, colors]: [Option<Index<Accessor>>; 2],
+        transform: &Transform,
+    ) -> Result<(usize, usize), String> {
+        let start = self.mesh.mesh.positions.len();
+        let most = self.room.saturating_sub(start);
+        let rows = self.document.rows(positions, most)?;
+        let places = rows.rows::<3>().ok_or("POSITION is to be VEC3")?;
+        for (i, place) in places.iter().enumerate() {
+            let place = transform.point(*place);
+            if place.iter().any(|x| !x.is_finite()) {
+                return Err(format!("POSITION {i} comes to a place that is not finite"));
+            }
+            self.mesh.vertex(place)?;
+        }
+        let other = |accessor: Option<Index<Accessor>>| -> Result<Option<_>, String> {
+            let Some(accessor) = accessor else { return Ok(None) };
+            let found = self.document.rows(accessor, most)?;
+            let n = found.len();
+            let is_finite = found.values.iter().all(|x| x.is_finite());
+            if n != places.len() || !is_finite {
+                let i = accessor.value();
+                return Err(format!("accessor {i}: {n} rows of finite numbers are to be {}", places.len()));
+            }
+            Ok(Some(found))
+        };
+        let (uvs, colors) = (other(uvs)?, other(colors)?);
+        match (uvs.as_ref().and_then(|rows| rows.rows::<2>()), &mut self.uvs) {
+            // the origin of glTF is the upper left corner of a picture
+            (Some(rows), Some(all)) => all.extend(rows.iter().map(|[u, v]| [*u, 1.0 - v])),
+            (None, _) if places.is_empty() => {}
+            _ => self.uvs = None,
+        }
+        match (colors.as_ref().filter(|rows| rows.width > 2), &mut self.colors) {
+            (Some(rows), Some(all)) => {
+                self.color_width = self.color_width.max(rows.width);
+                let rgba = |row: &[f64]| [row[0], row[1], row[2], row.get(3).copied().unwrap_or(1.0)];
+                all.extend(rows.values.chunks_exact(rows.width).flat_map(rgba));
+            }
+            (None, _) if places.is_empty() => {}
+            _ => self.colors = None,
+        }
+        Ok((start, places.len()))
+    }
+
+    fn finish(self) -> ReadMesh {
+        let mut mesh = self.mesh.mesh;
+        let mut note = |n: usize, what: &str| {
+            if n > 0 {
+                mesh.notes.push(format!("{what}: {n}"));
+            }
+        };
+        note(self.degenerate, "triangles left out because two of their corners are one vertex");
+        note(self.other, "primitives of points or lines are left out");
+        if self.is_posed {
+            mesh.notes.push("skins and morph targets are not applied".to_owned());
+        }
+        if let Some(uvs) = self.uvs.filter(|uvs| !uvs.is_empty()) {
+            let corners = (0..mesh.faces.len()).flat_map(|f| mesh.faces.face(f)).copied().collect();
+            mesh.uvs = Some(Uvs { values: uvs, corners });
+        }
+        if let Some(colors) = self.colors.filter(|colors| !colors.is_empty()) {
+            let values = colors.chunks_exact(4).flat_map(|color| &color[..self.color_width]).copied().collect();
+            mesh.channels.push(Channel { name: "color".to_owned(), width: self.color_width, values });
+        }
+        if self.groups.len() > 1 {
+            mesh.groups = self.groups;
+        }
+        let materials = &self.document.root.materials;
+        // the one nameless material of a file tells nothing apart
+        let is_nameless = |i: &usize| materials.get(*i).is_none_or(|material| material.name.is_none());
+        if self.materials.len() == 1 && self.materials.keys().all(is_nameless) {
+            return mesh;
+        }
+        let name = |i: usize| materials.get(i).and_then(|m| m.name.clone()).unwrap_or_else(|| format!("material {i}"));
+        mesh.materials = self.materials.into_iter().map(|(i, faces)| FaceSet { name: name(i), faces }).collect();
+        mesh
+    }
+}
+
+/// The triangles of a primitive, counter-clockwise. Source: glTF 2.0, section 3.7.2.1.
+fn triangles(mode: Mode, order: &[usize]) -> Vec<[usize; 3]> {
+    match mode {
+        Mode::TriangleStrip => {
+            let turned = |(i, v): (usize, &[usize])| if i % 2 == 0 { [v[0], v[1], v[2]] } else { [v[0], v[2], v[1]] };
+            order.windows(3).enumerate().map(turned).collect()
+        }
+        Mode::TriangleFan => order.windows(2).skip(1).map(|v| [v[0], v[1], order[0]]).collect(),
+        _ => order.as_chunks::<3>().0.to_vec(),
+    }
+}

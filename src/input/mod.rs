@@ -1,0 +1,138 @@
+//! Readers of mesh files: each strict and bounded; the registry is the only place that lists them.
+
+mod base64;
+mod collect;
+mod gltf;
+mod obj;
+mod off;
+mod ply;
+mod stl;
+mod text;
+
+use crate::fault::Fault;
+use crate::scheme::mesh_net::Boundary;
+use crate::shape::check::{FaceList, Winding};
+use crate::shape::mesh::MeshInput;
+
+pub use base64::decode as from_base64;
+
+/// Every reader, in the order of the documentation.
+pub const READERS: &[&dyn Reader] = &[&obj::Obj, &ply::Ply, &stl::Stl, &off::Off, &gltf::Gltf, &gltf::Glb];
+
+/// The reader of a name.
+pub fn named(name: &str) -> Option<&'static dyn Reader> {
+    READERS.iter().copied().find(|reader| reader.name() == name)
+}
+
+/// The reader of files with an extension, given without the dot, in any case.
+pub fn of_extension(extension: &str) -> Option<&'static dyn Reader> {
+    READERS.iter().copied().find(|reader| reader.extension().eq_ignore_ascii_case(extension))
+}
+
+/// A way to read a mesh from the bytes of a file.
+pub trait Reader: std::fmt::Debug + Send + Sync {
+    /// Name in requests.
+    fn name(&self) -> &'static str;
+    /// File extension without the dot.
+    fn extension(&self) -> &'static str {
+        self.name()
+    }
+    /// Media type of the bytes.
+    fn media_type(&self) -> &'static str;
+    /// One sentence for the catalogue.
+    fn doc(&self) -> &'static str;
+    /// Reads a file. No more memory is taken than in proportion to `bytes`, whatever counts they claim.
+    ///
+    /// # Errors
+    /// What is wrong, by line or byte; without pointers, as there is nothing but the file.
+    fn read(&self, bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>>;
+}
+
+/// Bounds on one file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ReadLimits {
+    /// Vertices.
+    pub max_vertices: u64,
+    /// Faces.
+    pub max_faces: u64,
+}
+
+impl Default for ReadLimits {
+    fn default() -> Self {
+        Self { max_vertices: 40_000_000, max_faces: 20_000_000 }
+    }
+}
+
+/// What a file holds.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ReadMesh {
+    /// Positions of the vertices, `n x 3`, model units.
+    pub positions: Vec<[f64; 3]>,
+    /// Faces, each of 3 or more vertices that exist.
+    pub faces: FaceList,
+    /// Edges with a sharpness.
+    pub creases: Vec<([u64; 2], f64)>,
+    /// Vertices with a sharpness.
+    pub corners: Vec<(u64, f64)>,
+    /// Faces that are refined but not shown.
+    pub holes: Vec<u64>,
+    /// The boundary rule that the file asks for.
+    pub boundary: Option<Boundary>,
+    /// Texture coordinates.
+    pub uvs: Option<Uvs>,
+    /// Named sets of faces.
+    pub groups: Vec<FaceSet>,
+    /// Materials with their faces.
+    pub materials: Vec<FaceSet>,
+    /// Numbers that vertices carry.
+    pub channels: Vec<Channel>,
+    /// What was left out or changed, in sentences.
+    pub notes: Vec<String>,
+}
+
+/// Texture coordinates that belong to the corners of faces.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Uvs {
+    /// Coordinates, `n x 2`.
+    pub values: Vec<[f64; 2]>,
+    /// For each corner (face after face) its row of `values`.
+    pub corners: Vec<u32>,
+}
+
+/// A named set of faces.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct FaceSet {
+    /// Its name.
+    pub name: String,
+    /// Its faces, ascending.
+    pub faces: Vec<u32>,
+}
+
+/// Numbers that vertices carry.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Channel {
+    /// Its name; `color` holds red, green, blue and perhaps alpha, each from 0 to 1.
+    pub name: String,
+    /// Numbers a vertex, 1 to 4.
+    pub width: usize,
+    /// The numbers, `n_vertices x width`.
+    pub values: Vec<f64>,
+}
+
+impl ReadMesh {
+    /// The mesh for further work. What a mesh cannot hold yet is named in its notes.
+    pub fn into_input(self, winding: Winding) -> MeshInput {
+        let mut notes = self.notes;
+        let mut leave = |n: usize, what: &str| {
+            if n > 0 {
+                notes.push(format!("{what} of the file are left out: {n}"));
+            }
+        };
+        leave(self.uvs.as_ref().map_or(0, |uvs| uvs.values.len()), "texture coordinates");
+        leave(self.channels.len(), "further numbers of vertices");
+        leave(self.groups.len(), "groups");
+        leave(self.materials.len(), "materials");
+        let Self { positions, faces, corners, creases, holes, .. } = self;
+        MeshInput { positions, faces, corners, creases, holes, winding, notes }
+    }
+}

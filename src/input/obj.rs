@@ -1,0 +1,217 @@
+//! Wavefront OBJ: polygons of any size, with the tags of subdivision surfaces.
+//!
+//! Sources: Wavefront Technologies, Advanced Visualizer Manual (1995), appendix B1; for the tags (`t`) the shape files of
+//! OpenSubdiv, `regression/common/shape_utils`.
+
+mod corner;
+mod faces;
+mod tags;
+
+use std::collections::BTreeMap;
+
+use self::faces::Faces;
+use super::collect::Collected;
+use super::text::{at_line, number, numbers, quoted, text};
+use super::{Channel, ReadLimits, ReadMesh, Reader};
+use crate::fault::Fault;
+
+/// Faults that are told one by one.
+const MAX_FAULTS: usize = 20;
+
+/// What draws or names, but has no shape of a mesh.
+const PASSED_OVER: &[&str] = &[
+    "s",
+    "mtllib",
+    "mg",
+    "bevel",
+    "c_interp",
+    "d_interp",
+    "lod",
+    "shadow_obj",
+    "trace_obj",
+    "ctech",
+    "stech",
+    "maplib",
+    "usemap",
+];
+
+/// Curves and surfaces in parts of their own.
+const FREE_FORM: &[&str] = &[
+    "vp", "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv", "sp", "end", "con",
+];
+
+/// OBJ. Faces keep their size; indices may be negative; normals are checked and ignored. Objects and groups (`o`, `g`) are
+/// groups, `usemtl` makes materials, three or four numbers after a position are a colour. Tags: `crease`, `corner`, `hole`,
+/// `interpolateboundary`. Points and lines are left out with a note; free-form geometry is refused.
+#[derive(Debug)]
+pub(super) struct Obj;
+
+impl Reader for Obj {
+    fn name(&self) -> &'static str {
+        "obj"
+    }
+
+    fn media_type(&self) -> &'static str {
+        "model/obj"
+    }
+
+    fn doc(&self) -> &'static str {
+        "Wavefront OBJ: polygons, with crease, corner, hole and boundary tags"
+    }
+
+    fn read(&self, bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
+        let text = text(bytes).map_err(|fault| vec![fault])?;
+        let mut state = State::new(limits);
+        let mut lines = text.lines().enumerate();
+        let mut joined = String::new();
+        while let Some((i, line)) = lines.next() {
+            let mut line = line;
+            if line.trim_end().ends_with('\\') {
+                joined.clear();
+                let mut part = Some(line);
+                while let Some(more) = part {
+                    let piece = more.trim_end();
+                    joined.push_str(piece.strip_suffix('\\').unwrap_or(piece));
+                    joined.push(' ');
+                    part = if piece.ends_with('\\') { lines.next().map(|(_, next)| next) } else { None };
+                }
+                line = &joined;
+            }
+            let line = without_comment(line);
+            if let Err(detail) = state.line(i + 1, line) {
+                state.faults.push(at_line(i + 1, detail));
+                if state.faults.len() == MAX_FAULTS {
+                    state.faults.push(Fault::new("", "there may be more faults behind these"));
+                    return Err(state.faults);
+                }
+            }
+        }
+        state.finish()
+    }
+}
+
+/// What has been read so far.
+#[derive(Debug)]
+struct State {
+    mesh: Collected,
+    faces: Faces,
+    uvs: Vec<[f64; 2]>,
+    n_normals: usize,
+    /// Red, green, blue and alpha of the coloured vertices, and the width they were given with.
+    colors: Vec<f64>,
+    color_width: usize,
+    tags: tags::Tags,
+    /// How many elements of a kind were left out.
+    left_out: BTreeMap<String, usize>,
+    faults: Vec<Fault>,
+}
+
+impl State {
+    fn new(limits: &ReadLimits) -> Self {
+        Self {
+            mesh: Collected::new(limits),
+            faces: Faces::default(),
+            uvs: Vec::new(),
+            n_normals: 0,
+            colors: Vec::new(),
+            color_width: 0,
+            tags: tags::Tags::default(),
+            left_out: BTreeMap::new(),
+            faults: Vec::new(),
+        }
+    }
+
+    fn line(&mut self, line: usize, text: &str) -> Result<(), String> {
+        let mut words = text.split_ascii_whitespace();
+        let Some(keyword) = words.next() else { return Ok(()) };
+        match keyword {
+            "v" => self.vertex(&words.collect::<Vec<_>>()),
+            "vt" => {
+                let [u] = numbers(&mut words, "a texture coordinate")?;
+                let v = words.next().map_or(Ok(0.0), number)?;
+                words.next().map_or(Ok(0.0), number)?;
+                ended(words.next(), "a texture coordinate of at most three numbers")?;
+                self.uvs.push([u, v]);
+                Ok(())
+            }
+            "vn" => {
+                let [_, _, _] = numbers::<3>(&mut words, "a normal")?;
+                ended(words.next(), "a normal of three numbers")?;
+                self.n_normals += 1;
+                Ok(())
+            }
+            "f" | "fo" => {
+                let counts = [self.mesh.mesh.positions.len(), self.uvs.len(), self.n_normals];
+                self.faces.push(line, words, counts, &mut self.mesh)
+            }
+            "g" => self.faces.groups.enter(words),
+            "o" => self.faces.objects.enter(std::iter::once(text.trim()[1..].trim())),
+            "usemtl" => self.faces.materials.enter(std::iter::once(text.trim()[6..].trim())),
+            "t" => self.tags.push(line, words, &mut self.left_out),
+            "l" | "p" => {
+                let what = if keyword == "l" { "lines" } else { "points" };
+                *self.left_out.entry(what.to_owned()).or_default() += 1;
+                Ok(())
+            }
+            _ if PASSED_OVER.contains(&keyword) => Ok(()),
+            _ if FREE_FORM.contains(&keyword) => {
+                Err(format!("{} belongs to free-form geometry, which is not read; send polygons", quoted(keyword)))
+            }
+            _ => Err(format!(
+                "{} is no statement of OBJ; known are v, vt, vn, f, g, o, usemtl, t, l, p",
+                quoted(keyword)
+            )),
+        }
+    }
+
+    /// A vertex of 3 coordinates, then perhaps a weight, or a colour of 3 or 4 numbers.
+    fn vertex(&mut self, words: &[&str]) -> Result<(), String> {
+        if !matches!(words.len(), 3 | 4 | 6 | 7) {
+            let n = words.len();
+            return Err(format!("a vertex of {n} numbers; it has 3, with a weight 4, with a colour 6 or 7"));
+        }
+        let found = words.iter().map(|word| number(word)).collect::<Result<Vec<f64>, _>>()?;
+        if found.len() == 4 && found[3].to_bits() != 1.0_f64.to_bits() {
+            return Err(format!("the weight {} of a vertex; polygons have the weight 1", found[3]));
+        }
+        self.mesh.vertex([found[0], found[1], found[2]])?;
+        if found.len() > 4 {
+            self.color_width = self.color_width.max(found.len() - 3);
+            let alpha = found.get(6).copied().unwrap_or(1.0);
+            self.colors.extend([found[3], found[4], found[5], alpha]);
+        }
+        Ok(())
+    }
+
+    fn finish(mut self) -> Result<ReadMesh, Vec<Fault>> {
+        let counts = [self.mesh.mesh.positions.len(), self.uvs.len(), self.n_normals];
+        self.faults.extend(self.faces.beyond(counts, &self.mesh.mesh.faces));
+        if !self.faults.is_empty() {
+            self.faults.truncate(MAX_FAULTS);
+            return Err(self.faults);
+        }
+        let mut mesh = self.mesh.mesh;
+        let n = mesh.positions.len();
+        if self.color_width > 0 && self.colors.len() == 4 * n {
+            let values = self.colors.chunks_exact(4).flat_map(|color| &color[..self.color_width]).copied().collect();
+            mesh.channels.push(Channel { name: "color".to_owned(), width: self.color_width, values });
+        } else if self.color_width > 0 {
+            mesh.notes.push(format!("colours are left out: {} of {n} vertices have one", self.colors.len() / 4));
+        }
+        self.faces.finish(self.uvs, &mut mesh);
+        self.tags.finish(&mut mesh).map_err(|fault| vec![fault])?;
+        mesh.notes.extend(self.left_out.iter().map(|(what, n)| format!("{what} are left out: {n}")));
+        Ok(mesh)
+    }
+}
+
+/// The line without a comment; a `#` within a word belongs to a name.
+fn without_comment(line: &str) -> &str {
+    let starts = |(at, _): &(usize, &str)| line[..*at].chars().next_back().is_none_or(char::is_whitespace);
+    line.match_indices('#').find(starts).map_or(line, |(at, _)| &line[..at])
+}
+
+/// Nothing follows.
+fn ended(word: Option<&str>, what: &str) -> Result<(), String> {
+    word.map_or(Ok(()), |word| Err(format!("{} follows {what}", quoted(word))))
+}

@@ -1,0 +1,48 @@
+//! Corners of faces: `v`, `v/vt`, `v//vn`, `v/vt/vn`, counted from 1, or backwards from what was last.
+
+use crate::input::text::quoted;
+use crate::shape::topology::NONE;
+
+/// Indices from 0: vertex, texture coordinate, normal; [`NONE`] where there is none.
+pub(super) type Corner = [u32; 3];
+
+const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
+
+/// Reads a corner; `counts` says how many of each have come before it.
+///
+/// # Errors
+/// What is no corner; a backward index before the first. Forward ones are looked at when all is known.
+pub(super) fn read(word: &str, counts: [usize; 3]) -> Result<Corner, String> {
+    let mut corner = [NONE; 3];
+    let mut parts = word.split('/');
+    for (k, slot) in corner.iter_mut().enumerate() {
+        match parts.next() {
+            None => break,
+            Some("") if k > 0 => {}
+            Some(part) => *slot = index(part, KINDS[k], counts[k])?,
+        }
+    }
+    if parts.next().is_some() {
+        return Err(format!("{} is no corner; write v, v/vt, v//vn or v/vt/vn", quoted(word)));
+    }
+    Ok(corner)
+}
+
+fn index(part: &str, kind: &str, n: usize) -> Result<u32, String> {
+    let beyond = |given: i64| match given {
+        0 => format!("there is no {kind} 0; they are counted from 1"),
+        _ => format!("there is no {kind} {given}; {n} have come before it"),
+    };
+    let given: i64 = part.parse().map_err(|_| format!("{} is no index of a {kind}", quoted(part)))?;
+    let found = match given {
+        1.. => u32::try_from(given - 1).ok().filter(|&at| at != NONE),
+        0 => None,
+        _ => i64::try_from(n).ok().and_then(|n| n.checked_add(given)).and_then(|at| u32::try_from(at).ok()),
+    };
+    found.ok_or_else(|| beyond(given))
+}
+
+/// What to say of an index that turned out to be too large.
+pub(super) fn beyond(kind: usize, at: u32, n: usize) -> String {
+    format!("there is no {} {}; the file has {n}, counted from 1", KINDS[kind], u64::from(at) + 1)
+}

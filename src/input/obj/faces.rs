@@ -1,0 +1,139 @@
+//! Faces of an OBJ file with what belongs to their corners, and the sets they are in.
+
+use std::collections::BTreeMap;
+
+use super::corner::{self, Corner};
+use crate::fault::Fault;
+use crate::input::collect::Collected;
+use crate::input::text::{at_line, quoted};
+use crate::input::{FaceSet, ReadMesh, Uvs};
+use crate::shape::check::FaceList;
+use crate::shape::topology::{NONE, index};
+
+/// Most groups that a face is in at once.
+const MAX_AT_ONCE: usize = 16;
+/// Faults that are told one by one.
+const MAX_FAULTS: usize = 20;
+
+/// What faces have besides vertices.
+#[derive(Debug, Default)]
+pub(super) struct Faces {
+    /// Line of each face.
+    lines: Vec<u32>,
+    /// Texture coordinate of each corner.
+    uvs: Vec<u32>,
+    /// The largest normal, and its line.
+    normal: Option<(u32, usize)>,
+    pub(super) objects: Sets,
+    pub(super) groups: Sets,
+    pub(super) materials: Sets,
+    face: Vec<u32>,
+}
+
+impl Faces {
+    /// Takes a face; `counts` says how many positions, texture coordinates and normals have come before it.
+    pub(super) fn push<'a>(
+        &mut self,
+        line: usize,
+        words: impl Iterator<Item = &'a str>,
+        counts: [usize; 3],
+        mesh: &mut Collected,
+    ) -> Result<(), String> {
+        self.face.clear();
+        let first = self.uvs.len();
+        let mut shape: Option<[bool; 2]> = None;
+        for word in words {
+            let [vertex, uv, normal]: Corner = corner::read(word, counts)?;
+            let given = [uv != NONE, normal != NONE];
+            if *shape.get_or_insert(given) != given {
+                self.uvs.truncate(first);
+                return Err(format!("corner {} has other parts than the corners before it", quoted(word)));
+            }
+            self.face.push(vertex);
+            self.uvs.push(uv);
+            if normal != NONE && self.normal.is_none_or(|(largest, _)| normal > largest) {
+                self.normal = Some((normal, line));
+            }
+        }
+        if let Err(detail) = mesh.face(&self.face) {
+            self.uvs.truncate(first);
+            return Err(detail);
+        }
+        let face = index(self.lines.len());
+        self.lines.push(index(line));
+        [&mut self.objects, &mut self.groups, &mut self.materials].into_iter().for_each(|sets| sets.take(face));
+        Ok(())
+    }
+
+    /// Faults of faces whose indices are beyond what the file has.
+    pub(super) fn beyond(&self, counts: [usize; 3], faces: &FaceList) -> Vec<Fault> {
+        let mut faults = Vec::new();
+        let mut corner = 0;
+        for (f, &line) in self.lines.iter().enumerate() {
+            let face = faces.face(f);
+            let uvs = &self.uvs[corner..corner + face.len()];
+            corner += face.len();
+            let vertex = face.iter().find(|&&v| v as usize >= counts[0]).map(|&v| corner::beyond(0, v, counts[0]));
+            let uv = uvs.iter().find(|&&uv| uv != NONE && uv as usize >= counts[1]);
+            let uv = uv.map(|&uv| corner::beyond(1, uv, counts[1]));
+            faults.extend(vertex.or(uv).map(|detail| at_line(line as usize, detail)));
+            if faults.len() == MAX_FAULTS {
+                return faults;
+            }
+        }
+        if let Some((normal, line)) = self.normal.filter(|&(normal, _)| normal as usize >= counts[2]) {
+            faults.push(at_line(line, corner::beyond(2, normal, counts[2])));
+        }
+        faults
+    }
+
+    /// Hands over texture coordinates and sets.
+    pub(super) fn finish(self, uvs: Vec<[f64; 2]>, mesh: &mut ReadMesh) {
+        let without = self.uvs.iter().filter(|&&uv| uv == NONE).count();
+        if !self.uvs.is_empty() && without == 0 {
+            mesh.uvs = Some(Uvs { values: uvs, corners: self.uvs });
+        } else if without < self.uvs.len() {
+            mesh.notes
+                .push(format!("texture coordinates are left out: {without} of {} corners have none", self.uvs.len()));
+        }
+        mesh.groups = self.objects.found.into_iter().chain(self.groups.found).collect();
+        mesh.groups.retain(|set| !set.faces.is_empty());
+        mesh.materials = self.materials.found;
+        mesh.materials.retain(|set| !set.faces.is_empty());
+    }
+}
+
+/// Named sets, and those that the next face is in.
+#[derive(Debug, Default)]
+pub(super) struct Sets {
+    found: Vec<FaceSet>,
+    by_name: BTreeMap<String, usize>,
+    current: Vec<usize>,
+}
+
+impl Sets {
+    /// From here on faces are in the sets of these names.
+    pub(super) fn enter<'a>(&mut self, names: impl Iterator<Item = &'a str>) -> Result<(), String> {
+        self.current.clear();
+        for name in names.filter(|name| !name.is_empty()) {
+            if self.current.len() == MAX_AT_ONCE {
+                return Err(format!("more than {MAX_AT_ONCE} groups at once; a face may be in {MAX_AT_ONCE}"));
+            }
+            let at = if let Some(&at) = self.by_name.get(name) {
+                at
+            } else {
+                self.by_name.insert(name.to_owned(), self.found.len());
+                self.found.push(FaceSet { name: name.to_owned(), faces: Vec::new() });
+                self.found.len() - 1
+            };
+            if !self.current.contains(&at) {
+                self.current.push(at);
+            }
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, face: u32) {
+        self.current.iter().for_each(|&at| self.found[at].faces.push(face));
+    }
+}

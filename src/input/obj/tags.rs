@@ -1,0 +1,127 @@
+//! Tags of subdivision surfaces: `t name n/m/k`, then n whole numbers, m numbers and k words. Indices count from 0.
+
+use std::collections::BTreeMap;
+
+use crate::fault::Fault;
+use crate::input::ReadMesh;
+use crate::input::text::{at_line, count, number, quoted};
+use crate::scheme::mesh_net::Boundary;
+
+/// What tags say, with the line of each entry, as the vertices they name may follow.
+#[derive(Debug, Default)]
+pub(super) struct Tags {
+    creases: Vec<(usize, [u64; 2], f64)>,
+    corners: Vec<(usize, u64, f64)>,
+    holes: Vec<(usize, u64)>,
+    boundary: Option<Boundary>,
+}
+
+/// The arguments of a tag.
+struct Arguments<'a> {
+    indices: Vec<u64>,
+    numbers: Vec<f64>,
+    words: Vec<&'a str>,
+}
+
+impl<'a> Arguments<'a> {
+    fn read(mut words: impl Iterator<Item = &'a str>) -> Result<Self, String> {
+        let sizes = words.next().ok_or("a tag without the numbers of its arguments; write for example 2/1/0")?;
+        let counts: Vec<u64> = sizes.split('/').map(count).collect::<Result<_, _>>()?;
+        let &[n, m, k] = counts.as_slice() else {
+            return Err(format!("{} are no numbers of arguments; write for example 2/1/0", quoted(sizes)));
+        };
+        let words: Vec<&str> = words.collect();
+        let all = n.checked_add(m).and_then(|sum| sum.checked_add(k));
+        if all != Some(words.len() as u64) {
+            return Err(format!("the tag has {} arguments, {} says otherwise", words.len(), quoted(sizes)));
+        }
+        // now no count is larger than the number of words
+        let (n, m) = (usize::try_from(n).unwrap_or(words.len()), usize::try_from(m).unwrap_or(words.len()));
+        let indices = words[..n].iter().map(|word| count(word)).collect::<Result<_, _>>()?;
+        let numbers = words[n..n + m].iter().map(|word| number(word)).collect::<Result<_, _>>()?;
+        Ok(Self { indices, numbers, words: words[n + m..].to_vec() })
+    }
+
+    /// One sharpness for all of `n` entries, or one each.
+    fn sharpness(&self, n: usize) -> Result<impl Iterator<Item = f64>, String> {
+        let given = self.numbers.len();
+        if n == 0 || !(given == 1 || given == n) {
+            return Err(format!("the tag names {n} places and has {given} numbers; give one for all, or one for each"));
+        }
+        if let Some(wrong) = self.numbers.iter().find(|&&x| x < 0.0) {
+            return Err(format!("{wrong} is no sharpness; 0 is smooth, 10 or more infinitely sharp"));
+        }
+        Ok((0..n).map(move |i| if given == 1 { self.numbers[0] } else { self.numbers[i] }))
+    }
+}
+
+impl Tags {
+    /// Takes a tag; those that say nothing of the shape are counted in `left_out`.
+    pub(super) fn push<'a>(
+        &mut self,
+        line: usize,
+        mut words: impl Iterator<Item = &'a str>,
+        left_out: &mut BTreeMap<String, usize>,
+    ) -> Result<(), String> {
+        let name = words.next().ok_or("a tag without a name")?;
+        let arguments = Arguments::read(words)?;
+        match name {
+            "crease" => {
+                let (pairs, rest) = arguments.indices.as_chunks::<2>();
+                if !rest.is_empty() {
+                    return Err(format!("a crease of {} vertices; give pairs", arguments.indices.len()));
+                }
+                let sharpness = arguments.sharpness(pairs.len())?;
+                self.creases.extend(pairs.iter().zip(sharpness).map(|(&edge, sharpness)| (line, edge, sharpness)));
+            }
+            "corner" => {
+                let sharpness = arguments.sharpness(arguments.indices.len())?;
+                let entries = arguments.indices.iter().zip(sharpness);
+                self.corners.extend(entries.map(|(&vertex, sharpness)| (line, vertex, sharpness)));
+            }
+            "hole" => self.holes.extend(arguments.indices.iter().map(|&face| (line, face))),
+            "interpolateboundary" => self.boundary = Some(boundary(&arguments)?),
+            _ => *left_out.entry(format!("tags {}", quoted(name))).or_default() += 1,
+        }
+        Ok(())
+    }
+
+    /// Hands over what names vertices and faces that exist.
+    pub(super) fn finish(self, mesh: &mut ReadMesh) -> Result<(), Fault> {
+        let vertices = mesh.positions.len() as u64;
+        let faces = mesh.faces.len() as u64;
+        let beyond = |line: usize, what: &str, i: u64, n: u64| {
+            at_line(line, format!("there is no {what} {i}; the file has {n}, in tags counted from 0"))
+        };
+        for (line, edge, sharpness) in self.creases {
+            if let Some(&vertex) = edge.iter().find(|&&vertex| vertex >= vertices) {
+                return Err(beyond(line, "vertex", vertex, vertices));
+            }
+            mesh.creases.push((edge, sharpness));
+        }
+        for (line, vertex, sharpness) in self.corners {
+            if vertex >= vertices {
+                return Err(beyond(line, "vertex", vertex, vertices));
+            }
+            mesh.corners.push((vertex, sharpness));
+        }
+        for (line, face) in self.holes {
+            if face >= faces {
+                return Err(beyond(line, "face", face, faces));
+            }
+            mesh.holes.push(face);
+        }
+        mesh.boundary = self.boundary;
+        Ok(())
+    }
+}
+
+/// 0 leaves faces at the boundary out, 1 is edges and corners, 2 edges only.
+fn boundary(arguments: &Arguments<'_>) -> Result<Boundary, String> {
+    match (arguments.indices.as_slice(), arguments.numbers.len() + arguments.words.len()) {
+        ([0], 0) => Ok(Boundary::None),
+        ([1], 0) => Ok(Boundary::EdgeAndCorner),
+        ([2], 0) => Ok(Boundary::EdgeOnly),
+        _ => Err("interpolateboundary takes one of 0 (none), 1 (edge and corner), 2 (edge only)".to_owned()),
+    }
+}

@@ -1,0 +1,273 @@
+//! PLY: elements with properties of any type, as text or binary.
+//!
+//! Source: G. Turk, The PLY Polygon File Format, Stanford University (1994).
+
+mod body;
+mod header;
+
+use self::body::{Ascii, Binary, Body};
+use self::header::{Element, Encoding, Header, Property, Scalar};
+use super::collect::{Collected, vertex_index};
+use super::{Channel, ReadLimits, ReadMesh, Reader, Uvs};
+use crate::fault::Fault;
+
+/// Most channels of further numbers.
+const MAX_CHANNELS: usize = 64;
+
+/// PLY, text and binary of either byte order, properties of any type. Elements `vertex` (`x`, `y`, `z`) and `face`
+/// (`vertex_indices` or `vertex_index`); `red`, `green`, `blue`, `alpha` are a colour, `s`, `t` (or `u`, `v`) texture
+/// coordinates, as is the list `texcoord` of faces; normals are ignored, other scalars of vertices are channels. Other
+/// elements and lists are left out with a note.
+#[derive(Debug)]
+pub(super) struct Ply;
+
+impl Reader for Ply {
+    fn name(&self) -> &'static str {
+        "ply"
+    }
+
+    fn media_type(&self) -> &'static str {
+        "model/ply"
+    }
+
+    fn doc(&self) -> &'static str {
+        "Stanford PLY, text or binary: polygons, further numbers of vertices as channels"
+    }
+
+    fn read(&self, bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
+        read(bytes, limits).map_err(|fault| vec![fault])
+    }
+}
+
+fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Fault> {
+    let header = header::read(bytes)?;
+    let body = &bytes[header.length..];
+    match header.encoding {
+        Encoding::Ascii => {
+            let text = super::text::text(body)?;
+            elements(&header, Ascii::new(&text, header.lines + 1), limits)
+        }
+        Encoding::LittleEndian => elements(&header, Binary::new(body, header.length, false), limits),
+        Encoding::BigEndian => elements(&header, Binary::new(body, header.length, true), limits),
+    }
+}
+
+fn elements(header: &Header, mut body: impl Body, limits: &ReadLimits) -> Result<ReadMesh, Fault> {
+    let mut reading = Reading {
+        mesh: Collected::new(limits),
+        channels: Vec::new(),
+        uvs: Vec::new(),
+        corner_uvs: Vec::new(),
+        n_vertices: header.elements.iter().find(|element| element.name == "vertex").map_or(0, |element| element.count),
+    };
+    let named = |name: &str| header.elements.iter().filter(|element| element.name == name).count();
+    for name in ["vertex", "face"] {
+        if named(name) != 1 {
+            let detail = format!("the header has {} elements \"{name}\"; a mesh has one", named(name));
+            return Err(Fault::new("", detail));
+        }
+    }
+    for element in &header.elements {
+        body.holds(element)?;
+        match element.name.as_str() {
+            "vertex" => reading.vertices(element, &mut body)?,
+            "face" => reading.faces(element, &mut body)?,
+            name => {
+                for _ in 0..element.count {
+                    element.properties.iter().try_for_each(|property| body.pass(property))?;
+                }
+                if element.count > 0 {
+                    reading.note(format!("elements \"{name}\" are left out: {}", element.count));
+                }
+            }
+        }
+    }
+    body.end()?;
+    Ok(reading.finish())
+}
+
+struct Reading {
+    mesh: Collected,
+    channels: Vec<Channel>,
+    /// Texture coordinates of vertices.
+    uvs: Vec<[f64; 2]>,
+    /// Texture coordinates of corners.
+    corner_uvs: Vec<[f64; 2]>,
+    n_vertices: u64,
+}
+
+/// Where a number of a vertex goes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Use {
+    Position(usize),
+    Uv(usize),
+    /// Channel, place in it, and what the number is divided by.
+    Channel(usize, usize, f64),
+    Ignored,
+}
+
+impl Reading {
+    fn note(&mut self, note: String) {
+        self.mesh.mesh.notes.push(note);
+    }
+
+    fn vertices(&mut self, element: &Element, body: &mut impl Body) -> Result<(), Fault> {
+        let uses = self.uses(element)?;
+        self.mesh.expect_vertices(element.count).map_err(|detail| Fault::new("", detail))?;
+        let has_uvs = uses.iter().any(|what| matches!(what, Use::Uv(_)));
+        for i in 0..element.count {
+            let (mut position, mut uv) = ([0.0; 3], [0.0; 2]);
+            for (property, &what) in element.properties.iter().zip(&uses) {
+                if property.list.is_some() {
+                    body.pass(property)?;
+                    continue;
+                }
+                let x = body.scalar(property.kind)?;
+                if !x.is_finite() && what != Use::Ignored {
+                    let detail = format!("{}: {} of vertex {i} is not finite", body.place(), property.name);
+                    return Err(Fault::new("", detail));
+                }
+                match what {
+                    Use::Position(k) => position[k] = x,
+                    Use::Uv(k) => uv[k] = x,
+                    Use::Channel(channel, _, scale) => self.channels[channel].values.push(x / scale),
+                    Use::Ignored => {}
+                }
+            }
+            self.mesh.vertex(position).map_err(|detail| Fault::new("", detail))?;
+            if has_uvs {
+                self.uvs.push(uv);
+            }
+        }
+        self.reorder(&uses);
+        Ok(())
+    }
+
+    /// What each property of a vertex is for; makes the channels.
+    fn uses(&mut self, element: &Element) -> Result<Vec<Use>, Fault> {
+        let has = |name: &str| element.properties.iter().any(|p| p.name == name && p.list.is_none());
+        if let Some(missing) = ["x", "y", "z"].iter().find(|name| !has(name)) {
+            let detail = format!("the vertices have no property \"{missing}\"; they need x, y and z");
+            return Err(Fault::new("", detail));
+        }
+        let pairs = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]];
+        let uv = pairs.iter().find(|pair| pair.iter().all(|name| has(name)));
+        let colors: &[&str] = match ["red", "green", "blue"].iter().all(|name| has(name)) {
+            true if has("alpha") => &["red", "green", "blue", "alpha"],
+            true => &["red", "green", "blue"],
+            false => &[],
+        };
+        if !colors.is_empty() {
+            self.channels.push(Channel { name: "color".to_owned(), width: colors.len(), values: Vec::new() });
+        }
+        let mut uses = Vec::with_capacity(element.properties.len());
+        for property in &element.properties {
+            let name = property.name.as_str();
+            uses.push(if property.list.is_some() {
+                self.note(format!("the lists \"{name}\" of vertices are left out"));
+                Use::Ignored
+            } else if let Some(k) = ["x", "y", "z"].iter().position(|known| *known == name) {
+                Use::Position(k)
+            } else if let Some(k) = uv.and_then(|pair| pair.iter().position(|known| *known == name)) {
+                Use::Uv(k)
+            } else if let Some(k) = colors.iter().position(|known| *known == name) {
+                Use::Channel(0, k, full(property.kind))
+            } else if ["nx", "ny", "nz"].contains(&name) {
+                Use::Ignored
+            } else if self.channels.len() == MAX_CHANNELS {
+                let detail = format!("the vertices have more than {MAX_CHANNELS} further properties; send fewer");
+                return Err(Fault::new("", detail));
+            } else {
+                self.channels.push(Channel { name: name.to_owned(), width: 1, values: Vec::new() });
+                Use::Channel(self.channels.len() - 1, 0, 1.0)
+            });
+        }
+        Ok(uses)
+    }
+
+    /// Puts the numbers of colours, which came in the order of the file, into the order red, green, blue, alpha.
+    fn reorder(&mut self, uses: &[Use]) {
+        let order: Vec<usize> = uses
+            .iter()
+            .filter_map(|what| match what {
+                Use::Channel(0, place, _) => Some(*place),
+                _ => None,
+            })
+            .collect();
+        let Some(color) = self.channels.first_mut().filter(|channel| channel.width > 1) else { return };
+        for row in color.values.chunks_exact_mut(order.len().max(1)) {
+            let given = row.to_vec();
+            order.iter().zip(given).for_each(|(&place, x)| row[place] = x);
+        }
+    }
+
+    fn faces(&mut self, element: &Element, body: &mut impl Body) -> Result<(), Fault> {
+        let is_indices = |p: &&Property| p.list.is_some() && (p.name == "vertex_indices" || p.name == "vertex_index");
+        if element.properties.iter().filter(is_indices).count() != 1 {
+            let detail = "the faces need one list \"vertex_indices\" (or \"vertex_index\")";
+            return Err(Fault::new("", detail));
+        }
+        self.mesh.expect_faces(element.count).map_err(|detail| Fault::new("", detail))?;
+        let is_uvs = |p: &Property| p.list.is_some() && p.name == "texcoord";
+        for property in element.properties.iter().filter(|p| !is_indices(p) && !is_uvs(p)) {
+            self.note(format!("the property \"{}\" of faces is left out", property.name));
+        }
+        let (mut face, mut uvs): (Vec<u32>, Vec<f64>) = (Vec::new(), Vec::new());
+        let n = usize::try_from(self.n_vertices).unwrap_or(usize::MAX);
+        for i in 0..element.count {
+            let wrong =
+                |body: &dyn Body, detail: String| Fault::new("", format!("{}: face {i}: {detail}", body.place()));
+            uvs.clear();
+            for property in &element.properties {
+                let Some(sizes) = property.list.filter(|_| is_indices(&property) || is_uvs(property)) else {
+                    body.pass(property)?;
+                    continue;
+                };
+                let size = body.size(sizes, property.kind)?;
+                if is_uvs(property) {
+                    for _ in 0..size {
+                        uvs.push(body.scalar(property.kind)?);
+                    }
+                    continue;
+                }
+                face.clear();
+                for _ in 0..size {
+                    let vertex = body.index(property.kind)?;
+                    face.push(vertex_index(vertex, n).map_err(|detail| wrong(body, detail))?);
+                }
+            }
+            self.mesh.face(&face).map_err(|detail| wrong(body, detail))?;
+            if element.properties.iter().any(is_uvs) {
+                if uvs.len() != 2 * face.len() || uvs.iter().any(|x| !x.is_finite()) {
+                    let detail =
+                        format!("{} texture coordinates; it has {} corners, each takes 2", uvs.len(), face.len());
+                    return Err(wrong(body, detail));
+                }
+                self.corner_uvs.extend(uvs.as_chunks::<2>().0);
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(self) -> ReadMesh {
+        let mut mesh = self.mesh.mesh;
+        mesh.channels = self.channels;
+        if !self.corner_uvs.is_empty() {
+            let corners = (0..).take(self.corner_uvs.len()).collect();
+            mesh.uvs = Some(Uvs { values: self.corner_uvs, corners });
+        } else if !self.uvs.is_empty() {
+            let corners = (0..mesh.faces.len()).flat_map(|f| mesh.faces.face(f)).copied().collect();
+            mesh.uvs = Some(Uvs { values: self.uvs, corners });
+        }
+        mesh
+    }
+}
+
+/// The number of a colour at full strength.
+fn full(kind: Scalar) -> f64 {
+    match kind {
+        Scalar::U8 => 255.0,
+        Scalar::U16 => 65_535.0,
+        _ => 1.0,
+    }
+}

@@ -1,0 +1,190 @@
+//! The numbers of a PLY file, one after another.
+
+use super::header::{Element, Property, Scalar};
+use crate::fault::Fault;
+use crate::input::text::{Words, at_line, count, quoted};
+
+/// Numbers in the order of the file.
+pub(super) trait Body {
+    /// Where the next number stands, or the last one stood.
+    fn place(&self) -> String;
+    /// The next number. Every type of PLY fits f64.
+    ///
+    /// # Errors
+    /// The file ends, or what stands there is no such number.
+    fn scalar(&mut self, kind: Scalar) -> Result<f64, Fault>;
+    /// The next number, which is to be whole and at least 0.
+    ///
+    /// # Errors
+    /// It is not.
+    fn index(&mut self, kind: Scalar) -> Result<u64, Fault>;
+    /// How many numbers of type `kind` may still follow.
+    fn room(&self, kind: Scalar) -> u64;
+    /// Nothing follows.
+    ///
+    /// # Errors
+    /// Something does.
+    fn end(&mut self) -> Result<(), Fault>;
+
+    /// The length of a list; what is left of the file can hold it.
+    ///
+    /// # Errors
+    /// It cannot.
+    fn size(&mut self, sizes: Scalar, kind: Scalar) -> Result<u64, Fault> {
+        let n = self.index(sizes)?;
+        let room = self.room(kind);
+        if n > room {
+            let detail = format!("{}: a list of {n} numbers; the file has room for {room} more", self.place());
+            return Err(Fault::new("", detail));
+        }
+        Ok(n)
+    }
+
+    /// Passes over a property.
+    ///
+    /// # Errors
+    /// As for reading it.
+    fn pass(&mut self, property: &Property) -> Result<(), Fault> {
+        let n = property.list.map_or(Ok(1), |sizes| self.size(sizes, property.kind))?;
+        (0..n).try_for_each(|_| self.scalar(property.kind).map(|_| ()))
+    }
+
+    /// Whether what is left can hold the rows of an element.
+    ///
+    /// # Errors
+    /// It cannot.
+    fn holds(&self, element: &Element) -> Result<(), Fault> {
+        // a list has its length at least
+        let kinds = element.properties.iter().map(|property| property.list.unwrap_or(property.kind));
+        let rows = kinds.map(|kind| self.room(kind)).min().unwrap_or(u64::MAX);
+        if element.count > rows {
+            let (name, n) = (quoted(&element.name), element.count);
+            let detail = format!("{}: {n} rows of {name}; the file has room for {rows} at most", self.place());
+            return Err(Fault::new("", detail));
+        }
+        Ok(())
+    }
+}
+
+/// Numbers as text.
+#[derive(Debug)]
+pub(super) struct Ascii<'a> {
+    words: Words<'a>,
+    /// Bytes of the text that are not read yet.
+    left: usize,
+}
+
+impl<'a> Ascii<'a> {
+    pub(super) fn new(text: &'a str, line: usize) -> Self {
+        Self { words: Words::new(text, line, None), left: text.len() }
+    }
+
+    fn word(&mut self) -> Result<&'a str, Fault> {
+        let word = self.words.expect("a number")?;
+        self.left = self.left.saturating_sub(word.len() + 1);
+        Ok(word)
+    }
+}
+
+impl Body for Ascii<'_> {
+    fn place(&self) -> String {
+        format!("line {}", self.words.line)
+    }
+
+    fn scalar(&mut self, kind: Scalar) -> Result<f64, Fault> {
+        let word = self.word()?;
+        let found = match kind {
+            Scalar::F64 => word.parse::<f64>().ok(),
+            Scalar::F32 => word.parse::<f32>().ok().map(f64::from),
+            _ => word.parse::<i32>().map(f64::from).or_else(|_| word.parse::<u32>().map(f64::from)).ok(),
+        };
+        let name = if kind.is_whole() { "no whole number of 32 bits" } else { "no number" };
+        found.ok_or_else(|| at_line(self.words.line, format!("{} is {name}", quoted(word))))
+    }
+
+    fn index(&mut self, _kind: Scalar) -> Result<u64, Fault> {
+        let word = self.word()?;
+        count(word).map_err(|detail| at_line(self.words.line, detail))
+    }
+
+    fn room(&self, _kind: Scalar) -> u64 {
+        // a digit and a space
+        self.left as u64 / 2 + 1
+    }
+
+    fn end(&mut self) -> Result<(), Fault> {
+        match self.words.next() {
+            None => Ok(()),
+            Some(word) => Err(at_line(self.words.line, format!("{} follows the last element", quoted(word)))),
+        }
+    }
+}
+
+/// Numbers as bytes.
+#[derive(Debug)]
+pub(super) struct Binary<'a> {
+    rest: &'a [u8],
+    at: usize,
+    big_endian: bool,
+}
+
+impl<'a> Binary<'a> {
+    pub(super) fn new(bytes: &'a [u8], at: usize, big_endian: bool) -> Self {
+        Self { rest: bytes, at, big_endian }
+    }
+
+    /// The next `N` bytes, the lowest first.
+    fn bytes<const N: usize>(&mut self) -> Result<[u8; N], Fault> {
+        let Some((bytes, rest)) = self.rest.split_first_chunk::<N>() else {
+            let detail = format!("byte {}: the file ends where {N} more bytes should follow", self.at);
+            return Err(Fault::new("", detail));
+        };
+        (self.rest, self.at) = (rest, self.at + N);
+        let mut bytes = *bytes;
+        if self.big_endian {
+            bytes.reverse();
+        }
+        Ok(bytes)
+    }
+}
+
+impl Body for Binary<'_> {
+    fn place(&self) -> String {
+        format!("byte {}", self.at)
+    }
+
+    fn scalar(&mut self, kind: Scalar) -> Result<f64, Fault> {
+        Ok(match kind {
+            Scalar::I8 => i8::from_le_bytes(self.bytes()?).into(),
+            Scalar::U8 => u8::from_le_bytes(self.bytes()?).into(),
+            Scalar::I16 => i16::from_le_bytes(self.bytes()?).into(),
+            Scalar::U16 => u16::from_le_bytes(self.bytes()?).into(),
+            Scalar::I32 => i32::from_le_bytes(self.bytes()?).into(),
+            Scalar::U32 => u32::from_le_bytes(self.bytes()?).into(),
+            Scalar::F32 => f32::from_le_bytes(self.bytes()?).into(),
+            Scalar::F64 => f64::from_le_bytes(self.bytes()?),
+        })
+    }
+
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is whole and below 2^32")]
+    fn index(&mut self, kind: Scalar) -> Result<u64, Fault> {
+        let at = self.at;
+        let found = self.scalar(kind)?;
+        if found >= 0.0 && found <= f64::from(u32::MAX) && found.fract() == 0.0 {
+            return Ok(found as u64);
+        }
+        Err(Fault::new("", format!("byte {at}: {found} is no whole number of at least 0")))
+    }
+
+    fn room(&self, kind: Scalar) -> u64 {
+        (self.rest.len() / kind.bytes()) as u64
+    }
+
+    fn end(&mut self) -> Result<(), Fault> {
+        if self.rest.iter().all(u8::is_ascii_whitespace) {
+            return Ok(());
+        }
+        let detail = format!("byte {}: {} bytes follow the last element", self.at, self.rest.len());
+        Err(Fault::new("", detail))
+    }
+}

@@ -1,0 +1,187 @@
+//! The header of a PLY file: always text.
+
+use crate::fault::Fault;
+use crate::input::text::{at_line, count, quoted};
+
+/// Most lines of a header, elements, and properties of all elements.
+const MAX_LINES: usize = 10_000;
+const MAX_ELEMENTS: usize = 64;
+const MAX_PROPERTIES: usize = 512;
+
+/// How numbers are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Encoding {
+    Ascii,
+    LittleEndian,
+    BigEndian,
+}
+
+/// The type of a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Scalar {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+impl Scalar {
+    fn read(word: &str) -> Result<Self, String> {
+        match word {
+            "char" | "int8" => Ok(Self::I8),
+            "uchar" | "uint8" => Ok(Self::U8),
+            "short" | "int16" => Ok(Self::I16),
+            "ushort" | "uint16" => Ok(Self::U16),
+            "int" | "int32" => Ok(Self::I32),
+            "uint" | "uint32" => Ok(Self::U32),
+            "float" | "float32" => Ok(Self::F32),
+            "double" | "float64" => Ok(Self::F64),
+            _ => Err(format!(
+                "{} is no type; known are char, uchar, short, ushort, int, uint, float, double",
+                quoted(word)
+            )),
+        }
+    }
+
+    /// Bytes of a number.
+    pub(super) fn bytes(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+
+    /// Whether numbers are whole.
+    pub(super) fn is_whole(self) -> bool {
+        !matches!(self, Self::F32 | Self::F64)
+    }
+}
+
+/// A property of an element.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Property {
+    pub(super) name: String,
+    pub(super) kind: Scalar,
+    /// For a list the type of its length.
+    pub(super) list: Option<Scalar>,
+}
+
+/// So many rows of the same properties.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Element {
+    pub(super) name: String,
+    pub(super) count: u64,
+    pub(super) properties: Vec<Property>,
+}
+
+/// What a header says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Header {
+    pub(super) encoding: Encoding,
+    pub(super) elements: Vec<Element>,
+    /// Its bytes, the last line break included, and its lines.
+    pub(super) length: usize,
+    pub(super) lines: usize,
+}
+
+/// Reads a header.
+pub(super) fn read(bytes: &[u8]) -> Result<Header, Fault> {
+    let mut length = 0;
+    let mut encoding = None;
+    let mut elements: Vec<Element> = Vec::new();
+    for (i, line) in bytes.split_inclusive(|&byte| byte == b'\n').enumerate() {
+        length += line.len();
+        let text = String::from_utf8_lossy(line);
+        let mut words = text.split_ascii_whitespace();
+        let keyword = words.next().unwrap_or_default();
+        let wrong = |detail: String| at_line(i + 1, detail);
+        if i == 0 {
+            if keyword != "ply" {
+                return Err(wrong(format!("{} stands where \"ply\" should", quoted(keyword))));
+            }
+            continue;
+        }
+        match keyword {
+            "format" => encoding = Some(self::encoding(words).map_err(wrong)?),
+            "comment" | "obj_info" => {}
+            "element" if elements.len() < MAX_ELEMENTS => elements.push(element(words).map_err(wrong)?),
+            "property" => {
+                let all = elements.iter().map(|element| element.properties.len()).sum::<usize>();
+                let Some(element) = elements.last_mut().filter(|_| all < MAX_PROPERTIES) else {
+                    let detail = format!("a property belongs to an element, and there are at most {MAX_PROPERTIES}");
+                    return Err(wrong(detail));
+                };
+                let property = property(words).map_err(wrong)?;
+                if element.properties.iter().any(|known| known.name == property.name) {
+                    return Err(wrong(format!("the element has two properties {}", quoted(&property.name))));
+                }
+                element.properties.push(property);
+            }
+            "end_header" => {
+                let encoding = encoding.ok_or_else(|| wrong("the header names no format before its end".to_owned()))?;
+                let empty = elements.iter().find(|element| element.properties.is_empty() && element.count > 0);
+                if let Some(element) = empty {
+                    return Err(wrong(format!("the element {} has no properties", quoted(&element.name))));
+                }
+                return Ok(Header { encoding, elements, length, lines: i + 1 });
+            }
+            other => {
+                return Err(wrong(format!(
+                    "{} belongs in no header; known are format, comment, obj_info, element (at most {MAX_ELEMENTS}), \
+                     property, end_header",
+                    quoted(other)
+                )));
+            }
+        }
+        if i == MAX_LINES {
+            return Err(wrong(format!("the header has more than {MAX_LINES} lines")));
+        }
+    }
+    Err(Fault::new("", "the file ends within its header, which ends with a line \"end_header\""))
+}
+
+fn encoding<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<Encoding, String> {
+    let found = match words.next() {
+        Some("ascii") => Encoding::Ascii,
+        Some("binary_little_endian") => Encoding::LittleEndian,
+        Some("binary_big_endian") => Encoding::BigEndian,
+        other => {
+            return Err(format!(
+                "the format {}; known are ascii, binary_little_endian, binary_big_endian",
+                quoted(other.unwrap_or_default())
+            ));
+        }
+    };
+    match words.next() {
+        Some("1.0") => Ok(found),
+        other => Err(format!("version {} of the format; 1.0 is read", quoted(other.unwrap_or_default()))),
+    }
+}
+
+fn element<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<Element, String> {
+    match (words.next(), words.next(), words.next()) {
+        (Some(name), Some(n), None) => Ok(Element { name: name.to_owned(), count: count(n)?, properties: Vec::new() }),
+        _ => Err("an element has a name and a number of rows".to_owned()),
+    }
+}
+
+fn property<'a>(words: impl Iterator<Item = &'a str>) -> Result<Property, String> {
+    let words: Vec<&str> = words.take(5).collect();
+    match *words.as_slice() {
+        ["list", sizes, kind, name] => {
+            let list = Scalar::read(sizes)?;
+            if !list.is_whole() {
+                return Err(format!("the length of a list is {}; it has to be a whole number", quoted(sizes)));
+            }
+            Ok(Property { name: name.to_owned(), kind: Scalar::read(kind)?, list: Some(list) })
+        }
+        [kind, name] if kind != "list" => Ok(Property { name: name.to_owned(), kind: Scalar::read(kind)?, list: None }),
+        _ => Err("a property has a type and a name, a list two types and a name".to_owned()),
+    }
+}

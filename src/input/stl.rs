@@ -1,0 +1,182 @@
+//! STL: loose triangles, joined where their corners are equal.
+//!
+//! Source: 3D Systems, Stereolithography Interface Specification (1988), section 6.5.
+
+use super::collect::Collected;
+use super::text::{Words, at_line, numbers, quoted, text};
+use super::{FaceSet, ReadLimits, ReadMesh, Reader};
+use crate::fault::Fault;
+use crate::shape::topology::index;
+use crate::shape::weld::{weld, weld_faces};
+
+/// Bytes before the number of triangles, before the first triangle, and of a triangle.
+const HEADER: usize = 80;
+const START: usize = 84;
+const TRIANGLE: usize = 50;
+/// Bytes of the normal of a triangle.
+const NORMAL: usize = 12;
+
+/// STL, text or binary. Equal corners become one vertex, in the order of their first appearance; triangles with two equal
+/// corners are left out, with a note. Normals and attribute bytes are ignored, several solids are groups.
+#[derive(Debug)]
+pub(super) struct Stl;
+
+impl Reader for Stl {
+    fn name(&self) -> &'static str {
+        "stl"
+    }
+
+    fn media_type(&self) -> &'static str {
+        "model/stl"
+    }
+
+    fn doc(&self) -> &'static str {
+        "STL, text or binary; equal corners are joined"
+    }
+
+    fn read(&self, bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
+        let mut soup = Soup { mesh: Collected::new(limits), solids: Vec::new() };
+        let is_text = bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
+        let announced = bytes.get(HEADER..START).and_then(|n| n.try_into().ok()).map(u32::from_le_bytes);
+        let length = announced.and_then(|n| (n as usize).checked_mul(TRIANGLE)?.checked_add(START));
+        let read = match (announced, length) {
+            (Some(_), Some(length)) if length == bytes.len() => soup.read_binary(&bytes[START..]),
+            _ if is_text => soup.read_text(bytes),
+            (Some(n), Some(length)) => Err(Fault::new(
+                "",
+                format!(
+                    "byte {HEADER}: {n} triangles take {length} bytes, the file has {}; send it whole, or as text that \
+                     starts with \"solid\"",
+                    bytes.len()
+                ),
+            )),
+            _ => Err(Fault::new(
+                "",
+                format!("{} bytes; a binary STL has at least {START}, a text starts with \"solid\"", bytes.len()),
+            )),
+        };
+        read.map_err(|fault| vec![fault])?;
+        soup.joined().map_err(|detail| vec![Fault::new("", detail)])
+    }
+}
+
+/// Triangles whose corners are vertices of their own.
+struct Soup {
+    mesh: Collected,
+    /// Names of the solids with the number of triangles at their start.
+    solids: Vec<(String, usize)>,
+}
+
+impl Soup {
+    fn triangle(&mut self, corners: [[f64; 3]; 3]) -> Result<(), String> {
+        let first = index(self.mesh.mesh.positions.len());
+        self.mesh.mesh.positions.extend(corners);
+        self.mesh.face(&[first, first + 1, first + 2])
+    }
+
+    fn read_binary(&mut self, triangles: &[u8]) -> Result<(), Fault> {
+        let (triangles, _) = triangles.as_chunks::<TRIANGLE>();
+        self.mesh.expect_faces(triangles.len() as u64).map_err(|detail| Fault::new("", detail))?;
+        for (i, triangle) in triangles.iter().enumerate() {
+            let (numbers, _) = triangle[NORMAL..].as_chunks::<4>();
+            let number = |k: usize| f64::from(f32::from_le_bytes(numbers[k]));
+            let corners: [[f64; 3]; 3] = std::array::from_fn(|j| std::array::from_fn(|k| number(3 * j + k)));
+            let wrong = corners.as_flattened().iter().position(|x| !x.is_finite());
+            if let Some(k) = wrong {
+                let at = START + i * TRIANGLE + NORMAL + 4 * k;
+                return Err(Fault::new("", format!("byte {at}: a coordinate of triangle {i} is not finite")));
+            }
+            self.triangle(corners).map_err(|detail| Fault::new("", format!("triangle {i}: {detail}")))?;
+        }
+        Ok(())
+    }
+
+    fn read_text(&mut self, bytes: &[u8]) -> Result<(), Fault> {
+        let text = text(bytes)?;
+        let mut words = Words::new(&text, 1, None);
+        loop {
+            let Ok(mut solid) = words.expect_line("\"solid\"") else { return Ok(()) };
+            let head = solid.next().unwrap_or_default();
+            if !head.eq_ignore_ascii_case("solid") {
+                return Err(at_line(words.line, format!("{} stands where \"solid\" should", quoted(head))));
+            }
+            let name = solid.collect::<Vec<_>>().join(" ");
+            self.solids.push((name, self.mesh.mesh.faces.len()));
+            while self.facet(&mut words)? {}
+        }
+    }
+
+    /// Reads a facet, or the end of the solid.
+    fn facet(&mut self, words: &mut Words<'_>) -> Result<bool, Fault> {
+        let mut line = words.expect_line("\"facet\" or \"endsolid\"")?;
+        match line.next() {
+            Some(word) if word.eq_ignore_ascii_case("endsolid") => return Ok(false),
+            Some(word) if word.eq_ignore_ascii_case("facet") => {}
+            word => {
+                let word = quoted(word.unwrap_or_default());
+                return Err(at_line(words.line, format!("{word} stands where \"facet\" or \"endsolid\" should")));
+            }
+        }
+        keyword(words, &["outer", "loop"])?;
+        let mut corners = [[0.0; 3]; 3];
+        for corner in &mut corners {
+            let mut line = words.expect_line("\"vertex\"")?;
+            let word = line.next().unwrap_or_default();
+            if !word.eq_ignore_ascii_case("vertex") {
+                return Err(at_line(words.line, format!("{} stands where \"vertex\" should", quoted(word))));
+            }
+            *corner = numbers(&mut line, "a vertex").map_err(|detail| at_line(words.line, detail))?;
+            if let Some(word) = line.next() {
+                return Err(at_line(words.line, format!("{} follows a vertex of three numbers", quoted(word))));
+            }
+        }
+        keyword(words, &["endloop"])?;
+        keyword(words, &["endfacet"])?;
+        self.triangle(corners).map_err(|detail| at_line(words.line, detail))?;
+        Ok(true)
+    }
+
+    /// One mesh, equal corners joined.
+    fn joined(mut self) -> Result<ReadMesh, String> {
+        let mut mesh = std::mem::take(&mut self.mesh.mesh);
+        let welded = weld(&mesh.positions, 0.0)?;
+        self.mesh.expect_vertices(welded.kept.len() as u64)?;
+        let result = weld_faces(&mesh.faces, &welded)
+            .map_err(|(f, _)| format!("triangle {f} meets a corner twice; no triangle of three corners does"))?;
+        if !result.gone.is_empty() {
+            let first = result.gone[0];
+            mesh.notes.push(format!(
+                "triangles left out because two of their corners are equal: {}, the first is triangle {first}",
+                result.gone.len()
+            ));
+        }
+        if self.solids.len() > 1 {
+            mesh.groups = groups(&self.solids, &result.kept);
+        }
+        mesh.positions = welded.kept.iter().map(|&v| mesh.positions[v as usize]).collect();
+        mesh.faces = result.faces;
+        Ok(mesh)
+    }
+}
+
+/// One group a solid, of the faces that were kept.
+fn groups(solids: &[(String, usize)], kept: &[u32]) -> Vec<FaceSet> {
+    let end = |i: usize| solids.get(i + 1).map_or(usize::MAX, |next| next.1);
+    let group = |(i, (name, start)): (usize, &(String, usize))| {
+        let first = kept.partition_point(|&old| (old as usize) < *start);
+        let last = kept.partition_point(|&old| (old as usize) < end(i));
+        FaceSet { name: name.clone(), faces: (index(first)..index(last)).collect() }
+    };
+    solids.iter().enumerate().map(group).filter(|group| !group.faces.is_empty()).collect()
+}
+
+/// Passes over a line of these words.
+fn keyword(words: &mut Words<'_>, expected: &[&str]) -> Result<(), Fault> {
+    let what = format!("\"{}\"", expected.join(" "));
+    let line = words.expect_line(&what)?;
+    if line.clone().map(str::to_ascii_lowercase).eq(expected.iter().copied()) {
+        return Ok(());
+    }
+    let found = quoted(&line.collect::<Vec<_>>().join(" "));
+    Err(at_line(words.line, format!("{found} stands where {what} should")))
+}

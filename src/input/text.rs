@@ -1,0 +1,123 @@
+//! Lines and words of text files.
+
+use std::borrow::Cow;
+
+use crate::fault::Fault;
+
+/// The text of a file. Names may be in any encoding; what is no UTF-8 in them is replaced.
+///
+/// # Errors
+/// Text of 16-bit units.
+pub(super) fn text(bytes: &[u8]) -> Result<Cow<'_, str>, Fault> {
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+        return Err(Fault::new("", "the text is UTF-16; save it as UTF-8"));
+    }
+    Ok(String::from_utf8_lossy(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes)))
+}
+
+/// A fault in a line, counted from 1.
+pub(super) fn at_line(line: usize, detail: impl std::fmt::Display) -> Fault {
+    Fault::new("", format!("line {line}: {detail}"))
+}
+
+/// A word for a message: shortened, with marks around it.
+pub(super) fn quoted(word: &str) -> String {
+    let short: String = word.chars().take(40).collect();
+    let more = if short.len() < word.len() { "..." } else { "" };
+    format!("{short:?}{more}")
+}
+
+/// A finite number.
+///
+/// # Errors
+/// Everything else.
+pub(super) fn number(word: &str) -> Result<f64, String> {
+    match word.parse::<f64>() {
+        Ok(x) if x.is_finite() => Ok(x),
+        Ok(_) => Err(format!("{} is not finite; coordinates are at most about 1.8e308", quoted(word))),
+        Err(_) => Err(format!("{} is no number", quoted(word))),
+    }
+}
+
+/// A whole number of at least 0.
+///
+/// # Errors
+/// Everything else.
+pub(super) fn count(word: &str) -> Result<u64, String> {
+    word.parse().map_err(|_| format!("{} is no whole number of at least 0", quoted(word)))
+}
+
+/// So many finite numbers from words.
+///
+/// # Errors
+/// A word that is no number, or too few of them; `what` names what they are.
+pub(super) fn numbers<'a, const N: usize>(
+    words: &mut impl Iterator<Item = &'a str>,
+    what: &str,
+) -> Result<[f64; N], String> {
+    let mut found = [0.0; N];
+    for (i, slot) in found.iter_mut().enumerate() {
+        *slot = number(words.next().ok_or_else(|| format!("{what} has {i} numbers; it needs {N}"))?)?;
+    }
+    Ok(found)
+}
+
+/// The words of a text with their lines, comments left out.
+#[derive(Debug, Clone)]
+pub(super) struct Words<'a> {
+    lines: std::iter::Enumerate<std::str::Lines<'a>>,
+    left: std::str::SplitAsciiWhitespace<'a>,
+    comment: Option<char>,
+    /// Line of the last word, counted from 1.
+    pub(super) line: usize,
+}
+
+impl<'a> Words<'a> {
+    /// The words of `text`, whose first line has the number `line`; `comment` and what follows it in a line are left out.
+    pub(super) fn new(text: &'a str, line: usize, comment: Option<char>) -> Self {
+        Self { lines: text.lines().enumerate(), left: "".split_ascii_whitespace(), comment, line: line - 1 }
+    }
+
+    /// The next word.
+    ///
+    /// # Errors
+    /// The text is at its end; `what` was expected.
+    pub(super) fn expect(&mut self, what: &str) -> Result<&'a str, Fault> {
+        self.next().ok_or_else(|| at_line(self.line.max(1), format!("the file ends where {what} should follow")))
+    }
+
+    /// The words of the next line that has any.
+    ///
+    /// # Errors
+    /// The text is at its end; `what` was expected.
+    pub(super) fn expect_line(&mut self, what: &str) -> Result<std::str::SplitAsciiWhitespace<'a>, Fault> {
+        loop {
+            let Some(line) = self.next_line() else {
+                return Err(at_line(self.line.max(1), format!("the file ends where {what} should follow")));
+            };
+            if line.clone().next().is_some() {
+                return Ok(line);
+            }
+        }
+    }
+
+    fn next_line(&mut self) -> Option<std::str::SplitAsciiWhitespace<'a>> {
+        let (_, line) = self.lines.next()?;
+        self.line += 1;
+        let line = self.comment.and_then(|mark| line.split(mark).next()).unwrap_or(line);
+        Some(line.split_ascii_whitespace())
+    }
+}
+
+impl<'a> Iterator for Words<'a> {
+    type Item = &'a str;
+
+    fn next(&mut self) -> Option<&'a str> {
+        loop {
+            if let Some(word) = self.left.next() {
+                return Some(word);
+            }
+            self.left = self.next_line()?;
+        }
+    }
+}
