@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::job::MeshOptions;
 use super::{CliError, job};
 use crate::job::limits::Limits;
 use crate::output::ShapeKind;
@@ -10,8 +11,8 @@ use crate::wire::output::OutputRequest;
 
 /// Prints the estimate of the job in `path` as JSON.
 #[expect(clippy::print_stdout, reason = "the answer of a command goes to standard output")]
-pub(super) fn estimate(path: &Path) -> Result<(), CliError> {
-    let mut request = job::load(path)?;
+pub(super) fn estimate(path: &Path, options: &MeshOptions) -> Result<(), CliError> {
+    let mut request = job::load(path, options)?;
     if request.outputs.is_empty() {
         let format = if request.shape_kind() == ShapeKind::Mesh { "glb" } else { "json" };
         request.outputs = vec![OutputRequest::of_format(format)];

@@ -37,9 +37,9 @@ enum Command {
         #[command(flatten)]
         given: Box<Given>,
     },
-    /// Render a job to a file; the format follows the extension.
+    /// Render a job, or a mesh file, to a file; the format follows the extension.
     Render {
-        /// The job, a JSON file; - reads standard input.
+        /// The job, a JSON file (- reads it from standard input), or a mesh: obj, ply, stl, off, gltf, glb, json.
         job: PathBuf,
         /// The file to write; - writes to standard output.
         #[arg(short, long)]
@@ -50,11 +50,15 @@ enum Command {
         /// Most faces of a mesh at any level.
         #[arg(long)]
         max_faces: Option<u64>,
+        #[command(flatten)]
+        options: job::MeshOptions,
     },
-    /// Tell what a job would come to, without running it.
+    /// Tell what a job, or a mesh file, would come to, without running it.
     Estimate {
-        /// The job, a JSON file; - reads standard input.
+        /// The job, a JSON file (- reads it from standard input), or a mesh: obj, ply, stl, off, gltf, glb, json.
         job: PathBuf,
+        #[command(flatten)]
+        options: job::MeshOptions,
     },
     /// List the presets, or one with its parameters.
     Presets {
@@ -116,10 +120,10 @@ impl CliError {
 pub fn run(cli: Cli) -> ExitCode {
     let done = match cli.command {
         Command::Serve { config, given } => serve::serve(*given, config.as_deref()),
-        Command::Render { job, output, format, max_faces } => {
-            render::render(&job, &output, format.as_deref(), max_faces)
+        Command::Render { job, output, format, max_faces, options } => {
+            render::render(&job, &options, &output, format.as_deref(), max_faces)
         }
-        Command::Estimate { job } => estimate::estimate(&job),
+        Command::Estimate { job, options } => estimate::estimate(&job, &options),
         Command::Presets { name } => presets::presets(name.as_deref()),
         Command::Health { url } => health::health(&url),
     };

@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::job::MeshOptions;
 use super::{CliError, job};
 use crate::job::limits::{Admitted, Limits};
 use crate::job::{Output, Report, RunError, run};
@@ -18,8 +19,14 @@ use crate::wire::JobRequest;
 use crate::wire::output::OutputRequest;
 
 /// Renders the job in `path` to `target`.
-pub(super) fn render(path: &Path, target: &Path, format: Option<&str>, max_faces: Option<u64>) -> Result<(), CliError> {
-    let mut request = job::load(path)?;
+pub(super) fn render(
+    path: &Path,
+    options: &MeshOptions,
+    target: &Path,
+    format: Option<&str>,
+    max_faces: Option<u64>,
+) -> Result<(), CliError> {
+    let mut request = job::load(path, options)?;
     choose(&mut request, target, format)?;
     let default = Limits::default();
     let limits = Limits {

@@ -1,4 +1,4 @@
-//! What can be asked for: presets, operators, formats, limits.
+//! What can be asked for: presets, operators, formats, readers, limits.
 
 use axum::Json;
 use axum::extract::State;
@@ -10,7 +10,7 @@ use super::Shared;
 use super::problem::{self, Problem};
 use super::segment::Segment;
 use crate::math::parameter::shortened;
-use crate::wire::catalogue::{self, FormatEntry, OperatorEntry, PresetEntry};
+use crate::wire::catalogue::{self, FormatEntry, OperatorEntry, PresetEntry, ReaderEntry};
 
 /// All presets.
 #[utoipa::path(get, path = "/v1/presets", tag = "catalogue", responses((status = 200, description = "The presets", body = Vec<PresetEntry>)))]
@@ -48,6 +48,12 @@ pub(super) async fn operator(Segment(letter): Segment) -> Response {
 #[utoipa::path(get, path = "/v1/formats", tag = "catalogue", responses((status = 200, description = "The formats", body = Vec<FormatEntry>)))]
 pub(super) async fn formats() -> Json<Vec<FormatEntry>> {
     Json(catalogue::formats())
+}
+
+/// All readers of mesh files.
+#[utoipa::path(get, path = "/v1/readers", tag = "catalogue", responses((status = 200, description = "The readers", body = Vec<ReaderEntry>)))]
+pub(super) async fn readers() -> Json<Vec<ReaderEntry>> {
+    Json(catalogue::readers())
 }
 
 /// One limit.

@@ -25,7 +25,9 @@ pub(super) async fn estimate(State(app): State<Shared>, headers: HeaderMap, body
             let format = super::negotiate::format(&HeaderMap::new(), request.shape_kind())?;
             request.outputs = vec![OutputRequest::of_format(format.name())];
         }
-        let job = body::off_loop(usize::MAX, move || request.resolve().map_err(Problem::invalid)).await?;
+        let limits = app.desk.limits.reading();
+        let resolve = move || request.resolve_within(&limits).map_err(Problem::invalid);
+        let job = body::off_loop(usize::MAX, resolve).await?;
         let admitted = render::admit(&app, job).await?;
         Ok::<_, Problem>(axum::Json(EstimateAnswer::new(admitted.job(), admitted.estimate())))
     };

@@ -69,6 +69,7 @@ fn routed() -> OpenApiRouter<Shared> {
         .routes(routes!(catalogue::operators))
         .routes(routes!(catalogue::operator))
         .routes(routes!(catalogue::formats))
+        .routes(routes!(catalogue::readers))
         .routes(routes!(catalogue::limits))
         .routes(routes!(health::livez))
         .routes(routes!(health::readyz))

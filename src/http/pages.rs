@@ -33,7 +33,16 @@ pub(super) async fn problem(Segment(kind): Segment) -> Response {
 /// A start page with the way to everything else.
 #[utoipa::path(get, path = "/", tag = "operations", responses((status = 200, description = "A page", body = String, content_type = "text/html")))]
 pub(super) async fn index() -> Response {
-    let links = ["/openapi.json", "/v1/presets", "/v1/operators", "/v1/formats", "/v1/limits", "/livez", "/readyz"];
+    let links = [
+        "/openapi.json",
+        "/v1/presets",
+        "/v1/operators",
+        "/v1/formats",
+        "/v1/readers",
+        "/v1/limits",
+        "/livez",
+        "/readyz",
+    ];
     let links: String = links.map(|link| format!("<li><a href=\"{link}\">{link}</a></li>")).concat();
     let text = "<p>Refines control polygons and control meshes by subdivision. Send a job to <code>POST /v1/render</code>.</p>";
     page("planish", &format!("{text}<ul>{links}</ul>")).into_response()

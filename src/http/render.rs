@@ -58,7 +58,7 @@ async fn rendered(app: &Arc<App>, headers: &HeaderMap, body: Body) -> Result<Res
     if let Some(response) = again(app, headers, request).await {
         return Ok(response);
     }
-    let asked = read(headers, bytes).await?;
+    let asked = read(app, headers, bytes).await?;
     if let Some(request) = request {
         app.memo.put(request, asked.known.clone());
     }
@@ -115,8 +115,9 @@ async fn whole(app: &Arc<App>, found: Found, known: &Known) -> Result<Response, 
 }
 
 /// Reads, checks and keys the job; on the blocking pool when it is long.
-async fn read(headers: &HeaderMap, bytes: Bytes) -> Result<Asked, Problem> {
+async fn read(app: &Arc<App>, headers: &HeaderMap, bytes: Bytes) -> Result<Asked, Problem> {
     let headers = headers.clone();
+    let limits = app.desk.limits.reading();
     body::off_loop(bytes.len(), move || {
         let mut request: JobRequest = crate::wire::read::read(&bytes)?;
         if request.outputs.is_empty() {
@@ -124,7 +125,7 @@ async fn read(headers: &HeaderMap, bytes: Bytes) -> Result<Asked, Problem> {
             request.outputs = vec![OutputRequest::of_format(format.name())];
         }
         let n = request.outputs.len();
-        let resolved = request.resolve();
+        let resolved = request.resolve_within(&limits);
         let job = if n > 1 {
             let detail = format!("{n} outputs; /v1/render answers one, send one job for each");
             let many = Fault::new("/outputs", detail);

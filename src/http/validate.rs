@@ -11,6 +11,7 @@ use utoipa::ToSchema;
 use super::problem::Problem;
 use super::{Shared, body};
 use crate::fault::{Fault, under};
+use crate::input::ReadLimits;
 use crate::job::Input;
 use crate::wire::answer::{FaultAnswer, MeshReport, ValidateAnswer};
 use crate::wire::input::InputRequest;
@@ -49,13 +50,14 @@ pub(super) struct ValidateRequest {
 pub(super) async fn validate(State(app): State<Shared>, headers: HeaderMap, body: Body) -> Response {
     let answer = async {
         let request: ValidateRequest = body::json(&app, &headers, body).await?;
-        body::off_loop(usize::MAX, move || Ok::<_, Problem>(axum::Json(report(request.input)))).await
+        let limits = app.desk.limits.reading();
+        body::off_loop(usize::MAX, move || Ok::<_, Problem>(axum::Json(report(request.input, &limits)))).await
     };
     answer.await.into_response()
 }
 
-fn report(input: InputRequest) -> ValidateAnswer {
-    match input.resolve() {
+fn report(input: InputRequest, limits: &ReadLimits) -> ValidateAnswer {
+    match input.resolve(limits).map(|resolved| resolved.input) {
         Ok(Input::Mesh(mesh)) => {
             let report = Some(MeshReport::new(&mesh));
             ValidateAnswer { valid: true, errors: Vec::new(), warnings: mesh.warnings, report }

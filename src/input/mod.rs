@@ -1,5 +1,6 @@
 //! Readers of mesh files: each strict and bounded; the registry is the only place that lists them.
 
+mod attach;
 mod base64;
 mod collect;
 mod gltf;
@@ -11,9 +12,10 @@ mod text;
 
 use crate::fault::Fault;
 use crate::scheme::mesh_net::Boundary;
-use crate::shape::check::{FaceList, Winding};
-use crate::shape::mesh::MeshInput;
+use crate::shape::check::FaceList;
 
+pub use crate::shape::attachments::Channel;
+pub use crate::shape::labels::FaceSet;
 pub use base64::decode as from_base64;
 
 /// Every reader, in the order of the documentation.
@@ -80,7 +82,7 @@ pub struct ReadMesh {
     pub boundary: Option<Boundary>,
     /// Texture coordinates.
     pub uvs: Option<Uvs>,
-    /// Named sets of faces.
+    /// Named sets of faces, which may overlap: a face is in the first.
     pub groups: Vec<FaceSet>,
     /// Materials with their faces.
     pub materials: Vec<FaceSet>,
@@ -97,42 +99,4 @@ pub struct Uvs {
     pub values: Vec<[f64; 2]>,
     /// For each corner (face after face) its row of `values`.
     pub corners: Vec<u32>,
-}
-
-/// A named set of faces.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct FaceSet {
-    /// Its name.
-    pub name: String,
-    /// Its faces, ascending.
-    pub faces: Vec<u32>,
-}
-
-/// Numbers that vertices carry.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Channel {
-    /// Its name; `color` holds red, green, blue and perhaps alpha, each from 0 to 1.
-    pub name: String,
-    /// Numbers a vertex, 1 to 4.
-    pub width: usize,
-    /// The numbers, `n_vertices x width`.
-    pub values: Vec<f64>,
-}
-
-impl ReadMesh {
-    /// The mesh for further work. What a mesh cannot hold yet is named in its notes.
-    pub fn into_input(self, winding: Winding) -> MeshInput {
-        let mut notes = self.notes;
-        let mut leave = |n: usize, what: &str| {
-            if n > 0 {
-                notes.push(format!("{what} of the file are left out: {n}"));
-            }
-        };
-        leave(self.uvs.as_ref().map_or(0, |uvs| uvs.values.len()), "texture coordinates");
-        leave(self.channels.len(), "further numbers of vertices");
-        leave(self.groups.len(), "groups");
-        leave(self.materials.len(), "materials");
-        let Self { positions, faces, corners, creases, holes, .. } = self;
-        MeshInput { positions, faces, corners, creases, holes, winding, notes }
-    }
 }

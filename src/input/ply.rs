@@ -5,10 +5,12 @@
 mod body;
 mod header;
 
+use std::collections::BTreeMap;
+
 use self::body::{Ascii, Binary, Body};
-use self::header::{Element, Encoding, Header, Property, Scalar};
+use self::header::{Element, Encoding, Header, NAMED, Property, Scalar};
 use super::collect::{Collected, vertex_index};
-use super::{Channel, ReadLimits, ReadMesh, Reader, Uvs};
+use super::{Channel, FaceSet, ReadLimits, ReadMesh, Reader, Uvs};
 use crate::fault::Fault;
 
 /// Most channels of further numbers.
@@ -16,7 +18,8 @@ const MAX_CHANNELS: usize = 64;
 
 /// PLY, text and binary of either byte order, properties of any type. Elements `vertex` (`x`, `y`, `z`) and `face`
 /// (`vertex_indices` or `vertex_index`); `red`, `green`, `blue`, `alpha` are a colour, `s`, `t` (or `u`, `v`) texture
-/// coordinates, as is the list `texcoord` of faces; normals are ignored, other scalars of vertices are channels. Other
+/// coordinates, as is the list `texcoord` of faces; `group` and `material` of faces are numbers whose names stand in comments
+/// (`comment group 0 top`); normals are ignored, other scalars of vertices are channels. Other
 /// elements and lists are left out with a note.
 #[derive(Debug)]
 pub(super) struct Ply;
@@ -58,6 +61,8 @@ fn elements(header: &Header, mut body: impl Body, limits: &ReadLimits) -> Result
         channels: Vec::new(),
         uvs: Vec::new(),
         corner_uvs: Vec::new(),
+        groups: BTreeMap::new(),
+        materials: BTreeMap::new(),
         n_vertices: header.elements.iter().find(|element| element.name == "vertex").map_or(0, |element| element.count),
     };
     let named = |name: &str| header.elements.iter().filter(|element| element.name == name).count();
@@ -83,7 +88,7 @@ fn elements(header: &Header, mut body: impl Body, limits: &ReadLimits) -> Result
         }
     }
     body.end()?;
-    Ok(reading.finish())
+    Ok(reading.finish(&header.names))
 }
 
 struct Reading {
@@ -93,6 +98,9 @@ struct Reading {
     uvs: Vec<[f64; 2]>,
     /// Texture coordinates of corners.
     corner_uvs: Vec<[f64; 2]>,
+    /// Faces by the numbers of their groups and materials.
+    groups: BTreeMap<u64, Vec<u64>>,
+    materials: BTreeMap<u64, Vec<u64>>,
     n_vertices: u64,
 }
 
@@ -208,8 +216,9 @@ impl Reading {
             return Err(Fault::new("", detail));
         }
         self.mesh.expect_faces(element.count).map_err(|detail| Fault::new("", detail))?;
+        let is_name = |p: &Property| p.list.is_none() && p.kind.is_whole() && NAMED.contains(&p.name.as_str());
         let is_uvs = |p: &Property| p.list.is_some() && p.name == "texcoord";
-        for property in element.properties.iter().filter(|p| !is_indices(p) && !is_uvs(p)) {
+        for property in element.properties.iter().filter(|p| !is_indices(p) && !is_uvs(p) && !is_name(p)) {
             self.note(format!("the property \"{}\" of faces is left out", property.name));
         }
         let (mut face, mut uvs): (Vec<u32>, Vec<f64>) = (Vec::new(), Vec::new());
@@ -219,6 +228,11 @@ impl Reading {
                 |body: &dyn Body, detail: String| Fault::new("", format!("{}: face {i}: {detail}", body.place()));
             uvs.clear();
             for property in &element.properties {
+                if is_name(property) {
+                    let number = body.scalar(property.kind)?;
+                    self.name(&property.name, number, i);
+                    continue;
+                }
                 let Some(sizes) = property.list.filter(|_| is_indices(&property) || is_uvs(property)) else {
                     body.pass(property)?;
                     continue;
@@ -249,8 +263,26 @@ impl Reading {
         Ok(())
     }
 
-    fn finish(self) -> ReadMesh {
+    /// Puts a face into the set of a number; below 0 it is in none.
+    fn name(&mut self, kind: &str, number: f64, face: u64) {
+        if number >= 0.0 {
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is whole and below 2^32")]
+            let number = number as u64;
+            let sets = if kind == NAMED[0] { &mut self.groups } else { &mut self.materials };
+            sets.entry(number).or_default().push(face);
+        }
+    }
+
+    fn finish(self, names: &BTreeMap<(String, u64), String>) -> ReadMesh {
         let mut mesh = self.mesh.mesh;
+        let named = |kind: &str, sets: BTreeMap<u64, Vec<u64>>| {
+            let name = |number: u64| names.get(&(kind.to_owned(), number)).cloned();
+            let set =
+                |(number, faces)| FaceSet { name: name(number).unwrap_or_else(|| format!("{kind}_{number}")), faces };
+            sets.into_iter().map(set).collect()
+        };
+        mesh.groups = named(NAMED[0], self.groups);
+        mesh.materials = named(NAMED[1], self.materials);
         mesh.channels = self.channels;
         if !self.corner_uvs.is_empty() {
             let corners = (0..).take(self.corner_uvs.len()).collect();

@@ -165,7 +165,7 @@ fn groups(solids: &[(String, usize)], kept: &[u32]) -> Vec<FaceSet> {
     let group = |(i, (name, start)): (usize, &(String, usize))| {
         let first = kept.partition_point(|&old| (old as usize) < *start);
         let last = kept.partition_point(|&old| (old as usize) < end(i));
-        FaceSet { name: name.clone(), faces: (index(first)..index(last)).collect() }
+        FaceSet { name: name.clone(), faces: (first as u64..last as u64).collect() }
     };
     solids.iter().enumerate().map(group).filter(|group| !group.faces.is_empty()).collect()
 }

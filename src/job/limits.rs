@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::key::Key;
 use super::{Input, Job};
 use crate::fault::Fault;
+use crate::input::ReadLimits;
 use crate::output::{Counts, Size};
 use crate::refine::{mesh_net, polygon_net};
 use crate::scheme::forecast::{self, Count, Forecast, ForecastError};
@@ -76,6 +77,11 @@ impl Admitted {
 }
 
 impl Limits {
+    /// The same bounds for mesh files.
+    pub fn reading(&self) -> ReadLimits {
+        ReadLimits { max_vertices: self.max_vertices, max_faces: self.max_faces }
+    }
+
     /// Admits a job, or says why not and what would be.
     ///
     /// # Errors

@@ -141,11 +141,7 @@ fn check_channels(channels: &[Channel], n: usize) -> Vec<Fault> {
     }
     for (i, channel) in channels.iter().enumerate() {
         let place = format!("/channels/{}", token(&channel.name));
-        let wrong = check_name(&channel.name)
-            .or_else(|| check_clash(channel, &channels[..i]))
-            .or_else(|| check_width(channel))
-            .or_else(|| check_length(channel, n));
-        if let Some(detail) = wrong {
+        if let Some(detail) = check_channel(channel, &channels[..i], n) {
             faults.push(Fault::new(place, detail));
         } else if let Some(k) = channel.values.iter().position(|x| !x.is_finite()) {
             let detail = format!("{} is not a finite number", channel.values[k]);
@@ -153,6 +149,14 @@ fn check_channels(channels: &[Channel], n: usize) -> Vec<Fault> {
         }
     }
     faults
+}
+
+/// Why a channel cannot stand behind others on a mesh of `n` vertices, if so.
+pub fn check_channel(channel: &Channel, before: &[Channel], n: usize) -> Option<String> {
+    check_name(&channel.name)
+        .or_else(|| check_clash(channel, before))
+        .or_else(|| check_width(channel))
+        .or_else(|| check_length(channel, n))
 }
 
 fn check_name(name: &str) -> Option<String> {

@@ -10,7 +10,7 @@ use crate::math::parameter::shortened;
 pub const MAX_LABELS: usize = 256;
 
 /// Longest name, bytes.
-const MAX_NAME: usize = 64;
+pub const MAX_NAME: usize = 64;
 
 /// Some faces under one name, as a client gives them.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

@@ -45,6 +45,12 @@ impl MeshInput {
         self.corners.iter_mut().for_each(|(vertex, _)| *vertex = image(*vertex));
         self.creases.iter_mut().for_each(|(edge, _)| *edge = edge.map(image));
         self.creases.retain(|([a, b], _)| a != b);
+        for channel in &mut self.attachments.channels {
+            let row = |v: u32| v as usize * channel.width..(v as usize + 1) * channel.width;
+            if channel.values.len() == n * channel.width {
+                channel.values = welded.kept.iter().flat_map(|&v| &channel.values[row(v)]).copied().collect();
+            }
+        }
         self.refaced(result.faces, &result.kept);
         Ok(self)
     }
@@ -65,12 +71,14 @@ impl MeshInput {
         for &hole in &self.holes {
             usize::try_from(hole).ok().and_then(|f| is_hole.get_mut(f)).into_iter().for_each(|flag| *flag = true);
         }
+        let names = self.names();
         let sharp = self.creases.iter().filter(|(_, sharpness)| *sharpness > 0.0);
         let sharp: BTreeSet<[u64; 2]> = sharp.map(|&([a, b], _)| [a.min(b), a.max(b)]).collect();
         let may_join = |diagonal: Diagonal| {
             let [f, g] = diagonal.faces.map(|f| is_hole[f as usize]);
             let [a, b] = diagonal.ends.map(u64::from);
-            f == g && !sharp.contains(&[a.min(b), a.max(b)])
+            let [name, other] = diagonal.faces.map(|f| names[f as usize]);
+            f == g && name == other && !sharp.contains(&[a.min(b), a.max(b)])
         };
         let paired = pair(&self.positions, &self.faces, may_join);
         let left = (0..paired.faces.len()).filter(|&f| paired.faces.face(f).len() == 3).count();
@@ -80,17 +88,34 @@ impl MeshInput {
         self
     }
 
-    /// Takes other faces, for each of which `kept` names the old one, ascending; holes follow.
+    /// For each face the numbers of its group and its material, from 1; 0 where there is none.
+    fn names(&self) -> Vec<[usize; 2]> {
+        let mut names = vec![[0; 2]; self.faces.len()];
+        for (kind, sets) in [&self.attachments.groups, &self.attachments.materials].into_iter().enumerate() {
+            for (i, set) in sets.iter().enumerate() {
+                for &f in &set.faces {
+                    let slot = usize::try_from(f).ok().and_then(|f| names.get_mut(f));
+                    slot.into_iter().for_each(|names| names[kind] = i + 1);
+                }
+            }
+        }
+        names
+    }
+
+    /// Takes other faces, for each of which `kept` names the old one, ascending; holes, groups and materials follow.
     fn refaced(&mut self, faces: FaceList, kept: &[u32]) {
         let mut image = vec![NONE; self.faces.len()];
         kept.iter().zip(0..).for_each(|(&old, new)| image[old as usize] = new);
-        let moved = |hole: u64| match usize::try_from(hole).ok().and_then(|f| image.get(f)) {
+        let moved = |face: u64| match usize::try_from(face).ok().and_then(|f| image.get(f)) {
             Some(&NONE) => None,
             Some(&new) => Some(u64::from(new)),
             // there is no such face, neither before nor after
-            None => Some(hole),
+            None => Some(face),
         };
-        self.holes = self.holes.iter().filter_map(|&hole| moved(hole)).collect();
+        let sets = self.attachments.groups.iter_mut().chain(&mut self.attachments.materials);
+        for faces in sets.map(|set| &mut set.faces).chain([&mut self.holes]) {
+            *faces = faces.iter().filter_map(|&face| moved(face)).collect();
+        }
         self.faces = faces;
     }
 }

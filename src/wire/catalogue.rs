@@ -1,9 +1,10 @@
-//! The catalogue: operators, presets and formats with their parameters.
+//! The catalogue: operators, presets and formats with their parameters; readers.
 
 use serde::Serialize;
 use serde_json::{Value, json};
 use utoipa::ToSchema;
 
+use crate::input::{READERS, Reader};
 use crate::math::parameter::{Default, Kind, Parameter};
 use crate::output::{FORMATS, Format, ShapeKind};
 use crate::scheme::ops::{OPERATORS, Operator};
@@ -75,6 +76,19 @@ pub struct FormatEntry {
     /// Its options.
     pub options: Vec<ParameterEntry>,
     /// What it is.
+    pub doc: &'static str,
+}
+
+/// One reader of mesh files.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct ReaderEntry {
+    /// Its name, the `format` of `input.text`.
+    pub name: &'static str,
+    /// Media type of the files.
+    pub media_type: &'static str,
+    /// File extension.
+    pub extension: &'static str,
+    /// What it reads.
     pub doc: &'static str,
 }
 
@@ -187,4 +201,17 @@ pub fn operators() -> Vec<OperatorEntry> {
 /// All formats.
 pub fn formats() -> Vec<FormatEntry> {
     FORMATS.iter().map(|format| FormatEntry::new(*format)).collect()
+}
+
+/// All readers of mesh files; the JSON of a mesh is read by the request itself.
+pub fn readers() -> Vec<ReaderEntry> {
+    let of = |reader: &dyn Reader| ReaderEntry {
+        name: reader.name(),
+        media_type: reader.media_type(),
+        extension: reader.extension(),
+        doc: reader.doc(),
+    };
+    let doc = "A mesh as input.mesh has it, with all that belongs to it";
+    let json = ReaderEntry { name: "json", media_type: "application/json", extension: "json", doc };
+    READERS.iter().map(|reader| of(*reader)).chain([json]).collect()
 }

@@ -6,17 +6,25 @@ use utoipa::ToSchema;
 use super::mesh::MeshRequest;
 use super::object;
 use super::polygon::{PolygonRequest, polygons};
+use super::text::{MeshFile, TextRequest, within};
 use crate::fault::{Fault, under};
+use crate::input::ReadLimits;
 use crate::job::Input;
+use crate::scheme::mesh_net::Boundary;
+use crate::shape::check::Winding;
 use crate::shape::frame::{Frame, Unit, Up};
+use crate::shape::mesh::{Mesh, MeshInput};
 
-/// The input: exactly one of `mesh`, `polygon` and `polygons`.
-#[derive(Debug, Clone, Deserialize, ToSchema)]
+/// The input: exactly one of `mesh`, `text`, `polygon` and `polygons`.
+#[derive(Debug, Clone, Default, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct InputRequest {
     /// A control mesh.
     #[serde(default, deserialize_with = "object::optional")]
     pub mesh: Option<MeshRequest>,
+    /// A mesh file, written into the job.
+    #[serde(default, deserialize_with = "object::optional")]
+    pub text: Option<TextRequest>,
     /// A control polygon.
     #[serde(default, deserialize_with = "object::optional")]
     pub polygon: Option<PolygonRequest>,
@@ -30,6 +38,15 @@ pub struct InputRequest {
     pub up: Option<UpRequest>,
     /// What to do with faces whose winding disagrees with their neighbours': `refuse` (default) or `repair`.
     pub orient: Option<OrientRequest>,
+    /// Merge vertices of a mesh that are at most so far apart, in model units; 0 merges equal positions.
+    #[schema(minimum = 0)]
+    pub weld: Option<f64>,
+    /// Join pairs of triangles of a mesh into quads, where there is one way to do it.
+    #[serde(default)]
+    pub pair_quads: bool,
+    /// A mesh file that was not written into the job.
+    #[serde(skip)]
+    pub file: Option<MeshFile>,
 }
 
 /// What to do with inconsistent winding.
@@ -66,6 +83,15 @@ pub enum UpRequest {
     Z,
 }
 
+/// A checked input.
+#[derive(Debug, Clone)]
+pub struct Resolved {
+    /// What is refined.
+    pub input: Input,
+    /// The boundary rule that a mesh file asks for.
+    pub boundary: Option<Boundary>,
+}
+
 impl InputRequest {
     /// What its coordinates mean.
     pub fn frame(&self) -> Frame {
@@ -82,26 +108,75 @@ impl InputRequest {
         Frame { unit, up }
     }
 
-    /// Checks the input.
+    /// Checks the input; mesh files may be as large as `limits` say.
     ///
     /// # Errors
     /// All faults, with pointers below the input.
-    pub fn resolve(self) -> Result<Input, Vec<Fault>> {
-        let given = [self.mesh.is_some(), self.polygon.is_some(), self.polygons.is_some()];
+    pub fn resolve(mut self, limits: &ReadLimits) -> Result<Resolved, Vec<Fault>> {
+        let (text, file) = (self.text.take(), self.file.take());
+        let is_file = text.is_some() || file.is_some();
+        let given = [self.mesh.is_some(), is_file, self.polygon.is_some(), self.polygons.is_some()];
         if given.iter().filter(|given| **given).count() != 1 {
-            let detail = "give exactly one of \"mesh\", \"polygon\" and \"polygons\"";
+            let detail = "give exactly one of \"mesh\", \"text\", \"polygon\" and \"polygons\"";
             return Err(vec![Fault::new("", detail)]);
         }
-        if let Some(mesh) = self.mesh {
-            return mesh.resolve(self.orient).map(Input::Mesh).map_err(|found| under("/mesh", found));
+        if let Some(mesh) = self.mesh.take() {
+            let under = |found| under("/mesh", found);
+            let input = mesh.input(self.winding()).map_err(under)?;
+            return Ok(self.mesh(input)?.map_err(under)?.into());
         }
-        if self.orient.is_some() {
-            return Err(vec![Fault::new("/orient", "polygons have no winding; leave it out")]);
+        let in_text = |found| under("/text", found);
+        if let Some(file) = text.map(TextRequest::file).transpose().map_err(|fault| in_text(vec![fault]))?.or(file) {
+            let (input, boundary) = file.read(self.winding(), limits).map_err(in_text)?;
+            let mesh = self.mesh(input)?.map_err(|found| in_text(found.into_iter().map(within).collect()))?;
+            return Ok(Resolved { boundary, ..mesh.into() });
         }
+        self.has_no_mesh()?;
         if let Some(polygon) = self.polygon {
             let polygon = polygon.resolve().map_err(|found| under("/polygon", found))?;
-            return Ok(Input::Polygons(vec![polygon]));
+            return Ok(Input::Polygons(vec![polygon]).into());
         }
-        polygons(self.polygons.unwrap_or_default()).map(Input::Polygons).map_err(|found| under("/polygons", found))
+        let polygons = polygons(self.polygons.unwrap_or_default()).map_err(|found| under("/polygons", found))?;
+        Ok(Input::Polygons(polygons).into())
+    }
+
+    fn winding(&self) -> Winding {
+        if self.orient == Some(OrientRequest::Repair) { Winding::Repair } else { Winding::Refuse }
+    }
+
+    /// Repairs and checks a mesh: faults of the repairs, or those of the mesh.
+    fn mesh(&self, input: MeshInput) -> Result<Result<Mesh, Vec<Fault>>, Vec<Fault>> {
+        let input = match self.weld {
+            Some(distance) => input.welded(distance).map_err(|fault| vec![fault])?,
+            None => input,
+        };
+        Ok(Mesh::new(if self.pair_quads { input.paired() } else { input }))
+    }
+
+    /// Nothing is said that only meshes know.
+    fn has_no_mesh(&self) -> Result<(), Vec<Fault>> {
+        let mut faults = Vec::new();
+        if self.orient.is_some() {
+            faults.push(Fault::new("/orient", "polygons have no winding; leave it out"));
+        }
+        if self.weld.is_some() {
+            faults.push(Fault::new("/weld", "only meshes are welded; leave it out"));
+        }
+        if self.pair_quads {
+            faults.push(Fault::new("/pair_quads", "only meshes have triangles; leave it out"));
+        }
+        if faults.is_empty() { Ok(()) } else { Err(faults) }
+    }
+}
+
+impl From<Mesh> for Resolved {
+    fn from(mesh: Mesh) -> Self {
+        Input::Mesh(mesh).into()
+    }
+}
+
+impl From<Input> for Resolved {
+    fn from(input: Input) -> Self {
+        Self { input, boundary: None }
     }
 }

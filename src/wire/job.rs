@@ -3,12 +3,13 @@
 use serde::Deserialize;
 use utoipa::ToSchema;
 
-use super::input::InputRequest;
+use super::input::{InputRequest, Resolved};
 use super::levels::LevelsRequest;
 use super::object;
 use super::output::{OutputRequest, outputs};
 use super::plan::PlanRequest;
 use crate::fault::{Fault, under};
+use crate::input::ReadLimits;
 use crate::job::Job;
 use crate::output::ShapeKind;
 
@@ -47,21 +48,34 @@ impl JobRequest {
         }
     }
 
-    /// Checks the request as a whole.
+    /// Checks the request as a whole, under the default limits on mesh files.
+    ///
+    /// # Errors
+    /// As [`JobRequest::resolve_within`].
+    pub fn resolve(self) -> Result<Job, Vec<Fault>> {
+        self.resolve_within(&ReadLimits::default())
+    }
+
+    /// Checks the request as a whole; mesh files may be as large as `limits` say.
     ///
     /// # Errors
     /// All faults found in input and outputs, or, where these are right, in the plan.
-    pub fn resolve(self) -> Result<Job, Vec<Fault>> {
+    pub fn resolve_within(self, limits: &ReadLimits) -> Result<Job, Vec<Fault>> {
         let mut faults = Vec::new();
         if self.spec.is_some_and(|spec| spec != 1) {
             faults.push(Fault::new("/spec", format!("{} is unknown; this server speaks 1", self.spec.unwrap_or(0))));
         }
         let alone = self.input.polygon.is_some();
         let frame = self.input.frame();
-        let input = keep(self.input.resolve().map_err(|found| under("/input", found)), &mut faults);
+        let input = keep(self.input.resolve(limits).map_err(|found| under("/input", found)), &mut faults);
         let outputs = keep(outputs(&self.outputs), &mut faults);
-        let plan = self.plan.map(PlanRequest::resolve);
-        let Some(input) = input else { return Err(faults) };
+        let says_boundary = self.plan.as_ref().is_some_and(|plan| plan.boundary.is_some());
+        let mut plan = self.plan.map(PlanRequest::resolve);
+        let Some(Resolved { input, boundary }) = input else { return Err(faults) };
+        // the plan's word on the boundary stands over the file's
+        if let (Some(plan), Some(boundary), false) = (&mut plan, boundary, says_boundary) {
+            plan.boundary = boundary;
+        }
         // a plan is looked at even where the outputs are wrong, so that all faults come together
         match Job::new(input, plan.as_ref(), self.levels.map(|levels| levels.0), outputs.unwrap_or_default()) {
             Ok(job) if faults.is_empty() => Ok(job.framed(frame)),

@@ -4,13 +4,12 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::channels::ChannelsRequest;
-use super::input::OrientRequest;
 use super::{object, schema};
 use crate::fault::Fault;
 use crate::shape::attachments::AttachmentsInput;
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::labels::FaceSet;
-use crate::shape::mesh::{Mesh, MeshInput};
+use crate::shape::mesh::MeshInput;
 
 /// A control mesh.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
@@ -85,11 +84,11 @@ pub struct CreaseRequest {
 }
 
 impl MeshRequest {
-    /// Checks the mesh.
+    /// The mesh, unchecked but for indices that are beyond every mesh.
     ///
     /// # Errors
-    /// All faults, with pointers below the mesh.
-    pub fn resolve(self, orient: Option<OrientRequest>) -> Result<Mesh, Vec<Fault>> {
+    /// Those indices, with pointers below the mesh.
+    pub fn input(self, winding: Winding) -> Result<MeshInput, Vec<Fault>> {
         let mut faces = FaceList::default();
         for face in &self.faces {
             // an index beyond 32 bits is beyond every mesh, too
@@ -105,7 +104,6 @@ impl MeshRequest {
         if !beyond.is_empty() {
             return Err(beyond);
         }
-        let winding = if orient == Some(OrientRequest::Repair) { Winding::Repair } else { Winding::Refuse };
         let corners = self.corners.iter().map(|corner| (corner.vertex, corner.sharpness)).collect();
         let creases = self.creases.iter().map(|crease| (crease.edge, crease.sharpness)).collect();
         let attachments = AttachmentsInput {
@@ -114,6 +112,6 @@ impl MeshRequest {
             materials: face_sets(self.materials),
         };
         let (positions, holes) = (self.positions, self.holes);
-        Mesh::new(MeshInput { positions, faces, corners, creases, holes, winding, attachments })
+        Ok(MeshInput { positions, faces, corners, creases, holes, winding, attachments, notes: Vec::new() })
     }
 }

@@ -15,5 +15,6 @@ pub mod polygon;
 pub mod read;
 mod report;
 mod schema;
+pub mod text;
 
 pub use job::JobRequest;

@@ -9,7 +9,7 @@ use crate::scheme::plan::PlanInput;
 use crate::scheme::polygon_net::Ends;
 
 /// How the input is refined: a preset or a word.
-#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[derive(Debug, Clone, Default, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlanRequest {
     /// Name of a preset, see `/v1/presets`.

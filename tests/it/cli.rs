@@ -298,3 +298,39 @@ fn post(host: &str, job: &Value, headers: &str) -> String {
         ),
     )
 }
+
+#[test]
+fn mesh_files_are_converted_drawn_and_refined() {
+    let folder = Folder::new();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let job = saved(&folder, &json!({ "input": mesh(0)["input"] }));
+    for from in ["obj", "ply", "stl", "glb", "gltf", "json"] {
+        let file = path(&format!("cube.{from}"));
+        assert!(run(&["render", &job, "-o", &file]).status.success(), "{from}");
+        let output = run(&["render", &file, "-o", &path("cube.png")]);
+        assert!(output.status.success() && output.stderr.is_empty(), "{from}: {}", text(&output.stderr));
+        let output = run(&["render", &file, "--pair-quads", "--weld", "0", "--repair", "-o", &path("out.json")]);
+        assert!(output.status.success(), "{from}: {}", text(&output.stderr));
+        let found: Value = serde_json::from_slice(&std::fs::read(path("out.json")).unwrap()).unwrap();
+        assert_eq!((found["positions"].as_array().unwrap().len(), found["faces"].as_array().unwrap().len()), (8, 6));
+    }
+    let refined = run(&["render", &path("cube.OBJ"), "-o", "-", "--format", "json"]);
+    refused(&refined, &["cannot read"]);
+    let options = ["--preset", "catmull-clark", "--levels", "2", "--format", "json", "-o", "-"];
+    let refined = run(&[&["render", path("cube.obj").as_str()][..], &options].concat());
+    assert_eq!(refined.stdout, render(&with(mesh(2), "json")).unwrap().0);
+    let estimate = run(&["estimate", &path("cube.ply"), "--preset", "catmull-clark", "--levels", "3"]);
+    let estimate: Value = serde_json::from_slice(&estimate.stdout).unwrap();
+    assert_eq!(estimate["levels"][3]["faces"], 384);
+}
+
+#[test]
+fn broken_mesh_files_are_told_by_line_and_flags_of_meshes_are_not_for_jobs() {
+    let folder = Folder::new();
+    let path = folder.path().join("broken.off");
+    std::fs::write(&path, "OFF\n1 1 0\n0 0 zero\n3 0 0 0\n").unwrap();
+    let output = run(&["render", path.to_str().unwrap(), "-o", "-", "--format", "glb"]);
+    refused(&output, &["  line 3: vertex 0: \"zero\" is no number"]);
+    let job = saved(&folder, &with(mesh(1), "glb"));
+    refused(&run(&["render", &job, "--levels", "2", "-o", "-"]), &["is a job, which says preset, levels, weld"]);
+}

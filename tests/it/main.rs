@@ -14,6 +14,7 @@ mod keys;
 mod laws;
 mod nets;
 mod openapi;
+mod readers;
 mod refusals;
 mod robustness;
 mod shapes;

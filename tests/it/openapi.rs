@@ -68,6 +68,7 @@ fn every_route_of_the_service_is_described() {
         "GET /v1/operators/{letter}",
         "GET /v1/presets",
         "GET /v1/presets/{name}",
+        "GET /v1/readers",
         "POST /v1/render",
         "POST /v1/validate",
     ];

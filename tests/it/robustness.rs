@@ -6,3 +6,4 @@ mod mutations;
 mod push_back;
 mod soups;
 mod special_floats;
+mod wild;

@@ -11,6 +11,7 @@ use super::buffers::Document;
 use super::transform::Transform;
 use crate::input::collect::Collected;
 use crate::input::{Channel, FaceSet, ReadLimits, ReadMesh, Uvs};
+use crate::math::functions::pow;
 use crate::shape::topology::index;
 
 /// A file may come to so many vertices, faces or primitives, or to as many as it has bytes: nodes that share a mesh must
@@ -85,7 +86,7 @@ struct Reading<'a> {
     colors: Option<Vec<f64>>,
     color_width: usize,
     /// Faces of each material; those without one are in none.
-    materials: BTreeMap<usize, Vec<u32>>,
+    materials: BTreeMap<usize, Vec<u64>>,
     groups: Vec<FaceSet>,
     degenerate: usize,
     other: usize,
@@ -111,7 +112,7 @@ impl Reading<'_> {
             }
             self.primitive(primitive, transform, &mut shared).map_err(place)?;
         }
-        let faces: Vec<u32> = (index(first)..index(self.mesh.mesh.faces.len())).collect();
+        let faces: Vec<u64> = (first as u64..self.mesh.mesh.faces.len() as u64).collect();
         if !faces.is_empty() {
             let name = node.name.clone().or_else(|| mesh.name.clone()).unwrap_or_else(|| format!("node {i}"));
             self.groups.push(FaceSet { name, faces });
@@ -169,7 +170,7 @@ impl Reading<'_> {
             }
         }
         if let Some(material) = primitive.material {
-            let made = index(faces)..index(self.mesh.mesh.faces.len());
+            let made = faces as u64..self.mesh.mesh.faces.len() as u64;
             self.materials.entry(material.value()).or_default().extend(made);
         }
         Ok(())
@@ -214,7 +215,9 @@ impl Reading<'_> {
         match (colors.as_ref().filter(|rows| rows.width > 2), &mut self.colors) {
             (Some(rows), Some(all)) => {
                 self.color_width = self.color_width.max(rows.width);
-                let rgba = |row: &[f64]| [row[0], row[1], row[2], row.get(3).copied().unwrap_or(1.0)];
+                let rgba = |row: &[f64]| {
+                    [encoded(row[0]), encoded(row[1]), encoded(row[2]), row.get(3).copied().unwrap_or(1.0)]
+                };
                 all.extend(rows.values.chunks_exact(rows.width).flat_map(rgba));
             }
             (None, _) if places.is_empty() => {}
@@ -268,4 +271,9 @@ fn triangles(mode: Mode, order: &[usize]) -> Vec<[usize; 3]> {
         Mode::TriangleFan => order.windows(2).skip(1).map(|v| [v[0], v[1], order[0]]).collect(),
         _ => order.as_chunks::<3>().0.to_vec(),
     }
+}
+
+/// A component of a colour in linear light, as sRGB. Source: IEC 61966-2-1 (1999), section 5.2.
+fn encoded(x: f64) -> f64 {
+    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * pow(x, 1.0 / 2.4) - 0.055 }
 }

@@ -96,7 +96,8 @@ impl Faces {
             mesh.notes
                 .push(format!("texture coordinates are left out: {without} of {} corners have none", self.uvs.len()));
         }
-        mesh.groups = self.objects.found.into_iter().chain(self.groups.found).collect();
+        // a group says more than the object it is in
+        mesh.groups = self.groups.found.into_iter().chain(self.objects.found).collect();
         mesh.groups.retain(|set| !set.faces.is_empty());
         mesh.materials = self.materials.found;
         mesh.materials.retain(|set| !set.faces.is_empty());
@@ -134,6 +135,6 @@ impl Sets {
     }
 
     fn take(&mut self, face: u32) {
-        self.current.iter().for_each(|&at| self.found[at].faces.push(face));
+        self.current.iter().for_each(|&at| self.found[at].faces.push(face.into()));
     }
 }

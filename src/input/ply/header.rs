@@ -1,5 +1,7 @@
 //! The header of a PLY file: always text.
 
+use std::collections::BTreeMap;
+
 use crate::fault::Fault;
 use crate::input::text::{at_line, count, quoted};
 
@@ -7,6 +9,9 @@ use crate::input::text::{at_line, count, quoted};
 const MAX_LINES: usize = 10_000;
 const MAX_ELEMENTS: usize = 64;
 const MAX_PROPERTIES: usize = 512;
+
+/// Properties of faces whose numbers stand for names.
+pub(super) const NAMED: [&str; 2] = ["group", "material"];
 
 /// How numbers are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,6 +90,8 @@ pub(super) struct Element {
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
+    /// Names that comments give to the numbers of groups and materials: `comment group 0 top`.
+    pub(super) names: BTreeMap<(String, u64), String>,
     /// Its bytes, the last line break included, and its lines.
     pub(super) length: usize,
     pub(super) lines: usize,
@@ -95,6 +102,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, Fault> {
     let mut length = 0;
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
+    let mut names = BTreeMap::new();
     for (i, line) in bytes.split_inclusive(|&byte| byte == b'\n').enumerate() {
         length += line.len();
         let text = String::from_utf8_lossy(line);
@@ -109,7 +117,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, Fault> {
         }
         match keyword {
             "format" => encoding = Some(self::encoding(words).map_err(wrong)?),
-            "comment" | "obj_info" => {}
+            "comment" => names.extend(name(words)),
+            "obj_info" => {}
             "element" if elements.len() < MAX_ELEMENTS => elements.push(element(words).map_err(wrong)?),
             "property" => {
                 let all = elements.iter().map(|element| element.properties.len()).sum::<usize>();
@@ -129,7 +138,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, Fault> {
                 if let Some(element) = empty {
                     return Err(wrong(format!("the element {} has no properties", quoted(&element.name))));
                 }
-                return Ok(Header { encoding, elements, length, lines: i + 1 });
+                return Ok(Header { encoding, elements, names, length, lines: i + 1 });
             }
             other => {
                 return Err(wrong(format!(
@@ -144,6 +153,14 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, Fault> {
         }
     }
     Err(Fault::new("", "the file ends within its header, which ends with a line \"end_header\""))
+}
+
+/// A comment that names a group or material.
+fn name<'a>(mut words: impl Iterator<Item = &'a str>) -> Option<((String, u64), String)> {
+    let kind = words.next().filter(|kind| NAMED.contains(kind))?;
+    let number = words.next()?.parse().ok()?;
+    let name = words.collect::<Vec<_>>().join(" ");
+    (!name.is_empty()).then(|| ((kind.to_owned(), number), name))
 }
 
 fn encoding<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<Encoding, String> {

@@ -105,6 +105,7 @@ async fn questions(server: &Server) -> Vec<(&'static str, String)> {
         ("presets", Asked::get("/v1/presets")),
         ("operators", Asked::get("/v1/operators")),
         ("formats", Asked::get("/v1/formats")),
+        ("readers", Asked::get("/v1/readers")),
         ("limits", Asked::get("/v1/limits")),
         ("livez", Asked::get("/livez")),
         ("readyz", Asked::get("/readyz")),

@@ -111,3 +111,45 @@ fn polygons_are_validated_too() {
         assert_eq!(answer["errors"][0]["pointer"], "/input/polygon/points/1", "{answer}");
     });
 }
+
+#[test]
+fn mesh_files_are_validated_and_repairs_told() {
+    story(settings(), async |server| {
+        let facet = |[a, b, c]: [&str; 3]| {
+            format!("facet normal 0 0 1\nouter loop\nvertex {a}\nvertex {b}\nvertex {c}\nendloop\nendfacet\n")
+        };
+        let facets = [["0 0 0", "1 0 0", "1 1 0"], ["0 0 0", "1 1 0", "0 1.0001 0"], ["0 0 0", "0 1 0", "-1 0 0"]];
+        let data = format!("solid\n{}endsolid\n", facets.map(facet).concat());
+        let text = json!({ "format": "stl", "data": data });
+        let input = json!({ "text": text, "weld": 0.01, "pair_quads": true });
+        let answer = server.post("/v1/validate", &json!({ "input": input })).await.ok().json();
+        assert_eq!(answer["valid"], true, "{answer}");
+        let told =
+            ["welding merged 1 vertex: 4 into 3", "1 pairs of triangles were joined into quads; 1 triangles are left"];
+        assert_eq!(answer["warnings"], json!(told));
+        assert_eq!(answer["report"]["face_sizes"], json!({ "3": 1, "4": 1 }));
+        let broken = json!({ "input": { "text": { "format": "stl", "data": "solid" } } });
+        let answer = server.post("/v1/validate", &broken).await.ok().json();
+        assert_eq!(answer["errors"][0]["pointer"], "/input/text/data", "{answer}");
+        assert_eq!(
+            answer["errors"][0]["detail"],
+            "line 1: the file ends where \"facet\" or \"endsolid\" should follow"
+        );
+    });
+}
+
+#[test]
+fn the_limits_of_the_server_hold_for_files() {
+    let small = planish::config::Settings { max_vertices: 3, ..settings() };
+    story(small, async |server| {
+        let data = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+        let job = json!({ "input": { "text": { "format": "obj", "data": data } }, "outputs": [{ "format": "glb" }] });
+        let detail = "line 4: the file has 4 vertices or more; 3 are allowed; send a smaller mesh";
+        for path in ["/v1/render", "/v1/estimate"] {
+            let problem = server.post(path, &job).await.problem(422, "invalid-job");
+            assert_eq!(problem["errors"][0], json!({ "pointer": "/input/text/data", "detail": detail }));
+        }
+        let answer = server.post("/v1/validate", &json!({ "input": job["input"] })).await.ok().json();
+        assert_eq!(answer["errors"][0]["detail"], detail);
+    });
+}

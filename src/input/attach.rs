@@ -1,0 +1,86 @@
+//! What a file holds, in the form that meshes take: names without blanks, a face in one group, channels that files can tell.
+
+use std::collections::BTreeMap;
+
+use super::{Channel, FaceSet, ReadMesh};
+use crate::shape::attachments::{AttachmentsInput, MAX_CHANNELS, MAX_TOTAL_WIDTH, check_channel};
+use crate::shape::check::Winding;
+use crate::shape::labels::{MAX_LABELS, MAX_NAME};
+use crate::shape::mesh::MeshInput;
+
+impl ReadMesh {
+    /// The mesh for further work. What a mesh cannot hold is named in its notes.
+    pub fn into_input(self, winding: Winding) -> MeshInput {
+        let Self { positions, faces, corners, creases, holes, mut notes, .. } = self;
+        if let Some(uvs) = &self.uvs {
+            notes.push(format!("texture coordinates of the file are left out: {}", uvs.values.len()));
+        }
+        let channels = channels(self.channels, positions.len(), &mut notes);
+        let groups = sets(self.groups, faces.len(), "group", &mut notes);
+        let materials = sets(self.materials, faces.len(), "material", &mut notes);
+        let attachments = AttachmentsInput { channels, groups, materials };
+        MeshInput { positions, faces, corners, creases, holes, winding, attachments, notes }
+    }
+}
+
+/// The channels that a mesh can hold, in their order.
+fn channels(given: Vec<Channel>, n_vertices: usize, notes: &mut Vec<String>) -> Vec<Channel> {
+    let mut kept: Vec<Channel> = Vec::with_capacity(given.len());
+    for channel in given {
+        let width: usize = kept.iter().map(|channel| channel.width).sum::<usize>() + channel.width;
+        if kept.len() == MAX_CHANNELS || width > MAX_TOTAL_WIDTH {
+            notes.push(format!("the numbers {:?} of vertices are left out: there are too many", channel.name));
+        } else if let Some(detail) = check_channel(&channel, &kept, n_vertices) {
+            notes.push(format!("the numbers {:?} of vertices are left out: {detail}", channel.name));
+        } else {
+            kept.push(channel);
+        }
+    }
+    kept
+}
+
+/// Sets of which each face is in one at most, under names that all formats can hold.
+fn sets(given: Vec<FaceSet>, n_faces: usize, what: &str, notes: &mut Vec<String>) -> Vec<FaceSet> {
+    let mut taken = vec![false; n_faces];
+    let mut numbers: BTreeMap<String, usize> = BTreeMap::new();
+    let mut kept: Vec<FaceSet> = Vec::new();
+    let (mut shared, mut beyond) = (0_usize, 0_usize);
+    for set in given {
+        let name = plain(&set.name);
+        let mut faces = set.faces;
+        let n = faces.len();
+        faces.retain(|&f| {
+            let slot = usize::try_from(f).ok().and_then(|f| taken.get_mut(f));
+            slot.is_some_and(|taken| !std::mem::replace(taken, true))
+        });
+        shared += n - faces.len();
+        if faces.is_empty() {
+            continue;
+        }
+        if let Some(&number) = numbers.get(&name) {
+            kept[number].faces.extend(faces);
+        } else if kept.len() == MAX_LABELS {
+            beyond += 1;
+        } else {
+            numbers.insert(name.clone(), kept.len());
+            kept.push(FaceSet { name, faces });
+        }
+    }
+    if shared > 0 {
+        notes.push(format!("faces in more than one {what} are kept in the first: {shared}"));
+    }
+    if beyond > 0 {
+        notes.push(format!("{what}s are left out, as a mesh has at most {MAX_LABELS}: {beyond}"));
+    }
+    kept
+}
+
+/// The name with `_` for what has no place in names, and not too long.
+fn plain(name: &str) -> String {
+    let letter = |c: char| if c.is_whitespace() || c.is_control() || c == '#' { '_' } else { c };
+    let mut plain: String = name.chars().map(letter).collect();
+    while plain.len() > MAX_NAME {
+        plain.pop();
+    }
+    if plain.is_empty() { "unnamed".to_owned() } else { plain }
+}

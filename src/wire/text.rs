@@ -1,0 +1,93 @@
+//! Mesh files as clients send them.
+
+use serde::Deserialize;
+use utoipa::ToSchema;
+
+use super::mesh::MeshRequest;
+use super::read::{ReadError, read};
+use crate::fault::Fault;
+use crate::input::{self, ReadLimits};
+use crate::scheme::mesh_net::Boundary;
+use crate::shape::check::Winding;
+use crate::shape::mesh::MeshInput;
+
+/// A mesh file within the job.
+#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TextRequest {
+    /// Its format: `obj`, `ply`, `stl`, `off`, `gltf`, `glb`, or `json` for a mesh as `input.mesh` has it.
+    #[schema(pattern = "^(obj|ply|stl|off|gltf|glb|json)$")]
+    pub format: String,
+    /// What it holds.
+    pub data: String,
+    /// How `data` holds it: `text` (default), or `base64` for files that are no text.
+    pub encoding: Option<EncodingRequest>,
+}
+
+/// How bytes stand in a text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum EncodingRequest {
+    /// As they are.
+    Text,
+    /// In base64.
+    Base64,
+}
+
+/// A mesh file that came by itself.
+#[derive(Debug, Clone)]
+pub struct MeshFile {
+    /// Its format, by name.
+    pub format: String,
+    /// What it holds.
+    pub bytes: Vec<u8>,
+}
+
+impl TextRequest {
+    /// The file.
+    ///
+    /// # Errors
+    /// What is no base64.
+    pub fn file(self) -> Result<MeshFile, Fault> {
+        let bytes = match self.encoding {
+            None | Some(EncodingRequest::Text) => self.data.into_bytes(),
+            Some(EncodingRequest::Base64) => {
+                input::from_base64(&self.data).map_err(|detail| Fault::new("/data", detail))?
+            }
+        };
+        Ok(MeshFile { format: self.format, bytes })
+    }
+}
+
+impl MeshFile {
+    /// Reads the file: the mesh, unchecked, and the boundary rule that it asks for.
+    ///
+    /// # Errors
+    /// All faults, at `/format` or `/data`.
+    pub fn read(&self, winding: Winding, limits: &ReadLimits) -> Result<(MeshInput, Option<Boundary>), Vec<Fault>> {
+        let at_data = |found: Vec<Fault>| found.into_iter().map(within).collect::<Vec<_>>();
+        if self.format == "json" {
+            let request: MeshRequest = read(&self.bytes).map_err(|error| match error {
+                ReadError::NotJson(detail) => vec![Fault::new("/data", detail.replace("the body", "the mesh"))],
+                ReadError::Unfit(faults) => at_data(faults),
+            })?;
+            return Ok((request.input(winding).map_err(at_data)?, None));
+        }
+        let Some(reader) = input::named(&self.format) else {
+            let known: Vec<&str> = input::READERS.iter().map(|reader| reader.name()).chain(["json"]).collect();
+            let detail = format!("there is no reader {:?}; known are {}", self.format, known.join(", "));
+            return Err(vec![Fault::new("/format", detail)]);
+        };
+        let mesh = reader.read(&self.bytes, limits).map_err(at_data)?;
+        let boundary = mesh.boundary;
+        Ok((mesh.into_input(winding), boundary))
+    }
+}
+
+/// A fault within the file: its own pointer goes into the sentence, as no pointer leads into a file.
+pub(super) fn within(fault: Fault) -> Fault {
+    match fault.pointer.as_str() {
+        "" => Fault::new("/data", fault.detail),
+        inside => Fault::new("/data", format!("in the mesh, {inside}: {}", fault.detail)),
+    }
+}

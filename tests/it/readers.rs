@@ -1,0 +1,37 @@
+//! Mesh files: what is written is read again, what is broken is refused by line or byte, and no bytes make a reader fail.
+
+mod broken;
+mod bytes;
+mod gltf;
+mod kinds;
+mod repairs;
+mod round_trips;
+mod tags;
+
+use planish::fault::Fault;
+use planish::input::{ReadLimits, ReadMesh, named};
+
+use crate::support::nets::Net;
+
+/// Reads bytes in a format.
+fn read(format: &str, bytes: &[u8]) -> Result<ReadMesh, Vec<Fault>> {
+    named(format).expect("the reader exists").read(bytes, &ReadLimits::default())
+}
+
+/// Reads what is right.
+fn mesh(format: &str, bytes: &[u8]) -> ReadMesh {
+    read(format, bytes).unwrap_or_else(|faults| panic!("{format}: {faults:?}"))
+}
+
+/// Positions and faces alone.
+fn net(mesh: &ReadMesh) -> Net {
+    let faces = (0..mesh.faces.len()).map(|f| mesh.faces.face(f).iter().map(|&v| v as usize).collect()).collect();
+    Net { positions: mesh.positions.clone(), faces }
+}
+
+/// What is said of wrong bytes.
+fn sentences(format: &str, bytes: &[u8]) -> Vec<String> {
+    let faults = read(format, bytes).expect_err("it is refused");
+    assert!(faults.iter().all(|fault| fault.pointer.is_empty()), "{faults:?}");
+    faults.into_iter().map(|fault| fault.detail).collect()
+}

@@ -1,0 +1,203 @@
+//! Scenes of glTF: transforms, instances, strips and fans, sparse and normalized numbers.
+
+use planish::input::FaceSet;
+use serde_json::{Value, json};
+
+use super::{mesh, net, sentences};
+
+/// Bytes as a data URI.
+fn uri(bytes: &[u8]) -> String {
+    let letters = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::from("data:application/octet-stream;base64,");
+    for group in bytes.chunks(3) {
+        let word = group.iter().fold(0_u32, |word, &byte| word << 8 | u32::from(byte)) << (8 * (3 - group.len()));
+        let letter = |k: usize| char::from(letters[(word >> (18 - 6 * k)) as usize & 63]);
+        (0..4).for_each(|k| text.push(if k <= group.len() { letter(k) } else { '=' }));
+    }
+    text
+}
+
+fn floats(values: &[f32]) -> Vec<u8> {
+    values.iter().flat_map(|x| x.to_le_bytes()).collect()
+}
+
+/// A document over one buffer of sections, each a view of its own.
+fn document(sections: &[Vec<u8>], rest: &Value) -> Value {
+    let mut bytes = Vec::new();
+    let views: Vec<Value> = sections
+        .iter()
+        .map(|section| {
+            let start = bytes.len();
+            bytes.extend_from_slice(section);
+            bytes.resize(bytes.len().next_multiple_of(4), 0);
+            json!({ "buffer": 0, "byteOffset": start, "byteLength": section.len() })
+        })
+        .collect();
+    let mut document = json!({
+        "asset": { "version": "2.0" }, "buffers": [{ "byteLength": bytes.len(), "uri": uri(&bytes) }], "bufferViews": views,
+    });
+    let fields = rest.as_object().cloned().unwrap_or_default();
+    fields.into_iter().for_each(|(name, value)| document[name] = value);
+    document
+}
+
+const SQUARE: [f32; 12] = [0., 0., 0., 1., 0., 0., 0., 1., 0., 1., 1., 0.];
+
+/// A square of two triangles, drawn in one mode.
+fn square(mode: u32, indices: &[u8]) -> Value {
+    document(
+        &[floats(&SQUARE), indices.to_vec()],
+        &json!({
+            "accessors": [
+                { "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3" },
+                { "bufferView": 1, "componentType": 5121, "count": indices.len(), "type": "SCALAR" },
+            ],
+            "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1, "mode": mode }] }],
+            "nodes": [{ "mesh": 0 }], "scenes": [{ "nodes": [0] }], "scene": 0,
+        }),
+    )
+}
+
+fn faces(document: &Value) -> Vec<Vec<usize>> {
+    net(&mesh("gltf", document.to_string().as_bytes())).faces
+}
+
+#[test]
+fn triangles_strips_and_fans() {
+    assert_eq!(faces(&square(4, &[0, 1, 2, 2, 1, 3])), [[0, 1, 2], [2, 1, 3]]);
+    assert_eq!(faces(&square(5, &[0, 1, 2, 3])), [[0, 1, 2], [1, 3, 2]]);
+    assert_eq!(faces(&square(6, &[0, 1, 3, 2])), [[1, 3, 0], [3, 2, 0]]);
+    // strips are joined by triangles without area
+    let found = mesh("gltf", square(5, &[0, 1, 2, 2, 3]).to_string().as_bytes());
+    assert_eq!(net(&found).faces, [[0, 1, 2]]);
+    assert_eq!(found.notes, ["triangles left out because two of their corners are one vertex: 2"]);
+    let lines = mesh("gltf", square(1, &[0, 1]).to_string().as_bytes());
+    assert_eq!(lines.notes, ["primitives of points or lines are left out: 1"]);
+}
+
+#[test]
+fn nodes_are_where_their_transforms_put_them() {
+    let mut document = square(4, &[0, 1, 2]);
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    document["nodes"] = json!([
+        { "children": [1, 2], "translation": [10, 0, 0] },
+        // a quarter turn about z, after doubling
+        { "mesh": 0, "name": "turned", "rotation": [0, 0, half, half], "scale": [2, 2, 2], "translation": [0, 5, 0] },
+        // mirrored, so that the winding turns round
+        { "mesh": 0, "name": "mirrored", "matrix": [-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 7, 1] },
+    ]);
+    let found = mesh("gltf", document.to_string().as_bytes());
+    let expected = [
+        [10., 5., 0.],
+        [10., 7., 0.],
+        [8., 5., 0.],
+        [8., 7., 0.],
+        [10., 0., 7.],
+        [9., 0., 7.],
+        [10., 1., 7.],
+        [9., 1., 7.],
+    ];
+    for (found, expected) in found.positions.iter().zip(expected) {
+        // f32 rounds the rotation of the file
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{found:?} for {expected:?}");
+    }
+    assert_eq!(net(&found).faces, [[0, 1, 2], [4, 6, 5]]);
+    let groups = [("turned", 0), ("mirrored", 1)].map(|(name, f)| FaceSet { name: name.into(), faces: vec![f] });
+    assert_eq!(found.groups, groups);
+}
+
+/// Positions in bytes, sparse changes, normalized colours, shared vertices, two materials.
+pub(super) fn every_feature() -> String {
+    let document = document(
+        &[
+            vec![0, 0, 0, 9, 1, 0, 0, 9, 0, 1, 0, 9, 1, 1, 0, 9], // positions in bytes, 4 apart
+            vec![3],                                              // the vertex that changes
+            vec![1, 1, 5],                                        // its new place
+            vec![255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 51, 51, 51, 51],
+            floats(&[0., 0., 1., 0., 0., 1., 1., 0.25]),
+            [0_u16, 1, 2].iter().flat_map(|i| i.to_le_bytes()).collect(),
+            [2_u32, 1, 3].iter().flat_map(|i| i.to_le_bytes()).collect(),
+        ],
+        &json!({
+            "extensionsRequired": ["KHR_mesh_quantization"],
+            "accessors": [
+                { "bufferView": 0, "componentType": 5120, "count": 4, "type": "VEC3", "sparse": {
+                    "count": 1, "indices": { "bufferView": 1, "componentType": 5121 }, "values": { "bufferView": 2 } } },
+                { "bufferView": 3, "componentType": 5121, "count": 4, "type": "VEC4", "normalized": true },
+                { "bufferView": 4, "componentType": 5126, "count": 4, "type": "VEC2" },
+                { "bufferView": 5, "componentType": 5123, "count": 3, "type": "SCALAR" },
+                { "bufferView": 6, "componentType": 5125, "count": 3, "type": "SCALAR" },
+            ],
+            "materials": [{ "name": "red" }, {}],
+            "meshes": [{ "name": "both", "primitives": [
+                { "attributes": { "POSITION": 0, "COLOR_0": 1, "TEXCOORD_0": 2 }, "indices": 3, "material": 0 },
+                { "attributes": { "POSITION": 0, "COLOR_0": 1, "TEXCOORD_0": 2 }, "indices": 4, "material": 1 },
+            ] }],
+            "nodes": [{ "mesh": 0 }],
+        }),
+    );
+    let mut document = document;
+    document["bufferViews"][0]["byteStride"] = json!(4);
+    document.to_string()
+}
+
+#[test]
+fn numbers_of_every_kind_and_vertices_shared_between_primitives() {
+    let found = mesh("gltf", every_feature().as_bytes());
+    assert_eq!(found.positions, [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [1., 1., 5.]]);
+    assert_eq!(net(&found).faces, [[0, 1, 2], [2, 1, 3]]);
+    // a fifth of the light is sRGB 0.4845
+    let gray = 0.484_529_204_481_703_4;
+    let colors = [1., 0., 0., 1., 0., 1., 0., 1., 0., 0., 1., 1., gray, gray, gray, 0.2];
+    let off = found.channels[0].values.iter().zip(colors).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(found.channels[0].name == "color" && found.channels[0].values.len() == 16 && off < 1e-12, "{found:?}");
+    let uvs = found.uvs.expect("it has them");
+    assert_eq!(uvs.values, [[0., 1.], [1., 1.], [0., 0.], [1., 0.75]], "v counts upwards");
+    let materials = [("red", 0), ("material 1", 1)].map(|(name, f)| FaceSet { name: name.into(), faces: vec![f] });
+    assert_eq!(found.materials, materials);
+}
+
+#[test]
+fn what_leads_nowhere_is_named() {
+    let check = |pointer: &str, value: Value, sentence: &str| {
+        let mut document = square(4, &[0, 1, 2]);
+        *document.pointer_mut(pointer).expect("the place is there") = value;
+        assert_eq!(sentences("gltf", document.to_string().as_bytes()), [sentence]);
+    };
+    let primitive = "mesh 0, primitive 0: ";
+    check("/scene", json!(1), "there is no scene 1; the file has 1");
+    check("/scenes/0/nodes/0", json!(7), "there is no node 7; the file has 1");
+    check("/nodes/0", json!({ "children": [0] }), "node 0 is reached twice; nodes are to form trees");
+    check("/nodes/0/mesh", json!(2), "node 0: there is no mesh 2");
+    check("/meshes/0/primitives/0/mode", json!(9), &format!("{primitive}its mode is not known"));
+    check("/meshes/0/primitives/0/attributes", json!({}), &format!("{primitive}it has no POSITION"));
+    check("/meshes/0/primitives/0/indices", json!(5), &format!("{primitive}there is no accessor 5; the file has 2"));
+    check("/meshes/0/primitives/0/indices", json!(0), &format!("{primitive}accessor 0: indices are unsigned scalars"));
+    check("/accessors/0/type", json!("VEC2"), &format!("{primitive}POSITION is to be VEC3"));
+    check(
+        "/accessors/0/type",
+        json!("MAT4"),
+        &format!("{primitive}accessor 0: its type is not SCALAR, VEC2, VEC3 or VEC4"),
+    );
+    check("/accessors/0/bufferView", json!(4), &format!("{primitive}accessor 0: there is no bufferView 4"));
+    let many = "accessor 0: 5 rows, 12 bytes apart, from byte 0 of a view of 48 bytes; too many";
+    check("/accessors/0/count", json!(5), &format!("{primitive}{many}"));
+    let huge = "accessor 0: 4000000000 rows; the file may come to 1000000";
+    check("/accessors/0/count", json!(4_000_000_000_u64), &format!("{primitive}{huge}"));
+    check("/accessors/1/count", json!(2), &format!("{primitive}2 corners; triangles have 3 each"));
+    check("/accessors/0/count", json!(2), &format!("{primitive}there is no vertex 2; it has 2, counted from 0"));
+    let view = "accessor 0: bufferView 0: 99 bytes from byte 0; buffer 0 has 52";
+    check("/bufferViews/0/byteLength", json!(99), &format!("{primitive}{view}"));
+}
+
+/// Little that claims to be much: a mesh of a thousand triangles at ten thousand nodes.
+#[test]
+fn instances_are_bounded_by_the_bytes_that_are_there() {
+    let indices: Vec<u8> = [0, 1, 2].repeat(1000);
+    let mut document = square(4, &indices);
+    document["nodes"] = json!(vec![json!({ "mesh": 0 }); 10_000]);
+    document.as_object_mut().expect("an object").remove("scene");
+    document.as_object_mut().expect("an object").remove("scenes");
+    let found = sentences("gltf", document.to_string().as_bytes());
+    assert_eq!(found, ["mesh 0, primitive 0: the file comes to more than 1000000 triangles; send less at once"]);
+}
