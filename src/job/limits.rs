@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::key::Key;
-use super::{Input, Job};
+use super::{Input, Job, Output};
 use crate::fault::Fault;
 use crate::input::ReadLimits;
-use crate::output::{Counts, Size};
+use crate::output::{Counts, Size, surface};
 use crate::refine::{mesh_net, polygon_net};
 use crate::scheme::forecast::{self, Count, Forecast, ForecastError};
 use crate::scheme::step::StepError;
@@ -114,7 +114,9 @@ impl Limits {
         for (i, size) in sizes.iter().enumerate() {
             self.check_bytes(job, i, *size, &forecast)?;
         }
-        let memory_bytes = memory(&forecast, &sizes, &carried);
+        let (limit_rows, limit_bytes) = limit_surface(job, &forecast);
+        let forecast = Forecast { work: forecast.work.saturating_add(limit_rows), ..forecast };
+        let memory_bytes = memory(&forecast, &sizes, &carried).saturating_add(limit_bytes);
         if memory_bytes > self.max_job_bytes.into() {
             let place = format!("the job needs about {} of memory", in_bytes(memory_bytes));
             let bound = format!("this server allows {} a job", in_bytes(self.max_job_bytes.into()));
@@ -261,6 +263,22 @@ fn memory(forecast: &Forecast, sizes: &[Size], carried: &Carried) -> u128 {
     let net = count.vertices.saturating_mul(72 + 24 * carried.numbers).saturating_add(count.faces.saturating_mul(44));
     let net = net.saturating_add(forecast.topology_bytes);
     net.saturating_add(sizes.iter().map(|size| size.bytes()).max().unwrap_or(0))
+}
+
+/// Rows that the limits of an output need at most, and bytes: the topology of the last level (48 a face), the class of a
+/// vertex and its new point (29), two tangents and a normal (72).
+fn limit_surface(job: &Job, forecast: &Forecast) -> (u128, u128) {
+    let count = forecast.levels.last().copied().unwrap_or_default();
+    let needs = |output: &Output| {
+        let [positions, normals] = surface::limit(&output.options).map(u128::from);
+        if positions + normals == 0 {
+            return (0, 0);
+        }
+        let bytes = count.faces.saturating_mul(48).saturating_add(count.vertices.saturating_mul(29 + 72 * normals));
+        (count.vertices.saturating_mul(positions + 2 * normals), bytes)
+    };
+    let needs = job.outputs.iter().map(needs);
+    needs.fold((0, 0), |most, need| (most.0.max(need.0), most.1.max(need.1)))
 }
 
 /// A number with its digits in groups of three.

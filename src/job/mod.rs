@@ -13,8 +13,9 @@ pub use run::{Report, RunError, run};
 
 use crate::fault::{Fault, under};
 use crate::math::parameter::Values;
-use crate::output::{Format, ShapeKind};
+use crate::output::{Format, ShapeKind, surface};
 use crate::refine::curve::Reached;
+use crate::refine::{self, RefineError};
 use crate::scheme::plan::{Plan, PlanInput, Subject};
 use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::frame::Frame;
@@ -167,6 +168,10 @@ impl Job {
             faults.push(fault);
             (0, None)
         });
+        for (i, output) in outputs.iter().enumerate() {
+            let fault = check_limit(&input, &plan, output).err();
+            faults.extend(fault.map(|error| Fault::new(format!("/outputs/{i}/positions"), error.to_string())));
+        }
         faults.extend(plan.schedule(levels).err().map(|fault| fault.under("/plan")));
         if let Input::Mesh(mesh) = &input {
             let fault = crate::scheme::forecast::check_delta(&plan, &mesh.topology).err();
@@ -201,5 +206,13 @@ impl Job {
     pub fn id(&self) -> key::Key {
         let keys: Vec<_> = self.outputs.iter().map(|output| (output.name.clone(), self.key(output))).collect();
         key::job(&keys)
+    }
+}
+
+/// Whether limit positions of a mesh can be had where they are asked for, as far as that can be told before refining.
+fn check_limit(input: &Input, plan: &Plan, output: &Output) -> Result<(), RefineError> {
+    match (input, surface::limit(&output.options)) {
+        (Input::Mesh(mesh), [true, _]) => Ok(refine::check_limit(plan, mesh.topology.n_boundary() > 0)?),
+        _ => Ok(()),
     }
 }

@@ -7,7 +7,8 @@ use super::{Input, Output, curves};
 use crate::fault::Fault;
 use crate::output::FormatError;
 use crate::output::scene::{Curve, Scene, Shape};
-use crate::refine::{RefineError, RefinedMesh, curve, refine_mesh};
+use crate::output::surface;
+use crate::refine::{Asked, RefineError, RefinedMesh, curve, refine_mesh, refine_mesh_to_limit};
 use crate::scheme::mesh_net::{Boundary, MeshNet};
 use crate::shape::mesh::Mesh;
 use crate::watch::{Stage, Stopped, Watch};
@@ -37,6 +38,7 @@ impl From<RefineError> for RunError {
     fn from(error: RefineError) -> Self {
         match error {
             RefineError::Stopped(stopped) => Self::Stopped(stopped),
+            error @ RefineError::Unlimited(_) => Self::Impossible(Fault::new("/outputs/0", error.to_string())),
             other => Self::Impossible(Fault::new("/plan", other.to_string())),
         }
     }
@@ -70,9 +72,15 @@ pub fn run(admitted: &Admitted, output: &Output, out: &mut dyn Write, watch: &Wa
             write(&scene, output, out, watch)
         }
         Input::Mesh(mesh) => {
-            let refined = refine_mesh(mesh, &job.plan, &steps, watch)?;
+            let [positions, normals] = surface::limit(&output.options);
+            let asked = Asked { positions, normals };
+            let (refined, found) = if asked.anything() {
+                refine_mesh_to_limit(mesh, &job.plan, job.levels, asked, watch)?
+            } else {
+                (refine_mesh(mesh, &job.plan, &steps, watch)?, Vec::new())
+            };
             let control = control_mesh(mesh);
-            let warnings = &mesh.warnings;
+            let warnings = &[mesh.warnings.clone(), found].concat();
             let (shape, control) = (Shape::Mesh(&refined), Shape::Mesh(&control));
             let scene = Scene { shape, control, warnings, frame: job.frame };
             write(&scene, output, out, watch)

@@ -139,7 +139,7 @@ impl<'a> Buffer<'a> {
         }
         let (Some(mesh), Some(part)) = (self.mesh, self.parts.first()) else { return Ok(()) };
         if self.amounts.normals {
-            let normals = normals::area(mesh, part.positions.rows(), watch)?;
+            let normals = normals::of(mesh, part.positions.rows(), watch)?;
             stream.rows(0, &normals, |_, rows, out| {
                 vectors(rows, out, |normal| normals::or_up(normal).map(rounded));
             })?;

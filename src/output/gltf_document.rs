@@ -16,7 +16,7 @@ use crate::output::gltf_amounts::{NUMBER, ORIGIN, TRIANGLE, VECTOR};
 use crate::output::gltf_buffer::{Buffer, Part, Section};
 use crate::output::gltf_views::{Views, accessor, length};
 use crate::output::numbers::rounded;
-use crate::output::{FormatError, IDS};
+use crate::output::{FormatError, IDS, POSITIONS};
 use crate::shape::frame::{Frame, Unit, Up};
 
 /// Linear base colours of surfaces and of curves.
@@ -27,11 +27,13 @@ const CURVE: [f32; 4] = [0.03, 0.06, 0.1, 1.0];
 pub(super) const PARAMETERS: &[Parameter] = &[
     Parameter {
         name: "normals",
-        kind: Kind::Choice(&["area", "none"]),
+        kind: Kind::Choice(&["area", "none", "limit"]),
         unit: "",
         default: Otherwise::Text("area"),
-        doc: "Vertex normals of a mesh: weighted by the area of the faces around the vertex, or none (flat shading)",
+        doc: "Vertex normals of a mesh: weighted by the area of the faces around the vertex, none (flat shading), or \
+              those of the limit surface",
     },
+    POSITIONS,
     IDS,
 ];
 

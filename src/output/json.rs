@@ -12,7 +12,8 @@ use crate::output::curvature;
 use crate::output::numbers::{REAL, digits, real, reals, total, whole};
 use crate::output::scene::{Curve, MeshSource, Scene, Shape};
 use crate::output::stream::{Positions, Stream, unfit};
-use crate::output::{Counts, Format, FormatError, IDS, LIMIT, POSITIONS, ShapeKind, Size, TANGENTS};
+use crate::output::surface::{NORMALS, with_normals};
+use crate::output::{Counts, Format, FormatError, IDS, POSITIONS, ShapeKind, Size, TANGENTS, normals};
 use crate::watch::Watch;
 
 /// The option of discrete curvature.
@@ -29,7 +30,7 @@ const CURVATURE: Parameter = Parameter {
 const WARNINGS: usize = 8_192;
 const WARNINGS_FRAME: usize = 64;
 
-/// `{"positions":[...],"faces":[...]}` for meshes, `{"points":[...],"closed":...}` for one polygon,
+/// `{"positions":[...],"faces":[...]}` for meshes, with `"normals":[...]` (zero where undefined) on request, `{"points":[...],"closed":...}` for one polygon,
 /// `{"polygons":[...]}` with such objects for any other number of them.
 ///
 /// What a mesh carries follows in the notation of requests: `"channels":{...}`, `"groups":[...]` and `"materials":[...]` of
@@ -54,7 +55,7 @@ impl Format for Json {
     }
 
     fn parameters(&self) -> &'static [Parameter] {
-        &[POSITIONS, TANGENTS, CURVATURE, IDS]
+        &[POSITIONS, NORMALS, TANGENTS, CURVATURE, IDS]
     }
 
     fn suits(&self, kind: ShapeKind, options: &Values) -> Result<(), Fault> {
@@ -67,9 +68,6 @@ impl Format for Json {
                 "/tangents",
                 "a mesh has no tangents; ask for \"normals\" where a format knows them",
             ));
-        }
-        if options.choice(POSITIONS.name) == Some(LIMIT) && !curves {
-            return Err(Fault::new("/positions", "limit positions are offered for curves; leave it out"));
         }
         if options.flag(CURVATURE.name) && !bends {
             let detail = "discrete curvature is defined for curves in the plane and in space; leave it out";
@@ -100,9 +98,10 @@ impl Format for Json {
                 ])
             }
             ShapeKind::Mesh => {
-                let braces = br#"{"positions":[],"faces":[]}"#.len() as u128;
+                let braces = br#"{"positions":[],"faces":[],"normals":[]}"#.len() as u128;
                 let corner = digits(counts.vertices) + 1;
-                let rows = [(counts.vertices, row(3)), (counts.faces, 2), (counts.corners, corner)];
+                let vectors = if with_normals(options) { 2 } else { 1 };
+                let rows = [(counts.vertices, vectors * row(3)), (counts.faces, 2), (counts.corners, corner)];
                 let carried = carried::size(counts, options.flag("ids"));
                 total(&[(1, braces), rows[0], rows[1], rows[2], (1, carried)])
             }
@@ -122,6 +121,9 @@ impl Format for Json {
         match scene.shape {
             Shape::Mesh(mesh) => {
                 write_mesh(mesh, &mut stream)?;
+                if with_normals(options) {
+                    write_normals(mesh, &mut stream, watch)?;
+                }
                 carried::write(mesh, options.flag("ids"), &mut stream)?;
             }
             Shape::Curves([curve]) => write_curve(curve, options, &mut stream)?,
@@ -168,6 +170,19 @@ fn write_mesh(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), Form
                 whole(out, u64::from(vertex));
             }
         });
+    })?;
+    stream.bytes(b"]")
+}
+
+fn write_normals(mesh: &dyn MeshSource, stream: &mut Stream<'_>, watch: &Watch) -> Result<(), FormatError> {
+    let positions = Positions::of_mesh(mesh).held(watch)?;
+    let normals = normals::of(mesh, positions.rows(), watch)?;
+    drop(positions);
+    stream.bytes(br#","normals":["#)?;
+    stream.rows(0, &normals, |start, rows, out| {
+        for (i, normal) in rows.iter().enumerate() {
+            row(start + i, out, |out| reals(out, normal, b','));
+        }
     })?;
     stream.bytes(b"]")
 }

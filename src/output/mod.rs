@@ -2,6 +2,7 @@
 
 pub mod normals;
 pub mod scene;
+pub mod surface;
 
 mod bounds;
 mod colors;

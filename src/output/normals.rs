@@ -40,6 +40,15 @@ pub fn area(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Res
     Ok(sums)
 }
 
+/// The normals that the mesh brings (those of its limit), else [`area`].
+///
+/// # Errors
+/// [`Stopped`] when the watch says so.
+pub fn of(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Vec<[f64; 3]>, Stopped> {
+    let mut normals = Vec::new();
+    if mesh.normals(0..mesh.n_vertices(), &mut normals) { Ok(normals) } else { area(mesh, positions, watch) }
+}
+
 /// The vector of length one in the direction of `v`; zero for vectors without a direction.
 pub fn unit(v: [f64; 3]) -> [f64; 3] {
     let square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];

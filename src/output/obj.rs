@@ -2,12 +2,13 @@
 
 use std::io::Write;
 
-use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::math::parameter::{Parameter, Values};
 use crate::output::colors::within;
 use crate::output::numbers::{REAL, digits, real, reals, total, whole};
 use crate::output::scene::{Curve, Frame, MeshSource, Scene, Shape};
 use crate::output::stream::{Positions, Stream, holds_space};
-use crate::output::{Counts, Format, FormatError, IDS, ShapeKind, Size, normals};
+use crate::output::surface::{NORMALS, with_normals};
+use crate::output::{Counts, Format, FormatError, IDS, POSITIONS, ShapeKind, Size, normals};
 use crate::shape::labels::Labels;
 use crate::watch::Watch;
 
@@ -48,7 +49,7 @@ impl Format for Obj {
     }
 
     fn parameters(&self) -> &'static [Parameter] {
-        PARAMETERS
+        &[POSITIONS, NORMALS, IDS]
     }
 
     fn holds(&self, kind: ShapeKind) -> Result<(), String> {
@@ -107,26 +108,11 @@ impl Format for Obj {
     }
 }
 
-const PARAMETERS: &[Parameter] = &[
-    Parameter {
-        name: "normals",
-        kind: Kind::Choice(&["none", "area"]),
-        unit: "",
-        default: Default::Text("none"),
-        doc: "Vertex normals of a mesh: none, or weighted by the area of the faces around the vertex",
-    },
-    IDS,
-];
-
-fn with_normals(options: &Values) -> bool {
-    options.choice("normals") == Some("area")
-}
-
 fn write_with_normals(told: &Told<'_>, stream: &mut Stream<'_>, watch: &Watch) -> Result<(), FormatError> {
     let mesh = told.mesh;
     let positions = Positions::of_mesh(mesh).held(watch)?;
     told.vertices(&positions, stream)?;
-    let normals = normals::area(mesh, positions.rows(), watch)?;
+    let normals = normals::of(mesh, positions.rows(), watch)?;
     drop(positions);
     stream.rows(0, &normals, |_, rows, out| {
         for &normal in rows {

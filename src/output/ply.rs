@@ -9,7 +9,8 @@ use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::numbers::{REAL, digits, real, real_f32, rounded, total, whole};
 use crate::output::scene::{Curve, Frame, MeshSource, Scene, Shape};
 use crate::output::stream::{Positions, Stream, channels_within_f32, holds_space};
-use crate::output::{Counts, Format, FormatError, IDS, ShapeKind, Size, normals};
+use crate::output::surface::{NORMALS, with_normals};
+use crate::output::{Counts, Format, FormatError, IDS, POSITIONS, ShapeKind, Size, normals};
 use crate::shape::attachments::Attachments;
 use crate::watch::Watch;
 use carried::Carried;
@@ -84,13 +85,8 @@ const PARAMETERS: &[Parameter] = &[
         default: Default::Text("f64"),
         doc: "Coordinates as double, or rounded once to float",
     },
-    Parameter {
-        name: "normals",
-        kind: Kind::Choice(&["none", "area"]),
-        unit: "",
-        default: Default::Text("none"),
-        doc: "Vertex normals of a mesh: none, or weighted by the area of the faces around the vertex",
-    },
+    NORMALS,
+    POSITIONS,
     Parameter {
         name: "face_sizes",
         kind: Kind::Choice(&["uchar", "uint"]),
@@ -128,7 +124,7 @@ impl Layout {
                 (false, _) => Encoding::Uchar,
             },
             float: options.choice("precision") == Some("f32"),
-            normals: options.choice("normals") == Some("area"),
+            normals: with_normals(options),
             ids: options.flag("ids"),
         }
     }
@@ -285,7 +281,7 @@ fn write_mesh(
     let positions = within(Positions::of_mesh(mesh), layout);
     if layout.normals {
         let positions = positions.held(watch)?;
-        let normals = normals::area(mesh, positions.rows(), watch)?;
+        let normals = normals::of(mesh, positions.rows(), watch)?;
         stream.positions(&positions, |start, rows, out| {
             let carried = Carried::of(mesh, layout, start, rows.len());
             for (i, (&[x, y, z], &normal)) in rows.iter().zip(&normals[start..]).enumerate() {

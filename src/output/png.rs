@@ -7,6 +7,7 @@ use image::{ExtendedColorType, ImageEncoder};
 
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::output::POSITIONS;
 use crate::output::picture::drawing::Drawing;
 use crate::output::picture::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH, mesh, paint};
 use crate::output::scene::{Scene, Shape};
@@ -34,6 +35,14 @@ const PARAMETERS: &[Parameter] = &[
         unit: "",
         default: Default::Text("smooth"),
         doc: "Whether light sees a smooth surface or its faces.",
+    },
+    POSITIONS,
+    Parameter {
+        name: "normals",
+        kind: Kind::Choice(&["area", "limit"]),
+        unit: "",
+        default: Default::Text("area"),
+        doc: "What a smooth surface is lit by: normals weighted by the area of the faces around a vertex, or those of the limit surface.",
     },
     COLOR,
     CAMERA,

@@ -12,6 +12,7 @@ use std::io::Write;
 use serde_json::{Value, json};
 
 use crate::math::parameter::{Parameter, Values};
+use crate::output::POSITIONS;
 use crate::output::bounds::Bounds;
 use crate::output::numbers::total;
 use crate::output::scene::{Scene, Shape};
@@ -53,7 +54,7 @@ impl Format for Stats {
     }
 
     fn parameters(&self) -> &'static [Parameter] {
-        &[]
+        &[POSITIONS]
     }
 
     fn holds(&self, _kind: ShapeKind) -> Result<(), String> {

@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use crate::math::parameter::{Parameter, Values};
+use crate::output::POSITIONS;
 use crate::output::numbers::{rounded, total};
 use crate::output::scene::{MeshSource, Scene, Shape, triangles};
 use crate::output::stream::{Positions, Stream};
@@ -33,7 +34,7 @@ impl Format for Stl {
     }
 
     fn parameters(&self) -> &'static [Parameter] {
-        &[]
+        &[POSITIONS]
     }
 
     fn holds(&self, kind: ShapeKind) -> Result<(), String> {

@@ -2,13 +2,18 @@
 
 pub mod curve;
 
+mod limit;
 mod refined;
 
 pub use curve::refine_polygon;
+pub use limit::{Asked, Unlimited, check as check_limit};
 pub use refined::RefinedMesh;
+
+use limit::Limits;
 
 use std::sync::Arc;
 
+use crate::fault::Fault;
 use crate::math::planar;
 use crate::math::rows::{RowSource, blend};
 use crate::scheme::mesh_net::MeshNet;
@@ -40,6 +45,15 @@ pub enum RefineError {
         /// The first such level.
         level: u32,
     },
+    /// There is no limit.
+    #[error("{0}; ask for \"positions\": \"refined\"")]
+    Unlimited(Unlimited),
+}
+
+impl From<Unlimited> for RefineError {
+    fn from(error: Unlimited) -> Self {
+        if let Unlimited::Stopped(stopped) = error { Self::Stopped(stopped) } else { Self::Unlimited(error) }
+    }
 }
 
 /// The net of a polygon before refinement.
@@ -72,18 +86,61 @@ fn start_tangents(polygon: &Polygon, watch: &Watch) -> Result<Vec<f64>, Stopped>
 /// # Errors
 /// [`RefineError`].
 pub fn refine_mesh(mesh: &Mesh, plan: &Plan, steps: &[Scheduled], watch: &Watch) -> Result<RefinedMesh, RefineError> {
-    let mut net = mesh_net(mesh, plan);
-    let mut points = Points::new(mesh.positions.clone(), 3);
-    let channels = mesh.attachments.channels.iter();
-    let mut channels: Vec<Points> = channels.map(|c| Points::new(c.values.clone(), c.width)).collect();
+    let (net, points) = act_on(mesh_net(mesh, plan), numbers(mesh), plan, steps, watch)?;
+    Ok(assembled(mesh, &net, points.into_iter().map(|points| points.now).collect()))
+}
+
+/// Refines a mesh by `levels` levels and finds what is asked for of its limit; the warnings say what has none.
+///
+/// # Errors
+/// [`RefineError`], also where there is no limit.
+pub fn refine_mesh_to_limit(
+    mesh: &Mesh,
+    plan: &Plan,
+    levels: u32,
+    asked: Asked,
+    watch: &Watch,
+) -> Result<(RefinedMesh, Vec<String>), RefineError> {
+    let later = |fault: Fault| Unlimited::Later(fault.detail);
+    let steps = plan.schedule(levels + limit::AHEAD).map_err(later)?;
+    let (steps, ahead) = steps.split_at(plan.word.prefix.len() + levels as usize * plan.word.cycle.len());
+    let (net, points) = act_on(mesh_net(mesh, plan), numbers(mesh), plan, steps, watch)?;
+    let found = match limit::limits(plan, &net, &points, ahead, asked, watch) {
+        Err(error) if !asked.positions && !matches!(error, Unlimited::Stopped(_)) => Limits::without_normals(&error),
+        found => found?,
+    };
+    let refined = || points.into_iter().map(|points| points.now).collect();
+    let mesh = assembled(mesh, &net, found.points.unwrap_or_else(refined)).with_normals(found.normals);
+    Ok((mesh, found.warning.into_iter().collect()))
+}
+
+/// What is refined of a mesh: its positions, then its channels.
+fn numbers(mesh: &Mesh) -> Vec<Points> {
+    let channels = mesh.attachments.channels.iter().map(|c| Points::new(c.values.clone(), c.width));
+    std::iter::once(Points::new(mesh.positions.clone(), 3)).chain(channels).collect()
+}
+
+/// The refined mesh of a net, with its positions and channels.
+fn assembled(mesh: &Mesh, net: &MeshNet, numbers: Vec<Vec<f64>>) -> RefinedMesh {
+    let mut numbers = numbers.into_iter();
+    let points = numbers.next().unwrap_or_default();
+    RefinedMesh::new(net, points).carrying(mesh.attachments.clone(), numbers.collect())
+}
+
+/// Applies steps to a net and its points.
+fn act_on(
+    mut net: MeshNet,
+    mut points: Vec<Points>,
+    plan: &Plan,
+    steps: &[Scheduled],
+    watch: &Watch,
+) -> Result<(MeshNet, Vec<Points>), RefineError> {
     for step in steps {
         let next = step.letter.operator.on_mesh(&net, &values(plan, step)).map_err(|error| at(step, error))?;
-        points.act(&next.action, step, watch)?;
-        channels.iter_mut().try_for_each(|channel| channel.act(&next.action, step, watch))?;
+        points.iter_mut().try_for_each(|points| points.act(&next.action, step, watch))?;
         net = next.net;
     }
-    let channels = channels.into_iter().map(|channel| channel.now).collect();
-    Ok(RefinedMesh::new(&net, points.now).carrying(mesh.attachments.clone(), channels))
+    Ok((net, points))
 }
 
 fn values<'a>(plan: &'a Plan, step: &'a Scheduled) -> Values<'a> {
@@ -104,6 +161,7 @@ fn at(step: &Scheduled, error: StepError) -> RefineError {
 }
 
 /// Points of a net, `n x width`, with those that entered the last U.
+#[derive(Clone)]
 struct Points {
     now: Vec<f64>,
     anchor: Vec<f64>,

@@ -15,6 +15,8 @@ use crate::shape::topology::{Topology, index};
 #[derive(Debug)]
 pub struct RefinedMesh {
     points: Vec<f64>,
+    /// Normals of the limit, if there are any, in the same order.
+    normals: Option<Vec<[f64; 3]>>,
     base: Arc<Topology>,
     /// `None` when the mesh was not split since its base: then the orders agree.
     order: Option<Order>,
@@ -39,13 +41,34 @@ impl RefinedMesh {
         let order = net.order();
         let shown = Shown::new(&net.base, order.as_ref(), &net.holes);
         let base = net.base.clone();
-        Self { points, base, order, shown, attachments: Arc::default(), channels: Vec::new() }
+        Self { points, normals: None, base, order, shown, attachments: Arc::default(), channels: Vec::new() }
     }
 
     /// The same mesh with what it carries: for each channel its numbers in the order of construction.
     #[must_use]
     pub fn carrying(self, attachments: Arc<Attachments>, channels: Vec<Vec<f64>>) -> Self {
         Self { attachments, channels, ..self }
+    }
+
+    /// Some rows of an array in the order of construction, in the documented one.
+    fn ordered(&self, rows: &[[f64; 3]], range: Range<usize>, out: &mut Vec<[f64; 3]>) {
+        match &self.order {
+            None => {
+                out.clear();
+                out.extend_from_slice(&rows[range]);
+            }
+            Some(order) => range
+                .into_par_iter()
+                .with_min_len(4096)
+                .map(|v| rows[order.constructed(v) as usize])
+                .collect_into_vec(out),
+        }
+    }
+
+    /// The same mesh with unit normals in the order of construction, if there are any.
+    #[must_use]
+    pub(super) fn with_normals(self, normals: Option<Vec<[f64; 3]>>) -> Self {
+        Self { normals, ..self }
     }
 
     /// Positions of all vertices in the documented order, model units.
@@ -105,18 +128,11 @@ impl MeshSource for RefinedMesh {
     }
 
     fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
-        let (points, _) = self.points.as_chunks::<3>();
-        match &self.order {
-            None => {
-                out.clear();
-                out.extend_from_slice(&points[range]);
-            }
-            Some(order) => range
-                .into_par_iter()
-                .with_min_len(4096)
-                .map(|v| points[order.constructed(v) as usize])
-                .collect_into_vec(out),
-        }
+        self.ordered(self.points.as_chunks::<3>().0, range, out);
+    }
+
+    fn normals(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) -> bool {
+        self.normals.as_ref().map(|normals| self.ordered(normals, range, out)).is_some()
     }
 
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {

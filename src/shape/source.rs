@@ -40,6 +40,11 @@ pub trait MeshSource: std::fmt::Debug + Sync {
     fn n_corners(&self) -> usize;
     /// Fills `out` with the positions (model units) of the vertices in `range`; what it held before is dropped.
     fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>);
+    /// Fills `out` with the unit normals of the vertices in `range` (zero where undefined) and answers true, if the mesh
+    /// brings its own; else leaves them to the writer.
+    fn normals(&self, _range: Range<usize>, _out: &mut Vec<[f64; 3]>) -> bool {
+        false
+    }
     /// Fills `out` with the faces in `range`, counter-clockwise seen from outside; what it held before is dropped.
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk);
 

@@ -22,6 +22,7 @@ type Part = fn(&mut Table);
 
 const PARTS: &[(&str, Part)] = &[
     ("refine", refine::measure),
+    ("limits", refine::measure_limits),
     ("schemes", schemes::measure),
     ("pictures", pictures::measure),
     ("encode", encode::measure),

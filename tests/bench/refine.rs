@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use planish::refine::refine_mesh;
+use planish::refine::{Asked, refine_mesh, refine_mesh_to_limit};
 use planish::shape::source::{FaceChunk, MeshSource};
 use planish::watch::Watch;
 use rayon::prelude::*;
@@ -21,6 +21,28 @@ pub(crate) fn measure(table: &mut Table) {
     }
     for levels in 3..=6 {
         scheme(table, "push-back", CIRCLES, levels, Aim::None);
+    }
+}
+
+/// The limit surface: what it costs beside the level it belongs to, and beside one more level.
+pub(crate) fn measure_limits(table: &mut Table) {
+    for (preset, parameters) in [("catmull-clark", &[][..]), ("push-back", CIRCLES)] {
+        let (levels, mesh, watch) = (6, nets::sphere(16), Watch::new());
+        let (plan, steps) = nets::plan(preset, parameters, levels);
+        let (_, finer) = nets::plan(preset, parameters, levels + 1);
+        let refined = best(|| drop(black_box(refine_mesh(&mesh, &plan, &steps, &watch))));
+        let next = best(|| drop(black_box(refine_mesh(&mesh, &plan, &finer, &watch))));
+        for (what, asked) in [
+            ("positions", Asked { positions: true, normals: false }),
+            ("positions and normals", Asked { positions: true, normals: true }),
+        ] {
+            let all = best(|| drop(black_box(refine_mesh_to_limit(&mesh, &plan, levels, asked, &watch))));
+            let limit = all.saturating_sub(refined);
+            let ratio = limit.as_secs_f64() / next.saturating_sub(refined).as_secs_f64();
+            let what = format!("limit {what} of {preset}, level {levels}");
+            let detail = format!("{:.0} ms after {:.0} ms of refining", ms(limit), ms(refined));
+            table.add(&what, (ratio, "of one more level"), "", Aim::Below(1.5), &detail);
+        }
     }
 }
 

@@ -12,6 +12,7 @@ mod house;
 mod http;
 mod keys;
 mod laws;
+mod limits;
 mod nets;
 mod openapi;
 mod readers;

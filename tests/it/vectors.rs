@@ -3,6 +3,9 @@
 //!
 //! A new scheme adds its pattern to one of the tables below; a new kind of file adds a function.
 
+mod masks;
+mod opensubdiv;
+
 use std::fs;
 use std::path::PathBuf;
 
@@ -65,12 +68,23 @@ fn surfaces_agree_with_the_vectors() {
 
 #[test]
 fn catmull_clark_agrees_with_opensubdiv() {
-    assert_eq!(reproduced(OPENSUBDIV, opensubdiv), 58, "levels compared");
+    assert_eq!(reproduced(OPENSUBDIV, opensubdiv::levels), 58, "levels compared");
 }
 
 #[test]
 fn loop_agrees_with_opensubdiv() {
-    assert_eq!(reproduced(LOOP, opensubdiv), 28, "levels compared");
+    assert_eq!(reproduced(LOOP, opensubdiv::levels), 28, "levels compared");
+}
+
+#[test]
+fn limit_surfaces_agree_with_opensubdiv() {
+    assert_eq!(reproduced(OPENSUBDIV, opensubdiv::limits), 18, "limit surfaces compared");
+    assert_eq!(reproduced(LOOP, opensubdiv::limits), 9, "limit surfaces compared");
+}
+
+#[test]
+fn limit_masks_agree_with_the_analysis() {
+    assert_eq!(reproduced(&[("eig_surfaces_quad", 1)], masks::limits), 24, "masks compared");
 }
 
 #[test]
@@ -305,54 +319,6 @@ fn surface(vector: &Value) -> usize {
         }
     }
     compared
-}
-
-fn opensubdiv(vector: &Value) -> usize {
-    let input = &vector["input"];
-    let preset = match vector["scheme"].as_str() {
-        Some("catmull_clark") => "catmull-clark",
-        Some("loop") => "loop",
-        other => panic!("no preset is known for {other:?}"),
-    };
-    let list = |name: &str| input[name].as_array().expect("tags are a list").iter();
-    let creases: Vec<_> =
-        list("creases").map(|crease| json!({ "edge": [crease[0], crease[1]], "sharpness": crease[2] })).collect();
-    let corners: Vec<_> =
-        list("corners").map(|corner| json!({ "vertex": corner[0], "sharpness": corner[1] })).collect();
-    let mesh = json!({ "positions": input["points"], "faces": input["faces"], "creases": creases, "corners": corners });
-    let creasing = &vector["creasing"];
-    let mut parameters = json!({ "creasing": creasing });
-    if preset == "catmull-clark" {
-        parameters["triangle_rule"] = vector["triangle_rule"].clone();
-    }
-    let boundary = vector["boundary_interpolation"].as_str();
-    let plan = |boundary| json!({ "preset": preset, "boundary": boundary, "parameters": parameters });
-    // OpenSubdiv does not keep Chaikin's weights below 1, as the note in the file says; planish does
-    let same = if creasing == "chaikin" { 1 } else { usize::MAX };
-    let levels = vector["levels"].as_array().expect("levels are a list").iter().take(same);
-    levels
-        .map(|level| match boundary {
-            Some("edge") => check_mesh(vector, &mesh, &plan("edge-only"), level, "vertices"),
-            Some("edgecorner") => check_mesh(vector, &mesh, &plan("edge-and-corner"), level, "vertices"),
-            Some("none") => check_shown(vector, &mesh, &plan("none"), level),
-            other => panic!("no rule is known for {other:?}"),
-        })
-        .count()
-}
-
-/// Compares the faces that are shown: each is a face of the vector.
-fn check_shown(vector: &Value, mesh: &Value, plan: &Value, level: &Value) {
-    let found = Net::of(&json(json!({ "input": { "mesh": mesh }, "plan": plan, "levels": level["level"] })));
-    let expected: Vec<[f64; 3]> = points(&level["vertices"]);
-    let faces: Vec<Vec<usize>> = points(&level["faces"]);
-    // 4 of 16 faces do not touch the boundary
-    assert_eq!(4 * found.faces.len(), faces.len(), "{}", vector["id"]);
-    let close = |p: &[f64; 3], q: &[f64; 3]| distance(p, q) <= tolerance(vector);
-    for face in &found.faces {
-        let same =
-            |other: &Vec<usize>| face.iter().all(|&v| other.iter().any(|&u| close(&found.positions[v], &expected[u])));
-        assert!(faces.iter().any(same), "{} level {}: {face:?}", vector["id"], level["level"]);
-    }
 }
 
 /// A word `U C^repeats`, with a push-back where the vector has a delta: then it is Loop's scheme.

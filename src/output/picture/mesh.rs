@@ -26,7 +26,7 @@ pub(in crate::output) fn picture(
     let body = shows("surface") || shows("wireframe");
     let positions = if body { positions(mesh, watch)? } else { Vec::new() };
     let triangles = if body { triangulated(mesh, watch)? } else { Vec::new() };
-    let smooth = if shows("surface") && !options.flat() { normals::area(mesh, &positions, watch)? } else { Vec::new() };
+    let smooth = if shows("surface") && !options.flat() { normals::of(mesh, &positions, watch)? } else { Vec::new() };
     let flat = if shows("surface") && options.flat() { face_normals(mesh, &positions, watch)? } else { Vec::new() };
     let wires = if shows("wireframe") { edges(mesh, watch)? } else { Vec::new() };
     let net = match scene.control {

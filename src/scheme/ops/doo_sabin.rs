@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::cosines::cosine;
 use super::upsample::ratio;
-use super::{Operator, Role};
+use super::{Heirs, Operator, Role};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::census::{Census, sum};
 use crate::scheme::mesh_net::MeshNet;
@@ -45,6 +45,10 @@ impl Operator for DooSabin {
 
     fn role(&self) -> Role {
         Role::Smooth
+    }
+
+    fn heirs(&self) -> Heirs {
+        Heirs::Faces
     }
 
     fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::upsample::ratio;
-use super::{Operator, Role};
+use super::{Heirs, Operator, Role};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
 use crate::scheme::mesh_net::MeshNet;
@@ -40,6 +40,10 @@ impl Operator for Dual {
 
     fn role(&self) -> Role {
         Role::Average
+    }
+
+    fn heirs(&self) -> Heirs {
+        Heirs::Dual
     }
 
     fn uses(&self) -> &'static [&'static str] {

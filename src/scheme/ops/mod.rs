@@ -105,6 +105,27 @@ pub enum Role {
     Smooth,
 }
 
+/// What becomes of the vertices and faces of a mesh in one step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Heirs {
+    /// They stay what they are.
+    Same,
+    /// The mesh gets finer; vertices stay vertices and keep their numbers.
+    Vertices,
+    /// Vertices become faces and faces vertices.
+    Dual,
+    /// The mesh gets finer; vertices become faces, faces stay faces, and new vertices stand in the corners of old faces,
+    /// in their order.
+    Faces,
+}
+
+impl Heirs {
+    /// Whether the mesh gets finer.
+    pub fn refine(self) -> bool {
+        matches!(self, Self::Vertices | Self::Faces)
+    }
+}
+
 /// Which sharp edges and vertices an operator follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Follows {
@@ -163,6 +184,10 @@ pub trait Operator: fmt::Debug + Send + Sync {
     /// Whether it moves the points of a polygon by half a step.
     fn shifts(&self, letter: &Letter) -> bool {
         self.window(letter, 0).is_some_and(|window| window.arity == 1 && (window.first + window.last) % 2 != 0)
+    }
+    /// What becomes of the vertices and faces of a mesh.
+    fn heirs(&self) -> Heirs {
+        if self.role() == Role::Upsample { Heirs::Vertices } else { Heirs::Same }
     }
     /// Which sharp edges and vertices of meshes it follows.
     fn follows(&self) -> Follows {

@@ -2,7 +2,7 @@
 
 use super::cosines::cosine;
 use super::upsample::ratio;
-use super::{Operator, Role};
+use super::{Heirs, Operator, Role};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::census::{Census, sum};
 use crate::scheme::mesh_net::MeshNet;
@@ -38,6 +38,10 @@ impl Operator for RootThree {
 
     fn role(&self) -> Role {
         Role::Smooth
+    }
+
+    fn heirs(&self) -> Heirs {
+        Heirs::Vertices
     }
 
     fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {

@@ -35,8 +35,15 @@ pub(crate) fn render(job: &serde_json::Value) -> Result<(Vec<u8>, Report), Vec<F
 }
 
 /// The json output of a job without outputs.
-pub(crate) fn json(mut job: serde_json::Value) -> serde_json::Value {
-    job["outputs"] = serde_json::json!([{ "format": "json" }]);
+pub(crate) fn json(job: serde_json::Value) -> serde_json::Value {
+    json_with(job, &serde_json::json!({}))
+}
+
+/// The json output, with options, of a job without outputs.
+pub(crate) fn json_with(mut job: serde_json::Value, options: &serde_json::Value) -> serde_json::Value {
+    let mut output = options.clone();
+    output["format"] = "json".into();
+    job["outputs"] = serde_json::json!([output]);
     let (bytes, _) = render(&job).unwrap_or_else(|faults| panic!("{faults:?} for {job}"));
     serde_json::from_slice(&bytes).expect("the json output is JSON")
 }

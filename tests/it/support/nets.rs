@@ -153,6 +153,35 @@ pub(crate) fn prism(n: usize) -> Net {
     Net { positions, faces }
 }
 
+/// A vertex with `n` sectors of `rings x rings` quads around it, and for each vertex but the centre its place in its
+/// sector: `i` steps along the sector's first side, `j` to the left.
+pub(crate) fn sectors_of_quads(n: usize, rings: usize) -> (Net, Vec<Option<[usize; 2]>>) {
+    let mut places = vec![None];
+    let mut positions = vec![[0.0, 0.0, 1.0]];
+    for sector in 0..n {
+        for (i, j) in (1..=rings).flat_map(|i| (0..=rings).map(move |j| (i, j))) {
+            places.push(Some([i, j]));
+            let whole = |k: usize| f64::from(u32::try_from(k).expect("small"));
+            let angle = |s: usize| 2.0 * std::f64::consts::PI * whole(s) / whole(n);
+            let (a, b) = (angle(sector), angle(sector + 1));
+            let along = |f: fn(f64) -> f64| whole(i) * f(a) + whole(j) * f(b);
+            positions.push([
+                along(planish::math::functions::cos),
+                along(planish::math::functions::sin),
+                whole((3 * i + j * j) % 5) / 16.0,
+            ]);
+        }
+    }
+    let at = |sector: usize, i: usize, j: usize| match (i, j) {
+        (0, 0) => 0,
+        (0, j) => 1 + ((sector + 1) % n * rings + j - 1) * (rings + 1),
+        (i, j) => 1 + (sector * rings + i - 1) * (rings + 1) + j,
+    };
+    let cells = (0..n).flat_map(|s| (0..rings).flat_map(move |i| (0..rings).map(move |j| (s, i, j))));
+    let faces = cells.map(|(s, i, j)| vec![at(s, i, j), at(s, i + 1, j), at(s, i + 1, j + 1), at(s, i, j + 1)]);
+    (Net { positions, faces: faces.collect() }, places)
+}
+
 /// A random manifold: one of the families, some faces taken away, some split into triangles, some pairs merged, vertices
 /// renumbered, and some isolated ones added.
 pub(crate) fn manifold() -> impl Strategy<Value = Net> {

@@ -1,0 +1,24 @@
+//! Options that formats of meshes share.
+
+use super::{LIMIT, POSITIONS};
+use crate::math::parameter::{Default, Kind, Parameter, Values};
+
+/// Normals of vertices, for formats that have none unless asked.
+pub(super) const NORMALS: Parameter = Parameter {
+    name: "normals",
+    kind: Kind::Choice(&["none", "area", "limit"]),
+    unit: "",
+    default: Default::Text("none"),
+    doc: "Vertex normals of a mesh: none, weighted by the area of the faces around the vertex, or those of the limit \
+          surface.",
+};
+
+/// Whether normals are asked for.
+pub(super) fn with_normals(options: &Values) -> bool {
+    matches!(options.choice("normals"), Some("area" | "limit"))
+}
+
+/// Whether the limit surface is asked for: its positions, its normals.
+pub fn limit(options: &Values) -> [bool; 2] {
+    [POSITIONS.name, NORMALS.name].map(|name| options.choice(name) == Some(LIMIT))
+}

@@ -1,0 +1,149 @@
+//! The cycle of a plan as its limit needs it: level by level on patches, until its numbers no longer change.
+
+use super::Unlimited;
+use super::matrix::{Matrix, Record, Weights};
+use super::patch::{Centre, Found, Patch, Rings, Whole};
+use crate::math::rows::Rows;
+use crate::refine::values;
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::ops::Heirs;
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::step::{Action, StepError};
+use crate::shape::topology::{Topology, index};
+
+/// Levels that are scheduled beyond the last one. An alpha that is halved as often is below 1e-18 of what it was.
+pub(in crate::refine) const AHEAD: u32 = 62;
+
+/// Numbers that differ by no more than this, relative to 1 or their size, are the same.
+const SAME: f64 = 2e-16;
+
+/// The operators of the levels after the last one, each level starting with an upsampling.
+#[derive(Debug)]
+pub(super) struct Cycle<'a> {
+    plan: &'a Plan,
+    levels: Vec<&'a [Scheduled]>,
+    /// The first of these levels from which on no number changes.
+    pub(super) settled: usize,
+}
+
+/// What a level makes of a patch.
+#[derive(Debug)]
+pub(super) struct Child {
+    /// The patch around the centre's child.
+    pub(super) patch: Patch,
+    /// From the points of the patch to those of the child's.
+    pub(super) matrix: Matrix,
+}
+
+impl<'a> Cycle<'a> {
+    /// The levels in `ahead`, which starts with an upsampling; `length` operators each.
+    pub(super) fn new(plan: &'a Plan, ahead: &'a [Scheduled], length: usize) -> Self {
+        let levels: Vec<&[Scheduled]> = ahead.chunks_exact(length).collect();
+        let last = levels.len() - 1;
+        let settled = (0..last).rev().take_while(|&level| same(levels[level], levels[last])).last().unwrap_or(last);
+        Self { plan, levels, settled }
+    }
+
+    /// One level on the patch around a centre. Levels beyond the settled one are like it.
+    pub(super) fn step(&self, level: usize, patch: &Patch, rings: Rings) -> Result<Child, Unlimited> {
+        let (found, record, origins) = self.refined(level, patch, rings, Weights::Exact)?;
+        let matrix = record.matrix(&found.vertices[..found.patch.support], &origins, patch.support);
+        Ok(Child { patch: found.patch, matrix: matrix.ok_or(Unlimited::Reach)? })
+    }
+
+    /// Whether what could have a weight in the child's support lies in the support of the patch; and the child.
+    pub(super) fn closes(&self, patch: &Patch, rings: Rings) -> Result<(bool, Patch), Unlimited> {
+        let (found, record, origins) = self.refined(self.settled, patch, rings, Weights::Structural)?;
+        let matrix = record.matrix(&found.vertices[..found.patch.support], &origins, patch.support);
+        Ok((matrix.is_some(), found.patch))
+    }
+
+    fn refined(
+        &self,
+        level: usize,
+        patch: &Patch,
+        rings: Rings,
+        weights: Weights,
+    ) -> Result<(Found, Record, Vec<u32>), Unlimited> {
+        let (mut net, origins) = patch.net(self.plan.rules).ok_or(Unlimited::Reach)?;
+        let mut record = Record::new(weights);
+        let mut centre = patch.centre();
+        for step in self.levels[level.min(self.settled)] {
+            let next = step.letter.operator.on_mesh(&net, &values(self.plan, step)).map_err(Unlimited::from)?;
+            record.add(&next.action)?;
+            centre = heir(centre, step.letter.operator.heirs(), [&net, &next.net], record.last())?;
+            net = next.net;
+        }
+        let topology = net.topology();
+        let whole = Whole::of(&net, &topology);
+        let found = whole.least_patch(centre, rings).ok_or(Unlimited::Size)?;
+        Ok((found, record, origins))
+    }
+
+    /// A net after the settled level: what the probes of the scheme look at.
+    pub(super) fn applied(
+        &self,
+        net: MeshNet,
+        mut act: impl FnMut(&Action, &Scheduled) -> Result<(), Unlimited>,
+    ) -> Result<MeshNet, Unlimited> {
+        let mut net = net;
+        for step in self.levels[self.settled] {
+            let next = step.letter.operator.on_mesh(&net, &values(self.plan, step)).map_err(Unlimited::from)?;
+            act(&next.action, step)?;
+            net = next.net;
+        }
+        Ok(net)
+    }
+
+    /// How many operators put faces in the place of vertices.
+    pub(super) fn n_duals(&self) -> usize {
+        let swaps = |step: &&Scheduled| matches!(step.letter.operator.heirs(), Heirs::Dual | Heirs::Faces);
+        self.levels[self.settled].iter().filter(swaps).count()
+    }
+}
+
+fn same(a: &[Scheduled], b: &[Scheduled]) -> bool {
+    let close = |x: f64, y: f64| (x - y).abs() <= SAME * y.abs().max(1.0);
+    a.iter().zip(b).all(|(a, b)| close(a.kernel, b.kernel) && close(a.compensation, b.compensation))
+}
+
+/// What becomes of the centre in one step.
+fn heir(
+    centre: Centre,
+    heirs: Heirs,
+    [before, after]: [&MeshNet; 2],
+    rows: Option<&Rows>,
+) -> Result<Centre, Unlimited> {
+    let lost = || Unlimited::from(StepError::LostPoints("the boundary"));
+    let face_of = |vertices: &[u32]| {
+        let topology = after.topology();
+        let found = (0..topology.n_faces()).find(|&f| same_set(topology.face(f), vertices));
+        found.map(|f| Centre::Face(index(f))).ok_or_else(lost)
+    };
+    match (centre, heirs, rows) {
+        // a dual: the new vertices that an old one takes part in
+        (Centre::Vertex(v), Heirs::Dual, Some(rows)) => {
+            let around: Vec<u32> = (0..rows.len()).filter(|&r| rows.row(r).0.contains(&v)).map(index).collect();
+            face_of(&around)
+        }
+        // a dual or a split into quads: the new vertex that is a mean of the old face
+        (Centre::Face(f), Heirs::Dual | Heirs::Vertices, Some(rows)) => {
+            let topology = before.topology();
+            let face = topology.face(f as usize);
+            let is_child = |r: &usize| same_set(rows.row(*r).0, face);
+            (0..rows.len()).find(is_child).map(|r| Centre::Vertex(index(r))).ok_or_else(lost)
+        }
+        (Centre::Vertex(v), Heirs::Faces, _) => face_of(&before.topology().ring(v as usize).collect::<Vec<_>>()),
+        (Centre::Face(f), Heirs::Faces, _) => face_of(&before.topology().corners(f as usize).collect::<Vec<_>>()),
+        (centre, ..) => Ok(centre),
+    }
+}
+
+fn same_set(a: &[u32], b: &[u32]) -> bool {
+    a.len() == b.len() && a.iter().all(|x| b.contains(x))
+}
+
+/// Whether every face is a triangle.
+pub(super) fn is_triangular(topology: &Topology) -> bool {
+    topology.n_faces() > 0 && (0..topology.n_faces()).all(|f| topology.face(f).len() == 3)
+}

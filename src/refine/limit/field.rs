@@ -1,0 +1,256 @@
+//! The masks of all vertices of a net: regular ones by walking a grid, the others by their patches.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::Unlimited;
+use super::mask::{Mask, Masks};
+use super::patch::{Centre, Found, Patch, Rings, Whole};
+use super::probe::Regular;
+use super::tangent::NoTangents;
+use crate::math::rows::{RowSource, Rows};
+use crate::scheme::mesh_net::MeshNet;
+use crate::shape::topology::{Topology, index};
+use crate::watch::Watch;
+
+/// Vertices whose patches are compared at a time.
+const CHUNK: usize = 16_384;
+/// The class of vertices around which the net is a grid of quads.
+const REGULAR: u32 = 0;
+/// The class of vertices without faces.
+const ALONE: u32 = 1;
+
+/// The masks of all vertices of a net.
+#[derive(Debug)]
+pub(super) struct Field {
+    net: MeshNet,
+    /// Its topology made explicit.
+    topology: Arc<Topology>,
+    rings: Rings,
+    classes: Vec<u32>,
+    masks: Vec<Arc<Mask>>,
+    /// The mask on a grid, in the order of [`grid`].
+    regular: Option<Mask>,
+}
+
+/// What a row of a field is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Wish {
+    /// The limit position.
+    Position,
+    /// One of the two tangents.
+    Tangent(usize),
+}
+
+impl Field {
+    /// Finds the masks of all vertices.
+    pub(super) fn new(
+        net: MeshNet,
+        regular: Regular,
+        rings: Rings,
+        masks: &Masks<'_>,
+        watch: &Watch,
+    ) -> Result<Self, Unlimited> {
+        let topology = net.topology();
+        let whole = Whole::of(&net, &topology);
+        let near = match regular {
+            Regular::Quads => near_irregular(&whole, rings),
+            Regular::Triangles => vec![true; topology.n_vertices()],
+        };
+        let on_grid = near.iter().any(|near| !near);
+        let grid = if on_grid { Some(regular_mask(rings, masks)?) } else { None };
+        let mut classes = vec![REGULAR; topology.n_vertices()];
+        let rest: Vec<u32> = (0..topology.n_vertices()).filter(|&v| near[v]).map(index).collect();
+        let mut known: BTreeMap<Patch, u32> = BTreeMap::new();
+        for chunk in rest.chunks(CHUNK) {
+            watch.check().map_err(Unlimited::Stopped)?;
+            let patches: Vec<Option<Patch>> =
+                chunk.par_iter().map(|&v| patch(&whole, v, rings)).collect::<Result<_, _>>()?;
+            for (&v, patch) in chunk.iter().zip(patches) {
+                let next = index(known.len()) + ALONE + 1;
+                classes[v as usize] = patch.map_or(ALONE, |patch| *known.entry(patch).or_insert(next));
+            }
+        }
+        let mut patches: Vec<(Patch, u32)> = known.into_iter().collect();
+        patches.sort_unstable_by_key(|entry| entry.1);
+        let find = |(patch, _): &(Patch, u32)| {
+            watch.check().map_err(Unlimited::Stopped)?;
+            masks.of(0, patch)
+        };
+        let masks = patches.par_iter().map(find).collect::<Result<_, _>>()?;
+        Ok(Self { net, topology, rings, classes, masks, regular: grid })
+    }
+
+    /// Why some vertex has no tangents, and where, if one has none.
+    pub(super) fn no_tangents(&self) -> Option<(NoTangents, String)> {
+        let missing = |mask: &Mask| mask.tangents.as_ref().err().copied();
+        if let Some(why) = self.regular.as_ref().and_then(missing) {
+            return Some((why, "a regular vertex".into()));
+        }
+        let class = self.masks.iter().position(|mask| mask.tangents.is_err())?;
+        let v = self.classes.iter().position(|&other| other as usize == class + ALONE as usize + 1)?;
+        Some((missing(&self.masks[class])?, self.describe(v)))
+    }
+
+    /// A vertex in words; its number would be one of a net that the client never sees.
+    pub(super) fn describe(&self, v: usize) -> String {
+        let kind = if self.net.is_corner(v) {
+            "a corner"
+        } else if self.topology.boundary_edges(v).is_some() {
+            "a boundary vertex"
+        } else {
+            "an interior vertex"
+        };
+        format!("{kind} with {} faces", self.topology.ring(v).count())
+    }
+
+    /// Whether a vertex has no face.
+    pub(super) fn is_alone(&self, v: usize) -> bool {
+        self.classes[v] == ALONE
+    }
+
+    fn whole(&self) -> Whole<'_> {
+        Whole::of(&self.net, &self.topology)
+    }
+
+    fn row(&self, v: usize, wish: Wish, out: &mut Rows) {
+        let alone = |out: &mut Rows| out.add(index(v), if wish == Wish::Position { 1.0 } else { 0.0 });
+        match (self.classes[v], &self.regular) {
+            (ALONE, _) => alone(out),
+            (REGULAR, Some(mask)) => {
+                let weights = weights(mask, wish);
+                let mut at = 0;
+                grid(&self.topology, v, self.rings.support, |vertex| {
+                    out.add(vertex, weights[at]);
+                    at += 1;
+                });
+            }
+            (class, _) => {
+                let whole = self.whole();
+                // the vertices of the first rings come first, whatever rings follow
+                let rings = Rings { patch: self.rings.support, ..self.rings };
+                let mask = &self.masks[(class - ALONE - 1) as usize];
+                match whole.patch(Centre::Vertex(index(v)), rings) {
+                    Some(found) => found.vertices.iter().zip(weights(mask, wish)).for_each(|(&u, &w)| out.add(u, w)),
+                    None => alone(out),
+                }
+            }
+        }
+    }
+}
+
+fn weights(mask: &Mask, wish: Wish) -> &[f64] {
+    match (wish, &mask.tangents) {
+        (Wish::Position, _) => &mask.position,
+        (Wish::Tangent(i), Ok(tangents)) => &tangents[i],
+        (Wish::Tangent(_), Err(_)) => &[],
+    }
+}
+
+fn patch(whole: &Whole<'_>, v: u32, rings: Rings) -> Result<Option<Patch>, Unlimited> {
+    if whole.topology.is_isolated(v as usize) {
+        return Ok(None);
+    }
+    whole.patch(Centre::Vertex(v), rings).map(|found| Some(found.patch)).ok_or(Unlimited::Size)
+}
+
+/// For each vertex whether one of the rings around it, but for the rim of the last, is not part of a grid of quads.
+fn near_irregular(whole: &Whole<'_>, rings: Rings) -> Vec<bool> {
+    let topology = whole.topology;
+    let irregular = |v: usize| {
+        let quads = || topology.ring(v).all(|corner| topology.corners(topology.face_of(corner)).len() == 4);
+        topology.is_isolated(v)
+            || topology.boundary_edges(v).is_some()
+            || topology.ring(v).take(5).count() != 4
+            || !quads()
+            || whole.corners.binary_search(&index(v)).is_ok()
+    };
+    let mut near: Vec<bool> = (0..topology.n_vertices()).into_par_iter().with_min_len(4096).map(irregular).collect();
+    if let Some(sharpness) = whole.sharpness {
+        let ends = sharpness.edges().iter().flat_map(|&(e, _)| topology.ends(e as usize));
+        ends.chain(sharpness.vertices().iter().map(|&(v, _)| v)).for_each(|v| near[v as usize] = true);
+    }
+    let mut rim: Vec<usize> = (0..near.len()).filter(|&v| near[v]).collect();
+    for _ in 1..rings.patch {
+        let mut next = Vec::new();
+        for v in rim {
+            for corner in topology.ring(v) {
+                for &u in topology.face(topology.face_of(corner)) {
+                    if !std::mem::replace(&mut near[u as usize], true) {
+                        next.push(u as usize);
+                    }
+                }
+            }
+        }
+        rim = next;
+    }
+    near
+}
+
+/// The vertices within some rings of vertex `v` of a grid of quads: itself, then sector by sector those `i` steps along
+/// the sector's first side and `j` to the left of it, `1 <= i <= rings`, `0 <= j <= rings`.
+fn grid(topology: &Topology, v: usize, rings: usize, mut each: impl FnMut(u32)) {
+    each(index(v));
+    for first in topology.ring(v) {
+        let mut along = first;
+        for i in 1..=rings {
+            let mut side = along;
+            for j in 1..=rings {
+                each(topology.vertex(topology.next(side)));
+                let opposite = topology.next(topology.next(side));
+                if j < rings {
+                    side = topology.twin(opposite);
+                } else {
+                    each(topology.vertex(opposite));
+                }
+            }
+            if i < rings {
+                along = topology.next(topology.twin(topology.next(along)));
+            }
+        }
+    }
+}
+
+/// The mask of a vertex of a grid, in the order of [`grid`].
+fn regular_mask(rings: Rings, masks: &Masks<'_>) -> Result<Mask, Unlimited> {
+    let (topology, middle) = Regular::Quads.grid(rings);
+    let whole = Whole { topology: &topology, corners: &[], sharpness: None, rounds: 0 };
+    let Found { patch, vertices } = whole.patch(Centre::Vertex(index(middle)), rings).ok_or(Unlimited::Size)?;
+    let mask = masks.of(0, &patch)?;
+    let mut order = Vec::new();
+    grid(&topology, middle, rings.support, |vertex| order.push(vertices.iter().position(|&u| u == vertex)));
+    let sorted = |weights: &Vec<f64>| order.iter().map(|at| at.map_or(0.0, |at| weights[at])).collect::<Vec<_>>();
+    Ok(Mask {
+        position: sorted(&mask.position),
+        tangents: mask.tangents.as_ref().map(|[t, u]| [sorted(t), sorted(u)]).map_err(|why| *why),
+    })
+}
+
+/// The rows of a field.
+#[derive(Debug)]
+pub(super) struct FieldRows<'a> {
+    /// The field.
+    pub(super) field: &'a Field,
+    /// What the rows are for.
+    pub(super) wish: Wish,
+}
+
+impl RowSource for FieldRows<'_> {
+    fn n_rows(&self) -> usize {
+        self.field.topology.n_vertices()
+    }
+
+    fn n_columns(&self) -> usize {
+        self.field.topology.n_vertices()
+    }
+
+    fn make(&self, range: Range<usize>, out: &mut Rows) {
+        for v in range {
+            self.field.row(v, self.wish, out);
+            out.end_row();
+        }
+    }
+}

@@ -1,0 +1,224 @@
+//! Limit surfaces: where the vertices of a refined mesh end up, and the normals there.
+//!
+//! The limit of a vertex is that of its descendants: of itself under schemes that keep vertices, of the centre of the
+//! face that takes its place under dual ones. It is a weighted mean of the points around it. The weights are not typed
+//! in but computed from the operators themselves: one more cycle is applied to the patch of faces around the vertex, the
+//! rows of the points around the child form a matrix, and so on with the child's patch. After a few levels a patch is
+//! its own child, and the weights are the left eigenvector of the eigenvalue 1. While the numbers of a plan change
+//! from level to level, the matrices of these levels are multiplied; a fixed matrix is used once nothing changes by more
+//! than rounding. Equal patches are computed once.
+//!
+//! Source: M. Halstead, M. Kass, T. DeRose, SIGGRAPH 1993, 35-44 (limits from eigenvectors); math in [`mask`] and
+//! [`tangent`].
+
+mod cycle;
+mod field;
+mod mask;
+mod matrix;
+mod patch;
+mod probe;
+mod tangent;
+
+use crate::math::functions::sqrt;
+use crate::math::rows::blend;
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::ops::Heirs;
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::step::StepError;
+use crate::scheme::word::Letter;
+use crate::watch::{Stopped, Watch};
+
+use super::{Points, RefineError, act_on};
+pub(super) use cycle::AHEAD;
+use cycle::Cycle;
+use field::{Field, FieldRows, Wish};
+use mask::Masks;
+use probe::{Regular, Smoothness};
+use tangent::NoTangents;
+
+/// What of the limit surface is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Asked {
+    /// Limit positions instead of the refined ones.
+    pub positions: bool,
+    /// Limit normals.
+    pub normals: bool,
+}
+
+impl Asked {
+    /// Whether anything is asked for.
+    pub fn anything(self) -> bool {
+        self.positions || self.normals
+    }
+}
+
+/// The limit of each vertex of a net, in the order of construction.
+#[derive(Debug, Default)]
+pub(super) struct Limits {
+    /// Positions, `n x 3`, and the numbers of each channel, where they were asked for.
+    pub(super) points: Option<Vec<Vec<f64>>>,
+    /// Unit normals where they were asked for and exist; zero at vertices without faces.
+    pub(super) normals: Option<Vec<[f64; 3]>>,
+    /// Why there are no normals.
+    pub(super) warning: Option<String>,
+}
+
+impl Limits {
+    /// Nothing, as `why` says.
+    pub(super) fn without_normals(why: &dyn std::fmt::Display) -> Self {
+        let warning = format!("the normals are weighted by area, as limit ones do not exist: {why}");
+        Self { warning: Some(warning), ..Self::default() }
+    }
+}
+
+/// Why there is no limit.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Unlimited {
+    /// It was asked to stop.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    /// A later level cannot be computed.
+    #[error("the limit needs later levels, of which one cannot be computed: {0}")]
+    Later(String),
+    /// Nothing in the cycle refines.
+    #[error("there is no limit surface where no operator of the plan's cycle refines")]
+    NoUpsampling,
+    /// A dual scheme loses the boundary.
+    #[error("boundary vertices have no limit under a dual scheme, which makes no face of them; close the mesh")]
+    LostBoundary,
+    /// A D that comes before the first U.
+    #[error("limits are known where the first U of the cycle stands before its first D, as in (UD)")]
+    DualFirst,
+    /// New points are no weighted means of old ones.
+    #[error("limits are known for linear schemes only")]
+    NotLinear,
+    /// Numbers that differ from vertex to vertex.
+    #[error("limits are known where the numbers of a plan depend on the level only; leave the perturbation out")]
+    Perturbed,
+    /// More rings than are followed.
+    #[error("the scheme reaches farther than {} rings of faces, beyond which no limit is computed", probe::MAX_RINGS)]
+    Reach,
+    /// A patch beyond the bound.
+    #[error(
+        "a vertex has more than {} others near it, beyond which no limit is computed; refine once more",
+        patch::MAX_VERTICES
+    )]
+    Size,
+    /// Neighbourhoods that never look alike, or weights that never settle.
+    #[error("the plan has no limit, as its levels do not settle")]
+    Unsettled,
+    /// Differences that do not shrink.
+    #[error(
+        "the plan has no continuous limit, as differences between neighbours do not shrink from level to level; choose \
+         tamer parameters"
+    )]
+    Rough,
+}
+
+impl From<StepError> for Unlimited {
+    fn from(error: StepError) -> Self {
+        Self::Later(error.to_string())
+    }
+}
+
+impl From<RefineError> for Unlimited {
+    fn from(error: RefineError) -> Self {
+        match error {
+            RefineError::Stopped(stopped) => Self::Stopped(stopped),
+            other => Self::Later(other.to_string()),
+        }
+    }
+}
+
+/// Whether a plan can have a limit, as far as its word tells.
+///
+/// # Errors
+/// [`Unlimited`].
+pub fn check(plan: &Plan, is_open: bool) -> Result<(), Unlimited> {
+    let heirs = |letter: &Letter| letter.operator.heirs();
+    let cycle = &plan.word.cycle;
+    let first_finer = cycle.iter().position(|letter| heirs(letter).refine());
+    let first_dual = cycle.iter().position(|letter| matches!(heirs(letter), Heirs::Dual | Heirs::Faces));
+    match (first_finer, first_dual) {
+        _ if plan.perturbation.is_some() => Err(Unlimited::Perturbed),
+        (None, _) => Err(Unlimited::NoUpsampling),
+        (Some(_), Some(_)) if is_open => Err(Unlimited::LostBoundary),
+        (Some(finer), Some(dual)) if dual < finer => Err(Unlimited::DualFirst),
+        _ => Ok(()),
+    }
+}
+
+/// The limits of a net that `ahead` would refine further.
+pub(super) fn limits(
+    plan: &Plan,
+    net: &MeshNet,
+    points: &[Points],
+    ahead: &[Scheduled],
+    asked: Asked,
+    watch: &Watch,
+) -> Result<Limits, Unlimited> {
+    check(plan, net.base.n_boundary() > 0)?;
+    // what comes before the first upsampling moves points only, so that the limit of each stays the same
+    let before = ahead.iter().take_while(|step| !step.letter.operator.heirs().refine()).count();
+    let (net, points) = act_on(net.clone(), points.to_vec(), plan, &ahead[..before], watch)?;
+    let cycle = Cycle::new(plan, &ahead[before..], plan.word.cycle.len());
+    let regular = Regular::of(&cycle, &net.topology())?;
+    let rings = regular.rings(&cycle)?;
+    let smoothness = probe::smoothness(&cycle, regular, rings, watch)?;
+    if smoothness == Smoothness::Rough {
+        return Err(Unlimited::Rough);
+    }
+    let with_tangents = asked.normals && smoothness == Smoothness::Smooth;
+    let masks = Masks::new(cycle, rings, with_tangents);
+    let field = Field::new(net, regular, rings, &masks, watch)?;
+    let rows = |wish| FieldRows { field: &field, wish };
+    let blended = |points: &Points| blend(&rows(Wish::Position), &points.now, points.width, watch);
+    let moved = if asked.positions { Some(points.iter().map(blended).collect::<Result<_, _>>()?) } else { None };
+    if !asked.normals {
+        return Ok(Limits { points: moved, ..Limits::default() });
+    }
+    let normals = if smoothness == Smoothness::Continuous {
+        Err("the scheme has no continuous tangents".to_owned())
+    } else if let Some((why, place)) = field.no_tangents() {
+        Err(match why {
+            NoTangents::Folded => format!("the surface folds over at {place}"),
+            NoTangents::Eigenvalues | NoTangents::NotAsked => format!("the surface has no tangent plane at {place}"),
+        })
+    } else {
+        let tangent = |i| blend(&rows(Wish::Tangent(i)), &points[0].now, 3, watch);
+        normals(&field, &tangent(0)?, &tangent(1)?)
+    };
+    Ok(match normals {
+        Ok(normals) => Limits { points: moved, normals: Some(normals), warning: None },
+        Err(why) => Limits { points: moved, ..Limits::without_normals(&why) },
+    })
+}
+
+/// Unit cross products; where one has no direction, the reason.
+fn normals(field: &Field, first: &[f64], second: &[f64]) -> Result<Vec<[f64; 3]>, String> {
+    let (first, second) = (first.as_chunks::<3>().0, second.as_chunks::<3>().0);
+    let mut normals = Vec::with_capacity(first.len());
+    for (v, (t, u)) in first.iter().zip(second).enumerate() {
+        if field.is_alone(v) {
+            normals.push([0.0; 3]);
+            continue;
+        }
+        let normal = normal(*t, *u);
+        normals.push(normal.ok_or_else(|| format!("the points around {} lie in a line", field.describe(v)))?);
+    }
+    Ok(normals)
+}
+
+/// `t x u` at length one; `None` for vectors whose sine is below 1e-9.
+fn normal(t: [f64; 3], u: [f64; 3]) -> Option<[f64; 3]> {
+    let unit = |v: [f64; 3]| {
+        let largest = v.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let v = v.map(|x| x / largest);
+        let length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        (largest > 0.0 && largest.is_finite()).then(|| v.map(|x| x / length))
+    };
+    let (t, u) = (unit(t)?, unit(u)?);
+    let product = [t[1] * u[2] - t[2] * u[1], t[2] * u[0] - t[0] * u[2], t[0] * u[1] - t[1] * u[0]];
+    let sine = sqrt(product.iter().map(|x| x * x).sum());
+    if sine > 1e-9 { unit(product) } else { None }
+}

@@ -1,0 +1,311 @@
+//! Patches: the faces around a vertex or a face, numbered in an order that depends on their connectivity only.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use crate::scheme::mesh_net::{Boundary, MeshNet, Rules};
+use crate::scheme::sharpness::Sharpness;
+use crate::shape::check::{FaceList, Winding};
+use crate::shape::topology::{NONE, Topology, index};
+
+/// Most vertices of a patch: about what three rings around a vertex of valence 1,500 have.
+pub(super) const MAX_VERTICES: usize = 20_000;
+
+/// Numbers up to this many are found by looking through them.
+const FEW: usize = 128;
+
+/// What a patch lies around.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Centre {
+    /// A vertex.
+    Vertex(u32),
+    /// A face, as dual schemes have it around their limit points.
+    Face(u32),
+}
+
+/// How many rings of faces belong to a patch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Rings {
+    /// Rings whose vertices decide about the limit.
+    pub(super) support: usize,
+    /// Rings whose connectivity decides about it; at least as many.
+    pub(super) patch: usize,
+}
+
+/// A net in the mesh that a patch is cut out of.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Whole<'a> {
+    /// Its topology.
+    pub(super) topology: &'a Topology,
+    /// Vertices that keep their place, ascending.
+    pub(super) corners: &'a [u32],
+    /// Sharp edges, and vertices that are sharp for a while.
+    pub(super) sharpness: Option<&'a Sharpness>,
+    /// Steps so far of a scheme of its own connectivity, as far as they matter: the first one, then odd and even ones.
+    pub(super) rounds: u32,
+}
+
+impl<'a> Whole<'a> {
+    /// A net, `topology` being its own.
+    pub(super) fn of(net: &'a MeshNet, topology: &'a Topology) -> Self {
+        let rounds = if net.rounds < 2 { net.rounds } else { 2 + net.rounds % 2 };
+        Self { topology, corners: &net.corners, sharpness: net.sharpness.as_deref(), rounds }
+    }
+}
+
+/// The connectivity of a patch and everything else that the weights of its limit depend on.
+///
+/// Vertices are numbered ring by ring around the centre; the centre is vertex 0, or the face of the first vertices.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Patch {
+    /// Number of vertices of the face at the centre; 0 where the centre is a vertex.
+    central: u32,
+    /// Number of vertices within the rings that decide about the limit.
+    pub(super) support: usize,
+    n_vertices: usize,
+    rounds: u32,
+    sizes: Vec<u32>,
+    vertices: Vec<u32>,
+    /// Vertices that keep their place, ascending.
+    fixed: Vec<u32>,
+    /// The bits of the sharpness of edges, each at the corners of the faces beside it, and of vertices; ascending.
+    sharp_edges: Vec<(u32, u64)>,
+    sharp_vertices: Vec<(u32, u64)>,
+}
+
+/// A patch and where it was found.
+#[derive(Debug, Clone)]
+pub(super) struct Found {
+    /// The patch.
+    pub(super) patch: Patch,
+    /// For each of its vertices the number in the whole.
+    pub(super) vertices: Vec<u32>,
+}
+
+impl Patch {
+    /// The centre, in the numbers of the patch.
+    pub(super) fn centre(&self) -> Centre {
+        if self.central == 0 { Centre::Vertex(0) } else { Centre::Face(0) }
+    }
+
+    /// The centre as weights of vertices: itself, or the mean of the face's vertices.
+    pub(super) fn middle(&self) -> Vec<f64> {
+        let mut weights = vec![0.0; self.support];
+        if self.central == 0 {
+            weights[0] = 1.0;
+        } else {
+            weights[..self.central as usize].fill(1.0 / f64::from(self.central));
+        }
+        weights
+    }
+
+    /// The faces, one slice of vertices each, those at the centre first and each starting nearest to it.
+    pub(super) fn faces(&self) -> impl Iterator<Item = &[u32]> {
+        let mut rest = self.vertices.as_slice();
+        self.sizes.iter().map(move |&size| {
+            let (face, after) = rest.split_at(size as usize);
+            rest = after;
+            face
+        })
+    }
+
+    /// The patch as a net of its own, with the origin of each of its vertices in the patch.
+    pub(super) fn net(&self, rules: Rules) -> Option<(MeshNet, Vec<u32>)> {
+        let mut faces = FaceList::default();
+        self.faces().for_each(|face| faces.push(face.iter().copied()));
+        let checked = Topology::of_faces(self.n_vertices, faces, Winding::Refuse).ok()?;
+        let origins = (0..index(self.n_vertices)).chain(checked.split_from).collect();
+        let topology = Arc::new(checked.topology);
+        let read = |&(at, bits): &(u32, u64)| (at, f64::from_bits(bits));
+        let mut edges: Vec<(u32, f64)> = self.sharp_edges.iter().map(read).collect();
+        edges.iter_mut().for_each(|(corner, _)| *corner = topology.edge(*corner));
+        edges.sort_unstable_by_key(|&(e, _)| e);
+        edges.dedup_by_key(|&mut (e, _)| e);
+        let vertices = self.sharp_vertices.iter().map(read).collect();
+        let net = MeshNet::new(topology, &self.fixed, &[], Boundary::EdgeOnly);
+        let net = net.with_sharpness(Sharpness::of(&edges, &vertices), rules);
+        Some((MeshNet { rounds: self.rounds, ..net }, origins))
+    }
+}
+
+impl Whole<'_> {
+    /// The patch around a centre; `None` where it has more than [`MAX_VERTICES`] vertices.
+    pub(super) fn patch(&self, centre: Centre, rings: Rings) -> Option<Found> {
+        self.walk(centre, self.starts(centre).next()?, rings)
+    }
+
+    /// The least of all patches around a centre that differ by where the walk starts: the same for nets that differ by
+    /// a turn.
+    pub(super) fn least_patch(&self, centre: Centre, rings: Rings) -> Option<Found> {
+        let mut least: Option<Found> = None;
+        for start in self.starts(centre) {
+            let found = self.walk(centre, start, rings)?;
+            if least.as_ref().is_none_or(|known| found.patch < known.patch) {
+                least = Some(found);
+            }
+        }
+        least
+    }
+
+    /// Corners at which a walk around a centre may start.
+    fn starts(&self, centre: Centre) -> impl Iterator<Item = u32> {
+        let (around, of) = match centre {
+            Centre::Vertex(v) => {
+                let open = self.topology.boundary_edges(v as usize).is_some();
+                (Some(self.topology.ring(v as usize).take(if open { 1 } else { usize::MAX })), None)
+            }
+            Centre::Face(f) => (None, Some(self.topology.corners(f as usize))),
+        };
+        around.into_iter().flatten().chain(of.into_iter().flatten())
+    }
+
+    fn walk(&self, centre: Centre, start: u32, rings: Rings) -> Option<Found> {
+        let mut walk = Walk {
+            whole: *self,
+            sizes: Vec::new(),
+            local: Vec::new(),
+            reached: Vec::new(),
+            known: Numbers::default(),
+            faces: Numbers::default(),
+            sharp_edges: Vec::new(),
+        };
+        let central = match centre {
+            Centre::Vertex(v) => {
+                walk.known.number(v);
+                walk.reached.push(start);
+                0
+            }
+            Centre::Face(f) => {
+                walk.add_face(start);
+                self.topology.face(f as usize).len()
+            }
+        };
+        let (mut from, mut support) = (0, 0);
+        for ring in 1..=rings.patch {
+            let to = walk.reached.len();
+            (from..to).for_each(|u| walk.add_ring(u));
+            from = to;
+            if walk.reached.len() > MAX_VERTICES {
+                return None;
+            }
+            if ring == rings.support {
+                support = walk.reached.len();
+            }
+        }
+        let vertices = walk.known.order;
+        let is_corner = |v: &u32| self.corners.binary_search(v).is_ok();
+        let fixed = vertices.iter().enumerate().filter(|(_, v)| is_corner(v)).map(|(i, _)| index(i)).collect();
+        let fixed = if self.corners.is_empty() { Vec::new() } else { fixed };
+        let n_vertices = vertices.len();
+        let mut sharp_vertices = Vec::new();
+        if let Some(sharpness) = self.sharpness.filter(|sharpness| !sharpness.vertices().is_empty()) {
+            let known = vertices.iter().enumerate().map(|(i, &v)| (index(i), sharpness.vertex(v as usize).to_bits()));
+            sharp_vertices.extend(known.filter(|&(_, bits)| bits != 0));
+        }
+        let patch = Patch {
+            central: index(central),
+            support,
+            n_vertices,
+            rounds: self.rounds,
+            sizes: walk.sizes,
+            vertices: walk.local,
+            fixed,
+            sharp_edges: walk.sharp_edges,
+            sharp_vertices,
+        };
+        Some(Found { patch, vertices })
+    }
+}
+
+/// A walk ring by ring.
+struct Walk<'a> {
+    whole: Whole<'a>,
+    sizes: Vec<u32>,
+    local: Vec<u32>,
+    /// For each vertex of the patch a corner at it, by which it was reached.
+    reached: Vec<u32>,
+    known: Numbers,
+    faces: Numbers,
+    sharp_edges: Vec<(u32, u64)>,
+}
+
+impl Walk<'_> {
+    /// Adds the faces around vertex `u` of the patch, counter-clockwise from the corner by which it was reached.
+    fn add_ring(&mut self, u: usize) {
+        let topology = self.whole.topology;
+        let start = self.reached[u];
+        let mut corner = start;
+        loop {
+            self.add_face(corner);
+            corner = topology.twin(topology.previous(corner));
+            if corner == start {
+                return;
+            }
+            if corner == NONE {
+                break;
+            }
+        }
+        // a boundary: go on with what lies clockwise of the start
+        for corner in topology.ring(topology.vertex(start) as usize) {
+            if corner == start {
+                return;
+            }
+            self.add_face(corner);
+        }
+    }
+
+    fn add_face(&mut self, corner: u32) {
+        let topology = self.whole.topology;
+        let face = topology.face_of(corner);
+        if !self.faces.number(index(face)).1 {
+            return;
+        }
+        let size = topology.face(face).len();
+        self.sizes.push(index(size));
+        let mut at = corner;
+        for _ in 0..size {
+            if let Some(sharpness) = self.whole.sharpness {
+                let bits = sharpness.edge(topology.edge(at) as usize).to_bits();
+                if bits != 0 {
+                    self.sharp_edges.push((index(self.local.len()), bits));
+                }
+            }
+            let (number, new) = self.known.number(topology.vertex(at));
+            if new {
+                self.reached.push(at);
+            }
+            self.local.push(number);
+            at = topology.next(at);
+        }
+    }
+}
+
+/// Numbers in the order of first use.
+#[derive(Default)]
+struct Numbers {
+    order: Vec<u32>,
+    /// Filled once there are more than a few.
+    many: BTreeMap<u32, u32>,
+}
+
+impl Numbers {
+    /// The number of `thing`, and whether it is a new one.
+    fn number(&mut self, thing: u32) -> (u32, bool) {
+        let n = self.order.len();
+        let known = if n <= FEW {
+            self.order.iter().position(|&other| other == thing).map(index)
+        } else {
+            self.many.get(&thing).copied()
+        };
+        if let Some(number) = known {
+            return (number, false);
+        }
+        self.order.push(thing);
+        if n == FEW {
+            self.many = self.order.iter().enumerate().map(|(i, &other)| (other, index(i))).collect();
+        } else if n > FEW {
+            self.many.insert(thing, index(n));
+        }
+        (index(n), true)
+    }
+}

@@ -1,0 +1,210 @@
+//! What a cycle is like where nothing is irregular: how far it reaches, whether it converges, whether it is smooth.
+
+use std::sync::Arc;
+
+use super::Unlimited;
+use super::cycle::{Cycle, is_triangular};
+use super::patch::{Centre, Patch, Rings, Whole};
+use crate::refine::{Points, RefineError};
+use crate::scheme::mesh_net::{Boundary, MeshNet};
+use crate::shape::check::{FaceList, Winding};
+use crate::shape::topology::{Topology, index};
+use crate::watch::{Stopped, Watch};
+
+/// Most rings whose vertices may decide about a limit.
+pub(super) const MAX_RINGS: usize = 8;
+/// Levels of the impulse whose differences are compared.
+const LEVELS: [usize; 2] = [2, 4];
+/// Differences that do not shrink below this part of what they were between these levels do not vanish.
+const SHRINKS: f64 = 0.98;
+
+/// How many sides the faces have around which a scheme is regular.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Regular {
+    /// Quads, four around a vertex.
+    Quads,
+    /// Triangles, six around a vertex.
+    Triangles,
+}
+
+impl Regular {
+    /// What a cycle makes of a mesh: triangles stay triangles under triangle splits only.
+    pub(super) fn of(cycle: &Cycle<'_>, topology: &Topology) -> Result<Self, Unlimited> {
+        if !is_triangular(topology) {
+            return Ok(Self::Quads);
+        }
+        let refined = cycle.applied(Self::Triangles.net(4 + 2 * cycle.n_duals()), |_, _| Ok(()))?;
+        Ok(if is_triangular(&refined.topology()) { Self::Triangles } else { Self::Quads })
+    }
+
+    /// A regular net of `side x side` squares, each cut into two triangles where it is made of these.
+    fn net(self, side: usize) -> MeshNet {
+        let mut faces = FaceList::default();
+        for (i, j) in (0..side).flat_map(|j| (0..side).map(move |i| (i, j))) {
+            let at = |i: usize, j: usize| index(j * (side + 1) + i);
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            match self {
+                Self::Quads => faces.push([a, b, c, d]),
+                Self::Triangles => {
+                    faces.push([a, b, c]);
+                    faces.push([a, c, d]);
+                }
+            }
+        }
+        let n = (side + 1) * (side + 1);
+        let checked = Topology::of_faces(n, faces, Winding::Refuse).expect("a grid is a manifold");
+        MeshNet::new(Arc::new(checked.topology), &[], &[], Boundary::EdgeOnly)
+    }
+
+    /// A regular net and the vertex in its middle, which is so far from the boundary that no patch reaches it.
+    pub(super) fn grid(self, rings: Rings) -> (Arc<Topology>, usize) {
+        let side = 2 * (rings.patch + 2);
+        (self.net(side).base, (side / 2) * (side + 1) + side / 2)
+    }
+
+    fn patch(self, rings: Rings) -> Option<Patch> {
+        let (topology, middle) = self.grid(rings);
+        let whole = Whole { topology: &topology, corners: &[], sharpness: None, rounds: 0 };
+        whole.patch(Centre::Vertex(index(middle)), rings).map(|found| found.patch)
+    }
+
+    /// The fewest rings that decide about a limit.
+    ///
+    /// The support is the least number of rings such that the points of as many rings around the child come of no
+    /// others. The operators' rules reach as many rings at every valence, so that what holds here holds everywhere. The
+    /// patch is larger where points of its rim would take their connectivity from beyond it.
+    pub(super) fn rings(self, cycle: &Cycle<'_>) -> Result<Rings, Unlimited> {
+        let support = (1..=MAX_RINGS).find_map(|support| match self.closed(cycle, support) {
+            Ok(true) => Some(Ok(support)),
+            Ok(false) => None,
+            Err(error) => Some(Err(error)),
+        });
+        let support = support.unwrap_or(Err(Unlimited::Reach))?;
+        for patch in support..support + 2 {
+            let rings = Rings { support, patch };
+            if self.agrees(cycle, rings)? {
+                return Ok(rings);
+            }
+        }
+        Ok(Rings { support, patch: support + 2 })
+    }
+
+    fn closed(self, cycle: &Cycle<'_>, support: usize) -> Result<bool, Unlimited> {
+        let rings = Rings { support, patch: support + 2 };
+        let mut patch = self.patch(rings).ok_or(Unlimited::Size)?;
+        // the second child of a dual scheme lies around a face as the first one does
+        for _ in 0..2 {
+            let (closes, child) = cycle.closes(&patch, rings)?;
+            if !closes {
+                return Ok(false);
+            }
+            patch = child;
+        }
+        Ok(true)
+    }
+
+    /// Whether a patch of so many rings leads to the same child and the same weights as a larger one.
+    fn agrees(self, cycle: &Cycle<'_>, rings: Rings) -> Result<bool, Unlimited> {
+        let larger = Rings { patch: rings.support + 3, ..rings };
+        let mut pair = [rings, larger].map(|rings| self.patch(rings));
+        for _ in 0..2 {
+            let [Some(small), Some(large)] = pair else { return Err(Unlimited::Size) };
+            let large = cycle.step(cycle.settled, &large, larger)?;
+            let Ok(small) = cycle.step(cycle.settled, &small, rings) else { return Ok(false) };
+            let begins = |patch: &Patch| patch.faces().map(<[u32]>::to_vec).collect::<Vec<_>>();
+            let (few, many) = (begins(&small.patch), begins(&large.patch));
+            if small.matrix != large.matrix || !many.starts_with(&few) || !self.is_complete(&few, rings) {
+                return Ok(false);
+            }
+            pair = [Some(small.patch), Some(large.patch)];
+        }
+        Ok(true)
+    }
+
+    /// Whether there are as many faces as so many rings have in a regular net.
+    fn is_complete(self, faces: &[Vec<u32>], rings: Rings) -> bool {
+        let k = rings.patch;
+        // around a vertex, or around a face
+        match self {
+            Self::Quads => [4 * k * k, (2 * k + 1) * (2 * k + 1)].contains(&faces.len()),
+            Self::Triangles => [6 * k * k, 6 * k * k + 6 * k + 1].contains(&faces.len()),
+        }
+    }
+}
+
+/// What an impulse shows of a scheme.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Smoothness {
+    /// Its differences do not vanish: there is no continuous limit.
+    Rough,
+    /// Its differences vanish, its divided second differences do not.
+    Continuous,
+    /// Its divided second differences vanish: the limit has a continuous tangent.
+    Smooth,
+}
+
+/// Refines an impulse on a regular net and compares how its differences shrink.
+pub(super) fn smoothness(
+    cycle: &Cycle<'_>,
+    regular: Regular,
+    rings: Rings,
+    watch: &Watch,
+) -> Result<Smoothness, Unlimited> {
+    let side = 2 * (rings.support + 1 + cycle.n_duals());
+    let mut net = regular.net(side);
+    let middle = (side / 2) * (side + 1) + side / 2;
+    let place = |v: usize| [index(v % (side + 1)), index(v / (side + 1)), u32::from(v == middle)].map(f64::from);
+    // work that no forecast counts
+    let uncounted = Watch::new();
+    let mut points = Points::new((0..net.n_vertices()).flat_map(place).collect(), 3);
+    let mut seen = Vec::new();
+    for level in 1..=LEVELS[1] {
+        watch.check()?;
+        net = cycle.applied(net, |action, step| {
+            points.act(action, step, &uncounted).map_err(|error| match error {
+                RefineError::Stopped(Stopped) => Unlimited::Stopped(Stopped),
+                _ => Unlimited::Unsettled,
+            })
+        })?;
+        if LEVELS.contains(&level) {
+            seen.push(differences(&net.topology(), &points.now));
+        }
+    }
+    let [early, late] = [&seen[0], &seen[1]];
+    Ok(if late.first > SHRINKS * early.first {
+        Smoothness::Rough
+    } else if late.second / late.length > SHRINKS * early.second / early.length {
+        Smoothness::Continuous
+    } else {
+        Smoothness::Smooth
+    })
+}
+
+/// Largest differences of the third coordinate along edges, and largest edge in the first two.
+#[derive(Debug, Clone, Copy, Default)]
+struct Differences {
+    first: f64,
+    /// Between an edge and the one opposite to it.
+    second: f64,
+    length: f64,
+}
+
+fn differences(topology: &Topology, points: &[f64]) -> Differences {
+    let at = |v: u32| [0, 1, 2].map(|k| points[3 * v as usize + k]);
+    let mut largest = Differences::default();
+    for v in 0..topology.n_vertices() {
+        let [x, y, z] = at(index(v));
+        let valence = topology.ring(v).count();
+        let inside = !topology.is_isolated(v) && topology.boundary_edges(v).is_none() && valence.is_multiple_of(2);
+        let around: Vec<[f64; 3]> = topology.ring(v).map(|corner| at(topology.vertex(topology.next(corner)))).collect();
+        for (i, p) in around.iter().enumerate() {
+            largest.first = largest.first.max((p[2] - z).abs());
+            largest.length = largest.length.max((p[0] - x).abs().max((p[1] - y).abs()));
+            if inside {
+                let q = around[(i + valence / 2) % valence];
+                largest.second = largest.second.max((p[2] - 2.0 * z + q[2]).abs());
+            }
+        }
+    }
+    largest
+}

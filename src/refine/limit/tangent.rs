@@ -1,0 +1,247 @@
+//! Tangents of the limit: left eigenvectors of the two eigenvalues after 1 of a local subdivision matrix.
+//!
+//! With right eigenvectors `1, x, y, ...` and left ones `l, t, u, ...` of the eigenvalues `1 > a >= b > ...`, the points
+//! around a centre are `1 (l p) + a^k x (t p) + b^k y (u p) + ...` after `k` levels: `(x, y)` is the characteristic map,
+//! `t p` and `u p` span the tangent plane. Source: U. Reif, CAGD 12 (1995), 153-174; D. Zorin, Constructive
+//! Approximation 16 (2000), 359-397.
+//!
+//! The eigenvectors come from orthogonal iteration with a few vectors more than needed and a Rayleigh-Ritz step: plain
+//! sums and products in a fixed order, so that every machine finds the same bits. (A general eigensolver would bring a
+//! dependency, and its answer within a double eigenvalue would depend on rounding.) Constants are split off exactly: rows
+//! that sum to 0 stay so under M, columns that the limit mask maps to 0 too.
+
+use super::patch::{Centre, Patch};
+use crate::math::functions::{exp, ln, sqrt};
+
+/// Vectors iterated at once.
+const WIDTH: usize = 8;
+/// Steps before the first look at the outcome; each look comes after twice as many.
+const FIRST_LOOK: usize = 40;
+/// Looks before an eigenvalue after the second counts as equally large.
+const MAX_LOOKS: usize = 8;
+/// Squarings before a step of the inner iteration, on matrices of [`WIDTH`] rows: it applies their 32nd power.
+const SQUARINGS: usize = 5;
+/// Most of these steps.
+const MAX_INNER: usize = 800;
+/// How far below the second eigenvalue the third has to be, relative to it.
+const GAP: f64 = 1e-5;
+/// What two vectors may leave behind beside their span, relative to their eigenvalues.
+const RESIDUAL: f64 = 1e-11;
+
+/// Why there are no tangents.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum NoTangents {
+    /// Nobody asked.
+    NotAsked,
+    /// The third eigenvalue is as large as the second, or they are not positive reals.
+    Eigenvalues,
+    /// The characteristic map folds over.
+    Folded,
+}
+
+/// Two tangents as weights of the patch's points, such that their cross product points to the side from which the
+/// faces are counter-clockwise. `back` is the product of a row with M, `forth` that of M with a column.
+pub(super) fn of(
+    patch: &Patch,
+    limit: &[f64],
+    back: impl Fn(&[f64]) -> Vec<f64>,
+    forth: impl Fn(&[f64]) -> Vec<f64>,
+) -> Result<[Vec<f64>; 2], NoTangents> {
+    let n = limit.len();
+    let off_limit = |column: &mut [f64]| {
+        let value = dot(limit, column);
+        column.iter_mut().for_each(|x| *x -= value);
+    };
+    let [t, u] = leading(n, back, sum_to_zero)?;
+    let [x, y] = leading(n, forth, off_limit)?;
+    // the coordinates in which t and u are the derivatives: (x, y) times the inverse of ((t x, t y), (u x, u y))
+    let [[a, b], [c, d]] = [[dot(&t, &x), dot(&t, &y)], [dot(&u, &x), dot(&u, &y)]];
+    let determinant = a * d - b * c;
+    if determinant.abs() < 1e-9 {
+        return Err(NoTangents::Eigenvalues);
+    }
+    let place = |i: u32| {
+        let (x, y) = (x[i as usize], y[i as usize]);
+        [(x * d - y * c) / determinant, (y * a - x * b) / determinant]
+    };
+    match turn(patch, place) {
+        Some(Turn::Left) => Ok([t, u]),
+        Some(Turn::Right) => Ok([u, t]),
+        None => Err(NoTangents::Folded),
+    }
+}
+
+/// Subtracts the mean.
+pub(super) fn sum_to_zero(row: &mut [f64]) {
+    let mean = row.iter().sum::<f64>() / count(row.len());
+    row.iter_mut().for_each(|x| *x -= mean);
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Turn {
+    Left,
+    Right,
+}
+
+/// How the corners of the faces at the centre turn in the plane, where all turn the same way.
+fn turn(patch: &Patch, place: impl Fn(u32) -> [f64; 2]) -> Option<Turn> {
+    let mut turns = Vec::new();
+    for face in patch.faces() {
+        let at_centre = match patch.centre() {
+            Centre::Vertex(_) => face.contains(&0),
+            Centre::Face(_) => turns.is_empty(),
+        };
+        if !at_centre {
+            break;
+        }
+        for i in 0..face.len() {
+            let [p, q, r] = [i + face.len() - 1, i, i + 1].map(|k| place(face[k % face.len()]));
+            let (a, b) = ([r[0] - q[0], r[1] - q[1]], [p[0] - q[0], p[1] - q[1]]);
+            let lengths = sqrt((a[0] * a[0] + a[1] * a[1]) * (b[0] * b[0] + b[1] * b[1]));
+            turns.push((a[0] * b[1] - a[1] * b[0]) / lengths);
+        }
+    }
+    // a sine, or not a number where points coincide
+    if turns.iter().all(|&sine| sine > 1e-9) {
+        Some(Turn::Left)
+    } else if turns.iter().all(|&sine| sine < -1e-9) {
+        Some(Turn::Right)
+    } else {
+        None
+    }
+}
+
+/// An orthonormal basis of the space of the two largest eigenvalues, where these are positive reals and larger than
+/// all others.
+fn leading(
+    n: usize,
+    apply: impl Fn(&[f64]) -> Vec<f64>,
+    deflate: impl Fn(&mut [f64]),
+) -> Result<[Vec<f64>; 2], NoTangents> {
+    let width = WIDTH.min(n - 1);
+    let mut vectors = starting_vectors(n, width);
+    vectors.iter_mut().for_each(|vector| deflate(vector));
+    orthonormalise(&mut vectors);
+    for look in 0..MAX_LOOKS {
+        for _ in 0..FIRST_LOOK << look {
+            vectors = vectors.iter().map(|vector| apply(vector)).collect();
+            vectors.iter_mut().for_each(|vector| deflate(vector));
+            orthonormalise(&mut vectors);
+        }
+        let images: Vec<Vec<f64>> = vectors.iter().map(|vector| apply(vector)).collect();
+        // images = H vectors, but for what is left over
+        let h: Vec<Vec<f64>> = images.iter().map(|image| vectors.iter().map(|v| dot(image, v)).collect()).collect();
+        let Some((block, third)) = leading_block(&h) else { continue };
+        let found = [0, 1].map(|i| mixed(&block[i], &vectors));
+        let image = [0, 1].map(|i| mixed(&block[i], &images));
+        let [[a, b], [c, d]] = [0, 1].map(|i| [0, 1].map(|k| dot(&image[i], &found[k])));
+        let left_over = [(0, [a, b]), (1, [c, d])].map(|(i, [x, y])| {
+            let rest = |k: usize| image[i][k] - x * found[0][k] - y * found[1][k];
+            (0..n).map(|k| rest(k) * rest(k)).sum::<f64>()
+        });
+        let size = a.abs() + b.abs() + c.abs() + d.abs();
+        if sqrt(left_over[0] + left_over[1]) <= RESIDUAL * size {
+            let (trace, determinant) = (a + d, a * d - b * c);
+            let discriminant = trace * trace - 4.0 * determinant;
+            let second = (trace - sqrt(discriminant.max(0.0))) / 2.0;
+            let real = discriminant >= -1e-9 * trace * trace;
+            return if real && third < (1.0 - GAP) * second { Ok(found) } else { Err(NoTangents::Eigenvalues) };
+        }
+    }
+    Err(NoTangents::Eigenvalues)
+}
+
+/// The two combinations of rows that span the space of the two largest eigenvalues of a small matrix: `u -> u H`,
+/// iterated until the two no longer mix with the others.
+fn leading_block(h: &[Vec<f64>]) -> Option<([Vec<f64>; 2], f64)> {
+    let width = h.len();
+    let mut power = h.to_vec();
+    for _ in 0..SQUARINGS {
+        let largest = power.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let scaled: Vec<Vec<f64>> = power.iter().map(|row| row.iter().map(|x| x / largest).collect()).collect();
+        power = scaled.iter().map(|row| times(row, &scaled)).collect();
+    }
+    let mut basis: Vec<Vec<f64>> =
+        (0..width).map(|i| (0..width).map(|k| f64::from(u8::from(i == k))).collect()).collect();
+    for _ in 0..MAX_INNER {
+        basis = basis.iter().map(|u| times(u, &power)).collect();
+        orthonormalise(&mut basis);
+        let image = [times(&basis[0], h), times(&basis[1], h)];
+        let size = image.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let mixing = image.iter().flat_map(|u| basis[2..].iter().map(|v| dot(u, v).abs()));
+        if mixing.fold(0.0, f64::max) <= 1e-13 * size {
+            let rest: Vec<Vec<f64>> = basis[2..].iter().map(|u| times(u, h)).collect();
+            let rest: Vec<Vec<f64>> = rest.iter().map(|u| basis[2..].iter().map(|v| dot(u, v)).collect()).collect();
+            return Some(([basis[0].clone(), basis[1].clone()], spectral_radius(rest)));
+        }
+    }
+    None
+}
+
+/// `|B^m|^(1/m)` for `m = 2^24`, far enough for blocks that are not diagonalisable.
+fn spectral_radius(mut b: Vec<Vec<f64>>) -> f64 {
+    let (mut logarithm, mut share) = (0.0, 1.0);
+    for _ in 0..24 {
+        let largest = b.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
+        if largest == 0.0 {
+            return 0.0;
+        }
+        logarithm += share * ln(largest);
+        share /= 2.0;
+        b.iter_mut().flatten().for_each(|x| *x /= largest);
+        b = b.iter().map(|row| times(row, &b)).collect();
+    }
+    exp(logarithm)
+}
+
+/// `u H`.
+fn times(u: &[f64], h: &[Vec<f64>]) -> Vec<f64> {
+    (0..h.len()).map(|k| u.iter().zip(h).map(|(x, row)| x * row[k]).sum()).collect()
+}
+
+fn mixed(mix: &[f64], vectors: &[Vec<f64>]) -> Vec<f64> {
+    let n = vectors[0].len();
+    (0..n).map(|k| mix.iter().zip(vectors).map(|(factor, vector)| factor * vector[k]).sum()).collect()
+}
+
+/// Fixed vectors without a pattern that a symmetry of a patch could share.
+fn starting_vectors(n: usize, width: usize) -> Vec<Vec<f64>> {
+    let mut state = 0x9E37_79B9_7F4A_7C15_u64;
+    let mut next = || {
+        // xorshift: G. Marsaglia, Journal of Statistical Software 8 (2003), 1-6
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        #[expect(clippy::cast_precision_loss, reason = "53 bits are kept")]
+        let unit = (state >> 11) as f64 / (1_u64 << 53) as f64;
+        unit - 0.5
+    };
+    (0..width).map(|_| (0..n).map(|_| next()).collect()).collect()
+}
+
+/// Gram and Schmidt, twice, so that nearly parallel vectors end orthogonal too. What vanishes becomes zero.
+fn orthonormalise(vectors: &mut [Vec<f64>]) {
+    for i in 0..vectors.len() {
+        let (before, rest) = vectors.split_at_mut(i);
+        let vector = &mut rest[0];
+        let original = sqrt(dot(vector, vector));
+        for _ in 0..2 {
+            for other in before.iter() {
+                let part = dot(vector, other);
+                vector.iter_mut().zip(other).for_each(|(x, y)| *x -= part * y);
+            }
+        }
+        let length = sqrt(dot(vector, vector));
+        let scale = if length > 1e-14 * original && length > 1e-280 { 1.0 / length } else { 0.0 };
+        vector.iter_mut().for_each(|x| *x *= scale);
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+#[expect(clippy::cast_precision_loss, reason = "patches have few vertices")]
+fn count(n: usize) -> f64 {
+    n as f64
+}

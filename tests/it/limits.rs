@@ -1,0 +1,25 @@
+//! The limit surface: positions and normals of refined meshes.
+
+mod formulas;
+mod laws;
+mod refusals;
+
+use serde_json::{Value, json};
+
+use crate::support::nets::Net;
+use crate::support::{json_with, render};
+
+/// Limit positions (the net) and limit normals of a plan after some levels.
+fn limit(net: &Net, plan: &Value, levels: u32) -> (Net, Vec<[f64; 3]>) {
+    let job = json!({ "input": net.input(), "plan": plan, "levels": levels });
+    let result = json_with(job, &json!({ "positions": "limit", "normals": "limit" }));
+    let normals = serde_json::from_value(result["normals"].clone()).expect("normals are lists of numbers");
+    (Net::of(&result), normals)
+}
+
+/// The warnings of a mesh with limit normals.
+fn warnings(net: &Net, plan: &Value, levels: u32) -> Vec<String> {
+    let job = json!({ "input": net.input(), "plan": plan, "levels": levels,
+        "outputs": [{ "format": "obj", "normals": "limit" }] });
+    render(&job).unwrap_or_else(|faults| panic!("{faults:?} for {job}")).1.warnings
+}

@@ -1,0 +1,272 @@
+//! What every limit surface obeys.
+
+use planish::math::functions::{cos, sin, sqrt};
+use serde_json::{Value, json};
+
+use super::limit;
+use crate::support::nets::{self, Net, distance};
+use crate::support::{json, json_with, render};
+
+fn word(text: &str) -> Value {
+    json!({ "word": text })
+}
+
+fn with(text: &str, parameters: &Value) -> Value {
+    json!({ "word": text, "parameters": parameters })
+}
+
+/// Plans with a limit: static ones, ones that change from level to level, with two averages, with a prefix, with a cycle
+/// that starts after its U, and dual ones for closed meshes.
+fn plans() -> Vec<Value> {
+    let circle = |delta: f64| json!({ "alpha": "pi/3", "kernel": "cos(alpha/2)", "compensation": "1/cos(alpha/2)", "delta": delta });
+    vec![
+        json!({ "preset": "catmull-clark" }),
+        word("UC"),
+        word("UCP"),
+        word("UCC"),
+        word("U(CU)"),
+        with("UCP", &json!({ "kernel": 1.7, "compensation": 0.5, "delta": 0.3 })),
+        with("UCP", &circle(0.4)),
+        with("UCCP", &circle(1.0)),
+        with("UC", &json!({ "alpha": 1.5, "kernel": "1 + alpha" })),
+    ]
+}
+
+/// A closed mesh of triangles.
+fn triangles() -> Net {
+    let net = nets::prism(4);
+    let cut = |face: &Vec<usize>| vec![vec![face[0], face[1], face[2]], vec![face[2], face[3], face[0]]];
+    Net { faces: net.faces.iter().flat_map(cut).collect(), ..net }
+}
+
+/// The classical schemes with meshes that they refine.
+fn classical() -> Vec<(Value, Net)> {
+    let preset = |name: &str| json!({ "preset": name });
+    vec![
+        (preset("doo-sabin"), nets::cube()),
+        (preset("doo-sabin"), nets::prism(5)),
+        (preset("kobbelt"), nets::prism(5)),
+        (preset("kobbelt"), nets::grid(3, 2)),
+        (preset("sqrt-3"), triangles()),
+        (json!({ "preset": "repeated-averaging", "parameters": { "degree": 5 } }), nets::mixed()),
+        (json!({ "preset": "repeated-averaging", "parameters": { "degree": 4 } }), nets::torus(4, 3)),
+    ]
+}
+
+/// Each limit point of one level is one of the next.
+#[test]
+fn classical_schemes_keep_their_limits() {
+    for (plan, net) in classical() {
+        let [(coarse, _), (fine, _)] = [1, 2].map(|levels| limit(&net, &plan, levels));
+        // the images of vertices come first, but for dual schemes, where they are middles of faces
+        if ["kobbelt", "sqrt-3"].map(Value::from).contains(&plan["preset"]) {
+            for (v, (p, q)) in coarse.positions.iter().zip(&fine.positions).enumerate().take(net.positions.len()) {
+                assert!(distance(p, q) <= 1e-12 * extent(&net), "{plan}: vertex {v} moves from {p:?} to {q:?}");
+            }
+        }
+        let levels = if plan["preset"] == "sqrt-3" { 7 } else { 5 };
+        let deep = Net::of(&json(json!({ "input": net.input(), "plan": plan, "levels": levels })));
+        for p in &coarse.positions {
+            let near = deep.positions.iter().map(|q| distance(p, q)).fold(f64::INFINITY, f64::min);
+            assert!(near <= 3e-2 * extent(&net), "{plan}: {p:?} is {near} away");
+        }
+    }
+}
+
+/// Doo-Sabin's limit points are the centroids of faces: a vertex's child face is fixed in its middle.
+#[test]
+fn doo_sabin_converges_to_centroids() {
+    let net = nets::prism(5);
+    let plan = json!({ "preset": "doo-sabin" });
+    let child = Net::of(&json(json!({ "input": net.input(), "plan": plan, "levels": 1 })));
+    let (found, _) = limit(&net, &plan, 0);
+    let n_vertices = net.positions.len();
+    let faces = &child.faces[child.faces.len() - n_vertices..];
+    for (v, face) in faces.iter().enumerate() {
+        let n = f64::from(u32::try_from(face.len()).expect("small"));
+        let sum = face.iter().fold([0.0; 3], |sum: [f64; 3], &u| [0, 1, 2].map(|k| sum[k] + child.positions[u][k]));
+        assert!(distance(&found.positions[v], &sum.map(|x| x / n)) <= 1e-13, "vertex {v}");
+    }
+}
+
+fn nets() -> Vec<Net> {
+    vec![nets::tetrahedron(), nets::grid(2, 1), nets::mixed(), nets::torus(3, 3)]
+}
+
+fn is_closed(net: &Net) -> bool {
+    net.edges().len() * 2 == net.faces.iter().map(Vec::len).sum::<usize>()
+}
+
+fn extent(net: &Net) -> f64 {
+    net.positions.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()))
+}
+
+/// The images of the input vertices come first at every level.
+#[test]
+fn limits_do_not_move_under_more_levels() {
+    for net in nets() {
+        for plan in plans() {
+            let (coarse, normals) = limit(&net, &plan, 0);
+            for levels in [1, 2] {
+                let (fine, fine_normals) = limit(&net, &plan, levels);
+                for v in 0..net.positions.len() {
+                    let off = distance(&coarse.positions[v], &fine.positions[v]) / extent(&net);
+                    assert!(off <= 1e-12, "{plan}: vertex {v} moves by {off} at level {levels}");
+                    let off = distance(&normals[v], &fine_normals[v]);
+                    assert!(off <= 1e-8, "{plan}: normal {v} turns by {off} at level {levels}");
+                }
+            }
+        }
+    }
+}
+
+/// Also where a crease ends, gets dull, or meets others.
+#[test]
+fn limits_of_creases_do_not_move_under_more_levels() {
+    let crease = |a: usize, b: usize, s: f64| json!({ "edge": [a, b], "sharpness": s });
+    let cube = nets::cube();
+    for creases in [
+        json!([crease(4, 5, 10.0)]),
+        json!([crease(4, 5, 1.7), crease(5, 7, 0.4)]),
+        json!([crease(4, 5, 10.0), crease(5, 7, 10.0), crease(1, 5, 10.0), crease(6, 7, 2.5)]),
+    ] {
+        let at = |levels: u32| {
+            let mesh = json!({ "positions": cube.positions, "faces": cube.faces, "creases": creases });
+            let job = json!({ "input": { "mesh": mesh }, "plan": { "preset": "catmull-clark" }, "levels": levels });
+            Net::of(&json_with(job, &json!({ "positions": "limit" }))).positions
+        };
+        let (coarse, fine) = (at(0), at(3));
+        for v in 0..8 {
+            let off = distance(&coarse[v], &fine[v]);
+            assert!(off <= 1e-13, "{creases}: vertex {v} moves by {off}");
+        }
+    }
+}
+
+/// What the first levels leave out, deeper ones approach.
+#[test]
+fn refined_vertices_approach_their_limits() {
+    for net in nets() {
+        for plan in plans() {
+            let (found, normals) = limit(&net, &plan, 1);
+            let job = json!({ "input": net.input(), "plan": plan, "levels": 4 });
+            let deep = json_with(job, &json!({ "normals": "area" }));
+            let deep_normals: Vec<[f64; 3]> = serde_json::from_value(deep["normals"].clone()).expect("normals");
+            let deep = Net::of(&deep);
+            for v in 0..net.positions.len() {
+                let off = distance(&found.positions[v], &deep.positions[v]) / extent(&net);
+                assert!(off <= 2e-2, "{plan}: vertex {v} is off by {off}");
+                let off = distance(&normals[v], &deep_normals[v]);
+                assert!(off <= 0.3, "{plan}: normal {v} is {:?}, not {:?}", normals[v], deep_normals[v]);
+            }
+        }
+    }
+}
+
+/// The angle between limit normals and area normals falls with the levels.
+#[test]
+fn area_normals_turn_to_limit_normals() {
+    let cos_half = json!({ "alpha": "pi/3", "kernel": "cos(alpha/2)", "delta": 0 });
+    for (plan, net) in [
+        (json!({ "preset": "catmull-clark" }), nets::cube()),
+        (word("UCC"), nets::tetrahedron()),
+        (with("UCP", &cos_half), nets::cube()),
+    ] {
+        {
+            let (_, normals) = limit(&net, &plan, 0);
+            let job = json!({ "input": net.input(), "plan": plan, "levels": 6 });
+            let result = json_with(job, &json!({ "normals": "area" }));
+            let area: Vec<[f64; 3]> = serde_json::from_value(result["normals"].clone()).expect("normals");
+            for v in 0..net.positions.len() {
+                let angle = distance(&normals[v], &area[v]);
+                assert!(angle < 1e-3, "{plan}: normal {v} is {:?}, not {:?}", area[v], normals[v]);
+            }
+        }
+    }
+}
+
+#[test]
+fn limits_turn_and_grow_with_the_mesh() {
+    let (c, s) = (cos(0.7), sin(0.7));
+    let moved = |p: &[f64; 3]| [3.0 * (c * p[0] - s * p[2]) + 5.0, 3.0 * p[1] - 2.0, 3.0 * (s * p[0] + c * p[2]) + 1.0];
+    let turned = |p: &[f64; 3]| [c * p[0] - s * p[2], p[1], s * p[0] + c * p[2]];
+    for net in nets() {
+        for plan in plans() {
+            let other = Net { positions: net.positions.iter().map(moved).collect(), ..net.clone() };
+            let ((a, a_normals), (b, b_normals)) = (limit(&net, &plan, 1), limit(&other, &plan, 1));
+            for v in 0..a.positions.len() {
+                let off = distance(&moved(&a.positions[v]), &b.positions[v]);
+                assert!(off <= 1e-12 * (1.0 + extent(&other)), "{plan}: vertex {v} is off by {off}");
+                assert!(distance(&turned(&a_normals[v]), &b_normals[v]) <= 1e-9, "{plan}: normal {v}");
+            }
+        }
+    }
+}
+
+#[test]
+fn interpolating_plans_stay_where_they_are() {
+    let circle = json!({ "alpha": "pi/6", "kernel": "cos(alpha/2)", "compensation": "1/cos(alpha/2)" });
+    for plan in [word("UCP"), word("UCCP"), with("UCP", &circle)] {
+        for net in nets() {
+            let job = json!({ "input": net.input(), "plan": plan, "levels": 1 });
+            let refined = Net::of(&json(job));
+            let (found, _) = limit(&net, &plan, 1);
+            for (v, (p, q)) in found.positions.iter().zip(&refined.positions).enumerate() {
+                assert!(distance(p, q) <= 1e-12, "{plan}: vertex {v} moves from {q:?} to {p:?}");
+            }
+        }
+    }
+}
+
+/// Dual schemes have no children of vertices; their limits lie on what deep levels draw.
+#[test]
+fn limits_of_dual_schemes_lie_on_the_surface() {
+    for net in nets().into_iter().filter(is_closed) {
+        for plan in [word("UD"), word("UDD"), word("UDDD")] {
+            let (found, normals) = limit(&net, &plan, 1);
+            let deep = Net::of(&json(json!({ "input": net.input(), "plan": plan, "levels": 5 })));
+            let centre = |face: &Vec<usize>| {
+                let sum =
+                    face.iter().fold([0.0; 3], |sum: [f64; 3], &v| [0, 1, 2].map(|k| sum[k] + deep.positions[v][k]));
+                sum.map(|x| x / f64::from(u32::try_from(face.len()).expect("small")))
+            };
+            let centres: Vec<[f64; 3]> = deep.faces.iter().map(centre).collect();
+            for (p, normal) in found.positions.iter().zip(&normals) {
+                let near = centres.iter().chain(&deep.positions).map(|q| distance(p, q)).fold(f64::INFINITY, f64::min);
+                assert!(near <= 5e-3, "{plan}: {p:?} is {near} away");
+                assert!((sqrt(normal.iter().map(|x| x * x).sum()) - 1.0).abs() < 1e-12, "{plan}");
+            }
+        }
+    }
+}
+
+#[test]
+fn all_writers_take_the_limit() {
+    let job = |format: &str, positions: &str, normals: Option<&str>| {
+        let mut output = json!({ "format": format, "positions": positions });
+        if let Some(normals) = normals {
+            output["normals"] = json!(normals);
+        }
+        let job = json!({ "input": nets::cube().input(), "plan": { "preset": "catmull-clark" }, "levels": 2, "outputs": [output] });
+        render(&job).unwrap_or_else(|faults| panic!("{faults:?} for {job}")).0
+    };
+    for format in ["json", "obj", "glb", "gltf", "ply", "png", "stl", "stats"] {
+        assert_ne!(job(format, "refined", None), job(format, "limit", None), "{format}");
+    }
+    for format in ["json", "obj", "glb", "gltf", "ply", "png"] {
+        assert_ne!(job(format, "refined", Some("area")), job(format, "refined", Some("limit")), "{format}");
+    }
+}
+
+#[test]
+fn any_number_of_threads_finds_the_same_limits() {
+    let plan = with("UCP", &json!({ "alpha": 1, "kernel": "cos(alpha/2)", "delta": 0.3 }));
+    let job = json!({ "input": nets::mixed().input(), "plan": plan, "levels": 3,
+        "outputs": [{ "format": "ply", "positions": "limit", "normals": "limit" }] });
+    let with_threads = |n: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().expect("threads start");
+        pool.install(|| render(&job)).expect("it has a limit").0
+    };
+    let [one, two, eight] = [1, 2, 8].map(with_threads);
+    assert!(one == two && two == eight);
+}

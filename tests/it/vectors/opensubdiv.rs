@@ -1,0 +1,123 @@
+//! What OpenSubdiv 3.5 makes of meshes: levels, limit positions and limit normals.
+
+use planish::math::functions::sqrt;
+use serde_json::{Value, json};
+
+use super::{check_mesh, number, points, tolerance};
+use crate::support::nets::{Net, distance};
+use crate::support::{json, json_with};
+
+/// The job of a vector of OpenSubdiv without levels.
+fn job(vector: &Value) -> Value {
+    let input = &vector["input"];
+    let preset = match vector["scheme"].as_str() {
+        Some("catmull_clark") => "catmull-clark",
+        Some("loop") => "loop",
+        other => panic!("no preset is known for {other:?}"),
+    };
+    let list = |name: &str| input[name].as_array().expect("tags are a list").iter();
+    let creases: Vec<_> =
+        list("creases").map(|crease| json!({ "edge": [crease[0], crease[1]], "sharpness": crease[2] })).collect();
+    let corners: Vec<_> =
+        list("corners").map(|corner| json!({ "vertex": corner[0], "sharpness": corner[1] })).collect();
+    let mesh = json!({ "positions": input["points"], "faces": input["faces"], "creases": creases, "corners": corners });
+    let creasing = &vector["creasing"];
+    let mut parameters = json!({ "creasing": creasing });
+    if preset == "catmull-clark" {
+        parameters["triangle_rule"] = vector["triangle_rule"].clone();
+    }
+    let boundary = match vector["boundary_interpolation"].as_str() {
+        Some("edge") => "edge-only",
+        Some("edgecorner") => "edge-and-corner",
+        Some("none") => "none",
+        other => panic!("no rule is known for {other:?}"),
+    };
+    let plan = json!({ "preset": preset, "boundary": boundary, "parameters": parameters });
+    json!({ "input": { "mesh": mesh }, "plan": plan })
+}
+
+/// Compares every level.
+pub(super) fn levels(vector: &Value) -> usize {
+    let job = job(vector);
+    let (mesh, plan) = (&job["input"]["mesh"], &job["plan"]);
+    // OpenSubdiv does not keep Chaikin's weights below 1, as the note in the file says; planish does
+    let same = if vector["creasing"] == "chaikin" { 1 } else { usize::MAX };
+    let levels = vector["levels"].as_array().expect("levels are a list").iter().take(same);
+    let check = |level: &Value| match plan["boundary"].as_str() {
+        Some("none") => check_shown(vector, mesh, plan, level),
+        _ => check_mesh(vector, mesh, plan, level, "vertices"),
+    };
+    levels.map(check).count()
+}
+
+/// Compares the faces that are shown: each is a face of the vector.
+fn check_shown(vector: &Value, mesh: &Value, plan: &Value, level: &Value) {
+    let found = Net::of(&json(json!({ "input": { "mesh": mesh }, "plan": plan, "levels": level["level"] })));
+    let expected: Vec<[f64; 3]> = points(&level["vertices"]);
+    let faces: Vec<Vec<usize>> = points(&level["faces"]);
+    // 4 of 16 faces do not touch the boundary
+    assert_eq!(4 * found.faces.len(), faces.len(), "{}", vector["id"]);
+    let close = |p: &[f64; 3], q: &[f64; 3]| distance(p, q) <= tolerance(vector);
+    for face in &found.faces {
+        let same =
+            |other: &Vec<usize>| face.iter().all(|&v| other.iter().any(|&u| close(&found.positions[v], &expected[u])));
+        assert!(faces.iter().any(same), "{} level {}: {face:?}", vector["id"], level["level"]);
+    }
+}
+
+/// Limit positions and normals of the last level, at the places of its vertices.
+pub(super) fn limits(vector: &Value) -> usize {
+    let mut job = job(vector);
+    if vector["creasing"] == "chaikin" || vector["boundary_interpolation"] == "none" {
+        return 0;
+    }
+    let level = vector["levels"].as_array().and_then(|levels| levels.last()).expect("levels are a list");
+    job["levels"] = level["level"].clone();
+    let refined: Vec<[f64; 3]> = points(&json(job.clone())["positions"]);
+    let found = json_with(job, &json!({ "positions": "limit", "normals": "limit" }));
+    // no tangent plane: beside edges that stay sharp, at corners inside, at rounded boundary vertices with one face
+    let warned = !found["warnings"].is_null();
+    let infinite = |tags: &Value, value: usize| {
+        tags.as_array().is_some_and(|tags| tags.iter().any(|tag| number(&tag[value]) >= 10.0))
+    };
+    let rounded = vector["id"].as_str().is_some_and(|id| id.ends_with("edgeonly"));
+    let sharp = infinite(&vector["input"]["creases"], 2) || infinite(&vector["input"]["corners"], 1);
+    assert!(!warned || sharp || rounded, "{}: {}", vector["id"], found["warnings"]);
+    let (positions, normals): (Vec<[f64; 3]>, Vec<[f64; 3]>) = (points(&found["positions"]), points(&found["normals"]));
+    let expected = [&level["vertices"], &level["limit"], &level["limit_normal"]].map(points::<[f64; 3]>);
+    assert_eq!(refined.len(), expected[0].len(), "{}", vector["id"]);
+    let (darts, fans) = special_vertices(&vector["input"]);
+    let mut compared = 0;
+    for (i, vertex) in refined.iter().enumerate() {
+        let place = expected[0].iter().position(|other| distance(vertex, other) <= tolerance(vector));
+        let place = place.unwrap_or_else(|| panic!("{}: {vertex:?} is no vertex", vector["id"]));
+        if !darts.contains(&i) {
+            let off = distance(&positions[i], &expected[1][place]);
+            assert!(off <= tolerance(vector), "{}: the limit of {vertex:?} is off by {off}", vector["id"]);
+        }
+        let normal = expected[2][place];
+        let length = sqrt(normal.iter().map(|x| x * x).sum());
+        if length > 1e-6 && !warned && !darts.contains(&i) && !fans.contains(&i) {
+            let off = distance(&normals[i], &normal.map(|x| x / length));
+            let most = tolerance(vector).max(1e-8);
+            assert!(off <= most, "{}: the normal at {vertex:?} is {:?}, not {normal:?}", vector["id"], normals[i]);
+            compared += 1;
+        }
+    }
+    assert!(warned || 10 * compared >= 9 * refined.len(), "{}: {compared} normals of {}", vector["id"], refined.len());
+    1
+}
+
+/// Vertices of the input where OpenSubdiv takes masks of other rules than it refines by: ends of single creases, where it
+/// takes the smooth mask, and boundary vertices with more than two faces, where it takes tangents of other weights.
+fn special_vertices(input: &Value) -> (Vec<usize>, Vec<usize>) {
+    let faces: Vec<Vec<usize>> = points(&input["faces"]);
+    let creases: Vec<(usize, usize, f64)> = points(&input["creases"]);
+    let net = Net { positions: points(&input["points"]), faces };
+    let n = net.positions.len();
+    let ends = |v: usize| creases.iter().filter(|&&(a, b, s)| s >= 10.0 && (a == v || b == v)).count();
+    let n_faces = |v: usize| net.faces.iter().filter(|face| face.contains(&v)).count();
+    let n_edges = |v: usize| net.edges().iter().filter(|&&(a, b)| a == v || b == v).count();
+    let darts = (0..n).filter(|&v| ends(v) == 1).collect();
+    (darts, (0..n).filter(|&v| n_edges(v) > n_faces(v) && n_faces(v) > 2).collect())
+}
