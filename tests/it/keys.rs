@@ -225,6 +225,32 @@ const SHORT: &str = r#"{"input":{"polygon":{"points":[[0,0],[4,0],[4,4],[0,0.25]
     "plan":{"preset":"four-point"},"outputs":[{"format":"json"}]}"#;
 
 #[test]
+fn the_split_is_part_of_the_key() {
+    let mut job = mesh_job();
+    job["input"] = nets::octahedron().input();
+    check_distinct(
+        &job,
+        &[
+            ("/plan/parameters/split", json!("triangle")),
+            ("/plan/parameters", json!({ "delta": 0.5, "split": "triangle" })),
+            ("/plan/parameters", json!({ "delta": 0.5, "split": "triangle", "mu": 0.5 })),
+            ("/plan", json!({ "preset": "loop" })),
+            ("/plan", json!({ "word": "U" })),
+            ("/plan", json!({ "word": "U3" })),
+            ("/plan", json!({ "word": "U", "parameters": { "split": "triangle" } })),
+            ("/plan", json!({ "word": "U3", "parameters": { "split": "triangle" } })),
+        ],
+    );
+    // what nothing uses makes no difference
+    let same = |a: Value, b: Value| assert_eq!(key(&with(&job, "/plan", a)), key(&with(&job, "/plan", b)));
+    same(json!({ "word": "UC" }), json!({ "word": "UC", "parameters": { "split": "quad", "mu": 0.5 } }));
+    let on_triangles = |mu: f64| json!({ "word": "UP", "parameters": { "split": "triangle", "mu": mu } });
+    same(on_triangles(0.25), on_triangles(0.5));
+    let curve = curve_job();
+    assert_eq!(key(&curve), key(&with(&curve, "/plan/parameters/split", json!("triangle"))));
+}
+
+#[test]
 fn spelling_does_not_matter() {
     for same in [
         // other order of fields, defaults written out, other name of the output

@@ -4,6 +4,9 @@ use super::{Plan, Scheduled};
 use crate::fault::Fault;
 use crate::math::expression::{Expression, ExpressionError};
 use crate::scheme::ops::Role;
+use crate::scheme::presets::MU;
+use crate::scheme::word::Letter;
+use crate::shape::tile::Tile;
 
 /// Compensations beyond this come from a pole of the function, not from a wish.
 const MAX_COMPENSATION: f64 = 1e12;
@@ -50,7 +53,7 @@ impl Plan {
                 Role::Average => {
                     step.letter.arity = last_arity.unwrap_or(arity);
                     if let Some(place) = averages {
-                        step.kernel = self.kernel_at(place, alpha, level)?;
+                        step.kernel = self.kernel_at(place, alpha, level, &step.letter)?;
                         step.first = place == 0;
                         averages = Some(place + 1);
                     }
@@ -67,14 +70,32 @@ impl Plan {
         Ok(steps)
     }
 
-    fn kernel_at(&self, place: usize, alpha: f64, level: u32) -> Result<f64, Fault> {
+    fn kernel_at(&self, place: usize, alpha: f64, level: u32, letter: &Letter) -> Result<f64, Fault> {
         let Some(kernel) = self.kernel.get(place) else { return Ok(1.0) };
         let value = at(kernel, alpha, level, "kernel")?;
         if (1.0 + value).abs() < 1e-9 {
             let detail = format!("the kernel is -1 at level {level} (alpha = {alpha}), where no average exists");
             return Err(Fault::new("/parameters/kernel", detail));
         }
+        if letter.tile == Tile::Triangle && self.triangle_sums(value, letter).iter().any(|sum| sum.abs() < 1e-9) {
+            let detail = format!(
+                "the kernel is {value} at level {level} (alpha = {alpha}), where the weights of some triangle add up to 0; \
+                 choose another kernel or another mu than {}",
+                self.mu
+            );
+            return Err(Fault::new("/parameters/kernel", detail));
+        }
         Ok(value)
+    }
+
+    /// What the weights of a triangle add up to where it is not 1: around and beside V in C, beside V in D.
+    fn triangle_sums(&self, kernel: f64, letter: &Letter) -> Vec<f64> {
+        let mu = self.mu;
+        if letter.operator.uses().contains(&MU.name) {
+            vec![mu * kernel + 1.0 - mu, mu + 0.5 * (1.0 - mu) * (1.0 + kernel)]
+        } else {
+            vec![kernel + 2.0]
+        }
     }
 
     fn compensation_at(&self, alpha: f64, level: u32) -> Result<f64, Fault> {

@@ -223,6 +223,43 @@ fn the_dual_of_split_triangles_has_a_vertex_a_face() {
     }
 }
 
+/// On closed meshes two D are C with the centroids, mu = 1/3, and a push-back may follow them.
+#[test]
+fn two_duals_of_triangles_average_their_centroids() {
+    for net in [nets::tetrahedron(), nets::octahedron(), nets::triangulated(nets::prism(5))] {
+        for (duals, average) in [("UDD", "UC"), ("UDDP", "UCP")] {
+            let average = json!({ "word": average, "parameters": { "split": "triangle", "mu": "1/3", "delta": 0.5 } });
+            let duals = json!({ "word": duals, "parameters": { "split": "triangle", "delta": 0.5 } });
+            let [a, b] = [&duals, &average].map(|plan| refined_mesh(&net, plan, 1).positions);
+            assert!(a.iter().zip(&b).all(|(p, q)| distance(p, q) <= TOLERANCE) && a.len() == b.len(), "{duals}");
+        }
+    }
+}
+
+#[test]
+fn kernels_without_an_average_of_triangles_are_refused() {
+    for (word, kernel, mu, refused) in [
+        ("UC", "-3", 0.25, true),
+        ("UC", "-5/3", 0.25, true),
+        ("UD", "-2", 0.25, true),
+        ("UC", "-2", 0.25, false),
+        ("UD", "-3", 0.25, false),
+        ("UC", "0", 1.0, true),
+        ("UC", "-1.9", 0.25, false),
+        ("UC", "0", 0.25, false),
+    ] {
+        let plan = json!({ "word": word, "parameters": { "split": "triangle", "kernel": kernel, "mu": mu } });
+        let job = json!({ "input": nets::octahedron().input(), "plan": plan, "levels": 1 });
+        if refused {
+            let faults = crate::support::faults(job);
+            assert_eq!(faults[0].pointer, "/plan/parameters/kernel");
+            assert!(faults[0].detail.contains("add up to 0"), "{}", faults[0].detail);
+        } else {
+            crate::support::json(job);
+        }
+    }
+}
+
 #[test]
 fn other_faces_than_triangles_are_refused_by_name() {
     let mut net = nets::triangulated(nets::cube());
