@@ -180,7 +180,7 @@ pub const DELTA: Parameter = Parameter {
     kind: Kind::Expression { variable: "valence" },
     unit: "",
     default: Default::Number(1.0),
-    doc: "Push-back factor: 0 approximates, 1 interpolates; on meshes it may depend on the valence (4 on boundaries).",
+    doc: "Push-back factor: 0 approximates, 1 interpolates; on meshes it may depend on the valence (on boundaries 4, with split triangle 6).",
 };
 
 /// The alpha of the compensation, where it differs.
