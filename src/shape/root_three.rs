@@ -36,11 +36,9 @@ impl Topology {
             vertices.copy_from_slice(&split.triangle(index(corner)));
             edges.copy_from_slice(&split.sides(index(corner)));
         });
-        let starts = (0..=index(n_c)).map(|f| 3 * f).collect();
-        let owner = (0..index(3 * n_c)).map(|corner| corner / 3).collect();
         Self {
             n_vertices: self.n_vertices() + self.n_faces() + split.cut.len(),
-            faces: Faces::Mixed { starts, owner },
+            faces: Faces::Triangles,
             vertices,
             corner_edge,
             edge_corners: split.edges(),

@@ -64,7 +64,8 @@ impl Net {
 
 /// A preset, ready for closed meshes: its plan, and the steps of so many levels.
 pub(crate) fn plan(preset: &str, parameters: &[(&str, &str)], levels: u32) -> (Plan, Vec<Scheduled>) {
-    let text = |(name, value): &(&str, &str)| ((*name).to_owned(), Literal::Text((*value).to_owned()));
+    let literal = |value: &str| value.parse().map_or_else(|_| Literal::Text(value.to_owned()), Literal::Number);
+    let text = |(name, value): &(&str, &str)| ((*name).to_owned(), literal(value));
     let input = PlanInput {
         preset: Some(preset.to_owned()),
         parameters: parameters.iter().map(text).collect(),

@@ -23,7 +23,7 @@ const QUADS: &[Scheme] = &[
     ("repeated-averaging", &[("degree", "5")], 4),
 ];
 /// For meshes of triangles.
-const TRIANGLES: &[Scheme] = &[("loop", &[], 5), ("sqrt-3", &[], 6)];
+const TRIANGLES: &[Scheme] = &[("loop", &[], 5), ("butterfly", &[], 5), ("sqrt-3", &[], 6)];
 
 pub(crate) fn measure(table: &mut Table) {
     let mut first = None;

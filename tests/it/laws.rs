@@ -1,6 +1,7 @@
 //! Laws: identities that hold for every input, tried on small and on random ones.
 
 mod averaging;
+mod butterfly;
 mod circles;
 mod creases;
 mod curves;

@@ -2,6 +2,7 @@
 
 mod average;
 mod box_average;
+mod butterfly;
 mod catmull_clark;
 mod circle;
 mod cosines;
@@ -19,6 +20,7 @@ mod upsample;
 
 use std::fmt;
 
+pub use butterfly::ButterflyEdges;
 pub use catmull_clark::CatmullClark;
 pub use circle::Circle;
 pub use doo_sabin::DooSabin;
@@ -54,6 +56,7 @@ pub const OPERATORS: &[&dyn Operator] = &[
     &doo_sabin::DooSabin,
     &kobbelt_edges::KobbeltEdges,
     &kobbelt_faces::KobbeltFaces,
+    &butterfly::ButterflyEdges,
     &root_three::RootThree,
 ];
 

@@ -57,7 +57,7 @@ impl Operator for RootThree {
         if !net.holes.is_empty() {
             return Err(StepError::OwnTags("sqrt-3", "holes (boundary \"none\" makes some)"));
         }
-        if let Some(f) = (0..topology.n_faces()).find(|&f| topology.face(f).len() != 3) {
+        if let Some(f) = topology.first_other_than_triangle() {
             return Err(StepError::NoTriangle { scheme: "sqrt-3", face: f, size: topology.face(f).len() });
         }
         let two = |&v: &usize| topology.boundary_edges(v).is_none() && topology.ring(v).count() == 2;

@@ -54,6 +54,7 @@ pub const PRESETS: &[&Preset] = &[
     &quads::DOO_SABIN,
     &quads::REPEATED_AVERAGING,
     &quads::KOBBELT,
+    &triangles::BUTTERFLY,
     &triangles::SQRT_3,
 ];
 

@@ -1,0 +1,142 @@
+//! The edge points of the modified butterfly scheme, applied after U on triangles.
+
+use super::cosines::cosine;
+use super::upsample::ratio;
+use super::{Operator, Role};
+use crate::math::rows::{Rows, RowsBy};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::shape::tile::Tile;
+use crate::shape::topology::{NONE, Topology, index};
+
+/// The edge points of the modified butterfly scheme, with `16 w` times the displacement from the middle of the edge; at
+/// `w = 1/16`:
+///
+/// - both ends of valence 6: `1/2 (a + b) + 1/8 (c + d) - 1/16 (four far vertices)`, with the vertices `c`, `d` opposite
+///   the edge and those beyond the other four edges of its two triangles;
+/// - an inner end `p` of valence n other than 6: `3/4 p + sum s[j] e[j]` over its neighbours, counted from the other end,
+///   `s[j] = (1/4 + cos(2 pi j/n) + 1/2 cos(4 pi j/n))/n`; for n = 3 `(5, -1, -1)/12`, for n = 4 `(3, 0, -1, 0)/8`; the
+///   mean of both where both ends are such;
+/// - boundary edges: `9/16 (a + b) - 1/16 (a* + b*)` with the next vertices on the boundary, or the reflection
+///   `2 a - b` at a corner;
+/// - ends on the boundary, and those with two faces all around, count as of valence 6; a far vertex beyond a boundary edge `(a, c)` of the triangle `(a, b, c)`
+///   is `a + c - b`.
+#[derive(Debug)]
+pub struct ButterflyEdges;
+
+impl Operator for ButterflyEdges {
+    fn name(&self) -> &'static str {
+        "butterfly-edges"
+    }
+
+    fn doc(&self) -> &'static str {
+        "The edge points of the modified butterfly scheme after U on triangles: 1/2 (a + b) + 2w (c + d) - w (four far \
+         vertices) where both ends have valence 6, weights of the ring of an end of another valence, the four-point rule \
+         on boundaries. Used by the preset butterfly."
+    }
+
+    fn source(&self) -> &'static str {
+        "Zorin, Schroeder and Sweldens, SIGGRAPH 1996, 189-192; Dyn, Levin and Gregory, ACM TOG 9 (1990), 160-169"
+    }
+
+    fn role(&self) -> Role {
+        // w is a sixteenth of the compensation, as in the word of the four-point scheme
+        Role::PushBack
+    }
+
+    fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
+        Err(StepError::WrongNet("butterfly refines meshes of triangles; for polygons use four-point"))
+    }
+
+    fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+        let halved = net.tile == Tile::Triangle && net.pieces.last() == Some(&2);
+        let parent = net.parent.clone().filter(|_| halved).ok_or(StepError::NoAnchor)?;
+        let (n, n_v, strength) = (net.n_vertices(), parent.n_vertices(), values.compensation);
+        let old = net.clone();
+        let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
+            if row < n_v {
+                out.add(index(row), 1.0);
+            } else {
+                edge_row(&old, &parent, row - n_v, strength, out);
+            }
+        });
+        Ok(Step { net: net.clone(), action: Action::Blend(Box::new(rows)) })
+    }
+}
+
+fn edge_row(net: &MeshNet, parent: &Topology, e: usize, strength: f64, out: &mut Rows) {
+    let ends = parent.ends(e);
+    let [forward, backward] = parent.edge_corners(e);
+    if backward == NONE {
+        return boundary_row(net, parent, e, strength, out);
+    }
+    // outgoing corners of the ends that need weights of their own
+    let extraordinary = |v: u32| {
+        let n = parent.ring(v as usize).count();
+        n > 2 && n != 6 && parent.boundary_edges(v as usize).is_none()
+    };
+    let rings = [(ends[0], forward), (ends[1], backward)].map(|(v, corner)| extraordinary(v).then_some(corner));
+    let n_rings = rings.iter().flatten().count();
+    let middle = if n_rings == 0 { 0.5 } else { 0.5 - 0.5 * strength };
+    ends.iter().for_each(|&v| out.add(v, middle));
+    if n_rings == 0 {
+        [forward, backward].iter().for_each(|&corner| wing(parent, corner, strength / 16.0, out));
+    }
+    rings.iter().flatten().for_each(|&corner| ring_row(parent, corner, strength / ratio(n_rings, 1), out));
+}
+
+/// One side of an edge: the vertex opposite it, and the two far ones; a far vertex that is missing is reflected.
+fn wing(parent: &Topology, corner: u32, unit: f64, out: &mut Rows) {
+    let (onward, back) = (parent.next(corner), parent.previous(corner));
+    let opposite = parent.vertex(back);
+    out.add(opposite, 2.0 * unit);
+    for (side, near, far) in [(onward, onward, corner), (back, corner, onward)] {
+        let beyond = parent.twin(side);
+        if beyond == NONE {
+            // across the side from `near` to the opposite vertex lies near + opposite - far
+            out.add(parent.vertex(near), -unit);
+            out.add(opposite, -unit);
+            out.add(parent.vertex(far), unit);
+        } else {
+            out.add(parent.vertex(parent.previous(beyond)), -unit);
+        }
+    }
+}
+
+/// The edge point that an inner vertex makes of its ring, on the edge of one of its outgoing corners.
+fn ring_row(parent: &Topology, outgoing: u32, scale: f64, out: &mut Rows) {
+    let v = parent.vertex(outgoing);
+    let n = parent.ring(v as usize).count();
+    out.add(v, 0.75 * scale);
+    let mut corner = outgoing;
+    for j in 0..n {
+        let weight = match (n, j) {
+            (3, 0) => ratio(5, 12),
+            (3, _) => -ratio(1, 12),
+            (4, 0) => ratio(3, 8),
+            (4, 2) => -ratio(1, 8),
+            (4, _) => 0.0,
+            _ => (0.25 + cosine(j, n) + 0.5 * cosine(2 * j, n)) / ratio(n, 1),
+        };
+        out.add(parent.vertex(parent.next(corner)), scale * weight);
+        corner = parent.twin(parent.previous(corner));
+    }
+}
+
+/// The four-point rule along the boundary, reflected at corners.
+fn boundary_row(net: &MeshNet, parent: &Topology, e: usize, strength: f64, out: &mut Rows) {
+    let [a, b] = parent.ends(e);
+    let unit = strength / 16.0;
+    for (end, other, onward) in [(a, b, false), (b, a, true)] {
+        out.add(end, 0.5 + unit);
+        match parent.boundary_edges(end as usize).filter(|_| !net.is_corner(end as usize)) {
+            Some([next, _]) if onward => out.add(parent.ends(next as usize)[1], -unit),
+            Some([_, previous]) => out.add(parent.ends(previous as usize)[0], -unit),
+            None => {
+                out.add(end, -2.0 * unit);
+                out.add(other, unit);
+            }
+        }
+    }
+}
