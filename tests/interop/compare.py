@@ -1,4 +1,4 @@
-"""Compares planish with CGAL: compare.py PLANISH SUBDIVIDE, both paths of programs.
+"""Compares planish with another program: compare.py PLANISH SUBDIVIDE SCHEME..., the first two paths of programs.
 
 Every mesh of tests/nets and some random ones are refined by both; the points are matched one to one and the faces as
 cycles of matched points. The largest difference of a coordinate is printed for each, and the exit code is 1 when one is
@@ -13,10 +13,10 @@ import sys
 import tempfile
 
 TOLERANCE = 1e-12
-NETS = pathlib.Path(__file__).resolve().parents[2] / "nets"
+NETS = pathlib.Path(__file__).resolve().parents[1] / "nets"
 
 
-def cgal(program, scheme, levels, positions, faces):
+def other(program, scheme, levels, positions, faces):
     lines = ["OFF", f"{len(positions)} {len(faces)} 0"]
     lines += [" ".join(repr(float(x)) for x in p) for p in positions]
     lines += [" ".join(map(str, [len(f), *f])) for f in faces]
@@ -92,14 +92,16 @@ def meshes():
         yield f"random prism {n}", *prism(n, rng)
 
 
-def main(program, subdivide):
+def main(program, subdivide, *schemes):
     wrong = 0
     for name, positions, faces in meshes():
-        cases = [("sqrt-3", levels, fans(faces)) for levels in (1, 2, 3, 4)]
-        # CGAL's Doo-Sabin is for closed meshes
-        cases += [("doo-sabin", levels, faces) for levels in (1, 2, 3)] if is_closed(faces) else []
-        for scheme, levels, list_of_faces in cases:
-            expected = cgal(subdivide, scheme, levels, positions, list_of_faces)
+        cases = [(scheme, levels) for scheme in schemes for levels in range(1, 5 if scheme == "sqrt-3" else 4)]
+        for scheme, levels in cases:
+            # CGAL's Doo-Sabin is for closed meshes
+            if scheme == "doo-sabin" and not is_closed(faces):
+                continue
+            list_of_faces = faces if scheme in ("doo-sabin", "catmull-clark") else fans(faces)
+            expected = other(subdivide, scheme, levels, positions, list_of_faces)
             result = difference(planish(program, scheme, levels, positions, list_of_faces), expected)
             print(f"{scheme:10} level {levels}  {name:16} {len(expected[1]):7} faces  {result}", flush=True)
             wrong += isinstance(result, str) or result > TOLERANCE
@@ -107,4 +109,4 @@ def main(program, subdivide):
 
 
 if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:3]))
+    sys.exit(main(*sys.argv[1:]))
