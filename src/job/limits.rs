@@ -233,6 +233,7 @@ fn counts(job: &Job, count: Count) -> Counts {
         vertices: count.vertices,
         faces: count.faces - count.hidden_faces,
         corners: count.corners - count.hidden_corners,
+        parted: count.parted,
         frame: job.frame,
         attachments: if let Input::Mesh(mesh) = &job.input { mesh.attachments.clone() } else { Arc::default() },
         input_faces: if let Input::Mesh(mesh) = &job.input { mesh.topology.n_faces() } else { 0 },
@@ -256,12 +257,14 @@ fn carried(job: &Job) -> Carried {
 }
 
 /// Old and new points (24 bytes each), the topology before the last split (about 17 bytes a face after it), normals and
-/// indices of a picture, three times the numbers of channels, the topologies of schemes that make their own, and the
-/// largest result.
+/// indices of a picture, three times the numbers of channels, the topologies of schemes that make their own,
+/// copies of vertices on sharp edges with the faces around them, and the largest result.
 fn memory(forecast: &Forecast, sizes: &[Size], carried: &Carried) -> u128 {
     let count = forecast.peak;
     let net = count.vertices.saturating_mul(72 + 24 * carried.numbers).saturating_add(count.faces.saturating_mul(44));
     let net = net.saturating_add(forecast.topology_bytes);
+    let last = forecast.levels.last().copied().unwrap_or_default();
+    let net = net.saturating_add(last.parted.saturating_mul(160));
     net.saturating_add(sizes.iter().map(|size| size.bytes()).max().unwrap_or(0))
 }
 

@@ -3,11 +3,12 @@
 use std::io::Write;
 
 use crate::math::parameter::{Parameter, Values};
-use crate::output::gltf_amounts::{Amounts, Contents};
+use crate::output::gltf_amounts::{Amounts, Contents, parted, with_normals};
 use crate::output::gltf_buffer::Buffer;
 use crate::output::gltf_document::{PARAMETERS, document};
 use crate::output::numbers::total;
-use crate::output::scene::Scene;
+use crate::output::parted::Parted;
+use crate::output::scene::{Scene, Shape};
 use crate::output::stream::holds_space;
 use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
 use crate::watch::Watch;
@@ -49,7 +50,9 @@ impl Format for Glb {
 
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         let binary = Amounts::of(counts, options).bytes();
-        Size::Exact(file(Contents::of(counts, options).room(), binary))
+        let bytes = file(Contents::of(counts, options).room(), binary);
+        // how many vertices are parted depends on what becomes of their edges
+        if parted(counts, options) > 0 { Size::AtMost(bytes) } else { Size::Exact(bytes) }
     }
 
     fn write(
@@ -59,7 +62,9 @@ impl Format for Glb {
         out: &mut dyn Write,
         watch: &Watch,
     ) -> Result<(), FormatError> {
-        let buffer = Buffer::of(scene, options, watch)?;
+        let parted = if with_normals(options) { Parted::of(scene.shape, watch)? } else { None };
+        let shape = parted.as_ref().map_or(scene.shape, |mesh| Shape::Mesh(mesh));
+        let buffer = Buffer::of(&Scene { shape, ..*scene }, options, watch)?;
         let room = buffer.contents().room();
         let binary = buffer.amounts.bytes();
         let lengths = [file(room, binary), room, binary].map(u32::try_from);

@@ -3,11 +3,12 @@
 use std::io::{self, Write};
 
 use crate::math::parameter::{Parameter, Values};
-use crate::output::gltf_amounts::{Amounts, Contents};
+use crate::output::gltf_amounts::{Amounts, Contents, with_normals};
 use crate::output::gltf_buffer::Buffer;
 use crate::output::gltf_document::{PARAMETERS, document};
 use crate::output::numbers::total;
-use crate::output::scene::Scene;
+use crate::output::parted::Parted;
+use crate::output::scene::{Scene, Shape};
 use crate::output::stream::holds_space;
 use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
 use crate::watch::Watch;
@@ -52,7 +53,9 @@ impl Format for Gltf {
         out: &mut dyn Write,
         watch: &Watch,
     ) -> Result<(), FormatError> {
-        let buffer = Buffer::of(scene, options, watch)?;
+        let parted = if with_normals(options) { Parted::of(scene.shape, watch)? } else { None };
+        let shape = parted.as_ref().map_or(scene.shape, |mesh| Shape::Mesh(mesh));
+        let buffer = Buffer::of(&Scene { shape, ..*scene }, options, watch)?;
         let json = document(&buffer, Some(URI))?;
         let Some(start) = json.windows(URI.len()).position(|text| text == URI.as_bytes()) else {
             return Ok(out.write_all(&json)?);

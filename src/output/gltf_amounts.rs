@@ -24,6 +24,11 @@ pub(super) fn with_normals(options: &Values) -> bool {
     options.choice("normals") != Some("none")
 }
 
+/// Copies of vertices, at most, that have a normal of their own.
+pub(super) fn parted(counts: &Counts, options: &Values) -> u128 {
+    if with_normals(options) { counts.parted } else { 0 }
+}
+
 /// Numbers of rows in the buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Amounts {
@@ -40,12 +45,12 @@ pub(super) struct Amounts {
 }
 
 impl Amounts {
-    /// The amounts for these counts; shapes without faces have no normals, curves carry nothing.
+    /// The most for these counts; shapes without faces have no normals, curves carry nothing.
     pub(super) fn of(counts: &Counts, options: &Values) -> Self {
         let mesh = counts.kind == ShapeKind::Mesh;
         let faces = if mesh { counts.faces } else { 0 };
         Self {
-            vertices: counts.vertices,
+            vertices: counts.vertices.saturating_add(parted(counts, options)),
             normals: with_normals(options) && faces > 0,
             numbers: counts.attachments.width() as u128,
             ids: mesh && options.flag("ids"),

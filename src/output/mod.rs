@@ -16,6 +16,7 @@ mod gltf_views;
 mod json;
 mod numbers;
 mod obj;
+mod parted;
 mod picture;
 mod ply;
 mod png;
@@ -136,6 +137,8 @@ pub struct Counts {
     pub faces: u128,
     /// Sum of the sizes of the shown faces.
     pub corners: u128,
+    /// Vertices that are added, at most, where normals differ across sharp edges; 0 where no edge is sharp.
+    pub parted: u128,
     /// What the coordinates mean.
     pub frame: Frame,
     /// What a mesh carries besides its shape.

@@ -5,6 +5,7 @@ use std::io::Write;
 use crate::math::parameter::{Parameter, Values};
 use crate::output::colors::within;
 use crate::output::numbers::{REAL, digits, real, reals, total, whole};
+use crate::output::parted::Parted;
 use crate::output::scene::{Curve, Frame, MeshSource, Scene, Shape};
 use crate::output::stream::{Positions, Stream, holds_space};
 use crate::output::surface::{NORMALS, with_normals};
@@ -68,12 +69,14 @@ impl Format for Obj {
                 (counts.polygons, 2),
             ]),
             ShapeKind::Mesh => {
-                let (normal, corner) = if with_normals(options) { (3 + row, 3 + 2 * index) } else { (0, 1 + index) };
+                let n_normals = counts.vertices.saturating_add(counts.parted);
+                let (n_normals, corner) =
+                    if with_normals(options) { (n_normals, 3 + index + digits(n_normals)) } else { (0, 1 + index) };
                 let told = told(counts, options.flag("ids"));
                 let color = if counts.attachments.color().is_some() { row } else { 0 };
-                let vertex = 2 + row + color + normal;
+                let vertex = 2 + row + color;
                 let rows = [(counts.vertices, vertex), (counts.faces, 2), (counts.corners, corner)];
-                total(&[(1, header), (1, told), rows[0], rows[1], rows[2]])
+                total(&[(1, header), (1, told), rows[0], (n_normals, 3 + row), rows[1], rows[2]])
             }
         })
     }
@@ -112,8 +115,12 @@ fn write_with_normals(told: &Told<'_>, stream: &mut Stream<'_>, watch: &Watch) -
     let mesh = told.mesh;
     let positions = Positions::of_mesh(mesh).held(watch)?;
     told.vertices(&positions, stream)?;
-    let normals = normals::of(mesh, positions.rows(), watch)?;
+    let parted = Parted::of(Shape::Mesh(mesh), watch)?;
+    let sides = parted.as_ref().map_or(mesh, |parted| parted);
+    let positions = if parted.is_some() { Positions::of_mesh(sides).held(watch)? } else { positions };
+    let normals = normals::of(sides, positions.rows(), watch)?;
     drop(positions);
+    let origin = |v: u32| parted.as_ref().map_or(v, |parted| parted.origin(v));
     stream.rows(0, &normals, |_, rows, out| {
         for &normal in rows {
             out.extend_from_slice(b"vn ");
@@ -121,11 +128,11 @@ fn write_with_normals(told: &Told<'_>, stream: &mut Stream<'_>, watch: &Watch) -
             out.push(b'\n');
         }
     })?;
-    stream.faces(mesh, |index, face, out| {
+    stream.faces(sides, |index, face, out| {
         told.before_face(index, out);
         out.push(b'f');
         for &vertex in face {
-            corner(vertex, out);
+            corner(origin(vertex), out);
             out.extend_from_slice(b"//");
             whole(out, u64::from(vertex) + 1);
         }

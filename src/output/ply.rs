@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::numbers::{REAL, digits, real, real_f32, rounded, total, whole};
+use crate::output::parted::Parted;
 use crate::output::scene::{Curve, Frame, MeshSource, Scene, Shape};
 use crate::output::stream::{Positions, Stream, channels_within_f32, holds_space};
 use crate::output::surface::{NORMALS, with_normals};
@@ -214,17 +215,19 @@ impl Layout {
 
 fn mesh_size(counts: &Counts, layout: Layout) -> Size {
     let attachments = &counts.attachments;
-    let header = mesh_header(counts.vertices, counts.faces, counts.frame, attachments, layout).len() as u128;
+    let parted = if layout.normals { counts.parted } else { 0 };
+    let vertices = counts.vertices.saturating_add(parted);
+    let header = mesh_header(vertices, counts.faces, counts.frame, attachments, layout).len() as u128;
     let (carried, of_face) =
-        carried::bytes(attachments, layout, counts.corners.max(counts.vertices).max(counts.input_faces as u128));
+        carried::bytes(attachments, layout, counts.corners.max(vertices).max(counts.input_faces as u128));
     let (face, corner) = match layout.encoding {
-        Encoding::Ascii => (digits(counts.corners) + 1, digits(counts.vertices) + 1),
+        Encoding::Ascii => (digits(counts.corners) + 1, digits(vertices) + 1),
         Encoding::Uchar => (1, 4),
         Encoding::Uint => (4, 4),
     };
     let (vertex, face) = (layout.vertex_bytes() + carried, face + of_face);
-    let bytes = total(&[(1, header), (counts.vertices, vertex), (counts.faces, face), (counts.corners, corner)]);
-    if layout.encoding == Encoding::Ascii { Size::AtMost(bytes) } else { Size::Exact(bytes) }
+    let bytes = total(&[(1, header), (vertices, vertex), (counts.faces, face), (counts.corners, corner)]);
+    if layout.encoding == Encoding::Ascii || parted > 0 { Size::AtMost(bytes) } else { Size::Exact(bytes) }
 }
 
 fn curves_size(counts: &Counts, layout: Layout) -> u128 {
@@ -276,6 +279,8 @@ fn write_mesh(
     if layout.float {
         channels_within_f32(mesh, watch)?;
     }
+    let parted = if layout.normals { Parted::of(Shape::Mesh(mesh), watch)? } else { None };
+    let mesh = parted.as_ref().map_or(mesh, |parted| parted);
     let (vertices, faces) = (mesh.n_vertices() as u128, mesh.n_faces() as u128);
     stream.bytes(mesh_header(vertices, faces, frame, mesh.attachments(), layout).as_bytes())?;
     let positions = within(Positions::of_mesh(mesh), layout);

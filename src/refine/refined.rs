@@ -6,6 +6,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::sharpness::Sharpness;
 use crate::shape::attachments::Attachments;
 use crate::shape::order::Order;
 use crate::shape::source::{FaceChunk, MeshSource, Origin};
@@ -24,6 +25,10 @@ pub struct RefinedMesh {
     attachments: Arc<Attachments>,
     /// The numbers of each channel, in the order of construction.
     channels: Vec<Vec<f64>>,
+    /// Edges that are still sharp, numbered in the order of construction.
+    sharpness: Option<Arc<Sharpness>>,
+    /// Pieces of each edge of the base: those of edge `e` have the numbers `e x pieces ..` in its direction.
+    pieces: usize,
 }
 
 /// The faces that are shown: runs of consecutive ones.
@@ -40,8 +45,18 @@ impl RefinedMesh {
     pub fn new(net: &MeshNet, points: Vec<f64>) -> Self {
         let order = net.order();
         let shown = Shown::new(&net.base, order.as_ref(), &net.holes);
-        let base = net.base.clone();
-        Self { points, normals: None, base, order, shown, attachments: Arc::default(), channels: Vec::new() }
+        let pieces = net.pieces.iter().map(|&pieces| pieces as usize).product();
+        Self {
+            points,
+            normals: None,
+            base: net.base.clone(),
+            order,
+            shown,
+            attachments: Arc::default(),
+            channels: Vec::new(),
+            sharpness: net.sharpness.clone(),
+            pieces,
+        }
     }
 
     /// The same mesh with what it carries: for each channel its numbers in the order of construction.
@@ -133,6 +148,19 @@ impl MeshSource for RefinedMesh {
 
     fn normals(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) -> bool {
         self.normals.as_ref().map(|normals| self.ordered(normals, range, out)).is_some()
+    }
+
+    fn sharp_edges(&self) -> Vec<[u32; 2]> {
+        let ends = |&(e, _): &(u32, f64)| {
+            let (edge, piece) = (e as usize / self.pieces, e as usize % self.pieces);
+            let [start, end] = self.base.ends(edge);
+            [piece, piece + 1].map(|at| match at {
+                0 => start,
+                at if at == self.pieces => end,
+                at => index(self.base.n_vertices() + edge * (self.pieces - 1) + at - 1),
+            })
+        };
+        self.sharpness.iter().flat_map(|sharpness| sharpness.edges()).map(ends).collect()
     }
 
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {

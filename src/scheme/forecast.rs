@@ -7,6 +7,7 @@ use super::mesh_net::MeshNet;
 use super::ops::{Role, seen_valence};
 use super::plan::{DEFAULT_MU, Plan, Scheduled};
 use super::polygon_net::{Extent, PolygonNet};
+use super::sharpness::Remaining;
 use super::step::{StepError, Values};
 use super::word::Letter;
 use crate::fault::Fault;
@@ -29,6 +30,8 @@ pub struct Count {
     pub hidden_faces: u128,
     /// Sum of the sizes of the hidden faces.
     pub hidden_corners: u128,
+    /// Vertices that are added, at most, where normals differ across sharp edges.
+    pub parted: u128,
 }
 
 impl Count {
@@ -40,6 +43,7 @@ impl Count {
             corners: self.corners.saturating_add(other.corners),
             hidden_faces: self.hidden_faces.saturating_add(other.hidden_faces),
             hidden_corners: self.hidden_corners.saturating_add(other.hidden_corners),
+            parted: self.parted.saturating_add(other.parted),
         }
     }
 
@@ -53,6 +57,7 @@ impl Count {
             corners: topology.n_corners() as u128,
             hidden_faces: net.holes.len() as u128,
             hidden_corners: sizes.sum(),
+            parted: 0,
         };
         net.pieces.iter().fold(count, |count, &pieces| count.split(net.tile, pieces))
     }
@@ -74,6 +79,7 @@ impl Count {
             corners: cells(self.corners),
             hidden_faces: cells(self.hidden_faces),
             hidden_corners: cells(self.hidden_corners),
+            ..self
         }
     }
 
@@ -87,12 +93,13 @@ impl Count {
             corners: four(self.corners),
             hidden_faces: self.hidden_corners,
             hidden_corners: four(self.hidden_corners),
+            ..self
         }
     }
 
     /// After a U on a mesh whose faces are all quads, or not.
     fn upsampled(self, letter: &Letter, is_quads: bool) -> Self {
-        let first = letter.tile == Tile::Quad && letter.arity != 2 && !is_quads;
+        let first = letter.pieces(is_quads) != letter.arity;
         let count = if first { self.halved() } else { self };
         count.split(letter.tile, letter.arity)
     }
@@ -247,11 +254,17 @@ fn is_simple(topology: &Topology) -> bool {
 
 fn counted(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
     let mut count = Count::of_mesh(net);
+    let sharp = net.sharpness.as_ref().map(|sharpness| sharpness.remaining(&net.base, net.rules.creasing));
+    let parted = |splits, pieces| sharp.as_ref().map_or(0, |sharp| parted(sharp, splits, pieces));
+    let (mut splits, mut pieces) = (0, 1_u128);
+    count.parted = parted(splits, pieces);
     let mut tally = Tally::new(count);
     let mut is_quads = net.base.is_quads();
     for step in steps {
         if step.letter.operator.role() == Role::Upsample {
-            count = count.upsampled(&step.letter, is_quads);
+            splits += 1;
+            pieces = pieces.saturating_mul(step.letter.pieces(is_quads).into());
+            count = Count { parted: parted(splits, pieces), ..count.upsampled(&step.letter, is_quads) };
             is_quads = true;
         } else if step.letter.operator.letter() == Some('D') {
             count = count.dual();
@@ -273,6 +286,13 @@ fn rebuilt(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
         tally.step(step, census.count);
     }
     Forecast { topology_bytes, ..tally.finish() }
+}
+
+/// Copies of vertices, at most, after some splits into so many pieces of an edge: one for each inner point of a sharp edge, and around its ends as many
+/// as there are faces.
+fn parted(sharp: &[Remaining], splits: usize, pieces: u128) -> u128 {
+    let remaining = sharp[splits.min(sharp.len() - 1)];
+    remaining.edges.saturating_mul(pieces - 1).saturating_add(remaining.corners)
 }
 
 fn followed(net: &MeshNet, steps: &[Scheduled], cap: u128) -> Result<Forecast, ForecastError> {

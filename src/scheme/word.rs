@@ -42,6 +42,11 @@ impl Letter {
     pub fn halves(&self) -> bool {
         self.tile == Tile::Quad && self.arity == 2
     }
+
+    /// Pieces into which an upsampling of a mesh cuts each edge: other faces than quads are first split into quads.
+    pub fn pieces(&self, is_quads: bool) -> u32 {
+        if self.tile == Tile::Quad && self.arity != 2 && !is_quads { 2 * self.arity } else { self.arity }
+    }
 }
 
 impl PartialEq for Letter {

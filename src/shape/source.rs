@@ -47,6 +47,10 @@ pub trait MeshSource: std::fmt::Debug + Sync {
     }
     /// Fills `out` with the faces in `range`, counter-clockwise seen from outside; what it held before is dropped.
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk);
+    /// The ends of the interior edges that are still sharp.
+    fn sharp_edges(&self) -> Vec<[u32; 2]> {
+        Vec::new()
+    }
 
     /// What the mesh carries besides its shape; the names belong to input faces.
     fn attachments(&self) -> &Attachments {

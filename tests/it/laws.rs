@@ -15,6 +15,7 @@ mod meshes;
 mod own;
 mod polynomials;
 mod root_three;
+mod sharp_normals;
 mod spellings;
 mod ternary;
 mod tolerance;

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::Options;
 use crate::output::FormatError;
 use crate::output::normals;
+use crate::output::parted::Parted;
 use crate::output::scene::{FaceChunk, MeshSource, Scene, Shape, in_chunks, triangles};
 use crate::raster::{Camera, Crowding, Model, Normals, Strokes, Surface, render};
 use crate::watch::{Stopped, Watch};
@@ -24,9 +25,13 @@ pub(in crate::output) fn picture(
 ) -> Result<Vec<u8>, FormatError> {
     let shows = |item| options.shows(item, DEFAULT_SHOW);
     let body = shows("surface") || shows("wireframe");
-    let positions = if body { positions(mesh, watch)? } else { Vec::new() };
-    let triangles = if body { triangulated(mesh, watch)? } else { Vec::new() };
-    let smooth = if shows("surface") && !options.flat() { normals::of(mesh, &positions, watch)? } else { Vec::new() };
+    let shaded = shows("surface") && !options.flat();
+    let parted = if shaded { Parted::of(Shape::Mesh(mesh), watch)? } else { None };
+    // copies of vertices stand after all others, so that the edges of the mesh are the same ones
+    let sides = parted.as_ref().map_or(mesh, |parted| parted);
+    let positions = if body { positions(sides, watch)? } else { Vec::new() };
+    let triangles = if body { triangulated(sides, watch)? } else { Vec::new() };
+    let smooth = if shaded { normals::of(sides, &positions, watch)? } else { Vec::new() };
     let flat = if shows("surface") && options.flat() { face_normals(mesh, &positions, watch)? } else { Vec::new() };
     let wires = if shows("wireframe") { edges(mesh, watch)? } else { Vec::new() };
     let net = match scene.control {

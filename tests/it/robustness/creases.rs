@@ -88,7 +88,9 @@ proptest! {
                 let mut output = json!({ "format": format.name() });
                 match (format.name(), normals) {
                     ("png", _) => (output["width"], output["height"]) = (json!(32), json!(24)),
-                    ("obj" | "ply", Some(normals)) => output["normals"] = json!(normals),
+                    ("obj" | "ply" | "glb" | "gltf", Some(normals)) => {
+                        (output["normals"], output["ids"]) = (json!(normals), json!(true));
+                    }
                     _ => {}
                 }
                 let text = json!({ "input": { "mesh": mesh }, "plan": plan, "levels": levels, "outputs": [output] });

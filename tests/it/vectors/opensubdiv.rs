@@ -1,11 +1,15 @@
 //! What OpenSubdiv 3.5 makes of meshes: levels, limit positions and limit normals.
 
+use planish::job::Input;
 use planish::math::functions::sqrt;
+use planish::refine::refine_mesh;
+use planish::shape::source::MeshSource;
+use planish::watch::Watch;
 use serde_json::{Value, json};
 
 use super::{check_mesh, number, points, tolerance};
 use crate::support::nets::{Net, distance};
-use crate::support::{json, json_with};
+use crate::support::{json, json_with, parsed};
 
 /// The job of a vector of OpenSubdiv without levels.
 fn job(vector: &Value) -> Value {
@@ -43,11 +47,35 @@ pub(super) fn levels(vector: &Value) -> usize {
     // OpenSubdiv does not keep Chaikin's weights below 1, as the note in the file says; planish does
     let same = if vector["creasing"] == "chaikin" { 1 } else { usize::MAX };
     let levels = vector["levels"].as_array().expect("levels are a list").iter().take(same);
-    let check = |level: &Value| match plan["boundary"].as_str() {
-        Some("none") => check_shown(vector, mesh, plan, level),
-        _ => check_mesh(vector, mesh, plan, level, "vertices"),
+    let check = |level: &Value| {
+        check_sharp_edges(vector, &job, level);
+        match plan["boundary"].as_str() {
+            Some("none") => check_shown(vector, mesh, plan, level),
+            _ => check_mesh(vector, mesh, plan, level, "vertices"),
+        }
     };
     levels.map(check).count()
+}
+
+/// Compares the edges that are still sharp.
+fn check_sharp_edges(vector: &Value, job: &Value, level: &Value) {
+    let mut job = job.clone();
+    job["levels"] = level["level"].clone();
+    job["outputs"] = json!([{ "format": "json" }]);
+    let job = parsed(job.to_string().as_bytes()).expect("a job");
+    let Input::Mesh(control) = &job.input else { panic!("the input is a mesh") };
+    let steps = job.plan.schedule(job.levels).expect("the plan has no functions");
+    let refined = refine_mesh(control, &job.plan, &steps, &Watch::new()).expect("it is small");
+    let positions = refined.all_positions();
+    let found: Vec<_> = refined.sharp_edges().iter().map(|edge| edge.map(|v| positions[v as usize])).collect();
+    let vertices: Vec<[f64; 3]> = points(&level["vertices"]);
+    let edges: Vec<(usize, usize, f64)> = points(&level["edge_sharpness"]);
+    assert_eq!(found.len(), edges.len(), "{} level {}", vector["id"], level["level"]);
+    for (a, b, _) in edges {
+        let close = |p: &[f64; 3], v: usize| distance(p, &vertices[v]) <= tolerance(vector);
+        let same = |[p, q]: &[[f64; 3]; 2]| close(p, a) && close(q, b) || close(p, b) && close(q, a);
+        assert!(found.iter().any(same), "{} level {}: edge ({a}, {b})", vector["id"], level["level"]);
+    }
 }
 
 /// Compares the faces that are shown: each is a face of the vector.

@@ -1,0 +1,209 @@
+//! A mesh whose vertices on sharp edges are parted, so that each side can have a normal of its own.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::output::scene::{FaceChunk, MeshSource, Origin, Shape, in_chunks};
+use crate::shape::attachments::Attachments;
+use crate::watch::{Stopped, Watch};
+
+/// The mesh with a copy of each vertex for every sector but one between the sharp edges that meet there.
+///
+/// The sector of the lowest face keeps the vertex; copies stand after all vertices, by vertex, then by the lowest face of
+/// their sector. A sharp edge that ends inside parts nothing. The faces are the same, in the same order.
+#[derive(Debug)]
+pub(super) struct Parted<'a> {
+    mesh: &'a dyn MeshSource,
+    /// The vertex of each copy.
+    origins: Vec<u32>,
+    /// Where faces have a copy: face, vertex, copy; ascending.
+    moved: Vec<(usize, u32, u32)>,
+}
+
+/// A face at a vertex, with its neighbours there: counter-clockwise from `next` to `before`.
+#[derive(Debug, Clone, Copy)]
+struct Corner {
+    vertex: u32,
+    face: usize,
+    next: u32,
+    before: u32,
+}
+
+impl<'a> Parted<'a> {
+    /// The parted mesh of a shape, where anything is to be parted.
+    ///
+    /// # Errors
+    /// [`Stopped`] when the watch says so.
+    pub(super) fn of(shape: Shape<'a>, watch: &Watch) -> Result<Option<Self>, Stopped> {
+        let Shape::Mesh(mesh) = shape else { return Ok(None) };
+        if mesh.normals(0..0, &mut Vec::new()) {
+            // limit normals exist only where sharp edges have become smooth in the limit
+            return Ok(None);
+        }
+        let mut sharp: Vec<[u32; 2]> = mesh.sharp_edges().into_iter().map(|[a, b]| [a.min(b), a.max(b)]).collect();
+        if sharp.is_empty() {
+            return Ok(None);
+        }
+        sharp.par_sort_unstable();
+        let corners = corners(mesh, &sharp, watch)?;
+        let mut parted = Self { mesh, origins: Vec::new(), moved: Vec::new() };
+        for around in corners.chunk_by(|a, b| a.vertex == b.vertex) {
+            parted.part(around, &sharp);
+        }
+        parted.moved.par_sort_unstable();
+        Ok((!parted.origins.is_empty()).then_some(parted))
+    }
+
+    /// The vertex of the mesh that vertex `v` is, or is a copy of.
+    pub(super) fn origin(&self, v: u32) -> u32 {
+        let copy = (v as usize).checked_sub(self.mesh.n_vertices());
+        copy.and_then(|copy| self.origins.get(copy)).copied().unwrap_or(v)
+    }
+
+    /// Parts one vertex, given its corners by face.
+    fn part(&mut self, around: &[Corner], sharp: &[[u32; 2]]) {
+        let vertex = around[0].vertex;
+        let sectors = sectors(around, |other| sharp.binary_search(&[vertex.min(other), vertex.max(other)]).is_ok());
+        let first = self.mesh.n_vertices() + self.origins.len();
+        let n = sectors.iter().copied().max().unwrap_or(0);
+        self.origins.extend(std::iter::repeat_n(vertex, n));
+        for (corner, &sector) in around.iter().zip(&sectors).filter(|(_, sector)| **sector > 0) {
+            let copy = u32::try_from(first + sector - 1).unwrap_or(u32::MAX);
+            self.moved.push((corner.face, vertex, copy));
+        }
+    }
+}
+
+/// The corners at the ends of sharp edges, by vertex, then by face.
+fn corners(mesh: &dyn MeshSource, sharp: &[[u32; 2]], watch: &Watch) -> Result<Vec<Corner>, Stopped> {
+    let mut ends = vec![false; mesh.n_vertices()];
+    sharp.iter().flatten().for_each(|&v| ends[v as usize] = true);
+    let mut all = Vec::new();
+    let mut chunk = FaceChunk::default();
+    in_chunks(mesh.n_faces(), |range| {
+        watch.check()?;
+        mesh.faces(range.clone(), &mut chunk);
+        let faces: Vec<&[u32]> = chunk.iter().collect();
+        let found = faces.par_iter().zip(range).flat_map_iter(|(&face, f)| {
+            let n = face.len();
+            let here = (0..n).filter(|&j| ends[face[j] as usize]);
+            here.map(move |j| Corner {
+                vertex: face[j],
+                face: f,
+                next: face[(j + 1) % n],
+                before: face[(j + n - 1) % n],
+            })
+        });
+        all.par_extend(found);
+        Ok(())
+    })?;
+    all.par_sort_unstable_by_key(|corner: &Corner| (corner.vertex, corner.face));
+    Ok(all)
+}
+
+/// For each corner around a vertex its sector, numbered by first appearance; neighbours are in one sector unless the edge
+/// between them is sharp.
+fn sectors(around: &[Corner], is_sharp: impl Fn(u32) -> bool) -> Vec<usize> {
+    let mut by_next: Vec<usize> = (0..around.len()).collect();
+    by_next.sort_unstable_by_key(|&i| around[i].next);
+    let mut by_before: Vec<usize> = (0..around.len()).collect();
+    by_before.sort_unstable_by_key(|&i| around[i].before);
+    let find = |order: &[usize], key: &dyn Fn(&Corner) -> u32, other: u32| {
+        let at = order.binary_search_by_key(&other, |&i| key(&around[i])).ok()?;
+        (!is_sharp(other)).then_some(order[at])
+    };
+    let clockwise = |i: usize| find(&by_before, &|corner| corner.before, around[i].next);
+    let counter_clockwise = |i: usize| find(&by_next, &|corner| corner.next, around[i].before);
+    let mut sectors = vec![usize::MAX; around.len()];
+    let mut n = 0;
+    for start in 0..around.len() {
+        if sectors[start] != usize::MAX {
+            continue;
+        }
+        sectors[start] = n;
+        for turn in [&clockwise as &dyn Fn(usize) -> Option<usize>, &counter_clockwise] {
+            let mut at = start;
+            while let Some(i) = turn(at).filter(|&i| sectors[i] == usize::MAX) {
+                sectors[i] = n;
+                at = i;
+            }
+        }
+        n += 1;
+    }
+    sectors
+}
+
+impl MeshSource for Parted<'_> {
+    fn n_vertices(&self) -> usize {
+        self.mesh.n_vertices() + self.origins.len()
+    }
+
+    fn n_faces(&self) -> usize {
+        self.mesh.n_faces()
+    }
+
+    fn n_corners(&self) -> usize {
+        self.mesh.n_corners()
+    }
+
+    fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
+        let n = self.mesh.n_vertices();
+        self.mesh.positions(range.start.min(n)..range.end.min(n), out);
+        let mut one = Vec::new();
+        for copy in range.start.max(n)..range.end.max(n) {
+            let origin = self.origins[copy - n] as usize;
+            self.mesh.positions(origin..origin + 1, &mut one);
+            out.extend_from_slice(&one);
+        }
+    }
+
+    fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
+        self.mesh.faces(range.clone(), out);
+        let first = self.moved.partition_point(|&(face, ..)| face < range.start);
+        let last = self.moved.partition_point(|&(face, ..)| face < range.end);
+        let mut moved = self.moved[first..last].iter().peekable();
+        let mut start = 0;
+        for (face, &size) in range.zip(&out.sizes) {
+            if moved.peek().is_none() {
+                break;
+            }
+            let end = start + size as usize;
+            while let Some(&(_, vertex, copy)) = moved.next_if(|&&(f, ..)| f == face) {
+                out.vertices[start..end].iter_mut().filter(|v| **v == vertex).for_each(|v| *v = copy);
+            }
+            start = end;
+        }
+    }
+    fn attachments(&self) -> &Attachments {
+        self.mesh.attachments()
+    }
+
+    fn channel(&self, channel: usize, range: Range<usize>, out: &mut Vec<f64>) {
+        let n = self.mesh.n_vertices();
+        self.mesh.channel(channel, range.start.min(n)..range.end.min(n), out);
+        let mut one = Vec::new();
+        for copy in range.start.max(n)..range.end.max(n) {
+            let origin = self.origins[copy - n] as usize;
+            self.mesh.channel(channel, origin..origin + 1, &mut one);
+            out.extend_from_slice(&one);
+        }
+    }
+
+    fn input_cells(&self) -> [usize; 3] {
+        self.mesh.input_cells()
+    }
+
+    fn face_origin(&self, face: usize) -> u32 {
+        self.mesh.face_origin(face)
+    }
+
+    fn faces_of(&self, face: usize) -> Range<usize> {
+        self.mesh.faces_of(face)
+    }
+
+    fn vertex_origin(&self, vertex: usize) -> Origin {
+        let copy = vertex.checked_sub(self.mesh.n_vertices());
+        self.mesh.vertex_origin(copy.map_or(vertex, |copy| self.origins[copy] as usize))
+    }
+}
