@@ -13,6 +13,8 @@ use limit::Limits;
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use crate::fault::Fault;
 use crate::math::planar;
 use crate::math::rows::{RowSource, blend};
@@ -24,6 +26,9 @@ use crate::scheme::step::{Action, PointMap, StepError, Values};
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
 use crate::watch::{Stopped, Watch};
+
+/// Numbers that one thread takes at a time.
+const CHUNK: usize = 1 << 16;
 
 /// Why a refinement ended early.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -187,7 +192,8 @@ impl Points {
             Action::Keep => {}
         }
         // a sum of finite numbers that overflows stays infinite or NaN, so a sample of the sums would not do
-        if self.now.iter().chain(self.tangents.iter().flatten()).all(|x| x.is_finite()) {
+        let finite = |numbers: &[f64]| numbers.par_chunks(CHUNK).all(|chunk| chunk.iter().all(|x| x.is_finite()));
+        if finite(&self.now) && self.tangents.as_deref().is_none_or(finite) {
             Ok(())
         } else {
             Err(RefineError::NotFinite { level: step.level })
@@ -205,16 +211,21 @@ impl Points {
     fn push_back(&mut self, rows: &dyn RowSource, children: &Arc<[u32]>, watch: &Watch) -> Result<(), Stopped> {
         let w = self.width;
         let mut differences = self.anchor.clone();
-        for (difference, &child) in differences.chunks_exact_mut(w).zip(children.iter()) {
-            let child = child as usize * w;
-            for (d, x) in difference.iter_mut().zip(&self.now[child..child + w]) {
-                *d -= x;
+        let chunks = differences.par_chunks_mut(CHUNK * w).zip(children.par_chunks(CHUNK));
+        chunks.for_each(|(differences, children)| {
+            for (difference, &child) in differences.chunks_exact_mut(w).zip(children) {
+                let child = child as usize * w;
+                for (d, x) in difference.iter_mut().zip(&self.now[child..child + w]) {
+                    *d -= x;
+                }
             }
-        }
+        });
         let moves = blend(rows, &differences, w, watch)?;
-        for (x, m) in self.now.iter_mut().zip(&moves) {
-            *x += m;
-        }
+        self.now.par_chunks_mut(CHUNK).zip(moves.par_chunks(CHUNK)).for_each(|(points, moves)| {
+            for (x, m) in points.iter_mut().zip(moves) {
+                *x += m;
+            }
+        });
         Ok(())
     }
 }

@@ -224,6 +224,17 @@ impl PolygonNet {
         local.kernel[(i + phase.start()).div_euclid(d).rem_euclid(n).unsigned_abs()]
     }
 
+    /// Whether all its points but those near the ends have the same rules, those of single points (in the first average
+    /// after an upsampling and in push-backs) included.
+    pub(super) fn is_uniform(&self, first: bool) -> bool {
+        self.corners.is_empty() && (self.local.is_none() || !first)
+    }
+
+    /// After how many points the labels of the last upsampling repeat themselves.
+    pub(super) fn period(&self) -> usize {
+        self.phase.map_or(1, |phase| phase.arity as usize)
+    }
+
     /// Number of a control point that is within reach, cyclically where the polygon is closed.
     pub fn control(&self, i: isize) -> usize {
         i.rem_euclid(self.n_control().cast_signed()).unsigned_abs()

@@ -1,4 +1,4 @@
-//! How quick planish is, as one table: `cargo bench --bench bench`, followed by `-- refine schemes pictures encode http` or some of
+//! How quick planish is, as one table: `cargo bench --bench bench`, followed by `-- refine polygons schemes pictures encode http` or some of
 //! these for some parts only.
 //!
 //! Every figure is the best of a few runs on a warm heap. Absolute figures drift between machines; the column "ratio"
@@ -9,6 +9,7 @@ mod http;
 mod load;
 mod nets;
 mod pictures;
+mod polygons;
 mod refine;
 mod schemes;
 mod table;
@@ -23,6 +24,7 @@ type Part = fn(&mut Table);
 const PARTS: &[(&str, Part)] = &[
     ("refine", refine::measure),
     ("limits", refine::measure_limits),
+    ("polygons", polygons::measure),
     ("schemes", schemes::measure),
     ("pictures", pictures::measure),
     ("encode", encode::measure),

@@ -64,6 +64,15 @@ impl Net {
 
 /// A preset, ready for closed meshes: its plan, and the steps of so many levels.
 pub(crate) fn plan(preset: &str, parameters: &[(&str, &str)], levels: u32) -> (Plan, Vec<Scheduled>) {
+    plan_for(Subject { is_mesh: true, ..Subject::default() }, preset, parameters, levels)
+}
+
+/// The same for closed polygons.
+pub(crate) fn curve_plan(preset: &str, parameters: &[(&str, &str)], levels: u32) -> (Plan, Vec<Scheduled>) {
+    plan_for(Subject::default(), preset, parameters, levels)
+}
+
+fn plan_for(subject: Subject, preset: &str, parameters: &[(&str, &str)], levels: u32) -> (Plan, Vec<Scheduled>) {
     let literal = |value: &str| value.parse().map_or_else(|_| Literal::Text(value.to_owned()), Literal::Number);
     let text = |(name, value): &(&str, &str)| ((*name).to_owned(), literal(value));
     let input = PlanInput {
@@ -71,7 +80,6 @@ pub(crate) fn plan(preset: &str, parameters: &[(&str, &str)], levels: u32) -> (P
         parameters: parameters.iter().map(text).collect(),
         ..PlanInput::default()
     };
-    let subject = Subject { is_mesh: true, ..Subject::default() };
     let plan: Result<Plan, Vec<Fault>> = Plan::resolve(&input, subject);
     let plan = plan.expect("a preset of the catalogue");
     let steps = plan.schedule(levels).expect("functions that are finite");

@@ -14,6 +14,7 @@ mod masks;
 mod meshes;
 mod own;
 mod polynomials;
+mod repetition;
 mod root_three;
 mod sharp_normals;
 mod spellings;

@@ -71,6 +71,7 @@ impl Operator for Average {
                 old.add(j + 1, c / after, out);
             }
         });
+        let rows = if net.is_uniform(values.first) { rows.repeating(net.period(), 4 * net.period()) } else { rows };
         Ok(Step { net: landed.shifted(0), action: Action::Blend(Box::new(rows)) })
     }
 

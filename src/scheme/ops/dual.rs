@@ -71,6 +71,7 @@ impl Operator for Dual {
                 old.add(right, b / (a + b), out);
             }
         });
+        let rows = if net.is_uniform(values.first) { rows.repeating(net.period(), 4 * net.period()) } else { rows };
         Ok(Step { net: landed.shifted(1), action: Action::Blend(Box::new(rows)) })
     }
 

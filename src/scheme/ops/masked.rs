@@ -62,7 +62,7 @@ pub(super) fn apply(
     mask: Mask,
 ) -> Result<(PolygonNet, Box<dyn RowSource>), StepError> {
     let (landed, origin) = net.land(window)?;
-    let symmetric = mask.is_symmetric();
+    let (symmetric, uniform) = (mask.is_symmetric(), net.corners.is_empty());
     let old = net.clone();
     let n = landed.n;
     let rows = RowsBy::new(n, net.n, move |row, out: &mut Rows| match origin.of(row) {
@@ -83,5 +83,8 @@ pub(super) fn apply(
             }
         }
     });
+    let margin =
+        usize::try_from(window.first.unsigned_abs() + window.last.unsigned_abs() + 3 * window.arity).unwrap_or(0);
+    let rows = if uniform { rows.repeating(window.arity as usize, margin) } else { rows };
     Ok((landed, Box::new(rows)))
 }

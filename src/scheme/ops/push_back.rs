@@ -123,6 +123,7 @@ impl Operator for PushBack {
                 anchor.push(i + 1, share(part), delta, out);
             }
         });
+        let rows = if net.is_uniform(true) { rows.repeating(d.unsigned_abs(), 4 * d.unsigned_abs()) } else { rows };
         Ok(Step { net: net.clone(), action: Action::PushBack { rows: Box::new(rows), children } })
     }
 

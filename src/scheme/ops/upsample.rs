@@ -75,6 +75,7 @@ impl Operator for Upsample {
                 }
             }
         });
+        let rows = rows.repeating(arity as usize, 4 * arity as usize);
         let anchor = polygon_net::Anchor::of(net);
         let local = values.sources.as_ref().map_or(Ok(None), |sources| Local::of(net, arity, sources))?;
         let attributes = net.attributes.as_ref().map(|kept| Arc::new(kept.upsampled(arity, net.is_closed())));

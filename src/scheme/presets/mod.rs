@@ -8,6 +8,7 @@ mod masks;
 mod meshes;
 mod push_back;
 mod quads;
+pub mod ranges;
 mod ternary;
 mod triangles;
 

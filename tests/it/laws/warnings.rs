@@ -51,6 +51,7 @@ fn parameters_inside_are_answered_without_a_word() {
         preset("d-ary-b-spline", &json!({ "arity": 5, "degree": 6 })),
         preset("b-spline", &json!({ "degree": 1 })),
         preset("incenter", &json!({})),
+        preset("d-ary-circle", &json!({ "arity": 3, "averages": 2, "alpha": "pi/3", "delta": 1 })),
         preset("push-back", &json!({ "alpha": "pi/4", "kernel": "10*cos(alpha/2)", "compensation": 1, "delta": 0.8 })),
         json!({ "word": "UC", "parameters": { "perturbation": { "amplitude": 0.2 } } }),
     ];
