@@ -11,6 +11,7 @@ pub mod ops;
 pub mod plan;
 pub mod polygon_net;
 pub mod presets;
+pub mod ranges;
 pub mod sharpness;
 pub mod step;
 pub mod window;

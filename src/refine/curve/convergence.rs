@@ -3,7 +3,7 @@
 use super::cycle::Cycle;
 use crate::scheme::ops::Role;
 use crate::scheme::plan::Plan;
-use crate::scheme::presets::ranges::{self, Range};
+use crate::scheme::ranges::{self, Range};
 use crate::scheme::word::Letter;
 
 /// Most points for each old one of the levels that are followed.

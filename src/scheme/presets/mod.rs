@@ -8,7 +8,6 @@ mod masks;
 mod meshes;
 mod push_back;
 mod quads;
-pub mod ranges;
 mod ternary;
 mod triangles;
 
