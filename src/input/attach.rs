@@ -2,25 +2,34 @@
 
 use std::collections::BTreeMap;
 
-use super::{Channel, FaceSet, ReadMesh};
+use super::{Channel, FaceSet, ReadMesh, Uvs};
 use crate::shape::attachments::{AttachmentsInput, MAX_CHANNELS, MAX_TOTAL_WIDTH, check_channel};
-use crate::shape::check::Winding;
+use crate::shape::check::{FaceList, Winding};
 use crate::shape::labels::{MAX_LABELS, MAX_NAME};
 use crate::shape::mesh::MeshInput;
+use crate::shape::uvs::UvsInput;
 
 impl ReadMesh {
     /// The mesh for further work. What a mesh cannot hold is named in its notes.
     pub fn into_input(self, winding: Winding) -> MeshInput {
         let Self { positions, faces, corners, creases, holes, mut notes, .. } = self;
-        if let Some(uvs) = &self.uvs {
-            notes.push(format!("texture coordinates of the file are left out: {}", uvs.values.len()));
-        }
+        let uvs = self.uvs.map(|uvs| of_corners(uvs, &faces));
         let channels = channels(self.channels, positions.len(), &mut notes);
         let groups = sets(self.groups, faces.len(), "group", &mut notes);
         let materials = sets(self.materials, faces.len(), "material", &mut notes);
-        let attachments = AttachmentsInput { channels, groups, materials };
+        let attachments = AttachmentsInput { channels, groups, materials, uvs };
         MeshInput { positions, faces, corners, creases, holes, winding, attachments, notes }
     }
+}
+
+/// Texture coordinates face by face.
+fn of_corners(uvs: Uvs, faces: &FaceList) -> UvsInput {
+    let mut given = UvsInput { values: uvs.values, ..UvsInput::default() };
+    let mut corners = uvs.corners.into_iter();
+    for f in 0..faces.len() {
+        given.faces.push(corners.by_ref().take(faces.face(f).len()));
+    }
+    given
 }
 
 /// The channels that a mesh can hold, in their order.

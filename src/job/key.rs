@@ -142,6 +142,17 @@ fn attachments(attachments: &Attachments) -> Option<Item<'_>> {
             kinds.push(Item::List(vec![text(kind), Item::List(names), Item::Indices((&labels.of_faces).into())]));
         }
     }
+    if let Some(uvs) = &attachments.uvs {
+        let linear = Item::Integer(u64::from(uvs.linear));
+        let corners = Item::Indices((&uvs.corners).into());
+        kinds.push(Item::List(vec![
+            text("uvs"),
+            linear,
+            corners,
+            faces(&uvs.topology),
+            Item::Numbers((&uvs.values).into()),
+        ]));
+    }
     (!kinds.is_empty()).then_some(Item::List(kinds))
 }
 

@@ -7,8 +7,9 @@ use super::{Input, Job, Output};
 use crate::fault::Fault;
 use crate::input::ReadLimits;
 use crate::output::{Counts, Size, surface};
-use crate::refine::{mesh_net, polygon_net};
+use crate::refine::{mesh_net, polygon_net, uv_net};
 use crate::scheme::forecast::{self, Count, Forecast, ForecastError};
+use crate::scheme::plan::Scheduled;
 use crate::scheme::step::StepError;
 
 /// Bounds on one job.
@@ -105,6 +106,7 @@ impl Limits {
             Input::Mesh(mesh) => forecast::of_mesh(&mesh_net(mesh, &job.plan), &steps, self.max_vertices.into()),
         };
         let mut forecast = forecast.map_err(|error| self.no_forecast(&error))?;
+        self.add_uvs(job, &steps, &mut forecast)?;
         let carried = carried(job);
         // the rows are made once more for each channel
         forecast.work = forecast.work.saturating_mul(1 + carried.channels);
@@ -148,8 +150,22 @@ impl Limits {
         }
     }
 
+    /// Counts the places with texture coordinates, which are vertices of a mesh of their own.
+    fn add_uvs(&self, job: &Job, steps: &[Scheduled], forecast: &mut Forecast) -> Result<(), Refusal> {
+        let Input::Mesh(mesh) = &job.input else { return Ok(()) };
+        let Some(uvs) = &mesh.attachments.uvs else { return Ok(()) };
+        let places = forecast::of_mesh(&uv_net(mesh, uvs, &job.plan), steps, self.max_vertices.into());
+        let places = places.map_err(|error| self.no_forecast(&error))?;
+        for (count, places) in forecast.levels.iter_mut().zip(&places.levels) {
+            count.uvs = places.vertices;
+        }
+        forecast.peak.uvs = places.peak.vertices;
+        forecast.work = forecast.work.saturating_add(places.work);
+        Ok(())
+    }
+
     fn fits(&self, count: &Count) -> bool {
-        count.faces <= self.max_faces.into() && count.vertices <= self.max_vertices.into()
+        count.faces <= self.max_faces.into() && count.vertices.max(count.uvs) <= self.max_vertices.into()
     }
 
     fn check_levels(&self, job: &Job, forecast: &Forecast) -> Result<(), Refusal> {
@@ -167,6 +183,8 @@ impl Limits {
         });
         let (n, what, bound) = if count.faces > self.max_faces.into() {
             (count.faces, "faces", self.max_faces)
+        } else if count.vertices <= self.max_vertices.into() {
+            (count.uvs, "places with texture coordinates", self.max_vertices)
         } else {
             (count.vertices, if count.faces > 0 { "vertices" } else { "points" }, self.max_vertices)
         };
@@ -234,6 +252,7 @@ fn counts(job: &Job, count: Count) -> Counts {
         faces: count.faces - count.hidden_faces,
         corners: count.corners - count.hidden_corners,
         parted: count.parted,
+        uvs: count.uvs,
         frame: job.frame,
         attachments: if let Input::Mesh(mesh) = &job.input { mesh.attachments.clone() } else { Arc::default() },
         input_faces: if let Input::Mesh(mesh) = &job.input { mesh.topology.n_faces() } else { 0 },
@@ -257,12 +276,12 @@ fn carried(job: &Job) -> Carried {
 }
 
 /// Old and new points (24 bytes each), the topology before the last split (about 17 bytes a face after it), normals and
-/// indices of a picture, three times the numbers of channels, the topologies of schemes that make their own,
-/// copies of vertices on sharp edges with the faces around them, and the largest result.
+/// indices of a picture, three times the numbers of channels, texture coordinates with their topology, the topologies of
+/// schemes that make their own, copies of vertices on sharp edges with the faces around them, and the largest result.
 fn memory(forecast: &Forecast, sizes: &[Size], carried: &Carried) -> u128 {
     let count = forecast.peak;
     let net = count.vertices.saturating_mul(72 + 24 * carried.numbers).saturating_add(count.faces.saturating_mul(44));
-    let net = net.saturating_add(forecast.topology_bytes);
+    let net = net.saturating_add(forecast.topology_bytes).saturating_add(count.uvs.saturating_mul(60));
     let last = forecast.levels.last().copied().unwrap_or_default();
     let net = net.saturating_add(last.parted.saturating_mul(160));
     net.saturating_add(sizes.iter().map(|size| size.bytes()).max().unwrap_or(0))

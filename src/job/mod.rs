@@ -61,6 +61,7 @@ impl Input {
     fn subject(&self, input: &PlanInput) -> Subject {
         let (is_mesh, is_open) = self.kind();
         let attached = match self {
+            Self::Mesh(mesh) if mesh.attachments.uvs.is_some() => Some("uvs"),
             Self::Mesh(mesh) if mesh.attachments.names_faces() => Some("groups and materials"),
             Self::Mesh(_) | Self::Polygons(_) => None,
         };
@@ -140,7 +141,7 @@ impl Job {
             None => Ok(Plan::none(PlanInput::default().boundary, PlanInput::default().ends)),
             Some(plan) => {
                 let subject = input.subject(plan);
-                let ids = outputs.iter().any(|output| output.options.flag("ids"));
+                let ids = subject.is_mesh && outputs.iter().any(|output| output.options.flag("ids"));
                 let ids = ids.then_some("ids");
                 let subject = Subject { tags: subject.tags.or(ids), attached: subject.attached.or(ids), ..subject };
                 Plan::resolve(plan, subject).map_err(|found| under("/plan", found))

@@ -7,8 +7,8 @@ use crate::output::gltf_amounts::{Amounts, Contents, parted, with_normals};
 use crate::output::gltf_buffer::Buffer;
 use crate::output::gltf_document::{PARAMETERS, document};
 use crate::output::numbers::total;
-use crate::output::parted::Parted;
-use crate::output::scene::{Scene, Shape};
+use crate::output::scene::Scene;
+use crate::output::sides::Sides;
 use crate::output::stream::holds_space;
 use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
 use crate::watch::Watch;
@@ -62,9 +62,9 @@ impl Format for Glb {
         out: &mut dyn Write,
         watch: &Watch,
     ) -> Result<(), FormatError> {
-        let parted = if with_normals(options) { Parted::of(scene.shape, watch)? } else { None };
-        let shape = parted.as_ref().map_or(scene.shape, |mesh| Shape::Mesh(mesh));
-        let buffer = Buffer::of(&Scene { shape, ..*scene }, options, watch)?;
+        let sides = Sides::of(scene.shape);
+        let parts = sides.parted(with_normals(options), watch)?;
+        let buffer = Buffer::of(&Scene { shape: parts.shape(), ..*scene }, parts.smooth(), options, watch)?;
         let room = buffer.contents().room();
         let binary = buffer.amounts.bytes();
         let lengths = [file(room, binary), room, binary].map(u32::try_from);

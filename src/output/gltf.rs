@@ -7,8 +7,8 @@ use crate::output::gltf_amounts::{Amounts, Contents, with_normals};
 use crate::output::gltf_buffer::Buffer;
 use crate::output::gltf_document::{PARAMETERS, document};
 use crate::output::numbers::total;
-use crate::output::parted::Parted;
-use crate::output::scene::{Scene, Shape};
+use crate::output::scene::Scene;
+use crate::output::sides::Sides;
 use crate::output::stream::holds_space;
 use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
 use crate::watch::Watch;
@@ -53,9 +53,9 @@ impl Format for Gltf {
         out: &mut dyn Write,
         watch: &Watch,
     ) -> Result<(), FormatError> {
-        let parted = if with_normals(options) { Parted::of(scene.shape, watch)? } else { None };
-        let shape = parted.as_ref().map_or(scene.shape, |mesh| Shape::Mesh(mesh));
-        let buffer = Buffer::of(&Scene { shape, ..*scene }, options, watch)?;
+        let sides = Sides::of(scene.shape);
+        let parts = sides.parted(with_normals(options), watch)?;
+        let buffer = Buffer::of(&Scene { shape: parts.shape(), ..*scene }, parts.smooth(), options, watch)?;
         let json = document(&buffer, Some(URI))?;
         let Some(start) = json.windows(URI.len()).position(|text| text == URI.as_bytes()) else {
             return Ok(out.write_all(&json)?);

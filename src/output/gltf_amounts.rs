@@ -38,6 +38,8 @@ pub(super) struct Amounts {
     pub(super) normals: bool,
     /// Numbers that each vertex carries in channels.
     pub(super) numbers: u128,
+    /// Whether each vertex has texture coordinates.
+    pub(super) uvs: bool,
     /// Whether vertices and triangles have their origins.
     pub(super) ids: bool,
     /// Triples of indices.
@@ -50,9 +52,10 @@ impl Amounts {
         let mesh = counts.kind == ShapeKind::Mesh;
         let faces = if mesh { counts.faces } else { 0 };
         Self {
-            vertices: counts.vertices.saturating_add(parted(counts, options)),
+            vertices: if counts.uvs > 0 { counts.uvs } else { counts.vertices }.saturating_add(parted(counts, options)),
             normals: with_normals(options) && faces > 0,
             numbers: counts.attachments.width() as u128,
+            uvs: counts.uvs > 0,
             ids: mesh && options.flag("ids"),
             triangles: if faces == 0 { 0 } else { counts.corners.saturating_sub(faces.saturating_mul(2)) },
         }
@@ -67,6 +70,7 @@ impl Amounts {
                     vertices: mesh.n_vertices() as u128,
                     normals: with_normals(options) && faces > 0,
                     numbers: mesh.attachments().width() as u128,
+                    uvs: mesh.n_uvs() > 0,
                     ids: options.flag("ids"),
                     triangles: mesh.n_corners() as u128 - 2 * faces,
                 }
@@ -75,6 +79,7 @@ impl Amounts {
                 vertices: curves.iter().map(|curve| curve.len() as u128).sum(),
                 normals: false,
                 numbers: 0,
+                uvs: false,
                 ids: false,
                 triangles: 0,
             },
@@ -85,7 +90,8 @@ impl Amounts {
     pub(super) fn bytes(&self) -> u128 {
         let vectors = if self.normals { 2 } else { 1 };
         let (origin, face) = if self.ids { (ORIGIN, 4) } else { (0, 0) };
-        let vertex = vectors * VECTOR + self.numbers * NUMBER + origin;
+        let uvs = if self.uvs { 2 * NUMBER } else { 0 };
+        let vertex = vectors * VECTOR + self.numbers * NUMBER + uvs + origin;
         total(&[(self.vertices, vertex), (self.triangles, TRIANGLE + face)])
     }
 }
@@ -131,9 +137,9 @@ impl<'a> Contents<'a> {
         if self.attachments.is_empty() && !self.ids {
             return plain + framed;
         }
-        let Attachments { channels, groups, materials, .. } = self.attachments;
+        let Attachments { channels, groups, materials, uvs } = self.attachments;
         let name_bytes: usize = channels.iter().map(|channel| channel.name.len()).sum();
-        let (channels, names) = (channels.len() as u128, name_bytes as u128);
+        let (channels, names) = (channels.len() as u128 + u128::from(uvs.is_some()), name_bytes as u128);
         let parts = parts(groups, materials, self.input_faces).len() as u128;
         // every name of a group and of a material may need a backslash for each byte
         let longest = |names: &[String]| names.iter().map(|name| 2 * name.len() as u128).max().unwrap_or(0);

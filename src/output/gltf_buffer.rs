@@ -24,6 +24,8 @@ const CELLS: usize = 1 << 24;
 /// Everything that goes into the buffer, and the numbers that describe it.
 pub(super) struct Buffer<'a> {
     mesh: Option<&'a dyn MeshSource>,
+    /// The mesh whose vertices those of `mesh` are, some of them more than once; its normals are theirs.
+    smooth: Option<&'a dyn MeshSource>,
     /// One for the mesh or for each polygon.
     pub(super) parts: Vec<Part<'a>>,
     /// Faces of the mesh by group and material, those without triangles left out.
@@ -66,11 +68,16 @@ pub(super) struct Section {
 }
 
 impl<'a> Buffer<'a> {
-    /// Measures a scene.
+    /// Measures a scene; `smooth` is the mesh with whole vertices where those of the scene are parted.
     ///
     /// # Errors
     /// Coordinates that f32 cannot hold, more vertices than 32-bit indices reach, or a stopped watch.
-    pub(super) fn of(scene: &Scene<'a>, options: &Values, watch: &Watch) -> Result<Self, FormatError> {
+    pub(super) fn of(
+        scene: &Scene<'a>,
+        smooth: Option<&'a dyn MeshSource>,
+        options: &Values,
+        watch: &Watch,
+    ) -> Result<Self, FormatError> {
         let amounts = Amounts::of_shape(scene.shape, options);
         let (mesh, sources) = match scene.shape {
             Shape::Mesh(mesh) => {
@@ -101,7 +108,7 @@ impl<'a> Buffer<'a> {
             }
             None => Vec::new(),
         };
-        Ok(Self { mesh, parts, faces, center, frame: scene.frame, amounts })
+        Ok(Self { mesh, smooth, parts, faces, center, frame: scene.frame, amounts })
     }
 
     /// What the mesh carries.
@@ -139,7 +146,13 @@ impl<'a> Buffer<'a> {
         }
         let (Some(mesh), Some(part)) = (self.mesh, self.parts.first()) else { return Ok(()) };
         if self.amounts.normals {
-            let normals = normals::of(mesh, part.positions.rows(), watch)?;
+            let normals = match self.smooth {
+                None => normals::of(mesh, part.positions.rows(), watch)?,
+                Some(smooth) => {
+                    let positions = Positions::of_mesh(smooth).held(watch)?;
+                    normals::parted(mesh, smooth, positions.rows(), watch)?
+                }
+            };
             stream.rows(0, &normals, |_, rows, out| {
                 vectors(rows, out, |normal| normals::or_up(normal).map(rounded));
             })?;
@@ -163,7 +176,7 @@ impl<'a> Buffer<'a> {
         Ok(())
     }
 
-    /// Channels, and the origins of vertices where they are asked for.
+    /// Channels, texture coordinates, and the origins of vertices where they are asked for.
     fn write_carried(&self, mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), FormatError> {
         for (i, channel) in mesh.attachments().channels.iter().enumerate() {
             let color = channel.is_color();
@@ -174,6 +187,10 @@ impl<'a> Buffer<'a> {
                 }
             })?;
         }
+        stream.uvs(mesh, |_, [u, v], out| {
+            // glTF counts from the upper edge of the picture downwards
+            out.extend_from_slice([u, 1.0 - v].map(|x| (rounded(x) + 0.0).to_le_bytes()).as_flattened());
+        })?;
         if self.amounts.ids {
             stream.each(0..mesh.n_vertices(), |vertex, out| {
                 let origin = mesh.vertex_origin(vertex);

@@ -210,6 +210,9 @@ fn attributes(buffer: &Buffer<'_>, part: &Part<'_>, root: &mut Root) -> Attribut
         let custom = || Semantic::Extras(channel.name.to_ascii_uppercase());
         floats(root, if channel.is_color() { Semantic::Colors(0) } else { custom() }, channel.width as u128);
     }
+    if buffer.amounts.uvs {
+        floats(root, Semantic::TexCoords(0), 2);
+    }
     if buffer.amounts.ids {
         floats(root, Semantic::Extras("ORIGIN".into()), ORIGIN / NUMBER);
     }

@@ -20,6 +20,7 @@ mod parted;
 mod picture;
 mod ply;
 mod png;
+mod sides;
 mod stats;
 mod stl;
 mod stream;
@@ -139,6 +140,8 @@ pub struct Counts {
     pub corners: u128,
     /// Vertices that are added, at most, where normals differ across sharp edges; 0 where no edge is sharp.
     pub parted: u128,
+    /// Places with texture coordinates, where there are some.
+    pub uvs: u128,
     /// What the coordinates mean.
     pub frame: Frame,
     /// What a mesh carries besides its shape.

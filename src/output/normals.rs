@@ -49,6 +49,32 @@ pub fn of(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Resul
     if mesh.normals(0..mesh.n_vertices(), &mut normals) { Ok(normals) } else { area(mesh, positions, watch) }
 }
 
+/// The normals of `smooth` for the vertices of `parted`: a mesh with the same faces in the same order, whose vertices are
+/// those of `smooth`, some of them more than once. `positions` are those of `smooth`.
+///
+/// # Errors
+/// [`Stopped`] when the watch says so.
+pub fn parted(
+    parted: &dyn MeshSource,
+    smooth: &dyn MeshSource,
+    positions: &[[f64; 3]],
+    watch: &Watch,
+) -> Result<Vec<[f64; 3]>, Stopped> {
+    let normals = of(smooth, positions, watch)?;
+    let mut found = vec![[0.0; 3]; parted.n_vertices()];
+    let (mut here, mut there) = (FaceChunk::default(), FaceChunk::default());
+    in_chunks(parted.n_faces(), |range| {
+        watch.check()?;
+        parted.faces(range.clone(), &mut here);
+        smooth.faces(range, &mut there);
+        for (&v, &from) in here.vertices.iter().zip(&there.vertices) {
+            found[v as usize] = normals[from as usize];
+        }
+        Ok(())
+    })?;
+    Ok(found)
+}
+
 /// The vector of length one in the direction of `v`; zero for vectors without a direction.
 pub fn unit(v: [f64; 3]) -> [f64; 3] {
     let square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];

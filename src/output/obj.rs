@@ -26,7 +26,7 @@ fn header(frame: Frame) -> String {
 /// What faces without a group or material are said to have.
 const UNNAMED: &str = "default";
 
-/// Wavefront OBJ: `v`, `vn` on request, `f` for meshes; `v` and `l` for curves.
+/// Wavefront OBJ: `v`, `vt` where there are texture coordinates, `vn` on request, `f` for meshes; `v` and `l` for curves.
 ///
 /// Numbers are the shortest decimals that read back as the same f64. A closed curve repeats its first index; missing
 /// coordinates of points are 0. Unit and up axis stand in comments where they are not the defaults. The channel `color`
@@ -75,8 +75,10 @@ impl Format for Obj {
                 let told = told(counts, options.flag("ids"));
                 let color = if counts.attachments.color().is_some() { row } else { 0 };
                 let vertex = 2 + row + color;
-                let rows = [(counts.vertices, vertex), (counts.faces, 2), (counts.corners, corner)];
-                total(&[(1, header), (1, told), rows[0], (n_normals, 3 + row), rows[1], rows[2]])
+                let place = if counts.uvs > 0 { 1 + digits(counts.uvs) } else { 0 };
+                let rows = [(counts.vertices, vertex), (counts.faces, 2), (counts.corners, corner + place)];
+                let uvs = (counts.uvs, 3 + 2 * (1 + REAL));
+                total(&[(1, header), (1, told), uvs, rows[0], (n_normals, 3 + row), rows[1], rows[2]])
             }
         })
     }
@@ -98,11 +100,16 @@ impl Format for Obj {
                     return write_with_normals(&told, &mut stream, watch);
                 }
                 told.vertices(&Positions::of_mesh(mesh), &mut stream)?;
-                stream.faces(mesh, |index, face, out| {
+                told.uvs(&mut stream)?;
+                stream.faces_and_uvs(mesh, |index, face, uvs, out| {
                     told.before_face(index, out);
                     out.push(b'f');
-                    for &vertex in face {
+                    for (j, &vertex) in face.iter().enumerate() {
                         corner(vertex, out);
+                        if let Some(&place) = uvs.get(j) {
+                            out.push(b'/');
+                            whole(out, u64::from(place) + 1);
+                        }
                     }
                     out.push(b'\n');
                 })
@@ -115,6 +122,7 @@ fn write_with_normals(told: &Told<'_>, stream: &mut Stream<'_>, watch: &Watch) -
     let mesh = told.mesh;
     let positions = Positions::of_mesh(mesh).held(watch)?;
     told.vertices(&positions, stream)?;
+    told.uvs(stream)?;
     let parted = Parted::of(Shape::Mesh(mesh), watch)?;
     let sides = parted.as_ref().map_or(mesh, |parted| parted);
     let positions = if parted.is_some() { Positions::of_mesh(sides).held(watch)? } else { positions };
@@ -128,12 +136,16 @@ fn write_with_normals(told: &Told<'_>, stream: &mut Stream<'_>, watch: &Watch) -
             out.push(b'\n');
         }
     })?;
-    stream.faces(sides, |index, face, out| {
+    stream.faces_and_uvs(sides, |index, face, uvs, out| {
         told.before_face(index, out);
         out.push(b'f');
-        for &vertex in face {
+        for (j, &vertex) in face.iter().enumerate() {
             corner(origin(vertex), out);
-            out.extend_from_slice(b"//");
+            out.push(b'/');
+            if let Some(&place) = uvs.get(j) {
+                whole(out, u64::from(place) + 1);
+            }
+            out.push(b'/');
             whole(out, u64::from(vertex) + 1);
         }
         out.push(b'\n');
@@ -216,6 +228,15 @@ impl Told<'_> {
                 }
                 out.push(b'\n');
             }
+        })
+    }
+
+    /// Writes the texture coordinates.
+    fn uvs(&self, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+        stream.uvs(self.mesh, |_, value, out| {
+            out.extend_from_slice(b"vt ");
+            reals(out, &value, b' ');
+            out.push(b'\n');
         })
     }
 

@@ -190,6 +190,32 @@ impl MeshSource for Parted<'_> {
         }
     }
 
+    fn n_uvs(&self) -> usize {
+        if self.is_unfolded() { self.n_vertices() } else { self.mesh.n_uvs() }
+    }
+
+    fn uvs(&self, range: Range<usize>, out: &mut Vec<[f64; 2]>) {
+        if !self.is_unfolded() {
+            return self.mesh.uvs(range, out);
+        }
+        let n = self.mesh.n_vertices();
+        self.mesh.uvs(range.start.min(n)..range.end.min(n), out);
+        let mut one = Vec::new();
+        for copy in range.start.max(n)..range.end.max(n) {
+            let origin = self.origins[copy - n] as usize;
+            self.mesh.uvs(origin..origin + 1, &mut one);
+            out.extend_from_slice(&one);
+        }
+    }
+
+    fn uv_faces(&self, range: Range<usize>, out: &mut FaceChunk) {
+        if self.is_unfolded() { self.faces(range, out) } else { self.mesh.uv_faces(range, out) }
+    }
+
+    fn is_unfolded(&self) -> bool {
+        self.mesh.is_unfolded()
+    }
+
     fn input_cells(&self) -> [usize; 3] {
         self.mesh.input_cells()
     }

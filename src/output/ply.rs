@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::numbers::{REAL, digits, real, real_f32, rounded, total, whole};
-use crate::output::parted::Parted;
 use crate::output::scene::{Curve, Frame, MeshSource, Scene, Shape};
+use crate::output::sides::Sides;
 use crate::output::stream::{Positions, Stream, channels_within_f32, holds_space};
 use crate::output::surface::{NORMALS, with_normals};
 use crate::output::{Counts, Format, FormatError, IDS, POSITIONS, ShapeKind, Size, normals};
@@ -21,6 +21,8 @@ use carried::Carried;
 /// Unit and up axis stand in comments where they are not the defaults. The channel `color` becomes `red`, `green`, `blue`
 /// and perhaps `alpha` of one byte, others properties of their names. Groups and materials become `int` properties of
 /// faces, -1 for none, their names comments. Origins are a `uint` of faces, for vertices with the dimension of the cell.
+///
+/// With texture coordinates a vertex on a seam is there once for each place at it, and every vertex has `s` and `t`.
 ///
 /// Indices are `int`, or `uint` where there are more than 2^31 vertices. The size of a face is one byte, or four with
 /// `"face_sizes": "uint"`.
@@ -214,9 +216,10 @@ impl Layout {
 }
 
 fn mesh_size(counts: &Counts, layout: Layout) -> Size {
+    let vertices = if counts.uvs > 0 { counts.uvs } else { counts.vertices };
     let attachments = &counts.attachments;
     let parted = if layout.normals { counts.parted } else { 0 };
-    let vertices = counts.vertices.saturating_add(parted);
+    let vertices = vertices.saturating_add(parted);
     let header = mesh_header(vertices, counts.faces, counts.frame, attachments, layout).len() as u128;
     let (carried, of_face) =
         carried::bytes(attachments, layout, counts.corners.max(vertices).max(counts.input_faces as u128));
@@ -270,42 +273,43 @@ fn index_type(vertices: u128) -> &'static str {
 }
 
 fn write_mesh(
-    mesh: &dyn MeshSource,
+    whole: &dyn MeshSource,
     frame: Frame,
     layout: Layout,
     stream: &mut Stream<'_>,
     watch: &Watch,
 ) -> Result<(), FormatError> {
+    let sides = Sides::of(Shape::Mesh(whole));
+    let parts = sides.parted(layout.normals, watch)?;
+    let mesh = if let Shape::Mesh(mesh) = parts.shape() { mesh } else { whole };
     if layout.float {
         channels_within_f32(mesh, watch)?;
     }
-    let parted = if layout.normals { Parted::of(Shape::Mesh(mesh), watch)? } else { None };
-    let mesh = parted.as_ref().map_or(mesh, |parted| parted);
     let (vertices, faces) = (mesh.n_vertices() as u128, mesh.n_faces() as u128);
     stream.bytes(mesh_header(vertices, faces, frame, mesh.attachments(), layout).as_bytes())?;
     let positions = within(Positions::of_mesh(mesh), layout);
-    if layout.normals {
+    let (positions, normals) = if layout.normals {
         let positions = positions.held(watch)?;
-        let normals = normals::of(mesh, positions.rows(), watch)?;
-        stream.positions(&positions, |start, rows, out| {
-            let carried = Carried::of(mesh, layout, start, rows.len());
-            for (i, (&[x, y, z], &normal)) in rows.iter().zip(&normals[start..]).enumerate() {
-                let [nx, ny, nz] = normals::or_up(normal);
-                layout.vertex(&[x, y, z, nx, ny, nz], out);
-                carried.vertex(i, out);
-                layout.end_row(out);
-            }
-        })?;
+        let normals = match parts.smooth() {
+            None => normals::of(mesh, positions.rows(), watch)?,
+            Some(smooth) => normals::parted(mesh, smooth, Positions::of_mesh(smooth).held(watch)?.rows(), watch)?,
+        };
+        (positions, normals)
     } else {
-        stream.positions(&positions, |start, rows, out| {
-            let carried = Carried::of(mesh, layout, start, rows.len());
-            for (i, position) in rows.iter().enumerate() {
-                layout.vertex(position, out);
-                carried.vertex(i, out);
-                layout.end_row(out);
+        (positions, Vec::new())
+    };
+    stream.positions(&positions, |start, rows, out| {
+        let carried = Carried::of(mesh, layout, start, rows.len());
+        for (i, position) in rows.iter().enumerate() {
+            layout.vertex(position, out);
+            if let Some(&normal) = normals.get(start + i) {
+                layout.separate(out);
+                layout.vertex(&normals::or_up(normal), out);
             }
-        })?;
-    }
+            carried.vertex(i, out);
+            layout.end_row(out);
+        }
+    })?;
     write_faces(mesh, layout, stream)
 }
 

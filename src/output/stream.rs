@@ -86,6 +86,47 @@ impl<'a> Stream<'a> {
         })
     }
 
+    /// Writes all faces, as [`Stream::faces`] does, with their places of texture coordinates (none where there are none).
+    pub(super) fn faces_and_uvs(
+        &mut self,
+        mesh: &dyn MeshSource,
+        encode: impl Fn(usize, &[u32], &[u32], &mut Vec<u8>) + Sync,
+    ) -> Result<(), FormatError> {
+        if mesh.n_uvs() == 0 {
+            return self.faces(mesh, |index, face, out| encode(index, face, &[], out));
+        }
+        let (mut faces, mut uvs) = (FaceChunk::default(), FaceChunk::default());
+        in_chunks(mesh.n_faces(), |range| {
+            self.watch.check()?;
+            mesh.faces(range.clone(), &mut faces);
+            mesh.uv_faces(range.clone(), &mut uvs);
+            // the faces have the same sizes, so that they are cut alike
+            let blocks: Vec<_> = face_blocks(&faces).into_iter().zip(face_blocks(&uvs)).collect();
+            self.encoded(&blocks, |(block, uvs), out| {
+                for (i, (face, uvs)) in block.iter().zip(uvs.iter()).enumerate() {
+                    encode(range.start + block.first + i, face, uvs, out);
+                }
+            })
+        })
+    }
+
+    /// Writes the texture coordinates of all places: `encode` appends the bytes of those of one, given with its index.
+    pub(super) fn uvs(
+        &mut self,
+        mesh: &dyn MeshSource,
+        encode: impl Fn(usize, [f64; 2], &mut Vec<u8>) + Sync,
+    ) -> Result<(), FormatError> {
+        let mut values = Vec::new();
+        in_chunks(mesh.n_uvs(), |range| {
+            mesh.uvs(range.clone(), &mut values);
+            self.rows(range.start, &values, |start, rows, out| {
+                for (i, &row) in rows.iter().enumerate() {
+                    encode(start + i, row, out);
+                }
+            })
+        })
+    }
+
     /// Writes the numbers that all vertices carry in a channel: `encode` appends the bytes of those of one vertex, given
     /// with its index.
     pub(super) fn channel(
@@ -262,7 +303,7 @@ impl<'a> Positions<'a> {
     }
 }
 
-/// Refuses meshes with a channel of numbers beyond the range of f32.
+/// Refuses meshes with channels or texture coordinates beyond the range of f32.
 pub(super) fn channels_within_f32(mesh: &dyn MeshSource, watch: &Watch) -> Result<(), FormatError> {
     let mut values = Vec::new();
     for (i, channel) in mesh.attachments().channels.iter().enumerate() {
@@ -278,7 +319,16 @@ pub(super) fn channels_within_f32(mesh: &dyn MeshSource, watch: &Watch) -> Resul
             Err(FormatError::Unfit(detail))
         })?;
     }
-    Ok(())
+    let mut uvs = Vec::new();
+    in_chunks(mesh.n_uvs(), |range| {
+        watch.check()?;
+        mesh.uvs(range, &mut uvs);
+        let Some(x) = uvs.iter().flatten().find(|x| x.abs() > f64::from(f32::MAX)) else { return Ok(()) };
+        let most = f32::MAX;
+        let detail =
+            format!("{x:e} is among the texture coordinates, this format holds at most {most:e}; ask for json");
+        Err(FormatError::Unfit(detail))
+    })
 }
 
 /// The refusal of a coordinate `x` that the format cannot hold.

@@ -4,12 +4,16 @@ pub mod curve;
 
 mod limit;
 mod refined;
+mod unfolded;
+mod uvs;
 
 pub use curve::refine_polygon;
 pub use limit::{Asked, Unlimited, check as check_limit};
 pub use refined::RefinedMesh;
+pub use uvs::uv_net;
 
 use limit::Limits;
+use uvs::RefinedUvs;
 
 use std::sync::Arc;
 
@@ -71,10 +75,7 @@ pub fn polygon_net(polygon: &Polygon, plan: &Plan) -> PolygonNet {
 /// The net of a mesh before refinement.
 pub fn mesh_net(mesh: &Mesh, plan: &Plan) -> MeshNet {
     let sharpness = Sharpness::of(&mesh.creases, &mesh.semi_sharp_corners);
-    let mut net = MeshNet::new(mesh.topology.clone(), &mesh.corners, &mesh.holes, plan.boundary);
-    if mesh.attachments.names_faces() {
-        net.tagged = net.tagged.or(Some("groups and materials"));
-    }
+    let net = MeshNet::new(mesh.topology.clone(), &mesh.corners, &mesh.holes, plan.boundary);
     net.with_sharpness(sharpness, plan.rules)
 }
 
@@ -86,13 +87,14 @@ fn start_tangents(polygon: &Polygon, watch: &Watch) -> Result<Vec<f64>, Stopped>
     }
 }
 
-/// Refines a mesh with its channels, all by the same rows.
+/// Refines a mesh with its channels, all by the same rows, and its texture coordinates by the same scheme.
 ///
 /// # Errors
 /// [`RefineError`].
 pub fn refine_mesh(mesh: &Mesh, plan: &Plan, steps: &[Scheduled], watch: &Watch) -> Result<RefinedMesh, RefineError> {
     let (net, points) = act_on(mesh_net(mesh, plan), numbers(mesh), plan, steps, watch)?;
-    Ok(assembled(mesh, &net, points.into_iter().map(|points| points.now).collect()))
+    let uvs = uvs::refined(mesh, plan, steps, watch)?;
+    Ok(assembled(mesh, &net, points.into_iter().map(|points| points.now).collect(), uvs))
 }
 
 /// Refines a mesh by `levels` levels and finds what is asked for of its limit; the warnings say what has none.
@@ -115,7 +117,8 @@ pub fn refine_mesh_to_limit(
         found => found?,
     };
     let refined = || points.into_iter().map(|points| points.now).collect();
-    let mesh = assembled(mesh, &net, found.points.unwrap_or_else(refined)).with_normals(found.normals);
+    let uvs = uvs::refined(mesh, plan, steps, watch)?;
+    let mesh = assembled(mesh, &net, found.points.unwrap_or_else(refined), uvs).with_normals(found.normals);
     Ok((mesh, found.warning.into_iter().collect()))
 }
 
@@ -125,11 +128,11 @@ fn numbers(mesh: &Mesh) -> Vec<Points> {
     std::iter::once(Points::new(mesh.positions.clone(), 3)).chain(channels).collect()
 }
 
-/// The refined mesh of a net, with its positions and channels.
-fn assembled(mesh: &Mesh, net: &MeshNet, numbers: Vec<Vec<f64>>) -> RefinedMesh {
+/// The refined mesh of a net, with its positions, channels and texture coordinates.
+fn assembled(mesh: &Mesh, net: &MeshNet, numbers: Vec<Vec<f64>>, uvs: Option<RefinedUvs>) -> RefinedMesh {
     let mut numbers = numbers.into_iter();
     let points = numbers.next().unwrap_or_default();
-    RefinedMesh::new(net, points).carrying(mesh.attachments.clone(), numbers.collect())
+    RefinedMesh::new(net, points).carrying(mesh.attachments.clone(), numbers.collect(), uvs)
 }
 
 /// Applies steps to a net and its points.

@@ -5,6 +5,8 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::unfolded::Unfolded;
+use super::uvs::RefinedUvs;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::sharpness::Sharpness;
 use crate::shape::attachments::Attachments;
@@ -25,6 +27,7 @@ pub struct RefinedMesh {
     attachments: Arc<Attachments>,
     /// The numbers of each channel, in the order of construction.
     channels: Vec<Vec<f64>>,
+    uvs: Option<RefinedUvs>,
     /// Edges that are still sharp, numbered in the order of construction.
     sharpness: Option<Arc<Sharpness>>,
     /// Pieces of each edge of the base: those of edge `e` have the numbers `e x pieces ..` in its direction.
@@ -56,27 +59,110 @@ impl RefinedMesh {
             channels: Vec::new(),
             sharpness: net.sharpness.clone(),
             pieces,
+            uvs: None,
         }
     }
 
-    /// The same mesh with what it carries: for each channel its numbers in the order of construction.
-    #[must_use]
-    pub fn carrying(self, attachments: Arc<Attachments>, channels: Vec<Vec<f64>>) -> Self {
-        Self { attachments, channels, ..self }
+    /// The same mesh with what it carries: for each channel its numbers in the order of construction, and the texture
+    /// coordinates.
+    pub(super) fn carrying(
+        self,
+        attachments: Arc<Attachments>,
+        channels: Vec<Vec<f64>>,
+        uvs: Option<RefinedUvs>,
+    ) -> Self {
+        Self { attachments, channels, uvs, ..self }
     }
 
-    /// Some rows of an array in the order of construction, in the documented one.
-    fn ordered(&self, rows: &[[f64; 3]], range: Range<usize>, out: &mut Vec<[f64; 3]>) {
-        match &self.order {
-            None => {
-                out.clear();
-                out.extend_from_slice(&rows[range]);
+    /// Position of vertex `v`, numbered in the documented order.
+    pub(super) fn position(&self, v: usize) -> [f64; 3] {
+        self.points.as_chunks().0[self.constructed(v)]
+    }
+
+    /// The numbers that vertex `v` carries in a channel.
+    pub(super) fn numbers(&self, channel: usize, v: usize) -> &[f64] {
+        let (width, at) = (self.attachments.channels[channel].width, self.constructed(v));
+        &self.channels[channel][width * at..width * (at + 1)]
+    }
+
+    fn constructed(&self, v: usize) -> usize {
+        self.order.as_ref().map_or(v, |order| order.constructed(v) as usize)
+    }
+
+    /// The vertex at a place with texture coordinates, both numbered in the documented order: bases, inner points of
+    /// their edges, inner points of the faces that they have in common.
+    pub(super) fn vertex_at(&self, place: usize) -> usize {
+        let Some(uvs) = &self.uvs else { return place };
+        let (places, inner) = (&uvs.base, self.pieces - 1);
+        let on_edges = places.n_vertices();
+        if place < on_edges {
+            return places.ring(place).next().map_or(0, |corner| self.base.vertex(corner) as usize);
+        }
+        let first = self.base.n_vertices();
+        let Some(inside) = (place - on_edges).checked_sub(places.n_edges() * inner) else {
+            let (edge, at) = ((place - on_edges) / inner, (place - on_edges) % inner);
+            let corner = places.edge_corners(edge)[0];
+            let edge = self.base.edge(corner) as usize;
+            let forward = self.base.edge_corners(edge)[0] == corner;
+            return first + edge * inner + if forward { at } else { inner - 1 - at };
+        };
+        first + self.base.n_edges() * inner + inside
+    }
+
+    /// Whether there are normals.
+    pub(super) fn has_normals(&self) -> bool {
+        self.normals.is_some()
+    }
+
+    /// The normal of vertex `v`, zero where there is none.
+    pub(super) fn normal(&self, v: usize) -> [f64; 3] {
+        self.normals.as_ref().map_or([0.0; 3], |normals| normals[self.constructed(v)])
+    }
+
+    /// Sharp pieces of edges of the base: the edge, and the number of the piece in its direction.
+    fn sharp_pieces(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let sharp = self.sharpness.iter().flat_map(|sharpness| sharpness.edges());
+        sharp.map(|&(e, _)| (e as usize / self.pieces, e as usize % self.pieces))
+    }
+
+    /// The ends of a piece of an edge of one of the meshes with these faces.
+    fn piece(&self, base: &Topology, edge: usize, piece: usize) -> [u32; 2] {
+        let [start, end] = base.ends(edge);
+        [piece, piece + 1].map(|at| match at {
+            0 => start,
+            at if at == self.pieces => end,
+            at => index(base.n_vertices() + edge * (self.pieces - 1) + at - 1),
+        })
+    }
+
+    /// The ends of sharp edges as places with texture coordinates; what is parted on seams needs no other parting.
+    pub(super) fn sharp_places(&self) -> Vec<[u32; 2]> {
+        let Some(uvs) = &self.uvs else { return Vec::new() };
+        let ends = |(edge, piece): (usize, usize)| {
+            let corner = self.base.edge_corners(edge)[0];
+            let place = uvs.base.edge(corner) as usize;
+            let forward = uvs.base.edge_corners(place)[0] == corner;
+            let piece = if forward { piece } else { self.pieces - 1 - piece };
+            (!uvs.base.is_boundary_edge(place)).then(|| self.piece(&uvs.base, place, piece))
+        };
+        self.sharp_pieces().filter_map(ends).collect()
+    }
+
+    /// The shown faces in `range` of one of the meshes with these faces.
+    fn list(&self, base: &Topology, order: Option<&Order>, range: Range<usize>, out: &mut FaceChunk) {
+        out.clear();
+        match order {
+            None => range.for_each(|f| out.push(base.face(self.shown.face(f)))),
+            Some(order) => {
+                let size = order.face_size();
+                out.sizes.resize(range.len(), index(size));
+                out.vertices.resize(size * range.len(), 0);
+                let faces = out.vertices.par_chunks_exact_mut(size);
+                let start = range.start;
+                faces.with_min_len(4096).enumerate().for_each(|(i, face)| {
+                    order.face(self.shown.face(start + i), face);
+                });
             }
-            Some(order) => range
-                .into_par_iter()
-                .with_min_len(4096)
-                .map(|v| rows[order.constructed(v) as usize])
-                .collect_into_vec(out),
         }
     }
 
@@ -129,6 +215,23 @@ impl Shown {
     }
 }
 
+/// The points in `range` in the documented order.
+fn ordered<const W: usize>(points: &[[f64; W]], order: Option<&Order>, range: Range<usize>, out: &mut Vec<[f64; W]>) {
+    match order {
+        None => {
+            out.clear();
+            out.extend_from_slice(&points[range]);
+        }
+        Some(grid) => {
+            range
+                .into_par_iter()
+                .with_min_len(4096)
+                .map(|v| points[grid.constructed(v) as usize])
+                .collect_into_vec(out);
+        }
+    }
+}
+
 impl MeshSource for RefinedMesh {
     fn n_vertices(&self) -> usize {
         self.points.len() / 3
@@ -143,41 +246,19 @@ impl MeshSource for RefinedMesh {
     }
 
     fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
-        self.ordered(self.points.as_chunks::<3>().0, range, out);
+        ordered(self.points.as_chunks::<3>().0, self.order.as_ref(), range, out);
     }
 
     fn normals(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) -> bool {
-        self.normals.as_ref().map(|normals| self.ordered(normals, range, out)).is_some()
+        self.normals.as_ref().map(|normals| ordered(normals, self.order.as_ref(), range, out)).is_some()
     }
 
     fn sharp_edges(&self) -> Vec<[u32; 2]> {
-        let ends = |&(e, _): &(u32, f64)| {
-            let (edge, piece) = (e as usize / self.pieces, e as usize % self.pieces);
-            let [start, end] = self.base.ends(edge);
-            [piece, piece + 1].map(|at| match at {
-                0 => start,
-                at if at == self.pieces => end,
-                at => index(self.base.n_vertices() + edge * (self.pieces - 1) + at - 1),
-            })
-        };
-        self.sharpness.iter().flat_map(|sharpness| sharpness.edges()).map(ends).collect()
+        self.sharp_pieces().map(|(edge, piece)| self.piece(&self.base, edge, piece)).collect()
     }
 
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
-        out.clear();
-        match &self.order {
-            None => range.for_each(|f| out.push(self.base.face(self.shown.face(f)))),
-            Some(order) => {
-                let size = order.face_size();
-                out.sizes.resize(range.len(), index(size));
-                out.vertices.resize(size * range.len(), 0);
-                let faces = out.vertices.par_chunks_exact_mut(size);
-                let start = range.start;
-                faces.with_min_len(4096).enumerate().for_each(|(i, face)| {
-                    order.face(self.shown.face(start + i), face);
-                });
-            }
-        }
+        self.list(&self.base, self.order.as_ref(), range, out);
     }
 
     fn attachments(&self) -> &Attachments {
@@ -215,6 +296,28 @@ impl MeshSource for RefinedMesh {
             Some(order) => order.first_face(f),
         };
         self.shown.number(first(face))..self.shown.number(first(face + 1))
+    }
+
+    fn n_uvs(&self) -> usize {
+        self.uvs.as_ref().map_or(0, |uvs| uvs.points.len() / 2)
+    }
+
+    fn uvs(&self, range: Range<usize>, out: &mut Vec<[f64; 2]>) {
+        match &self.uvs {
+            None => out.clear(),
+            Some(uvs) => ordered(uvs.points.as_chunks().0, uvs.order.as_ref(), range, out),
+        }
+    }
+
+    fn uv_faces(&self, range: Range<usize>, out: &mut FaceChunk) {
+        match &self.uvs {
+            None => out.clear(),
+            Some(uvs) => self.list(&uvs.base, uvs.order.as_ref(), range, out),
+        }
+    }
+
+    fn unfolded(&self) -> Option<Box<dyn MeshSource + '_>> {
+        self.uvs.is_some().then(|| Box::new(Unfolded(self)) as Box<dyn MeshSource + '_>)
     }
 
     fn vertex_origin(&self, vertex: usize) -> Origin {

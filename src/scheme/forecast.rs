@@ -32,6 +32,8 @@ pub struct Count {
     pub hidden_corners: u128,
     /// Vertices that are added, at most, where normals differ across sharp edges.
     pub parted: u128,
+    /// Places with texture coordinates, where there are some.
+    pub uvs: u128,
 }
 
 impl Count {
@@ -44,6 +46,7 @@ impl Count {
             hidden_faces: self.hidden_faces.saturating_add(other.hidden_faces),
             hidden_corners: self.hidden_corners.saturating_add(other.hidden_corners),
             parted: self.parted.saturating_add(other.parted),
+            uvs: self.uvs.saturating_add(other.uvs),
         }
     }
 
@@ -58,6 +61,7 @@ impl Count {
             hidden_faces: net.holes.len() as u128,
             hidden_corners: sizes.sum(),
             parted: 0,
+            uvs: 0,
         };
         net.pieces.iter().fold(count, |count, &pieces| count.split(net.tile, pieces))
     }

@@ -1,6 +1,8 @@
 //! What a mesh carries besides its shape: channels of numbers on its vertices, and names on its faces.
 
+use super::check::Checked;
 use super::labels::{FaceSet, Labels};
+use super::uvs::{Uvs, UvsInput};
 use crate::fault::{Fault, token, under};
 
 /// Most channels of a mesh.
@@ -57,6 +59,8 @@ pub struct AttachmentsInput {
     pub groups: Vec<FaceSet>,
     /// Materials of faces.
     pub materials: Vec<FaceSet>,
+    /// Texture coordinates.
+    pub uvs: Option<UvsInput>,
 }
 
 /// What a mesh carries besides its shape, checked.
@@ -68,10 +72,13 @@ pub struct Attachments {
     pub groups: Labels,
     /// Materials of faces.
     pub materials: Labels,
+    /// Texture coordinates.
+    pub uvs: Option<Uvs>,
 }
 
 /// Nothing at all.
-static NONE: Attachments = Attachments { channels: Vec::new(), groups: Labels::NONE, materials: Labels::NONE };
+static NONE: Attachments =
+    Attachments { channels: Vec::new(), groups: Labels::NONE, materials: Labels::NONE, uvs: None };
 
 impl Attachments {
     /// Nothing at all.
@@ -99,26 +106,25 @@ impl Attachments {
         self.channels.iter().map(|channel| channel.width).sum()
     }
 
-    /// Checks what comes with a mesh of `n_vertices` vertices, of which those from `n_vertices` on are copies of
-    /// `split_from`, and `n_faces` faces.
+    /// Checks what comes with a mesh that was given with `n_vertices` vertices.
     ///
     /// # Errors
     /// Every fault found, with a pointer below the mesh.
     pub fn new(
         input: AttachmentsInput,
         n_vertices: usize,
-        n_faces: usize,
-        split_from: &[u32],
+        Checked { topology, split_from, turned }: &Checked,
     ) -> Result<Self, Vec<Fault>> {
-        let AttachmentsInput { mut channels, groups, materials } = input;
+        let AttachmentsInput { mut channels, groups, materials, uvs } = input;
+        let n_faces = topology.n_faces();
         let mut faults = check_channels(&channels, n_vertices);
         let mut labels = |sets: Vec<FaceSet>, place: &str| {
             Labels::new(sets, n_faces).map_err(|found| faults.extend(under(place, found))).unwrap_or_default()
         };
         let (groups, materials) = (labels(groups, "/groups"), labels(materials, "/materials"));
-        if !faults.is_empty() {
-            return Err(faults);
-        }
+        let uvs = uvs.map(|uvs| Uvs::new(&uvs, topology, turned).map_err(|found| under("/uvs", found))).transpose();
+        faults.extend(uvs.as_ref().err().into_iter().flatten().cloned());
+        let (true, Ok(uvs)) = (faults.is_empty(), uvs) else { return Err(faults) };
         for channel in &mut channels {
             channel.values.iter_mut().for_each(|x| *x += 0.0);
             for &from in split_from {
@@ -127,7 +133,7 @@ impl Attachments {
             }
         }
         channels.sort_by(|a, b| a.name.cmp(&b.name));
-        Ok(Self { channels, groups, materials })
+        Ok(Self { channels, groups, materials, uvs })
     }
 }
 

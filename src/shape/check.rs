@@ -48,7 +48,7 @@ impl FaceList {
         &self.vertices[self.starts[f] as usize..self.starts[f + 1] as usize]
     }
 
-    fn reverse(&mut self, f: usize) {
+    pub(super) fn reverse(&mut self, f: usize) {
         self.vertices[self.starts[f] as usize..self.starts[f + 1] as usize].reverse();
     }
 }

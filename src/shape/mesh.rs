@@ -76,7 +76,7 @@ impl Mesh {
             faults.extend(found);
             Sharp::new()
         });
-        let attachments = Attachments::new(input.attachments, n, n_faces, &checked.split_from);
+        let attachments = Attachments::new(input.attachments, n, &checked);
         faults.extend(attachments.as_ref().err().into_iter().flatten().cloned());
         let (true, Ok(attachments)) = (faults.is_empty(), attachments) else { return Err(faults) };
         let mut positions: Vec<f64> = input.positions.into_iter().flatten().map(|x| x + 0.0).collect();

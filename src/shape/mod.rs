@@ -20,4 +20,5 @@ pub mod tile;
 pub mod tiling;
 pub mod topology;
 pub mod triangle_grid;
+pub mod uvs;
 pub mod weld;

@@ -51,7 +51,7 @@ impl MeshInput {
                 channel.values = welded.kept.iter().flat_map(|&v| &channel.values[row(v)]).copied().collect();
             }
         }
-        self.refaced(result.faces, &result.kept);
+        self.refaced(result.faces, &result.kept, &result.corners);
         Ok(self)
     }
 
@@ -66,6 +66,9 @@ impl MeshInput {
             return self;
         }
         self.notes.extend(turned(&changed));
+        if let Some(uvs) = &mut self.attachments.uvs {
+            uvs.turn(&faces, &changed);
+        }
         self.faces = faces;
         let mut is_hole = vec![false; self.faces.len()];
         for &hole in &self.holes {
@@ -74,17 +77,19 @@ impl MeshInput {
         let names = self.names();
         let sharp = self.creases.iter().filter(|(_, sharpness)| *sharpness > 0.0);
         let sharp: BTreeSet<[u64; 2]> = sharp.map(|&([a, b], _)| [a.min(b), a.max(b)]).collect();
+        let uvs = self.attachments.uvs.as_ref().filter(|uvs| uvs.fits(&self.faces));
         let may_join = |diagonal: Diagonal| {
             let [f, g] = diagonal.faces.map(|f| is_hole[f as usize]);
             let [a, b] = diagonal.ends.map(u64::from);
             let [name, other] = diagonal.faces.map(|f| names[f as usize]);
-            f == g && name == other && !sharp.contains(&[a.min(b), a.max(b)])
+            let smooth = uvs.is_none_or(|uvs| uvs.joins(diagonal));
+            f == g && name == other && smooth && !sharp.contains(&[a.min(b), a.max(b)])
         };
         let paired = pair(&self.positions, &self.faces, may_join);
         let left = (0..paired.faces.len()).filter(|&f| paired.faces.face(f).len() == 3).count();
         self.notes
             .push(format!("{} pairs of triangles were joined into quads; {left} triangles are left", paired.made));
-        self.refaced(paired.faces, &paired.kept);
+        self.refaced(paired.faces, &paired.kept, &paired.corners);
         self
     }
 
@@ -102,8 +107,12 @@ impl MeshInput {
         names
     }
 
-    /// Takes other faces, for each of which `kept` names the old one, ascending; holes, groups and materials follow.
-    fn refaced(&mut self, faces: FaceList, kept: &[u32]) {
+    /// Takes other faces, for each of which `kept` names the old one, ascending; holes, groups and materials
+    /// follow, and texture coordinates, where `corners` names the old corner of each new one.
+    fn refaced(&mut self, faces: FaceList, kept: &[u32], corners: &[u32]) {
+        if let Some(uvs) = &mut self.attachments.uvs {
+            uvs.follow(&self.faces, &faces, corners);
+        }
         let mut image = vec![NONE; self.faces.len()];
         kept.iter().zip(0..).for_each(|(&old, new)| image[old as usize] = new);
         let moved = |face: u64| match usize::try_from(face).ok().and_then(|f| image.get(f)) {

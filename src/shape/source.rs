@@ -61,6 +61,27 @@ pub trait MeshSource: std::fmt::Debug + Sync {
     fn channel(&self, _channel: usize, _range: Range<usize>, out: &mut Vec<f64>) {
         out.clear();
     }
+    /// Number of places with texture coordinates; 0 where there are none.
+    fn n_uvs(&self) -> usize {
+        0
+    }
+    /// Fills `out` with the texture coordinates of the places in `range`; what it held before is dropped.
+    fn uvs(&self, _range: Range<usize>, out: &mut Vec<[f64; 2]>) {
+        out.clear();
+    }
+    /// Fills `out` with the places at the corners of the faces in `range`; what it held before is dropped.
+    fn uv_faces(&self, _range: Range<usize>, out: &mut FaceChunk) {
+        out.clear();
+    }
+    /// The same mesh with a vertex for each place with texture coordinates, and these numbered like the vertices; `None`
+    /// where there are no texture coordinates.
+    fn unfolded(&self) -> Option<Box<dyn MeshSource + '_>> {
+        None
+    }
+    /// Whether the places with texture coordinates are numbered like the vertices.
+    fn is_unfolded(&self) -> bool {
+        false
+    }
     /// Numbers of vertices, edges and faces of the input, hidden ones included.
     fn input_cells(&self) -> [usize; 3] {
         [self.n_vertices(), 0, self.n_faces()]

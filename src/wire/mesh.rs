@@ -10,6 +10,7 @@ use crate::shape::attachments::AttachmentsInput;
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::labels::FaceSet;
 use crate::shape::mesh::MeshInput;
+use crate::shape::uvs::{Interpolation, UvsInput};
 
 /// A control mesh.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
@@ -43,6 +44,61 @@ pub struct MeshRequest {
     #[serde(default, deserialize_with = "object::list")]
     #[schema(max_items = 256)]
     pub materials: Vec<FaceSetRequest>,
+    /// Texture coordinates of face corners.
+    #[serde(default, deserialize_with = "object::optional")]
+    pub uvs: Option<UvsRequest>,
+}
+
+/// Texture coordinates of face corners, refined by the scheme of the mesh.
+#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct UvsRequest {
+    /// Values, `n x 2`; the second coordinate points up.
+    #[schema(schema_with = schema::uv_values)]
+    pub values: Vec<[f64; 2]>,
+    /// For each face of the mesh the values at its corners, in their order. Neighbours are joined where both have the same
+    /// values at both ends of their edge; all other edges are seams.
+    #[schema(schema_with = schema::uv_faces)]
+    pub faces: Vec<Vec<u64>>,
+    /// Where values are interpolated linearly; `all` when left out.
+    pub interpolation: Option<InterpolationRequest>,
+}
+
+/// Where texture coordinates are interpolated linearly.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum InterpolationRequest {
+    /// Nowhere: boundaries and seams are smooth curves.
+    None,
+    /// Corners, where a region has one face, keep their values.
+    CornersOnly,
+    /// And places where three regions or more meet.
+    CornersPlus1,
+    /// And places where a seam ends inside, and both sides of a corner where two regions meet.
+    CornersPlus2,
+    /// All boundaries and seams.
+    Boundaries,
+    /// Everywhere.
+    All,
+}
+
+impl UvsRequest {
+    fn resolve(self) -> UvsInput {
+        let mut faces = FaceList::default();
+        for face in &self.faces {
+            // an index beyond 32 bits is beyond every list, too
+            faces.push(face.iter().map(|&value| u32::try_from(value).unwrap_or(u32::MAX)));
+        }
+        let interpolation = match self.interpolation {
+            Some(InterpolationRequest::None) => Interpolation::None,
+            Some(InterpolationRequest::CornersOnly) => Interpolation::CornersOnly,
+            Some(InterpolationRequest::CornersPlus1) => Interpolation::CornersPlus1,
+            Some(InterpolationRequest::CornersPlus2) => Interpolation::CornersPlus2,
+            Some(InterpolationRequest::Boundaries) => Interpolation::Boundaries,
+            None | Some(InterpolationRequest::All) => Interpolation::All,
+        };
+        UvsInput { values: self.values, faces, interpolation }
+    }
 }
 
 /// Some faces under one name.
@@ -110,6 +166,7 @@ impl MeshRequest {
             channels: self.channels.0,
             groups: face_sets(self.groups),
             materials: face_sets(self.materials),
+            uvs: self.uvs.map(UvsRequest::resolve),
         };
         let (positions, holes) = (self.positions, self.holes);
         Ok(MeshInput { positions, faces, corners, creases, holes, winding, attachments, notes: Vec::new() })

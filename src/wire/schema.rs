@@ -37,6 +37,18 @@ pub(super) fn tangents() -> RefOr<Schema> {
     lists(of(Type::Number).build(), 1, Some(4), doc)
 }
 
+/// Texture coordinates.
+pub(super) fn uv_values() -> RefOr<Schema> {
+    lists(of(Type::Number).build(), 2, Some(2), "Values, `n x 2`; the second coordinate points up.")
+}
+
+/// Texture coordinates at the corners of faces.
+pub(super) fn uv_faces() -> RefOr<Schema> {
+    let doc = "For each face of the mesh the values at its corners, in their order. Neighbours are joined where both have \
+               the same values at both ends of their edge; all other edges are seams.";
+    lists(index(), 3, None, doc)
+}
+
 /// Faces of a mesh.
 pub(super) fn faces() -> RefOr<Schema> {
     let doc = "Faces as lists of 3 or more vertex indices, counted from 0, counter-clockwise seen from outside.";

@@ -3,7 +3,9 @@
 mod files;
 mod frames;
 mod laws;
+mod read;
 mod refused;
+mod uvs;
 
 use serde_json::{Value, json};
 

@@ -147,6 +147,13 @@ fn tangents_belong_to_the_key() {
     check_equal(&base.to_string(), &with(&base, "/plan/parameters/mu", json!("1/4")).to_string());
 }
 
+/// Texture coordinates with one value of choice, that of the second face at its last corner, and an interpolation.
+fn uvs(x: f64, corner: usize, interpolation: &str) -> Value {
+    let values: Vec<[f64; 2]> = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0].map(|y| [x, y]).into();
+    let faces = json!([[0, 1, 2, 3], [3, 4, corner], [1, 5, 6, 7, 2]]);
+    json!({ "values": values, "faces": faces, "interpolation": interpolation })
+}
+
 #[test]
 fn meshes_that_differ_have_keys_that_differ() {
     check_distinct(
@@ -172,6 +179,12 @@ fn meshes_that_differ_have_keys_that_differ() {
             ("/input/mesh/groups", json!([{ "name": "b", "faces": [0] }])),
             ("/input/mesh/groups", json!([{ "name": "a", "faces": [0] }, { "name": "b", "faces": [] }])),
             ("/input/mesh/materials", json!([{ "name": "a", "faces": [0] }])),
+            ("/input/mesh/uvs", uvs(0.5, 0, "all")),
+            ("/input/mesh/uvs", uvs(0.25, 0, "all")),
+            ("/input/mesh/uvs", uvs(0.5, 3, "all")),
+            ("/input/mesh/uvs", uvs(0.5, 0, "none")),
+            ("/input/mesh/uvs", uvs(0.5, 0, "corners-only")),
+            ("/input/mesh/uvs", uvs(0.5, 0, "boundaries")),
             ("/input/unit", json!("mm")),
             ("/input/unit", json!("in")),
             ("/input/up", json!("z")),

@@ -25,7 +25,10 @@ pub(super) fn size(counts: &Counts, ids: bool) -> u128 {
     let cell = digits(counts.corners.max(counts.vertices).max(counts.input_faces as u128)) + 1;
     let origins = br#","ids":{"faces":[],"vertices":[]}"#.len() as u128;
     let origins = if ids { total(&[(1, origins), (counts.faces, cell), (counts.vertices, cell + 4)]) } else { 0 };
-    [channels, labels(&attachments.groups), labels(&attachments.materials), origins]
+    let frame = br#","uvs":{"values":[],"faces":[]}"#.len() as u128;
+    let rows = [(counts.uvs, 2 + 2 * (REAL + 1)), (counts.faces, 2), (counts.corners, digits(counts.uvs) + 1)];
+    let uvs = if counts.uvs > 0 { total(&[(1, frame), rows[0], rows[1], rows[2]]) } else { 0 };
+    [channels, uvs, labels(&attachments.groups), labels(&attachments.materials), origins]
         .into_iter()
         .fold(0, u128::saturating_add)
 }
@@ -49,7 +52,28 @@ pub(super) fn write(mesh: &dyn MeshSource, ids: bool, stream: &mut Stream<'_>) -
             stream.bytes(b"]")?;
         }
     }
+    if mesh.n_uvs() > 0 {
+        write_uvs(mesh, stream)?;
+    }
     if ids { write_origins(mesh, stream) } else { Ok(()) }
+}
+
+fn write_uvs(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    stream.bytes(br#","uvs":{"values":["#)?;
+    stream.uvs(mesh, |place, value, out| {
+        out.extend_from_slice(if place == 0 { b"[" } else { b",[" });
+        reals(out, &value, b',');
+        out.push(b']');
+    })?;
+    stream.bytes(br#"],"faces":["#)?;
+    stream.faces_and_uvs(mesh, |index, _, uvs, out| {
+        out.extend_from_slice(if index == 0 { b"[" } else { b",[" });
+        for (i, &place) in uvs.iter().enumerate() {
+            listed(place.into(), i == 0, out);
+        }
+        out.push(b']');
+    })?;
+    stream.bytes(b"]}")
 }
 
 fn write_channel(mesh: &dyn MeshSource, i: usize, stream: &mut Stream<'_>) -> Result<(), FormatError> {

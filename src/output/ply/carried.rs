@@ -32,6 +32,9 @@ pub(super) fn vertex_properties(attachments: &Attachments, layout: Layout) -> St
         channel.number_names().iter().map(|name| format!("property {number} {name}\n")).collect()
     };
     let mut properties = attachments.channels.iter().flat_map(property).collect::<Vec<_>>().concat();
+    if attachments.uvs.is_some() {
+        ["s", "t"].iter().for_each(|name| properties.extend(["property ", number, " ", name, "\n"]));
+    }
     if layout.ids {
         properties.push_str("property uchar origin_dimension\nproperty uint origin\n");
     }
@@ -75,7 +78,8 @@ pub(super) fn bytes(attachments: &Attachments, layout: Layout, cells: u128) -> (
         (true, true) => (2 + cell, cell),
         (true, false) => (1 + cell, cell),
     };
-    (attachments.channels.iter().map(of_channel).sum::<u128>() + vertex_origin, names * LABEL + face_origin)
+    let uvs = if attachments.uvs.is_some() { 2 * number } else { 0 };
+    (attachments.channels.iter().map(of_channel).sum::<u128>() + uvs + vertex_origin, names * LABEL + face_origin)
 }
 
 /// Rows of some consecutive vertices as they are appended to their places.
@@ -85,6 +89,7 @@ pub(super) struct Carried<'a> {
     start: usize,
     /// The numbers of each channel.
     channels: Vec<Vec<f64>>,
+    uvs: Vec<[f64; 2]>,
 }
 
 impl<'a> Carried<'a> {
@@ -95,7 +100,11 @@ impl<'a> Carried<'a> {
             mesh.channel(channel, start..start + n, &mut values);
             values
         };
-        Self { mesh, layout, start, channels: (0..mesh.attachments().channels.len()).map(fetch).collect() }
+        let mut uvs = Vec::new();
+        if mesh.n_uvs() > 0 {
+            mesh.uvs(start..start + n, &mut uvs);
+        }
+        Self { mesh, layout, start, channels: (0..mesh.attachments().channels.len()).map(fetch).collect(), uvs }
     }
 
     /// Appends what vertex number `i` of these carries.
@@ -105,6 +114,10 @@ impl<'a> Carried<'a> {
                 self.layout.separate(out);
                 if channel.is_color() { self.layout.byte(byte(x), out) } else { self.layout.number(x, out) }
             }
+        }
+        for &x in self.uvs.get(i).into_iter().flatten() {
+            self.layout.separate(out);
+            self.layout.number(x, out);
         }
         if self.layout.ids {
             let origin = self.mesh.vertex_origin(self.start + i);

@@ -88,16 +88,24 @@ fn names_of_faces_that_do_not_fit_are_named() {
 }
 
 #[test]
-fn duals_refuse_what_belongs_to_faces() {
-    let net = nets::torus(4, 3);
-    let groups = json!({ "groups": [{ "name": "a", "faces": [0] }] });
-    let found = refusal(&job(&net, &groups, &json!({ "word": "UD" }), 1));
-    assert_eq!(found[0].0, "/plan/word");
-    assert!(found[0].1.contains("D cannot carry groups and materials"), "{found:?}");
-    let mut question = job(&net, &json!({}), &json!({ "word": "UD" }), 1);
-    question["outputs"] = json!([{ "format": "ply", "ids": true }]);
-    let found = render(&question).expect_err("faces of a dual have no origin");
-    assert!(found[0].detail.contains("D cannot carry ids"), "{found:?}");
+fn schemes_with_faces_of_their_own_refuse_what_belongs_to_faces() {
+    let (net, triangles) = (nets::torus(4, 3), nets::tetrahedron());
+    for (net, plan, place) in [
+        (&net, json!({ "word": "UD" }), "/plan/word"),
+        (&net, json!({ "preset": "doo-sabin" }), "/plan/preset"),
+        (&triangles, json!({ "preset": "sqrt-3" }), "/plan/preset"),
+    ] {
+        for kind in ["groups", "materials"] {
+            let sets = json!({ kind: [{ "name": "a", "faces": [0] }] });
+            let found = refusal(&job(net, &sets, &plan, 1));
+            assert_eq!(found[0].0, place);
+            assert!(found[0].1.contains("cannot carry groups and materials"), "{found:?}");
+        }
+        let mut question = job(net, &json!({}), &plan, 1);
+        question["outputs"] = json!([{ "format": "ply", "ids": true }]);
+        let found = render(&question).expect_err("faces of their own have no origin");
+        assert!(found[0].detail.contains("cannot carry ids"), "{found:?}");
+    }
 }
 
 #[test]

@@ -1,0 +1,78 @@
+//! Texture coordinates under refinement: a mesh of their own, refined by the scheme of the mesh.
+
+use std::sync::Arc;
+
+use super::{Points, RefineError, at, mesh_net, values};
+use crate::scheme::mesh_net::{Boundary, MeshNet};
+use crate::scheme::ops::{Role, lettered};
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::sharpness::Sharpness;
+use crate::shape::creases::Sharp;
+use crate::shape::mesh::Mesh;
+use crate::shape::order::Order;
+use crate::shape::topology::Topology;
+use crate::shape::uvs::Uvs;
+use crate::watch::Watch;
+
+/// Refined texture coordinates: the places as vertices of a mesh with the faces of the mesh.
+#[derive(Debug)]
+pub(super) struct RefinedUvs {
+    /// Values in the order of construction, `n_places x 2`.
+    pub(super) points: Vec<f64>,
+    /// The places before refinement.
+    pub(super) base: Arc<Topology>,
+    /// The way to the documented order; `None` where the orders agree.
+    pub(super) order: Option<Order>,
+}
+
+/// Those of a mesh, if it has any, refined by the steps of a plan; linear ones follow upsamplings only.
+pub(super) fn refined(
+    mesh: &Mesh,
+    plan: &Plan,
+    steps: &[Scheduled],
+    watch: &Watch,
+) -> Result<Option<RefinedUvs>, RefineError> {
+    let Some(uvs) = &mesh.attachments.uvs else { return Ok(None) };
+    let (mut net, mut points) = (uv_net(mesh, uvs, plan), Points::new(uvs.values.clone(), 2));
+    let upsampling = lettered('U').expect("U is an operator");
+    for step in steps {
+        let linear = uvs.linear && step.letter.operator.role() == Role::Upsample;
+        if uvs.linear && !linear {
+            continue;
+        }
+        let operator = if linear { upsampling } else { step.letter.operator };
+        let next = operator.on_mesh(&net, &values(plan, step)).map_err(|error| at(step, error))?;
+        points.act(&next.action, step, watch)?;
+        net = next.net;
+    }
+    let order = net.order();
+    Ok(Some(RefinedUvs { points: points.now, base: net.base, order }))
+}
+
+/// The net of texture coordinates before refinement. Places at vertices that keep their place keep theirs, sharp edges and
+/// vertices are as sharp as those of the mesh, and seams are boundaries.
+pub fn uv_net(mesh: &Mesh, uvs: &Uvs, plan: &Plan) -> MeshNet {
+    let (places, vertices) = (&uvs.topology, &mesh.topology);
+    let fixed = mesh_net(mesh, plan).corners;
+    let mut corners = uvs.corners.clone();
+    let mut semi_sharp = Sharp::new();
+    for place in 0..crate::shape::topology::index(places.n_vertices()) {
+        let Some(vertex) = uvs.vertex(place, vertices) else { continue };
+        if fixed.binary_search(&vertex).is_ok() {
+            corners.push(place);
+        } else if let Ok(found) = mesh.semi_sharp_corners.binary_search_by_key(&vertex, |&(v, _)| v) {
+            semi_sharp.push((place, mesh.semi_sharp_corners[found].1));
+        }
+    }
+    corners.sort_unstable();
+    corners.dedup();
+    semi_sharp.retain(|(place, _)| corners.binary_search(place).is_err());
+    let inside = |&(e, sharpness): &(u32, f64)| {
+        let edge = places.edge(vertices.edge_corners(e as usize)[0]);
+        (!places.is_boundary_edge(edge as usize)).then_some((edge, sharpness))
+    };
+    let mut creases: Sharp = mesh.creases.iter().filter_map(inside).collect();
+    creases.sort_unstable_by_key(|&(e, _)| e);
+    MeshNet::new(uvs.topology.clone(), &corners, &[], Boundary::EdgeOnly)
+        .with_sharpness(Sharpness::of(&creases, &semi_sharp), plan.rules)
+}

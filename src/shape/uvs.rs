@@ -1,0 +1,255 @@
+//! Texture coordinates of face corners: a mesh of its own whose vertices are the places that corners share, and whose
+//! boundaries are the seams.
+
+use std::sync::Arc;
+
+use super::check::{FaceList, Winding};
+use super::pair::Diagonal;
+use super::topology::{NONE, Topology, index};
+use crate::fault::Fault;
+
+/// Where texture coordinates are interpolated linearly (sharp), as OpenSubdiv means it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Interpolation {
+    /// Nowhere.
+    None,
+    /// At corners: places with one face.
+    CornersOnly,
+    /// And where three regions or more meet.
+    CornersPlus1,
+    /// And where a seam ends inside, and beside a corner where two regions meet.
+    CornersPlus2,
+    /// Along all boundaries and seams.
+    Boundaries,
+    /// Everywhere.
+    #[default]
+    All,
+}
+
+/// Texture coordinates as a client gives them, unchecked.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct UvsInput {
+    /// Values, `n x 2`.
+    pub values: Vec<[f64; 2]>,
+    /// For each face of the mesh the values at its corners, in their order.
+    pub faces: FaceList,
+    /// Where they are linear.
+    pub interpolation: Interpolation,
+}
+
+impl UvsInput {
+    /// Whether there is a value for each corner of these faces.
+    pub(super) fn fits(&self, faces: &FaceList) -> bool {
+        let sizes = |faces: &FaceList| (0..faces.len()).map(|f| faces.face(f).len()).collect::<Vec<_>>();
+        sizes(&self.faces) == sizes(faces)
+    }
+
+    /// Follows faces that were turned. What does not fit is left for [`Uvs::new`] to refuse.
+    pub(super) fn turn(&mut self, faces: &FaceList, turned: &[u32]) {
+        if self.fits(faces) {
+            turned.iter().for_each(|&f| self.faces.reverse(f as usize));
+        }
+    }
+
+    /// Follows other faces, whose corners were the old ones that `corners` names.
+    pub(super) fn follow(&mut self, before: &FaceList, after: &FaceList, corners: &[u32]) {
+        if !self.fits(before) {
+            return;
+        }
+        let old: Vec<u32> = (0..self.faces.len()).flat_map(|f| self.faces.face(f)).copied().collect();
+        let mut new = corners.iter().map(|&corner| old[corner as usize]);
+        self.faces = FaceList::default();
+        for f in 0..after.len() {
+            self.faces.push(new.by_ref().take(after.face(f).len()));
+        }
+    }
+
+    /// Whether two faces have the same values at both ends of the edge between them.
+    pub(super) fn joins(&self, diagonal: Diagonal) -> bool {
+        let value = |f: u32, j: u32| self.faces.face(f as usize)[j as usize];
+        let [f, g] = diagonal.faces;
+        let same = |i: usize| value(f, diagonal.lower[i]) == value(g, diagonal.higher[i]);
+        same(0) && same(1)
+    }
+}
+
+/// Checked texture coordinates: faces and their corners are those of the mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Uvs {
+    /// `n_places x 2`: first to last coordinate, place after place.
+    pub values: Vec<f64>,
+    /// The places as vertices; an edge is inside where both faces have the same values at both ends.
+    pub topology: Arc<Topology>,
+    /// Places that keep their value whatever the mesh does, ascending.
+    pub corners: Vec<u32>,
+    /// Whether they are linear everywhere.
+    pub linear: bool,
+}
+
+impl Uvs {
+    /// Checks the texture coordinates of a mesh. `turned` are faces whose vertices were reversed since they were given.
+    ///
+    /// # Errors
+    /// Numbers of faces and corners that differ from those of the mesh, values that do not exist or are not finite, with
+    /// pointers below the texture coordinates.
+    pub fn new(input: &UvsInput, mesh: &Topology, turned: &[u32]) -> Result<Self, Vec<Fault>> {
+        let corner_values = corner_values(input, mesh, turned)?;
+        let fans = Fans { mesh, values: &corner_values };
+        let (place_of_corner, n_places) = fans.places();
+        let mut faces = FaceList::default();
+        for f in 0..mesh.n_faces() {
+            faces.push(mesh.corners(f).map(|corner| place_of_corner[corner as usize]));
+        }
+        let checked = Topology::of_faces(n_places, faces, Winding::Refuse)?;
+        let mut values = vec![0.0; 2 * n_places];
+        let (mut vertex_of, mut value_of) = (vec![0; n_places], vec![0; n_places]);
+        for (corner, &place) in (0..).zip(&place_of_corner) {
+            let value = input.values[corner_values[corner as usize] as usize];
+            let place = place as usize;
+            values[2 * place] = value[0] + 0.0;
+            values[2 * place + 1] = value[1] + 0.0;
+            (vertex_of[place], value_of[place]) = (mesh.vertex(corner), corner_values[corner as usize]);
+        }
+        let topology = Arc::new(checked.topology);
+        let linear = input.interpolation == Interpolation::All;
+        let corners =
+            if linear { Vec::new() } else { corners(&topology, mesh, [&vertex_of, &value_of], input.interpolation) };
+        Ok(Self { values, topology, corners, linear })
+    }
+
+    /// The vertex of the mesh at a place.
+    pub fn vertex(&self, place: u32, mesh: &Topology) -> Option<u32> {
+        self.topology.ring(place as usize).next().map(|corner| mesh.vertex(corner))
+    }
+
+    /// Edges of the mesh along which the texture coordinates are parted, ascending.
+    pub fn seams(&self, mesh: &Topology) -> Vec<u32> {
+        let parted = |&e: &usize| {
+            let [first, second] = mesh.edge_corners(e);
+            second != NONE && self.topology.is_boundary_edge(self.topology.edge(first) as usize)
+        };
+        (0..mesh.n_edges()).filter(parted).map(index).collect()
+    }
+}
+
+/// The number of the value at each corner.
+fn corner_values(input: &UvsInput, mesh: &Topology, turned: &[u32]) -> Result<Vec<u32>, Vec<Fault>> {
+    let (values, faces) = (&input.values, &input.faces);
+    let wrong = values.iter().enumerate().filter_map(|(i, p)| Some((i, p.iter().position(|x| !x.is_finite())?)));
+    let mut faults: Vec<Fault> = wrong
+        .take(20)
+        .map(|(i, k)| Fault::new(format!("/values/{i}/{k}"), format!("{} is not a finite number", values[i][k])))
+        .collect();
+    if faces.len() != mesh.n_faces() {
+        let detail = format!("{} faces; give one for each of the {} of the mesh", faces.len(), mesh.n_faces());
+        faults.push(Fault::new("/faces", detail));
+        return Err(faults);
+    }
+    let mut found = Vec::with_capacity(mesh.n_corners());
+    for f in 0..faces.len() {
+        let face = faces.face(f);
+        let size = mesh.face(f).len();
+        if face.len() != size {
+            let detail = format!("{} corners; the face of the mesh has {size}", face.len());
+            faults.push(Fault::new(format!("/faces/{f}"), detail));
+        } else if let Some(j) = face.iter().position(|&value| value as usize >= values.len()) {
+            let detail = format!("there is no value {}; there are {}, counted from 0", face[j], values.len());
+            faults.push(Fault::new(format!("/faces/{f}/{j}"), detail));
+        }
+        if faults.len() >= 20 {
+            return Err(faults);
+        }
+        let start = found.len();
+        found.extend_from_slice(face);
+        if turned.binary_search(&index(f)).is_ok() {
+            found[start..].reverse();
+        }
+    }
+    if faults.is_empty() { Ok(found) } else { Err(faults) }
+}
+
+/// Runs of neighbouring corners around a vertex that share their value.
+struct Fans<'a> {
+    mesh: &'a Topology,
+    /// The number of the value at each corner.
+    values: &'a [u32],
+}
+
+impl Fans<'_> {
+    /// Whether both faces at the edge of a corner have the same values at its ends.
+    fn joined(&self, corner: u32) -> bool {
+        let twin = self.mesh.twin(corner);
+        let value = |corner: u32| self.values[corner as usize];
+        twin != NONE && value(corner) == value(self.mesh.next(twin)) && value(self.mesh.next(corner)) == value(twin)
+    }
+
+    /// The place of each corner, numbered by first appearance, and how many there are.
+    fn places(&self) -> (Vec<u32>, usize) {
+        let mut places = vec![NONE; self.values.len()];
+        let mut n = 0;
+        for corner in 0..index(places.len()) {
+            if places[corner as usize] != NONE {
+                continue;
+            }
+            let mut at = corner;
+            while self.joined(at) {
+                at = self.mesh.next(self.mesh.twin(at));
+                if at == corner {
+                    break;
+                }
+            }
+            loop {
+                places[at as usize] = n;
+                let before = self.mesh.previous(at);
+                if !self.joined(before) {
+                    break;
+                }
+                at = self.mesh.twin(before);
+                if places[at as usize] != NONE {
+                    break;
+                }
+            }
+            n += 1;
+        }
+        (places, n as usize)
+    }
+}
+
+/// The places that an interpolation keeps, and those where one value stands in two fans of a vertex.
+fn corners(
+    topology: &Topology,
+    mesh: &Topology,
+    [vertex_of, value_of]: [&[u32]; 2],
+    interpolation: Interpolation,
+) -> Vec<u32> {
+    let mut at_vertex: Vec<Vec<u32>> = vec![Vec::new(); mesh.n_vertices()];
+    for (place, &vertex) in (0..).zip(vertex_of) {
+        at_vertex[vertex as usize].push(place);
+    }
+    let size = |place: u32| topology.ring(place as usize).count();
+    let on_boundary = |place: u32| topology.boundary_edges(place as usize).is_some();
+    let is_corner = |place: u32| on_boundary(place) && size(place) == 1;
+    let value = |place: u32| value_of[place as usize];
+    let mut kept = Vec::new();
+    for (vertex, places) in at_vertex.iter().enumerate() {
+        let inside = mesh.boundary_edges(vertex).is_none();
+        let all = match (interpolation, places.as_slice()) {
+            (Interpolation::CornersPlus1 | Interpolation::CornersPlus2, [_, _, _, ..]) => true,
+            (Interpolation::CornersPlus2, [one]) => inside && on_boundary(*one),
+            (Interpolation::CornersPlus2, [a, b]) => is_corner(*a) || is_corner(*b),
+            _ => false,
+        };
+        let keeps = |&&place: &&u32| {
+            let again = places.iter().any(|&other| other != place && value(other) == value(place));
+            all || again
+                || match interpolation {
+                    Interpolation::None | Interpolation::All => false,
+                    Interpolation::Boundaries => on_boundary(place),
+                    _ => is_corner(place),
+                }
+        };
+        kept.extend(places.iter().filter(keeps));
+    }
+    kept.sort_unstable();
+    kept
+}
