@@ -107,7 +107,7 @@ pub enum StepError {
     Creases,
     /// Sharpness between smooth and infinitely sharp where it is not known.
     #[error(
-        "{0} of a sharpness between 0 and {INFINITE_SHARPNESS} belong to catmull-clark; here an edge or vertex is smooth \
+        "{0} of a sharpness between 0 and {INFINITE_SHARPNESS} belong to catmull-clark and loop; here an edge or vertex is smooth \
          (0) or infinitely sharp ({INFINITE_SHARPNESS} or more)"
     )]
     SemiSharp(&'static str),

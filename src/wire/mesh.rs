@@ -121,7 +121,7 @@ fn face_sets(requests: Vec<FaceSetRequest>) -> Vec<FaceSet> {
 pub struct CornerRequest {
     /// The vertex.
     pub vertex: u64,
-    /// 0 is smooth, 10 or more infinitely sharp; what lies between belongs to `catmull-clark`.
+    /// 0 is smooth, 10 or more infinitely sharp; what lies between belongs to `catmull-clark` and `loop`.
     #[schema(minimum = 0)]
     pub sharpness: f64,
 }
@@ -133,8 +133,8 @@ pub struct CreaseRequest {
     /// The two ends of the edge, in any order.
     #[schema(schema_with = schema::ends)]
     pub edge: [u64; 2],
-    /// 0 is smooth, 10 or more infinitely sharp; what lies between belongs to `catmull-clark`, which makes it less by 1
-    /// from level to level.
+    /// 0 is smooth, 10 or more infinitely sharp; what lies between belongs to `catmull-clark` and `loop`, which
+    /// make it less from level to level.
     #[schema(minimum = 0)]
     pub sharpness: f64,
 }

@@ -21,8 +21,8 @@ fn job(input: &Value, plan: &Value) -> Value {
 
 #[test]
 fn words_know_infinitely_sharp_edges_alone() {
-    let finite = "of a sharpness between 0 and 10 belong to catmull-clark; here an edge or vertex is smooth (0) or \
-                  infinitely sharp (10 or more)";
+    let finite = "of a sharpness between 0 and 10 belong to catmull-clark and loop; here an edge or vertex is smooth \
+                  (0) or infinitely sharp (10 or more)";
     let edge = |sharpness: f64| json!([{ "edge": [0, 1], "sharpness": sharpness }]);
     let corner = |sharpness: f64| json!([{ "vertex": 0, "sharpness": sharpness }]);
     for word in ["U", "C", "UC", "UCP", "U(UCP)"] {
