@@ -18,7 +18,7 @@ impl ReadMesh {
         let groups = sets(self.groups, faces.len(), "group", &mut notes);
         let materials = sets(self.materials, faces.len(), "material", &mut notes);
         let attachments = AttachmentsInput { channels, groups, materials, uvs };
-        MeshInput { positions, faces, corners, creases, holes, winding, attachments, notes }
+        MeshInput { positions, faces, corners, creases, holes, winding, attachments, notes, ..MeshInput::default() }
     }
 }
 

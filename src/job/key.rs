@@ -9,11 +9,13 @@ use crate::math::parameter::{Value, Values};
 use crate::output::{LIMIT, TANGENTS};
 use crate::scheme::mesh_net::{Rules, TriangleRule};
 use crate::scheme::ops::Role;
+use crate::scheme::plan::{Latitude, Plan};
 use crate::scheme::sharpness::Creasing;
 use crate::scheme::word::Letter;
 use crate::shape::attachments::Attachments;
 use crate::shape::attributes::Attributes;
 use crate::shape::creases::{INFINITE_SHARPNESS, Sharp};
+use crate::shape::directions::Direction;
 use crate::shape::polygon::Polygon;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
@@ -78,7 +80,7 @@ pub fn artifact(job: &Job, output: &Output) -> Key {
     let mut items = vec![
         text("planish artifact"),
         Item::Integer(u64::from(RESULTS_VERSION)),
-        input(&job.input),
+        input(&job.input, &job.plan),
         plan(job, output),
         text(output.format.name()),
         values(&output.options),
@@ -103,12 +105,13 @@ fn text(text: &str) -> Item<'static> {
     Item::Text(text.to_owned().into())
 }
 
-fn input(input: &Input) -> Item<'_> {
+fn input<'a>(input: &'a Input, plan: &Plan) -> Item<'a> {
     match input {
         Input::Polygons(polygons) => {
             Item::List(vec![text("polygons"), Item::List(polygons.iter().map(polygon).collect())])
         }
         Input::Mesh(mesh) => {
+            let lines = mesh.directions.as_ref().filter(|_| plan.latitude.is_some());
             let mut items = vec![
                 text("mesh"),
                 Item::Numbers((&mesh.positions).into()),
@@ -121,6 +124,11 @@ fn input(input: &Input) -> Item<'_> {
             items.extend(sharp("creases", &mesh.creases));
             items.extend(sharp("semi-sharp corners", &mesh.semi_sharp_corners));
             items.extend(attachments(&mesh.attachments));
+            items.extend(lines.map(|lines| {
+                let edges = |direction| Item::Indices(lines.edges(direction).into());
+                Item::List(vec![text("lines"), edges(Direction::Latitude), edges(Direction::Longitude)])
+            }));
+            items.extend(mesh.attributes.as_ref().map(|kept| Item::List(attributes(kept))));
             Item::List(items)
         }
     }
@@ -168,7 +176,7 @@ fn polygon(polygon: &Polygon) -> Item<'_> {
         Item::Integer(polygon.dimension as u64),
         Item::Integer(u64::from(polygon.closed)),
         Item::Integer(u64::from(polygon.rational)),
-        Item::List(attributes(polygon)),
+        Item::List(polygon.attributes.as_ref().map(attributes).unwrap_or_default()),
         Item::Numbers((&polygon.points).into()),
         Item::Indices((&polygon.corners).into()),
     ];
@@ -179,9 +187,8 @@ fn polygon(polygon: &Polygon) -> Item<'_> {
     Item::List(items)
 }
 
-fn attributes(polygon: &Polygon) -> Vec<Item<'_>> {
-    let arrays = polygon.attributes.iter().flat_map(Attributes::arrays);
-    let given = arrays.filter_map(|(name, array)| Some((name, array?)));
+fn attributes(attributes: &Attributes) -> Vec<Item<'_>> {
+    let given = attributes.arrays().into_iter().filter_map(|(name, array)| Some((name, array?)));
     given.map(|(name, array)| Item::List(vec![text(name), Item::Numbers(array.into())])).collect()
 }
 
@@ -243,6 +250,13 @@ fn plan(job: &Job, output: &Output) -> Item<'static> {
         let numbers = vec![perturbation.amplitude, perturbation.decay];
         let seed = Item::Integer(perturbation.seed);
         functions.push(("perturbation", Item::List(vec![Item::Numbers(numbers.into()), seed])));
+    }
+    if let Some(Latitude { rule, kernel_longitude, own_alpha }) = &plan.latitude {
+        let head = [Item::Integer(*rule as u64), Item::Integer(u64::from(*own_alpha))];
+        functions.push((
+            "latitude",
+            Item::List(head.into_iter().chain(kernel_longitude.as_ref().map(expression)).collect()),
+        ));
     }
     functions.extend(rules(job).map(|rule| (rule, text("yes"))));
     let (is_mesh, is_open) = job.input.kind();

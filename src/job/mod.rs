@@ -18,6 +18,7 @@ use crate::refine::curve::Reached;
 use crate::refine::{self, RefineError};
 use crate::scheme::plan::{Plan, PlanInput, Subject};
 use crate::shape::creases::INFINITE_SHARPNESS;
+use crate::shape::directions::Directions;
 use crate::shape::frame::Frame;
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
@@ -76,6 +77,8 @@ impl Input {
             Self::Mesh(_) if is_open && input.boundary == crate::scheme::mesh_net::Boundary::None => {
                 Some("the holes that boundary \"none\" makes")
             }
+            Self::Mesh(mesh) if mesh.directions.is_some() => Some("latitude and longitude tags"),
+            Self::Mesh(mesh) if mesh.attributes.is_some() => Some("parameters of vertices"),
             Self::Mesh(_) => attached,
         };
         let (creased, semi_sharp) = match self {
@@ -93,7 +96,15 @@ impl Input {
                 topology.first_other_than_triangle().map(|f| (f, topology.face(f).len()))
             }
         };
-        Subject { is_mesh, is_open, tags, attached, creased, semi_sharp, other_face }
+        let (lines, carried) = match self {
+            Self::Polygons(_) => (false, None),
+            Self::Mesh(mesh) => {
+                let lines = mesh.directions.as_ref().is_some_and(Directions::any_latitude);
+                let tags = mesh.directions.as_ref().map(|_| "latitude and longitude tags");
+                (lines, tags.or(mesh.attributes.as_ref().map(|_| "parameters of vertices")))
+            }
+        };
+        Subject { is_mesh, is_open, tags, attached, creased, semi_sharp, other_face, lines, carried }
     }
 }
 
@@ -213,7 +224,9 @@ impl Job {
 /// Whether limit positions of a mesh can be had where they are asked for, as far as that can be told before refining.
 fn check_limit(input: &Input, plan: &Plan, output: &Output) -> Result<(), RefineError> {
     match (input, surface::limit(&output.options)) {
-        (Input::Mesh(mesh), [true, _]) => Ok(refine::check_limit(plan, mesh.topology.n_boundary() > 0)?),
+        (Input::Mesh(mesh), [true, _]) => {
+            Ok(refine::check_limit(plan, mesh.topology.n_boundary() > 0, mesh.attributes.is_some())?)
+        }
         _ => Ok(()),
     }
 }

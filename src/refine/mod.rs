@@ -23,10 +23,13 @@ use crate::fault::Fault;
 use crate::math::planar;
 use crate::math::rows::{RowSource, blend};
 use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::ops::LatitudeRule;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::sharpness::Sharpness;
 use crate::scheme::step::{Action, PointMap, StepError, Values};
+use crate::shape::attributes::Attributes;
+use crate::shape::directions::Directions;
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
 use crate::watch::{Stopped, Watch};
@@ -76,7 +79,27 @@ pub fn polygon_net(polygon: &Polygon, plan: &Plan) -> PolygonNet {
 pub fn mesh_net(mesh: &Mesh, plan: &Plan) -> MeshNet {
     let sharpness = Sharpness::of(&mesh.creases, &mesh.semi_sharp_corners);
     let net = MeshNet::new(mesh.topology.clone(), &mesh.corners, &mesh.holes, plan.boundary);
-    net.with_sharpness(sharpness, plan.rules)
+    let (attributes, directions) = carried(mesh, plan);
+    net.with_sharpness(sharpness, plan.rules).carrying(attributes, directions)
+}
+
+/// What the vertices and edges of a mesh carry under a plan: closed latitude lines of n vertices have the alpha
+/// `2 pi / n` where neither the plan nor the vertices give one.
+fn carried(mesh: &Mesh, plan: &Plan) -> (Option<Attributes>, Option<Directions>) {
+    let (Some(latitude), Some(directions)) = (&plan.latitude, &mesh.directions) else {
+        return (mesh.attributes.clone(), None);
+    };
+    let mut attributes = mesh.attributes.clone().unwrap_or_default();
+    if latitude.own_alpha && attributes.alpha.is_none() {
+        let mut alpha = vec![plan.alpha; mesh.topology.n_vertices()];
+        for line in directions.lines(&mesh.topology).iter().filter(|line| line.closed) {
+            #[expect(clippy::cast_precision_loss, reason = "lines have far fewer than 2^52 vertices")]
+            let own = std::f64::consts::TAU / line.vertices.len() as f64;
+            line.vertices.iter().for_each(|&v| alpha[v as usize] = own);
+        }
+        attributes.alpha = Some(alpha);
+    }
+    (Some(attributes), Some(directions.clone()))
 }
 
 /// The tangents of a polygon in the plane: those given, or else those of circles through neighbours.
@@ -160,6 +183,7 @@ fn values<'a>(plan: &'a Plan, step: &'a Scheduled) -> Values<'a> {
         compensation: step.compensation,
         delta: &plan.delta,
         first: step.first,
+        latitude_rule: plan.latitude.as_ref().map_or(LatitudeRule::Isotropic, |latitude| latitude.rule),
         sources: plan.sources(step),
     }
 }
@@ -192,6 +216,9 @@ impl Points {
             }
             Action::PushBack { rows, children } => self.push_back(&**rows, children, watch)?,
             Action::Map(map) => self.map(&**map, watch)?,
+            Action::Sequence(actions) => {
+                return actions.iter().try_for_each(|action| self.act(action, step, watch));
+            }
             Action::Keep => {}
         }
         // a sum of finite numbers that overflows stays infinite or NaN, so a sample of the sums would not do

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::sharpness::{Creasing, Sharpness};
+use crate::shape::directions::Directions;
 use crate::shape::tile::Tile;
 use crate::shape::tiling::{Ancestor, Tiling};
 use crate::shape::topology::{Topology, index};
@@ -22,6 +23,8 @@ pub struct Anchor {
     pub corners: Arc<[u32]>,
     /// Sharpness of its edges and of its other vertices; `None` when all were smooth.
     pub sharpness: Option<Arc<Sharpness>>,
+    /// Directions of its edges along latitude and longitude lines.
+    pub directions: Option<Arc<Directions>>,
     /// Where the net was put into another order since: for each vertex its number at the U.
     pub order: Option<Arc<[u32]>>,
     /// Whether vertices were lost since.

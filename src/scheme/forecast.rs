@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::census::Census;
 use super::mesh_net::MeshNet;
-use super::ops::{Role, seen_valence};
+use super::ops::{LatitudeRule, Role, seen_valence};
 use super::plan::{DEFAULT_MU, Plan, Scheduled};
 use super::polygon_net::{Extent, PolygonNet};
 use super::sharpness::Remaining;
@@ -322,6 +322,7 @@ fn followed(net: &MeshNet, steps: &[Scheduled], cap: u128) -> Result<Forecast, F
                 compensation: 1.0,
                 delta: &one,
                 first: false,
+                latitude_rule: LatitudeRule::Isotropic,
                 sources: None,
             };
             let next = step.letter.operator.on_mesh(&net, &values);

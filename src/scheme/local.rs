@@ -19,8 +19,8 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// The perturbation of element `i`: 0 for vertices, 1 for edges, as `operation`. Uniform in `[-c, c)`.
-    fn at(&self, operation: u64, i: usize) -> f64 {
+    /// The perturbation of element `i`: 0 for vertices, 1 for edges, 2 for faces as `operation`. Uniform in `[-c, c)`.
+    pub(super) fn at(&self, operation: u64, i: usize) -> f64 {
         let mixed = [u64::from(self.upsamplings), operation, i as u64].iter().fold(mix(self.seed), |x, y| mix(x ^ y));
         #[expect(clippy::cast_precision_loss, reason = "53 bits are exact")]
         let unit = (mixed >> 11) as f64 / 9_007_199_254_740_992.0;
@@ -41,6 +41,8 @@ fn mix(x: u64) -> u64 {
 pub struct Sources<'a> {
     /// Kernel of the first average, in alpha.
     pub kernel: &'a Expression,
+    /// Kernel along longitude lines, where it differs.
+    pub kernel_longitude: Option<&'a Expression>,
     /// Compensation, in alpha.
     pub compensation: &'a Expression,
     /// Push-back factor.
@@ -111,7 +113,7 @@ impl Local {
     }
 }
 
-fn finite<E: std::fmt::Display>(name: &str, i: usize, value: Result<f64, E>) -> Result<f64, StepError> {
+pub(super) fn finite<E: std::fmt::Display>(name: &str, i: usize, value: Result<f64, E>) -> Result<f64, StepError> {
     match value {
         Ok(value) if value.is_finite() => Ok(value),
         Ok(value) => Err(StepError::Local(format!("the {name} of point {i} is {value}"))),

@@ -3,7 +3,10 @@
 use std::sync::Arc;
 
 use super::anchor::Anchor;
+use super::local_mesh::{MeshLocal, upsampled};
 use super::sharpness::{Creasing, Sharpness};
+use crate::shape::attributes::Attributes;
+use crate::shape::directions::Directions;
 use crate::shape::order::Order;
 use crate::shape::tile::Tile;
 use crate::shape::tiling::Tiling;
@@ -69,6 +72,12 @@ pub struct MeshNet {
     pub rounds: u32,
     /// What entered the last U.
     pub anchor: Option<Anchor>,
+    /// Parameters that vertices carry.
+    pub attributes: Option<Arc<Attributes>>,
+    /// Values of single vertices at the last U.
+    pub local: Option<Arc<MeshLocal>>,
+    /// Directions of edges along latitude and longitude lines.
+    pub directions: Option<Arc<Directions>>,
 }
 
 impl MeshNet {
@@ -97,7 +106,18 @@ impl MeshNet {
             duals: 0,
             rounds: 0,
             anchor: None,
+            attributes: None,
+            local: None,
+            directions: None,
         }
+    }
+
+    /// The same net with parameters of its vertices and directions of its edges.
+    #[must_use]
+    pub fn carrying(self, attributes: Option<Attributes>, directions: Option<Directions>) -> Self {
+        let tagged = self.tagged.or(attributes.is_some().then_some("parameters of vertices"));
+        let tagged = tagged.or(directions.is_some().then_some("latitude and longitude tags"));
+        Self { attributes: attributes.map(Arc::new), directions: directions.map(Arc::new), tagged, ..self }
     }
 
     /// The same net with sharp edges and vertices, and the rules of a scheme.
@@ -124,6 +144,9 @@ impl MeshNet {
             duals: self.duals + 1,
             rounds: 0,
             anchor,
+            attributes: None,
+            local: None,
+            directions: None,
         }
     }
 
@@ -135,13 +158,19 @@ impl MeshNet {
         Self { base, pieces, parent: None, corners, rounds, anchor: None, ..self.clone() }
     }
 
-    /// The net after an upsampling of the topology in `anchor`.
-    pub(super) fn upsampled(&self, anchor: Anchor) -> Self {
+    /// The net after an upsampling of the topology in `anchor`, with the values of its vertices there. What vertices and
+    /// edges carry needs an upsampling that halves edges and makes quads.
+    pub(super) fn upsampled(&self, anchor: Anchor, local: Option<Arc<MeshLocal>>) -> Self {
+        let entered = anchor.topology.clone();
+        let kept = |attributes: &Arc<Attributes>| Arc::new(attributes.changed(|array| upsampled(array, &entered)));
+        let attributes = self.attributes.as_ref().map(kept);
+        let directions = self.directions.as_ref().map(|directions| Arc::new(directions.split(&entered)));
         let halved = anchor.quads.is_some().then_some(2);
         let pieces = self.pieces.iter().copied().chain(halved).chain([anchor.pieces]).collect();
         let (tile, parent) = (anchor.tile, Some(anchor.parent().clone()));
         let sharpness = anchor.sharpness_after(self.rules.creasing);
-        Self { tile, pieces, parent, sharpness, duals: 0, anchor: Some(anchor), ..self.clone() }
+        let anchor = Some(anchor);
+        Self { tile, pieces, parent, sharpness, duals: 0, anchor, attributes, local, directions, ..self.clone() }
     }
 
     /// The last split, if it was not one into quads with two pieces an edge.

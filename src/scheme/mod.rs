@@ -6,6 +6,7 @@ pub mod census;
 pub mod creases;
 pub mod forecast;
 pub mod local;
+pub mod local_mesh;
 pub mod mesh_net;
 pub mod ops;
 pub mod plan;

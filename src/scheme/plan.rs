@@ -6,6 +6,7 @@ mod schedule;
 
 use super::local::{Noise, Sources};
 use super::mesh_net::{Boundary, Rules};
+use super::ops::LatitudeRule;
 use super::ops::Operator;
 use super::polygon_net::Ends;
 use super::word::{Letter, Word};
@@ -47,6 +48,10 @@ pub struct Subject {
     pub attached: Option<&'static str>,
     /// Whether edges are sharp.
     pub creased: bool,
+    /// Whether edges run along latitude or longitude lines.
+    pub lines: bool,
+    /// What single vertices of a mesh carry that only words over U, C and P look at, if anything.
+    pub carried: Option<&'static str>,
     /// What has a sharpness between smooth and infinitely sharp, if anything.
     pub semi_sharp: Option<&'static str>,
     /// Number and size of the first face that is no triangle, if there is one.
@@ -78,6 +83,19 @@ pub struct Plan {
     pub ends: Ends,
     /// Decaying perturbation, if any.
     pub perturbation: Option<Perturbation>,
+    /// What latitude and longitude tags do; `None` where they are not looked at.
+    pub latitude: Option<Latitude>,
+}
+
+/// What latitude and longitude tags do.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Latitude {
+    /// What odd points of latitude lines follow.
+    pub rule: LatitudeRule,
+    /// Kernel along longitude lines, where it differs.
+    pub kernel_longitude: Option<Expression>,
+    /// Whether each closed line of n vertices has the alpha `2 pi / n`, as the plan does not give one.
+    pub own_alpha: bool,
 }
 
 /// A random perturbation `c gamma^h xi` of kernel and compensation at the h-th upsampling, `xi` in `[-1, 1)`.
@@ -130,6 +148,7 @@ impl Plan {
             rules: Rules::default(),
             ends,
             perturbation: None,
+            latitude: None,
         }
     }
 
@@ -156,6 +175,7 @@ impl Plan {
         });
         Some(Sources {
             kernel,
+            kernel_longitude: self.latitude.as_ref().and_then(|latitude| latitude.kernel_longitude.as_ref()),
             compensation: &self.compensation,
             delta: &self.delta,
             alpha: step.alpha,

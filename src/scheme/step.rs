@@ -4,6 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::local::Sources;
+use super::ops::LatitudeRule;
 use super::word::Letter;
 use crate::math::expression::{Expression, ExpressionError};
 use crate::math::planar::Vector;
@@ -28,6 +29,8 @@ pub struct Values<'a> {
     pub delta: &'a Expression,
     /// Whether it is the first average since the last upsampling.
     pub first: bool,
+    /// What odd points of latitude lines follow.
+    pub latitude_rule: LatitudeRule,
     /// From what upsamplings compute values of single points; `None` when all have the plan's.
     pub sources: Option<Sources<'a>>,
 }
@@ -57,6 +60,8 @@ pub enum Action {
     },
     /// Points and tangents are turned into the next ones, by a step that is not linear.
     Map(Box<dyn PointMap>),
+    /// One after another.
+    Sequence(Vec<Action>),
     /// The points stay as they are.
     Keep,
 }
@@ -96,6 +101,9 @@ pub enum StepError {
     /// Push-back after points were lost.
     #[error("P needs a child of every point that entered the last U; here some were lost to {0}")]
     LostPoints(&'static str),
+    /// What a scheme has no use for.
+    #[error("this scheme knows no {0}; leave them out or use a word over U, C and P")]
+    Useless(&'static str),
     /// Too few points would remain.
     #[error("natural ends leave {0} points; at least 2 must remain: give more points or use clamped ends")]
     TooFewPoints(usize),

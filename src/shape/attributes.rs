@@ -26,7 +26,9 @@ impl Attributes {
         ]
     }
 
-    fn map(&self, change: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+    /// The same parameters with other numbers: each array changed alike.
+    #[must_use]
+    pub fn changed(&self, change: impl Fn(&[f64]) -> Vec<f64>) -> Self {
         let change = |array: &Option<Vec<f64>>| array.as_deref().map(&change);
         Self {
             alpha: change(&self.alpha),
@@ -39,7 +41,7 @@ impl Attributes {
     /// The numbers of the points after an upsampling: linear interpolation.
     #[must_use]
     pub fn upsampled(&self, arity: u32, closed: bool) -> Self {
-        self.map(|array| {
+        self.changed(|array| {
             let edges = array.len() - usize::from(!closed);
             let points = (0..edges).flat_map(|e| (0..arity).map(move |j| between(array, e, j, arity)));
             let last = array.last().copied().filter(|_| !closed);
@@ -50,7 +52,7 @@ impl Attributes {
     /// Those of the points `start .. start + n`.
     #[must_use]
     pub fn part(&self, start: usize, n: usize) -> Self {
-        self.map(|array| array.iter().skip(start).take(n).copied().collect())
+        self.changed(|array| array.iter().skip(start).take(n).copied().collect())
     }
 }
 

@@ -3,8 +3,10 @@
 use std::sync::Arc;
 
 use super::attachments::{Attachments, AttachmentsInput};
+use super::attributes::Attributes;
 use super::check::{FaceList, Winding};
 use super::creases::{INFINITE_SHARPNESS, Pairs, Sharp, check_corners};
+use super::directions::Directions;
 use super::topology::Topology;
 use crate::fault::{Fault, under};
 
@@ -23,6 +25,10 @@ pub struct Mesh {
     pub creases: Sharp,
     /// Faces that are refined but not shown, ascending.
     pub holes: Vec<u32>,
+    /// Parameters that its vertices carry.
+    pub attributes: Option<Attributes>,
+    /// Directions of its edges along latitude and longitude lines.
+    pub directions: Option<Directions>,
     /// What it carries besides its shape.
     pub attachments: Arc<Attachments>,
     /// What was changed or is worth knowing, in sentences.
@@ -42,6 +48,12 @@ pub struct MeshInput {
     pub creases: Vec<([u64; 2], f64)>,
     /// Faces that are refined but not shown.
     pub holes: Vec<u64>,
+    /// Parameters that vertices carry.
+    pub attributes: Option<Attributes>,
+    /// The ends of edges along latitude lines.
+    pub latitude: Vec<[u64; 2]>,
+    /// The ends of edges along longitude lines.
+    pub longitude: Vec<[u64; 2]>,
     /// What to do with inconsistent winding.
     pub winding: Winding,
     /// What it carries besides its shape.
@@ -76,9 +88,19 @@ impl Mesh {
             faults.extend(found);
             Sharp::new()
         });
+        let (topology, split_from) = (&checked.topology, &checked.split_from);
+        let directions = Directions::new(topology, &input.latitude, &input.longitude, n, split_from);
+        faults.extend(directions.as_ref().err().into_iter().flatten().cloned());
+        let attributes = input.attributes.map(|attributes| check_attributes(attributes, n, split_from)).transpose();
+        faults.extend(attributes.as_ref().err().into_iter().flatten().cloned());
         let attachments = Attachments::new(input.attachments, n, &checked);
         faults.extend(attachments.as_ref().err().into_iter().flatten().cloned());
-        let (true, Ok(attachments)) = (faults.is_empty(), attachments) else { return Err(faults) };
+        let (Ok(attachments), Ok(directions), Ok(attributes)) = (attachments, directions, attributes) else {
+            return Err(faults);
+        };
+        if !faults.is_empty() {
+            return Err(faults);
+        }
         let mut positions: Vec<f64> = input.positions.into_iter().flatten().map(|x| x + 0.0).collect();
         let mut warnings = input.notes;
         for (added, &from) in (n..).zip(&checked.split_from) {
@@ -91,7 +113,18 @@ impl Mesh {
         let corners = fixed.into_iter().map(|(v, _)| v).collect();
         let topology = Arc::new(checked.topology);
         let attachments = Arc::new(attachments);
-        Ok(Self { positions, topology, corners, semi_sharp_corners, creases, holes, attachments, warnings })
+        Ok(Self {
+            positions,
+            topology,
+            corners,
+            semi_sharp_corners,
+            creases,
+            holes,
+            attributes,
+            directions,
+            attachments,
+            warnings,
+        })
     }
 }
 
@@ -105,6 +138,15 @@ pub(super) fn listed(numbers: &[u32]) -> String {
     let list: Vec<String> = numbers.iter().take(20).map(u32::to_string).collect();
     let more = if numbers.len() > list.len() { ", ..." } else { "" };
     format!("{}{more}", list.join(", "))
+}
+
+/// One number a vertex; those of vertices that were split go on to all parts.
+fn check_attributes(attributes: Attributes, n: usize, split_from: &[u32]) -> Result<Attributes, Vec<Fault>> {
+    attributes.check(n).map_err(|faults| under("/parameters", faults))?;
+    Ok(attributes.changed(|array| {
+        let parts = split_from.iter().map(|&v| array[v as usize]);
+        array.iter().copied().chain(parts).collect()
+    }))
 }
 
 fn check_positions(positions: &[[f64; 3]]) -> Vec<Fault> {

@@ -5,6 +5,7 @@ pub mod attributes;
 pub mod check;
 mod corner_cut;
 pub mod creases;
+pub mod directions;
 pub mod frame;
 pub mod grid;
 pub mod labels;

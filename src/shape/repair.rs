@@ -45,6 +45,15 @@ impl MeshInput {
         self.corners.iter_mut().for_each(|(vertex, _)| *vertex = image(*vertex));
         self.creases.iter_mut().for_each(|(edge, _)| *edge = edge.map(image));
         self.creases.retain(|([a, b], _)| a != b);
+        for edges in [&mut self.latitude, &mut self.longitude] {
+            edges.iter_mut().for_each(|edge| *edge = edge.map(image));
+            edges.retain(|[a, b]| a != b);
+        }
+        let kept = |array: &[f64]| match array.len() == n {
+            true => welded.kept.iter().map(|&v| array[v as usize]).collect(),
+            false => array.to_vec(),
+        };
+        self.attributes = self.attributes.map(|attributes| attributes.changed(kept));
         for channel in &mut self.attachments.channels {
             let row = |v: u32| v as usize * channel.width..(v as usize + 1) * channel.width;
             if channel.values.len() == n * channel.width {

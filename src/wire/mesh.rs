@@ -4,6 +4,7 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::channels::ChannelsRequest;
+use super::polygon::PointParameters;
 use super::{object, schema};
 use crate::fault::Fault;
 use crate::shape::attachments::AttachmentsInput;
@@ -31,6 +32,16 @@ pub struct MeshRequest {
     /// Faces that are refined but not shown.
     #[serde(default)]
     pub holes: Vec<u64>,
+    /// Parameters that vertices carry: each a list of one number a vertex.
+    pub parameters: Option<PointParameters>,
+    /// Edges along latitude lines, as pairs of vertices.
+    #[serde(default)]
+    #[schema(schema_with = schema::edges)]
+    pub latitude: Vec<[u64; 2]>,
+    /// Edges along longitude lines, as pairs of vertices.
+    #[serde(default)]
+    #[schema(schema_with = schema::edges)]
+    pub longitude: Vec<[u64; 2]>,
     /// Numbers that vertices carry, by name: `n` numbers, or `n` lists of 1 to 4 numbers; refined like positions.
     /// `color` (red, green, blue and perhaps alpha, sRGB from 0 to 1) is the colour of the vertices.
     #[serde(default)]
@@ -169,6 +180,20 @@ impl MeshRequest {
             uvs: self.uvs.map(UvsRequest::resolve),
         };
         let (positions, holes) = (self.positions, self.holes);
-        Ok(MeshInput { positions, faces, corners, creases, holes, winding, attachments, notes: Vec::new() })
+        let attributes = self.parameters.map(PointParameters::attributes);
+        let (latitude, longitude) = (self.latitude, self.longitude);
+        Ok(MeshInput {
+            positions,
+            faces,
+            corners,
+            creases,
+            holes,
+            attributes,
+            latitude,
+            longitude,
+            winding,
+            attachments,
+            notes: Vec::new(),
+        })
     }
 }

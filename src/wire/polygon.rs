@@ -68,6 +68,14 @@ pub(super) fn polygons(requests: Vec<PolygonRequest>) -> Result<Vec<Polygon>, Ve
     if faults.is_empty() { Ok(found) } else { Err(faults) }
 }
 
+impl PointParameters {
+    /// The same as what points and vertices carry.
+    pub(super) fn attributes(self) -> Attributes {
+        let Self { alpha, kernel, compensation, delta } = self;
+        Attributes { alpha, kernel, compensation, delta }
+    }
+}
+
 impl PolygonRequest {
     pub(super) fn resolve(self) -> Result<Polygon, Vec<Fault>> {
         let polygon = Polygon::new(&self.points, self.closed, &self.corners)?;
@@ -75,9 +83,7 @@ impl PolygonRequest {
         let polygon = polygon.steered(self.tangents.as_deref(), &self.pinned)?;
         match self.parameters {
             None => Ok(polygon),
-            Some(PointParameters { alpha, kernel, compensation, delta }) => {
-                polygon.carrying(Attributes { alpha, kernel, compensation, delta })
-            }
+            Some(parameters) => polygon.carrying(parameters.attributes()),
         }
     }
 }

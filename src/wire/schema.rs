@@ -72,6 +72,11 @@ pub(super) fn channels() -> RefOr<Schema> {
     of(Type::Object).additional_properties(Some(properties)).description(Some(doc)).into()
 }
 
+/// Edges as pairs of vertices.
+pub(super) fn edges() -> RefOr<Schema> {
+    lists(index(), 2, Some(2), "Edges as pairs of vertices, in any order.")
+}
+
 /// Pairs of vertices.
 pub(super) fn pairs() -> RefOr<Schema> {
     lists(index(), 2, Some(2), "Pairs of vertices at the same place.")

@@ -9,6 +9,7 @@ mod doo_sabin;
 mod incenter;
 mod interpolating;
 mod invariance;
+mod latitude;
 mod limits;
 mod masks;
 mod meshes;

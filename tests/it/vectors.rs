@@ -31,7 +31,8 @@ const CURVES: &[(&str, usize)] = &[
     ("curve_incenter_mu*", 3),
 ];
 const CIRCLES: &[(&str, usize)] = &[("circle_theorem1", 1), ("circle_cbspline_word", 1), ("circle_dary", 1)];
-const SURFACES: &[(&str, usize)] = &[("surf_pushback_*", 13), ("surf_table1_*", 4), ("surf_cc_identity_*", 2)];
+const SURFACES: &[(&str, usize)] =
+    &[("surf_pushback_*", 13), ("surf_table1_*", 4), ("surf_cc_identity_*", 2), ("surf_latlong_*", 9)];
 const OPENSUBDIV: &[(&str, usize)] = &[
     ("osd_cc_corner_vertex", 1),
     ("osd_cc_cube*", 6),
@@ -63,7 +64,7 @@ fn points_on_a_circle_stay_on_it() {
 
 #[test]
 fn surfaces_agree_with_the_vectors() {
-    assert_eq!(reproduced(SURFACES, surface), 42, "levels compared");
+    assert_eq!(reproduced(SURFACES, surface), 60, "levels compared");
 }
 
 #[test]
@@ -298,7 +299,12 @@ fn surface(vector: &Value) -> usize {
     let (params, input) = (&vector["params"], &vector["input"]);
     let tagged = vector["corners"].as_array().into_iter().flatten();
     let corners: Vec<_> = tagged.map(|v| json!({ "vertex": v, "sharpness": 10 })).collect();
-    let mesh = json!({ "positions": input["points"], "faces": input["faces"], "corners": corners });
+    let mut mesh = json!({ "positions": input["points"], "faces": input["faces"], "corners": corners });
+    let along = |direction: &str| -> Vec<Value> {
+        let tags = input["edge_tags"].as_array().into_iter().flatten().filter(|tag| tag[2] == direction);
+        tags.map(|tag| json!([tag[0], tag[1]])).collect()
+    };
+    (mesh["latitude"], mesh["longitude"]) = (json!(along("lat")), json!(along("lon")));
     let mut push_back = push_back(&if params["f"].is_number() {
         let constant = |x: &Value| json!({ "type": "const", "value": x });
         json!({ "f": constant(&params["f"]), "omega": constant(&params["omega"]), "delta": params["delta"], "k": params["k"] })
@@ -306,6 +312,10 @@ fn surface(vector: &Value) -> usize {
         params.clone()
     });
     push_back["boundary"] = json!("edge-only");
+    let rule = [("lat_diff", "difference"), ("lat_pos", "position"), ("iso", "isotropic")];
+    if let Some((_, rule)) = rule.into_iter().find(|(mode, _)| params["mode"] == *mode) {
+        push_back["parameters"]["latitude_rule"] = json!(rule);
+    }
     let catmull_clark = json!({ "preset": "catmull-clark", "boundary": "edge-only" });
     let mut compared = 0;
     for level in vector["levels"].as_array().expect("levels are a list") {

@@ -72,8 +72,11 @@ impl Record {
     /// # Errors
     /// [`Unlimited::NotLinear`].
     pub(super) fn add(&mut self, action: &Action) -> Result<(), Unlimited> {
+        if let Action::Sequence(actions) = action {
+            return actions.iter().try_for_each(|action| self.add(action));
+        }
         self.tables.push(match action {
-            Action::Map(_) => return Err(Unlimited::NotLinear),
+            Action::Sequence(_) | Action::Map(_) => return Err(Unlimited::NotLinear),
             Action::Blend(rows) => Table::Blend(collect(&**rows)),
             Action::BlendFromAnchor(rows) => Table::FromAnchor(collect(&**rows)),
             Action::PushBack { rows, children } => Table::PushBack(collect(&**rows), children.clone()),

@@ -93,7 +93,10 @@ pub enum Unlimited {
     #[error("limits are known for linear schemes only")]
     NotLinear,
     /// Numbers that differ from vertex to vertex.
-    #[error("limits are known where the numbers of a plan depend on the level only; leave the perturbation out")]
+    #[error(
+        "limits are known where the numbers of a plan depend on the level only; leave perturbation, parameters of vertices \
+             and latitude tags out"
+    )]
     Perturbed,
     /// More rings than are followed.
     #[error("the scheme reaches farther than {} rings of faces, beyond which no limit is computed", probe::MAX_RINGS)]
@@ -134,13 +137,13 @@ impl From<RefineError> for Unlimited {
 ///
 /// # Errors
 /// [`Unlimited`].
-pub fn check(plan: &Plan, is_open: bool) -> Result<(), Unlimited> {
+pub fn check(plan: &Plan, is_open: bool, own: bool) -> Result<(), Unlimited> {
     let heirs = |letter: &Letter| letter.operator.heirs();
     let cycle = &plan.word.cycle;
     let first_finer = cycle.iter().position(|letter| heirs(letter).refine());
     let first_dual = cycle.iter().position(|letter| matches!(heirs(letter), Heirs::Dual | Heirs::Faces));
     match (first_finer, first_dual) {
-        _ if plan.perturbation.is_some() => Err(Unlimited::Perturbed),
+        _ if own || plan.perturbation.is_some() || plan.latitude.is_some() => Err(Unlimited::Perturbed),
         (None, _) => Err(Unlimited::NoUpsampling),
         (Some(_), Some(_)) if is_open => Err(Unlimited::LostBoundary),
         (Some(finer), Some(dual)) if dual < finer => Err(Unlimited::DualFirst),
@@ -157,7 +160,7 @@ pub(super) fn limits(
     asked: Asked,
     watch: &Watch,
 ) -> Result<Limits, Unlimited> {
-    check(plan, net.base.n_boundary() > 0)?;
+    check(plan, net.base.n_boundary() > 0, net.attributes.is_some())?;
     // what comes before the first upsampling moves points only, so that the limit of each stays the same
     let before = ahead.iter().take_while(|step| !step.letter.operator.heirs().refine()).count();
     let (net, points) = act_on(net.clone(), points.to_vec(), plan, &ahead[..before], watch)?;

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::local_average;
 use super::ring_average::{self, Around};
 use super::upsample::ratio;
 use super::{Follows, Operator, Role};
@@ -80,7 +81,10 @@ impl Operator for Average {
             _ if values.letter.tile == Tile::Triangle => {
                 ring_average::rows(net, Around::Neighbours { mu: values.mu }, values.kernel)
             }
-            Some(parent) => split_rows(net.clone(), parent.clone(), values.kernel),
+            Some(parent) => match net.local.as_ref().filter(|_| values.first) {
+                Some(local) => local_average::rows(net, parent, local),
+                None => split_rows(net.clone(), parent.clone(), values.kernel),
+            },
             None if net.parent.is_some() => ring_average::rows(net, Around::Faces, values.kernel),
             None => plain_rows(net.clone()),
         };

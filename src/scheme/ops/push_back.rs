@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::latitude::{LatitudeRule, Lines};
 use super::upsample::ratio;
 use super::{Follows, Operator, Role};
 use crate::math::expression::Expression;
@@ -134,10 +135,23 @@ impl Operator for PushBack {
         let anchor = net.anchor.clone().ok_or(StepError::NoAnchor)?;
         legal(net.duals, anchor.lost, "a boundary or a valence below 3")?;
         let deltas = deltas(net, &anchor, values.delta)?;
-        let omega = values.compensation;
         let children = children(&anchor);
+        if let Some(lines) = net.local.as_ref().and_then(|local| Lines::of(&anchor, local)).map(Arc::new) {
+            let rows = Box::new(lines.displacements(deltas.into()));
+            let push = Action::PushBack { rows, children };
+            let by_positions = values.latitude_rule == LatitudeRule::Position;
+            let action = if by_positions { Action::Sequence(vec![lines.positions(), push]) } else { push };
+            return Ok(Step { net: net.clone(), action });
+        }
+        let (omega, local, n_v) = (values.compensation, net.local.clone(), anchor.topology.n_vertices());
+        // of the points of edges and faces, where they have their own
+        let omega = move |place: usize| match &local {
+            Some(local) if place >= n_v => local.compensation[place - n_v],
+            _ => omega,
+        };
         let rows = RowsBy::new(net.n_vertices(), anchor.topology.n_vertices(), move |row, out: &mut Rows| {
             let place = anchor.order.as_ref().map_or(row, |order| order[row] as usize);
+            let omega = omega(place);
             let scales = [1.0, omega, omega * omega];
             anchor.shares(place, scales, |v, share| out.add(v, share * deltas[v as usize]));
         });
@@ -186,6 +200,7 @@ fn deltas(net: &MeshNet, anchor: &Anchor, delta: &Expression) -> Result<Vec<f64>
     let creases = Creases::of_parent(net);
     let mut known: BTreeMap<usize, f64> = BTreeMap::new();
     let mut deltas = Vec::with_capacity(anchor.topology.n_vertices());
+    let own = net.local.as_ref().and_then(|local| local.delta.as_ref());
     for v in 0..anchor.topology.n_vertices() {
         let valence = match creases.as_ref().and_then(|creases| creases.vertex(v)) {
             Some(_) => anchor.tile.regular_valence(),
@@ -199,7 +214,7 @@ fn deltas(net: &MeshNet, anchor: &Anchor, delta: &Expression) -> Result<Vec<f64>
             known.insert(valence, value);
             value
         };
-        deltas.push(value);
+        deltas.push(own.map_or(value, |own| own[v]));
     }
     for &corner in anchor.corners.iter() {
         deltas[corner as usize] = 0.0;

@@ -6,6 +6,7 @@ use super::{Follows, Operator, Role};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
 use crate::scheme::local::Local;
+use crate::scheme::local_mesh::MeshLocal;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::polygon_net::{self, From, PolygonNet};
 use crate::scheme::step::{Action, Step, StepError, Values};
@@ -100,10 +101,12 @@ impl Operator for Upsample {
             pieces,
             corners: net.corners.clone(),
             sharpness: net.sharpness.clone(),
+            directions: net.directions.clone(),
             order: None,
             lost: false,
         };
-        let next = net.upsampled(anchor.clone());
+        let local = values.sources.as_ref().map_or(Ok(None), |sources| MeshLocal::of(net, &entered, sources))?;
+        let next = net.upsampled(anchor.clone(), local);
         let rows = RowsBy::new(next.n_vertices(), entered.n_vertices(), move |row, out: &mut Rows| {
             anchor.shares(row, [1.0; 3], |v, weight| out.add(v, weight));
         });

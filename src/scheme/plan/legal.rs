@@ -26,6 +26,13 @@ impl Plan {
                 return Err(StepError::NotTriangles { face, size });
             }
             let dual = letter.operator.shifts(&letter);
+            if let Some(carried) = subject.carried {
+                let halves = letter.operator.letter() == Some('U') && letter.arity == 2;
+                let looks = matches!(role, Role::Average | Role::PushBack) || halves;
+                if !looks || letter.tile == Tile::Triangle {
+                    return Err(StepError::Useless(carried));
+                }
+            }
             if let Some(tags) = subject.attached.filter(|_| letter.operator.rebuilds()) {
                 return Err(StepError::OwnTags(letter.operator.name(), tags));
             }

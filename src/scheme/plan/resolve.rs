@@ -1,11 +1,12 @@
 //! From what a client wrote to a plan.
 
-use super::{DEFAULT_MU, Perturbation, Plan, PlanInput, Subject};
+use super::{DEFAULT_MU, Latitude, Perturbation, Plan, PlanInput, Subject};
 use crate::fault::{Fault, under};
 use crate::math::expression::Expression;
 use crate::math::parameter::{Literal, Values, shortened};
 use crate::scheme::anchor::ratio;
 use crate::scheme::mesh_net::Rules;
+use crate::scheme::ops::LatitudeRule;
 use crate::scheme::presets::{self, Preset, Refines, Spelling, WORD_PARAMETERS};
 use crate::scheme::step::StepError;
 use crate::scheme::word::{Letter, Word};
@@ -32,6 +33,7 @@ impl Plan {
                 return Err(vec![Fault::new("/word", "a plan is a \"preset\" or a \"word\"; leave one of them out")]);
             }
         };
+        let (spelling, latitude) = with_lines(spelling, input, subject);
         let mut word = Word { prefix, cycle: spelling.cycle };
         if !subject.is_mesh && spelling.kernel.len() == 1 {
             pair_duals(&mut word.prefix);
@@ -55,9 +57,10 @@ impl Plan {
             rules,
             ends: input.ends,
             perturbation,
+            latitude,
         };
-        if subject.is_mesh && plan.perturbation.is_some() {
-            let detail = "perturbation acts on polygons; leave it out";
+        if subject.is_mesh && plan.perturbation.is_some() && !plan.halves_only() {
+            let detail = "on meshes, perturbation acts in words over U, C and P with split quad; leave it out";
             return Err(vec![Fault::new("/parameters/perturbation", detail)]);
         }
         plan.check_legal(subject).map_err(|error| {
@@ -68,6 +71,12 @@ impl Plan {
         Ok(plan)
     }
 
+    /// Whether every upsampling halves edges and makes quads.
+    fn halves_only(&self) -> bool {
+        let mut letters = self.word.prefix.iter().chain(&self.word.cycle);
+        letters.all(|letter| letter.tile == Tile::Quad && letter.arity == 2)
+    }
+
     fn check_delta(&self, subject: Subject) -> Result<(), Vec<Fault>> {
         if subject.is_mesh || self.delta.is_constant() {
             let value = self.delta.value(ratio(self.tile().regular_valence(), 1));
@@ -75,6 +84,28 @@ impl Plan {
         }
         Err(vec![Fault::new("/parameters/delta", "valence is a property of mesh vertices; give polygons a number")])
     }
+}
+
+/// What latitude and longitude tags change in a scheme: kernel and compensation that keep circles are its defaults.
+fn with_lines(spelling: Spelling, input: &PlanInput, subject: Subject) -> (Spelling, Option<Latitude>) {
+    if !subject.lines || spelling.latitude_rule == LatitudeRule::Isotropic {
+        return (spelling, None);
+    }
+    let given = |name: &str| input.parameters.iter().any(|(given, _)| given == name);
+    let constant = |text| Expression::parse(text, "alpha").expect("a constant text is an expression");
+    let latitude = Latitude {
+        rule: spelling.latitude_rule,
+        kernel_longitude: spelling.kernel_longitude.clone(),
+        own_alpha: !given("alpha"),
+    };
+    let mut spelling = spelling;
+    if !given("kernel") {
+        spelling.kernel = vec![constant("cos(alpha/2)")];
+    }
+    if !given("compensation") {
+        spelling.compensation = constant("1/cos(alpha/2)");
+    }
+    (spelling, Some(latitude))
 }
 
 fn preset(name: &str, parameters: &[(String, Literal)], subject: Subject) -> Result<Spelling, Vec<Fault>> {
@@ -110,6 +141,8 @@ fn word_functions(parameters: &[(String, Literal)], _: Subject) -> Result<Spelli
         compensation: values.expression("compensation").cloned().unwrap_or_else(|| one.clone()),
         delta: values.expression("delta").cloned().unwrap_or(one),
         perturbation: presets::perturbation(&values),
+        kernel_longitude: values.expression("kernel_longitude").cloned(),
+        latitude_rule: presets::latitude_rule(&values),
         rules: Rules::default(),
     })
 }

@@ -18,7 +18,7 @@ use crate::math::expression::Expression;
 use crate::math::mask::Mask;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::scheme::mesh_net::Rules;
-use crate::scheme::ops::{self, Masked};
+use crate::scheme::ops::{self, LatitudeRule, Masked};
 use crate::scheme::plan::DEFAULT_MU;
 use crate::scheme::word::Letter;
 use crate::shape::tile::Tile;
@@ -112,6 +112,10 @@ pub struct Spelling {
     pub delta: Expression,
     /// Amplitude and decay of the perturbation, if any.
     pub perturbation: Option<[f64; 2]>,
+    /// Kernel along longitude lines, where it differs.
+    pub kernel_longitude: Option<Expression>,
+    /// What latitude tags do.
+    pub latitude_rule: LatitudeRule,
     /// Rules of the scheme for meshes.
     pub rules: Rules,
 }
@@ -130,6 +134,8 @@ impl Spelling {
             compensation: one.clone(),
             delta: one,
             perturbation: None,
+            kernel_longitude: None,
+            latitude_rule: LatitudeRule::default(),
             rules: Rules::default(),
         }
     }
@@ -249,7 +255,37 @@ pub(super) fn perturbation(values: &Values) -> Option<[f64; 2]> {
 
 /// Parameters of a plan given as a word.
 pub const WORD_PARAMETERS: &[Parameter] =
-    &[ALPHA, KERNEL, COMPENSATION, COMPENSATION_ALPHA, DELTA, PERTURBATION, SPLIT, MU];
+    &[ALPHA, KERNEL, KERNEL_LONGITUDE, COMPENSATION, COMPENSATION_ALPHA, DELTA, LATITUDE_RULE, PERTURBATION, SPLIT, MU];
+
+/// The kernel along longitude lines.
+pub const KERNEL_LONGITUDE: Parameter = Parameter {
+    name: "kernel_longitude",
+    kind: Kind::Expression { variable: "alpha" },
+    unit: "",
+    default: Default::Absent,
+    doc: "Weight of vertices in the first average after a U along longitude edges; the kernel when left out. Meshes with \
+          latitude tags only.",
+};
+
+/// What latitude tags do.
+pub const LATITUDE_RULE: Parameter = Parameter {
+    name: "latitude_rule",
+    kind: Kind::Choice(&["difference", "position", "isotropic"]),
+    unit: "",
+    default: Default::Text("difference"),
+    doc: "What P does along latitude lines: odd points follow the displacements of even ones, or their positions, or the \
+          tags are not looked at. With tags, kernel and compensation default to cos(alpha/2) and 1/cos(alpha/2), and \
+          alpha to 2 pi / n on closed lines of n vertices.",
+};
+
+/// What latitude tags do, as an operator needs it.
+pub(super) fn latitude_rule(values: &Values) -> LatitudeRule {
+    match values.choice("latitude_rule") {
+        Some("position") => LatitudeRule::Position,
+        Some("isotropic") => LatitudeRule::Isotropic,
+        _ => LatitudeRule::Difference,
+    }
+}
 
 fn expression(values: &Values, name: &str) -> Expression {
     values.expression(name).cloned().unwrap_or_else(|| Expression::constant(1.0))

@@ -1,8 +1,8 @@
 //! Semi-stationary push-back subdivision.
 
 use super::{
-    ALPHA, COMPENSATION, COMPENSATION_ALPHA, DELTA, KERNEL, MU, PERTURBATION, Preset, Refines, SPLIT, Spelling,
-    expression, letters, perturbation, tile,
+    ALPHA, COMPENSATION, COMPENSATION_ALPHA, DELTA, KERNEL, KERNEL_LONGITUDE, LATITUDE_RULE, MU, PERTURBATION, Preset,
+    Refines, SPLIT, Spelling, expression, latitude_rule, letters, perturbation, tile,
 };
 use crate::math::parameter::{Default, Kind, Parameter};
 use crate::scheme::plan::DEFAULT_MU;
@@ -16,9 +16,11 @@ pub(super) const PUSH_BACK: Preset = Preset {
     parameters: &[
         ALPHA,
         KERNEL,
+        KERNEL_LONGITUDE,
         COMPENSATION,
         COMPENSATION_ALPHA,
         DELTA,
+        LATITUDE_RULE,
         PERTURBATION,
         SPLIT,
         MU,
@@ -42,6 +44,8 @@ pub(super) const PUSH_BACK: Preset = Preset {
             compensation: expression(values, "compensation"),
             delta: expression(values, "delta"),
             perturbation: perturbation(values),
+            kernel_longitude: values.expression("kernel_longitude").cloned(),
+            latitude_rule: latitude_rule(values),
             ..Spelling::of(letters(&format!("U{}P", "C".repeat(k))))
         })
     },

@@ -1,0 +1,94 @@
+//! Values of single vertices of a mesh at an upsampling: parameters that they carry, perturbations, latitude lines.
+
+use std::sync::Arc;
+
+use super::local::{Sources, finite};
+use super::mesh_net::MeshNet;
+use super::step::StepError;
+use crate::shape::topology::Topology;
+
+/// Values at the vertices that entered the last upsampling, and at the points made on edges and in faces.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshLocal {
+    /// Kernel of each vertex.
+    pub kernel: Vec<f64>,
+    /// Kernel of each vertex along longitude lines, where it differs.
+    pub kernel_longitude: Option<Vec<f64>>,
+    /// Push-back factor of each vertex, where vertices have their own.
+    pub delta: Option<Vec<f64>>,
+    /// Compensation of the points of edges, then of those of faces.
+    pub compensation: Vec<f64>,
+    /// Weight `omega / (8 (1 + f))` of the curve rule along latitude lines, of the same points; empty without such lines.
+    pub curve_weight: Vec<f64>,
+}
+
+impl MeshLocal {
+    /// The local values at an upsampling of `net`, whose topology is `parent`; `None` when all vertices have the plan's.
+    pub(super) fn of(net: &MeshNet, parent: &Topology, sources: &Sources<'_>) -> Result<Option<Arc<Self>>, StepError> {
+        let has_lines = net.directions.is_some();
+        if net.attributes.is_none() && sources.noise.is_none() && !has_lines {
+            return Ok(None);
+        }
+        let (n_v, n_e, n_f) = (parent.n_vertices(), parent.n_edges(), parent.n_faces());
+        let attributes = net.attributes.as_deref().cloned().unwrap_or_default();
+        let noise = |operation, i| sources.noise.map_or(0.0, |noise| noise.at(operation, i));
+        let alpha = |own: Option<f64>, plan: f64| own.map_or(plan, |alpha| alpha * sources.scale);
+        let at = |array: &Option<Vec<f64>>, v: usize| array.as_ref().map(|array| array[v]);
+        let mut kernel = Vec::with_capacity(n_v);
+        let mut kernel_longitude = sources.kernel_longitude.map(|_| Vec::with_capacity(n_v));
+        for v in 0..n_v {
+            let alpha = alpha(at(&attributes.alpha, v), sources.alpha);
+            let own = at(&attributes.kernel, v);
+            let value = own.map_or_else(|| sources.kernel.value(alpha), Ok);
+            kernel.push(weight("kernel", v, value.map(|value| value + noise(0, v)))?);
+            if let (Some(expression), Some(values)) = (sources.kernel_longitude, &mut kernel_longitude) {
+                let value = own.map_or_else(|| expression.value(alpha), Ok);
+                values.push(weight("kernel_longitude", v, value.map(|value| value + noise(0, v)))?);
+            }
+        }
+        let mut compensation = Vec::with_capacity(n_e + n_f);
+        let mut curve_weight = Vec::with_capacity(if has_lines { n_e + n_f } else { 0 });
+        for i in 0..n_e + n_f {
+            let (operation, number) = if i < n_e { (1, i) } else { (2, i - n_e) };
+            let own = |array: &Option<Vec<f64>>| array.as_ref().map(|array| mean(array, parent, i));
+            let own_alpha = own(&attributes.alpha);
+            let omega = own(&attributes.compensation)
+                .map_or_else(|| sources.compensation.value(alpha(own_alpha, sources.compensation_alpha)), Ok);
+            let omega = finite("compensation", number, omega.map(|value| value + noise(operation, number)))?;
+            compensation.push(omega);
+            if has_lines {
+                let f =
+                    own(&attributes.kernel).map_or_else(|| sources.kernel.value(alpha(own_alpha, sources.alpha)), Ok);
+                curve_weight.push(omega / (8.0 * (1.0 + weight("kernel", number, f)?)));
+            }
+        }
+        Ok(Some(Arc::new(Self { kernel, kernel_longitude, delta: attributes.delta, compensation, curve_weight })))
+    }
+}
+
+/// The mean over the ends of edge `i`, or over the vertices of face `i - n_e`.
+fn mean(array: &[f64], topology: &Topology, i: usize) -> f64 {
+    let n_e = topology.n_edges();
+    if i < n_e {
+        let [a, b] = topology.ends(i);
+        return (array[a as usize] + array[b as usize]) / 2.0;
+    }
+    let face = topology.face(i - n_e);
+    #[expect(clippy::cast_precision_loss, reason = "faces have far fewer than 2^52 vertices")]
+    let n = face.len() as f64;
+    face.iter().map(|&v| array[v as usize]).sum::<f64>() / n
+}
+
+/// The numbers that vertices carry after an upsampling of arity 2.
+pub(super) fn upsampled(array: &[f64], topology: &Topology) -> Vec<f64> {
+    let made = (0..topology.n_edges() + topology.n_faces()).map(|i| mean(array, topology, i));
+    array.iter().copied().chain(made).collect()
+}
+
+fn weight<E: std::fmt::Display>(name: &str, i: usize, value: Result<f64, E>) -> Result<f64, StepError> {
+    let value = finite(name, i, value)?;
+    if (1.0 + value).abs() < 1e-9 {
+        return Err(StepError::Local(format!("the {name} of point {i} is -1, where no average exists")));
+    }
+    Ok(value)
+}

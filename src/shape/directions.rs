@@ -1,0 +1,192 @@
+//! Which edges of a mesh run along latitude lines, and which along longitude lines.
+
+use std::collections::BTreeMap;
+
+use super::topology::{NONE, Topology, index};
+use crate::fault::Fault;
+
+/// Most faults reported one by one.
+const MAX_REPORTED: usize = 20;
+
+/// The direction of an edge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Direction {
+    /// None in particular.
+    #[default]
+    Untagged,
+    /// Along a latitude line: around the axis.
+    Latitude,
+    /// Along a longitude line: from one latitude line to the next.
+    Longitude,
+}
+
+impl Direction {
+    /// The name of the tag.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Untagged => "untagged",
+            Self::Latitude => "latitude",
+            Self::Longitude => "longitude",
+        }
+    }
+}
+
+/// The directions of all edges of a topology.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Directions(Vec<Direction>);
+
+/// A latitude line: vertices one after another along latitude edges.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Line {
+    /// Its vertices, in order.
+    pub vertices: Vec<u32>,
+    /// Whether the last one is joined to the first.
+    pub closed: bool,
+}
+
+impl Directions {
+    /// Directions from tagged pairs of vertices; `None` when there are none. Of a vertex that was split into several
+    /// (`split_from`, from vertex `n` on) all parts are meant.
+    ///
+    /// # Errors
+    /// Every fault, with a pointer below the mesh: vertices out of range, pairs that are no edge, edges of both directions.
+    pub fn new(
+        topology: &Topology,
+        latitude: &[[u64; 2]],
+        longitude: &[[u64; 2]],
+        n: usize,
+        split_from: &[u32],
+    ) -> Result<Option<Self>, Vec<Fault>> {
+        if latitude.is_empty() && longitude.is_empty() {
+            return Ok(None);
+        }
+        let original = |v: u32| if (v as usize) < n { v } else { split_from[v as usize - n] };
+        let mut edges: BTreeMap<(u32, u32), Vec<u32>> = BTreeMap::new();
+        for e in 0..topology.n_edges() {
+            let [a, b] = topology.ends(e).map(original);
+            edges.entry((a.min(b), a.max(b))).or_default().push(index(e));
+        }
+        let mut directions = vec![Direction::Untagged; topology.n_edges()];
+        let mut faults = Vec::new();
+        for (direction, pairs) in [(Direction::Latitude, latitude), (Direction::Longitude, longitude)] {
+            for (i, pair) in pairs.iter().enumerate() {
+                let place = format!("/{}/{i}", direction.name());
+                let ends = pair.map(|v| u32::try_from(v).unwrap_or(NONE));
+                let Some(found) = edges.get(&(ends[0].min(ends[1]), ends[0].max(ends[1]))) else {
+                    let detail = format!("there is no edge from vertex {} to vertex {}", pair[0], pair[1]);
+                    faults.push(Fault::new(place, detail));
+                    continue;
+                };
+                for &e in found {
+                    let known = std::mem::replace(&mut directions[e as usize], direction);
+                    if known != Direction::Untagged && known != direction {
+                        let detail = format!(
+                            "the edge from vertex {} to vertex {} is a {} edge, too; give it one direction",
+                            pair[0],
+                            pair[1],
+                            known.name()
+                        );
+                        faults.push(Fault::new(&place, detail));
+                    }
+                }
+            }
+        }
+        faults.truncate(MAX_REPORTED);
+        if faults.is_empty() { Ok(Some(Self(directions))) } else { Err(faults) }
+    }
+
+    /// The direction of edge `e`.
+    #[inline]
+    pub fn of(&self, e: u32) -> Direction {
+        self.0[e as usize]
+    }
+
+    /// Whether some edge runs along a latitude line.
+    pub fn any_latitude(&self) -> bool {
+        self.0.contains(&Direction::Latitude)
+    }
+
+    /// The edges of a direction, ascending.
+    pub fn edges(&self, direction: Direction) -> Vec<u32> {
+        (0..index(self.0.len())).filter(|&e| self.of(e) == direction).collect()
+    }
+
+    /// The directions after an upsampling of arity 2: halves inherit; the edge from the point of a longitude edge to the
+    /// face point is a latitude edge, and the other way round.
+    ///
+    /// Source: Zhang and Wang 2002, section 3, rules (1) to (3).
+    #[must_use]
+    pub fn split(&self, topology: &Topology) -> Self {
+        let halves = self.0.iter().flat_map(|&direction| [direction; 2]);
+        let spokes = (0..index(topology.n_corners())).map(|corner| match self.of(topology.edge(corner)) {
+            Direction::Untagged => Direction::Untagged,
+            Direction::Latitude => Direction::Longitude,
+            Direction::Longitude => Direction::Latitude,
+        });
+        Self(halves.chain(spokes).collect())
+    }
+
+    /// For each vertex its two latitude edges, where there are exactly two.
+    pub fn latitude_pairs(&self, topology: &Topology) -> Vec<Option<[u32; 2]>> {
+        let mut found = vec![(0, [NONE; 2]); topology.n_vertices()];
+        for e in self.edges(Direction::Latitude) {
+            for v in topology.ends(e as usize) {
+                let (count, pair) = &mut found[v as usize];
+                if *count < 2 {
+                    pair[*count] = e;
+                }
+                *count += 1;
+            }
+        }
+        found.into_iter().map(|(count, pair)| (count == 2).then_some(pair)).collect()
+    }
+
+    /// The latitude lines, each from its lowest edge on; vertices with another number of latitude edges than two end them.
+    pub fn lines(&self, topology: &Topology) -> Vec<Line> {
+        let pairs = self.latitude_pairs(topology);
+        let mut seen = vec![false; self.0.len()];
+        let onward = |e: u32, v: u32| {
+            let pair = pairs[v as usize]?;
+            let next = if pair[0] == e { pair[1] } else { pair[0] };
+            let [a, b] = topology.ends(next as usize);
+            Some((next, if a == v { b } else { a }))
+        };
+        let mut lines = Vec::new();
+        for start in self.edges(Direction::Latitude) {
+            if seen[start as usize] {
+                continue;
+            }
+            seen[start as usize] = true;
+            let [first, second] = topology.ends(start as usize);
+            let mut vertices = vec![first, second];
+            let mut closed = false;
+            let mut at = (start, second);
+            while let Some((edge, v)) = onward(at.0, at.1) {
+                if seen[edge as usize] {
+                    closed = edge == start;
+                    break;
+                }
+                seen[edge as usize] = true;
+                vertices.push(v);
+                at = (edge, v);
+            }
+            if closed {
+                // the walk came back to the first vertex before it met the first edge again
+                vertices.pop();
+            } else {
+                let mut before = Vec::new();
+                at = (start, first);
+                while let Some((edge, v)) = onward(at.0, at.1).filter(|(edge, _)| !seen[*edge as usize]) {
+                    seen[edge as usize] = true;
+                    before.push(v);
+                    at = (edge, v);
+                }
+                before.reverse();
+                before.append(&mut vertices);
+                vertices = before;
+            }
+            lines.push(Line { vertices, closed });
+        }
+        lines
+    }
+}
