@@ -13,8 +13,10 @@ use super::{Shared, body};
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
 use crate::job::Input;
+use crate::scheme::plan::{Plan, PlanInput};
 use crate::wire::answer::{FaultAnswer, MeshReport, ValidateAnswer};
 use crate::wire::input::InputRequest;
+use crate::wire::plan::PlanRequest;
 
 /// The question: an input, as in a job.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
@@ -26,10 +28,9 @@ pub(super) struct ValidateRequest {
     #[serde(rename = "spec")]
     #[schema(value_type = Option<Object>)]
     _spec: Option<IgnoredAny>,
-    /// Not looked at.
-    #[serde(rename = "plan")]
-    #[schema(value_type = Option<Object>)]
-    _plan: Option<IgnoredAny>,
+    /// The plan that latitude lines are judged by; push-back with delta 1 when left out or unfit for the mesh.
+    #[schema(value_type = Option<PlanRequest>)]
+    plan: Option<serde_json::Value>,
     /// Not looked at.
     #[serde(rename = "levels")]
     #[schema(value_type = Option<Object>)]
@@ -51,15 +52,22 @@ pub(super) async fn validate(State(app): State<Shared>, headers: HeaderMap, body
     let answer = async {
         let request: ValidateRequest = body::json(&app, &headers, body).await?;
         let limits = app.desk.limits.reading();
-        body::off_loop(usize::MAX, move || Ok::<_, Problem>(axum::Json(report(request.input, &limits)))).await
+        let answer = move || Ok::<_, Problem>(axum::Json(report(request.input, request.plan, &limits)));
+        body::off_loop(usize::MAX, answer).await
     };
     answer.await.into_response()
 }
 
-fn report(input: InputRequest, limits: &ReadLimits) -> ValidateAnswer {
+fn report(input: InputRequest, plan: Option<serde_json::Value>, limits: &ReadLimits) -> ValidateAnswer {
     match input.resolve(limits).map(|resolved| resolved.input) {
         Ok(Input::Mesh(mesh)) => {
-            let report = Some(MeshReport::new(&mesh));
+            let input = Input::Mesh(mesh.clone());
+            let asked = plan.and_then(|plan| serde_json::from_value::<PlanRequest>(plan).ok());
+            let asked = asked.and_then(|plan| input.plan(&plan.resolve()).ok());
+            let usual = PlanInput { preset: Some("push-back".into()), ..PlanInput::default() };
+            let plan = asked.or_else(|| input.plan(&usual).ok());
+            let plan = plan.unwrap_or_else(|| Plan::none(usual.boundary, usual.ends));
+            let report = Some(MeshReport::new(&mesh, &plan));
             ValidateAnswer { valid: true, errors: Vec::new(), warnings: mesh.warnings, report }
         }
         Ok(Input::Polygons(_)) => {

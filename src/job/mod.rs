@@ -59,6 +59,14 @@ impl Input {
         }
     }
 
+    /// A plan for it.
+    ///
+    /// # Errors
+    /// Every fault of the plan, with pointers below it.
+    pub fn plan(&self, plan: &PlanInput) -> Result<Plan, Vec<Fault>> {
+        Plan::resolve(plan, self.subject(plan))
+    }
+
     fn subject(&self, input: &PlanInput) -> Subject {
         let (is_mesh, is_open) = self.kind();
         let attached = match self {

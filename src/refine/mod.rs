@@ -1,6 +1,7 @@
 //! Refinement: applies a plan's steps to points. Nothing outside knows how a net is stored.
 
 pub mod curve;
+pub mod revolution;
 
 mod limit;
 mod refined;

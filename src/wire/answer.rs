@@ -8,6 +8,7 @@ use crate::job::Job;
 use crate::job::limits::Estimate;
 use crate::output::Size;
 use crate::refine::curve::Reached;
+use crate::refine::revolution::Outlook;
 
 /// A problem (RFC 9457).
 #[derive(Debug, Clone, Serialize, ToSchema)]
@@ -225,11 +226,48 @@ pub struct MeshReport {
     pub face_sizes: std::collections::BTreeMap<usize, usize>,
     /// Vertices that no face has.
     pub isolated_vertices: Vec<u32>,
+    /// What becomes of each latitude line.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub latitude_lines: Vec<LatitudeLineAnswer>,
     /// Faces without area.
     pub degenerate_faces: Vec<u32>,
     /// Pairs of vertices at the same place.
     #[schema(schema_with = super::schema::pairs)]
     pub coincident_vertices: Vec<[u32; 2]>,
+}
+
+/// What becomes of a latitude line under the plan of the question (push-back with delta 1 when it has none).
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct LatitudeLineAnswer {
+    /// Its vertices, in order.
+    pub vertices: Vec<u32>,
+    /// Whether it is closed.
+    pub closed: bool,
+    /// Whether it is a circle in the limit.
+    pub exact: bool,
+    /// Radius of that circle, model units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit_radius: Option<f64>,
+    /// By how much the rings that it comes from miss regular polygons, model units: it is a circle to about that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub irregularity: Option<f64>,
+    /// Why it is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+}
+
+impl From<Outlook> for LatitudeLineAnswer {
+    fn from(outlook: Outlook) -> Self {
+        let Outlook { line, circle } = outlook;
+        Self {
+            vertices: line.vertices,
+            closed: line.closed,
+            exact: circle.is_ok(),
+            limit_radius: circle.as_ref().ok().map(|circle| circle.radius),
+            irregularity: circle.as_ref().ok().map(|circle| circle.irregularity),
+            reason: circle.err(),
+        }
+    }
 }
 
 /// A count for JSON: what is beyond 2^64 - 1 is written as that.

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::answer::MeshReport;
+use crate::refine::revolution::outlooks;
+use crate::scheme::plan::Plan;
 use crate::shape::mesh::Mesh;
 use crate::shape::topology::{Topology, index};
 
@@ -10,8 +12,8 @@ use crate::shape::topology::{Topology, index};
 const MAX_PAIRS: usize = 1000;
 
 impl MeshReport {
-    /// What a mesh is like.
-    pub fn new(mesh: &Mesh) -> Self {
+    /// What a mesh is like, and what becomes of its latitude lines under a plan.
+    pub fn new(mesh: &Mesh, plan: &Plan) -> Self {
         let topology = &mesh.topology;
         let isolated: Vec<u32> = (0..topology.n_vertices()).filter(|&v| topology.is_isolated(v)).map(index).collect();
         let mut valences = BTreeMap::new();
@@ -38,6 +40,7 @@ impl MeshReport {
             creases: mesh.creases.len(),
             corners: mesh.corners.len() + mesh.semi_sharp_corners.len(),
             face_sizes,
+            latitude_lines: outlooks(mesh, plan).into_iter().map(Into::into).collect(),
             isolated_vertices: isolated,
             degenerate_faces: degenerate(mesh),
             coincident_vertices: coincident(mesh),

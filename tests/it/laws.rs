@@ -14,6 +14,7 @@ mod limits;
 mod masks;
 mod meshes;
 mod own;
+mod own_parameters;
 mod polynomials;
 mod repetition;
 mod root_three;

@@ -133,7 +133,8 @@ impl From<RefineError> for Unlimited {
     }
 }
 
-/// Whether a plan can have a limit, as far as its word tells.
+/// Whether a plan can have a limit, as far as its word tells, on an open or closed mesh whose vertices have parameters of
+/// their `own` or not.
 ///
 /// # Errors
 /// [`Unlimited`].

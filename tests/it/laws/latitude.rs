@@ -1,6 +1,7 @@
 //! Latitude lines of tubes stay circles, whatever delta is, and what is not tagged is not touched.
 
 use planish::math::functions::{cos, sin, sqrt};
+use planish::refine::revolution::outlooks;
 use serde_json::{Value, json};
 
 use crate::support::{self, faults};
@@ -193,5 +194,59 @@ fn tags_that_cannot_be_are_refused_at_their_place() {
     for (job, expected) in cases {
         let said = first(job);
         assert!(said.contains(expected), "{said}");
+    }
+}
+
+/// The lines of a mesh under a plan: radius, or why there is none.
+fn lines(mesh: &Value, plan: &Value) -> Vec<Result<f64, String>> {
+    let job = json!({ "input": { "mesh": mesh }, "plan": plan, "levels": 1, "outputs": [{ "format": "json" }] });
+    let job = support::parsed(job.to_string().as_bytes()).unwrap_or_else(|faults| panic!("{faults:?}"));
+    let planish::job::Input::Mesh(mesh) = &job.input else { panic!("a mesh was given") };
+    outlooks(mesh, &job.plan).into_iter().map(|outlook| outlook.circle.map(|circle| circle.radius)).collect()
+}
+
+#[test]
+fn limit_radii_are_those_of_a_deep_refinement() {
+    for (delta, k) in [(0.0, 1), (0.6, 1), (1.0, 1), (-0.1, 2), (0.5, 3)] {
+        let (mesh, plan) = (tube(5, &UNEVEN, 0.2), push_back(delta, k, "difference"));
+        let radii = lines(&mesh, &plan);
+        assert_eq!(radii.len(), UNEVEN.len());
+        let points = refined(&mesh, &plan, 6);
+        for (u, radius) in radii.iter().enumerate() {
+            let radius = radius.as_ref().unwrap_or_else(|reason| panic!("ring {u}: {reason}"));
+            let p = points[5 * u];
+            let deep = sqrt(p[0] * p[0] + p[1] * p[1]);
+            assert!((radius - deep).abs() < 1e-3, "delta {delta}, k {k}, ring {u}: {radius} is not {deep}");
+        }
+    }
+}
+
+#[test]
+fn lines_that_are_no_circles_are_explained() {
+    let plan = push_back(1.0, 1, "difference");
+    let mut bent = tube(6, &UNEVEN, 0.0);
+    bent["positions"][14] = json!([1.3, 0.1, 2.0]);
+    let reasons = lines(&bent, &plan);
+    let said = |u: usize| reasons[u].clone().expect_err("the tube is not regular");
+    assert!(said(2).contains("no regular polygon") && !said(2).contains("away"), "{}", said(2));
+    assert!(said(0).contains("2 rings away") && said(3).contains("next to it"), "{reasons:?}");
+    assert!(reasons[5].is_ok(), "the last ring is out of reach: {reasons:?}");
+    let isotropic = lines(&tube(6, &UNEVEN, 0.0), &push_back(1.0, 1, "isotropic"));
+    assert!(isotropic[0].as_ref().is_err_and(|reason| reason.contains("does not look")));
+    let mut wrong = push_back(1.0, 1, "difference");
+    wrong["parameters"]["kernel"] = json!(1);
+    assert!(lines(&tube(6, &UNEVEN, 0.0), &wrong)[2].as_ref().is_err_and(|reason| reason.contains("cos(alpha/2)")));
+}
+
+/// The nets that are kept for it: a vase, a barrel with collapsed ends, and two tubes that meet.
+#[test]
+fn the_tagged_nets_have_exact_lines() {
+    for (name, least) in [("barrel-tagged", 1), ("t-junction-tagged", 3)] {
+        let path = format!("{}/tests/nets/{name}.json", env!("CARGO_MANIFEST_DIR"));
+        let net = std::fs::read_to_string(path).expect("the net is there");
+        let net: Value = serde_json::from_str(&net).expect("the net is JSON");
+        let found = lines(&net["mesh"], &push_back(1.0, 1, "difference"));
+        let exact = found.iter().filter(|line| line.is_ok()).count();
+        assert!(exact >= least, "{name}: {exact} of {} lines are exact: {found:?}", found.len());
     }
 }

@@ -1,0 +1,106 @@
+//! Vertices of meshes carry parameters; perturbations have a seed and decay.
+
+use serde_json::{Value, json};
+
+use crate::support::nets::{self, Net, distance};
+use crate::support::{self, faults};
+
+fn refined(net: &Net, parameters: &Value, plan: &Value, levels: u32) -> Net {
+    let mut input = net.input();
+    if !parameters.is_null() {
+        input["mesh"]["parameters"] = parameters.clone();
+    }
+    Net::of(&support::json(json!({ "input": input, "plan": plan, "levels": levels })))
+}
+
+fn apart(a: &Net, b: &Net) -> f64 {
+    a.positions.iter().zip(&b.positions).map(|(p, q)| distance(p, q)).fold(0.0, f64::max)
+}
+
+fn nets() -> [Net; 3] {
+    [nets::cube(), nets::mixed(), nets::prism(5)]
+}
+
+/// What all vertices carry alike is the plan's.
+#[test]
+fn equal_parameters_are_the_plans() {
+    for net in nets() {
+        let n = net.positions.len();
+        let own = json!({ "kernel": vec![1.3; n], "compensation": vec![0.8; n], "delta": vec![0.4; n] });
+        let plan = json!({ "word": "UCCP", "parameters": { "kernel": 1.3, "compensation": 0.8, "delta": 0.4 } });
+        let bare = refined(&net, &Value::Null, &plan, 2);
+        let carried = refined(&net, &own, &json!({ "word": "UCCP" }), 2);
+        assert!(apart(&bare, &carried) < 1e-13, "{}", apart(&bare, &carried));
+        let functions = json!({ "kernel": "cos(alpha/2)", "compensation": "1/cos(alpha/2)", "delta": 0.4 });
+        let mut with_alpha = functions.clone();
+        with_alpha["alpha"] = json!(0.9);
+        let bare = refined(&net, &Value::Null, &json!({ "word": "UCP", "parameters": with_alpha }), 2);
+        let own = json!({ "alpha": vec![0.9; n] });
+        let carried = refined(&net, &own, &json!({ "word": "UCP", "parameters": functions }), 2);
+        assert!(apart(&bare, &carried) < 1e-13, "{}", apart(&bare, &carried));
+    }
+}
+
+/// One mesh, interpolated at some vertices and approximated at the others.
+#[test]
+fn delta_decides_vertex_by_vertex_what_is_interpolated() {
+    let net = nets::cube();
+    let delta = [1.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0];
+    let fine = refined(&net, &json!({ "delta": delta }), &json!({ "word": "UCP" }), 3);
+    for (v, delta) in delta.iter().enumerate() {
+        let moved = distance(&net.positions[v], &fine.positions[v]);
+        assert_eq!(moved < 1e-12, *delta > 0.5, "vertex {v} moved by {moved}");
+    }
+}
+
+/// Affine maps commute with everything that vertices carry.
+#[test]
+fn parameters_of_vertices_commute_with_scaling() {
+    for net in nets() {
+        let n = net.positions.len();
+        let ramp = |from: f64| (0..n).map(|v| from + 0.05 * v as f64).collect::<Vec<f64>>();
+        let own = json!({ "kernel": ramp(0.7), "compensation": ramp(0.9), "delta": ramp(-0.2) });
+        let larger = Net { positions: net.positions.iter().map(|p| p.map(|x| 4.0 * x)).collect(), ..net.clone() };
+        let plan = json!({ "word": "UCP" });
+        let (a, b) = (refined(&net, &own, &plan, 2), refined(&larger, &own, &plan, 2));
+        let a = Net { positions: a.positions.iter().map(|p| p.map(|x| 4.0 * x)).collect(), ..a };
+        assert!(apart(&a, &b) < 1e-12);
+    }
+}
+
+#[test]
+fn perturbations_of_meshes_have_a_seed_and_end() {
+    let net = nets::prism(5);
+    let plan = |amplitude: f64, seed: u64| json!({ "word": "UCP", "seed": seed, "parameters": { "perturbation": { "amplitude": amplitude, "decay": 0.25 } } });
+    let bare = refined(&net, &Value::Null, &json!({ "word": "UCP" }), 3);
+    let [one, again, other] = [1, 1, 2].map(|seed| refined(&net, &Value::Null, &plan(0.2, seed), 3));
+    assert_eq!(apart(&one, &again), 0.0, "a seed gives one surface");
+    assert!(apart(&one, &other) > 1e-3 && apart(&one, &bare) > 1e-3);
+    assert!(apart(&refined(&net, &Value::Null, &plan(1e-9, 1), 3), &bare) < 1e-8);
+    // averages and push-backs keep what is equal, whatever their weights are
+    let flat = Net { positions: net.positions.iter().map(|p| [p[0], p[1], 2.0]).collect(), ..net.clone() };
+    for p in refined(&flat, &Value::Null, &plan(0.4, 3), 3).positions {
+        assert!((p[2] - 2.0).abs() < 1e-13);
+    }
+}
+
+#[test]
+fn parameters_that_cannot_be_are_refused_at_their_place() {
+    let job = |parameters: Value, plan: Value| {
+        let mut input = nets::cube().input();
+        input["mesh"]["parameters"] = parameters;
+        let fault = &faults(json!({ "input": input, "plan": plan, "levels": 1 }))[0];
+        format!("{}: {}", fault.pointer, fault.detail)
+    };
+    let word = || json!({ "word": "UCP" });
+    let cases = [
+        (job(json!({ "delta": [1, 2] }), word()), "/input/mesh/parameters/delta"),
+        (job(json!({ "kernel": vec![-1; 8] }), word()), "-1"),
+        (job(json!({ "delta": vec![1; 8] }), json!({ "word": "UD" })), "parameters of vertices"),
+        (job(json!({ "delta": vec![1; 8] }), json!({ "preset": "catmull-clark" })), "knows no parameters of vertices"),
+        (job(json!({ "delta": vec![1; 8] }), json!({ "word": "U3C" })), "knows no parameters of vertices"),
+    ];
+    for (said, expected) in cases {
+        assert!(said.contains(expected), "{said}");
+    }
+}
