@@ -4,7 +4,7 @@
 //! latitude edge, or of a face between two longitude edges) follows its even neighbours a, b on the line, and those
 //! beyond them, aa and bb. With the displacements d of even points and `w = omega / (8 (1 + f))`:
 //! * by differences, `p + (1/2 + w) (d[a] + d[b]) - w (d[aa] + d[bb])`;
-//! * by positions, the same rule on the moved points themselves.
+//! * by places, the same rule on the moved points themselves.
 //!
 //! Both keep what is constant along the line and what turns with it, so that circles stay circles.
 
@@ -23,7 +23,7 @@ pub enum LatitudeRule {
     /// Differences of their even neighbours.
     #[default]
     Difference,
-    /// Positions of their even neighbours.
+    /// Places of their even neighbours.
     Position,
     /// Nothing: the tags are not looked at.
     Isotropic,
@@ -145,7 +145,7 @@ impl Lines {
     }
 
     /// Odd points where the curve rule has them among the even ones; all others stay.
-    pub(super) fn positions(self: &Arc<Self>) -> Action {
+    pub(super) fn follows(self: &Arc<Self>) -> Action {
         let topology = &self.topology;
         let n_v = topology.n_vertices();
         let n = n_v + topology.n_edges() + topology.n_faces();

@@ -139,8 +139,8 @@ impl Operator for PushBack {
         if let Some(lines) = net.local.as_ref().and_then(|local| Lines::of(&anchor, local)).map(Arc::new) {
             let rows = Box::new(lines.displacements(deltas.into()));
             let push = Action::PushBack { rows, children };
-            let by_positions = values.latitude_rule == LatitudeRule::Position;
-            let action = if by_positions { Action::Sequence(vec![lines.positions(), push]) } else { push };
+            let by_places = values.latitude_rule == LatitudeRule::Position;
+            let action = if by_places { Action::Sequence(vec![lines.follows(), push]) } else { push };
             return Ok(Step { net: net.clone(), action });
         }
         let (omega, local, n_v) = (values.compensation, net.local.clone(), anchor.topology.n_vertices());
