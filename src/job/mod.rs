@@ -16,15 +16,15 @@ use crate::math::parameter::Values;
 use crate::output::{Format, ShapeKind, surface};
 use crate::refine::curve::Reached;
 use crate::refine::{self, RefineError};
-use crate::scheme::plan::{Plan, PlanInput, Subject};
+use crate::scheme::plan::{Carried, Plan, PlanInput, Subject};
 use crate::shape::creases::INFINITE_SHARPNESS;
-use crate::shape::directions::Directions;
 use crate::shape::frame::Frame;
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
 
 /// What is refined.
 #[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a job has one input")]
 pub enum Input {
     /// Polygons, refined alike.
     Polygons(Vec<Polygon>),
@@ -104,15 +104,15 @@ impl Input {
                 topology.first_other_than_triangle().map(|f| (f, topology.face(f).len()))
             }
         };
-        let (lines, carried) = match self {
-            Self::Polygons(_) => (false, None),
-            Self::Mesh(mesh) => {
-                let lines = mesh.directions.as_ref().is_some_and(Directions::any_latitude);
-                let tags = mesh.directions.as_ref().map(|_| "latitude and longitude tags");
-                (lines, tags.or(mesh.attributes.as_ref().map(|_| "parameters of vertices")))
-            }
+        let carried = match self {
+            Self::Polygons(_) => None,
+            Self::Mesh(mesh) => match &mesh.directions {
+                Some(directions) if directions.any_latitude() => Some(Carried::Latitude),
+                Some(_) => Some(Carried::Longitude),
+                None => mesh.attributes.is_some().then_some(Carried::Parameters),
+            },
         };
-        Subject { is_mesh, is_open, tags, attached, creased, semi_sharp, other_face, lines, carried }
+        Subject { is_mesh, is_open, tags, attached, creased, carried, semi_sharp, other_face }
     }
 }
 

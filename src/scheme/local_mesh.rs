@@ -71,7 +71,7 @@ fn mean(array: &[f64], topology: &Topology, i: usize) -> f64 {
     let n_e = topology.n_edges();
     if i < n_e {
         let [a, b] = topology.ends(i);
-        return (array[a as usize] + array[b as usize]) / 2.0;
+        return f64::midpoint(array[a as usize], array[b as usize]);
     }
     let face = topology.face(i - n_e);
     #[expect(clippy::cast_precision_loss, reason = "faces have far fewer than 2^52 vertices")]

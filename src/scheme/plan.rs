@@ -48,14 +48,33 @@ pub struct Subject {
     pub attached: Option<&'static str>,
     /// Whether edges are sharp.
     pub creased: bool,
-    /// Whether edges run along latitude or longitude lines.
-    pub lines: bool,
-    /// What single vertices of a mesh carry that only words over U, C and P look at, if anything.
-    pub carried: Option<&'static str>,
+    /// What a mesh carries that only words over U, C and P look at, if anything.
+    pub carried: Option<Carried>,
     /// What has a sharpness between smooth and infinitely sharp, if anything.
     pub semi_sharp: Option<&'static str>,
     /// Number and size of the first face that is no triangle, if there is one.
     pub other_face: Option<(usize, usize)>,
+}
+
+/// What a mesh carries that only words over U, C and P look at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Carried {
+    /// Parameters of vertices.
+    Parameters,
+    /// Tags of longitude lines alone.
+    Longitude,
+    /// Tags of latitude lines, perhaps of longitude lines, too.
+    Latitude,
+}
+
+impl Carried {
+    /// Its name, for messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Parameters => "parameters of vertices",
+            Self::Longitude | Self::Latitude => "latitude and longitude tags",
+        }
+    }
 }
 
 /// A resolved plan; equal plans are equal values, whether written as preset or word.

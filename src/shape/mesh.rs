@@ -91,7 +91,7 @@ impl Mesh {
         let (topology, split_from) = (&checked.topology, &checked.split_from);
         let directions = Directions::new(topology, &input.latitude, &input.longitude, n, split_from);
         faults.extend(directions.as_ref().err().into_iter().flatten().cloned());
-        let attributes = input.attributes.map(|attributes| check_attributes(attributes, n, split_from)).transpose();
+        let attributes = input.attributes.as_ref().map(|given| check_attributes(given, n, split_from)).transpose();
         faults.extend(attributes.as_ref().err().into_iter().flatten().cloned());
         let attachments = Attachments::new(input.attachments, n, &checked);
         faults.extend(attachments.as_ref().err().into_iter().flatten().cloned());
@@ -141,7 +141,7 @@ pub(super) fn listed(numbers: &[u32]) -> String {
 }
 
 /// One number a vertex; those of vertices that were split go on to all parts.
-fn check_attributes(attributes: Attributes, n: usize, split_from: &[u32]) -> Result<Attributes, Vec<Fault>> {
+fn check_attributes(attributes: &Attributes, n: usize, split_from: &[u32]) -> Result<Attributes, Vec<Fault>> {
     attributes.check(n).map_err(|faults| under("/parameters", faults))?;
     Ok(attributes.changed(|array| {
         let parts = split_from.iter().map(|&v| array[v as usize]);

@@ -49,9 +49,9 @@ impl MeshInput {
             edges.iter_mut().for_each(|edge| *edge = edge.map(image));
             edges.retain(|[a, b]| a != b);
         }
-        let kept = |array: &[f64]| match array.len() == n {
-            true => welded.kept.iter().map(|&v| array[v as usize]).collect(),
-            false => array.to_vec(),
+        let kept = |array: &[f64]| {
+            let is_whole = array.len() == n;
+            if is_whole { welded.kept.iter().map(|&v| array[v as usize]).collect() } else { array.to_vec() }
         };
         self.attributes = self.attributes.map(|attributes| attributes.changed(kept));
         for channel in &mut self.attachments.channels {

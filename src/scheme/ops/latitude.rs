@@ -105,13 +105,12 @@ impl Lines {
         let [(a, aa), (b, bb)] = sides;
         for (here, there, beyond) in [(a, b, aa), (b, a, bb)] {
             add(here, 0.5 + w);
-            match beyond {
-                Some(beyond) => add(beyond, -w),
+            if let Some(beyond) = beyond {
+                add(beyond, -w);
+            } else {
                 // where the line ends it goes on by reflection
-                None => {
-                    add(here, -2.0 * w);
-                    add(there, w);
-                }
+                add(here, -2.0 * w);
+                add(there, w);
             }
         }
         true

@@ -30,7 +30,7 @@ impl Plan {
                 let halves = letter.operator.letter() == Some('U') && letter.arity == 2;
                 let looks = matches!(role, Role::Average | Role::PushBack) || halves;
                 if !looks || letter.tile == Tile::Triangle {
-                    return Err(StepError::Useless(carried));
+                    return Err(StepError::Useless(carried.name()));
                 }
             }
             if let Some(tags) = subject.attached.filter(|_| letter.operator.rebuilds()) {

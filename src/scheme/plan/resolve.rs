@@ -1,6 +1,6 @@
 //! From what a client wrote to a plan.
 
-use super::{DEFAULT_MU, Latitude, Perturbation, Plan, PlanInput, Subject};
+use super::{Carried, DEFAULT_MU, Latitude, Perturbation, Plan, PlanInput, Subject};
 use crate::fault::{Fault, under};
 use crate::math::expression::Expression;
 use crate::math::parameter::{Literal, Values, shortened};
@@ -88,7 +88,7 @@ impl Plan {
 
 /// What latitude and longitude tags change in a scheme: kernel and compensation that keep circles are its defaults.
 fn with_lines(spelling: Spelling, input: &PlanInput, subject: Subject) -> (Spelling, Option<Latitude>) {
-    if !subject.lines || spelling.latitude_rule == LatitudeRule::Isotropic {
+    if subject.carried != Some(Carried::Latitude) || spelling.latitude_rule == LatitudeRule::Isotropic {
         return (spelling, None);
     }
     let given = |name: &str| input.parameters.iter().any(|(given, _)| given == name);

@@ -8,9 +8,13 @@ use crate::support::{self, faults};
 
 type Point = [f64; 3];
 
+fn real(n: usize) -> f64 {
+    f64::from(u32::try_from(n).expect("a small number"))
+}
+
 /// A tube of regular k-gons with these radii and heights, tagged.
 fn tube(k: usize, rings: &[(f64, f64)], turn: f64) -> Value {
-    let angle = |i: usize| 2.0 * std::f64::consts::PI * i as f64 / k as f64 + turn;
+    let angle = |i: usize| std::f64::consts::TAU * real(i) / real(k) + turn;
     let ring = |&(r, z): &(f64, f64)| (0..k).map(move |i| [r * cos(angle(i)), r * sin(angle(i)), z]);
     let positions: Vec<Point> = rings.iter().flat_map(ring).collect();
     let at = |u: usize, i: usize| u * k + i % k;
@@ -88,7 +92,7 @@ fn a_straight_cylinder_keeps_its_radius_with_delta_1() {
 #[test]
 fn surfaces_of_revolution_are_invariant_under_one_sector() {
     let k = 5;
-    let angle = 2.0 * std::f64::consts::PI / k as f64;
+    let angle = std::f64::consts::TAU / real(k);
     let [a, b] = [0.0, angle].map(|turn| refined(&tube(k, &UNEVEN, turn), &push_back(0.4, 1, "difference"), 2));
     for p in &a {
         let near = b.iter().map(|q| (0..3).map(|i| (p[i] - q[i]) * (p[i] - q[i])).sum::<f64>());

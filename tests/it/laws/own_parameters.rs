@@ -58,7 +58,7 @@ fn delta_decides_vertex_by_vertex_what_is_interpolated() {
 fn parameters_of_vertices_commute_with_scaling() {
     for net in nets() {
         let n = net.positions.len();
-        let ramp = |from: f64| (0..n).map(|v| from + 0.05 * v as f64).collect::<Vec<f64>>();
+        let ramp = |from: f64| (0..n).scan(from, |x, _| Some(std::mem::replace(x, *x + 0.05))).collect::<Vec<f64>>();
         let own = json!({ "kernel": ramp(0.7), "compensation": ramp(0.9), "delta": ramp(-0.2) });
         let larger = Net { positions: net.positions.iter().map(|p| p.map(|x| 4.0 * x)).collect(), ..net.clone() };
         let plan = json!({ "word": "UCP" });
@@ -74,7 +74,7 @@ fn perturbations_of_meshes_have_a_seed_and_end() {
     let plan = |amplitude: f64, seed: u64| json!({ "word": "UCP", "seed": seed, "parameters": { "perturbation": { "amplitude": amplitude, "decay": 0.25 } } });
     let bare = refined(&net, &Value::Null, &json!({ "word": "UCP" }), 3);
     let [one, again, other] = [1, 1, 2].map(|seed| refined(&net, &Value::Null, &plan(0.2, seed), 3));
-    assert_eq!(apart(&one, &again), 0.0, "a seed gives one surface");
+    assert_eq!(one, again, "a seed gives one surface");
     assert!(apart(&one, &other) > 1e-3 && apart(&one, &bare) > 1e-3);
     assert!(apart(&refined(&net, &Value::Null, &plan(1e-9, 1), 3), &bare) < 1e-8);
     // averages and push-backs keep what is equal, whatever their weights are

@@ -24,7 +24,7 @@ proptest! {
         width in 1..=4_usize,
     ) {
         let d = weights.len();
-        let points: Vec<f64> = (0..n * width).map(|i| f64::from(seed) * (i as f64 * 0.37).fract() - 3.0).collect();
+        let points: Vec<f64> = (0..n * width).scan(0.0, |x: &mut f64, _| Some(std::mem::replace(x, (*x + 0.37 * f64::from(seed)).fract()))).collect();
         let single = rows(n, d, &weights);
         let repeated = rows(n, d, &weights).repeating(d, 10 * d);
         prop_assert!(single.pattern().is_none());
