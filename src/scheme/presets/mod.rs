@@ -273,7 +273,7 @@ pub const LATITUDE_RULE: Parameter = Parameter {
     kind: Kind::Choice(&["difference", "position", "isotropic"]),
     unit: "",
     default: Default::Text("difference"),
-    doc: "What P does along latitude lines: odd points follow the displacements of even ones, or their positions, or the \
+    doc: "What P does along latitude lines: odd points follow the displacements of even ones, or their places, or the \
           tags are not looked at. With tags, kernel and compensation default to cos(alpha/2) and 1/cos(alpha/2), and \
           alpha to 2 pi / n on closed lines of n vertices.",
 };
