@@ -32,6 +32,11 @@ impl Wanted {
     }
 }
 
+/// Whether an output wants limit points.
+pub(super) fn moves_points(output: &Output) -> bool {
+    Wanted::of(output).points
+}
+
 /// Checks that the plan has for these polygons what an output wants of their limit.
 ///
 /// # Errors

@@ -60,11 +60,12 @@ pub(super) fn check(planned: bool, levels: Option<Levels>) -> Result<Asked, Faul
 }
 
 impl Asked {
-    /// The number of levels, and how close to the limit they lead where that was asked for.
+    /// The number of levels, and how close to the limit they lead where that was asked for. Points that move to their
+    /// limits (`moved`) go as far as the bound at most, so that their polygon is within twice the bound.
     ///
     /// # Errors
     /// A fault below the job, when no level is known to be close enough.
-    pub(super) fn resolve(self, input: &Input, plan: &Plan) -> Result<(u32, Option<Reached>), Fault> {
+    pub(super) fn resolve(self, input: &Input, plan: &Plan, moved: bool) -> Result<(u32, Option<Reached>), Fault> {
         let tolerance = match self {
             Self::Count(levels) => return Ok((levels, None)),
             Self::Tolerance(tolerance) => tolerance,
@@ -73,7 +74,8 @@ impl Asked {
         let Input::Polygons(polygons) = input else {
             return Err(fault("tolerances are offered for polygons; give meshes a number of levels".into()));
         };
-        let reached = reach(polygons, plan, tolerance).map_err(|error| fault(error.to_string()))?;
-        Ok((reached.level, Some(reached)))
+        let factor = if moved { 2.0 } else { 1.0 };
+        let reached = reach(polygons, plan, tolerance / factor).map_err(|error| fault(error.to_string()))?;
+        Ok((reached.level, Some(Reached { bound: factor * reached.bound, ..reached })))
     }
 }

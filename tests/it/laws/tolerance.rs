@@ -146,6 +146,22 @@ fn the_level_is_part_of_the_key_and_the_tolerance_is_not() {
     assert!(reached.bound <= 0.01);
 }
 
+/// The polygon of limit points is another one: it, too, is within the bound.
+#[test]
+fn limit_points_are_within_the_tolerance_too() {
+    for plan in plans() {
+        let polygon = json!({ "points": wobbly(14, 0.7), "closed": true });
+        let job = json!({ "input": { "polygon": polygon }, "plan": plan, "levels": { "tolerance": 0.02 },
+            "outputs": [{ "format": "json", "positions": "limit" }] });
+        let resolved = parsed(job.to_string().as_bytes()).unwrap_or_else(|f| panic!("{f:?}"));
+        let bound = resolved.reached.expect("a tolerance was asked for").bound;
+        let more = if plan.to_string().contains("ary") { 3 } else { 4 };
+        let deep = at_level(&polygon, &plan, resolved.levels + more);
+        let truth = deviation(&at_level(&polygon, &plan, resolved.levels), &deep, true);
+        assert!(truth <= bound + 1e-12 && bound <= 0.02, "{plan}: {truth} {bound}");
+    }
+}
+
 #[test]
 fn what_has_no_bound_is_refused_with_the_reason() {
     let square = json!({ "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "closed": true });
