@@ -7,7 +7,7 @@ use crate::math::parameter::Values;
 use crate::output::bounds::Bounds;
 use crate::output::colors::linear;
 use crate::output::gltf_amounts::{Amounts, Contents, VECTOR};
-use crate::output::numbers::rounded;
+use crate::output::numbers::{as_written, rounded};
 use crate::output::scene::{FaceChunk, Frame, MeshSource, Scene, Shape, in_chunks, triangles};
 use crate::output::stream::{Positions, Stream, channels_within_f32};
 use crate::output::{FormatError, ShapeKind, normals};
@@ -253,11 +253,12 @@ fn check_origins(mesh: &dyn MeshSource, amounts: &Amounts) -> Result<(), FormatE
     Ok(())
 }
 
-/// What to subtract from all positions: the middle of the box, rounded to f32, when it is far from the origin.
+/// What to subtract from all positions: the middle of the box, rounded to f32, when it is far from the origin. It is the
+/// number that the node's translation says in decimals, so that who reads it as f64 puts every digit back.
 fn center(bounds: &Bounds<3>) -> Result<[f64; 3], FormatError> {
     let middle = bounds.center();
     let distance = middle.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    let center = if distance > FAR * bounds.half_side() { middle.map(|x| f64::from(rounded(x))) } else { [0.0; 3] };
+    let center = if distance > FAR * bounds.half_side() { middle.map(|x| as_written(rounded(x))) } else { [0.0; 3] };
     let corners = [bounds.min, bounds.max].map(|corner| local(corner, center));
     if !bounds.is_empty() && !(corners.as_flattened().iter().all(|x| x.is_finite())) {
         let (min, max, most) = (bounds.min, bounds.max, f32::MAX);

@@ -40,6 +40,11 @@ pub(super) fn rounded(x: f64) -> f32 {
     x as f32
 }
 
+/// The number that the shortest decimal of an f32 says, which is close to it but seldom the same.
+pub(super) fn as_written(x: f32) -> f64 {
+    zmij::Buffer::new().format_finite(x).parse().unwrap_or(f64::from(x))
+}
+
 /// Number of decimal digits of `n`.
 pub(super) fn digits(n: u128) -> u128 {
     u128::from(n.checked_ilog10().unwrap_or(0)) + 1

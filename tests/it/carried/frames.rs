@@ -32,11 +32,7 @@ fn world(document: &Value, glb: &[u8]) -> Vec<[f64; 3]> {
 }
 
 fn transformed(node: &Value, p: [f64; 3]) -> [f64; 3] {
-    // the numbers of a node are f32
-    let numbers = |name: &str| -> Option<Vec<f64>> {
-        let numbers: Vec<f32> = serde_json::from_value(node.get(name)?.clone()).ok()?;
-        Some(numbers.into_iter().map(f64::from).collect())
-    };
+    let numbers = |name: &str| -> Option<Vec<f64>> { serde_json::from_value(node.get(name)?.clone()).ok() };
     let scale = numbers("scale").unwrap_or(vec![1.0; 3]);
     let [x, y, z] = [p[0] * scale[0], p[1] * scale[1], p[2] * scale[2]];
     let turned = match numbers("rotation") {
@@ -57,8 +53,7 @@ fn document(glb: &[u8]) -> Value {
 
 #[test]
 fn gltf_is_in_metres_with_y_up_near_and_far() {
-    for (unit, metres) in [("m", 1.0_f32), ("mm", 0.001), ("cm", 0.01), ("in", 0.0254)] {
-        let metres = f64::from(metres);
+    for (unit, metres) in [("m", 1.0), ("mm", 0.001), ("cm", 0.01), ("in", 0.0254)] {
         for up in ["y", "z"] {
             for by in [[0.0; 3], [4e6, -3e6, 1e6]] {
                 let question = framed(&moved(&nets::prism(5), by), unit, up);
@@ -75,6 +70,19 @@ fn gltf_is_in_metres_with_y_up_near_and_far() {
                     );
                 }
             }
+        }
+    }
+}
+
+/// The translation is a decimal: who reads it as f64 puts back every digit that the positions have.
+#[test]
+fn far_models_lose_nothing_to_the_translation() {
+    for by in [[1_000_000.437_5, -3_333_333.3, 7e6], [123_456_789.1, 0.3, -98_765.432_1]] {
+        let question = framed(&moved(&nets::prism(5), by), "m", "y");
+        let glb = written(&question, &json!({ "format": "glb" }));
+        let result: Value = serde_json::from_str(&text(&question, &json!({ "format": "json" }))).expect("JSON");
+        for (found, expected) in world(&document(&glb), &glb).iter().zip(Net::of(&result).positions) {
+            assert!(distance(found, &expected) < 1e-6, "{found:?} and {expected:?}");
         }
     }
 }
