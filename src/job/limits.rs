@@ -264,14 +264,24 @@ struct Carried {
     channels: u128,
     /// Numbers a vertex.
     numbers: u128,
+    /// Bytes a vertex for parameters and values of its own.
+    local_bytes: u128,
 }
+
+/// Old and new parameters of a vertex (4 of 8 bytes each), its values at the last upsampling (5), directions of edges.
+const LOCAL_BYTES: u128 = 8 * (4 + 4 + 5) + 4;
 
 fn carried(job: &Job) -> Carried {
     match &job.input {
         Input::Mesh(mesh) => {
-            Carried { channels: mesh.attachments.channels.len() as u128, numbers: mesh.attachments.width() as u128 }
+            let own = mesh.attributes.is_some() || job.plan.latitude.is_some() || job.plan.perturbation.is_some();
+            Carried {
+                channels: mesh.attachments.channels.len() as u128,
+                numbers: mesh.attachments.width() as u128,
+                local_bytes: if own { LOCAL_BYTES } else { 0 },
+            }
         }
-        Input::Polygons(_) => Carried { channels: 0, numbers: 0 },
+        Input::Polygons(_) => Carried { channels: 0, numbers: 0, local_bytes: 0 },
     }
 }
 
@@ -280,7 +290,10 @@ fn carried(job: &Job) -> Carried {
 /// schemes that make their own, copies of vertices on sharp edges with the faces around them, and the largest result.
 fn memory(forecast: &Forecast, sizes: &[Size], carried: &Carried) -> u128 {
     let count = forecast.peak;
-    let net = count.vertices.saturating_mul(72 + 24 * carried.numbers).saturating_add(count.faces.saturating_mul(44));
+    let net = count
+        .vertices
+        .saturating_mul(72 + 24 * carried.numbers + carried.local_bytes)
+        .saturating_add(count.faces.saturating_mul(44));
     let net = net.saturating_add(forecast.topology_bytes).saturating_add(count.uvs.saturating_mul(60));
     let last = forecast.levels.last().copied().unwrap_or_default();
     let net = net.saturating_add(last.parted.saturating_mul(160));
