@@ -22,7 +22,7 @@ use rayon::prelude::*;
 
 use crate::fault::Fault;
 use crate::math::planar;
-use crate::math::rows::{RowSource, blend};
+use crate::math::rows::{MAX_RUN, RowSource, blend, blend_run};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::ops::LatitudeRule;
 use crate::scheme::plan::{Plan, Scheduled};
@@ -169,7 +169,7 @@ fn act_on(
 ) -> Result<(MeshNet, Vec<Points>), RefineError> {
     for step in steps {
         let next = step.letter.operator.on_mesh(&net, &values(plan, step)).map_err(|error| at(step, error))?;
-        points.iter_mut().try_for_each(|points| points.act(&next.action, step, watch))?;
+        points.iter_mut().try_for_each(|points| points.act(&next.action, step.level, watch))?;
         net = next.net;
     }
     Ok((net, points))
@@ -193,6 +193,10 @@ fn at(step: &Scheduled, error: StepError) -> RefineError {
     RefineError::Step { level: step.level, error }
 }
 
+fn ensure(finite: bool, level: u32) -> Result<(), RefineError> {
+    if finite { Ok(()) } else { Err(RefineError::NotFinite { level }) }
+}
+
 /// Points of a net, `n x width`, with those that entered the last U.
 #[derive(Clone)]
 struct Points {
@@ -208,27 +212,43 @@ impl Points {
         Self { now, anchor: Vec::new(), tangents: None, width }
     }
 
-    fn act(&mut self, action: &Action, step: &Scheduled, watch: &Watch) -> Result<(), RefineError> {
+    fn act(&mut self, action: &Action, level: u32, watch: &Watch) -> Result<(), RefineError> {
         match action {
-            Action::Blend(rows) => self.now = blend(&**rows, &self.now, self.width, watch)?,
-            Action::BlendFromAnchor(rows) => {
-                let next = blend(&**rows, &self.now, self.width, watch)?;
-                self.anchor = std::mem::replace(&mut self.now, next);
-            }
+            Action::Blend(rows) => return self.blend(false, &[&**rows], level, watch),
+            Action::BlendFromAnchor(rows) => return self.blend(true, &[&**rows], level, watch),
             Action::PushBack { rows, children } => self.push_back(&**rows, children, watch)?,
             Action::Map(map) => self.map(&**map, watch)?,
             Action::Sequence(actions) => {
-                return actions.iter().try_for_each(|action| self.act(action, step, watch));
+                return actions.iter().try_for_each(|action| self.act(action, level, watch));
             }
-            Action::Keep => {}
+            Action::Keep => return Ok(()),
         }
-        // a sum of finite numbers that overflows stays infinite or NaN, so a sample of the sums would not do
         let finite = |numbers: &[f64]| numbers.par_chunks(CHUNK).all(|chunk| chunk.iter().all(|x| x.is_finite()));
-        if finite(&self.now) && self.tangents.as_deref().is_none_or(finite) {
-            Ok(())
-        } else {
-            Err(RefineError::NotFinite { level: step.level })
+        ensure(finite(&self.now) && self.tangents.as_deref().is_none_or(finite), level)
+    }
+
+    /// All actions of one level. Blends of rows that repeat themselves are made in one sweep, without the points between
+    /// them.
+    fn act_all(&mut self, actions: &[Action], level: u32, watch: &Watch) -> Result<(), RefineError> {
+        let repeat = |action: &Action| action.rows().is_some_and(|rows| rows.pattern().is_some());
+        let runs = actions.chunk_by(|a, b| repeat(a) && repeat(b) && matches!(b, Action::Blend(_)));
+        runs.flat_map(|run| run.chunks(MAX_RUN)).try_for_each(|run| match run {
+            [action] => self.act(action, level, watch),
+            run => {
+                let rows: Vec<_> = run.iter().filter_map(Action::rows).collect();
+                self.blend(matches!(run[0], Action::BlendFromAnchor(_)), &rows, level, watch)
+            }
+        })
+    }
+
+    /// `points <- rows x points` for the rows of a run, one after another; on request what was there becomes the anchor.
+    fn blend(&mut self, anchor: bool, run: &[&dyn RowSource], level: u32, watch: &Watch) -> Result<(), RefineError> {
+        let next = blend_run(run, &self.now, self.width, watch)?;
+        let before = std::mem::replace(&mut self.now, next.points);
+        if anchor {
+            self.anchor = before;
         }
+        ensure(next.finite, level)
     }
 
     fn map(&mut self, map: &dyn PointMap, watch: &Watch) -> Result<(), Stopped> {

@@ -42,7 +42,7 @@ pub(super) fn refined(
         }
         let operator = if linear { upsampling } else { step.letter.operator };
         let next = operator.on_mesh(&net, &values(plan, step)).map_err(|error| at(step, error))?;
-        points.act(&next.action, step, watch)?;
+        points.act(&next.action, step.level, watch)?;
         net = next.net;
     }
     let order = net.order();

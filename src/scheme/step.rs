@@ -66,6 +66,16 @@ pub enum Action {
     Keep,
 }
 
+impl Action {
+    /// The rows of a blend.
+    pub fn rows(&self) -> Option<&dyn RowSource> {
+        match self {
+            Self::Blend(rows) | Self::BlendFromAnchor(rows) => Some(&**rows),
+            _ => None,
+        }
+    }
+}
+
 /// A step that is not linear: the one kind that sees coordinates, those of points in the plane and of their tangents.
 pub trait PointMap: fmt::Debug + Send + Sync {
     /// The next points and their unit tangents, from points and unit tangents, one for each.

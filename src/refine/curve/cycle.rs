@@ -198,7 +198,7 @@ fn response(plan: &Plan, steps: &[Scheduled], n: usize) -> Result<Vec<f64>, NoMa
         let operator = step.letter.operator;
         let next =
             operator.on_polygon(&net, &values(plan, step)).map_err(|error| NoMask::NoValue(error.to_string()))?;
-        let acted = points.act(&next.action, step, &Watch::new());
+        let acted = points.act(&next.action, step.level, &Watch::new());
         acted.map_err(|error| NoMask::NoValue(error.to_string()))?;
         net = next.net;
     }

@@ -62,10 +62,14 @@ fn refined(
     if plan.turns_tangents().is_some() {
         points.tangents = Some(start_tangents(polygon, watch)?);
     }
-    for step in steps {
-        let next = step.letter.operator.on_polygon(&net, &values(plan, step)).map_err(|error| at(step, error))?;
-        points.act(&next.action, step, watch)?;
-        net = next.net;
+    for steps in steps.chunk_by(|a, b| a.level == b.level) {
+        let mut actions = Vec::with_capacity(steps.len());
+        for step in steps {
+            let next = step.letter.operator.on_polygon(&net, &values(plan, step)).map_err(|error| at(step, error))?;
+            actions.push(next.action);
+            net = next.net;
+        }
+        points.act_all(&actions, steps[0].level, watch)?;
     }
     Ok((net, points))
 }

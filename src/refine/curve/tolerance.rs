@@ -103,7 +103,7 @@ fn measured_one(polygon: &Polygon, plan: &Plan, most: usize) -> Result<Vec<f64>,
         let Ok(steps) = plan.schedule(level) else { break };
         for step in steps.iter().filter(|step: &&Scheduled| step.level == level) {
             let next = step.letter.operator.on_polygon(&net, &values(plan, step)).map_err(|error| at(step, error))?;
-            points.act(&next.action, step, &watch)?;
+            points.act(&next.action, step.level, &watch)?;
             net = next.net;
         }
         bends.push(greatest_second_difference(&net, &points.now, polygon.dimension));

@@ -161,7 +161,7 @@ pub(super) fn smoothness(
     for level in 1..=LEVELS[1] {
         watch.check()?;
         net = cycle.applied(net, |action, step| {
-            points.act(action, step, &uncounted).map_err(|error| match error {
+            points.act(action, step.level, &uncounted).map_err(|error| match error {
                 RefineError::Stopped(Stopped) => Unlimited::Stopped(Stopped),
                 _ => Unlimited::Unsettled,
             })

@@ -1,0 +1,143 @@
+//! Rows applied to points, block by block.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+
+use super::{RowSource, Rows, weighted};
+use crate::watch::{Stopped, Watch};
+
+/// Rows made and applied at a time: small enough for the cache, large enough to share among threads.
+const BLOCK: usize = 4096;
+
+/// Most tables that are applied in one sweep.
+pub const MAX_RUN: usize = 4;
+
+/// New points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Blended {
+    /// Their coordinates, `n x width`, point after point.
+    pub points: Vec<f64>,
+    /// Whether all coordinates are finite numbers.
+    pub finite: bool,
+}
+
+/// `rows x points`: `points` is `n_columns x width`, the result `n_rows x width`, both point after point.
+///
+/// Blocks of rows are divided among threads; each sum is ordered, so any number of threads gives the same bits.
+///
+/// # Errors
+/// [`Stopped`] when the watch says so.
+///
+/// # Panics
+/// When `points` has not `n_columns x width` coordinates, or `width` is not 1 to 4.
+pub fn blend(source: &dyn RowSource, points: &[f64], width: usize, watch: &Watch) -> Result<Vec<f64>, Stopped> {
+    blend_run(&[source], points, width, watch).map(|blended| blended.points)
+}
+
+/// One table after another, the first of `run` first, without holding the points between them: each block of new
+/// points is made of the few points between that it needs, which stay in the cache. The sums are those of one table at
+/// a time, bit for bit. It pays where all tables but the first have a pattern.
+///
+/// # Errors
+/// [`Stopped`] when the watch says so.
+///
+/// # Panics
+/// When the sizes do not fit, `width` is not 1 to 4, or there is no table or more than [`MAX_RUN`].
+pub fn blend_run(run: &[&dyn RowSource], points: &[f64], width: usize, watch: &Watch) -> Result<Blended, Stopped> {
+    assert!((1..=MAX_RUN).contains(&run.len()), "a run has 1 to {MAX_RUN} tables, not {}", run.len());
+    assert_eq!(points.len(), run[0].n_columns() * width, "the rows belong to another net");
+    assert!(run.array_windows().all(|[a, b]| a.n_rows() == b.n_columns()), "the rows belong to another net");
+    match width {
+        1 => blend_points::<1>(run, points, watch),
+        2 => blend_points::<2>(run, points, watch),
+        3 => blend_points::<3>(run, points, watch),
+        4 => blend_points::<4>(run, points, watch),
+        _ => panic!("points have 1 to 4 coordinates, not {width}"),
+    }
+}
+
+fn blend_points<const W: usize>(run: &[&dyn RowSource], points: &[f64], watch: &Watch) -> Result<Blended, Stopped> {
+    let n_rows = run.last().map_or(0, |source| source.n_rows());
+    let (points, _) = points.as_chunks::<W>();
+    let mut out = vec![0.0; n_rows * W];
+    let finite = AtomicBool::new(true);
+    out.par_chunks_mut(BLOCK * W).enumerate().try_for_each_init(Rows::default, |rows, (block, out)| {
+        watch.check()?;
+        let start = block * BLOCK;
+        fill(run, points, start, out.as_chunks_mut::<W>().0, rows);
+        // a sum of finite numbers that overflows stays infinite or NaN, so a sample of the sums would not do
+        if !out.iter().fold(true, |finite, x| finite & x.is_finite()) {
+            finite.store(false, Ordering::Relaxed);
+        }
+        watch.advance((out.len() / W) as u64);
+        Ok(())
+    })?;
+    watch.advance(run[..run.len() - 1].iter().map(|source| source.n_rows() as u64).sum());
+    Ok(Blended { points: out, finite: finite.into_inner() })
+}
+
+/// Fills `out` with the points from `start` on of the net that follows after the tables of `run`.
+fn fill<const W: usize>(
+    run: &[&dyn RowSource],
+    points: &[[f64; W]],
+    start: usize,
+    out: &mut [[f64; W]],
+    rows: &mut Rows,
+) {
+    let Some((last, before)) = run.split_last() else {
+        out.copy_from_slice(&points[start..start + out.len()]);
+        return;
+    };
+    let all = start..start + out.len();
+    let repeated = last.pattern().map_or(all.end..all.end, |pattern| pattern.part_of(&all));
+    for single in [all.start..repeated.start, repeated.end..all.end] {
+        let out = &mut out[single.start - start..single.end - start];
+        fill_singly(*last, before, points, single, out, rows);
+    }
+    let Some(pattern) = last.pattern().filter(|_| !repeated.is_empty()) else { return };
+    let out = &mut out[repeated.start - start..repeated.end - start];
+    if before.is_empty() {
+        pattern.apply(repeated.start, points, 0, out);
+    } else {
+        let needs = pattern.needs(&repeated);
+        let mut between = vec![[0.0; W]; needs.len()];
+        fill(before, points, needs.start, &mut between, rows);
+        pattern.apply(repeated.start, &between, needs.start, out);
+    }
+}
+
+/// The rows of `range` of `last`, each made by itself, applied to the points that follow after the tables `before`.
+fn fill_singly<const W: usize>(
+    last: &dyn RowSource,
+    before: &[&dyn RowSource],
+    points: &[[f64; W]],
+    range: Range<usize>,
+    out: &mut [[f64; W]],
+    rows: &mut Rows,
+) {
+    if range.is_empty() {
+        return;
+    }
+    rows.clear();
+    last.make(range, rows);
+    if before.is_empty() {
+        rows.apply(points, out);
+        return;
+    }
+    // the few rows near the ends, and what they need
+    let ends = std::mem::take(rows);
+    for (r, target) in out.iter_mut().enumerate() {
+        let (indices, weights) = ends.row(r);
+        let needed: Vec<[f64; W]> = indices
+            .iter()
+            .map(|&index| {
+                let mut point = [[0.0; W]];
+                fill(before, points, index as usize, &mut point, rows);
+                point[0]
+            })
+            .collect();
+        *target = weighted(weights.iter().zip(&needed));
+    }
+}
