@@ -144,16 +144,6 @@ pub enum StepError {
          where one face meets them: leave the tag out"
     )]
     DualCorner(usize),
-    /// A face that is not a triangle.
-    #[error("face {face} has {size} vertices; {scheme} refines triangles only: split the face or use another scheme")]
-    NoTriangle {
-        /// The scheme.
-        scheme: &'static str,
-        /// The face.
-        face: usize,
-        /// Its vertices.
-        size: usize,
-    },
     /// A vertex all around which there are two faces only.
     #[error(
         "all around vertex {vertex} there are only two faces; {scheme} needs at least three there: remove the vertex or \

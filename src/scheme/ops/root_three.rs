@@ -57,8 +57,8 @@ impl Operator for RootThree {
         if !net.holes.is_empty() {
             return Err(StepError::OwnTags("sqrt-3", "holes (boundary \"none\" makes some)"));
         }
-        if let Some(f) = topology.first_other_than_triangle() {
-            return Err(StepError::NoTriangle { scheme: "sqrt-3", face: f, size: topology.face(f).len() });
+        if let Some(face) = topology.first_other_than_triangle() {
+            return Err(StepError::NotTriangles { face, size: topology.face(face).len() });
         }
         let two = |&v: &usize| topology.boundary_edges(v).is_none() && topology.ring(v).count() == 2;
         match (0..topology.n_vertices()).find(two) {

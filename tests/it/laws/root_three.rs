@@ -111,7 +111,10 @@ fn what_it_cannot_refine_is_refused() {
     let refused = |mesh: &Value, boundary: &str| {
         support::faults(json!({ "input": { "mesh": mesh }, "plan": plan(boundary), "levels": 1 }))[0].detail.clone()
     };
-    assert!(refused(&nets::mixed().to_json(), "edge-only").contains("face 0 has 4 vertices; sqrt-3 refines triangles"));
+    assert!(
+        refused(&nets::mixed().to_json(), "edge-only")
+            .contains("face 0 has 4 vertices, and only triangles are split into triangles")
+    );
     let mut holed = nets::tetrahedron().to_json();
     holed["holes"] = json!([1]);
     assert!(refused(&holed, "edge-only").contains("sqrt-3 cannot carry holes"));
