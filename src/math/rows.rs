@@ -77,9 +77,7 @@ impl Rows {
 fn weighted<'a, const W: usize>(pairs: impl Iterator<Item = (&'a f64, &'a [f64; W])>) -> [f64; W] {
     let mut sum = [0.0; W];
     for (weight, point) in pairs {
-        for (s, p) in sum.iter_mut().zip(point) {
-            *s += weight * p;
-        }
+        sum = std::array::from_fn(|c| sum[c] + weight * point[c]);
     }
     sum
 }

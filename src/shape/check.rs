@@ -28,6 +28,13 @@ impl FaceList {
         self.starts.push(index(self.vertices.len()));
     }
 
+    /// Appends the faces of another list.
+    pub fn append(&mut self, other: &Self) {
+        let before = self.starts[self.len()];
+        self.starts.extend(other.starts[1..].iter().map(|start| before + start));
+        self.vertices.extend_from_slice(&other.vertices);
+    }
+
     /// Number of faces.
     pub fn len(&self) -> usize {
         self.starts.len() - 1
@@ -85,11 +92,11 @@ impl Topology {
     /// with three faces or more, components that cannot be oriented or are wound inconsistently.
     pub fn of_faces(n_vertices: usize, mut faces: FaceList, winding: Winding) -> Result<Checked, Vec<Fault>> {
         check_faces(n_vertices, &faces)?;
-        let mut sides = sides(&faces);
+        let mut sides = sides(n_vertices, &faces);
         check_edges(&faces, &sides)?;
         let turned = orient(&mut faces, &sides, winding)?;
         if !turned.is_empty() {
-            sides = self::sides(&faces);
+            sides = self::sides(n_vertices, &faces);
         }
         let mut topology = connect(n_vertices, faces, &sides);
         let split_from = topology.part_fans();
@@ -147,7 +154,7 @@ impl Topology {
 /// As [`Topology::of_faces`].
 pub fn oriented(n_vertices: usize, faces: &mut FaceList, winding: Winding) -> Result<Vec<u32>, Vec<Fault>> {
     check_faces(n_vertices, faces)?;
-    let sides = sides(faces);
+    let sides = sides(n_vertices, faces);
     check_edges(faces, &sides)?;
     orient(faces, &sides, winding)
 }
@@ -186,17 +193,27 @@ fn check_faces(n_vertices: usize, faces: &FaceList) -> Result<(), Vec<Fault>> {
 /// One side of an edge: the edge as (lower vertex, higher vertex), then the corner.
 type Side = ((u32, u32), u32);
 
-/// All sides, those of one edge next to each other, by ascending corner.
-fn sides(faces: &FaceList) -> Vec<Side> {
-    let of_face = |f: usize| {
-        let face = faces.face(f);
-        (0..face.len()).map(move |j| {
-            let (a, b) = (face[j], face[(j + 1) % face.len()]);
-            ((a.min(b), a.max(b)), faces.starts[f] + index(j))
+/// All sides, those of one edge next to each other, by ascending corner: sorted into the lower vertices, then at each.
+fn sides(n_vertices: usize, faces: &FaceList) -> Vec<Side> {
+    let all = || {
+        (0..faces.len()).flat_map(|f| {
+            let face = faces.face(f);
+            (0..face.len()).map(move |j| {
+                let (a, b) = (face[j], face[(j + 1) % face.len()]);
+                ((a.min(b), a.max(b)), faces.starts[f] + index(j))
+            })
         })
     };
-    let mut sides: Vec<Side> = (0..faces.len()).into_par_iter().flat_map_iter(of_face).collect();
-    sides.par_sort_unstable();
+    let mut places = vec![0; n_vertices + 1];
+    all().for_each(|side| places[side.0.0 as usize + 1] += 1);
+    (0..n_vertices).for_each(|v| places[v + 1] += places[v]);
+    let mut sides = vec![((0, 0), 0); faces.n_corners()];
+    for side in all() {
+        let place = &mut places[side.0.0 as usize];
+        sides[*place] = side;
+        *place += 1;
+    }
+    sides.par_chunk_by_mut(|a, b| a.0.0 == b.0.0).for_each(<[Side]>::sort_unstable);
     sides
 }
 

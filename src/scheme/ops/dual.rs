@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::upsample::ratio;
 use super::{Heirs, Operator, Role};
 use crate::math::rows::{Rows, RowsBy};
@@ -13,6 +15,9 @@ use crate::scheme::window::Window;
 use crate::scheme::word::Letter;
 use crate::shape::check::{Checked, FaceList, Winding};
 use crate::shape::topology::{Topology, index};
+
+/// Vertices whose rings one thread walks at a time.
+const PART: usize = 4096;
 
 /// D, the dual average: one new point for each edge of a curve, for each face of a mesh.
 #[derive(Debug)]
@@ -146,20 +151,29 @@ impl Ordered {
 
 /// For each interior vertex in order the cycle of its faces, counter-clockwise, starting at the lowest.
 fn dual_faces(ordered: &Ordered) -> Result<FaceList, StepError> {
-    let explicit = manifold(ordered.topology.n_vertices(), ordered.faces.clone())?.topology;
-    let mut faces = FaceList::default();
-    for v in 0..explicit.n_vertices() {
+    let explicit = match ordered.order {
+        None => ordered.topology.clone(),
+        Some(_) => Arc::new(manifold(ordered.topology.n_vertices(), ordered.faces.clone())?.topology),
+    };
+    let dual = |v: usize, faces: &mut FaceList| {
         if explicit.is_isolated(v) || explicit.boundary_edges(v).is_some() {
-            continue;
+            return;
         }
         let mut cycle: Vec<u32> = explicit.ring(v).map(|corner| index(explicit.face_of(corner))).collect();
-        if cycle.len() < 3 {
-            continue;
+        if cycle.len() >= 3 {
+            let lowest = (0..cycle.len()).min_by_key(|&i| cycle[i]).unwrap_or(0);
+            cycle.rotate_left(lowest);
+            faces.push(cycle);
         }
-        let lowest = (0..cycle.len()).min_by_key(|&i| cycle[i]).unwrap_or(0);
-        cycle.rotate_left(lowest);
-        faces.push(cycle);
-    }
+    };
+    let n = explicit.n_vertices();
+    let parts = (0..n.div_ceil(PART)).into_par_iter().map(|part| {
+        let mut faces = FaceList::default();
+        (part * PART..n.min((part + 1) * PART)).for_each(|v| dual(v, &mut faces));
+        faces
+    });
+    let mut faces = FaceList::default();
+    parts.collect::<Vec<_>>().iter().for_each(|part| faces.append(part));
     Ok(faces)
 }
 
