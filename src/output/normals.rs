@@ -40,13 +40,21 @@ pub fn area(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Res
     Ok(sums)
 }
 
-/// The normals that the mesh brings (those of its limit), else [`area`].
+/// The normals that the mesh brings (those of its limit), and [`area`] ones where it brings none.
 ///
 /// # Errors
 /// [`Stopped`] when the watch says so.
 pub fn of(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Vec<[f64; 3]>, Stopped> {
     let mut normals = Vec::new();
-    if mesh.normals(0..mesh.n_vertices(), &mut normals) { Ok(normals) } else { area(mesh, positions, watch) }
+    if !mesh.normals(0..mesh.n_vertices(), &mut normals) {
+        return area(mesh, positions, watch);
+    }
+    let is_missing = |normal: &[f64; 3]| normal.iter().all(|&x| x == 0.0);
+    if normals.iter().any(is_missing) {
+        let area = area(mesh, positions, watch)?;
+        normals.iter_mut().zip(area).filter(|(normal, _)| is_missing(normal)).for_each(|(normal, area)| *normal = area);
+    }
+    Ok(normals)
 }
 
 /// The normals of `smooth` for the vertices of `parted`: a mesh with the same faces in the same order, whose vertices are

@@ -19,6 +19,9 @@ pub(super) struct Parted<'a> {
     origins: Vec<u32>,
     /// Where faces have a copy: face, vertex, copy; ascending.
     moved: Vec<(usize, u32, u32)>,
+    /// The normal of each copy, and those of the parted vertices, ascending, where the mesh brings normals.
+    normals: Vec<[f64; 3]>,
+    kept: Vec<(u32, [f64; 3])>,
 }
 
 /// A face at a vertex, with its neighbours there: counter-clockwise from `next` to `before`.
@@ -37,19 +40,16 @@ impl<'a> Parted<'a> {
     /// [`Stopped`] when the watch says so.
     pub(super) fn of(shape: Shape<'a>, watch: &Watch) -> Result<Option<Self>, Stopped> {
         let Shape::Mesh(mesh) = shape else { return Ok(None) };
-        if mesh.normals(0..0, &mut Vec::new()) {
-            // limit normals exist only where sharp edges have become smooth in the limit
-            return Ok(None);
-        }
         let mut sharp: Vec<[u32; 2]> = mesh.sharp_edges().into_iter().map(|[a, b]| [a.min(b), a.max(b)]).collect();
         if sharp.is_empty() {
             return Ok(None);
         }
         sharp.par_sort_unstable();
         let corners = corners(mesh, &sharp, watch)?;
-        let mut parted = Self { mesh, origins: Vec::new(), moved: Vec::new() };
+        let has_normals = mesh.normals(0..0, &mut Vec::new());
+        let mut parted = Self { mesh, origins: Vec::new(), moved: Vec::new(), normals: Vec::new(), kept: Vec::new() };
         for around in corners.chunk_by(|a, b| a.vertex == b.vertex) {
-            parted.part(around, &sharp);
+            parted.part(around, &sharp, has_normals);
         }
         parted.moved.par_sort_unstable();
         Ok((!parted.origins.is_empty()).then_some(parted))
@@ -62,7 +62,7 @@ impl<'a> Parted<'a> {
     }
 
     /// Parts one vertex, given its corners by face.
-    fn part(&mut self, around: &[Corner], sharp: &[[u32; 2]]) {
+    fn part(&mut self, around: &[Corner], sharp: &[[u32; 2]], has_normals: bool) {
         let vertex = around[0].vertex;
         let sectors = sectors(around, |other| sharp.binary_search(&[vertex.min(other), vertex.max(other)]).is_ok());
         let first = self.mesh.n_vertices() + self.origins.len();
@@ -71,6 +71,18 @@ impl<'a> Parted<'a> {
         for (corner, &sector) in around.iter().zip(&sectors).filter(|(_, sector)| **sector > 0) {
             let copy = u32::try_from(first + sector - 1).unwrap_or(u32::MAX);
             self.moved.push((corner.face, vertex, copy));
+        }
+        if has_normals && n > 0 {
+            let mut one = Vec::new();
+            self.mesh.normals(vertex as usize..vertex as usize + 1, &mut one);
+            let normal = |sector| {
+                let corner = around.iter().zip(&sectors).find(|(_, other)| **other == sector).map(|(corner, _)| corner);
+                let side = corner.and_then(|corner| self.mesh.side_normal(vertex, corner.next));
+                side.or_else(|| one.first().copied()).unwrap_or_default()
+            };
+            self.kept.push((vertex, normal(0)));
+            let normals: Vec<[f64; 3]> = (1..=n).map(normal).collect();
+            self.normals.extend(normals);
         }
     }
 }
@@ -156,6 +168,18 @@ impl MeshSource for Parted<'_> {
             self.mesh.positions(origin..origin + 1, &mut one);
             out.extend_from_slice(&one);
         }
+    }
+
+    fn normals(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) -> bool {
+        let n = self.mesh.n_vertices();
+        if !self.mesh.normals(range.start.min(n)..range.end.min(n), out) {
+            return false;
+        }
+        let first = self.kept.partition_point(|&(v, _)| (v as usize) < range.start);
+        let here = self.kept[first..].iter().take_while(|&&(v, _)| (v as usize) < range.end);
+        here.for_each(|&(v, normal)| out[v as usize - range.start] = normal);
+        out.extend_from_slice(&self.normals[range.start.max(n) - n..range.end.max(n) - n]);
+        true
     }
 
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {

@@ -5,11 +5,13 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::limit::Normals;
 use super::unfolded::Unfolded;
 use super::uvs::RefinedUvs;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::sharpness::Sharpness;
 use crate::shape::attachments::Attachments;
+use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::order::Order;
 use crate::shape::source::{FaceChunk, MeshSource, Origin};
 use crate::shape::topology::{Topology, index};
@@ -19,7 +21,7 @@ use crate::shape::topology::{Topology, index};
 pub struct RefinedMesh {
     points: Vec<f64>,
     /// Normals of the limit, if there are any, in the same order.
-    normals: Option<Vec<[f64; 3]>>,
+    normals: Option<Normals>,
     base: Arc<Topology>,
     /// `None` when the mesh was not split since its base: then the orders agree.
     order: Option<Order>,
@@ -116,13 +118,17 @@ impl RefinedMesh {
 
     /// The normal of vertex `v`, zero where there is none.
     pub(super) fn normal(&self, v: usize) -> [f64; 3] {
-        self.normals.as_ref().map_or([0.0; 3], |normals| normals[self.constructed(v)])
+        self.normals.as_ref().map_or([0.0; 3], |normals| normals.of_vertices[self.constructed(v)])
     }
 
-    /// Sharp pieces of edges of the base: the edge, and the number of the piece in its direction.
+    /// Sharp pieces of edges of the base: the edge, and the number of the piece in its direction. In the limit only those
+    /// are sharp that stay so for ever.
     fn sharp_pieces(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let sharp = self.sharpness.iter().flat_map(|sharpness| sharpness.edges());
-        sharp.map(|&(e, _)| (e as usize / self.pieces, e as usize % self.pieces))
+        let least = if self.normals.is_some() { INFINITE_SHARPNESS } else { 0.0 };
+        sharp
+            .filter(move |&&(_, sharpness)| sharpness >= least)
+            .map(|&(e, _)| (e as usize / self.pieces, e as usize % self.pieces))
     }
 
     /// The ends of a piece of an edge of one of the meshes with these faces.
@@ -166,9 +172,9 @@ impl RefinedMesh {
         }
     }
 
-    /// The same mesh with unit normals in the order of construction, if there are any.
+    /// The same mesh with normals in the order of construction, if there are any.
     #[must_use]
-    pub(super) fn with_normals(self, normals: Option<Vec<[f64; 3]>>) -> Self {
+    pub(super) fn with_normals(self, normals: Option<Normals>) -> Self {
         Self { normals, ..self }
     }
 
@@ -250,7 +256,12 @@ impl MeshSource for RefinedMesh {
     }
 
     fn normals(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) -> bool {
-        self.normals.as_ref().map(|normals| ordered(normals, self.order.as_ref(), range, out)).is_some()
+        self.normals.as_ref().map(|normals| ordered(&normals.of_vertices, self.order.as_ref(), range, out)).is_some()
+    }
+
+    fn side_normal(&self, vertex: u32, next: u32) -> Option<[f64; 3]> {
+        let [vertex, next] = [vertex, next].map(|v| index(self.constructed(v as usize)));
+        self.normals.as_ref()?.on_side(vertex, next)
     }
 
     fn sharp_edges(&self) -> Vec<[u32; 2]> {

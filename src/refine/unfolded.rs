@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::RefinedMesh;
 use crate::shape::attachments::Attachments;
 use crate::shape::source::{FaceChunk, MeshSource, Origin};
+use crate::shape::topology::index;
 
 /// The faces are those of the mesh, in their order; vertices without a face are not there.
 #[derive(Debug)]
@@ -47,6 +48,11 @@ impl MeshSource for Unfolded<'_> {
             self.gathered(range, |v| self.0.normal(v), out);
             true
         }
+    }
+
+    fn side_normal(&self, place: u32, next: u32) -> Option<[f64; 3]> {
+        let [vertex, next] = [place, next].map(|place| index(self.0.vertex_at(place as usize)));
+        self.0.side_normal(vertex, next)
     }
 
     fn sharp_edges(&self) -> Vec<[u32; 2]> {

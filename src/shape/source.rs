@@ -45,9 +45,14 @@ pub trait MeshSource: std::fmt::Debug + Sync {
     fn normals(&self, _range: Range<usize>, _out: &mut Vec<[f64; 3]>) -> bool {
         false
     }
+    /// The unit normal of a vertex on the side of the face in which `next` follows it (zero where undefined), if the mesh
+    /// brings normals that differ from side to side there.
+    fn side_normal(&self, _vertex: u32, _next: u32) -> Option<[f64; 3]> {
+        None
+    }
     /// Fills `out` with the faces in `range`, counter-clockwise seen from outside; what it held before is dropped.
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk);
-    /// The ends of the interior edges that are still sharp.
+    /// The ends of the interior edges that are still sharp, where the mesh brings normals those that stay so.
     fn sharp_edges(&self) -> Vec<[u32; 2]> {
         Vec::new()
     }

@@ -3,6 +3,7 @@
 mod formulas;
 mod laws;
 mod refusals;
+mod sides;
 
 use serde_json::{Value, json};
 

@@ -33,6 +33,8 @@ pub(super) struct Child {
     pub(super) patch: Patch,
     /// From the points of the patch to those of the child's.
     pub(super) matrix: Matrix,
+    /// Which face at the centre its first face there comes of: upsamplings keep the order around a vertex.
+    pub(super) turn: usize,
 }
 
 impl<'a> Cycle<'a> {
@@ -48,7 +50,7 @@ impl<'a> Cycle<'a> {
     pub(super) fn step(&self, level: usize, patch: &Patch, rings: Rings) -> Result<Child, Unlimited> {
         let (found, record, origins) = self.refined(level, patch, rings, Weights::Exact)?;
         let matrix = record.matrix(&found.vertices[..found.patch.support], &origins, patch.support);
-        Ok(Child { patch: found.patch, matrix: matrix.ok_or(Unlimited::Reach)? })
+        Ok(Child { patch: found.patch, matrix: matrix.ok_or(Unlimited::Reach)?, turn: found.turn })
     }
 
     /// Whether what could have a weight in the child's support lies in the support of the patch; and the child.

@@ -10,6 +10,7 @@ use super::Unlimited;
 use super::mask::{Mask, Masks};
 use super::patch::{Centre, Found, Patch, Rings, Whole};
 use super::probe::Regular;
+use super::sector::Sectors;
 use super::tangent::NoTangents;
 use crate::math::rows::{RowSource, Rows};
 use crate::scheme::mesh_net::MeshNet;
@@ -84,19 +85,46 @@ impl Field {
         Ok(Self { net, topology, rings, classes, masks, regular: grid })
     }
 
-    /// Why some vertex has no tangents, and where, if one has none.
-    pub(super) fn no_tangents(&self) -> Option<(NoTangents, String)> {
-        let missing = |mask: &Mask| mask.tangents.as_ref().err().copied();
-        if let Some(why) = self.regular.as_ref().and_then(missing) {
-            return Some((why, "a regular vertex".into()));
-        }
-        let class = self.masks.iter().position(|mask| mask.tangents.is_err())?;
-        let v = self.classes.iter().position(|&other| other as usize == class + ALONE as usize + 1)?;
-        Some((missing(&self.masks[class])?, self.describe(v)))
+    /// Why a regular vertex has no tangents, if it has none: then the scheme has none.
+    pub(super) fn no_regular_tangents(&self) -> Option<NoTangents> {
+        self.regular.as_ref()?.tangents.iter().find_map(|tangents| tangents.as_ref().err().copied())
     }
 
-    /// A vertex in words; its number would be one of a net that the client never sees.
+    /// Why a vertex has no tangents in a sector, if it has none.
+    pub(super) fn no_tangents(&self, v: usize, sector: usize) -> Option<NoTangents> {
+        self.mask(v)?.tangents[sector].as_ref().err().copied()
+    }
+
+    /// The mask of a vertex; `None` for one without faces.
+    fn mask(&self, v: usize) -> Option<&Mask> {
+        match self.classes[v] {
+            ALONE => None,
+            REGULAR => self.regular.as_ref(),
+            class => self.masks.get((class - ALONE - 1) as usize).map(|mask| &**mask),
+        }
+    }
+
+    /// The sectors of all vertices: first one of each vertex, then those beside, vertex after vertex.
+    pub(super) fn sectors(&self) -> Vec<(u32, usize)> {
+        let n = self.classes.len();
+        let beside =
+            |v: usize| (1..self.mask(v).map_or(1, |mask| mask.tangents.len())).map(move |sector| (index(v), sector));
+        (0..n).map(|v| (index(v), 0)).chain((0..n).flat_map(beside)).collect()
+    }
+
+    /// For each corner at a vertex, counter-clockwise, the next vertex of its face and its sector.
+    pub(super) fn corners(&self, v: usize) -> Vec<(u32, usize)> {
+        let rings = Rings { support: 1, patch: 1 };
+        let Some(found) = self.whole().patch(Centre::Vertex(index(v)), rings) else { return Vec::new() };
+        let sectors = Sectors::of(&found.patch);
+        let faces = found.patch.central_faces().enumerate();
+        faces.map(|(i, face)| (found.vertices[face[1] as usize], sectors.of_face(i))).collect()
+    }
+
+    /// A sector of a vertex in words; its number would be one of a net that the client never sees.
     pub(super) fn describe(&self, v: usize) -> String {
+        let parted = self.mask(v).is_some_and(|mask| mask.tangents.len() > 1);
+        let side = if parted { "one side of the sharp edges at " } else { "" };
         let kind = if self.net.is_corner(v) {
             "a corner"
         } else if self.topology.boundary_edges(v).is_some() {
@@ -104,7 +132,13 @@ impl Field {
         } else {
             "an interior vertex"
         };
-        format!("{kind} with {} faces", self.topology.ring(v).count())
+        let n = self.topology.ring(v).count();
+        format!("{side}{kind} with {n} {}", if n == 1 { "face" } else { "faces" })
+    }
+
+    /// Number of vertices.
+    pub(super) fn n_vertices(&self) -> usize {
+        self.classes.len()
     }
 
     /// Whether a vertex has no face.
@@ -116,12 +150,12 @@ impl Field {
         Whole::of(&self.net, &self.topology)
     }
 
-    fn row(&self, v: usize, wish: Wish, out: &mut Rows) {
+    fn row(&self, v: usize, sector: usize, wish: Wish, out: &mut Rows) {
         let alone = |out: &mut Rows| out.add(index(v), if wish == Wish::Position { 1.0 } else { 0.0 });
         match (self.classes[v], &self.regular) {
             (ALONE, _) => alone(out),
             (REGULAR, Some(mask)) => {
-                let weights = weights(mask, wish);
+                let weights = weights(mask, wish, sector);
                 let mut at = 0;
                 grid(&self.topology, v, self.rings.support, |vertex| {
                     out.add(vertex, weights[at]);
@@ -134,7 +168,9 @@ impl Field {
                 let rings = Rings { patch: self.rings.support, ..self.rings };
                 let mask = &self.masks[(class - ALONE - 1) as usize];
                 match whole.patch(Centre::Vertex(index(v)), rings) {
-                    Some(found) => found.vertices.iter().zip(weights(mask, wish)).for_each(|(&u, &w)| out.add(u, w)),
+                    Some(found) => {
+                        found.vertices.iter().zip(weights(mask, wish, sector)).for_each(|(&u, &w)| out.add(u, w));
+                    }
                     None => alone(out),
                 }
             }
@@ -142,11 +178,13 @@ impl Field {
     }
 }
 
-fn weights(mask: &Mask, wish: Wish) -> &[f64] {
-    match (wish, &mask.tangents) {
-        (Wish::Position, _) => &mask.position,
-        (Wish::Tangent(i), Ok(tangents)) => &tangents[i],
-        (Wish::Tangent(_), Err(_)) => &[],
+/// The weights of a mask for a wish in a sector; none where there are no tangents.
+fn weights(mask: &Mask, wish: Wish, sector: usize) -> &[f64] {
+    match wish {
+        Wish::Position => &mask.position,
+        Wish::Tangent(i) => {
+            mask.tangents.get(sector).and_then(|tangents| tangents.as_ref().ok()).map_or(&[], |t| &t[i])
+        }
     }
 }
 
@@ -218,15 +256,15 @@ fn grid(topology: &Topology, v: usize, rings: usize, mut each: impl FnMut(u32)) 
 fn regular_mask(rings: Rings, masks: &Masks<'_>) -> Result<Mask, Unlimited> {
     let (topology, middle) = Regular::Quads.grid(rings);
     let whole = Whole { topology: &topology, corners: &[], sharpness: None, rounds: 0 };
-    let Found { patch, vertices } = whole.patch(Centre::Vertex(index(middle)), rings).ok_or(Unlimited::Size)?;
+    let Found { patch, vertices, .. } = whole.patch(Centre::Vertex(index(middle)), rings).ok_or(Unlimited::Size)?;
     let mask = masks.of(0, &patch)?;
     let mut order = Vec::new();
     grid(&topology, middle, rings.support, |vertex| order.push(vertices.iter().position(|&u| u == vertex)));
     let sorted = |weights: &Vec<f64>| order.iter().map(|at| at.map_or(0.0, |at| weights[at])).collect::<Vec<_>>();
-    Ok(Mask {
-        position: sorted(&mask.position),
-        tangents: mask.tangents.as_ref().map(|[t, u]| [sorted(t), sorted(u)]).map_err(|why| *why),
-    })
+    let both = |tangents: &Result<[Vec<f64>; 2], _>| {
+        tangents.as_ref().map(|[t, u]| [sorted(t), sorted(u)]).map_err(|why| *why)
+    };
+    Ok(Mask { position: sorted(&mask.position), tangents: mask.tangents.iter().map(both).collect() })
 }
 
 /// The rows of a field.
@@ -234,13 +272,15 @@ fn regular_mask(rings: Rings, masks: &Masks<'_>) -> Result<Mask, Unlimited> {
 pub(super) struct FieldRows<'a> {
     /// The field.
     pub(super) field: &'a Field,
+    /// Vertices and sectors of them, one for each row.
+    pub(super) places: &'a [(u32, usize)],
     /// What the rows are for.
     pub(super) wish: Wish,
 }
 
 impl RowSource for FieldRows<'_> {
     fn n_rows(&self) -> usize {
-        self.field.topology.n_vertices()
+        self.places.len()
     }
 
     fn n_columns(&self) -> usize {
@@ -248,8 +288,8 @@ impl RowSource for FieldRows<'_> {
     }
 
     fn make(&self, range: Range<usize>, out: &mut Rows) {
-        for v in range {
-            self.field.row(v, self.wish, out);
+        for &(v, sector) in &self.places[range] {
+            self.field.row(v as usize, sector, self.wish, out);
             out.end_row();
         }
     }

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::Unlimited;
-use super::cycle::Cycle;
-use super::matrix::Matrix;
-use super::patch::{Patch, Rings};
+use super::cycle::{Child, Cycle};
+use super::patch::{Centre, Patch, Rings};
+use super::sector::{Part, Sectors};
 use super::tangent::{self, NoTangents};
 
 /// Levels after which a neighbourhood has to look like itself: vertices that differ from their surroundings move apart
@@ -22,17 +22,20 @@ const MAX_STEPS: usize = 5_000;
 pub(super) struct Mask {
     /// Of the limit position; they sum to 1.
     pub(super) position: Vec<f64>,
-    /// Of two tangents whose cross product is the normal, where they were asked for and exist.
-    pub(super) tangents: Result<[Vec<f64>; 2], NoTangents>,
+    /// For each sector those of two tangents whose cross product is the normal, where they exist; empty where nobody asked.
+    pub(super) tangents: Vec<Result<[Vec<f64>; 2], NoTangents>>,
 }
 
 impl Mask {
-    /// The same limit seen from one level before.
-    fn before(&self, matrix: &Matrix) -> Self {
+    /// The same limit seen from one level before, on a patch whose child it is that of.
+    fn before(&self, patch: &Patch, child: &Child) -> Self {
+        let matrix = &child.matrix;
         let back = |[a, b]: &[Vec<f64>; 2]| [a, b].map(|tangent| tangential(matrix.times_row(tangent)));
+        let parted = || Sectors::of(patch).children(&Sectors::of(&child.patch), child.turn);
+        let sectors = if self.tangents.len() > 1 { parted() } else { (0..self.tangents.len()).collect() };
         Self {
             position: summing_to_one(matrix.times_row(&self.position)),
-            tangents: self.tangents.as_ref().map(back).map_err(Clone::clone),
+            tangents: sectors.into_iter().map(|s| self.tangents[s].as_ref().map(back).map_err(|why| *why)).collect(),
         }
     }
 }
@@ -82,7 +85,7 @@ impl<'a> Masks<'a> {
         }
         let mask = if level < self.cycle.settled {
             let child = self.cycle.step(level, patch, self.rings)?;
-            self.of(level + 1, &child.patch)?.before(&child.matrix)
+            self.of(level + 1, &child.patch)?.before(patch, &child)
         } else {
             self.settled(patch)?
         };
@@ -102,7 +105,7 @@ impl<'a> Masks<'a> {
     fn settled(&self, patch: &Patch) -> Result<Mask, Unlimited> {
         let level = self.cycle.settled;
         let mut patches = vec![patch.clone()];
-        let mut matrices: Vec<Matrix> = Vec::new();
+        let mut children: Vec<Child> = Vec::new();
         let mut mask = loop {
             let last = &patches[patches.len() - 1];
             if let Some(known) = self.known(&(level, last.clone())) {
@@ -112,27 +115,29 @@ impl<'a> Masks<'a> {
                 return Err(Unlimited::Unsettled);
             }
             let child = self.cycle.step(level, last, self.rings)?;
-            matrices.push(child.matrix);
-            if let Some(from) = patches.iter().position(|known| *known == child.patch) {
-                let mask = self.fixed_point(&patches[from], &matrices[from..])?;
-                matrices.truncate(from);
+            let next = child.patch.clone();
+            children.push(child);
+            if let Some(from) = patches.iter().position(|known| *known == next) {
+                let mask = self.fixed_point(&patches[from], &children[from..])?;
+                children.truncate(from);
                 patches.truncate(from + 1);
                 break Mask::clone(&self.keep((level, patches[from].clone()), mask));
             }
-            patches.push(child.patch);
+            patches.push(next);
         };
-        for (patch, matrix) in patches.iter().zip(&matrices).rev() {
-            mask = Mask::clone(&self.keep((level, patch.clone()), mask.before(matrix)));
+        for (patch, child) in patches.iter().zip(&children).rev() {
+            mask = Mask::clone(&self.keep((level, patch.clone()), mask.before(patch, child)));
         }
         Ok(mask)
     }
 
-    /// The mask of a patch that comes again after `matrices`: `middle M^k` for growing k, with the product M of them.
+    /// The mask of a patch that comes again after some levels, the last of `children` being it: `middle M^k` for growing
+    /// k, with the product M of the matrices.
     ///
     /// This is the left eigenvector of the eigenvalue 1, reached as the limit of the centre itself, so that a plan
     /// without a limit is found out.
-    fn fixed_point(&self, patch: &Patch, matrices: &[Matrix]) -> Result<Mask, Unlimited> {
-        let back = |row: &[f64]| matrices.iter().rev().fold(row.to_vec(), |row, matrix| matrix.times_row(&row));
+    fn fixed_point(&self, patch: &Patch, children: &[Child]) -> Result<Mask, Unlimited> {
+        let back = |row: &[f64]| children.iter().rev().fold(row.to_vec(), |row, child| child.matrix.times_row(&row));
         let mut position = patch.middle();
         let mut steps = 0;
         loop {
@@ -150,13 +155,34 @@ impl<'a> Masks<'a> {
             }
         }
         let position = summing_to_one(position);
-        let tangents = if self.with_tangents {
-            let forth =
-                |column: &[f64]| matrices.iter().fold(column.to_vec(), |column, matrix| matrix.times_column(&column));
-            tangent::of(patch, &position, back, forth)
-        } else {
-            Err(NoTangents::NotAsked)
+        let forth =
+            |column: &[f64]| children.iter().fold(column.to_vec(), |column, child| child.matrix.times_column(&column));
+        let sectors = Sectors::of(patch);
+        let tangents = match sectors.n {
+            _ if !self.with_tangents => Vec::new(),
+            1 => vec![tangent::of(patch.centre(), patch.central_faces(), &position, back, forth)],
+            // a patch that comes again is the least one there is, and so is its child
+            _ if children.iter().any(|child| child.turn > 0) => vec![Err(NoTangents::Eigenvalues); sectors.n],
+            n => (0..n).map(|sector| one_sided(&Part::of(patch, &sectors, sector), &position, back, forth)).collect(),
         };
         Ok(Mask { position, tangents })
     }
+}
+
+/// The tangents of one sector: those of the part of the matrix that belongs to it.
+fn one_sided(
+    part: &Part,
+    position: &[f64],
+    back: impl Fn(&[f64]) -> Vec<f64>,
+    forth: impl Fn(&[f64]) -> Vec<f64>,
+) -> Result<[Vec<f64>; 2], NoTangents> {
+    let some = part.widened(&vec![1.0; position.len()]);
+    if !part.holds(position) || !part.holds(&back(&some)) {
+        return Err(NoTangents::Eigenvalues);
+    }
+    let back = |row: &[f64]| part.within(&back(&part.widened(row)));
+    let forth = |column: &[f64]| part.within(&forth(&part.widened(column)));
+    let tangents =
+        tangent::of(Centre::Vertex(0), part.faces.iter().map(Vec::as_slice), &part.within(position), back, forth);
+    tangents.map(|tangents| tangents.map(|tangent| part.widened(&tangent)))
 }

@@ -15,11 +15,12 @@ mod cycle;
 mod field;
 mod mask;
 mod matrix;
+mod normals;
 mod patch;
 mod probe;
+mod sector;
 mod tangent;
 
-use crate::math::functions::sqrt;
 use crate::math::rows::blend;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::ops::Heirs;
@@ -33,8 +34,8 @@ pub(super) use cycle::AHEAD;
 use cycle::Cycle;
 use field::{Field, FieldRows, Wish};
 use mask::Masks;
+pub(super) use normals::Normals;
 use probe::{Regular, Smoothness};
-use tangent::NoTangents;
 
 /// What of the limit surface is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -57,9 +58,9 @@ impl Asked {
 pub(super) struct Limits {
     /// Positions, `n x 3`, and the numbers of each channel, where they were asked for.
     pub(super) points: Option<Vec<Vec<f64>>>,
-    /// Unit normals where they were asked for and exist; zero at vertices without faces.
-    pub(super) normals: Option<Vec<[f64; 3]>>,
-    /// Why there are no normals.
+    /// Normals where they were asked for and exist.
+    pub(super) normals: Option<Normals>,
+    /// Why there are no normals, or some are missing.
     pub(super) warning: Option<String>,
 }
 
@@ -175,54 +176,21 @@ pub(super) fn limits(
     let with_tangents = asked.normals && smoothness == Smoothness::Smooth;
     let masks = Masks::new(cycle, rings, with_tangents);
     let field = Field::new(net, regular, rings, &masks, watch)?;
-    let rows = |wish| FieldRows { field: &field, wish };
-    let blended = |points: &Points| blend(&rows(Wish::Position), &points.now, points.width, watch);
+    let places = field.sectors();
+    let rows = |places, wish| FieldRows { field: &field, places, wish };
+    let vertices = &places[..field.n_vertices()];
+    let blended = |points: &Points| blend(&rows(vertices, Wish::Position), &points.now, points.width, watch);
     let moved = if asked.positions { Some(points.iter().map(blended).collect::<Result<_, _>>()?) } else { None };
     if !asked.normals {
         return Ok(Limits { points: moved, ..Limits::default() });
     }
-    let normals = if smoothness == Smoothness::Continuous {
-        Err("the scheme has no continuous tangents".to_owned())
-    } else if let Some((why, place)) = field.no_tangents() {
-        Err(match why {
-            NoTangents::Folded => format!("the surface folds over at {place}"),
-            NoTangents::Eigenvalues | NoTangents::NotAsked => format!("the surface has no tangent plane at {place}"),
-        })
-    } else {
-        let tangent = |i| blend(&rows(Wish::Tangent(i)), &points[0].now, 3, watch);
-        normals(&field, &tangent(0)?, &tangent(1)?)
-    };
-    Ok(match normals {
-        Ok(normals) => Limits { points: moved, normals: Some(normals), warning: None },
-        Err(why) => Limits { points: moved, ..Limits::without_normals(&why) },
-    })
-}
-
-/// Unit cross products; where one has no direction, the reason.
-fn normals(field: &Field, first: &[f64], second: &[f64]) -> Result<Vec<[f64; 3]>, String> {
-    let (first, second) = (first.as_chunks::<3>().0, second.as_chunks::<3>().0);
-    let mut normals = Vec::with_capacity(first.len());
-    for (v, (t, u)) in first.iter().zip(second).enumerate() {
-        if field.is_alone(v) {
-            normals.push([0.0; 3]);
-            continue;
-        }
-        let normal = normal(*t, *u);
-        normals.push(normal.ok_or_else(|| format!("the points around {} lie in a line", field.describe(v)))?);
+    if smoothness == Smoothness::Continuous {
+        return Ok(Limits { points: moved, ..Limits::without_normals(&"the scheme has no continuous tangents") });
     }
-    Ok(normals)
-}
-
-/// `t x u` at length one; `None` for vectors whose sine is below 1e-9.
-fn normal(t: [f64; 3], u: [f64; 3]) -> Option<[f64; 3]> {
-    let unit = |v: [f64; 3]| {
-        let largest = v.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let v = v.map(|x| x / largest);
-        let length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-        (largest > 0.0 && largest.is_finite()).then(|| v.map(|x| x / length))
-    };
-    let (t, u) = (unit(t)?, unit(u)?);
-    let product = [t[1] * u[2] - t[2] * u[1], t[2] * u[0] - t[0] * u[2], t[0] * u[1] - t[1] * u[0]];
-    let sine = sqrt(product.iter().map(|x| x * x).sum());
-    if sine > 1e-9 { unit(product) } else { None }
+    if let Some(why) = field.no_regular_tangents() {
+        return Ok(Limits { points: moved, ..Limits::without_normals(&why.at("a regular vertex")) });
+    }
+    let tangent = |i| blend(&rows(&places, Wish::Tangent(i)), &points[0].now, 3, watch);
+    let (normals, missing) = normals::of(&field, &places, &tangent(0)?, &tangent(1)?);
+    Ok(Limits { points: moved, normals: Some(normals), warning: missing })
 }

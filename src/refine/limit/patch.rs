@@ -6,6 +6,7 @@ use std::sync::Arc;
 use crate::scheme::mesh_net::{Boundary, MeshNet, Rules};
 use crate::scheme::sharpness::Sharpness;
 use crate::shape::check::{FaceList, Winding};
+use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// Most vertices of a patch: about what three rings around a vertex of valence 1,500 have.
@@ -80,6 +81,8 @@ pub(super) struct Found {
     pub(super) patch: Patch,
     /// For each of its vertices the number in the whole.
     pub(super) vertices: Vec<u32>,
+    /// Where the walk started: this many corners after the first in the ring of the centre.
+    pub(super) turn: usize,
 }
 
 impl Patch {
@@ -107,6 +110,19 @@ impl Patch {
             rest = after;
             face
         })
+    }
+
+    /// The faces around the vertex at the centre, or the one that is the centre.
+    pub(super) fn central_faces(&self) -> impl Iterator<Item = &[u32]> {
+        let central = self.central as usize;
+        let at_centre = move |(i, face): &(usize, &[u32])| if central == 0 { face[0] == 0 } else { *i == 0 };
+        self.faces().enumerate().take_while(at_centre).map(|(_, face)| face)
+    }
+
+    /// Whether the edge from a corner, counted over all faces, to the next of its face stays sharp for ever.
+    pub(super) fn is_sharp_for_ever(&self, corner: usize) -> bool {
+        let found = self.sharp_edges.binary_search_by_key(&index(corner), |&(corner, _)| corner);
+        found.is_ok_and(|at| f64::from_bits(self.sharp_edges[at].1) >= INFINITE_SHARPNESS)
     }
 
     /// The patch as a net of its own, with the origin of each of its vertices in the patch.
@@ -138,8 +154,8 @@ impl Whole<'_> {
     /// a turn.
     pub(super) fn least_patch(&self, centre: Centre, rings: Rings) -> Option<Found> {
         let mut least: Option<Found> = None;
-        for start in self.starts(centre) {
-            let found = self.walk(centre, start, rings)?;
+        for (turn, start) in self.starts(centre).enumerate() {
+            let found = Found { turn, ..self.walk(centre, start, rings)? };
             if least.as_ref().is_none_or(|known| found.patch < known.patch) {
                 least = Some(found);
             }
@@ -213,7 +229,7 @@ impl Whole<'_> {
             sharp_edges: walk.sharp_edges,
             sharp_vertices,
         };
-        Some(Found { patch, vertices })
+        Some(Found { patch, vertices, turn: 0 })
     }
 }
 

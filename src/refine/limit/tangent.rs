@@ -10,7 +10,7 @@
 //! dependency, and its answer within a double eigenvalue would depend on rounding.) Constants are split off exactly: rows
 //! that sum to 0 stay so under M, columns that the limit mask maps to 0 too.
 
-use super::patch::{Centre, Patch};
+use super::patch::Centre;
 use crate::math::functions::{exp, ln, sqrt};
 
 /// Vectors iterated at once.
@@ -28,21 +28,33 @@ const GAP: f64 = 1e-5;
 /// What two vectors may leave behind beside their span, relative to their eigenvalues.
 const RESIDUAL: f64 = 1e-11;
 
+/// K vectors.
+type Vectors<const K: usize> = [Vec<f64>; K];
+
 /// Why there are no tangents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum NoTangents {
-    /// Nobody asked.
-    NotAsked,
     /// The third eigenvalue is as large as the second, or they are not positive reals.
     Eigenvalues,
     /// The characteristic map folds over.
     Folded,
 }
 
-/// Two tangents as weights of the patch's points, such that their cross product points to the side from which the
-/// faces are counter-clockwise. `back` is the product of a row with M, `forth` that of M with a column.
-pub(super) fn of(
-    patch: &Patch,
+impl NoTangents {
+    /// The same as a sentence about a place.
+    pub(super) fn at(self, place: &str) -> String {
+        match self {
+            Self::Folded => format!("the surface folds over at {place}"),
+            Self::Eigenvalues => format!("the surface has no tangent plane at {place}"),
+        }
+    }
+}
+
+/// Two tangents as weights of the points around a centre, such that their cross product points to the side from which
+/// the `faces` at it are counter-clockwise. `back` is the product of a row with M, `forth` that of M with a column.
+pub(super) fn of<'a>(
+    centre: Centre,
+    faces: impl Iterator<Item = &'a [u32]>,
     limit: &[f64],
     back: impl Fn(&[f64]) -> Vec<f64>,
     forth: impl Fn(&[f64]) -> Vec<f64>,
@@ -52,23 +64,44 @@ pub(super) fn of(
         let value = dot(limit, column);
         column.iter_mut().for_each(|x| *x -= value);
     };
-    let [t, u] = leading(n, back, sum_to_zero)?;
-    let [x, y] = leading(n, forth, off_limit)?;
-    // the coordinates in which t and u are the derivatives: (x, y) times the inverse of ((t x, t y), (u x, u y))
-    let [[a, b], [c, d]] = [[dot(&t, &x), dot(&t, &y)], [dot(&u, &x), dot(&u, &y)]];
-    let determinant = a * d - b * c;
-    if determinant.abs() < 1e-9 {
-        return Err(NoTangents::Eigenvalues);
-    }
-    let place = |i: u32| {
-        let (x, y) = (x[i as usize], y[i as usize]);
-        [(x * d - y * c) / determinant, (y * a - x * b) / determinant]
+    let [[t, u], [x, y]] = match (leading(n, &back, sum_to_zero)?, leading(n, &forth, off_limit)?) {
+        (Leading::Plane([t, u]), Leading::Plane([x, y])) => {
+            // the coordinates in which t and u are the derivatives: (x, y) times the inverse of ((t x, t y), (u x, u y))
+            let [[a, b], [c, d]] = [[dot(&t, &x), dot(&t, &y)], [dot(&u, &x), dot(&u, &y)]];
+            let determinant = a * d - b * c;
+            if determinant.abs() < 1e-9 {
+                return Err(NoTangents::Eigenvalues);
+            }
+            let place = |(x, y): (&f64, &f64)| [(x * d - y * c) / determinant, (y * a - x * b) / determinant];
+            let (x, y) = x.iter().zip(&y).map(place).map(|[x, y]| (x, y)).unzip();
+            [[t, u], [x, y]]
+        }
+        (Leading::Chain(rows), Leading::Chain(columns)) => chained(rows, columns)?,
+        _ => return Err(NoTangents::Eigenvalues),
     };
-    match turn(patch, place) {
+    match turn(centre, faces, |i| [x[i as usize], y[i as usize]]) {
         Some(Turn::Left) => Ok([t, u]),
         Some(Turn::Right) => Ok([u, t]),
         None => Err(NoTangents::Folded),
     }
+}
+
+/// The tangents and the characteristic map where the second eigenvalue b has a chain: with M y' = b y' + y and
+/// u M = b u the points are `1 (l p) + a^k x (t p) + k b^(k-1) y (u p) / (u y') + ...` after k levels.
+fn chained(rows: Chain, columns: Chain) -> Result<[[Vec<f64>; 2]; 2], NoTangents> {
+    let (t, mut u) = (rows.first, rows.last);
+    let (mut x, mut y, from) = (columns.first, columns.last, columns.from);
+    let along = dot(&t, &x);
+    let (across, back) = (dot(&u, &x) / along, dot(&t, &y) / along);
+    u.iter_mut().zip(&t).for_each(|(u, t)| *u -= across * t);
+    y.iter_mut().zip(&x).for_each(|(y, x)| *y -= back * x);
+    let step = dot(&u, &from);
+    if along.abs() < 1e-9 || step.abs() < 1e-9 {
+        return Err(NoTangents::Eigenvalues);
+    }
+    x.iter_mut().for_each(|x| *x /= along);
+    y.iter_mut().for_each(|y| *y /= step);
+    Ok([[t, u], [x, y]])
 }
 
 /// Subtracts the mean.
@@ -83,41 +116,54 @@ enum Turn {
     Right,
 }
 
-/// How the corners of the faces at the centre turn in the plane, where all turn the same way.
-fn turn(patch: &Patch, place: impl Fn(u32) -> [f64; 2]) -> Option<Turn> {
+/// How the corners of the faces at the centre turn in the plane, where all turn the same way. A face that is alone around
+/// a vertex may be straight there.
+fn turn<'a>(centre: Centre, faces: impl Iterator<Item = &'a [u32]>, place: impl Fn(u32) -> [f64; 2]) -> Option<Turn> {
+    let faces: Vec<&[u32]> = faces.collect();
     let mut turns = Vec::new();
-    for face in patch.faces() {
-        let at_centre = match patch.centre() {
-            Centre::Vertex(_) => face.contains(&0),
-            Centre::Face(_) => turns.is_empty(),
-        };
-        if !at_centre {
-            break;
-        }
+    let mut alone = 0.0;
+    for face in &faces {
         for i in 0..face.len() {
             let [p, q, r] = [i + face.len() - 1, i, i + 1].map(|k| place(face[k % face.len()]));
             let (a, b) = ([r[0] - q[0], r[1] - q[1]], [p[0] - q[0], p[1] - q[1]]);
             let lengths = sqrt((a[0] * a[0] + a[1] * a[1]) * (b[0] * b[0] + b[1] * b[1]));
-            turns.push((a[0] * b[1] - a[1] * b[0]) / lengths);
+            let sine = (a[0] * b[1] - a[1] * b[0]) / lengths;
+            if faces.len() == 1 && centre == Centre::Vertex(face[i]) {
+                alone = sine;
+            } else {
+                turns.push(sine);
+            }
         }
     }
     // a sine, or not a number where points coincide
-    if turns.iter().all(|&sine| sine > 1e-9) {
+    if turns.iter().all(|&sine| sine > 1e-9) && alone > -1e-9 {
         Some(Turn::Left)
-    } else if turns.iter().all(|&sine| sine < -1e-9) {
+    } else if turns.iter().all(|&sine| sine < -1e-9) && alone < 1e-9 {
         Some(Turn::Right)
     } else {
         None
     }
 }
 
-/// An orthonormal basis of the space of the two largest eigenvalues, where these are positive reals and larger than
-/// all others.
-fn leading(
-    n: usize,
-    apply: impl Fn(&[f64]) -> Vec<f64>,
-    deflate: impl Fn(&mut [f64]),
-) -> Result<[Vec<f64>; 2], NoTangents> {
+/// What is larger than everything else after many steps.
+enum Leading {
+    /// The plane of two eigenvalues: an orthonormal basis.
+    Plane([Vec<f64>; 2]),
+    /// A vector, and a chain of two for an eigenvalue that is there twice.
+    Chain(Chain),
+}
+
+/// The eigenvector of the largest eigenvalue a, and a chain of the next one b: `from -> b from + last`, `last -> b last`,
+/// each but for a multiple of `first`.
+struct Chain {
+    first: Vec<f64>,
+    last: Vec<f64>,
+    from: Vec<f64>,
+}
+
+/// What the two largest eigenvalues lead to, where these are positive reals and larger than all others, or a larger one
+/// is followed by one that is there twice with a single eigenvector.
+fn leading(n: usize, apply: impl Fn(&[f64]) -> Vec<f64>, deflate: impl Fn(&mut [f64])) -> Result<Leading, NoTangents> {
     let width = WIDTH.min(n - 1);
     let mut vectors = starting_vectors(n, width);
     vectors.iter_mut().for_each(|vector| deflate(vector));
@@ -131,29 +177,85 @@ fn leading(
         let images: Vec<Vec<f64>> = vectors.iter().map(|vector| apply(vector)).collect();
         // images = H vectors, but for what is left over
         let h: Vec<Vec<f64>> = images.iter().map(|image| vectors.iter().map(|v| dot(image, v)).collect()).collect();
-        let Some((block, third)) = leading_block(&h) else { continue };
-        let found = [0, 1].map(|i| mixed(&block[i], &vectors));
-        let image = [0, 1].map(|i| mixed(&block[i], &images));
-        let [[a, b], [c, d]] = [0, 1].map(|i| [0, 1].map(|k| dot(&image[i], &found[k])));
-        let left_over = [(0, [a, b]), (1, [c, d])].map(|(i, [x, y])| {
-            let rest = |k: usize| image[i][k] - x * found[0][k] - y * found[1][k];
-            (0..n).map(|k| rest(k) * rest(k)).sum::<f64>()
-        });
+        let Some((block, third)) = leading_block::<2>(&h) else {
+            if let Some(chain) = chain(&h, &vectors, &images) {
+                return Ok(Leading::Chain(chain));
+            }
+            continue;
+        };
+        let (found, [[a, b], [c, d]], left_over) = seen(&block, &vectors, &images);
         let size = a.abs() + b.abs() + c.abs() + d.abs();
-        if sqrt(left_over[0] + left_over[1]) <= RESIDUAL * size {
+        if left_over <= RESIDUAL * size {
             let (trace, determinant) = (a + d, a * d - b * c);
             let discriminant = trace * trace - 4.0 * determinant;
             let second = (trace - sqrt(discriminant.max(0.0))) / 2.0;
             let real = discriminant >= -1e-9 * trace * trace;
-            return if real && third < (1.0 - GAP) * second { Ok(found) } else { Err(NoTangents::Eigenvalues) };
+            let ahead = real && third < (1.0 - GAP) * second;
+            return if ahead { Ok(Leading::Plane(found)) } else { Err(NoTangents::Eigenvalues) };
         }
     }
     Err(NoTangents::Eigenvalues)
 }
 
-/// The two combinations of rows that span the space of the two largest eigenvalues of a small matrix: `u -> u H`,
-/// iterated until the two no longer mix with the others.
-fn leading_block(h: &[Vec<f64>]) -> Option<([Vec<f64>; 2], f64)> {
+/// The vectors of a leading block, what they are mapped to in terms of themselves, and what this leaves over.
+fn seen<const K: usize>(
+    block: &Vectors<K>,
+    vectors: &[Vec<f64>],
+    images: &[Vec<f64>],
+) -> (Vectors<K>, [[f64; K]; K], f64) {
+    let found = std::array::from_fn(|i| mixed(&block[i], vectors));
+    let image: [Vec<f64>; K] = std::array::from_fn(|i| mixed(&block[i], images));
+    let map: [[f64; K]; K] = std::array::from_fn(|i| std::array::from_fn(|k| dot(&image[i], &found[k])));
+    let n = vectors[0].len();
+    let left_over: [f64; K] = std::array::from_fn(|i| {
+        let rest =
+            |at: usize| found.iter().zip(&map[i]).fold(image[i][at], |x, (vector, factor)| x - factor * vector[at]);
+        (0..n).map(|k| rest(k) * rest(k)).sum::<f64>()
+    });
+    (found, map, sqrt(left_over.iter().sum()))
+}
+
+/// The chain of the second eigenvalue, where there is one.
+fn chain(h: &[Vec<f64>], vectors: &[Vec<f64>], images: &[Vec<f64>]) -> Option<Chain> {
+    let (block, fourth) = leading_block::<3>(h)?;
+    let (found, map, left_over) = seen(&block, vectors, images);
+    let size: f64 = map.iter().flatten().map(|x| x.abs()).sum();
+    // the largest one first, the other two orthogonal to it
+    let small: Vec<Vec<f64>> = map.iter().map(|row| row.to_vec()).collect();
+    let ([first], others) = leading_basis::<1>(&small)?;
+    let image = |u: &[f64]| times(u, &small);
+    let largest = dot(&image(&first), &first);
+    let [[a, b], [c, d]] = [0, 1].map(|i| [0, 1].map(|k| dot(&image(&others[i]), &others[k])));
+    let (trace, determinant) = (a + d, a * d - b * c);
+    let double = trace / 2.0;
+    let is_double = (trace * trace - 4.0 * determinant).abs() <= 1e-9 * trace * trace;
+    let nilpotent = [[a - double, b], [c, d - double]];
+    let steps = nilpotent.map(|row| row[0].abs() + row[1].abs());
+    let from = usize::from(steps[1] > steps[0]);
+    let ahead = fourth < (1.0 - GAP) * double && double < (1.0 - GAP) * largest;
+    if left_over > RESIDUAL * size || !is_double || !ahead || steps[from] <= 1e-3 * double {
+        return None;
+    }
+    let combined = |[x, y]: [f64; 2]| -> Vec<f64> { (0..3).map(|k| x * others[0][k] + y * others[1][k]).collect() };
+    Some(Chain {
+        first: mixed(&first, &found),
+        last: mixed(&combined(nilpotent[from]), &found),
+        from: mixed(&others[from], &found),
+    })
+}
+
+/// The combinations of rows that span the space of the K largest eigenvalues of a small matrix, and the size of the
+/// largest other one.
+fn leading_block<const K: usize>(h: &[Vec<f64>]) -> Option<(Vectors<K>, f64)> {
+    let (block, others) = leading_basis::<K>(h)?;
+    let rest: Vec<Vec<f64>> = others.iter().map(|u| times(u, h)).collect();
+    let rest: Vec<Vec<f64>> = rest.iter().map(|u| others.iter().map(|v| dot(u, v)).collect()).collect();
+    Some((block, spectral_radius(rest)))
+}
+
+/// The combinations of rows that span the space of the K largest eigenvalues of a small matrix, and what completes them to
+/// an orthonormal basis: `u -> u H`, iterated until the first no longer mix with the others.
+fn leading_basis<const K: usize>(h: &[Vec<f64>]) -> Option<(Vectors<K>, Vec<Vec<f64>>)> {
     let width = h.len();
     let mut power = h.to_vec();
     for _ in 0..SQUARINGS {
@@ -166,13 +268,12 @@ fn leading_block(h: &[Vec<f64>]) -> Option<([Vec<f64>; 2], f64)> {
     for _ in 0..MAX_INNER {
         basis = basis.iter().map(|u| times(u, &power)).collect();
         orthonormalise(&mut basis);
-        let image = [times(&basis[0], h), times(&basis[1], h)];
+        let (first, others) = basis.split_first_chunk::<K>()?;
+        let image = first.each_ref().map(|u| times(u, h));
         let size = image.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let mixing = image.iter().flat_map(|u| basis[2..].iter().map(|v| dot(u, v).abs()));
+        let mixing = image.iter().flat_map(|u| others.iter().map(|v| dot(u, v).abs()));
         if mixing.fold(0.0, f64::max) <= 1e-13 * size {
-            let rest: Vec<Vec<f64>> = basis[2..].iter().map(|u| times(u, h)).collect();
-            let rest: Vec<Vec<f64>> = rest.iter().map(|u| basis[2..].iter().map(|v| dot(u, v)).collect()).collect();
-            return Some(([basis[0].clone(), basis[1].clone()], spectral_radius(rest)));
+            return Some((first.clone(), others.to_vec()));
         }
     }
     None

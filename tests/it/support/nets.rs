@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use planish::math::functions::sqrt;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -49,6 +50,14 @@ pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
     let differences = a.iter().zip(b).map(|(x, y)| (x - y).abs());
     let largest = differences.fold(0.0, |most: f64, x| if x.is_nan() { f64::INFINITY } else { most.max(x) });
     if a.len() == b.len() { largest } else { f64::INFINITY }
+}
+
+/// The unit normal of a triangle, counter-clockwise.
+pub(crate) fn triangle_normal(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> [f64; 3] {
+    let [u, v] = [b, c].map(|p| [0, 1, 2].map(|k| p[k] - a[k]));
+    let product = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    let length = sqrt(product.iter().map(|x| x * x).sum());
+    product.map(|x| x / length)
 }
 
 /// For each expected point the one found next to it, one to one, within `tolerance` per coordinate.

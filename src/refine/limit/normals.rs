@@ -1,0 +1,76 @@
+//! Normals of the limit, one for each sector of a vertex.
+
+use super::field::Field;
+use crate::math::functions::sqrt;
+
+/// Unit normals; zero where there are none: at vertices without faces, and where the surface has no tangent plane.
+#[derive(Debug, Clone, Default)]
+pub(in crate::refine) struct Normals {
+    /// For each vertex its normal, or the direction of the sum of those of its sectors, or zero where one has none.
+    pub(in crate::refine) of_vertices: Vec<[f64; 3]>,
+    /// At vertices with several sectors: the vertex, the next one of a face there, and the normal on that side; ascending.
+    sides: Vec<([u32; 2], [f64; 3])>,
+}
+
+impl Normals {
+    /// The normal of vertex `v` on the side of the face in which `next` follows it, if its sides have their own.
+    pub(in crate::refine) fn on_side(&self, v: u32, next: u32) -> Option<[f64; 3]> {
+        let found = self.sides.binary_search_by_key(&[v, next], |&(side, _)| side);
+        found.ok().map(|at| self.sides[at].1)
+    }
+}
+
+/// The normals of all vertices, given the sectors of the field with two tangents each; and what is missing, in a sentence.
+pub(super) fn of(field: &Field, places: &[(u32, usize)], first: &[f64], second: &[f64]) -> (Normals, Option<String>) {
+    let (first, second) = (first.as_chunks::<3>().0, second.as_chunks::<3>().0);
+    let found: Vec<Option<[f64; 3]>> = first.iter().zip(second).map(|(t, u)| normal(*t, *u)).collect();
+    let n = field.n_vertices();
+    let missing = |&at: &usize| found[at].is_none() && !field.is_alone(places[at].0 as usize);
+    let mut missing: Vec<usize> = (0..found.len()).filter(missing).collect();
+    let warning = missing.first().map(|&at| {
+        let (v, sector) = (places[at].0 as usize, places[at].1);
+        let place = field.describe(v);
+        let lie_in_a_line = || format!("the points around {place} lie in a line");
+        field.no_tangents(v, sector).map_or_else(lie_in_a_line, |why| why.at(&place))
+    });
+    missing.sort_unstable_by_key(|&at| places[at].0);
+    missing.dedup_by_key(|at| places[*at].0);
+    let warning = warning.map(|why| explained(missing.len(), n, &why));
+    let mut of_vertices: Vec<[f64; 3]> = found[..n].iter().map(|normal| normal.unwrap_or_default()).collect();
+    let mut sides = Vec::new();
+    let beside: Vec<usize> = (n..places.len()).collect();
+    for others in beside.chunk_by(|&a, &b| places[a].0 == places[b].0) {
+        let v = places[others[0]].0;
+        let of_sector = |sector: usize| if sector == 0 { found[v as usize] } else { found[others[sector - 1]] };
+        let corners = field.corners(v as usize);
+        sides.extend(corners.iter().map(|&(next, sector)| ([v, next], of_sector(sector).unwrap_or_default())));
+        let all: Option<Vec<[f64; 3]>> = (0..=others.len()).map(of_sector).collect();
+        let sum =
+            all.and_then(|all| unit(all.iter().fold([0.0; 3], |sum, normal| [0, 1, 2].map(|k| sum[k] + normal[k]))));
+        of_vertices[v as usize] = sum.unwrap_or_default();
+    }
+    sides.sort_unstable_by_key(|&(side, _)| side);
+    (Normals { of_vertices, sides }, warning)
+}
+
+/// The warning that some of all normals are missing.
+fn explained(missing: usize, all: usize, why: &str) -> String {
+    let vertices = if all == 1 { "vertex" } else { "vertices" };
+    format!("at {missing} of {all} {vertices} the normal is weighted by area, as a limit one does not exist: {why}")
+}
+
+/// `v` at length one; `None` for a vector without a direction.
+fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
+    let largest = v.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let v = v.map(|x| x / largest);
+    let length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    (largest > 0.0 && largest.is_finite()).then(|| v.map(|x| x / length))
+}
+
+/// `t x u` at length one; `None` for vectors whose sine is below 1e-9.
+fn normal(t: [f64; 3], u: [f64; 3]) -> Option<[f64; 3]> {
+    let (t, u) = (unit(t)?, unit(u)?);
+    let product = [t[1] * u[2] - t[2] * u[1], t[2] * u[0] - t[0] * u[2], t[0] * u[1] - t[1] * u[0]];
+    let sine = sqrt(product.iter().map(|x| x * x).sum());
+    if sine > 1e-9 { unit(product) } else { None }
+}

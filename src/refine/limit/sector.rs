@@ -1,0 +1,128 @@
+//! Sectors: the runs of faces around a vertex between edges that stay sharp for ever.
+//!
+//! Such an edge is a boundary seen from both sides, so that the surface has a tangent plane on each side of it. A single
+//! sharp edge that ends at the vertex parts nothing.
+
+use std::collections::BTreeMap;
+
+use super::patch::{Centre, Patch};
+use crate::shape::topology::index;
+
+/// To which sector each face at the centre of a patch belongs.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Sectors {
+    /// The sector of each face at the centre, in the order of the patch; numbered by first appearance.
+    of_faces: Vec<usize>,
+    /// How many there are.
+    pub(super) n: usize,
+}
+
+impl Sectors {
+    /// Those of a patch; one for a patch around a face.
+    pub(super) fn of(patch: &Patch) -> Self {
+        if patch.centre() != Centre::Vertex(0) {
+            return Self { of_faces: vec![0], n: 1 };
+        }
+        let faces: Vec<&[u32]> = patch.central_faces().collect();
+        // the edge by which the walk around the centre enters each face
+        let mut corner = 0;
+        let mut parts = Vec::with_capacity(faces.len());
+        for face in &faces {
+            parts.push(patch.is_sharp_for_ever(corner));
+            corner += face.len();
+        }
+        let closed = faces.first().map(|face| face[1]) == faces.last().map(|face| face[face.len() - 1]);
+        parts[0] &= closed;
+        let cuts = parts.iter().filter(|&&cut| cut).count();
+        if closed && cuts < 2 {
+            return Self { of_faces: vec![0; faces.len()], n: 1 };
+        }
+        let n = if closed { cuts } else { cuts + 1 };
+        let mut sector = 0;
+        let of_faces = parts.iter().enumerate().map(|(i, &cut)| {
+            sector = (sector + usize::from(cut && i > 0)) % n;
+            sector
+        });
+        Self { of_faces: of_faces.collect(), n }
+    }
+
+    /// The sector of a face at the centre.
+    pub(super) fn of_face(&self, face: usize) -> usize {
+        self.of_faces[face]
+    }
+
+    /// For each sector the one it becomes in a child's patch, whose face 0 comes of face `turn` of this one.
+    pub(super) fn children(&self, child: &Self, turn: usize) -> Vec<usize> {
+        let faces = self.of_faces.len();
+        let first = |sector| self.of_faces.iter().position(|&other| other == sector).unwrap_or(0);
+        (0..self.n).map(|sector| child.of_faces[(first(sector) + faces - turn) % faces]).collect()
+    }
+}
+
+/// A sector of a patch that is like itself from level to level: its points come of no others.
+#[derive(Debug)]
+pub(super) struct Part {
+    /// The vertices of the support that belong to it, ascending.
+    vertices: Vec<u32>,
+    /// The faces at the centre, in the numbers of these.
+    pub(super) faces: Vec<Vec<u32>>,
+    n: usize,
+}
+
+impl Part {
+    /// One sector of a patch: what is reached from its faces at the centre without crossing an edge that stays sharp.
+    pub(super) fn of(patch: &Patch, sectors: &Sectors, sector: usize) -> Self {
+        let faces: Vec<&[u32]> = patch.faces().collect();
+        let mut beside: BTreeMap<(u32, u32), Vec<usize>> = BTreeMap::new();
+        let mut corner = 0;
+        for (f, face) in faces.iter().enumerate() {
+            for i in 0..face.len() {
+                let (a, b) = (face[i], face[(i + 1) % face.len()]);
+                if !patch.is_sharp_for_ever(corner + i) {
+                    beside.entry((a.min(b), a.max(b))).or_default().push(f);
+                }
+            }
+            corner += face.len();
+        }
+        let first = (0..sectors.of_faces.len()).filter(|&f| sectors.of_face(f) == sector);
+        let mut reached: Vec<usize> = first.clone().collect();
+        let mut known = vec![false; faces.len()];
+        reached.iter().for_each(|&f| known[f] = true);
+        while let Some(f) = reached.pop() {
+            let face = faces[f];
+            for i in 0..face.len() {
+                let (a, b) = (face[i], face[(i + 1) % face.len()]);
+                for &g in beside.get(&(a.min(b), a.max(b))).into_iter().flatten() {
+                    if !std::mem::replace(&mut known[g], true) {
+                        reached.push(g);
+                    }
+                }
+            }
+        }
+        let mut vertices: Vec<u32> = (0..faces.len()).filter(|&f| known[f]).flat_map(|f| faces[f]).copied().collect();
+        vertices.retain(|&v| (v as usize) < patch.support);
+        vertices.sort_unstable();
+        vertices.dedup();
+        let number = |v: &u32| index(vertices.binary_search(v).unwrap_or_default());
+        let faces = first.map(|f| faces[f].iter().map(number).collect()).collect();
+        Self { vertices, faces, n: patch.support }
+    }
+
+    /// The numbers of the sector's vertices among those of the support.
+    pub(super) fn within(&self, numbers: &[f64]) -> Vec<f64> {
+        self.vertices.iter().map(|&v| numbers[v as usize]).collect()
+    }
+
+    /// Numbers of the sector's vertices as numbers of the support, zero elsewhere.
+    pub(super) fn widened(&self, numbers: &[f64]) -> Vec<f64> {
+        let mut all = vec![0.0; self.n];
+        self.vertices.iter().zip(numbers).for_each(|(&v, &x)| all[v as usize] = x);
+        all
+    }
+
+    /// Whether numbers of the support vanish outside, but for rounding.
+    pub(super) fn holds(&self, numbers: &[f64]) -> bool {
+        let outside = |(v, _): &(usize, &f64)| self.vertices.binary_search(&index(*v)).is_err();
+        numbers.iter().enumerate().filter(outside).all(|(_, x)| x.abs() <= 1e-13)
+    }
+}
