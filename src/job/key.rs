@@ -317,5 +317,6 @@ fn value(value: &Value) -> Item<'static> {
         Value::Color(x) => Item::Integer(u64::from(u32::from_le_bytes(*x))),
         Value::Vector(x) => Item::Numbers(x.to_vec().into()),
         Value::Group(x) => values(x),
+        Value::Groups(xs) => Item::List(xs.iter().map(values).collect()),
     }
 }

@@ -171,7 +171,7 @@ impl Job {
             levels::Asked::Count(0)
         });
         for (i, output) in outputs.iter().enumerate() {
-            if let Err(detail) = output.format.holds(input.shape_kind()) {
+            if let Err(detail) = output.format.takes(input.shape_kind(), &output.options) {
                 faults.push(Fault::new(format!("/outputs/{i}/format"), detail));
             } else if let Err(fault) = output.format.suits(input.shape_kind(), &output.options) {
                 faults.push(fault.under(&format!("/outputs/{i}")));

@@ -5,7 +5,9 @@ mod read;
 use crate::fault::{Fault, token, under};
 use crate::math::expression::Expression;
 
-use read::{choices, chosen, color, constant, expression, expressions, numbers, range, ranged, vector, whole};
+use read::{
+    choices, chosen, color, constant, direction, expression, expressions, groups, numbers, range, ranged, vector, whole,
+};
 
 /// What a client wrote for one parameter, before its kind is known.
 #[derive(Debug, Clone, PartialEq)]
@@ -96,8 +98,17 @@ pub enum Kind {
     Color,
     /// Three finite numbers.
     Vector,
+    /// Three finite numbers, not all 0; their length does not count.
+    Direction,
     /// An object with these fields.
     Group(&'static [Parameter]),
+    /// A list of objects with these fields.
+    Groups {
+        /// Fields of each.
+        fields: &'static [Parameter],
+        /// Longest list allowed.
+        most: usize,
+    },
 }
 
 /// Default of a parameter, in the notation a client would use.
@@ -142,10 +153,12 @@ pub enum Value {
     Numbers(Vec<f64>),
     /// See [`Kind::Color`]: red, green, blue, alpha (straight).
     Color([u8; 4]),
-    /// See [`Kind::Vector`].
+    /// See [`Kind::Vector`] and [`Kind::Direction`], of which the largest coordinate is 1 or -1.
     Vector([f64; 3]),
     /// See [`Kind::Group`].
     Group(Values),
+    /// See [`Kind::Groups`]; never empty.
+    Groups(Vec<Values>),
 }
 
 /// Resolved parameters: one value for each declaration, in its order.
@@ -245,6 +258,11 @@ impl Values {
     pub fn group(&self, name: &str) -> Option<&Self> {
         if let Value::Group(x) = self.get(name) { Some(x) } else { None }
     }
+
+    /// The values of a list of groups, empty when absent.
+    pub fn groups(&self, name: &str) -> &[Self] {
+        if let Value::Groups(x) = self.get(name) { x } else { &[] }
+    }
 }
 
 fn unknown(name: &str, declared: &[Parameter]) -> String {
@@ -301,7 +319,9 @@ impl Kind {
             (Self::Numbers { most }, Literal::List(items)) => numbers(items, *most).map(Value::Numbers),
             (Self::Color, Literal::Text(text)) => color(text).map(Value::Color).map_err(one),
             (Self::Vector, Literal::List(items)) => vector(items).map(Value::Vector).map_err(one),
+            (Self::Direction, Literal::List(items)) => direction(items).map(Value::Vector).map_err(one),
             (Self::Group(fields), Literal::Map(given)) => Values::resolve(fields, given).map(Value::Group),
+            (Self::Groups { fields, most }, Literal::List(items)) => groups(items, fields, *most).map(Value::Groups),
             _ => Err(one(format!("expected {}, got {}", self.expected(), literal.kind()))),
         }
     }
@@ -321,7 +341,9 @@ impl Kind {
             Self::Numbers { most } => format!("a list of at most {most} numbers or constant expressions"),
             Self::Color => "a colour (\"#rgb\", \"#rrggbb\", \"#rrggbbaa\" or \"transparent\")".into(),
             Self::Vector => "a list of three numbers".into(),
+            Self::Direction => "a list of three numbers that are not all 0".into(),
             Self::Group(_) => "an object".into(),
+            Self::Groups { most, .. } => format!("a list of 1 to {most} objects"),
         }
     }
 }

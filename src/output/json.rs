@@ -1,6 +1,7 @@
 //! JSON in the notation of requests: every format's fallback, holding everything at full precision.
 
 mod carried;
+mod sections;
 
 use std::io::Write;
 
@@ -11,6 +12,7 @@ use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::curvature;
 use crate::output::numbers::{REAL, digits, real, reals, total, whole};
 use crate::output::scene::{Curve, MeshSource, Scene, Shape};
+use crate::output::sections::{SECTIONS, asked};
 use crate::output::stream::{Positions, Stream, unfit};
 use crate::output::surface::{NORMALS, with_normals};
 use crate::output::{Counts, Format, FormatError, IDS, POSITIONS, ShapeKind, Size, TANGENTS, normals};
@@ -35,7 +37,8 @@ const WARNINGS_FRAME: usize = 64;
 ///
 /// What a mesh carries follows in the notation of requests: `"channels":{...}`, `"uvs":{...}`, `"groups":[...]` and `"materials":[...]` of
 /// output faces. With `ids` an entry `"ids":{"faces":[...],"vertices":[[dimension,cell],...]}` follows: the input face of
-/// each face, and for each vertex the input cell (dimension 0 a vertex, 1 an edge, 2 a face).
+/// each face, and for each vertex the input cell (dimension 0 a vertex, 1 an edge, 2 a face). With `sections` an entry
+/// `"sections":[[{"points":[...],"closed":...},...],...]` follows, a list of polylines for each plane.
 ///
 /// With warnings, an entry `"warnings":[...]` follows. Numbers are the shortest decimals that read back as the same f64; whole ones have no point, -0 is 0.
 #[derive(Debug)]
@@ -55,7 +58,7 @@ impl Format for Json {
     }
 
     fn parameters(&self) -> &'static [Parameter] {
-        &[POSITIONS, NORMALS, TANGENTS, CURVATURE, IDS]
+        &[POSITIONS, NORMALS, TANGENTS, CURVATURE, IDS, SECTIONS]
     }
 
     fn suits(&self, kind: ShapeKind, options: &Values) -> Result<(), Fault> {
@@ -72,6 +75,9 @@ impl Format for Json {
         if options.flag(CURVATURE.name) && !bends {
             let detail = "discrete curvature is defined for curves in the plane and in space; leave it out";
             return Err(Fault::new("/discrete_curvature", detail));
+        }
+        if asked(options) && curves {
+            return Err(Fault::new("/sections", "planes cut meshes, curves have no sections; leave it out"));
         }
         Ok(())
     }
@@ -103,7 +109,8 @@ impl Format for Json {
                 let vectors = if with_normals(options) { 2 } else { 1 };
                 let rows = [(counts.vertices, vectors * row(3)), (counts.faces, 2), (counts.corners, corner)];
                 let carried = carried::size(counts, options.flag("ids"));
-                total(&[(1, braces), rows[0], rows[1], rows[2], (1, carried)])
+                let sections = sections::size(counts, options);
+                total(&[(1, braces), rows[0], rows[1], rows[2], (1, carried), (1, sections)])
             }
         };
         Size::AtMost(content.saturating_add(WARNINGS as u128))
@@ -125,6 +132,7 @@ impl Format for Json {
                     write_normals(mesh, &mut stream, watch)?;
                 }
                 carried::write(mesh, options.flag("ids"), &mut stream)?;
+                sections::write(mesh, options, &mut stream, watch)?;
             }
             Shape::Curves([curve]) => write_curve(curve, options, &mut stream)?,
             Shape::Curves(curves) => write_curves(curves, options, &mut stream)?,

@@ -20,6 +20,7 @@ mod parted;
 mod picture;
 mod ply;
 mod png;
+mod sections;
 mod sides;
 mod stats;
 mod stl;
@@ -94,6 +95,13 @@ pub trait Format: std::fmt::Debug + Send + Sync {
     /// # Errors
     /// A sentence that says why not, and which formats can.
     fn holds(&self, kind: ShapeKind) -> Result<(), String>;
+    /// Whether the format can hold what these options make of a shape of this kind.
+    ///
+    /// # Errors
+    /// As [`Format::holds`].
+    fn takes(&self, kind: ShapeKind, _options: &Values) -> Result<(), String> {
+        self.holds(kind)
+    }
     /// Whether the options make sense for a shape of this kind.
     ///
     /// # Errors
@@ -151,9 +159,10 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Triangles after triangulation: a face of n vertices gives n - 2.
+    /// Triangles after triangulation: a face of n vertices gives n - 2. Where counts are too large to be true, a bound.
     pub fn triangles(&self) -> u128 {
-        self.corners - 2 * self.faces
+        let less = self.faces.checked_mul(2).and_then(|twice| self.corners.checked_sub(twice));
+        less.unwrap_or(self.corners)
     }
 }
 

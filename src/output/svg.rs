@@ -1,4 +1,4 @@
-//! SVG: a drawing of curves as paths.
+//! SVG: a drawing of curves, or of sections of a mesh, as paths.
 
 use std::io::{self, Write};
 
@@ -7,6 +7,7 @@ use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::picture::drawing::{Drawing, Item};
 use crate::output::picture::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH};
 use crate::output::scene::{Scene, Shape};
+use crate::output::sections::{SECTIONS, asked, planes};
 use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
 use crate::watch::Watch;
 
@@ -23,10 +24,11 @@ const PARAMETERS: &[Parameter] = &[
         kind: Kind::Choices(&["curve", "control", "points"]),
         unit: "",
         default: Default::Texts(&["curve", "control", "points"]),
-        doc: "What is drawn: the refined curve, the control polygon, the control points.",
+        doc: "What is drawn: the refined curve, the control polygon, the control points. Of a mesh only its sections are.",
     },
     COLOR,
     CAMERA,
+    SECTIONS,
 ];
 
 impl Format for Svg {
@@ -39,7 +41,7 @@ impl Format for Svg {
     }
 
     fn doc(&self) -> &'static str {
-        "A drawing of curves with their control polygons, in paths that scale."
+        "A drawing of curves with their control polygons, or of plane sections of a mesh, in paths that scale."
     }
 
     fn parameters(&self) -> &'static [Parameter] {
@@ -48,19 +50,41 @@ impl Format for Svg {
 
     fn holds(&self, kind: ShapeKind) -> Result<(), String> {
         match kind {
-            ShapeKind::Mesh => Err("svg draws curves only; ask for \"png\" to see a mesh".into()),
+            ShapeKind::Mesh => {
+                let detail = "svg draws curves, and of a mesh only sections; name planes in \"sections\", or ask for \"png\" to see the mesh";
+                Err(detail.into())
+            }
             ShapeKind::Curves { .. } => picture::drawable(kind),
         }
     }
 
+    fn takes(&self, kind: ShapeKind, options: &Values) -> Result<(), String> {
+        if kind == ShapeKind::Mesh && asked(options) { Ok(()) } else { self.holds(kind) }
+    }
+
     fn suits(&self, kind: ShapeKind, options: &Values) -> Result<(), Fault> {
-        picture::shows_only(&["control", "points", "curve"], kind, options)
+        match kind {
+            ShapeKind::Mesh if options.unusual().any(|(name, _)| name == "show") => {
+                Err(Fault::new("/show", "of a mesh only its sections are drawn; leave it out"))
+            }
+            ShapeKind::Mesh => picture::opaque(options),
+            ShapeKind::Curves { .. } if asked(options) => {
+                Err(Fault::new("/sections", "planes cut meshes, curves have no sections; leave it out"))
+            }
+            ShapeKind::Curves { .. } => picture::shows_only(&["control", "points", "curve"], kind, options),
+        }
     }
 
     /// A point costs at most 51 bytes in the curve (when each segment is a path of its own), 51 in the control polygon
-    /// and 49 as a disc.
-    fn size(&self, counts: &Counts, _: &Values) -> Size {
-        let points = counts.vertices.saturating_add(counts.control).saturating_add(counts.polygons);
+    /// and 49 as a disc. Each triangle gives a segment of a section at most, two points.
+    fn size(&self, counts: &Counts, options: &Values) -> Size {
+        let points = match counts.kind {
+            ShapeKind::Mesh => {
+                let planes = options.groups(SECTIONS.name).len() as u128;
+                planes.saturating_mul(counts.triangles().saturating_mul(2).saturating_add(1))
+            }
+            ShapeKind::Curves { .. } => counts.vertices.saturating_add(counts.control).saturating_add(counts.polygons),
+        };
         Size::AtMost(points.saturating_mul(160).saturating_add(2048))
     }
 
@@ -70,7 +94,11 @@ impl Format for Svg {
             self.holds(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
         }
         picture::check_extent(scene)?;
-        let drawing = Drawing::of(scene, &Options::new(values, scene.frame), watch)?;
+        let options = Options::new(values, scene.frame);
+        let drawing = match scene.shape {
+            Shape::Mesh(mesh) => picture::sections::drawing(mesh, &planes(values), &options, watch)?,
+            Shape::Curves(_) => Drawing::of(scene, &options, watch)?,
+        };
         let mut page = Page { text: String::new(), out };
         page.head(&drawing)?;
         for item in &drawing.items {

@@ -140,7 +140,11 @@ fn bounds(kind: &Kind) -> Value {
         Kind::Numbers { most } => json!({ "kind": "numbers", "most": most }),
         Kind::Color => json!({ "kind": "color" }),
         Kind::Vector => json!({ "kind": "vector" }),
+        Kind::Direction => json!({ "kind": "direction" }),
         Kind::Group(fields) => json!({ "kind": "group", "fields": ParameterEntry::all(fields) }),
+        Kind::Groups { fields, most } => {
+            json!({ "kind": "groups", "fields": ParameterEntry::all(fields), "most": most })
+        }
     }
 }
 

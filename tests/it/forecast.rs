@@ -176,11 +176,20 @@ fn check_bytes(input: &Value, word: &Word, extra: &Value, levels: u32) -> Result
 fn options(format: &dyn Format) -> Vec<Value> {
     let name = format.name();
     match name {
-        "png" | "svg" => vec![json!({ "format": name, "width": 32, "height": 24 })],
+        "json" => vec![json!({ "format": name }), json!({ "format": name, "sections": planes() })],
+        "svg" => vec![
+            json!({ "format": name, "width": 32, "height": 24 }),
+            json!({ "format": name, "width": 32, "height": 24, "sections": planes() }),
+        ],
+        "png" => vec![json!({ "format": name, "width": 32, "height": 24 })],
         "ply" => vec![json!({ "format": name }), json!({ "format": name, "ascii": true })],
         "obj" => vec![json!({ "format": name }), json!({ "format": name, "normals": "area" })],
         _ => vec![json!({ "format": name })],
     }
+}
+
+fn planes() -> Value {
+    json!([{ "point": [0.7, 0.5, 0.3], "normal": [0.1, 0, 1] }, { "point": [1, 1, 0], "normal": [1, 1, 1] }])
 }
 
 fn polygon() -> impl Strategy<Value = Value> {

@@ -18,6 +18,7 @@ mod openapi;
 mod readers;
 mod refusals;
 mod robustness;
+mod sections;
 mod shapes;
 mod store;
 mod support;

@@ -1,7 +1,7 @@
 //! Readers: from what a client wrote to a value of its kind, or a sentence that says what is wrong.
 
-use super::{Kind, Literal, Value, shortened};
-use crate::fault::Fault;
+use super::{Kind, Literal, Parameter, Value, Values, shortened};
+use crate::fault::{Fault, under};
 use crate::math::expression::Expression;
 
 pub(super) fn range(min: f64, max: f64) -> String {
@@ -115,4 +115,30 @@ pub(super) fn vector(items: &[Literal]) -> Result<[f64; 3], String> {
     let [x, y, z] = items else { return Err(format!("{} entries; expected three numbers", items.len())) };
     let finite = |literal| constant(literal).and_then(|v| ranged(v, f64::NEG_INFINITY, f64::INFINITY));
     Ok([finite(x)?, finite(y)?, finite(z)?])
+}
+
+/// A vector without its length: divided by its largest coordinate, so that multiples are equal.
+pub(super) fn direction(items: &[Literal]) -> Result<[f64; 3], String> {
+    let vector = vector(items)?;
+    let largest = vector.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    if largest > 0.0 { Ok(vector.map(|x| x / largest + 0.0)) } else { Err("[0, 0, 0] has no direction".into()) }
+}
+
+pub(super) fn groups(items: &[Literal], fields: &'static [Parameter], most: usize) -> Result<Vec<Values>, Vec<Fault>> {
+    if items.is_empty() || items.len() > most {
+        return Err(vec![Fault::new("", format!("{} entries; expected 1 to {most}", items.len()))]);
+    }
+    let mut faults = Vec::new();
+    let mut found = Vec::new();
+    for (i, item) in items.iter().enumerate() {
+        let values = match item {
+            Literal::Map(given) => Values::resolve(fields, given),
+            other => Err(vec![Fault::new("", format!("expected an object, got {}", other.kind()))]),
+        };
+        match values {
+            Ok(values) => found.push(values),
+            Err(wrong) => faults.extend(under(&format!("/{i}"), wrong)),
+        }
+    }
+    if faults.is_empty() { Ok(found) } else { Err(faults) }
 }

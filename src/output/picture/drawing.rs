@@ -48,7 +48,8 @@ pub(in crate::output) enum Item {
 
 /// What is shown when the request does not say.
 const DEFAULT_SHOW: &[&str] = &["curve", "control", "points"];
-const CURVE: [u8; 4] = [37, 99, 235, 255];
+/// Colour of curves.
+pub(super) const CURVE: [u8; 4] = [37, 99, 235, 255];
 const CONTROL: [u8; 4] = [160, 170, 184, 255];
 const POINT: [u8; 4] = [71, 85, 105, 255];
 const RING: [u8; 4] = [255; 4];
@@ -68,7 +69,7 @@ impl Drawing {
         let mut shown: Vec<&Curve> = Vec::new();
         shown.extend(curves.iter().filter(|_| shows("curve")));
         shown.extend(control.iter().filter(|_| shows("control") || shows("points")));
-        let easel = Easel::new(&shown, options);
+        let easel = Easel::new(&shown, options.view(), options.size);
         let unit = options.unit_px();
         let mut items = Vec::new();
         if shows("control") {
@@ -86,7 +87,7 @@ impl Drawing {
 }
 
 /// Brings points of 1 to 3 coordinates into the picture.
-struct Easel {
+pub(super) struct Easel {
     camera: Camera,
     /// Middle and scale of the values of functions.
     graph: [f64; 2],
@@ -95,8 +96,8 @@ struct Easel {
 }
 
 impl Easel {
-    fn new(shown: &[&Curve], options: &Options<'_>) -> Self {
-        let [width, height] = options.size;
+    /// An easel that shows all these curves, as `asked`, in a picture of so many pixels.
+    pub(super) fn new(shown: &[&Curve], asked: View, [width, height]: [u32; 2]) -> Self {
         let mut easel = Self {
             camera: Camera::framing(&View::default(), &[], width, height),
             graph: [0.0, 1.0],
@@ -109,7 +110,6 @@ impl Easel {
             easel.graph = [0.5 * low + 0.5 * high, if flat { 1.0 } else { 0.5 / half }];
         }
         let planar = shown.iter().all(|curve| curve.dimension < 3);
-        let asked = options.view();
         let view = View { projection: Projection::Orthographic, azimuth_rad: 0.0, elevation_rad: 0.0, ..asked };
         let view = if planar { View { eye: None, up: [0.0, 1.0, 0.0], ..view } } else { asked };
         let all = shown.iter().flat_map(|curve| (0..curve.len()).map(|i| easel.lifted(curve, i)));
@@ -139,7 +139,14 @@ impl Easel {
         (point, self.camera.place(point))
     }
 
-    fn lines(&self, curves: &[Curve], width_px: f32, color: [u8; 4], watch: &Watch) -> Result<Item, FormatError> {
+    /// The curves as polylines of this width.
+    pub(super) fn lines(
+        &self,
+        curves: &[Curve],
+        width_px: f32,
+        color: [u8; 4],
+        watch: &Watch,
+    ) -> Result<Item, FormatError> {
         let mut pen = Pen::default();
         for curve in curves {
             let n = curve.len();

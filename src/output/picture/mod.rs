@@ -3,6 +3,7 @@
 pub(super) mod drawing;
 pub(super) mod mesh;
 pub(super) mod paint;
+pub(super) mod sections;
 
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
@@ -142,9 +143,7 @@ pub(super) fn check_extent(scene: &Scene<'_>) -> Result<(), FormatError> {
 
 /// Refuses parts to show that a shape of this kind does not have, and colours that let something through.
 pub(super) fn shows_only(fitting: &[&str], kind: ShapeKind, options: &Values) -> Result<(), Fault> {
-    if options.color("color").is_some_and(|color| color[3] != 255) {
-        return Err(Fault::new("/color", "shapes are drawn opaque; give a colour as #rgb or #rrggbb"));
-    }
+    opaque(options)?;
     let Value::Choices(items) = options.get("show") else { return Ok(()) };
     if items.is_empty() {
         return Err(Fault::new("/show", format!("an empty list shows nothing; name some of {}", fitting.join(", "))));
@@ -154,12 +153,20 @@ pub(super) fn shows_only(fitting: &[&str], kind: ShapeKind, options: &Values) ->
     Err(Fault::new("/show", format!("{what} has no \"{alien}\" to show; it has {}", fitting.join(", "))))
 }
 
+/// Refuses colours of shapes that let something through.
+pub(super) fn opaque(options: &Values) -> Result<(), Fault> {
+    if options.color("color").is_some_and(|color| color[3] != 255) {
+        return Err(Fault::new("/color", "shapes are drawn opaque; give a colour as #rgb or #rrggbb"));
+    }
+    Ok(())
+}
+
 /// The options of a picture, read once.
 #[derive(Debug, Clone)]
 pub(super) struct Options<'a> {
     values: &'a Values,
     /// What coordinates mean.
-    frame: Frame,
+    pub(super) frame: Frame,
     /// Width and height, pixels.
     pub(super) size: [u32; 2],
     /// Straight sRGB.

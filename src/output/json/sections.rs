@@ -1,0 +1,53 @@
+//! Sections of a mesh, a list of polylines for each plane.
+
+use crate::math::parameter::Values;
+use crate::output::numbers::{REAL, reals, total};
+use crate::output::scene::MeshSource;
+use crate::output::sections::{Polyline, planes, section};
+use crate::output::stream::{Positions, Stream};
+use crate::output::{Counts, FormatError};
+use crate::watch::Watch;
+
+/// Most bytes of the entry: each triangle gives a segment at most, and each segment may be a polyline of its own.
+pub(super) fn size(counts: &Counts, options: &Values) -> u128 {
+    let planes = planes(options).len() as u128;
+    let frame = br#","sections":[]"#.len() as u128;
+    let polyline = br#"{"points":[],"closed":false},"#.len() as u128;
+    let point = 3 + 3 * (REAL + 1);
+    let segments = planes.saturating_mul(counts.triangles());
+    if planes == 0 { 0 } else { total(&[(1, frame), (planes, 3), (segments, polyline + 2 * point)]) }
+}
+
+/// Writes the entry after a comma, where sections are asked for.
+pub(super) fn write(
+    mesh: &dyn MeshSource,
+    options: &Values,
+    stream: &mut Stream<'_>,
+    watch: &Watch,
+) -> Result<(), FormatError> {
+    let planes = planes(options);
+    if planes.is_empty() {
+        return Ok(());
+    }
+    let positions = Positions::of_mesh(mesh).held(watch)?;
+    stream.bytes(br#","sections":["#)?;
+    for (i, plane) in planes.iter().enumerate() {
+        stream.bytes(if i > 0 { b",[" } else { b"[" })?;
+        for (j, polyline) in section(mesh, positions.rows(), plane, watch)?.iter().enumerate() {
+            stream.bytes(if j > 0 { b"," } else { b"" })?;
+            write_polyline(polyline, stream)?;
+        }
+        stream.bytes(b"]")?;
+    }
+    stream.bytes(b"]")
+}
+
+fn write_polyline(polyline: &Polyline, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    stream.bytes(br#"{"points":["#)?;
+    stream.rows(0, &polyline.points, |start, rows, out| {
+        for (i, point) in rows.iter().enumerate() {
+            super::row(start + i, out, |out| reals(out, point, b','));
+        }
+    })?;
+    stream.bytes(format!(r#"],"closed":{}}}"#, polyline.closed).as_bytes())
+}

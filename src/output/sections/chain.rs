@@ -1,0 +1,61 @@
+//! Segments joined to chains.
+
+use rayon::prelude::*;
+
+use super::{Crossing, Segment};
+use crate::output::scene::CHUNK;
+use crate::shape::topology::{NONE, index};
+use crate::watch::{Stopped, Watch};
+
+/// The crossings along each chain, and whether it is closed.
+///
+/// A segment goes on with the one that starts where it ends. Where a side has more than two triangles, as in meshes with
+/// two edges between the same vertices, the first end goes on with the first start, and so on; so everything that has as
+/// many ends as starts is closed.
+pub(super) fn chains(mut segments: Vec<Segment>, watch: &Watch) -> Result<Vec<(Vec<Crossing>, bool)>, Stopped> {
+    watch.check()?;
+    segments.par_sort_by_key(|segment| segment.from);
+    watch.check()?;
+    let (next, is_start) = links(&segments);
+    let mut chains = Vec::new();
+    let mut done = vec![false; segments.len()];
+    let mut steps = 0_usize;
+    let opens = (0..segments.len()).filter(|&i| is_start[i]);
+    for start in opens.chain(0..segments.len()) {
+        let mut crossings = Vec::new();
+        let mut at = start;
+        while !done[at] {
+            steps += 1;
+            if steps.is_multiple_of(CHUNK) {
+                watch.check()?;
+            }
+            done[at] = true;
+            crossings.push(segments[at].from);
+            if next[at] == NONE {
+                crossings.push(segments[at].to);
+                break;
+            }
+            at = next[at] as usize;
+        }
+        if !crossings.is_empty() {
+            chains.push((crossings, !is_start[start]));
+        }
+    }
+    Ok(chains)
+}
+
+/// For each segment the one it goes on with, or [`NONE`], and whether none goes on with it.
+fn links(segments: &[Segment]) -> (Vec<u32>, Vec<bool>) {
+    let mut ends: Vec<u32> = (0..index(segments.len())).collect();
+    ends.par_sort_by_key(|&i| segments[i as usize].to);
+    let (mut next, mut is_start) = (vec![NONE; segments.len()], vec![true; segments.len()]);
+    let mut ends = ends.into_iter().peekable();
+    for (i, segment) in segments.iter().enumerate() {
+        while ends.next_if(|&end| segments[end as usize].to < segment.from).is_some() {}
+        if let Some(end) = ends.next_if(|&end| segments[end as usize].to == segment.from) {
+            next[end as usize] = index(i);
+            is_start[i] = false;
+        }
+    }
+    (next, is_start)
+}
