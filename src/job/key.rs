@@ -310,6 +310,7 @@ fn value(value: &Value) -> Item<'static> {
         Value::Integer(x) => Item::Integer(x.cast_unsigned()),
         Value::Flag(x) => Item::Integer(u64::from(*x)),
         Value::Choice(x) => text(x),
+        Value::Name(x) => text(x),
         Value::Choices(xs) => Item::List(xs.iter().map(|x| text(x)).collect()),
         Value::Expression(x) => expression(x),
         Value::Expressions(xs) => Item::List(xs.iter().map(expression).collect()),

@@ -118,7 +118,9 @@ impl Limits {
         }
         let (limit_rows, limit_bytes) = limit_surface(job, &forecast);
         let forecast = Forecast { work: forecast.work.saturating_add(limit_rows), ..forecast };
-        let memory_bytes = memory(&forecast, &sizes, &carried).saturating_add(limit_bytes);
+        let options =
+            job.outputs.iter().map(|output| output.format.memory(&counts, &output.options)).max().unwrap_or(0);
+        let memory_bytes = memory(&forecast, &sizes, &carried).saturating_add(limit_bytes).saturating_add(options);
         if memory_bytes > self.max_job_bytes.into() {
             let place = format!("the job needs about {} of memory", in_bytes(memory_bytes));
             let bound = format!("this server allows {} a job", in_bytes(self.max_job_bytes.into()));
@@ -256,6 +258,7 @@ fn counts(job: &Job, count: Count) -> Counts {
         frame: job.frame,
         attachments: if let Input::Mesh(mesh) = &job.input { mesh.attachments.clone() } else { Arc::default() },
         input_faces: if let Input::Mesh(mesh) = &job.input { mesh.topology.n_faces() } else { 0 },
+        input_edges: if let Input::Mesh(mesh) = &job.input { mesh.topology.n_edges() } else { 0 },
     }
 }
 

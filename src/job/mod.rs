@@ -17,6 +17,7 @@ use crate::output::{Format, ShapeKind, surface};
 use crate::refine::curve::Reached;
 use crate::refine::{self, RefineError};
 use crate::scheme::plan::{Carried, Plan, PlanInput, Subject};
+use crate::shape::attachments::Attachments;
 use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::frame::Frame;
 use crate::shape::mesh::Mesh;
@@ -56,6 +57,14 @@ impl Input {
                 ShapeKind::Curves { dimension: polygons.iter().map(Polygon::result_dimension).max().unwrap_or(1) }
             }
             Self::Mesh(_) => ShapeKind::Mesh,
+        }
+    }
+
+    /// What it carries besides its shape.
+    pub fn attachments(&self) -> &Attachments {
+        match self {
+            Self::Polygons(_) => Attachments::none(),
+            Self::Mesh(mesh) => &mesh.attachments,
         }
     }
 
@@ -160,9 +169,9 @@ impl Job {
             None => Ok(Plan::none(PlanInput::default().boundary, PlanInput::default().ends)),
             Some(plan) => {
                 let subject = input.subject(plan);
-                let ids = subject.is_mesh && outputs.iter().any(|output| output.options.flag("ids"));
-                let ids = ids.then_some("ids");
-                let subject = Subject { tags: subject.tags.or(ids), attached: subject.attached.or(ids), ..subject };
+                let told =
+                    outputs.iter().find_map(|output| output.format.refers(&output.options)).filter(|_| subject.is_mesh);
+                let subject = Subject { tags: subject.tags.or(told), attached: subject.attached.or(told), ..subject };
                 Plan::resolve(plan, subject).map_err(|found| under("/plan", found))
             }
         };
@@ -173,7 +182,7 @@ impl Job {
         for (i, output) in outputs.iter().enumerate() {
             if let Err(detail) = output.format.takes(input.shape_kind(), &output.options) {
                 faults.push(Fault::new(format!("/outputs/{i}/format"), detail));
-            } else if let Err(fault) = output.format.suits(input.shape_kind(), &output.options) {
+            } else if let Err(fault) = output.format.suits(input.shape_kind(), input.attachments(), &output.options) {
                 faults.push(fault.under(&format!("/outputs/{i}")));
             }
         }

@@ -6,7 +6,8 @@ use crate::fault::{Fault, token, under};
 use crate::math::expression::Expression;
 
 use read::{
-    choices, chosen, color, constant, direction, expression, expressions, groups, numbers, range, ranged, vector, whole,
+    MAX_NAME, choices, chosen, color, constant, direction, expression, expressions, groups, named, numbers, range,
+    ranged, vector, whole,
 };
 
 /// What a client wrote for one parameter, before its kind is known.
@@ -75,6 +76,8 @@ pub enum Kind {
     Flag,
     /// One of the names.
     Choice(&'static [&'static str]),
+    /// A name that the client gave to something.
+    Name,
     /// A list of distinct names out of those given.
     Choices(&'static [&'static str]),
     /// A number or an expression in the named variable.
@@ -143,6 +146,8 @@ pub enum Value {
     Flag(bool),
     /// See [`Kind::Choice`].
     Choice(&'static str),
+    /// See [`Kind::Name`].
+    Name(String),
     /// See [`Kind::Choices`]; in the order of the declaration.
     Choices(Vec<&'static str>),
     /// See [`Kind::Expression`].
@@ -229,6 +234,11 @@ impl Values {
         if let Value::Choice(x) = self.get(name) { Some(x) } else { None }
     }
 
+    /// A name, or `None` when absent.
+    pub fn name(&self, name: &str) -> Option<&str> {
+        if let Value::Name(x) = self.get(name) { Some(x) } else { None }
+    }
+
     /// Whether a list of choices contains `item`.
     pub fn has(&self, name: &str, item: &str) -> bool {
         matches!(self.get(name), Value::Choices(items) if items.contains(&item))
@@ -308,6 +318,7 @@ impl Kind {
             (Self::Integer { min, max }, Literal::Number(x)) => whole(*x, *min, *max).map(Value::Integer).map_err(one),
             (Self::Flag, Literal::Flag(x)) => Ok(Value::Flag(*x)),
             (Self::Choice(names), Literal::Text(text)) => chosen(names, text).map(Value::Choice).map_err(one),
+            (Self::Name, Literal::Text(text)) => named(text).map(Value::Name).map_err(one),
             (Self::Choices(names), Literal::List(items)) => choices(names, items).map(Value::Choices),
             (Self::Expression { variable }, Literal::Number(_) | Literal::Text(_)) => {
                 expression(literal, variable).map(Value::Expression).map_err(one)
@@ -333,6 +344,7 @@ impl Kind {
             Self::Integer { min, max } => format!("a whole number from {min} to {max}"),
             Self::Flag => "true or false".into(),
             Self::Choice(names) => format!("one of {}", names.join(", ")),
+            Self::Name => format!("a name of 1 to {MAX_NAME} characters"),
             Self::Choices(names) => format!("a list out of {}", names.join(", ")),
             Self::Expression { variable } => format!("a number or an expression in {variable}"),
             Self::Expressions { variable, most } => {

@@ -1,6 +1,7 @@
 //! Colours of vertices: sRGB from 0 to 1, as they are given, and as formats store them.
 
-use crate::math::functions::pow;
+use crate::math::functions::{cos, pow, sin};
+use crate::output::numbers::rounded;
 
 /// Component `k` of a colour in linear light, 0 to 1; alpha (the fourth) is linear already.
 ///
@@ -25,6 +26,44 @@ pub(super) fn within(x: f64) -> f64 {
     x.clamp(0.0, 1.0) + 0.0
 }
 
+/// The colour of a number from 0 to 1, in linear light: from dark blue over green to yellow.
+///
+/// In CIELAB lightness grows evenly from 22 to 91, so that equal steps look equal and remain in grey prints; the hue turns
+/// from 300 to 95 degrees, at a chroma that screens can show. Formula: `L = 22 + 69 t`, `h = 300 - 205 t` degrees,
+/// `C = 44 (1 - 1.9 t (1 - t))`.
+pub(super) fn scale(t: f64) -> [f32; 3] {
+    let t = within(t);
+    lab(22.0 + 69.0 * t, 44.0 * (1.0 - 1.9 * t * (1.0 - t)), 300.0 - 205.0 * t)
+}
+
+/// The colour of the thing with this number among others, in linear light: hues a golden angle apart, of two lightnesses.
+pub(super) fn mark(number: usize) -> [f32; 3] {
+    #[expect(clippy::cast_precision_loss, reason = "there are few names")]
+    let turned = 40.0 + GOLDEN_ANGLE_DEG * number as f64;
+    lab(if number.is_multiple_of(2) { 60.0 } else { 74.0 }, 44.0, turned)
+}
+
+/// The angle that divides the circle in the golden ratio, degrees: multiples of it stay apart.
+const GOLDEN_ANGLE_DEG: f64 = 137.507_764_050_037_85;
+
+/// The colour of a lightness (0 to 100), a chroma and a hue (degrees) in CIELAB under D65, in linear light of sRGB; what
+/// screens cannot show is brought within 0 to 1.
+///
+/// Sources: CIE 15 (2004), section 8.2.1; IEC 61966-2-1 (1999), section 5.2.
+fn lab(lightness: f64, chroma: f64, hue_deg: f64) -> [f32; 3] {
+    const EDGE: f64 = 6.0 / 29.0;
+    let hue = hue_deg * (std::f64::consts::PI / 180.0);
+    let middle = (lightness + 16.0) / 116.0;
+    let light = |f: f64| if f > EDGE { f * f * f } else { 3.0 * EDGE * EDGE * (f - 4.0 / 29.0) };
+    let x = 0.950_47 * light(middle + chroma * cos(hue) / 500.0);
+    let y = light(middle);
+    let z = 1.088_83 * light(middle - chroma * sin(hue) / 200.0);
+    let red = 3.240_6 * x - 1.537_2 * y - 0.498_6 * z;
+    let green = -0.968_9 * x + 1.875_8 * y + 0.041_5 * z;
+    let blue = 0.055_7 * x - 0.204 * y + 1.057 * z;
+    [red, green, blue].map(|c| rounded(within(c)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -37,5 +76,39 @@ mod tests {
         let found = [linear(0, 0.0), linear(1, 1.0), linear(2, 2.0), linear(3, 0.5)];
         assert_eq!(found.map(f64::to_bits), [0.0, 1.0, 1.0, 0.5_f64].map(f64::to_bits));
         assert!((linear(0, 0.5) - 0.214_041).abs() < 1e-6);
+    }
+
+    /// Luminance relative to white.
+    fn luminance([r, g, b]: [f32; 3]) -> f64 {
+        0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
+    }
+
+    #[test]
+    fn the_scale_grows_evenly_in_lightness() {
+        let lightness = |t: f64| 116.0 * pow(luminance(scale(t)), 1.0 / 3.0) - 16.0;
+        for i in 0..=50 {
+            let t = f64::from(i) / 50.0;
+            // but for what screens cannot show
+            assert!((lightness(t) - (22.0 + 69.0 * t)).abs() < 1.5, "{t}: {}", lightness(t));
+        }
+        assert_eq!(scale(-1.0).map(f32::to_bits), scale(0.0).map(f32::to_bits));
+        assert_eq!(scale(2.0).map(f32::to_bits), scale(1.0).map(f32::to_bits));
+        let [dark, light] = [scale(0.0), scale(1.0)];
+        assert!(dark[2] > 3.0 * dark[0] && light[0] > 3.0 * light[2], "{dark:?} {light:?}");
+    }
+
+    #[test]
+    fn neutral_colours_are_grey_and_marks_are_apart() {
+        for lightness in [1.0, 5.0, 50.0, 100.0] {
+            let [r, g, b] = lab(lightness, 0.0, 77.0);
+            assert!((r - g).abs() < 1e-3 && (b - g).abs() < 1e-3, "{lightness}: {r} {g} {b}");
+        }
+        assert!((luminance(lab(100.0, 0.0, 0.0)) - 1.0).abs() < 1e-3);
+        for i in 0..12 {
+            for j in 0..i {
+                let apart: f32 = mark(i).iter().zip(mark(j)).map(|(a, b)| (a - b).abs()).sum();
+                assert!(apart > 0.1, "{i} {j}: {apart}");
+            }
+        }
     }
 }

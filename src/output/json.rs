@@ -15,7 +15,8 @@ use crate::output::scene::{Curve, MeshSource, Scene, Shape};
 use crate::output::sections::{SECTIONS, asked};
 use crate::output::stream::{Positions, Stream, unfit};
 use crate::output::surface::{NORMALS, with_normals};
-use crate::output::{Counts, Format, FormatError, IDS, POSITIONS, ShapeKind, Size, TANGENTS, normals};
+use crate::output::{Counts, Format, FormatError, IDS, ISOLINES, POSITIONS, ShapeKind, Size, TANGENTS, normals};
+use crate::shape::attachments::Attachments;
 use crate::watch::Watch;
 
 /// The option of discrete curvature.
@@ -28,6 +29,15 @@ const CURVATURE: Parameter = Parameter {
           null at ends and at repeated points. Curves in the plane and in space only.",
 };
 
+/// The option of the edges of the input.
+const EDGES: Parameter = Parameter {
+    name: ISOLINES,
+    kind: Kind::Flag,
+    unit: "",
+    default: Default::Flag(false),
+    doc: "For each edge of the input mesh the vertices along it, from its start to its end. Meshes only.",
+};
+
 /// Most bytes of the entry of the warnings, and of what stands in it beside them.
 const WARNINGS: usize = 8_192;
 const WARNINGS_FRAME: usize = 64;
@@ -37,7 +47,8 @@ const WARNINGS_FRAME: usize = 64;
 ///
 /// What a mesh carries follows in the notation of requests: `"channels":{...}`, `"uvs":{...}`, `"groups":[...]` and `"materials":[...]` of
 /// output faces. With `ids` an entry `"ids":{"faces":[...],"vertices":[[dimension,cell],...]}` follows: the input face of
-/// each face, and for each vertex the input cell (dimension 0 a vertex, 1 an edge, 2 a face). With `sections` an entry
+/// each face, and for each vertex the input cell (dimension 0 a vertex, 1 an edge, 2 a face). With `isolines` an
+/// entry `"isolines":[[...],...]` follows, the vertices along each edge of the input. With `sections` an entry
 /// `"sections":[[{"points":[...],"closed":...},...],...]` follows, a list of polylines for each plane.
 ///
 /// With warnings, an entry `"warnings":[...]` follows. Numbers are the shortest decimals that read back as the same f64; whole ones have no point, -0 is 0.
@@ -58,10 +69,10 @@ impl Format for Json {
     }
 
     fn parameters(&self) -> &'static [Parameter] {
-        &[POSITIONS, NORMALS, TANGENTS, CURVATURE, IDS, SECTIONS]
+        &[POSITIONS, NORMALS, TANGENTS, CURVATURE, IDS, EDGES, SECTIONS]
     }
 
-    fn suits(&self, kind: ShapeKind, options: &Values) -> Result<(), Fault> {
+    fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
         let (curves, bends) = match kind {
             ShapeKind::Curves { dimension } => (true, dimension == 2 || dimension == 3),
             ShapeKind::Mesh => (false, false),
@@ -76,6 +87,9 @@ impl Format for Json {
             let detail = "discrete curvature is defined for curves in the plane and in space; leave it out";
             return Err(Fault::new("/discrete_curvature", detail));
         }
+        if options.flag(ISOLINES) && curves {
+            return Err(Fault::new("/isolines", "isolines are edges of meshes; leave it out"));
+        }
         if asked(options) && curves {
             return Err(Fault::new("/sections", "planes cut meshes, curves have no sections; leave it out"));
         }
@@ -84,6 +98,10 @@ impl Format for Json {
 
     fn holds(&self, _kind: ShapeKind) -> Result<(), String> {
         Ok(())
+    }
+
+    fn refers(&self, options: &Values) -> Option<&'static str> {
+        [IDS.name, ISOLINES].into_iter().find(|name| options.flag(name))
     }
 
     fn size(&self, counts: &Counts, options: &Values) -> Size {
@@ -108,7 +126,7 @@ impl Format for Json {
                 let corner = digits(counts.vertices) + 1;
                 let vectors = if with_normals(options) { 2 } else { 1 };
                 let rows = [(counts.vertices, vectors * row(3)), (counts.faces, 2), (counts.corners, corner)];
-                let carried = carried::size(counts, options.flag("ids"));
+                let carried = carried::size(counts, options);
                 let sections = sections::size(counts, options);
                 total(&[(1, braces), rows[0], rows[1], rows[2], (1, carried), (1, sections)])
             }
@@ -131,7 +149,7 @@ impl Format for Json {
                 if with_normals(options) {
                     write_normals(mesh, &mut stream, watch)?;
                 }
-                carried::write(mesh, options.flag("ids"), &mut stream)?;
+                carried::write(mesh, options, &mut stream)?;
                 sections::write(mesh, options, &mut stream, watch)?;
             }
             Shape::Curves([curve]) => write_curve(curve, options, &mut stream)?,

@@ -50,6 +50,9 @@ const IDS: Parameter = Parameter {
     doc: "For each face of a mesh the input face it came of, for each vertex the input vertex, edge or face",
 };
 
+/// The edges of the input on a refined mesh: an option of formats that write them, and what pictures show.
+const ISOLINES: &str = "isolines";
+
 /// The format of a name.
 pub fn named(name: &str) -> Option<&'static dyn Format> {
     FORMATS.iter().copied().find(|format| format.name() == name)
@@ -102,15 +105,25 @@ pub trait Format: std::fmt::Debug + Send + Sync {
     fn takes(&self, kind: ShapeKind, _options: &Values) -> Result<(), String> {
         self.holds(kind)
     }
-    /// Whether the options make sense for a shape of this kind.
+    /// Whether the options make sense for a shape of this kind that carries this.
     ///
     /// # Errors
     /// The fault, with a pointer below the output.
-    fn suits(&self, _kind: ShapeKind, _options: &Values) -> Result<(), Fault> {
+    fn suits(&self, _kind: ShapeKind, _carried: &Attachments, _options: &Values) -> Result<(), Fault> {
         Ok(())
     }
     /// Bytes that `counts` will take.
     fn size(&self, counts: &Counts, options: &Values) -> Size;
+    /// What the options tell of single faces, edges or vertices of the input, if anything: schemes that make faces of
+    /// their own cannot.
+    fn refers(&self, options: &Values) -> Option<&'static str> {
+        options.flag(IDS.name).then_some(IDS.name)
+    }
+    /// Bytes of memory that the options cost while the scene is written, besides those that every picture of such a mesh
+    /// and its bytes need.
+    fn memory(&self, _counts: &Counts, _options: &Values) -> u128 {
+        0
+    }
     /// Writes the scene.
     ///
     /// # Errors
@@ -156,6 +169,8 @@ pub struct Counts {
     pub attachments: Arc<Attachments>,
     /// Faces of the input mesh, hidden ones included (0 for curves).
     pub input_faces: usize,
+    /// Edges of the input mesh (0 for curves).
+    pub input_edges: usize,
 }
 
 impl Counts {

@@ -7,11 +7,13 @@ use image::{ExtendedColorType, ImageEncoder};
 
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
-use crate::output::POSITIONS;
+use crate::output::picture::coat::{self, CHANNEL, COLOR_BY};
 use crate::output::picture::drawing::Drawing;
 use crate::output::picture::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH, mesh, paint};
 use crate::output::scene::{Scene, Shape};
 use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
+use crate::output::{ISOLINES, POSITIONS};
+use crate::shape::attachments::Attachments;
 use crate::watch::{Stage, Watch};
 
 /// The format "png".
@@ -24,10 +26,10 @@ const PARAMETERS: &[Parameter] = &[
     BACKGROUND,
     Parameter {
         name: "show",
-        kind: Kind::Choices(&["surface", "wireframe", "control", "points", "curve"]),
+        kind: Kind::Choices(&["surface", "wireframe", "isolines", "control", "points", "curve"]),
         unit: "",
         default: Default::Absent,
-        doc: "What is drawn: of a mesh its surface, its wireframe, the control net and its points; of curves the curve, the control polygon and its points. Left out: the surface, or all of a curve.",
+        doc: "What is drawn: of a mesh its surface, its wireframe, the edges of the input on it (isolines), the control net and its points; of curves the curve, the control polygon and its points. Left out: the surface, or all of a curve.",
     },
     Parameter {
         name: "shading",
@@ -45,6 +47,8 @@ const PARAMETERS: &[Parameter] = &[
         doc: "What a smooth surface is lit by: normals weighted by the area of the faces around a vertex, or those of the limit surface.",
     },
     COLOR,
+    COLOR_BY,
+    CHANNEL,
     CAMERA,
 ];
 
@@ -69,11 +73,12 @@ impl Format for Png {
         picture::drawable(kind)
     }
 
-    fn suits(&self, kind: ShapeKind, options: &Values) -> Result<(), Fault> {
+    fn suits(&self, kind: ShapeKind, carried: &Attachments, options: &Values) -> Result<(), Fault> {
         let fitting: &[&str] = match kind {
-            ShapeKind::Mesh => &["surface", "wireframe", "control", "points"],
+            ShapeKind::Mesh => &["surface", "wireframe", "isolines", "control", "points"],
             ShapeKind::Curves { .. } => &["control", "points", "curve"],
         };
+        coat::check(kind, carried, options)?;
         picture::shows_only(fitting, kind, options)
     }
 
@@ -83,6 +88,18 @@ impl Format for Png {
         let rows = height * (1 + 4 * width);
         let blocks = rows / 32_768 + 1;
         Size::AtMost(rows + 17 * blocks + 1024)
+    }
+
+    fn refers(&self, options: &Values) -> Option<&'static str> {
+        let shown = options.has("show", ISOLINES).then_some(ISOLINES);
+        shown.or(coat::follows_faces(options).then_some("colours of input faces"))
+    }
+
+    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
+        let vertices = counts.vertices.saturating_add(counts.parted);
+        let colors = coat::memory(options, vertices, counts.triangles(), counts.uvs);
+        let pieces = counts.vertices.saturating_add(counts.input_edges as u128);
+        colors.saturating_add(if options.has("show", ISOLINES) { pieces.saturating_mul(8) } else { 0 })
     }
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {

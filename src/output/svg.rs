@@ -9,6 +9,7 @@ use crate::output::picture::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, W
 use crate::output::scene::{Scene, Shape};
 use crate::output::sections::{SECTIONS, asked, planes};
 use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
+use crate::shape::attachments::Attachments;
 use crate::watch::Watch;
 
 /// The format "svg".
@@ -62,7 +63,7 @@ impl Format for Svg {
         if kind == ShapeKind::Mesh && asked(options) { Ok(()) } else { self.holds(kind) }
     }
 
-    fn suits(&self, kind: ShapeKind, options: &Values) -> Result<(), Fault> {
+    fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
         match kind {
             ShapeKind::Mesh if options.unusual().any(|(name, _)| name == "show") => {
                 Err(Fault::new("/show", "of a mesh only its sections are drawn; leave it out"))

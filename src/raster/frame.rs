@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::bins::{Bins, Grid, TileRect};
 use super::camera::{Camera, Projection};
 use super::line::Layer;
+use super::paint::{Paint, Tint};
 use super::project::{BEHIND, FAR_OUT, STEPS, Vertex, vertex, vertices};
 use super::shade::{Lamps, Vec3f};
 use super::triangle::{area, pixel_box};
@@ -33,9 +34,11 @@ pub(super) struct Frame<'a> {
     pub(super) layers: Vec<Layer>,
     /// `None` when the surface is not seen.
     pub(super) lamps: Option<Lamps>,
+    /// `None` where the surface has one colour.
+    pub(super) paint: Option<Paint<'a>>,
 }
 
-/// Blends the normals of a triangle over its place in the picture.
+/// Blends the normals of a triangle, and its paint, over its place in the picture.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Facet {
     /// Unnormalised normal at pixel (0, 0) of the tile, and its growth to the right and down.
@@ -44,6 +47,8 @@ pub(super) struct Facet {
     down: Vec3f,
     /// Whether its inside is seen.
     pub(super) back: bool,
+    /// Of a painted surface.
+    pub(super) tint: Tint,
 }
 
 impl Facet {
@@ -71,11 +76,13 @@ impl<'a> Frame<'a> {
             .iter()
             .map(|strokes| Layer::new(camera, grid, strokes, watch))
             .collect::<Result<Vec<_>, Stopped>>()?;
-        let lamps = match model.surface {
-            Surface::Lit(color) => Some(Lamps::new(camera, color)),
-            Surface::Unseen => None,
+        let (lamps, paint) = match model.surface {
+            Surface::Lit(color) => (Some(Lamps::new(camera, color)), None),
+            Surface::Painted(paint) => (Some(Lamps::new(camera, [0; 4])), Some(paint)),
+            Surface::Unseen => (None, None),
         };
-        let mut frame = Self { model, camera, grid, vertices, pieces: Vec::new(), runs: Vec::new(), layers, lamps };
+        let (pieces, runs) = (Vec::new(), Vec::new());
+        let mut frame = Self { model, camera, grid, vertices, pieces, runs, layers, lamps, paint };
         frame.sort(watch)?;
         Ok(frame)
     }
@@ -180,15 +187,17 @@ impl<'a> Frame<'a> {
             let plane = unit(cross(sub(b, a), sub(c, a))).unwrap_or(self.camera.forward.map(|x| -x));
             normals.iter_mut().filter(|n| undefined(n)).for_each(|n| *n = plane);
         }
-        match piece {
-            None => normals,
-            Some(piece) => piece.shares.map(|share| {
-                [0, 1, 2].map(|k| share[0] * normals[0][k] + share[1] * normals[1][k] + share[2] * normals[2][k])
-            }),
-        }
+        shared(piece, normals)
     }
 
-    /// How the normal of triangle number `id` varies over the tile at `origin`. In perspective, shares are weighted by
+    /// What the paint has at the three corners of triangle number `id`.
+    fn painted(&self, paint: &Paint<'_>, id: u32) -> [[f64; 3]; 3] {
+        let piece = self.piece(id);
+        let whole = piece.map_or(id, |p| p.whole) as usize;
+        shared(piece, paint.corners(whole, self.model.triangles[whole]))
+    }
+
+    /// How the normal of triangle number `id`, and its paint, vary over the tile at `origin`. In perspective, shares are weighted by
     /// the depth stored, which is inverse to the distance.
     #[expect(clippy::cast_possible_truncation, reason = "light needs no more than the precision of f32")]
     pub(super) fn facet(&self, id: u32, origin: [i32; 2]) -> Facet {
@@ -202,12 +211,14 @@ impl<'a> Frame<'a> {
         let mut facet = Facet { back, ..Facet::default() };
         let unit = if back { 1.0 } else { -1.0 };
         let nearness = unit / f64::from(corners[0].depth);
+        let mut weights = [[0.0; 3]; 3];
         for k in 0..3 {
             let (a, b) = (local[(k + 1) % 3], local[(k + 2) % 3]);
             let weight = if perspective { f64::from(corners[k].depth) * nearness } else { unit };
             let right = ((a[1] - b[1]) * weight) as f32;
             let down = ((b[0] - a[0]) * weight) as f32;
             let base = ((a[0] * b[1] - a[1] * b[0]) * weight) as f32;
+            weights[k] = [base, right, down];
             let [x, y, z] = normals[k];
             for (axis, along) in [x as f32, y as f32, z as f32].into_iter().enumerate() {
                 facet.base[axis] += base * along;
@@ -215,6 +226,19 @@ impl<'a> Frame<'a> {
                 facet.down[axis] += down * along;
             }
         }
+        if let Some(paint) = &self.paint {
+            facet.tint = Tint::new(&self.painted(paint, id), &weights);
+        }
         facet
+    }
+}
+
+/// What the corners of a piece have, given what those of its whole triangle have.
+fn shared(piece: Option<&Piece>, whole: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    match piece {
+        None => whole,
+        Some(piece) => piece
+            .shares
+            .map(|share| [0, 1, 2].map(|k| share[0] * whole[0][k] + share[1] * whole[1][k] + share[2] * whole[2][k])),
     }
 }

@@ -10,6 +10,7 @@ mod camera;
 mod clip;
 mod frame;
 mod line;
+mod paint;
 mod pixmap;
 mod project;
 mod shade;
@@ -20,6 +21,7 @@ mod triangle;
 mod vector;
 
 pub use camera::{Camera, Projection, View};
+pub use paint::Paint;
 pub use pixmap::Pixmap;
 
 use crate::watch::{Stopped, Watch};
@@ -40,7 +42,7 @@ pub struct Model<'a> {
     /// Directions that light sees.
     pub normals: Normals<'a>,
     /// How triangles look.
-    pub surface: Surface,
+    pub surface: Surface<'a>,
     /// Lines and discs, the first list undermost.
     pub strokes: &'a [Strokes<'a>],
 }
@@ -57,10 +59,12 @@ pub enum Normals<'a> {
 }
 
 /// How triangles look.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Surface {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Surface<'a> {
     /// Lit, in this sRGB colour; its alpha does not count.
     Lit([u8; 4]),
+    /// Lit, in these colours.
+    Painted(Paint<'a>),
     /// Not seen, but hiding the lines behind it.
     Unseen,
 }

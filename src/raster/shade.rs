@@ -30,8 +30,8 @@ pub(super) struct Lamps {
     across: Vec3f,
     along: Vec3f,
     centre_px: [f32; 2],
-    outside: Vec3f,
-    inside: Vec3f,
+    /// Linear light of a surface of one colour.
+    pub(super) outside: Vec3f,
 }
 
 const KEY: [f64; 3] = [-0.48, 0.62, 0.62];
@@ -57,8 +57,6 @@ impl Lamps {
         let key = turned(KEY);
         let gleam = unit(add(key, scaled(camera.forward, -1.0))).unwrap_or(key);
         let spread = if camera.projection == Projection::Perspective { 1.0 / camera.focal_px } else { 0.0 };
-        let outside = [linear(r), linear(g), linear(b)];
-        let grey = 0.2126 * outside[0] + 0.7152 * outside[1] + 0.0722 * outside[2];
         Self {
             key: single(key),
             fill: single(turned(FILL)),
@@ -69,8 +67,7 @@ impl Lamps {
             across: single(scaled(camera.right, spread)),
             along: single(scaled(camera.up, -spread)),
             centre_px: [(0.5 * camera.size_px[0]) as f32, (0.5 * camera.size_px[1]) as f32],
-            outside,
-            inside: outside.map(|c| 0.45 * c + 0.3 * grey),
+            outside: [linear(r), linear(g), linear(b)],
         }
     }
 
@@ -80,7 +77,8 @@ impl Lamps {
         let [mut red, mut green, mut blue] = [[0.0; LANES]; 3];
         for i in 0..LANES {
             let normal = [spots.normal[0][i], spots.normal[1][i], spots.normal[2][i]];
-            let lit = self.light(normal, [spots.place[0][i], spots.place[1][i]], spots.back[i]);
+            let color = [spots.color[0][i], spots.color[1][i], spots.color[2][i]];
+            let lit = self.light(normal, color, [spots.place[0][i], spots.place[1][i]], spots.back[i]);
             [red[i], green[i], blue[i]] = lit;
         }
         for i in 0..spots.waiting {
@@ -92,9 +90,12 @@ impl Lamps {
     }
 
     /// Linear light that reaches the viewer from the pixel coordinates `place`. The normal need not have length one; it
-    /// points to the outside of the surface, and `back` is 1 where the inside is seen and otherwise 0.
+    /// points to the outside of the surface, whose colour is `outside` in linear light, and `back` is 1 where the inside
+    /// is seen and otherwise 0.
     #[inline]
-    fn light(&self, normal: Vec3f, place: [f32; 2], back: f32) -> Vec3f {
+    fn light(&self, normal: Vec3f, outside: Vec3f, place: [f32; 2], back: f32) -> Vec3f {
+        let grey = 0.2126 * outside[0] + 0.7152 * outside[1] + 0.0722 * outside[2];
+        let inside = outside.map(|c| 0.45 * c + 0.3 * grey);
         let (x, y) = (place[0] - self.centre_px[0], place[1] - self.centre_px[1]);
         let ray: Vec3f = std::array::from_fn(|k| self.forward[k] + self.across[k] * x + self.along[k] * y);
         let scale = (1.0 - 2.0 * back) / dot(normal, normal).sqrt();
@@ -110,7 +111,7 @@ impl Lamps {
         std::array::from_fn(|k| {
             let ambient = GROUND_LIGHT[k] + (SKY_LIGHT[k] - GROUND_LIGHT[k]) * sky;
             let diffuse = KEY_LIGHT[k] * key + FILL_LIGHT[k] * fill + RIM_LIGHT[k] * rim + ambient;
-            let colour = self.outside[k] + (self.inside[k] - self.outside[k]) * back;
+            let colour = outside[k] + (inside[k] - outside[k]) * back;
             let matt = shoulder(colour * diffuse);
             matt + gleam * (1.0 - matt)
         })
@@ -148,6 +149,7 @@ const LANES: usize = 8;
 #[derive(Debug, Default)]
 pub(super) struct Spots {
     normal: [[f32; LANES]; 3],
+    color: [[f32; LANES]; 3],
     place: [[f32; LANES]; 2],
     back: [f32; LANES],
     share: [f32; LANES],
@@ -156,11 +158,19 @@ pub(super) struct Spots {
 }
 
 impl Spots {
-    /// Adds a spot at pixel coordinates `place` that gives `share` of the light of `pixel`, counted within the tile.
-    /// There must be room.
-    pub(super) fn push(&mut self, pixel: u32, share: f32, normal: Vec3f, place: [f32; 2], back: bool) {
+    /// Adds a spot of this normal and colour at pixel coordinates `place` that gives `share` of the light of `pixel`,
+    /// counted within the tile. There must be room.
+    pub(super) fn push(
+        &mut self,
+        (pixel, share): (u32, f32),
+        normal: Vec3f,
+        color: Vec3f,
+        place: [f32; 2],
+        back: bool,
+    ) {
         let i = self.waiting % LANES;
         (0..3).for_each(|k| self.normal[k][i] = normal[k]);
+        (0..3).for_each(|k| self.color[k][i] = color[k]);
         (0..2).for_each(|k| self.place[k][i] = place[k]);
         self.back[i] = if back { 1.0 } else { 0.0 };
         self.share[i] = share;

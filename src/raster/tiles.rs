@@ -124,7 +124,8 @@ impl Desk {
                 let [right, down, share] = CENTRES[held];
                 let place = [x + right, y + down];
                 let global = [corner[0] + place[0], corner[1] + place[1]];
-                self.spots.push(pixel, share, facet.normal(place), global, facet.back);
+                let color = frame.paint.map_or(lamps.outside, |paint| paint.color(&facet.tint, place));
+                self.spots.push((pixel, share), facet.normal(place), color, global, facet.back);
                 if self.spots.full() {
                     lamps.illuminate(&mut self.spots, &mut self.light);
                 }

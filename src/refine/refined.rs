@@ -14,7 +14,7 @@ use crate::shape::attachments::Attachments;
 use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::order::Order;
 use crate::shape::source::{FaceChunk, MeshSource, Origin};
-use crate::shape::topology::{Topology, index};
+use crate::shape::topology::{NONE, Topology, index};
 
 /// A refined mesh: positions in the order of construction, and the way from there to the documented order.
 #[derive(Debug)]
@@ -133,12 +133,17 @@ impl RefinedMesh {
 
     /// The ends of a piece of an edge of one of the meshes with these faces.
     fn piece(&self, base: &Topology, edge: usize, piece: usize) -> [u32; 2] {
+        [piece, piece + 1].map(|at| self.along(base, edge, at))
+    }
+
+    /// The vertex so many pieces along an edge of one of the meshes with these faces.
+    fn along(&self, base: &Topology, edge: usize, at: usize) -> u32 {
         let [start, end] = base.ends(edge);
-        [piece, piece + 1].map(|at| match at {
+        match at {
             0 => start,
             at if at == self.pieces => end,
             at => index(base.n_vertices() + edge * (self.pieces - 1) + at - 1),
-        })
+        }
     }
 
     /// The ends of sharp edges as places with texture coordinates; what is parted on seams needs no other parting.
@@ -293,6 +298,13 @@ impl MeshSource for RefinedMesh {
 
     fn input_cells(&self) -> [usize; 3] {
         [self.base.n_vertices(), self.base.n_edges(), self.base.n_faces()]
+    }
+
+    fn isoline(&self, edge: usize, out: &mut Vec<u32>) -> bool {
+        out.clear();
+        out.extend((0..=self.pieces).map(|at| self.along(&self.base, edge, at)));
+        let corners = self.base.edge_corners(edge).into_iter().filter(|&corner| corner != NONE);
+        corners.map(|corner| self.base.face_of(corner)).any(|face| !self.faces_of(face).is_empty())
     }
 
     fn face_origin(&self, face: usize) -> u32 {

@@ -91,6 +91,12 @@ pub trait MeshSource: std::fmt::Debug + Sync {
     fn input_cells(&self) -> [usize; 3] {
         [self.n_vertices(), 0, self.n_faces()]
     }
+    /// Fills `out` with the vertices along edge `edge` of the input, from its start to its end, and says whether a face
+    /// beside it is shown; what it held before is dropped. Edges that did not stay have no vertices.
+    fn isoline(&self, _edge: usize, out: &mut Vec<u32>) -> bool {
+        out.clear();
+        false
+    }
     /// The input face that shown face `face` came of.
     fn face_origin(&self, face: usize) -> u32 {
         index(face)

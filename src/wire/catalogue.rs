@@ -134,6 +134,7 @@ fn bounds(kind: &Kind) -> Value {
         Kind::Integer { min, max } => json!({ "kind": "integer", "min": min, "max": max }),
         Kind::Flag => json!({ "kind": "flag" }),
         Kind::Choice(names) => json!({ "kind": "choice", "choices": names }),
+        Kind::Name => json!({ "kind": "name" }),
         Kind::Choices(names) => json!({ "kind": "choices", "choices": names }),
         Kind::Expression { variable } => json!({ "kind": "expression", "variable": variable }),
         Kind::Expressions { variable, most } => json!({ "kind": "expressions", "variable": variable, "most": most }),

@@ -2,9 +2,11 @@
 
 mod files;
 mod frames;
+mod isolines;
 mod laws;
 mod read;
 mod refused;
+mod shown;
 mod uvs;
 
 use serde_json::{Value, json};

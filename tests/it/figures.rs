@@ -1,6 +1,8 @@
 //! The pictures of `docs/curves` are what planish renders from their jobs, and `docs/presets.md` has a section for each
 //! preset of curves with what the catalogue says of it.
 //!
+//! The pictures of `docs/creases.md` and `docs/data.md` are the results of the example jobs of their names.
+//!
 //! `BLESS=1 cargo test --test it figures::` writes both anew.
 
 use std::collections::BTreeSet;
@@ -50,6 +52,23 @@ fn pictures_are_what_their_jobs_render() {
         let committed = fs::read(&picture).unwrap_or_else(|error| panic!("{}: {error}", picture.display()));
         assert!(committed == bytes, "docs/curves/{name}.png is not what its job renders");
     }
+}
+
+/// The results of the example jobs are known by their hashes.
+#[test]
+fn pictures_of_surfaces_are_the_results_of_their_jobs() {
+    let hashes = fs::read_to_string(path("tests/golden/hashes.txt")).expect("the table is there");
+    let mut n = 0;
+    for page in ["docs/creases.md", "docs/data.md"] {
+        let text = fs::read_to_string(path(page)).expect("the page is there");
+        for name in text.split("src=\"surfaces/").skip(1).filter_map(|rest| rest.split(".png\"").next()) {
+            let bytes = fs::read(path(&format!("docs/surfaces/{name}.png"))).expect("the picture is there");
+            let line = format!("{name}-png png {}", planish::job::key::content(&bytes));
+            assert!(hashes.lines().any(|known| known == line), "{page}: {name}.png is not what its job renders");
+            n += 1;
+        }
+    }
+    assert!(n > 25, "{n} pictures");
 }
 
 #[test]

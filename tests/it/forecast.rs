@@ -176,7 +176,11 @@ fn check_bytes(input: &Value, word: &Word, extra: &Value, levels: u32) -> Result
 fn options(format: &dyn Format) -> Vec<Value> {
     let name = format.name();
     match name {
-        "json" => vec![json!({ "format": name }), json!({ "format": name, "sections": planes() })],
+        "json" => vec![
+            json!({ "format": name }),
+            json!({ "format": name, "sections": planes() }),
+            json!({ "format": name, "isolines": true }),
+        ],
         "svg" => vec![
             json!({ "format": name, "width": 32, "height": 24 }),
             json!({ "format": name, "width": 32, "height": 24, "sections": planes() }),

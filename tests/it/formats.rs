@@ -70,6 +70,7 @@ fn counts(shape: Shape<'_>) -> Counts {
             frame: Frame::default(),
             attachments: Arc::new(mesh.attachments().clone()),
             input_faces: mesh.input_cells()[2],
+            input_edges: mesh.input_cells()[1],
         },
         Shape::Curves(curves) => Counts {
             kind: ShapeKind::Curves { dimension: curves.first().map_or(1, |curve| curve.dimension) },
@@ -83,6 +84,7 @@ fn counts(shape: Shape<'_>) -> Counts {
             frame: Frame::default(),
             attachments: Arc::default(),
             input_faces: 0,
+            input_edges: 0,
         },
     }
 }

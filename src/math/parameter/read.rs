@@ -47,6 +47,18 @@ pub(super) fn chosen(names: &'static [&'static str], text: &str) -> Result<&'sta
     found.ok_or_else(|| format!("\"{}\" is not one of {}", shortened(text), names.join(", ")))
 }
 
+/// Longest name, characters.
+pub(super) const MAX_NAME: usize = 64;
+
+pub(super) fn named(text: &str) -> Result<String, String> {
+    let n = text.chars().count();
+    if (1..=MAX_NAME).contains(&n) {
+        Ok(text.to_owned())
+    } else {
+        Err(format!("\"{}\" is not {}", shortened(text), Kind::Name.expected()))
+    }
+}
+
 pub(super) fn choices(names: &'static [&'static str], items: &[Literal]) -> Result<Vec<&'static str>, Vec<Fault>> {
     let mut faults = Vec::new();
     let mut found = Vec::new();

@@ -1,16 +1,17 @@
-//! What a mesh carries, in the notation of requests, and the origins of its vertices and faces.
+//! What a mesh carries, in the notation of requests, and what became of the cells of the input.
 
 use serde_json::Value;
 
+use crate::math::parameter::Values;
 use crate::output::numbers::{REAL, digits, real, reals, total, whole};
 use crate::output::scene::MeshSource;
 use crate::output::stream::Stream;
-use crate::output::{Counts, FormatError};
+use crate::output::{Counts, FormatError, IDS, ISOLINES};
 use crate::shape::attachments::Channel;
 use crate::shape::labels::Labels;
 
 /// Most bytes of these entries.
-pub(super) fn size(counts: &Counts, ids: bool) -> u128 {
+pub(super) fn size(counts: &Counts, options: &Values) -> u128 {
     let attachments = &counts.attachments;
     let row = |channel: &Channel| 3 + channel.width as u128 * (REAL + 1);
     let channels = attachments.channels.iter().map(|channel| {
@@ -24,17 +25,27 @@ pub(super) fn size(counts: &Counts, ids: bool) -> u128 {
     };
     let cell = digits(counts.corners.max(counts.vertices).max(counts.input_faces as u128)) + 1;
     let origins = br#","ids":{"faces":[],"vertices":[]}"#.len() as u128;
-    let origins = if ids { total(&[(1, origins), (counts.faces, cell), (counts.vertices, cell + 4)]) } else { 0 };
+    let origins = if options.flag(IDS.name) {
+        total(&[(1, origins), (counts.faces, cell), (counts.vertices, cell + 4)])
+    } else {
+        0
+    };
     let frame = br#","uvs":{"values":[],"faces":[]}"#.len() as u128;
     let rows = [(counts.uvs, 2 + 2 * (REAL + 1)), (counts.faces, 2), (counts.corners, digits(counts.uvs) + 1)];
     let uvs = if counts.uvs > 0 { total(&[(1, frame), rows[0], rows[1], rows[2]]) } else { 0 };
-    [channels, uvs, labels(&attachments.groups), labels(&attachments.materials), origins]
+    // the inner vertices of all edges are different ones
+    let edges = counts.input_edges as u128;
+    let along = counts.vertices.saturating_add(2 * edges);
+    let frame = br#","isolines":[]"#.len() as u128;
+    let isolines = total(&[(1, frame), (edges, 3), (along, digits(counts.vertices) + 1)]);
+    let isolines = if options.flag(ISOLINES) { isolines } else { 0 };
+    [channels, uvs, labels(&attachments.groups), labels(&attachments.materials), origins, isolines]
         .into_iter()
         .fold(0, u128::saturating_add)
 }
 
 /// Writes the entries that there are, each after a comma.
-pub(super) fn write(mesh: &dyn MeshSource, ids: bool, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+pub(super) fn write(mesh: &dyn MeshSource, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     let attachments = mesh.attachments();
     for (i, channel) in attachments.channels.iter().enumerate() {
         stream.bytes(if i == 0 { br#","channels":{"# } else { b"," })?;
@@ -55,7 +66,20 @@ pub(super) fn write(mesh: &dyn MeshSource, ids: bool, stream: &mut Stream<'_>) -
     if mesh.n_uvs() > 0 {
         write_uvs(mesh, stream)?;
     }
-    if ids { write_origins(mesh, stream) } else { Ok(()) }
+    if options.flag(IDS.name) {
+        write_origins(mesh, stream)?;
+    }
+    if options.flag(ISOLINES) { write_isolines(mesh, stream) } else { Ok(()) }
+}
+
+fn write_isolines(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    stream.bytes(br#","isolines":["#)?;
+    stream.each(0..mesh.input_cells()[1], |edge, out| {
+        let mut line = Vec::new();
+        mesh.isoline(edge, &mut line);
+        super::row(edge, out, |out| line.iter().enumerate().for_each(|(i, &v)| listed(v.into(), i == 0, out)));
+    })?;
+    stream.bytes(b"]")
 }
 
 fn write_uvs(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), FormatError> {

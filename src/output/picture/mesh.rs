@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::Options;
+use super::coat::Coat;
 use crate::output::FormatError;
 use crate::output::normals;
 use crate::output::parted::Parted;
@@ -24,7 +25,7 @@ pub(in crate::output) fn picture(
     watch: &Watch,
 ) -> Result<Vec<u8>, FormatError> {
     let shows = |item| options.shows(item, DEFAULT_SHOW);
-    let body = shows("surface") || shows("wireframe");
+    let body = shows("surface") || shows("wireframe") || shows("isolines");
     let shaded = shows("surface") && !options.flat();
     let parted = if shaded { Parted::of(Shape::Mesh(mesh), watch)? } else { None };
     // copies of vertices stand after all others, so that the edges of the mesh are the same ones
@@ -33,7 +34,9 @@ pub(in crate::output) fn picture(
     let triangles = if body { triangulated(sides, watch)? } else { Vec::new() };
     let smooth = if shaded { normals::of(sides, &positions, watch)? } else { Vec::new() };
     let flat = if shows("surface") && options.flat() { face_normals(mesh, &positions, watch)? } else { Vec::new() };
+    let coat = if shows("surface") { Some(Coat::of(sides, options, options.color(SURFACE), watch)?) } else { None };
     let wires = if shows("wireframe") { edges(mesh, watch)? } else { Vec::new() };
+    let isolines = if shows("isolines") { isolines(mesh, watch)? } else { Vec::new() };
     let net = match scene.control {
         Shape::Mesh(net) if shows("control") || shows("points") => Net::of(net, watch)?,
         _ => Net::default(),
@@ -54,6 +57,9 @@ pub(in crate::output) fn picture(
     if shows("wireframe") {
         strokes.push(Strokes { crowding: Crowding::Fade, ..line(&positions[..], &wires[..], 1.3, WIRE) });
     }
+    if shows("isolines") {
+        strokes.push(line(&positions, &isolines, 2.2, WIRE));
+    }
     if shows("control") {
         strokes.push(line(&net.positions, &net.edges, thin, CONTROL));
     }
@@ -65,7 +71,7 @@ pub(in crate::output) fn picture(
         positions: &positions,
         triangles: &triangles,
         normals: if options.flat() { Normals::Triangles(&flat) } else { Normals::Vertices(&smooth) },
-        surface: if shows("surface") { Surface::Lit(options.color(SURFACE)) } else { Surface::Unseen },
+        surface: coat.as_ref().map_or(Surface::Unseen, Coat::surface),
         strokes: &strokes,
     };
     let camera = Camera::framing(&options.view(), &[&positions, &net.positions], options.size[0], options.size[1]);
@@ -126,6 +132,22 @@ fn edges(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 2]>, Stopped>
     keys.par_sort_unstable();
     keys.dedup();
     Ok(keys)
+}
+
+/// The pieces of the edges of the input beside which a face is shown.
+fn isolines(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 2]>, Stopped> {
+    let mut pieces = Vec::new();
+    let mut line = Vec::new();
+    in_chunks(mesh.input_cells()[1], |range| {
+        watch.check()?;
+        for edge in range {
+            if mesh.isoline(edge, &mut line) {
+                pieces.extend(line.windows(2).map(|pair| [pair[0], pair[1]]));
+            }
+        }
+        Ok(())
+    })?;
+    Ok(pieces)
 }
 
 /// For each triangle the normal of its face, by Newell's sum of cross products; of length one or zero.

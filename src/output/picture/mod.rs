@@ -1,5 +1,6 @@
 //! What pictures have in common: their options, and what the options say.
 
+pub(super) mod coat;
 pub(super) mod drawing;
 pub(super) mod mesh;
 pub(super) mod paint;
@@ -7,6 +8,8 @@ pub(super) mod sections;
 
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
+use crate::output::colors::linear;
+use crate::output::numbers::rounded;
 use crate::output::scene::{Frame, Scene, Shape, in_chunks};
 use crate::output::{FormatError, ShapeKind};
 use crate::raster::{MAX_SIDE_PX, Projection, View};
@@ -241,6 +244,11 @@ pub(super) fn size(values: &Values) -> [u32; 2] {
         given.clamp(1, MAX_SIDE_PX)
     };
     [side("width", 1024), side("height", 768)]
+}
+
+/// Linear light of straight sRGB bytes.
+fn shown_as(color: [u8; 4]) -> [f32; 3] {
+    std::array::from_fn(|k| rounded(linear(k, f64::from(color[k]) / 255.0)))
 }
 
 /// Refuses curves that pictures cannot show.

@@ -1,0 +1,224 @@
+//! What gives the surface of a picture its colours: a channel of its vertices, its texture coordinates, its groups or
+//! materials.
+
+use super::{Options, shown_as};
+use crate::fault::Fault;
+use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::output::ShapeKind;
+use crate::output::colors::{linear, mark, scale};
+use crate::output::scene::{FaceChunk, MeshSource, in_chunks, triangles};
+use crate::raster::{Paint, Surface};
+use crate::shape::attachments::{Attachments, COLOR as COLORS};
+use crate::shape::labels::Labels;
+use crate::watch::{Stopped, Watch};
+
+/// The choice that refers to faces of the input.
+const FACES: &str = "faces";
+
+/// What colours follow.
+pub(in crate::output) const COLOR_BY: Parameter = Parameter {
+    name: "color_by",
+    kind: Kind::Choice(&["none", "channel", "uvs", "groups", "materials", FACES]),
+    unit: "",
+    default: Default::Text("none"),
+    doc: "What the colours of a mesh follow: nothing, a channel of its vertices, squares an eighth wide in its texture \
+          coordinates, the groups or materials of its faces, or the faces of the input that they came of.",
+};
+
+/// The channel that colours follow.
+pub(in crate::output) const CHANNEL: Parameter = Parameter {
+    name: "channel",
+    kind: Kind::Name,
+    unit: "",
+    default: Default::Absent,
+    doc: "The channel that `color_by` \"channel\" shows; left out, \"color\". One of 3 or 4 numbers is a colour (sRGB \
+          from 0 to 1), one of 1 number runs from dark blue (its least value among the vertices) over green to yellow \
+          (its greatest).",
+};
+
+/// Squares to one unit of a texture coordinate.
+const SQUARES: f64 = 8.0;
+/// How much of the light colour of the squares is white.
+const PALE: f64 = 0.8;
+
+/// Refuses colours that a shape of this kind does not carry.
+pub(in crate::output) fn check(kind: ShapeKind, carried: &Attachments, options: &Values) -> Result<(), Fault> {
+    let by = options.choice(COLOR_BY.name).unwrap_or("none");
+    if kind != ShapeKind::Mesh && by != "none" {
+        return Err(Fault::new("/color_by", "curves have one colour; leave it out"));
+    }
+    if by != "channel" && options.name(CHANNEL.name).is_some() {
+        return Err(Fault::new("/channel", "a channel is shown where \"color_by\" is \"channel\"; say so"));
+    }
+    let missing = match by {
+        "channel" => return check_channel(carried, options),
+        "uvs" => carried.uvs.is_none(),
+        "groups" => carried.groups.is_empty(),
+        "materials" => carried.materials.is_empty(),
+        _ => false,
+    };
+    let what = if by == "uvs" { "texture coordinates" } else { by };
+    if missing { Err(Fault::new("/color_by", format!("the mesh has no {what}; leave it out"))) } else { Ok(()) }
+}
+
+fn check_channel(carried: &Attachments, options: &Values) -> Result<(), Fault> {
+    let name = options.name(CHANNEL.name).unwrap_or(COLORS);
+    let Some(channel) = carried.channels.iter().find(|channel| channel.name == name) else {
+        let known: Vec<&str> = carried.channels.iter().map(|channel| channel.name.as_str()).collect();
+        let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+        return Err(Fault::new("/channel", format!("the mesh has no channel \"{name}\"; it has {known}")));
+    };
+    if channel.width == 2 {
+        let detail = format!("\"{name}\" has 2 numbers a vertex; one that is shown has 1, 3 or 4");
+        return Err(Fault::new("/channel", detail));
+    }
+    Ok(())
+}
+
+/// Whether colours refer to faces of the input.
+pub(in crate::output) fn follows_faces(options: &Values) -> bool {
+    options.choice(COLOR_BY.name) == Some(FACES)
+}
+
+/// Bytes of memory for the colours of so many vertices, triangles and places with texture coordinates.
+pub(in crate::output) fn memory(options: &Values, vertices: u128, triangles: u128, uvs: u128) -> u128 {
+    match options.choice(COLOR_BY.name) {
+        // a channel of four numbers, and the colour
+        Some("channel") => vertices.saturating_mul(32 + 12),
+        Some("uvs") => uvs.saturating_mul(16).saturating_add(triangles.saturating_mul(12)),
+        Some("groups" | "materials" | FACES) => triangles.saturating_mul(12),
+        _ => 0,
+    }
+}
+
+/// The colours of a surface.
+#[derive(Debug)]
+pub(super) enum Coat {
+    /// One.
+    Plain([u8; 4]),
+    /// One a vertex, in linear light.
+    Vertices(Vec<[f32; 3]>),
+    /// One a triangle, in linear light.
+    Triangles(Vec<[f32; 3]>),
+    /// Squares in texture coordinates.
+    Squares {
+        /// In sides of squares.
+        places: Vec<[f64; 2]>,
+        /// The places at the corners of each triangle.
+        corners: Vec<[u32; 3]>,
+        /// In linear light.
+        colors: [[f32; 3]; 2],
+    },
+}
+
+impl Coat {
+    /// That of a mesh; where nothing else is said, of one colour.
+    pub(super) fn of(
+        mesh: &dyn MeshSource,
+        options: &Options<'_>,
+        plain: [u8; 4],
+        watch: &Watch,
+    ) -> Result<Self, Stopped> {
+        let carried = mesh.attachments();
+        match options.values.choice(COLOR_BY.name) {
+            Some("channel") => {
+                let name = options.values.name(CHANNEL.name).unwrap_or(COLORS);
+                let channel = carried.channels.iter().position(|channel| channel.name == name);
+                channel.map_or(Ok(Self::Plain(plain)), |channel| by_channel(mesh, channel, watch))
+            }
+            Some("uvs") => by_uvs(mesh, plain, watch),
+            Some("groups") => by_labels(mesh, &carried.groups, plain, watch),
+            Some("materials") => by_labels(mesh, &carried.materials, plain, watch),
+            Some(FACES) => by_origin(mesh, |face| mark(face as usize), watch),
+            _ => Ok(Self::Plain(plain)),
+        }
+    }
+
+    /// As the rasteriser takes it.
+    pub(super) fn surface(&self) -> Surface<'_> {
+        match self {
+            Self::Plain(color) => Surface::Lit(*color),
+            Self::Vertices(colors) => Surface::Painted(Paint::Vertices(colors)),
+            Self::Triangles(colors) => Surface::Painted(Paint::Triangles(colors)),
+            Self::Squares { places, corners, colors } => {
+                Surface::Painted(Paint::Squares { places, corners, colors: *colors })
+            }
+        }
+    }
+}
+
+fn by_channel(mesh: &dyn MeshSource, channel: usize, watch: &Watch) -> Result<Coat, Stopped> {
+    let width = mesh.attachments().channels[channel].width;
+    let mut values = Vec::with_capacity(width * mesh.n_vertices());
+    let mut chunk = Vec::new();
+    in_chunks(mesh.n_vertices(), |range| {
+        watch.check()?;
+        mesh.channel(channel, range, &mut chunk);
+        values.extend_from_slice(&chunk);
+        Ok(())
+    })?;
+    let colors = if width == 1 {
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        // halved, so that no range is beyond the largest number
+        let range = 0.5 * most - 0.5 * least;
+        let share = |x: f64| if range > 0.0 { (0.5 * x - 0.5 * least) / range } else { 0.5 };
+        values.iter().map(|&x| scale(share(x))).collect()
+    } else {
+        let color = |row: &[f64]| std::array::from_fn(|k| single(linear(k, row[k])));
+        values.chunks_exact(width).map(color).collect()
+    };
+    Ok(Coat::Vertices(colors))
+}
+
+fn by_uvs(mesh: &dyn MeshSource, plain: [u8; 4], watch: &Watch) -> Result<Coat, Stopped> {
+    let mut places = Vec::with_capacity(mesh.n_uvs());
+    let mut chunk = Vec::new();
+    in_chunks(mesh.n_uvs(), |range| {
+        watch.check()?;
+        mesh.uvs(range, &mut chunk);
+        places.extend(chunk.iter().map(|uv| uv.map(|x| SQUARES * x)));
+        Ok(())
+    })?;
+    let mut corners = Vec::with_capacity(mesh.n_corners().saturating_sub(2 * mesh.n_faces()));
+    let mut faces = FaceChunk::default();
+    in_chunks(mesh.n_faces(), |range| {
+        watch.check()?;
+        mesh.uv_faces(range, &mut faces);
+        corners.extend(faces.iter().flat_map(triangles));
+        Ok(())
+    })?;
+    let dark = shown_as(plain);
+    let light = dark.map(|x| single(f64::from(x) + PALE * (1.0 - f64::from(x))));
+    Ok(Coat::Squares { places, corners, colors: [light, dark] })
+}
+
+fn by_labels(mesh: &dyn MeshSource, labels: &Labels, plain: [u8; 4], watch: &Watch) -> Result<Coat, Stopped> {
+    let plain = shown_as(plain);
+    let marks: Vec<[f32; 3]> = (0..labels.names.len()).map(mark).collect();
+    by_origin(mesh, |face| labels.number(face).map_or(plain, |label| marks[label]), watch)
+}
+
+/// A colour for each face of the input.
+fn by_origin(mesh: &dyn MeshSource, color: impl Fn(u32) -> [f32; 3], watch: &Watch) -> Result<Coat, Stopped> {
+    let mut colors = Vec::with_capacity(mesh.n_corners().saturating_sub(2 * mesh.n_faces()));
+    let mut faces = FaceChunk::default();
+    in_chunks(mesh.n_faces(), |range| {
+        watch.check()?;
+        mesh.faces(range.clone(), &mut faces);
+        let mut known = None;
+        for (f, face) in range.zip(faces.iter()) {
+            let origin = mesh.face_origin(f);
+            // consecutive faces are mostly of one origin
+            let same = known.filter(|(of, _)| *of == origin);
+            let (_, color) = *known.insert(same.unwrap_or_else(|| (origin, color(origin))));
+            colors.extend(std::iter::repeat_n(color, face.len().saturating_sub(2)));
+        }
+        Ok(())
+    })?;
+    Ok(Coat::Triangles(colors))
+}
+
+fn single(x: f64) -> f32 {
+    crate::output::numbers::rounded(x)
+}

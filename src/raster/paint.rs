@@ -1,0 +1,154 @@
+//! Paint: colours that vary over a surface, from its vertices, its triangles or a pattern.
+
+#![expect(clippy::cast_possible_truncation, reason = "colours need no more than the precision of f32")]
+
+use super::shade::Vec3f;
+
+/// Colours of a surface, linear light from 0 to 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Paint<'a> {
+    /// One a vertex, blended over the triangle.
+    Vertices(&'a [Vec3f]),
+    /// One a triangle.
+    Triangles(&'a [Vec3f]),
+    /// Squares of two colours, their sides 1 in the plane of `places`: the first where both coordinates, rounded down,
+    /// are even or odd.
+    Squares {
+        /// Places of corners in the plane.
+        places: &'a [[f64; 2]],
+        /// For each triangle the places of its corners.
+        corners: &'a [[u32; 3]],
+        /// The colours.
+        colors: [Vec3f; 2],
+    },
+}
+
+/// How paint varies over one triangle in a tile: of the pattern the place, else the colour.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Tint {
+    /// At pixel (0, 0) of the tile, to the right and down: sums over the corners, and of their weights.
+    sums: [Vec3f; 3],
+    weights: Vec3f,
+    /// What the corners have least and most, between which everything lies.
+    low: Vec3f,
+    high: Vec3f,
+}
+
+impl Paint<'_> {
+    /// What the corners of triangle number `id` have.
+    pub(super) fn corners(&self, id: usize, triangle: [u32; 3]) -> [[f64; 3]; 3] {
+        match self {
+            Self::Vertices(colors) => triangle.map(|v| colors[v as usize].map(f64::from)),
+            Self::Triangles(colors) => [colors[id].map(f64::from); 3],
+            Self::Squares { places, corners, .. } => {
+                let places = corners[id].map(|place| places[place as usize]);
+                // moved by whole pairs of squares, so that f32 has room for the rest
+                let near = |k: usize| {
+                    let least = places.iter().map(|place| place[k]).fold(f64::INFINITY, f64::min);
+                    2.0 * (least / 2.0).floor()
+                };
+                places.map(|place| [place[0] - near(0), place[1] - near(1), 0.0])
+            }
+        }
+    }
+
+    /// The colour at a place in the tile, pixels.
+    pub(super) fn color(&self, tint: &Tint, place: [f32; 2]) -> Vec3f {
+        let Self::Squares { colors, .. } = self else { return tint.at(place) };
+        let (at, wide) = (tint.at(place), tint.footprint(place));
+        let share = 0.5 + 0.5 * stripes(at[0], wide[0]) * stripes(at[1], wide[1]);
+        std::array::from_fn(|k| share * colors[0][k] + (1.0 - share) * colors[1][k])
+    }
+}
+
+impl Tint {
+    /// That of a triangle whose corners have these values and these weights at pixel (0, 0), to the right and down.
+    pub(super) fn new(values: &[[f64; 3]; 3], weights: &[Vec3f; 3]) -> Self {
+        let values = values.map(|value| value.map(|x| x as f32));
+        let mut tint = Self { low: values[0], high: values[0], ..Self::default() };
+        for (value, weight) in values.iter().zip(weights) {
+            for k in 0..3 {
+                tint.low[k] = tint.low[k].min(value[k]);
+                tint.high[k] = tint.high[k].max(value[k]);
+                tint.weights[k] += weight[k];
+                for (sums, weight) in tint.sums.iter_mut().zip(weight) {
+                    sums[k] += weight * value[k];
+                }
+            }
+        }
+        tint
+    }
+
+    /// The value at a place in the tile, pixels; within the values of the corners, also where the triangle is too narrow
+    /// for f32.
+    fn at(&self, [x, y]: [f32; 2]) -> Vec3f {
+        let weight = self.weights[0] + self.weights[1] * x + self.weights[2] * y;
+        std::array::from_fn(|k| {
+            let value = (self.sums[0][k] + self.sums[1][k] * x + self.sums[2][k] * y) / weight;
+            // what is not a number is the least
+            if value > self.low[k] { value.min(self.high[k]) } else { self.low[k] }
+        })
+    }
+
+    /// How far the first two values reach within a pixel.
+    fn footprint(&self, place: [f32; 2]) -> [f32; 2] {
+        let at = self.at(place);
+        let weight = self.weights[0] + self.weights[1] * place[0] + self.weights[2] * place[1];
+        std::array::from_fn(|k| {
+            let slope = |axis: usize| ((self.sums[axis][k] - at[k] * self.weights[axis]) / weight).abs();
+            slope(1) + slope(2)
+        })
+    }
+}
+
+/// The mean over `[at - wide / 2, at + wide / 2]` of 1 where the number, rounded down, is even, and -1 else.
+fn stripes(at: f32, wide: f32) -> f32 {
+    // its integral from 0: up to 1 and down to 0 again
+    let integral = |t: f32| 1.0 - (t - 2.0 * (0.5 * t).floor() - 1.0).abs();
+    if wide > 1e-3 {
+        let mean = (integral(at + 0.5 * wide) - integral(at - 0.5 * wide)) / wide;
+        if mean.is_nan() { 0.0 } else { mean }
+    } else if (0.5 * at).fract().abs() < 0.5 {
+        1.0
+    } else {
+        -1.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stripes_are_plus_and_minus_one_and_their_mean_over_a_period_is_zero() {
+        for wide in [0.0, 0.25] {
+            for (at, expected) in [(0.5, 1.0), (1.5, -1.0), (2.5, 1.0), (7.5, -1.0)] {
+                assert!((stripes(at, wide) - expected).abs() < 1e-6_f32, "{at} {wide}");
+            }
+        }
+        for at in [0.0, 0.3, 1.0, 5.9] {
+            assert!(stripes(at, 2.0).abs() < 1e-6, "{at}");
+            assert!(stripes(at, 1e9).abs() < 1e-6 && stripes(at, f32::INFINITY).abs() < 1e-6, "{at}");
+        }
+        assert!(stripes(1.0, 0.5).abs() < 1e-6, "half of each beside a border");
+    }
+
+    #[test]
+    fn a_tint_has_the_values_of_its_corners_and_their_mean_in_the_middle() {
+        // the corners (0, 0), (4, 0), (0, 4) of a tile and their barycentric coordinates
+        let weights = [[1.0, -0.25, -0.25], [0.0, 0.25, 0.0], [0.0, 0.0, 0.25]];
+        let values = [[0.0, 1.0, 0.5], [1.0, 0.0, 0.5], [0.5, 0.25, 0.5]];
+        let tint = Tint::new(&values, &weights);
+        let is = |tint: &Tint, place: [f32; 2], value: [f64; 3]| {
+            let found = tint.at(place).map(f64::from);
+            assert!(found.iter().zip(value).all(|(x, y)| (x - y).abs() < 1e-12), "{found:?} is not {value:?}");
+        };
+        for (place, value) in [([0.0, 0.0], values[0]), ([4.0, 0.0], values[1]), ([0.0, 4.0], values[2])] {
+            is(&tint, place, value);
+        }
+        is(&tint, [2.0, 0.0], [0.5, 0.5, 0.5]);
+        assert_eq!(tint.at([9.0, 9.0])[0].to_bits(), 1.0_f32.to_bits(), "never beyond the corners");
+        let nowhere = Tint::new(&values, &[[0.0; 3]; 3]);
+        is(&nowhere, [1.0, 1.0], [0.0, 0.0, 0.5]);
+    }
+}
