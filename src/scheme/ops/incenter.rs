@@ -16,7 +16,7 @@ use crate::watch::{Stopped, Watch};
 
 /// Edges that one thread takes at a time.
 const BLOCK: usize = 4096;
-/// Turnings below this, radians, are what rounding leaves of a straight edge; their quotient would be noise.
+/// Turnings below this, radians, are what rounding leaves of none; their signs and their quotient would be noise.
 const STRAIGHT: f64 = 1e-9;
 
 /// A level of incenter subdivision: points and unit tangents give points and unit tangents. On an edge of direction `e`
@@ -143,7 +143,8 @@ fn joint(a: Vector, tangent_a: Vector, b: Vector, tangent_b: Vector) -> (Vector,
         let height = length(half) * sum / 4.0;
         return ([middle[0] + height * e[1], middle[1] - height * e[0]], e);
     }
-    if !(turn_a > 0.0 && turn_b > 0.0 || turn_a < 0.0 && turn_b < 0.0) {
+    let both = |turn: fn(f64) -> bool| turn(turn_a) && turn(turn_b);
+    if !both(|turn| turn >= STRAIGHT) && !both(|turn| turn <= -STRAIGHT) {
         return (middle, rotated(e, (turn_a - turn_b) / 2.0));
     }
     // tangents that both run against the edge meet at infinity

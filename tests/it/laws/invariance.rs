@@ -1,9 +1,10 @@
 //! Rows sum to one: constants stay, straight lines stay straight, and refining commutes with affine maps.
 
+use planish::math::functions::{cos, sin};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-use super::{curve_plans, mesh_plans, refined, refined_mesh};
+use super::{curve_plans, mesh_plans, refined, refined_mesh, refined_polygon};
 use crate::support::nets::{self, Net};
 
 /// Coordinates are below 10 and maps below 3, amplified by a few levels of unequal weights.
@@ -140,5 +141,25 @@ fn evenly_spaced_points_stay_evenly_spaced_between_clamped_ends() {
             assert!((x - f64::from(i) / 8.0).abs() <= 1e-14, "{plan}: point {i} at {x}");
         }
         assert_eq!(points.len(), 41);
+    }
+}
+
+/// At an inflection with mu = 1 a tangent lies along the edge but for rounding, which must not choose between arc and
+/// inflection.
+#[test]
+fn incenter_turns_with_its_input_at_inflections() {
+    let points = [[0.0, 0.0], [1.0, 1.0], [2.0, 0.0], [3.3, 1.0], [4.0, 0.0]];
+    let refined = |points: &[[f64; 2]], mu: f64| {
+        let plan = json!({ "preset": "incenter", "parameters": { "mu": mu } });
+        refined_polygon::<2>(&json!({ "points": points }), &plan, 2)
+    };
+    for (mu, angle) in [(1.0, 0.1), (1.0, 0.7), (1.0, 2.0), (0.5, 0.1)] {
+        let (c, s) = (cos(angle), sin(angle));
+        let turned = |[x, y]: [f64; 2]| [c * x - s * y, s * x + c * y];
+        let expected = refined(&points, mu).into_iter().map(turned);
+        let found = refined(&points.map(turned), mu);
+        for (a, b) in expected.zip(&found) {
+            assert!((a[0] - b[0]).abs() + (a[1] - b[1]).abs() < 1e-9, "mu {mu}, angle {angle}: {a:?} and {b:?}");
+        }
     }
 }
