@@ -232,9 +232,13 @@ fn of_polygon(net: &PolygonNet, steps: &[Scheduled]) -> Result<Forecast, Forecas
 /// # Errors
 /// When an operator cannot be applied, or the cap is passed.
 pub fn of_mesh(net: &MeshNet, steps: &[Scheduled], cap: u128) -> Result<Forecast, ForecastError> {
-    if let Some(step) = steps.iter().find(|step| step.letter.operator.census(&Census::of(net)).is_some()) {
-        let admitted = step.letter.operator.admits(net);
-        admitted.map_err(|error| ForecastError::Step { level: step.level, error })?;
+    for (i, step) in steps.iter().enumerate() {
+        let operator = step.letter.operator;
+        if steps[..i].iter().all(|before| before.letter.operator.name() != operator.name()) {
+            operator.admits(net).map_err(|error| ForecastError::Step { level: step.level, error })?;
+        }
+    }
+    if steps.iter().any(|step| step.letter.operator.census(&Census::of(net)).is_some()) {
         return Ok(rebuilt(net, steps));
     }
     let is_dual = |step: &Scheduled| step.letter.operator.letter() == Some('D');

@@ -118,7 +118,7 @@ pub enum StepError {
     #[error("natural ends leave {0} points; at least 2 must remain: give more points or use clamped ends")]
     TooFewPoints(usize),
     /// D where something cannot follow.
-    #[error("D cannot carry {0}: leave them out or use C, which is two D at once")]
+    #[error("D cannot carry {0}, nor can A of an even arity: leave them out or use C, which is two D at once")]
     DualTags(&'static str),
     /// Sharp edges where they are not known.
     #[error("this scheme knows no creases; leave them out, or use catmull-clark, push-back or a word over U, C and P")]
@@ -156,8 +156,10 @@ pub enum StepError {
         vertex: usize,
     },
     /// A face of more vertices than there may be.
-    #[error("face {face} has {size} vertices; doo-sabin takes at most {most}: split the face")]
+    #[error("face {face} has {size} vertices; {scheme} takes at most {most}: split the face")]
     LargeFace {
+        /// The scheme.
+        scheme: &'static str,
         /// The face.
         face: usize,
         /// Its vertices.
@@ -166,8 +168,10 @@ pub enum StepError {
         most: usize,
     },
     /// A vertex of more faces than there may be.
-    #[error("vertex {vertex} has {n} faces; doo-sabin takes at most {most} around a vertex: split the vertex")]
+    #[error("vertex {vertex} has {n} faces; {scheme} takes at most {most} around a vertex: split the vertex")]
     LargeRing {
+        /// The scheme.
+        scheme: &'static str,
         /// The vertex.
         vertex: usize,
         /// Its faces.

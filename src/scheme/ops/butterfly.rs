@@ -2,7 +2,7 @@
 
 use super::cosines::cosine;
 use super::upsample::ratio;
-use super::{Operator, Role};
+use super::{Operator, Role, around};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::polygon_net::PolygonNet;
@@ -49,9 +49,16 @@ impl Operator for ButterflyEdges {
         Err(StepError::WrongNet("butterfly refines meshes of triangles; for polygons use four-point"))
     }
 
+    fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
+        around::check("butterfly", &net.base)
+    }
+
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
         let halved = net.tile == Tile::Triangle && net.pieces.last() == Some(&2);
         let parent = net.parent.clone().filter(|_| halved).ok_or(StepError::NoAnchor)?;
+        if net.pieces.len() == 1 {
+            self.admits(net)?;
+        }
         let (n, n_v, strength) = (net.n_vertices(), parent.n_vertices(), values.compensation);
         let old = net.clone();
         let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {

@@ -4,16 +4,13 @@ use std::collections::BTreeMap;
 
 use super::cosines::cosine;
 use super::upsample::ratio;
-use super::{Heirs, Operator, Role};
+use super::{Heirs, Operator, Role, around};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::census::{Census, sum};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::shape::topology::{NONE, Topology, index};
-
-/// Most vertices of a face and most faces around a vertex: each new vertex takes weights of a whole face.
-const MOST_AROUND: usize = 1024;
 
 /// Doo and Sabin: a new vertex for each corner of a face of n vertices, with the weights `w[0] = (n + 5)/(4n)` of the
 /// corner itself and `w[i] = (3 + 2 cos(2 pi i/n))/(4n)` of the vertex i places further; a face for each face, edge and
@@ -64,17 +61,12 @@ impl Operator for DooSabin {
         if !net.holes.is_empty() {
             return Err(StepError::OwnTags("doo-sabin", "holes (boundary \"none\" makes some)"));
         }
-        if let Some(f) = (0..topology.n_faces()).find(|&f| topology.face(f).len() > MOST_AROUND) {
-            return Err(StepError::LargeFace { face: f, size: topology.face(f).len(), most: MOST_AROUND });
-        }
+        around::check("doo-sabin", topology)?;
         for v in 0..topology.n_vertices() {
             let n = topology.ring(v).count();
             let inner = topology.boundary_edges(v).is_none();
             if inner && n == 2 {
                 return Err(StepError::TwoFaces { scheme: "doo-sabin", vertex: v });
-            }
-            if n > MOST_AROUND {
-                return Err(StepError::LargeRing { vertex: v, n, most: MOST_AROUND });
             }
             if net.is_corner(v) && (inner || n != 1) {
                 return Err(StepError::DualCorner(v));

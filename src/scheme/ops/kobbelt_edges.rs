@@ -1,7 +1,7 @@
 //! The edge points of Kobbelt's interpolating scheme, applied after U.
 
 use super::upsample::ratio;
-use super::{Operator, Role};
+use super::{Operator, Role, around};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::polygon_net::PolygonNet;
@@ -50,8 +50,15 @@ impl Operator for KobbeltEdges {
         Err(StepError::WrongNet("kobbelt refines meshes; for polygons use four-point"))
     }
 
+    fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
+        around::check("kobbelt", &net.base)
+    }
+
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
         let parent = net.parent.clone().ok_or(StepError::NoAnchor)?;
+        if net.pieces.len() == 1 {
+            self.admits(net)?;
+        }
         let (n, n_v, n_e) = (net.n_vertices(), parent.n_vertices(), parent.n_edges());
         let old = net.clone();
         let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {

@@ -1,5 +1,6 @@
 //! Operators: one file each; the registry is the only place that lists them.
 
+mod around;
 mod average;
 mod box_average;
 mod butterfly;

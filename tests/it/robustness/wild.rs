@@ -89,6 +89,17 @@ fn slab(genus: usize) -> Net {
 }
 
 #[test]
+fn schemes_that_weigh_whole_rings_name_the_vertex_that_is_too_large() {
+    for preset in ["butterfly", "kobbelt", "doo-sabin"] {
+        let job = |n: usize| json!({ "input": cone(n).input(), "plan": { "preset": preset }, "levels": 1, "outputs": [{ "format": "stats" }] });
+        let refusal = render(&job(1025)).expect_err("one face too many");
+        let expected = format!("vertex 0 has 1025 faces; {preset} takes at most 1024 around a vertex");
+        assert!(refusal[0].detail.contains(&expected), "{refusal:?}");
+        assert!(render(&job(1024)).is_ok(), "{preset}");
+    }
+}
+
+#[test]
 fn many_holes() {
     for genus in [0, 1, 2, 25] {
         let euler = 2 - 2 * i64::try_from(genus).expect("few holes");
