@@ -145,16 +145,11 @@ pub(super) enum From {
 }
 
 impl Origin {
-    /// Index `j` of a stored point in the window, ends included.
-    pub(super) fn point(&self, row: usize) -> isize {
-        self.start + row.cast_signed()
-    }
-
     pub(super) fn of(&self, row: usize) -> From {
         match self.ends {
             Some(_) if row == 0 => From::End(0),
             Some(last) if row + 1 == self.n => From::End(last),
-            _ => From::Point(self.point(row)),
+            _ => From::Point(self.start + row.cast_signed()),
         }
     }
 }

@@ -23,6 +23,11 @@ pub enum NoLimit {
     /// Points are lost at the ends.
     #[error("limit masks reach beyond natural ends; use clamped ends")]
     NaturalEnds,
+    /// The two sides of a point count differently.
+    #[error(
+        "at clamped ends the points of a mask that is not its own mirror image have no common limit mask; close the polygon"
+    )]
+    OneSided,
     /// Rules reach across corners.
     #[error("the rules of this plan reach across corners; leave \"corners\" out, or use a word over U, C and P")]
     Corners,
@@ -50,6 +55,10 @@ pub fn check(polygon: &Polygon, plan: &Plan) -> Result<(), NoLimit> {
     }
     if !polygon.closed && plan.ends == Ends::Natural {
         return Err(NoLimit::NaturalEnds);
+    }
+    let mut letters = plan.word.prefix.iter().chain(&plan.word.cycle);
+    if !polygon.closed && letters.any(|letter| letter.mask.as_ref().is_some_and(|mask| !mask.is_symmetric())) {
+        return Err(NoLimit::OneSided);
     }
     // what reaches one point on each side never looks across a corner, which is fixed
     let near = |window: Window| window.first >= -1 && window.last <= 1;

@@ -5,7 +5,7 @@ use super::{Operator, Role};
 use crate::math::functions::sin;
 use crate::math::mask::Mask;
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::polygon_net::{self, PolygonNet};
+use crate::scheme::polygon_net::{self, Extent, PolygonNet};
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::Window;
 use crate::scheme::word::Letter;
@@ -86,7 +86,8 @@ impl Operator for Circle {
             return Err(StepError::WrongNet("corners need a word over U, C and P; this scheme is a mask and has none"));
         }
         let (landed, rows) = apply(net, window, Mask::clone(mask))?;
-        let anchor = polygon_net::Anchor::of(net);
+        let lost = net.extent == Extent::Natural && letter.averages > 0;
+        let anchor = polygon_net::Anchor { lost, ..polygon_net::Anchor::of(net) };
         let phase = Some(net.phase_after(letter.arity));
         let next = PolygonNet { duals: 0, phase, anchor: Some(anchor), ..landed };
         Ok(Step { net: next, action: Action::BlendFromAnchor(rows) })

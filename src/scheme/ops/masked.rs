@@ -54,21 +54,20 @@ impl Operator for Masked {
     }
 }
 
-/// The net and the rows after a mask. Ends stay where they are when the mask is its own mirror image; else they follow
-/// from the reflected points like all others.
+/// The net and the rows after a mask. Clamped ends stay where they are; where the mask is its own mirror image, they would
+/// do so of themselves.
 pub(super) fn apply(
     net: &PolygonNet,
     window: Window,
     mask: Mask,
 ) -> Result<(PolygonNet, Box<dyn RowSource>), StepError> {
     let (landed, origin) = net.land(window)?;
-    let (symmetric, uniform) = (mask.is_symmetric(), net.corners.is_empty());
+    let uniform = net.corners.is_empty();
     let old = net.clone();
     let n = landed.n;
     let rows = RowsBy::new(n, net.n, move |row, out: &mut Rows| match origin.of(row) {
-        From::End(end) if symmetric || old.first() == 1 => out.add(index(end), 1.0),
-        From::End(_) | From::Point(_) => {
-            let j = origin.point(row);
+        From::End(end) => out.add(index(end), 1.0),
+        From::Point(j) => {
             if old.is_corner(old.control(j)) {
                 old.add(j, 1.0, out);
                 return;

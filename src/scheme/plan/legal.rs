@@ -46,7 +46,8 @@ impl Plan {
                     if let Some(tags) = subject.tags {
                         return Err(StepError::MaskTags(tags));
                     }
-                    (upsampled, duals, lost, arity) = (true, 0, letter.mask.is_some(), letter.arity);
+                    let averaged = natural && letter.averages > 0;
+                    (upsampled, duals, lost, arity) = (true, 0, letter.mask.is_some() || averaged, letter.arity);
                 }
                 Role::Upsample => (upsampled, duals, lost, arity) = (true, 0, false, letter.arity),
                 Role::Average => {
@@ -62,9 +63,9 @@ impl Plan {
                 Role::PushBack if !upsampled => return Err(StepError::NoAnchor),
                 Role::PushBack if lost => {
                     return Err(StepError::LostPoints(match (natural, subject.is_mesh) {
-                        (true, _) => "natural ends",
-                        (false, true) => "the boundary",
-                        (false, false) => "a scheme of its own mask",
+                        (true, _) => "natural ends: use clamped ones, or a scheme without push-back",
+                        (false, true) => "the boundary: close the mesh, or leave the P out",
+                        (false, false) => "a scheme of its own mask: leave the P out",
                     }));
                 }
                 Role::PushBack if duals % 2 == 1 => return Err(StepError::OddDuals(duals)),

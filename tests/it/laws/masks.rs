@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use super::{refined, word};
+use crate::support::render;
 
 /// The points that an impulse reaches, as multiples of `1 / denominator`, and the index of the first.
 fn mask(plan: &Value) -> (usize, Vec<f64>) {
@@ -56,5 +57,27 @@ fn b_splines_have_binomial_masks() {
         let reach = usize::try_from(degree).expect("small").div_ceil(2) + usize::from(degree % 2 == 0);
         check(&json!({ "preset": "b-spline", "parameters": { "degree": degree } }), reach, denominator, &binomials);
         check(&word(&format!("U{}", "D".repeat(degree as usize - 1))), reach, denominator, &binomials);
+    }
+}
+
+#[test]
+fn clamped_ends_stay_under_masks_that_are_not_their_own_mirror_image() {
+    let points = [[0.0, 0.0], [1.0, 2.0], [3.0, 1.0], [4.0, 4.0]];
+    for (mask, first) in [(json!([0.2, 0.9, 0.8, 0.1]), 0), (json!([0.4, 0.8, 0.5, 0.2, 0.1]), -2)] {
+        let plan = json!({ "preset": "mask", "parameters": { "arity": 2, "mask": mask, "first": first } });
+        for levels in 1..=4 {
+            let found = refined(&points, false, &plan, levels);
+            assert_eq!((found[0], found[found.len() - 1]), (points[0], points[3]), "{plan}");
+        }
+        let job = |closed: bool, levels: Value, positions: &str| {
+            json!({ "input": { "polygon": { "points": points, "closed": closed } }, "plan": plan, "levels": levels,
+                "outputs": [{ "format": "json", "positions": positions }] })
+        };
+        // what counts for one side of an end does not for its mirror image
+        for (levels, positions) in [(json!(2), "limit"), (json!({ "tolerance": 0.1 }), "refined")] {
+            let faults = render(&job(false, levels, positions)).err().unwrap_or_default();
+            assert!(faults.len() == 1 && faults[0].detail.contains("close the polygon"), "{faults:?}");
+        }
+        assert!(render(&job(true, json!(2), "limit")).is_ok());
     }
 }

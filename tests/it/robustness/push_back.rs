@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::support::{faults, json as refined, nets};
+use crate::support::{faults, json as refined, nets, render};
 
 const NO_U: &str = "P needs a U before it";
 const ODD: &str = "P needs an even number of D since the last U";
@@ -93,6 +93,22 @@ fn presets_that_push_back_are_refused_at_their_name() {
         assert_eq!((found.len(), found[0].pointer.as_str()), (1, "/plan/preset"));
         assert!(found[0].detail.starts_with(LOST), "{found:?}");
     }
+}
+
+#[test]
+fn circles_with_natural_ends_push_back_only_what_keeps_its_points() {
+    let job = |averages: u32, ends: &str| {
+        let parameters = json!({ "arity": 3, "averages": averages, "alpha": 1, "delta": 1 });
+        let plan = json!({ "preset": "d-ary-circle", "parameters": parameters, "ends": ends });
+        json!({ "input": polygon(false), "plan": plan, "levels": 1, "outputs": [{ "format": "json" }] })
+    };
+    for averages in [1, 2, 3] {
+        let found = faults(job(averages, "natural"));
+        assert_eq!((found.len(), found[0].pointer.as_str()), (1, "/plan/preset"));
+        assert!(found[0].detail.starts_with(LOST), "{found:?}");
+        assert!(render(&job(averages, "clamped")).is_ok());
+    }
+    assert!(render(&job(0, "natural")).is_ok(), "without an average no point is lost");
 }
 
 #[test]
