@@ -131,7 +131,7 @@ pub enum ExpressionError {
         known: String,
     },
     /// A value that is not finite.
-    #[error("the expression is not finite ({value}) at {variable} = {at}; change the expression or the parameter", variable = if .variable.is_empty() { "the constant" } else { .variable })]
+    #[error("the expression is not finite ({value}){}; change the expression or the parameter", if .variable.is_empty() { String::new() } else { format!(" at {variable} = {at}") })]
     NotFinite {
         /// Infinity or NaN.
         value: f64,

@@ -31,14 +31,16 @@ pub struct Range {
 }
 
 impl Range {
-    /// Whether the parameter lies in the range.
+    /// Whether the parameter lies in the range, its ends included.
     pub fn holds(&self) -> bool {
-        self.least <= self.value && self.value <= self.most
+        self.least - SAME <= self.value && self.value <= self.most + SAME
     }
 
     /// A sentence that names the range, where the parameter lies outside it.
     pub fn warning(&self) -> Option<String> {
-        let Self { scheme, parameter, value, says, .. } = self;
+        let Self { scheme, parameter, says, .. } = self;
+        // the mask knows the value but for rounding
+        let value = (self.value * 1e12).round() / 1e12;
         (!self.holds()).then(|| format!("{scheme}: {parameter} = {value} lies outside {says}"))
     }
 }

@@ -1,7 +1,6 @@
 //! What is worth knowing of a plan whose parameters lie where its scheme need not converge, or need not be smooth.
 
 use super::cycle::Cycle;
-use crate::scheme::ops::Role;
 use crate::scheme::plan::Plan;
 use crate::scheme::ranges::{self, Range};
 use crate::scheme::word::Letter;
@@ -31,7 +30,7 @@ pub fn warnings(plan: &Plan, levels: u32) -> Vec<String> {
         let mut sentence = "the scheme is not known to converge: its differences do not shrink within the levels that \
                             were looked at"
             .to_owned();
-        if plan.word.cycle.iter().any(|letter| letter.operator.role() == Role::PushBack) {
+        if plan.word.cycle.iter().any(|letter| letter.operator.letter() == Some('P')) {
             sentence += "; with one average and a push-back it converges for kernel > 0, -2 < compensation < 2 and \
                          0 <= delta <= 1 in the limit alpha = 0";
         }

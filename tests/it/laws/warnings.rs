@@ -67,3 +67,34 @@ fn a_word_is_warned_of_as_its_preset_is() {
     let word = json!({ "word": "UCP", "parameters": { "compensation": 4.8 } });
     assert_eq!(warnings(&word, 3), warnings(&preset("four-point", &json!({ "w": 0.3 })), 3));
 }
+
+#[test]
+fn values_are_told_as_they_were_given() {
+    let told = |name: &str, parameters: Value, expected: &str| {
+        let found = warnings(&preset(name, &parameters), 1);
+        assert!(found.len() == 1 && found[0].contains(expected), "{found:?}");
+    };
+    told("ternary-three-point", json!({ "alpha": 0.1 }), "alpha = 0.1 lies");
+    told("ternary-four-point", json!({ "mu": 0.2 }), "mu = 0.2 lies");
+    told("four-point", json!({ "w": "-1/3" }), "w = -0.333333333333 lies");
+}
+
+#[test]
+fn the_ends_of_a_range_belong_to_it() {
+    for (name, parameters) in [
+        ("four-point", json!({ "w": 0 })),
+        ("ternary-three-point", json!({ "alpha": "2/9" })),
+        ("ternary-three-point", json!({ "alpha": "1/3" })),
+        ("ternary-four-point", json!({ "mu": "1/15" })),
+        ("ternary-c4", json!({ "eta": "1/81" })),
+    ] {
+        assert!(warnings(&preset(name, &parameters), 1).is_empty(), "{name} {parameters}");
+    }
+}
+
+#[test]
+fn a_warning_names_no_parameters_that_the_preset_has_not() {
+    let plan = preset("d-ary-circle", &json!({ "arity": 3, "averages": 1, "alpha": 1, "delta": 12 }));
+    let found = warnings(&plan, 1);
+    assert!(found.len() == 1 && !found[0].contains("kernel"), "{found:?}");
+}
