@@ -20,6 +20,7 @@ mod refusals;
 mod robustness;
 mod sections;
 mod shapes;
+mod stats;
 mod store;
 mod support;
 mod vectors;

@@ -109,6 +109,9 @@ fn squares_are_an_eighth_wide_and_alternate() {
     for shift in [[0.25, 0.0], [0.0, -0.75], [0.125, 0.125], [1024.0, -0.25]] {
         assert_eq!(squares(shift), expected, "{shift:?}");
     }
+    for far in [1e9, 1e300, f64::MAX] {
+        assert!(!squares([far, -far]).0.is_empty(), "{far:e}");
+    }
     let swapped = squares([0.125, 0.0]);
     assert_ne!(swapped, expected);
     assert_eq!(squares([0.0, 0.125]), swapped);

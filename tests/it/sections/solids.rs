@@ -148,3 +148,19 @@ fn areas_of_sections_add_up_to_the_volume() {
         assert!((sum / volume - 1.0).abs() < 1e-3, "{sum} is not {volume}");
     }
 }
+
+#[test]
+fn coordinates_of_every_magnitude_are_cut() {
+    for size in [f64::MAX, 1e300, 1e6, 1e-6, 1e-300, f64::MIN_POSITIVE] {
+        let positions = cube().positions.iter().map(|p| p.map(|x| (2.0 * x - 1.0) * size)).collect();
+        let net = Net { positions, ..cube() };
+        let planes = [plane([0.0; 3], [1.0; 3]), plane([0.25 * size, 0.0, 0.0], [1.0, 0.0, 0.0])];
+        let found = sections(&net, &planes);
+        assert_eq!(found.iter().map(Vec::len).collect::<Vec<_>>(), [1, 1], "{size:e}");
+        for polyline in found.iter().flatten() {
+            assert!(polyline.closed, "{size:e}");
+            let inside = |x: &f64| x.abs() <= size;
+            assert!(polyline.points.iter().flatten().all(inside), "{size:e}: {polyline:?}");
+        }
+    }
+}
