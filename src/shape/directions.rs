@@ -9,7 +9,7 @@ use crate::fault::Fault;
 const MAX_REPORTED: usize = 20;
 
 /// The direction of an edge.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub enum Direction {
     /// None in particular.
     #[default]
@@ -93,6 +93,11 @@ impl Directions {
         }
         faults.truncate(MAX_REPORTED);
         if faults.is_empty() { Ok(Some(Self(directions))) } else { Err(faults) }
+    }
+
+    /// Those of edges in the order of their numbers.
+    pub fn of_edges(directions: Vec<Direction>) -> Self {
+        Self(directions)
     }
 
     /// The direction of edge `e`.

@@ -4,6 +4,7 @@ mod formulas;
 mod laws;
 mod refusals;
 mod sides;
+mod varying;
 
 use serde_json::{Value, json};
 

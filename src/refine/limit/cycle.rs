@@ -2,6 +2,7 @@
 
 use super::Unlimited;
 use super::matrix::{Matrix, Record, Weights};
+use super::own::Own;
 use super::patch::{Centre, Found, Patch, Rings, Whole};
 use crate::math::rows::Rows;
 use crate::refine::values;
@@ -20,7 +21,7 @@ const SAME: f64 = 2e-16;
 /// The operators of the levels after the last one, each level starting with an upsampling.
 #[derive(Debug)]
 pub(super) struct Cycle<'a> {
-    plan: &'a Plan,
+    pub(super) plan: &'a Plan,
     levels: Vec<&'a [Scheduled]>,
     /// The first of these levels from which on no number changes.
     pub(super) settled: usize,
@@ -38,24 +39,41 @@ pub(super) struct Child {
 }
 
 impl<'a> Cycle<'a> {
-    /// The levels in `ahead`, which starts with an upsampling; `length` operators each.
-    pub(super) fn new(plan: &'a Plan, ahead: &'a [Scheduled], length: usize) -> Self {
+    /// The levels in `ahead`, which starts with an upsampling; `length` operators each. `alphas` are some that vertices
+    /// carry.
+    pub(super) fn new(plan: &'a Plan, ahead: &'a [Scheduled], length: usize, alphas: &[f64]) -> Self {
         let levels: Vec<&[Scheduled]> = ahead.chunks_exact(length).collect();
         let last = levels.len() - 1;
-        let settled = (0..last).rev().take_while(|&level| same(levels[level], levels[last])).last().unwrap_or(last);
+        let settled = |&level: &usize| {
+            let (level, last) = (levels[level], levels[last]);
+            same(level, last) && alphas.iter().all(|&alpha| same_at(plan, alpha, level, last))
+        };
+        let settled = (0..last).rev().take_while(settled).last().unwrap_or(last);
         Self { plan, levels, settled }
+    }
+
+    /// The operators of a level; those beyond the settled one are like it.
+    pub(super) fn level(&self, level: usize) -> &'a [Scheduled] {
+        self.levels[level.min(self.settled)]
     }
 
     /// One level on the patch around a centre. Levels beyond the settled one are like it.
     pub(super) fn step(&self, level: usize, patch: &Patch, rings: Rings) -> Result<Child, Unlimited> {
-        let (found, record, origins) = self.refined(level, patch, rings, Weights::Exact)?;
+        let own = Own::default();
+        let (found, record, origins) = self.refined(level, patch, &own, rings, Weights::Exact)?;
         let matrix = record.matrix(&found.vertices[..found.patch.support], &origins, patch.support);
         Ok(Child { patch: found.patch, matrix: matrix.ok_or(Unlimited::Reach)?, turn: found.turn })
     }
 
+    /// The child's patch, and where it lies in the net after a level.
+    pub(super) fn child(&self, patch: &Patch, own: &Own, rings: Rings) -> Result<Found, Unlimited> {
+        self.refined(self.settled, patch, own, rings, Weights::Exact).map(|(found, ..)| found)
+    }
+
     /// Whether what could have a weight in the child's support lies in the support of the patch; and the child.
     pub(super) fn closes(&self, patch: &Patch, rings: Rings) -> Result<(bool, Patch), Unlimited> {
-        let (found, record, origins) = self.refined(self.settled, patch, rings, Weights::Structural)?;
+        let own = Own::default();
+        let (found, record, origins) = self.refined(self.settled, patch, &own, rings, Weights::Structural)?;
         let matrix = record.matrix(&found.vertices[..found.patch.support], &origins, patch.support);
         Ok((matrix.is_some(), found.patch))
     }
@@ -64,13 +82,18 @@ impl<'a> Cycle<'a> {
         &self,
         level: usize,
         patch: &Patch,
+        own: &Own,
         rings: Rings,
         weights: Weights,
     ) -> Result<(Found, Record, Vec<u32>), Unlimited> {
         let (mut net, origins) = patch.net(self.plan.rules).ok_or(Unlimited::Reach)?;
+        if own.first().are_there() {
+            let directions = net.directions.as_deref().cloned();
+            net = net.carrying(Some(own.attributes(&origins)), directions);
+        }
         let mut record = Record::new(weights);
         let mut centre = patch.centre();
-        for step in self.levels[level.min(self.settled)] {
+        for step in self.level(level) {
             let next = step.letter.operator.on_mesh(&net, &values(self.plan, step)).map_err(Unlimited::from)?;
             record.add(&next.action)?;
             centre = heir(centre, step.letter.operator.heirs(), [&net, &next.net], record.last())?;
@@ -107,6 +130,17 @@ impl<'a> Cycle<'a> {
 fn same(a: &[Scheduled], b: &[Scheduled]) -> bool {
     let close = |x: f64, y: f64| (x - y).abs() <= SAME * y.abs().max(1.0);
     a.iter().zip(b).all(|(a, b)| close(a.kernel, b.kernel) && close(a.compensation, b.compensation))
+}
+
+/// Whether the functions of an alpha that vertices carry have the same values at two levels.
+fn same_at(plan: &Plan, alpha: f64, a: &[Scheduled], b: &[Scheduled]) -> bool {
+    let longitude = plan.latitude.as_ref().and_then(|latitude| latitude.kernel_longitude.as_ref());
+    let functions = plan.kernel.first().into_iter().chain(longitude).chain([&plan.compensation]);
+    let close = |x: f64, y: f64| (x - y).abs() <= SAME * y.abs().max(1.0);
+    functions.into_iter().all(|function| {
+        let at = |step: &Scheduled| function.value(alpha * step.scale).unwrap_or(f64::NAN);
+        a.iter().zip(b).all(|(a, b)| close(at(a), at(b)))
+    })
 }
 
 /// What becomes of the centre in one step.

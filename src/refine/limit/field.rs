@@ -7,7 +7,8 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::Unlimited;
-use super::mask::{Mask, Masks};
+use super::mask::{Finder, Mask, Masks};
+use super::own::{Common, Own};
 use super::patch::{Centre, Found, Patch, Rings, Whole};
 use super::probe::Regular;
 use super::sector::Sectors;
@@ -19,6 +20,8 @@ use crate::watch::Watch;
 
 /// Vertices whose patches are compared at a time.
 const CHUNK: usize = 16_384;
+/// Most vertices whose surroundings carry numbers that differ: each is followed by itself.
+pub(super) const MAX_PATCHES: usize = 16_384;
 /// The class of vertices around which the net is a grid of quads.
 const REGULAR: u32 = 0;
 /// The class of vertices without faces.
@@ -52,34 +55,46 @@ impl Field {
         net: MeshNet,
         regular: Regular,
         rings: Rings,
-        masks: &Masks<'_>,
+        finder: &Finder<'_>,
         watch: &Watch,
     ) -> Result<Self, Unlimited> {
         let topology = net.topology();
         let whole = Whole::of(&net, &topology);
         let near = match regular {
-            Regular::Quads => near_irregular(&whole, rings),
-            Regular::Triangles => vec![true; topology.n_vertices()],
+            Regular::Quads if !carries(&net) => near_irregular(&whole, rings),
+            _ => vec![true; topology.n_vertices()],
         };
         let on_grid = near.iter().any(|near| !near);
-        let grid = if on_grid { Some(regular_mask(rings, masks)?) } else { None };
+        let plain = Masks::new(finder, Common::default());
+        let grid = if on_grid { Some(regular_mask(rings, &plain)?) } else { None };
         let mut classes = vec![REGULAR; topology.n_vertices()];
         let rest: Vec<u32> = (0..topology.n_vertices()).filter(|&v| near[v]).map(index).collect();
-        let mut known: BTreeMap<Patch, u32> = BTreeMap::new();
+        let mut known: BTreeMap<(Patch, Own), u32> = BTreeMap::new();
         for chunk in rest.chunks(CHUNK) {
             watch.check().map_err(Unlimited::Stopped)?;
-            let patches: Vec<Option<Patch>> =
-                chunk.par_iter().map(|&v| patch(&whole, v, rings)).collect::<Result<_, _>>()?;
+            let patches: Vec<Option<(Patch, Own)>> =
+                chunk.par_iter().map(|&v| patch(&whole, &net, v, rings)).collect::<Result<_, _>>()?;
             for (&v, patch) in chunk.iter().zip(patches) {
                 let next = index(known.len()) + ALONE + 1;
                 classes[v as usize] = patch.map_or(ALONE, |patch| *known.entry(patch).or_insert(next));
             }
+            if known.len() > MAX_PATCHES && known.keys().filter(|(_, own)| !own.agree()).count() > MAX_PATCHES {
+                return Err(Unlimited::Different);
+            }
         }
-        let mut patches: Vec<(Patch, u32)> = known.into_iter().collect();
+        let mut patches: Vec<((Patch, Own), u32)> = known.into_iter().collect();
         patches.sort_unstable_by_key(|entry| entry.1);
-        let find = |(patch, _): &(Patch, u32)| {
+        let mut common: BTreeMap<Common, Masks<'_>> = BTreeMap::new();
+        common.insert(Common::default(), plain);
+        for ((_, own), _) in patches.iter().filter(|((_, own), _)| own.agree()) {
+            common.entry(own.first()).or_insert_with(|| Masks::new(finder, own.first()));
+        }
+        let find = |((patch, own), _): &((Patch, Own), u32)| {
             watch.check().map_err(Unlimited::Stopped)?;
-            masks.of(0, patch)
+            match common.get(&own.first()).filter(|_| own.agree()) {
+                Some(masks) => masks.of(0, patch),
+                None => finder.varying(patch, own).map(Arc::new),
+            }
         };
         let masks = patches.par_iter().map(find).collect::<Result<_, _>>()?;
         Ok(Self { net, topology, rings, classes, masks, regular: grid })
@@ -188,11 +203,19 @@ fn weights(mask: &Mask, wish: Wish, sector: usize) -> &[f64] {
     }
 }
 
-fn patch(whole: &Whole<'_>, v: u32, rings: Rings) -> Result<Option<Patch>, Unlimited> {
+/// Whether vertices or edges of a net carry what others do not.
+pub(super) fn carries(net: &MeshNet) -> bool {
+    net.attributes.is_some() || net.directions.is_some()
+}
+
+/// The patch around a vertex, and the numbers that its vertices carry; `None` for a vertex without faces.
+fn patch(whole: &Whole<'_>, net: &MeshNet, v: u32, rings: Rings) -> Result<Option<(Patch, Own)>, Unlimited> {
     if whole.topology.is_isolated(v as usize) {
         return Ok(None);
     }
-    whole.patch(Centre::Vertex(v), rings).map(|found| Some(found.patch)).ok_or(Unlimited::Size)
+    let found = whole.patch(Centre::Vertex(v), rings).ok_or(Unlimited::Size)?;
+    let own = net.attributes.as_ref().map_or_else(Own::default, |attributes| Own::of(attributes, &found.vertices));
+    Ok(Some((found.patch, own)))
 }
 
 /// For each vertex whether one of the rings around it, but for the rim of the last, is not part of a grid of quads.
@@ -254,12 +277,12 @@ fn grid(topology: &Topology, v: usize, rings: usize, mut each: impl FnMut(u32)) 
 
 /// The mask of a vertex of a grid, in the order of [`grid`].
 fn regular_mask(rings: Rings, masks: &Masks<'_>) -> Result<Mask, Unlimited> {
-    let (topology, middle) = Regular::Quads.grid(rings);
-    let whole = Whole { topology: &topology, corners: &[], sharpness: None, rounds: 0 };
+    let (net, middle) = Regular::Quads.grid(rings, false);
+    let (topology, whole) = (&net.base, Whole::of(&net, &net.base));
     let Found { patch, vertices, .. } = whole.patch(Centre::Vertex(index(middle)), rings).ok_or(Unlimited::Size)?;
     let mask = masks.of(0, &patch)?;
     let mut order = Vec::new();
-    grid(&topology, middle, rings.support, |vertex| order.push(vertices.iter().position(|&u| u == vertex)));
+    grid(topology, middle, rings.support, |vertex| order.push(vertices.iter().position(|&u| u == vertex)));
     let sorted = |weights: &Vec<f64>| order.iter().map(|at| at.map_or(0.0, |at| weights[at])).collect::<Vec<_>>();
     let both = |tangents: &Result<[Vec<f64>; 2], _>| {
         tangents.as_ref().map(|[t, u]| [sorted(t), sorted(u)]).map_err(|why| *why)

@@ -5,8 +5,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::Unlimited;
 use super::cycle::{Child, Cycle};
+use super::own::{Common, Own};
 use super::patch::{Centre, Patch, Rings};
 use super::sector::{Part, Sectors};
+use super::skeleton::Skeletons;
 use super::tangent::{self, NoTangents};
 
 /// Levels after which a neighbourhood has to look like itself: vertices that differ from their surroundings move apart
@@ -14,6 +16,8 @@ use super::tangent::{self, NoTangents};
 const MAX_CHAIN: usize = 16;
 /// A mask that changes by less than this has settled.
 const SETTLED: f64 = 1e-15;
+/// Levels after which numbers of vertices agree: their differences are halved.
+const MAX_LEVELS: usize = 1_100;
 /// Levels after which a mask has to have settled.
 const MAX_STEPS: usize = 5_000;
 
@@ -58,19 +62,66 @@ fn tangential(mut row: Vec<f64>) -> Vec<f64> {
     row
 }
 
-/// Finds masks, and remembers them.
+/// Finds masks of patches whose vertices all carry the same numbers, and remembers them.
 #[derive(Debug)]
 pub(super) struct Masks<'a> {
-    cycle: Cycle<'a>,
-    rings: Rings,
-    with_tangents: bool,
+    finder: &'a Finder<'a>,
+    common: Common,
     known: Mutex<BTreeMap<(usize, Patch), Arc<Mask>>>,
 }
 
+/// What is needed to find masks.
+#[derive(Debug)]
+pub(super) struct Finder<'a> {
+    /// The levels.
+    pub(super) cycle: &'a Cycle<'a>,
+    /// How far they reach.
+    pub(super) rings: Rings,
+    /// Whether tangents are asked for.
+    pub(super) with_tangents: bool,
+    /// Steps of patches that carry numbers.
+    pub(super) skeletons: Skeletons<'a>,
+}
+
+impl<'a> Finder<'a> {
+    /// For the levels of a cycle, with tangents or without.
+    pub(super) fn new(cycle: &'a Cycle<'a>, rings: Rings, with_tangents: bool) -> Self {
+        Self { cycle, rings, with_tangents, skeletons: Skeletons::new(cycle, rings) }
+    }
+
+    /// The mask of a patch whose vertices carry numbers that differ: level after level, until they no longer do.
+    pub(super) fn varying(&self, patch: &Patch, own: &Own) -> Result<Mask, Unlimited> {
+        let (mut patch, mut own) = (patch.clone(), own.clone());
+        let mut steps = Vec::new();
+        while !own.agree() {
+            if steps.len() > MAX_LEVELS {
+                return Err(Unlimited::Unsettled);
+            }
+            let (child, next) = self.skeletons.step(steps.len(), &patch, &own)?;
+            let before = std::mem::replace(&mut patch, child.patch.clone());
+            steps.push((before, child));
+            own = next;
+        }
+        // what no other vertex has is not kept
+        let last = Masks::new(self, own.first()).of(steps.len(), &patch)?;
+        Ok(steps.iter().rev().fold(Mask::clone(&last), |mask, (patch, child)| mask.before(patch, child)))
+    }
+}
+
 impl<'a> Masks<'a> {
-    /// The masks of a cycle, with tangents or without.
-    pub(super) fn new(cycle: Cycle<'a>, rings: Rings, with_tangents: bool) -> Self {
-        Self { cycle, rings, with_tangents, known: Mutex::default() }
+    /// The masks where all vertices have these numbers.
+    pub(super) fn new(finder: &'a Finder<'a>, common: Common) -> Self {
+        Self { finder, common, known: Mutex::default() }
+    }
+
+    fn step(&self, level: usize, patch: &Patch) -> Result<Child, Unlimited> {
+        let finder = self.finder;
+        if self.common.are_there() {
+            let own = self.common.of_all(patch.n_vertices);
+            finder.skeletons.step(level, patch, &own).map(|(child, _)| child)
+        } else {
+            finder.cycle.step(level, patch, finder.rings)
+        }
     }
 
     /// The mask of a patch of the net before level `level` of the cycle.
@@ -78,13 +129,13 @@ impl<'a> Masks<'a> {
     /// While numbers change, a mask is that of the child's patch times the matrix between them; once they do not, the
     /// patch soon is its own child, and the mask a fixed point.
     pub(super) fn of(&self, level: usize, patch: &Patch) -> Result<Arc<Mask>, Unlimited> {
-        let level = level.min(self.cycle.settled);
+        let level = level.min(self.finder.cycle.settled);
         let key = (level, patch.clone());
         if let Some(mask) = self.known(&key) {
             return Ok(mask);
         }
-        let mask = if level < self.cycle.settled {
-            let child = self.cycle.step(level, patch, self.rings)?;
+        let mask = if level < self.finder.cycle.settled {
+            let child = self.step(level, patch)?;
             self.of(level + 1, &child.patch)?.before(patch, &child)
         } else {
             self.settled(patch)?
@@ -103,7 +154,7 @@ impl<'a> Masks<'a> {
 
     /// Follows a patch to one that comes again, or whose mask is known, and its mask back to the patch.
     fn settled(&self, patch: &Patch) -> Result<Mask, Unlimited> {
-        let level = self.cycle.settled;
+        let level = self.finder.cycle.settled;
         let mut patches = vec![patch.clone()];
         let mut children: Vec<Child> = Vec::new();
         let mut mask = loop {
@@ -114,7 +165,7 @@ impl<'a> Masks<'a> {
             if patches.len() > MAX_CHAIN {
                 return Err(Unlimited::Unsettled);
             }
-            let child = self.cycle.step(level, last, self.rings)?;
+            let child = self.step(level, last)?;
             let next = child.patch.clone();
             children.push(child);
             if let Some(from) = patches.iter().position(|known| *known == next) {
@@ -159,7 +210,7 @@ impl<'a> Masks<'a> {
             |column: &[f64]| children.iter().fold(column.to_vec(), |column, child| child.matrix.times_column(&column));
         let sectors = Sectors::of(patch);
         let tangents = match sectors.n {
-            _ if !self.with_tangents => Vec::new(),
+            _ if !self.finder.with_tangents => Vec::new(),
             1 => vec![tangent::of(patch.centre(), patch.central_faces(), &position, back, forth)],
             // a patch that comes again is the least one there is, and so is its child
             _ if children.iter().any(|child| child.turn > 0) => vec![Err(NoTangents::Eigenvalues); sectors.n],

@@ -16,9 +16,11 @@ mod field;
 mod mask;
 mod matrix;
 mod normals;
+mod own;
 mod patch;
 mod probe;
 mod sector;
+mod skeleton;
 mod tangent;
 
 use crate::math::rows::blend;
@@ -33,8 +35,9 @@ use super::{Points, RefineError, act_on};
 pub(super) use cycle::AHEAD;
 use cycle::Cycle;
 use field::{Field, FieldRows, Wish};
-use mask::Masks;
+use mask::Finder;
 pub(super) use normals::Normals;
+use own::Common;
 use probe::{Regular, Smoothness};
 
 /// What of the limit surface is asked for.
@@ -93,12 +96,19 @@ pub enum Unlimited {
     /// New points are no weighted means of old ones.
     #[error("limits are known for linear schemes only")]
     NotLinear,
-    /// Numbers that differ from vertex to vertex.
+    /// Numbers that go on changing.
     #[error(
-        "limits are known where the numbers of a plan depend on the level only; leave perturbation, parameters of vertices \
-             and latitude tags out"
+        "the limit of a perturbed plan depends on all later levels: the perturbation of a vertex there goes by its number \
+             in the whole net; leave the perturbation out"
     )]
     Perturbed,
+    /// More vertices with different numbers than are followed.
+    #[error(
+        "the parameters around more than {} vertices differ, each of which is followed by itself, beyond which no limit is \
+             computed; ask for fewer levels",
+        field::MAX_PATCHES
+    )]
+    Different,
     /// More rings than are followed.
     #[error("the scheme reaches farther than {} rings of faces, beyond which no limit is computed", probe::MAX_RINGS)]
     Reach,
@@ -134,18 +144,17 @@ impl From<RefineError> for Unlimited {
     }
 }
 
-/// Whether a plan can have a limit, as far as its word tells, on an open or closed mesh whose vertices have parameters of
-/// their `own` or not.
+/// Whether a plan can have a limit, as far as its word tells, on an open or closed mesh.
 ///
 /// # Errors
 /// [`Unlimited`].
-pub fn check(plan: &Plan, is_open: bool, own: bool) -> Result<(), Unlimited> {
+pub fn check(plan: &Plan, is_open: bool) -> Result<(), Unlimited> {
     let heirs = |letter: &Letter| letter.operator.heirs();
     let cycle = &plan.word.cycle;
     let first_finer = cycle.iter().position(|letter| heirs(letter).refine());
     let first_dual = cycle.iter().position(|letter| matches!(heirs(letter), Heirs::Dual | Heirs::Faces));
     match (first_finer, first_dual) {
-        _ if own || plan.perturbation.is_some() || plan.latitude.is_some() => Err(Unlimited::Perturbed),
+        _ if plan.perturbation.is_some() => Err(Unlimited::Perturbed),
         (None, _) => Err(Unlimited::NoUpsampling),
         (Some(_), Some(_)) if is_open => Err(Unlimited::LostBoundary),
         (Some(finer), Some(dual)) if dual < finer => Err(Unlimited::DualFirst),
@@ -162,20 +171,27 @@ pub(super) fn limits(
     asked: Asked,
     watch: &Watch,
 ) -> Result<Limits, Unlimited> {
-    check(plan, net.base.n_boundary() > 0, net.attributes.is_some())?;
+    check(plan, net.base.n_boundary() > 0)?;
     // what comes before the first upsampling moves points only, so that the limit of each stays the same
     let before = ahead.iter().take_while(|step| !step.letter.operator.heirs().refine()).count();
     let (net, points) = act_on(net.clone(), points.to_vec(), plan, &ahead[..before], watch)?;
-    let cycle = Cycle::new(plan, &ahead[before..], plan.word.cycle.len());
+    let own = net.attributes.as_deref().map_or_else(Vec::new, own::extremes);
+    let alphas: Vec<f64> = own.iter().filter_map(|common| common.alpha()).chain([plan.alpha]).collect();
+    let cycle =
+        Cycle::new(plan, &ahead[before..], plan.word.cycle.len(), if field::carries(&net) { &alphas } else { &[] });
     let regular = Regular::of(&cycle, &net.topology())?;
-    let rings = regular.rings(&cycle)?;
-    let smoothness = probe::smoothness(&cycle, regular, rings, watch)?;
+    let tagged = net.directions.is_some();
+    let rings = regular.rings(&cycle, tagged)?;
+    let mut smoothness = Smoothness::Smooth;
+    for common in if own.is_empty() { vec![Common::default()] } else { own } {
+        smoothness = smoothness.min(probe::smoothness(&cycle, regular, tagged, common, rings, watch)?);
+    }
     if smoothness == Smoothness::Rough {
         return Err(Unlimited::Rough);
     }
     let with_tangents = asked.normals && smoothness == Smoothness::Smooth;
-    let masks = Masks::new(cycle, rings, with_tangents);
-    let field = Field::new(net, regular, rings, &masks, watch)?;
+    let finder = Finder::new(&cycle, rings, with_tangents);
+    let field = Field::new(net, regular, rings, &finder, watch)?;
     let places = field.sectors();
     let rows = |places, wish| FieldRows { field: &field, places, wish };
     let vertices = &places[..field.n_vertices()];

@@ -7,6 +7,7 @@ use crate::scheme::mesh_net::{Boundary, MeshNet, Rules};
 use crate::scheme::sharpness::Sharpness;
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::creases::INFINITE_SHARPNESS;
+use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{NONE, Topology, index};
 
 /// Most vertices of a patch: about what three rings around a vertex of valence 1,500 have.
@@ -42,6 +43,8 @@ pub(super) struct Whole<'a> {
     pub(super) corners: &'a [u32],
     /// Sharp edges, and vertices that are sharp for a while.
     pub(super) sharpness: Option<&'a Sharpness>,
+    /// Directions of edges along latitude and longitude lines.
+    pub(super) directions: Option<&'a Directions>,
     /// Steps so far of a scheme of its own connectivity, as far as they matter: the first one, then odd and even ones.
     pub(super) rounds: u32,
 }
@@ -50,7 +53,13 @@ impl<'a> Whole<'a> {
     /// A net, `topology` being its own.
     pub(super) fn of(net: &'a MeshNet, topology: &'a Topology) -> Self {
         let rounds = if net.rounds < 2 { net.rounds } else { 2 + net.rounds % 2 };
-        Self { topology, corners: &net.corners, sharpness: net.sharpness.as_deref(), rounds }
+        Self {
+            topology,
+            corners: &net.corners,
+            sharpness: net.sharpness.as_deref(),
+            directions: net.directions.as_deref(),
+            rounds,
+        }
     }
 }
 
@@ -63,7 +72,7 @@ pub(super) struct Patch {
     central: u32,
     /// Number of vertices within the rings that decide about the limit.
     pub(super) support: usize,
-    n_vertices: usize,
+    pub(super) n_vertices: usize,
     rounds: u32,
     sizes: Vec<u32>,
     vertices: Vec<u32>,
@@ -72,6 +81,8 @@ pub(super) struct Patch {
     /// The bits of the sharpness of edges, each at the corners of the faces beside it, and of vertices; ascending.
     sharp_edges: Vec<(u32, u64)>,
     sharp_vertices: Vec<(u32, u64)>,
+    /// The direction of the edge from each corner, where edges have any.
+    directions: Vec<Direction>,
 }
 
 /// A patch and where it was found.
@@ -140,7 +151,12 @@ impl Patch {
         let vertices = self.sharp_vertices.iter().map(read).collect();
         let net = MeshNet::new(topology, &self.fixed, &[], Boundary::EdgeOnly);
         let net = net.with_sharpness(Sharpness::of(&edges, &vertices), rules);
-        Some((MeshNet { rounds: self.rounds, ..net }, origins))
+        let mut directions = vec![Direction::default(); net.base.n_edges()];
+        for (corner, &direction) in self.directions.iter().enumerate() {
+            directions[net.base.edge(index(corner)) as usize] = direction;
+        }
+        let directions = (!self.directions.is_empty()).then(|| Directions::of_edges(directions));
+        Some((MeshNet { rounds: self.rounds, ..net.carrying(None, directions) }, origins))
     }
 }
 
@@ -184,6 +200,7 @@ impl Whole<'_> {
             known: Numbers::default(),
             faces: Numbers::default(),
             sharp_edges: Vec::new(),
+            directions: Vec::new(),
         };
         let central = match centre {
             Centre::Vertex(v) => {
@@ -228,6 +245,7 @@ impl Whole<'_> {
             fixed,
             sharp_edges: walk.sharp_edges,
             sharp_vertices,
+            directions: walk.directions,
         };
         Some(Found { patch, vertices, turn: 0 })
     }
@@ -243,6 +261,7 @@ struct Walk<'a> {
     known: Numbers,
     faces: Numbers,
     sharp_edges: Vec<(u32, u64)>,
+    directions: Vec<Direction>,
 }
 
 impl Walk<'_> {
@@ -286,6 +305,7 @@ impl Walk<'_> {
                     self.sharp_edges.push((index(self.local.len()), bits));
                 }
             }
+            self.directions.extend(self.whole.directions.map(|directions| directions.of(topology.edge(at))));
             let (number, new) = self.known.number(topology.vertex(at));
             if new {
                 self.reached.push(at);

@@ -4,10 +4,12 @@ use std::sync::Arc;
 
 use super::Unlimited;
 use super::cycle::{Cycle, is_triangular};
+use super::own::Common;
 use super::patch::{Centre, Patch, Rings, Whole};
 use crate::refine::{Points, RefineError};
 use crate::scheme::mesh_net::{Boundary, MeshNet};
 use crate::shape::check::{FaceList, Winding};
+use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{Topology, index};
 use crate::watch::{Stopped, Watch};
 
@@ -33,12 +35,13 @@ impl Regular {
         if !is_triangular(topology) {
             return Ok(Self::Quads);
         }
-        let refined = cycle.applied(Self::Triangles.net(4 + 2 * cycle.n_duals()), |_, _| Ok(()))?;
+        let refined = cycle.applied(Self::Triangles.net(4 + 2 * cycle.n_duals(), false), |_, _| Ok(()))?;
         Ok(if is_triangular(&refined.topology()) { Self::Triangles } else { Self::Quads })
     }
 
-    /// A regular net of `side x side` squares, each cut into two triangles where it is made of these.
-    fn net(self, side: usize) -> MeshNet {
+    /// A regular net of `side x side` squares, each cut into two triangles where it is made of these; its rows are latitude
+    /// lines where it is tagged.
+    fn net(self, side: usize, tagged: bool) -> MeshNet {
         let mut faces = FaceList::default();
         for (i, j) in (0..side).flat_map(|j| (0..side).map(move |i| (i, j))) {
             let at = |i: usize, j: usize| index(j * (side + 1) + i);
@@ -53,18 +56,24 @@ impl Regular {
         }
         let n = (side + 1) * (side + 1);
         let checked = Topology::of_faces(n, faces, Winding::Refuse).expect("a grid is a manifold");
-        MeshNet::new(Arc::new(checked.topology), &[], &[], Boundary::EdgeOnly)
+        let topology = Arc::new(checked.topology);
+        let direction = |e: usize| {
+            let [a, b] = topology.ends(e).map(|v| v as usize / (side + 1));
+            if a == b { Direction::Latitude } else { Direction::Longitude }
+        };
+        let directions = tagged.then(|| Directions::of_edges((0..topology.n_edges()).map(direction).collect()));
+        MeshNet::new(topology.clone(), &[], &[], Boundary::EdgeOnly).carrying(None, directions)
     }
 
     /// A regular net and the vertex in its middle, which is so far from the boundary that no patch reaches it.
-    pub(super) fn grid(self, rings: Rings) -> (Arc<Topology>, usize) {
+    pub(super) fn grid(self, rings: Rings, tagged: bool) -> (MeshNet, usize) {
         let side = 2 * (rings.patch + 2);
-        (self.net(side).base, (side / 2) * (side + 1) + side / 2)
+        (self.net(side, tagged), (side / 2) * (side + 1) + side / 2)
     }
 
-    fn patch(self, rings: Rings) -> Option<Patch> {
-        let (topology, middle) = self.grid(rings);
-        let whole = Whole { topology: &topology, corners: &[], sharpness: None, rounds: 0 };
+    fn patch(self, rings: Rings, tagged: bool) -> Option<Patch> {
+        let (net, middle) = self.grid(rings, tagged);
+        let whole = Whole::of(&net, &net.base);
         whole.patch(Centre::Vertex(index(middle)), rings).map(|found| found.patch)
     }
 
@@ -73,8 +82,8 @@ impl Regular {
     /// The support is the least number of rings such that the points of as many rings around the child come of no
     /// others. The operators' rules reach as many rings at every valence, so that what holds here holds everywhere. The
     /// patch is larger where points of its rim would take their connectivity from beyond it.
-    pub(super) fn rings(self, cycle: &Cycle<'_>) -> Result<Rings, Unlimited> {
-        let support = (1..=MAX_RINGS).find_map(|support| match self.closed(cycle, support) {
+    pub(super) fn rings(self, cycle: &Cycle<'_>, tagged: bool) -> Result<Rings, Unlimited> {
+        let support = (1..=MAX_RINGS).find_map(|support| match self.closed(cycle, support, tagged) {
             Ok(true) => Some(Ok(support)),
             Ok(false) => None,
             Err(error) => Some(Err(error)),
@@ -82,16 +91,16 @@ impl Regular {
         let support = support.unwrap_or(Err(Unlimited::Reach))?;
         for patch in support..support + 2 {
             let rings = Rings { support, patch };
-            if self.agrees(cycle, rings)? {
+            if self.agrees(cycle, rings, tagged)? {
                 return Ok(rings);
             }
         }
         Ok(Rings { support, patch: support + 2 })
     }
 
-    fn closed(self, cycle: &Cycle<'_>, support: usize) -> Result<bool, Unlimited> {
+    fn closed(self, cycle: &Cycle<'_>, support: usize, tagged: bool) -> Result<bool, Unlimited> {
         let rings = Rings { support, patch: support + 2 };
-        let mut patch = self.patch(rings).ok_or(Unlimited::Size)?;
+        let mut patch = self.patch(rings, tagged).ok_or(Unlimited::Size)?;
         // the second child of a dual scheme lies around a face as the first one does
         for _ in 0..2 {
             let (closes, child) = cycle.closes(&patch, rings)?;
@@ -104,9 +113,9 @@ impl Regular {
     }
 
     /// Whether a patch of so many rings leads to the same child and the same weights as a larger one.
-    fn agrees(self, cycle: &Cycle<'_>, rings: Rings) -> Result<bool, Unlimited> {
+    fn agrees(self, cycle: &Cycle<'_>, rings: Rings, tagged: bool) -> Result<bool, Unlimited> {
         let larger = Rings { patch: rings.support + 3, ..rings };
-        let mut pair = [rings, larger].map(|rings| self.patch(rings));
+        let mut pair = [rings, larger].map(|rings| self.patch(rings, tagged));
         for _ in 0..2 {
             let [Some(small), Some(large)] = pair else { return Err(Unlimited::Size) };
             let large = cycle.step(cycle.settled, &large, larger)?;
@@ -133,7 +142,7 @@ impl Regular {
 }
 
 /// What an impulse shows of a scheme.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Smoothness {
     /// Its differences do not vanish: there is no continuous limit.
     Rough,
@@ -143,15 +152,23 @@ pub(super) enum Smoothness {
     Smooth,
 }
 
-/// Refines an impulse on a regular net and compares how its differences shrink.
+/// Refines an impulse on a regular net, tagged or not, whose vertices all carry the same numbers, and compares how its
+/// differences shrink.
 pub(super) fn smoothness(
     cycle: &Cycle<'_>,
     regular: Regular,
+    tagged: bool,
+    common: Common,
     rings: Rings,
     watch: &Watch,
 ) -> Result<Smoothness, Unlimited> {
     let side = 2 * (rings.support + 1 + cycle.n_duals());
-    let mut net = regular.net(side);
+    let mut net = regular.net(side, tagged);
+    if common.are_there() {
+        let all: Vec<u32> = (0..index(net.n_vertices())).collect();
+        let directions = net.directions.as_deref().cloned();
+        net = net.carrying(Some(common.of_all(all.len()).attributes(&all)), directions);
+    }
     let middle = (side / 2) * (side + 1) + side / 2;
     let place = |v: usize| [index(v % (side + 1)), index(v / (side + 1)), u32::from(v == middle)].map(f64::from);
     // work that no forecast counts

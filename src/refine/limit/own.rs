@@ -1,0 +1,78 @@
+//! Numbers that the vertices of a patch carry: their own alpha, kernel, compensation and delta.
+
+use crate::shape::attributes::Attributes;
+
+/// Numbers that differ by no more than this, relative to 1 or their size, are the same.
+const SAME: f64 = 1e-15;
+
+/// The bits of the numbers that the vertices of a patch carry, where they carry any.
+#[derive(Debug, Clone, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Own([Option<Vec<u64>>; 4]);
+
+/// The bits of numbers that all vertices of a patch have in common.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Common([Option<u64>; 4]);
+
+impl Own {
+    /// Those of the vertices with these numbers.
+    pub(super) fn of(attributes: &Attributes, vertices: &[u32]) -> Self {
+        let bits = |array: &[f64]| vertices.iter().map(|&v| array[v as usize].to_bits()).collect();
+        Self(attributes.arrays().map(|(_, array)| array.map(bits)))
+    }
+
+    /// The same as numbers, those of `origins`.
+    pub(super) fn attributes(&self, origins: &[u32]) -> Attributes {
+        let numbers = |bits: &Option<Vec<u64>>| {
+            bits.as_ref().map(|bits| origins.iter().map(|&v| f64::from_bits(bits[v as usize])).collect())
+        };
+        let [alpha, kernel, compensation, delta] = self.0.each_ref().map(numbers);
+        Attributes { alpha, kernel, compensation, delta }
+    }
+
+    /// Those of the first vertex.
+    pub(super) fn first(&self) -> Common {
+        Common(self.0.each_ref().map(|bits| bits.as_ref().and_then(|bits| bits.first().copied())))
+    }
+
+    /// Whether all vertices have the numbers of the first, but for rounding.
+    pub(super) fn agree(&self) -> bool {
+        self.0.iter().flatten().all(|bits| {
+            let first = bits.first().map_or(0.0, |&bits| f64::from_bits(bits));
+            bits.iter().all(|&bits| (f64::from_bits(bits) - first).abs() <= SAME * first.abs().max(1.0))
+        })
+    }
+}
+
+impl Common {
+    /// Those of `n` vertices.
+    pub(super) fn of_all(self, n: usize) -> Own {
+        Own(self.0.map(|bits| bits.map(|bits| vec![bits; n])))
+    }
+
+    /// The alpha.
+    pub(super) fn alpha(&self) -> Option<f64> {
+        self.0[0].map(f64::from_bits)
+    }
+
+    /// Whether there are any.
+    pub(super) fn are_there(self) -> bool {
+        self.0.iter().any(Option::is_some)
+    }
+}
+
+/// All numbers that are made of the least and the largest of each kind.
+pub(super) fn extremes(attributes: &Attributes) -> Vec<Common> {
+    let mut all = vec![Common::default()];
+    for (place, (_, array)) in attributes.arrays().into_iter().enumerate() {
+        let Some(array) = array else { continue };
+        let ends = [f64::min, f64::max].map(|pick| array.iter().copied().reduce(pick).unwrap_or_default());
+        let with = |common: &Common, x: f64| {
+            let mut bits = common.0;
+            bits[place] = Some(x.to_bits());
+            Common(bits)
+        };
+        all = all.iter().flat_map(|common| ends.map(|x| with(common, x))).collect();
+        all.dedup();
+    }
+    all
+}
