@@ -2,6 +2,7 @@
 
 mod formulas;
 mod laws;
+mod levels;
 mod refusals;
 mod sides;
 mod varying;

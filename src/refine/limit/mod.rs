@@ -176,7 +176,7 @@ pub(super) fn limits(
     let before = ahead.iter().take_while(|step| !step.letter.operator.heirs().refine()).count();
     let (net, points) = act_on(net.clone(), points.to_vec(), plan, &ahead[..before], watch)?;
     let own = net.attributes.as_deref().map_or_else(Vec::new, own::extremes);
-    let alphas: Vec<f64> = own.iter().filter_map(|common| common.alpha()).chain([plan.alpha]).collect();
+    let alphas: Vec<f64> = own.iter().filter_map(Common::alpha).chain([plan.alpha]).collect();
     let cycle =
         Cycle::new(plan, &ahead[before..], plan.word.cycle.len(), if field::carries(&net) { &alphas } else { &[] });
     let regular = Regular::of(&cycle, &net.topology())?;
