@@ -5,7 +5,7 @@ use utoipa::ToSchema;
 
 use super::channels::ChannelsRequest;
 use super::polygon::PointParameters;
-use super::{object, schema};
+use super::{fixed, object, schema};
 use crate::fault::Fault;
 use crate::shape::attachments::AttachmentsInput;
 use crate::shape::check::{FaceList, Winding};
@@ -18,6 +18,7 @@ use crate::shape::uvs::{Interpolation, UvsInput};
 #[serde(deny_unknown_fields)]
 pub struct MeshRequest {
     /// Vertex positions, `n x 3`, model units.
+    #[serde(deserialize_with = "fixed::list")]
     #[schema(schema_with = schema::positions)]
     pub positions: Vec<[f64; 3]>,
     /// Faces as lists of vertex indices, counted from 0, counter-clockwise seen from outside.
@@ -35,11 +36,11 @@ pub struct MeshRequest {
     /// Parameters that vertices carry: each a list of one number a vertex.
     pub parameters: Option<PointParameters>,
     /// Edges along latitude lines, as pairs of vertices.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fixed::list")]
     #[schema(schema_with = schema::edges)]
     pub latitude: Vec<[u64; 2]>,
     /// Edges along longitude lines, as pairs of vertices.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "fixed::list")]
     #[schema(schema_with = schema::edges)]
     pub longitude: Vec<[u64; 2]>,
     /// Numbers that vertices carry, by name: `n` numbers, or `n` lists of 1 to 4 numbers; refined like positions.
@@ -65,6 +66,7 @@ pub struct MeshRequest {
 #[serde(deny_unknown_fields)]
 pub struct UvsRequest {
     /// Values, `n x 2`; the second coordinate points up.
+    #[serde(deserialize_with = "fixed::list")]
     #[schema(schema_with = schema::uv_values)]
     pub values: Vec<[f64; 2]>,
     /// For each face of the mesh the values at its corners, in their order. Neighbours are joined where both have the same
@@ -142,6 +144,7 @@ pub struct CornerRequest {
 #[serde(deny_unknown_fields)]
 pub struct CreaseRequest {
     /// The two ends of the edge, in any order.
+    #[serde(deserialize_with = "fixed::one")]
     #[schema(schema_with = schema::ends)]
     pub edge: [u64; 2],
     /// 0 is smooth, 10 or more infinitely sharp; what lies between belongs to `catmull-clark` and `loop`, which

@@ -3,6 +3,7 @@
 pub mod answer;
 pub mod catalogue;
 mod channels;
+mod fixed;
 pub mod input;
 pub mod job;
 pub mod levels;

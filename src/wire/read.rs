@@ -69,8 +69,6 @@ fn plain(detail: &str) -> String {
         )
         .replace("a boolean", "true or false")
         .replace("unknown variant", "unknown choice")
-        .replace("an array of length 2", "a list of two numbers")
-        .replace("an array of length 3", "a list of three numbers")
         .replace('`', "\"")
 }
 

@@ -1,0 +1,60 @@
+//! Lists of a fixed length: serde by itself stops reading after the last entry it wants, and then calls a longer list
+//! broken text.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
+
+/// A list of exactly `N` entries.
+struct Fixed<T, const N: usize>([T; N]);
+
+impl<'de, T: Deserialize<'de> + Copy + Default, const N: usize> Deserialize<'de> for Fixed<T, N> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_seq(FixedVisitor(PhantomData)).map(Self)
+    }
+}
+
+struct FixedVisitor<T, const N: usize>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de> + Copy + Default, const N: usize> Visitor<'de> for FixedVisitor<T, N> {
+    type Value = [T; N];
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match N {
+            2 => f.write_str("a list of two numbers"),
+            3 => f.write_str("a list of three numbers"),
+            _ => write!(f, "a list of {N} numbers"),
+        }
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<[T; N], A::Error> {
+        let mut found = [T::default(); N];
+        for (n, slot) in found.iter_mut().enumerate() {
+            *slot = list.next_element()?.ok_or_else(|| A::Error::invalid_length(n, &self))?;
+        }
+        let mut n = N;
+        while list.next_element::<IgnoredAny>()?.is_some() {
+            n += 1;
+        }
+        if n == N { Ok(found) } else { Err(A::Error::invalid_length(n, &self)) }
+    }
+}
+
+/// For a field that holds one such list.
+pub(super) fn one<'de, D: Deserializer<'de>, T, const N: usize>(deserializer: D) -> Result<[T; N], D::Error>
+where
+    T: Deserialize<'de> + Copy + Default,
+{
+    Fixed::deserialize(deserializer).map(|Fixed(entries)| entries)
+}
+
+/// For a field that holds a list of them.
+pub(super) fn list<'de, D: Deserializer<'de>, T, const N: usize>(deserializer: D) -> Result<Vec<[T; N]>, D::Error>
+where
+    T: Deserialize<'de> + Copy + Default,
+{
+    let lists = Vec::<Fixed<T, N>>::deserialize(deserializer)?;
+    // of the same layout, so that they stay where they are
+    Ok(lists.into_iter().map(|Fixed(entries)| entries).collect())
+}
