@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use gltf::json::Root;
 
+use super::transform::Placement;
 use crate::input::base64;
 use crate::input::text::quoted;
 
@@ -18,14 +19,19 @@ const HARMLESS: &[&str] = &["KHR_mesh_quantization", "KHR_texture_transform", "K
 #[derive(Debug)]
 pub(super) struct Document<'a> {
     pub(super) root: Root,
+    /// Where the nodes are, in f64, which `root` rounds.
+    pub(super) placements: Vec<Placement>,
+    /// The bytes of each buffer, no more than it says it has.
     pub(super) buffers: Vec<Cow<'a, [u8]>>,
 }
 
 impl<'a> Document<'a> {
     /// A document; `binary` is the second chunk of GLB.
     pub(super) fn of_json(json: &[u8], binary: Option<&'a [u8]>) -> Result<Self, String> {
-        let root = Root::from_slice(json.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(json))
-            .map_err(|error| format!("the document is no glTF: {error}"))?;
+        let json = json.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(json);
+        let no_gltf = |error: serde_json::Error| format!("the document is no glTF: {error}");
+        let root = Root::from_slice(json).map_err(no_gltf)?;
+        let placements = Placement::all(json).map_err(no_gltf)?;
         if !root.asset.version.starts_with("2.") {
             return Err(format!("version {} of glTF; 2.0 is read", quoted(&root.asset.version)));
         }
@@ -40,13 +46,14 @@ impl<'a> Document<'a> {
                 (None, Some(binary)) if i == 0 => Cow::Borrowed(binary),
                 (None, _) => return Err(format!("buffer {i} has no data; give it a data URI, or send glb")),
             };
-            if buffer.byte_length.0 > bytes.len() as u64 {
-                let (claimed, found) = (buffer.byte_length.0, bytes.len());
-                return Err(format!("buffer {i} says it has {claimed} bytes, and has {found}; send it whole"));
-            }
-            buffers.push(bytes);
+            let (claimed, found) = (buffer.byte_length.0, bytes.len());
+            let length = usize::try_from(claimed).ok().filter(|&length| length <= found);
+            let length = length.ok_or_else(|| {
+                format!("buffer {i} says it has {claimed} bytes, and has {found}; send it whole")
+            })?;
+            buffers.push(cut(bytes, length));
         }
-        Ok(Self { root, buffers })
+        Ok(Self { root, placements, buffers })
     }
 
     /// A document in the binary container.
@@ -90,6 +97,17 @@ fn chunk(bytes: &[u8], at: usize, kind: Option<[u8; 4]>) -> Result<(&[u8], usize
     match bytes.get(start..).and_then(|rest| rest.get(..length)) {
         Some(content) => Ok((content, start + length)),
         None => Err(format!("byte {at}: a chunk of {length} bytes; the file has {} more", bytes.len() - start)),
+    }
+}
+
+/// The first `length` bytes of a buffer; what follows them fills a chunk up, or belongs to nothing.
+fn cut(bytes: Cow<'_, [u8]>, length: usize) -> Cow<'_, [u8]> {
+    match bytes {
+        Cow::Borrowed(bytes) => Cow::Borrowed(&bytes[..length]),
+        Cow::Owned(mut bytes) => {
+            bytes.truncate(length);
+            Cow::Owned(bytes)
+        }
     }
 }
 

@@ -44,7 +44,8 @@ pub(super) fn read(document: &Document<'_>, length: usize, limits: &ReadLimits) 
         if std::mem::replace(&mut seen[i], true) {
             return Err(format!("node {i} is reached twice; nodes are to form trees"));
         }
-        let transform = outer.after(&Transform::of(node));
+        let inner = document.placements.get(i).map_or(Ok(Transform::IDENTITY), Transform::of);
+        let transform = outer.after(&inner.map_err(|detail| format!("node {i}: {detail}"))?);
         reading.node(i, node, &transform)?;
         let children = node.children.iter().flatten().rev();
         waiting.extend(children.map(|child| (child.value(), transform)));

@@ -1,6 +1,47 @@
 //! Transforms of nodes, in f64.
 
-use gltf::json::Node;
+use std::collections::BTreeMap;
+
+use serde_json::value::RawValue;
+
+/// How far the length of a rotation may be from 1: writers of few digits round it.
+const UNIT: f64 = 1e-3;
+/// How far the last row of a matrix may be from 0, 0, 0, 1.
+const AFFINE: f64 = 1e-6;
+
+/// What a node says of its place, as its text has it.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Placement {
+    matrix: Option<[f64; 16]>,
+    rotation: Option<[f64; 4]>,
+    scale: Option<[f64; 3]>,
+    translation: Option<[f64; 3]>,
+}
+
+/// The members of an object, unread.
+type Members<'a> = BTreeMap<String, &'a RawValue>;
+
+impl Placement {
+    /// The placements of all nodes of a document.
+    ///
+    /// # Errors
+    /// What is no glTF.
+    pub(super) fn all(json: &[u8]) -> serde_json::Result<Vec<Self>> {
+        let document: Members<'_> = serde_json::from_slice(json)?;
+        let Some(nodes) = document.get("nodes") else { return Ok(Vec::new()) };
+        let nodes: Vec<Members<'_>> = serde_json::from_str(nodes.get())?;
+        let placement = |node: &Members<'_>| {
+            let text = |name: &str| node.get(name).map_or("null", |value| value.get());
+            Ok(Self {
+                matrix: serde_json::from_str(text("matrix"))?,
+                rotation: serde_json::from_str(text("rotation"))?,
+                scale: serde_json::from_str(text("scale"))?,
+                translation: serde_json::from_str(text("translation"))?,
+            })
+        };
+        nodes.iter().map(placement).collect()
+    }
+}
 
 /// An affine map: `x -> A x + t`, the columns of `A`, then `t`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -10,21 +51,37 @@ impl Transform {
     /// The map that changes nothing.
     pub(super) const IDENTITY: Self = Self([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]]);
 
-    /// The map of a node: its matrix, or its scale, then rotation, then translation.
-    pub(super) fn of(node: &Node) -> Self {
-        if let Some(matrix) = node.matrix {
-            let column = |j: usize| std::array::from_fn(|i| f64::from(matrix[4 * j + i]));
-            return Self([column(0), column(1), column(2), column(3)]);
+    /// The map of a node: its matrix, or its scale, then rotation, then translation. A rotation is divided by its length,
+    /// which is near 1.
+    ///
+    /// # Errors
+    /// A matrix that is no affine map, a rotation that is no unit quaternion.
+    pub(super) fn of(placement: &Placement) -> Result<Self, String> {
+        if let Some(matrix) = placement.matrix {
+            let [a, b, c, d] = std::array::from_fn(|j| matrix[4 * j + 3]);
+            if [a, b, c, d - 1.0].iter().any(|x| x.abs() > AFFINE) {
+                return Err(format!("the last row of its matrix is {a}, {b}, {c}, {d}; it has to be 0, 0, 0, 1"));
+            }
+            let column = |j: usize| std::array::from_fn(|i| matrix[4 * j + i]);
+            return Ok(Self([column(0), column(1), column(2), column(3)]));
         }
-        let [x, y, z, w] = node.rotation.map_or([0.0, 0.0, 0.0, 1.0], |rotation| rotation.0.map(f64::from));
-        let scale = node.scale.map_or([1.0; 3], |scale| scale.map(f64::from));
+        let [x, y, z, w] = placement.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+        let square = x * x + y * y + z * z + w * w;
+        let length = square.sqrt();
+        if (length - 1.0).abs() > UNIT {
+            return Err(format!(
+                "the length of its rotation {x}, {y}, {z}, {w} is {length}; a rotation is a quaternion of length 1"
+            ));
+        }
+        let scale = placement.scale.unwrap_or([1.0; 3]);
+        let s = 2.0 / square;
         let rotation = [
-            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)],
-            [2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w)],
-            [2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y)],
+            [1.0 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)],
+            [s * (x * y - z * w), 1.0 - s * (x * x + z * z), s * (y * z + x * w)],
+            [s * (x * z + y * w), s * (y * z - x * w), 1.0 - s * (x * x + y * y)],
         ];
         let column = |j: usize| rotation[j].map(|entry| entry * scale[j]);
-        Self([column(0), column(1), column(2), node.translation.map_or([0.0; 3], |t| t.map(f64::from))])
+        Ok(Self([column(0), column(1), column(2), placement.translation.unwrap_or([0.0; 3])]))
     }
 
     /// First `inner`, then this one.

@@ -98,12 +98,33 @@ fn nodes_are_where_their_transforms_put_them() {
         [9., 1., 7.],
     ];
     for (found, expected) in found.positions.iter().zip(expected) {
-        // f32 rounds the rotation of the file
-        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{found:?} for {expected:?}");
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?} for {expected:?}");
     }
     assert_eq!(net(&found).faces, [[0, 1, 2], [4, 6, 5]]);
     let groups = [("turned", 0), ("mirrored", 1)].map(|(name, f)| FaceSet { name: name.into(), faces: vec![f] });
     assert_eq!(found.groups, groups);
+}
+
+/// Numbers of nodes are not rounded to f32, as those of vertices are.
+#[test]
+fn nodes_are_read_in_f64() {
+    let first = |node: Value| {
+        let mut document = square(4, &[0, 1, 2]);
+        document["nodes"] = json!([node]);
+        mesh("gltf", document.to_string().as_bytes()).positions[..2].to_vec()
+    };
+    let far = [1_000_000.1, 0.1, 16_777_217.0];
+    assert_eq!(first(json!({ "mesh": 0, "translation": far }))[0], far);
+    let matrix = [0.1, 0.2, 0.3, 0., 0., 1., 0., 0., 0., 0., 1., 0., far[0], far[1], far[2], 1.];
+    let places = [far, [far[0] + 0.1, far[1] + 0.2, far[2] + 0.3]];
+    assert_eq!(first(json!({ "mesh": 0, "matrix": matrix })), places);
+    assert_eq!(first(json!({ "mesh": 0, "scale": [0.1, 1, 1], "translation": null }))[1], [0.1, 0., 0.]);
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let quarter = json!({ "mesh": 0, "rotation": [0, 0, half, half], "translation": [1e6, 0.1, 0] });
+    assert_eq!(first(quarter), [[1e6, 0.1, 0.], [1e6, 1.1, 0.]]);
+    // a writer of three digits
+    let short = json!({ "mesh": 0, "rotation": [0, 0, 0.707, 0.707] });
+    assert_eq!(first(short)[1], [0., 1., 0.]);
 }
 
 /// Positions in bytes, sparse changes, normalized colours, shared vertices, two materials.
@@ -186,6 +207,13 @@ fn what_leads_nowhere_is_named() {
     check("/accessors/0/count", json!(4_000_000_000_u64), &format!("{primitive}{huge}"));
     check("/accessors/1/count", json!(2), &format!("{primitive}2 corners; triangles have 3 each"));
     check("/accessors/0/count", json!(2), &format!("{primitive}there is no vertex 2; it has 2, counted from 0"));
+    let beyond = "accessor 0: bufferView 0: 48 bytes from byte 0; buffer 0 has 10";
+    check("/buffers/0/byteLength", json!(10), &format!("{primitive}{beyond}"));
+    let long = "node 0: the length of its rotation 0, 0, 1, 1 is 1.4142135623730951; a rotation is a quaternion of length 1";
+    check("/nodes/0", json!({ "mesh": 0, "rotation": [0, 0, 1, 1] }), long);
+    let matrix = [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0.5, 0., 0., 0., 1.];
+    let projective = "node 0: the last row of its matrix is 0, 0, 0.5, 1; it has to be 0, 0, 0, 1";
+    check("/nodes/0", json!({ "mesh": 0, "matrix": matrix }), projective);
     let view = "accessor 0: bufferView 0: 99 bytes from byte 0; buffer 0 has 52";
     check("/bufferViews/0/byteLength", json!(99), &format!("{primitive}{view}"));
 }
