@@ -41,8 +41,9 @@ const FREE_FORM: &[&str] = &[
 ];
 
 /// OBJ. Faces keep their size; indices may be negative; normals are checked and ignored. Objects and groups (`o`, `g`) are
-/// groups, `usemtl` makes materials, three or four numbers after a position are a colour. Tags: `crease`, `corner`, `hole`,
-/// `interpolateboundary`. Points and lines are left out with a note; free-form geometry is refused.
+/// groups, `usemtl` makes materials, three or four numbers after a position are a colour. `g default` is how the format
+/// says that faces are in no group, and `usemtl default` is read alike: faces after it have no material. Tags: `crease`,
+/// `corner`, `hole`, `interpolateboundary`. Points and lines are left out with a note; free-form geometry is refused.
 #[derive(Debug)]
 pub(super) struct Obj;
 
@@ -125,20 +126,17 @@ impl State {
         let mut words = text.split_ascii_whitespace();
         let Some(keyword) = words.next() else { return Ok(()) };
         match keyword {
-            "v" => self.vertex(&words.collect::<Vec<_>>()),
+            // what is wrong counts all the same: faces name what they mean by its number
+            "v" => self.vertex(&words.collect::<Vec<_>>()).inspect_err(|_| self.mesh.mesh.positions.push([0.0; 3])),
             "vt" => {
-                let [u] = numbers(&mut words, "a texture coordinate")?;
-                let v = words.next().map_or(Ok(0.0), number)?;
-                words.next().map_or(Ok(0.0), number)?;
-                ended(words.next(), "a texture coordinate of at most three numbers")?;
-                self.uvs.push([u, v]);
-                Ok(())
+                let found = texture_coordinate(words);
+                self.uvs.push(found.clone().unwrap_or_default());
+                found.map(drop)
             }
             "vn" => {
-                let [_, _, _] = numbers::<3>(&mut words, "a normal")?;
-                ended(words.next(), "a normal of three numbers")?;
                 self.n_normals += 1;
-                Ok(())
+                numbers::<3>(&mut words, "a normal")?;
+                ended(words.next(), "a normal of three numbers")
             }
             "f" | "fo" => {
                 let counts = [self.mesh.mesh.positions.len(), self.uvs.len(), self.n_normals];
@@ -209,6 +207,15 @@ impl State {
 fn without_comment(line: &str) -> &str {
     let starts = |(at, _): &(usize, &str)| line[..*at].chars().next_back().is_none_or(char::is_whitespace);
     line.match_indices('#').find(starts).map_or(line, |(at, _)| &line[..at])
+}
+
+/// A texture coordinate of one to three numbers; the third says nothing of a surface.
+fn texture_coordinate<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<[f64; 2], String> {
+    let [u] = numbers(&mut words, "a texture coordinate")?;
+    let v = words.next().map_or(Ok(0.0), number)?;
+    words.next().map_or(Ok(0.0), number)?;
+    ended(words.next(), "a texture coordinate of at most three numbers")?;
+    Ok([u, v])
 }
 
 /// Nothing follows.

@@ -23,7 +23,7 @@ fn header(frame: Frame) -> String {
         .concat()
 }
 
-/// What faces without a group or material are said to have.
+/// What faces without a group or material are said to have: the format's name for no group.
 const UNNAMED: &str = "default";
 
 /// Wavefront OBJ: `v`, `vt` where there are texture coordinates, `vn` on request, `f` for meshes; `v` and `l` for curves.

@@ -48,9 +48,8 @@ impl<'a> Document<'a> {
             };
             let (claimed, found) = (buffer.byte_length.0, bytes.len());
             let length = usize::try_from(claimed).ok().filter(|&length| length <= found);
-            let length = length.ok_or_else(|| {
-                format!("buffer {i} says it has {claimed} bytes, and has {found}; send it whole")
-            })?;
+            let length = length
+                .ok_or_else(|| format!("buffer {i} says it has {claimed} bytes, and has {found}; send it whole"))?;
             buffers.push(cut(bytes, length));
         }
         Ok(Self { root, placements, buffers })

@@ -14,6 +14,8 @@ use crate::shape::topology::{NONE, index};
 const MAX_AT_ONCE: usize = 16;
 /// Faults that are told one by one.
 const MAX_FAULTS: usize = 20;
+/// The name of the group of faces that are in none, and of the material of those that have none.
+const NONE_OF_THEM: &str = "default";
 
 /// What faces have besides vertices.
 #[derive(Debug, Default)]
@@ -113,10 +115,10 @@ pub(super) struct Sets {
 }
 
 impl Sets {
-    /// From here on faces are in the sets of these names.
+    /// From here on faces are in the sets of these names; [`NONE_OF_THEM`] is no set.
     pub(super) fn enter<'a>(&mut self, names: impl Iterator<Item = &'a str>) -> Result<(), String> {
         self.current.clear();
-        for name in names.filter(|name| !name.is_empty()) {
+        for name in names.filter(|name| !name.is_empty() && *name != NONE_OF_THEM) {
             if self.current.len() == MAX_AT_ONCE {
                 return Err(format!("more than {MAX_AT_ONCE} groups at once; a face may be in {MAX_AT_ONCE}"));
             }

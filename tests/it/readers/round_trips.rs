@@ -10,8 +10,7 @@ use crate::support::render;
 
 /// The bytes of a net in a format.
 fn written(net: &Net, options: &Value) -> Vec<u8> {
-    let job = json!({ "input": net.input(), "outputs": [options] });
-    render(&job).unwrap_or_else(|faults| panic!("{faults:?}")).0
+    in_format(&net.input(), options)
 }
 
 /// The net as the library keeps it: vertices that join several fans are split.
@@ -108,6 +107,56 @@ proptest! {
     }
 }
 
+/// Some faces of a net in groups and materials, as a mesh lists them.
+fn sets(n_faces: usize) -> impl Strategy<Value = [Value; 2]> {
+    let one = proptest::collection::vec(proptest::option::of(0..3_usize), n_faces).prop_map(|of_faces| {
+        let faces = |name: usize| (0..of_faces.len()).filter(|&f| of_faces[f] == Some(name)).collect::<Vec<_>>();
+        let sets = (0..3).map(|name| (["top", "a.side", "x"][name], faces(name)));
+        let sets = sets.filter(|(_, faces)| !faces.is_empty());
+        json!(sets.map(|(name, faces)| json!({ "name": name, "faces": faces })).collect::<Vec<_>>())
+    });
+    (one.clone(), one).prop_map(|(groups, materials)| [groups, materials])
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Faces in no group and without a material come back as such.
+    #[test]
+    fn groups_and_materials_of_some_faces_come_back(
+        (net, [groups, materials]) in manifold().prop_flat_map(|net| (Just(net.clone()), sets(net.faces.len())))
+    ) {
+        let mut mesh = kept(&net).to_json();
+        (mesh["groups"], mesh["materials"]) = (groups, materials);
+        let input = json!({ "mesh": mesh });
+        let direct = in_format(&input, &json!({ "format": "json" }));
+        for format in ["obj", "ply", "json"] {
+            let bytes = in_format(&input, &json!({ "format": format }));
+            let text = json!({ "format": format, "data": base64(&bytes), "encoding": "base64" });
+            let again = in_format(&json!({ "text": text }), &json!({ "format": "json" }));
+            let [again, direct] = [&again, &direct].map(|bytes| by_name(bytes));
+            prop_assert_eq!(again, direct, "{}", format);
+        }
+    }
+}
+
+/// A mesh with its groups and materials by their names: files list them in the order in which faces have them.
+fn by_name(bytes: &[u8]) -> Value {
+    let mut mesh: Value = serde_json::from_slice(bytes).expect("json");
+    for name in ["groups", "materials"] {
+        if let Some(sets) = mesh[name].as_array_mut() {
+            sets.sort_by_key(|set| set["name"].to_string());
+        }
+    }
+    mesh
+}
+
+/// The bytes of an input in a format.
+fn in_format(input: &Value, options: &Value) -> Vec<u8> {
+    let job = json!({ "input": input, "outputs": [options] });
+    render(&job).unwrap_or_else(|faults| panic!("{options}: {faults:?}")).0
+}
+
 fn key(job: &Value) -> String {
     let job = crate::support::parsed(job.to_string().as_bytes()).unwrap_or_else(|faults| panic!("{faults:?}"));
     job.id().to_string()
@@ -166,22 +215,18 @@ fn carrying() -> Value {
 /// What a mesh carries is read again: the file that is read is written as it was.
 #[test]
 fn channels_groups_and_materials_come_back() {
-    let written = |input: &Value, options: &Value| {
-        let job = json!({ "input": input, "outputs": [options] });
-        render(&job).unwrap_or_else(|faults| panic!("{options}: {faults:?}")).0
-    };
     for options in [
         json!({ "format": "ply" }),
         json!({ "format": "ply", "ascii": true }),
         json!({ "format": "obj" }),
         json!({ "format": "json" }),
     ] {
-        let bytes = written(&carrying(), &options);
+        let bytes = in_format(&carrying(), &options);
         let text = json!({ "format": options["format"], "data": base64(&bytes), "encoding": "base64" });
-        let again = written(&json!({ "text": text }), &options);
+        let again = in_format(&json!({ "text": text }), &options);
         assert_eq!(String::from_utf8_lossy(&again), String::from_utf8_lossy(&bytes), "{options}");
     }
-    let glb = mesh("glb", &written(&carrying(), &json!({ "format": "glb" })));
+    let glb = mesh("glb", &in_format(&carrying(), &json!({ "format": "glb" })));
     let color = glb.channels.iter().find(|channel| channel.name == "color").expect("it has colours");
     assert!(color.values.iter().all(|x| [0.0, 0.2, 1.0].iter().any(|y| (x - y).abs() < 1e-6)), "{color:?}");
     let names: Vec<&str> = glb.materials.iter().map(|set| set.name.as_str()).collect();
