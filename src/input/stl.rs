@@ -3,7 +3,7 @@
 //! Source: 3D Systems, Stereolithography Interface Specification (1988), section 6.5.
 
 use super::collect::Collected;
-use super::text::{Words, at_line, numbers, quoted, text};
+use super::text::{Words, at_line, number, quoted, text};
 use super::{FaceSet, ReadLimits, ReadMesh, Reader};
 use crate::fault::Fault;
 use crate::shape::topology::index;
@@ -17,7 +17,8 @@ const TRIANGLE: usize = 50;
 const NORMAL: usize = 12;
 
 /// STL, text or binary. Equal corners become one vertex, in the order of their first appearance; triangles with two equal
-/// corners are left out, with a note. Normals and attribute bytes are ignored, several solids are groups.
+/// corners are left out, with a note. Normals and attribute bytes are ignored, several solids are groups. A text may break
+/// its lines anywhere; only names end with their lines.
 #[derive(Debug)]
 pub(super) struct Stl;
 
@@ -36,7 +37,9 @@ impl Reader for Stl {
 
     fn read(&self, bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
         let mut soup = Soup { mesh: Collected::new(limits), solids: Vec::new() };
-        let is_text = bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
+        // a binary file may start with "solid", too, but its number of triangles has bytes that no text has
+        let is_text = bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
+            && !bytes.get(HEADER..START).is_some_and(|n| n.contains(&0));
         let announced = bytes.get(HEADER..START).and_then(|n| n.try_into().ok()).map(u32::from_le_bytes);
         let length = announced.and_then(|n| (n as usize).checked_mul(TRIANGLE)?.checked_add(START));
         let read = match (announced, length) {
@@ -94,44 +97,47 @@ impl Soup {
     fn read_text(&mut self, bytes: &[u8]) -> Result<(), Fault> {
         let text = text(bytes)?;
         let mut words = Words::new(&text, 1, None);
-        loop {
-            let Ok(mut solid) = words.expect_line("\"solid\"") else { return Ok(()) };
-            let head = solid.next().unwrap_or_default();
-            if !head.eq_ignore_ascii_case("solid") {
-                return Err(at_line(words.line, format!("{} stands where \"solid\" should", quoted(head))));
+        while let Some(word) = words.next() {
+            if !is(word, "solid") {
+                return Err(instead(word, &words, "\"solid\""));
             }
-            let name = solid.collect::<Vec<_>>().join(" ");
+            let name = name(&mut words);
             self.solids.push((name, self.mesh.mesh.faces.len()));
             while self.facet(&mut words)? {}
+            pass_over_name(&mut words);
         }
+        Ok(())
     }
 
     /// Reads a facet, or the end of the solid.
     fn facet(&mut self, words: &mut Words<'_>) -> Result<bool, Fault> {
-        let mut line = words.expect_line("\"facet\" or \"endsolid\"")?;
-        match line.next() {
-            Some(word) if word.eq_ignore_ascii_case("endsolid") => return Ok(false),
-            Some(word) if word.eq_ignore_ascii_case("facet") => {}
-            word => {
-                let word = quoted(word.unwrap_or_default());
-                return Err(at_line(words.line, format!("{word} stands where \"facet\" or \"endsolid\" should")));
+        const WHAT: &str = "\"facet\" or \"endsolid\"";
+        let word = words.expect(WHAT)?;
+        if is(word, "endsolid") {
+            return Ok(false);
+        }
+        if !is(word, "facet") {
+            return Err(instead(word, words, WHAT));
+        }
+        keyword(words, "normal")?;
+        for _ in 0..3 {
+            // many programs write what is no number for triangles without area
+            let word = words.expect("a normal of three numbers")?;
+            if !is_normal(word) {
+                return Err(instead(word, words, "a normal of three numbers"));
             }
         }
-        keyword(words, &["outer", "loop"])?;
+        keyword(words, "outer")?;
+        keyword(words, "loop")?;
         let mut corners = [[0.0; 3]; 3];
         for corner in &mut corners {
-            let mut line = words.expect_line("\"vertex\"")?;
-            let word = line.next().unwrap_or_default();
-            if !word.eq_ignore_ascii_case("vertex") {
-                return Err(at_line(words.line, format!("{} stands where \"vertex\" should", quoted(word))));
-            }
-            *corner = numbers(&mut line, "a vertex").map_err(|detail| at_line(words.line, detail))?;
-            if let Some(word) = line.next() {
-                return Err(at_line(words.line, format!("{} follows a vertex of three numbers", quoted(word))));
+            keyword(words, "vertex")?;
+            for (n, x) in corner.iter_mut().enumerate() {
+                *x = coordinate(words, n)?;
             }
         }
-        keyword(words, &["endloop"])?;
-        keyword(words, &["endfacet"])?;
+        keyword(words, "endloop")?;
+        keyword(words, "endfacet")?;
         self.triangle(corners).map_err(|detail| at_line(words.line, detail))?;
         Ok(true)
     }
@@ -170,13 +176,73 @@ fn groups(solids: &[(String, usize)], kept: &[u32]) -> Vec<FaceSet> {
     solids.iter().enumerate().map(group).filter(|group| !group.faces.is_empty()).collect()
 }
 
-/// Passes over a line of these words.
-fn keyword(words: &mut Words<'_>, expected: &[&str]) -> Result<(), Fault> {
-    let what = format!("\"{}\"", expected.join(" "));
-    let line = words.expect_line(&what)?;
-    if line.clone().map(str::to_ascii_lowercase).eq(expected.iter().copied()) {
-        return Ok(());
+/// Words of the format that may follow where a number should.
+const KEYWORDS: &[&str] = &["vertex", "endloop", "endfacet", "endsolid"];
+
+/// Whether a word is this one, in any case.
+fn is(word: &str, keyword: &str) -> bool {
+    word.eq_ignore_ascii_case(keyword)
+}
+
+/// Whether a word may be a component of a normal: a number, or one of the ways in which C says that there is none.
+fn is_normal(word: &str) -> bool {
+    let unsigned = word.trim_start_matches(['+', '-']);
+    let says_nan = unsigned.get(..3).is_some_and(|start| is(start, "nan") || start == "1.#");
+    says_nan || word.parse::<f64>().is_ok()
+}
+
+/// Coordinate number `n` of a vertex.
+fn coordinate(words: &mut Words<'_>, n: usize) -> Result<f64, Fault> {
+    let line = words.line;
+    let short = || at_line(line, format!("a vertex has {n} numbers; it needs 3"));
+    let word = words.next().ok_or_else(short)?;
+    number(word).map_err(|detail| {
+        let is_next = KEYWORDS.iter().any(|keyword| is(word, keyword));
+        if is_next { short() } else { at_line(words.line, detail) }
+    })
+}
+
+/// Passes over a word that has to be this one.
+fn keyword(words: &mut Words<'_>, expected: &str) -> Result<(), Fault> {
+    match words.next() {
+        Some(word) if is(word, expected) => Ok(()),
+        Some(word) => Err(instead(word, words, &format!("\"{expected}\""))),
+        None => words.expect(&format!("\"{expected}\"")).map(drop),
     }
-    let found = quoted(&line.collect::<Vec<_>>().join(" "));
-    Err(at_line(words.line, format!("{found} stands where {what} should")))
+}
+
+/// A word stands where another should.
+fn instead(word: &str, words: &Words<'_>, what: &str) -> Fault {
+    at_line(words.line, format!("{} stands where {what} should", quoted(word)))
+}
+
+/// The name of a solid: what follows in its line, or comes before the first facet there.
+fn name(words: &mut Words<'_>) -> String {
+    let mut name: Vec<&str> = Vec::new();
+    let mut rest = words.rest_of_line();
+    while let Some(word) = rest.next() {
+        let is_facet = is(word, "facet") && rest.clone().next().is_some_and(|next| is(next, "normal"));
+        if is_facet || is(word, "endsolid") {
+            break;
+        }
+        name.push(word);
+    }
+    words.pass(name.len());
+    name.join(" ")
+}
+
+/// Passes over the name after the end of a solid: what follows in its line, or comes before the next solid there.
+fn pass_over_name(words: &mut Words<'_>) {
+    let mut length = 0;
+    let mut solid = None;
+    for (n, word) in words.rest_of_line().enumerate() {
+        length = n + 1;
+        if solid.is_none() && is(word, "solid") {
+            solid = Some(n);
+        } else if let Some(start) = solid.filter(|_| is(word, "facet") || is(word, "endsolid")) {
+            length = start;
+            break;
+        }
+    }
+    words.pass(length);
 }

@@ -4,7 +4,8 @@ use std::borrow::Cow;
 
 use crate::fault::Fault;
 
-/// The text of a file. Names may be in any encoding; what is no UTF-8 in them is replaced.
+/// The text of a file. Names may be in any encoding; what is no UTF-8 in them is replaced. Lines may all end in carriage
+/// returns alone.
 ///
 /// # Errors
 /// Text of 16-bit units.
@@ -12,7 +13,8 @@ pub(super) fn text(bytes: &[u8]) -> Result<Cow<'_, str>, Fault> {
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
         return Err(Fault::new("", "the text is UTF-16; save it as UTF-8"));
     }
-    Ok(String::from_utf8_lossy(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes)))
+    let text = String::from_utf8_lossy(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes));
+    Ok(if text.contains('\r') && !text.contains('\n') { Cow::Owned(text.replace('\r', "\n")) } else { text })
 }
 
 /// A fault in a line, counted from 1.
@@ -99,6 +101,18 @@ impl<'a> Words<'a> {
                 return Ok(line);
             }
         }
+    }
+
+    /// The words that are left of the line of the last word.
+    pub(super) fn rest_of_line(&self) -> std::str::SplitAsciiWhitespace<'a> {
+        self.left.clone()
+    }
+
+    /// Passes over so many of them.
+    pub(super) fn pass(&mut self, n: usize) {
+        (0..n).for_each(|_| {
+            self.left.next();
+        });
     }
 
     fn next_line(&mut self) -> Option<std::str::SplitAsciiWhitespace<'a>> {

@@ -45,6 +45,15 @@ fn obj() {
     assert_eq!(sentences("obj", &[0xff, 0xfe, b'v', 0]), ["the text is UTF-16; save it as UTF-8"]);
 }
 
+/// What stands in a wrong line is counted all the same, so that what names it is not told as a fault.
+#[test]
+fn obj_counts_wrong_lines() {
+    check("obj", "v 0 0 0\nv 1 0 zero\nv 0 1 0\nf 1 2 3\nf -1 -2 -3\n", "line 2: \"zero\" is no number");
+    let faces = "f 1/1/1 1/2/2 1/1/2\n".repeat(30);
+    let found = sentences("obj", format!("v 0 0 0\nvt 0 0\nvt a 0\nvn 0 0 1\nvn 0 1\n{faces}").as_bytes());
+    assert_eq!(found, ["line 3: \"a\" is no number", "line 5: a normal has 2 numbers; it needs 3"]);
+}
+
 #[test]
 fn obj_tells_many_faults_and_stops_at_twenty() {
     assert_eq!(sentences("obj", b"v 0\nv 1\nv 0 0 0\n").len(), 2);
@@ -185,25 +194,38 @@ fn stl() {
     check("", "0 bytes; a binary STL has at least 84, a text starts with \"solid\"");
     check("solid x\n", "line 1: the file ends where \"facet\" or \"endsolid\" should follow");
     check("solid x\nvertex 0 0 0\n", "line 2: \"vertex\" stands where \"facet\" or \"endsolid\" should");
-    check("solid\nfacet normal 0 0 1\nendfacet\n", "line 3: \"endfacet\" stands where \"outer loop\" should");
-    check("solid\nfacet\nouter loop\nvertex 0 0\n", "line 4: a vertex has 2 numbers; it needs 3");
-    check("solid\nfacet\nouter loop\nvertex 0 0 0 0\n", "line 4: \"0\" follows a vertex of three numbers");
+    let facet = "solid\nfacet normal 0 0 1\n";
+    check(&format!("{facet}endfacet\n"), "line 3: \"endfacet\" stands where \"outer\" should");
+    check(&format!("{facet}outer\n"), "line 3: the file ends where \"loop\" should follow");
+    check("solid\nfacet\nouter loop\n", "line 3: \"outer\" stands where \"normal\" should");
+    check("solid\nfacet normal 0 0\nouter loop\n", "line 3: \"outer\" stands where a normal of three numbers should");
+    check("solid\nfacet normal a b c\n", "line 2: \"a\" stands where a normal of three numbers should");
+    let junk = "solid\nfacet normal 0 0 1 outer loop junk\nvertex 0 0 0\n";
+    check(junk, "line 2: \"junk\" stands where \"vertex\" should");
+    check(&format!("{facet}outer loop extra\n"), "line 3: \"extra\" stands where \"vertex\" should");
+    check(&format!("{facet}outer loop\nvertex 0 0\n"), "line 4: a vertex has 2 numbers; it needs 3");
+    check(&format!("{facet}outer loop\nvertex 0 0\nvertex 1 0 0"), "line 4: a vertex has 2 numbers; it needs 3");
+    check(&format!("{facet}outer loop\nvertex 0 zero 0\n"), "line 4: \"zero\" is no number");
+    check(&format!("{facet}outer loop\nvertex 0 0 0 0\n"), "line 4: \"0\" stands where \"vertex\" should");
     check(
-        "solid\nfacet\nouter loop\nvertex 0 0 inf\n",
+        &format!("{facet}outer loop\nvertex 0 0 inf\n"),
         "line 4: \"inf\" is not finite; coordinates are at most about 1.8e308",
     );
-    let four = "solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nvertex 1 1 0\nendloop\nendfacet\nendsolid\n";
-    check(four, "line 7: \"vertex 1 1 0\" stands where \"endloop\" should");
+    let corners = "outer loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n";
+    let four = format!("{facet}{corners}vertex 1 1 0\nendloop\nendfacet\nendsolid\n");
+    check(&four, "line 7: \"vertex\" stands where \"endloop\" should");
+    check(&format!("{facet}{corners}endloop zz\n"), "line 7: \"zz\" stands where \"endfacet\" should");
     check("solid\nendsolid\nfacet\n", "line 3: \"facet\" stands where \"solid\" should");
     let mut bytes = vec![0_u8; 84 + 50];
     bytes[80] = 1;
     bytes[84 + 12 + 8..84 + 12 + 12].copy_from_slice(&f32::NAN.to_le_bytes());
     assert_eq!(sentences("stl", &bytes), ["byte 104: a coordinate of triangle 0 is not finite"]);
-    let cut = sentences("stl", &bytes[..120]);
-    assert_eq!(
-        cut,
-        ["byte 80: 1 triangles take 134 bytes, the file has 120; send it whole, or as text that starts with \"solid\""]
-    );
+    let cut =
+        ["byte 80: 1 triangles take 134 bytes, the file has 120; send it whole, or as text that starts with \"solid\""];
+    assert_eq!(sentences("stl", &bytes[..120]), cut);
+    // the header may be any text, "solid" too
+    bytes[..20].copy_from_slice(b"solid made by a tool");
+    assert_eq!(sentences("stl", &bytes[..120]), cut);
 }
 
 #[test]

@@ -24,6 +24,14 @@ fn obj_counts_from_one_or_backwards_and_lines_go_on() {
 }
 
 #[test]
+fn lines_may_end_in_carriage_returns_alone() {
+    let obj = "# a square\rv 0 0 0\rv 1 0 0\rv 1 1 \\\r 0\rv 0 1 0 # the last\rf 1 2 3\rf 1 3 4";
+    assert_eq!(net(&mesh("obj", obj.as_bytes())), square());
+    let off = "OFF\r4 2 0\r0 0 0\r1 0 0\r1 1 0\r0 1 0\r3 0 1 2\r3 0 2 3\r";
+    assert_eq!(net(&mesh("off", off.as_bytes())), square());
+}
+
+#[test]
 fn obj_faces_may_come_before_their_vertices() {
     let text = "f 1 2 3\nf 1 3 4\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
     assert_eq!(net(&mesh("obj", text.as_bytes())), square());
@@ -43,6 +51,16 @@ fn obj_keeps_texture_coordinates_groups_materials_and_colours() {
     let values = vec![1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.5, 0.5, 0.5];
     assert_eq!(found.channels, [Channel { name: "color".to_owned(), width: 3, values }]);
     assert_eq!(found.notes, ["lines are left out: 2", "points are left out: 1"]);
+}
+
+/// `g default` is the format's way to say that faces are in no group.
+#[test]
+fn obj_faces_of_the_default_group_are_in_none() {
+    let text =
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\ng default\nusemtl red\nf 1 2 3\ng top default\nusemtl default\nf 1 3 4\n";
+    let found = mesh("obj", text.as_bytes());
+    assert_eq!(found.groups, [set("top", &[1])]);
+    assert_eq!(found.materials, [set("red", &[0])]);
 }
 
 /// Names of files may be anything; those of a mesh have no blanks, and a face is in one group.
@@ -147,6 +165,32 @@ fn stl_joins_equal_corners_and_leaves_out_what_has_no_three() {
     assert_eq!(found.groups, [set("one", &[0]), set("two words", &[1])]);
     let note = "triangles left out because two of their corners are equal: 1, the first is triangle 1";
     assert_eq!(found.notes, [note]);
+}
+
+/// Lines say nothing in a text but where names end.
+#[test]
+fn stl_may_break_its_lines_anywhere() {
+    let facets = |text: &str| {
+        let found = mesh("stl", text.as_bytes());
+        assert_eq!(net(&found), square(), "{text}");
+        found.groups
+    };
+    let a = facet([[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]);
+    let b = facet([[0.0; 3], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]);
+    let named = "solid facet of a thing\n";
+    for text in [
+        format!("{named}{a}{b}endsolid of a solid thing\n"),
+        format!("{named}{a}{b}endsolid").replace("normal 0 0 0", "normal nan -nan(ind) 1.#QNAN"),
+        format!("solid a thing {a}{b}endsolid a thing").replace('\n', " "),
+        format!("solid {a}{b}endsolid").split_whitespace().collect::<Vec<_>>().join("\n"),
+        format!("{named}{a}{b}endsolid\n").replace('\n', "\r"),
+    ] {
+        assert_eq!(facets(&text), []);
+    }
+    let sets = [set("one", &[0]), set("two words", &[1])];
+    let two = format!("solid one {a} endsolid one solid two words {b} endsolid");
+    assert_eq!(facets(&two.replace('\n', " ")), sets);
+    assert_eq!(facets(&two.replace("solid two words", "\nsolid two words\n")), sets);
 }
 
 /// Programs write headers of every kind before binary triangles, "solid" among them.
