@@ -120,6 +120,11 @@ impl<'a> Cycle<'a> {
         Ok(net)
     }
 
+    /// Whether it makes a connectivity of its own.
+    pub(super) fn rebuilds(&self) -> bool {
+        self.levels[self.settled].iter().any(|step| step.letter.operator.rebuilds())
+    }
+
     /// How many operators put faces in the place of vertices.
     pub(super) fn n_duals(&self) -> usize {
         let swaps = |step: &&Scheduled| matches!(step.letter.operator.heirs(), Heirs::Dual | Heirs::Faces);

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::cycle::is_triangular;
 use crate::scheme::mesh_net::{Boundary, MeshNet, Rules};
 use crate::scheme::sharpness::Sharpness;
 use crate::shape::check::{FaceList, Winding};
@@ -140,7 +141,12 @@ impl Patch {
     pub(super) fn net(&self, rules: Rules) -> Option<(MeshNet, Vec<u32>)> {
         let mut faces = FaceList::default();
         self.faces().for_each(|face| faces.push(face.iter().copied()));
-        let checked = Topology::of_faces(self.n_vertices, faces, Winding::Refuse).ok()?;
+        let mut checked = Topology::of_faces(self.n_vertices, faces, Winding::Refuse).ok()?;
+        if self.rounds % 2 == 1 && is_triangular(&checked.topology) {
+            while let Some(faces) = without_ears(&checked.topology) {
+                checked = Topology::of_faces(self.n_vertices, faces, Winding::Refuse).ok()?;
+            }
+        }
         let origins = (0..index(self.n_vertices)).chain(checked.split_from).collect();
         let topology = Arc::new(checked.topology);
         let read = |&(at, bits): &(u32, u64)| (at, f64::from_bits(bits));
@@ -158,6 +164,16 @@ impl Patch {
         let directions = (!self.directions.is_empty()).then(|| Directions::of_edges(directions));
         Some((MeshNet { rounds: self.rounds, ..net.carrying(None, directions) }, origins))
     }
+}
+
+/// The faces without those that have two edges on the boundary, if there are any: the second step of sqrt 3 cuts boundary
+/// edges in three, one of a face at most, and where a patch ends at the boundary of its mesh it may have such faces.
+fn without_ears(topology: &Topology) -> Option<FaceList> {
+    let is_ear = |&f: &usize| topology.corners(f).filter(|&corner| topology.twin(corner) == NONE).count() > 1;
+    (0..topology.n_faces()).find(is_ear)?;
+    let mut faces = FaceList::default();
+    (0..topology.n_faces()).filter(|f| !is_ear(f)).for_each(|f| faces.push(topology.face(f).iter().copied()));
+    Some(faces)
 }
 
 impl Whole<'_> {

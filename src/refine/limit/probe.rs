@@ -88,14 +88,17 @@ impl Regular {
             Ok(false) => None,
             Err(error) => Some(Err(error)),
         });
-        let support = support.unwrap_or(Err(Unlimited::Reach))?;
-        for patch in support..support + 2 {
+        // where boundary edges are cut in three, rules reach one vertex farther along the boundary than inside, and
+        // patches lose faces where their rim meets it
+        let spare = usize::from(self == Self::Triangles && cycle.rebuilds());
+        let support = support.unwrap_or(Err(Unlimited::Reach))? + spare;
+        for patch in support + spare..support + 2 {
             let rings = Rings { support, patch };
             if self.agrees(cycle, rings, tagged)? {
                 return Ok(rings);
             }
         }
-        Ok(Rings { support, patch: support + 2 })
+        Ok(Rings { support, patch: support + 2 + spare })
     }
 
     fn closed(self, cycle: &Cycle<'_>, support: usize, tagged: bool) -> Result<bool, Unlimited> {

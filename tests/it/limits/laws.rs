@@ -1,6 +1,7 @@
 //! What every limit surface obeys.
 
 use planish::math::functions::{cos, sin, sqrt};
+use proptest::prelude::*;
 use serde_json::{Value, json};
 
 use super::limit;
@@ -69,6 +70,50 @@ fn classical_schemes_keep_their_limits() {
         for p in &coarse.positions {
             let near = deep.positions.iter().map(|q| distance(p, q)).fold(f64::INFINITY, f64::min);
             assert!(near <= 3e-2 * extent(&net), "{plan}: {p:?} is {near} away");
+        }
+    }
+}
+
+/// Two steps of sqrt 3 make three edges of one of the boundary, where patches may end in the middle.
+#[test]
+fn root_three_keeps_its_limits_on_open_meshes() {
+    let plan = json!({ "preset": "sqrt-3" });
+    let triangle =
+        Net { positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.5]], faces: vec![vec![0, 1, 2]] };
+    let mut octahedron = nets::octahedron();
+    octahedron.faces.pop();
+    for net in [triangle, octahedron, nets::triangulated(nets::grid(3, 2)), nets::triangulated(nets::grid(1, 1))] {
+        let deep = Net::of(&json(json!({ "input": net.input(), "plan": plan, "levels": 8 })));
+        let (first, _) = limit(&net, &plan, 0);
+        for levels in 0..=4 {
+            let (found, normals) = limit(&net, &plan, levels);
+            assert!(normals.iter().flatten().all(|x| x.is_finite()));
+            for v in 0..net.positions.len() {
+                let moved = distance(&found.positions[v], &first.positions[v]);
+                assert!(moved <= 1e-12 * extent(&net), "level {levels}: vertex {v} moves by {moved}");
+                let off = distance(&found.positions[v], &deep.positions[v]);
+                assert!(off <= 1e-3 * extent(&net), "level {levels}: vertex {v} is off by {off}");
+            }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(16))]
+    #[test]
+    fn root_three_keeps_its_limits_on_any_mesh(net in nets::triangles()) {
+        let plan = json!({ "preset": "sqrt-3" });
+        let at = |levels: u32| {
+            let job = json!({ "input": net.input(), "plan": plan, "levels": levels,
+                "outputs": [{ "format": "json", "positions": "limit" }] });
+            let (bytes, _) = render(&job).ok()?;
+            Some(Net::of(&serde_json::from_slice(&bytes).expect("json output")))
+        };
+        // vertices all around which there are two faces are refused
+        if let (Some(coarse), Some(fine)) = (at(0), at(1)) {
+            for (p, q) in coarse.positions.iter().zip(&fine.positions) {
+                prop_assert!(distance(p, q) <= 1e-11 * extent(&net).max(1.0), "{:?} moves to {:?}", p, q);
+            }
         }
     }
 }
