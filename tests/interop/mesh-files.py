@@ -2,7 +2,7 @@
 
 python3 tests/interop/mesh-files.py target/release/planish
 
-Needs trimesh and numpy (PyPI) and the command assimp (Debian: assimp-utils); nothing of it is part of the build. Two
+Needs trimesh, numpy and pymeshlab (PyPI) and the command assimp (Debian: assimp-utils); nothing of it is part of the build. Two
 meshes, the elephant and the torus of the examples, are written by each program in each of its
 formats; planish reads the files, merges equal places, and tells counts, area and volume.
 """
@@ -13,12 +13,15 @@ import sys
 import tempfile
 from pathlib import Path
 
+import pymeshlab
 import trimesh
 
 PLANISH = Path(sys.argv[1]).resolve()
 ROOT = Path(__file__).resolve().parents[2]
 JOBS = {"animal": "animal-catmull-clark-glb", "torus": "torus-word-uccp-stats"}
 ASSIMP = [("obj", "obj"), ("ply", "ply"), ("plyb", "ply"), ("stl", "stl"), ("stlb", "stl"), ("glb2", "glb"), ("gltf2", "gltf")]
+TEXT, BINARY = {"binary": False}, {"binary": True}
+MESHLAB = [("obj", {}), ("ply", BINARY), ("ply", TEXT), ("stl", BINARY), ("stl", TEXT), ("off", {})]
 TOLERANCE = 1e-5  # formats in f32, or in text of six digits
 
 
@@ -40,6 +43,15 @@ def by_trimesh(mesh, folder):
         path = folder / f"trimesh-{kind.replace(' ', '-')}.{kind.split('_')[0].split(' ')[0]}"
         path.write_bytes(content if isinstance(content, bytes) else content.encode())
         yield f"trimesh {kind}", path
+
+
+def by_meshlab(source, folder):
+    server = pymeshlab.MeshSet()
+    server.load_new_mesh(str(source))
+    for kind, options in MESHLAB:
+        path = folder / f"meshlab-{'-'.join([kind, *map(str, options.values())])}.{kind}"
+        server.save_current_mesh(str(path), **options)
+        yield " ".join(["meshlab", kind, *(f"{name} {value}" for name, value in options.items())]), path
 
 
 def by_assimp(source, folder):
@@ -94,7 +106,7 @@ def main():
             source = mesh / "source.obj"
             assert planish("render", whole, "-o", source).returncode == 0
             expected = stats(source)
-            written = [*by_trimesh(trimesh.load(source, process=False), mesh), *by_assimp(source, mesh)]
+            written = [*by_trimesh(trimesh.load(source, process=False), mesh), *by_assimp(source, mesh), *by_meshlab(source, mesh)]
             rows += [(name, what, verdict(path, source, expected)) for what, path in written]
     for row in rows:
         print("| " + " | ".join(row) + " |")
