@@ -5,10 +5,11 @@ use std::sync::Arc;
 use super::local_average;
 use super::ring_average::{self, Around};
 use super::upsample::ratio;
-use super::{Follows, Operator, Role};
+use super::{Follows, Operator, Role, SplineStep};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::creases::{Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::plan::DEFAULT_MU;
 use crate::scheme::polygon_net::{From, PolygonNet};
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::Window;
@@ -47,6 +48,12 @@ impl Operator for Average {
 
     fn uses(&self) -> &'static [&'static str] {
         &["kernel", "mu"]
+    }
+
+    fn spline(&self, letter: &Letter, mu: f64) -> Option<SplineStep> {
+        // the one weight with which the symbol is that of a box spline
+        let even = letter.tile == Tile::Quad || mu == DEFAULT_MU;
+        even.then_some(SplineStep::Mean)
     }
 
     fn follows(&self) -> Follows {

@@ -1,12 +1,13 @@
 //! The smoothing half of Catmull-Clark, applied after U.
 
 use super::upsample::ratio;
-use super::{Follows, Operator, Role};
+use super::{Follows, Operator, Role, SplineStep};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::creases::{Creases, Rule};
 use crate::scheme::mesh_net::{MeshNet, TriangleRule};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::word::Letter;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// Catmull-Clark after U, for faces of any size: `F' = F`, `E' = E/2 + (F1 + F2)/4` (which is `(V1 + V2 + F1 + F2)/4`),
@@ -35,6 +36,10 @@ impl Operator for CatmullClark {
 
     fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
         Err(StepError::WrongNet("catmull-clark refines meshes; for polygons use cubic-b-spline"))
+    }
+
+    fn spline(&self, _: &Letter, _: f64) -> Option<SplineStep> {
+        Some(SplineStep::Mean)
     }
 
     fn follows(&self) -> Follows {

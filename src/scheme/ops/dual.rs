@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::upsample::ratio;
-use super::{Heirs, Operator, Role};
+use super::{Heirs, Operator, Role, SplineStep};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
 use crate::scheme::mesh_net::MeshNet;
@@ -14,6 +14,7 @@ use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::Window;
 use crate::scheme::word::Letter;
 use crate::shape::check::{Checked, FaceList, Winding};
+use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 
 /// Vertices whose rings one thread walks at a time.
@@ -49,6 +50,10 @@ impl Operator for Dual {
 
     fn heirs(&self) -> Heirs {
         Heirs::Dual
+    }
+
+    fn spline(&self, letter: &Letter, _: f64) -> Option<SplineStep> {
+        (letter.tile == Tile::Quad).then_some(SplineStep::HalfMean)
     }
 
     fn uses(&self) -> &'static [&'static str] {

@@ -1,7 +1,7 @@
 //! The smoothing half of Loop's scheme, applied after U on triangles.
 
 use super::upsample::ratio;
-use super::{Follows, Operator, Role};
+use super::{Follows, Operator, Role, SplineStep};
 use crate::math::functions::cos;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::creases::{Creases, Rule};
@@ -9,6 +9,7 @@ use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::sharpness::edges_at;
 use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::word::Letter;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
 
@@ -40,6 +41,10 @@ impl Operator for LoopSmoothing {
 
     fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
         Err(StepError::WrongNet("loop refines meshes; for polygons use cubic-b-spline"))
+    }
+
+    fn spline(&self, _: &Letter, _: f64) -> Option<SplineStep> {
+        Some(SplineStep::Mean)
     }
 
     fn follows(&self) -> Follows {

@@ -133,6 +133,17 @@ impl Heirs {
     }
 }
 
+/// What an operator is among the steps that make splines of regular nets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SplineStep {
+    /// Points halfway between old ones.
+    Upsample,
+    /// A mean over neighbours in all directions, with the weights (1, 2, 1)/4 in each of two, or 1/4 and six times 1/8.
+    Mean,
+    /// Half of it: a mean over the corners of a face.
+    HalfMean,
+}
+
 /// Which sharp edges and vertices an operator follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Follows {
@@ -195,6 +206,11 @@ pub trait Operator: fmt::Debug + Send + Sync {
     /// What becomes of the vertices and faces of a mesh.
     fn heirs(&self) -> Heirs {
         if self.role() == Role::Upsample { Heirs::Vertices } else { Heirs::Same }
+    }
+    /// What it is among the steps of splines on meshes, with the weight `mu` of vertices on triangles and the kernel 1;
+    /// its weights are to be positive everywhere, and regular on boundaries and creases. `None` for other operators.
+    fn spline(&self, _letter: &Letter, _mu: f64) -> Option<SplineStep> {
+        None
     }
     /// Which sharp edges and vertices of meshes it follows.
     fn follows(&self) -> Follows {

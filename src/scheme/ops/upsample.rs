@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Follows, Operator, Role};
+use super::{Follows, Operator, Role, SplineStep};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
 use crate::scheme::local::Local;
@@ -48,6 +48,10 @@ impl Operator for Upsample {
 
     fn uses(&self) -> &'static [&'static str] {
         &["alpha", "split"]
+    }
+
+    fn spline(&self, letter: &Letter, _: f64) -> Option<SplineStep> {
+        (letter.arity == 2).then_some(SplineStep::Upsample)
     }
 
     fn follows(&self) -> Follows {
