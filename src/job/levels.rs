@@ -1,9 +1,11 @@
 //! How often a plan is applied: so many times, or until the result is close to its limit.
 
-use super::Input;
+use super::{Input, Output, curves};
 use crate::fault::Fault;
 use crate::refine::curve::{Reached, reach};
+use crate::refine::surface::{self, Placed};
 use crate::scheme::plan::{MAX_LEVELS, Plan};
+use crate::shape::polygon::Polygon;
 
 /// How often a plan is to be applied.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,23 +61,42 @@ pub(super) fn check(planned: bool, levels: Option<Levels>) -> Result<Asked, Faul
     }
 }
 
+/// The level for curves. Points that move to their limits go as far as the bound at most, so that their polygon is within
+/// twice the bound.
+fn curves_within(polygons: &[Polygon], plan: &Plan, outputs: &[Output], tolerance: f64) -> Result<Reached, String> {
+    let factor = if outputs.iter().any(curves::moves_points) { 2.0 } else { 1.0 };
+    let reached = reach(polygons, plan, tolerance / factor).map_err(|error| error.to_string())?;
+    Ok(Reached { bound: factor * reached.bound, ..reached })
+}
+
+/// Where the outputs of a mesh have its vertices.
+fn placed(outputs: &[Output]) -> Vec<Placed> {
+    let moves = |output: &Output| crate::output::surface::limit(&output.options)[0];
+    let limit = outputs.iter().any(moves).then_some(Placed::Limit);
+    let refined = (limit.is_none() || !outputs.iter().all(moves)).then_some(Placed::Refined);
+    refined.into_iter().chain(limit).collect()
+}
+
 impl Asked {
-    /// The number of levels, and how close to the limit they lead where that was asked for. Points that move to their
-    /// limits (`moved`) go as far as the bound at most, so that their polygon is within twice the bound.
+    /// The number of levels, and how close to the limit they lead all outputs where that was asked for.
     ///
     /// # Errors
     /// A fault below the job, when no level is known to be close enough.
-    pub(super) fn resolve(self, input: &Input, plan: &Plan, moved: bool) -> Result<(u32, Option<Reached>), Fault> {
+    pub(super) fn resolve(
+        self,
+        input: &Input,
+        plan: &Plan,
+        outputs: &[Output],
+    ) -> Result<(u32, Option<Reached>), Fault> {
         let tolerance = match self {
             Self::Count(levels) => return Ok((levels, None)),
             Self::Tolerance(tolerance) => tolerance,
         };
-        let fault = |detail: String| Fault::new("/levels/tolerance", detail);
-        let Input::Polygons(polygons) = input else {
-            return Err(fault("tolerances are offered for polygons; give meshes a number of levels".into()));
+        let reached = match input {
+            Input::Polygons(polygons) => curves_within(polygons, plan, outputs, tolerance),
+            Input::Mesh(mesh) => surface::reach(mesh, plan, &placed(outputs), tolerance).map_err(|e| e.to_string()),
         };
-        let factor = if moved { 2.0 } else { 1.0 };
-        let reached = reach(polygons, plan, tolerance / factor).map_err(|error| fault(error.to_string()))?;
-        Ok((reached.level, Some(Reached { bound: factor * reached.bound, ..reached })))
+        let reached = reached.map_err(|detail| Fault::new("/levels/tolerance", detail))?;
+        Ok((reached.level, Some(reached)))
     }
 }

@@ -193,11 +193,10 @@ impl Job {
                 return Err(faults);
             }
         };
-        let (levels, reached) =
-            asked.resolve(&input, &plan, outputs.iter().any(curves::moves_points)).unwrap_or_else(|fault| {
-                faults.push(fault);
-                (0, None)
-            });
+        let (levels, reached) = asked.resolve(&input, &plan, &outputs).unwrap_or_else(|fault| {
+            faults.push(fault);
+            (0, None)
+        });
         for (i, output) in outputs.iter().enumerate() {
             let fault = check_limit(&input, &plan, output).err();
             faults.extend(fault.map(|error| Fault::new(format!("/outputs/{i}/positions"), error.to_string())));

@@ -2,6 +2,7 @@
 
 pub mod curve;
 pub mod revolution;
+pub mod surface;
 
 mod limit;
 mod refined;

@@ -1,0 +1,114 @@
+//! Second differences of a net where it is regular, and how what is known of vertices spreads to the faces around.
+
+use rayon::prelude::*;
+
+use super::vector::{Vector, length, minus, plus};
+use crate::scheme::mesh_net::MeshNet;
+use crate::shape::creases::INFINITE_SHARPNESS;
+use crate::shape::tile::Tile;
+use crate::shape::topology::{NONE, Topology};
+
+/// For each vertex its greatest second difference: over the lines of edges that run through it, on triangles also over
+/// the rhombi of its edges, `|c + d - a - b|` for the edge (a, b) between the triangles with c and d. Infinite where the
+/// net is not regular, as there second differences need not fall.
+pub(super) fn bends(net: &MeshNet, topology: &Topology, tile: Tile, points: &[f64]) -> Vec<f64> {
+    let net = Bending { net, topology, tile, points: points.as_chunks().0 };
+    (0..topology.n_vertices()).into_par_iter().with_min_len(1024).map(|v| net.at(v)).collect()
+}
+
+struct Bending<'a> {
+    net: &'a MeshNet,
+    topology: &'a Topology,
+    tile: Tile,
+    points: &'a [Vector],
+}
+
+impl Bending<'_> {
+    fn at(&self, v: usize) -> f64 {
+        let topology = self.topology;
+        if topology.is_isolated(v) {
+            return 0.0;
+        }
+        let sides = if self.tile == Tile::Quad { 4 } else { 3 };
+        // faces on one side of a straight line through a regular vertex
+        let half = if self.tile == Tile::Quad { 2 } else { 3 };
+        let ring: Vec<u32> = topology.ring(v).take(2 * half + 1).collect();
+        if ring.len() > 2 * half || ring.iter().any(|&c| topology.face(topology.face_of(c)).len() != sides) {
+            return f64::INFINITY;
+        }
+        let open = topology.boundary_edges(v).is_some();
+        let Some(sharp) = self.sharp(v, &ring) else { return f64::INFINITY };
+        let end = |corner: u32| topology.vertex(topology.next(corner)) as usize;
+        let lines: Vec<[usize; 2]> = match (open, ring.len(), sharp.as_slice()) {
+            // a fixed corner of one quad: where two boundary lines end
+            (true, 1, []) if self.net.is_corner(v) && sides == 4 => return 0.0,
+            _ if self.net.is_corner(v) => return f64::INFINITY,
+            (true, n, []) if n == half => {
+                vec![[end(ring[0]), topology.vertex(topology.previous(ring[n - 1])) as usize]]
+            }
+            (false, n, []) if n == 2 * half => (0..half).map(|i| [end(ring[i]), end(ring[i + half])]).collect(),
+            (false, n, &[i, j]) if n == 2 * half && j - i == half => vec![[end(ring[i]), end(ring[j])]],
+            _ => return f64::INFINITY,
+        };
+        let p = self.points;
+        let twice = plus(p[v], p[v]);
+        let along = lines.iter().map(|&[a, b]| length(minus(plus(p[a], p[b]), twice))).fold(0.0, f64::max);
+        if self.tile == Tile::Quad {
+            return along;
+        }
+        let inner = ring.iter().enumerate().filter(|(i, _)| !sharp.contains(i));
+        inner.filter_map(|(_, &corner)| self.rhombus(corner)).fold(along, f64::max)
+    }
+
+    /// Places in the ring of the edges that are sharp for ever; `None` where something is sharp for a while.
+    fn sharp(&self, v: usize, ring: &[u32]) -> Option<Vec<usize>> {
+        let Some(sharpness) = &self.net.sharpness else { return Some(Vec::new()) };
+        let all = ring.iter().map(|&corner| sharpness.edge(self.topology.edge(corner) as usize));
+        let last = ring.last().map(|&corner| self.topology.edge(self.topology.previous(corner)));
+        let last = last.map_or(0.0, |e| sharpness.edge(e as usize));
+        let fading = |s: f64| s > 0.0 && s < INFINITE_SHARPNESS;
+        if sharpness.vertex(v) > 0.0 || all.clone().any(fading) || fading(last) {
+            return None;
+        }
+        Some(all.enumerate().filter(|&(_, s)| s > 0.0).map(|(i, _)| i).collect())
+    }
+
+    /// `|c + d - a - b|` for the edge of a corner; `None` on the boundary.
+    fn rhombus(&self, corner: u32) -> Option<f64> {
+        let topology = self.topology;
+        let twin = topology.twin(corner);
+        if twin == NONE {
+            return None;
+        }
+        let point = |corner: u32| self.points[topology.vertex(corner) as usize];
+        let edge = plus(point(corner), point(twin));
+        let across = plus(point(topology.previous(corner)), point(topology.previous(twin)));
+        Some(length(minus(across, edge)))
+    }
+}
+
+/// What is known of vertices and of those around them, as far as so many rings of faces, for each vertex.
+pub(super) fn spread<T: Copy + Send + Sync>(
+    topology: &Topology,
+    mut values: Vec<T>,
+    rings: usize,
+    join: impl Fn(T, T) -> T + Sync,
+) -> Vec<T> {
+    for _ in 0..rings {
+        let of_face = |f: usize| topology.face(f).iter().map(|&v| values[v as usize]).reduce(&join);
+        let faces: Vec<Option<T>> = (0..topology.n_faces()).into_par_iter().with_min_len(1024).map(of_face).collect();
+        let around = |v: usize| topology.ring(v).filter_map(|c| faces[topology.face_of(c)]).fold(values[v], &join);
+        values = (0..values.len()).into_par_iter().with_min_len(1024).map(around).collect();
+    }
+    values
+}
+
+/// A box along the axes: its least and its greatest corner.
+pub(super) type Box3 = [Vector; 2];
+
+/// The least box around two.
+pub(super) fn around(a: Box3, b: Box3) -> Box3 {
+    let each = |k: usize| [a[0][k].min(b[0][k]), a[1][k].max(b[1][k])];
+    let [x, y, z] = [each(0), each(1), each(2)];
+    [[x[0], y[0], z[0]], [x[1], y[1], z[1]]]
+}

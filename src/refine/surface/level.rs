@@ -1,0 +1,157 @@
+//! A net on the way to its limit: whole, or what is left of it around faces that are still followed.
+
+use std::sync::Arc;
+
+use crate::refine::{Points, RefineError, at, values};
+use crate::scheme::mesh_net::{Boundary, MeshNet};
+use crate::scheme::ops::Role;
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::sharpness::Sharpness;
+use crate::shape::check::{FaceList, Winding};
+use crate::shape::tile::Tile;
+use crate::shape::topology::{NONE, Topology, index};
+use crate::watch::Watch;
+
+/// A net with its points, and with those of the surface that it is compared with.
+#[derive(Clone)]
+pub(super) struct Level {
+    pub(super) net: MeshNet,
+    /// The net's topology made explicit.
+    pub(super) topology: Arc<Topology>,
+    pub(super) points: Points,
+    /// The places of the vertices on the surface that the net is compared with: bilinear quads, or triangles.
+    pub(super) flat: Points,
+    /// For each face the face of that surface in which it lies.
+    pub(super) home: Vec<u32>,
+    /// Faces that are still followed, ascending; the others give them their surroundings.
+    pub(super) live: Vec<u32>,
+}
+
+impl Level {
+    /// A net, of which all faces are followed that are not hidden.
+    pub(super) fn new(net: MeshNet, points: Points) -> Self {
+        let topology = net.topology();
+        let n = index(topology.n_faces());
+        let shown = |f: &u32| net.parent.is_some() || net.holes.binary_search(f).is_err();
+        let live = (0..n).filter(shown).collect();
+        Self { flat: points.clone(), home: (0..n).collect(), live, net, topology, points }
+    }
+
+    /// The same net as the surface that later ones are compared with, its vertices being at `places`.
+    pub(super) fn compared(&self, places: Vec<f64>) -> Self {
+        let home = (0..index(self.topology.n_faces())).collect();
+        Self { flat: Points::new(places, 3), home, ..self.clone() }
+    }
+
+    /// Faces after so many rounds, faces of any size being split into quads by the first one.
+    pub(super) fn faces_after(&self, rounds: usize) -> usize {
+        // a quad has as many children as corners, a triangle one more
+        let first = self.topology.n_corners().max(4 * self.topology.n_faces());
+        (1..rounds).fold(first, |faces, _| faces.saturating_mul(4))
+    }
+
+    /// The net after an upsampling and its averages; of the surface that it is compared with, other points.
+    ///
+    /// # Errors
+    /// [`RefineError`].
+    pub(super) fn next(&self, plan: &Plan, round: &[Scheduled], watch: &Watch) -> Result<Self, RefineError> {
+        let mut net = self.net.clone();
+        let (mut points, mut flat) = (self.points.clone(), self.flat.clone());
+        for step in round {
+            let next = step.letter.operator.on_mesh(&net, &values(plan, step)).map_err(|error| at(step, error))?;
+            points.act(&next.action, step.level, watch)?;
+            if step.letter.operator.role() == Role::Upsample {
+                flat.act(&next.action, step.level, watch)?;
+            }
+            net = next.net;
+        }
+        let topology = net.topology();
+        let tile = net.tile;
+        let parent = |child: usize| match tile {
+            // the children of a face have the numbers of its corners
+            Tile::Quad => self.topology.face_of(index(child)),
+            Tile::Triangle => child / 4,
+        };
+        let mut alive = vec![false; self.topology.n_faces()];
+        self.live.iter().for_each(|&f| alive[f as usize] = true);
+        let home = (0..topology.n_faces()).map(|child| self.home[parent(child)]).collect();
+        let live = (0..topology.n_faces()).filter(|&child| alive[parent(child)]).map(index).collect();
+        Ok(Self { net, topology, points, flat, home, live })
+    }
+
+    /// The part of the net within so many rings of faces around some faces, which alone are followed on.
+    ///
+    /// Where it is cut out it has a boundary that is none; that changes points of the next level in as many rings there
+    /// as a round has averages.
+    pub(super) fn focused(&self, on: &[u32], rings: usize) -> Self {
+        let kept = self.surroundings(on, rings);
+        let old = &self.topology;
+        let mut vertices: Vec<u32> = kept.iter().flat_map(|&f| old.face(f as usize)).copied().collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let number = |v: u32| vertices.binary_search(&v).map_or(NONE, index);
+        let mut faces = FaceList::default();
+        kept.iter().for_each(|&f| faces.push(old.face(f as usize).iter().map(|&v| number(v))));
+        let checked = Topology::of_faces(vertices.len(), faces, Winding::Refuse);
+        let checked = checked.expect("a part of an oriented manifold is one");
+        let topology = Arc::new(checked.topology);
+        let copies: Vec<u32> = checked.split_from.iter().map(|&v| vertices[v as usize]).collect();
+        vertices.extend(copies);
+        let picked = |points: &Points| {
+            let all = points.now.as_chunks::<3>().0;
+            Points::new(vertices.iter().flat_map(|&v| all[v as usize]).collect(), 3)
+        };
+        let corners: Vec<u32> =
+            (0..vertices.len()).filter(|&v| self.net.is_corner(vertices[v] as usize)).map(index).collect();
+        let net = MeshNet::new(topology.clone(), &corners, &[], Boundary::EdgeOnly);
+        let sharpness = self.net.sharpness.as_deref().and_then(|s| self.sharpness(s, &kept, &vertices, &topology));
+        let net = net.with_sharpness(sharpness, self.net.rules);
+        let live = (0..kept.len()).filter(|&f| on.binary_search(&kept[f]).is_ok()).map(index).collect();
+        let home = kept.iter().map(|&f| self.home[f as usize]).collect();
+        Self { net, topology, points: picked(&self.points), flat: picked(&self.flat), home, live }
+    }
+
+    /// Faces within so many rings around some, ascending.
+    fn surroundings(&self, on: &[u32], rings: usize) -> Vec<u32> {
+        let topology = &self.topology;
+        let mut kept = vec![false; topology.n_faces()];
+        let mut reached = vec![false; topology.n_vertices()];
+        on.iter().for_each(|&f| kept[f as usize] = true);
+        let mut rim = on.to_vec();
+        for _ in 0..rings {
+            let mut next = Vec::new();
+            for v in rim.iter().flat_map(|&f| topology.face(f as usize)) {
+                if std::mem::replace(&mut reached[*v as usize], true) {
+                    continue;
+                }
+                for f in topology.ring(*v as usize).map(|corner| topology.face_of(corner)) {
+                    if !std::mem::replace(&mut kept[f], true) {
+                        next.push(index(f));
+                    }
+                }
+            }
+            rim = next;
+        }
+        (0..kept.len()).filter(|&f| kept[f]).map(index).collect()
+    }
+
+    /// The sharpness of a part: the faces `kept` with the vertices `vertices` are those of `topology`, in order.
+    fn sharpness(
+        &self,
+        sharpness: &Sharpness,
+        kept: &[u32],
+        vertices: &[u32],
+        topology: &Topology,
+    ) -> Option<Sharpness> {
+        let corners = kept.iter().flat_map(|&f| self.topology.corners(f as usize));
+        let mut edges: Vec<(u32, f64)> = (0..)
+            .zip(corners)
+            .map(|(corner, old)| (topology.edge(corner), sharpness.edge(self.topology.edge(old) as usize)))
+            .filter(|&(_, s)| s > 0.0)
+            .collect();
+        edges.sort_unstable_by_key(|&(e, _)| e);
+        edges.dedup_by_key(|&mut (e, _)| e);
+        let vertices = vertices.iter().enumerate().map(|(v, &old)| (index(v), sharpness.vertex(old as usize)));
+        Sharpness::of(&edges, &vertices.filter(|&(_, s)| s > 0.0).collect())
+    }
+}

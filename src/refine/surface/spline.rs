@@ -1,0 +1,135 @@
+//! Which plans refine splines, so that second differences bound the distance from the limit.
+
+use super::NoLevel;
+use crate::refine::values;
+use crate::scheme::ops::{SplineStep, lettered};
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::word::{Letter, Word};
+use crate::shape::mesh::Mesh;
+use crate::shape::tile::Tile;
+
+/// Levels whose numbers are looked at.
+const LOOKED_AT: u32 = 32;
+
+/// A plan whose cycle is one or several upsamplings, each with its averages, as a spline has them.
+#[derive(Debug)]
+pub(super) struct Spline {
+    /// The plan, two D in a row written as one C.
+    pub(super) plan: Plan,
+    /// What comes before the first cycle.
+    pub(super) prefix: Vec<Scheduled>,
+    /// The steps of one cycle, upsampling by upsampling.
+    pub(super) rounds: Vec<Vec<Scheduled>>,
+    /// Rings of faces around a face that its limit depends on: the most averages after an upsampling.
+    pub(super) reach: usize,
+    /// The distance from the limit over the greatest second difference, at most.
+    pub(super) factor: f64,
+    /// Into what faces are split.
+    pub(super) tile: Tile,
+}
+
+impl Spline {
+    /// The spline that a plan refines on a mesh.
+    ///
+    /// # Errors
+    /// Why second differences bound nothing.
+    pub(super) fn of(plan: &Plan, mesh: &Mesh) -> Result<Self, NoLevel> {
+        if plan.perturbation.is_some() {
+            return Err(NoLevel::Perturbed("perturbation"));
+        }
+        if mesh.attributes.is_some() {
+            return Err(NoLevel::Perturbed("parameters of vertices"));
+        }
+        if plan.latitude.is_some() {
+            return Err(NoLevel::Perturbed("latitude and longitude tags"));
+        }
+        if plan.turns_tangents().is_some() {
+            return Err(NoLevel::NotLinear);
+        }
+        let dual = plan.word.cycle.iter().any(|letter| step(plan, letter) == Some(SplineStep::HalfMean));
+        if dual && mesh.topology.n_boundary() > 0 {
+            return Err(NoLevel::LostBoundary);
+        }
+        let plan = Plan { word: Word { cycle: paired(plan)?, ..plan.word.clone() }, ..plan.clone() };
+        let scheduled = |levels| plan.schedule(levels).map_err(|fault| NoLevel::Level(fault.detail));
+        let prefix = scheduled(0)?;
+        for later in &scheduled(LOOKED_AT)?[prefix.len()..] {
+            #[expect(clippy::float_cmp, reason = "a kernel that is 1 is computed without rounding")]
+            if later.kernel != 1.0 {
+                return Err(NoLevel::Kernel(values(&plan, later).kernel));
+            }
+        }
+        let mut rounds: Vec<Vec<Scheduled>> = Vec::new();
+        for later in scheduled(1)?.split_off(prefix.len()) {
+            match step(&plan, &later.letter) {
+                Some(SplineStep::Upsample) => rounds.push(vec![later]),
+                Some(_) => match rounds.last_mut() {
+                    Some(round) => round.push(later),
+                    None => return Err(NoLevel::NoSpline("its cycle does not begin with a U")),
+                },
+                None => return Err(no_spline(&later.letter)),
+            }
+        }
+        let reach = rounds.iter().map(|round| round.len() - 1).max().unwrap_or(0);
+        let tile = plan.tile();
+        Ok(Self { factor: factor(tile, reach), plan, prefix, rounds, reach, tile })
+    }
+
+    /// The steps of the round that comes after so many, the cycle beginning with round 0.
+    pub(super) fn round(&self, number: usize) -> &[Scheduled] {
+        &self.rounds[number % self.rounds.len()]
+    }
+
+    /// Rings of faces that are kept around those that are followed, so that what a cut changes stays away from them.
+    pub(super) fn margin(&self) -> usize {
+        2 * self.reach + 2
+    }
+}
+
+fn step(plan: &Plan, letter: &Letter) -> Option<SplineStep> {
+    letter.operator.spline(letter, plan.mu)
+}
+
+fn no_spline(letter: &Letter) -> NoLevel {
+    NoLevel::NoSpline(match (letter.arity, letter.tile, letter.operator.letter()) {
+        (3.., _, Some('U')) => "its U has an arity above 2",
+        (_, Tile::Triangle, Some('C')) => "its C has another mu than 1/4",
+        (_, Tile::Triangle, Some('D')) => "its D makes other faces of triangles",
+        (_, _, Some('P')) => "its P pushes back",
+        _ => "its steps are others",
+    })
+}
+
+/// The cycle with each pair of D as one C: on closed meshes the same net in another order.
+fn paired(plan: &Plan) -> Result<Vec<Letter>, NoLevel> {
+    let mut cycle: Vec<Letter> = Vec::new();
+    let mut half = false;
+    for letter in &plan.word.cycle {
+        if step(plan, letter) != Some(SplineStep::HalfMean) {
+            // halves that are not next to each other do not make a whole where averages see the net between them
+            if half {
+                return Err(NoLevel::Dual);
+            }
+            cycle.push(letter.clone());
+        } else if half {
+            let average = lettered('C').expect("C is registered");
+            cycle.push(Letter { tile: letter.tile, ..Letter::plain(average) });
+            half = false;
+        } else {
+            half = true;
+        }
+    }
+    if half { Err(NoLevel::Dual) } else { Ok(cycle) }
+}
+
+/// The sum of what all averages of all levels move, over the greatest second difference before them, at most: the first
+/// average after each upsampling and the others, the upsampling and the first average together dividing by 4.
+fn factor(tile: Tile, averages: usize) -> f64 {
+    let Some(others) = averages.checked_sub(1) else { return 0.0 };
+    let (first, each) = match tile {
+        Tile::Quad => (1.0 / 4.0, 1.0 / 8.0),
+        Tile::Triangle => (3.0 / 16.0, 3.0 / 32.0),
+    };
+    let others = f64::from(u32::try_from(others).unwrap_or(u32::MAX));
+    4.0 / 3.0 * (first + each * others)
+}
