@@ -20,6 +20,7 @@ mod repetition;
 mod root_three;
 mod sharp_normals;
 mod spellings;
+mod surface_tolerance;
 mod sweeps;
 mod ternary;
 mod tolerance;

@@ -1,6 +1,7 @@
 //! What the stories share: jobs from JSON through the public API, and nets to try them on.
 
 pub(crate) mod nets;
+pub(crate) mod surfaces;
 
 use planish::fault::Fault;
 use planish::job::limits::{Limits, Refusal};

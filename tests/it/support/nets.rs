@@ -135,6 +135,13 @@ pub(crate) fn torus(n: usize, m: usize) -> Net {
     Net { positions, faces: quads.collect() }
 }
 
+/// A torus of `n x m` quads without its last ring of faces.
+pub(crate) fn cylinder(n: usize, m: usize) -> Net {
+    let Net { positions, mut faces } = torus(n, m);
+    faces.truncate(n * (m - 1));
+    Net { positions, faces }
+}
+
 /// An open strip of a triangle, a quad and a pentagon.
 pub(crate) fn mixed() -> Net {
     of(
