@@ -259,6 +259,12 @@ fn counts(job: &Job, count: Count) -> Counts {
         attachments: if let Input::Mesh(mesh) = &job.input { mesh.attachments.clone() } else { Arc::default() },
         input_faces: if let Input::Mesh(mesh) = &job.input { mesh.topology.n_faces() } else { 0 },
         input_edges: if let Input::Mesh(mesh) = &job.input { mesh.topology.n_edges() } else { 0 },
+        tags: match &job.input {
+            Input::Mesh(mesh) if job.levels == 0 => {
+                mesh.creases.len() + mesh.corners.len() + mesh.semi_sharp_corners.len()
+            }
+            _ => 0,
+        },
     }
 }
 

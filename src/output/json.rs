@@ -45,7 +45,7 @@ const WARNINGS_FRAME: usize = 64;
 /// `{"positions":[...],"faces":[...]}` for meshes, with `"normals":[...]` (zero where undefined) on request, `{"points":[...],"closed":...}` for one polygon,
 /// `{"polygons":[...]}` with such objects for any other number of them.
 ///
-/// What a mesh carries follows in the notation of requests: `"channels":{...}`, `"uvs":{...}`, `"groups":[...]` and `"materials":[...]` of
+/// What a mesh carries follows in the notation of requests: `"corners":[...]` and `"creases":[...]` of meshes that stand as they were given, `"channels":{...}`, `"uvs":{...}`, `"groups":[...]` and `"materials":[...]` of
 /// output faces. With `ids` an entry `"ids":{"faces":[...],"vertices":[[dimension,cell],...]}` follows: the input face of
 /// each face, and for each vertex the input cell (dimension 0 a vertex, 1 an edge, 2 a face). With `isolines` an
 /// entry `"isolines":[[...],...]` follows, the vertices along each edge of the input. With `sections` an entry

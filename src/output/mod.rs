@@ -171,6 +171,8 @@ pub struct Counts {
     pub input_faces: usize,
     /// Edges of the input mesh (0 for curves).
     pub input_edges: usize,
+    /// Sharp edges and vertices of a mesh that is written as it was given, at most (0 for curves).
+    pub tags: usize,
 }
 
 impl Counts {

@@ -10,6 +10,7 @@ use crate::output::scene::{Curve, Frame, MeshSource, Scene, Shape};
 use crate::output::stream::{Positions, Stream, holds_space};
 use crate::output::surface::{NORMALS, with_normals};
 use crate::output::{Counts, Format, FormatError, IDS, POSITIONS, ShapeKind, Size, normals};
+use crate::shape::creases::Tags;
 use crate::shape::labels::Labels;
 use crate::watch::Watch;
 
@@ -32,7 +33,8 @@ const UNNAMED: &str = "default";
 /// coordinates of points are 0. Unit and up axis stand in comments where they are not the defaults. The channel `color`
 /// stands behind the coordinates (red, green, blue), other channels have no place. Groups and materials are `g` and
 /// `usemtl`, "default" for faces without; there is no library of materials. Origins are comments before the first
-/// vertex and face of each input cell.
+/// vertex and face of each input cell. Where the mesh stands as it was given, tags `t crease` and `t corner` after the
+/// faces tell what is sharp.
 #[derive(Debug)]
 pub(super) struct Obj;
 
@@ -78,7 +80,8 @@ impl Format for Obj {
                 let place = if counts.uvs > 0 { 1 + digits(counts.uvs) } else { 0 };
                 let rows = [(counts.vertices, vertex), (counts.faces, 2), (counts.corners, corner + place)];
                 let uvs = (counts.uvs, 3 + 2 * (1 + REAL));
-                total(&[(1, header), (1, told), uvs, rows[0], (n_normals, 3 + row), rows[1], rows[2]])
+                let tags = (counts.tags as u128, "t corner 1/1/0\n".len() as u128 + 2 * (1 + index) + 1 + REAL);
+                total(&[(1, header), (1, told), tags, uvs, rows[0], (n_normals, 3 + row), rows[1], rows[2]])
             }
         })
     }
@@ -97,7 +100,8 @@ impl Format for Obj {
             Shape::Mesh(mesh) => {
                 let told = Told { mesh, ids: options.flag("ids") };
                 if with_normals(options) {
-                    return write_with_normals(&told, &mut stream, watch);
+                    write_with_normals(&told, &mut stream, watch)?;
+                    return write_tags(&mesh.tags(), &mut stream);
                 }
                 told.vertices(&Positions::of_mesh(mesh), &mut stream)?;
                 told.uvs(&mut stream)?;
@@ -112,10 +116,37 @@ impl Format for Obj {
                         }
                     }
                     out.push(b'\n');
-                })
+                })?;
+                write_tags(&mesh.tags(), &mut stream)
             }
         }
     }
+}
+
+/// Writes what is sharp; in tags vertices are counted from 0.
+fn write_tags(tags: &Tags, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    stream.rows(0, &tags.creases, |_, rows, out| {
+        for &(ends, sharpness) in rows {
+            tag("crease 2/1/0", &ends, sharpness, out);
+        }
+    })?;
+    stream.rows(0, &tags.corners, |_, rows, out| {
+        for &(vertex, sharpness) in rows {
+            tag("corner 1/1/0", &[vertex], sharpness, out);
+        }
+    })
+}
+
+fn tag(kind: &str, vertices: &[u32], sharpness: f64, out: &mut Vec<u8>) {
+    out.extend_from_slice(b"t ");
+    out.extend_from_slice(kind.as_bytes());
+    for &vertex in vertices {
+        out.push(b' ');
+        whole(out, vertex.into());
+    }
+    out.push(b' ');
+    real(out, sharpness);
+    out.push(b'\n');
 }
 
 fn write_with_normals(told: &Told<'_>, stream: &mut Stream<'_>, watch: &Watch) -> Result<(), FormatError> {

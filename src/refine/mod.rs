@@ -119,7 +119,8 @@ fn start_tangents(polygon: &Polygon, watch: &Watch) -> Result<Vec<f64>, Stopped>
 pub fn refine_mesh(mesh: &Mesh, plan: &Plan, steps: &[Scheduled], watch: &Watch) -> Result<RefinedMesh, RefineError> {
     let (net, points) = act_on(mesh_net(mesh, plan), numbers(mesh), plan, steps, watch)?;
     let uvs = uvs::refined(mesh, plan, steps, watch)?;
-    Ok(assembled(mesh, &net, points.into_iter().map(|points| points.now).collect(), uvs))
+    let refined = assembled(mesh, &net, points.into_iter().map(|points| points.now).collect(), uvs);
+    Ok(if steps.is_empty() { refined.with_tags(mesh.tags()) } else { refined })
 }
 
 /// Refines a mesh by `levels` levels and finds what is asked for of its limit; the warnings say what has none.

@@ -11,7 +11,7 @@ use super::uvs::RefinedUvs;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::sharpness::Sharpness;
 use crate::shape::attachments::Attachments;
-use crate::shape::creases::INFINITE_SHARPNESS;
+use crate::shape::creases::{INFINITE_SHARPNESS, Tags};
 use crate::shape::order::Order;
 use crate::shape::source::{FaceChunk, MeshSource, Origin};
 use crate::shape::topology::{NONE, Topology, index};
@@ -32,6 +32,8 @@ pub struct RefinedMesh {
     uvs: Option<RefinedUvs>,
     /// Edges that are still sharp, numbered in the order of construction.
     sharpness: Option<Arc<Sharpness>>,
+    /// What is tagged of it, as long as it is the input.
+    tags: Tags,
     /// Pieces of each edge of the base: those of edge `e` have the numbers `e x pieces ..` in its direction.
     pieces: usize,
 }
@@ -60,6 +62,7 @@ impl RefinedMesh {
             attachments: Arc::default(),
             channels: Vec::new(),
             sharpness: net.sharpness.clone(),
+            tags: Tags::default(),
             pieces,
             uvs: None,
         }
@@ -74,6 +77,12 @@ impl RefinedMesh {
         uvs: Option<RefinedUvs>,
     ) -> Self {
         Self { attachments, channels, uvs, ..self }
+    }
+
+    /// The same mesh with the tags of the input that it is.
+    #[must_use]
+    pub(super) fn with_tags(self, tags: Tags) -> Self {
+        Self { tags, ..self }
     }
 
     /// Position of vertex `v`, numbered in the documented order.
@@ -271,6 +280,10 @@ impl MeshSource for RefinedMesh {
 
     fn sharp_edges(&self) -> Vec<[u32; 2]> {
         self.sharp_pieces().map(|(edge, piece)| self.piece(&self.base, edge, piece)).collect()
+    }
+
+    fn tags(&self) -> Tags {
+        self.tags.clone()
     }
 
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {

@@ -14,6 +14,15 @@ pub const INFINITE_SHARPNESS: f64 = 10.0;
 /// [`INFINITE_SHARPNESS`].
 pub type Sharp = Vec<(u32, f64)>;
 
+/// What is sharp of a mesh, as a client tags it: ascending, above 0, [`INFINITE_SHARPNESS`] where it is infinite.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Tags {
+    /// Ends and sharpness of edges.
+    pub creases: Vec<([u32; 2], f64)>,
+    /// Sharp vertices.
+    pub corners: Sharp,
+}
+
 /// Most faults reported one by one.
 const MAX_REPORTED: usize = 20;
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::attachments::{Attachments, AttachmentsInput};
 use super::attributes::Attributes;
 use super::check::{FaceList, Winding};
-use super::creases::{INFINITE_SHARPNESS, Pairs, Sharp, check_corners};
+use super::creases::{INFINITE_SHARPNESS, Pairs, Sharp, Tags, check_corners};
 use super::directions::Directions;
 use super::topology::Topology;
 use crate::fault::{Fault, under};
@@ -63,6 +63,15 @@ pub struct MeshInput {
 }
 
 impl Mesh {
+    /// What is sharp of it.
+    pub fn tags(&self) -> Tags {
+        let creases = self.creases.iter().map(|&(e, sharpness)| (self.topology.ends(e as usize), sharpness));
+        let fixed = self.corners.iter().map(|&v| (v, INFINITE_SHARPNESS));
+        let mut corners: Sharp = fixed.chain(self.semi_sharp_corners.iter().copied()).collect();
+        corners.sort_unstable_by_key(|&(v, _)| v);
+        Tags { creases: creases.collect(), corners }
+    }
+
     /// Checks and builds a mesh.
     ///
     /// # Errors

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::attachments::Attachments;
+use super::creases::Tags;
 use super::topology::index;
 
 /// One polygon: `points` holds `n x dimension` coordinates, point after point, in model units.
@@ -55,6 +56,11 @@ pub trait MeshSource: std::fmt::Debug + Sync {
     /// The ends of the interior edges that are still sharp, where the mesh brings normals those that stay so.
     fn sharp_edges(&self) -> Vec<[u32; 2]> {
         Vec::new()
+    }
+
+    /// What is sharp of a mesh that stands as it was given; nothing of what a plan has refined.
+    fn tags(&self) -> Tags {
+        Tags::default()
     }
 
     /// What the mesh carries besides its shape; the names belong to input faces.

@@ -71,6 +71,7 @@ fn counts(shape: Shape<'_>) -> Counts {
             attachments: Arc::new(mesh.attachments().clone()),
             input_faces: mesh.input_cells()[2],
             input_edges: mesh.input_cells()[1],
+            tags: 0,
         },
         Shape::Curves(curves) => Counts {
             kind: ShapeKind::Curves { dimension: curves.first().map_or(1, |curve| curve.dimension) },
@@ -85,6 +86,7 @@ fn counts(shape: Shape<'_>) -> Counts {
             attachments: Arc::default(),
             input_faces: 0,
             input_edges: 0,
+            tags: 0,
         },
     }
 }

@@ -8,6 +8,7 @@ use crate::output::scene::MeshSource;
 use crate::output::stream::Stream;
 use crate::output::{Counts, FormatError, IDS, ISOLINES};
 use crate::shape::attachments::Channel;
+use crate::shape::creases::Tags;
 use crate::shape::labels::Labels;
 
 /// Most bytes of these entries.
@@ -39,13 +40,17 @@ pub(super) fn size(counts: &Counts, options: &Values) -> u128 {
     let frame = br#","isolines":[]"#.len() as u128;
     let isolines = total(&[(1, frame), (edges, 3), (along, digits(counts.vertices) + 1)]);
     let isolines = if options.flag(ISOLINES) { isolines } else { 0 };
-    [channels, uvs, labels(&attachments.groups), labels(&attachments.materials), origins, isolines]
+    let tag = br#"{"edge":[,],"sharpness":},"#.len() as u128 + 2 * digits(counts.vertices) + REAL;
+    let frame = br#","corners":[],"creases":[]"#.len() as u128;
+    let tags = total(&[(1, frame), (counts.tags as u128, tag)]);
+    [channels, uvs, tags, labels(&attachments.groups), labels(&attachments.materials), origins, isolines]
         .into_iter()
         .fold(0, u128::saturating_add)
 }
 
 /// Writes the entries that there are, each after a comma.
 pub(super) fn write(mesh: &dyn MeshSource, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    write_tags(&mesh.tags(), stream)?;
     let attachments = mesh.attachments();
     for (i, channel) in attachments.channels.iter().enumerate() {
         stream.bytes(if i == 0 { br#","channels":{"# } else { b"," })?;
@@ -98,6 +103,48 @@ fn write_uvs(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), Forma
         out.push(b']');
     })?;
     stream.bytes(b"]}")
+}
+
+/// Writes what is sharp: what requests call `corners` and `creases`.
+fn write_tags(tags: &Tags, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    write_sharp("corners", &tags.corners, stream, |&(v, sharpness), out| {
+        out.extend_from_slice(br#"{"vertex":"#);
+        whole(out, v.into());
+        sharpness
+    })?;
+    write_sharp("creases", &tags.creases, stream, |&([a, b], sharpness), out| {
+        out.extend_from_slice(br#"{"edge":["#);
+        whole(out, a.into());
+        out.push(b',');
+        whole(out, b.into());
+        out.push(b']');
+        sharpness
+    })
+}
+
+/// Writes a list of places with their sharpness, which `place` gives back, if it has any.
+fn write_sharp<T: Sync>(
+    name: &str,
+    entries: &[T],
+    stream: &mut Stream<'_>,
+    place: impl Fn(&T, &mut Vec<u8>) -> f64 + Sync,
+) -> Result<(), FormatError> {
+    if entries.is_empty() {
+        return Ok(());
+    }
+    stream.bytes(format!(r#","{name}":["#).as_bytes())?;
+    stream.rows(0, entries, |start, rows, out| {
+        for (i, entry) in rows.iter().enumerate() {
+            if start + i > 0 {
+                out.push(b',');
+            }
+            let sharpness = place(entry, out);
+            out.extend_from_slice(br#","sharpness":"#);
+            real(out, sharpness);
+            out.push(b'}');
+        }
+    })?;
+    stream.bytes(b"]")
 }
 
 fn write_channel(mesh: &dyn MeshSource, i: usize, stream: &mut Stream<'_>) -> Result<(), FormatError> {

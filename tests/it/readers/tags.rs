@@ -76,6 +76,41 @@ fn a_wrong_tag_is_refused_by_its_line() {
     );
 }
 
+/// What is sharp goes into files that can say it: a mesh that is converted refines as it would have.
+#[test]
+fn converted_meshes_stay_sharp() {
+    let mut input = support::nets::cube().input();
+    input["mesh"]["creases"] = json!([
+        { "edge": [0, 1], "sharpness": 2.5 }, { "edge": [2, 0], "sharpness": 11 }, { "edge": [5, 4], "sharpness": 0 }
+    ]);
+    input["mesh"]["corners"] = json!([{ "vertex": 7, "sharpness": 0.1 }, { "vertex": 3, "sharpness": 10 }]);
+    let refined = |input: &serde_json::Value| {
+        let plan = json!({ "preset": "catmull-clark" });
+        let job = json!({ "input": input, "plan": plan, "levels": 2, "outputs": [{ "format": "json" }] });
+        support::render(&job).unwrap_or_else(|faults| panic!("{faults:?}")).0
+    };
+    let direct = refined(&input);
+    for options in
+        [json!({ "format": "obj" }), json!({ "format": "obj", "normals": "area" }), json!({ "format": "json" })]
+    {
+        let written = |input: &serde_json::Value, levels: u32| {
+            let plan = json!({ "preset": "catmull-clark" });
+            let job = json!({ "input": input, "plan": plan, "levels": levels, "outputs": [options] });
+            String::from_utf8(support::render(&job).unwrap_or_else(|faults| panic!("{faults:?}")).0).expect("text")
+        };
+        let text = written(&input, 0);
+        if options["format"] == "obj" {
+            let tags = "t crease 2/1/0 0 2 10\nt crease 2/1/0 1 0 2.5\nt corner 1/1/0 3 10\nt corner 1/1/0 7 0.1\n";
+            assert!(text.ends_with(tags), "{text}");
+        }
+        let file = json!({ "text": { "format": options["format"], "data": text } });
+        assert_eq!(written(&file, 0), text);
+        assert_eq!(refined(&file), direct);
+        let finer = written(&input, 1);
+        assert!(!finer.contains("t crease") && !finer.contains("\"creases"), "{finer}");
+    }
+}
+
 /// Tags of a file are what `creases`, `corners` and `holes` of a mesh are: the same job, the same key.
 #[test]
 fn tags_say_what_a_mesh_says() {
