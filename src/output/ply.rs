@@ -22,7 +22,9 @@ use carried::Carried;
 /// and perhaps `alpha` of one byte, others properties of their names. Groups and materials become `int` properties of
 /// faces, -1 for none, their names comments. Origins are a `uint` of faces, for vertices with the dimension of the cell.
 ///
-/// With texture coordinates a vertex on a seam is there once for each place at it, and every vertex has `s` and `t`.
+/// With texture coordinates a vertex on a seam is there once for each place at it, and every vertex has `s` and `t`: more
+/// programs read these than lists `texcoord` of faces, which would keep vertices whole. Vertices of no face are left out
+/// then. OBJ keeps both.
 ///
 /// Indices are `int`, or `uint` where there are more than 2^31 vertices. The size of a face is one byte, or four with
 /// `"face_sizes": "uint"`.
