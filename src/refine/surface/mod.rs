@@ -1,7 +1,7 @@
 //! The level at which a mesh is within a tolerance of its limit surface.
 //!
 //! Where a net is regular, averages move vertices by multiples of second differences, which a level divides by 4
-//! ([`spline`], [`bend`]); elsewhere the limit lies in the hull of the points around ([`bound`]). Further levels are
+//! ([`spline`], [`bend`]); elsewhere the limit lies in the hull of the points around ([`mod@bound`]). Further levels are
 //! measured until what is left is small, at last only around faces where it is not ([`level`]). Where points move along
 //! the surface, they do not leave it ([`sheet`]).
 //!
