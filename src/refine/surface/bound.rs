@@ -1,5 +1,7 @@
 //! The distance of a net's surface from the limit, by what some more levels measure and second differences bound.
 
+use std::f64::consts::TAU;
+
 use rayon::prelude::*;
 
 use super::NoLevel;
@@ -7,7 +9,8 @@ use super::bend::{Box3, around, bends, spread};
 use super::level::Level;
 use super::sheet::Sheet;
 use super::spline::Spline;
-use super::vector::{Vector, length, minus, plus, times};
+use super::vector::{Vector, cross, dot, length, minus, plus, times};
+use crate::math::functions::{cos, sin};
 use crate::shape::topology::Topology;
 use crate::watch::Watch;
 
@@ -33,21 +36,21 @@ struct Known {
 
 /// The surface of a net.
 struct Surface {
-    /// For each face its sheet, where there is one.
-    sheets: Vec<Option<Sheet>>,
+    /// For each face its sheets.
+    sheets: Vec<Vec<Sheet>>,
     /// For each face how far quads near it are from themselves cut along either diagonal, at most.
     cuts: Vec<f64>,
 }
 
 impl Surface {
-    fn of(base: &Level) -> Self {
+    fn of(base: &Level, rings: usize) -> Self {
         let (topology, points) = (&base.topology, base.flat.now.as_chunks().0);
         let faces = || (0..topology.n_faces()).into_par_iter().with_min_len(256);
-        let sheets: Vec<Option<Sheet>> = faces().map(|f| Sheet::around(topology, points, f)).collect();
+        let around = |f: usize| (1..=rings).filter_map(|n| Sheet::around(topology, points, f, n)).collect();
+        let sheets: Vec<Vec<Sheet>> = faces().map(around).collect();
         let cut = |f: usize| {
             let cut = times(0.25, twist(topology, f, points));
-            let near = sheets[f].and_then(|sheet| sheet.distance(&[cut], 0.0));
-            near.map_or(length(cut), |near| near.min(length(cut)))
+            sheets[f].iter().filter_map(|sheet| sheet.distance(&[cut], 0.0)).fold(length(cut), f64::min)
         };
         let cuts: Vec<f64> = faces().map(cut).collect();
         let of_vertex = |v: usize| topology.ring(v).map(|c| cuts[topology.face_of(c)]).fold(0.0, f64::max);
@@ -62,8 +65,8 @@ impl Surface {
     fn distance(&self, face: u32, displacements: &[Vector], rest: f64) -> f64 {
         let face = face as usize;
         let far = displacements.iter().map(|&x| length(x)).fold(0.0, f64::max) + rest;
-        let near = self.sheets[face].and_then(|sheet| sheet.distance(displacements, rest));
-        near.map_or(far, |near| near.min(far)) + self.cuts[face]
+        let near = self.sheets[face].iter().filter_map(|sheet| sheet.distance(displacements, rest));
+        near.fold(far, f64::min) + self.cuts[face]
     }
 }
 
@@ -76,6 +79,51 @@ pub(super) fn twist(topology: &Topology, face: usize, points: &[Vector]) -> Vect
         }
         _ => [0.0; 3],
     }
+}
+
+/// How far the faces of a surface, split into quads around their centres, are from the same faces cut into triangles, at
+/// most.
+pub(super) fn cut(base: &Level) -> f64 {
+    let points = base.flat.now.as_chunks::<3>().0;
+    let of_face = |&f: &u32| {
+        let p: Vec<Vector> = base.topology.face(f as usize).iter().map(|&v| points[v as usize]).collect();
+        let apart = if p.len() == 4 { length(twist(&base.topology, f as usize, points)) / 4.0 } else { irregular(&p) };
+        height(&p).map_or(apart, |height| height.min(apart))
+    };
+    base.live.iter().map(of_face).fold(0.0, f64::max)
+}
+
+/// The height of a face seen along its area vector n, where all its corners and its triangles at corner 0 turn to the left
+/// there: then it is convex, and however it is cut, it is a graph over it between the least and the greatest n p of a
+/// corner.
+fn height(p: &[Vector]) -> Option<f64> {
+    let n = p.len();
+    let area = |[a, b, c]: [usize; 3]| cross(minus(p[b % n], p[a % n]), minus(p[c % n], p[a % n]));
+    let fan: Vec<Vector> = (1..n - 1).map(|i| area([0, i, i + 1])).collect();
+    let whole = fan.iter().copied().fold([0.0; 3], plus);
+    let mut turns = (0..n).map(|i| area([i, i + 1, i + 2])).chain(fan);
+    if !turns.all(|x| dot(whole, x) > 0.0) {
+        return None;
+    }
+    let heights = p.iter().map(|&x| dot(whole, minus(x, p[0])) / length(whole));
+    let (low, high) = heights.fold((0.0_f64, 0.0_f64), |(low, high), h| (low.min(h), high.max(h)));
+    Some(high - low)
+}
+
+/// Twice the distance of the corners of a face from those of a regular polygon under an affine map, `c + a cos(2 pi i/n) +
+/// b sin(2 pi i/n)`: that polygon is flat, and either surface is once the distance from it at most.
+fn irregular(p: &[Vector]) -> f64 {
+    let n = real(p.len());
+    let turned = |i: usize| [cos, sin].map(|of| of(TAU * real(i) / n));
+    let sum =
+        |weight: &dyn Fn(usize) -> f64| p.iter().enumerate().map(|(i, &x)| times(weight(i), x)).fold([0.0; 3], plus);
+    let (c, [a, b]) = (sum(&|_| 1.0 / n), [0, 1].map(|k| sum(&|i| 2.0 * turned(i)[k] / n)));
+    let regular = |i: usize| plus(c, plus(times(turned(i)[0], a), times(turned(i)[1], b)));
+    2.0 * p.iter().enumerate().map(|(i, &x)| length(minus(x, regular(i)))).fold(0.0, f64::max)
+}
+
+fn real(n: usize) -> f64 {
+    f64::from(u32::try_from(n).unwrap_or(u32::MAX))
 }
 
 /// The most by which second differences and boxes around points let the limit leave the surface of a net, for each live
@@ -126,13 +174,16 @@ fn known(level: &Level, surface: &Surface, spline: &Spline) -> Vec<Known> {
 /// # Errors
 /// [`NoLevel`], when a level cannot be computed.
 pub(super) fn bound(base: &Level, spline: &Spline, watch: &Watch) -> Result<f64, NoLevel> {
-    let surface = Surface::of(base);
+    // points of nets that are looked at after an upsampling move by twice as many faces
+    let surface = Surface::of(base, if spline.halved { 2 } else { 1 });
     let (mut level, mut bound, mut greatest) = (base.clone(), 0.0_f64, 0.0_f64);
     for ahead in 0..=AHEAD {
         let known = known(&level, &surface, spline);
         greatest = known.iter().map(|face| face.moved).fold(greatest, f64::max);
+        let next = if spline.halved { Level::next_halved } else { Level::next };
+        let next = |level: &Level| next(level, &spline.plan, spline.round(ahead), watch);
         if ahead < WHOLE && level.faces_after(1) <= FOLLOWED_FACES {
-            level = level.next(&spline.plan, spline.round(ahead), watch)?;
+            level = next(&level)?;
             continue;
         }
         let enough = bound.max(SLACK * greatest);
@@ -152,7 +203,7 @@ pub(super) fn bound(base: &Level, spline: &Spline, watch: &Watch) -> Result<f64,
             Some(part) if ahead == AHEAD || !fits(&part) => {
                 return Ok(known.iter().map(|face| face.whole).fold(bound, f64::max));
             }
-            Some(part) => level = part.next(&spline.plan, spline.round(ahead), watch)?,
+            Some(part) => level = next(&part)?,
         }
     }
     Ok(bound)

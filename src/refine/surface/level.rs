@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::vector::{Vector, mean};
 use crate::refine::{Points, RefineError, at, values};
 use crate::scheme::mesh_net::{Boundary, MeshNet};
 use crate::scheme::ops::Role;
@@ -77,6 +78,56 @@ impl Level {
         let home = (0..topology.n_faces()).map(|child| self.home[parent(child)]).collect();
         let live = (0..topology.n_faces()).filter(|&child| alive[parent(child)]).map(index).collect();
         Ok(Self { net, topology, points, flat, home, live })
+    }
+
+    /// The net split into quads, and the surface with it, which stays what it is: a quad is four quarters, another face as
+    /// many quads as corners.
+    ///
+    /// # Errors
+    /// [`RefineError`].
+    pub(super) fn upsampled(&self, plan: &Plan, step: &Scheduled, watch: &Watch) -> Result<Self, RefineError> {
+        let mut flat = self.flat.clone();
+        let mut level = Self::new(self.net.clone(), self.points.clone());
+        let next = step.letter.operator.on_mesh(&level.net, &values(plan, step)).map_err(|error| at(step, error))?;
+        level.points.act(&next.action, step.level, watch)?;
+        flat.act(&next.action, step.level, watch)?;
+        let places = flat.now;
+        Ok(Self::new(next.net, level.points).compared(places))
+    }
+
+    /// The net after the averages of a round, of which the last is half a one, and the upsampling after them; of the
+    /// surface that it is compared with, other points.
+    ///
+    /// Half an average puts vertices at the centres of faces, and the upsampling adds the means of the centres beside an
+    /// edge and those around a vertex: in all a split of each quad, in which the children of vertices, edges and faces are
+    /// means of the centres of the faces around them.
+    ///
+    /// # Errors
+    /// [`RefineError`].
+    pub(super) fn next_halved(&self, plan: &Plan, round: &[Scheduled], watch: &Watch) -> Result<Self, RefineError> {
+        let (mut net, mut points) = (self.net.clone(), self.points.clone());
+        let (upsampling, averages) = round.split_first().expect("a round begins with an upsampling");
+        for step in averages.split_last().map_or(&[][..], |(_, whole)| whole) {
+            let next = step.letter.operator.on_mesh(&net, &values(plan, step)).map_err(|error| at(step, error))?;
+            points.act(&next.action, step.level, watch)?;
+            net = next.net;
+        }
+        let averaged = Self { net, points, ..self.clone() };
+        let next = averaged.next(plan, std::slice::from_ref(upsampling), watch)?;
+        Ok(Self { points: Points::new(averaged.means_of_centres(), 3), ..next })
+    }
+
+    /// For each vertex, then each edge, then each face the mean of the centres of the faces around it.
+    fn means_of_centres(&self) -> Vec<f64> {
+        let (topology, points) = (&self.topology, self.points.now.as_chunks::<3>().0);
+        let centres: Vec<Vector> =
+            (0..topology.n_faces()).map(|f| mean(topology.face(f).iter().map(|&v| points[v as usize]))).collect();
+        let centre = |corner: u32| centres[topology.face_of(corner)];
+        let vertices = (0..topology.n_vertices())
+            .map(|v| if topology.is_isolated(v) { points[v] } else { mean(topology.ring(v).map(centre)) });
+        let sides = |e: usize| topology.edge_corners(e).into_iter().filter(|&corner| corner != NONE);
+        let edges = (0..topology.n_edges()).map(|e| mean(sides(e).map(centre)));
+        vertices.chain(edges).chain(centres.iter().copied()).flatten().collect()
     }
 
     /// The part of the net within so many rings of faces around some faces, which alone are followed on.

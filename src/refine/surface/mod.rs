@@ -22,7 +22,7 @@ use crate::scheme::plan::Plan;
 use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
-use bound::{FOLLOWED_FACES, bound, rests, twist};
+use bound::{FOLLOWED_FACES, bound, cut, rests, twist};
 use level::Level;
 use spline::Spline;
 use vector::length;
@@ -61,10 +61,10 @@ pub enum NoLevel {
         "a dual scheme loses the boundary, which the limit is not near to; close the mesh, or give \"levels\" as a number"
     )]
     LostBoundary,
-    /// An odd number of D.
+    /// Single D in some places.
     #[error(
-        "distances are bounded where each U of the cycle is followed by a C or by pairs of D; use C instead, or give \
-         \"levels\" as a number"
+        "distances are bounded where each U of the cycle is followed by C and pairs of D, or each by one D more, which comes \
+         last; use C instead, or give \"levels\" as a number"
     )]
     Dual,
     /// A kernel other than 1.
@@ -145,7 +145,7 @@ pub fn reach(mesh: &Mesh, plan: &Plan, placed: &[Placed], tolerance: f64) -> Res
             }
         }
         walk.leave(&spline, tolerance);
-        let faces = walk.level.faces_after(spline.rounds.len());
+        let faces = walk.level.faces_after(spline.rounds.len() + usize::from(spline.halved));
         if faces > MAX_FACES {
             return Err(NoLevel::TooLarge { level: level + 1, faces });
         }
@@ -166,7 +166,7 @@ impl Walk {
     fn is_ready(&self, spline: &Spline) -> bool {
         let sides = if spline.tile == Tile::Quad { 4 } else { 3 };
         let topology = &self.level.topology;
-        self.level.live.iter().all(|&f| topology.face(f as usize).len() == sides)
+        spline.halved || self.level.live.iter().all(|&f| topology.face(f as usize).len() == sides)
     }
 
     fn bound(&self, spline: &Spline, placed: Placed, watch: &Watch) -> Result<f64, NoLevel> {
@@ -178,7 +178,13 @@ impl Walk {
         if self.level.live.is_empty() {
             return Ok(left);
         }
-        Ok(bound(&self.level.compared(places), spline, watch)?.max(left))
+        let base = self.level.compared(places);
+        if spline.halved {
+            let upsampling = spline.rounds[0].first().expect("a round begins with an upsampling");
+            let split = base.upsampled(&spline.plan, upsampling, watch)?;
+            return Ok(bound(&split, spline, watch)? + cut(&base));
+        }
+        Ok(bound(&base, spline, watch)?.max(left))
     }
 
     /// The limits of the vertices.
@@ -198,7 +204,7 @@ impl Walk {
     /// those that are within half the tolerance.
     fn leave(&mut self, spline: &Spline, tolerance: f64) {
         let fits = |level: &Level| level.faces_after(1) <= FOLLOWED_FACES;
-        if fits(&self.level) {
+        if fits(&self.level) || spline.halved {
             return;
         }
         let level = &self.level;
@@ -228,6 +234,12 @@ impl Walk {
     /// One level further.
     fn on(&mut self, spline: &Spline, watch: &Watch) -> Result<(), NoLevel> {
         for round in &spline.rounds {
+            if spline.halved {
+                let points = vec![self.level.points.clone()];
+                let (net, mut points) = act_on(self.level.net.clone(), points, &spline.plan, round, watch)?;
+                self.level = Level::new(net, points.remove(0));
+                continue;
+            }
             if !self.level.live.is_empty() {
                 self.level = self.level.next(&spline.plan, round, watch)?;
             }

@@ -26,14 +26,17 @@ pub(super) struct Sheet {
 }
 
 impl Sheet {
-    /// The sheet around a face; `None` where it folds or has no direction.
-    pub(super) fn around(topology: &Topology, points: &[Vector], face: usize) -> Option<Self> {
-        let mut faces: Vec<usize> = Vec::new();
-        for &v in topology.face(face) {
-            for corner in topology.ring(v as usize) {
-                let f = topology.face_of(corner);
-                if !faces.contains(&f) {
-                    faces.push(f);
+    /// The sheet of so many rings of faces around a face; `None` where it folds or has no direction.
+    pub(super) fn around(topology: &Topology, points: &[Vector], face: usize, rings: usize) -> Option<Self> {
+        let mut faces: Vec<usize> = vec![face];
+        for _ in 0..rings {
+            let inner = faces.clone();
+            for &v in inner.iter().flat_map(|&f| topology.face(f)) {
+                for corner in topology.ring(v as usize) {
+                    let f = topology.face_of(corner);
+                    if !faces.contains(&f) {
+                        faces.push(f);
+                    }
                 }
             }
         }

@@ -26,6 +26,10 @@ pub(super) struct Spline {
     pub(super) factor: f64,
     /// Into what faces are split.
     pub(super) tile: Tile,
+    /// Whether each upsampling is followed by half an average more, which puts vertices in the place of faces. Then nets are
+    /// looked at after the upsampling: the next one is that after half an average and the upsampling that follows, whose
+    /// faces are quarters of the faces before.
+    pub(super) halved: bool,
 }
 
 impl Spline {
@@ -70,9 +74,18 @@ impl Spline {
                 None => return Err(no_spline(&later.letter)),
             }
         }
-        let reach = rounds.iter().map(|round| round.len() - 1).max().unwrap_or(0);
+        let averages = rounds.iter().map(|round| round.len() - 1).max().unwrap_or(0);
         let tile = plan.tile();
-        Ok(Self { factor: factor(tile, reach), plan, prefix, rounds, reach, tile })
+        let half = |round: &Vec<Scheduled>| {
+            round.last().is_some_and(|last| step(&plan, &last.letter) == Some(SplineStep::HalfMean))
+        };
+        let halved = rounds.iter().any(half);
+        if halved && !rounds.iter().all(half) {
+            return Err(NoLevel::Dual);
+        }
+        let (reach, factor) =
+            if halved { (2 * averages, halved_factor(averages)) } else { (averages, factor(tile, averages)) };
+        Ok(Self { plan, prefix, rounds, reach, factor, tile, halved })
     }
 
     /// The steps of the round that comes after so many, the cycle beginning with round 0.
@@ -100,26 +113,35 @@ fn no_spline(letter: &Letter) -> NoLevel {
     })
 }
 
-/// The cycle with each pair of D as one C: on closed meshes the same net in another order.
+/// The cycle with each pair of D as one C, on closed meshes the same net in another order; a D that is left over comes
+/// last before the next upsampling.
 fn paired(plan: &Plan) -> Result<Vec<Letter>, NoLevel> {
     let mut cycle: Vec<Letter> = Vec::new();
-    let mut half = false;
+    let mut half: Option<&Letter> = None;
     for letter in &plan.word.cycle {
-        if step(plan, letter) != Some(SplineStep::HalfMean) {
-            // halves that are not next to each other do not make a whole where averages see the net between them
-            if half {
-                return Err(NoLevel::Dual);
+        match (step(plan, letter), half) {
+            (Some(SplineStep::HalfMean), None) => half = Some(letter),
+            (Some(SplineStep::HalfMean), Some(_)) => {
+                let average = lettered('C').expect("C is registered");
+                cycle.push(Letter { tile: letter.tile, ..Letter::plain(average) });
+                half = None;
             }
-            cycle.push(letter.clone());
-        } else if half {
-            let average = lettered('C').expect("C is registered");
-            cycle.push(Letter { tile: letter.tile, ..Letter::plain(average) });
-            half = false;
-        } else {
-            half = true;
+            // halves that are not next to each other do not make a whole where averages see the net between them
+            (Some(SplineStep::Mean) | None, Some(_)) => return Err(NoLevel::Dual),
+            _ => {
+                cycle.extend(half.take().cloned());
+                cycle.push(letter.clone());
+            }
         }
     }
-    if half { Err(NoLevel::Dual) } else { Ok(cycle) }
+    cycle.extend(half.cloned());
+    Ok(cycle)
+}
+
+/// The same where half an average is the last of so many, for quads after the upsampling: each moves by half of the
+/// greatest second difference at most, and half an average and the next upsampling by no more.
+fn halved_factor(averages: usize) -> f64 {
+    4.0 / 3.0 * 0.5 * f64::from(u32::try_from(averages).unwrap_or(u32::MAX))
 }
 
 /// The sum of what all averages of all levels move, over the greatest second difference before them, at most: the first

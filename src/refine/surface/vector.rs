@@ -27,3 +27,9 @@ pub(super) fn cross(a: Vector, b: Vector) -> Vector {
 pub(super) fn length(a: Vector) -> f64 {
     sqrt(dot(a, a))
 }
+
+/// The mean of some vectors; zero of none.
+pub(super) fn mean(all: impl Iterator<Item = Vector>) -> Vector {
+    let (sum, n) = all.fold(([0.0; 3], 0.0), |(sum, n), x| (plus(sum, x), n + 1.0));
+    times(1.0 / f64::max(n, 1.0), sum)
+}

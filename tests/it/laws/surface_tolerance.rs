@@ -81,6 +81,16 @@ fn typical() -> Vec<(&'static str, Value, Value, f64)> {
         ("cube, UDD", file("cube"), super::word("UDD"), 0.03),
         ("cube, UDDC", file("cube"), super::word("U(UDDC)"), 0.05),
         ("cube, two upsamplings", file("cube"), super::word("UCUCC"), 0.2),
+        ("cube, UD", file("cube"), super::word("UD"), 0.05),
+        ("torus, UD", file("torus"), super::word("UD"), 0.05),
+        ("cube, UDDD", file("cube"), super::word("UDDD"), 0.05),
+        ("tetrahedron, UCD", file("tetrahedron"), super::word("UCD"), 0.05),
+        (
+            "torus of degree 4",
+            file("torus"),
+            json!({ "preset": "repeated-averaging", "parameters": { "degree": 4 } }),
+            0.05,
+        ),
         ("tetrahedron, loop", file("tetrahedron"), preset("loop"), 0.02),
         ("stellated, loop", file("stellated"), preset("loop"), 0.1),
         ("stellated, UC", file("stellated"), on_triangles("UC"), 0.2),
@@ -215,7 +225,7 @@ fn what_has_no_bound_is_refused_with_the_reason() {
         (&cube, super::word("UCP"), "P pushes back"),
         (&cube, super::word("CU"), "begin with a U"),
         (&cube, super::word("U3C"), "arity above 2"),
-        (&cube, super::word("UD"), "pairs of D"),
+        (&cube, super::word("UDUC"), "pairs of D"),
         (&cube, super::word("UDCD"), "pairs of D"),
         (&open, super::word("UDD"), "boundary"),
         (&cube, with(json!({ "kernel": 2 })), "kernel is 2"),
@@ -344,6 +354,22 @@ proptest! {
             on_triangles("UCC"),
         ][which].clone();
         check(&net, &plan, if limit { "limit" } else { "refined" })?;
+    }
+
+    #[test]
+    fn bounds_hold_on_random_tori_under_dual_schemes(
+        n in 3..6_usize, m in 3..5_usize, moves in prop::collection::vec(prop::array::uniform3(-0.4..0.4_f64), 20),
+        which in 0..3_usize, cut in any::<bool>(), limit in any::<bool>(),
+    ) {
+        let mut net = torus(n, m);
+        net.positions.iter_mut().zip(moves.iter().cycle()).for_each(|(p, x)| (0..3).for_each(|k| p[k] += x[k]));
+        let net = if cut { triangulated(net) } else { net };
+        let (plan, placed) = (super::word(["UD", "UDDD", "UCD"][which]), ["refined", "limit"][usize::from(limit)]);
+        // whatever the tolerance, so that the bound of the second level is looked at
+        let (_, first) = within(&net.input(), &plan, 1e3, placed);
+        let (level, bound) = within(&net.input(), &plan, first * 0.999, placed);
+        let truth = deviation(&net.input(), &plan, level, placed);
+        prop_assert!(truth <= bound + 1e-12, "{} at level {}: {} is beyond {}", plan, level, truth, bound);
     }
 
     #[test]
