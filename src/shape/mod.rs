@@ -10,6 +10,7 @@ pub mod frame;
 pub mod grid;
 pub mod labels;
 pub mod mesh;
+pub mod numbering;
 pub mod order;
 pub mod pair;
 pub mod polygon;

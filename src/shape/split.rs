@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::topology::{Faces, NONE, Topology, index};
 
 /// Where the child quad of a corner of a four-sided face stands among the four: row by row.
-const ROW_BY_ROW: [u32; 4] = [0, 1, 3, 2];
+pub(super) const ROW_BY_ROW: [u32; 4] = [0, 1, 3, 2];
 
 impl Topology {
     /// The topology after an upsampling of arity 2.

@@ -1,0 +1,171 @@
+//! Numbers that the vertices, edges and faces of a part of a net have in the whole net, level after level.
+
+use super::split::ROW_BY_ROW;
+use super::topology::Topology;
+
+/// For the vertices, edges and faces of a net that is part of a larger one their numbers there, modulo 2^64.
+///
+/// Perturbations go by these numbers. Those after an upsampling of arity 2 follow in closed form, as [`Topology::split`]
+/// numbers: with `V`, `E`, `F`, `C` vertices, edges, faces and corners of the whole net, vertex v stays v, edge e makes
+/// vertex `V + e` and the edges `2 e`, `2 e + 1` in its direction, face f makes vertex `V + E + f`, corner c makes edge
+/// `2 E + c` and a face. So a part can be followed through levels whose whole nets nobody could make; where their
+/// numbers go beyond 64 bits the definition is only continued.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Numbering {
+    whole: Counts,
+    vertices: Vec<u64>,
+    faces: Vec<Face>,
+    /// For each corner the edge to the next of its face.
+    sides: Vec<Side>,
+}
+
+/// Counts of the whole net.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Counts {
+    vertices: u64,
+    edges: u64,
+    faces: u64,
+    corners: u64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Face {
+    number: u64,
+    /// The number of its first corner in the whole net.
+    start: u64,
+    /// Which of its corners there is the first one here.
+    turn: u32,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Side {
+    edge: u64,
+    /// Whether it runs in the edge's direction in the whole net.
+    forward: bool,
+}
+
+impl Numbering {
+    /// The numbers of a whole net.
+    pub fn of(topology: &Topology) -> Self {
+        let whole = Counts {
+            vertices: topology.n_vertices() as u64,
+            edges: topology.n_edges() as u64,
+            faces: topology.n_faces() as u64,
+            corners: topology.n_corners() as u64,
+        };
+        let faces = 0..topology.n_faces();
+        let sides = faces.clone().flat_map(|f| topology.corners(f)).map(|corner| {
+            let edge = topology.edge(corner);
+            Side { edge: edge.into(), forward: topology.edge_corners(edge as usize)[0] == corner }
+        });
+        let sides = sides.collect();
+        let face = |f: usize| Face { number: f as u64, start: topology.corners(f).start.into(), turn: 0 };
+        Self { whole, vertices: (0..whole.vertices).collect(), faces: faces.map(face).collect(), sides }
+    }
+
+    /// The number of vertex `v`.
+    pub fn vertex(&self, v: usize) -> u64 {
+        self.vertices[v]
+    }
+
+    /// The number of edge `e` of the part, whose topology is given.
+    pub fn edge(&self, topology: &Topology, e: usize) -> u64 {
+        self.sides[topology.edge_corners(e)[0] as usize].edge
+    }
+
+    /// The number of face `f`.
+    pub fn face(&self, f: usize) -> u64 {
+        self.faces[f].number
+    }
+
+    /// Those of a part of the part, whose topology is given: of these vertices, and of the faces from these corners on.
+    #[must_use]
+    pub fn part(&self, topology: &Topology, vertices: &[u32], corners: &[u32]) -> Self {
+        let mut part = Self {
+            whole: self.whole,
+            vertices: Vec::new(),
+            faces: Vec::with_capacity(corners.len()),
+            sides: Vec::with_capacity(4 * corners.len()),
+        };
+        for &first in corners {
+            let f = topology.face_of(first);
+            let range = topology.corners(f);
+            let face = self.faces[f];
+            let turn = (face.turn + first - range.start) % (range.end - range.start);
+            part.faces.push(Face { turn, ..face });
+            let mut corner = first;
+            for _ in range {
+                part.sides.push(self.sides[corner as usize]);
+                corner = topology.next(corner);
+            }
+        }
+        part.with_vertices(self, vertices)
+    }
+
+    /// The same part with other vertices: for each its number in `of`.
+    fn with_vertices(self, of: &Self, vertices: &[u32]) -> Self {
+        Self { vertices: vertices.iter().map(|&v| of.vertices[v as usize]).collect(), ..self }
+    }
+
+    /// The same for a net with the same faces whose vertices are these ones of the part.
+    #[must_use]
+    pub fn with_origins(&self, origins: &[u32]) -> Self {
+        self.clone().with_vertices(self, origins)
+    }
+
+    /// Those of the part after an upsampling of arity 2; its topology before that is given.
+    #[must_use]
+    pub fn split(&self, topology: &Topology) -> Self {
+        let whole = self.whole;
+        let on_edges = whole.vertices;
+        let on_faces = on_edges.wrapping_add(whole.edges);
+        let spokes = whole.edges.wrapping_mul(2);
+        let edges = (0..topology.n_edges()).map(|e| on_edges.wrapping_add(self.edge(topology, e)));
+        let middles = self.faces.iter().map(|face| on_faces.wrapping_add(face.number));
+        let vertices = self.vertices.iter().copied().chain(edges).chain(middles).collect();
+        let n = topology.n_corners();
+        let mut split = Self {
+            whole: Counts {
+                vertices: on_faces.wrapping_add(whole.faces),
+                edges: spokes.wrapping_add(whole.corners),
+                faces: whole.corners,
+                corners: whole.corners.wrapping_mul(4),
+            },
+            vertices,
+            faces: Vec::with_capacity(n),
+            sides: Vec::with_capacity(4 * n),
+        };
+        for f in 0..topology.n_faces() {
+            for child in topology.corners(f) {
+                let corner = topology.parent_corner(child);
+                let before = topology.previous(corner);
+                let [along, back] = [corner, before].map(|corner| self.sides[corner as usize]);
+                let [here, there] = [corner, before].map(|corner| self.corner(topology, f, corner));
+                let half = |side: Side, second: bool| {
+                    let number = side.edge.wrapping_mul(2).wrapping_add(u64::from(second == side.forward));
+                    Side { edge: number, forward: side.forward }
+                };
+                let spoke = |(start, j): (u64, u32), forward| Side {
+                    edge: spokes.wrapping_add(start.wrapping_add(j.into())),
+                    forward,
+                };
+                let sides = [half(along, false), spoke(here, true), spoke(there, false), half(back, true)];
+                let is_quad = topology.corners(f).len() == 4;
+                // the quads of a quad keep its orientation, those of other faces start at their vertex
+                let first = if is_quad { corner - topology.corners(f).start } else { 0 };
+                split.sides.extend((0..4).map(|at| sides[((at + 4 - first) % 4) as usize]));
+                let (start, j) = here;
+                let (place, turn) = if is_quad { (ROW_BY_ROW[j as usize], (j + 4 - first) % 4) } else { (j, 0) };
+                let number = start.wrapping_add(place.into());
+                split.faces.push(Face { number, start: number.wrapping_mul(4), turn });
+            }
+        }
+        split
+    }
+
+    /// A corner of face `f` in the whole net: the first corner of the face, and how many follow up to this one.
+    fn corner(&self, topology: &Topology, f: usize, corner: u32) -> (u64, u32) {
+        let (face, range) = (self.faces[f], topology.corners(f));
+        (face.start, (corner - range.start + face.turn) % (range.end - range.start))
+    }
+}
