@@ -59,7 +59,7 @@ impl Plan {
             perturbation,
             latitude,
         };
-        if subject.is_mesh && plan.perturbation.is_some() && !plan.halves_only() {
+        if subject.is_mesh && plan.perturbation.is_some() && !plan.averages_halves() {
             let detail = "on meshes, perturbation acts in words over U, C and P with split quad; leave it out";
             return Err(vec![Fault::new("/parameters/perturbation", detail)]);
         }
@@ -71,10 +71,11 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Whether every upsampling halves edges and makes quads.
-    fn halves_only(&self) -> bool {
+    /// Whether it is a word over U, C and P whose upsamplings halve edges and make quads.
+    fn averages_halves(&self) -> bool {
         let mut letters = self.word.prefix.iter().chain(&self.word.cycle);
-        letters.all(|letter| letter.tile == Tile::Quad && letter.arity == 2)
+        let known = |letter: &Letter| matches!(letter.operator.letter(), Some('U' | 'C' | 'P'));
+        letters.all(|letter| known(letter) && letter.tile == Tile::Quad && letter.arity == 2)
     }
 
     fn check_delta(&self, subject: Subject) -> Result<(), Vec<Fault>> {
