@@ -7,7 +7,7 @@ use super::{Input, Job, Output};
 use crate::fault::Fault;
 use crate::input::ReadLimits;
 use crate::output::{Counts, Size, surface};
-use crate::refine::{mesh_net, polygon_net, uv_net};
+use crate::refine::{Asked, ROWS_A_POINT, followed_points, mesh_net, polygon_net, uv_net};
 use crate::scheme::forecast::{self, Count, Forecast, ForecastError};
 use crate::scheme::plan::Scheduled;
 use crate::scheme::step::StepError;
@@ -310,7 +310,8 @@ fn memory(forecast: &Forecast, sizes: &[Size], carried: &Carried) -> u128 {
 }
 
 /// Rows that the limits of an output need at most, and bytes: the topology of the last level (48 a face), the class of a
-/// vertex and its new point (29), two tangents and a normal (72).
+/// vertex and its new point (29), two tangents and a normal (72). A vertex that is followed by itself has weights of its
+/// own for the points around it (8 each); faces of such nets know their numbers and those of their edges (88).
 fn limit_surface(job: &Job, forecast: &Forecast) -> (u128, u128) {
     let count = forecast.levels.last().copied().unwrap_or_default();
     let needs = |output: &Output| {
@@ -318,8 +319,13 @@ fn limit_surface(job: &Job, forecast: &Forecast) -> (u128, u128) {
         if positions + normals == 0 {
             return (0, 0);
         }
-        let bytes = count.faces.saturating_mul(48).saturating_add(count.vertices.saturating_mul(29 + 72 * normals));
-        (count.vertices.saturating_mul(positions + 2 * normals), bytes)
+        let asked = Asked { positions: positions > 0, normals: normals > 0 };
+        let points = u128::from(followed_points(&job.plan, asked));
+        let of_face = if points > 0 { 48 + 88 } else { 48 };
+        let of_vertex = 29 + 72 * normals + 8 * points * (1 + 2 * normals);
+        let bytes = count.faces.saturating_mul(of_face).saturating_add(count.vertices.saturating_mul(of_vertex));
+        let rows = positions + 2 * normals + u128::from(ROWS_A_POINT) * points;
+        (count.vertices.saturating_mul(rows), bytes)
     };
     let needs = job.outputs.iter().map(needs);
     needs.fold((0, 0), |most, need| (most.0.max(need.0), most.1.max(need.1)))

@@ -20,8 +20,8 @@ pub struct Noise {
 
 impl Noise {
     /// The perturbation of element `i`: 0 for vertices, 1 for edges, 2 for faces as `operation`. Uniform in `[-c, c)`.
-    pub(super) fn at(&self, operation: u64, i: usize) -> f64 {
-        let mixed = [u64::from(self.upsamplings), operation, i as u64].iter().fold(mix(self.seed), |x, y| mix(x ^ y));
+    pub(super) fn at(&self, operation: u64, i: u64) -> f64 {
+        let mixed = [u64::from(self.upsamplings), operation, i].iter().fold(mix(self.seed), |x, y| mix(x ^ y));
         #[expect(clippy::cast_precision_loss, reason = "53 bits are exact")]
         let unit = (mixed >> 11) as f64 / 9_007_199_254_740_992.0;
         self.amplitude * (2.0 * unit - 1.0)
@@ -78,7 +78,7 @@ impl Local {
         let n = net.n_control();
         let attributes = net.attributes.as_deref().cloned().unwrap_or_default();
         let own = |array: &Option<Vec<f64>>, i: usize| array.as_ref().map(|array| array[i]);
-        let noise = |operation, i| sources.noise.map_or(0.0, |noise| noise.at(operation, i));
+        let noise = |operation, i: usize| sources.noise.map_or(0.0, |noise| noise.at(operation, i as u64));
         let kernel = (0..n).map(|i| {
             let alpha = own(&attributes.alpha, i).map_or(sources.alpha, |alpha| alpha * sources.scale);
             let value = own(&attributes.kernel, i).map_or_else(|| sources.kernel.value(alpha), Ok);

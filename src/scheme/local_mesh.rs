@@ -31,7 +31,15 @@ impl MeshLocal {
         }
         let (n_v, n_e, n_f) = (parent.n_vertices(), parent.n_edges(), parent.n_faces());
         let attributes = net.attributes.as_deref().cloned().unwrap_or_default();
-        let noise = |operation, i| sources.noise.map_or(0.0, |noise| noise.at(operation, i));
+        let noise = |operation, i: usize| {
+            let number = || match (&net.numbering, operation) {
+                (None, _) => i as u64,
+                (Some(numbering), 0) => numbering.vertex(i),
+                (Some(numbering), 1) => numbering.edge(parent, i),
+                (Some(numbering), _) => numbering.face(i),
+            };
+            sources.noise.map_or(0.0, |noise| noise.at(operation, number()))
+        };
         let alpha = |own: Option<f64>, plan: f64| own.map_or(plan, |alpha| alpha * sources.scale);
         let at = |array: &Option<Vec<f64>>, v: usize| array.as_ref().map(|array| array[v]);
         let mut kernel = Vec::with_capacity(n_v);

@@ -7,6 +7,7 @@ use super::local_mesh::{MeshLocal, upsampled};
 use super::sharpness::{Creasing, Sharpness};
 use crate::shape::attributes::Attributes;
 use crate::shape::directions::Directions;
+use crate::shape::numbering::Numbering;
 use crate::shape::order::Order;
 use crate::shape::tile::Tile;
 use crate::shape::tiling::Tiling;
@@ -78,6 +79,8 @@ pub struct MeshNet {
     pub local: Option<Arc<MeshLocal>>,
     /// Directions of edges along latitude and longitude lines.
     pub directions: Option<Arc<Directions>>,
+    /// Numbers in the whole net, where the net is only a part of it.
+    pub numbering: Option<Arc<Numbering>>,
 }
 
 impl MeshNet {
@@ -109,6 +112,7 @@ impl MeshNet {
             attributes: None,
             local: None,
             directions: None,
+            numbering: None,
         }
     }
 
@@ -147,6 +151,7 @@ impl MeshNet {
             attributes: None,
             local: None,
             directions: None,
+            numbering: None,
         }
     }
 
@@ -169,8 +174,21 @@ impl MeshNet {
         let pieces = self.pieces.iter().copied().chain(halved).chain([anchor.pieces]).collect();
         let (tile, parent) = (anchor.tile, Some(anchor.parent().clone()));
         let sharpness = anchor.sharpness_after(self.rules.creasing);
+        let numbering = self.numbering.as_ref().map(|numbering| Arc::new(numbering.split(&entered)));
         let anchor = Some(anchor);
-        Self { tile, pieces, parent, sharpness, duals: 0, anchor, attributes, local, directions, ..self.clone() }
+        Self {
+            tile,
+            pieces,
+            parent,
+            sharpness,
+            duals: 0,
+            anchor,
+            attributes,
+            local,
+            directions,
+            numbering,
+            ..self.clone()
+        }
     }
 
     /// The last split, if it was not one into quads with two pieces an edge.

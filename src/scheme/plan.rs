@@ -151,6 +151,14 @@ pub struct Scheduled {
     pub compensation: f64,
 }
 
+impl Perturbation {
+    /// The perturbation at the upsampling after this many.
+    pub fn at(&self, upsamplings: u32) -> Noise {
+        let amplitude = (0..upsamplings).fold(self.amplitude, |c, _| c * self.decay);
+        Noise { amplitude, seed: self.seed, upsamplings }
+    }
+}
+
 impl Plan {
     /// The plan that does nothing, for conversions.
     pub fn none(boundary: Boundary, ends: Ends) -> Self {
@@ -187,11 +195,7 @@ impl Plan {
     /// From what an upsampling computes the values of single points.
     pub fn sources(&self, step: &Scheduled) -> Option<Sources<'_>> {
         let kernel = self.kernel.first()?;
-        let noise = self.perturbation.map(|perturbation| Noise {
-            amplitude: (0..step.upsamplings).fold(perturbation.amplitude, |c, _| c * perturbation.decay),
-            seed: perturbation.seed,
-            upsamplings: step.upsamplings,
-        });
+        let noise = self.perturbation.map(|perturbation| perturbation.at(step.upsamplings));
         Some(Sources {
             kernel,
             kernel_longitude: self.latitude.as_ref().and_then(|latitude| latitude.kernel_longitude.as_ref()),

@@ -3,6 +3,7 @@
 mod formulas;
 mod laws;
 mod levels;
+mod perturbed;
 mod refusals;
 mod sides;
 mod varying;

@@ -1,5 +1,7 @@
 //! The cycle of a plan as its limit needs it: level by level on patches, until its numbers no longer change.
 
+use std::sync::Arc;
+
 use super::Unlimited;
 use super::matrix::{Matrix, Record, Weights};
 use super::own::Own;
@@ -57,23 +59,30 @@ impl<'a> Cycle<'a> {
         self.levels[level.min(self.settled)]
     }
 
+    /// Number of upsamplings before a step of a level, from the beginning of the plan.
+    pub(super) fn upsamplings(&self, level: usize, step: &Scheduled) -> u32 {
+        let each = self.level(level).iter().filter(|step| step.letter.operator.heirs().refine()).count();
+        step.upsamplings + index(level.saturating_sub(self.settled) * each)
+    }
+
     /// One level on the patch around a centre. Levels beyond the settled one are like it.
     pub(super) fn step(&self, level: usize, patch: &Patch, rings: Rings) -> Result<Child, Unlimited> {
         let own = Own::default();
-        let (found, record, origins) = self.refined(level, patch, &own, rings, Weights::Exact)?;
+        let (found, record, origins, _) = self.refined(level, patch, &own, rings, Weights::Exact)?;
         let matrix = record.matrix(&found.vertices[..found.patch.support], &origins, patch.support);
         Ok(Child { patch: found.patch, matrix: matrix.ok_or(Unlimited::Reach)?, turn: found.turn })
     }
 
-    /// The child's patch, and where it lies in the net after a level.
-    pub(super) fn child(&self, patch: &Patch, own: &Own, rings: Rings) -> Result<Found, Unlimited> {
-        self.refined(self.settled, patch, own, rings, Weights::Exact).map(|(found, ..)| found)
+    /// The child's patch, and where it lies in the net after a level, whose topology this is.
+    pub(super) fn child(&self, patch: &Patch, own: &Own, rings: Rings) -> Result<(Found, Arc<Topology>), Unlimited> {
+        let refined = self.refined(self.settled, patch, own, rings, Weights::Exact);
+        refined.map(|(found, _, _, topology)| (found, topology))
     }
 
     /// Whether what could have a weight in the child's support lies in the support of the patch; and the child.
     pub(super) fn closes(&self, patch: &Patch, rings: Rings) -> Result<(bool, Patch), Unlimited> {
         let own = Own::default();
-        let (found, record, origins) = self.refined(self.settled, patch, &own, rings, Weights::Structural)?;
+        let (found, record, origins, _) = self.refined(self.settled, patch, &own, rings, Weights::Structural)?;
         let matrix = record.matrix(&found.vertices[..found.patch.support], &origins, patch.support);
         Ok((matrix.is_some(), found.patch))
     }
@@ -85,7 +94,7 @@ impl<'a> Cycle<'a> {
         own: &Own,
         rings: Rings,
         weights: Weights,
-    ) -> Result<(Found, Record, Vec<u32>), Unlimited> {
+    ) -> Result<(Found, Record, Vec<u32>, Arc<Topology>), Unlimited> {
         let (mut net, origins) = patch.net(self.plan.rules).ok_or(Unlimited::Reach)?;
         if own.first().are_there() {
             let directions = net.directions.as_deref().cloned();
@@ -102,7 +111,7 @@ impl<'a> Cycle<'a> {
         let topology = net.topology();
         let whole = Whole::of(&net, &topology);
         let found = whole.least_patch(centre, rings).ok_or(Unlimited::Size)?;
-        Ok((found, record, origins))
+        Ok((found, record, origins, topology))
     }
 
     /// A net after the settled level: what the probes of the scheme look at.

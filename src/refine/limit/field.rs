@@ -72,8 +72,9 @@ impl Field {
         let mut known: BTreeMap<(Patch, Own), u32> = BTreeMap::new();
         for chunk in rest.chunks(CHUNK) {
             watch.check().map_err(Unlimited::Stopped)?;
-            let patches: Vec<Option<(Patch, Own)>> =
-                chunk.par_iter().map(|&v| patch(&whole, &net, v, rings)).collect::<Result<_, _>>()?;
+            let patch =
+                |&v: &u32| patch(&whole, &net, v, rings).map(|found| found.map(|(found, own)| (found.patch, own)));
+            let patches: Vec<Option<(Patch, Own)>> = chunk.par_iter().map(patch).collect::<Result<_, _>>()?;
             for (&v, patch) in chunk.iter().zip(patches) {
                 let next = index(known.len()) + ALONE + 1;
                 classes[v as usize] = patch.map_or(ALONE, |patch| *known.entry(patch).or_insert(next));
@@ -98,6 +99,17 @@ impl Field {
         };
         let masks = patches.par_iter().map(find).collect::<Result<_, _>>()?;
         Ok(Self { net, topology, rings, classes, masks, regular: grid })
+    }
+
+    /// A net each of whose vertices has its own mask; `None` for those without faces.
+    pub(super) fn of_masks(net: MeshNet, topology: Arc<Topology>, rings: Rings, masks: Vec<Option<Arc<Mask>>>) -> Self {
+        let mut n = ALONE;
+        let class = |mask: &Option<Arc<Mask>>| {
+            n += u32::from(mask.is_some());
+            if mask.is_some() { n } else { ALONE }
+        };
+        let classes = masks.iter().map(class).collect();
+        Self { net, topology, rings, classes, masks: masks.into_iter().flatten().collect(), regular: None }
     }
 
     /// Why a regular vertex has no tangents, if it has none: then the scheme has none.
@@ -209,13 +221,13 @@ pub(super) fn carries(net: &MeshNet) -> bool {
 }
 
 /// The patch around a vertex, and the numbers that its vertices carry; `None` for a vertex without faces.
-fn patch(whole: &Whole<'_>, net: &MeshNet, v: u32, rings: Rings) -> Result<Option<(Patch, Own)>, Unlimited> {
+pub(super) fn patch(whole: &Whole<'_>, net: &MeshNet, v: u32, rings: Rings) -> Result<Option<(Found, Own)>, Unlimited> {
     if whole.topology.is_isolated(v as usize) {
         return Ok(None);
     }
     let found = whole.patch(Centre::Vertex(v), rings).ok_or(Unlimited::Size)?;
     let own = net.attributes.as_ref().map_or_else(Own::default, |attributes| Own::of(attributes, &found.vertices));
-    Ok(Some((found.patch, own)))
+    Ok(Some((found, own)))
 }
 
 /// For each vertex whether one of the rings around it, but for the rim of the last, is not part of a grid of quads.

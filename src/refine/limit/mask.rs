@@ -45,7 +45,7 @@ impl Mask {
 }
 
 /// Weights divided by their sum, which differs from 1 by rounding only.
-fn summing_to_one(mut row: Vec<f64>) -> Vec<f64> {
+pub(super) fn summing_to_one(mut row: Vec<f64>) -> Vec<f64> {
     let sum: f64 = row.iter().sum();
     row.iter_mut().for_each(|x| *x /= sum);
     row
@@ -53,7 +53,7 @@ fn summing_to_one(mut row: Vec<f64>) -> Vec<f64> {
 
 /// The weights of a tangent, cleared of what they sum to, which is rounding and would grow against them from level to
 /// level, and divided by the largest, so that they do not vanish.
-fn tangential(mut row: Vec<f64>) -> Vec<f64> {
+pub(super) fn tangential(mut row: Vec<f64>) -> Vec<f64> {
     tangent::sum_to_zero(&mut row);
     let largest = row.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     if largest > 0.0 {

@@ -18,6 +18,7 @@ mod matrix;
 mod normals;
 mod own;
 mod patch;
+mod perturbed;
 mod probe;
 mod sector;
 mod skeleton;
@@ -38,6 +39,7 @@ use field::{Field, FieldRows, Wish};
 use mask::Finder;
 pub(super) use normals::Normals;
 use own::Common;
+pub use perturbed::{ROWS_A_POINT, followed_points};
 use probe::{Regular, Smoothness};
 
 /// What of the limit surface is asked for.
@@ -96,12 +98,20 @@ pub enum Unlimited {
     /// New points are no weighted means of old ones.
     #[error("limits are known for linear schemes only")]
     NotLinear,
-    /// Numbers that go on changing.
+    /// More perturbed points than are followed.
     #[error(
-        "the limit of a perturbed plan depends on all later levels: the perturbation of a vertex there goes by its number \
-             in the whole net; leave the perturbation out"
+        "the vertices of a perturbed plan have more than {} points around them in all, with which each is followed by itself, \
+             beyond which no limit is computed; ask for fewer levels",
+        perturbed::MAX_POINTS
     )]
-    Perturbed,
+    Followed,
+    /// Perturbations that do not fade.
+    #[error(
+        "the perturbation keeps the points around a vertex apart for more than {} levels, beyond which no limit is computed; \
+             choose a smaller amplitude or decay",
+        perturbed::MAX_LEVELS
+    )]
+    Wild,
     /// More vertices with different numbers than are followed.
     #[error(
         "the parameters around more than {} vertices differ, each of which is followed by itself, beyond which no limit is \
@@ -154,7 +164,6 @@ pub fn check(plan: &Plan, is_open: bool) -> Result<(), Unlimited> {
     let first_finer = cycle.iter().position(|letter| heirs(letter).refine());
     let first_dual = cycle.iter().position(|letter| matches!(heirs(letter), Heirs::Dual | Heirs::Faces));
     match (first_finer, first_dual) {
-        _ if plan.perturbation.is_some() => Err(Unlimited::Perturbed),
         (None, _) => Err(Unlimited::NoUpsampling),
         (Some(_), Some(_)) if is_open => Err(Unlimited::LostBoundary),
         (Some(finer), Some(dual)) if dual < finer => Err(Unlimited::DualFirst),
@@ -175,6 +184,8 @@ pub(super) fn limits(
     // what comes before the first upsampling moves points only, so that the limit of each stays the same
     let before = ahead.iter().take_while(|step| !step.letter.operator.heirs().refine()).count();
     let (net, points) = act_on(net.clone(), points.to_vec(), plan, &ahead[..before], watch)?;
+    let (perturbation, rows) = (perturbed::of(plan), ROWS_A_POINT * followed_points(plan, asked));
+    let plan = &Plan { perturbation: None, ..plan.clone() };
     let own = net.attributes.as_deref().map_or_else(Vec::new, own::extremes);
     let alphas: Vec<f64> = own.iter().filter_map(Common::alpha).chain([plan.alpha]).collect();
     let cycle =
@@ -189,9 +200,16 @@ pub(super) fn limits(
     if smoothness == Smoothness::Rough {
         return Err(Unlimited::Rough);
     }
-    let with_tangents = asked.normals && smoothness == Smoothness::Smooth;
+    let kinked = perturbation.as_ref().filter(|_| asked.normals).and_then(perturbed::no_normals);
+    if kinked.is_some() && !asked.positions {
+        return Ok(Limits { warning: kinked, ..Limits::default() });
+    }
+    let with_tangents = asked.normals && smoothness == Smoothness::Smooth && kinked.is_none();
     let finder = Finder::new(&cycle, rings, with_tangents);
-    let field = Field::new(net, regular, rings, &finder, watch)?;
+    let field = match perturbation {
+        Some(perturbation) => perturbed::field(net, rings, &finder, perturbation, rows, watch)?,
+        None => Field::new(net, regular, rings, &finder, watch)?,
+    };
     let places = field.sectors();
     let rows = |places, wish| FieldRows { field: &field, places, wish };
     let vertices = &places[..field.n_vertices()];
@@ -202,6 +220,9 @@ pub(super) fn limits(
     }
     if smoothness == Smoothness::Continuous {
         return Ok(Limits { points: moved, ..Limits::without_normals(&"the scheme has no continuous tangents") });
+    }
+    if kinked.is_some() {
+        return Ok(Limits { points: moved, warning: kinked, ..Limits::default() });
     }
     if let Some(why) = field.no_regular_tangents() {
         return Ok(Limits { points: moved, ..Limits::without_normals(&why.at("a regular vertex")) });

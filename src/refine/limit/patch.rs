@@ -93,6 +93,8 @@ pub(super) struct Found {
     pub(super) patch: Patch,
     /// For each of its vertices the number in the whole.
     pub(super) vertices: Vec<u32>,
+    /// For each of its faces the corner in the whole that is the first one here.
+    pub(super) corners: Vec<u32>,
     /// Where the walk started: this many corners after the first in the ring of the centre.
     pub(super) turn: usize,
 }
@@ -214,6 +216,7 @@ impl Whole<'_> {
             local: Vec::new(),
             reached: Vec::new(),
             known: Numbers::default(),
+            corners: Vec::new(),
             faces: Numbers::default(),
             sharp_edges: Vec::new(),
             directions: Vec::new(),
@@ -263,7 +266,7 @@ impl Whole<'_> {
             sharp_vertices,
             directions: walk.directions,
         };
-        Some(Found { patch, vertices, turn: 0 })
+        Some(Found { patch, vertices, corners: walk.corners, turn: 0 })
     }
 }
 
@@ -275,6 +278,7 @@ struct Walk<'a> {
     /// For each vertex of the patch a corner at it, by which it was reached.
     reached: Vec<u32>,
     known: Numbers,
+    corners: Vec<u32>,
     faces: Numbers,
     sharp_edges: Vec<(u32, u64)>,
     directions: Vec<Direction>,
@@ -313,6 +317,7 @@ impl Walk<'_> {
         }
         let size = topology.face(face).len();
         self.sizes.push(index(size));
+        self.corners.push(corner);
         let mut at = corner;
         for _ in 0..size {
             if let Some(sharpness) = self.whole.sharpness {

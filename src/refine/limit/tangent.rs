@@ -306,7 +306,7 @@ fn mixed(mix: &[f64], vectors: &[Vec<f64>]) -> Vec<f64> {
 }
 
 /// Fixed vectors without a pattern that a symmetry of a patch could share.
-fn starting_vectors(n: usize, width: usize) -> Vec<Vec<f64>> {
+pub(super) fn starting_vectors(n: usize, width: usize) -> Vec<Vec<f64>> {
     let mut state = 0x9E37_79B9_7F4A_7C15_u64;
     let mut next = || {
         // xorshift: G. Marsaglia, Journal of Statistical Software 8 (2003), 1-6

@@ -239,7 +239,8 @@ pub const PERTURBATION: Parameter = Parameter {
     ]),
     unit: "",
     default: Default::Absent,
-    doc: "Random perturbation of kernel and compensation by c gamma^h xi at the h-th U, from the plan's seed.",
+    doc: "Random perturbation of kernel and compensation by c gamma^h xi at the h-th U, from the plan's seed; on meshes in \
+          words over U, C and P with split quad.",
 };
 
 /// Into what the faces of a mesh are split.

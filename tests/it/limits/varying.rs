@@ -133,16 +133,6 @@ fn too_many_vertices_with_different_parameters_are_refused() {
     assert!(faults[0].detail.contains("ask for fewer levels"), "{faults:?}");
 }
 
-#[test]
-fn perturbed_plans_have_no_limit_that_is_known() {
-    let plan = json!({ "word": "UC", "parameters": { "perturbation": { "amplitude": 0.1 } } });
-    let job = json!({ "input": nets::cube().input(), "plan": plan, "levels": 1,
-        "outputs": [{ "format": "obj", "positions": "limit" }] });
-    let faults = parsed(job.to_string().as_bytes()).expect_err("it has no limit");
-    assert_eq!(faults[0].pointer, "/outputs/0/positions");
-    assert!(faults[0].detail.contains("leave the perturbation out"), "{faults:?}");
-}
-
 fn real(n: usize) -> f64 {
     f64::from(u32::try_from(n).expect("a small number"))
 }

@@ -1,0 +1,241 @@
+//! Limits under perturbations that decay: each vertex is followed through the levels with its surroundings.
+//!
+//! The perturbation of a point at a later level goes by its number in the whole net there, so that no two vertices share
+//! a mask. The numbers of the points around a vertex follow from level to level (see [`Numbering`]), and with them the
+//! matrices. The product of these ends where what is left of the perturbation no longer matters, or where the points
+//! around the vertex are together. The rest is a mask of the plan without perturbation.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::field::{Field, patch};
+use super::mask::{Finder, Mask, Masks, summing_to_one, tangential};
+use super::matrix::Matrix;
+use super::own::{Common, Own};
+use super::patch::{Centre, Found, Patch, Rings, Whole};
+use super::sector::Sectors;
+use super::tangent::starting_vectors;
+use super::{Asked, Unlimited};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::ops::Role;
+use crate::scheme::plan::{Perturbation, Plan};
+use crate::shape::numbering::Numbering;
+use crate::shape::topology::index;
+use crate::watch::Watch;
+
+/// Most points in the surroundings of all vertices together.
+pub(super) const MAX_POINTS: usize = 1 << 20;
+/// Rows that take as long as following one of them: measured, 50 to 200 microseconds.
+pub const ROWS_A_POINT: u64 = 1_000;
+/// Levels within which the points around a vertex have to come together.
+pub(super) const MAX_LEVELS: usize = 1_000;
+/// Perturbations below which what is still to come is left out: times the distances they act on for positions, by
+/// themselves for tangents.
+const QUIET: f64 = 1e-16;
+/// Points that are no further apart, of 1 at the beginning, are together.
+const TOGETHER: f64 = 1e-18;
+/// Vectors of coordinates that tell how far the points around a vertex are apart.
+const WITNESSES: usize = 8;
+/// Vertices whose surroundings are counted at a time.
+const CHUNK: usize = 4_096;
+
+/// The perturbation of a plan, if it has any say in the cycle.
+pub(super) fn of(plan: &Plan) -> Option<Perturbation> {
+    let uses = |role: Role| matches!(role, Role::Average | Role::PushBack);
+    let acts = plan.word.cycle.iter().any(|letter| uses(letter.operator.role()));
+    plan.perturbation.filter(|perturbation| acts && perturbation.amplitude != 0.0)
+}
+
+/// About how many points are around a vertex that is followed by itself for what is asked of a mesh; 0 where none is.
+pub fn followed_points(plan: &Plan, asked: Asked) -> u64 {
+    let with_normals = |perturbation: &Perturbation| asked.normals && no_normals(perturbation).is_none();
+    if !of(plan).is_some_and(|perturbation| asked.positions || with_normals(&perturbation)) {
+        return 0;
+    }
+    let rings = plan.word.cycle.iter().filter(|letter| letter.operator.role() != Role::Upsample).count() as u64;
+    (2 * rings + 1).saturating_pow(2)
+}
+
+/// Why there are no limit normals: perturbations are known to leave tangents where they decay by less than 1/2.
+pub(super) fn no_normals(perturbation: &Perturbation) -> Option<String> {
+    let decay = perturbation.decay;
+    (decay >= 0.5).then(|| {
+        format!(
+            "the normals are weighted by area, as limits of perturbed plans are known to have normals where \"decay\" is \
+             below 1/2; here it is {decay}"
+        )
+    })
+}
+
+/// The masks of all vertices of a net; each counts as work of so many rows.
+pub(super) fn field(
+    net: MeshNet,
+    rings: Rings,
+    finder: &Finder<'_>,
+    perturbation: Perturbation,
+    rows: u64,
+    watch: &Watch,
+) -> Result<Field, Unlimited> {
+    let topology = net.topology();
+    let whole = Whole::of(&net, &topology);
+    check_size(&whole, rings, watch)?;
+    let numbering = Numbering::of(&topology);
+    let plain = Masks::new(finder, Common::default());
+    let mask = |v: u32| {
+        watch.check()?;
+        let Some((found, own)) = patch(&whole, &net, v, rings)? else { return Ok(None) };
+        let numbering = numbering.part(&topology, &found.vertices, &found.corners);
+        let follower = Follower { finder, plain: &plain, perturbation, watch };
+        let mask = follower.mask(found, own, numbering)?;
+        watch.advance(rows);
+        Ok(Some(Arc::new(mask)))
+    };
+    let all = 0..index(topology.n_vertices());
+    let masks = all.into_par_iter().map(mask).collect::<Result<Vec<_>, Unlimited>>()?;
+    Ok(Field::of_masks(net, topology, rings, masks))
+}
+
+/// Whether not too many points are around all vertices together.
+fn check_size(whole: &Whole<'_>, rings: Rings, watch: &Watch) -> Result<(), Unlimited> {
+    let topology = whole.topology;
+    let all: Vec<u32> = (0..index(topology.n_vertices())).filter(|&v| !topology.is_isolated(v as usize)).collect();
+    let mut points = 0;
+    for chunk in all.chunks(CHUNK) {
+        watch.check()?;
+        let size = |&v: &u32| whole.patch(Centre::Vertex(v), rings).map(|found| found.vertices.len());
+        let sizes: Option<Vec<usize>> = chunk.par_iter().map(size).collect();
+        points += sizes.ok_or(Unlimited::Size)?.iter().sum::<usize>();
+        if points > MAX_POINTS {
+            return Err(Unlimited::Followed);
+        }
+    }
+    Ok(())
+}
+
+/// Follows vertices.
+struct Follower<'a> {
+    finder: &'a Finder<'a>,
+    plain: &'a Masks<'a>,
+    perturbation: Perturbation,
+    watch: &'a Watch,
+}
+
+/// A level on the way of a vertex.
+struct Level {
+    /// From the points around it before to those after.
+    matrix: Matrix,
+    /// For each sector before the one that it becomes; empty where there is one only.
+    sectors: Vec<usize>,
+}
+
+impl Follower<'_> {
+    /// The mask of a patch whose parts have these numbers in the whole net.
+    fn mask(&self, found: Found, own: Own, numbering: Numbering) -> Result<Mask, Unlimited> {
+        let (mut patch, mut own, mut numbering) = (found.patch, own, numbering);
+        let mut spread = Spread::new(patch.support);
+        let mut levels: Vec<Level> = Vec::new();
+        let last = loop {
+            self.watch.check()?;
+            if !self.finder.with_tangents && spread.is_none() {
+                break Mask { position: patch.middle(), tangents: Vec::new() };
+            }
+            if own.agree() && self.is_quiet(levels.len(), &spread) {
+                break self.unperturbed(levels.len(), &patch, &own)?;
+            }
+            if levels.len() >= MAX_LEVELS || !spread.is_finite() {
+                return Err(Unlimited::Wild);
+            }
+            let parts = (&own, Some((&numbering, self.perturbation)));
+            let (child, next) = self.finder.skeletons.followed(levels.len(), &patch, parts)?;
+            let before = Sectors::of(&patch);
+            let sectors =
+                if before.n > 1 { before.children(&Sectors::of(&child.patch), child.turn) } else { Vec::new() };
+            spread.go_on(&child.matrix);
+            levels.push(Level { matrix: child.matrix, sectors });
+            patch = child.patch;
+            own = next.0;
+            numbering = next.1.ok_or(Unlimited::Wild)?;
+        };
+        Ok(levels.iter().rev().fold(last, |mask, level| before(&mask, level)))
+    }
+
+    /// Whether the perturbations from a level on change nothing.
+    fn is_quiet(&self, level: usize, spread: &Spread) -> bool {
+        let cycle = self.finder.cycle;
+        let upsamplings = cycle.level(level).first().map_or(0, |step| cycle.upsamplings(level, step));
+        // c gamma^h (1 + gamma + gamma^2 + ...)
+        let left = self.perturbation.at(upsamplings).amplitude / (1.0 - self.perturbation.decay);
+        left * if self.finder.with_tangents { 1.0 } else { spread.now.min(1.0) } <= QUIET
+    }
+
+    /// The mask of the plan without perturbation.
+    fn unperturbed(&self, level: usize, patch: &Patch, own: &Own) -> Result<Mask, Unlimited> {
+        let common = own.first();
+        let mask = if common.are_there() {
+            Masks::new(self.finder, common).of(level, patch)?
+        } else {
+            self.plain.of(level, patch)?
+        };
+        Ok(Mask::clone(&mask))
+    }
+}
+
+/// The same limit seen from one level before.
+///
+/// Of two tangents the second is cleared of the first, which changes no normal: where the first grows faster backwards
+/// the second would drown in it.
+fn before(mask: &Mask, level: &Level) -> Mask {
+    let back = |[t, u]: &[Vec<f64>; 2]| {
+        let t = tangential(level.matrix.times_row(t));
+        let mut u = level.matrix.times_row(u);
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        let along = dot(&u, &t) / dot(&t, &t);
+        u.iter_mut().zip(&t).for_each(|(x, y)| *x -= along * y);
+        [t, tangential(u)]
+    };
+    let child = |sector: usize| level.sectors.get(sector).copied().unwrap_or(sector);
+    let tangents =
+        (0..mask.tangents.len()).map(|sector| mask.tangents[child(sector)].as_ref().map(back).map_err(|why| *why));
+    Mask { position: summing_to_one(level.matrix.times_row(&mask.position)), tangents: tangents.collect() }
+}
+
+/// How far the points around a vertex are apart, of 1 at the beginning.
+struct Spread {
+    /// Coordinates, less those of the centre.
+    witnesses: Vec<Vec<f64>>,
+    now: f64,
+    least: f64,
+    /// By what it grew at most between any two levels: perturbations to come are smaller.
+    growth: f64,
+}
+
+impl Spread {
+    fn new(support: usize) -> Self {
+        Self { witnesses: starting_vectors(support, WITNESSES), now: 1.0, least: 1.0, growth: 1.0 }
+    }
+
+    /// After a level.
+    fn go_on(&mut self, matrix: &Matrix) {
+        for witness in &mut self.witnesses {
+            let mut next = matrix.times_column(witness);
+            let centre = next[0];
+            next.iter_mut().for_each(|x| *x -= centre);
+            *witness = next;
+        }
+        let all = || self.witnesses.iter().flatten();
+        let largest = all().fold(0.0, |most: f64, x| most.max(x.abs()));
+        self.now = if all().all(|x| x.is_finite()) { largest } else { f64::INFINITY };
+        self.least = self.least.min(self.now);
+        self.growth = self.growth.max(self.now / self.least);
+    }
+
+    /// Whether the points are together, and stay so.
+    fn is_none(&self) -> bool {
+        self.now * self.growth <= TOGETHER
+    }
+
+    fn is_finite(&self) -> bool {
+        self.now.is_finite() && self.growth.is_finite()
+    }
+}
