@@ -3,6 +3,7 @@
 use planish::job::limits::Limits;
 use planish::job::{RunError, run};
 use planish::watch::Watch;
+use proptest::prelude::*;
 use serde_json::{Value, json};
 
 use crate::support::nets::{self, Net, distance};
@@ -278,4 +279,17 @@ fn following_vertices_is_forecast_and_can_be_stopped() {
     waiting.join().expect("it stops");
     assert!(matches!(ended, Err(RunError::Stopped(_))), "{ended:?}");
     assert!(u128::from(watch.done()) < estimate.forecast.work / 2, "{} rows", watch.done());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 12, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Any faces, boundaries and vertices without faces.
+    #[test]
+    fn limits_of_random_nets_stay_under_one_more_level(net in nets::manifold(), decay in 0.1..0.95) {
+        let (mesh, plan) = (net.to_json(), plan("UCP", 0.3, decay));
+        let [coarse, fine] = [0, 1].map(|levels| limit(&mesh, &plan, levels));
+        let off = apart(&coarse, &fine, coarse.positions.len());
+        prop_assert!(off < 1e-12, "decay {}: {}", decay, off);
+    }
 }
