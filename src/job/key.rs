@@ -258,7 +258,9 @@ fn plan(job: &Job, output: &Output) -> Item<'static> {
             Item::List(head.into_iter().chain(kernel_longitude.as_ref().map(expression)).collect()),
         ));
     }
-    functions.extend(rules(job).map(|rule| (rule, text("yes"))));
+    if levels > 0 || shows_limit(output) {
+        functions.extend(rules(job).map(|rule| (rule, text("yes"))));
+    }
     let (is_mesh, is_open) = job.input.kind();
     if is_open && is_mesh {
         functions.push(("boundary", Item::Integer(plan.boundary as u64)));
@@ -278,11 +280,11 @@ fn plan(job: &Job, output: &Output) -> Item<'static> {
 fn rules(job: &Job) -> impl Iterator<Item = &'static str> {
     let Rules { creasing, triangles } = job.plan.rules;
     let (chaikin, smooth) = match &job.input {
-        Input::Mesh(mesh) if job.levels > 0 => (
+        Input::Mesh(mesh) => (
             creasing == Creasing::Chaikin && mesh.creases.iter().any(|&(_, s)| s < INFINITE_SHARPNESS),
             triangles == TriangleRule::Smooth && (0..mesh.topology.n_faces()).any(|f| mesh.topology.face(f).len() == 3),
         ),
-        _ => (false, false),
+        Input::Polygons(_) => (false, false),
     };
     [(chaikin, "chaikin creasing"), (smooth, "smooth triangles")].into_iter().filter(|rule| rule.0).map(|rule| rule.1)
 }

@@ -118,6 +118,25 @@ fn limits_belong_to_the_plan_at_level_0_too() {
     }
 }
 
+/// So are the rules by which sharpness becomes less, and those beside triangles.
+#[test]
+fn rules_of_meshes_belong_to_limits_at_level_0_too() {
+    let mut mesh = nets::tetrahedron().to_json();
+    mesh["creases"] = json!([{ "edge": [0, 1], "sharpness": 1.5 }, { "edge": [1, 2], "sharpness": 0.5 }]);
+    let plan = |parameters: Value| json!({ "preset": "catmull-clark", "parameters": parameters });
+    let others = [json!({ "triangle_rule": "smooth" }), json!({ "creasing": "chaikin" })].map(plan);
+    for output in [json!({ "format": "json", "positions": "limit" }), json!({ "format": "ply", "normals": "limit" })] {
+        let base = json!({ "input": { "mesh": mesh }, "plan": plan(json!({})), "levels": 0, "outputs": [output] });
+        check_distinct(&base, &others.clone().map(|plan| ("/plan", plan)));
+    }
+    // without limits they change nothing there
+    let base = json!({ "input": { "mesh": mesh }, "plan": plan(json!({})), "levels": 0,
+        "outputs": [{ "format": "json" }] });
+    for other in others {
+        check_equal(&base.to_string(), &with(&base, "/plan", other).to_string());
+    }
+}
+
 #[test]
 fn tangents_belong_to_the_key() {
     let mut base = curve_job();

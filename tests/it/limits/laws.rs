@@ -22,6 +22,7 @@ fn plans() -> Vec<Value> {
     let circle = |delta: f64| json!({ "alpha": "pi/3", "kernel": "cos(alpha/2)", "compensation": "1/cos(alpha/2)", "delta": delta });
     vec![
         json!({ "preset": "catmull-clark" }),
+        json!({ "preset": "catmull-clark", "parameters": { "triangle_rule": "smooth" } }),
         word("UC"),
         word("UCP"),
         word("UCC"),
@@ -174,16 +175,20 @@ fn limits_of_creases_do_not_move_under_more_levels() {
         json!([crease(4, 5, 10.0)]),
         json!([crease(4, 5, 1.7), crease(5, 7, 0.4)]),
         json!([crease(4, 5, 10.0), crease(5, 7, 10.0), crease(1, 5, 10.0), crease(6, 7, 2.5)]),
+        json!([crease(4, 5, 0.5), crease(5, 7, 2.5), crease(6, 7, 1.2), crease(4, 6, 1.9)]),
     ] {
-        let at = |levels: u32| {
-            let mesh = json!({ "positions": cube.positions, "faces": cube.faces, "creases": creases });
-            let job = json!({ "input": { "mesh": mesh }, "plan": { "preset": "catmull-clark" }, "levels": levels });
-            Net::of(&json_with(job, &json!({ "positions": "limit" }))).positions
-        };
-        let (coarse, fine) = (at(0), at(3));
-        for v in 0..8 {
-            let off = distance(&coarse[v], &fine[v]);
-            assert!(off <= 1e-13, "{creases}: vertex {v} moves by {off}");
+        for creasing in ["uniform", "chaikin"] {
+            let at = |levels: u32| {
+                let mesh = json!({ "positions": cube.positions, "faces": cube.faces, "creases": creases });
+                let plan = json!({ "preset": "catmull-clark", "parameters": { "creasing": creasing } });
+                let job = json!({ "input": { "mesh": mesh }, "plan": plan, "levels": levels });
+                Net::of(&json_with(job, &json!({ "positions": "limit" }))).positions
+            };
+            let (coarse, fine) = (at(0), at(3));
+            for v in 0..8 {
+                let off = distance(&coarse[v], &fine[v]);
+                assert!(off <= 1e-13, "{creasing}: {creases}: vertex {v} moves by {off}");
+            }
         }
     }
 }
