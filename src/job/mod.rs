@@ -241,7 +241,7 @@ impl Job {
 /// Whether limit positions of a mesh can be had where they are asked for, as far as that can be told before refining.
 fn check_limit(input: &Input, plan: &Plan, output: &Output) -> Result<(), RefineError> {
     match (input, surface::limit(&output.options)) {
-        (Input::Mesh(mesh), [true, _]) => Ok(refine::check_limit(plan, mesh.topology.n_boundary() > 0)?),
+        (Input::Mesh(_), [true, _]) => Ok(refine::check_limit(plan)?),
         _ => Ok(()),
     }
 }

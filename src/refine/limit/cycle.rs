@@ -3,19 +3,22 @@
 use std::sync::Arc;
 
 use super::Unlimited;
+use super::heir::heir;
 use super::matrix::{Matrix, Record, Weights};
 use super::own::Own;
-use super::patch::{Centre, Found, Patch, Rings, Whole};
-use crate::math::rows::Rows;
+use super::patch::{Found, Patch, Rings, Whole};
 use crate::refine::values;
-use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::mesh_net::{Boundary, MeshNet};
 use crate::scheme::ops::Heirs;
 use crate::scheme::plan::{Plan, Scheduled};
-use crate::scheme::step::{Action, StepError};
+use crate::scheme::step::Action;
 use crate::shape::topology::{Topology, index};
 
 /// Levels that are scheduled beyond the last one. An alpha that is halved as often is below 1e-18 of what it was.
 pub(in crate::refine) const AHEAD: u32 = 62;
+
+/// Most points that a level may make of a patch.
+pub(super) const MAX_POINTS: usize = 1 << 22;
 
 /// Numbers that differ by no more than this, relative to 1 or their size, are the same.
 const SAME: f64 = 2e-16;
@@ -24,6 +27,8 @@ const SAME: f64 = 2e-16;
 #[derive(Debug)]
 pub(super) struct Cycle<'a> {
     pub(super) plan: &'a Plan,
+    /// Where a D makes new vertices with one face: whether they keep their place.
+    pub(super) boundary: Boundary,
     levels: Vec<&'a [Scheduled]>,
     /// The first of these levels from which on no number changes.
     pub(super) settled: usize,
@@ -41,9 +46,10 @@ pub(super) struct Child {
 }
 
 impl<'a> Cycle<'a> {
-    /// The levels in `ahead`, which starts with an upsampling; `length` operators each. `alphas` are some that vertices
-    /// carry.
-    pub(super) fn new(plan: &'a Plan, ahead: &'a [Scheduled], length: usize, alphas: &[f64]) -> Self {
+    /// The levels in `ahead`, which starts with an upsampling, on an open mesh or a closed one. `alphas` are some that
+    /// vertices carry.
+    pub(super) fn new(plan: &'a Plan, ahead: &'a [Scheduled], is_open: bool, alphas: &[f64]) -> Self {
+        let length = plan.word.cycle.len();
         let levels: Vec<&[Scheduled]> = ahead.chunks_exact(length).collect();
         let last = levels.len() - 1;
         let settled = |&level: &usize| {
@@ -51,7 +57,8 @@ impl<'a> Cycle<'a> {
             same(level, last) && alphas.iter().all(|&alpha| same_at(plan, alpha, level, last))
         };
         let settled = (0..last).rev().take_while(settled).last().unwrap_or(last);
-        Self { plan, levels, settled }
+        let boundary = if is_open { plan.boundary } else { Boundary::EdgeOnly };
+        Self { plan, boundary, levels, settled }
     }
 
     /// The operators of a level; those beyond the settled one are like it.
@@ -95,7 +102,11 @@ impl<'a> Cycle<'a> {
         rings: Rings,
         weights: Weights,
     ) -> Result<(Found, Record, Vec<u32>, Arc<Topology>), Unlimited> {
-        let (mut net, origins) = patch.net(self.plan.rules).ok_or(Unlimited::Reach)?;
+        let pieces = self.pieces();
+        if patch.n_vertices.saturating_mul(pieces.saturating_mul(pieces)) > MAX_POINTS {
+            return Err(Unlimited::Fine);
+        }
+        let (mut net, origins) = patch.net(self.plan.rules, self.boundary).ok_or(Unlimited::Reach)?;
         if own.first().are_there() {
             let directions = net.directions.as_deref().cloned();
             net = net.carrying(Some(own.attributes(&origins)), directions);
@@ -129,6 +140,12 @@ impl<'a> Cycle<'a> {
         Ok(net)
     }
 
+    /// Pieces of an edge after a level, also where other faces than quads are split otherwise.
+    pub(super) fn pieces(&self) -> usize {
+        let pieces = self.levels[self.settled].iter().filter(|step| step.letter.operator.heirs().refine());
+        pieces.fold(1, |all, step| all.saturating_mul(step.letter.arity as usize))
+    }
+
     /// Whether it makes a connectivity of its own.
     pub(super) fn rebuilds(&self) -> bool {
         self.levels[self.settled].iter().any(|step| step.letter.operator.rebuilds())
@@ -155,42 +172,6 @@ fn same_at(plan: &Plan, alpha: f64, a: &[Scheduled], b: &[Scheduled]) -> bool {
         let at = |step: &Scheduled| function.value(alpha * step.scale).unwrap_or(f64::NAN);
         a.iter().zip(b).all(|(a, b)| close(at(a), at(b)))
     })
-}
-
-/// What becomes of the centre in one step.
-fn heir(
-    centre: Centre,
-    heirs: Heirs,
-    [before, after]: [&MeshNet; 2],
-    rows: Option<&Rows>,
-) -> Result<Centre, Unlimited> {
-    let lost = || Unlimited::from(StepError::LostPoints("the boundary"));
-    let face_of = |vertices: &[u32]| {
-        let topology = after.topology();
-        let found = (0..topology.n_faces()).find(|&f| same_set(topology.face(f), vertices));
-        found.map(|f| Centre::Face(index(f))).ok_or_else(lost)
-    };
-    match (centre, heirs, rows) {
-        // a dual: the new vertices that an old one takes part in
-        (Centre::Vertex(v), Heirs::Dual, Some(rows)) => {
-            let around: Vec<u32> = (0..rows.len()).filter(|&r| rows.row(r).0.contains(&v)).map(index).collect();
-            face_of(&around)
-        }
-        // a dual or a split into quads: the new vertex that is a mean of the old face
-        (Centre::Face(f), Heirs::Dual | Heirs::Vertices, Some(rows)) => {
-            let topology = before.topology();
-            let face = topology.face(f as usize);
-            let is_child = |r: &usize| same_set(rows.row(*r).0, face);
-            (0..rows.len()).find(is_child).map(|r| Centre::Vertex(index(r))).ok_or_else(lost)
-        }
-        (Centre::Vertex(v), Heirs::Faces, _) => face_of(&before.topology().ring(v as usize).collect::<Vec<_>>()),
-        (Centre::Face(f), Heirs::Faces, _) => face_of(&before.topology().corners(f as usize).collect::<Vec<_>>()),
-        (centre, ..) => Ok(centre),
-    }
-}
-
-fn same_set(a: &[u32], b: &[u32]) -> bool {
-    a.len() == b.len() && a.iter().all(|x| b.contains(x))
 }
 
 /// Whether every face is a triangle.

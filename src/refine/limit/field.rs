@@ -1,4 +1,5 @@
-//! The masks of all vertices of a net: regular ones by walking a grid, the others by their patches.
+//! The masks of all vertices, or of what took their place in a net: regular ones by walking a grid, the others by their
+//! patches.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -15,7 +16,7 @@ use super::sector::Sectors;
 use super::tangent::NoTangents;
 use crate::math::rows::{RowSource, Rows};
 use crate::scheme::mesh_net::MeshNet;
-use crate::shape::topology::{Topology, index};
+use crate::shape::topology::{NONE, Topology, index};
 use crate::watch::Watch;
 
 /// Vertices whose patches are compared at a time.
@@ -27,10 +28,12 @@ const REGULAR: u32 = 0;
 /// The class of vertices without faces.
 const ALONE: u32 = 1;
 
-/// The masks of all vertices of a net.
+/// The masks of all vertices of a net, or of others that it came of.
 #[derive(Debug)]
 pub(super) struct Field {
     net: MeshNet,
+    /// For each vertex what took its place, if that was no vertex without faces; `None` where these are the net's own.
+    centres: Option<Vec<Option<Centre>>>,
     /// Its topology made explicit.
     topology: Arc<Topology>,
     rings: Rings,
@@ -50,9 +53,10 @@ pub(super) enum Wish {
 }
 
 impl Field {
-    /// Finds the masks of all vertices.
+    /// Finds the masks of all vertices of the net, or of these.
     pub(super) fn new(
         net: MeshNet,
+        centres: Option<Vec<Option<Centre>>>,
         regular: Regular,
         rings: Rings,
         finder: &Finder<'_>,
@@ -67,13 +71,20 @@ impl Field {
         let on_grid = near.iter().any(|near| !near);
         let plain = Masks::new(finder, Common::default());
         let grid = if on_grid { Some(regular_mask(rings, &plain)?) } else { None };
-        let mut classes = vec![REGULAR; topology.n_vertices()];
-        let rest: Vec<u32> = (0..topology.n_vertices()).filter(|&v| near[v]).map(index).collect();
+        let n = centres.as_ref().map_or(topology.n_vertices(), Vec::len);
+        let centre = |v: u32| match &centres {
+            Some(centres) => centres[v as usize],
+            None => (!topology.is_isolated(v as usize)).then_some(Centre::Vertex(v)),
+        };
+        let is_regular = |v: &u32| matches!(centre(*v), Some(Centre::Vertex(at)) if !near[at as usize]);
+        let mut classes = vec![REGULAR; n];
+        let rest: Vec<u32> = (0..index(n)).filter(|v| !is_regular(v)).collect();
         let mut known: BTreeMap<(Patch, Own), u32> = BTreeMap::new();
         for chunk in rest.chunks(CHUNK) {
             watch.check().map_err(Unlimited::Stopped)?;
-            let patch =
-                |&v: &u32| patch(&whole, &net, v, rings).map(|found| found.map(|(found, own)| (found.patch, own)));
+            let patch = |&v: &u32| {
+                patch(&whole, &net, centre(v), rings).map(|found| found.map(|(found, own)| (found.patch, own)))
+            };
             let patches: Vec<Option<(Patch, Own)>> = chunk.par_iter().map(patch).collect::<Result<_, _>>()?;
             for (&v, patch) in chunk.iter().zip(patches) {
                 let next = index(known.len()) + ALONE + 1;
@@ -98,7 +109,7 @@ impl Field {
             }
         };
         let masks = patches.par_iter().map(find).collect::<Result<_, _>>()?;
-        Ok(Self { net, topology, rings, classes, masks, regular: grid })
+        Ok(Self { net, centres, topology, rings, classes, masks, regular: grid })
     }
 
     /// A net each of whose vertices has its own mask; `None` for those without faces.
@@ -109,7 +120,15 @@ impl Field {
             if mask.is_some() { n } else { ALONE }
         };
         let classes = masks.iter().map(class).collect();
-        Self { net, topology, rings, classes, masks: masks.into_iter().flatten().collect(), regular: None }
+        Self {
+            net,
+            centres: None,
+            topology,
+            rings,
+            classes,
+            masks: masks.into_iter().flatten().collect(),
+            regular: None,
+        }
     }
 
     /// Why a regular vertex has no tangents, if it has none: then the scheme has none.
@@ -142,7 +161,9 @@ impl Field {
     /// For each corner at a vertex, counter-clockwise, the next vertex of its face and its sector.
     pub(super) fn corners(&self, v: usize) -> Vec<(u32, usize)> {
         let rings = Rings { support: 1, patch: 1 };
-        let Some(found) = self.whole().patch(Centre::Vertex(index(v)), rings) else { return Vec::new() };
+        let Some(found) = self.centre(v).and_then(|centre| self.whole().patch(centre, rings)) else {
+            return Vec::new();
+        };
         let sectors = Sectors::of(&found.patch);
         let faces = found.patch.central_faces().enumerate();
         faces.map(|(i, face)| (found.vertices[face[1] as usize], sectors.of_face(i))).collect()
@@ -152,15 +173,37 @@ impl Field {
     pub(super) fn describe(&self, v: usize) -> String {
         let parted = self.mask(v).is_some_and(|mask| mask.tangents.len() > 1);
         let side = if parted { "one side of the sharp edges at " } else { "" };
-        let kind = if self.net.is_corner(v) {
-            "a corner"
-        } else if self.topology.boundary_edges(v).is_some() {
-            "a boundary vertex"
-        } else {
-            "an interior vertex"
+        let (kind, n) = match self.centre(v) {
+            Some(Centre::Edge(corner)) if self.topology.twin(corner) != NONE => ("an interior vertex", 2),
+            Some(Centre::Edge(_)) | None => return format!("{side}a boundary vertex"),
+            Some(Centre::Face(f)) => ("an interior vertex", self.topology.face(f as usize).len()),
+            Some(Centre::Vertex(v)) => {
+                let v = v as usize;
+                let kind = if self.net.is_corner(v) {
+                    "a corner"
+                } else if self.topology.boundary_edges(v).is_some() {
+                    "a boundary vertex"
+                } else {
+                    "an interior vertex"
+                };
+                (kind, self.topology.ring(v).count())
+            }
         };
-        let n = self.topology.ring(v).count();
         format!("{side}{kind} with {n} {}", if n == 1 { "face" } else { "faces" })
+    }
+
+    /// What took the place of a vertex; `None` for one without faces.
+    fn centre(&self, v: usize) -> Option<Centre> {
+        match &self.centres {
+            Some(centres) => centres[v],
+            None => (!self.is_alone(v)).then(|| Centre::Vertex(index(v))),
+        }
+    }
+
+    /// Vertices without faces that are not in the net.
+    pub(super) fn left_out(&self) -> impl Iterator<Item = usize> {
+        let centres = self.centres.as_deref().unwrap_or_default();
+        centres.iter().enumerate().filter(|(_, centre)| centre.is_none()).map(|(v, _)| v)
     }
 
     /// Number of vertices.
@@ -178,28 +221,23 @@ impl Field {
     }
 
     fn row(&self, v: usize, sector: usize, wish: Wish, out: &mut Rows) {
-        let alone = |out: &mut Rows| out.add(index(v), if wish == Wish::Position { 1.0 } else { 0.0 });
-        match (self.classes[v], &self.regular) {
-            (ALONE, _) => alone(out),
-            (REGULAR, Some(mask)) => {
+        match (self.centre(v), self.classes[v], &self.regular) {
+            (None, ..) if self.centres.is_some() => {}
+            (None, ..) => out.add(index(v), if wish == Wish::Position { 1.0 } else { 0.0 }),
+            (Some(Centre::Vertex(at)), REGULAR, Some(mask)) => {
                 let weights = weights(mask, wish, sector);
-                let mut at = 0;
-                grid(&self.topology, v, self.rings.support, |vertex| {
-                    out.add(vertex, weights[at]);
-                    at += 1;
+                let mut next = 0;
+                grid(&self.topology, at as usize, self.rings.support, |vertex| {
+                    out.add(vertex, weights[next]);
+                    next += 1;
                 });
             }
-            (class, _) => {
-                let whole = self.whole();
+            (Some(centre), class, _) => {
                 // the vertices of the first rings come first, whatever rings follow
                 let rings = Rings { patch: self.rings.support, ..self.rings };
                 let mask = &self.masks[(class - ALONE - 1) as usize];
-                match whole.patch(Centre::Vertex(index(v)), rings) {
-                    Some(found) => {
-                        found.vertices.iter().zip(weights(mask, wish, sector)).for_each(|(&u, &w)| out.add(u, w));
-                    }
-                    None => alone(out),
-                }
+                let vertices = self.whole().patch(centre, rings).map_or_else(Vec::new, |found| found.vertices);
+                vertices.iter().zip(weights(mask, wish, sector)).for_each(|(&u, &w)| out.add(u, w));
             }
         }
     }
@@ -220,12 +258,16 @@ pub(super) fn carries(net: &MeshNet) -> bool {
     net.attributes.is_some() || net.directions.is_some()
 }
 
-/// The patch around a vertex, and the numbers that its vertices carry; `None` for a vertex without faces.
-pub(super) fn patch(whole: &Whole<'_>, net: &MeshNet, v: u32, rings: Rings) -> Result<Option<(Found, Own)>, Unlimited> {
-    if whole.topology.is_isolated(v as usize) {
-        return Ok(None);
-    }
-    let found = whole.patch(Centre::Vertex(v), rings).ok_or(Unlimited::Size)?;
+/// The patch around what took the place of a vertex, and the numbers that its vertices carry; `None` for a vertex without
+/// faces.
+pub(super) fn patch(
+    whole: &Whole<'_>,
+    net: &MeshNet,
+    centre: Option<Centre>,
+    rings: Rings,
+) -> Result<Option<(Found, Own)>, Unlimited> {
+    let Some(centre) = centre else { return Ok(None) };
+    let found = whole.patch(centre, rings).ok_or(Unlimited::Size)?;
     let own = net.attributes.as_ref().map_or_else(Own::default, |attributes| Own::of(attributes, &found.vertices));
     Ok(Some((found, own)))
 }

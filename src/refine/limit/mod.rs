@@ -12,13 +12,16 @@
 //! [`tangent`].
 
 mod cycle;
+mod dual;
 mod field;
+mod heir;
 mod mask;
 mod matrix;
 mod normals;
 mod own;
 mod patch;
 mod perturbed;
+mod places;
 mod probe;
 mod sector;
 mod skeleton;
@@ -26,20 +29,20 @@ mod tangent;
 
 use crate::math::rows::blend;
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::ops::Heirs;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::step::StepError;
-use crate::scheme::word::Letter;
 use crate::watch::{Stopped, Watch};
 
-use super::{Points, RefineError, act_on};
+use super::{Points, RefineError};
 pub(super) use cycle::AHEAD;
 use cycle::Cycle;
+use dual::Led;
 use field::{Field, FieldRows, Wish};
 use mask::Finder;
 pub(super) use normals::Normals;
 use own::Common;
 pub use perturbed::{ROWS_A_POINT, followed_points};
+use places::Starts;
 use probe::{Regular, Smoothness};
 
 /// What of the limit surface is asked for.
@@ -89,12 +92,18 @@ pub enum Unlimited {
     /// Nothing in the cycle refines.
     #[error("there is no limit surface where no operator of the plan's cycle refines")]
     NoUpsampling,
-    /// A dual scheme loses the boundary.
-    #[error("boundary vertices have no limit under a dual scheme, which makes no face of them; close the mesh")]
-    LostBoundary,
-    /// A D that comes before the first U.
-    #[error("limits are known where the first U of the cycle stands before its first D, as in (UD)")]
-    DualFirst,
+    /// A D that leaves nothing of a vertex.
+    #[error(
+        "a vertex has no limit, as D leaves no faces near it, where all vertices lie on the boundary; widen the mesh there, \
+         or close it"
+    )]
+    Lost,
+    /// A D that leaves several things of a vertex.
+    #[error(
+        "a vertex has no limit, as D parts the faces near it, where the mesh is one face wide; widen it there, or refine \
+         once more"
+    )]
+    Parted,
     /// New points are no weighted means of old ones.
     #[error("limits are known for linear schemes only")]
     NotLinear,
@@ -128,6 +137,13 @@ pub enum Unlimited {
         patch::MAX_VERTICES
     )]
     Size,
+    /// More points than are followed.
+    #[error(
+        "a level of the plan makes more than {} points of those near a vertex, beyond which no limit is computed; write a \
+         cycle with fewer upsamplings",
+        cycle::MAX_POINTS
+    )]
+    Fine,
     /// Neighbourhoods that never look alike, or weights that never settle.
     #[error("the plan has no limit, as its levels do not settle")]
     Unsettled,
@@ -154,21 +170,13 @@ impl From<RefineError> for Unlimited {
     }
 }
 
-/// Whether a plan can have a limit, as far as its word tells, on an open or closed mesh.
+/// Whether a plan can have a limit, as far as its word tells.
 ///
 /// # Errors
 /// [`Unlimited`].
-pub fn check(plan: &Plan, is_open: bool) -> Result<(), Unlimited> {
-    let heirs = |letter: &Letter| letter.operator.heirs();
-    let cycle = &plan.word.cycle;
-    let first_finer = cycle.iter().position(|letter| heirs(letter).refine());
-    let first_dual = cycle.iter().position(|letter| matches!(heirs(letter), Heirs::Dual | Heirs::Faces));
-    match (first_finer, first_dual) {
-        (None, _) => Err(Unlimited::NoUpsampling),
-        (Some(_), Some(_)) if is_open => Err(Unlimited::LostBoundary),
-        (Some(finer), Some(dual)) if dual < finer => Err(Unlimited::DualFirst),
-        _ => Ok(()),
-    }
+pub fn check(plan: &Plan) -> Result<(), Unlimited> {
+    let refines = plan.word.cycle.iter().any(|letter| letter.operator.heirs().refine());
+    if refines { Ok(()) } else { Err(Unlimited::NoUpsampling) }
 }
 
 /// The limits of a net that `ahead` would refine further.
@@ -180,19 +188,20 @@ pub(super) fn limits(
     asked: Asked,
     watch: &Watch,
 ) -> Result<Limits, Unlimited> {
-    check(plan, net.base.n_boundary() > 0)?;
-    // what comes before the first upsampling moves points only, so that the limit of each stays the same
+    check(plan)?;
+    // what comes before the first upsampling moves points, and puts faces in the place of vertices: the limits stay
     let before = ahead.iter().take_while(|step| !step.letter.operator.heirs().refine()).count();
-    let (net, points) = act_on(net.clone(), points.to_vec(), plan, &ahead[..before], watch)?;
+    let given = points;
+    let Led { net, points, centres } = Led::by(net, points, plan, &ahead[..before], watch)?;
+    let is_open = net.base.n_boundary() > 0;
     let (perturbation, rows) = (perturbed::of(plan), ROWS_A_POINT * followed_points(plan, asked));
     let plan = &Plan { perturbation: None, ..plan.clone() };
     let own = net.attributes.as_deref().map_or_else(Vec::new, own::extremes);
     let alphas: Vec<f64> = own.iter().filter_map(Common::alpha).chain([plan.alpha]).collect();
-    let cycle =
-        Cycle::new(plan, &ahead[before..], plan.word.cycle.len(), if field::carries(&net) { &alphas } else { &[] });
+    let cycle = Cycle::new(plan, &ahead[before..], is_open, if field::carries(&net) { &alphas } else { &[] });
     let regular = Regular::of(&cycle, &net.topology())?;
     let tagged = net.directions.is_some();
-    let rings = regular.rings(&cycle, tagged)?;
+    let rings = regular.rings(&cycle, tagged, Starts { is_open, others: centres.is_some() })?;
     let mut smoothness = Smoothness::Smooth;
     for common in if own.is_empty() { vec![Common::default()] } else { own } {
         smoothness = smoothness.min(probe::smoothness(&cycle, regular, tagged, common, rings, watch)?);
@@ -208,13 +217,22 @@ pub(super) fn limits(
     let finder = Finder::new(&cycle, rings, with_tangents);
     let field = match perturbation {
         Some(perturbation) => perturbed::field(net, rings, &finder, perturbation, rows, watch)?,
-        None => Field::new(net, regular, rings, &finder, watch)?,
+        None => Field::new(net, centres, regular, rings, &finder, watch)?,
     };
     let places = field.sectors();
     let rows = |places, wish| FieldRows { field: &field, places, wish };
     let vertices = &places[..field.n_vertices()];
-    let blended = |points: &Points| blend(&rows(vertices, Wish::Position), &points.now, points.width, watch);
-    let moved = if asked.positions { Some(points.iter().map(blended).collect::<Result<_, _>>()?) } else { None };
+    let blended = |(points, given): (&Points, &Points)| -> Result<Vec<f64>, Stopped> {
+        let mut limits = blend(&rows(vertices, Wish::Position), &points.now, points.width, watch)?;
+        // a D leaves nothing of a vertex without faces, which stays
+        for v in field.left_out() {
+            let range = v * points.width..(v + 1) * points.width;
+            limits[range.clone()].copy_from_slice(&given.now[range]);
+        }
+        Ok(limits)
+    };
+    let all = points.iter().zip(given);
+    let moved = if asked.positions { Some(all.map(blended).collect::<Result<_, _>>()?) } else { None };
     if !asked.normals {
         return Ok(Limits { points: moved, ..Limits::default() });
     }

@@ -1,4 +1,4 @@
-//! Patches: the faces around a vertex or a face, numbered in an order that depends on their connectivity only.
+//! Patches: the faces around a vertex, an edge or a face, numbered in an order that depends on their connectivity only.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -22,6 +22,8 @@ const FEW: usize = 128;
 pub(super) enum Centre {
     /// A vertex.
     Vertex(u32),
+    /// The edge from a corner to the next one of its face, as dual schemes have it where a boundary was.
+    Edge(u32),
     /// A face, as dual schemes have it around their limit points.
     Face(u32),
 }
@@ -66,10 +68,11 @@ impl<'a> Whole<'a> {
 
 /// The connectivity of a patch and everything else that the weights of its limit depend on.
 ///
-/// Vertices are numbered ring by ring around the centre; the centre is vertex 0, or the face of the first vertices.
+/// Vertices are numbered ring by ring around the centre; the centre is vertex 0, or the edge or the face of the first
+/// vertices, which then begins the first face.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Patch {
-    /// Number of vertices of the face at the centre; 0 where the centre is a vertex.
+    /// Number of vertices of the face or the edge at the centre; 0 where the centre is a vertex.
     central: u32,
     /// Number of vertices within the rings that decide about the limit.
     pub(super) support: usize,
@@ -102,10 +105,14 @@ pub(super) struct Found {
 impl Patch {
     /// The centre, in the numbers of the patch.
     pub(super) fn centre(&self) -> Centre {
-        if self.central == 0 { Centre::Vertex(0) } else { Centre::Face(0) }
+        match self.central {
+            0 => Centre::Vertex(0),
+            2 => Centre::Edge(0),
+            _ => Centre::Face(0),
+        }
     }
 
-    /// The centre as weights of vertices: itself, or the mean of the face's vertices.
+    /// The centre as weights of vertices: itself, or the mean of the vertices of the edge or face.
     pub(super) fn middle(&self) -> Vec<f64> {
         let mut weights = vec![0.0; self.support];
         if self.central == 0 {
@@ -126,7 +133,7 @@ impl Patch {
         })
     }
 
-    /// The faces around the vertex at the centre, or the one that is the centre.
+    /// The faces around the vertex at the centre, the one that is the centre, or the one that begins with its edge.
     pub(super) fn central_faces(&self) -> impl Iterator<Item = &[u32]> {
         let central = self.central as usize;
         let at_centre = move |(i, face): &(usize, &[u32])| if central == 0 { face[0] == 0 } else { *i == 0 };
@@ -139,8 +146,8 @@ impl Patch {
         found.is_ok_and(|at| f64::from_bits(self.sharp_edges[at].1) >= INFINITE_SHARPNESS)
     }
 
-    /// The patch as a net of its own, with the origin of each of its vertices in the patch.
-    pub(super) fn net(&self, rules: Rules) -> Option<(MeshNet, Vec<u32>)> {
+    /// The patch as a net of its own under these rules, with the origin of each of its vertices in the patch.
+    pub(super) fn net(&self, rules: Rules, boundary: Boundary) -> Option<(MeshNet, Vec<u32>)> {
         let mut faces = FaceList::default();
         self.faces().for_each(|face| faces.push(face.iter().copied()));
         let mut checked = Topology::of_faces(self.n_vertices, faces, Winding::Refuse).ok()?;
@@ -164,7 +171,9 @@ impl Patch {
             directions[net.base.edge(index(corner)) as usize] = direction;
         }
         let directions = (!self.directions.is_empty()).then(|| Directions::of_edges(directions));
-        Some((MeshNet { rounds: self.rounds, ..net.carrying(None, directions) }, origins))
+        // nothing that a D would lose was tagged where there is one
+        let net = MeshNet { tagged: None, boundary, rounds: self.rounds, ..net.carrying(None, directions) };
+        Some((net, origins))
     }
 }
 
@@ -199,14 +208,16 @@ impl Whole<'_> {
 
     /// Corners at which a walk around a centre may start.
     fn starts(&self, centre: Centre) -> impl Iterator<Item = u32> {
-        let (around, of) = match centre {
+        let (around, sides, of) = match centre {
             Centre::Vertex(v) => {
                 let open = self.topology.boundary_edges(v as usize).is_some();
-                (Some(self.topology.ring(v as usize).take(if open { 1 } else { usize::MAX })), None)
+                (Some(self.topology.ring(v as usize).take(if open { 1 } else { usize::MAX })), None, None)
             }
-            Centre::Face(f) => (None, Some(self.topology.corners(f as usize))),
+            Centre::Edge(corner) => (None, Some([corner, self.topology.twin(corner)]), None),
+            Centre::Face(f) => (None, None, Some(self.topology.corners(f as usize))),
         };
-        around.into_iter().flatten().chain(of.into_iter().flatten())
+        let sides = sides.into_iter().flatten().filter(|&corner| corner != NONE);
+        around.into_iter().flatten().chain(sides).chain(of.into_iter().flatten())
     }
 
     fn walk(&self, centre: Centre, start: u32, rings: Rings) -> Option<Found> {
@@ -226,6 +237,13 @@ impl Whole<'_> {
                 walk.known.number(v);
                 walk.reached.push(start);
                 0
+            }
+            Centre::Edge(_) => {
+                for corner in [start, self.topology.next(start)] {
+                    walk.known.number(self.topology.vertex(corner));
+                    walk.reached.push(corner);
+                }
+                2
             }
             Centre::Face(f) => {
                 walk.add_face(start);

@@ -84,7 +84,8 @@ pub(super) fn field(
     let plain = Masks::new(finder, Common::default());
     let mask = |v: u32| {
         watch.check()?;
-        let Some((found, own)) = patch(&whole, &net, v, rings)? else { return Ok(None) };
+        let centre = (!whole.topology.is_isolated(v as usize)).then_some(Centre::Vertex(v));
+        let Some((found, own)) = patch(&whole, &net, centre, rings)? else { return Ok(None) };
         let numbering = numbering.part(&topology, &found.vertices, &found.corners);
         let follower = Follower { finder, plain: &plain, perturbation, watch };
         let mask = follower.mask(found, own, numbering)?;

@@ -1,22 +1,22 @@
 //! What a cycle is like where nothing is irregular: how far it reaches, whether it converges, whether it is smooth.
 
-use std::sync::Arc;
-
 use super::Unlimited;
 use super::cycle::{Cycle, is_triangular};
 use super::own::Common;
 use super::patch::{Centre, Patch, Rings, Whole};
+use super::places::Starts;
 use crate::refine::{Points, RefineError};
-use crate::scheme::mesh_net::{Boundary, MeshNet};
-use crate::shape::check::{FaceList, Winding};
+use crate::scheme::mesh_net::MeshNet;
 use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{Topology, index};
 use crate::watch::{Stopped, Watch};
 
 /// Most rings whose vertices may decide about a limit.
 pub(super) const MAX_RINGS: usize = 8;
-/// Levels of the impulse whose differences are compared.
-const LEVELS: [usize; 2] = [2, 4];
+/// Steps after which children of places on the boundary, of edges and of faces are like those before.
+const STEPS: usize = 3;
+/// Levels of the impulse whose differences are compared, with the most pieces of an edge in a level.
+const LEVELS: [(usize, [usize; 2]); 3] = [(3, [2, 4]), (8, [1, 2]), (usize::MAX, [0, 1])];
 /// Differences that do not shrink below this part of what they were between these levels do not vanish.
 const SHRINKS: f64 = 0.98;
 
@@ -41,28 +41,18 @@ impl Regular {
 
     /// A regular net of `side x side` squares, each cut into two triangles where it is made of these; its rows are latitude
     /// lines where it is tagged.
-    fn net(self, side: usize, tagged: bool) -> MeshNet {
-        let mut faces = FaceList::default();
-        for (i, j) in (0..side).flat_map(|j| (0..side).map(move |i| (i, j))) {
-            let at = |i: usize, j: usize| index(j * (side + 1) + i);
-            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-            match self {
-                Self::Quads => faces.push([a, b, c, d]),
-                Self::Triangles => {
-                    faces.push([a, b, c]);
-                    faces.push([a, c, d]);
-                }
-            }
-        }
-        let n = (side + 1) * (side + 1);
-        let checked = Topology::of_faces(n, faces, Winding::Refuse).expect("a grid is a manifold");
-        let topology = Arc::new(checked.topology);
+    pub(super) fn net(self, side: usize, tagged: bool) -> MeshNet {
+        let at = |i: usize, j: usize| index(j * (side + 1) + i);
+        let squares = (0..side).flat_map(|j| (0..side).map(move |i| (i, j)));
+        let squares = squares.map(|(i, j)| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+        let net = self.of_squares((side + 1) * (side + 1), squares);
+        let topology = &net.base;
         let direction = |e: usize| {
             let [a, b] = topology.ends(e).map(|v| v as usize / (side + 1));
             if a == b { Direction::Latitude } else { Direction::Longitude }
         };
         let directions = tagged.then(|| Directions::of_edges((0..topology.n_edges()).map(direction).collect()));
-        MeshNet::new(topology.clone(), &[], &[], Boundary::EdgeOnly).carrying(None, directions)
+        net.carrying(None, directions)
     }
 
     /// A regular net and the vertex in its middle, which is so far from the boundary that no patch reaches it.
@@ -82,35 +72,50 @@ impl Regular {
     /// The support is the least number of rings such that the points of as many rings around the child come of no
     /// others. The operators' rules reach as many rings at every valence, so that what holds here holds everywhere. The
     /// patch is larger where points of its rim would take their connectivity from beyond it.
-    pub(super) fn rings(self, cycle: &Cycle<'_>, tagged: bool) -> Result<Rings, Unlimited> {
-        let support = (1..=MAX_RINGS).find_map(|support| match self.closed(cycle, support, tagged) {
-            Ok(true) => Some(Ok(support)),
-            Ok(false) => None,
-            Err(error) => Some(Err(error)),
-        });
+    pub(super) fn rings(self, cycle: &Cycle<'_>, tagged: bool, starts: Starts) -> Result<Rings, Unlimited> {
+        let mut failed = Unlimited::Reach;
+        let mut closed = |support: usize| match self.closed(cycle, support, tagged, starts) {
+            // of so few rings nothing may be left
+            Err(error @ (Unlimited::Later(_) | Unlimited::Lost | Unlimited::Parted)) => {
+                failed = error;
+                Ok(false)
+            }
+            closed => closed,
+        };
+        let mut support = 1;
+        while !closed(support)? {
+            support += 1;
+            if support > MAX_RINGS {
+                return Err(failed);
+            }
+        }
         // where boundary edges are cut in three, rules reach one vertex farther along the boundary than inside, and
         // patches lose faces where their rim meets it
         let spare = usize::from(self == Self::Triangles && cycle.rebuilds());
-        let support = support.unwrap_or(Err(Unlimited::Reach))? + spare;
-        for patch in support + spare..support + 2 {
+        let support = support + spare;
+        let most = support + 2 + starts.wider(cycle);
+        for patch in support + spare..most {
             let rings = Rings { support, patch };
-            if self.agrees(cycle, rings, tagged)? {
+            if self.agrees(cycle, rings, tagged)? && self.agrees_elsewhere(cycle, rings, starts)? {
                 return Ok(rings);
             }
         }
-        Ok(Rings { support, patch: support + 2 + spare })
+        Ok(Rings { support, patch: most + spare })
     }
 
-    fn closed(self, cycle: &Cycle<'_>, support: usize, tagged: bool) -> Result<bool, Unlimited> {
+    fn closed(self, cycle: &Cycle<'_>, support: usize, tagged: bool, starts: Starts) -> Result<bool, Unlimited> {
         let rings = Rings { support, patch: support + 2 };
-        let mut patch = self.patch(rings, tagged).ok_or(Unlimited::Size)?;
+        let patch = self.patch(rings, tagged).ok_or(Unlimited::Size)?;
         // the second child of a dual scheme lies around a face as the first one does
-        for _ in 0..2 {
-            let (closes, child) = cycle.closes(&patch, rings)?;
-            if !closes {
+        if !closes(cycle, patch, rings, 2)? {
+            return Ok(false);
+        }
+        let rings = Rings { patch: rings.patch + starts.wider(cycle), ..rings };
+        for (net, centre) in self.places(starts, cycle.n_duals(), rings.patch) {
+            let patch = Whole::of(&net, &net.base).patch(centre, rings).ok_or(Unlimited::Size)?.patch;
+            if !closes(cycle, patch, rings, STEPS)? {
                 return Ok(false);
             }
-            patch = child;
         }
         Ok(true)
     }
@@ -123,12 +128,34 @@ impl Regular {
             let [Some(small), Some(large)] = pair else { return Err(Unlimited::Size) };
             let large = cycle.step(cycle.settled, &large, larger)?;
             let Ok(small) = cycle.step(cycle.settled, &small, rings) else { return Ok(false) };
-            let begins = |patch: &Patch| patch.faces().map(<[u32]>::to_vec).collect::<Vec<_>>();
             let (few, many) = (begins(&small.patch), begins(&large.patch));
             if small.matrix != large.matrix || !many.starts_with(&few) || !self.is_complete(&few, rings) {
                 return Ok(false);
             }
             pair = [Some(small.patch), Some(large.patch)];
+        }
+        Ok(true)
+    }
+
+    /// The same at the other places.
+    fn agrees_elsewhere(self, cycle: &Cycle<'_>, rings: Rings, starts: Starts) -> Result<bool, Unlimited> {
+        let larger = Rings { patch: rings.patch + 2 + starts.wider(cycle), ..rings };
+        for (net, centre) in self.places(starts, cycle.n_duals(), larger.patch) {
+            let whole = Whole::of(&net, &net.base);
+            let [Some(mut small), Some(mut large)] =
+                [rings, larger].map(|rings| whole.patch(centre, rings).map(|found| found.patch))
+            else {
+                return Err(Unlimited::Size);
+            };
+            for _ in 0..STEPS {
+                let expected = cycle.step(cycle.settled, &large, rings)?;
+                let Ok(found) = cycle.step(cycle.settled, &small, rings) else { return Ok(false) };
+                if found.matrix != expected.matrix || begins(&found.patch) != begins(&expected.patch) {
+                    return Ok(false);
+                }
+                small = found.patch;
+                large = cycle.step(cycle.settled, &large, larger)?.patch;
+            }
         }
         Ok(true)
     }
@@ -142,6 +169,23 @@ impl Regular {
             Self::Triangles => [6 * k * k, 6 * k * k + 6 * k + 1].contains(&faces.len()),
         }
     }
+}
+
+/// Whether what could have a weight in the support of a patch's child, and so on, lies in its support.
+fn closes(cycle: &Cycle<'_>, mut patch: Patch, rings: Rings, steps: usize) -> Result<bool, Unlimited> {
+    for _ in 0..steps {
+        let (closes, child) = cycle.closes(&patch, rings)?;
+        if !closes {
+            return Ok(false);
+        }
+        patch = child;
+    }
+    Ok(true)
+}
+
+/// The faces of a patch.
+fn begins(patch: &Patch) -> Vec<Vec<u32>> {
+    patch.faces().map(<[u32]>::to_vec).collect()
 }
 
 /// What an impulse shows of a scheme.
@@ -177,8 +221,13 @@ pub(super) fn smoothness(
     // work that no forecast counts
     let uncounted = Watch::new();
     let mut points = Points::new((0..net.n_vertices()).flat_map(place).collect(), 3);
+    let pieces = cycle.pieces();
+    let compared = LEVELS.iter().find(|(most, _)| pieces <= *most).map_or([0, 1], |&(_, levels)| levels);
     let mut seen = Vec::new();
-    for level in 1..=LEVELS[1] {
+    if compared[0] == 0 {
+        seen.push(differences(&net.topology(), &points.now));
+    }
+    for level in 1..=compared[1] {
         watch.check()?;
         net = cycle.applied(net, |action, step| {
             points.act(action, step.level, &uncounted).map_err(|error| match error {
@@ -186,7 +235,7 @@ pub(super) fn smoothness(
                 _ => Unlimited::Unsettled,
             })
         })?;
-        if LEVELS.contains(&level) {
+        if compared.contains(&level) {
             seen.push(differences(&net.topology(), &points.now));
         }
     }

@@ -26,8 +26,17 @@ fn assert_says(text: &str, words: &str) {
 #[test]
 fn plans_without_a_limit_are_refused() {
     assert_says(&refusal(&nets::cube(), &json!({ "word": "U(C)" }), 1), "no operator of the plan's cycle refines");
-    assert_says(&refusal(&nets::grid(3, 3), &json!({ "word": "UD" }), 1), "boundary vertices have no limit");
-    assert_says(&refusal(&nets::cube(), &json!({ "word": "DU" }), 1), "before its first D");
+    // nothing is left of narrow meshes: of all, of an end, and where faces meet in a vertex only
+    assert_says(&refusal(&nets::grid(3, 3), &json!({ "word": "UDDDD" }), 0), "D needs a vertex all of whose faces");
+    let mut handle = nets::grid(6, 3);
+    handle.faces.retain(|face| face.iter().all(|v| v % 7 < 4 || v / 7 < 2));
+    assert_says(&refusal(&handle, &json!({ "word": "DU" }), 0), "D leaves no faces near it");
+    let mut waist = nets::grid(5, 6);
+    waist.faces.remove(12);
+    waist.faces.remove(0);
+    assert_says(&refusal(&waist, &json!({ "word": "DU" }), 0), "D parts the faces near it");
+    let fine = json!({ "word": "U^30" });
+    assert_says(&refusal(&nets::cube(), &fine, 0), "fewer upsamplings");
     let wild = json!({ "word": "UCP", "parameters": { "compensation": 9 } });
     assert_says(&refusal(&nets::cube(), &wild, 1), "no continuous limit");
     let wide = json!({ "word": "UC^30" });
@@ -38,7 +47,7 @@ fn plans_without_a_limit_are_refused() {
 
 #[test]
 fn what_the_word_tells_is_refused_before_it_is_computed() {
-    let job = json!({ "input": nets::grid(2, 2).input(), "plan": { "word": "UD" }, "levels": 1,
+    let job = json!({ "input": nets::grid(2, 2).input(), "plan": { "word": "U(D)" }, "levels": 1,
         "outputs": [{ "format": "obj", "positions": "limit" }] });
     let faults = parsed(job.to_string().as_bytes()).expect_err("it has no limit");
     assert_eq!(faults[0].pointer, "/outputs/0/positions");
@@ -55,7 +64,8 @@ fn missing_normals_are_explained() {
     assert!(only(warnings(&nets::cube(), &bilinear, 1)).contains("no continuous tangents"));
     let fractal = json!({ "word": "UCP", "parameters": { "kernel": 0.1, "compensation": 1.9 } });
     assert!(only(warnings(&nets::cube(), &fractal, 1)).contains("no continuous tangents"));
-    assert!(only(warnings(&nets::grid(2, 2), &json!({ "word": "UD" }), 1)).contains("boundary vertices have no limit"));
+    let lost = only(warnings(&nets::grid(3, 3), &json!({ "word": "UDDDD" }), 0));
+    assert!(lost.contains("D needs a vertex"), "{lost}");
     let flat = Net { positions: nets::cube().positions.iter().map(|p| [p[0], 0.0, 0.0]).collect(), ..nets::cube() };
     assert!(only(warnings(&flat, &json!({ "preset": "catmull-clark" }), 1)).contains("lie in a line"));
     assert_eq!(warnings(&nets::cube(), &json!({ "preset": "catmull-clark" }), 1), Vec::<String>::new());

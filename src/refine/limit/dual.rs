@@ -1,0 +1,217 @@
+//! What takes the place of vertices, edges and faces under D, in whole nets.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::Unlimited;
+use super::patch::Centre;
+use crate::refine::{Points, values};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::ops::Heirs;
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::shape::check::{FaceList, Winding};
+use crate::shape::topology::{NONE, Topology, index};
+use crate::watch::Watch;
+
+/// A net in the order of its construction.
+#[derive(Debug)]
+struct Constructed {
+    topology: Arc<Topology>,
+    /// For each vertex its number in the documented order.
+    numbers: Vec<u32>,
+}
+
+/// A net and its dual.
+#[derive(Debug)]
+pub(super) struct Dual<'a> {
+    /// The net that D was applied to, in the documented order, in which D numbers.
+    old: Arc<Topology>,
+    /// The order of construction, where that is another one.
+    constructed: Option<Constructed>,
+    new: &'a Topology,
+    /// For each vertex of `old` its face in the dual, or [`NONE`].
+    faces: Vec<u32>,
+}
+
+impl<'a> Dual<'a> {
+    /// The nets `before` and `after` a D.
+    pub(super) fn of(before: &MeshNet, after: &'a MeshNet) -> Result<Self, Unlimited> {
+        let (old, constructed) = documented(before)?;
+        let mut n_faces = 0;
+        // inner vertices in their order, but for those between two faces
+        let face = |v: usize| {
+            let inside = !old.is_isolated(v) && old.boundary_edges(v).is_none() && old.ring(v).nth(2).is_some();
+            if !inside {
+                return NONE;
+            }
+            n_faces += 1;
+            n_faces - 1
+        };
+        let faces = (0..old.n_vertices()).map(face).collect();
+        Ok(Self { old, constructed, new: &after.base, faces })
+    }
+
+    /// What takes the place of a centre of the net before.
+    ///
+    /// # Errors
+    /// [`Unlimited::Lost`] where nothing is left of it, [`Unlimited::Parted`].
+    pub(super) fn heir(&self, centre: Centre) -> Result<Centre, Unlimited> {
+        let Some(Constructed { topology: constructed, numbers }) = &self.constructed else {
+            return match centre {
+                Centre::Vertex(v) => self.of_vertex(v),
+                Centre::Edge(corner) => self.of_edge(corner),
+                Centre::Face(f) => self.of_face(f as usize),
+            };
+        };
+        let number = |v: u32| numbers[v as usize];
+        match centre {
+            Centre::Vertex(v) => self.of_vertex(number(v)),
+            Centre::Edge(corner) => {
+                let [a, b] = [corner, constructed.next(corner)].map(|corner| number(constructed.vertex(corner)));
+                let towards = |[a, b]: [u32; 2]| {
+                    self.old.ring(a as usize).find(|&corner| self.old.vertex(self.old.next(corner)) == b)
+                };
+                self.of_edge(towards([a, b]).or_else(|| towards([b, a])).ok_or(Unlimited::Lost)?)
+            }
+            Centre::Face(f) => {
+                let mut face: Vec<u32> = constructed.face(f as usize).iter().map(|&v| number(v)).collect();
+                face.sort_unstable();
+                let same = |f: &usize| {
+                    let mut other = self.old.face(*f).to_vec();
+                    other.sort_unstable();
+                    other == face
+                };
+                let mut around = self.old.ring(face[0] as usize).map(|corner| self.old.face_of(corner));
+                self.of_face(around.find(same).ok_or(Unlimited::Lost)?)
+            }
+        }
+    }
+
+    /// A vertex becomes its face in the dual; one without becomes the middle of the path of points there.
+    fn of_vertex(&self, v: u32) -> Result<Centre, Unlimited> {
+        let (old, v) = (&self.old, v as usize);
+        if self.faces[v] != NONE {
+            return Ok(Centre::Face(self.faces[v]));
+        }
+        let ring: Vec<u32> = old.ring(v).collect();
+        let half = ring.len() / 2;
+        if old.boundary_edges(v).is_none() {
+            let between = ring.iter().find_map(|&corner| self.between(corner));
+            return between.ok_or(Unlimited::Lost);
+        }
+        if ring.len() % 2 == 1 {
+            return self.of_face(old.face_of(ring[half]));
+        }
+        ring.get(half).and_then(|&corner| self.between(corner)).ok_or(Unlimited::Lost)
+    }
+
+    /// An edge becomes the one between its two faces, or the vertex of the only one.
+    fn of_edge(&self, corner: u32) -> Result<Centre, Unlimited> {
+        match self.old.twin(corner) {
+            NONE => self.of_face(self.old.face_of(corner)),
+            twin => self.between(corner).or_else(|| self.between(twin)).ok_or(Unlimited::Lost),
+        }
+    }
+
+    /// The edge of the dual between the two faces beside the inner edge of a corner, in the face that the edge's end has.
+    fn between(&self, corner: u32) -> Option<Centre> {
+        let old = &self.old;
+        let end = old.next(corner);
+        let face = self.faces[old.vertex(end) as usize];
+        if face == NONE {
+            return None;
+        }
+        // counter-clockwise around the end, the face of the twin comes after that of the corner
+        let place = self.place(old.vertex(end), old.face_of(corner))?;
+        Some(Centre::Edge(self.new.corners(face as usize).start + place))
+    }
+
+    /// The place of a face in the cycle of those around an inner vertex, which starts at the lowest.
+    fn place(&self, v: u32, face: usize) -> Option<u32> {
+        let cycle: Vec<usize> = self.old.ring(v as usize).map(|corner| self.old.face_of(corner)).collect();
+        let lowest = (0..cycle.len()).min_by_key(|&i| cycle[i])?;
+        let at = cycle.iter().position(|&other| other == face)?;
+        Some(index((at + cycle.len() - lowest) % cycle.len()))
+    }
+
+    /// A face becomes its vertex in the dual. Where the inner vertices of the face are apart from each other, so are the
+    /// faces of the dual there: then it is that with the most faces.
+    fn of_face(&self, f: usize) -> Result<Centre, Unlimited> {
+        let mut found: Vec<(u32, usize)> = Vec::new();
+        for &v in self.old.face(f) {
+            let face = self.faces[v as usize];
+            let Some(place) = self.place(v, f).filter(|_| face != NONE) else { continue };
+            let vertex = self.new.vertex(self.new.corners(face as usize).start + place);
+            match found.iter_mut().find(|(known, _)| *known == vertex) {
+                Some((_, n)) => *n += 1,
+                None => found.push((vertex, 1)),
+            }
+        }
+        let most = found.iter().map(|&(_, n)| n).max().ok_or(Unlimited::Lost)?;
+        let mut largest = found.iter().filter(|&&(_, n)| n == most);
+        match (largest.next(), largest.next()) {
+            (Some(&(vertex, _)), None) => Ok(Centre::Vertex(vertex)),
+            _ => Err(Unlimited::Parted),
+        }
+    }
+}
+
+/// The topology of a net in the documented order, and that of its construction, where it is another one.
+fn documented(net: &MeshNet) -> Result<(Arc<Topology>, Option<Constructed>), Unlimited> {
+    let topology = net.topology();
+    let Some(order) = net.order() else { return Ok((topology, None)) };
+    let (mut faces, mut face) = (FaceList::default(), vec![0; order.face_size()]);
+    for f in 0..order.n_faces() {
+        order.face(f, &mut face);
+        faces.push(face.iter().copied());
+    }
+    let n = order.n_vertices();
+    let old = Topology::of_faces(n, faces, Winding::Refuse).map_err(|_| Unlimited::Lost)?.topology;
+    let mut numbers = vec![0; n];
+    (0..n).for_each(|v| numbers[order.constructed(v) as usize] = index(v));
+    Ok((Arc::new(old), Some(Constructed { topology, numbers })))
+}
+
+/// A net with its points, and for each vertex that it came of what took its place, if that was no vertex without faces.
+pub(super) struct Led {
+    /// The net.
+    pub(super) net: MeshNet,
+    /// Its points, channel by channel.
+    pub(super) points: Vec<Points>,
+    /// For each vertex from which it came its heir; `None` where these are the vertices of the net themselves.
+    pub(super) centres: Option<Vec<Option<Centre>>>,
+}
+
+impl Led {
+    /// Applies steps that do not refine.
+    pub(super) fn by(
+        net: &MeshNet,
+        points: &[Points],
+        plan: &Plan,
+        steps: &[Scheduled],
+        watch: &Watch,
+    ) -> Result<Self, Unlimited> {
+        let mut led = Self { net: net.clone(), points: points.to_vec(), centres: None };
+        for step in steps {
+            let operator = step.letter.operator;
+            let next = operator.on_mesh(&led.net, &values(plan, step)).map_err(Unlimited::from)?;
+            led.points.iter_mut().try_for_each(|points| points.act(&next.action, step.level, watch))?;
+            if operator.heirs() == Heirs::Dual {
+                let centres = led.centres.take().unwrap_or_else(|| vertices(&led.net));
+                let dual = Dual::of(&led.net, &next.net)?;
+                let heir = |centre: Option<Centre>| centre.map(|centre| dual.heir(centre)).transpose();
+                led.centres = Some(centres.into_par_iter().with_min_len(1024).map(heir).collect::<Result<_, _>>()?);
+            }
+            led.net = next.net;
+        }
+        Ok(led)
+    }
+}
+
+/// The vertices of a net that have faces.
+fn vertices(net: &MeshNet) -> Vec<Option<Centre>> {
+    let topology = net.topology();
+    let vertex = |v: usize| (!topology.is_isolated(v)).then(|| Centre::Vertex(index(v)));
+    (0..topology.n_vertices()).map(vertex).collect()
+}

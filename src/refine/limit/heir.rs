@@ -1,0 +1,123 @@
+//! What takes the place of vertices, edges and faces in one step.
+//!
+//! Upsamplings keep vertices; the middle of an edge or a face becomes a vertex, or at odd arities the middle of a piece.
+//! A D makes a face of a vertex and a vertex of a face. A boundary vertex with m faces has no face in the dual but a path
+//! of m points on its boundary, whose middle takes its place: a vertex where m is odd, an edge where it is even. An inner
+//! vertex with two faces becomes the edge between these.
+
+use super::Unlimited;
+use super::dual::Dual;
+use super::patch::Centre;
+use crate::math::rows::Rows;
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::ops::Heirs;
+use crate::shape::topology::{Topology, index};
+
+/// Weights that differ by no more than this are the same.
+const SAME: f64 = 1e-9;
+
+/// What becomes of a centre of the net `before` a step in the one `after`. `rows` are those of the step, if it blends.
+///
+/// # Errors
+/// [`Unlimited::Lost`] and [`Unlimited::Parted`].
+pub(super) fn heir(
+    centre: Centre,
+    heirs: Heirs,
+    [before, after]: [&MeshNet; 2],
+    rows: Option<&Rows>,
+) -> Result<Centre, Unlimited> {
+    match (heirs, centre) {
+        (Heirs::Same, _) | (Heirs::Vertices, Centre::Vertex(_)) => Ok(centre),
+        (Heirs::Vertices, _) => {
+            let (topology, finer) = (before.topology(), after.topology());
+            rows.and_then(|rows| middle(centre, &topology, &finer, rows)).ok_or(Unlimited::Lost)
+        }
+        (Heirs::Dual, _) => Dual::of(before, after)?.heir(centre),
+        (Heirs::Faces, _) => cut(centre, before, after),
+    }
+}
+
+/// The vertices of an edge or a face.
+fn cell(centre: Centre, topology: &Topology) -> Vec<u32> {
+    match centre {
+        Centre::Vertex(v) => vec![v],
+        Centre::Edge(corner) => vec![topology.vertex(corner), topology.vertex(topology.next(corner))],
+        Centre::Face(f) => topology.face(f as usize).to_vec(),
+    }
+}
+
+/// The vertex that is the mean of the vertices of an edge or a face, or else the edge or face whose middle is.
+fn middle(centre: Centre, topology: &Topology, finer: &Topology, rows: &Rows) -> Option<Centre> {
+    let old = cell(centre, topology);
+    let is_middle = |new: &[u32]| is_mean(&old, new, rows);
+    let vertex = (0..index(rows.len())).find(|&row| is_middle(&[row]));
+    let piece = || match centre {
+        Centre::Vertex(_) => None,
+        Centre::Edge(_) => {
+            let corners = 0..index(finer.n_corners());
+            corners.map(Centre::Edge).find(|&piece| is_middle(&cell(piece, finer)))
+        }
+        Centre::Face(_) => (0..index(finer.n_faces())).find(|&f| is_middle(finer.face(f as usize))).map(Centre::Face),
+    };
+    vertex.map(Centre::Vertex).or_else(piece)
+}
+
+/// Whether the mean of some new vertices is that of some old ones.
+fn is_mean(old: &[u32], new: &[u32], rows: &Rows) -> bool {
+    let mut weights = vec![0.0; old.len()];
+    for &row in new {
+        let (columns, values) = rows.row(row as usize);
+        for (column, value) in columns.iter().zip(values) {
+            match old.iter().position(|v| v == column) {
+                Some(at) => weights[at] += value,
+                None => return false,
+            }
+        }
+    }
+    weights.iter().all(|&weight| (weight * count(old.len()) - count(new.len())).abs() <= SAME * count(new.len()))
+}
+
+fn count(n: usize) -> f64 {
+    f64::from(index(n))
+}
+
+/// What becomes of a centre where new vertices stand in the corners of faces. On the boundary a vertex has two of them,
+/// and the edge between takes its place; a corner that stays has one of its own.
+fn cut(centre: Centre, before: &MeshNet, after: &MeshNet) -> Result<Centre, Unlimited> {
+    let (old, new) = (&before.base, &after.base);
+    let face_of = |corners: &[u32]| {
+        let found = (0..new.n_faces()).find(|&f| same_set(new.face(f), corners));
+        found.map(|f| Centre::Face(index(f))).ok_or(Unlimited::Lost)
+    };
+    let edge_of = |[a, b]: [u32; 2]| {
+        let towards = |a: u32, b: u32| new.ring(a as usize).find(|&corner| new.vertex(new.next(corner)) == b);
+        towards(a, b).or_else(|| towards(b, a)).map(Centre::Edge).ok_or(Unlimited::Lost)
+    };
+    match centre {
+        Centre::Face(f) => face_of(&old.corners(f as usize).collect::<Vec<_>>()),
+        Centre::Edge(corner) => edge_of([corner, old.next(corner)]),
+        Centre::Vertex(v) => {
+            let ring: Vec<u32> = old.ring(v as usize).collect();
+            let Some([onward, from]) = old.boundary_edges(v as usize) else { return face_of(&ring) };
+            match ring[..] {
+                // the first step puts two new vertices on each boundary edge, after those in corners
+                _ if before.rounds == 0 => {
+                    let rim: Vec<usize> = (0..old.n_edges()).filter(|&e| old.is_boundary_edge(e)).collect();
+                    let first = old.n_corners();
+                    if let Ok(place) = before.corners.binary_search(&v) {
+                        return Ok(Centre::Vertex(index(first + 2 * rim.len() + place)));
+                    }
+                    let near = |e: u32, end: usize| index(first + 2 * rim.partition_point(|&r| r < e as usize) + end);
+                    edge_of([near(from, 1), near(onward, 0)])
+                }
+                [corner] => Ok(Centre::Vertex(corner)),
+                [a, b] => edge_of([a, b]),
+                _ => Err(Unlimited::Lost),
+            }
+        }
+    }
+}
+
+fn same_set(a: &[u32], b: &[u32]) -> bool {
+    a.len() == b.len() && a.iter().all(|x| b.contains(x))
+}
