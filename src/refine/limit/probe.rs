@@ -12,7 +12,10 @@ use crate::shape::topology::{Topology, index};
 use crate::watch::{Stopped, Watch};
 
 /// Most rings whose vertices may decide about a limit.
-pub(super) const MAX_RINGS: usize = 8;
+pub(super) const MAX_RINGS: usize = 16;
+/// Rings that are tried one after another before it is asked whether the most are enough: cost grows with their fourth
+/// power.
+const TRIED: usize = 8;
 /// Steps after which children of places on the boundary, of edges and of faces are like those before.
 const STEPS: usize = 3;
 /// Levels of the impulse whose differences are compared, with the most pieces of an edge in a level.
@@ -85,7 +88,7 @@ impl Regular {
         let mut support = 1;
         while !closed(support)? {
             support += 1;
-            if support > MAX_RINGS {
+            if support > MAX_RINGS || support == TRIED + 1 && !closed(MAX_RINGS)? {
                 return Err(failed);
             }
         }

@@ -98,3 +98,36 @@ fn high_valences_have_limits() {
     let (_, normals) = limit(&net, &catmull_clark(), 0);
     assert!(distance(&normals[0], &[0.0, 0.0, 1.0]) <= 1e-9, "{:?}", normals[0]);
 }
+
+/// Wide words: on a torus `UC^k` is the tensor product of B-splines of degree 2k + 1, at whose knots stand the values of
+/// the B-spline of that degree, by the recursion of Cox and de Boor at the whole numbers.
+#[test]
+fn wide_words_have_limits() {
+    let (k, n) = (10_u32, 3_usize);
+    let degree = 2 * k + 1;
+    // b[i] is the value at i of the B-spline with the knots 0, ..., d + 1
+    let mut values = vec![0.0, 1.0, 0.0];
+    for d in 2..=degree {
+        let at = |i: u32| values.get(i as usize).copied().unwrap_or(0.0);
+        let before = |i: u32| i.checked_sub(1).map_or(0.0, at);
+        values =
+            (0..=d + 1).map(|i| (f64::from(i) * at(i) + f64::from(d + 1 - i) * before(i)) / f64::from(d)).collect();
+    }
+    let mut line = vec![0.0; n];
+    for (i, value) in values.iter().enumerate() {
+        line[(i + n * 8 - (k as usize + 1)) % n] += value;
+    }
+    let net = nets::torus(n, n);
+    let found = positions(&net, &json!({ "word": format!("UC^{k}") }), 0);
+    for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+        let mut expected = [0.0; 3];
+        for (di, a) in line.iter().enumerate() {
+            for (dj, b) in line.iter().enumerate() {
+                let p = net.positions[(j + dj) % n * n + (i + di) % n];
+                expected = [0, 1, 2].map(|c| expected[c] + a * b * p[c]);
+            }
+        }
+        let off = distance(&found[j * n + i], &expected);
+        assert!(off <= 1e-12, "{i}, {j}: off by {off}");
+    }
+}

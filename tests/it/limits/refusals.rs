@@ -39,8 +39,8 @@ fn plans_without_a_limit_are_refused() {
     assert_says(&refusal(&nets::cube(), &fine, 0), "fewer upsamplings");
     let wild = json!({ "word": "UCP", "parameters": { "compensation": 9 } });
     assert_says(&refusal(&nets::cube(), &wild, 1), "no continuous limit");
-    let wide = json!({ "word": "UC^30" });
-    assert_says(&refusal(&nets::cube(), &wide, 1), "farther than 8 rings");
+    let wide = json!({ "word": "UC^24" });
+    assert_says(&refusal(&nets::cube(), &wide, 1), "farther than 16 rings");
     let pole = json!({ "word": "UCP", "parameters": { "alpha": 1, "compensation": "1/(alpha-0.125)" } });
     assert_says(&refusal(&nets::cube(), &pole, 1), "later levels");
 }
