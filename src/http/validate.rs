@@ -28,7 +28,8 @@ pub(super) struct ValidateRequest {
     #[serde(rename = "spec")]
     #[schema(value_type = Option<Object>)]
     _spec: Option<IgnoredAny>,
-    /// The plan that latitude lines are judged by; push-back with delta 1 when left out or unfit for the mesh.
+    /// The plan that latitude lines are judged by, push-back with delta 1 when left out; one that does not fit the mesh is
+    /// the reason why no line is exact.
     #[schema(value_type = Option<PlanRequest>)]
     plan: Option<serde_json::Value>,
     /// Not looked at.
@@ -62,12 +63,8 @@ fn report(input: InputRequest, plan: Option<serde_json::Value>, limits: &ReadLim
     match input.resolve(limits).map(|resolved| resolved.input) {
         Ok(Input::Mesh(mesh)) => {
             let input = Input::Mesh(mesh.clone());
-            let asked = plan.and_then(|plan| serde_json::from_value::<PlanRequest>(plan).ok());
-            let asked = asked.and_then(|plan| input.plan(&plan.resolve()).ok());
-            let usual = PlanInput { preset: Some("push-back".into()), ..PlanInput::default() };
-            let plan = asked.or_else(|| input.plan(&usual).ok());
-            let plan = plan.unwrap_or_else(|| Plan::none(usual.boundary, usual.ends));
-            let report = Some(MeshReport::new(&mesh, &plan));
+            let plan = judge(&input, plan);
+            let report = Some(MeshReport::new(&mesh, plan.as_ref().map_err(String::as_str)));
             ValidateAnswer { valid: true, errors: Vec::new(), warnings: mesh.warnings, report }
         }
         Ok(Input::Polygons(_)) => {
@@ -79,4 +76,12 @@ fn report(input: InputRequest, plan: Option<serde_json::Value>, limits: &ReadLim
             ValidateAnswer { valid: false, errors, warnings: Vec::new(), report: None }
         }
     }
+}
+
+/// The plan that latitude lines are judged by, or why it does not fit the input.
+fn judge(input: &Input, plan: Option<serde_json::Value>) -> Result<Plan, String> {
+    let usual = || PlanInput { preset: Some("push-back".into()), ..PlanInput::default() };
+    let asked = plan.map(serde_json::from_value::<PlanRequest>).transpose().map_err(|error| error.to_string())?;
+    let plan = asked.map_or_else(usual, PlanRequest::resolve);
+    input.plan(&plan).map_err(|faults| faults.into_iter().next().map_or_else(String::new, |fault| fault.detail))
 }

@@ -236,7 +236,7 @@ pub struct MeshReport {
     pub coincident_vertices: Vec<[u32; 2]>,
 }
 
-/// What becomes of a latitude line under the plan of the question (push-back with delta 1 when it has none).
+/// What becomes of a latitude line under the plan of the question (push-back with delta 1 when it names none).
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct LatitudeLineAnswer {
     /// Its vertices, in order.

@@ -12,8 +12,8 @@ use crate::shape::topology::{Topology, index};
 const MAX_PAIRS: usize = 1000;
 
 impl MeshReport {
-    /// What a mesh is like, and what becomes of its latitude lines under a plan.
-    pub fn new(mesh: &Mesh, plan: &Plan) -> Self {
+    /// What a mesh is like, and what becomes of its latitude lines under a plan, or why that plan does not fit it.
+    pub fn new(mesh: &Mesh, plan: Result<&Plan, &str>) -> Self {
         let topology = &mesh.topology;
         let isolated: Vec<u32> = (0..topology.n_vertices()).filter(|&v| topology.is_isolated(v)).map(index).collect();
         let mut valences = BTreeMap::new();

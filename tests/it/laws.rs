@@ -13,6 +13,7 @@ mod latitude;
 mod limits;
 mod masks;
 mod meshes;
+mod outlooks;
 mod own;
 mod own_parameters;
 mod polynomials;

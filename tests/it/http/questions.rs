@@ -101,6 +101,46 @@ fn winding_is_refused_or_repaired_as_asked() {
     });
 }
 
+/// A tube of squares, tagged.
+fn tube() -> serde_json::Value {
+    let square = |z: f64| [[1.0, 0.0, z], [0.0, 1.0, z], [-1.0, 0.0, z], [0.0, -1.0, z]];
+    let positions: Vec<[f64; 3]> = [0.0, 1.0, 3.0, 4.0].into_iter().flat_map(square).collect();
+    let all = |n: usize| (0..n).flat_map(|u| (0..4).map(move |i| [4 * u + i, 4 * u + (i + 1) % 4]));
+    let faces: Vec<_> = all(3).map(|[a, b]| [a, b, b + 4, a + 4]).collect();
+    let longitude: Vec<_> = all(3).map(|[a, _]| [a, a + 4]).collect();
+    json!({ "mesh": { "positions": positions, "faces": faces, "latitude": all(4).collect::<Vec<_>>(),
+        "longitude": longitude } })
+}
+
+/// Lines are judged by the plan that is asked about; one that does not fit the mesh makes no circles.
+#[test]
+fn lines_are_exact_only_under_plans_that_fit() {
+    story(settings(), async |server| {
+        let ask = async |plan: serde_json::Value| {
+            let question = json!({ "input": tube(), "plan": plan });
+            let answer = server.post("/v1/validate", &question).await.ok().json();
+            answer["report"]["latitude_lines"][1].clone()
+        };
+        for plan in [json!(null), json!({ "preset": "push-back" }), json!({ "word": "UCPCC" })] {
+            assert_eq!(ask(plan.clone()).await["exact"], true, "{plan}");
+        }
+        let unfit = [
+            (json!({ "preset": "catmull-clark" }), "knows no latitude"),
+            (json!({ "word": "UD" }), "D cannot carry"),
+            (json!({ "word": "U3CP" }), "knows no latitude"),
+            (json!({ "word": "UCP", "parameters": { "split": "triangle" } }), "only triangles are split"),
+            (json!({ "word": "UX" }), "no operator"),
+            (json!({ "wood": "UC" }), "unknown field"),
+        ];
+        for (plan, reason) in unfit {
+            let line = ask(plan.clone()).await;
+            let said = line["reason"].as_str().unwrap_or_else(|| panic!("{plan}: {line}"));
+            assert!(said.contains("the plan does not fit the mesh") && said.contains(reason), "{plan}: {said}");
+            assert_eq!((&line["exact"], line.get("limit_radius")), (&json!(false), None), "{plan}");
+        }
+    });
+}
+
 #[test]
 fn polygons_are_validated_too() {
     story(settings(), async |server| {

@@ -178,7 +178,7 @@ fn limits_of_latitude_lines_are_circles() {
         let job = parsed(job.to_string().as_bytes()).unwrap_or_else(|faults| panic!("{faults:?}"));
         let planish::job::Input::Mesh(read) = &job.input else { panic!("a mesh was given") };
         let radii: Vec<f64> =
-            outlooks(read, &job.plan).into_iter().map(|line| line.circle.expect("an exact line").radius).collect();
+            outlooks(read, Ok(&job.plan)).into_iter().map(|line| line.circle.expect("an exact line").radius).collect();
         for levels in [0, 2] {
             let (found, normals) = limit(&mesh, &plan, levels);
             // points of one height belong to one ring

@@ -1,0 +1,284 @@
+//! Which latitude lines of a mesh become exact circles, and how large.
+//!
+//! A line is exact when the rings around it, as far as the scheme reaches, are regular polygons of as many vertices on
+//! one axis, or end in a boundary or a crease, when every vertex of a ring has the same parameters, and when the plan keeps
+//! circles: a U, then averages of which the first has the kernel `cos(alpha/2)` and the others 1, and push-backs with the
+//! compensation `1/cos(alpha/2)`.
+
+mod profile;
+mod ring;
+mod walls;
+
+use crate::math::expression::Expression;
+use crate::scheme::ops::{LatitudeRule, Role};
+use crate::scheme::plan::{Latitude, Plan, Scheduled};
+use crate::scheme::word::Letter;
+use crate::shape::attributes::Attributes;
+use crate::shape::directions::{Direction, Directions, Line};
+use crate::shape::mesh::Mesh;
+use crate::shape::topology::Topology;
+use profile::{Profile, follows};
+use ring::{ROUNDING, Ring, Vector, tilt};
+use walls::Wall;
+
+/// Levels after which radii have settled.
+const LEVELS: u32 = 64;
+
+/// What becomes of a latitude line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outlook {
+    /// The line.
+    pub line: Line,
+    /// The circle that it becomes, or why it becomes none.
+    pub circle: Result<Circle, String>,
+}
+
+/// A circle in the limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Circle {
+    /// Its radius, model units.
+    pub radius: f64,
+    /// By how much the rings that it comes from miss regular polygons on one axis, model units: the line is a circle to
+    /// about that.
+    pub irregularity: f64,
+}
+
+/// Which side of a directed line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Left,
+    Right,
+}
+
+/// The rings on one side of a line, the nearest first.
+#[derive(Default)]
+struct Rings {
+    nearest_first: Vec<Ring>,
+    /// Push-back factor of each.
+    deltas: Vec<f64>,
+    /// By how much they miss the axis of the line.
+    tilt: f64,
+}
+
+/// What becomes of every latitude line of a mesh under a plan, or under none, as it does not fit the mesh for that reason.
+pub fn outlooks(mesh: &Mesh, plan: Result<&Plan, &str>) -> Vec<Outlook> {
+    let Some(directions) = &mesh.directions else { return Vec::new() };
+    let lines = directions.lines(&mesh.topology).into_iter();
+    let tube = plan.map_err(|reason| format!("the plan does not fit the mesh: {reason}"));
+    let tube = tube.and_then(|plan| Tube::of(mesh, directions, plan));
+    let circle = |line: &Line| {
+        if !line.closed {
+            return Err("the line is open".into());
+        }
+        tube.as_ref().map_err(Clone::clone)?.circle(line)
+    };
+    lines.map(|line| Outlook { circle: circle(&line), line }).collect()
+}
+
+struct Tube<'a> {
+    mesh: &'a Mesh,
+    directions: &'a Directions,
+    plan: &'a Plan,
+    latitude: &'a Latitude,
+    /// What vertices carry under the plan.
+    attributes: Attributes,
+    /// Whether a vertex has exactly two latitude edges.
+    on_line: Vec<bool>,
+    steps: Vec<Scheduled>,
+}
+
+impl<'a> Tube<'a> {
+    /// What the lines of a mesh have in common; an error where no line becomes a circle.
+    fn of(mesh: &'a Mesh, directions: &'a Directions, plan: &'a Plan) -> Result<Self, String> {
+        let latitude = plan.latitude.as_ref().ok_or("the plan does not look at latitude tags")?;
+        if plan.perturbation.is_some_and(|perturbation| perturbation.amplitude != 0.0) {
+            return Err("the plan perturbs kernel and compensation at random".into());
+        }
+        if !keeps_circles(&plan.word.prefix) || !keeps_circles(&plan.word.cycle) || plan.word.cycle.is_empty() {
+            return Err("only words in which a C follows each U, as U C^k and U C^k P, keep circles".into());
+        }
+        let attributes = super::carried(mesh, plan).0.unwrap_or_default();
+        if attributes.kernel.is_some() || attributes.compensation.is_some() {
+            return Err("vertices carry a kernel or a compensation, which stay the same at all levels; circles need \
+                        cos(alpha/2) and 1/cos(alpha/2)"
+                .into());
+        }
+        let on_line = directions.latitude_pairs(&mesh.topology).iter().map(Option::is_some).collect();
+        let steps = plan.schedule(LEVELS).map_err(|fault| fault.detail)?;
+        Ok(Self { mesh, directions, plan, latitude, attributes, on_line, steps })
+    }
+
+    fn topology(&self) -> &Topology {
+        &self.mesh.topology
+    }
+
+    fn circle(&self, line: &Line) -> Result<Circle, String> {
+        let reach = self.reach();
+        let (ring, delta) = (self.ring(&line.vertices)?, self.delta(&line.vertices)?);
+        let alpha = self.alpha(&line.vertices)?;
+        let sides = match self.wall(&line.vertices)? {
+            Wall::End => [Side::Left, Side::Right].map(|_| Rings::default()),
+            Wall::Smooth => [self.side(line, &ring, Side::Left, reach)?, self.side(line, &ring, Side::Right, reach)?],
+        };
+        let [left, right] = sides;
+        let place = left.nearest_first.len();
+        let rings: Vec<Ring> = left.nearest_first.into_iter().rev().chain([ring]).chain(right.nearest_first).collect();
+        let deltas: Vec<f64> = left.deltas.into_iter().rev().chain([delta]).chain(right.deltas).collect();
+        let irregularity = rings.iter().map(|ring| ring.irregularity).fold(left.tilt.max(right.tilt), f64::max);
+        let profile = Profile::of(&rings, deltas, place, reach);
+        Ok(Circle { radius: self.limit(line.vertices.len(), alpha, profile)?, irregularity })
+    }
+
+    /// How many rings the limit of a line depends on, on each side.
+    fn reach(&self) -> usize {
+        let pushed = self.attributes.delta.is_some() || self.plan.delta.value(4.0) != Ok(0.0);
+        let counts = |letter: &&Letter| match letter.operator.role() {
+            Role::Average => true,
+            Role::PushBack => pushed,
+            _ => false,
+        };
+        let blocks = [&self.plan.word.prefix, &self.plan.word.cycle].into_iter().flat_map(|letters| blocks(letters));
+        blocks.map(|block| block.iter().filter(counts).count()).max().unwrap_or(0)
+    }
+
+    /// The rings on one side of a line, as far as the scheme reaches or the tube goes.
+    fn side(&self, line: &Line, ring: &Ring, side: Side, reach: usize) -> Result<Rings, String> {
+        let mut rings = Rings::default();
+        let mut vertices = line.vertices.clone();
+        let alpha = self.alpha(&line.vertices)?;
+        for away in 1..=reach {
+            let place = if away == 1 { "next to it".to_owned() } else { format!("{away} rings away") };
+            let at = |what: String| format!("{place}, {what}");
+            vertices = self.beyond(&vertices, side).map_err(|what| at(what.into()))?;
+            let found = self.ring(&vertices).map_err(at)?;
+            rings.tilt = rings.tilt.max(tilt(ring, &found).map_err(at)?);
+            if self.alpha(&vertices).map_err(at)?.map(f64::to_bits) != alpha.map(f64::to_bits) {
+                return Err(at("vertices have another alpha".into()));
+            }
+            rings.nearest_first.push(found);
+            if away == reach {
+                // of the last ring nothing but places counts
+                rings.deltas.push(0.0);
+                break;
+            }
+            rings.deltas.push(self.delta(&vertices).map_err(at)?);
+            if self.wall(&vertices).map_err(at)? == Wall::End {
+                break;
+            }
+        }
+        Ok(rings)
+    }
+
+    /// The vertices beyond a line on one side, in its order.
+    fn beyond(&self, line: &[u32], side: Side) -> Result<Vec<u32>, &'static str> {
+        let topology = self.topology();
+        let mut sides = Vec::with_capacity(line.len());
+        for (i, &v) in line.iter().enumerate() {
+            let w = line[(i + 1) % line.len()];
+            let (from, to) = if side == Side::Left { (v, w) } else { (w, v) };
+            let corner = topology.ring(from as usize).find(|&c| topology.vertex(topology.next(c)) == to);
+            let corner = corner.ok_or("the boundary cuts the tube")?;
+            let (after, before) = (topology.next(corner), topology.previous(corner));
+            let along = [after, before].map(|c| self.directions.of(topology.edge(c)));
+            if topology.face(topology.face_of(corner)).len() != 4 || along != [Direction::Longitude; 2] {
+                return Err("a face is no quad between two longitude edges");
+            }
+            if self.directions.of(topology.edge(topology.next(after))) != Direction::Latitude {
+                return Err("the tube is not tagged");
+            }
+            let ends = [topology.vertex(before), topology.vertex(topology.next(after))];
+            sides.push(if side == Side::Left { ends } else { [ends[1], ends[0]] });
+        }
+        let joined = (0..sides.len()).all(|i| sides[i][1] == sides[(i + 1) % sides.len()][0]);
+        if joined { Ok(sides.iter().map(|ends| ends[0]).collect()) } else { Err("a vertex has more than four edges") }
+    }
+
+    /// The regular polygon of these vertices.
+    fn ring(&self, vertices: &[u32]) -> Result<Ring, String> {
+        let point = |v: &u32| -> Vector { std::array::from_fn(|k| self.mesh.positions[3 * *v as usize + k]) };
+        Ring::of(&vertices.iter().map(point).collect::<Vec<_>>()).ok_or("the ring is no regular polygon".into())
+    }
+
+    /// The alpha that all these vertices carry; `None` where they have the plan's.
+    fn alpha(&self, vertices: &[u32]) -> Result<Option<f64>, String> {
+        let Some(alpha) = &self.attributes.alpha else { return Ok(None) };
+        same(alpha, vertices).map(Some).ok_or("alpha differs from vertex to vertex".into())
+    }
+
+    /// The push-back factor of all these vertices.
+    fn delta(&self, vertices: &[u32]) -> Result<f64, String> {
+        match &self.attributes.delta {
+            Some(delta) => same(delta, vertices).ok_or("delta differs from vertex to vertex".into()),
+            None => self.plan.delta.value(4.0).map_err(|error| error.to_string()),
+        }
+    }
+
+    /// The radius of a line in the limit: of `n` vertices, which carry this `alpha`.
+    fn limit(&self, n: usize, alpha: Option<f64>, mut profile: Profile) -> Result<f64, String> {
+        let mut theta = std::f64::consts::TAU / ring::real(n);
+        let compensated = profile.is_pushed() || self.latitude.rule == LatitudeRule::Position;
+        for level in self.steps.chunk_by(|a, b| a.level == b.level) {
+            let before = profile.here();
+            for block in level.chunk_by(|_, b| b.letter.operator.role() != Role::Upsample) {
+                let along = self.along(block, theta, alpha, compensated).map_err(|reason| match reason {
+                    Some(reason) => reason,
+                    None => format!(
+                        "circles need the kernel cos(alpha/2), 1 in later averages, and the compensation \
+                         1/cos(alpha/2) with alpha = 2 pi / {n}"
+                    ),
+                })?;
+                profile = profile.refined(block, along, theta);
+                theta /= 2.0;
+            }
+            if level[0].level > 0 && profile.has_settled(before) {
+                break;
+            }
+        }
+        Ok(profile.radius())
+    }
+
+    /// The kernel along the axis at an upsampling, if circles stay circles there.
+    fn along(
+        &self,
+        block: &[Scheduled],
+        theta: f64,
+        alpha: Option<f64>,
+        compensated: bool,
+    ) -> Result<f64, Option<String>> {
+        let upsampling = &block[0];
+        let own = |plan: f64| alpha.map_or(plan, |alpha| alpha * upsampling.scale);
+        let value = |function: &Expression, alpha: f64| function.value(alpha).map_err(|error| Some(error.to_string()));
+        let c = crate::math::functions::cos(theta / 2.0);
+        let kernel = value(self.plan.kernel.first().ok_or(None)?, own(upsampling.alpha))?;
+        let pushed = follows(block, Role::PushBack) > 0 && compensated;
+        let omega = value(&self.plan.compensation, own(upsampling.compensation_alpha))?;
+        let later = block.iter().filter(|step| step.letter.operator.role() == Role::Average && !step.first);
+        let others = later.map(|step| (step.kernel - 1.0).abs()).fold(0.0, f64::max);
+        if (kernel - c).abs() > ROUNDING || pushed && (omega * c - 1.0).abs() > ROUNDING || others > ROUNDING {
+            return Err(None);
+        }
+        let longitude = self.latitude.kernel_longitude.as_ref();
+        longitude.map_or(Ok(c), |kernel| value(kernel, own(upsampling.alpha)))
+    }
+}
+
+/// A U at the front of each part, and what follows it.
+fn blocks(letters: &[Letter]) -> impl Iterator<Item = &[Letter]> {
+    letters.chunk_by(|_, next| next.operator.role() != Role::Upsample)
+}
+
+/// Whether a C is the first to follow each U, and nothing stands before the first U.
+fn keeps_circles(letters: &[Letter]) -> bool {
+    blocks(letters).all(|block| {
+        let letters: Vec<Option<char>> = block.iter().map(|letter| letter.operator.letter()).collect();
+        let rest = letters.get(2..).unwrap_or_default();
+        letters.starts_with(&[Some('U'), Some('C')]) && rest.iter().all(|letter| matches!(letter, Some('C' | 'P')))
+    })
+}
+
+/// The number that all these vertices have.
+fn same(numbers: &[f64], vertices: &[u32]) -> Option<f64> {
+    let mut of = vertices.iter().map(|&v| numbers[v as usize]);
+    let first = of.next()?;
+    of.all(|other| other.to_bits() == first.to_bits()).then_some(first)
+}

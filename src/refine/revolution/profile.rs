@@ -1,0 +1,117 @@
+//! The profile of a tube under refinement: on a regular tube a plan acts on each direction alone. Around the axis an
+//! average multiplies by `cos(theta/2)`, each later one by `cos(theta/4)^2`; along the axis it is the curve scheme.
+
+use super::ring::{Ring, cross, dot, length, scaled};
+use crate::math::functions::{cos, sqrt};
+use crate::scheme::ops::Role;
+use crate::scheme::plan::Scheduled;
+
+/// A complex number: the first vertex of a ring, in the plane across the axis.
+type Complex = [f64; 2];
+
+/// The first vertices of the rings around a line, from one end to the other.
+#[derive(Debug, Clone)]
+pub(super) struct Profile {
+    rings: Vec<Complex>,
+    /// Push-back factor of each ring.
+    deltas: Vec<f64>,
+    /// The ring of the line.
+    at: usize,
+    /// How many rings the line depends on, on each side.
+    reach: usize,
+}
+
+impl Profile {
+    /// The profile of rings on one axis, around ring `at`; rings beyond `reach` do not matter.
+    pub(super) fn of(rings: &[Ring], deltas: Vec<f64>, at: usize, reach: usize) -> Self {
+        let complex = |ring: &Ring| {
+            let Some((seen, axis)) = rings.iter().find_map(|ring| Some((ring.first, ring.axis?))) else {
+                return [0.0; 2];
+            };
+            let x = scaled(seen, 1.0 / length(seen));
+            [dot(ring.first, x), dot(ring.first, cross(axis, x))]
+        };
+        Self { rings: rings.iter().map(complex).collect(), deltas, at, reach }
+    }
+
+    /// Whether something is pushed back.
+    pub(super) fn is_pushed(&self) -> bool {
+        self.deltas.iter().any(|&delta| delta != 0.0)
+    }
+
+    /// The ring of the line.
+    pub(super) fn here(&self) -> Complex {
+        self.rings[self.at]
+    }
+
+    /// The radius of the ring of the line.
+    pub(super) fn radius(&self) -> f64 {
+        let [x, y] = self.here();
+        sqrt(x * x + y * y)
+    }
+
+    /// Whether the line stays where it was before.
+    pub(super) fn has_settled(&self, before: Complex) -> bool {
+        let [x, y] = self.here();
+        (x - before[0]).abs() + (y - before[1]).abs() <= 1e-16 * (x.abs() + y.abs())
+    }
+
+    /// The profile after an upsampling and what follows it, with the kernel `along` the axis, of rings whose vertices
+    /// `theta` parts.
+    pub(super) fn refined(&self, block: &[Scheduled], along: f64, theta: f64) -> Self {
+        let n = self.rings.len();
+        let halves = |j: usize| [self.rings[j / 2], self.rings[j.div_ceil(2)]];
+        let mut fine: Vec<Complex> = (0..2 * n - 1).map(|j| mix(halves(j).map(|ring| (ring, 0.5)))).collect();
+        let deltas: Vec<f64> =
+            (0..2 * n - 1).map(|j| f64::midpoint(self.deltas[j / 2], self.deltas[j.div_ceil(2)])).collect();
+        let quarter = cos(theta / 4.0);
+        for step in block {
+            match step.letter.operator.role() {
+                Role::Average if step.first => fine = averaged(&fine, along, cos(theta / 2.0)),
+                Role::Average => fine = averaged(&fine, 1.0, quarter * quarter),
+                Role::PushBack => self.push_back(&mut fine),
+                Role::Upsample | Role::Smooth => {}
+            }
+        }
+        let low = (2 * self.at).saturating_sub(self.reach);
+        let high = (2 * self.at + self.reach + 1).min(fine.len());
+        Self { rings: fine[low..high].into(), deltas: deltas[low..high].into(), at: 2 * self.at - low, ..*self }
+    }
+
+    /// Pushes finer rings back towards these, with the compensation 1: what turns with a line follows it.
+    fn push_back(&self, fine: &mut [Complex]) {
+        let back = |(i, ring): (usize, &Complex)| mix([(*ring, self.deltas[i]), (fine[2 * i], -self.deltas[i])]);
+        let moves: Vec<Complex> = self.rings.iter().enumerate().map(back).collect();
+        for (j, point) in fine.iter_mut().enumerate() {
+            *point = mix([(*point, 1.0), (moves[j / 2], 0.5), (moves[j.div_ceil(2)], 0.5)]);
+        }
+    }
+}
+
+/// An average of rings: even ones count `f` along the axis, and all become smaller by `factor`. The first and the last ring
+/// are averaged around the axis alone, as on boundaries.
+fn averaged(fine: &[Complex], f: f64, factor: f64) -> Vec<Complex> {
+    let weight = |j: usize| if j.is_multiple_of(2) { f } else { 1.0 };
+    let average = |j: usize| {
+        if j == 0 || j + 1 == fine.len() {
+            return mix([(fine[j], factor)]);
+        }
+        let [a, b, c] = [j - 1, j, j + 1].map(weight);
+        let (before, after) = (2.0 * (a + b), 2.0 * (b + c));
+        mix([
+            (fine[j - 1], factor * a / before),
+            (fine[j], factor * (b / before + b / after)),
+            (fine[j + 1], factor * c / after),
+        ])
+    };
+    (0..fine.len()).map(average).collect()
+}
+
+fn mix<const N: usize>(terms: [(Complex, f64); N]) -> Complex {
+    terms.iter().fold([0.0; 2], |sum, (p, w)| [sum[0] + w * p[0], sum[1] + w * p[1]])
+}
+
+/// How many steps of a role there are after an upsampling.
+pub(super) fn follows(block: &[Scheduled], role: Role) -> usize {
+    block.iter().filter(|step| step.letter.operator.role() == role).count()
+}

@@ -1,0 +1,95 @@
+//! Rings of tubes: regular polygons in space.
+
+use crate::math::functions::{cos, sin, sqrt};
+
+pub(super) type Vector = [f64; 3];
+
+/// By how much of its size a ring may miss a regular polygon, as coordinates with a few decimals do.
+const IRREGULARITY: f64 = 1e-5;
+/// What rounding leaves of numbers that are equal.
+pub(super) const ROUNDING: f64 = 1e-9;
+/// By how much of its distance from the origin a ring may miss one, as rounded coordinates do.
+const FAR: f64 = 1e-14;
+
+/// A ring of a tube: a regular polygon.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ring {
+    pub(super) centre: Vector,
+    /// Unit vector along the axis, around which the vertices turn counter-clockwise; `None` for a ring without extent.
+    pub(super) axis: Option<Vector>,
+    /// From the centre to the vertex that the tube counts from.
+    pub(super) first: Vector,
+    /// Greatest distance of a vertex from its place in the regular polygon.
+    pub(super) irregularity: f64,
+}
+
+impl Ring {
+    /// The regular polygon of these points; `None` where they are none.
+    pub(super) fn of(points: &[Vector]) -> Option<Self> {
+        let n = points.len();
+        let inverse = 1.0 / real(n);
+        let centre = points.iter().fold([0.0; 3], |sum, p| add(sum, scaled(*p, inverse)));
+        let arms: Vec<Vector> = points.iter().map(|p| add(*p, scaled(centre, -1.0))).collect();
+        let far = points.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let radius = arms.iter().map(|arm| length(*arm)).fold(0.0, f64::max);
+        if radius <= ROUNDING * far {
+            return Some(Self { centre, axis: None, first: [0.0; 3], irregularity: radius });
+        }
+        let turn = (0..n).map(|i| cross(arms[i], arms[(i + 1) % n])).fold([0.0; 3], add);
+        let axis = scaled(turn, 1.0 / length(turn));
+        let angle = std::f64::consts::TAU * inverse;
+        let (c, s) = (cos(angle), sin(angle));
+        let mut irregularity: f64 = 0.0;
+        for i in 0..n {
+            let turned = add(scaled(arms[i], c), scaled(cross(axis, arms[i]), s));
+            let missed = length(add(turned, scaled(arms[(i + 1) % n], -1.0)));
+            if !missed.is_finite() || missed > IRREGULARITY * radius + FAR * far {
+                return None;
+            }
+            irregularity = irregularity.max(missed);
+        }
+        Some(Self { centre, axis: Some(axis), first: arms[0], irregularity })
+    }
+}
+
+/// By how much another ring misses the axis of the first, model units.
+pub(super) fn tilt(ring: &Ring, other: &Ring) -> Result<f64, String> {
+    let apart = add(other.centre, scaled(ring.centre, -1.0));
+    let radius = length(ring.first).max(length(other.first));
+    let Some(axis) = ring.axis.or(other.axis) else { return Ok(0.0) };
+    let turned = match (ring.axis, other.axis) {
+        (Some(a), Some(b)) if dot(a, b) < 0.0 => return Err("the ring runs the other way round".into()),
+        (Some(a), Some(b)) => length(cross(a, b)),
+        _ => 0.0,
+    };
+    let off = length(cross(axis, apart));
+    if off > IRREGULARITY * radius.max(length(apart)) || turned > IRREGULARITY {
+        return Err("the ring has another axis".into());
+    }
+    Ok(off + turned * radius)
+}
+
+pub(super) fn add(a: Vector, b: Vector) -> Vector {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+pub(super) fn scaled(a: Vector, factor: f64) -> Vector {
+    a.map(|x| x * factor)
+}
+
+pub(super) fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub(super) fn cross(a: Vector, b: Vector) -> Vector {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+pub(super) fn length(a: Vector) -> f64 {
+    sqrt(dot(a, a))
+}
+
+#[expect(clippy::cast_precision_loss, reason = "rings have far fewer than 2^52 vertices")]
+pub(super) fn real(n: usize) -> f64 {
+    n as f64
+}
