@@ -21,7 +21,7 @@ use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 
 /// Version of the results: raised whenever any artifact's bytes change.
-pub const RESULTS_VERSION: u32 = 3;
+pub const RESULTS_VERSION: u32 = 4;
 
 /// Identity of an artifact, a job or a content: a BLAKE3 hash, written as 64 lowercase hexadecimal digits.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -123,7 +123,7 @@ fn input<'a>(input: &'a Input, plan: &Plan) -> Item<'a> {
             ];
             items.extend(sharp("creases", &mesh.creases));
             items.extend(sharp("semi-sharp corners", &mesh.semi_sharp_corners));
-            items.extend(attachments(&mesh.attachments));
+            items.extend(attachments(&mesh.attachments, !mesh.creases.is_empty()));
             items.extend(lines.map(|lines| {
                 let edges = |direction| Item::Indices(lines.edges(direction).into());
                 Item::List(vec![text("lines"), edges(Direction::Latitude), edges(Direction::Longitude)])
@@ -134,8 +134,8 @@ fn input<'a>(input: &'a Input, plan: &Plan) -> Item<'a> {
     }
 }
 
-/// What a mesh carries, where there is any: a list for each kind that is given.
-fn attachments(attachments: &Attachments) -> Option<Item<'_>> {
+/// What a mesh carries, where there is any: a list for each kind that is given. Pairs of places count beside creases.
+fn attachments(attachments: &Attachments, creased: bool) -> Option<Item<'_>> {
     let mut kinds = Vec::new();
     if !attachments.channels.is_empty() {
         kinds.push(text("channels"));
@@ -153,13 +153,11 @@ fn attachments(attachments: &Attachments) -> Option<Item<'_>> {
     if let Some(uvs) = &attachments.uvs {
         let linear = Item::Integer(u64::from(uvs.linear));
         let corners = Item::Indices((&uvs.corners).into());
-        kinds.push(Item::List(vec![
-            text("uvs"),
-            linear,
-            corners,
-            faces(&uvs.topology),
-            Item::Numbers((&uvs.values).into()),
-        ]));
+        let mut items = vec![text("uvs"), linear, corners, faces(&uvs.topology), Item::Numbers((&uvs.values).into())];
+        if creased && !uvs.pairs.is_empty() {
+            items.push(Item::Indices(uvs.pairs.iter().flatten().copied().collect::<Vec<u32>>().into()));
+        }
+        kinds.push(Item::List(items));
     }
     (!kinds.is_empty()).then_some(Item::List(kinds))
 }

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::material::{AlphaMode, PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
-use gltf::json::scene::UnitQuaternion;
 use gltf::json::validation::Checked::{self, Valid};
 use gltf::json::{self, Accessor, Asset, Extras, Index, Material, Mesh, Node, Root, Scene};
 use serde_json::value::{RawValue, to_raw_value};
@@ -79,21 +78,24 @@ fn translation(buffer: &Buffer<'_>) -> Option<[f32; 3]> {
 }
 
 /// The node, turned so that y is up and scaled to metres. A node that is moved stays as it is below another one that
-/// turns and scales, so that its translation is still told exactly.
+/// turns and scales, so that its translation is still told exactly. A turn is told as a matrix, whose entries are exact:
+/// the half turns of a quaternion are not, and far models would move by what they miss of length 1.
 fn framed(mut node: Node, frame: Frame) -> Vec<Node> {
     if frame.is_default() {
         return vec![node];
     }
-    // a quarter turn about x brings z to y
-    let half = std::f32::consts::FRAC_1_SQRT_2;
-    let rotation = (frame.up == Up::Z).then_some(UnitQuaternion([-half, 0.0, 0.0, half]));
     let metres = rounded(frame.unit.metres());
-    let scale = (frame.unit != Unit::Metre).then_some([metres; 3]);
+    // a quarter turn about x brings z to y; columns one after another
+    let turned = [metres, 0., 0., 0., 0., 0., -metres, 0., 0., metres, 0., 0., 0., 0., 0., 1.];
+    let (matrix, scale) = match frame.up {
+        Up::Z => (Some(turned), None),
+        Up::Y => (None, (frame.unit != Unit::Metre).then_some([metres; 3])),
+    };
     if node.translation.is_none() {
-        return vec![Node { rotation, scale, ..node }];
+        return vec![Node { matrix, scale, ..node }];
     }
     let name = node.name.take();
-    vec![Node { name, rotation, scale, children: Some(vec![Index::new(1)]), ..Node::default() }, node]
+    vec![Node { name, matrix, scale, children: Some(vec![Index::new(1)]), ..Node::default() }, node]
 }
 
 /// The look of surfaces; with colours of their own they are white, and see-through where these say so.

@@ -7,7 +7,7 @@ use crate::scheme::mesh_net::{Boundary, MeshNet};
 use crate::scheme::ops::{Role, lettered};
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::sharpness::Sharpness;
-use crate::shape::creases::Sharp;
+use crate::shape::creases::{INFINITE_SHARPNESS, Sharp};
 use crate::shape::mesh::Mesh;
 use crate::shape::order::Order;
 use crate::shape::topology::Topology;
@@ -64,15 +64,37 @@ pub fn uv_net(mesh: &Mesh, uvs: &Uvs, plan: &Plan) -> MeshNet {
             semi_sharp.push((place, mesh.semi_sharp_corners[found].1));
         }
     }
-    corners.sort_unstable();
-    corners.dedup();
-    semi_sharp.retain(|(place, _)| corners.binary_search(place).is_err());
     let inside = |&(e, sharpness): &(u32, f64)| {
         let edge = places.edge(vertices.edge_corners(e as usize)[0]);
         (!places.is_boundary_edge(edge as usize)).then_some((edge, sharpness))
     };
     let mut creases: Sharp = mesh.creases.iter().filter_map(inside).collect();
     creases.sort_unstable_by_key(|&(e, _)| e);
-    MeshNet::new(uvs.topology.clone(), &corners, &[], Boundary::EdgeOnly)
-        .with_sharpness(Sharpness::of(&creases, &semi_sharp), plan.rules)
+    let (fixed, mut following) = following(uvs, &creases);
+    corners.extend(fixed);
+    corners.sort_unstable();
+    corners.dedup();
+    following.retain(|(place, _)| semi_sharp.binary_search_by_key(place, |&(place, _)| place).is_err());
+    semi_sharp.retain(|(place, _)| corners.binary_search(place).is_err());
+    let sharpness = Sharpness::of(&creases, &semi_sharp).map(|sharpness| sharpness.following(following));
+    MeshNet::new(uvs.topology.clone(), &corners, &[], Boundary::EdgeOnly).with_sharpness(sharpness, plan.rules)
+}
+
+/// Of the pairs of places at one vertex: those that stay because an infinitely sharp edge ends at the other one, and those
+/// that are as sharp as semi-sharp edges make the other one, as they have none of their own.
+///
+/// Source: OpenSubdiv 3.5, which calls such sharpness dependent; compared by numbers.
+fn following(uvs: &Uvs, creases: &Sharp) -> (Vec<u32>, Vec<(u32, u32)>) {
+    let mut sharpest = std::collections::BTreeMap::new();
+    for &(e, sharpness) in creases {
+        for place in uvs.topology.ends(e as usize) {
+            let most: &mut f64 = sharpest.entry(place).or_insert(0.0);
+            *most = most.max(sharpness);
+        }
+    }
+    let sharpness = |place: u32| sharpest.get(&place).copied().unwrap_or(0.0);
+    let pairs = uvs.pairs.iter().flat_map(|&[a, b]| [(a, b), (b, a)]);
+    let (fixed, others): (Vec<_>, Vec<_>) = pairs.partition(|&(_, other)| sharpness(other) >= INFINITE_SHARPNESS);
+    let following = others.into_iter().filter(|&(place, other)| sharpness(place) <= 0.0 && sharpness(other) > 0.0);
+    (fixed.into_iter().map(|(place, _)| place).collect(), following.collect())
 }

@@ -1,5 +1,6 @@
 //! The rules at vertices and edges that are not smooth: along creases, at corners, and while sharpness becomes less.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::mesh_net::MeshNet;
@@ -75,10 +76,16 @@ impl Creases {
     ) -> Self {
         let ends = before.edges().iter().flat_map(|&(e, _)| topology.ends(e as usize));
         let mut apart: Vec<u32> = ends.chain(before.vertices().iter().map(|&(v, _)| v)).collect();
+        let around = |v: u32| Around::of(topology, before, v as usize, &edge_after, &corner_after);
+        let followers: BTreeMap<u32, u32> = before.followers().iter().copied().collect();
+        apart.extend(followers.keys());
         apart.sort_unstable();
         apart.dedup();
         let blend = |v: u32| {
-            let blend = Around::of(topology, before, v as usize, &edge_after, &corner_after).blend();
+            let blend = match followers.get(&v) {
+                Some(&other) => around(v).following(&around(other)),
+                None => around(v).blend(),
+            };
             let smooth = [blend.before, blend.after] == [Rule::Smooth; 2];
             (!smooth).then_some((v, blend))
         };
@@ -162,5 +169,11 @@ impl Around {
         let (sum, n) = self.vanishing;
         let weight = if n > 0.0 { (sum / n).min(1.0) } else { 1.0 };
         Blend { before: self.rule(0), after: self.rule(1), weight }
+    }
+
+    /// The two rules of a vertex that stays while another one does, with the weight that holds there.
+    fn following(&self, other: &Self) -> Blend {
+        let rule = |when| if other.rule(when) == Rule::Corner { Rule::Corner } else { self.rule(when) };
+        Blend { before: rule(0), after: rule(1), weight: other.blend().weight }
     }
 }

@@ -1,5 +1,7 @@
 //! Sharpness of edges and vertices, and how it becomes less from level to level.
 
+use std::sync::Arc;
+
 use crate::shape::creases::{INFINITE_SHARPNESS, Sharp};
 use crate::shape::topology::{NONE, Topology, index};
 
@@ -18,6 +20,8 @@ pub enum Creasing {
 pub struct Sharpness {
     edges: Sharp,
     vertices: Sharp,
+    /// Boundary vertices that stay while the sharp edges inside keep another one.
+    following: Arc<[(u32, u32)]>,
 }
 
 /// How many edges of the input are still sharp after some levels, at most.
@@ -44,7 +48,19 @@ impl Sharpness {
     /// The sharpness of edges and vertices, both ascending and above 0; `None` when everything is smooth.
     pub fn of(edges: &Sharp, vertices: &Sharp) -> Option<Self> {
         let any = !edges.is_empty() || !vertices.is_empty();
-        any.then(|| Self { edges: edges.clone(), vertices: vertices.clone() })
+        any.then(|| Self { edges: edges.clone(), vertices: vertices.clone(), following: Arc::default() })
+    }
+
+    /// The same with vertices on the boundary that stay, fully or in part, while the sharp edges that end there keep
+    /// another such vertex.
+    #[must_use]
+    pub fn following(self, following: Vec<(u32, u32)>) -> Self {
+        Self { following: following.into(), ..self }
+    }
+
+    /// Vertices that follow others: the vertex, then the other.
+    pub fn followers(&self) -> &[(u32, u32)] {
+        &self.following
     }
 
     /// Sharpness of edge `e`; boundary edges have none of their own.
@@ -86,7 +102,7 @@ impl Sharpness {
             }
         }
         edges.retain(|&(_, sharpness)| sharpness > 0.0);
-        Self::of(&edges, &vertices)
+        self.next(&edges, &vertices)
     }
 
     /// The sharpness after a split whose edge `e` becomes the edges `d e`, `d e + 1`, ..., in order: what is infinitely
@@ -96,7 +112,12 @@ impl Sharpness {
         let pieces = |&(e, sharpness): &(u32, f64)| (0..d).map(move |at| (index(e as usize * d + at), less(sharpness)));
         let mut edges: Sharp = self.edges.iter().flat_map(pieces).collect();
         edges.retain(|&(_, sharpness)| sharpness > 0.0);
-        Self::of(&edges, &vertices.filter(|&(_, sharpness)| sharpness > 0.0).collect())
+        self.next(&edges, &vertices.filter(|&(_, sharpness)| sharpness > 0.0).collect())
+    }
+
+    /// What is left after a split: vertices keep their numbers, so that those that follow do so still.
+    fn next(&self, edges: &Sharp, vertices: &Sharp) -> Option<Self> {
+        Self::of(edges, vertices).map(|next| Self { following: self.following.clone(), ..next })
     }
 
     /// Both ends of every sharp edge, by vertex, then by edge.

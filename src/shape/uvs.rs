@@ -15,7 +15,7 @@ pub enum Interpolation {
     None,
     /// At corners: places with one face.
     CornersOnly,
-    /// And where three regions or more meet.
+    /// And where three regions or more meet; where two meet, both are as sharp as either.
     CornersPlus1,
     /// And where a seam ends inside, and beside a corner where two regions meet.
     CornersPlus2,
@@ -82,6 +82,8 @@ pub struct Uvs {
     pub topology: Arc<Topology>,
     /// Places that keep their value whatever the mesh does, ascending.
     pub corners: Vec<u32>,
+    /// Both places of each vertex that has two, where creases within the region of one sharpen the other, too.
+    pub pairs: Vec<[u32; 2]>,
     /// Whether they are linear everywhere.
     pub linear: bool,
 }
@@ -112,9 +114,15 @@ impl Uvs {
         }
         let topology = Arc::new(checked.topology);
         let linear = input.interpolation == Interpolation::All;
+        let mut at_vertex: Vec<Vec<u32>> = vec![Vec::new(); mesh.n_vertices()];
+        for (place, &vertex) in (0..).zip(&vertex_of) {
+            at_vertex[vertex as usize].push(place);
+        }
         let corners =
-            if linear { Vec::new() } else { corners(&topology, mesh, [&vertex_of, &value_of], input.interpolation) };
-        Ok(Self { values, topology, corners, linear })
+            if linear { Vec::new() } else { corners(&topology, mesh, &at_vertex, &value_of, input.interpolation) };
+        let paired = matches!(input.interpolation, Interpolation::CornersPlus1 | Interpolation::CornersPlus2);
+        let pairs = at_vertex.iter().filter_map(|places| places.as_slice().try_into().ok().filter(|_| paired));
+        Ok(Self { values, topology, corners, pairs: pairs.collect(), linear })
     }
 
     /// The vertex of the mesh at a place.
@@ -219,13 +227,10 @@ impl Fans<'_> {
 fn corners(
     topology: &Topology,
     mesh: &Topology,
-    [vertex_of, value_of]: [&[u32]; 2],
+    at_vertex: &[Vec<u32>],
+    value_of: &[u32],
     interpolation: Interpolation,
 ) -> Vec<u32> {
-    let mut at_vertex: Vec<Vec<u32>> = vec![Vec::new(); mesh.n_vertices()];
-    for (place, &vertex) in (0..).zip(vertex_of) {
-        at_vertex[vertex as usize].push(place);
-    }
     let size = |place: u32| topology.ring(place as usize).count();
     let on_boundary = |place: u32| topology.boundary_edges(place as usize).is_some();
     let is_corner = |place: u32| on_boundary(place) && size(place) == 1;

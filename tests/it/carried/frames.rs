@@ -34,14 +34,10 @@ fn world(document: &Value, glb: &[u8]) -> Vec<[f64; 3]> {
 fn transformed(node: &Value, p: [f64; 3]) -> [f64; 3] {
     let numbers = |name: &str| -> Option<Vec<f64>> { serde_json::from_value(node.get(name)?.clone()).ok() };
     let scale = numbers("scale").unwrap_or(vec![1.0; 3]);
-    let [x, y, z] = [p[0] * scale[0], p[1] * scale[1], p[2] * scale[2]];
-    let turned = match numbers("rotation") {
-        None => [x, y, z],
-        Some(q) => {
-            assert!((q[0] + 0.5_f64.sqrt()).abs() < 1e-7 && (q[3] - 0.5_f64.sqrt()).abs() < 1e-7, "{q:?}");
-            [x, z, -y]
-        }
-    };
+    let mut turned = [p[0] * scale[0], p[1] * scale[1], p[2] * scale[2]];
+    if let Some(m) = numbers("matrix") {
+        turned = [0, 1, 2].map(|i| (0..3).map(|j| m[4 * j + i] * turned[j]).sum::<f64>() + m[12 + i]);
+    }
     let translation = numbers("translation").unwrap_or(vec![0.0; 3]);
     [turned[0] + translation[0], turned[1] + translation[1], turned[2] + translation[2]]
 }
@@ -78,11 +74,17 @@ fn gltf_is_in_metres_with_y_up_near_and_far() {
 #[test]
 fn far_models_lose_nothing_to_the_translation() {
     for by in [[1_000_000.437_5, -3_333_333.3, 7e6], [123_456_789.1, 0.3, -98_765.432_1]] {
-        let question = framed(&moved(&nets::prism(5), by), "m", "y");
-        let glb = written(&question, &json!({ "format": "glb" }));
-        let result: Value = serde_json::from_str(&text(&question, &json!({ "format": "json" }))).expect("JSON");
-        for (found, expected) in world(&document(&glb), &glb).iter().zip(Net::of(&result).positions) {
-            assert!(distance(found, &expected) < 1e-6, "{found:?} and {expected:?}");
+        for (unit, up) in [("m", "y"), ("m", "z"), ("mm", "z"), ("in", "y")] {
+            let question = framed(&moved(&nets::prism(5), by), unit, up);
+            let glb = written(&question, &json!({ "format": "glb" }));
+            let result: Value = serde_json::from_str(&text(&question, &json!({ "format": "json" }))).expect("JSON");
+            let metres =
+                [("m", 1.0), ("mm", 0.001), ("in", 0.0254)].iter().find(|known| known.0 == unit).expect("it").1;
+            for (found, [x, y, z]) in world(&document(&glb), &glb).iter().zip(Net::of(&result).positions) {
+                let p = if up == "z" { [x, z, -y] } else { [x, y, z] };
+                let expected = p.map(|x| x * metres);
+                assert!(distance(found, &expected) < 1e-6 * metres, "{unit} {up}: {found:?} and {expected:?}");
+            }
         }
     }
 }
@@ -123,6 +125,7 @@ fn curves_have_frames_too() {
         "plan": { "preset": "chaikin" }, "levels": 1,
     });
     let document: Value = serde_json::from_str(&text(&polygon, &json!({ "format": "gltf" }))).expect("JSON");
-    assert_eq!(document["nodes"][0]["scale"], json!([0.01, 0.01, 0.01]));
+    let turned = [0.01, 0., 0., 0., 0., 0., -0.01, 0., 0., 0.01, 0., 0., 0., 0., 0., 1.];
+    assert_eq!(document["nodes"][0]["matrix"], json!(turned));
     assert!(text(&polygon, &json!({ "format": "obj" })).starts_with("# planish\n# unit cm\n# up z\nv 0 0 1\n"));
 }

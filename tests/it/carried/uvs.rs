@@ -192,6 +192,43 @@ fn linear_ones_are_bilinear_on_each_face() {
     check_at_vertices(&unfolded(&nets::mixed(), &seamless(&nets::mixed(), "all"), &json!({ "word": "U" }), 2), 0.0);
 }
 
+/// Where a crease ends on a seam, both values there are as sharp as the crease makes one of them. The numbers are those of
+/// OpenSubdiv 3.5.
+#[test]
+fn creases_that_end_on_a_seam_sharpen_both_sides() {
+    let square = nets::grid(2, 2);
+    let mut values: Vec<[f64; 2]> = (0..9).map(|i| [f64::from(i % 3), f64::from(i / 3)]).collect();
+    values[4] = [1.3, 1.0];
+    values.extend([[5.0, 0.0], [5.3, 1.0], [5.0, 2.0]]);
+    let faces = json!([[0, 1, 4, 3], [9, 2, 5, 10], [3, 4, 7, 6], [10, 5, 8, 11]]);
+    let middle = |interpolation: &str, creases: &[([usize; 2], f64)], corner: f64| {
+        let uvs = json!({ "values": values, "faces": faces, "interpolation": interpolation });
+        let sharp: Vec<Value> = creases.iter().map(|(e, s)| json!({ "edge": e, "sharpness": s })).collect();
+        let mut question = job(&square, &json!({ "uvs": uvs }), &catmull_clark("edge-and-corner"), 1);
+        question["input"]["mesh"]["creases"] = json!(sharp);
+        question["input"]["mesh"]["corners"] = json!([{ "vertex": 4, "sharpness": corner }]);
+        // places are numbered by first appearance, and 4 stands at the third corner of the first face
+        Unfolded::of(&told(question)).values[2][0]
+    };
+    for interpolation in ["corners-plus1", "corners-plus2"] {
+        let cases = [
+            (vec![([4, 5], 10.0)], 0.0, 1.3),
+            (vec![([4, 5], 0.5)], 0.0, 1.2625),
+            (vec![([4, 5], 1.5)], 0.0, 1.3),
+            (vec![], 0.0, 1.225),
+            // sharp itself, or beside sharp edges of its own, a value follows no other
+            (vec![([4, 5], 0.5)], 0.25, 1.24375),
+            (vec![([4, 5], 0.5), ([3, 4], 0.2)], 0.0, 1.24),
+            (vec![([4, 5], 10.0), ([3, 4], 0.2)], 0.25, 1.3),
+        ];
+        for (creases, corner, expected) in cases {
+            let found = middle(interpolation, &creases, corner);
+            assert!((found - expected).abs() < 1e-15, "{interpolation} {creases:?} {corner}: {found}, not {expected}");
+        }
+    }
+    assert!((middle("corners-only", &[([4, 5], 10.0)], 0.0) - 1.225).abs() < 1e-15);
+}
+
 /// Where values on seams and boundaries stay, on a square of 2 x 2 quads.
 #[test]
 fn interpolations_keep_what_their_names_say() {
