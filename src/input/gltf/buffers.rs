@@ -35,6 +35,9 @@ impl<'a> Document<'a> {
         if !root.asset.version.starts_with("2.") {
             return Err(format!("version {} of glTF; 2.0 is read", quoted(&root.asset.version)));
         }
+        if let Some(least) = root.asset.min_version.as_deref().filter(|&least| least != "2.0") {
+            return Err(format!("the file asks for version {} of glTF at least; 2.0 is read", quoted(least)));
+        }
         let is_harmless = |name: &String| HARMLESS.iter().any(|known| name.starts_with(known));
         if let Some(name) = root.extensions_required.iter().find(|name| !is_harmless(name)) {
             return Err(format!("the file requires {}, which is not read; export it without", quoted(name)));

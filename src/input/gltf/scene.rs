@@ -274,7 +274,8 @@ fn triangles(mode: Mode, order: &[usize]) -> Vec<[usize; 3]> {
     }
 }
 
-/// A component of a colour in linear light, as sRGB. Source: IEC 61966-2-1 (1999), section 5.2.
+/// A component of a colour in linear light, as sRGB; full light is 1 without rounding. Source: IEC 61966-2-1 (1999),
+/// section 5.2.
 fn encoded(x: f64) -> f64 {
-    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * pow(x, 1.0 / 2.4) - 0.055 }
+    if x <= 0.003_130_8 { 12.92 * x } else { 1.0 - 1.055 * (1.0 - pow(x, 1.0 / 2.4)) }
 }

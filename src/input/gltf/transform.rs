@@ -57,7 +57,11 @@ impl Transform {
     /// # Errors
     /// A matrix that is no affine map, a rotation that is no unit quaternion.
     pub(super) fn of(placement: &Placement) -> Result<Self, String> {
-        if let Some(matrix) = placement.matrix {
+        let Placement { matrix, rotation, scale, translation } = placement;
+        if matrix.is_some() && (rotation.is_some() || scale.is_some() || translation.is_some()) {
+            return Err("its place is a matrix and parts of one; give either".to_owned());
+        }
+        if let Some(matrix) = matrix {
             let [a, b, c, d] = std::array::from_fn(|j| matrix[4 * j + 3]);
             if [a, b, c, d - 1.0].iter().any(|x| x.abs() > AFFINE) {
                 return Err(format!("the last row of its matrix is {a}, {b}, {c}, {d}; it has to be 0, 0, 0, 1"));

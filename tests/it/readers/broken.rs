@@ -258,6 +258,8 @@ fn gltf() {
     let found = sentences("gltf", b"{");
     assert!(found[0].starts_with("the document is no glTF: EOF while parsing"), "{found:?}");
     check(r#"{"asset":{"version":"1.0"}}"#, "version \"1.0\" of glTF; 2.0 is read");
+    let newer = r#"{"asset":{"version":"2.1","minVersion":"2.1"}}"#;
+    check(newer, "the file asks for version \"2.1\" of glTF at least; 2.0 is read");
     let draco = r#"{"asset":{"version":"2.0"},"extensionsRequired":["KHR_draco_mesh_compression"]}"#;
     check(draco, "the file requires \"KHR_draco_mesh_compression\", which is not read; export it without");
     let buffers = |buffer: &str| format!(r#"{{"asset":{{"version":"2.0"}},"buffers":[{buffer}]}}"#);

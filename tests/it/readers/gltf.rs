@@ -171,11 +171,24 @@ fn numbers_of_every_kind_and_vertices_shared_between_primitives() {
     let gray = 0.484_529_204_481_703_4;
     let colors = [1., 0., 0., 1., 0., 1., 0., 1., 0., 0., 1., 1., gray, gray, gray, 0.2];
     let off = found.channels[0].values.iter().zip(colors).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let full = |k: &usize| colors[*k].to_bits() == 1.0_f64.to_bits();
+    let kept = (0..16).filter(full).all(|k| found.channels[0].values[k].to_bits() == 1.0_f64.to_bits());
+    assert!(kept, "full light is exactly 1: {found:?}");
     assert!(found.channels[0].name == "color" && found.channels[0].values.len() == 16 && off < 1e-12, "{found:?}");
     let uvs = found.uvs.expect("it has them");
     assert_eq!(uvs.values, [[0., 1.], [1., 1.], [0., 0.], [1., 0.75]], "v counts upwards");
     let materials = [("red", 0), ("material 1", 1)].map(|(name, f)| FaceSet { name: name.into(), faces: vec![f] });
     assert_eq!(found.materials, materials);
+}
+
+#[test]
+fn sparse_rows_have_to_increase() {
+    let mut document: Value = serde_json::from_str(&every_feature()).expect("a document");
+    document["accessors"][0]["sparse"]["count"] = json!(3);
+    document["accessors"][0]["sparse"]["indices"]["bufferView"] = json!(0);
+    document["accessors"][0]["sparse"]["values"]["bufferView"] = json!(0);
+    let found = sentences("gltf", document.to_string().as_bytes());
+    assert_eq!(found, ["mesh 0, primitive 0: accessor 0: sparse row 0 after 1; they have to increase"]);
 }
 
 #[test]
@@ -215,6 +228,8 @@ fn what_leads_nowhere_is_named() {
     let matrix = [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0.5, 0., 0., 0., 1.];
     let projective = "node 0: the last row of its matrix is 0, 0, 0.5, 1; it has to be 0, 0, 0, 1";
     check("/nodes/0", json!({ "mesh": 0, "matrix": matrix }), projective);
+    let both = "node 0: its place is a matrix and parts of one; give either";
+    check("/nodes/0", json!({ "mesh": 0, "matrix": matrix, "scale": [1, 1, 1] }), both);
     let view = "accessor 0: bufferView 0: 99 bytes from byte 0; buffer 0 has 52";
     check("/bufferViews/0/byteLength", json!(99), &format!("{primitive}{view}"));
 }
