@@ -64,8 +64,8 @@ impl Document<'_> {
             let at = self.numbers(sparse.indices.buffer_view, offset, count, kind.0, 1, false).map_err(place)?;
             let offset = sparse.values.byte_offset.0;
             let new = self.numbers(sparse.values.buffer_view, offset, count, component, width, accessor.normalized);
-            if let Some(pair) = at.windows(2).find(|pair| pair[1] <= pair[0]) {
-                return Err(place(format!("sparse row {} after {}; they have to increase", pair[1], pair[0])));
+            if let Some(&[before, after, ..]) = at.windows(2).find(|pair| pair[1] <= pair[0]) {
+                return Err(place(format!("sparse row {after} after {before}; they have to increase")));
             }
             for (row, new) in at.into_iter().zip(new.map_err(place)?.chunks_exact(width)) {
                 let row = whole(row).filter(|&row| row < n);
