@@ -7,10 +7,12 @@ use super::{Input, Job, Output};
 use crate::fault::Fault;
 use crate::input::ReadLimits;
 use crate::output::{Counts, Size, surface};
-use crate::refine::{Asked, ROWS_A_POINT, followed_points, mesh_net, polygon_net, uv_net};
+use crate::refine::{Asked, Cost, ROWS_A_POINT, followed_points, limit_cost, mesh_net, polygon_net, uv_net};
 use crate::scheme::forecast::{self, Count, Forecast, ForecastError};
 use crate::scheme::plan::Scheduled;
 use crate::scheme::step::StepError;
+use crate::shape::attributes::Attributes;
+use crate::shape::tile::Tile;
 
 /// Bounds on one job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -118,6 +120,8 @@ impl Limits {
         }
         let (limit_rows, limit_bytes) = limit_surface(job, &forecast);
         let forecast = Forecast { work: forecast.work.saturating_add(limit_rows), ..forecast };
+        let local = if limit_rows > 0 { limit_patches(job, &forecast) } else { Cost::default() };
+        let limit_bytes = limit_bytes.saturating_add(local.bytes);
         let options =
             job.outputs.iter().map(|output| output.format.memory(&counts, &output.options)).max().unwrap_or(0);
         let memory_bytes = memory(&forecast, &sizes, &carried).saturating_add(limit_bytes).saturating_add(options);
@@ -128,7 +132,7 @@ impl Limits {
         }
         // measured, rounded up: 100 ns a row, 10 ns a byte of the result (pictures are counted by their pixels)
         let bytes = sizes.iter().fold(0, |sum: u128, size| sum.saturating_add(size.bytes()));
-        let time_ms = forecast.work / 10_000 + bytes / 100_000 + 1;
+        let time_ms = forecast.work.saturating_add(local.points) / 10_000 + bytes / 100_000 + 1;
         let outputs = job.outputs.iter().zip(sizes).map(|(output, size)| (job.key(output), size)).collect();
         Ok(Estimate { forecast, outputs, memory_bytes, time_ms })
     }
@@ -329,6 +333,28 @@ fn limit_surface(job: &Job, forecast: &Forecast) -> (u128, u128) {
     };
     let needs = job.outputs.iter().map(needs);
     needs.fold((0, 0), |most, need| (most.0.max(need.0), most.1.max(need.1)))
+}
+
+/// What limits need beside their rows: around vertices that are not regular, all of them where they have numbers of their
+/// own or where faces are triangles.
+fn limit_patches(job: &Job, forecast: &Forecast) -> Cost {
+    let Input::Mesh(mesh) = &job.input else { return Cost::default() };
+    let vertices = forecast.levels.last().map_or(0, |count| count.vertices);
+    let (topology, cycle) = (&mesh.topology, &job.plan.word.cycle);
+    let regular = |v: &usize| topology.boundary_edges(*v).is_none() && topology.ring(*v).take(5).count() == 4;
+    let of_quads = mesh.attributes.is_none() && job.plan.tile() == Tile::Quad;
+    let irregular = if of_quads {
+        let vertices = (0..topology.n_vertices()).filter(|v| !regular(v)).count();
+        let faces = (0..topology.n_faces()).filter(|&f| topology.face(f).len() != 4).count();
+        vertices as u128 + faces as u128 + mesh.creases.len() as u128
+    } else {
+        vertices
+    };
+    // the impulse is that of all least and largest numbers that vertices carry
+    let own_alpha = job.plan.latitude.as_ref().is_some_and(|latitude| latitude.own_alpha);
+    let given = |attributes: &Attributes| attributes.arrays().iter().filter(|(_, array)| array.is_some()).count();
+    let kinds = mesh.attributes.as_ref().map_or(0, given).max(usize::from(own_alpha));
+    limit_cost(cycle, 1 << kinds, irregular, vertices)
 }
 
 /// A number with its digits in groups of three.

@@ -12,13 +12,14 @@ use crate::scheme::mesh_net::{Boundary, MeshNet};
 use crate::scheme::ops::Heirs;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::step::Action;
+use crate::scheme::word::Letter;
 use crate::shape::topology::{Topology, index};
 
 /// Levels that are scheduled beyond the last one. An alpha that is halved as often is below 1e-18 of what it was.
 pub(in crate::refine) const AHEAD: u32 = 62;
 
-/// Most points that a level may make of a patch.
-pub(super) const MAX_POINTS: usize = 1 << 22;
+/// Most points that the operators of one level make of a net, all together.
+pub(super) const MAX_POINTS: usize = 1 << 20;
 
 /// Numbers that differ by no more than this, relative to 1 or their size, are the same.
 const SAME: f64 = 2e-16;
@@ -102,21 +103,18 @@ impl<'a> Cycle<'a> {
         rings: Rings,
         weights: Weights,
     ) -> Result<(Found, Record, Vec<u32>, Arc<Topology>), Unlimited> {
-        let pieces = self.pieces();
-        if patch.n_vertices.saturating_mul(pieces.saturating_mul(pieces)) > MAX_POINTS {
-            return Err(Unlimited::Fine);
-        }
         let (mut net, origins) = patch.net(self.plan.rules, self.boundary).ok_or(Unlimited::Reach)?;
         if own.first().are_there() {
             let directions = net.directions.as_deref().cloned();
             net = net.carrying(Some(own.attributes(&origins)), directions);
         }
         let mut record = Record::new(weights);
-        let mut centre = patch.centre();
+        let (mut centre, mut made) = (patch.centre(), Made::default());
         for step in self.level(level) {
             let next = step.letter.operator.on_mesh(&net, &values(self.plan, step)).map_err(Unlimited::from)?;
-            record.add(&next.action)?;
-            centre = heir(centre, step.letter.operator.heirs(), [&net, &next.net], record.last())?;
+            made.add(&next.net)?;
+            record.add(next.action)?;
+            centre = heir(centre, step.letter.operator.heirs(), [&net, &next.net], &record)?;
             net = next.net;
         }
         let topology = net.topology();
@@ -131,19 +129,19 @@ impl<'a> Cycle<'a> {
         net: MeshNet,
         mut act: impl FnMut(&Action, &Scheduled) -> Result<(), Unlimited>,
     ) -> Result<MeshNet, Unlimited> {
-        let mut net = net;
+        let (mut net, mut made) = (net, Made::default());
         for step in self.levels[self.settled] {
             let next = step.letter.operator.on_mesh(&net, &values(self.plan, step)).map_err(Unlimited::from)?;
+            made.add(&next.net)?;
             act(&next.action, step)?;
             net = next.net;
         }
         Ok(net)
     }
 
-    /// Pieces of an edge after a level, also where other faces than quads are split otherwise.
-    pub(super) fn pieces(&self) -> usize {
-        let pieces = self.levels[self.settled].iter().filter(|step| step.letter.operator.heirs().refine());
-        pieces.fold(1, |all, step| all.saturating_mul(step.letter.arity as usize))
+    /// The pieces into which each operator of a level and those before it there cut an edge.
+    pub(super) fn pieces(&self) -> Vec<usize> {
+        pieces(self.levels[self.settled].iter().map(|step| &step.letter))
     }
 
     /// Whether it makes a connectivity of its own.
@@ -155,6 +153,42 @@ impl<'a> Cycle<'a> {
     pub(super) fn n_duals(&self) -> usize {
         let swaps = |step: &&Scheduled| matches!(step.letter.operator.heirs(), Heirs::Dual | Heirs::Faces);
         self.levels[self.settled].iter().filter(swaps).count()
+    }
+}
+
+/// The pieces into which each operator of a level and those before it there cut an edge.
+pub(super) fn pieces<'a>(letters: impl Iterator<Item = &'a Letter>) -> Vec<usize> {
+    let after = |pieces: &mut usize, letter: &Letter| {
+        let refines = letter.operator.heirs().refine();
+        *pieces = pieces.saturating_mul(if refines { letter.arity as usize } else { 1 });
+        Some(*pieces)
+    };
+    letters.scan(1, after).collect()
+}
+
+/// The points that all operators of so many levels make of `n`, about; `pieces` are those of an edge after each operator of
+/// a level.
+pub(super) fn made(n: usize, pieces: &[usize], levels: usize) -> usize {
+    let of_one = |pieces: usize| pieces.saturating_mul(pieces);
+    let each = pieces.iter().fold(0, |sum: usize, &pieces| sum.saturating_add(of_one(pieces)));
+    let last = of_one(pieces.last().copied().unwrap_or(1));
+    let mut before = n;
+    (0..levels).fold(0, |sum: usize, _| {
+        let sum = sum.saturating_add(before.saturating_mul(each));
+        before = before.saturating_mul(last);
+        sum
+    })
+}
+
+/// Counts the points that a level makes.
+#[derive(Debug, Default)]
+struct Made(usize);
+
+impl Made {
+    /// Those of one net, before anything is done about each.
+    fn add(&mut self, net: &MeshNet) -> Result<(), Unlimited> {
+        self.0 += net.n_vertices();
+        if self.0 > MAX_POINTS { Err(Unlimited::Fine) } else { Ok(()) }
     }
 }
 

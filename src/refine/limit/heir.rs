@@ -7,6 +7,7 @@
 
 use super::Unlimited;
 use super::dual::Dual;
+use super::matrix::Record;
 use super::patch::Centre;
 use crate::math::rows::Rows;
 use crate::scheme::mesh_net::MeshNet;
@@ -16,7 +17,7 @@ use crate::shape::topology::{Topology, index};
 /// Weights that differ by no more than this are the same.
 const SAME: f64 = 1e-9;
 
-/// What becomes of a centre of the net `before` a step in the one `after`. `rows` are those of the step, if it blends.
+/// What becomes of a centre of the net `before` a step in the one `after`. The step is the last one on `record`.
 ///
 /// # Errors
 /// [`Unlimited::Lost`] and [`Unlimited::Parted`].
@@ -24,13 +25,13 @@ pub(super) fn heir(
     centre: Centre,
     heirs: Heirs,
     [before, after]: [&MeshNet; 2],
-    rows: Option<&Rows>,
+    record: &Record,
 ) -> Result<Centre, Unlimited> {
     match (heirs, centre) {
         (Heirs::Same, _) | (Heirs::Vertices, Centre::Vertex(_)) => Ok(centre),
         (Heirs::Vertices, _) => {
             let (topology, finer) = (before.topology(), after.topology());
-            rows.and_then(|rows| middle(centre, &topology, &finer, rows)).ok_or(Unlimited::Lost)
+            record.last().and_then(|rows| middle(centre, &topology, &finer, &rows)).ok_or(Unlimited::Lost)
         }
         (Heirs::Dual, _) => Dual::of(before, after)?.heir(centre),
         (Heirs::Faces, _) => cut(centre, before, after),

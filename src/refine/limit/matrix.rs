@@ -1,10 +1,12 @@
 //! Local subdivision matrices: how the points around a child come of the points around its parent.
 
+use std::cell::RefCell;
 use std::sync::Arc;
 
 use super::Unlimited;
-use crate::math::rows::{Rows, collect};
+use crate::math::rows::{RowSource, Rows, collect};
 use crate::scheme::step::Action;
+use crate::shape::topology::index;
 
 /// A matrix in sparse rows.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,7 +48,7 @@ pub(super) enum Weights {
     Structural,
 }
 
-/// The actions of one application of a cycle, each written out as a table.
+/// The actions of one application of a cycle. Of their rows those are made that someone asks for, each once.
 #[derive(Debug)]
 pub(super) struct Record {
     tables: Vec<Table>,
@@ -55,10 +57,36 @@ pub(super) struct Record {
 
 #[derive(Debug)]
 enum Table {
-    Blend(Rows),
-    FromAnchor(Rows),
-    PushBack(Rows, Arc<[u32]>),
+    Blend(Made),
+    FromAnchor(Made),
+    PushBack(Made, Arc<[u32]>),
     Keep,
+}
+
+/// Rows that are made when they are needed.
+#[derive(Debug)]
+struct Made {
+    source: Box<dyn RowSource>,
+    /// For each row where it stands among those made so far, counted from 1, or 0; and these.
+    known: RefCell<(Vec<u32>, Rows)>,
+}
+
+impl Made {
+    fn by(source: Box<dyn RowSource>) -> Self {
+        let places = vec![0; source.n_rows()];
+        Self { source, known: RefCell::new((places, Rows::default())) }
+    }
+
+    fn each(&self, row: u32, mut each: impl FnMut(u32, f64)) {
+        let (places, rows) = &mut *self.known.borrow_mut();
+        let (row, place) = (row as usize, &mut places[row as usize]);
+        if *place == 0 {
+            self.source.make(row..row + 1, rows);
+            *place = index(rows.len());
+        }
+        let (indices, weights) = rows.row(*place as usize - 1);
+        indices.iter().zip(weights).for_each(|(&column, &weight)| each(column, weight));
+    }
 }
 
 impl Record {
@@ -71,24 +99,22 @@ impl Record {
     ///
     /// # Errors
     /// [`Unlimited::NotLinear`].
-    pub(super) fn add(&mut self, action: &Action) -> Result<(), Unlimited> {
-        if let Action::Sequence(actions) = action {
-            return actions.iter().try_for_each(|action| self.add(action));
-        }
+    pub(super) fn add(&mut self, action: Action) -> Result<(), Unlimited> {
         self.tables.push(match action {
-            Action::Sequence(_) | Action::Map(_) => return Err(Unlimited::NotLinear),
-            Action::Blend(rows) => Table::Blend(collect(&**rows)),
-            Action::BlendFromAnchor(rows) => Table::FromAnchor(collect(&**rows)),
-            Action::PushBack { rows, children } => Table::PushBack(collect(&**rows), children.clone()),
+            Action::Sequence(actions) => return actions.into_iter().try_for_each(|action| self.add(action)),
+            Action::Map(_) => return Err(Unlimited::NotLinear),
+            Action::Blend(rows) => Table::Blend(Made::by(rows)),
+            Action::BlendFromAnchor(rows) => Table::FromAnchor(Made::by(rows)),
+            Action::PushBack { rows, children } => Table::PushBack(Made::by(rows), children),
             Action::Keep => Table::Keep,
         });
         Ok(())
     }
 
     /// Of which old points each new one was made in the last action, where it made new ones.
-    pub(super) fn last(&self) -> Option<&Rows> {
+    pub(super) fn last(&self) -> Option<Rows> {
         match self.tables.last() {
-            Some(Table::Blend(rows) | Table::FromAnchor(rows)) => Some(rows),
+            Some(Table::Blend(rows) | Table::FromAnchor(rows)) => Some(collect(&*rows.source)),
             _ => None,
         }
     }
@@ -141,14 +167,14 @@ impl Trace {
         match table {
             Table::Keep => return,
             Table::Blend(rows) | Table::FromAnchor(rows) => {
-                now.drain(|point, factor| each(rows, point, |column, w| before.add(column, factor * weigh(w))));
+                now.drain(|point, factor| rows.each(point, |column, w| before.add(column, factor * weigh(w))));
                 if matches!(table, Table::FromAnchor(_)) {
                     anchor.drain(|point, factor| before.add(point, factor));
                 }
             }
             Table::PushBack(rows, children) => now.drain(|point, factor| {
                 before.add(point, factor);
-                each(rows, point, |column, w| {
+                rows.each(point, |column, w| {
                     let push = factor * weigh(w);
                     anchor.add(column, push);
                     before.add(children[column as usize], minus * push);
@@ -157,11 +183,6 @@ impl Trace {
         }
         std::mem::swap(&mut self.now, &mut self.before);
     }
-}
-
-fn each(rows: &Rows, row: u32, mut each: impl FnMut(u32, f64)) {
-    let (indices, weights) = rows.row(row as usize);
-    indices.iter().zip(weights).for_each(|(&column, &weight)| each(column, weight));
 }
 
 /// Sums by number, for few numbers at a time.

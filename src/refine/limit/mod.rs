@@ -11,6 +11,7 @@
 //! Source: M. Halstead, M. Kass, T. DeRose, SIGGRAPH 1993, 35-44 (limits from eigenvectors); math in [`mask`] and
 //! [`tangent`].
 
+mod cost;
 mod cycle;
 mod dual;
 mod field;
@@ -34,6 +35,7 @@ use crate::scheme::step::StepError;
 use crate::watch::{Stopped, Watch};
 
 use super::{Points, RefineError};
+pub use cost::{Cost, cost};
 pub(super) use cycle::AHEAD;
 use cycle::Cycle;
 use dual::Led;
@@ -140,7 +142,7 @@ pub enum Unlimited {
     /// More points than are followed.
     #[error(
         "a level of the plan makes more than {} points of those near a vertex, beyond which no limit is computed; write a \
-         cycle with fewer upsamplings",
+         cycle with fewer or smaller upsamplings",
         cycle::MAX_POINTS
     )]
     Fine,
@@ -175,8 +177,11 @@ impl From<RefineError> for Unlimited {
 /// # Errors
 /// [`Unlimited`].
 pub fn check(plan: &Plan) -> Result<(), Unlimited> {
-    let refines = plan.word.cycle.iter().any(|letter| letter.operator.heirs().refine());
-    if refines { Ok(()) } else { Err(Unlimited::NoUpsampling) }
+    let cycle = &plan.word.cycle;
+    if !cycle.iter().any(|letter| letter.operator.heirs().refine()) {
+        return Err(Unlimited::NoUpsampling);
+    }
+    if cost::is_beyond(cycle) { Err(Unlimited::Fine) } else { Ok(()) }
 }
 
 /// The limits of a net that `ahead` would refine further.

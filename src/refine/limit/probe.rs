@@ -1,7 +1,7 @@
 //! What a cycle is like where nothing is irregular: how far it reaches, whether it converges, whether it is smooth.
 
 use super::Unlimited;
-use super::cycle::{Cycle, is_triangular};
+use super::cycle::{Cycle, MAX_POINTS, is_triangular, made};
 use super::own::Common;
 use super::patch::{Centre, Patch, Rings, Whole};
 use super::places::Starts;
@@ -18,8 +18,8 @@ pub(super) const MAX_RINGS: usize = 16;
 const TRIED: usize = 8;
 /// Steps after which children of places on the boundary, of edges and of faces are like those before.
 const STEPS: usize = 3;
-/// Levels of the impulse whose differences are compared, with the most pieces of an edge in a level.
-const LEVELS: [(usize, [usize; 2]); 3] = [(3, [2, 4]), (8, [1, 2]), (usize::MAX, [0, 1])];
+/// Levels of the impulse whose differences are compared: the first that do not take too many points.
+const LEVELS: [[usize; 2]; 4] = [[2, 4], [1, 3], [1, 2], [0, 1]];
 /// Differences that do not shrink below this part of what they were between these levels do not vanish.
 const SHRINKS: f64 = 0.98;
 
@@ -212,7 +212,7 @@ pub(super) fn smoothness(
     rings: Rings,
     watch: &Watch,
 ) -> Result<Smoothness, Unlimited> {
-    let side = 2 * (rings.support + 1 + cycle.n_duals());
+    let side = side(rings.support, cycle.n_duals());
     let mut net = regular.net(side, tagged);
     if common.are_there() {
         let all: Vec<u32> = (0..index(net.n_vertices())).collect();
@@ -224,13 +224,12 @@ pub(super) fn smoothness(
     // work that no forecast counts
     let uncounted = Watch::new();
     let mut points = Points::new((0..net.n_vertices()).flat_map(place).collect(), 3);
-    let pieces = cycle.pieces();
-    let compared = LEVELS.iter().find(|(most, _)| pieces <= *most).map_or([0, 1], |&(_, levels)| levels);
+    let (levels, _) = compared(side, &cycle.pieces()).ok_or(Unlimited::Fine)?;
     let mut seen = Vec::new();
-    if compared[0] == 0 {
+    if levels[0] == 0 {
         seen.push(differences(&net.topology(), &points.now));
     }
-    for level in 1..=compared[1] {
+    for level in 1..=levels[1] {
         watch.check()?;
         net = cycle.applied(net, |action, step| {
             points.act(action, step.level, &uncounted).map_err(|error| match error {
@@ -238,7 +237,7 @@ pub(super) fn smoothness(
                 _ => Unlimited::Unsettled,
             })
         })?;
-        if compared.contains(&level) {
+        if levels.contains(&level) {
             seen.push(differences(&net.topology(), &points.now));
         }
     }
@@ -250,6 +249,18 @@ pub(super) fn smoothness(
     } else {
         Smoothness::Smooth
     })
+}
+
+/// Squares along a side of the net under an impulse whose limit reaches so many rings.
+pub(super) fn side(support: usize, n_duals: usize) -> usize {
+    2 * (support + 1 + n_duals)
+}
+
+/// The levels of an impulse on `side x side` squares whose differences are compared, where they do not take too many
+/// points, and how many these are. `pieces` are those of an edge after each operator of a level.
+pub(super) fn compared(side: usize, pieces: &[usize]) -> Option<([usize; 2], usize)> {
+    let found = LEVELS.map(|levels| (levels, made((side + 1) * (side + 1), pieces, levels[1])));
+    found.into_iter().find(|&(_, points)| points <= MAX_POINTS)
 }
 
 /// Largest differences of the third coordinate along edges, and largest edge in the first two.

@@ -63,7 +63,7 @@ impl<'a> Skeletons<'a> {
                 sources.noise = Some(perturbation.at(self.cycle.upsamplings(level, step)));
             }
             let next = step.letter.operator.on_mesh(&net, &values).map_err(Unlimited::from)?;
-            record.add(&next.action)?;
+            record.add(next.action)?;
             net = next.net;
         }
         let Found { patch: child, vertices, corners, turn } = &skeleton.child;

@@ -36,7 +36,7 @@ fn plans_without_a_limit_are_refused() {
     waist.faces.remove(0);
     assert_says(&refusal(&waist, &json!({ "word": "DU" }), 0), "D parts the faces near it");
     let fine = json!({ "word": "U^30" });
-    assert_says(&refusal(&nets::cube(), &fine, 0), "fewer upsamplings");
+    assert_says(&refusal(&nets::cube(), &fine, 0), "fewer or smaller upsamplings");
     let wild = json!({ "word": "UCP", "parameters": { "compensation": 9 } });
     assert_says(&refusal(&nets::cube(), &wild, 1), "no continuous limit");
     let wide = json!({ "word": "UC^24" });

@@ -1,0 +1,48 @@
+//! What a limit costs beside the rows of its masks: the points that operators make of patches and of the impulse, counted
+//! from the word, before anything is made.
+
+use super::cycle::{self, MAX_POINTS, made};
+use super::probe::{self, MAX_RINGS};
+use crate::scheme::ops::Heirs;
+use crate::scheme::word::Letter;
+
+/// Bytes a point: its topology, its place among the rows that were made, the numbers of an impulse before and after.
+const BYTES_A_POINT: usize = 160;
+/// Patches that are worked on at a time, at most as far as this is counted.
+const AT_A_TIME: usize = 8;
+/// Levels after which a patch usually is its own child.
+const CHAIN: usize = 3;
+
+/// What a limit costs, about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Cost {
+    /// Points that operators make, each of which takes about as long as a row.
+    pub points: u128,
+    /// Bytes for the most of them that are there at a time.
+    pub bytes: u128,
+}
+
+/// What the limits of `n_vertices` under a cycle cost, so many impulses being looked at and so many vertices of the mesh
+/// that is refined being irregular.
+pub fn cost(cycle: &[Letter], impulses: usize, irregular: u128, n_vertices: u128) -> Cost {
+    let pieces = cycle::pieces(cycle.iter());
+    let of = |heirs: &'static [Heirs]| cycle.iter().filter(|letter| heirs.contains(&letter.operator.heirs())).count();
+    let support = MAX_RINGS.min(1 + of(&[Heirs::Same]));
+    let square = |rings: usize| (2 * rings + 1) * (2 * rings + 1);
+    let patch = |rings: usize| made(square(rings + 2), &pieces, 1).min(MAX_POINTS);
+    // all numbers of rings up to the right one are tried, each on two patches, and then whether larger ones agree
+    let tried = (1..=support).map(|rings| 2 * patch(rings)).sum::<usize>() + 12 * patch(support);
+    let side = probe::side(support, of(&[Heirs::Dual, Heirs::Faces]));
+    let impulse = probe::compared(side, &pieces).map_or(MAX_POINTS, |(_, points)| points);
+    let patches = n_vertices.min(irregular.saturating_mul(square(support) as u128));
+    let points =
+        patches.saturating_mul((CHAIN * patch(support)) as u128).saturating_add((tried + impulses * impulse) as u128);
+    let threads = usize::try_from(patches).unwrap_or(AT_A_TIME).clamp(1, AT_A_TIME);
+    let bytes = BYTES_A_POINT * impulse.max(threads * patch(support));
+    Cost { points, bytes: bytes as u128 }
+}
+
+/// Whether the impulse of the least support would take too many points even for one level.
+pub(super) fn is_beyond(cycle: &[Letter]) -> bool {
+    probe::compared(probe::side(1, 0), &cycle::pieces(cycle.iter())).is_none()
+}
