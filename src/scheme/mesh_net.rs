@@ -44,6 +44,36 @@ pub struct Rules {
     pub triangles: TriangleRule,
 }
 
+/// What has to be known of a mesh to refine a part of it: into how many pieces faces are split depends on all of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Surroundings {
+    /// Whether all faces are quads.
+    pub quads: bool,
+    /// Whether four faces are around each inner vertex, but for those between two faces.
+    pub regular: bool,
+}
+
+impl Surroundings {
+    /// Those in a mesh.
+    pub fn of(topology: &Topology) -> Self {
+        let regular = |v: usize| {
+            let n = topology.ring(v).take(5).count();
+            topology.boundary_edges(v).is_some() || n <= 2 || n == 4
+        };
+        Self { quads: topology.is_quads(), regular: (0..topology.n_vertices()).all(regular) }
+    }
+
+    /// After an upsampling into quads, which puts vertices in the middle of faces that are none.
+    fn upsampled(self) -> Self {
+        Self { quads: true, regular: self.regular && self.quads }
+    }
+
+    /// After a D, under which vertices and faces change places.
+    fn dual(self) -> Self {
+        Self { quads: self.regular, regular: self.quads }
+    }
+}
+
 /// The state of a mesh under refinement.
 #[derive(Debug, Clone)]
 pub struct MeshNet {
@@ -81,6 +111,8 @@ pub struct MeshNet {
     pub directions: Option<Arc<Directions>>,
     /// Numbers in the whole net, where the net is only a part of it.
     pub numbering: Option<Arc<Numbering>>,
+    /// The whole net, where the net is only a part of it and the split of its faces depends on the others.
+    pub surroundings: Option<Surroundings>,
 }
 
 impl MeshNet {
@@ -113,6 +145,7 @@ impl MeshNet {
             local: None,
             directions: None,
             numbering: None,
+            surroundings: None,
         }
     }
 
@@ -152,6 +185,7 @@ impl MeshNet {
             local: None,
             directions: None,
             numbering: None,
+            surroundings: self.surroundings.map(Surroundings::dual),
         }
     }
 
@@ -176,6 +210,7 @@ impl MeshNet {
         let sharpness = anchor.sharpness_after(self.rules.creasing);
         let numbering = self.numbering.as_ref().map(|numbering| Arc::new(numbering.split(&entered)));
         let anchor = Some(anchor);
+        let surroundings = self.surroundings.map(Surroundings::upsampled);
         Self {
             tile,
             pieces,
@@ -187,6 +222,7 @@ impl MeshNet {
             local,
             directions,
             numbering,
+            surroundings,
             ..self.clone()
         }
     }

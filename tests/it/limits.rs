@@ -1,5 +1,6 @@
 //! The limit surface: positions and normals of refined meshes.
 
+mod arities;
 mod cost;
 mod dual;
 mod formulas;

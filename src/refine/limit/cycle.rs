@@ -8,7 +8,7 @@ use super::matrix::{Matrix, Record, Weights};
 use super::own::Own;
 use super::patch::{Found, Patch, Rings, Whole};
 use crate::refine::values;
-use crate::scheme::mesh_net::{Boundary, MeshNet};
+use crate::scheme::mesh_net::{Boundary, MeshNet, Surroundings};
 use crate::scheme::ops::Heirs;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::step::Action;
@@ -142,6 +142,13 @@ impl<'a> Cycle<'a> {
     /// The pieces into which each operator of a level and those before it there cut an edge.
     pub(super) fn pieces(&self) -> Vec<usize> {
         pieces(self.levels[self.settled].iter().map(|step| &step.letter))
+    }
+
+    /// What has to be known of a mesh beyond a patch of it: something where arities above 2 split quads into fewer pieces
+    /// than other faces.
+    pub(super) fn surroundings(&self, topology: &Topology) -> Option<Surroundings> {
+        let matters = |step: &Scheduled| step.letter.pieces(false) != step.letter.pieces(true);
+        self.levels[self.settled].iter().any(matters).then(|| Surroundings::of(topology))
     }
 
     /// Whether it makes a connectivity of its own.

@@ -15,7 +15,7 @@ use super::probe::Regular;
 use super::sector::Sectors;
 use super::tangent::NoTangents;
 use crate::math::rows::{RowSource, Rows};
-use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::mesh_net::{MeshNet, Surroundings};
 use crate::shape::topology::{NONE, Topology, index};
 use crate::watch::Watch;
 
@@ -63,14 +63,15 @@ impl Field {
         watch: &Watch,
     ) -> Result<Self, Unlimited> {
         let topology = net.topology();
-        let whole = Whole::of(&net, &topology);
+        let surroundings = finder.cycle.surroundings(&topology);
+        let whole = Whole { surroundings, ..Whole::of(&net, &topology) };
         let near = match regular {
             Regular::Quads if !carries(&net) => near_irregular(&whole, rings),
             _ => vec![true; topology.n_vertices()],
         };
         let on_grid = near.iter().any(|near| !near);
         let plain = Masks::new(finder, Common::default());
-        let grid = if on_grid { Some(regular_mask(rings, &plain)?) } else { None };
+        let grid = if on_grid { Some(regular_mask(rings, &plain, surroundings)?) } else { None };
         let n = centres.as_ref().map_or(topology.n_vertices(), Vec::len);
         let centre = |v: u32| match &centres {
             Some(centres) => centres[v as usize],
@@ -330,9 +331,9 @@ fn grid(topology: &Topology, v: usize, rings: usize, mut each: impl FnMut(u32)) 
 }
 
 /// The mask of a vertex of a grid, in the order of [`grid`].
-fn regular_mask(rings: Rings, masks: &Masks<'_>) -> Result<Mask, Unlimited> {
+fn regular_mask(rings: Rings, masks: &Masks<'_>, surroundings: Option<Surroundings>) -> Result<Mask, Unlimited> {
     let (net, middle) = Regular::Quads.grid(rings, false);
-    let (topology, whole) = (&net.base, Whole::of(&net, &net.base));
+    let (topology, whole) = (&net.base, Whole { surroundings, ..Whole::of(&net, &net.base) });
     let Found { patch, vertices, .. } = whole.patch(Centre::Vertex(index(middle)), rings).ok_or(Unlimited::Size)?;
     let mask = masks.of(0, &patch)?;
     let mut order = Vec::new();

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::cycle::is_triangular;
-use crate::scheme::mesh_net::{Boundary, MeshNet, Rules};
+use crate::scheme::mesh_net::{Boundary, MeshNet, Rules, Surroundings};
 use crate::scheme::sharpness::Sharpness;
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::creases::INFINITE_SHARPNESS;
@@ -50,6 +50,8 @@ pub(super) struct Whole<'a> {
     pub(super) directions: Option<&'a Directions>,
     /// Steps so far of a scheme of its own connectivity, as far as they matter: the first one, then odd and even ones.
     pub(super) rounds: u32,
+    /// What has to be known of the net beyond a patch, where it has a say.
+    pub(super) surroundings: Option<Surroundings>,
 }
 
 impl<'a> Whole<'a> {
@@ -62,6 +64,7 @@ impl<'a> Whole<'a> {
             sharpness: net.sharpness.as_deref(),
             directions: net.directions.as_deref(),
             rounds,
+            surroundings: net.surroundings,
         }
     }
 }
@@ -78,6 +81,7 @@ pub(super) struct Patch {
     pub(super) support: usize,
     pub(super) n_vertices: usize,
     rounds: u32,
+    surroundings: Option<Surroundings>,
     sizes: Vec<u32>,
     vertices: Vec<u32>,
     /// Vertices that keep their place, ascending.
@@ -172,8 +176,9 @@ impl Patch {
         }
         let directions = (!self.directions.is_empty()).then(|| Directions::of_edges(directions));
         // nothing that a D would lose was tagged where there is one
-        let net = MeshNet { tagged: None, boundary, rounds: self.rounds, ..net.carrying(None, directions) };
-        Some((net, origins))
+        let net = MeshNet { tagged: None, boundary, ..net.carrying(None, directions) };
+        let (rounds, surroundings) = (self.rounds, self.surroundings);
+        Some((MeshNet { rounds, surroundings, ..net }, origins))
     }
 }
 
@@ -277,6 +282,7 @@ impl Whole<'_> {
             support,
             n_vertices,
             rounds: self.rounds,
+            surroundings: self.surroundings,
             sizes: walk.sizes,
             vertices: walk.local,
             fixed,

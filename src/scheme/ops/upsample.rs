@@ -97,7 +97,8 @@ impl Operator for Upsample {
         {
             return Err(StepError::NotTriangles { face, size: entered.face(face).len() });
         }
-        let quads = tile == Tile::Quad && pieces != 2 && !entered.is_quads();
+        let is_quads = || entered.is_quads() && net.surroundings.is_none_or(|all| all.quads);
+        let quads = tile == Tile::Quad && pieces != 2 && !is_quads();
         let anchor = Anchor {
             quads: quads.then(|| Arc::new(entered.split())),
             topology: entered.clone(),
