@@ -8,6 +8,7 @@ mod laws;
 mod levels;
 mod perturbed;
 mod refusals;
+mod root_three;
 mod sides;
 mod varying;
 

@@ -10,6 +10,7 @@ use super::patch::{Centre, Patch, Rings};
 use super::sector::{Part, Sectors};
 use super::skeleton::Skeletons;
 use super::tangent::{self, NoTangents};
+use super::turn;
 
 /// Levels after which a neighbourhood has to look like itself: vertices that differ from their surroundings move apart
 /// with every level, and nothing else changes it.
@@ -211,12 +212,41 @@ impl<'a> Masks<'a> {
         let sectors = Sectors::of(patch);
         let tangents = match sectors.n {
             _ if !self.finder.with_tangents => Vec::new(),
-            1 => vec![tangent::of(patch.centre(), patch.central_faces(), &position, back, forth)],
+            1 => vec![self.tangents(patch, &position, back, forth)],
             // a patch that comes again is the least one there is, and so is its child
             _ if children.iter().any(|child| child.turn > 0) => vec![Err(NoTangents::Eigenvalues); sectors.n],
             n => (0..n).map(|sector| one_sided(&Part::of(patch, &sectors, sector), &position, back, forth)).collect(),
         };
         Ok(Mask { position, tangents })
+    }
+
+    /// The tangents of a patch that comes again by a matrix, as it is or, where they are none then, turned back by as many
+    /// faces as the matrix turns it: a turn makes a pair of complex eigenvalues of one that is there twice.
+    fn tangents(
+        &self,
+        patch: &Patch,
+        position: &[f64],
+        back: impl Fn(&[f64]) -> Vec<f64>,
+        forth: impl Fn(&[f64]) -> Vec<f64>,
+    ) -> Result<[Vec<f64>; 2], NoTangents> {
+        let found = tangent::of(patch.centre(), patch.central_faces(), position, &back, &forth);
+        if found != Err(NoTangents::Eigenvalues) {
+            return found;
+        }
+        let Some(faces) = turn::by(patch, &forth).filter(|&faces| faces > 0) else { return found };
+        let finder = self.finder;
+        let Some(places) = turn::places(patch, finder.cycle, finder.rings, faces) else { return found };
+        // the points after the matrix, each in its place before the turn
+        let forth = |column: &[f64]| {
+            let mut moved = vec![0.0; column.len()];
+            forth(column).into_iter().zip(&places).for_each(|(x, &place)| moved[place as usize] = x);
+            moved
+        };
+        let back = |row: &[f64]| {
+            let moved: Vec<f64> = places.iter().map(|&place| row[place as usize]).collect();
+            back(&moved)
+        };
+        tangent::of(patch.centre(), patch.central_faces(), position, back, forth)
     }
 }
 

@@ -27,6 +27,7 @@ mod probe;
 mod sector;
 mod skeleton;
 mod tangent;
+mod turn;
 
 use crate::math::rows::blend;
 use crate::scheme::mesh_net::MeshNet;

@@ -212,7 +212,7 @@ impl Whole<'_> {
     }
 
     /// Corners at which a walk around a centre may start.
-    fn starts(&self, centre: Centre) -> impl Iterator<Item = u32> {
+    pub(super) fn starts(&self, centre: Centre) -> impl Iterator<Item = u32> {
         let (around, sides, of) = match centre {
             Centre::Vertex(v) => {
                 let open = self.topology.boundary_edges(v as usize).is_some();
@@ -225,7 +225,7 @@ impl Whole<'_> {
         around.into_iter().flatten().chain(sides).chain(of.into_iter().flatten())
     }
 
-    fn walk(&self, centre: Centre, start: u32, rings: Rings) -> Option<Found> {
+    pub(super) fn walk(&self, centre: Centre, start: u32, rings: Rings) -> Option<Found> {
         let mut walk = Walk {
             whole: *self,
             sizes: Vec::new(),
