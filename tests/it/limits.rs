@@ -6,6 +6,7 @@ mod dual;
 mod formulas;
 mod laws;
 mod levels;
+mod pairs;
 mod perturbed;
 mod refusals;
 mod root_three;

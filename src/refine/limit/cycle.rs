@@ -47,10 +47,14 @@ pub(super) struct Child {
 }
 
 impl<'a> Cycle<'a> {
-    /// The levels in `ahead`, which starts with an upsampling, on an open mesh or a closed one. `alphas` are some that
-    /// vertices carry.
-    pub(super) fn new(plan: &'a Plan, ahead: &'a [Scheduled], is_open: bool, alphas: &[f64]) -> Self {
-        let length = plan.word.cycle.len();
+    /// The levels ahead, `length` steps each, which start with an upsampling, on an open mesh or a closed one. `alphas` are
+    /// some that vertices carry.
+    pub(super) fn new(
+        plan: &'a Plan,
+        (ahead, length): (&'a [Scheduled], usize),
+        is_open: bool,
+        alphas: &[f64],
+    ) -> Self {
         let levels: Vec<&[Scheduled]> = ahead.chunks_exact(length).collect();
         let last = levels.len() - 1;
         let settled = |&level: &usize| {
