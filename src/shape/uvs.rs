@@ -191,11 +191,14 @@ impl Fans<'_> {
         twin != NONE && value(corner) == value(self.mesh.next(twin)) && value(self.mesh.next(corner)) == value(twin)
     }
 
-    /// The place of each corner, numbered by first appearance, and how many there are.
+    /// The place of each corner, and how many there are: numbered vertex by vertex, at a vertex by first appearance, so
+    /// that without seams they have the numbers of the vertices that have faces.
     fn places(&self) -> (Vec<u32>, usize) {
         let mut places = vec![NONE; self.values.len()];
+        let mut order: Vec<u32> = (0..index(places.len())).collect();
+        order.sort_by_key(|&corner| self.mesh.vertex(corner));
         let mut n = 0;
-        for corner in 0..index(places.len()) {
+        for corner in order {
             if places[corner as usize] != NONE {
                 continue;
             }

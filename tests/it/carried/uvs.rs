@@ -129,6 +129,19 @@ fn without_seams_they_are_refined_like_a_channel() {
     }
 }
 
+/// Whatever the order of the faces: vertices come in that of the input, and so do places.
+#[test]
+fn without_seams_places_have_the_order_of_vertices() {
+    for net in [nets::torus(4, 3), nets::cube(), nets::mixed(), nets::grid(3, 2), nets::prism(5)] {
+        let faces: Vec<_> = net.faces.iter().rev().cloned().collect();
+        let net = Net { positions: net.positions, faces };
+        for levels in 0..3 {
+            let found = unfolded(&net, &seamless(&net, "all"), &catmull_clark("edge-only"), levels);
+            assert_eq!(found.faces, found.net.faces, "level {levels}");
+        }
+    }
+}
+
 #[test]
 fn triangles_and_other_arities_have_texture_coordinates_too() {
     let (triangles, quads) = (nets::tetrahedron(), nets::grid(3, 2));
@@ -207,8 +220,8 @@ fn creases_that_end_on_a_seam_sharpen_both_sides() {
         let mut question = job(&square, &json!({ "uvs": uvs }), &catmull_clark("edge-and-corner"), 1);
         question["input"]["mesh"]["creases"] = json!(sharp);
         question["input"]["mesh"]["corners"] = json!([{ "vertex": 4, "sharpness": corner }]);
-        // places are numbered by first appearance, and 4 stands at the third corner of the first face
-        Unfolded::of(&told(question)).values[2][0]
+        // places are numbered vertex by vertex, and vertex 1 has two
+        Unfolded::of(&told(question)).values[5][0]
     };
     for interpolation in ["corners-plus1", "corners-plus2"] {
         let cases = [
@@ -245,31 +258,30 @@ fn interpolations_keep_what_their_names_say() {
     let bent: Vec<[f64; 2]> =
         (0..9).map(|i| [f64::from(i % 3) + 0.1 * f64::from(i * i), f64::from(i / 3 * i)]).collect();
     let whole = json!({ "values": bent, "faces": square.faces });
-    // places are numbered by first appearance: 0 1 4 3 | 2 5 | 7 6 | 8
     assert_eq!(kept(&whole, "none"), Vec::<usize>::new());
     for interpolation in ["corners-only", "corners-plus1", "corners-plus2"] {
-        assert_eq!(kept(&whole, interpolation), [0, 4, 7, 8], "{interpolation}");
+        assert_eq!(kept(&whole, interpolation), [0, 2, 6, 8], "{interpolation}");
     }
-    assert_eq!(kept(&whole, "boundaries"), [0, 1, 3, 4, 5, 6, 7, 8]);
+    assert_eq!(kept(&whole, "boundaries"), [0, 1, 2, 3, 5, 6, 7, 8]);
     assert_eq!(kept(&whole, "all").len(), 9);
     // the seam between the lower faces ends in the middle: the middle is a dart, the ends of the seam are corners
     let mut values = bent.clone();
     values.push([7.0, -3.0]);
     let dart = json!({ "values": values, "faces": [[0, 1, 4, 3], [9, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]] });
-    // places: 0 1 4 3 | 9 2 5 | 7 6 | 8, the middle is 2
+    // places, vertex by vertex: 1 and 2 are those of vertex 1, the middle is 5
     for interpolation in ["corners-only", "corners-plus1"] {
-        assert_eq!(kept(&dart, interpolation), [0, 1, 4, 5, 8, 9], "{interpolation}");
+        assert_eq!(kept(&dart, interpolation), [0, 1, 2, 3, 7, 9], "{interpolation}");
     }
-    assert_eq!(kept(&dart, "corners-plus2"), [0, 1, 2, 4, 5, 8, 9]);
+    assert_eq!(kept(&dart, "corners-plus2"), [0, 1, 2, 3, 5, 7, 9]);
     // one face of its own: the middle has a corner and, around it, the concave rest
     let mut values = bent.clone();
     values.extend([[7.0, -3.0], [8.0, -2.0], [6.5, -1.5], [6.0, -1.0]]);
     let cut = json!({ "values": values, "faces": [[9, 10, 11, 12], [1, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]] });
-    // places: the cut face 0 1 2 3 | 1 2 5 4 as 4 5 6 7 | 3 7 6 as 8 9 10 | 8 as 11
+    // places: vertex 1 has 1 and 2, vertex 3 has 4 and 5, the middle has 6 in the cut face and 7
     for interpolation in ["corners-only", "corners-plus1"] {
-        assert_eq!(kept(&cut, interpolation), [0, 1, 2, 3, 4, 5, 8, 10, 11], "{interpolation}");
+        assert_eq!(kept(&cut, interpolation), [0, 1, 2, 3, 4, 5, 6, 9, 11], "{interpolation}");
     }
-    assert_eq!(kept(&cut, "corners-plus2"), [0, 1, 2, 3, 4, 5, 7, 8, 10, 11]);
+    assert_eq!(kept(&cut, "corners-plus2"), [0, 1, 2, 3, 4, 5, 6, 7, 9, 11]);
     // three regions at the middle: the region of two faces keeps its value there, too
     let mut values = bent;
     values.extend([
@@ -283,8 +295,8 @@ fn interpolations_keep_what_their_names_say() {
         [-3.5, 3.0],
     ]);
     let three = json!({ "values": values, "faces": [[9, 10, 11, 12], [13, 14, 15, 16], [3, 4, 7, 6], [4, 5, 8, 7]] });
-    assert_eq!(kept(&three, "corners-only"), [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 12, 13]);
-    assert_eq!(kept(&three, "corners-plus1"), [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 11, 12, 13]);
+    assert_eq!(kept(&three, "corners-only"), [0, 1, 2, 3, 4, 5, 6, 7, 9, 10, 11, 13]);
+    assert_eq!(kept(&three, "corners-plus1"), [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 13]);
 }
 
 #[test]
