@@ -8,6 +8,7 @@ mod limit;
 mod refined;
 mod unfolded;
 mod uvs;
+mod vector;
 
 pub use curve::refine_polygon;
 pub use limit::{Asked, Cost, ROWS_A_POINT, Unlimited, check as check_limit, cost as limit_cost, followed_points};

@@ -9,6 +9,7 @@ mod profile;
 mod ring;
 mod walls;
 
+use super::vector::Vector;
 use crate::math::expression::Expression;
 use crate::scheme::ops::{LatitudeRule, Role};
 use crate::scheme::plan::{Latitude, Plan, Scheduled};
@@ -18,7 +19,7 @@ use crate::shape::directions::{Direction, Directions, Line};
 use crate::shape::mesh::Mesh;
 use crate::shape::topology::Topology;
 use profile::{Profile, follows};
-use ring::{ROUNDING, Ring, Vector, tilt};
+use ring::{ROUNDING, Ring, tilt};
 use walls::Wall;
 
 /// Levels after which radii have settled.

@@ -1,8 +1,9 @@
 //! The profile of a tube under refinement: on a regular tube a plan acts on each direction alone. Around the axis an
 //! average multiplies by `cos(theta/2)`, each later one by `cos(theta/4)^2`; along the axis it is the curve scheme.
 
-use super::ring::{Ring, cross, dot, length, scaled};
+use super::ring::Ring;
 use crate::math::functions::{cos, sqrt};
+use crate::refine::vector::{cross, dot, length, times};
 use crate::scheme::ops::Role;
 use crate::scheme::plan::Scheduled;
 
@@ -28,7 +29,7 @@ impl Profile {
             let Some((seen, axis)) = rings.iter().find_map(|ring| Some((ring.first, ring.axis?))) else {
                 return [0.0; 2];
             };
-            let x = scaled(seen, 1.0 / length(seen));
+            let x = times(1.0 / length(seen), seen);
             [dot(ring.first, x), dot(ring.first, cross(axis, x))]
         };
         Self { rings: rings.iter().map(complex).collect(), deltas, at, reach }

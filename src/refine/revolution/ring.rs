@@ -1,8 +1,7 @@
 //! Rings of tubes: regular polygons in space.
 
-use crate::math::functions::{cos, sin, sqrt};
-
-pub(super) type Vector = [f64; 3];
+use crate::math::functions::{cos, sin};
+use crate::refine::vector::{Vector, cross, dot, length, plus, times};
 
 /// By how much of its size a ring may miss a regular polygon, as coordinates with a few decimals do.
 const IRREGULARITY: f64 = 1e-5;
@@ -28,21 +27,21 @@ impl Ring {
     pub(super) fn of(points: &[Vector]) -> Option<Self> {
         let n = points.len();
         let inverse = 1.0 / real(n);
-        let centre = points.iter().fold([0.0; 3], |sum, p| add(sum, scaled(*p, inverse)));
-        let arms: Vec<Vector> = points.iter().map(|p| add(*p, scaled(centre, -1.0))).collect();
+        let centre = points.iter().fold([0.0; 3], |sum, p| plus(sum, times(inverse, *p)));
+        let arms: Vec<Vector> = points.iter().map(|p| plus(*p, times(-1.0, centre))).collect();
         let far = points.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
         let radius = arms.iter().map(|arm| length(*arm)).fold(0.0, f64::max);
         if radius <= ROUNDING * far {
             return Some(Self { centre, axis: None, first: [0.0; 3], irregularity: radius });
         }
-        let turn = (0..n).map(|i| cross(arms[i], arms[(i + 1) % n])).fold([0.0; 3], add);
-        let axis = scaled(turn, 1.0 / length(turn));
+        let turn = (0..n).map(|i| cross(arms[i], arms[(i + 1) % n])).fold([0.0; 3], plus);
+        let axis = times(1.0 / length(turn), turn);
         let angle = std::f64::consts::TAU * inverse;
         let (c, s) = (cos(angle), sin(angle));
         let mut irregularity: f64 = 0.0;
         for i in 0..n {
-            let turned = add(scaled(arms[i], c), scaled(cross(axis, arms[i]), s));
-            let missed = length(add(turned, scaled(arms[(i + 1) % n], -1.0)));
+            let turned = plus(times(c, arms[i]), times(s, cross(axis, arms[i])));
+            let missed = length(plus(turned, times(-1.0, arms[(i + 1) % n])));
             if !missed.is_finite() || missed > IRREGULARITY * radius + FAR * far {
                 return None;
             }
@@ -54,7 +53,7 @@ impl Ring {
 
 /// By how much another ring misses the axis of the first, model units.
 pub(super) fn tilt(ring: &Ring, other: &Ring) -> Result<f64, String> {
-    let apart = add(other.centre, scaled(ring.centre, -1.0));
+    let apart = plus(other.centre, times(-1.0, ring.centre));
     let radius = length(ring.first).max(length(other.first));
     let Some(axis) = ring.axis.or(other.axis) else { return Ok(0.0) };
     let turned = match (ring.axis, other.axis) {
@@ -67,26 +66,6 @@ pub(super) fn tilt(ring: &Ring, other: &Ring) -> Result<f64, String> {
         return Err("the ring has another axis".into());
     }
     Ok(off + turned * radius)
-}
-
-pub(super) fn add(a: Vector, b: Vector) -> Vector {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-pub(super) fn scaled(a: Vector, factor: f64) -> Vector {
-    a.map(|x| x * factor)
-}
-
-pub(super) fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-pub(super) fn cross(a: Vector, b: Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-pub(super) fn length(a: Vector) -> f64 {
-    sqrt(dot(a, a))
 }
 
 #[expect(clippy::cast_precision_loss, reason = "rings have far fewer than 2^52 vertices")]

@@ -9,8 +9,8 @@ use super::bend::{Box3, around, bends, spread};
 use super::level::Level;
 use super::sheet::Sheet;
 use super::spline::Spline;
-use super::vector::{Vector, cross, dot, length, minus, plus, times};
 use crate::math::functions::{cos, sin};
+use crate::refine::vector::{Vector, cross, dot, length, minus, plus, times};
 use crate::shape::topology::Topology;
 use crate::watch::Watch;
 

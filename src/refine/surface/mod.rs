@@ -13,11 +13,11 @@ mod bound;
 mod level;
 mod sheet;
 mod spline;
-mod vector;
 
 use super::curve::Reached;
 use super::limit::{self, Asked};
 use super::{Points, RefineError, Unlimited, act_on, mesh_net};
+use crate::refine::vector::length;
 use crate::scheme::plan::Plan;
 use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
@@ -25,7 +25,6 @@ use crate::watch::Watch;
 use bound::{FOLLOWED_FACES, bound, cut, rests, twist};
 use level::Level;
 use spline::Spline;
-use vector::length;
 
 /// Most levels that are looked at.
 const MAX_LEVEL: u32 = 16;

@@ -1,6 +1,6 @@
 //! Sheets: the faces around a face, where they lie over their plane like a graph that is nearly flat.
 
-use super::vector::{Vector, cross, dot, length, minus, plus, times};
+use crate::refine::vector::{Vector, cross, dot, length, minus, plus, times};
 use crate::shape::topology::{NONE, Topology};
 
 /// Height of an equilateral triangle of side 1.

@@ -1,6 +1,6 @@
 //! Latitude lines of tubes stay circles, whatever delta is, and what is not tagged is not touched.
 
-use planish::math::functions::{cos, sin, sqrt};
+use planish::math::functions::sqrt;
 use planish::refine::revolution::outlooks;
 use serde_json::{Value, json};
 
@@ -14,15 +14,8 @@ fn real(n: usize) -> f64 {
 
 /// A tube of regular k-gons with these radii and heights, tagged.
 fn tube(k: usize, rings: &[(f64, f64)], turn: f64) -> Value {
-    let angle = |i: usize| std::f64::consts::TAU * real(i) / real(k) + turn;
-    let ring = |&(r, z): &(f64, f64)| (0..k).map(move |i| [r * cos(angle(i)), r * sin(angle(i)), z]);
-    let positions: Vec<Point> = rings.iter().flat_map(ring).collect();
-    let at = |u: usize, i: usize| u * k + i % k;
-    let pairs = |u: usize, i: usize| [at(u, i), at(u, i + 1), at(u + 1, i + 1), at(u + 1, i)];
-    let faces: Vec<_> = (0..rings.len() - 1).flat_map(|u| (0..k).map(move |i| pairs(u, i))).collect();
-    let latitude: Vec<_> = (0..rings.len()).flat_map(|u| (0..k).map(move |i| [at(u, i), at(u, i + 1)])).collect();
-    let longitude: Vec<_> = (0..rings.len() - 1).flat_map(|u| (0..k).map(move |i| [at(u, i), at(u + 1, i)])).collect();
-    json!({ "positions": positions, "faces": faces, "latitude": latitude, "longitude": longitude })
+    let turned: Vec<_> = rings.iter().map(|&(r, z)| (r, z, turn)).collect();
+    super::outlooks::tube(k, &turned)
 }
 
 const UNEVEN: [(f64, f64); 6] = [(1.0, 0.0), (1.7, 0.4), (1.2, 2.0), (0.6, 2.2), (1.4, 3.9), (0.9, 4.5)];

@@ -14,10 +14,10 @@ fn real(n: usize) -> f64 {
 }
 
 /// Radius, height and turn of a ring.
-type Ring = (f64, f64, f64);
+pub(super) type Ring = (f64, f64, f64);
 
 /// A tagged tube of k-gons.
-fn tube(k: usize, rings: &[Ring]) -> Value {
+pub(super) fn tube(k: usize, rings: &[Ring]) -> Value {
     let angle = |i: usize| std::f64::consts::TAU * real(i) / real(k);
     let ring = |&(r, z, t): &Ring| (0..k).map(move |i| [r * cos(angle(i) + t), r * sin(angle(i) + t), z]);
     let positions: Vec<Point> = rings.iter().flat_map(ring).collect();

@@ -2,34 +2,34 @@
 
 use crate::math::functions::sqrt;
 
-pub(super) type Vector = [f64; 3];
+pub(in crate::refine) type Vector = [f64; 3];
 
-pub(super) fn plus(a: Vector, b: Vector) -> Vector {
+pub(in crate::refine) fn plus(a: Vector, b: Vector) -> Vector {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-pub(super) fn minus(a: Vector, b: Vector) -> Vector {
+pub(in crate::refine) fn minus(a: Vector, b: Vector) -> Vector {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-pub(super) fn times(k: f64, a: Vector) -> Vector {
+pub(in crate::refine) fn times(k: f64, a: Vector) -> Vector {
     [k * a[0], k * a[1], k * a[2]]
 }
 
-pub(super) fn dot(a: Vector, b: Vector) -> f64 {
+pub(in crate::refine) fn dot(a: Vector, b: Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub(super) fn cross(a: Vector, b: Vector) -> Vector {
+pub(in crate::refine) fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-pub(super) fn length(a: Vector) -> f64 {
+pub(in crate::refine) fn length(a: Vector) -> f64 {
     sqrt(dot(a, a))
 }
 
 /// The mean of some vectors; zero of none.
-pub(super) fn mean(all: impl Iterator<Item = Vector>) -> Vector {
+pub(in crate::refine) fn mean(all: impl Iterator<Item = Vector>) -> Vector {
     let (sum, n) = all.fold(([0.0; 3], 0.0), |(sum, n), x| (plus(sum, x), n + 1.0));
     times(1.0 / f64::max(n, 1.0), sum)
 }
