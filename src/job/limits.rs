@@ -118,6 +118,7 @@ impl Limits {
         for (i, size) in sizes.iter().enumerate() {
             self.check_bytes(job, i, *size, &forecast)?;
         }
+        check_fits(job, &counts)?;
         let (limit_rows, limit_bytes) = limit_surface(job, &forecast);
         let forecast = Forecast { work: forecast.work.saturating_add(limit_rows), ..forecast };
         let local = if limit_rows > 0 { limit_patches(job, &forecast) } else { Cost::default() };
@@ -247,6 +248,14 @@ impl Limits {
     }
 }
 
+/// Whether the formats can count what there will be.
+fn check_fits(job: &Job, counts: &Counts) -> Result<(), Refusal> {
+    let fits = |output: &Output| output.format.fits(counts, &output.options);
+    let fault = |(i, output)| Some(fits(output).err()?.under(&format!("/outputs/{i}")));
+    let faults: Vec<Fault> = job.outputs.iter().enumerate().filter_map(fault).collect();
+    if faults.is_empty() { Ok(()) } else { Err(Refusal::Impossible(faults)) }
+}
+
 /// Counts of a net as the writers see it: hidden faces left out.
 fn counts(job: &Job, count: Count) -> Counts {
     let polygons = if let Input::Polygons(polygons) = &job.input { polygons.len() as u128 } else { 1 };
@@ -257,6 +266,7 @@ fn counts(job: &Job, count: Count) -> Counts {
         vertices: count.vertices,
         faces: count.faces - count.hidden_faces,
         corners: count.corners - count.hidden_corners,
+        largest_face: count.largest_face,
         parted: count.parted,
         uvs: count.uvs,
         frame: job.frame,

@@ -2,8 +2,9 @@
 
 use std::io::Write;
 
+use crate::fault::Fault;
 use crate::math::parameter::{Parameter, Values};
-use crate::output::gltf_amounts::{Amounts, Contents, parted, with_normals};
+use crate::output::gltf_amounts::{self, Amounts, Contents, parted, with_normals};
 use crate::output::gltf_buffer::Buffer;
 use crate::output::gltf_document::{PARAMETERS, document};
 use crate::output::numbers::total;
@@ -48,6 +49,12 @@ impl Format for Glb {
         holds_space(self.name(), kind)
     }
 
+    fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
+        gltf_amounts::fits(counts, options)?;
+        let length = check_length(self.size(counts, options).bytes());
+        length.map(drop).map_err(|detail| Fault::new("/format", detail))
+    }
+
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         let binary = Amounts::of(counts, options).bytes();
         let bytes = file(Contents::of(counts, options).room(), binary);
@@ -67,11 +74,9 @@ impl Format for Glb {
         let buffer = Buffer::of(&Scene { shape: parts.shape(), ..*scene }, parts.smooth(), options, watch)?;
         let room = buffer.contents().room();
         let binary = buffer.amounts.bytes();
-        let lengths = [file(room, binary), room, binary].map(u32::try_from);
-        let [Ok(file), Ok(room), Ok(binary)] = lengths else {
-            let detail = "the model needs more than the 4 GiB that glb can count; ask for fewer levels or ply";
-            return Err(FormatError::Unfit(detail.into()));
-        };
+        let file = check_length(file(room, binary)).map_err(FormatError::Unfit)?;
+        let [room, binary] =
+            [room, binary].map(|part| u32::try_from(part).expect("the parts are shorter than the file"));
         let mut json = document(&buffer, None)?;
         debug_assert!(json.len() <= room as usize, "the document fits its room");
         json.resize(room as usize, b' ');
@@ -85,6 +90,14 @@ impl Format for Glb {
         }
         Ok(())
     }
+}
+
+/// A length of a file as glb counts it.
+fn check_length(bytes: u128) -> Result<u32, String> {
+    let most = u32::MAX;
+    u32::try_from(bytes).map_err(|_| {
+        format!("the file would take {bytes} bytes, glb counts at most {most}; ask for fewer levels or for ply")
+    })
 }
 
 /// Length of a file with chunks of these lengths; an empty binary chunk is left out.

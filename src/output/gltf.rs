@@ -2,8 +2,9 @@
 
 use std::io::{self, Write};
 
+use crate::fault::Fault;
 use crate::math::parameter::{Parameter, Values};
-use crate::output::gltf_amounts::{Amounts, Contents, with_normals};
+use crate::output::gltf_amounts::{self, Amounts, Contents, with_normals};
 use crate::output::gltf_buffer::Buffer;
 use crate::output::gltf_document::{PARAMETERS, document};
 use crate::output::numbers::total;
@@ -38,6 +39,10 @@ impl Format for Gltf {
 
     fn holds(&self, kind: ShapeKind) -> Result<(), String> {
         holds_space(self.name(), kind)
+    }
+
+    fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
+        gltf_amounts::fits(counts, options)
     }
 
     fn size(&self, counts: &Counts, options: &Values) -> Size {

@@ -1,9 +1,10 @@
 //! How long the halves of glTF are, known before either is written.
 
+use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::numbers::total;
 use crate::output::scene::{Frame, Shape};
-use crate::output::{Counts, ShapeKind};
+use crate::output::{Counts, IDS, ShapeKind};
 use crate::shape::attachments::Attachments;
 use crate::shape::labels::parts;
 
@@ -18,6 +19,27 @@ pub(super) const NUMBER: u128 = 4;
 
 /// Bytes of the origin of a vertex: dimension and number of the input cell.
 pub(super) const ORIGIN: u128 = 8;
+
+/// Input cells whose numbers f32 holds exactly.
+const CELLS: usize = 1 << 24;
+
+/// Whether f32 holds the numbers of all vertices, edges and faces of the input exactly, where origins are asked for.
+pub(super) fn check_origins(cells: [usize; 3], ids: bool) -> Result<(), String> {
+    match cells.iter().max() {
+        Some(&most) if ids && most > CELLS => Err(format!(
+            "the input has {most} vertices, edges or faces, glTF tells the origin of vertices for at most {CELLS} of each; \
+             ask for json or ply"
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Whether what a result would have can be counted in glTF.
+pub(super) fn fits(counts: &Counts, options: &Values) -> Result<(), Fault> {
+    let vertices = usize::try_from(counts.control).unwrap_or(usize::MAX);
+    let ids = counts.kind == ShapeKind::Mesh && options.flag(IDS.name);
+    check_origins([vertices, counts.input_edges, counts.input_faces], ids).map_err(|detail| Fault::new("/ids", detail))
+}
 
 /// Whether normals are asked for.
 pub(super) fn with_normals(options: &Values) -> bool {

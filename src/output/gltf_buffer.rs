@@ -6,7 +6,7 @@ use std::ops::Range;
 use crate::math::parameter::Values;
 use crate::output::bounds::Bounds;
 use crate::output::colors::linear;
-use crate::output::gltf_amounts::{Amounts, Contents, VECTOR};
+use crate::output::gltf_amounts::{Amounts, Contents, VECTOR, check_origins};
 use crate::output::numbers::{as_written, rounded};
 use crate::output::scene::{FaceChunk, Frame, MeshSource, Scene, Shape, in_chunks, triangles};
 use crate::output::stream::{Positions, Stream, channels_within_f32};
@@ -17,9 +17,6 @@ use crate::watch::{Stopped, Watch};
 
 /// The middle of the model is moved to the origin when it is farther away than this many times half its longest side.
 const FAR: f64 = 4.0;
-
-/// Input cells whose numbers f32 holds exactly.
-const CELLS: usize = 1 << 24;
 
 /// Everything that goes into the buffer, and the numbers that describe it.
 pub(super) struct Buffer<'a> {
@@ -103,7 +100,7 @@ impl<'a> Buffer<'a> {
         let faces = match mesh {
             Some(mesh) => {
                 channels_within_f32(mesh, watch)?;
-                check_origins(mesh, &amounts)?;
+                check_origins(mesh.input_cells(), amounts.ids).map_err(FormatError::Unfit)?;
                 sections(mesh, watch)?
             }
             None => Vec::new(),
@@ -241,16 +238,6 @@ fn n_triangles(mesh: &dyn MeshSource, some: &Range<usize>, watch: &Watch) -> Res
         Ok(())
     })?;
     Ok(n)
-}
-
-/// Refuses numbers of input cells that f32 does not hold.
-fn check_origins(mesh: &dyn MeshSource, amounts: &Amounts) -> Result<(), FormatError> {
-    if amounts.ids && mesh.input_cells().iter().any(|&n| n > CELLS) {
-        let detail =
-            format!("glTF tells the origin of vertices for inputs of at most {CELLS} cells; ask for json or ply");
-        return Err(FormatError::Unfit(detail));
-    }
-    Ok(())
 }
 
 /// What to subtract from all positions: the middle of the box, rounded to f32, when it is far from the origin. It is the

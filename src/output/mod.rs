@@ -112,6 +112,13 @@ pub trait Format: std::fmt::Debug + Send + Sync {
     fn suits(&self, _kind: ShapeKind, _carried: &Attachments, _options: &Values) -> Result<(), Fault> {
         Ok(())
     }
+    /// Whether the format can count what there will be; what coordinates it can hold shows only when they are there.
+    ///
+    /// # Errors
+    /// The fault, with a pointer below the output.
+    fn fits(&self, _counts: &Counts, _options: &Values) -> Result<(), Fault> {
+        Ok(())
+    }
     /// Bytes that `counts` will take.
     fn size(&self, counts: &Counts, options: &Values) -> Size;
     /// What the options tell of single faces, edges or vertices of the input, if anything: schemes that make faces of
@@ -159,6 +166,8 @@ pub struct Counts {
     pub faces: u128,
     /// Sum of the sizes of the shown faces.
     pub corners: u128,
+    /// Corners of the largest shown face (0 for curves).
+    pub largest_face: u128,
     /// Vertices that are added, at most, where normals differ across sharp edges; 0 where no edge is sharp.
     pub parted: u128,
     /// Places with texture coordinates, where there are some.

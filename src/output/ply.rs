@@ -5,6 +5,7 @@ mod carried;
 use std::io::Write;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::numbers::{REAL, digits, real, real_f32, rounded, total, whole};
 use crate::output::scene::{Curve, Frame, MeshSource, Scene, Shape};
@@ -50,6 +51,10 @@ impl Format for Ply {
 
     fn holds(&self, kind: ShapeKind) -> Result<(), String> {
         holds_space(self.name(), kind)
+    }
+
+    fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
+        check_face(counts.largest_face, Layout::of(options)).map_err(|detail| Fault::new("/face_sizes", detail))
     }
 
     fn size(&self, counts: &Counts, options: &Values) -> Size {
@@ -316,21 +321,24 @@ fn write_mesh(
 }
 
 fn write_faces(mesh: &dyn MeshSource, layout: Layout, stream: &mut Stream<'_>) -> Result<(), FormatError> {
-    let first_large = AtomicUsize::new(usize::MAX);
+    let largest = AtomicUsize::new(0);
     stream.faces(mesh, |index, face, out| {
-        if layout.encoding == Encoding::Uchar && face.len() > usize::from(u8::MAX) {
-            first_large.fetch_min(index, Ordering::Relaxed);
-        }
+        largest.fetch_max(face.len(), Ordering::Relaxed);
         layout.face(face, out);
         carried::face(mesh, layout, index, out);
         layout.end_row(out);
     })?;
-    match first_large.into_inner() {
-        usize::MAX => Ok(()),
-        face => Err(FormatError::Unfit(format!(
-            "face {face} has more than the 255 corners that one byte counts; ask for \"face_sizes\": \"uint\" or obj"
-        ))),
+    check_face(largest.into_inner() as u128, layout).map_err(FormatError::Unfit)
+}
+
+/// Whether the size of a face has its place.
+fn check_face(size: u128, layout: Layout) -> Result<(), String> {
+    if layout.encoding != Encoding::Uchar || size <= u8::MAX.into() {
+        return Ok(());
     }
+    Err(format!(
+        "a face of the result has {size} corners, one byte counts at most 255; ask for \"face_sizes\": \"uint\" or for obj"
+    ))
 }
 
 fn write_curves(curves: &[Curve], frame: Frame, layout: Layout, stream: &mut Stream<'_>) -> Result<(), FormatError> {

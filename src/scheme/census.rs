@@ -1,6 +1,6 @@
 //! Counts of a mesh and of what decides how they grow, for schemes that make a connectivity of their own.
 
-use super::forecast::Count;
+use super::count::{Count, largest_face, largest_fan};
 use super::mesh_net::MeshNet;
 
 /// Counts of one mesh. Numbers saturate; nothing is allocated for them.
@@ -27,6 +27,8 @@ impl Census {
             edges: topology.n_edges() as u128,
             faces: topology.n_faces() as u128,
             corners: topology.n_corners() as u128,
+            largest_face: largest_face(net),
+            largest_fan: largest_fan(topology),
             ..Count::default()
         };
         Self {
@@ -45,11 +47,12 @@ impl Census {
         sum(&[(16, corners), (24, edges), (4, vertices), (4, faces)])
     }
 
-    /// The counts after a step: the edges follow from the sizes of the faces and the boundary.
+    /// The counts after a step with these vertices, faces, corners and largest face: the edges follow from the sizes of
+    /// the faces and the boundary.
     #[must_use]
-    pub fn after(&self, vertices: u128, faces: u128, corners: u128, boundary: u128) -> Self {
+    pub fn after(&self, [vertices, faces, corners, largest_face]: [u128; 4], boundary: u128) -> Self {
         let edges = corners.saturating_add(boundary) / 2;
-        let count = Count { vertices, edges, faces, corners, ..Count::default() };
+        let count = Count { vertices, edges, faces, corners, largest_face, ..Count::default() };
         Self { count, boundary, rounds: self.rounds.saturating_add(1), ..*self }
     }
 }

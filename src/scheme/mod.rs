@@ -3,6 +3,7 @@
 
 pub mod anchor;
 pub mod census;
+mod count;
 pub mod creases;
 pub mod forecast;
 pub mod local;

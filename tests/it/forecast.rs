@@ -94,6 +94,7 @@ fn counted(bytes: &[u8]) -> Count {
         count.edges = net.edges().len() as u128;
         count.faces = net.faces.len() as u128;
         count.corners = net.faces.iter().map(|face| face.len() as u128).sum();
+        count.largest_face = net.faces.iter().map(|face| face.len() as u128).max().unwrap_or(0);
         return count;
     }
     let one = std::slice::from_ref(&result);
@@ -141,6 +142,9 @@ fn check(input: &Value, word: &Word, extra: &Value) -> Result<(), TestCaseError>
         prop_assert_eq!(last.vertices, actual.vertices, "vertices of {}", text);
         prop_assert_eq!(last.faces - last.hidden_faces, actual.faces, "faces of {}", text);
         prop_assert_eq!(last.corners - last.hidden_corners, actual.corners, "corners of {}", text);
+        if actual.faces > 0 {
+            prop_assert_eq!(last.largest_face, actual.largest_face, "the largest face of {}", text);
+        }
         if last.hidden_faces == 0 {
             prop_assert_eq!(last.edges, actual.edges, "edges of {}", text);
         }

@@ -23,5 +23,6 @@ mod shapes;
 mod stats;
 mod store;
 mod support;
+mod told_before;
 mod vectors;
 mod words;

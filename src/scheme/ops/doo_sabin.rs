@@ -81,13 +81,17 @@ impl Operator for DooSabin {
         if rounds == 0 {
             let vertices = sum(&[(1, c), (2, b), (1, q)]);
             let faces = sum(&[(1, f), (1, e), (1, v.saturating_sub(isolated))]);
-            let after = before.after(vertices, faces, sum(&[(2, c), (4, e), (2, b), (1, q)]), sum(&[(2, b), (1, q)]));
+            let corners = sum(&[(2, c), (4, e), (2, b), (1, q)]);
+            let largest = count.largest_face.max(count.largest_fan).max(4);
+            let after = before.after([vertices, faces, corners, largest], sum(&[(2, b), (1, q)]));
             return Some(Census { isolated: 0, ..after });
         }
         let inner = e.saturating_sub(b);
         let faces = sum(&[(1, f), (1, inner), (1, v.saturating_sub(b))]);
         let corners = sum(&[(2, c), (4, inner), (1, q)]).saturating_sub(sum(&[(2, b)]));
-        Some(before.after(c, faces, corners, sum(&[(2, b)]).saturating_sub(q)))
+        // all vertices inside have four faces
+        let largest = count.largest_face.max(4);
+        Some(before.after([c, faces, corners, largest], sum(&[(2, b)]).saturating_sub(q)))
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {

@@ -69,10 +69,12 @@ impl Operator for RootThree {
 
     fn census(&self, before: &Census) -> Option<Census> {
         let (v, f, b) = (before.count.vertices, before.count.faces, before.boundary);
-        Some(match rim(before.rounds) {
-            Rim::Whole => before.after(sum(&[(1, v), (1, f)]), sum(&[(3, f)]), sum(&[(9, f)]), b),
-            Rim::Thirds => before.after(sum(&[(1, v), (1, f), (1, b)]), sum(&[(3, f)]), sum(&[(9, f)]), sum(&[(3, b)])),
-        })
+        let (faces, corners) = (sum(&[(3, f)]), sum(&[(9, f)]));
+        let (vertices, boundary) = match rim(before.rounds) {
+            Rim::Whole => (sum(&[(1, v), (1, f)]), b),
+            Rim::Thirds => (sum(&[(1, v), (1, f), (1, b)]), sum(&[(3, b)])),
+        };
+        Some(before.after([vertices, faces, corners, 3], boundary))
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {

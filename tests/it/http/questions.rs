@@ -58,6 +58,22 @@ fn an_estimate_takes_many_outputs_and_refuses_what_cannot_be() {
     });
 }
 
+/// What a format cannot count, here the corners of a face in one byte, is told before it is computed.
+#[test]
+fn an_estimate_refuses_what_its_format_cannot_count_as_a_render_does() {
+    story(settings(), async |server| {
+        let n = 300;
+        let parabola = |i: i32| [f64::from(i), f64::from(i * i), 0.0];
+        let mesh =
+            json!({ "positions": (0..n).map(parabola).collect::<Vec<_>>(), "faces": [(0..n).collect::<Vec<_>>()] });
+        let job = json!({ "input": { "mesh": mesh }, "levels": 0, "outputs": [{ "format": "ply" }] });
+        for path in ["/v1/estimate", "/v1/render"] {
+            let problem = server.post(path, &job).await.problem(422, "invalid-job");
+            assert_eq!(problem["errors"][0]["pointer"], "/outputs/0/face_sizes", "{path}: {problem}");
+        }
+    });
+}
+
 #[test]
 fn a_valid_mesh_is_described() {
     story(settings(), async |server| {
