@@ -4,6 +4,7 @@
 
 mod body;
 mod header;
+mod joined;
 
 use std::collections::BTreeMap;
 
@@ -18,7 +19,8 @@ const MAX_CHANNELS: usize = 64;
 
 /// PLY, text and binary of either byte order, properties of any type. Elements `vertex` (`x`, `y`, `z`) and `face`
 /// (`vertex_indices` or `vertex_index`); `red`, `green`, `blue`, `alpha` are a colour, `s`, `t` (or `u`, `v`) texture
-/// coordinates, as is the list `texcoord` of faces; `group` and `material` of faces are numbers whose names stand in comments
+/// coordinates, as is the list `texcoord` of faces; `weight_0`, `weight_1` one after the other are the channel `weight` of two
+/// numbers, and so on up to four; `group` and `material` of faces are numbers whose names stand in comments
 /// (`comment group 0 top`); normals are ignored, other scalars of vertices are channels. Other
 /// elements and lists are left out with a note.
 #[derive(Debug)]
@@ -169,7 +171,8 @@ impl Reading {
             self.channels.push(Channel { name: "color".to_owned(), width: colors.len(), values: Vec::new() });
         }
         let mut uses = Vec::with_capacity(element.properties.len());
-        for property in &element.properties {
+        let joined = joined::runs(&element.properties);
+        for (property, joined) in element.properties.iter().zip(joined) {
             let name = property.name.as_str();
             uses.push(if property.list.is_some() {
                 self.note(format!("the lists \"{name}\" of vertices are left out"));
@@ -182,11 +185,15 @@ impl Reading {
                 Use::Channel(0, k, full(property.kind))
             } else if ["nx", "ny", "nz"].contains(&name) {
                 Use::Ignored
+            } else if let Some((_, place @ 1..)) = joined {
+                // its run began with a channel of its own
+                Use::Channel(self.channels.len() - 1, place, 1.0)
             } else if self.channels.len() == MAX_CHANNELS {
                 let detail = format!("the vertices have more than {MAX_CHANNELS} further properties; send fewer");
                 return Err(Fault::new("", detail));
             } else {
-                self.channels.push(Channel { name: name.to_owned(), width: 1, values: Vec::new() });
+                let (name, width) = joined.map_or((name, 1), |(run, _)| run);
+                self.channels.push(Channel { name: name.to_owned(), width, values: Vec::new() });
                 Use::Channel(self.channels.len() - 1, 0, 1.0)
             });
         }
@@ -202,7 +209,7 @@ impl Reading {
                 _ => None,
             })
             .collect();
-        let Some(color) = self.channels.first_mut().filter(|channel| channel.width > 1) else { return };
+        let Some(color) = self.channels.first_mut().filter(|channel| channel.is_color()) else { return };
         for row in color.values.chunks_exact_mut(order.len().max(1)) {
             let given = row.to_vec();
             order.iter().zip(given).for_each(|(&place, x)| row[place] = x);

@@ -2,6 +2,7 @@
 
 mod broken;
 mod bytes;
+mod everything;
 mod gltf;
 mod kinds;
 mod repairs;

@@ -8,6 +8,7 @@ use gltf::json::validation::Checked::Valid;
 use gltf::json::{Index, Node};
 
 use super::buffers::Document;
+use super::carried::{Channels, Groups, group, name};
 use super::transform::Transform;
 use crate::input::collect::Collected;
 use crate::input::{Channel, FaceSet, ReadLimits, ReadMesh, Uvs};
@@ -30,7 +31,8 @@ pub(super) fn read(document: &Document<'_>, length: usize, limits: &ReadLimits) 
         colors: Some(Vec::new()),
         color_width: 3,
         materials: BTreeMap::new(),
-        groups: Vec::new(),
+        channels: Channels::new(room),
+        groups: Groups::default(),
         degenerate: 0,
         other: 0,
         is_posed: false,
@@ -88,14 +90,21 @@ struct Reading<'a> {
     color_width: usize,
     /// Faces of each material; those without one are in none.
     materials: BTreeMap<usize, Vec<u64>>,
-    groups: Vec<FaceSet>,
+    /// Attributes of applications.
+    channels: Channels,
+    groups: Groups,
     degenerate: usize,
     other: usize,
     is_posed: bool,
 }
 
-/// Accessors that make the vertices of a primitive.
-type Attributes = [Option<usize>; 3];
+/// Accessors that make the vertices of a primitive: places, texture coordinates, colours, then those of applications by
+/// their names.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+struct Attributes {
+    known: [Option<usize>; 3],
+    own: Vec<(String, usize)>,
+}
 
 impl Reading<'_> {
     fn node(&mut self, i: usize, node: &Node, transform: &Transform) -> Result<(), String> {
@@ -113,11 +122,8 @@ impl Reading<'_> {
             }
             self.primitive(primitive, transform, &mut shared).map_err(place)?;
         }
-        let faces: Vec<u64> = (first as u64..self.mesh.mesh.faces.len() as u64).collect();
-        if !faces.is_empty() {
-            let name = node.name.clone().or_else(|| mesh.name.clone()).unwrap_or_else(|| format!("node {i}"));
-            self.groups.push(FaceSet { name, faces });
-        }
+        let name = node.name.clone().or_else(|| mesh.name.clone()).unwrap_or_else(|| format!("node {i}"));
+        self.groups.node(name, first..self.mesh.mesh.faces.len());
         Ok(())
     }
 
@@ -136,12 +142,15 @@ impl Reading<'_> {
         let attribute = |semantic: Semantic| primitive.attributes.get(&Valid(semantic)).copied();
         let positions = attribute(Semantic::Positions).ok_or("it has no POSITION")?;
         let others = [attribute(Semantic::TexCoords(0)), attribute(Semantic::Colors(0))];
-        let attributes = [Some(positions), others[0], others[1]];
-        let key: Attributes = attributes.map(|accessor| accessor.map(|accessor| accessor.value()));
+        let known = [Some(positions), others[0], others[1]].map(|accessor| accessor.map(|accessor| accessor.value()));
+        let own: Vec<_> =
+            primitive.attributes.iter().filter_map(|(semantic, &at)| Some((name(semantic)?, at))).collect();
+        let key = Attributes { known, own: own.iter().map(|(name, at)| (name.clone(), at.value())).collect() };
         let (start, n) = if let Some(&known) = shared.get(&key) {
             known
         } else {
             let found = self.vertices(positions, others, transform)?;
+            self.channels.take(self.document, &own, found.0, found.1);
             shared.insert(key, found);
             found
         };
@@ -170,8 +179,11 @@ impl Reading<'_> {
                 return Err(format!("the file comes to more than {} triangles; send less at once", self.room));
             }
         }
+        let made = faces as u64..self.mesh.mesh.faces.len() as u64;
+        if let Some(group) = group(primitive) {
+            self.groups.told(group, made.clone());
+        }
         if let Some(material) = primitive.material {
-            let made = faces as u64..self.mesh.mesh.faces.len() as u64;
             self.materials.entry(material.value()).or_default().extend(made);
         }
         Ok(())
@@ -247,17 +259,16 @@ impl Reading<'_> {
             let values = colors.chunks_exact(4).flat_map(|color| &color[..self.color_width]).copied().collect();
             mesh.channels.push(Channel { name: "color".to_owned(), width: self.color_width, values });
         }
-        if self.groups.len() > 1 {
-            mesh.groups = self.groups;
-        }
+        self.channels.finish(&mut mesh);
+        mesh.groups = self.groups.finish();
         let materials = &self.document.root.materials;
-        // the one nameless material of a file tells nothing apart
-        let is_nameless = |i: &usize| materials.get(*i).is_none_or(|material| material.name.is_none());
-        if self.materials.len() == 1 && self.materials.keys().all(is_nameless) {
-            return mesh;
-        }
-        let name = |i: usize| materials.get(i).and_then(|m| m.name.clone()).unwrap_or_else(|| format!("material {i}"));
-        mesh.materials = self.materials.into_iter().map(|(i, faces)| FaceSet { name: name(i), faces }).collect();
+        let name_of = |i: usize| materials.get(i).and_then(|material| material.name.clone());
+        // one nameless material says no more of its faces than none
+        let nameless: Vec<usize> = self.materials.keys().copied().filter(|&i| name_of(i).is_none()).collect();
+        let is_none = |i: usize| nameless == [i];
+        let sets = self.materials.into_iter().filter(|&(i, _)| !is_none(i));
+        let name = |i: usize| name_of(i).unwrap_or_else(|| format!("material {i}"));
+        mesh.materials = sets.map(|(i, faces)| FaceSet { name: name(i), faces }).collect();
         mesh
     }
 }

@@ -177,8 +177,7 @@ fn numbers_of_every_kind_and_vertices_shared_between_primitives() {
     assert!(found.channels[0].name == "color" && found.channels[0].values.len() == 16 && off < 1e-12, "{found:?}");
     let uvs = found.uvs.expect("it has them");
     assert_eq!(uvs.values, [[0., 1.], [1., 1.], [0., 0.], [1., 0.75]], "v counts upwards");
-    let materials = [("red", 0), ("material 1", 1)].map(|(name, f)| FaceSet { name: name.into(), faces: vec![f] });
-    assert_eq!(found.materials, materials);
+    assert_eq!(found.materials, [FaceSet { name: "red".into(), faces: vec![0] }], "a material without a name is none");
 }
 
 #[test]
@@ -244,4 +243,67 @@ fn instances_are_bounded_by_the_bytes_that_are_there() {
     document.as_object_mut().expect("an object").remove("scenes");
     let found = sentences("gltf", document.to_string().as_bytes());
     assert_eq!(found, ["mesh 0, primitive 0: the file comes to more than 1000000 triangles; send less at once"]);
+}
+
+/// Groups are those that primitives name; what they leave is in the group of its node, where there are several nodes.
+#[test]
+fn primitives_name_groups_and_nodes_the_rest() {
+    let mut document = square(4, &[0, 1, 2]);
+    let primitive = |extras: Value| json!({ "attributes": { "POSITION": 0 }, "indices": 1, "extras": extras });
+    let named = primitive(json!({ "group": "top", "faces": 7 }));
+    let others = [json!({ "group": 7 }), json!("group"), Value::Null].map(primitive);
+    document["meshes"][0]["primitives"] = json!([others[0], named, others[1], named, others[2]]);
+    let groups = |document: &Value| -> Vec<(String, Vec<u64>)> {
+        let found = mesh("gltf", document.to_string().as_bytes()).groups;
+        found.into_iter().map(|set| (set.name, set.faces)).collect()
+    };
+    let set = |name: &str, faces: &[u64]| (name.to_owned(), faces.to_vec());
+    assert_eq!(groups(&document), [set("top", &[1, 3])]);
+    document["nodes"] = json!([{ "mesh": 0, "name": "a" }, { "mesh": 0, "name": "b" }]);
+    document["scenes"][0]["nodes"] = json!([0, 1]);
+    assert_eq!(groups(&document), [set("top", &[1, 3, 6, 8]), set("a", &[0, 2, 4]), set("b", &[5, 7, 9])]);
+}
+
+/// Attributes of applications are channels where all vertices have them, whatever they are made of.
+#[test]
+fn attributes_of_applications_are_channels() {
+    let mut document = document(
+        &[floats(&SQUARE), vec![0, 51, 102, 255], vec![0, 1, 2]],
+        &json!({
+            "accessors": [
+                { "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3" },
+                { "bufferView": 1, "componentType": 5121, "count": 4, "type": "SCALAR", "normalized": true },
+                { "bufferView": 2, "componentType": 5121, "count": 3, "type": "SCALAR" },
+                { "componentType": 5126, "count": 4, "type": "MAT2" },
+            ],
+            "meshes": [{ "primitives": [{ "attributes": {
+                "POSITION": 0, "_HEAT": 1, "_DIRECTION": 0, "_COLOR": 1, "_ORIGIN": 1, "_SHORT": 2, "_MATRIX": 3
+            }, "indices": 2 }] }],
+            "nodes": [{ "mesh": 0 }],
+        }),
+    );
+    let found = mesh("gltf", document.to_string().as_bytes());
+    let channels: Vec<_> = found.channels.iter().map(|channel| (channel.name.as_str(), channel.width)).collect();
+    assert_eq!(channels, [("COLOR", 1), ("direction", 3), ("heat", 1)]);
+    assert_eq!(found.channels[2].values, [0.0, 0.2, 0.4, 1.0]);
+    let left_out = |name: &str| format!("the numbers {name:?} of vertices are left out: not every vertex has them");
+    assert_eq!(found.notes, ["matrix", "short"].map(left_out));
+    // a second primitive whose vertices have no heat
+    let other = json!({ "attributes": { "POSITION": 0, "_DIRECTION": 0 }, "indices": 2 });
+    document["meshes"][0]["primitives"].as_array_mut().expect("primitives").push(other);
+    let found = mesh("gltf", document.to_string().as_bytes());
+    assert_eq!((found.channels.len(), found.channels[0].values.len()), (1, 24));
+    assert!(found.notes.contains(&left_out("heat")), "{:?}", found.notes);
+}
+
+/// Accessors without bytes are zeros: many of them are not to make much of little.
+#[test]
+fn attributes_are_bounded_by_the_bytes_that_are_there() {
+    let mut document = square(4, &[0, 1, 2]);
+    document["accessors"][0] = json!({ "componentType": 5126, "count": 900_000, "type": "VEC3" });
+    for k in 0..60 {
+        document["meshes"][0]["primitives"][0]["attributes"][format!("_A{k}")] = json!(0);
+    }
+    let found = mesh("gltf", document.to_string().as_bytes());
+    assert_eq!((found.positions.len(), found.channels.len(), found.notes.len()), (900_000, 0, 60));
 }

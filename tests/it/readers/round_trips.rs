@@ -14,7 +14,7 @@ fn written(net: &Net, options: &Value) -> Vec<u8> {
 }
 
 /// The net as the library keeps it: vertices that join several fans are split.
-fn kept(net: &Net) -> Net {
+pub(super) fn kept(net: &Net) -> Net {
     Net::of(&crate::support::json(json!({ "input": net.input() })))
 }
 
@@ -152,9 +152,15 @@ fn by_name(bytes: &[u8]) -> Value {
 }
 
 /// The bytes of an input in a format.
-fn in_format(input: &Value, options: &Value) -> Vec<u8> {
+pub(super) fn in_format(input: &Value, options: &Value) -> Vec<u8> {
     let job = json!({ "input": input, "outputs": [options] });
     render(&job).unwrap_or_else(|faults| panic!("{options}: {faults:?}")).0
+}
+
+/// The mesh of a file, in the notation of jobs.
+pub(super) fn again(format: &Value, bytes: &[u8]) -> Value {
+    let text = json!({ "format": format, "data": base64(bytes), "encoding": "base64" });
+    crate::support::json(json!({ "input": { "text": text } }))
 }
 
 fn key(job: &Value) -> String {

@@ -1,0 +1,131 @@
+//! What applications say of vertices and triangles beyond glTF: attributes of their own, and the groups of primitives.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use gltf::json::Index;
+use gltf::json::accessor::Accessor;
+use gltf::json::mesh::{Primitive, Semantic};
+use gltf::json::validation::Checked::{self, Valid};
+use serde_json::Value;
+
+use super::accessor::Rows;
+use super::buffers::Document;
+use crate::input::{Channel, FaceSet, ReadMesh};
+use crate::shape::attachments::COLOR;
+
+/// What the attribute `_ORIGIN` of a file that tells origins is: no channel.
+const ORIGIN: &str = "origin";
+
+/// The channel that an attribute of applications is: `_HEAT` is `heat`. Its letters are small ones, as glTF has great ones
+/// only, but for a name that would then be the colour.
+pub(super) fn name(semantic: &Checked<Semantic>) -> Option<String> {
+    let Valid(Semantic::Extras(name)) = semantic else { return None };
+    let small = name.to_ascii_lowercase();
+    let kept = if small == COLOR { name.clone() } else { small };
+    (kept != ORIGIN).then_some(kept)
+}
+
+/// The group that a primitive names among its extras: `"extras": {"group": "top"}`.
+pub(super) fn group(primitive: &Primitive) -> Option<String> {
+    let extras: Value = serde_json::from_str(primitive.extras.as_ref()?.get()).ok()?;
+    Some(extras.get("group")?.as_str()?.to_owned())
+}
+
+/// Numbers of vertices by the names of attributes, as long as all vertices have them.
+#[derive(Debug)]
+pub(super) struct Channels {
+    found: BTreeMap<String, Rows>,
+    /// How many numbers may come yet: accessors may share their bytes.
+    room: usize,
+}
+
+impl Channels {
+    /// None, and so many numbers at most.
+    pub(super) fn new(room: usize) -> Self {
+        Self { found: BTreeMap::new(), room }
+    }
+
+    /// Takes the attributes of `n` vertices, the first of which has the number `start`. What does not fit is left out:
+    /// these numbers are not what a mesh is made of.
+    pub(super) fn take(
+        &mut self,
+        document: &Document<'_>,
+        attributes: &[(String, Index<Accessor>)],
+        start: usize,
+        n: usize,
+    ) {
+        for (name, accessor) in attributes {
+            let known = self.found.entry(name.clone()).or_default();
+            if known.values.len() != start * known.width {
+                continue;
+            }
+            let Ok(rows) = document.rows(*accessor, n.min(self.room)) else { continue };
+            let fits = rows.len() == n && (start == 0 || rows.width == known.width) && rows.values.len() <= self.room;
+            if fits && rows.values.iter().all(|x| x.is_finite()) {
+                self.room -= rows.values.len();
+                known.width = rows.width;
+                known.values.extend(rows.values);
+            }
+        }
+    }
+
+    /// Hands the channels over that all vertices have, and names the others.
+    pub(super) fn finish(self, mesh: &mut ReadMesh) {
+        let n = mesh.positions.len();
+        for (name, Rows { width, values }) in self.found {
+            if width > 0 && values.len() == n * width {
+                mesh.channels.push(Channel { name, width, values });
+            } else {
+                mesh.notes.push(format!("the numbers {name:?} of vertices are left out: not every vertex has them"));
+            }
+        }
+    }
+}
+
+/// Groups of faces: those that primitives name, else the nodes.
+#[derive(Debug, Default)]
+pub(super) struct Groups {
+    told: Vec<FaceSet>,
+    /// Places of the names in `told`.
+    numbers: BTreeMap<String, usize>,
+    /// Faces of the node that is being read which are in a group.
+    taken: Vec<Range<u64>>,
+    /// Faces of nodes that are in no other group.
+    nodes: Vec<FaceSet>,
+    /// Nodes with faces.
+    n_nodes: usize,
+}
+
+impl Groups {
+    /// Puts faces into a group that a primitive names.
+    pub(super) fn told(&mut self, name: String, faces: Range<u64>) {
+        let number = *self.numbers.entry(name.clone()).or_insert(self.told.len());
+        if number == self.told.len() {
+            self.told.push(FaceSet { name, faces: Vec::new() });
+        }
+        self.told[number].faces.extend(faces.clone());
+        self.taken.push(faces);
+    }
+
+    /// Ends a node with these faces.
+    pub(super) fn node(&mut self, name: String, faces: Range<usize>) {
+        self.n_nodes += usize::from(!faces.is_empty());
+        let mut free = Vec::new();
+        let mut next = faces.start as u64;
+        for range in self.taken.drain(..) {
+            free.extend(next..range.start);
+            next = range.end;
+        }
+        free.extend(next..faces.end as u64);
+        if !free.is_empty() {
+            self.nodes.push(FaceSet { name, faces: free });
+        }
+    }
+
+    /// The groups. One node alone tells nothing apart.
+    pub(super) fn finish(self) -> Vec<FaceSet> {
+        let nodes = if self.n_nodes > 1 { self.nodes } else { Vec::new() };
+        self.told.into_iter().chain(nodes).collect()
+    }
+}
