@@ -198,6 +198,23 @@ fn chaikin_creasing_differs_where_sharpness_does() {
     assert!(largest_difference(&a, &b) > 1e-3);
 }
 
+/// Under Chaikin's rule as under the uniform one an edge is as sharp as it says, at most wholly, whatever its halves are.
+/// OpenSubdiv 3.5 has (0.373046875, -0.888671875, 1.015625) and (1, 0, 1) at these places.
+#[test]
+fn an_edge_is_as_sharp_as_it_says_and_no_more() {
+    let corners = [[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+    let mut faces = corners.map(Vec::from).to_vec();
+    faces[0].reverse();
+    let positions = (0..8).map(|i| [[-1, 1, 1, -1][i % 4], [-1, -1, 1, 1][i % 4], [-1, 1][i / 4]].map(f64::from));
+    let net = Net { positions: positions.collect(), faces };
+    let has = |creases: &[Crease], levels, place: [f64; 3]| {
+        let fine = creased(&net, creases, &chaikin(), levels);
+        fine.positions.iter().any(|p| distance(p, &place) <= 1e-15)
+    };
+    assert!(has(&[([4, 5], 2.4), ([5, 6], 1.3)], 2, [0.375, -0.875, 1.0]));
+    assert!(has(&[([4, 5], 4.0), ([5, 6], 0.5), ([6, 7], 4.0)], 1, [0.875, 0.0, 0.875]));
+}
+
 #[test]
 fn the_triangle_rule_acts_beside_triangles_alone() {
     let smooth = json!({ "preset": "catmull-clark", "parameters": { "triangle_rule": "smooth" } });
