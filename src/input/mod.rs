@@ -72,6 +72,8 @@ pub struct ReadMesh {
     pub positions: Vec<[f64; 3]>,
     /// Faces, each of 3 or more vertices that exist.
     pub faces: FaceList,
+    /// The line of each face in the file, where it has one; else empty.
+    pub lines: Vec<u32>,
     /// Edges with a sharpness.
     pub creases: Vec<([u64; 2], f64)>,
     /// Vertices with a sharpness.

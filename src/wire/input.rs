@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 use super::mesh::MeshRequest;
 use super::object;
 use super::polygon::{PolygonRequest, polygons};
-use super::text::{MeshFile, TextRequest, within};
+use super::text::{Held, MeshFile, TextRequest, within};
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
 use crate::job::Input;
@@ -127,8 +127,10 @@ impl InputRequest {
         }
         let in_text = |found| under("/text", found);
         if let Some(file) = text.map(TextRequest::file).transpose().map_err(|fault| in_text(vec![fault]))?.or(file) {
-            let (input, boundary) = file.read(self.winding(), limits).map_err(in_text)?;
-            let mesh = self.mesh(input)?.map_err(|found| in_text(found.into_iter().map(within).collect()))?;
+            let Held { mesh, boundary, lines } = file.read(self.winding(), limits).map_err(in_text)?;
+            // repairs leave faces out, or join them
+            let lines = if self.weld.is_some() || self.pair_quads { Vec::new() } else { lines };
+            let mesh = self.mesh(mesh)?.map_err(|found| in_text(within(found, &lines)))?;
             return Ok(Resolved { boundary, ..mesh.into() });
         }
         self.has_no_mesh()?;

@@ -43,6 +43,17 @@ pub struct MeshFile {
     pub bytes: Vec<u8>,
 }
 
+/// What a mesh file holds.
+#[derive(Debug)]
+pub(super) struct Held {
+    /// The mesh, unchecked.
+    pub(super) mesh: MeshInput,
+    /// The boundary rule that it asks for.
+    pub(super) boundary: Option<Boundary>,
+    /// The line of each face, where files have such; else empty.
+    pub(super) lines: Vec<u32>,
+}
+
 impl TextRequest {
     /// The file.
     ///
@@ -60,34 +71,44 @@ impl TextRequest {
 }
 
 impl MeshFile {
-    /// Reads the file: the mesh, unchecked, and the boundary rule that it asks for.
+    /// Reads the file.
     ///
     /// # Errors
     /// All faults, at `/format` or `/data`.
-    pub fn read(&self, winding: Winding, limits: &ReadLimits) -> Result<(MeshInput, Option<Boundary>), Vec<Fault>> {
-        let at_data = |found: Vec<Fault>| found.into_iter().map(within).collect::<Vec<_>>();
+    pub(super) fn read(&self, winding: Winding, limits: &ReadLimits) -> Result<Held, Vec<Fault>> {
+        let at_data = |found: Vec<Fault>| within(found, &[]);
         if self.format == "json" {
             let request: MeshRequest = read(&self.bytes).map_err(|error| match error {
                 ReadError::NotJson(detail) => vec![Fault::new("/data", detail.replace("the body", "the mesh"))],
                 ReadError::Unfit(faults) => at_data(faults),
             })?;
-            return Ok((request.input(winding).map_err(at_data)?, None));
+            let mesh = request.input(winding).map_err(at_data)?;
+            return Ok(Held { mesh, boundary: None, lines: Vec::new() });
         }
         let Some(reader) = input::named(&self.format) else {
             let known: Vec<&str> = input::READERS.iter().map(|reader| reader.name()).chain(["json"]).collect();
             let detail = format!("there is no reader {:?}; known are {}", self.format, known.join(", "));
             return Err(vec![Fault::new("/format", detail)]);
         };
-        let mesh = reader.read(&self.bytes, limits).map_err(at_data)?;
-        let boundary = mesh.boundary;
-        Ok((mesh.into_input(winding), boundary))
+        let mut mesh = reader.read(&self.bytes, limits).map_err(at_data)?;
+        let (boundary, lines) = (mesh.boundary, std::mem::take(&mut mesh.lines));
+        Ok(Held { mesh: mesh.into_input(winding), boundary, lines })
     }
 }
 
-/// A fault within the file: its own pointer goes into the sentence, as no pointer leads into a file.
-pub(super) fn within(fault: Fault) -> Fault {
-    match fault.pointer.as_str() {
+/// Faults within the file: their own pointers go into the sentences, as no pointer leads into a file, and those of faces
+/// with the line that the face has there.
+pub(super) fn within(faults: Vec<Fault>, lines: &[u32]) -> Vec<Fault> {
+    let line = |pointer: &str| {
+        let face = pointer.strip_prefix("/faces/")?.split('/').next()?.parse::<usize>().ok()?;
+        Some(format!("line {}, ", lines.get(face)?))
+    };
+    let within = |fault: Fault| match fault.pointer.as_str() {
         "" => Fault::new("/data", fault.detail),
-        inside => Fault::new("/data", format!("in the mesh, {inside}: {}", fault.detail)),
-    }
+        inside => {
+            let line = line(inside).unwrap_or_default();
+            Fault::new("/data", format!("{line}in the mesh, {inside}: {}", fault.detail))
+        }
+    };
+    faults.into_iter().map(within).collect()
 }

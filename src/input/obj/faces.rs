@@ -89,7 +89,7 @@ impl Faces {
         faults
     }
 
-    /// Hands over texture coordinates and sets.
+    /// Hands over lines, texture coordinates and sets.
     pub(super) fn finish(self, uvs: Vec<[f64; 2]>, mesh: &mut ReadMesh) {
         let without = self.uvs.iter().filter(|&&uv| uv == NONE).count();
         if !self.uvs.is_empty() && without == 0 {
@@ -98,6 +98,7 @@ impl Faces {
             mesh.notes
                 .push(format!("texture coordinates are left out: {without} of {} corners have none", self.uvs.len()));
         }
+        mesh.lines = self.lines;
         // a group says more than the object it is in
         mesh.groups = self.groups.found.into_iter().chain(self.objects.found).collect();
         mesh.groups.retain(|set| !set.faces.is_empty());
