@@ -1,5 +1,6 @@
 //! Texture coordinates under refinement: a mesh of their own, refined by the scheme of the mesh.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::{Points, RefineError, at, mesh_net, values};
@@ -76,8 +77,32 @@ pub fn uv_net(mesh: &Mesh, uvs: &Uvs, plan: &Plan) -> MeshNet {
     corners.dedup();
     following.retain(|(place, _)| semi_sharp.binary_search_by_key(place, |&(place, _)| place).is_err());
     semi_sharp.retain(|(place, _)| corners.binary_search(place).is_err());
-    let sharpness = Sharpness::of(&creases, &semi_sharp).map(|sharpness| sharpness.following(following));
+    let elsewhere = elsewhere(mesh, uvs, &creases);
+    let sharpness = Sharpness::of(&creases, &semi_sharp);
+    let sharpness = sharpness.map(|sharpness| sharpness.following(following).beside(elsewhere));
     MeshNet::new(uvs.topology.clone(), &corners, &[], Boundary::EdgeOnly).with_sharpness(sharpness, plan.rules)
+}
+
+/// For the places where semi-sharp edges end, the other semi-sharp edges that end at the same vertex: on seams, and on the
+/// other side of them. Sharpness belongs to the mesh, and evens out around its vertices.
+fn elsewhere(mesh: &Mesh, uvs: &Uvs, creases: &Sharp) -> Vec<(u32, f64)> {
+    let (places, vertices) = (&uvs.topology, &mesh.topology);
+    let semi_sharp = |&&(_, sharpness): &&(u32, f64)| sharpness < INFINITE_SHARPNESS;
+    let mut around: BTreeMap<u32, Vec<(u32, f64)>> = BTreeMap::new();
+    for &(e, sharpness) in mesh.creases.iter().filter(semi_sharp) {
+        let edge = places.edge(vertices.edge_corners(e as usize)[0]);
+        vertices.ends(e as usize).into_iter().for_each(|v| around.entry(v).or_default().push((edge, sharpness)));
+    }
+    let ends = creases.iter().filter(semi_sharp).flat_map(|&(edge, _)| places.ends(edge as usize));
+    let sharp: BTreeSet<u32> = ends.collect();
+    let beside = |place: u32| {
+        let away = move |&&(edge, _): &&(u32, f64)| {
+            places.is_boundary_edge(edge as usize) || !places.ends(edge as usize).contains(&place)
+        };
+        let all = uvs.vertex(place, vertices).and_then(|v| around.get(&v)).map_or(&[][..], Vec::as_slice);
+        all.iter().filter(away).map(move |&(_, sharpness)| (place, sharpness))
+    };
+    sharp.into_iter().flat_map(beside).collect()
 }
 
 /// Of the pairs of places at one vertex: those that stay because an infinitely sharp edge ends at the other one, and those
@@ -85,7 +110,7 @@ pub fn uv_net(mesh: &Mesh, uvs: &Uvs, plan: &Plan) -> MeshNet {
 ///
 /// Source: OpenSubdiv 3.5, which calls such sharpness dependent; compared by numbers.
 fn following(uvs: &Uvs, creases: &Sharp) -> (Vec<u32>, Vec<(u32, u32)>) {
-    let mut sharpest = std::collections::BTreeMap::new();
+    let mut sharpest = BTreeMap::new();
     for &(e, sharpness) in creases {
         for place in uvs.topology.ends(e as usize) {
             let most: &mut f64 = sharpest.entry(place).or_insert(0.0);

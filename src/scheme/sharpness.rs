@@ -22,6 +22,8 @@ pub struct Sharpness {
     vertices: Sharp,
     /// Boundary vertices that stay while the sharp edges inside keep another one.
     following: Arc<[(u32, u32)]>,
+    /// Semi-sharp edges that end at a vertex and are not there: by vertex.
+    elsewhere: Arc<[(u32, f64)]>,
 }
 
 /// How many edges of the input are still sharp after some levels, at most.
@@ -48,7 +50,7 @@ impl Sharpness {
     /// The sharpness of edges and vertices, both ascending and above 0; `None` when everything is smooth.
     pub fn of(edges: &Sharp, vertices: &Sharp) -> Option<Self> {
         let any = !edges.is_empty() || !vertices.is_empty();
-        any.then(|| Self { edges: edges.clone(), vertices: vertices.clone(), following: Arc::default() })
+        any.then(|| Self { edges: edges.clone(), vertices: vertices.clone(), ..Self::default() })
     }
 
     /// The same with vertices on the boundary that stay, fully or in part, while the sharp edges that end there keep
@@ -56,6 +58,13 @@ impl Sharpness {
     #[must_use]
     pub fn following(self, following: Vec<(u32, u32)>) -> Self {
         Self { following: following.into(), ..self }
+    }
+
+    /// The same where semi-sharp edges end at vertices that are not among the edges of the net, as those on the other side
+    /// of a seam: pairs of a vertex and a sharpness, by ascending vertex. They count under [`Creasing::Chaikin`].
+    #[must_use]
+    pub fn beside(self, elsewhere: Vec<(u32, f64)>) -> Self {
+        Self { elsewhere: elsewhere.into(), ..self }
     }
 
     /// Vertices that follow others: the vertex, then the other.
@@ -90,19 +99,28 @@ impl Sharpness {
         let vertices = self.vertices.iter().map(|&(v, sharpness)| (v, less(sharpness)));
         let vertices = vertices.filter(|&(_, sharpness)| sharpness > 0.0).collect();
         let mut edges = Sharp::with_capacity(2 * self.edges.len());
+        let mut elsewhere = Vec::new();
         match creasing {
             Creasing::Uniform => {
                 let halves = |&(e, sharpness): &(u32, f64)| [(2 * e, less(sharpness)), (2 * e + 1, less(sharpness))];
                 edges.extend(self.edges.iter().flat_map(halves));
             }
             Creasing::Chaikin => {
-                let ends = self.ends(topology);
-                ends.chunk_by(|a, b| a.vertex == b.vertex).for_each(|around| chaikin(around, &mut edges));
+                let mut ends = self.ends(topology);
+                ends.extend(self.elsewhere.iter().map(|&(vertex, sharpness)| End { vertex, half: NONE, sharpness }));
+                ends.sort_by_key(|end| (end.vertex, end.half));
+                for (end, child) in ends.chunk_by(|a, b| a.vertex == b.vertex).flat_map(chaikin) {
+                    if end.half != NONE {
+                        edges.push((end.half, child));
+                    } else if child > 0.0 {
+                        elsewhere.push((end.vertex, child));
+                    }
+                }
                 edges.sort_unstable_by_key(|&(e, _)| e);
             }
         }
         edges.retain(|&(_, sharpness)| sharpness > 0.0);
-        self.next(&edges, &vertices)
+        self.next(&edges, &vertices).map(|next| next.beside(elsewhere))
     }
 
     /// The sharpness after a split whose edge `e` becomes the edges `d e`, `d e + 1`, ..., in order: what is infinitely
@@ -158,19 +176,19 @@ struct End {
     sharpness: f64,
 }
 
-/// Chaikin's rule for the halves around one vertex.
-fn chaikin(around: &[End], edges: &mut Sharp) {
+/// Chaikin's rule for the halves around one vertex: the ends with the sharpness of their halves.
+fn chaikin(around: &[End]) -> impl Iterator<Item = (End, f64)> + '_ {
     let semi_sharp = |end: &&End| end.sharpness < INFINITE_SHARPNESS;
     let (sum, n) = around.iter().filter(semi_sharp).fold((0.0, 0.0), |(sum, n), end| (sum + end.sharpness, n + 1.0));
-    edges.extend(around.iter().map(|end| {
+    around.iter().map(move |end| {
         let child = if semi_sharp(&end) && n > 1.0 {
             let mean = (sum - end.sharpness) / (n - 1.0);
             (0.75 * end.sharpness + 0.25 * mean - 1.0).max(0.0)
         } else {
             less(end.sharpness)
         };
-        (end.half, child)
-    }));
+        (*end, child)
+    })
 }
 
 /// The edges at vertex `v`, counter-clockwise; on the boundary from boundary to boundary.

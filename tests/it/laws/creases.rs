@@ -256,3 +256,44 @@ proptest! {
         prop_assert_eq!(creased(&net, &creases, &chaikin(), 2), creased(&net, &turned, &chaikin(), 2));
     }
 }
+
+/// Sharpness belongs to the mesh: under Chaikin's rule it evens out around a vertex on a seam as if there were none, so that
+/// texture coordinates that are places stay places beside an edge inside their region.
+#[test]
+fn seams_do_not_change_how_sharp_edges_are() {
+    let n = 8;
+    let (net, _) = nets::sectors_of_quads(n, 1);
+    let side = |sector: usize| net.faces[sector][1];
+    let flat = |shift: f64| net.positions.iter().map(move |p| [p[0] + shift, p[1]]);
+    let values: Vec<[f64; 2]> = flat(0.0).chain(flat(100.0)).collect();
+    let chart = |(sector, face): (usize, &Vec<usize>)| {
+        let shift = if sector < n / 2 { 0 } else { net.positions.len() };
+        face.iter().map(|v| v + shift).collect::<Vec<_>>()
+    };
+    let faces: Vec<_> = net.faces.iter().enumerate().map(chart).collect();
+    let mut input = net.input();
+    input["mesh"]["uvs"] = json!({ "values": values, "faces": faces, "interpolation": "none" });
+    input["mesh"]["corners"] = json!([{ "vertex": 0, "sharpness": 10 }]);
+    // one edge within the first region; another within the second, or on the seam
+    for other in [6, 4] {
+        let creases = [(2, 1.25), (other, 2.5)].map(|(s, x)| json!({ "edge": [0, side(s)], "sharpness": x }));
+        input["mesh"]["creases"] = creases.into();
+        for plan in [catmull_clark(), chaikin()] {
+            let job = json!({ "input": input, "plan": plan, "levels": 2 });
+            let found = support::json_with(job, &json!({ "ids": true, "isolines": true }));
+            let read = |value: &Value| -> Vec<Vec<usize>> { serde_json::from_value(value.clone()).expect("indices") };
+            let is_it = |line: &Vec<usize>| [line[0], line[4]].contains(&side(2)) && [line[0], line[4]].contains(&0);
+            let line = read(&found["isolines"]).into_iter().find(is_it).expect("it is an edge");
+            // the point next to the vertex on the seam
+            let point = if line[0] == 0 { line[1] } else { line[3] };
+            let corners = read(&found["faces"]).concat().into_iter().zip(read(&found["uvs"]["faces"]).concat());
+            let places: Vec<usize> = corners.filter(|&(v, _)| v == point).map(|(_, place)| place).collect();
+            assert_eq!(places.len(), 4);
+            let place: [f64; 3] = serde_json::from_value(found["positions"][point].clone()).expect("a place");
+            for at in places {
+                let uv: [f64; 2] = serde_json::from_value(found["uvs"]["values"][at].clone()).expect("a pair");
+                assert!(distance(&uv, &place[..2]) <= TOLERANCE, "{uv:?} at {place:?}, {plan}, {other}");
+            }
+        }
+    }
+}
