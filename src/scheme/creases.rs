@@ -47,6 +47,8 @@ impl Blend {
 pub struct Creases {
     vertices: Vec<(u32, Blend)>,
     before: Arc<Sharpness>,
+    /// Edges of a sharpness below 1 both of whose halves stay sharp, as their neighbours sharpen them; ascending.
+    kept: Vec<u32>,
 }
 
 impl Creases {
@@ -54,29 +56,20 @@ impl Creases {
     pub fn of_parent(net: &MeshNet) -> Option<Self> {
         let anchor = net.anchor.as_ref()?;
         let before = anchor.sharpness.as_ref()?;
-        let after = net.sharpness.as_deref();
-        let d = anchor.pieces_of_an_edge();
-        let edge_after = |e: u32, end: usize| after.map_or(0.0, |after| after.edge(d * e as usize + end * (d - 1)));
-        let corner_after = |v: usize| after.map_or(0.0, |after| after.vertex(v));
-        Some(Self::of(&anchor.topology, before, edge_after, corner_after))
+        let after = After { sharpness: net.sharpness.as_deref(), pieces: Some(anchor.pieces_of_an_edge()) };
+        Some(Self::of(&anchor.topology, before, &after))
     }
 
     /// What sets the vertices and edges of a net apart whose explicit topology this is; `None` when nothing does.
     pub fn of_net(net: &MeshNet, topology: &Topology) -> Option<Self> {
         let sharpness = net.sharpness.as_ref()?;
-        let after = |e: u32, _| sharpness.edge(e as usize);
-        Some(Self::of(topology, sharpness, after, |v| sharpness.vertex(v)))
+        Some(Self::of(topology, sharpness, &After { sharpness: Some(sharpness), pieces: None }))
     }
 
-    fn of(
-        topology: &Topology,
-        before: &Arc<Sharpness>,
-        edge_after: impl Fn(u32, usize) -> f64,
-        corner_after: impl Fn(usize) -> f64,
-    ) -> Self {
+    fn of(topology: &Topology, before: &Arc<Sharpness>, after: &After<'_>) -> Self {
         let ends = before.edges().iter().flat_map(|&(e, _)| topology.ends(e as usize));
         let mut apart: Vec<u32> = ends.chain(before.vertices().iter().map(|&(v, _)| v)).collect();
-        let around = |v: u32| Around::of(topology, before, v as usize, &edge_after, &corner_after);
+        let around = |v: u32| Around::of(topology, before, v as usize, after);
         let followers: BTreeMap<u32, u32> = before.followers().iter().copied().collect();
         apart.extend(followers.keys());
         apart.sort_unstable();
@@ -89,7 +82,10 @@ impl Creases {
             let smooth = [blend.before, blend.after] == [Rule::Smooth; 2];
             (!smooth).then_some((v, blend))
         };
-        Self { vertices: apart.into_iter().filter_map(blend).collect(), before: before.clone() }
+        let stays = |e: u32| [0, 1].iter().all(|&end| after.edge(e, end) > 0.0);
+        let kept = before.edges().iter().filter(|&&(e, sharpness)| sharpness < 1.0 && stays(e)).map(|&(e, _)| e);
+        let kept = kept.collect();
+        Self { vertices: apart.into_iter().filter_map(blend).collect(), before: before.clone(), kept }
     }
 
     /// The rules of vertex `v`; `None` where the usual one applies: smooth inside, the curve rule on the boundary.
@@ -98,14 +94,36 @@ impl Creases {
         Some(self.vertices[at].1)
     }
 
-    /// How far edge `e` follows the curve rule: 0 not at all, 1 alone.
+    /// How far edge `e` follows the curve rule: 0 not at all, 1 alone. That is 1 where both halves stay sharp, else its
+    /// sharpness, at most 1.
     pub fn edge(&self, e: usize) -> f64 {
-        self.before.edge(e).min(1.0)
+        if self.kept.binary_search(&index(e)).is_ok() { 1.0 } else { self.before.edge(e).min(1.0) }
     }
 
     /// The vertices that are set apart, ascending.
     pub fn vertices(&self) -> &[(u32, Blend)] {
         &self.vertices
+    }
+}
+
+/// What is sharp after a level.
+struct After<'a> {
+    /// The sharpness there; `None` when all is smooth.
+    sharpness: Option<&'a Sharpness>,
+    /// Pieces that the level makes of each edge, in order; `None` where edges stay as they are.
+    pieces: Option<usize>,
+}
+
+impl After<'_> {
+    /// The sharpness of what the level makes of an edge, at its end 0 or 1.
+    fn edge(&self, e: u32, end: usize) -> f64 {
+        let piece = self.pieces.map_or(e as usize, |d| d * e as usize + end * (d - 1));
+        self.sharpness.map_or(0.0, |sharpness| sharpness.edge(piece))
+    }
+
+    /// The sharpness of a vertex.
+    fn vertex(&self, v: usize) -> f64 {
+        self.sharpness.map_or(0.0, |sharpness| sharpness.vertex(v))
     }
 }
 
@@ -121,15 +139,9 @@ struct Around {
 }
 
 impl Around {
-    fn of(
-        topology: &Topology,
-        before: &Sharpness,
-        v: usize,
-        edge_after: impl Fn(u32, usize) -> f64,
-        corner_after: impl Fn(usize) -> f64,
-    ) -> Self {
+    fn of(topology: &Topology, before: &Sharpness, v: usize, after: &After<'_>) -> Self {
         let mut around = Self::default();
-        let values = [before.vertex(v), corner_after(v)];
+        let values = [before.vertex(v), after.vertex(v)];
         around.corner = values.map(|sharpness| sharpness > 0.0);
         around.vanish(values);
         for e in edges_at(topology, v) {
@@ -137,7 +149,7 @@ impl Around {
                 [f64::INFINITY; 2]
             } else {
                 let end = usize::from(topology.ends(e as usize)[0] as usize != v);
-                [before.edge(e as usize), edge_after(e, end)]
+                [before.edge(e as usize), after.edge(e, end)]
             };
             around.vanish(values);
             for (sharp, value) in around.sharp.iter_mut().zip(values) {

@@ -33,7 +33,9 @@ mod turn;
 use crate::math::rows::blend;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::sharpness::Creasing;
 use crate::scheme::step::StepError;
+use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::watch::{Stopped, Watch};
 
 use super::{Points, RefineError};
@@ -45,6 +47,7 @@ use field::{Field, FieldRows, Wish};
 use mask::Finder;
 pub(super) use normals::Normals;
 use own::Common;
+use patch::Rings;
 pub use perturbed::{ROWS_A_POINT, followed_points};
 use places::Starts;
 use probe::{Regular, Smoothness};
@@ -186,6 +189,14 @@ pub fn check(plan: &Plan) -> Result<(), Unlimited> {
     if cost::is_beyond(cycle) { Err(Unlimited::Fine) } else { Ok(()) }
 }
 
+/// Whether edges of a net hand on sharpness that depends on the edges at both their ends. Then a patch has all faces around
+/// the vertices that decide about the limit.
+fn evens_out(net: &MeshNet) -> bool {
+    let semi_sharp = |&(_, sharpness): &(u32, f64)| sharpness < INFINITE_SHARPNESS;
+    let any = net.sharpness.as_ref().is_some_and(|sharpness| sharpness.edges().iter().any(semi_sharp));
+    any && net.rules.creasing == Creasing::Chaikin
+}
+
 /// The limits of a net that `ahead` would refine further.
 pub(super) fn limits(
     plan: &Plan,
@@ -212,6 +223,7 @@ pub(super) fn limits(
     let regular = Regular::of(&cycle, &net.topology())?;
     let tagged = net.directions.is_some();
     let rings = regular.rings(&cycle, tagged, Starts { is_open, others: centres.is_some() })?;
+    let rings = if evens_out(&net) { Rings { patch: rings.patch.max(rings.support + 1), ..rings } } else { rings };
     let mut smoothness = Smoothness::Smooth;
     for common in if own.is_empty() { vec![Common::default()] } else { own } {
         smoothness = smoothness.min(probe::smoothness(&cycle, regular, tagged, common, rings, watch)?);

@@ -198,10 +198,10 @@ fn chaikin_creasing_differs_where_sharpness_does() {
     assert!(largest_difference(&a, &b) > 1e-3);
 }
 
-/// Under Chaikin's rule as under the uniform one an edge is as sharp as it says, at most wholly, whatever its halves are.
-/// OpenSubdiv 3.5 has (0.373046875, -0.888671875, 1.015625) and (1, 0, 1) at these places.
+/// Under Chaikin's rule an edge is wholly sharp where both its halves stay sharp, and else as sharp as it says, at most
+/// wholly. OpenSubdiv 3.5 has (0.373046875, -0.888671875, 1.015625) at the first of these places, and the others, too.
 #[test]
-fn an_edge_is_as_sharp_as_it_says_and_no_more() {
+fn an_edge_is_as_sharp_as_its_halves_or_as_it_says() {
     let corners = [[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
     let mut faces = corners.map(Vec::from).to_vec();
     faces[0].reverse();
@@ -212,7 +212,42 @@ fn an_edge_is_as_sharp_as_it_says_and_no_more() {
         fine.positions.iter().any(|p| distance(p, &place) <= 1e-15)
     };
     assert!(has(&[([4, 5], 2.4), ([5, 6], 1.3)], 2, [0.375, -0.875, 1.0]));
-    assert!(has(&[([4, 5], 4.0), ([5, 6], 0.5), ([6, 7], 4.0)], 1, [0.875, 0.0, 0.875]));
+    // both halves of the edge in the middle get 3/4 of 0.5 and 1/4 of 4, less 1
+    assert!(has(&[([4, 5], 4.0), ([5, 6], 0.5), ([6, 7], 4.0)], 1, [1.0, 0.0, 1.0]));
+    // and here 1/4 of 2.5, less than 1: none is left
+    assert!(has(&[([4, 5], 2.5), ([5, 6], 0.5), ([6, 7], 2.5)], 1, [0.875, 0.0, 0.875]));
+    // one is left
+    assert!(has(&[([4, 5], 4.0), ([5, 6], 0.5), ([6, 7], 2.5)], 1, [0.875, 0.0, 0.875]));
+}
+
+/// The same under Loop, and of everything that vertices carry.
+#[test]
+fn all_that_an_edge_carries_is_as_sharp_as_its_halves() {
+    let around = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]].map(|[x, y]: [f64; 2]| [x, y, 0.0]);
+    let positions = [around.as_slice(), &[[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]].concat();
+    let faces: Vec<_> = (0..4).flat_map(|i| [[i, (i + 1) % 4, 4], [(i + 1) % 4, i, 5]]).collect();
+    let values: Vec<_> = positions.iter().map(|p| [p[0], p[1]]).collect();
+    let crease = |a: usize, sharpness: f64| json!({ "edge": [a, a + 1], "sharpness": sharpness });
+    let of = |preset: &str, sharpness: f64| {
+        let mesh = json!({
+            "positions": positions, "faces": faces, "channels": { "place": values },
+            "uvs": { "values": values, "faces": faces, "interpolation": "none" },
+            "creases": [crease(0, sharpness), crease(1, 0.5), crease(2, sharpness)],
+        });
+        let plan = json!({ "preset": preset, "parameters": { "creasing": "chaikin" } });
+        support::json(json!({ "input": { "mesh": mesh }, "plan": plan, "levels": 1 }))
+    };
+    // 3/8 of each end and 1/8 of the other two vertices; the means of the ends and of the centres of the faces
+    for (preset, smooth) in [("loop", 0.375), ("catmull-clark", 5.0 / 12.0)] {
+        for (sharpness, x) in [(4.0, 0.5), (2.5, 0.25 + smooth / 2.0)] {
+            let fine = of(preset, sharpness);
+            let rows = |list: &Value| -> Vec<Vec<f64>> { serde_json::from_value(list.clone()).expect("numbers") };
+            for list in [&fine["positions"], &fine["channels"]["place"], &fine["uvs"]["values"]] {
+                let there = rows(list).iter().any(|row| distance(&row[..2], &[-x, x]) <= 1e-15);
+                assert!(there, "{preset}, {sharpness}: {list} is without ({}, {x})", -x);
+            }
+        }
+    }
 }
 
 #[test]

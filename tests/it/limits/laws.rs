@@ -193,6 +193,29 @@ fn limits_of_creases_do_not_move_under_more_levels() {
     }
 }
 
+/// Also where edges stay sharp for what lies beyond the faces around a vertex.
+#[test]
+fn limits_of_creases_that_even_out_do_not_move_under_more_levels() {
+    let net = nets::torus(6, 5);
+    let sharpness = [9.0, 0.3, 8.0, 0.6, 4.0];
+    let creases: Vec<Value> = (0..5).map(|i| json!({ "edge": [i, i + 1], "sharpness": sharpness[i] })).collect();
+    for (preset, net) in [("catmull-clark", net.clone()), ("loop", nets::triangulated(net))] {
+        let at = |levels: u32| {
+            let mesh = json!({ "positions": net.positions, "faces": net.faces, "creases": creases });
+            let plan = json!({ "preset": preset, "parameters": { "creasing": "chaikin" } });
+            let job = json!({ "input": { "mesh": mesh }, "plan": plan, "levels": levels });
+            Net::of(&json_with(job, &json!({ "positions": "limit" }))).positions
+        };
+        let coarse = at(0);
+        for levels in [1, 3] {
+            for (v, (p, q)) in coarse.iter().zip(&at(levels)).enumerate() {
+                let off = distance(p, q);
+                assert!(off <= 1e-12, "{preset}: vertex {v} moves by {off} at level {levels}");
+            }
+        }
+    }
+}
+
 /// What the first levels leave out, deeper ones approach.
 #[test]
 fn refined_vertices_approach_their_limits() {
