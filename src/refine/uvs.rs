@@ -106,7 +106,8 @@ fn elsewhere(mesh: &Mesh, uvs: &Uvs, creases: &Sharp) -> Vec<(u32, f64)> {
 }
 
 /// Of the pairs of places at one vertex: those that stay because an infinitely sharp edge ends at the other one, and those
-/// that are as sharp as semi-sharp edges make the other one, as they have none of their own.
+/// that are as sharp as semi-sharp edges make the other one, as they have none of their own. The latter stay wholly in the
+/// level that takes the last sharpness from the other one where the seam is semi-sharp for longer.
 ///
 /// Source: OpenSubdiv 3.5, which calls such sharpness dependent; compared by numbers.
 fn following(uvs: &Uvs, creases: &Sharp) -> (Vec<u32>, Vec<(u32, u32)>) {

@@ -76,7 +76,7 @@ impl Creases {
         apart.dedup();
         let blend = |v: u32| {
             let blend = match followers.get(&v) {
-                Some(&other) => around(v).following(&around(other)),
+                Some(&other) => around(v).following(&around(other), after.is_sharp_beside(other)),
                 None => around(v).blend(),
             };
             let smooth = [blend.before, blend.after] == [Rule::Smooth; 2];
@@ -119,6 +119,11 @@ impl After<'_> {
     fn edge(&self, e: u32, end: usize) -> f64 {
         let piece = self.pieces.map_or(e as usize, |d| d * e as usize + end * (d - 1));
         self.sharpness.map_or(0.0, |sharpness| sharpness.edge(piece))
+    }
+
+    /// Whether semi-sharp edges end at a vertex that are not among the edges of the net.
+    fn is_sharp_beside(&self, v: u32) -> bool {
+        self.sharpness.is_some_and(|sharpness| sharpness.is_sharp_beside(v))
     }
 
     /// The sharpness of a vertex.
@@ -183,9 +188,10 @@ impl Around {
         Blend { before: self.rule(0), after: self.rule(1), weight }
     }
 
-    /// The two rules of a vertex that stays while another one does, with the weight that holds there.
-    fn following(&self, other: &Self) -> Blend {
+    /// The two rules of a vertex that stays while another one does, with the weight that holds there; it stays wholly where
+    /// `beside` the edges of the net others stay sharp after the level.
+    fn following(&self, other: &Self, beside: bool) -> Blend {
         let rule = |when| if other.rule(when) == Rule::Corner { Rule::Corner } else { self.rule(when) };
-        Blend { before: rule(0), after: rule(1), weight: other.blend().weight }
+        Blend { before: rule(0), after: rule(1), weight: if beside { 1.0 } else { other.blend().weight } }
     }
 }

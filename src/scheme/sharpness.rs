@@ -61,7 +61,8 @@ impl Sharpness {
     }
 
     /// The same where semi-sharp edges end at vertices that are not among the edges of the net, as those on the other side
-    /// of a seam: pairs of a vertex and a sharpness, by ascending vertex. They count under [`Creasing::Chaikin`].
+    /// of a seam: pairs of a vertex and a sharpness, by ascending vertex. They count under [`Creasing::Chaikin`], and for
+    /// vertices that follow others.
     #[must_use]
     pub fn beside(self, elsewhere: Vec<(u32, f64)>) -> Self {
         Self { elsewhere: elsewhere.into(), ..self }
@@ -70,6 +71,11 @@ impl Sharpness {
     /// Vertices that follow others: the vertex, then the other.
     pub fn followers(&self) -> &[(u32, u32)] {
         &self.following
+    }
+
+    /// Whether semi-sharp edges end at vertex `v` that are not among the edges of the net.
+    pub fn is_sharp_beside(&self, v: u32) -> bool {
+        self.elsewhere.binary_search_by_key(&v, |&(v, _)| v).is_ok()
     }
 
     /// Sharpness of edge `e`; boundary edges have none of their own.
@@ -99,28 +105,30 @@ impl Sharpness {
         let vertices = self.vertices.iter().map(|&(v, sharpness)| (v, less(sharpness)));
         let vertices = vertices.filter(|&(_, sharpness)| sharpness > 0.0).collect();
         let mut edges = Sharp::with_capacity(2 * self.edges.len());
-        let mut elsewhere = Vec::new();
+        let mut elsewhere = Vec::with_capacity(self.elsewhere.len());
         match creasing {
             Creasing::Uniform => {
                 let halves = |&(e, sharpness): &(u32, f64)| [(2 * e, less(sharpness)), (2 * e + 1, less(sharpness))];
                 edges.extend(self.edges.iter().flat_map(halves));
+                elsewhere.extend(self.elsewhere.iter().map(|&(v, sharpness)| (v, less(sharpness))));
             }
             Creasing::Chaikin => {
                 let mut ends = self.ends(topology);
                 ends.extend(self.elsewhere.iter().map(|&(vertex, sharpness)| End { vertex, half: NONE, sharpness }));
                 ends.sort_by_key(|end| (end.vertex, end.half));
                 for (end, child) in ends.chunk_by(|a, b| a.vertex == b.vertex).flat_map(chaikin) {
-                    if end.half != NONE {
-                        edges.push((end.half, child));
-                    } else if child > 0.0 {
+                    if end.half == NONE {
                         elsewhere.push((end.vertex, child));
+                    } else {
+                        edges.push((end.half, child));
                     }
                 }
                 edges.sort_unstable_by_key(|&(e, _)| e);
             }
         }
         edges.retain(|&(_, sharpness)| sharpness > 0.0);
-        self.next(&edges, &vertices).map(|next| next.beside(elsewhere))
+        elsewhere.retain(|&(_, sharpness)| sharpness > 0.0);
+        self.next(edges, vertices, elsewhere)
     }
 
     /// The sharpness after a split whose edge `e` becomes the edges `d e`, `d e + 1`, ..., in order: what is infinitely
@@ -130,12 +138,13 @@ impl Sharpness {
         let pieces = |&(e, sharpness): &(u32, f64)| (0..d).map(move |at| (index(e as usize * d + at), less(sharpness)));
         let mut edges: Sharp = self.edges.iter().flat_map(pieces).collect();
         edges.retain(|&(_, sharpness)| sharpness > 0.0);
-        self.next(&edges, &vertices.filter(|&(_, sharpness)| sharpness > 0.0).collect())
+        self.next(edges, vertices.filter(|&(_, sharpness)| sharpness > 0.0).collect(), Vec::new())
     }
 
     /// What is left after a split: vertices keep their numbers, so that those that follow do so still.
-    fn next(&self, edges: &Sharp, vertices: &Sharp) -> Option<Self> {
-        Self::of(edges, vertices).map(|next| Self { following: self.following.clone(), ..next })
+    fn next(&self, edges: Sharp, vertices: Sharp, elsewhere: Vec<(u32, f64)>) -> Option<Self> {
+        let any = !edges.is_empty() || !vertices.is_empty() || !elsewhere.is_empty();
+        any.then(|| Self { edges, vertices, following: self.following.clone(), elsewhere: elsewhere.into() })
     }
 
     /// Both ends of every sharp edge, by vertex, then by edge.

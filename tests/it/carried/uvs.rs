@@ -214,10 +214,10 @@ fn creases_that_end_on_a_seam_sharpen_both_sides() {
     values[4] = [1.3, 1.0];
     values.extend([[5.0, 0.0], [5.3, 1.0], [5.0, 2.0]]);
     let faces = json!([[0, 1, 4, 3], [9, 2, 5, 10], [3, 4, 7, 6], [10, 5, 8, 11]]);
-    let middle = |interpolation: &str, creases: &[([usize; 2], f64)], corner: f64| {
+    let middle = |interpolation: &str, creases: &[([usize; 2], f64)], corner: f64, levels: u32| {
         let uvs = json!({ "values": values, "faces": faces, "interpolation": interpolation });
         let sharp: Vec<Value> = creases.iter().map(|(e, s)| json!({ "edge": e, "sharpness": s })).collect();
-        let mut question = job(&square, &json!({ "uvs": uvs }), &catmull_clark("edge-and-corner"), 1);
+        let mut question = job(&square, &json!({ "uvs": uvs }), &catmull_clark("edge-and-corner"), levels);
         question["input"]["mesh"]["creases"] = json!(sharp);
         question["input"]["mesh"]["corners"] = json!([{ "vertex": 4, "sharpness": corner }]);
         // places are numbered vertex by vertex, and vertex 1 has two
@@ -225,21 +225,29 @@ fn creases_that_end_on_a_seam_sharpen_both_sides() {
     };
     for interpolation in ["corners-plus1", "corners-plus2"] {
         let cases = [
-            (vec![([4, 5], 10.0)], 0.0, 1.3),
-            (vec![([4, 5], 0.5)], 0.0, 1.2625),
-            (vec![([4, 5], 1.5)], 0.0, 1.3),
-            (vec![], 0.0, 1.225),
+            (vec![([4, 5], 10.0)], 0.0, 1, 1.3),
+            (vec![([4, 5], 0.5)], 0.0, 1, 1.2625),
+            (vec![([4, 5], 1.5)], 0.0, 1, 1.3),
+            (vec![], 0.0, 1, 1.225),
             // sharp itself, or beside sharp edges of its own, a value follows no other
-            (vec![([4, 5], 0.5)], 0.25, 1.24375),
-            (vec![([4, 5], 0.5), ([3, 4], 0.2)], 0.0, 1.24),
-            (vec![([4, 5], 10.0), ([3, 4], 0.2)], 0.25, 1.3),
+            (vec![([4, 5], 0.5)], 0.25, 1, 1.24375),
+            (vec![([4, 5], 0.5), ([3, 4], 0.2)], 0.0, 1, 1.24),
+            (vec![([4, 5], 10.0), ([3, 4], 0.2)], 0.25, 1, 1.3),
+            // while the seam stays semi-sharp, it follows wholly or not at all
+            (vec![([4, 5], 0.5), ([1, 4], 0.75)], 0.0, 1, 1.2625),
+            (vec![([4, 5], 0.5), ([1, 4], 1.25)], 0.0, 1, 1.3),
+            (vec![([4, 5], 0.5), ([4, 7], 2.5)], 0.0, 1, 1.3),
+            (vec![([4, 5], 0.5), ([4, 7], 10.0)], 0.0, 1, 1.2625),
+            (vec![([4, 5], 1.5), ([4, 7], 1.75)], 0.0, 2, 1.28125),
+            (vec![([4, 5], 1.5), ([4, 7], 2.25)], 0.0, 2, 1.3),
+            (vec![([4, 5], 0.5), ([4, 7], 2.25)], 0.0, 2, 1.2625),
         ];
-        for (creases, corner, expected) in cases {
-            let found = middle(interpolation, &creases, corner);
+        for (creases, corner, levels, expected) in cases {
+            let found = middle(interpolation, &creases, corner, levels);
             assert!((found - expected).abs() < 1e-15, "{interpolation} {creases:?} {corner}: {found}, not {expected}");
         }
     }
-    assert!((middle("corners-only", &[([4, 5], 10.0)], 0.0) - 1.225).abs() < 1e-15);
+    assert!((middle("corners-only", &[([4, 5], 10.0)], 0.0, 1) - 1.225).abs() < 1e-15);
 }
 
 /// Where values on seams and boundaries stay, on a square of 2 x 2 quads.
