@@ -24,6 +24,9 @@ pub const COLOR: &str = "color";
 const TAKEN: &[&str] =
     &["x", "y", "z", "nx", "ny", "nz", "s", "t", "red", "green", "blue", "alpha", "origin", "origin_dimension"];
 
+/// The attribute of glTF that tells origins, `_ORIGIN`, of whatever width.
+const ORIGIN: &str = "origin";
+
 /// Numbers on vertices that are refined like positions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
@@ -174,7 +177,9 @@ fn check_name(name: &str) -> Option<String> {
 
 fn check_clash(channel: &Channel, before: &[Channel]) -> Option<String> {
     let names = channel.number_names();
-    if let Some(taken) = names.iter().find(|name| TAKEN.contains(&name.to_ascii_lowercase().as_str())) {
+    let own = Some(&channel.name).filter(|name| name.eq_ignore_ascii_case(ORIGIN));
+    let taken = names.iter().find(|name| TAKEN.contains(&name.to_ascii_lowercase().as_str())).or(own);
+    if let Some(taken) = taken {
         return Some(format!("\"{taken}\" means something else in files; choose another name"));
     }
     let same = |a: &String, b: &String| a.eq_ignore_ascii_case(b);
