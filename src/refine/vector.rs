@@ -33,3 +33,23 @@ pub(in crate::refine) fn mean(all: impl Iterator<Item = Vector>) -> Vector {
     let (sum, n) = all.fold(([0.0; 3], 0.0), |(sum, n), x| (plus(sum, x), n + 1.0));
     times(1.0 / f64::max(n, 1.0), sum)
 }
+
+/// The square of the distance of a point from a segment.
+pub(in crate::refine) fn to_segment(p: Vector, [a, b]: [Vector; 2]) -> f64 {
+    let along = minus(b, a);
+    let square = dot(along, along);
+    let at = if square > 0.0 { (dot(minus(p, a), along) / square).clamp(0.0, 1.0) } else { 0.0 };
+    let apart = minus(p, plus(a, times(at, along)));
+    dot(apart, apart)
+}
+
+/// The distance of a point from a segment.
+pub(in crate::refine) fn from_segment(p: Vector, segment: [Vector; 2]) -> f64 {
+    sqrt(to_segment(p, segment))
+}
+
+/// A vector of length 1; zero for zero.
+pub(in crate::refine) fn unit(x: Vector) -> Vector {
+    let size = length(x);
+    if size > 0.0 { times(1.0 / size, x) } else { [0.0; 3] }
+}

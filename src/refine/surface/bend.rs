@@ -2,17 +2,43 @@
 
 use rayon::prelude::*;
 
-use crate::refine::vector::{Vector, length, minus, plus};
+use crate::refine::vector::{Vector, dot, length, minus, plus};
 use crate::scheme::mesh_net::MeshNet;
 use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology};
 
-/// For each vertex its greatest second difference: over the lines of edges that run through it, on triangles also over
-/// the rhombi of its edges, `|c + d - a - b|` for the edge (a, b) between the triangles with c and d. Infinite where the
-/// net is not regular, as there second differences need not fall.
-pub(super) fn bends(net: &MeshNet, topology: &Topology, tile: Tile, points: &[f64]) -> Vec<f64> {
-    let net = Bending { net, topology, tile, points: points.as_chunks().0 };
+/// Second differences at a vertex.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bend {
+    /// The length of the greatest one.
+    pub(super) most: f64,
+    /// How far one goes along the normal of the vertex, at most.
+    pub(super) rise: f64,
+}
+
+impl Bend {
+    const NONE: Self = Self { most: 0.0, rise: 0.0 };
+    const UNBOUNDED: Self = Self { most: f64::INFINITY, rise: f64::INFINITY };
+
+    /// The greater ones of both.
+    pub(super) fn or(self, other: Self) -> Self {
+        Self { most: self.most.max(other.most), rise: self.rise.max(other.rise) }
+    }
+}
+
+/// For each vertex its greatest second differences: over the lines of edges that run through it, on triangles also over
+/// the rhombi of its edges, `c + d - a - b` for the edge (a, b) between the triangles with c and d. Infinite where the
+/// net is not regular, as there second differences need not fall. `normals` are those of the vertices, zero where there
+/// is none.
+pub(super) fn bends(
+    net: &MeshNet,
+    topology: &Topology,
+    tile: Tile,
+    points: &[Vector],
+    normals: &[Vector],
+) -> Vec<Bend> {
+    let net = Bending { net, topology, tile, points, normals };
     (0..topology.n_vertices()).into_par_iter().with_min_len(1024).map(|v| net.at(v)).collect()
 }
 
@@ -21,43 +47,49 @@ struct Bending<'a> {
     topology: &'a Topology,
     tile: Tile,
     points: &'a [Vector],
+    normals: &'a [Vector],
 }
 
 impl Bending<'_> {
-    fn at(&self, v: usize) -> f64 {
+    fn at(&self, v: usize) -> Bend {
         let topology = self.topology;
         if topology.is_isolated(v) {
-            return 0.0;
+            return Bend::NONE;
         }
         let sides = if self.tile == Tile::Quad { 4 } else { 3 };
         // faces on one side of a straight line through a regular vertex
         let half = if self.tile == Tile::Quad { 2 } else { 3 };
         let ring: Vec<u32> = topology.ring(v).take(2 * half + 1).collect();
         if ring.len() > 2 * half || ring.iter().any(|&c| topology.face(topology.face_of(c)).len() != sides) {
-            return f64::INFINITY;
+            return Bend::UNBOUNDED;
         }
         let open = topology.boundary_edges(v).is_some();
-        let Some(sharp) = self.sharp(v, &ring) else { return f64::INFINITY };
+        let Some(sharp) = self.sharp(v, &ring) else { return Bend::UNBOUNDED };
         let end = |corner: u32| topology.vertex(topology.next(corner)) as usize;
         let lines: Vec<[usize; 2]> = match (open, ring.len(), sharp.as_slice()) {
             // a fixed corner of one quad: where two boundary lines end
-            (true, 1, []) if self.net.is_corner(v) && sides == 4 => return 0.0,
-            _ if self.net.is_corner(v) => return f64::INFINITY,
+            (true, 1, []) if self.net.is_corner(v) && sides == 4 => return Bend::NONE,
+            _ if self.net.is_corner(v) => return Bend::UNBOUNDED,
             (true, n, []) if n == half => {
                 vec![[end(ring[0]), topology.vertex(topology.previous(ring[n - 1])) as usize]]
             }
             (false, n, []) if n == 2 * half => (0..half).map(|i| [end(ring[i]), end(ring[i + half])]).collect(),
             (false, n, &[i, j]) if n == 2 * half && j - i == half => vec![[end(ring[i]), end(ring[j])]],
-            _ => return f64::INFINITY,
+            _ => return Bend::UNBOUNDED,
         };
         let p = self.points;
         let twice = plus(p[v], p[v]);
-        let along = lines.iter().map(|&[a, b]| length(minus(plus(p[a], p[b]), twice))).fold(0.0, f64::max);
+        let bend = |x: Vector| {
+            let most = length(x);
+            let rise = if length(self.normals[v]) > 0.0 { dot(self.normals[v], x).abs() } else { most };
+            Bend { most, rise }
+        };
+        let along = lines.iter().map(|&[a, b]| bend(minus(plus(p[a], p[b]), twice))).fold(Bend::NONE, Bend::or);
         if self.tile == Tile::Quad {
             return along;
         }
         let inner = ring.iter().enumerate().filter(|(i, _)| !sharp.contains(i));
-        inner.filter_map(|(_, &corner)| self.rhombus(corner)).fold(along, f64::max)
+        inner.filter_map(|(_, &corner)| self.rhombus(corner).map(bend)).fold(along, Bend::or)
     }
 
     /// Places in the ring of the edges that are sharp for ever; `None` where something is sharp for a while.
@@ -73,8 +105,8 @@ impl Bending<'_> {
         Some(all.enumerate().filter(|&(_, s)| s > 0.0).map(|(i, _)| i).collect())
     }
 
-    /// `|c + d - a - b|` for the edge of a corner; `None` on the boundary.
-    fn rhombus(&self, corner: u32) -> Option<f64> {
+    /// `c + d - a - b` for the edge of a corner; `None` on the boundary.
+    fn rhombus(&self, corner: u32) -> Option<Vector> {
         let topology = self.topology;
         let twin = topology.twin(corner);
         if twin == NONE {
@@ -83,7 +115,7 @@ impl Bending<'_> {
         let point = |corner: u32| self.points[topology.vertex(corner) as usize];
         let edge = plus(point(corner), point(twin));
         let across = plus(point(topology.previous(corner)), point(topology.previous(twin)));
-        Some(length(minus(across, edge)))
+        Some(minus(across, edge))
     }
 }
 

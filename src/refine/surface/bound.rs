@@ -1,210 +1,370 @@
-//! The distance of a net's surface from the limit, by what some more levels measure and second differences bound.
-
-use std::f64::consts::TAU;
+//! The distance between a net's surface and the limit, by what some more levels measure and second differences bound.
 
 use rayon::prelude::*;
 
 use super::NoLevel;
-use super::bend::{Box3, around, bends, spread};
+use super::cut::twist;
 use super::level::Level;
-use super::sheet::Sheet;
+use super::nearest::{Faces, Surface, farthest};
+use super::rest::Rests;
 use super::spline::Spline;
-use crate::math::functions::{cos, sin};
-use crate::refine::vector::{Vector, cross, dot, length, minus, plus, times};
-use crate::shape::topology::Topology;
+use crate::refine::vector::{Vector, length, minus};
 use crate::watch::Watch;
 
-/// Faces of a net up to which it is refined further.
+/// Faces of a net up to which it is refined further, and those of a part of it.
 pub(super) const FOLLOWED_FACES: usize = 1 << 16;
+const PART_FACES: usize = 1 << 17;
 /// Levels that are measured at all faces, where they are not too many: what is bounded after them is a 16th of the whole.
 const WHOLE: usize = 2;
 /// Most levels that are measured around vertices where the net is not regular.
 const AHEAD: usize = 40;
-/// Faces are followed while their bound is above the greatest distance that was measured, times this.
-const SLACK: f64 = 1.25;
+/// What is bounded after the levels that are measured, over the greatest distance measured, at most, unless that takes
+/// too many faces.
+const SLACK: f64 = 0.2;
+/// Of the faces that are farthest from their limit, half as many are followed until they are not too many, or this few.
+const FEW: usize = 64;
+/// Faces whose distances are measured at a time, those first that may be farthest.
+const CHUNK: usize = 256;
+/// How often pieces of surfaces are cut into quarters, until all of a part is near one face: at first, one piece at most,
+/// and all together.
+const FIRST_CUTS: usize = 1 << 4;
+const CUTS: usize = 1 << 12;
+const ALL_CUTS: usize = 1 << 16;
 
 /// What is known of one face.
 struct Known {
     face: u32,
-    /// Whether second differences bound the rest.
-    regular: bool,
-    /// How far its corners are from the surface, at most.
-    moved: f64,
-    /// How far its limit is from the surface, at most.
-    whole: f64,
+    /// How far its limit is from the net, and the face from the limit, at most.
+    rest: f64,
 }
 
-/// The surface of a net.
-struct Surface {
-    /// For each face its sheets.
-    sheets: Vec<Vec<Sheet>>,
-    /// For each face how far quads near it are from themselves cut along either diagonal, at most.
-    cuts: Vec<f64>,
+/// What is known of a level.
+struct Seen {
+    /// Its live faces.
+    faces: Vec<Known>,
+    /// How far they and those around them are from the output, at most.
+    there: f64,
 }
 
-impl Surface {
-    fn of(base: &Level, rings: usize) -> Self {
-        let (topology, points) = (&base.topology, base.flat.now.as_chunks().0);
-        let faces = || (0..topology.n_faces()).into_par_iter().with_min_len(256);
-        let around = |f: usize| (1..=rings).filter_map(|n| Sheet::around(topology, points, f, n)).collect();
-        let sheets: Vec<Vec<Sheet>> = faces().map(around).collect();
-        let cut = |f: usize| {
-            let cut = times(0.25, twist(topology, f, points));
-            sheets[f].iter().filter_map(|sheet| sheet.distance(&[cut], 0.0)).fold(length(cut), f64::min)
+/// The surface of an output and what is known of its limit.
+struct Comparison<'a> {
+    spline: &'a Spline,
+    output: Surface,
+    /// The first level that was looked at, whole, and how far the pieces of the output are from the limit as it tells.
+    first: Option<(Vec<Piece>, Vec<f64>)>,
+    /// Faces of the levels that are followed no longer, all together near the whole limit.
+    limit: Vec<Faces>,
+    /// The greatest distance that was measured.
+    greatest: f64,
+    /// What rounding makes of distances, at most.
+    rounding: f64,
+    /// How often pieces may still be cut.
+    cuts: usize,
+}
+
+impl Comparison<'_> {
+    /// What is known of a level.
+    fn seen(&mut self, level: &Level) -> Seen {
+        let rests = Rests::of(level, self.spline);
+        let output = self.output.first();
+        let belongs = |f: usize| output.slot(level.home[f]).is_some();
+        let looked_at =
+            level.surroundings(&level.live, self.spline.rings()).into_iter().filter(|&f| belongs(f as usize));
+        let looked_at: Vec<u32> = looked_at.collect();
+        let pieces: Vec<Piece> = looked_at.iter().map(|&face| Piece::of(level, output, face)).collect();
+        let displaced = self.first.is_none().then(|| Displaced::of(output, &pieces, self.rounding));
+        let moved = |piece: &Piece| displaced.as_ref().map_or(piece.moved, |all| all.moved(piece).min(piece.moved));
+        self.greatest = match &displaced {
+            Some(_) => {
+                let whole = Surface::of(vec![Self::near(level, &looked_at, vec![0.0; looked_at.len()])]);
+                self.measured(&pieces, moved, false, |i, piece| self.there(piece).max(Self::back(&whole, piece, i)))
+            }
+            None => self.measured(&pieces, moved, true, |_, piece| self.there(piece)),
         };
-        let cuts: Vec<f64> = faces().map(cut).collect();
-        let of_vertex = |v: usize| topology.ring(v).map(|c| cuts[topology.face_of(c)]).fold(0.0, f64::max);
-        let of_vertices: Vec<f64> =
-            (0..topology.n_vertices()).into_par_iter().with_min_len(256).map(of_vertex).collect();
-        let around = |f: usize| topology.face(f).iter().map(|&v| of_vertices[v as usize]).fold(0.0, f64::max);
-        Self { cuts: faces().map(around).collect(), sheets }
-    }
-
-    /// How far points of a face, displaced by any mean of these vectors and as far as `rest` by anything else, are from the
-    /// surface, however its quads are cut.
-    fn distance(&self, face: u32, displacements: &[Vector], rest: f64) -> f64 {
-        let face = face as usize;
-        let far = displacements.iter().map(|&x| length(x)).fold(0.0, f64::max) + rest;
-        let near = self.sheets[face].iter().filter_map(|sheet| sheet.distance(displacements, rest));
-        near.fold(far, f64::min) + self.cuts[face]
-    }
-}
-
-/// `a - b + c - d` of a quad, four times as much as its diagonals are apart in the middle from its bilinear surface.
-pub(super) fn twist(topology: &Topology, face: usize, points: &[Vector]) -> Vector {
-    match topology.face(face) {
-        &[a, b, c, d] => {
-            let [a, b, c, d] = [a, b, c, d].map(|v| points[v as usize]);
-            minus(plus(a, c), plus(b, d))
+        let (there, cuts) = self.there_at_most(&pieces, moved);
+        self.cuts -= cuts;
+        let little = self.little();
+        let found = rests.distances(&level.live, little, belongs);
+        if let Some(displaced) = displaced {
+            // at first all faces that are shown are live
+            let plain = |(piece, &face): (&Piece, &u32)| piece.moved + rests.plain(face);
+            let known = pieces.par_iter().zip(&level.live).with_min_len(64);
+            let known = known.map(|of| plain(of).min(displaced.back(output, of.0, &found))).collect();
+            self.first = Some((pieces, known));
         }
-        _ => [0.0; 3],
+        let faces = level.live.iter().zip(found).map(|(&face, rest)| Known { face, rest }).collect();
+        Seen { faces, there }
+    }
+
+    /// Some faces of a level, in the limit's place.
+    fn near(level: &Level, faces: &[u32], rests: Vec<f64>) -> Faces {
+        Faces::of(&level.topology, level.points.now.as_chunks().0, faces, rests, false)
+    }
+
+    /// Those of a level that are followed no longer; how far the limit of these faces is from the output, at most.
+    fn leave(&mut self, level: &Level, seen: &Seen, left: impl Fn(&Known) -> bool) -> f64 {
+        let left: Vec<&Known> = seen.faces.iter().filter(|face| left(face)).collect();
+        let faces: Vec<u32> = left.iter().map(|face| face.face).collect();
+        let rests: Vec<f64> = left.iter().map(|face| face.rest).collect();
+        let most = rests.iter().fold(0.0, |most: f64, &rest| most.max(seen.there + rest));
+        self.limit.push(Self::near(level, &faces, rests));
+        most
+    }
+
+    /// What distances may come to without being worth more work.
+    fn enough(&self) -> f64 {
+        ((1.0 + SLACK) * self.greatest).max(self.rounding)
+    }
+
+    /// What is not worth to be followed.
+    fn little(&self) -> f64 {
+        (SLACK * self.greatest).max(self.rounding)
+    }
+
+    /// The greatest distance of pieces, but for a part that does not matter, looked for where `moved` is great, which it is
+    /// at most; with `briefly` only as long as it grows.
+    fn measured(
+        &self,
+        pieces: &[Piece],
+        moved: impl Fn(&Piece) -> f64,
+        briefly: bool,
+        distance: impl Fn(usize, &Piece) -> f64 + Sync,
+    ) -> f64 {
+        let mut order: Vec<(f64, usize)> = pieces.iter().map(moved).zip(0..).collect();
+        order.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut greatest = self.greatest;
+        for chunk in order.chunks(CHUNK) {
+            if chunk[0].0 <= (1.0 + SLACK) * greatest {
+                break;
+            }
+            let all: Vec<f64> = chunk.par_iter().map(|&(_, i)| distance(i, &pieces[i])).collect();
+            let most = all.into_iter().fold(0.0, f64::max);
+            if most <= greatest && briefly {
+                break;
+            }
+            greatest = greatest.max(most);
+        }
+        greatest
+    }
+
+    /// How far the corners of a piece are from the output.
+    fn there(&self, piece: &Piece) -> f64 {
+        piece.points().iter().map(|&p| self.output.from(p, piece.home)).fold(0.0, f64::max)
+    }
+
+    /// How far the corners of a piece of the output are from a whole level.
+    fn back(level: &Surface, piece: &Piece, slot: usize) -> f64 {
+        piece.flat().iter().map(|&p| level.from(p, Some(slot))).fold(0.0, f64::max) + piece.cut
+    }
+
+    /// How far pieces are from the output, at most, and the cuts made; none is farther than it was moved.
+    fn there_at_most(&self, pieces: &[Piece], moved: impl Fn(&Piece) -> f64) -> (f64, usize) {
+        let known: Vec<f64> = pieces.iter().map(moved).collect();
+        let cut = |piece: &Piece, cuts, enough| {
+            farthest(piece.points(), cuts, enough, &|corners: &[Vector]| self.output.over(corners, piece.home))
+        };
+        self.cut(pieces, known, self.enough(), cut)
+    }
+
+    /// How far the output is from the limit, at most.
+    fn back_at_most(&mut self) -> f64 {
+        let Some((pieces, known)) = self.first.take() else { return 0.0 };
+        let limit = Surface::of(std::mem::take(&mut self.limit));
+        let cut = |piece: &Piece, cuts, enough: f64| {
+            let away = |corners: &[Vector]| limit.over(corners, None);
+            let (most, used) = farthest(piece.flat(), cuts, enough - piece.cut, &away);
+            (most + piece.cut, used)
+        };
+        self.cut(&pieces, known, self.enough() + self.little(), cut).0
+    }
+
+    /// The greatest distance of pieces, at most, and how many cuts that took. They are cut where more than `enough` is known;
+    /// those for which some cuts do not suffice have more of them, as long as there are some left.
+    fn cut(
+        &self,
+        pieces: &[Piece],
+        mut known: Vec<f64>,
+        enough: f64,
+        cut: impl Fn(&Piece, usize, f64) -> (f64, usize) + Sync,
+    ) -> (f64, usize) {
+        let mut far: Vec<usize> = (0..pieces.len()).filter(|&i| known[i] > enough).collect();
+        let mut left = self.cuts;
+        let mut cuts = FIRST_CUTS.min(left / far.len().max(1));
+        while !far.is_empty() && cuts * far.len() <= left && (1..=CUTS).contains(&cuts) {
+            let found: Vec<(f64, usize)> =
+                far.par_iter().with_min_len(4).map(|&i| cut(&pieces[i], cuts, enough)).collect();
+            far.iter().zip(&found).for_each(|(&i, &(most, _))| known[i] = known[i].min(most));
+            left -= found.iter().map(|&(_, used)| used).sum::<usize>();
+            far = far.iter().zip(&found).filter(|(_, (_, used))| *used == cuts).map(|(&i, _)| i).collect();
+            cuts *= 4;
+        }
+        (known.into_iter().fold(0.0, f64::max), self.cuts - left)
     }
 }
 
-/// How far the faces of a surface, split into quads around their centres, are from the same faces cut into triangles, at
-/// most.
-pub(super) fn cut(base: &Level) -> f64 {
-    let points = base.flat.now.as_chunks::<3>().0;
-    let of_face = |&f: &u32| {
-        let p: Vec<Vector> = base.topology.face(f as usize).iter().map(|&v| points[v as usize]).collect();
-        let apart = if p.len() == 4 { length(twist(&base.topology, f as usize, points)) / 4.0 } else { irregular(&p) };
-        height(&p).map_or(apart, |height| height.min(apart))
-    };
-    base.live.iter().map(of_face).fold(0.0, f64::max)
+/// How far the faces of an output are displaced by a later level.
+struct Displaced {
+    /// For each face of the output its pieces.
+    pieces: Vec<Vec<usize>>,
+    /// How far the pieces of a face are from the output, and the face from the level, however it is cut; infinite where
+    /// that is not known.
+    moved: Vec<f64>,
 }
 
-/// The height of a face seen along its area vector n, where all its corners and its triangles at corner 0 turn to the left
-/// there: then it is convex, and however it is cut, it is a graph over it between the least and the greatest n p of a
-/// corner.
-fn height(p: &[Vector]) -> Option<f64> {
-    let n = p.len();
-    let area = |[a, b, c]: [usize; 3]| cross(minus(p[b % n], p[a % n]), minus(p[c % n], p[a % n]));
-    let fan: Vec<Vector> = (1..n - 1).map(|i| area([0, i, i + 1])).collect();
-    let whole = fan.iter().copied().fold([0.0; 3], plus);
-    let mut turns = (0..n).map(|i| area([i, i + 1, i + 2])).chain(fan);
-    if !turns.all(|x| dot(whole, x) > 0.0) {
-        return None;
+impl Displaced {
+    /// Distances up to `little` are not looked into.
+    fn of(output: &Faces, all: &[Piece], little: f64) -> Self {
+        let mut pieces: Vec<Vec<usize>> = vec![Vec::new(); output.len()];
+        for (i, slot) in all.iter().enumerate().filter_map(|(i, piece)| Some((i, piece.home?))) {
+            pieces[slot].push(i);
+        }
+        let of_face = |slot: usize| {
+            let still = |&i: &usize| all[i].moved <= all[i].cut + little;
+            if pieces[slot].iter().all(still) {
+                return None;
+            }
+            let around = output.around(slot)?;
+            let displacements = around.iter().flat_map(|&slot| &pieces[slot]).flat_map(|&i| all[i].displacements());
+            let cut = around.iter().map(|&slot| output.cut(slot)).fold(0.0, f64::max);
+            Some(output.sheet(slot)?.displaced(displacements)? + cut)
+        };
+        let faces = (0..pieces.len()).into_par_iter().with_min_len(64);
+        let moved = faces.map(|slot| of_face(slot).unwrap_or(f64::INFINITY)).collect();
+        Self { pieces, moved }
     }
-    let heights = p.iter().map(|&x| dot(whole, minus(x, p[0])) / length(whole));
-    let (low, high) = heights.fold((0.0_f64, 0.0_f64), |(low, high), h| (low.min(h), high.max(h)));
-    Some(high - low)
-}
 
-/// Twice the distance of the corners of a face from those of a regular polygon under an affine map, `c + a cos(2 pi i/n) +
-/// b sin(2 pi i/n)`: that polygon is flat, and either surface is once the distance from it at most.
-fn irregular(p: &[Vector]) -> f64 {
-    let n = real(p.len());
-    let turned = |i: usize| [cos, sin].map(|of| of(TAU * real(i) / n));
-    let sum =
-        |weight: &dyn Fn(usize) -> f64| p.iter().enumerate().map(|(i, &x)| times(weight(i), x)).fold([0.0; 3], plus);
-    let (c, [a, b]) = (sum(&|_| 1.0 / n), [0, 1].map(|k| sum(&|i| 2.0 * turned(i)[k] / n)));
-    let regular = |i: usize| plus(c, plus(times(turned(i)[0], a), times(turned(i)[1], b)));
-    2.0 * p.iter().enumerate().map(|(i, &x)| length(minus(x, regular(i)))).fold(0.0, f64::max)
-}
-
-fn real(n: usize) -> f64 {
-    f64::from(u32::try_from(n).unwrap_or(u32::MAX))
-}
-
-/// The most by which second differences and boxes around points let the limit leave the surface of a net, for each live
-/// face: of second differences alone, and the lesser of both.
-pub(super) fn rests(level: &Level, spline: &Spline) -> Vec<[f64; 2]> {
-    if spline.reach == 0 {
-        return vec![[0.0; 2]; level.live.len()];
+    fn moved(&self, piece: &Piece) -> f64 {
+        piece.home.map_or(f64::INFINITY, |slot| self.moved[slot])
     }
-    let (topology, points) = (&level.topology, level.points.now.as_chunks::<3>().0);
-    let bends = bends(&level.net, topology, spline.tile, &level.points.now);
-    let bends = spread(topology, bends, spline.reach, f64::max);
-    let boxes: Vec<Box3> = points.iter().map(|&p| [p, p]).collect();
-    let boxes = spread(topology, boxes, spline.reach, around);
-    let of_face = |&f: &u32| {
-        let face = topology.face(f as usize);
-        let bend = spline.factor * face.iter().map(|&v| bends[v as usize]).fold(0.0, f64::max);
-        let hull =
-            face.iter().map(|&v| boxes[v as usize]).reduce(around).map_or(0.0, |[low, high]| length(minus(high, low)));
-        [bend, bend.min(hull)]
-    };
-    level.live.par_iter().with_min_len(256).map(of_face).collect()
+
+    /// How far the face of the output that a piece is part of is from the limit; `rests` are those of the pieces.
+    fn back(&self, output: &Faces, piece: &Piece, rests: &[f64]) -> f64 {
+        if self.moved(piece).is_infinite() {
+            return f64::INFINITY;
+        }
+        let rest = |slot| {
+            let around = output.around(slot)?.into_iter().flat_map(|slot| &self.pieces[slot]);
+            Some(around.map(|&i| rests[i]).fold(0.0, f64::max))
+        };
+        self.moved(piece) + piece.home.and_then(rest).unwrap_or(f64::INFINITY)
+    }
 }
 
-fn known(level: &Level, surface: &Surface, spline: &Spline) -> Vec<Known> {
-    let rests = rests(level, spline);
-    let (points, flat) = (level.points.now.as_chunks::<3>().0, level.flat.now.as_chunks::<3>().0);
-    let of_face = |(&face, [bend, rest]): (&u32, &[f64; 2])| {
-        let mut displacements = [[0.0; 3]; 4];
+/// A face of a later level, and the piece of the output that it was before.
+struct Piece {
+    sides: usize,
+    points: [Vector; 4],
+    flat: [Vector; 4],
+    /// The slot of the face of the output that it is part of.
+    home: Option<usize>,
+    /// How far the output is from its face when that is cut.
+    cut: f64,
+    /// How far the two are apart at most, point by point, however the output is cut.
+    moved: f64,
+}
+
+impl Piece {
+    fn of(level: &Level, output: &Faces, face: u32) -> Self {
+        let (points, flat) = (level.points.now.as_chunks::<3>().0, level.flat.now.as_chunks::<3>().0);
         let corners = level.topology.face(face as usize);
-        for (x, &v) in displacements.iter_mut().zip(corners) {
-            *x = minus(points[v as usize], flat[v as usize]);
-        }
-        let displacements = &displacements[..corners.len().min(4)];
-        let home = level.home[face as usize];
-        Known {
-            face,
-            regular: bend.is_finite(),
-            moved: surface.distance(home, displacements, 0.0),
-            whole: surface.distance(home, displacements, *rest),
-        }
-    };
-    level.live.par_iter().zip(&rests).with_min_len(256).map(of_face).collect()
+        let home = output.slot(level.home[face as usize]);
+        let cut = home.map_or(0.0, |slot| output.cut(slot));
+        let sides = corners.len().min(4);
+        let of = |all: &[Vector]| {
+            let mut four = [[0.0; 3]; 4];
+            four.iter_mut().zip(corners).for_each(|(p, &v)| *p = all[v as usize]);
+            four
+        };
+        let (points, flat) = (of(points), of(flat));
+        let apart = (0..sides).map(|j| length(minus(points[j], flat[j]))).fold(0.0, f64::max);
+        Self { sides, points, flat, home, cut, moved: apart + cut }
+    }
+
+    /// How far its corners are displaced.
+    fn displacements(&self) -> impl Iterator<Item = Vector> {
+        (0..self.sides).map(|j| minus(self.points[j], self.flat[j]))
+    }
+
+    fn points(&self) -> &[Vector] {
+        &self.points[..self.sides]
+    }
+
+    fn flat(&self) -> &[Vector] {
+        &self.flat[..self.sides]
+    }
 }
 
-/// The distance of the limit of the live faces of a net from the surface that the net is compared with, which has the
-/// same faces, at most.
+/// The distance between the limit of the live faces of a net and the surface that the net is compared with, which has the
+/// same faces, at most; either from the other. Infinite where it is soon seen to be above the tolerance.
 ///
 /// # Errors
 /// [`NoLevel`], when a level cannot be computed.
-pub(super) fn bound(base: &Level, spline: &Spline, watch: &Watch) -> Result<f64, NoLevel> {
-    // points of nets that are looked at after an upsampling move by twice as many faces
-    let surface = Surface::of(base, if spline.halved { 2 } else { 1 });
-    let (mut level, mut bound, mut greatest) = (base.clone(), 0.0_f64, 0.0_f64);
+pub(super) fn bound(
+    base: &Level,
+    spline: &Spline,
+    tolerance: f64,
+    rounding: f64,
+    watch: &Watch,
+) -> Result<f64, NoLevel> {
+    if base.live.len() > FOLLOWED_FACES {
+        return Ok(plain(base, spline));
+    }
+    let flat = base.flat.now.as_chunks().0;
+    let faces = Faces::of(&base.topology, flat, &base.live, vec![0.0; base.live.len()], !spline.halved);
+    let output = Surface::of(vec![faces]);
+    let mut comparison =
+        Comparison { spline, output, first: None, limit: Vec::new(), greatest: 0.0, rounding, cuts: ALL_CUTS };
+    let (mut level, mut bound) = (base.clone(), 0.0_f64);
     for ahead in 0..=AHEAD {
-        let known = known(&level, &surface, spline);
-        greatest = known.iter().map(|face| face.moved).fold(greatest, f64::max);
         let next = if spline.halved { Level::next_halved } else { Level::next };
         let next = |level: &Level| next(level, &spline.plan, spline.round(ahead), watch);
         if ahead < WHOLE && level.faces_after(1) <= FOLLOWED_FACES {
             level = next(&level)?;
             continue;
         }
-        let enough = bound.max(SLACK * greatest);
-        let mut keep = |wanted: &dyn Fn(&Known) -> bool| {
-            let left = known.iter().filter(|face| !wanted(face)).map(|face| face.whole).fold(0.0, f64::max);
-            bound = bound.max(left);
-            let kept: Vec<u32> = known.iter().filter(|face| wanted(face)).map(|face| face.face).collect();
-            (!kept.is_empty()).then(|| level.focused(&kept, spline.margin()))
-        };
-        let fits = |part: &Level| part.faces_after(1) <= FOLLOWED_FACES;
-        let part = match keep(&|face| face.whole > enough) {
-            Some(part) if !fits(&part) => keep(&|face| face.whole > enough && !face.regular),
-            part => part,
-        };
-        match part {
-            None => return Ok(bound),
-            Some(part) if ahead == AHEAD || !fits(&part) => {
-                return Ok(known.iter().map(|face| face.whole).fold(bound, f64::max));
-            }
-            Some(part) => level = next(&part)?,
+        let seen = comparison.seen(&level);
+        if comparison.greatest > (1.0 + SLACK) * tolerance {
+            return Ok(f64::INFINITY);
         }
+        let little = comparison.little();
+        let part = |least: f64| {
+            let kept: Vec<u32> = seen.faces.iter().filter(|face| face.rest > least).map(|face| face.face).collect();
+            let few = ahead < AHEAD && (1..=PART_FACES / 4).contains(&kept.len());
+            let part = few.then(|| level.focused(&kept, spline.margin()))?;
+            (part.faces_after(1) <= PART_FACES).then_some((part, least))
+        };
+        // where too many faces are farther from their limit than what is little, those that are farthest are followed, as
+        // long as that makes a difference
+        let mut far: Vec<f64> = seen.faces.iter().map(|face| face.rest).filter(|&rest| rest > little).collect();
+        far.sort_by(|a, b| b.total_cmp(a));
+        let least = |n: usize| far.get(n).copied().unwrap_or(little);
+        let fewer = std::iter::successors(Some(far.len()), |&n| (n > FEW).then_some(n / 2)).map(least);
+        let matters = |least: &f64| far.first().is_some_and(|most| *least <= most / 2.0);
+        let Some((part, least)) = fewer.take_while(matters).find_map(part) else {
+            bound = comparison.leave(&level, &seen, |_| true).max(bound);
+            break;
+        };
+        bound = comparison.leave(&level, &seen, |face| face.rest <= least).max(bound);
+        level = next(&part)?;
     }
-    Ok(bound)
+    Ok(bound.max(comparison.back_at_most()))
+}
+
+/// The same of nets of too many faces to be measured.
+fn plain(base: &Level, spline: &Spline) -> f64 {
+    let (points, flat) = (base.points.now.as_chunks::<3>().0, base.flat.now.as_chunks::<3>().0);
+    let rests = Rests::of(base, spline);
+    let live: Vec<usize> = base.live.iter().map(|&f| f as usize).collect();
+    let of_face = |&face: &u32| {
+        let corners = base.topology.face(face as usize);
+        let moved = corners.iter().map(|&v| length(minus(points[v as usize], flat[v as usize])));
+        let cut = if spline.halved { 0.0 } else { twist(&base.topology, face as usize, flat) };
+        moved.fold(0.0, f64::max) + cut
+    };
+    let moved: Vec<f64> = base.live.iter().map(of_face).collect();
+    let most = moved.iter().copied().fold(0.0, f64::max);
+    let distances = rests.distances(&base.live, 0.0, |f| live.binary_search(&f).is_ok());
+    // point by point, or from the faces around, which may have moved farther
+    let each = base.live.iter().zip(moved).zip(distances);
+    each.map(|((&face, moved), rest)| (moved + rests.plain(face)).min(most + rest)).fold(0.0, f64::max)
 }

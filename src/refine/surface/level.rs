@@ -163,7 +163,7 @@ impl Level {
     }
 
     /// Faces within so many rings around some, ascending.
-    fn surroundings(&self, on: &[u32], rings: usize) -> Vec<u32> {
+    pub(super) fn surroundings(&self, on: &[u32], rings: usize) -> Vec<u32> {
         let topology = &self.topology;
         let mut kept = vec![false; topology.n_faces()];
         let mut reached = vec![false; topology.n_vertices()];

@@ -10,20 +10,25 @@
 
 mod bend;
 mod bound;
+mod cut;
+mod hull;
 mod level;
+mod nearest;
+mod rest;
 mod sheet;
 mod spline;
 
 use super::curve::Reached;
 use super::limit::{self, Asked};
 use super::{Points, RefineError, Unlimited, act_on, mesh_net};
-use crate::refine::vector::length;
 use crate::scheme::plan::Plan;
 use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
-use bound::{FOLLOWED_FACES, bound, cut, rests, twist};
+use bound::{FOLLOWED_FACES, bound};
+use cut::{cut, twist};
 use level::Level;
+use rest::Rests;
 use spline::Spline;
 
 /// Most levels that are looked at.
@@ -136,7 +141,7 @@ pub fn reach(mesh: &Mesh, plan: &Plan, placed: &[Placed], tolerance: f64) -> Res
         if walk.is_ready(&spline) {
             let mut most = 0.0;
             for &placed in placed {
-                most = walk.bound(&spline, placed, &watch)?.max(most);
+                most = walk.bound(&spline, placed, tolerance, ROUNDING * size, &watch)?.max(most);
             }
             let bound = most + ROUNDING * size;
             if bound <= tolerance {
@@ -168,7 +173,16 @@ impl Walk {
         spline.halved || self.level.live.iter().all(|&f| topology.face(f as usize).len() == sides)
     }
 
-    fn bound(&self, spline: &Spline, placed: Placed, watch: &Watch) -> Result<f64, NoLevel> {
+    /// How far the output is from the limit at most, with its vertices there; infinite where it is soon seen to be above the
+    /// tolerance.
+    fn bound(
+        &self,
+        spline: &Spline,
+        placed: Placed,
+        tolerance: f64,
+        rounding: f64,
+        watch: &Watch,
+    ) -> Result<f64, NoLevel> {
         let (places, times) = match placed {
             Placed::Refined => (self.level.points.now.clone(), 1.0),
             Placed::Limit => (self.limits(spline, watch)?, 2.0),
@@ -181,9 +195,10 @@ impl Walk {
         if spline.halved {
             let upsampling = spline.rounds[0].first().expect("a round begins with an upsampling");
             let split = base.upsampled(&spline.plan, upsampling, watch)?;
-            return Ok(bound(&split, spline, watch)? + cut(&base));
+            let cut = cut(&base);
+            return Ok(bound(&split, spline, tolerance - cut, rounding, watch)? + cut);
         }
-        Ok(bound(&base, spline, watch)?.max(left))
+        Ok(bound(&base, spline, tolerance, rounding, watch)?.max(left))
     }
 
     /// The limits of the vertices.
@@ -211,15 +226,16 @@ impl Walk {
         let twists: Vec<f64> = (0..level.topology.n_vertices())
             .map(|v| {
                 let around = level.topology.ring(v).map(|corner| level.topology.face_of(corner));
-                around.map(|f| length(twist(&level.topology, f, points))).fold(0.0, f64::max)
+                around.map(|f| twist(&level.topology, f, points)).fold(0.0, f64::max)
             })
             .collect();
         let twists = bend::spread(&level.topology, twists, spline.reach, f64::max);
-        let of_face = |(&f, [bend, _]): (&u32, &[f64; 2])| {
+        let rests = Rests::of(level, spline);
+        let of_face = |&f: &u32| {
             let twist = level.topology.face(f as usize).iter().map(|&v| twists[v as usize]).fold(0.0, f64::max);
-            (f, bend + twist / 4.0)
+            (f, rests.bend(f) + twist)
         };
-        let known: Vec<(u32, f64)> = level.live.iter().zip(&rests(level, spline)).map(of_face).collect();
+        let known: Vec<(u32, f64)> = level.live.iter().map(of_face).collect();
         let part = |most: f64| {
             let (left, kept): (Vec<_>, Vec<_>) = known.iter().partition(|&&(_, distance)| distance <= most);
             let left = left.iter().map(|&(_, distance)| distance).fold(self.left, f64::max);

@@ -1,43 +1,46 @@
-//! Sheets: the faces around a face, where they lie over their plane like a graph that is nearly flat.
+//! Sheets: the faces around a face, where they lie over its plane like a graph.
 
-use crate::refine::vector::{Vector, cross, dot, length, minus, plus, times};
+use crate::refine::vector::{Vector, cross, dot, from_segment, length, minus, plus, times};
 use crate::shape::topology::{NONE, Topology};
-
-/// Height of an equilateral triangle of side 1.
-const HEIGHT: f64 = 0.866_025_403_784_438_6;
 
 /// The surroundings of a face, seen along a direction.
 ///
 /// The surface of the faces is made of bilinear quads and triangles, or of quads cut along either diagonal. Where all
 /// normals at corners of faces have positive products with n, so do the normals everywhere, which are sums of them with
 /// positive weights; then the projection along n is open, and straight paths in the plane can be lifted to the surface
-/// as long as they do not come to the rim. A path as long as w climbs by `slope w` at most. So with a point y of the
-/// face and a displacement x the surface has a point within `|n x| + slope |x - (n x) n|` of y + x.
-#[derive(Debug, Clone, Copy)]
+/// as long as they do not come to the rim. No vertex of the face is a branch point, around which the faces would wind more
+/// than once, so that discs inside have one lift. A path as long as r climbs by `slope r` at most, and so does the plane of a
+/// triangle of the surface. So a point that is h above or below the plane of a triangle, along n, and r beside the
+/// triangle, seen along n, is within `h + 2 slope r` of the surface.
+#[derive(Debug, Clone)]
 pub(super) struct Sheet {
     /// Unit vector.
     normal: Vector,
     /// The greatest tangent of the angle between a normal and it.
     slope: f64,
-    /// Coordinates in the plane, in which the face is about a unit square or an equilateral triangle.
-    axes: [Vector; 2],
-    /// Paths shorter than this, in these coordinates, do not come to the rim.
-    exit: f64,
+    /// The edges at which the faces end, seen along the normal.
+    rim: Vec<[Vector; 2]>,
+    /// The faces.
+    faces: Vec<usize>,
+    /// The corners of the face in the middle, seen along the normal.
+    outline: [Vector; 4],
+    sides: usize,
 }
 
 impl Sheet {
-    /// The sheet of so many rings of faces around a face; `None` where it folds or has no direction.
-    pub(super) fn around(topology: &Topology, points: &[Vector], face: usize, rings: usize) -> Option<Self> {
+    /// The sheet of a face and the faces at its corners, as far as they belong to the surface; `None` where it folds or
+    /// has no direction.
+    pub(super) fn around(
+        topology: &Topology,
+        points: &[Vector],
+        face: usize,
+        belongs: impl Fn(usize) -> bool,
+    ) -> Option<Self> {
         let mut faces: Vec<usize> = vec![face];
-        for _ in 0..rings {
-            let inner = faces.clone();
-            for &v in inner.iter().flat_map(|&f| topology.face(f)) {
-                for corner in topology.ring(v as usize) {
-                    let f = topology.face_of(corner);
-                    if !faces.contains(&f) {
-                        faces.push(f);
-                    }
-                }
+        for corner in topology.face(face).iter().flat_map(|&v| topology.ring(v as usize)) {
+            let f = topology.face_of(corner);
+            if !faces.contains(&f) && belongs(f) {
+                faces.push(f);
             }
         }
         let at = |corner: u32| points[topology.vertex(corner) as usize];
@@ -45,87 +48,143 @@ impl Sheet {
             let (here, next, before) = (at(corner), at(topology.next(corner)), at(topology.previous(corner)));
             cross(minus(next, here), minus(before, here))
         };
+        let corners = topology.face(face);
         let sum = topology.corners(face).map(normal).fold([0.0; 3], plus);
         let size = length(sum);
         if size.is_nan() || size <= 0.0 {
             return None;
         }
         let n = times(1.0 / size, sum);
-        let flat = |p: Vector| minus(p, times(dot(n, p), n));
-        let corners: Vec<Vector> = topology.corners(face).map(at).collect();
-        let axes = axes(&corners, n)?;
-        let place = |p: Vector| seen(axes, minus(p, corners[0]));
-        let outline: Vec<Vector> = corners.iter().map(|&p| place(p)).collect();
-        let (mut slope, mut exit) = (0.0_f64, f64::INFINITY);
+        let (mut slope, mut rim) = (0.0_f64, Vec::new());
         for corner in faces.iter().flat_map(|&f| topology.corners(f)) {
             let here = normal(corner);
             let up = dot(n, here);
             if up.is_nan() || up <= 0.0 {
                 return None;
             }
-            slope = slope.max(length(flat(here)) / up);
+            slope = slope.max(length(flat(n, here)) / up);
             let twin = topology.twin(corner);
             if twin == NONE || !faces.contains(&topology.face_of(twin)) {
-                exit = exit.min(apart(&outline, [corner, topology.next(corner)].map(|c| place(at(c)))));
+                rim.push([corner, topology.next(corner)].map(|c| flat(n, at(c))));
             }
         }
-        Some(Self { normal: n, slope, axes, exit })
+        let ends = |corner: u32| minus(at(topology.next(corner)), at(corner));
+        if corners.iter().any(|&v| {
+            topology.boundary_edges(v as usize).is_none() && turns(n, topology.ring(v as usize).map(ends)) > 1
+        }) {
+            return None;
+        }
+        let mut outline = [[0.0; 3]; 4];
+        outline.iter_mut().zip(corners).for_each(|(p, &v)| *p = flat(n, points[v as usize]));
+        Some(Self { normal: n, slope, rim, faces, outline, sides: corners.len().min(4) })
     }
 
-    /// How far the surface is from its points in the face when they are displaced by any mean of these vectors and as far
-    /// as `rest` by anything else, at most; `None` where that leads out of the sheet.
-    pub(super) fn distance(&self, displacements: &[Vector], rest: f64) -> Option<f64> {
-        let up = |x: Vector| dot(self.normal, x).abs();
-        let along = |x: Vector| length(minus(x, times(dot(self.normal, x), self.normal)));
-        let path = |x: Vector| length(seen(self.axes, x));
-        let most = |of: &dyn Fn(Vector) -> f64| displacements.iter().map(|&x| of(x)).fold(0.0, f64::max);
-        let [x, y] = self.axes.map(length);
-        let inside = most(&path) + length([x, y, 0.0]) * rest < self.exit;
-        inside.then(|| most(&up) + self.slope * most(&along) + (1.0 + self.slope) * rest)
+    /// The faces, first the one in the middle.
+    pub(super) fn faces(&self) -> &[usize] {
+        &self.faces
+    }
+
+    /// How far the surface, and what it is displaced to, are from each other near the face in the middle, where all its
+    /// faces are displaced by means of these vectors; `None` where that could lead out of the sheet.
+    ///
+    /// Let v be the greatest length of a displacement across the normal, less than the way to the rim. A point y of the
+    /// face lifts the disc of the radius v around it; the map that takes a point q of the disc to itself less the
+    /// displacement across the normal of the surface over q has a fixed point in it, moved by y's place (Brouwer), so
+    /// that some point of the disc is displaced to a place over y.
+    pub(super) fn displaced(&self, displacements: impl Iterator<Item = Vector>) -> Option<f64> {
+        let (mut rise, mut along) = (0.0_f64, 0.0_f64);
+        for x in displacements {
+            rise = rise.max(dot(self.normal, x).abs());
+            along = along.max(length(flat(self.normal, x)));
+        }
+        (along < self.exit()).then_some(rise + self.slope * along)
+    }
+
+    /// The greatest tangent of the angle between the normal of the sheet and others.
+    pub(super) fn slope(&self) -> f64 {
+        self.slope
+    }
+
+    /// The length of the shortest way in the plane from the face to the rim.
+    pub(super) fn exit(&self) -> f64 {
+        let [a, b, c, d] = self.outline;
+        let halves = [[a, b, c], [a, c, d]];
+        let halves = &halves[..self.sides - 2];
+        let apart = |&edge: &[Vector; 2]| halves.iter().map(move |&half| self.apart(half, edge));
+        self.rim.iter().flat_map(apart).fold(f64::INFINITY, f64::min)
+    }
+
+    /// How far any mean of some points is from the surface, at most, seen from a triangle of the face; `None` where the way
+    /// there could lead out of the sheet.
+    pub(super) fn distance(&self, triangle: [Vector; 3], points: &[Vector]) -> Option<f64> {
+        let n = self.normal;
+        let [a, b, c] = triangle;
+        let normal = cross(minus(b, a), minus(c, a));
+        let up = dot(n, normal);
+        if up.is_nan() || up <= 0.0 {
+            return None;
+        }
+        let outline = triangle.map(|p| flat(n, p));
+        let mut below = [[0.0; 3]; 4];
+        let below = &mut below[..points.len().min(4)];
+        below.iter_mut().zip(points).for_each(|(q, &p)| *q = flat(n, p));
+        let (mut most, mut farthest) = (0.0_f64, 0.0_f64);
+        for (&p, &q) in points.iter().zip(&*below) {
+            let beside = self.beside(outline, q);
+            farthest = farthest.max(beside);
+            most = most.max((dot(normal, minus(p, a)) / up).abs() + 2.0 * self.slope * beside);
+        }
+        let harmless = |edge: &[Vector; 2]| {
+            let inside = outline.iter().chain(&*below).all(|&p| self.left(*edge, p) >= 0.0);
+            inside || self.apart(outline, *edge) > farthest
+        };
+        (farthest <= 0.0 || self.rim.iter().all(harmless)).then_some(most)
+    }
+
+    /// The distance in the plane of a point from a triangle.
+    fn beside(&self, triangle: [Vector; 3], p: Vector) -> f64 {
+        let sides = sides(triangle);
+        if sides.iter().all(|&side| self.left(side, p) >= 0.0) {
+            return 0.0;
+        }
+        sides.iter().map(|&side| from_segment(p, side)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The distance in the plane of a segment from a triangle.
+    fn apart(&self, triangle: [Vector; 3], [q, r]: [Vector; 2]) -> f64 {
+        let crosses = |[a, b]: [Vector; 2]| {
+            self.left([a, b], q) * self.left([a, b], r) <= 0.0 && self.left([q, r], a) * self.left([q, r], b) <= 0.0
+        };
+        if sides(triangle).into_iter().any(crosses) {
+            return 0.0;
+        }
+        let ends = [q, r].map(|p| self.beside(triangle, p));
+        triangle.iter().map(|&p| from_segment(p, [q, r])).chain(ends).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Twice the area between a side and a point, positive where the point is on the left, seen along the normal.
+    fn left(&self, [q, r]: [Vector; 2], p: Vector) -> f64 {
+        dot(self.normal, cross(minus(r, q), minus(p, q)))
     }
 }
 
-/// Coordinates along two sides of a face, seen along the unit vector `n`; `None` where the sides are one line.
-fn axes(corners: &[Vector], n: Vector) -> Option<[Vector; 2]> {
-    let (first, second) = match *corners {
-        [a, b, c, d] => (minus(plus(b, c), plus(a, d)), minus(plus(c, d), plus(a, b))),
-        [a, b, c] => (minus(b, a), minus(c, a)),
-        _ => return None,
-    };
-    let size = dot(cross(first, second), n);
-    if size.is_nan() || size <= 0.0 {
-        return None;
+fn sides([a, b, c]: [Vector; 3]) -> [[Vector; 2]; 3] {
+    [[a, b], [b, c], [c, a]]
+}
+
+/// How often vectors that follow each other to the left turn around, seen along the normal.
+pub(super) fn turns(n: Vector, mut around: impl Iterator<Item = Vector>) -> usize {
+    let Some(first) = around.next() else { return 0 };
+    let mut is_left = true;
+    let mut turns = 0;
+    for x in around.chain([first]) {
+        let was_left = std::mem::replace(&mut is_left, dot(n, cross(first, x)) >= 0.0);
+        turns += usize::from(is_left && !was_left);
     }
-    let scale = if corners.len() == 4 { 2.0 } else { 1.0 };
-    let (x, y) = (times(scale / size, cross(second, n)), times(scale / size, cross(n, first)));
-    Some(if corners.len() == 4 { [x, y] } else { [plus(x, times(0.5, y)), times(HEIGHT, y)] })
+    turns
 }
 
-/// The coordinates of a vector.
-fn seen([x, y]: [Vector; 2], of: Vector) -> Vector {
-    [dot(x, of), dot(y, of), 0.0]
-}
-
-/// The distance in the plane of a segment from a convex polygon, counter-clockwise.
-fn apart(polygon: &[Vector], [a, b]: [Vector; 2]) -> f64 {
-    let n = polygon.len();
-    let left = |[p, q]: [Vector; 2], x: Vector| cross(minus(q, p), minus(x, p))[2];
-    let sides = || (0..n).map(|i| [polygon[i], polygon[(i + 1) % n]]);
-    let inside = |x: Vector| sides().all(|side| left(side, x) >= 0.0);
-    let crosses =
-        |[p, q]: [Vector; 2]| left([p, q], a) * left([p, q], b) <= 0.0 && left([a, b], p) * left([a, b], q) <= 0.0;
-    if inside(a) || inside(b) || sides().any(crosses) {
-        return 0.0;
-    }
-    let corners = polygon.iter().map(|&p| from_segment(p, [a, b]));
-    let ends = sides().map(|side| from_segment(a, side).min(from_segment(b, side)));
-    corners.chain(ends).fold(f64::INFINITY, f64::min)
-}
-
-/// The distance of a point from a segment.
-fn from_segment(p: Vector, [a, b]: [Vector; 2]) -> f64 {
-    let along = minus(b, a);
-    let square = dot(along, along);
-    let at = if square > 0.0 { (dot(minus(p, a), along) / square).clamp(0.0, 1.0) } else { 0.0 };
-    length(minus(p, plus(a, times(at, along))))
+/// What is across a unit vector.
+pub(super) fn flat(n: Vector, p: Vector) -> Vector {
+    minus(p, times(dot(n, p), n))
 }

@@ -1,6 +1,7 @@
 //! Which plans refine splines, so that second differences bound the distance from the limit.
 
 use super::NoLevel;
+use super::hull::MAX_REACH;
 use crate::refine::values;
 use crate::scheme::ops::{SplineStep, lettered};
 use crate::scheme::plan::{Plan, Scheduled};
@@ -93,9 +94,16 @@ impl Spline {
         &self.rounds[number % self.rounds.len()]
     }
 
-    /// Rings of faces that are kept around those that are followed, so that what a cut changes stays away from them.
+    /// Rings of faces around a face that are compared with its limit, and it with theirs.
+    pub(super) fn rings(&self) -> usize {
+        if self.reach <= MAX_REACH { self.reach + 1 } else { 1 }
+    }
+
+    /// Rings of faces that are kept around those that are followed. A level makes twice as many of them, of which a cut
+    /// changes as many as the limit depends on; what is left has to hold all that the limits of the faces that are compared,
+    /// and of those beside them, depend on.
     pub(super) fn margin(&self) -> usize {
-        2 * self.reach + 2
+        (self.reach + 2).max((2 * self.reach + self.rings() + 1).div_ceil(2))
     }
 }
 

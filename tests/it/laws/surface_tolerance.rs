@@ -32,15 +32,21 @@ fn at_level(input: &Value, plan: &Value, levels: u32, positions: &str) -> Net {
     Net::of(&serde_json::from_slice(&bytes).expect("json output"))
 }
 
-/// The greatest distance of points of the limit, those of further levels, from a level, its quads cut along either
-/// diagonal.
+/// The greatest distance between a level, its quads cut along either diagonal, and points of the limit, those of further
+/// levels; of either from the other.
 fn deviation(input: &Value, plan: &Value, level: u32, positions: &str) -> f64 {
     let coarse = at_level(input, plan, level, positions);
     let more = if coarse.faces.len() > 500 { 1 } else { 2 };
     let limit = at_level(input, plan, level + more, "limit");
+    let fine = Surface::cut(&limit, 0);
+    let some = |points: Vec<[f64; 3]>| points.iter().copied().step_by(points.len() / SAMPLES + 1).collect::<Vec<_>>();
     let used: BTreeSet<usize> = limit.faces.iter().flatten().copied().collect();
-    let shown: Vec<_> = used.iter().step_by(used.len() / SAMPLES + 1).map(|&v| limit.positions[v]).collect();
-    [0, 1].map(|first| Surface::cut(&coarse, first).farthest(&shown)).into_iter().fold(0.0, f64::max)
+    let shown = some(used.iter().map(|&v| limit.positions[v]).collect());
+    let both = |first: usize| {
+        let surface = Surface::cut(&coarse, first);
+        surface.farthest(&shown).max(fine.farthest(&some(surface.samples())))
+    };
+    [0, 1].map(both).into_iter().fold(0.0, f64::max)
 }
 
 fn file(name: &str) -> Value {
@@ -54,6 +60,18 @@ fn preset(name: &str) -> Value {
 
 fn on_triangles(word: &str) -> Value {
     json!({ "word": word, "parameters": { "split": "triangle" } })
+}
+
+/// A round torus of `n x n` quads.
+fn round(n: usize) -> Net {
+    let whole = |i: usize| f64::from(u32::try_from(i).expect("small"));
+    let Net { faces, positions } = torus(n, n);
+    let around = |i: usize| 2.0 * std::f64::consts::PI * whole(i) / whole(n);
+    let place = |v: usize| {
+        let (u, w) = (around(v % n), around(v / n));
+        [(3.0 + cos(w)) * cos(u), (3.0 + cos(w)) * sin(u), sin(w)]
+    };
+    Net { positions: (0..positions.len()).map(place).collect(), faces }
 }
 
 /// The cube of side 2 with two sharp edges.
@@ -74,6 +92,8 @@ fn typical() -> Vec<(&'static str, Value, Value, f64)> {
         ("grid", file("grid"), preset("catmull-clark"), 0.01),
         ("mixed", file("mixed"), preset("catmull-clark"), 0.03),
         ("grid, edge-only", file("grid"), json!({ "preset": "catmull-clark", "boundary": "edge-only" }), 0.02),
+        ("mixed, edge-only", file("mixed"), json!({ "preset": "catmull-clark", "boundary": "edge-only" }), 0.01),
+        ("torus of triangles", triangulated(round(10)).input(), preset("catmull-clark"), 0.2),
         ("cube with sharp edges", creased(10.0), preset("catmull-clark"), 0.05),
         ("cube with an edge that is sharp for a while", creased(1.5), preset("catmull-clark"), 0.05),
         ("torus, UC", file("torus"), super::word("UC"), 0.02),
@@ -84,6 +104,9 @@ fn typical() -> Vec<(&'static str, Value, Value, f64)> {
         ("cube, UD", file("cube"), super::word("UD"), 0.05),
         ("torus, UD", file("torus"), super::word("UD"), 0.05),
         ("cube, UDDD", file("cube"), super::word("UDDD"), 0.05),
+        ("barrel, UD", file("barrel"), super::word("UD"), 0.05),
+        ("barrel, UDDD", file("barrel"), super::word("UDDD"), 0.05),
+        ("animal, UD", file("animal"), super::word("UD"), 0.2),
         ("tetrahedron, UCD", file("tetrahedron"), super::word("UCD"), 0.05),
         (
             "torus of degree 4",
@@ -149,15 +172,7 @@ fn each_level_divides_the_bound_by_4() {
 /// Beyond the faces that are measured, second differences alone bound the distance of regular regions.
 #[test]
 fn bounds_go_on_where_nets_are_too_large_to_be_measured() {
-    let whole = |i: usize| f64::from(u32::try_from(i).expect("small"));
-    let Net { faces, positions } = torus(60, 60);
-    let around = |i: usize| 2.0 * std::f64::consts::PI * whole(i) / 60.0;
-    let place = |v: usize| {
-        let (u, w) = (around(v % 60), around(v / 60));
-        [(3.0 + cos(w)) * cos(u), (3.0 + cos(w)) * sin(u), sin(w)]
-    };
-    let net = Net { positions: (0..positions.len()).map(place).collect(), faces };
-    let found = falling(&net.input(), &super::word("UC"), 1e-3, 4);
+    let found = falling(&round(60).input(), &super::word("UC"), 1e-3, 4);
     assert!(found[3].0 >= 4, "{found:?}");
     for pair in found.windows(2) {
         assert!(pair[0].1 / pair[1].1 > 3.0 && pair[0].1 / pair[1].1 < 9.0, "{found:?}");

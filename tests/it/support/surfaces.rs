@@ -109,4 +109,14 @@ impl Surface {
     pub(crate) fn farthest(&self, points: &[Point]) -> f64 {
         points.iter().map(|&p| self.distance(p)).fold(0.0, f64::max)
     }
+
+    /// The corners, sides and middles of the triangles.
+    pub(crate) fn samples(&self) -> Vec<Point> {
+        let middle = |a: Point, b: Point| at(a, 0.5, minus(b, a));
+        let of = |&[a, b, c]: &[Point; 3]| {
+            let centre = at(a, 2.0 / 3.0, minus(middle(b, c), a));
+            [a, b, c, middle(a, b), middle(b, c), middle(c, a), centre]
+        };
+        self.triangles.iter().flat_map(of).collect()
+    }
 }

@@ -1,0 +1,202 @@
+//! How far the limit of a face is from it where the net is not regular: as high as the points are that it depends on.
+
+use std::sync::OnceLock;
+
+use super::level::Level;
+use super::sheet::{flat, turns};
+use crate::math::functions::sqrt;
+use crate::refine::vector::{Vector, cross, dot, length, mean, minus, plus, times, unit};
+use crate::shape::topology::NONE;
+
+/// How often the normal of a line between points is turned.
+const TURNS: usize = 16;
+/// Most rings of faces that a limit may depend on; with more, there are too many points to look at.
+pub(super) const MAX_REACH: usize = 2;
+/// Most points that are looked at for all faces of a level.
+const WORK: usize = 1 << 25;
+
+/// The points that the limits of faces depend on.
+///
+/// Let W be the faces within one ring more around a face than its limit depends on, all of which look to the side of a
+/// direction n and wind around no vertex more than once, so that they are locally a graph over the plane across n; and let
+/// the hull K(g) be that of the points which the limit of a face g depends on, so that both are in it.
+///
+/// 1. Where K of the face in the middle does not come to the rim of W, seen along n, the graph can be lifted over all of K:
+///    the limit of the face is above or below some point of W.
+/// 2. Where K of the faces beyond the rim do not come to the face in the middle, the straight way from the rim to its
+///    limit does not either. So the limit of W winds around each point of that face as often as W does, which is at least
+///    once: some point of it is above or below (invariance of the degree).
+///
+/// In either case the two are as far from each other as points in the K that come to the face differ along n, at most.
+pub(super) struct Hulls<'a> {
+    level: &'a Level,
+    /// Rings of faces that the limit of a face depends on.
+    reach: usize,
+    /// For each face the vertices that its limit depends on.
+    near: Vec<OnceLock<Vec<u32>>>,
+}
+
+impl<'a> Hulls<'a> {
+    pub(super) fn of(level: &'a Level, reach: usize) -> Self {
+        Self { level, reach, near: (0..level.topology.n_faces()).map(|_| OnceLock::new()).collect() }
+    }
+
+    /// These, if so many faces are not too much work: for each, the faces of W and the points that each depends on.
+    pub(super) fn affordable(&self, faces: usize) -> Option<&Self> {
+        let square = |side: usize| side * side;
+        let work = faces.saturating_mul(square(2 * self.reach + 3) * square(2 * self.reach + 2));
+        (self.reach <= MAX_REACH && work <= WORK).then_some(self)
+    }
+
+    /// How far a face and its limit are from the limit and the net, at most, if the faces around belong to the surface;
+    /// `None` where that is not known.
+    pub(super) fn height(&self, face: usize, belongs: impl Fn(usize) -> bool) -> Option<f64> {
+        let topology = &self.level.topology;
+        let points = self.level.points.now.as_chunks::<3>().0;
+        let around = self.around(face, self.reach + 1);
+        if !around.iter().all(|&f| belongs(f)) {
+            return None;
+        }
+        let at = |corner: u32| points[topology.vertex(corner) as usize];
+        let end = |corner: u32| at(topology.next(corner));
+        let area =
+            |corner: u32| cross(minus(end(corner), at(corner)), minus(at(topology.previous(corner)), at(corner)));
+        let corners = || around.iter().flat_map(|&f| topology.corners(f));
+        let sum = corners().map(area).fold([0.0; 3], plus);
+        let size = length(sum);
+        if size.is_nan() || size <= 0.0 {
+            return None;
+        }
+        let n = times(1.0 / size, sum);
+        if !corners().all(|corner| dot(n, area(corner)) > 0.0) {
+            return None;
+        }
+        let plane = Plane::of(n, corners().map(at))?;
+        let of_near = |face: usize| self.near(face).iter().map(|&v| points[v as usize]);
+        let seen = |face: usize| -> Vec<Place> { of_near(face).map(|p| plane.place(p)).collect() };
+        let own: Vec<Place> = topology.face(face).iter().map(|&v| plane.place(points[v as usize])).collect();
+        let hull = seen(face);
+        for corner in corners() {
+            let twin = topology.twin(corner);
+            let across = if twin == NONE { return None } else { topology.face_of(twin) };
+            let is_rim = around.binary_search(&across).is_err();
+            let edge = [at(corner), end(corner)].map(|p| plane.place(p));
+            if is_rim && !(are_apart(&hull, &edge) && are_apart(&own, &seen(across))) {
+                return None;
+            }
+        }
+        let ends = |corner: u32| minus(end(corner), at(corner));
+        let is_inside = |v: u32| topology.ring(v as usize).all(|c| around.binary_search(&topology.face_of(c)).is_ok());
+        let mut inner: Vec<u32> = around.iter().flat_map(|&f| topology.face(f)).copied().collect();
+        inner.sort_unstable();
+        inner.dedup();
+        if inner.iter().any(|&v| is_inside(v) && turns(n, topology.ring(v as usize).map(ends)) > 1) {
+            return None;
+        }
+        let start = points[topology.face(face)[0] as usize];
+        let heights = |p: Vector| dot(n, minus(p, start));
+        let reaching = around.iter().filter(|&&g| !are_apart(&own, &seen(g)));
+        let all = reaching.flat_map(|&g| of_near(g)).chain(corners().map(at)).map(heights);
+        let (low, high) = all.fold((0.0_f64, 0.0_f64), |(low, high), h| (low.min(h), high.max(h)));
+        Some(high - low)
+    }
+
+    /// The vertices that the limit of a face depends on.
+    fn near(&self, face: usize) -> &[u32] {
+        self.near[face].get_or_init(|| {
+            let faces = self.around(face, self.reach);
+            let mut all: Vec<u32> = faces.iter().flat_map(|&f| self.level.topology.face(f)).copied().collect();
+            all.sort_unstable();
+            all.dedup();
+            all
+        })
+    }
+
+    /// The faces up to so many rings around a face, and itself, ascending.
+    fn around(&self, face: usize, rings: usize) -> Vec<usize> {
+        let topology = &self.level.topology;
+        let mut all = vec![face];
+        let mut rim = vec![face];
+        for _ in 0..rings {
+            let corners = rim.iter().flat_map(|&f| topology.face(f)).flat_map(|&v| topology.ring(v as usize));
+            let mut next: Vec<usize> = corners.map(|corner| topology.face_of(corner)).collect();
+            next.sort_unstable();
+            next.dedup();
+            next.retain(|f| all.binary_search(f).is_err());
+            all.extend(&next);
+            all.sort_unstable();
+            rim = next;
+        }
+        all
+    }
+}
+
+/// A point of a plane.
+type Place = [f64; 2];
+
+/// A plane across a direction, with coordinates in which some points are about as far from each other to all sides; whether
+/// lines are between points does not depend on them.
+struct Plane {
+    origin: Vector,
+    axes: [Vector; 2],
+}
+
+impl Plane {
+    /// `None` where the points are on a line.
+    fn of(n: Vector, points: impl Iterator<Item = Vector> + Clone) -> Option<Self> {
+        let origin = mean(points.clone());
+        let longest = |most: Vector, p: Vector| {
+            let x = flat(n, minus(p, origin));
+            if length(x) > length(most) { x } else { most }
+        };
+        let along = unit(points.clone().fold([0.0; 3], longest));
+        let across = cross(n, along);
+        let mut moments = [0.0; 3];
+        for x in points.map(|p| minus(p, origin)) {
+            let (u, v) = (dot(along, x), dot(across, x));
+            moments.iter_mut().zip([u * u, u * v, v * v]).for_each(|(sum, part)| *sum += part);
+        }
+        // the factor of Cholesky of the moments
+        let [uu, uv, vv] = moments;
+        let first = sqrt(uu);
+        let mixed = uv / first;
+        let second = sqrt(vv - mixed * mixed);
+        let along = times(1.0 / first, along);
+        let across = times(1.0 / second, minus(across, times(mixed, along)));
+        (length(along).is_finite() && length(across).is_finite()).then_some(Self { origin, axes: [along, across] })
+    }
+
+    fn place(&self, p: Vector) -> Place {
+        self.axes.map(|axis| dot(axis, minus(p, self.origin)))
+    }
+}
+
+/// Whether a line is found between two sets of points: again and again its normal is turned to those points that it fails
+/// at most (Rosenblatt, 1958).
+fn are_apart(a: &[Place], b: &[Place]) -> bool {
+    let along = |way: Place, p: Place| way[0] * p[0] + way[1] * p[1];
+    let mean_of = |points: &[Place]| {
+        let sum = points.iter().fold([0.0; 2], |sum, p| [sum[0] + p[0], sum[1] + p[1]]);
+        sum.map(|x| x / points.iter().map(|_| 1.0).sum::<f64>())
+    };
+    let between = |from: Place, to: Place| [to[0] - from[0], to[1] - from[1]];
+    let unit = |x: Place| {
+        let size = sqrt(along(x, x));
+        x.map(|x| if size > 0.0 { x / size } else { 0.0 })
+    };
+    let mut way = unit(between(mean_of(a), mean_of(b)));
+    for _ in 0..TURNS {
+        let extreme = |points: &[Place], sign: f64| {
+            let ahead = |p: &Place| sign * along(way, *p);
+            points.iter().copied().reduce(|most, p| if ahead(&p) > ahead(&most) { p } else { most })
+        };
+        let (Some(far), Some(near)) = (extreme(a, 1.0), extreme(b, -1.0)) else { return false };
+        let gap = between(far, near);
+        if along(way, gap) > 0.0 {
+            return true;
+        }
+        let turned = unit(gap);
+        way = [way[0] + turned[0], way[1] + turned[1]];
+    }
+    false
+}

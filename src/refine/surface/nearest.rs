@@ -1,0 +1,352 @@
+//! How far points and small pieces of surfaces are from the faces of a net, however these are cut.
+
+use std::sync::{Arc, OnceLock};
+
+use rayon::prelude::*;
+
+use super::bend::{Box3, around};
+use super::cut::twist;
+use super::sheet::Sheet;
+use crate::math::functions::sqrt;
+use crate::refine::vector::{Vector, cross, dot, mean, minus, plus, times, to_segment};
+use crate::shape::topology::Topology;
+
+/// Most faces of a leaf.
+const LEAF: usize = 4;
+/// Triangles whose height is less than this part of their longest side are taken for their sides.
+const THIN: f64 = 1e-4;
+/// The triangles that a quad is cut into: the number of the diagonal, and the corners.
+const QUAD: [(usize, [usize; 3]); 4] = [(0, [0, 1, 2]), (0, [0, 2, 3]), (1, [1, 2, 3]), (1, [1, 3, 0])];
+/// A triangle, which both diagonals leave as it is.
+const TRIANGLE: [(usize, [usize; 3]); 2] = [(0, [0, 1, 2]), (1, [0, 1, 2])];
+
+/// Triangles and quads of a net.
+pub(super) struct Faces {
+    topology: Arc<Topology>,
+    points: Vec<Vector>,
+    /// Ascending; what is said of a slot is of the face with this place here.
+    shown: Vec<u32>,
+    /// For each slot how far what is looked for may be beyond the bilinear face.
+    beyond: Vec<f64>,
+    /// Whether quads may be cut, which is farther for some cuts than for others.
+    cuttable: bool,
+    sheets: Vec<OnceLock<Option<Sheet>>>,
+}
+
+/// Faces of several nets, in one tree of boxes.
+pub(super) struct Surface {
+    parts: Vec<Faces>,
+    /// Parts and slots, leaf after leaf.
+    order: Vec<(usize, usize)>,
+    /// Their boxes.
+    boxes: Vec<Box3>,
+    nodes: Vec<Node>,
+}
+
+/// A box around places in the order.
+struct Node {
+    bounds: Box3,
+    inside: Inside,
+}
+
+enum Inside {
+    /// From here to there.
+    Places(usize, usize),
+    /// Two nodes.
+    Halves(usize, usize),
+}
+
+/// The triangle nearest to a point.
+#[derive(Clone, Copy)]
+struct Hit {
+    /// Of the distance.
+    square: f64,
+    part: usize,
+    slot: usize,
+    corners: [usize; 3],
+}
+
+/// How far a piece is from a surface.
+#[derive(Clone, Copy)]
+pub(super) struct Away {
+    /// All of it, at most.
+    pub(super) most: f64,
+    /// Its middle.
+    pub(super) middle: f64,
+}
+
+impl Away {
+    /// Nothing is known.
+    pub(super) const UNKNOWN: Self = Self { most: f64::INFINITY, middle: f64::INFINITY };
+}
+
+impl Faces {
+    /// The faces `shown` of a net, ascending. With `cuttable` the distance is that from quads however they are cut; else
+    /// that from bilinear ones, which what is looked for is within `beyond` of, face by face.
+    pub(super) fn of(
+        topology: &Arc<Topology>,
+        points: &[Vector],
+        shown: &[u32],
+        beyond: Vec<f64>,
+        cuttable: bool,
+    ) -> Self {
+        let sheets = shown.iter().map(|_| OnceLock::new()).collect();
+        Self { topology: topology.clone(), points: points.to_vec(), shown: shown.to_vec(), beyond, cuttable, sheets }
+    }
+
+    /// Number of slots.
+    pub(super) fn len(&self) -> usize {
+        self.shown.len()
+    }
+
+    /// The slot of a face.
+    pub(super) fn slot(&self, face: u32) -> Option<usize> {
+        self.shown.binary_search(&face).ok()
+    }
+
+    /// How far a quad is from itself cut along a diagonal, at most; nothing where it is not cut.
+    pub(super) fn cut(&self, slot: usize) -> f64 {
+        if self.cuttable { self.twist(slot) } else { 0.0 }
+    }
+
+    /// How far a bilinear quad is from itself cut along a diagonal, at most.
+    fn twist(&self, slot: usize) -> f64 {
+        twist(&self.topology, self.shown[slot] as usize, &self.points)
+    }
+
+    fn triangle(&self, slot: usize, corners: [usize; 3]) -> [Vector; 3] {
+        let face = self.topology.face(self.shown[slot] as usize);
+        corners.map(|j| self.points[face[j] as usize])
+    }
+
+    /// The box around a face.
+    fn boxed(&self, slot: usize) -> Box3 {
+        let corners = self.topology.face(self.shown[slot] as usize).iter().map(|&v| self.points[v as usize]);
+        corners.map(|p| [p, p]).reduce(around).unwrap_or_default()
+    }
+
+    /// The triangles of a face, cut along either diagonal, each with the number of the diagonal.
+    fn triangles(&self, slot: usize) -> &'static [(usize, [usize; 3])] {
+        if self.topology.face(self.shown[slot] as usize).len() == 4 { &QUAD } else { &TRIANGLE }
+    }
+
+    /// The sheet around a face.
+    pub(super) fn sheet(&self, slot: usize) -> Option<&Sheet> {
+        let is_shown = |face: usize| u32::try_from(face).is_ok_and(|face| self.slot(face).is_some());
+        let around = || Sheet::around(&self.topology, &self.points, self.shown[slot] as usize, is_shown);
+        self.sheets[slot].get_or_init(around).as_ref()
+    }
+
+    /// The slots of the faces around one, first itself.
+    pub(super) fn around(&self, slot: usize) -> Option<Vec<usize>> {
+        let slots =
+            self.sheet(slot)?.faces().iter().map(|&face| u32::try_from(face).ok().and_then(|face| self.slot(face)));
+        slots.collect()
+    }
+
+    /// How far any mean of some points is from the surface near a triangle, at most.
+    fn most(&self, hit: &Hit, points: &[Vector]) -> f64 {
+        let triangle = self.triangle(hit.slot, hit.corners);
+        let plain = sqrt(points.iter().map(|&p| to_triangle(p, triangle)).fold(0.0, f64::max));
+        let sheet = self.sheet(hit.slot);
+        sheet.and_then(|sheet| sheet.distance(triangle, points)).map_or(plain, |over| over.min(plain))
+    }
+}
+
+impl Surface {
+    pub(super) fn of(parts: Vec<Faces>) -> Self {
+        let slots = |(part, faces): (usize, &Faces)| (0..faces.len()).map(move |slot| (part, slot));
+        let all: Vec<(usize, usize)> = parts.iter().enumerate().flat_map(slots).collect();
+        let boxed = |&(part, slot): &(usize, usize)| parts[part].boxed(slot);
+        let boxes: Vec<Box3> = all.par_iter().with_min_len(1024).map(boxed).collect();
+        let mut tree = Tree { nodes: Vec::new(), boxes: &boxes };
+        let mut order: Vec<usize> = (0..all.len()).collect();
+        if !order.is_empty() {
+            tree.node(&mut order, 0);
+        }
+        let nodes = tree.nodes;
+        let boxes = order.iter().map(|&i| boxes[i]).collect();
+        let order = order.into_iter().map(|i| all[i]).collect();
+        Self { parts, order, boxes, nodes }
+    }
+
+    /// The faces of the first net.
+    pub(super) fn first(&self) -> &Faces {
+        &self.parts[0]
+    }
+
+    /// How far a point is; `near` is a slot of the first net that is near.
+    pub(super) fn from(&self, point: Vector, near: Option<usize>) -> f64 {
+        let Some(hits) = self.nearest(point, near) else { return f64::INFINITY };
+        self.joined(hits.map(|hit| (hit, sqrt(hit.square))), |_| 0.0)
+    }
+
+    /// How far any mean of some points is, at most; `near` is a slot of the first net that is near.
+    ///
+    /// Both the distance from a triangle and what a [`Sheet`] knows of it are convex: they are greatest at a corner.
+    pub(super) fn over(&self, corners: &[Vector], near: Option<usize>) -> Away {
+        let Some(hits) = self.nearest(mean(corners.iter().copied()), near) else { return Away::UNKNOWN };
+        let beyond = |hit: &Hit| self.parts[hit.part].beyond[hit.slot];
+        let middle = self.joined(hits.map(|hit| (hit, sqrt(hit.square))), beyond);
+        let most = self.joined(hits.map(|hit| (hit, self.parts[hit.part].most(&hit, corners))), beyond);
+        Away { most, middle }
+    }
+
+    /// The worst of what may be taken for the surface: cut along either diagonal, or bilinear.
+    fn joined(&self, hits: [(Hit, f64); 2], beyond: impl Fn(&Hit) -> f64) -> f64 {
+        let bilinear = |(hit, distance): (Hit, f64)| distance + self.parts[hit.part].twist(hit.slot) + beyond(&hit);
+        let bilinear = hits.map(bilinear).into_iter().fold(f64::INFINITY, f64::min);
+        let cuttable = hits.iter().filter(|(hit, _)| self.parts[hit.part].cuttable);
+        cuttable.fold(bilinear, |most, &(_, distance)| most.max(distance))
+    }
+
+    /// The nearest triangles of faces cut along either diagonal, beginning with a slot that is near; `None` without faces.
+    fn nearest(&self, point: Vector, near: Option<usize>) -> Option<[Hit; 2]> {
+        let mut best = [Hit { square: f64::INFINITY, part: 0, slot: usize::MAX, corners: [0, 1, 2] }; 2];
+        if let Some(slot) = near {
+            self.compare((0, slot), point, &mut best);
+        }
+        if !self.nodes.is_empty() {
+            self.search(0, point, &mut best);
+        }
+        best.iter().all(|hit| hit.slot != usize::MAX).then_some(best)
+    }
+
+    fn search(&self, node: usize, point: Vector, best: &mut [Hit; 2]) {
+        let is_near = |square: f64, best: &[Hit; 2]| square < best[0].square.max(best[1].square);
+        match self.nodes[node].inside {
+            Inside::Places(from, to) => {
+                for place in from..to {
+                    if is_near(to_box(point, &self.boxes[place]), best) {
+                        self.compare(self.order[place], point, best);
+                    }
+                }
+            }
+            Inside::Halves(left, right) => {
+                let away = |node: usize| to_box(point, &self.nodes[node].bounds);
+                let mut halves = [(away(left), left), (away(right), right)];
+                if halves[1].0 < halves[0].0 {
+                    halves.swap(0, 1);
+                }
+                for (square, half) in halves {
+                    if is_near(square, best) {
+                        self.search(half, point, best);
+                    }
+                }
+            }
+        }
+    }
+
+    fn compare(&self, (part, slot): (usize, usize), point: Vector, best: &mut [Hit; 2]) {
+        let faces = &self.parts[part];
+        for &(cut, corners) in faces.triangles(slot) {
+            let square = to_triangle(point, faces.triangle(slot, corners));
+            if square < best[cut].square {
+                best[cut] = Hit { square, part, slot, corners };
+            }
+        }
+    }
+}
+
+/// A tree on its way.
+struct Tree<'a> {
+    nodes: Vec<Node>,
+    boxes: &'a [Box3],
+}
+
+impl Tree<'_> {
+    /// Adds the node of some faces, which stand from `start` on in the order.
+    fn node(&mut self, faces: &mut [usize], start: usize) -> usize {
+        let bounds = faces.iter().map(|&face| self.boxes[face]).reduce(around).unwrap_or_default();
+        let here = self.nodes.len();
+        self.nodes.push(Node { bounds, inside: Inside::Places(start, start + faces.len()) });
+        if faces.len() > LEAF {
+            let size = minus(bounds[1], bounds[0]);
+            let longest = (1..3).fold(0, |k, other| if size[other] > size[k] { other } else { k });
+            let boxes = self.boxes;
+            let at = |face: usize| boxes[face][0][longest] + boxes[face][1][longest];
+            let half = faces.len() / 2;
+            faces.select_nth_unstable_by(half, |&a, &b| at(a).total_cmp(&at(b)).then(a.cmp(&b)));
+            let (left, right) = faces.split_at_mut(half);
+            let left = self.node(left, start);
+            let right = self.node(right, start + half);
+            self.nodes[here].inside = Inside::Halves(left, right);
+        }
+        here
+    }
+}
+
+/// A part of a piece of surface, all of it a mean of its corners.
+#[derive(Clone, Copy)]
+struct Part {
+    sides: usize,
+    corners: [Vector; 4],
+    away: Away,
+}
+
+impl Part {
+    fn of(corners: &[Vector], away: &impl Fn(&[Vector]) -> Away) -> Self {
+        let mut four = [[0.0; 3]; 4];
+        four.iter_mut().zip(corners).for_each(|(p, &corner)| *p = corner);
+        Self { sides: corners.len().min(4), corners: four, away: away(corners) }
+    }
+
+    /// Its quarters.
+    fn quarters(&self) -> [[Vector; 4]; 4] {
+        let middle = |a: Vector, b: Vector| times(0.5, plus(a, b));
+        let [a, b, c, d] = self.corners;
+        if self.sides == 3 {
+            let [e, f, g] = [middle(a, b), middle(b, c), middle(c, a)];
+            return [[a, e, g], [b, f, e], [c, g, f], [e, f, g]].map(|[p, q, r]| [p, q, r, r]);
+        }
+        let sides = [middle(a, b), middle(b, c), middle(c, d), middle(d, a)];
+        let centre = middle(sides[0], sides[2]);
+        [0, 1, 2, 3].map(|j| [self.corners[j], sides[j], centre, sides[(j + 3) % 4]])
+    }
+}
+
+/// How far a piece of surface between corners, all of it a mean of them, is from a surface at most. Where that is more
+/// than `enough`, the part that is farthest is cut into quarters, as long as it is not that far itself, up to so many
+/// times; how often that was comes with it.
+pub(super) fn farthest(
+    corners: &[Vector],
+    cuts: usize,
+    enough: f64,
+    away: &impl Fn(&[Vector]) -> Away,
+) -> (f64, usize) {
+    let mut parts = vec![Part::of(corners, away)];
+    let first = parts[0].away.most;
+    let most = |part: &Part| part.away.most;
+    for cut in 0..=cuts {
+        let farthest = (1..parts.len()).fold(0, |far, i| if most(&parts[i]) > most(&parts[far]) { i } else { far });
+        let part = parts[farthest];
+        if cut == cuts || most(&part) <= enough || part.away.middle > enough {
+            return (most(&part).min(first), cut);
+        }
+        let mut quarters = part.quarters().into_iter().map(|quarter| Part::of(&quarter[..part.sides], away));
+        parts[farthest] = quarters.next().unwrap_or(part);
+        parts.extend(quarters);
+    }
+    (first, cuts)
+}
+
+/// The square of the distance from a box.
+fn to_box(p: Vector, [low, high]: &Box3) -> f64 {
+    let [x, y, z] = [0, 1, 2].map(|k| (low[k] - p[k]).max(p[k] - high[k]).max(0.0));
+    x * x + y * y + z * z
+}
+
+/// The square of the distance of a point from a triangle; of thin ones from their sides.
+fn to_triangle(p: Vector, [a, b, c]: [Vector; 3]) -> f64 {
+    let (ab, bc, ca) = (minus(b, a), minus(c, b), minus(a, c));
+    let n = cross(ab, bc);
+    let (square, longest) = (dot(n, n), dot(ab, ab).max(dot(bc, bc)).max(dot(ca, ca)));
+    if square > THIN * THIN * longest * longest {
+        let left = |side: Vector, from: Vector| dot(n, cross(side, minus(p, from))) >= 0.0;
+        if left(ab, a) && left(bc, b) && left(ca, c) {
+            let height = dot(n, minus(p, a));
+            return height * height / square;
+        }
+    }
+    [[a, b], [b, c], [c, a]].map(|side| to_segment(p, side)).into_iter().fold(f64::INFINITY, f64::min)
+}

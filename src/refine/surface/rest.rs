@@ -1,0 +1,126 @@
+//! How far the limit of the faces of a net is from them, at most.
+
+use rayon::prelude::*;
+
+use super::bend::{Bend, Box3, around, bends, spread};
+use super::hull::Hulls;
+use super::level::Level;
+use super::sheet::Sheet;
+use super::spline::Spline;
+use crate::refine::vector::{Vector, cross, length, minus, plus, unit};
+
+/// What is known of the vertices near one.
+#[derive(Clone, Copy)]
+struct Near {
+    bend: Bend,
+    points: Box3,
+    normals: Box3,
+}
+
+impl Near {
+    fn or(self, other: Self) -> Self {
+        Self {
+            bend: self.bend.or(other.bend),
+            points: around(self.points, other.points),
+            normals: around(self.normals, other.normals),
+        }
+    }
+}
+
+/// The distances of the limit from the faces of a net.
+pub(super) struct Rests<'a> {
+    level: &'a Level,
+    spline: &'a Spline,
+    /// For each vertex what the limit of the faces around it depends on.
+    near: Vec<Near>,
+    /// The same with a ring of faces more.
+    beside: Vec<Near>,
+    hulls: Hulls<'a>,
+}
+
+impl<'a> Rests<'a> {
+    /// Those of a level.
+    pub(super) fn of(level: &'a Level, spline: &'a Spline) -> Self {
+        let (topology, points) = (&level.topology, level.points.now.as_chunks::<3>().0);
+        let areas: Vec<Vector> =
+            (0..topology.n_faces()).into_par_iter().with_min_len(1024).map(|f| area(level, f)).collect();
+        let around_vertex = |v: usize| topology.ring(v).map(|corner| areas[topology.face_of(corner)]);
+        let normal = |v: usize| unit(around_vertex(v).fold([0.0; 3], plus));
+        let normals: Vec<Vector> = (0..topology.n_vertices()).into_par_iter().with_min_len(1024).map(normal).collect();
+        let bends = bends(&level.net, topology, spline.tile, points, &normals);
+        let single = |(v, bend): (usize, Bend)| {
+            let normals = around_vertex(v).map(unit).map(|n| [n, n]).fold([normals[v]; 2], around);
+            Near { bend, points: [points[v]; 2], normals }
+        };
+        let single = bends.into_iter().enumerate().map(single).collect();
+        let near = spread(topology, single, spline.reach, Near::or);
+        let beside = spread(topology, near.clone(), 1, Near::or);
+        Self { level, spline, near, beside, hulls: Hulls::of(level, spline.reach) }
+    }
+
+    fn joined(&self, values: &[Near], face: u32) -> Option<Near> {
+        self.level.topology.face(face as usize).iter().map(|&v| values[v as usize]).reduce(Near::or)
+    }
+
+    /// By second differences alone; infinite where the net is not regular.
+    pub(super) fn bend(&self, face: u32) -> f64 {
+        if self.spline.reach == 0 {
+            return 0.0;
+        }
+        self.joined(&self.near, face).map_or(0.0, |near| self.spline.factor * near.bend.most)
+    }
+
+    /// By second differences, or by the box around the points that the limit depends on. A point of the limit is as far from
+    /// its place on the face.
+    pub(super) fn plain(&self, face: u32) -> f64 {
+        if self.spline.reach == 0 {
+            return 0.0;
+        }
+        let hull = self.joined(&self.near, face).map_or(0.0, |near| length(minus(near.points[1], near.points[0])));
+        self.bend(face).min(hull)
+    }
+
+    /// For each of these faces the distance of its limit from the faces up to `Spline::rings` around it, and of the face from
+    /// the limit of those; as soon as it is known to be `little`, it is not looked into. Faces belong to the surface that
+    /// `belongs` says.
+    pub(super) fn distances(&self, faces: &[u32], little: f64, belongs: impl Fn(usize) -> bool + Sync) -> Vec<f64> {
+        let first = |&face: &u32| {
+            let plain = self.plain(face);
+            let sheet = if plain > little { self.on_sheet(face, &belongs) } else { Some(plain) };
+            (plain, sheet)
+        };
+        let known: Vec<(f64, Option<f64>)> = faces.par_iter().with_min_len(64).map(first).collect();
+        let hulls = self.hulls.affordable(known.iter().filter(|(_, sheet)| sheet.is_none()).count());
+        let last = |(&face, (plain, sheet)): (&u32, (f64, Option<f64>))| {
+            let hull = || hulls.and_then(|hulls| hulls.height(face as usize, &belongs));
+            sheet.or_else(hull).unwrap_or(plain).min(plain)
+        };
+        faces.par_iter().zip(known).with_min_len(64).map(last).collect()
+    }
+
+    /// The distance of the limit from the face and those around it, and of the face from the limit, where points move along
+    /// their sheet; `None` where that is not known. Faces belong to the sheet that `belongs` says.
+    ///
+    /// Second differences d of vertices with the normals m move points by `n d <= |m d| + |n - m| |d|` along the normal n
+    /// of the sheet.
+    fn on_sheet(&self, face: u32, belongs: impl Fn(usize) -> bool) -> Option<f64> {
+        let near = self.joined(&self.beside, face).filter(|near| near.bend.most.is_finite())?;
+        let level = self.level;
+        let sheet = Sheet::around(&level.topology, level.points.now.as_chunks().0, face as usize, belongs)?;
+        let [low, high] = near.normals;
+        let along = self.spline.factor * near.bend.most;
+        let rise = self.spline.factor * (near.bend.rise + length(minus(high, low)) * near.bend.most);
+        (along < sheet.exit()).then(|| rise + sheet.slope() * along)
+    }
+}
+
+/// The sum of the normals at the corners of a face.
+fn area(level: &Level, face: usize) -> Vector {
+    let (topology, points) = (&level.topology, level.points.now.as_chunks::<3>().0);
+    let at = |corner: u32| points[topology.vertex(corner) as usize];
+    let normal = |corner: u32| {
+        let here = at(corner);
+        cross(minus(at(topology.next(corner)), here), minus(at(topology.previous(corner)), here))
+    };
+    topology.corners(face).map(normal).fold([0.0; 3], plus)
+}
