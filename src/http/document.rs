@@ -77,7 +77,7 @@ fn complete(path: &str, operation: &mut Operation) {
         }
         "/v1/estimate" => {
             refuse(operation, QUESTION);
-            refuse(operation, &[problem::TOO_LARGE]);
+            refuse(operation, &[problem::TOO_LARGE, problem::BUSY]);
         }
         "/v1/validate" => refuse(operation, QUESTION),
         path if path.starts_with("/v1/artifacts/") => {

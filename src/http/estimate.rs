@@ -6,6 +6,7 @@ use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 
 use super::problem::Problem;
+use super::resolve::resolve;
 use super::{Shared, body, render};
 use crate::wire::JobRequest;
 use crate::wire::answer::EstimateAnswer;
@@ -27,9 +28,7 @@ pub(super) async fn estimate(State(app): State<Shared>, headers: HeaderMap, body
             let format = super::negotiate::format(&HeaderMap::new(), request.shape_kind())?;
             request.outputs = vec![OutputRequest::of_format(format.name())];
         }
-        let limits = app.desk.limits.reading();
-        let resolve = move || request.resolve_within(&limits).map_err(Problem::invalid);
-        let job = body::off_loop(usize::MAX, resolve).await?;
+        let job = resolve(&app, request, usize::MAX).await?;
         let admitted = render::admit(&app, job).await?;
         Ok::<_, Problem>(axum::Json(EstimateAnswer::new(admitted.job(), admitted.estimate())))
     };

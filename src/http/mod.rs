@@ -15,6 +15,7 @@ mod negotiate;
 mod pages;
 mod problem;
 mod render;
+mod resolve;
 mod segment;
 pub mod serve;
 mod validate;

@@ -11,6 +11,7 @@ use super::answer::{self, Found, Gone, address};
 use super::memo::Known;
 use super::negotiate::{self, Part};
 use super::problem::Problem;
+use super::resolve::resolve;
 use super::{App, Shared, body, jobs, memo};
 use crate::fault::Fault;
 use crate::job::Job;
@@ -116,23 +117,23 @@ async fn whole(app: &Arc<App>, found: Found, known: &Known) -> Result<Response, 
 
 /// Reads, checks and keys the job; on the blocking pool when it is long.
 async fn read(app: &Arc<App>, headers: &HeaderMap, bytes: Bytes) -> Result<Asked, Problem> {
-    let headers = headers.clone();
-    let limits = app.desk.limits.reading();
-    body::off_loop(bytes.len(), move || {
-        let mut request: JobRequest = crate::wire::read::read(&bytes)?;
-        if request.outputs.is_empty() {
-            let format = negotiate::format(&headers, request.shape_kind())?;
-            request.outputs = vec![OutputRequest::of_format(format.name())];
-        }
-        let n = request.outputs.len();
-        let resolved = request.resolve_within(&limits);
-        let job = if n > 1 {
-            let detail = format!("{n} outputs; /v1/render answers one, send one job for each");
-            let many = Fault::new("/outputs", detail);
-            return Err(Problem::invalid(std::iter::once(many).chain(resolved.err().into_iter().flatten()).collect()));
-        } else {
-            resolved.map_err(Problem::invalid)?
-        };
+    let length = bytes.len();
+    let mut request: JobRequest =
+        body::off_loop(length, move || crate::wire::read::read(&bytes).map_err(Problem::from)).await?;
+    if request.outputs.is_empty() {
+        let format = negotiate::format(headers, request.shape_kind())?;
+        request.outputs = vec![OutputRequest::of_format(format.name())];
+    }
+    let n = request.outputs.len();
+    let resolved = resolve(app, request, length).await;
+    if n > 1 {
+        let detail = format!("{n} outputs; /v1/render answers one, send one job for each");
+        let others = resolved.err().map(Problem::into_faults).unwrap_or_default();
+        let many = std::iter::once(Fault::new("/outputs", detail));
+        return Err(Problem::invalid(many.chain(others).collect()));
+    }
+    let job = resolved?;
+    body::off_loop(length, move || {
         let output = &job.outputs[0];
         let key = job.key(output);
         let known = Known { key, address: address(key, output.format).into(), reached: job.reached };

@@ -35,6 +35,32 @@ fn a_full_queue_is_answered_503_while_cached_answers_and_health_go_on() {
 }
 
 #[test]
+fn levels_of_tolerances_on_meshes_are_found_in_line() {
+    story(Settings { max_queue: 2, ..settings() }, async |server| {
+        let held = server.hold().await;
+        let within = |tolerance: f64| {
+            let mut job = mesh(1);
+            job["levels"] = serde_json::json!({ "tolerance": tolerance });
+            job
+        };
+        let mut clients = Vec::new();
+        for (path, tolerance) in [("/v1/render", 0.5), ("/v1/estimate", 0.4)] {
+            clients.push(server.said(&server.request(path, "", &within(tolerance).to_string())).await);
+            until("it waits", || server.app.desk.pool.waiting()[1] == clients.len()).await;
+        }
+        for path in ["/v1/render", "/v1/estimate"] {
+            server.post(path, &within(0.3)).await.problem(503, "busy");
+        }
+        assert_eq!(server.get("/livez").await.status, 200);
+        drop(held);
+        until("the queue is empty", || server.app.desk.pool.waiting() == [0, 0]).await;
+        let found = server.render(&within(0.3)).await.ok();
+        assert_eq!(found.header("planish-level"), "1");
+        drop(clients);
+    });
+}
+
+#[test]
 fn short_work_does_not_wait_behind_long_work() {
     story(settings(), async |server| {
         let client = server.said(&server.request("/v1/render", "", &with(endless(), "stats").to_string())).await;
