@@ -26,5 +26,5 @@ pub(super) async fn resolve(app: &App, request: JobRequest, bytes: usize) -> Res
     let waiting = pool.line_up(Lane::Long)?;
     let turn = pool.turn(Lane::Long, SEARCH_BYTES).await;
     drop(waiting);
-    body::off_loop(usize::MAX, move || turn.threads.install(resolve)).await
+    body::off_loop(usize::MAX, move || turn.run(resolve)).await
 }

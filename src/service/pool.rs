@@ -72,6 +72,13 @@ pub struct Turn {
     _memory: OwnedSemaphorePermit,
 }
 
+impl Turn {
+    /// Runs work on its threads and ends with it, whoever else has lost interest by then.
+    pub fn run<T: Send>(self, work: impl FnOnce() -> T + Send) -> T {
+        self.threads.install(work)
+    }
+}
+
 impl Pool {
     /// A pool of `threads` threads a lane, `memory_bytes` for all computations at once, `max_queue` waiting a lane.
     ///
