@@ -17,6 +17,11 @@ use super::turn;
 const MAX_CHAIN: usize = 16;
 /// A mask that changes by less than this has settled.
 const SETTLED: f64 = 1e-15;
+/// Rounding changes a wide mask by up to this for ever: it has settled, too, once its changes are below this and have not
+/// become smaller for [`PATIENCE`] steps.
+const ROUNDING: f64 = 1e-13;
+/// Steps without a smaller change than before.
+const PATIENCE: usize = 32;
 /// Levels after which numbers of vertices agree: their differences are halved.
 const MAX_LEVELS: usize = 1_100;
 /// Levels after which a mask has to have settled.
@@ -192,6 +197,7 @@ impl<'a> Masks<'a> {
         let back = |row: &[f64]| children.iter().rev().fold(row.to_vec(), |row, child| child.matrix.times_row(&row));
         let mut position = patch.middle();
         let mut steps = 0;
+        let (mut least, mut least_at) = (f64::INFINITY, 0);
         loop {
             let next = back(&position);
             let change: f64 = next.iter().zip(&position).map(|(a, b)| (a - b).abs()).sum();
@@ -199,6 +205,12 @@ impl<'a> Masks<'a> {
             position = next;
             // also false for a change that is not a number
             if change <= SETTLED * size.max(1.0) {
+                break;
+            }
+            if change < least {
+                (least, least_at) = (change, steps);
+            }
+            if least <= ROUNDING * size && steps - least_at >= PATIENCE {
                 break;
             }
             steps += 1;

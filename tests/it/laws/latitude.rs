@@ -4,7 +4,7 @@ use planish::math::functions::sqrt;
 use planish::refine::revolution::outlooks;
 use serde_json::{Value, json};
 
-use crate::support::{self, faults};
+use crate::support::{self, faults, nets};
 
 type Point = [f64; 3];
 
@@ -239,9 +239,7 @@ fn lines_that_are_no_circles_are_explained() {
 #[test]
 fn the_tagged_nets_have_exact_lines() {
     for (name, least) in [("barrel-tagged", 1), ("t-junction-tagged", 3)] {
-        let path = format!("{}/tests/nets/{name}.json", env!("CARGO_MANIFEST_DIR"));
-        let net = std::fs::read_to_string(path).expect("the net is there");
-        let net: Value = serde_json::from_str(&net).expect("the net is JSON");
+        let net = nets::control(name);
         let found = lines(&net["mesh"], &push_back(1.0, 1, "difference"));
         let exact = found.iter().filter(|line| line.is_ok()).count();
         assert!(exact >= least, "{name}: {exact} of {} lines are exact: {found:?}", found.len());

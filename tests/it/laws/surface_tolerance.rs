@@ -7,7 +7,7 @@ use planish::wire::answer::EstimateAnswer;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-use crate::support::nets::{Net, cube, cylinder, grid, manifold, torus, triangle_manifold, triangulated};
+use crate::support::nets::{Net, control, cube, cylinder, grid, manifold, torus, triangle_manifold, triangulated};
 use crate::support::surfaces::Surface;
 use crate::support::{self, faults, parsed};
 
@@ -49,11 +49,6 @@ fn deviation(input: &Value, plan: &Value, level: u32, positions: &str) -> f64 {
     [0, 1].map(both).into_iter().fold(0.0, f64::max)
 }
 
-fn file(name: &str) -> Value {
-    let path = format!("{}/tests/nets/{name}.json", env!("CARGO_MANIFEST_DIR"));
-    serde_json::from_str(&std::fs::read_to_string(path).expect("a net")).expect("JSON")
-}
-
 fn preset(name: &str) -> Value {
     json!({ "preset": name })
 }
@@ -76,7 +71,7 @@ fn round(n: usize) -> Net {
 
 /// The cube of side 2 with two sharp edges.
 fn creased(sharpness: f64) -> Value {
-    let mut input = file("cube");
+    let mut input = control("cube");
     let face = input["mesh"]["faces"][0].clone();
     input["mesh"]["creases"] = json!([
         { "edge": [face[0], face[1]], "sharpness": 10 }, { "edge": [face[1], face[2]], "sharpness": sharpness },
@@ -86,38 +81,38 @@ fn creased(sharpness: f64) -> Value {
 
 fn typical() -> Vec<(&'static str, Value, Value, f64)> {
     vec![
-        ("cube", file("cube"), preset("catmull-clark"), 0.02),
-        ("torus", file("torus"), preset("catmull-clark"), 0.05),
-        ("barrel", file("barrel"), preset("catmull-clark"), 0.1),
-        ("grid", file("grid"), preset("catmull-clark"), 0.01),
-        ("mixed", file("mixed"), preset("catmull-clark"), 0.03),
-        ("grid, edge-only", file("grid"), json!({ "preset": "catmull-clark", "boundary": "edge-only" }), 0.02),
-        ("mixed, edge-only", file("mixed"), json!({ "preset": "catmull-clark", "boundary": "edge-only" }), 0.01),
+        ("cube", control("cube"), preset("catmull-clark"), 0.02),
+        ("torus", control("torus"), preset("catmull-clark"), 0.05),
+        ("barrel", control("barrel"), preset("catmull-clark"), 0.1),
+        ("grid", control("grid"), preset("catmull-clark"), 0.01),
+        ("mixed", control("mixed"), preset("catmull-clark"), 0.03),
+        ("grid, edge-only", control("grid"), json!({ "preset": "catmull-clark", "boundary": "edge-only" }), 0.02),
+        ("mixed, edge-only", control("mixed"), json!({ "preset": "catmull-clark", "boundary": "edge-only" }), 0.01),
         ("torus of triangles", triangulated(round(10)).input(), preset("catmull-clark"), 0.2),
         ("cube with sharp edges", creased(10.0), preset("catmull-clark"), 0.05),
         ("cube with an edge that is sharp for a while", creased(1.5), preset("catmull-clark"), 0.05),
-        ("torus, UC", file("torus"), super::word("UC"), 0.02),
-        ("grid, UCC", file("grid"), super::word("UCC"), 0.02),
-        ("cube, UDD", file("cube"), super::word("UDD"), 0.03),
-        ("cube, UDDC", file("cube"), super::word("U(UDDC)"), 0.05),
-        ("cube, two upsamplings", file("cube"), super::word("UCUCC"), 0.2),
-        ("cube, UD", file("cube"), super::word("UD"), 0.05),
-        ("torus, UD", file("torus"), super::word("UD"), 0.05),
-        ("cube, UDDD", file("cube"), super::word("UDDD"), 0.05),
-        ("barrel, UD", file("barrel"), super::word("UD"), 0.05),
-        ("barrel, UDDD", file("barrel"), super::word("UDDD"), 0.05),
-        ("animal, UD", file("animal"), super::word("UD"), 0.2),
-        ("tetrahedron, UCD", file("tetrahedron"), super::word("UCD"), 0.05),
+        ("torus, UC", control("torus"), super::word("UC"), 0.02),
+        ("grid, UCC", control("grid"), super::word("UCC"), 0.02),
+        ("cube, UDD", control("cube"), super::word("UDD"), 0.03),
+        ("cube, UDDC", control("cube"), super::word("U(UDDC)"), 0.05),
+        ("cube, two upsamplings", control("cube"), super::word("UCUCC"), 0.2),
+        ("cube, UD", control("cube"), super::word("UD"), 0.05),
+        ("torus, UD", control("torus"), super::word("UD"), 0.05),
+        ("cube, UDDD", control("cube"), super::word("UDDD"), 0.05),
+        ("barrel, UD", control("barrel"), super::word("UD"), 0.05),
+        ("barrel, UDDD", control("barrel"), super::word("UDDD"), 0.05),
+        ("animal, UD", control("animal"), super::word("UD"), 0.2),
+        ("tetrahedron, UCD", control("tetrahedron"), super::word("UCD"), 0.05),
         (
             "torus of degree 4",
-            file("torus"),
+            control("torus"),
             json!({ "preset": "repeated-averaging", "parameters": { "degree": 4 } }),
             0.05,
         ),
-        ("tetrahedron, loop", file("tetrahedron"), preset("loop"), 0.02),
-        ("stellated, loop", file("stellated"), preset("loop"), 0.1),
-        ("stellated, UC", file("stellated"), on_triangles("UC"), 0.2),
-        ("tetrahedron, UCC", file("tetrahedron"), on_triangles("UCC"), 0.02),
+        ("tetrahedron, loop", control("tetrahedron"), preset("loop"), 0.02),
+        ("stellated, loop", control("stellated"), preset("loop"), 0.1),
+        ("stellated, UC", control("stellated"), on_triangles("UC"), 0.2),
+        ("tetrahedron, UCC", control("tetrahedron"), on_triangles("UCC"), 0.02),
     ]
 }
 
@@ -156,9 +151,9 @@ fn falling(input: &Value, plan: &Value, start: f64, n: usize) -> Vec<(u32, f64)>
 #[test]
 fn each_level_divides_the_bound_by_4() {
     let cases = [
-        ("torus", file("torus"), super::word("UC"), 0.05),
-        ("grid", file("grid"), preset("catmull-clark"), 0.04),
-        ("tetrahedron", file("tetrahedron"), preset("loop"), 0.06),
+        ("torus", control("torus"), super::word("UC"), 0.05),
+        ("grid", control("grid"), preset("catmull-clark"), 0.04),
+        ("tetrahedron", control("tetrahedron"), preset("loop"), 0.06),
     ];
     for (name, input, plan, start) in cases {
         for pair in falling(&input, &plan, start, 3).windows(2) {
@@ -194,7 +189,7 @@ fn flat_and_bilinear_surfaces_are_their_own_limits() {
 /// Faces that are no quads are split first.
 #[test]
 fn meshes_of_other_faces_are_within_a_tolerance_from_level_1_on() {
-    for input in [file("mixed"), file("tetrahedron")] {
+    for input in [control("mixed"), control("tetrahedron")] {
         let (level, bound) = within(&input, &preset("catmull-clark"), 1e3, "refined");
         assert!(level == 1 && bound < 10.0, "level {level}, bound {bound}");
     }
@@ -203,7 +198,7 @@ fn meshes_of_other_faces_are_within_a_tolerance_from_level_1_on() {
 #[test]
 fn the_level_is_part_of_the_key_and_the_tolerance_is_not() {
     let of = |levels: Value, positions: &str| {
-        let job = job(&file("cube"), &preset("catmull-clark"), &levels, positions);
+        let job = job(&control("cube"), &preset("catmull-clark"), &levels, positions);
         parsed(job.to_string().as_bytes()).expect("a job")
     };
     let within = of(json!({ "tolerance": 0.05 }), "refined");
@@ -221,9 +216,10 @@ fn the_level_is_part_of_the_key_and_the_tolerance_is_not() {
 #[test]
 fn the_output_that_is_farther_decides() {
     let outputs = json!([{ "format": "obj" }, { "format": "ply", "positions": "limit" }]);
-    let both = json!({ "input": file("cube"), "plan": preset("catmull-clark"), "levels": { "tolerance": 0.05 }, "outputs": outputs });
+    let both = json!({ "input": control("cube"), "plan": preset("catmull-clark"), "levels": { "tolerance": 0.05 }, "outputs": outputs });
     let both = parsed(both.to_string().as_bytes()).expect("a job").reached.expect("a level");
-    let each = ["refined", "limit"].map(|positions| within(&file("cube"), &preset("catmull-clark"), 0.05, positions));
+    let each =
+        ["refined", "limit"].map(|positions| within(&control("cube"), &preset("catmull-clark"), 0.05, positions));
     assert_eq!(both.level, each[0].0.max(each[1].0));
     assert!(each.iter().any(|&(level, bound)| level == both.level && bound.to_bits() == both.bound.to_bits()));
 }
@@ -231,7 +227,7 @@ fn the_output_that_is_farther_decides() {
 #[test]
 fn what_has_no_bound_is_refused_with_the_reason() {
     let with = |parameters: Value| json!({ "word": "UC", "parameters": parameters });
-    let (cube, triangles, open) = (file("cube"), file("stellated"), file("grid"));
+    let (cube, triangles, open) = (control("cube"), control("stellated"), control("grid"));
     let cases = [
         (&cube, preset("kobbelt"), "make splines"),
         (&cube, preset("doo-sabin"), "make splines"),
@@ -265,7 +261,7 @@ fn what_has_no_bound_is_refused_with_the_reason() {
     };
     let parameters = own("parameters", json!({ "kernel": [1, 1, 1, 1, 1, 1, 1, 2] }));
     assert!(refused(&parameters, &super::word("UC"), 0.1).contains("parameters of vertices"));
-    let tagged = refused(&file("barrel-tagged"), &super::word("UC"), 0.1);
+    let tagged = refused(&control("barrel-tagged"), &super::word("UC"), 0.1);
     assert!(tagged.contains("latitude"), "{tagged}");
     assert!(refused(&cube, &preset("catmull-clark"), 1e-15).contains("rounding"));
     assert!(refused(&cube, &preset("catmull-clark"), -1.0).contains("positive"));
@@ -278,7 +274,7 @@ fn what_is_too_large_is_refused_with_the_remedy() {
     let input = json!({ "input": many.input(), "plan": preset("catmull-clark"), "levels": { "tolerance": 1e-3 } });
     let fault = faults(input).remove(0);
     assert!(fault.pointer == "/levels/tolerance" && fault.detail.contains("are looked at"), "{fault:?}");
-    let fine = json!({ "input": file("grid"), "plan": preset("catmull-clark"), "levels": { "tolerance": 1e-8 } });
+    let fine = json!({ "input": control("grid"), "plan": preset("catmull-clark"), "levels": { "tolerance": 1e-8 } });
     let fault = faults(fine).remove(0);
     assert!(fault.pointer == "/levels" && fault.detail.contains("coarser tolerance"), "{fault:?}");
 }

@@ -194,6 +194,20 @@ fn limits_do_not_move_under_one_more_letter() {
     }
 }
 
+/// The rounding of wide masks never comes to rest.
+#[test]
+fn wide_dual_words_have_limits() {
+    let barrel = Net::of(&nets::control("barrel")["mesh"]);
+    let led = applied(&applied(&barrel, "C"), "D");
+    let plan = |word: &str| json!({ "word": word, "parameters": { "delta": 0.4 } });
+    let expected = limits(&led, &plan("UCCCCPCD")).expect("limits");
+    let (found, _) = limit(&barrel, &plan("CDUCCCCP"), 1);
+    for (v, p) in expected.iter().enumerate() {
+        let off = distance(p, &found.positions[v]);
+        assert!(off <= 1e-12 * (1.0 + extent(&led)), "vertex {v} moves by {off}");
+    }
+}
+
 /// What takes the place of each vertex, letter by letter, approaches the limit.
 #[test]
 fn limits_are_where_levels_lead() {

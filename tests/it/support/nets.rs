@@ -45,6 +45,12 @@ impl Net {
     }
 }
 
+/// The input of a job that one of `tests/nets` is.
+pub(crate) fn control(name: &str) -> Value {
+    let path = format!("{}/tests/nets/{name}.json", env!("CARGO_MANIFEST_DIR"));
+    serde_json::from_str(&std::fs::read_to_string(path).expect("a net")).expect("JSON")
+}
+
 /// Largest difference of a coordinate; infinite where one is missing or not a number.
 pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
     let differences = a.iter().zip(b).map(|(x, y)| (x - y).abs());
