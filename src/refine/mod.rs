@@ -35,6 +35,7 @@ use crate::shape::attributes::Attributes;
 use crate::shape::directions::Directions;
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
+use crate::shape::topology::NONE;
 use crate::watch::{Stopped, Watch};
 
 /// Numbers that one thread takes at a time.
@@ -268,6 +269,10 @@ impl Points {
         let chunks = differences.par_chunks_mut(CHUNK * w).zip(children.par_chunks(CHUNK));
         chunks.for_each(|(differences, children)| {
             for (difference, &child) in differences.chunks_exact_mut(w).zip(children) {
+                if child == NONE {
+                    difference.fill(0.0);
+                    continue;
+                }
                 let child = child as usize * w;
                 for (d, x) in difference.iter_mut().zip(&self.now[child..child + w]) {
                     *d -= x;

@@ -95,6 +95,8 @@ pub struct MeshNet {
     pub holes: Arc<[u32]>,
     /// Boundary rule.
     pub boundary: Boundary,
+    /// Whether its boundary is where it was cut out of a closed mesh, which D loses no vertices of.
+    pub cut: bool,
     /// Whether D would lose something the client tagged.
     pub tagged: Option<&'static str>,
     /// Number of D since the last U.
@@ -137,6 +139,7 @@ impl MeshNet {
             rules: Rules::default(),
             holes,
             boundary,
+            cut: false,
             tagged,
             duals: 0,
             rounds: 0,
@@ -177,6 +180,7 @@ impl MeshNet {
             rules: self.rules,
             holes: Arc::default(),
             boundary: self.boundary,
+            cut: self.cut,
             tagged: None,
             duals: self.duals + 1,
             rounds: 0,

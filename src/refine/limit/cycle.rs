@@ -6,9 +6,9 @@ use super::Unlimited;
 use super::heir::heir;
 use super::matrix::{Matrix, Record, Weights};
 use super::own::Own;
-use super::patch::{Found, Patch, Rings, Whole};
+use super::patch::{Found, Frame, Patch, Rings, Whole};
 use crate::refine::values;
-use crate::scheme::mesh_net::{Boundary, MeshNet, Surroundings};
+use crate::scheme::mesh_net::{MeshNet, Surroundings};
 use crate::scheme::ops::Heirs;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::step::Action;
@@ -28,8 +28,7 @@ const SAME: f64 = 2e-16;
 #[derive(Debug)]
 pub(super) struct Cycle<'a> {
     pub(super) plan: &'a Plan,
-    /// Where a D makes new vertices with one face: whether they keep their place.
-    pub(super) boundary: Boundary,
+    pub(super) frame: Frame,
     levels: Vec<&'a [Scheduled]>,
     /// The first of these levels from which on no number changes.
     pub(super) settled: usize,
@@ -47,14 +46,9 @@ pub(super) struct Child {
 }
 
 impl<'a> Cycle<'a> {
-    /// The levels ahead, `length` steps each, which start with an upsampling, on an open mesh or a closed one. `alphas` are
-    /// some that vertices carry.
-    pub(super) fn new(
-        plan: &'a Plan,
-        (ahead, length): (&'a [Scheduled], usize),
-        is_open: bool,
-        alphas: &[f64],
-    ) -> Self {
+    /// The levels ahead, `length` steps each, which start with an upsampling. `alphas` are some that vertices
+    /// carry.
+    pub(super) fn new(plan: &'a Plan, (ahead, length): (&'a [Scheduled], usize), frame: Frame, alphas: &[f64]) -> Self {
         let levels: Vec<&[Scheduled]> = ahead.chunks_exact(length).collect();
         let last = levels.len() - 1;
         let settled = |&level: &usize| {
@@ -62,8 +56,7 @@ impl<'a> Cycle<'a> {
             same(level, last) && alphas.iter().all(|&alpha| same_at(plan, alpha, level, last))
         };
         let settled = (0..last).rev().take_while(settled).last().unwrap_or(last);
-        let boundary = if is_open { plan.boundary } else { Boundary::EdgeOnly };
-        Self { plan, boundary, levels, settled }
+        Self { plan, frame, levels, settled }
     }
 
     /// The operators of a level; those beyond the settled one are like it.
@@ -107,7 +100,7 @@ impl<'a> Cycle<'a> {
         rings: Rings,
         weights: Weights,
     ) -> Result<(Found, Record, Vec<u32>, Arc<Topology>), Unlimited> {
-        let (mut net, origins) = patch.net(self.plan.rules, self.boundary).ok_or(Unlimited::Reach)?;
+        let (mut net, origins) = patch.net(self.frame).ok_or(Unlimited::Reach)?;
         if own.first().are_there() {
             let directions = net.directions.as_deref().cloned();
             net = net.carrying(Some(own.attributes(&origins)), directions);
@@ -133,7 +126,7 @@ impl<'a> Cycle<'a> {
         net: MeshNet,
         mut act: impl FnMut(&Action, &Scheduled) -> Result<(), Unlimited>,
     ) -> Result<MeshNet, Unlimited> {
-        let (mut net, mut made) = (net, Made::default());
+        let (mut net, mut made) = (MeshNet { cut: self.frame.cut, ..net }, Made::default());
         for step in self.levels[self.settled] {
             let next = step.letter.operator.on_mesh(&net, &values(self.plan, step)).map_err(Unlimited::from)?;
             made.add(&next.net)?;

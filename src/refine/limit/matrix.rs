@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::Unlimited;
 use crate::math::rows::{RowSource, Rows, collect};
 use crate::scheme::step::Action;
-use crate::shape::topology::index;
+use crate::shape::topology::{NONE, index};
 
 /// A matrix in sparse rows.
 #[derive(Debug, Clone, PartialEq)]
@@ -177,7 +177,11 @@ impl Trace {
                 rows.each(point, |column, w| {
                     let push = factor * weigh(w);
                     anchor.add(column, push);
-                    before.add(children[column as usize], minus * push);
+                    match children[column as usize] {
+                        // lost at the rim of a patch: whoever needs it has no weights
+                        NONE => before.add(point, f64::NAN),
+                        child => before.add(child, minus * push),
+                    }
                 });
             }),
         }

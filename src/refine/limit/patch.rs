@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::cycle::is_triangular;
 use crate::scheme::mesh_net::{Boundary, MeshNet, Rules, Surroundings};
+use crate::scheme::plan::Plan;
 use crate::scheme::sharpness::Sharpness;
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::creases::INFINITE_SHARPNESS;
@@ -66,6 +67,26 @@ impl<'a> Whole<'a> {
             rounds,
             surroundings: net.surroundings,
         }
+    }
+}
+
+/// What holds of all patches of a net.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Frame {
+    rules: Rules,
+    /// Where a D makes new vertices with one face: whether they keep their place.
+    boundary: Boundary,
+    /// Whether the net has all vertices that D needs, so that a patch loses some where it was cut out only.
+    pub(super) cut: bool,
+}
+
+impl Frame {
+    /// Of the nets that a plan makes of a mesh.
+    pub(super) fn of(plan: &Plan, topology: &Topology) -> Self {
+        let is_open = topology.n_boundary() > 0;
+        let cut = !is_open && (0..topology.n_vertices()).all(|v| topology.ring(v).nth(2).is_some());
+        let boundary = if is_open { plan.boundary } else { Boundary::EdgeOnly };
+        Self { rules: plan.rules, boundary, cut }
     }
 }
 
@@ -150,8 +171,8 @@ impl Patch {
         found.is_ok_and(|at| f64::from_bits(self.sharp_edges[at].1) >= INFINITE_SHARPNESS)
     }
 
-    /// The patch as a net of its own under these rules, with the origin of each of its vertices in the patch.
-    pub(super) fn net(&self, rules: Rules, boundary: Boundary) -> Option<(MeshNet, Vec<u32>)> {
+    /// The patch as a net of its own, with the origin of each of its vertices in the patch.
+    pub(super) fn net(&self, Frame { rules, boundary, cut }: Frame) -> Option<(MeshNet, Vec<u32>)> {
         let mut faces = FaceList::default();
         self.faces().for_each(|face| faces.push(face.iter().copied()));
         let mut checked = Topology::of_faces(self.n_vertices, faces, Winding::Refuse).ok()?;
@@ -176,7 +197,7 @@ impl Patch {
         }
         let directions = (!self.directions.is_empty()).then(|| Directions::of_edges(directions));
         // nothing that a D would lose was tagged where there is one
-        let net = MeshNet { tagged: None, boundary, ..net.carrying(None, directions) };
+        let net = MeshNet { tagged: None, boundary, cut, ..net.carrying(None, directions) };
         let (rounds, surroundings) = (self.rounds, self.surroundings);
         Some((MeshNet { rounds, surroundings, ..net }, origins))
     }

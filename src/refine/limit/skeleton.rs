@@ -79,7 +79,7 @@ impl<'a> Skeletons<'a> {
         if let Some(skeleton) = known().get(patch) {
             return Ok(skeleton.clone());
         }
-        let (net, origins) = patch.net(self.cycle.plan.rules, self.cycle.boundary).ok_or(Unlimited::Reach)?;
+        let (net, origins) = patch.net(self.cycle.frame).ok_or(Unlimited::Reach)?;
         let (child, refined) = self.cycle.child(patch, own, self.rings)?;
         let skeleton = Arc::new(Skeleton { net, origins, child, refined });
         // whoever comes first, all find the same

@@ -41,7 +41,7 @@ pub(super) fn by(patch: &Patch, forth: impl Fn(&[f64]) -> Vec<f64>) -> Option<us
 /// For each vertex of the support of a patch the one in whose place it comes when the patch is turned by so many faces;
 /// `None` where it does not look the same then.
 pub(super) fn places(patch: &Patch, cycle: &Cycle<'_>, rings: Rings, faces: usize) -> Option<Vec<u32>> {
-    let (net, origins) = patch.net(cycle.plan.rules, cycle.boundary)?;
+    let (net, origins) = patch.net(cycle.frame)?;
     let (centre, whole) = (patch.centre(), Whole::of(&net, &net.base));
     let [here, there] = [0, faces].map(|start| whole.walk(centre, whole.starts(centre).nth(start)?, rings));
     let (here, there) = (here?, there?);

@@ -90,27 +90,26 @@ impl Operator for Dual {
             return Err(StepError::DualTags(tags));
         }
         let ordered = Ordered::of(net);
-        let faces = dual_faces(&ordered)?;
+        let (faces, kept) = dual_faces(&ordered)?;
         if faces.is_empty() {
             return Err(StepError::NoInterior);
         }
         let n_old = net.n_vertices();
-        let complete = faces.len() == n_old;
+        let lost = kept.len() < n_old && !net.cut;
         let checked = manifold(ordered.faces.len(), faces)?;
         let split_from = checked.split_from;
         let labels = net.anchor.clone().filter(|_| net.parent.is_some());
         let (n_new, f) = (checked.topology.n_vertices(), values.kernel);
         let Ordered { faces, order, .. } = ordered;
-        let order_here = order.clone();
+        let anchor = net.anchor.clone().map(|anchor| {
+            let known = anchor.order.as_ref().or(order.as_ref());
+            let order = known.map(|known| order_after(net, known, &kept, &split_from));
+            Anchor { lost: lost || anchor.lost, order, ..anchor }
+        });
         let n_faces = faces.len();
         let rows = RowsBy::new(n_new, n_old, move |row, out: &mut Rows| {
             let face = if row < n_faces { row } else { split_from[row - n_faces] as usize };
             mean_of_face(faces.face(face), order.as_deref(), labels.as_ref(), f, out);
-        });
-        let anchor = net.anchor.clone().map(|anchor| Anchor {
-            lost: !complete || anchor.lost,
-            order: anchor.order.clone().or(order_here),
-            ..anchor
         });
         Ok(Step { net: net.after_dual(checked.topology, anchor), action: Action::Blend(Box::new(rows)) })
     }
@@ -154,13 +153,30 @@ impl Ordered {
     }
 }
 
-/// For each interior vertex in order the cycle of its faces, counter-clockwise, starting at the lowest.
-fn dual_faces(ordered: &Ordered) -> Result<FaceList, StepError> {
+/// The numbers at the last U of the vertices after a D or, where it puts faces in their place, of these. Numbers of the
+/// vertices or faces before are `known`; the dual has faces for the vertices `kept`, and `split_from` are the faces whose
+/// vertex there is one more.
+fn order_after(net: &MeshNet, known: &Arc<[u32]>, kept: &[u32], split_from: &[u32]) -> Arc<[u32]> {
+    if net.duals.is_multiple_of(2) {
+        if kept.len() == known.len() {
+            return known.clone();
+        }
+        kept.iter().map(|&v| known[v as usize]).collect()
+    } else {
+        if split_from.is_empty() {
+            return known.clone();
+        }
+        known.iter().copied().chain(split_from.iter().map(|&face| known[face as usize])).collect()
+    }
+}
+
+/// For each interior vertex in order the cycle of its faces, counter-clockwise, starting at the lowest; and these vertices.
+fn dual_faces(ordered: &Ordered) -> Result<(FaceList, Vec<u32>), StepError> {
     let explicit = match ordered.order {
         None => ordered.topology.clone(),
         Some(_) => Arc::new(manifold(ordered.topology.n_vertices(), ordered.faces.clone())?.topology),
     };
-    let dual = |v: usize, faces: &mut FaceList| {
+    let dual = |v: usize, (faces, kept): &mut (FaceList, Vec<u32>)| {
         if explicit.is_isolated(v) || explicit.boundary_edges(v).is_some() {
             return;
         }
@@ -169,17 +185,21 @@ fn dual_faces(ordered: &Ordered) -> Result<FaceList, StepError> {
             let lowest = (0..cycle.len()).min_by_key(|&i| cycle[i]).unwrap_or(0);
             cycle.rotate_left(lowest);
             faces.push(cycle);
+            kept.push(index(v));
         }
     };
     let n = explicit.n_vertices();
     let parts = (0..n.div_ceil(PART)).into_par_iter().map(|part| {
-        let mut faces = FaceList::default();
-        (part * PART..n.min((part + 1) * PART)).for_each(|v| dual(v, &mut faces));
-        faces
+        let mut found = (FaceList::default(), Vec::new());
+        (part * PART..n.min((part + 1) * PART)).for_each(|v| dual(v, &mut found));
+        found
     });
-    let mut faces = FaceList::default();
-    parts.collect::<Vec<_>>().iter().for_each(|part| faces.append(part));
-    Ok(faces)
+    let (mut faces, mut kept) = (FaceList::default(), Vec::new());
+    for (some, vertices) in parts.collect::<Vec<_>>() {
+        faces.append(&some);
+        kept.extend(vertices);
+    }
+    Ok((faces, kept))
 }
 
 fn manifold(n_vertices: usize, faces: FaceList) -> Result<Checked, StepError> {

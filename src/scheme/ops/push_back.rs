@@ -17,7 +17,7 @@ use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::steps;
 use crate::scheme::word::Letter;
 use crate::shape::tile::Tile;
-use crate::shape::topology::{Topology, index};
+use crate::shape::topology::{NONE, Topology, index};
 
 /// P, the push-back towards what entered the last U: `D_i = delta (P_i - V_i)`; `V += D_i`, `E += omega/2 (D_1 + D_2)`,
 /// `F += omega^2 / n sum D`.
@@ -180,11 +180,12 @@ fn legal(duals: u32, lost: bool, to: &'static str) -> Result<(), StepError> {
     }
 }
 
-/// The vertex of the net that came of each anchor vertex.
+/// The vertex of the net that came of each anchor vertex, or [`NONE`].
 fn children(anchor: &Anchor) -> Arc<[u32]> {
     let n_v = anchor.topology.n_vertices();
     let mut children: Vec<u32> = (0..index(n_v)).collect();
     if let Some(order) = &anchor.order {
+        children.fill(NONE);
         for (here, &place) in order.iter().enumerate() {
             if (place as usize) < n_v {
                 children[place as usize] = index(here);

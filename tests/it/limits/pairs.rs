@@ -1,9 +1,10 @@
-//! D twice is C on closed meshes, before P too.
+//! D twice is C on closed meshes, before P too, and P knows its points when D took the rim of what is around a vertex.
 
 use serde_json::{Value, json};
 
 use super::limit;
-use crate::support::nets::{self, distance};
+use crate::support::json;
+use crate::support::nets::{self, Net, distance};
 
 #[test]
 fn pairs_of_duals_have_the_limits_of_averages() {
@@ -38,6 +39,41 @@ fn pairs_of_duals_have_the_limits_of_averages() {
                     assert!(off <= 1e-8, "{dual} {parameters}: normal {v} is off by {off} at level {levels}");
                 }
             }
+        }
+    }
+}
+
+/// Of triangles D twice is C with the weight 1/3, whatever the kernel; with C between no word of C alone is the same.
+#[test]
+fn pairs_of_duals_on_triangles_have_limits() {
+    let on_triangles = |word: &str, more: Value| -> Value {
+        let mut parameters = json!({ "split": "triangle", "mu": 1.0 / 3.0 });
+        parameters.as_object_mut().expect("an object").extend(more.as_object().cloned().unwrap_or_default());
+        json!({ "word": word, "parameters": parameters })
+    };
+    let circle = json!({ "alpha": 1, "kernel": "cos(alpha/2)", "compensation": "1/cos(alpha/2)", "delta": 0.3 });
+    for net in [nets::tetrahedron(), nets::triangulated(nets::prism(5))] {
+        let still = |[(a, an), (b, bn)]: [(Net, Vec<[f64; 3]>); 2], what: &str| {
+            for v in 0..net.positions.len() {
+                let off = distance(&a.positions[v], &b.positions[v]);
+                assert!(off <= 1e-12, "{what}: vertex {v} is off by {off}");
+                let off = distance(&an[v], &bn[v]);
+                assert!(off <= 1e-8, "{what}: normal {v} is off by {off}");
+            }
+        };
+        for parameters in [json!({ "delta": 0.4 }), circle.clone()] {
+            let [dual, average] = ["UDDP", "UCP"].map(|word| on_triangles(word, parameters.clone()));
+            still([limit(&net, &dual, 1), limit(&net, &average, 1)], "UDDP");
+        }
+        for word in ["UDCDP", "UCDDPC", "UDCDCP"] {
+            let plan = on_triangles(word, json!({ "delta": 0.4 }));
+            let (found, normals) = limit(&net, &plan, 0);
+            let deep = Net::of(&json(json!({ "input": net.input(), "plan": plan, "levels": 6 })));
+            for v in 0..net.positions.len() {
+                let off = distance(&found.positions[v], &deep.positions[v]);
+                assert!(off <= 3e-3, "{word}: vertex {v} is {off} from its limit");
+            }
+            still([(found, normals), limit(&net, &plan, 1)], word);
         }
     }
 }
