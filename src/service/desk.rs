@@ -150,9 +150,7 @@ impl Desk {
         }
         task.set(Phase::Running);
         let start = self.clock.now();
-        let made =
-            catch_unwind(AssertUnwindSafe(|| turn.threads.install(|| self.make_stored(task, admitted, output, about))));
-        drop(turn);
+        let made = catch_unwind(AssertUnwindSafe(|| turn.run(|| self.make_stored(task, admitted, output, about))));
         let took = self.clock.now().saturating_sub(start);
         self.pool.finished(took);
         match made {

@@ -66,8 +66,7 @@ impl Drop for Waiting {
 /// The right to compute now.
 #[derive(Debug)]
 pub struct Turn {
-    /// The threads to compute on.
-    pub threads: Arc<rayon::ThreadPool>,
+    threads: Arc<rayon::ThreadPool>,
     _place: OwnedSemaphorePermit,
     _memory: OwnedSemaphorePermit,
 }

@@ -1,6 +1,11 @@
 //! More work than there is room for.
 
+use std::future::{Future, poll_fn};
+use std::pin::pin;
+use std::task::Poll;
+
 use planish::config::Settings;
+use planish::service::pool::Lane;
 
 use crate::http::jobs::{endless, mesh, with};
 use crate::http::server::{settings, story, until};
@@ -57,6 +62,21 @@ fn levels_of_tolerances_on_meshes_are_found_in_line() {
         let found = server.render(&within(0.3)).await.ok();
         assert_eq!(found.header("planish-level"), "1");
         drop(clients);
+    });
+}
+
+/// A client that leaves ends its wait, not the work.
+#[test]
+fn a_turn_lasts_until_its_work_ends_though_nobody_waits_for_it() {
+    story(settings(), async |server| {
+        let pool = &server.app.desk.pool;
+        let turn = server.hold().await.pop().expect("one");
+        let (end, ended) = std::sync::mpsc::channel::<()>();
+        drop(tokio::task::spawn_blocking(move || turn.run(move || ended.recv())));
+        let mut next = pin!(pool.turn(Lane::Long, 0));
+        assert!(poll_fn(|context| Poll::Ready(next.as_mut().poll(context).is_pending())).await, "its place is taken");
+        end.send(()).expect("the work goes on");
+        drop(next.await);
     });
 }
 
