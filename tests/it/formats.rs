@@ -11,6 +11,8 @@ use planish::watch::Watch;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
+use crate::support::nothing;
+
 /// A mesh in memory.
 #[derive(Debug, Clone, Default)]
 struct Net {
@@ -59,36 +61,19 @@ fn curve(dimension: usize, closed: bool, points: &[f64]) -> Curve {
 fn counts(shape: Shape<'_>) -> Counts {
     match shape {
         Shape::Mesh(mesh) => Counts {
-            kind: ShapeKind::Mesh,
-            polygons: 1,
-            control: 0,
             vertices: mesh.n_vertices() as u128,
             faces: mesh.n_faces() as u128,
             corners: mesh.n_corners() as u128,
             largest_face: 4,
-            parted: 0,
-            uvs: 0,
-            frame: Frame::default(),
             attachments: Arc::new(mesh.attachments().clone()),
             input_faces: mesh.input_cells()[2],
             input_edges: mesh.input_cells()[1],
-            tags: 0,
+            ..nothing(ShapeKind::Mesh)
         },
         Shape::Curves(curves) => Counts {
-            kind: ShapeKind::Curves { dimension: curves.first().map_or(1, |curve| curve.dimension) },
             polygons: curves.len() as u128,
-            control: 0,
             vertices: curves.iter().map(|curve| curve.len() as u128).sum(),
-            faces: 0,
-            corners: 0,
-            largest_face: 0,
-            parted: 0,
-            uvs: 0,
-            frame: Frame::default(),
-            attachments: Arc::default(),
-            input_faces: 0,
-            input_edges: 0,
-            tags: 0,
+            ..nothing(ShapeKind::Curves { dimension: curves.first().map_or(1, |curve| curve.dimension) })
         },
     }
 }

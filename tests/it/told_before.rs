@@ -1,17 +1,14 @@
 //! What a format cannot count is refused by the estimate, before anything is refined.
 
-use std::sync::Arc;
-
 use planish::fault::Fault;
 use planish::job::limits::{Limits, Refusal};
 use planish::math::parameter::{Literal, Values};
-use planish::output::scene::Frame;
 use planish::output::{Counts, ShapeKind, named};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
 use crate::support::nets::{self, Net};
-use crate::support::{parsed, render};
+use crate::support::{nothing, parsed, render};
 
 /// What the estimate of a job says: the corners of the largest face of the result.
 fn estimate(job: &Value, limits: &Limits) -> Result<u128, Vec<Fault>> {
@@ -122,22 +119,7 @@ fn a_glb_of_more_than_four_gigabytes_is_refused_by_the_estimate() {
 
 #[test]
 fn origins_that_f32_cannot_number_are_refused_by_the_estimate() {
-    let counts = |input_edges| Counts {
-        kind: ShapeKind::Mesh,
-        polygons: 1,
-        control: 0,
-        vertices: 0,
-        faces: 0,
-        corners: 0,
-        largest_face: 0,
-        parted: 0,
-        uvs: 0,
-        frame: Frame::default(),
-        attachments: Arc::default(),
-        input_faces: 0,
-        input_edges,
-        tags: 0,
-    };
+    let counts = |input_edges| Counts { input_edges, ..nothing(ShapeKind::Mesh) };
     for name in ["glb", "gltf"] {
         let format = named(name).expect("a format");
         let options = |ids| {

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use super::Unlimited;
+use super::frame::Frame;
 use super::heir::heir;
 use super::matrix::{Matrix, Record, Weights};
 use super::own::Own;
-use super::patch::{Found, Frame, Patch, Rings, Whole};
+use super::patch::{Found, Patch, Rings, Whole};
 use crate::refine::values;
 use crate::scheme::mesh_net::{MeshNet, Surroundings};
 use crate::scheme::ops::Heirs;

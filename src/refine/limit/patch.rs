@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::cycle::is_triangular;
-use crate::scheme::mesh_net::{Boundary, MeshNet, Rules, Surroundings};
-use crate::scheme::plan::Plan;
+use super::frame::Frame;
+use crate::scheme::mesh_net::{Boundary, MeshNet, Surroundings};
 use crate::scheme::sharpness::Sharpness;
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::creases::INFINITE_SHARPNESS;
@@ -67,26 +67,6 @@ impl<'a> Whole<'a> {
             rounds,
             surroundings: net.surroundings,
         }
-    }
-}
-
-/// What holds of all patches of a net.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Frame {
-    rules: Rules,
-    /// Where a D makes new vertices with one face: whether they keep their place.
-    boundary: Boundary,
-    /// Whether the net has all vertices that D needs, so that a patch loses some where it was cut out only.
-    pub(super) cut: bool,
-}
-
-impl Frame {
-    /// Of the nets that a plan makes of a mesh.
-    pub(super) fn of(plan: &Plan, topology: &Topology) -> Self {
-        let is_open = topology.n_boundary() > 0;
-        let cut = !is_open && (0..topology.n_vertices()).all(|v| topology.ring(v).nth(2).is_some());
-        let boundary = if is_open { plan.boundary } else { Boundary::EdgeOnly };
-        Self { rules: plan.rules, boundary, cut }
     }
 }
 

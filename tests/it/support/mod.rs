@@ -3,9 +3,13 @@
 pub(crate) mod nets;
 pub(crate) mod surfaces;
 
+use std::sync::Arc;
+
 use planish::fault::Fault;
 use planish::job::limits::{Limits, Refusal};
 use planish::job::{Job, Report, RunError, run};
+use planish::output::scene::Frame;
+use planish::output::{Counts, ShapeKind};
 use planish::watch::Watch;
 use planish::wire::JobRequest;
 use planish::wire::read::{ReadError, read};
@@ -33,6 +37,26 @@ pub(crate) fn render(job: &serde_json::Value) -> Result<(Vec<u8>, Report), Vec<F
         other => vec![Fault::new("", other.to_string())],
     })?;
     Ok((bytes, report))
+}
+
+/// The counts of an output with nothing in it.
+pub(crate) fn nothing(kind: ShapeKind) -> Counts {
+    Counts {
+        kind,
+        polygons: 1,
+        control: 0,
+        vertices: 0,
+        faces: 0,
+        corners: 0,
+        largest_face: 0,
+        parted: 0,
+        uvs: 0,
+        frame: Frame::default(),
+        attachments: Arc::default(),
+        input_faces: 0,
+        input_edges: 0,
+        tags: 0,
+    }
 }
 
 /// The json output of a job without outputs.

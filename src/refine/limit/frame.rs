@@ -1,0 +1,26 @@
+//! What the nets of a cycle have in common, wherever a patch is cut out of them.
+
+use crate::scheme::mesh_net::{Boundary, Rules};
+use crate::scheme::plan::Plan;
+use crate::shape::topology::Topology;
+
+/// What holds of all patches of a net.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Frame {
+    /// Rules of the scheme.
+    pub(super) rules: Rules,
+    /// Where a D makes new vertices with one face: whether they keep their place.
+    pub(super) boundary: Boundary,
+    /// Whether the net has all vertices that D needs, so that a patch loses some where it was cut out only.
+    pub(super) cut: bool,
+}
+
+impl Frame {
+    /// Of the nets that a plan makes of a mesh.
+    pub(super) fn of(plan: &Plan, topology: &Topology) -> Self {
+        let is_open = topology.n_boundary() > 0;
+        let cut = !is_open && (0..topology.n_vertices()).all(|v| topology.ring(v).nth(2).is_some());
+        let boundary = if is_open { plan.boundary } else { Boundary::EdgeOnly };
+        Self { rules: plan.rules, boundary, cut }
+    }
+}
