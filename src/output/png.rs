@@ -41,10 +41,10 @@ const PARAMETERS: &[Parameter] = &[
     POSITIONS,
     Parameter {
         name: "normals",
-        kind: Kind::Choice(&["area", "limit"]),
+        kind: Kind::Choice(&["none", "area", "limit"]),
         unit: "",
         default: Default::Text("area"),
-        doc: "What a smooth surface is lit by: normals weighted by the area of the faces around a vertex, or those of the limit surface.",
+        doc: "What a smooth surface is lit by: normals weighted by the area of the faces around a vertex, those of the limit surface, or none but those of its faces, as with flat shading.",
     },
     COLOR,
     COLOR_BY,

@@ -12,11 +12,11 @@ use std::io::Write;
 use serde_json::{Value, json};
 
 use crate::math::parameter::{Parameter, Values};
-use crate::output::POSITIONS;
 use crate::output::bounds::Bounds;
 use crate::output::numbers::total;
 use crate::output::scene::{Scene, Shape};
-use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
+use crate::output::surface::{NORMALS, with_normals};
+use crate::output::{Counts, Format, FormatError, POSITIONS, ShapeKind, Size};
 use crate::watch::Watch;
 
 use moments::Moments;
@@ -29,7 +29,8 @@ use moments::Moments;
 /// (vertices - edges + faces), `positions_hash` and `shape_hash` (see [`hashes::PositionsHash`] and [`hashes::ShapeHash`]).
 ///
 /// Meshes: `area`, signed `volume` (null unless closed), of the faces cut into triangles as for glTF; numbers of
-/// vertices, edges, faces, boundary edges and loops, components; vertices by valence, faces by size. Curves: `length`,
+/// vertices, edges, faces, boundary edges and loops, components; vertices by valence, faces by size; with normals their
+/// hash, `normals_hash`, of those that `json` gives. Curves: `length`,
 /// and `area`, the signed area of plane polygons when all are closed.
 ///
 /// Numbers beyond f64 are null. All sums run in an order that depends on the result only.
@@ -54,7 +55,7 @@ impl Format for Stats {
     }
 
     fn parameters(&self) -> &'static [Parameter] {
-        &[POSITIONS]
+        &[POSITIONS, NORMALS]
     }
 
     fn holds(&self, _kind: ShapeKind) -> Result<(), String> {
@@ -72,12 +73,12 @@ impl Format for Stats {
     fn write(
         &self,
         scene: &Scene<'_>,
-        _options: &Values,
+        options: &Values,
         out: &mut dyn Write,
         watch: &Watch,
     ) -> Result<(), FormatError> {
         let found = match scene.shape {
-            Shape::Mesh(mesh) => mesh::report(mesh, watch)?,
+            Shape::Mesh(mesh) => mesh::report(mesh, with_normals(options), watch)?,
             Shape::Curves(curves) => match curves.first().map_or(1, |curve| curve.dimension) {
                 1 => curves::report::<1>(curves, watch)?,
                 2 => curves::report::<2>(curves, watch)?,

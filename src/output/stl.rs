@@ -2,12 +2,13 @@
 
 use std::io::Write;
 
-use crate::math::parameter::{Parameter, Values};
-use crate::output::POSITIONS;
+use crate::math::parameter::{Default, Parameter, Values};
 use crate::output::numbers::{rounded, total};
+use crate::output::parted::Parted;
 use crate::output::scene::{MeshSource, Scene, Shape, triangles};
 use crate::output::stream::{Positions, Stream};
-use crate::output::{Counts, Format, FormatError, ShapeKind, Size, normals};
+use crate::output::surface::NORMALS;
+use crate::output::{Counts, Format, FormatError, LIMIT, POSITIONS, ShapeKind, Size, normals};
 use crate::watch::Watch;
 
 /// Bytes before the number of triangles; programs take a file that starts with "solid" for text.
@@ -34,7 +35,12 @@ impl Format for Stl {
     }
 
     fn parameters(&self) -> &'static [Parameter] {
-        &[POSITIONS]
+        const FACETS: Parameter = Parameter {
+            default: Default::Text("area"),
+            doc: "Normals of triangles: their own, none (zeros), or the mean of those of the limit surface at their corners.",
+            ..NORMALS
+        };
+        &[POSITIONS, FACETS]
     }
 
     fn holds(&self, kind: ShapeKind) -> Result<(), String> {
@@ -52,18 +58,23 @@ impl Format for Stl {
     fn write(
         &self,
         scene: &Scene<'_>,
-        _options: &Values,
+        options: &Values,
         out: &mut dyn Write,
         watch: &Watch,
     ) -> Result<(), FormatError> {
         match scene.shape {
-            Shape::Mesh(mesh) => write_mesh(mesh, out, watch),
+            Shape::Mesh(mesh) => write_mesh(mesh, options.choice(NORMALS.name), out, watch),
             Shape::Curves(_) => Err(FormatError::Unfit("stl holds triangles only; ask for json or obj".into())),
         }
     }
 }
 
-fn write_mesh(mesh: &dyn MeshSource, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
+fn write_mesh(
+    mesh: &dyn MeshSource,
+    normals: Option<&str>,
+    out: &mut dyn Write,
+    watch: &Watch,
+) -> Result<(), FormatError> {
     let n_triangles = mesh.n_corners() - 2 * mesh.n_faces();
     let Ok(n) = u32::try_from(n_triangles) else {
         let most = u32::MAX;
@@ -71,15 +82,24 @@ fn write_mesh(mesh: &dyn MeshSource, out: &mut dyn Write, watch: &Watch) -> Resu
             "{n_triangles} triangles, stl counts at most {most}; ask for ply or obj"
         )));
     };
+    let at_limit = normals == Some(LIMIT);
+    let parted = if at_limit { Parted::of(Shape::Mesh(mesh), watch)? } else { None };
+    let mesh = parted.as_ref().map_or(mesh, |parted| parted);
     let positions = Positions::of_mesh(mesh).within_f32().held(watch)?;
     let rows = positions.rows();
+    let corners = if at_limit { normals::of(mesh, rows, watch)? } else { Vec::new() };
     let scale = normals::scale(rows);
     let mut stream = Stream::new(out, watch);
     stream.bytes(HEADER)?;
     stream.bytes(&n.to_le_bytes())?;
     stream.faces(mesh, |_, face, out| {
         for triangle in triangles(face) {
-            let normal = normals::unit(normals::area_vector(&triangle, rows, scale));
+            let own = || normals::unit(normals::area_vector(&triangle, rows, scale));
+            let normal = match normals {
+                Some("none") => [0.0; 3],
+                _ if at_limit => mean(triangle.map(|v| corners[v as usize])).unwrap_or_else(own),
+                _ => own(),
+            };
             let mut record = [0; TRIANGLE as usize];
             let numbers = normal.into_iter().chain(triangle.iter().flat_map(|&v| rows[v as usize]));
             for (slot, x) in record.as_chunks_mut::<4>().0.iter_mut().zip(numbers) {
@@ -88,4 +108,10 @@ fn write_mesh(mesh: &dyn MeshSource, out: &mut dyn Write, watch: &Watch) -> Resu
             out.extend_from_slice(&record);
         }
     })
+}
+
+/// The direction of the sum of unit normals; `None` where they cancel.
+fn mean(normals: [[f64; 3]; 3]) -> Option<[f64; 3]> {
+    let normal = normals::unit([0, 1, 2].map(|k| normals.iter().map(|normal| normal[k]).sum()));
+    normal.iter().any(|&x| x != 0.0).then_some(normal)
 }

@@ -8,7 +8,8 @@ use crate::output::picture::drawing::{Drawing, Item};
 use crate::output::picture::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH};
 use crate::output::scene::{Scene, Shape};
 use crate::output::sections::{SECTIONS, asked, planes};
-use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
+use crate::output::surface::NORMALS;
+use crate::output::{Counts, Format, FormatError, POSITIONS, ShapeKind, Size};
 use crate::shape::attachments::Attachments;
 use crate::watch::Watch;
 
@@ -30,6 +31,11 @@ const PARAMETERS: &[Parameter] = &[
     COLOR,
     CAMERA,
     SECTIONS,
+    POSITIONS,
+    Parameter {
+        doc: "Known as by all outputs of meshes; lines have no normals, and the drawing is the same.",
+        ..NORMALS
+    },
 ];
 
 impl Format for Svg {

@@ -11,6 +11,7 @@ use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
 use crate::output::colors::linear;
 use crate::output::numbers::rounded;
 use crate::output::scene::{Frame, Scene, Shape, in_chunks};
+use crate::output::surface::NORMALS;
 use crate::output::{FormatError, ShapeKind};
 use crate::raster::{MAX_SIDE_PX, Projection, View};
 
@@ -190,7 +191,7 @@ impl<'a> Options<'a> {
 
     /// Whether each face has one normal.
     pub(super) fn flat(&self) -> bool {
-        self.values.choice("shading") == Some("flat")
+        self.values.choice("shading") == Some("flat") || self.values.choice(NORMALS.name) == Some("none")
     }
 
     /// Colour of the refined shape.

@@ -3,10 +3,10 @@
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use crate::output::FormatError;
 use crate::output::bounds::Bounds;
 use crate::output::scene::{FaceChunk, MeshSource, in_chunks, triangles};
 use crate::output::stream::{FaceBlock, Positions, face_blocks};
+use crate::output::{FormatError, normals};
 use crate::watch::{Stopped, Watch};
 
 use super::connectivity::Connectivity;
@@ -14,8 +14,8 @@ use super::hashes::{Part, PositionsHash, ShapeHash};
 use super::moments::Moments;
 use super::{add_moments, bounding_box, euler, histogram, seen_from};
 
-/// The statistics of a mesh.
-pub(super) fn report(mesh: &dyn MeshSource, watch: &Watch) -> Result<Value, FormatError> {
+/// The statistics of a mesh, on request with a hash of its normals.
+pub(super) fn report(mesh: &dyn MeshSource, with_normals: bool, watch: &Watch) -> Result<Value, FormatError> {
     let positions = Positions::of_mesh(mesh).held(watch)?;
     let rows = positions.rows();
     let mut bounds = Bounds::EMPTY;
@@ -41,6 +41,11 @@ pub(super) fn report(mesh: &dyn MeshSource, watch: &Watch) -> Result<Value, Form
     found["volume"] = json!(closed.then_some(sums.solid.measure + 0.0));
     add_moments(&mut found, of, &moments, origin);
     found["positions_hash"] = positions_hash.hex().into();
+    if with_normals {
+        let mut normals_hash = PositionsHash::default();
+        normals_hash.add(normals::of(mesh, rows, watch)?.as_flattened());
+        found["normals_hash"] = normals_hash.hex().into();
+    }
     found["shape_hash"] = sums.hash.hex().into();
     Ok(found)
 }

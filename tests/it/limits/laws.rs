@@ -1,6 +1,7 @@
 //! What every limit surface obeys.
 
 use planish::math::functions::{cos, sin, sqrt};
+use planish::output::FORMATS;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -313,21 +314,61 @@ fn limits_of_dual_schemes_lie_on_the_surface() {
     }
 }
 
+/// Every output of a mesh knows where its points stand, and which normals it has.
 #[test]
 fn all_writers_take_the_limit() {
-    let job = |format: &str, positions: &str, normals: Option<&str>| {
-        let mut output = json!({ "format": format, "positions": positions });
-        if let Some(normals) = normals {
-            output["normals"] = json!(normals);
+    for format in FORMATS {
+        let name = format.name();
+        let bytes = |positions: &str, normals: &str| {
+            let mut output = json!({ "format": name, "positions": positions, "normals": normals });
+            if name == "svg" {
+                output["sections"] = json!([{ "point": [0, 0, 0.1], "normal": [0, 0, 1] }]);
+            }
+            let job = json!({ "input": nets::cube().input(), "plan": { "preset": "catmull-clark" }, "levels": 2, "outputs": [output] });
+            render(&job).unwrap_or_else(|faults| panic!("{faults:?} for {job}")).0
+        };
+        assert_ne!(bytes("refined", "none"), bytes("limit", "none"), "{name}");
+        let normals = ["none", "area", "limit"].map(|normals| bytes("refined", normals));
+        let shows = name != "svg";
+        for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+            assert_eq!(normals[i] != normals[j], shows, "{name}: {i}, {j}");
         }
-        let job = json!({ "input": nets::cube().input(), "plan": { "preset": "catmull-clark" }, "levels": 2, "outputs": [output] });
-        render(&job).unwrap_or_else(|faults| panic!("{faults:?} for {job}")).0
-    };
-    for format in ["json", "obj", "glb", "gltf", "ply", "png", "stl", "stats"] {
-        assert_ne!(job(format, "refined", None), job(format, "limit", None), "{format}");
     }
-    for format in ["json", "obj", "glb", "gltf", "ply", "png"] {
-        assert_ne!(job(format, "refined", Some("area")), job(format, "refined", Some("limit")), "{format}");
+}
+
+/// The normal of a triangle of STL is that of the limit at its corners, of its side of a sharp edge.
+#[test]
+fn triangles_of_stl_have_the_normals_of_their_corners() {
+    let net = nets::cube();
+    let (mut input, ring) = (net.input(), &net.faces[0]);
+    let edges = ring.iter().zip(ring.iter().cycle().skip(1));
+    input["mesh"]["creases"] = edges.map(|edge| json!({ "edge": edge, "sharpness": 10 })).collect();
+    let plan = json!({ "preset": "catmull-clark" });
+    let output = |format: &str| {
+        let job = json!({ "input": input, "plan": plan, "levels": 2, "outputs": [{ "format": format, "normals": "limit", "positions": "limit" }] });
+        render(&job).unwrap_or_else(|faults| panic!("{faults:?}")).0
+    };
+    let obj = String::from_utf8(output("obj")).expect("text");
+    let vectors = |tag: &str| -> Vec<[f64; 3]> {
+        let lines = obj.lines().filter_map(|line| line.strip_prefix(tag)?.strip_prefix(' '));
+        let vector = |line: &str| -> Vec<f64> { line.split(' ').map(|x| x.parse().expect("a number")).collect() };
+        lines.map(|line| vector(line).try_into().expect("three numbers")).collect()
+    };
+    let normals = vectors("vn");
+    let faces = obj.lines().filter_map(|line| line.strip_prefix("f ")).map(|line| -> Vec<[f64; 3]> {
+        let normal = |corner: &str| corner.rsplit('/').next().expect("a normal").parse::<usize>().expect("a number");
+        line.split(' ').map(|corner| normals[normal(corner) - 1]).collect()
+    });
+    let expected = faces.flat_map(|face| [[face[0], face[1], face[2]], [face[0], face[2], face[3]]]);
+    let stl = output("stl");
+    let triangles = stl[84..].chunks_exact(50);
+    assert_eq!(triangles.len(), 2 * 6 * 16);
+    for (triangle, corners) in triangles.zip(expected) {
+        let found =
+            [0, 1, 2].map(|k| f64::from(f32::from_le_bytes(triangle[4 * k..4 * k + 4].try_into().expect("four"))));
+        let sum = [0, 1, 2].map(|k| corners.iter().map(|normal| normal[k]).sum::<f64>());
+        let length = sqrt(sum.iter().map(|x| x * x).sum());
+        assert!(distance(&found, &sum.map(|x| x / length)) <= 1e-6, "{found:?} {sum:?}");
     }
 }
 
