@@ -1,7 +1,7 @@
 //! The masks of all vertices, or of what took their place in a net: regular ones by walking a grid, the others by their
 //! patches.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -72,6 +72,9 @@ impl Field {
         let on_grid = near.iter().any(|near| !near);
         let plain = Masks::new(finder, Common::default());
         let grid = if on_grid { Some(regular_mask(rings, &plain, surroundings)?) } else { None };
+        if !carries(&net) {
+            middles_settle(&whole, regular, rings, &plain)?;
+        }
         let n = centres.as_ref().map_or(topology.n_vertices(), Vec::len);
         let centre = |v: u32| match &centres {
             Some(centres) => centres[v as usize],
@@ -271,6 +274,25 @@ pub(super) fn patch(
     let found = whole.patch(centre, rings).ok_or(Unlimited::Size)?;
     let own = net.attributes.as_ref().map_or_else(Own::default, |attributes| Own::of(attributes, &found.vertices));
     Ok(Some((found, own)))
+}
+
+/// Whether points come together in the middle of faces that are not like those of a regular net, one of each size.
+///
+/// # Errors
+/// [`Unlimited::Rough`]; where the middle of a face cannot be followed, nothing is said about it.
+fn middles_settle(whole: &Whole<'_>, regular: Regular, rings: Rings, masks: &Masks<'_>) -> Result<(), Unlimited> {
+    let topology = whole.topology;
+    let mut seen = BTreeSet::from([if regular == Regular::Quads { 4 } else { 3 }]);
+    for f in 0..topology.n_faces() {
+        if seen.insert(topology.face(f).len()) {
+            let found = whole.least_patch(Centre::Face(index(f)), rings);
+            let mask = found.map(|found| masks.of(0, &found.patch));
+            if let Some(Err(error @ (Unlimited::Rough | Unlimited::Stopped(_)))) = mask {
+                return Err(error);
+            }
+        }
+    }
+    Ok(())
 }
 
 /// For each vertex whether one of the rings around it, but for the rim of the last, is not part of a grid of quads.

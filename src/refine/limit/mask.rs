@@ -9,7 +9,7 @@ use super::own::{Common, Own};
 use super::patch::{Centre, Patch, Rings};
 use super::sector::{Part, Sectors};
 use super::skeleton::Skeletons;
-use super::tangent::{self, NoTangents};
+use super::tangent::{self, NoTangents, starting_vectors};
 use super::turn;
 
 /// Levels after which a neighbourhood has to look like itself: vertices that differ from their surroundings move apart
@@ -22,6 +22,12 @@ const SETTLED: f64 = 1e-15;
 const ROUNDING: f64 = 1e-13;
 /// Steps without a smaller change than before.
 const PATIENCE: usize = 32;
+/// Columns of which it is seen whether points come together.
+const WITNESSES: usize = 2;
+/// Steps after which only the largest eigenvalue is seen; what shrinks from there on, in as many steps again, vanishes.
+const WARM_UP: usize = 256;
+/// Points that are no farther apart than this, of about 1 before, come together.
+const TOGETHER: f64 = 1e-6;
 /// Levels after which numbers of vertices agree: their differences are halved.
 const MAX_LEVELS: usize = 1_100;
 /// Levels after which a mask has to have settled.
@@ -221,6 +227,9 @@ impl<'a> Masks<'a> {
         let position = summing_to_one(position);
         let forth =
             |column: &[f64]| children.iter().fold(column.to_vec(), |column, child| child.matrix.times_column(&column));
+        if !comes_together(&position, forth) {
+            return Err(Unlimited::Rough);
+        }
         let sectors = Sectors::of(patch);
         let tangents = match sectors.n {
             _ if !self.finder.with_tangents => Vec::new(),
@@ -260,6 +269,28 @@ impl<'a> Masks<'a> {
         };
         tangent::of(patch.centre(), patch.central_faces(), position, back, forth)
     }
+}
+
+/// Whether all points of a patch that comes again come to the limit of its centre: whether columns that the limit mask maps
+/// to 0 vanish under more and more steps of the matrix.
+fn comes_together(position: &[f64], forth: impl Fn(&[f64]) -> Vec<f64>) -> bool {
+    starting_vectors(position.len(), WITNESSES).into_iter().all(|mut column| {
+        let (mut size, mut early) = (1.0, f64::INFINITY);
+        for step in 0..=2 * WARM_UP {
+            let limit: f64 = position.iter().zip(&column).map(|(weight, x)| weight * x).sum();
+            let largest = column.iter().map(|x| (x - limit).abs()).fold(0.0, f64::max);
+            size *= largest;
+            if size <= TOGETHER {
+                return true;
+            }
+            column.iter_mut().for_each(|x| *x = (*x - limit) / largest);
+            if step == WARM_UP {
+                early = size;
+            }
+            column = forth(&column);
+        }
+        size < (1.0 - 1e-9) * early
+    })
 }
 
 /// The tangents of one sector: those of the part of the matrix that belongs to it.

@@ -39,6 +39,16 @@ fn plans_without_a_limit_are_refused() {
     assert_says(&refusal(&nets::cube(), &fine, 0), "fewer or smaller upsamplings");
     let wild = json!({ "word": "UCP", "parameters": { "compensation": 9 } });
     assert_says(&refusal(&nets::cube(), &wild, 1), "no continuous limit");
+    // at vertices and faces with other than four neighbours, or six, only
+    let uneven = |delta: &str| json!({ "word": "UCP", "parameters": { "delta": delta } });
+    assert_says(&refusal(&nets::cube(), &uneven("8*(valence-4)"), 0), "no continuous limit");
+    let five = uneven("6*max(0,valence-4)");
+    for (net, levels) in [(nets::sectors_of_quads(5, 2).0, 0), (nets::prism(5), 0), (nets::prism(5), 1)] {
+        assert_says(&refusal(&net, &five, levels), "no continuous limit");
+    }
+    let mut seven = uneven("3*max(0,valence-5)");
+    seven["parameters"]["split"] = "triangle".into();
+    assert_says(&refusal(&nets::triangulated(nets::prism(7)), &seven, 0), "no continuous limit");
     let wide = json!({ "word": "UC^24" });
     assert_says(&refusal(&nets::cube(), &wide, 1), "farther than 16 rings");
     let pole = json!({ "word": "UCP", "parameters": { "alpha": 1, "compensation": "1/(alpha-0.125)" } });
