@@ -25,6 +25,9 @@ const SQUARINGS: usize = 5;
 const MAX_INNER: usize = 800;
 /// How far below the second eigenvalue the third has to be, relative to it.
 const GAP: f64 = 1e-5;
+/// The part of `from` in the characteristic map of a chain, small as after many levels: where `last` vanishes, as on a
+/// boundary that is refined by itself, it alone tells the points apart.
+const LATE: f64 = 1e-6;
 /// What two vectors may leave behind beside their span, relative to their eigenvalues.
 const RESIDUAL: f64 = 1e-11;
 
@@ -87,7 +90,7 @@ pub(super) fn of<'a>(
 }
 
 /// The tangents and the characteristic map where the second eigenvalue b has a chain: with M y' = b y' + y and
-/// u M = b u the points are `1 (l p) + a^k x (t p) + k b^(k-1) y (u p) / (u y') + ...` after k levels.
+/// u M = b u the points are `1 (l p) + a^k x (t p) + k b^(k-1) (y + b/k y') (u p) / (u y') + ...` after k levels.
 fn chained(rows: Chain, columns: Chain) -> Result<[[Vec<f64>; 2]; 2], NoTangents> {
     let (t, mut u) = (rows.first, rows.last);
     let (mut x, mut y, from) = (columns.first, columns.last, columns.from);
@@ -100,7 +103,7 @@ fn chained(rows: Chain, columns: Chain) -> Result<[[Vec<f64>; 2]; 2], NoTangents
         return Err(NoTangents::Eigenvalues);
     }
     x.iter_mut().for_each(|x| *x /= along);
-    y.iter_mut().for_each(|y| *y /= step);
+    y.iter_mut().zip(&from).for_each(|(y, from)| *y = (*y + LATE * from) / step);
     Ok([[t, u], [x, y]])
 }
 

@@ -1,5 +1,7 @@
 //! Limit normals on each side of edges that stay sharp, at their ends, at corners and on boundaries.
 
+use std::collections::BTreeSet;
+
 use planish::math::functions::sqrt;
 use serde_json::{Value, json};
 
@@ -176,6 +178,50 @@ fn alone_between_two_edges_a_face_touches_the_plane_of_the_crease() {
         for ((_, v, before), (_, _, after)) in early.into_iter().zip(late) {
             assert!(after < 0.1 && after < 0.6 * before + 1e-9, "{plan}: vertex {v}: {before}, then {after}");
         }
+    }
+}
+
+/// The first sectors of many: their middle lies on the boundary.
+fn part(sectors: usize, of: usize) -> Net {
+    let (net, _) = nets::sectors_of_quads(of, 2);
+    let faces = &net.faces[..net.faces.len() / of * sectors];
+    let used: BTreeSet<usize> = faces.iter().flatten().copied().collect();
+    let number = |v: &usize| used.range(..v).count();
+    Net {
+        positions: used.iter().map(|&v| net.positions[v]).collect(),
+        faces: faces.iter().map(|face| face.iter().map(number).collect()).collect(),
+    }
+}
+
+/// Where the eigenvalue 1/2 of the boundary comes again inside, in a chain, normals turn to the one of the tangent along the
+/// boundary and the other tangent inside.
+#[test]
+fn vertices_on_the_boundary_with_many_faces_have_limit_normals() {
+    for (net, plan) in [
+        (part(4, 8), edge_only(&catmull_clark())),
+        (nets::triangulated(part(3, 6)), edge_only(&json!({ "preset": "loop" }))),
+    ] {
+        let tagged = tagged(net.clone(), &[]);
+        let (coarse, warnings) = sides(&tagged, &plan, 0, "limit");
+        assert!(warnings.is_empty(), "{plan}: {warnings:?}");
+        let at = |claimed: &[Vec<(usize, [f64; 3])>]| -> [f64; 3] {
+            claimed.iter().flatten().find(|(v, _)| *v == 0).expect("a face at the first vertex").1
+        };
+        let normal = at(&coarse);
+        let near = net.edges().into_iter().filter(|(a, b)| {
+            let both = |face: &&Vec<usize>| face.contains(a) && face.contains(b);
+            *a == 0 && net.faces.iter().filter(both).count() == 1
+        });
+        let [p, q] = near.map(|(_, b)| net.positions[b]).collect::<Vec<_>>().try_into().expect("two on the boundary");
+        let across: f64 = (0..3).map(|k| normal[k] * (p[k] - q[k])).sum();
+        assert!(across.abs() <= 1e-9, "{plan}: {normal:?} is not upright on the boundary: {across}");
+        for levels in [1, 2] {
+            let off = distance(&normal, &at(&sides(&tagged, &plan, levels, "limit").0));
+            assert!(off < 1e-8, "{plan}: the normal turns by {off} at level {levels}");
+        }
+        let of_faces = |levels| distance(&normal, &at(&sides(&tagged, &plan, levels, "area").0));
+        let [early, late] = [of_faces(3), of_faces(6)];
+        assert!(late < 0.8 * early, "{plan}: area normals are {early}, then {late} away");
     }
 }
 
