@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::key::Key;
+use super::memory::{carried, memory};
 use super::{Input, Job, Output};
 use crate::fault::Fault;
 use crate::input::ReadLimits;
@@ -280,47 +281,6 @@ fn counts(job: &Job, count: Count) -> Counts {
             _ => 0,
         },
     }
-}
-
-/// What is refined along with the positions.
-struct Carried {
-    channels: u128,
-    /// Numbers a vertex.
-    numbers: u128,
-    /// Bytes a vertex for parameters and values of its own.
-    local_bytes: u128,
-}
-
-/// Old and new parameters of a vertex (4 of 8 bytes each), its values at the last upsampling (5), directions of edges.
-const LOCAL_BYTES: u128 = 8 * (4 + 4 + 5) + 4;
-
-fn carried(job: &Job) -> Carried {
-    match &job.input {
-        Input::Mesh(mesh) => {
-            let own = mesh.attributes.is_some() || job.plan.latitude.is_some() || job.plan.perturbation.is_some();
-            Carried {
-                channels: mesh.attachments.channels.len() as u128,
-                numbers: mesh.attachments.width() as u128,
-                local_bytes: if own { LOCAL_BYTES } else { 0 },
-            }
-        }
-        Input::Polygons(_) => Carried { channels: 0, numbers: 0, local_bytes: 0 },
-    }
-}
-
-/// Old and new points (24 bytes each), the topology before the last split (about 17 bytes a face after it), normals and
-/// indices of a picture, three times the numbers of channels, texture coordinates with their topology, the topologies of
-/// schemes that make their own, copies of vertices on sharp edges with the faces around them, and the largest result.
-fn memory(forecast: &Forecast, sizes: &[Size], carried: &Carried) -> u128 {
-    let count = forecast.peak;
-    let net = count
-        .vertices
-        .saturating_mul(72 + 24 * carried.numbers + carried.local_bytes)
-        .saturating_add(count.faces.saturating_mul(44));
-    let net = net.saturating_add(forecast.topology_bytes).saturating_add(count.uvs.saturating_mul(60));
-    let last = forecast.levels.last().copied().unwrap_or_default();
-    let net = net.saturating_add(last.parted.saturating_mul(160));
-    net.saturating_add(sizes.iter().map(|size| size.bytes()).max().unwrap_or(0))
 }
 
 /// Rows that the limits of an output need at most, and bytes: the topology of the last level (48 a face), the class of a

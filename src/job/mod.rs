@@ -5,6 +5,7 @@ mod curves;
 pub mod key;
 mod levels;
 pub mod limits;
+mod memory;
 mod run;
 mod steering;
 
