@@ -3,15 +3,18 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use super::{Points, RefineError, at, mesh_net, values};
+use super::{Points, RefineError, at, carried, mesh_net, values};
 use crate::scheme::mesh_net::{Boundary, MeshNet};
 use crate::scheme::ops::{Role, lettered};
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::sharpness::Sharpness;
+use crate::scheme::step::Values;
 use crate::shape::creases::{INFINITE_SHARPNESS, Sharp};
+use crate::shape::directions::Directions;
 use crate::shape::mesh::Mesh;
+use crate::shape::numbering::Numbering;
 use crate::shape::order::Order;
-use crate::shape::topology::Topology;
+use crate::shape::topology::{Topology, index};
 use crate::shape::uvs::Uvs;
 use crate::watch::Watch;
 
@@ -42,7 +45,10 @@ pub(super) fn refined(
             continue;
         }
         let operator = if linear { upsampling } else { step.letter.operator };
-        let next = operator.on_mesh(&net, &values(plan, step)).map_err(|error| at(step, error))?;
+        let values = values(plan, step);
+        // linear ones have no use for values of single vertices
+        let values = if linear { Values { sources: None, ..values } } else { values };
+        let next = operator.on_mesh(&net, &values).map_err(|error| at(step, error))?;
         points.act(&next.action, step.level, watch)?;
         net = next.net;
     }
@@ -51,13 +57,14 @@ pub(super) fn refined(
 }
 
 /// The net of texture coordinates before refinement. Places at vertices that keep their place keep theirs, sharp edges and
-/// vertices are as sharp as those of the mesh, and seams are boundaries.
+/// vertices are as sharp as those of the mesh, and seams are boundaries. Places carry what their vertices carry, edges what
+/// those of the mesh carry, and perturbations go by the numbers in the mesh: on both sides of a seam the same.
 pub fn uv_net(mesh: &Mesh, uvs: &Uvs, plan: &Plan) -> MeshNet {
     let (places, vertices) = (&uvs.topology, &mesh.topology);
     let fixed = mesh_net(mesh, plan).corners;
     let mut corners = uvs.corners.clone();
     let mut semi_sharp = Sharp::new();
-    for place in 0..crate::shape::topology::index(places.n_vertices()) {
+    for place in 0..index(places.n_vertices()) {
         let Some(vertex) = uvs.vertex(place, vertices) else { continue };
         if fixed.binary_search(&vertex).is_ok() {
             corners.push(place);
@@ -80,7 +87,31 @@ pub fn uv_net(mesh: &Mesh, uvs: &Uvs, plan: &Plan) -> MeshNet {
     let elsewhere = elsewhere(mesh, uvs, &creases);
     let sharpness = Sharpness::of(&creases, &semi_sharp);
     let sharpness = sharpness.map(|sharpness| sharpness.following(following).beside(elsewhere));
-    MeshNet::new(uvs.topology.clone(), &corners, &[], Boundary::EdgeOnly).with_sharpness(sharpness, plan.rules)
+    let net = MeshNet::new(uvs.topology.clone(), &corners, &[], Boundary::EdgeOnly);
+    let net = net.with_sharpness(sharpness, plan.rules);
+    if uvs.linear { net } else { carrying(net, mesh, uvs, plan) }
+}
+
+/// The net with what the vertices and edges of the mesh carry, and their numbers where perturbations go by them.
+fn carrying(net: MeshNet, mesh: &Mesh, uvs: &Uvs, plan: &Plan) -> MeshNet {
+    let (places, vertices) = (&uvs.topology, &mesh.topology);
+    let (attributes, directions) = carried(mesh, plan);
+    let numbered = plan.perturbation.is_some() && places != vertices;
+    if attributes.is_none() && directions.is_none() && !numbered {
+        return net;
+    }
+    let mut vertex_of = vec![0; places.n_vertices()];
+    for corner in 0..index(places.n_corners()) {
+        vertex_of[places.vertex(corner) as usize] = vertices.vertex(corner);
+    }
+    let of_places = |array: &[f64]| vertex_of.iter().map(|&v| array[v as usize]).collect();
+    let edge_of = |e: usize| vertices.edge(places.edge_corners(e)[0]);
+    let of_edges = |directions: Directions| {
+        Directions::of_edges((0..places.n_edges()).map(|e| directions.of(edge_of(e))).collect())
+    };
+    let attributes = attributes.map(|attributes| attributes.changed(of_places));
+    let numbering = numbered.then(|| Arc::new(Numbering::of(vertices).with_origins(&vertex_of)));
+    MeshNet { numbering, ..net.carrying(attributes, directions.map(of_edges)) }
 }
 
 /// For the places where semi-sharp edges end, the other semi-sharp edges that end at the same vertex: on seams, and on the

@@ -9,15 +9,15 @@ use crate::support::nets::{self, Net, distance};
 /// A corner of a face: vertex and place.
 type Pair = (usize, usize);
 
-struct Unfolded {
-    net: Net,
-    values: Vec<[f64; 2]>,
-    faces: Vec<Vec<usize>>,
-    origins: Vec<usize>,
+pub(super) struct Unfolded {
+    pub(super) net: Net,
+    pub(super) values: Vec<[f64; 2]>,
+    pub(super) faces: Vec<Vec<usize>>,
+    pub(super) origins: Vec<usize>,
 }
 
 impl Unfolded {
-    fn of(result: &Value) -> Self {
+    pub(super) fn of(result: &Value) -> Self {
         let read = |value: &Value| serde_json::from_value(value.clone()).expect("lists of indices");
         Self {
             net: Net::of(result),
@@ -28,7 +28,7 @@ impl Unfolded {
     }
 
     /// Vertex and place at corner `j` of face `f`.
-    fn corner(&self, f: usize, j: usize) -> Pair {
+    pub(super) fn corner(&self, f: usize, j: usize) -> Pair {
         let j = j % self.faces[f].len();
         (self.net.faces[f][j], self.faces[f][j])
     }
@@ -63,7 +63,7 @@ fn islands(net: &Net) -> Value {
 }
 
 /// Texture coordinates without seams: those of the vertices.
-fn seamless(net: &Net, interpolation: &str) -> Value {
+pub(super) fn seamless(net: &Net, interpolation: &str) -> Value {
     let values: Vec<[f64; 2]> = net.positions.iter().map(|p| [p[0], p[1]]).collect();
     json!({ "values": values, "faces": net.faces, "interpolation": interpolation })
 }
@@ -160,7 +160,7 @@ fn triangles_and_other_arities_have_texture_coordinates_too() {
 }
 
 /// The texture coordinates of each corner are the first two coordinates of its vertex.
-fn check_at_vertices(found: &Unfolded, tolerance: f64) {
+pub(super) fn check_at_vertices(found: &Unfolded, tolerance: f64) {
     assert!(!found.faces.is_empty());
     for f in 0..found.faces.len() {
         for j in 0..found.faces[f].len() {
