@@ -53,6 +53,10 @@ pub use perturbed::{ROWS_A_POINT, followed_points};
 use places::Starts;
 use probe::{Regular, Smoothness};
 
+/// Rings by which patches are wider at most where regular nets need fewer than a mesh: where it is narrow at its boundary,
+/// or has vertices between two faces.
+const MOST_WIDER: usize = 3;
+
 /// What of the limit surface is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Asked {
@@ -163,6 +167,13 @@ pub enum Unlimited {
     Rough,
 }
 
+impl Unlimited {
+    /// Whether a wider patch may have what this one lacks.
+    fn may_be_of_the_patch(&self) -> bool {
+        matches!(self, Self::Reach | Self::Later(_) | Self::Lost | Self::Parted)
+    }
+}
+
 impl From<StepError> for Unlimited {
     fn from(error: StepError) -> Self {
         Self::Later(error.to_string())
@@ -236,11 +247,18 @@ pub(super) fn limits(
         return Ok(Limits { warning: kinked, ..Limits::default() });
     }
     let with_tangents = asked.normals && smoothness == Smoothness::Smooth && kinked.is_none();
-    let finder = Finder::new(&cycle, rings, with_tangents);
-    let field = match perturbation {
-        Some(perturbation) => perturbed::field(net, rings, &finder, perturbation, rows, watch)?,
-        None => Field::new(net, centres, regular, rings, &finder, watch)?,
+    let field = |wider: usize| {
+        let rings = Rings { support: rings.support + wider, patch: rings.patch + wider };
+        let finder = Finder::new(&cycle, rings, with_tangents);
+        match perturbation {
+            Some(perturbation) => perturbed::field(net.clone(), rings, &finder, perturbation, rows, watch),
+            None => Field::new(net.clone(), centres.clone(), regular, rings, &finder, watch),
+        }
     };
+    let field = field(0).or_else(|error| {
+        let more = if error.may_be_of_the_patch() { 1..=MOST_WIDER } else { 1..=0 };
+        more.filter_map(|wider| field(wider).ok()).next().ok_or(error)
+    })?;
     let places = field.sectors();
     let rows = |places, wish| FieldRows { field: &field, places, wish };
     let vertices = &places[..field.n_vertices()];

@@ -208,6 +208,22 @@ fn wide_dual_words_have_limits() {
     }
 }
 
+/// A vertex between two faces leaves less of what is around it than others do.
+#[test]
+fn vertices_between_two_faces_have_limits() {
+    let mut net = nets::cube();
+    let (face, middle) = (net.faces[0].clone(), net.positions.len());
+    net.positions.push([0.5, 0.0, 0.0]);
+    net.faces[0] = vec![face[0], face[1], face[2], middle];
+    net.faces.push(vec![face[0], middle, face[2], face[3]]);
+    let letters = ["U", "D", "D"];
+    let found = limits(&net, &edge_only(&letters)).expect("limits");
+    for (v, p) in found.iter().enumerate().take(middle) {
+        let off = distance(p, &led_to(&net, v, &letters, 6));
+        assert!(off <= 1e-2 * extent(&net), "vertex {v} is off by {off}");
+    }
+}
+
 /// What takes the place of each vertex, letter by letter, approaches the limit.
 #[test]
 fn limits_are_where_levels_lead() {

@@ -86,3 +86,26 @@ fn inner_vertices_of_any_valence_have_normals() {
         }
     }
 }
+
+/// Two faces at most between any two boundary edges: patches end where new ones begin.
+#[test]
+fn narrow_open_meshes_have_limits() {
+    let faces = [[5, 0, 1], [3, 0, 5], [1, 0, 2], [4, 0, 3], [4, 2, 0], [2, 4, 6], [6, 5, 1], [1, 2, 6], [6, 4, 3]];
+    let positions = [
+        [-0.437, -0.9, 0.563],
+        [-0.547, 0.986, 0.551],
+        [-0.13, 0.328, 0.881],
+        [1.328, -0.318, 0.315],
+        [0.433, -0.245, 0.987],
+        [0.411, 0.847, -0.316],
+        [-0.207, 1.022, 0.005],
+    ];
+    let net = Net { positions: positions.to_vec(), faces: faces.map(|face| face.to_vec()).to_vec() };
+    let [coarse, fine, finer] = [0, 1, 2].map(|levels| limit(&net, &plan(), levels).0);
+    for (before, after) in [(&coarse, &fine), (&fine, &finer)] {
+        for (v, (p, q)) in before.positions.iter().zip(&after.positions).enumerate() {
+            let off = distance(p, q);
+            assert!(off <= 1e-12, "vertex {v} moves by {off}");
+        }
+    }
+}
