@@ -8,7 +8,7 @@ use super::{Input, Job, Output};
 use crate::fault::Fault;
 use crate::input::ReadLimits;
 use crate::output::{Counts, Size, surface};
-use crate::refine::{Asked, Cost, ROWS_A_POINT, followed_points, limit_cost, mesh_net, polygon_net, uv_net};
+use crate::refine::{Asked, Cost, Follow, ROWS_A_POINT, followed_points, limit_cost, mesh_net, polygon_net, uv_net};
 use crate::scheme::forecast::{self, Count, Forecast, ForecastError};
 use crate::scheme::plan::Scheduled;
 use crate::scheme::step::StepError;
@@ -314,8 +314,11 @@ fn limit_patches(job: &Job, forecast: &Forecast) -> Cost {
     let regular = |v: &usize| topology.boundary_edges(*v).is_none() && topology.ring(*v).take(5).count() == 4;
     let of_quads = mesh.attributes.is_none() && job.plan.tile() == Tile::Quad;
     let irregular = if of_quads {
-        let vertices = (0..topology.n_vertices()).filter(|v| !regular(v)).count();
-        let faces = (0..topology.n_faces()).filter(|&f| topology.face(f).len() != 4).count();
+        let fours = |n: usize| n.div_ceil(4);
+        let uneven = (0..topology.n_vertices()).filter(|v| !regular(v));
+        let vertices: usize = uneven.map(|v| fours(topology.ring(v).count())).sum();
+        let sizes = (0..topology.n_faces()).map(|f| topology.face(f).len());
+        let faces: usize = sizes.filter(|&size| size != 4).map(fours).sum();
         vertices as u128 + faces as u128 + mesh.creases.len() as u128
     } else {
         vertices
@@ -324,7 +327,13 @@ fn limit_patches(job: &Job, forecast: &Forecast) -> Cost {
     let own_alpha = job.plan.latitude.as_ref().is_some_and(|latitude| latitude.own_alpha);
     let given = |attributes: &Attributes| attributes.arrays().iter().filter(|(_, array)| array.is_some()).count();
     let kinds = mesh.attributes.as_ref().map_or(0, given).max(usize::from(own_alpha));
-    limit_cost(cycle, 1 << kinds, irregular, vertices)
+    let fades = !job.plan.compensation.is_constant() || job.plan.kernel.iter().any(|kernel| !kernel.is_constant());
+    let follow = match kinds {
+        0 if fades => Follow::Numbers,
+        0 => Follow::Around,
+        _ => Follow::Own,
+    };
+    limit_cost(cycle, 1 << kinds, irregular, vertices, follow)
 }
 
 /// A number with its digits in groups of three.

@@ -11,7 +11,9 @@ mod uvs;
 mod vector;
 
 pub use curve::refine_polygon;
-pub use limit::{Asked, Cost, ROWS_A_POINT, Unlimited, check as check_limit, cost as limit_cost, followed_points};
+pub use limit::{
+    Asked, Cost, Follow, ROWS_A_POINT, Unlimited, check as check_limit, cost as limit_cost, followed_points,
+};
 pub use refined::RefinedMesh;
 pub use uvs::uv_net;
 

@@ -12,6 +12,31 @@ const BYTES_A_POINT: usize = 160;
 const AT_A_TIME: usize = 8;
 /// Levels after which a patch usually is its own child.
 const CHAIN: usize = 3;
+/// Levels after which numbers that are halved with every one no longer change anything, as alpha does.
+const FADING: usize = 28;
+/// Levels after which numbers of vertices agree, of which every one halves the differences.
+const AGREEING: usize = 50;
+
+/// What is followed until it no longer changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Follow {
+    /// What is around a vertex.
+    Around,
+    /// Numbers of the plan, too.
+    Numbers,
+    /// Numbers of vertices, too.
+    Own,
+}
+
+impl Follow {
+    fn levels(self) -> usize {
+        match self {
+            Self::Around => CHAIN,
+            Self::Numbers => CHAIN + FADING,
+            Self::Own => CHAIN + AGREEING,
+        }
+    }
+}
 
 /// What a limit costs, about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -23,8 +48,8 @@ pub struct Cost {
 }
 
 /// What the limits of `n_vertices` under a cycle cost, so many impulses being looked at and so many vertices of the mesh
-/// that is refined being irregular.
-pub fn cost(cycle: &[Letter], impulses: usize, irregular: u128, n_vertices: u128) -> Cost {
+/// that is refined being irregular, those with many faces counted as several.
+pub fn cost(cycle: &[Letter], impulses: usize, irregular: u128, n_vertices: u128, follow: Follow) -> Cost {
     let pieces = cycle::pieces(cycle.iter());
     let of = |heirs: &'static [Heirs]| cycle.iter().filter(|letter| heirs.contains(&letter.operator.heirs())).count();
     let support = MAX_RINGS.min(1 + of(&[Heirs::Same]));
@@ -35,8 +60,9 @@ pub fn cost(cycle: &[Letter], impulses: usize, irregular: u128, n_vertices: u128
     let side = probe::side(support, of(&[Heirs::Dual, Heirs::Faces]));
     let impulse = probe::compared(side, &pieces).map_or(MAX_POINTS, |(_, points)| points);
     let patches = n_vertices.min(irregular.saturating_mul(square(support) as u128));
-    let points =
-        patches.saturating_mul((CHAIN * patch(support)) as u128).saturating_add((tried + impulses * impulse) as u128);
+    let points = patches
+        .saturating_mul((follow.levels() * patch(support)) as u128)
+        .saturating_add((tried + impulses * impulse) as u128);
     let threads = usize::try_from(patches).unwrap_or(AT_A_TIME).clamp(1, AT_A_TIME);
     let bytes = BYTES_A_POINT * impulse.max(threads * patch(support));
     Cost { points, bytes: bytes as u128 }

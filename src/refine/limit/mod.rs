@@ -39,7 +39,7 @@ use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::watch::{Stopped, Watch};
 
 use super::{Points, RefineError};
-pub use cost::{Cost, cost};
+pub use cost::{Cost, Follow, cost};
 pub(super) use cycle::AHEAD;
 use cycle::Cycle;
 use dual::Led;

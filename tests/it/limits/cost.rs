@@ -87,5 +87,18 @@ fn estimates_count_what_limits_take() {
         let (bytes, ms) = estimate(text, &limit);
         assert!(bytes >= megabytes << 20 && bytes < 1 << 30, "{text}: {bytes} bytes");
         assert!(ms >= time && ms < 10_000, "{text}: {ms} ms");
-    }
+    } // numbers of vertices are followed for fifty levels, those of the plan for thirty
+    let mut net = nets::torus(5, 6).input();
+    let time = |net: &Value, parameters: &Value| {
+        let job = json!({ "input": net, "plan": { "word": "UC", "parameters": parameters }, "levels": 3, "outputs": [limit] });
+        let job = parsed(job.to_string().as_bytes()).expect("a job");
+        Limits::default().admit(job).expect("it is small enough").estimate().time_ms
+    };
+    let plain = time(&net, &json!({}));
+    net["mesh"]["parameters"] = json!({ "kernel": (0..30).map(|v| 1.0 + f64::from(v) / 30.0).collect::<Vec<_>>() });
+    let own = time(&net, &json!({}));
+    assert!(own > 10 * plain.max(1), "{own} ms and {plain} ms");
+    let cube = nets::sectors_of_quads(60, 2).0.input();
+    let [fixed, changing] = ["1", "cos(alpha/2)"].map(|kernel| time(&cube, &json!({ "alpha": 1, "kernel": kernel })));
+    assert!(changing > 3 * fixed, "{changing} ms and {fixed} ms");
 }
