@@ -162,7 +162,10 @@ fn numbers(mesh: &Mesh) -> Vec<Points> {
 fn assembled(mesh: &Mesh, net: &MeshNet, numbers: Vec<Vec<f64>>, uvs: Option<RefinedUvs>) -> RefinedMesh {
     let mut numbers = numbers.into_iter();
     let points = numbers.next().unwrap_or_default();
-    RefinedMesh::new(net, points).carrying(mesh.attachments.clone(), numbers.collect(), uvs)
+    let refined = RefinedMesh::new(net, points).carrying(mesh.attachments.clone(), numbers.collect(), uvs);
+    // a connectivity of its own tells no origins in the input
+    let stays = Arc::ptr_eq(&net.base, &mesh.topology);
+    if stays { refined.split_from(mesh.split_from.clone()) } else { refined }
 }
 
 /// Applies steps to a net and its points.

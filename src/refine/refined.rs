@@ -34,6 +34,8 @@ pub struct RefinedMesh {
     sharpness: Option<Arc<Sharpness>>,
     /// What is tagged of it, as long as it is the input.
     tags: Tags,
+    /// For each of the last vertices of the input, which were added to it: the vertex it was split from.
+    split_from: Arc<[u32]>,
     /// Pieces of each edge of the base: those of edge `e` have the numbers `e x pieces ..` in its direction.
     pieces: usize,
 }
@@ -63,6 +65,7 @@ impl RefinedMesh {
             channels: Vec::new(),
             sharpness: net.sharpness.clone(),
             tags: Tags::default(),
+            split_from: Arc::default(),
             pieces,
             uvs: None,
         }
@@ -83,6 +86,12 @@ impl RefinedMesh {
     #[must_use]
     pub(super) fn with_tags(self, tags: Tags) -> Self {
         Self { tags, ..self }
+    }
+
+    /// The same mesh, of an input whose last vertices were split from these.
+    #[must_use]
+    pub(super) fn split_from(self, split_from: Arc<[u32]>) -> Self {
+        Self { split_from, ..self }
     }
 
     /// Position of vertex `v`, numbered in the documented order.
@@ -357,9 +366,13 @@ impl MeshSource for RefinedMesh {
     }
 
     fn vertex_origin(&self, vertex: usize) -> Origin {
-        match &self.order {
+        let origin = match &self.order {
             None => Origin { dimension: 0, cell: index(vertex) },
             Some(order) => order.origin(vertex),
-        }
+        };
+        let given = self.base.n_vertices() - self.split_from.len();
+        let part = (origin.cell as usize).checked_sub(given).filter(|_| origin.dimension == 0);
+        let from = part.and_then(|part| self.split_from.get(part));
+        from.map_or(origin, |&cell| Origin { cell, ..origin })
     }
 }

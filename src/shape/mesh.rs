@@ -1,5 +1,6 @@
 //! Control meshes.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::attachments::{Attachments, AttachmentsInput};
@@ -7,7 +8,7 @@ use super::attributes::Attributes;
 use super::check::{FaceList, Winding};
 use super::creases::{INFINITE_SHARPNESS, Pairs, Sharp, Tags, check_corners};
 use super::directions::Directions;
-use super::topology::Topology;
+use super::topology::{Topology, index};
 use crate::fault::{Fault, under};
 
 /// A checked control mesh.
@@ -31,6 +32,8 @@ pub struct Mesh {
     pub directions: Option<Directions>,
     /// What it carries besides its shape.
     pub attachments: Arc<Attachments>,
+    /// For each of its last vertices, which were not in the input: the vertex of the input it was split from.
+    pub split_from: Arc<[u32]>,
     /// What was changed or is worth knowing, in sentences.
     pub warnings: Vec<String>,
 }
@@ -117,8 +120,9 @@ impl Mesh {
             warnings.push(format!("vertex {from} joined several fans of faces; vertex {added} was split from it"));
         }
         warnings.extend(turned(&checked.turned));
-        let (fixed, semi_sharp_corners): (Sharp, Sharp) =
-            corners.into_iter().partition(|&(_, sharpness)| sharpness >= INFINITE_SHARPNESS);
+        let (fixed, semi_sharp_corners): (Sharp, Sharp) = on_all_parts(corners, n, &checked.split_from)
+            .into_iter()
+            .partition(|&(_, sharpness)| sharpness >= INFINITE_SHARPNESS);
         let corners = fixed.into_iter().map(|(v, _)| v).collect();
         let topology = Arc::new(checked.topology);
         let attachments = Arc::new(attachments);
@@ -132,6 +136,7 @@ impl Mesh {
             attributes,
             directions,
             attachments,
+            split_from: checked.split_from.into(),
             warnings,
         })
     }
@@ -147,6 +152,14 @@ pub(super) fn listed(numbers: &[u32]) -> String {
     let list: Vec<String> = numbers.iter().take(20).map(u32::to_string).collect();
     let more = if numbers.len() > list.len() { ", ..." } else { "" };
     format!("{}{more}", list.join(", "))
+}
+
+/// The sharpness of vertices, of which those that were split have theirs in all parts, those from `n` on included.
+fn on_all_parts(mut corners: Sharp, n: usize, split_from: &[u32]) -> Sharp {
+    let known: BTreeMap<u32, f64> = corners.iter().copied().collect();
+    let sharp = |(part, from)| known.get(from).map(|&sharpness| (index(part), sharpness));
+    corners.extend((n..).zip(split_from).filter_map(sharp));
+    corners
 }
 
 /// One number a vertex; those of vertices that were split go on to all parts.

@@ -54,6 +54,94 @@ fn two_closed_surfaces_that_touch_in_a_vertex_come_apart() {
     assert!(found.faces[4..].iter().flatten().all(|v| *v > 3));
 }
 
+/// Two cubes that share vertex 6: as a client gives them, and with the second cube's
+/// corner split off by hand as vertex 15. What is tagged at the shared vertex is tagged at both there.
+fn touching_cubes() -> [Net; 2] {
+    let second = [[6, 10, 9, 8], [11, 12, 13, 14], [6, 8, 12, 11], [8, 9, 13, 12], [9, 10, 14, 13], [10, 6, 11, 14]];
+    let first = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+    let positions = [
+        [-1, -1, -1],
+        [1, -1, -1],
+        [1, 1, -1],
+        [-1, 1, -1],
+        [-1, -1, 1],
+        [1, -1, 1],
+        [1, 1, 1],
+        [-1, 1, 1],
+        [3, 1, 1],
+        [3, 3, 1],
+        [1, 3, 1],
+        [1, 1, 3],
+        [3, 1, 3],
+        [3, 3, 3],
+        [1, 3, 3],
+    ];
+    let positions: Vec<[f64; 3]> = positions.iter().map(|p| p.map(f64::from)).collect();
+    let split = second.map(|face| face.map(|v| if v == 6 { 15 } else { v }));
+    let net = |second: &[[usize; 4]; 6], positions: &[[f64; 3]]| Net {
+        positions: positions.to_vec(),
+        faces: first.iter().chain(second).map(|face| face.to_vec()).collect(),
+    };
+    let more: Vec<[f64; 3]> = positions.iter().copied().chain([positions[6]]).collect();
+    [net(&second, &positions), net(&split, &more)]
+}
+
+/// Both parts of a vertex have what was tagged of it: as if a client had split the vertex and tagged all parts.
+#[test]
+fn what_is_tagged_at_a_split_vertex_holds_for_all_its_parts() {
+    let corner = |sharpness: f64| json!([{ "vertex": 6, "sharpness": sharpness }]);
+    let corners = |sharpness: f64| json!([6, 15].map(|v| json!({ "vertex": v, "sharpness": sharpness })));
+    let creases =
+        |ends: &[[usize; 2]]| json!(ends.iter().map(|e| json!({ "edge": e, "sharpness": 10 })).collect::<Vec<_>>());
+    let rings = [[[6, 10], [10, 9], [9, 8], [8, 6]], [[15, 10], [10, 9], [9, 8], [8, 15]]];
+    let up = [[[6, 11], [10, 14], [9, 13], [8, 12]], [[15, 11], [10, 14], [9, 13], [8, 12]]];
+    let cases = [
+        ("catmull-clark", json!({ "corners": corner(10.0) }), json!({ "corners": corners(10.0) })),
+        ("catmull-clark", json!({ "corners": corner(1.5) }), json!({ "corners": corners(1.5) })),
+        ("push-back", json!({ "corners": corner(10.0) }), json!({ "corners": corners(10.0) })),
+        ("push-back", json!({ "creases": creases(&rings[0]) }), json!({ "creases": creases(&rings[1]) })),
+        ("push-back", json!({ "holes": [6, 7] }), json!({ "holes": [6, 7] })),
+        (
+            "push-back",
+            json!({ "latitude": rings[0], "longitude": up[0] }),
+            json!({ "latitude": rings[1], "longitude": up[1] }),
+        ),
+    ];
+    let refined = |net: &Net, preset: &str, tags: &Value| {
+        let mut input = net.input();
+        for (name, tag) in tags.as_object().expect("tags have names") {
+            input["mesh"][name] = tag.clone();
+        }
+        support::json(json!({ "input": input, "plan": { "preset": preset }, "levels": 2 }))
+    };
+    for (preset, given, split) in cases {
+        let [shared, apart] = touching_cubes();
+        let (found, expected) = (refined(&shared, preset, &given), refined(&apart, preset, &split));
+        let untagged = refined(&shared, preset, &json!({}));
+        for part in ["positions", "faces"] {
+            assert!(found[part] == expected[part], "{preset}, {given}: {part}");
+        }
+        assert!(
+            found["positions"] != untagged["positions"] || found["faces"] != untagged["faces"],
+            "{preset}, {given}"
+        );
+    }
+}
+
+/// Origins are cells of the input: that of a part is the vertex it was split from.
+#[test]
+fn parts_of_a_split_vertex_come_of_that_vertex() {
+    let [shared, _] = touching_cubes();
+    for levels in 0..3 {
+        let job = json!({ "input": shared.input(), "plan": { "preset": "catmull-clark" }, "levels": levels });
+        let result = support::json_with(job, &json!({ "ids": true }));
+        let vertices: Vec<[usize; 2]> = serde_json::from_value(result["ids"]["vertices"].clone()).expect("pairs");
+        let expected: Vec<_> = (0..15).chain([6]).map(|v| [0, v]).collect();
+        assert_eq!(vertices[..16], expected, "level {levels}");
+        assert!(vertices[16..].iter().all(|[dimension, _]| *dimension > 0), "level {levels}");
+    }
+}
+
 #[test]
 fn isolated_vertices_stay_at_their_place() {
     let mut net = nets::cube();
