@@ -19,6 +19,7 @@ use crate::refine::curve::Reached;
 use crate::refine::{self, RefineError};
 use crate::scheme::plan::{Carried, Plan, PlanInput, Subject};
 use crate::shape::attachments::Attachments;
+use crate::shape::attributes::Attributes;
 use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::frame::Frame;
 use crate::shape::mesh::Mesh;
@@ -122,7 +123,12 @@ impl Input {
                 None => mesh.attributes.is_some().then_some(Carried::Parameters),
             },
         };
-        Subject { is_mesh, is_open, tags, attached, creased, carried, semi_sharp, other_face }
+        let carry_alpha = |kept: &Option<Attributes>| kept.as_ref().is_some_and(|kept| kept.alpha.is_some());
+        let own_alpha = match self {
+            Self::Polygons(polygons) => polygons.iter().all(|polygon| carry_alpha(&polygon.attributes)),
+            Self::Mesh(mesh) => carry_alpha(&mesh.attributes),
+        };
+        Subject { is_mesh, is_open, tags, attached, creased, carried, own_alpha, semi_sharp, other_face }
     }
 }
 

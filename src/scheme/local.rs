@@ -51,6 +51,8 @@ pub struct Sources<'a> {
     pub alpha: f64,
     /// The alpha of the compensation.
     pub compensation_alpha: f64,
+    /// Whether the compensation has an alpha of its own, which latitude lines then have, too.
+    pub compensates_apart: bool,
     /// By what the alpha of points is multiplied at this upsampling.
     pub scale: f64,
     /// Perturbation, if any.

@@ -60,8 +60,8 @@ impl MeshLocal {
             let (operation, number) = if i < n_e { (1, i) } else { (2, i - n_e) };
             let own = |array: &Option<Vec<f64>>| array.as_ref().map(|array| mean(array, parent, i));
             let own_alpha = own(&attributes.alpha);
-            let omega = own(&attributes.compensation)
-                .map_or_else(|| sources.compensation.value(alpha(own_alpha, sources.compensation_alpha)), Ok);
+            let seen = alpha(own_alpha.filter(|_| !sources.compensates_apart), sources.compensation_alpha);
+            let omega = own(&attributes.compensation).map_or_else(|| sources.compensation.value(seen), Ok);
             let omega = finite("compensation", number, omega.map(|value| value + noise(operation, number)))?;
             compensation.push(omega);
             if has_lines {

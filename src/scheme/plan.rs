@@ -52,6 +52,8 @@ pub struct Subject {
     pub carried: Option<Carried>,
     /// What has a sharpness between smooth and infinitely sharp, if anything.
     pub semi_sharp: Option<&'static str>,
+    /// Whether all its points carry an alpha of their own.
+    pub own_alpha: bool,
     /// Number and size of the first face that is no triangle, if there is one.
     pub other_face: Option<(usize, usize)>,
 }
@@ -84,7 +86,8 @@ pub struct Plan {
     pub word: Word,
     /// Parameter spacing that enters the first U, radians.
     pub alpha: f64,
-    /// The same for the compensation, where it differs.
+    /// The same for the compensation, where it differs: then latitude lines have it, too. Points that carry an alpha of
+    /// their own have that.
     pub compensation_alpha: Option<f64>,
     /// Kernels of the first, second, ... average after a U, in alpha.
     pub kernel: Vec<Expression>,
@@ -203,6 +206,7 @@ impl Plan {
             delta: &self.delta,
             alpha: step.alpha,
             compensation_alpha: step.compensation_alpha,
+            compensates_apart: self.compensation_alpha.is_some(),
             scale: step.scale,
             noise,
         })

@@ -3,6 +3,7 @@
 mod averaging;
 mod butterfly;
 mod circles;
+mod compensation_alpha;
 mod creases;
 mod curves;
 mod doo_sabin;

@@ -205,7 +205,8 @@ fn same(a: &[Scheduled], b: &[Scheduled]) -> bool {
 /// Whether the functions of an alpha that vertices carry have the same values at two levels.
 fn same_at(plan: &Plan, alpha: f64, a: &[Scheduled], b: &[Scheduled]) -> bool {
     let longitude = plan.latitude.as_ref().and_then(|latitude| latitude.kernel_longitude.as_ref());
-    let functions = plan.kernel.first().into_iter().chain(longitude).chain([&plan.compensation]);
+    let compensation = plan.compensation_alpha.is_none().then_some(&plan.compensation);
+    let functions = plan.kernel.first().into_iter().chain(longitude).chain(compensation);
     let close = |x: f64, y: f64| (x - y).abs() <= SAME * y.abs().max(1.0);
     functions.into_iter().all(|function| {
         let at = |step: &Scheduled| function.value(alpha * step.scale).unwrap_or(f64::NAN);

@@ -44,7 +44,10 @@ impl Plan {
         }
         let Spelling { alpha, compensation_alpha, kernel, mu, compensation, delta, perturbation, rules, .. } = spelling;
         let perturbation = perturbation.map(|[amplitude, decay]| Perturbation { amplitude, decay, seed: input.seed });
-        let compensation_alpha = compensation_alpha.filter(|other| other.to_bits() != alpha.to_bits());
+        let lines_differ = latitude.as_ref().is_some_and(|latitude| latitude.own_alpha);
+        let differs = |other: &f64| lines_differ || other.to_bits() != alpha.to_bits();
+        // alphas that points carry beat those of the plan
+        let compensation_alpha = compensation_alpha.filter(|other| !subject.own_alpha && differs(other));
         let plan = Self {
             word,
             alpha,

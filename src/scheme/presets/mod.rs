@@ -196,7 +196,7 @@ pub const COMPENSATION_ALPHA: Parameter = Parameter {
     kind: Kind::Number { min: -1e6, max: 1e6 },
     unit: "radians",
     default: Default::Absent,
-    doc: "The alpha that the compensation sees at the first U, divided like alpha; alpha itself when left out.",
+    doc: "The alpha that the compensation sees at the first U, divided like alpha; when left out alpha itself, which on closed latitude lines is 2 pi / n. An alpha that points carry beats both.",
 };
 
 /// Into what the faces of a mesh are split.
