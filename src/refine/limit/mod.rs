@@ -209,6 +209,39 @@ fn evens_out(net: &MeshNet) -> bool {
     any && net.rules.creasing == Creasing::Chaikin
 }
 
+/// How smooth the limit is where it is regular, with all of these numbers at vertices.
+fn smoothness(
+    cycle: &Cycle<'_>,
+    regular: Regular,
+    tagged: bool,
+    own: Vec<Common>,
+    rings: Rings,
+    watch: &Watch,
+) -> Result<Smoothness, Unlimited> {
+    let mut smoothness = Smoothness::Smooth;
+    for common in if own.is_empty() { vec![Common::default()] } else { own } {
+        smoothness = smoothness.min(probe::smoothness(cycle, regular, tagged, common, rings, watch)?);
+    }
+    if smoothness == Smoothness::Rough { Err(Unlimited::Rough) } else { Ok(smoothness) }
+}
+
+/// Whether a plan whose cycle starts with an upsampling, and perturbs nothing, has a continuous limit on a net.
+///
+/// # Errors
+/// [`Unlimited`], also where that cannot be told.
+pub(super) fn check_continuous(plan: &Plan, net: &MeshNet) -> Result<(), Unlimited> {
+    check(plan)?;
+    let steps = plan.schedule(AHEAD).map_err(|fault| Unlimited::Later(fault.detail))?;
+    let own = net.attributes.as_deref().map_or_else(Vec::new, own::extremes);
+    let alphas: Vec<f64> = own.iter().filter_map(Common::alpha).chain([plan.alpha]).collect();
+    let ahead = (&steps[plan.word.prefix.len()..], plan.word.cycle.len());
+    let cycle = Cycle::new(plan, ahead, Frame::of(plan, &net.base), &alphas);
+    let (regular, tagged) = (Regular::of(&cycle, &net.base)?, net.directions.is_some());
+    let starts = Starts { is_open: net.base.n_boundary() > 0, others: false };
+    let rings = regular.rings(&cycle, tagged, starts)?;
+    smoothness(&cycle, regular, tagged, own, rings, &Watch::new()).map(drop)
+}
+
 /// The limits of a net that `ahead` would refine further.
 pub(super) fn limits(
     plan: &Plan,
@@ -235,13 +268,7 @@ pub(super) fn limits(
     let tagged = net.directions.is_some();
     let rings = regular.rings(&cycle, tagged, Starts { is_open, others: centres.is_some() })?;
     let rings = if evens_out(&net) { Rings { patch: rings.patch.max(rings.support + 1), ..rings } } else { rings };
-    let mut smoothness = Smoothness::Smooth;
-    for common in if own.is_empty() { vec![Common::default()] } else { own } {
-        smoothness = smoothness.min(probe::smoothness(&cycle, regular, tagged, common, rings, watch)?);
-    }
-    if smoothness == Smoothness::Rough {
-        return Err(Unlimited::Rough);
-    }
+    let smoothness = smoothness(&cycle, regular, tagged, own, rings, watch)?;
     let kinked = perturbation.as_ref().filter(|_| asked.normals).and_then(perturbed::no_normals);
     if kinked.is_some() && !asked.positions {
         return Ok(Limits { warning: kinked, ..Limits::default() });

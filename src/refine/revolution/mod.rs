@@ -1,7 +1,7 @@
 //! Which latitude lines of a mesh become exact circles, and how large.
 //!
 //! A line is exact when the rings around it, as far as the scheme reaches, are regular polygons of as many vertices on
-//! one axis, or end in a boundary or a crease, when every vertex of a ring has the same parameters, and when the plan keeps
+//! one axis, stars included, or end in a boundary or a crease, when every vertex of a ring has the same parameters, and when the plan keeps
 //! circles: a U, then averages of which the first has the kernel `cos(alpha/2)` and the others 1, and push-backs with the
 //! compensation `1/cos(alpha/2)`.
 
@@ -9,6 +9,8 @@ mod profile;
 mod ring;
 mod walls;
 
+use super::limit::{Unlimited, check_continuous};
+use super::mesh_net;
 use super::vector::Vector;
 use crate::math::expression::Expression;
 use crate::scheme::ops::{LatitudeRule, Role};
@@ -106,6 +108,9 @@ impl<'a> Tube<'a> {
         }
         let on_line = directions.latitude_pairs(&mesh.topology).iter().map(Option::is_some).collect();
         let steps = plan.schedule(LEVELS).map_err(|fault| fault.detail)?;
+        if let Err(reason @ (Unlimited::Rough | Unlimited::Unsettled)) = check_continuous(plan, &mesh_net(mesh, plan)) {
+            return Err(reason.to_string());
+        }
         Ok(Self { mesh, directions, plan, latitude, attributes, on_line, steps })
     }
 
@@ -126,13 +131,20 @@ impl<'a> Tube<'a> {
         let rings: Vec<Ring> = left.nearest_first.into_iter().rev().chain([ring]).chain(right.nearest_first).collect();
         let deltas: Vec<f64> = left.deltas.into_iter().rev().chain([delta]).chain(right.deltas).collect();
         let irregularity = rings.iter().map(|ring| ring.irregularity).fold(left.tilt.max(right.tilt), f64::max);
+        // rings without extent go round as often as the others
+        let winding = rings.iter().find(|ring| ring.axis.is_some()).map_or(1.0, |ring| ring.winding);
         let profile = Profile::of(&rings, deltas, place, reach);
-        Ok(Circle { radius: self.limit(line.vertices.len(), alpha, profile)?, irregularity })
+        Ok(Circle { radius: self.limit(line.vertices.len(), winding, alpha, profile)?, irregularity })
+    }
+
+    /// Whether vertices of four edges are pushed back.
+    fn is_pushed(&self) -> bool {
+        self.attributes.delta.is_some() || self.plan.delta.value(4.0) != Ok(0.0)
     }
 
     /// How many rings the limit of a line depends on, on each side.
     fn reach(&self) -> usize {
-        let pushed = self.attributes.delta.is_some() || self.plan.delta.value(4.0) != Ok(0.0);
+        let pushed = self.is_pushed();
         let counts = |letter: &&Letter| match letter.operator.role() {
             Role::Average => true,
             Role::PushBack => pushed,
@@ -158,7 +170,8 @@ impl<'a> Tube<'a> {
             }
             rings.nearest_first.push(found);
             if away == reach {
-                // of the last ring nothing but places counts
+                // of the last ring nothing but places counts, as long as it stays where it is
+                self.check_pushed_alike(&vertices).map_err(at)?;
                 rings.deltas.push(0.0);
                 break;
             }
@@ -214,9 +227,25 @@ impl<'a> Tube<'a> {
         }
     }
 
-    /// The radius of a line in the limit: of `n` vertices, which carry this `alpha`.
-    fn limit(&self, n: usize, alpha: Option<f64>, mut profile: Profile) -> Result<f64, String> {
-        let mut theta = std::f64::consts::TAU / ring::real(n);
+    /// An error where the plan pushes vertices of this ring back, because of their valence, but not those of tubes: then
+    /// rings farther away count, and beyond such vertices there is no tube.
+    fn check_pushed_alike(&self, ring: &[u32]) -> Result<(), String> {
+        if self.is_pushed() || self.wall(ring) == Ok(Wall::End) {
+            return Ok(());
+        }
+        let is_pushed = |&&v: &&u32| {
+            let topology = self.topology();
+            let inside = topology.boundary_edges(v as usize).is_none();
+            inside && self.plan.delta.value(ring::real(topology.ring(v as usize).count())) != Ok(0.0)
+        };
+        let pushed = ring.iter().find(is_pushed);
+        let valence = |&v: &u32| self.topology().ring(v as usize).count();
+        pushed.map(valence).map_or(Ok(()), |n| Err(format!("a vertex has {n} edges, where delta is not 0")))
+    }
+
+    /// The radius of a line in the limit: of `n` vertices, which go round so often and carry this `alpha`.
+    fn limit(&self, n: usize, winding: f64, alpha: Option<f64>, mut profile: Profile) -> Result<f64, String> {
+        let mut theta = std::f64::consts::TAU * winding / ring::real(n);
         let compensated = profile.is_pushed() || self.latitude.rule == LatitudeRule::Position;
         for level in self.steps.chunk_by(|a, b| a.level == b.level) {
             let before = profile.here();
@@ -225,7 +254,8 @@ impl<'a> Tube<'a> {
                     Some(reason) => reason,
                     None => format!(
                         "circles need the kernel cos(alpha/2), 1 in later averages, and the compensation \
-                         1/cos(alpha/2) with alpha = 2 pi / {n}"
+                         1/cos(alpha/2) with alpha = {} pi / {n}",
+                        2.0 * winding
                     ),
                 })?;
                 profile = profile.refined(block, along, theta);
@@ -252,7 +282,11 @@ impl<'a> Tube<'a> {
         let c = crate::math::functions::cos(theta / 2.0);
         let kernel = value(self.plan.kernel.first().ok_or(None)?, own(upsampling.alpha))?;
         let pushed = follows(block, Role::PushBack) > 0 && compensated;
-        let omega = value(&self.plan.compensation, own(upsampling.compensation_alpha))?;
+        let seen = match self.plan.compensation_alpha {
+            Some(_) => upsampling.compensation_alpha,
+            None => own(upsampling.compensation_alpha),
+        };
+        let omega = value(&self.plan.compensation, seen)?;
         let later = block.iter().filter(|step| step.letter.operator.role() == Role::Average && !step.first);
         let others = later.map(|step| (step.kernel - 1.0).abs()).fold(0.0, f64::max);
         if (kernel - c).abs() > ROUNDING || pushed && (omega * c - 1.0).abs() > ROUNDING || others > ROUNDING {

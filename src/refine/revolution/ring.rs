@@ -1,6 +1,6 @@
-//! Rings of tubes: regular polygons in space.
+//! Rings of tubes: regular polygons in space, star-shaped ones included.
 
-use crate::math::functions::{cos, sin};
+use crate::math::functions::{atan2, cos, sin};
 use crate::refine::vector::{Vector, cross, dot, length, plus, times};
 
 /// By how much of its size a ring may miss a regular polygon, as coordinates with a few decimals do.
@@ -16,6 +16,8 @@ pub(super) struct Ring {
     pub(super) centre: Vector,
     /// Unit vector along the axis, around which the vertices turn counter-clockwise; `None` for a ring without extent.
     pub(super) axis: Option<Vector>,
+    /// How often its vertices go round the axis: 1, or more for a star.
+    pub(super) winding: f64,
     /// From the centre to the vertex that the tube counts from.
     pub(super) first: Vector,
     /// Greatest distance of a vertex from its place in the regular polygon.
@@ -32,11 +34,13 @@ impl Ring {
         let far = points.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
         let radius = arms.iter().map(|arm| length(*arm)).fold(0.0, f64::max);
         if radius <= ROUNDING * far {
-            return Some(Self { centre, axis: None, first: [0.0; 3], irregularity: radius });
+            return Some(Self { centre, axis: None, winding: 1.0, first: [0.0; 3], irregularity: radius });
         }
         let turn = (0..n).map(|i| cross(arms[i], arms[(i + 1) % n])).fold([0.0; 3], plus);
         let axis = times(1.0 / length(turn), turn);
-        let angle = std::f64::consts::TAU * inverse;
+        let first = atan2(dot(axis, cross(arms[0], arms[1])), dot(arms[0], arms[1]));
+        let winding = (first * real(n) / std::f64::consts::TAU).round();
+        let angle = std::f64::consts::TAU * winding * inverse;
         let (c, s) = (cos(angle), sin(angle));
         let mut irregularity: f64 = 0.0;
         for i in 0..n {
@@ -47,7 +51,7 @@ impl Ring {
             }
             irregularity = irregularity.max(missed);
         }
-        Some(Self { centre, axis: Some(axis), first: arms[0], irregularity })
+        Some(Self { centre, axis: Some(axis), winding, first: arms[0], irregularity })
     }
 }
 
@@ -58,6 +62,9 @@ pub(super) fn tilt(ring: &Ring, other: &Ring) -> Result<f64, String> {
     let Some(axis) = ring.axis.or(other.axis) else { return Ok(0.0) };
     let turned = match (ring.axis, other.axis) {
         (Some(a), Some(b)) if dot(a, b) < 0.0 => return Err("the ring runs the other way round".into()),
+        (Some(_), Some(_)) if ring.winding.to_bits() != other.winding.to_bits() => {
+            return Err("the ring goes round the axis another number of times".into());
+        }
         (Some(a), Some(b)) => length(cross(a, b)),
         _ => 0.0,
     };

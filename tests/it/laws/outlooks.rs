@@ -165,6 +165,8 @@ fn plans_that_lose_circles_are_told_so() {
         (json!({ "alpha": 1 }), "2 pi / 6"),
         (json!({ "compensation": 1 }), "1/cos(alpha/2)"),
         (json!({ "alpha": "2*pi/6", "compensation_alpha": 0.3 }), "1/cos(alpha/2)"),
+        (json!({ "compensation_alpha": 0.3 }), "1/cos(alpha/2)"),
+        (json!({ "compensation_alpha": 0 }), "1/cos(alpha/2)"),
     ];
     for (parameters, reason) in cases {
         for outlook in told(&tube(6, &UNEVEN), &word("UCCP", &parameters)) {
@@ -172,6 +174,75 @@ fn plans_that_lose_circles_are_told_so() {
             assert!(said.contains(reason), "{parameters}: {said}");
         }
     }
+}
+
+/// A tube that a single face closes: the vertices there have three edges, and where delta is not 0 at them they disturb
+/// the lines that their displacement reaches.
+#[test]
+fn rings_of_another_valence_are_pushed_back_by_their_own_delta() {
+    let rings: Vec<Ring> = (0..12).map(|u| (1.0 + 0.3 * cos(2.0 * real(u)), real(u), 0.0)).collect();
+    let mut mesh = tube(5, &rings);
+    mesh["faces"].as_array_mut().expect("faces").push(json!([55, 56, 57, 58, 59]));
+    for (letters, delta, expected) in [
+        ("UCP", "(valence-4)/valence", 10),
+        ("UCPC", "(valence-4)/valence", 9),
+        ("UCPP", "(valence-4)/valence", 10),
+        ("UCP", "0", 11),
+        ("UCPC", "0", 10),
+        ("UCP", "4-valence", 10),
+        ("UCP", "0.5", 10),
+        ("UCP", "valence/8", 10),
+    ] {
+        assert_eq!(exact(&mesh, &word(letters, &json!({ "delta": delta }))), expected, "{letters}, {delta}");
+    }
+}
+
+/// Where the limit is refused no line is a circle in it.
+#[test]
+fn plans_without_a_limit_are_told_so() {
+    let mesh = tube(6, &UNEVEN);
+    for (delta, is_refused) in [(30.0, true), (-20.0, true), (1.0, false)] {
+        let plan = word("UCP", &json!({ "delta": delta }));
+        let outputs = json!([{ "format": "json", "positions": "limit" }]);
+        let job = json!({ "input": { "mesh": mesh }, "plan": plan, "levels": 0, "outputs": outputs });
+        let refused = support::render(&job).err().map(|faults| faults[0].detail.clone());
+        assert_eq!(refused.is_some(), is_refused, "{refused:?}");
+        for outlook in told(&mesh, &plan) {
+            let said = outlook.circle.err();
+            assert_eq!(said.is_some(), is_refused, "{said:?}");
+            let pair = said.zip(refused.as_ref());
+            assert!(pair.is_none_or(|(said, refused)| refused.contains(&said) && said.contains("no continuous limit")));
+        }
+    }
+}
+
+/// Rings that go round their axis several times need the alpha `2 pi p / n`.
+#[test]
+fn stars_become_circles_under_their_own_alpha() {
+    for (k, p) in [(5, 2), (7, 3), (6, 2), (5, 1)] {
+        let mut mesh = tube(k, &UNEVEN);
+        let whole = mesh["positions"].clone();
+        for v in 0..8 * k {
+            mesh["positions"][v] = whole[v - v % k + v % k * p % k].clone();
+        }
+        let plan = |alpha: &str| word("UCP", &json!({ "delta": 0.5, "alpha": alpha }));
+        assert_eq!(exact(&mesh, &plan(&format!("2*pi*{p}/{k}"))), 8, "{k}/{p}");
+        let said: Vec<String> =
+            told(&mesh, &plan("1.1")).into_iter().filter_map(|outlook| outlook.circle.err()).collect();
+        assert!(
+            said.len() == 8 && said.iter().all(|said| said.contains(&format!("alpha = {} pi / {k}", 2 * p))),
+            "{said:?}"
+        );
+        assert_eq!(exact(&mesh, &word("UCP", &json!({}))), if p == 1 { 8 } else { 0 });
+    }
+    let mut mesh = tube(5, &UNEVEN);
+    let whole = mesh["positions"].clone();
+    (20..25).for_each(|v| mesh["positions"][v] = whole[20 + 2 * (v - 20) % 5].clone());
+    let said: Vec<String> = told(&mesh, &word("UCP", &json!({ "delta": 0.5 })))
+        .into_iter()
+        .filter_map(|outlook| outlook.circle.err())
+        .collect();
+    assert!(said.iter().any(|said| said.contains("another number of times")), "{said:?}");
 }
 
 /// A ring that runs the other way round makes ellipses of its neighbours, although it is regular, too.
