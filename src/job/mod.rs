@@ -2,6 +2,7 @@
 
 pub mod codec;
 mod curves;
+mod kernels;
 pub mod key;
 mod levels;
 pub mod limits;
@@ -214,6 +215,7 @@ impl Job {
             faults.extend(fault.map(|fault| fault.under("/plan")));
         }
         faults.extend(steering::check(&input, &plan));
+        faults.extend(kernels::check(&input, &plan, levels));
         if let (Input::Polygons(polygons), true) = (&input, faults.is_empty()) {
             for (i, output) in outputs.iter().enumerate() {
                 let fault = curves::check_wanted(polygons, &plan, levels, output).err();

@@ -10,6 +10,7 @@ use crate::output::scene::{Curve, Scene, Shape};
 use crate::output::surface;
 use crate::refine::{Asked, RefineError, RefinedMesh, curve, refine_mesh, refine_mesh_to_limit};
 use crate::scheme::mesh_net::{Boundary, MeshNet};
+use crate::scheme::step::StepError;
 use crate::shape::mesh::Mesh;
 use crate::watch::{Stage, Stopped, Watch};
 
@@ -39,7 +40,14 @@ impl From<RefineError> for RunError {
         match error {
             RefineError::Stopped(stopped) => Self::Stopped(stopped),
             error @ RefineError::Unlimited(_) => Self::Impossible(Fault::new("/outputs/0", error.to_string())),
-            other => Self::Impossible(Fault::new("/plan", other.to_string())),
+            other => {
+                let longitude = matches!(
+                    other,
+                    RefineError::Step { error: StepError::NoAverage { name: "kernel_longitude", .. }, .. }
+                );
+                let place = if longitude { "/plan/parameters/kernel_longitude" } else { "/plan" };
+                Self::Impossible(Fault::new(place, other.to_string()))
+            }
         }
     }
 }

@@ -99,8 +99,8 @@ impl Local {
             finite("compensation", e, value.map(|value| value + noise(1, e)))
         });
         let kernel: Vec<f64> = kernel.collect::<Result<_, _>>()?;
-        if let Some(i) = kernel.iter().position(|f| (1.0 + f).abs() < 1e-9) {
-            return Err(StepError::Local(format!("the kernel of point {i} is -1, where no average exists")));
+        if let Some(point) = kernel.iter().position(|&f| !has_average(f)) {
+            return Err(StepError::NoAverage { name: "kernel", point, value: kernel[point] });
         }
         let (delta, compensation) = (delta.collect::<Result<_, _>>()?, compensation.collect::<Result<_, _>>()?);
         Ok(Some(Arc::new(Self { kernel, delta, compensation, arity })))
@@ -113,6 +113,11 @@ impl Local {
         let e = e.clamp(0, edges.cast_signed() - 1).unsigned_abs();
         self.compensation[e * inner + j.unsigned_abs() - 1]
     }
+}
+
+/// Whether an average exists with this kernel: its weights add up to a multiple of `1 + f`.
+pub fn has_average(kernel: f64) -> bool {
+    (1.0 + kernel).abs() >= 1e-9
 }
 
 pub(super) fn finite<E: std::fmt::Display>(name: &str, i: usize, value: Result<f64, E>) -> Result<f64, StepError> {

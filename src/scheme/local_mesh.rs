@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::local::{Sources, finite};
+use super::local::{Sources, finite, has_average};
 use super::mesh_net::MeshNet;
 use super::step::StepError;
 use crate::shape::topology::Topology;
@@ -93,10 +93,7 @@ pub(super) fn upsampled(array: &[f64], topology: &Topology) -> Vec<f64> {
     array.iter().copied().chain(made).collect()
 }
 
-fn weight<E: std::fmt::Display>(name: &str, i: usize, value: Result<f64, E>) -> Result<f64, StepError> {
+fn weight<E: std::fmt::Display>(name: &'static str, i: usize, value: Result<f64, E>) -> Result<f64, StepError> {
     let value = finite(name, i, value)?;
-    if (1.0 + value).abs() < 1e-9 {
-        return Err(StepError::Local(format!("the {name} of point {i} is -1, where no average exists")));
-    }
-    Ok(value)
+    if has_average(value) { Ok(value) } else { Err(StepError::NoAverage { name, point: i, value }) }
 }

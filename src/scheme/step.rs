@@ -103,6 +103,18 @@ pub enum StepError {
     /// A value of a single point that does not exist.
     #[error("{0}; choose other values")]
     Local(String),
+    /// A kernel of a single point with which no average exists.
+    #[error(
+        "the {name} of point {point} is {value}, where no average exists, as its weights add up to 0; it is any number but -1"
+    )]
+    NoAverage {
+        /// Which kernel.
+        name: &'static str,
+        /// The point, in the net that entered the last U.
+        point: usize,
+        /// Its kernel.
+        value: f64,
+    },
     /// Tags that a scheme of its own mask cannot carry.
     #[error("this scheme is a mask, which knows no {0}; leave them out or use a word over U, C and P")]
     MaskTags(&'static str),
@@ -115,6 +127,16 @@ pub enum StepError {
     /// What a scheme has no use for.
     #[error("this scheme knows no {0}; leave them out or use a word over U, C and P")]
     Useless(&'static str),
+    /// What only upsamplings that halve edges and make quads have a use for.
+    #[error(
+        "{what} act in words over U, C and P with arity 2 and split quad; here stands {found}: change it or leave them out"
+    )]
+    NotHalves {
+        /// What.
+        what: &'static str,
+        /// The upsampling, or its split.
+        found: String,
+    },
     /// Too few points would remain.
     #[error("natural ends leave {0} points; at least 2 must remain: give more points or use clamped ends")]
     TooFewPoints(usize),

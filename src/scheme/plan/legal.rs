@@ -4,6 +4,7 @@ use super::{Plan, Subject};
 use crate::scheme::ops::{Follows, Role};
 use crate::scheme::polygon_net::Ends;
 use crate::scheme::step::StepError;
+use crate::scheme::word::Letter;
 use crate::shape::tile::Tile;
 
 impl Plan {
@@ -27,9 +28,11 @@ impl Plan {
             }
             let dual = letter.operator.shifts(&letter);
             if let Some(carried) = subject.carried {
-                let halves = letter.operator.letter() == Some('U') && letter.arity == 2;
-                let looks = matches!(role, Role::Average | Role::PushBack) || halves;
-                if !looks || letter.tile == Tile::Triangle {
+                if let Some(found) = other_than_halves(&letter) {
+                    return Err(StepError::NotHalves { what: carried.name(), found });
+                }
+                let halves = letter.operator.letter() == Some('U');
+                if !matches!(role, Role::Average | Role::PushBack) && !halves || letter.tile == Tile::Triangle {
                     return Err(StepError::Useless(carried.name()));
                 }
             }
@@ -77,4 +80,12 @@ impl Plan {
             _ => Ok(()),
         }
     }
+}
+
+/// How the U of a word differs from one that halves edges and makes quads, if it does.
+pub(super) fn other_than_halves(letter: &Letter) -> Option<String> {
+    let is_lettered = letter.operator.letter() == Some('U');
+    let split = || (letter.tile == Tile::Triangle).then(|| "split triangle".to_owned());
+    let arity = || (letter.arity != 2).then(|| format!("U{}", letter.arity));
+    if is_lettered { split().or_else(arity) } else { None }
 }

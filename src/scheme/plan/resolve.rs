@@ -1,5 +1,6 @@
 //! From what a client wrote to a plan.
 
+use super::legal::other_than_halves;
 use super::{Carried, DEFAULT_MU, Latitude, Perturbation, Plan, PlanInput, Subject};
 use crate::fault::{Fault, under};
 use crate::math::expression::Expression;
@@ -63,11 +64,22 @@ impl Plan {
             latitude,
         };
         if subject.is_mesh && plan.perturbation.is_some() && !plan.averages_halves() {
-            let detail = "on meshes, perturbation acts in words over U, C and P with split quad; leave it out";
+            let rule = "on meshes, perturbation acts in words over U, C and P with arity 2 and split quad";
+            let mut letters = plan.word.prefix.iter().chain(&plan.word.cycle);
+            let detail = match letters.find_map(other_than_halves) {
+                Some(found) => format!("{rule}; here stands {found}: change it or leave it out"),
+                None => format!("{rule}; leave it out"),
+            };
             return Err(vec![Fault::new("/parameters/perturbation", detail)]);
         }
         plan.check_legal(subject).map_err(|error| {
-            let split = matches!(error, StepError::NotTriangles { .. }) && input.word.is_some();
+            let split = match &error {
+                StepError::NotTriangles { .. } => input.word.is_some(),
+                StepError::NotHalves { .. } => {
+                    plan.tile() == Tile::Triangle && input.parameters.iter().any(|(name, _)| name == "split")
+                }
+                _ => false,
+            };
             vec![Fault::new(if split { "/parameters/split" } else { place }, error.to_string())]
         })?;
         plan.check_delta(subject)?;

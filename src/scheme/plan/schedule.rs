@@ -3,6 +3,7 @@
 use super::{Plan, Scheduled};
 use crate::fault::Fault;
 use crate::math::expression::{Expression, ExpressionError};
+use crate::scheme::local::has_average;
 use crate::scheme::ops::Role;
 use crate::scheme::presets::MU;
 use crate::scheme::word::Letter;
@@ -73,9 +74,15 @@ impl Plan {
     fn kernel_at(&self, place: usize, alpha: f64, level: u32, letter: &Letter) -> Result<f64, Fault> {
         let Some(kernel) = self.kernel.get(place) else { return Ok(1.0) };
         let value = at(kernel, alpha, level, "kernel")?;
-        if (1.0 + value).abs() < 1e-9 {
-            let detail = format!("the kernel is -1 at level {level} (alpha = {alpha}), where no average exists");
-            return Err(Fault::new("/parameters/kernel", detail));
+        if !has_average(value) {
+            return Err(no_average("kernel", value, alpha, level));
+        }
+        let longitude = self.latitude.as_ref().and_then(|latitude| latitude.kernel_longitude.as_ref());
+        if let Some(kernel) = longitude.filter(|kernel| place == 0 && kernel.is_constant()) {
+            let value = at(kernel, alpha, level, "kernel_longitude")?;
+            if !has_average(value) {
+                return Err(no_average("kernel_longitude", value, alpha, level));
+            }
         }
         if letter.tile == Tile::Triangle && self.triangle_sums(value, letter).iter().any(|sum| sum.abs() < 1e-9) {
             let detail = format!(
@@ -109,6 +116,14 @@ impl Plan {
         }
         Ok(value)
     }
+}
+
+fn no_average(name: &str, value: f64, alpha: f64, level: u32) -> Fault {
+    let detail = format!(
+        "the {name} is {value} at level {level} (alpha = {alpha}), where no average exists, as its weights add up to 0; it is \
+         any number but -1"
+    );
+    Fault::new(format!("/parameters/{name}"), detail)
 }
 
 fn at(function: &Expression, alpha: f64, level: u32, name: &str) -> Result<f64, Fault> {

@@ -143,7 +143,7 @@ fn lines_are_exact_only_under_plans_that_fit() {
         let unfit = [
             (json!({ "preset": "catmull-clark" }), "knows no latitude"),
             (json!({ "word": "UD" }), "D cannot carry"),
-            (json!({ "word": "U3CP" }), "knows no latitude"),
+            (json!({ "word": "U3CP" }), "arity 2 and split quad; here stands U3"),
             (json!({ "word": "UCP", "parameters": { "split": "triangle" } }), "only triangles are split"),
             (json!({ "word": "UX" }), "no operator"),
             (json!({ "wood": "UC" }), "unknown field"),

@@ -186,6 +186,18 @@ fn tags_that_cannot_be_are_refused_at_their_place() {
         (job(with("latitude", json!([[0, 99]])), plan), "/input/mesh/latitude/0: there is no edge"),
         (job(tube(4, &UNEVEN, 0.0), json!({ "word": "UD" })), "latitude and longitude tags"),
         (job(tube(4, &UNEVEN, 0.0), json!({ "preset": "catmull-clark" })), "knows no latitude"),
+        (
+            job(tube(4, &UNEVEN, 0.0), json!({ "word": "U3CP" })),
+            "/plan/word: latitude and longitude tags act in words over U, C and P with arity 2 and split quad; here stands U3",
+        ),
+        (
+            job(tube(4, &UNEVEN, 0.0), json!({ "word": "UCP", "parameters": { "kernel_longitude": -1 } })),
+            "/plan/parameters/kernel_longitude: the kernel_longitude is -1",
+        ),
+        (
+            job(tube(4, &UNEVEN, 0.0), json!({ "word": "UCP", "parameters": { "kernel_longitude": "alpha-1-pi/2" } })),
+            "/plan/parameters/kernel_longitude: level 1: the kernel_longitude of point 0 is -1",
+        ),
         (job(with("latitude", json!([[0]])), json!({ "word": "UC" })), "/input/mesh/latitude/0"),
     ];
     for (job, expected) in cases {

@@ -95,10 +95,66 @@ fn parameters_that_cannot_be_are_refused_at_their_place() {
     let word = || json!({ "word": "UCP" });
     let cases = [
         (job(json!({ "delta": [1, 2] }), word()), "/input/mesh/parameters/delta"),
-        (job(json!({ "kernel": vec![-1; 8] }), word()), "-1"),
+        (
+            job(json!({ "kernel": [1, 2, -1, 1, 1, -1, 1, 1] }), word()),
+            "/input/mesh/parameters/kernel/2: with the kernel -1 no average exists",
+        ),
         (job(json!({ "delta": vec![1; 8] }), json!({ "word": "UD" })), "parameters of vertices"),
         (job(json!({ "delta": vec![1; 8] }), json!({ "preset": "catmull-clark" })), "knows no parameters of vertices"),
-        (job(json!({ "delta": vec![1; 8] }), json!({ "word": "U3C" })), "knows no parameters of vertices"),
+        (
+            job(json!({ "delta": vec![1; 8] }), json!({ "word": "U3C" })),
+            "/plan/word: parameters of vertices act in words over U, C and P with arity 2 and split quad; here stands U3",
+        ),
+    ];
+    for (said, expected) in cases {
+        assert!(said.contains(expected), "{said}");
+    }
+    // what is never averaged may be anything, and perturbations move it away
+    let mut input = nets::cube().input();
+    input["mesh"]["parameters"] = json!({ "kernel": vec![-1; 8] });
+    let apart = json!({ "perturbation": { "amplitude": 0.1, "decay": 0.4 } });
+    for (parameters, levels) in [(json!({}), 0), (apart, 1)] {
+        support::json(json!({ "input": input, "plan": { "word": "UCP", "parameters": parameters }, "levels": levels }));
+    }
+}
+
+/// Points of polygons are named in their list; split triangle and perturbations name what is in their way.
+#[test]
+fn what_single_points_cannot_have_is_told_at_its_place() {
+    let first = |input: Value, plan: Value| {
+        let fault = &faults(json!({ "input": input, "plan": plan, "levels": 1 }))[0];
+        format!("{}: {}", fault.pointer, fault.detail)
+    };
+    let polygon = |kernel: [i32; 3]| json!({ "points": [[0, 0], [1, 0], [1, 1]], "parameters": { "kernel": kernel } });
+    let word = |word: &str, parameters: Value| json!({ "word": word, "parameters": parameters });
+    let mut triangles = nets::tetrahedron().input();
+    triangles["mesh"]["parameters"] = json!({ "delta": [1, 1, 1, 1] });
+    let noise = json!({ "perturbation": { "amplitude": 0.1, "decay": 0.4 } });
+    let cases = [
+        (
+            first(json!({ "polygon": polygon([1, -1, 1]) }), word("UC", json!({}))),
+            "/input/polygon/parameters/kernel/1: ",
+        ),
+        (
+            first(json!({ "polygons": [polygon([1, 1, 1]), polygon([1, 1, -1])] }), word("UC", json!({}))),
+            "/input/polygons/1/parameters/kernel/2: with the kernel -1 no average exists",
+        ),
+        (
+            first(triangles.clone(), word("UCP", json!({ "split": "triangle" }))),
+            "/plan/parameters/split: parameters of vertices act in words over U, C and P with arity 2 and split quad; here \
+             stands split triangle",
+        ),
+        (first(triangles, json!({ "preset": "loop" })), "/plan/preset: "),
+        (
+            first(nets::cube().input(), word("U3C", noise.clone())),
+            "/plan/parameters/perturbation: on meshes, perturbation acts in words over U, C and P with arity 2 and split \
+             quad; here stands U3",
+        ),
+        (first(nets::cube().input(), word("UD", noise)), "split quad; leave it out"),
+        (
+            first(nets::cube().input(), word("UCP", json!({ "kernel": -1 }))),
+            "/plan/parameters/kernel: the kernel is -1 at level 1 (alpha = 0), where no average exists",
+        ),
     ];
     for (said, expected) in cases {
         assert!(said.contains(expected), "{said}");
