@@ -18,7 +18,7 @@ use crate::math::parameter::Values;
 use crate::output::{Format, ShapeKind, surface};
 use crate::refine::curve::Reached;
 use crate::refine::{self, RefineError};
-use crate::scheme::plan::{Carried, Plan, PlanInput, Subject};
+use crate::scheme::plan::{AlphaOf, Carried, Plan, PlanInput, Subject};
 use crate::shape::attachments::Attachments;
 use crate::shape::attributes::Attributes;
 use crate::shape::creases::INFINITE_SHARPNESS;
@@ -125,11 +125,12 @@ impl Input {
             },
         };
         let carry_alpha = |kept: &Option<Attributes>| kept.as_ref().is_some_and(|kept| kept.alpha.is_some());
-        let own_alpha = match self {
+        let carried_by_all = match self {
             Self::Polygons(polygons) => polygons.iter().all(|polygon| carry_alpha(&polygon.attributes)),
             Self::Mesh(mesh) => carry_alpha(&mesh.attributes),
         };
-        Subject { is_mesh, is_open, tags, attached, creased, carried, own_alpha, semi_sharp, other_face }
+        let alpha = if carried_by_all { AlphaOf::Points } else { AlphaOf::Plan };
+        Subject { is_mesh, is_open, tags, attached, creased, carried, semi_sharp, alpha, other_face }
     }
 }
 

@@ -52,10 +52,20 @@ pub struct Subject {
     pub carried: Option<Carried>,
     /// What has a sharpness between smooth and infinitely sharp, if anything.
     pub semi_sharp: Option<&'static str>,
-    /// Whether all its points carry an alpha of their own.
-    pub own_alpha: bool,
+    /// Whose alpha its points have.
+    pub alpha: AlphaOf,
     /// Number and size of the first face that is no triangle, if there is one.
     pub other_face: Option<(usize, usize)>,
+}
+
+/// Whose alpha points have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum AlphaOf {
+    /// That of the plan, or of latitude lines, some of them at least.
+    #[default]
+    Plan,
+    /// All carry their own.
+    Points,
 }
 
 /// What a mesh carries that only words over U, C and P look at.

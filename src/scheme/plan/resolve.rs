@@ -1,7 +1,7 @@
 //! From what a client wrote to a plan.
 
 use super::legal::other_than_halves;
-use super::{Carried, DEFAULT_MU, Latitude, Perturbation, Plan, PlanInput, Subject};
+use super::{AlphaOf, Carried, DEFAULT_MU, Latitude, Perturbation, Plan, PlanInput, Subject};
 use crate::fault::{Fault, under};
 use crate::math::expression::Expression;
 use crate::math::parameter::{Literal, Values, shortened};
@@ -48,7 +48,7 @@ impl Plan {
         let lines_differ = latitude.as_ref().is_some_and(|latitude| latitude.own_alpha);
         let differs = |other: &f64| lines_differ || other.to_bits() != alpha.to_bits();
         // alphas that points carry beat those of the plan
-        let compensation_alpha = compensation_alpha.filter(|other| !subject.own_alpha && differs(other));
+        let compensation_alpha = compensation_alpha.filter(|other| subject.alpha == AlphaOf::Plan && differs(other));
         let plan = Self {
             word,
             alpha,
