@@ -21,7 +21,7 @@ use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 
 /// Version of the results: raised whenever any artifact's bytes change.
-pub const RESULTS_VERSION: u32 = 5;
+pub const RESULTS_VERSION: u32 = 6;
 
 /// Identity of an artifact, a job or a content: a BLAKE3 hash, written as 64 lowercase hexadecimal digits.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

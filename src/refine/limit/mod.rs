@@ -283,8 +283,8 @@ pub(super) fn limits(
         }
     };
     let field = field(0).or_else(|error| {
-        let more = if error.may_be_of_the_patch() { 1..=MOST_WIDER } else { 1..=0 };
-        more.filter_map(|wider| field(wider).ok()).next().ok_or(error)
+        let more = if error.may_be_of_the_patch() { MOST_WIDER } else { 0 };
+        (1..=more).find_map(|wider| field(wider).ok()).ok_or(error)
     })?;
     let places = field.sectors();
     let rows = |places, wish| FieldRows { field: &field, places, wish };
