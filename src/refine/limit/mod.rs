@@ -284,7 +284,9 @@ pub(super) fn limits(
     };
     let field = field(0).or_else(|error| {
         let more = if error.may_be_of_the_patch() { MOST_WIDER } else { 0 };
-        (1..=more).find_map(|wider| field(wider).ok()).ok_or(error)
+        let mut found = (1..=more).map(&field);
+        let done = |found: &Result<Field, Unlimited>| matches!(found, Ok(_) | Err(Unlimited::Stopped(_)));
+        found.find(done).unwrap_or(Err(error))
     })?;
     let places = field.sectors();
     let rows = |places, wish| FieldRows { field: &field, places, wish };
