@@ -51,13 +51,12 @@ pub struct Cost {
 /// that is refined being irregular, those with many faces counted as several.
 pub fn cost(cycle: &[Letter], impulses: usize, irregular: u128, n_vertices: u128, follow: Follow) -> Cost {
     let pieces = cycle::pieces(cycle.iter());
-    let of = |heirs: &'static [Heirs]| cycle.iter().filter(|letter| heirs.contains(&letter.operator.heirs())).count();
-    let support = MAX_RINGS.min(1 + of(&[Heirs::Same]));
+    let support = support(cycle);
     let square = |rings: usize| (2 * rings + 1) * (2 * rings + 1);
     let patch = |rings: usize| made(square(rings + 2), &pieces, 1).min(MAX_POINTS);
     // all numbers of rings up to the right one are tried, each on two patches, and then whether larger ones agree
     let tried = (1..=support).map(|rings| 2 * patch(rings)).sum::<usize>() + 12 * patch(support);
-    let side = probe::side(support, of(&[Heirs::Dual, Heirs::Faces]));
+    let side = probe::side(support, number(cycle, &[Heirs::Dual, Heirs::Faces]));
     let impulse = probe::compared(side, &pieces).map_or(MAX_POINTS, |(_, points)| points);
     let patches = n_vertices.min(irregular.saturating_mul(square(support) as u128));
     let points = patches
@@ -66,6 +65,15 @@ pub fn cost(cycle: &[Letter], impulses: usize, irregular: u128, n_vertices: u128
     let threads = usize::try_from(patches).unwrap_or(AT_A_TIME).clamp(1, AT_A_TIME);
     let bytes = BYTES_A_POINT * impulse.max(threads * patch(support));
     Cost { points, bytes: bytes as u128 }
+}
+
+/// Rings that decide about a limit, at most as far as operators reach a ring each.
+pub(super) fn support(cycle: &[Letter]) -> usize {
+    MAX_RINGS.min(1 + number(cycle, &[Heirs::Same]))
+}
+
+fn number(cycle: &[Letter], heirs: &[Heirs]) -> usize {
+    cycle.iter().filter(|letter| heirs.contains(&letter.operator.heirs())).count()
 }
 
 /// Whether the impulse of the least support would take too many points even for one level.

@@ -215,12 +215,12 @@ fn smoothness(
     regular: Regular,
     tagged: bool,
     own: Vec<Common>,
-    rings: Rings,
+    support: usize,
     watch: &Watch,
 ) -> Result<Smoothness, Unlimited> {
     let mut smoothness = Smoothness::Smooth;
     for common in if own.is_empty() { vec![Common::default()] } else { own } {
-        smoothness = smoothness.min(probe::smoothness(cycle, regular, tagged, common, rings, watch)?);
+        smoothness = smoothness.min(probe::smoothness(cycle, regular, tagged, common, support, watch)?);
     }
     if smoothness == Smoothness::Rough { Err(Unlimited::Rough) } else { Ok(smoothness) }
 }
@@ -237,9 +237,7 @@ pub(super) fn check_continuous(plan: &Plan, net: &MeshNet) -> Result<(), Unlimit
     let ahead = (&steps[plan.word.prefix.len()..], plan.word.cycle.len());
     let cycle = Cycle::new(plan, ahead, Frame::of(plan, &net.base), &alphas);
     let (regular, tagged) = (Regular::of(&cycle, &net.base)?, net.directions.is_some());
-    let starts = Starts { is_open: net.base.n_boundary() > 0, others: false };
-    let rings = regular.rings(&cycle, tagged, starts)?;
-    smoothness(&cycle, regular, tagged, own, rings, &Watch::new()).map(drop)
+    smoothness(&cycle, regular, tagged, own, cost::support(&plan.word.cycle), &Watch::new()).map(drop)
 }
 
 /// The limits of a net that `ahead` would refine further.
@@ -268,7 +266,7 @@ pub(super) fn limits(
     let tagged = net.directions.is_some();
     let rings = regular.rings(&cycle, tagged, Starts { is_open, others: centres.is_some() })?;
     let rings = if evens_out(&net) { Rings { patch: rings.patch.max(rings.support + 1), ..rings } } else { rings };
-    let smoothness = smoothness(&cycle, regular, tagged, own, rings, watch)?;
+    let smoothness = smoothness(&cycle, regular, tagged, own, rings.support, watch)?;
     let kinked = perturbation.as_ref().filter(|_| asked.normals).and_then(perturbed::no_normals);
     if kinked.is_some() && !asked.positions {
         return Ok(Limits { warning: kinked, ..Limits::default() });

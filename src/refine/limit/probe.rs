@@ -209,10 +209,10 @@ pub(super) fn smoothness(
     regular: Regular,
     tagged: bool,
     common: Common,
-    rings: Rings,
+    support: usize,
     watch: &Watch,
 ) -> Result<Smoothness, Unlimited> {
-    let side = side(rings.support, cycle.n_duals());
+    let side = side(support, cycle.n_duals());
     let mut net = regular.net(side, tagged);
     if common.are_there() {
         let all: Vec<u32> = (0..index(net.n_vertices())).collect();
