@@ -327,7 +327,9 @@ fn limit_patches(job: &Job, forecast: &Forecast) -> Cost {
     let own_alpha = job.plan.latitude.as_ref().is_some_and(|latitude| latitude.own_alpha);
     let given = |attributes: &Attributes| attributes.arrays().iter().filter(|(_, array)| array.is_some()).count();
     let kinds = mesh.attributes.as_ref().map_or(0, given).max(usize::from(own_alpha));
-    let fades = !job.plan.compensation.is_constant() || job.plan.kernel.iter().any(|kernel| !kernel.is_constant());
+    let plan = &job.plan;
+    let halved = [Some(plan.alpha), plan.compensation_alpha].into_iter().flatten().any(|alpha| alpha != 0.0);
+    let fades = halved && plan.kernel.iter().chain([&plan.compensation]).any(|function| !function.is_constant());
     let follow = match kinds {
         0 if fades => Follow::Numbers,
         0 => Follow::Around,

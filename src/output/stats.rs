@@ -29,8 +29,8 @@ use moments::Moments;
 /// (vertices - edges + faces), `positions_hash` and `shape_hash` (see [`hashes::PositionsHash`] and [`hashes::ShapeHash`]).
 ///
 /// Meshes: `area`, signed `volume` (null unless closed), of the faces cut into triangles as for glTF; numbers of
-/// vertices, edges, faces, boundary edges and loops, components; vertices by valence, faces by size; with normals their
-/// hash, `normals_hash`, of those that `json` gives. Curves: `length`,
+/// vertices, edges, faces, boundary edges and loops, components; vertices by valence, faces by size; with normals
+/// `normals_hash`, the hash of those that `json` gives. Curves: `length`,
 /// and `area`, the signed area of plane polygons when all are closed.
 ///
 /// Numbers beyond f64 are null. All sums run in an order that depends on the result only.

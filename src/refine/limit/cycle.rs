@@ -29,6 +29,7 @@ const SAME: f64 = 2e-16;
 #[derive(Debug)]
 pub(super) struct Cycle<'a> {
     pub(super) plan: &'a Plan,
+    /// What its nets have in common.
     pub(super) frame: Frame,
     levels: Vec<&'a [Scheduled]>,
     /// The first of these levels from which on no number changes.
@@ -47,8 +48,7 @@ pub(super) struct Child {
 }
 
 impl<'a> Cycle<'a> {
-    /// The levels ahead, `length` steps each, which start with an upsampling. `alphas` are some that vertices
-    /// carry.
+    /// The levels ahead, `length` steps each, which start with an upsampling. `alphas` are some that vertices carry.
     pub(super) fn new(plan: &'a Plan, (ahead, length): (&'a [Scheduled], usize), frame: Frame, alphas: &[f64]) -> Self {
         let levels: Vec<&[Scheduled]> = ahead.chunks_exact(length).collect();
         let last = levels.len() - 1;

@@ -1,9 +1,9 @@
 //! Which latitude lines of a mesh become exact circles, and how large.
 //!
 //! A line is exact when the rings around it, as far as the scheme reaches, are regular polygons of as many vertices on
-//! one axis, stars included, or end in a boundary or a crease, when every vertex of a ring has the same parameters, and when the plan keeps
-//! circles: a U, then averages of which the first has the kernel `cos(alpha/2)` and the others 1, and push-backs with the
-//! compensation `1/cos(alpha/2)`.
+//! one axis, stars included, or end in a boundary or a crease, when every vertex of a ring has the same parameters, and
+//! when the plan keeps circles: a U, then averages of which the first has the kernel `cos(alpha/2)` and the others 1, and
+//! push-backs with the compensation `1/cos(alpha/2)`.
 
 mod profile;
 mod ring;
