@@ -25,8 +25,8 @@ const SQUARINGS: usize = 5;
 const MAX_INNER: usize = 800;
 /// How far below the second eigenvalue the third has to be, relative to it.
 const GAP: f64 = 1e-5;
-/// The part of `from` in the characteristic map of a chain, small as after many levels: where `last` vanishes, as on a
-/// boundary that is refined by itself, it alone tells the points apart.
+/// The part of the last vector of a chain in the characteristic map, small as after many levels: where the others vanish,
+/// as on a boundary that is refined by itself, it alone tells the points apart.
 const LATE: f64 = 1e-6;
 /// What two vectors may leave behind beside their span, relative to their eigenvalues.
 const RESIDUAL: f64 = 1e-11;
@@ -79,7 +79,9 @@ pub(super) fn of<'a>(
             let (x, y) = x.iter().zip(&y).map(place).map(|[x, y]| (x, y)).unzip();
             [[t, u], [x, y]]
         }
-        (Leading::Chain(rows), Leading::Chain(columns)) => chained(rows, columns)?,
+        (Leading::Chain(rows), Leading::Chain(columns)) if rows.steps.len() == columns.steps.len() => {
+            chained(rows, columns)?
+        }
         _ => return Err(NoTangents::Eigenvalues),
     };
     match turn(centre, faces, |i| [x[i as usize], y[i as usize]]) {
@@ -89,21 +91,29 @@ pub(super) fn of<'a>(
     }
 }
 
-/// The tangents and the characteristic map where the second eigenvalue b has a chain: with M y' = b y' + y and
-/// u M = b u the points are `1 (l p) + a^k x (t p) + k b^(k-1) (y + b/k y') (u p) / (u y') + ...` after k levels.
+/// The tangents and the characteristic map where the second eigenvalue b has a chain `M y_1 = b y_1`,
+/// `M y_i = b y_i + y_(i-1)` of length L: with `u M = b u` the points are, after k levels, `1 (l p) + a^k x (t p) +
+/// C(k, L-1) b^(k-L+1) (y_1 + (L-1) e y_2 + (L-1) (L-2) e^2 y_3 + ...) (u p) / (u y_L) + ...` with `e = b/k`.
 fn chained(rows: Chain, columns: Chain) -> Result<[[Vec<f64>; 2]; 2], NoTangents> {
-    let (t, mut u) = (rows.first, rows.last);
-    let (mut x, mut y, from) = (columns.first, columns.last, columns.from);
+    let (length, t, mut u) = (columns.steps.len(), rows.first, rows.steps.into_iter().next().unwrap_or_default());
+    let mut x = columns.first;
     let along = dot(&t, &x);
-    let (across, back) = (dot(&u, &x) / along, dot(&t, &y) / along);
+    let across = dot(&u, &x) / along;
     u.iter_mut().zip(&t).for_each(|(u, t)| *u -= across * t);
-    y.iter_mut().zip(&x).for_each(|(y, x)| *y -= back * x);
-    let step = dot(&u, &from);
+    let step = dot(&u, &columns.steps[length - 1]);
     if along.abs() < 1e-9 || step.abs() < 1e-9 {
         return Err(NoTangents::Eigenvalues);
     }
     x.iter_mut().for_each(|x| *x /= along);
-    y.iter_mut().zip(&from).for_each(|(y, from)| *y = (*y + LATE * from) / step);
+    let late = exp(ln(LATE) / count(length - 1));
+    let mut y = vec![0.0; x.len()];
+    let mut factor = 1.0 / step;
+    for (i, column) in columns.steps.iter().enumerate() {
+        y.iter_mut().zip(column).for_each(|(y, column)| *y += factor * column);
+        factor *= count(length - 1 - i) * late;
+    }
+    let back = dot(&t, &y);
+    y.iter_mut().zip(&x).for_each(|(y, x)| *y -= back * x);
     Ok([[t, u], [x, y]])
 }
 
@@ -152,20 +162,19 @@ fn turn<'a>(centre: Centre, faces: impl Iterator<Item = &'a [u32]>, place: impl 
 enum Leading {
     /// The plane of two eigenvalues: an orthonormal basis.
     Plane([Vec<f64>; 2]),
-    /// A vector, and a chain of two for an eigenvalue that is there twice.
+    /// A vector, and a chain for an eigenvalue that is there several times.
     Chain(Chain),
 }
 
-/// The eigenvector of the largest eigenvalue a, and a chain of the next one b: `from -> b from + last`, `last -> b last`,
-/// each but for a multiple of `first`.
+/// The eigenvector of the largest eigenvalue a, and the longest chain of the next one b: an eigenvector, then vectors
+/// that are mapped to b times themselves and the one before, each but for a multiple of `first`.
 struct Chain {
     first: Vec<f64>,
-    last: Vec<f64>,
-    from: Vec<f64>,
+    steps: Vec<Vec<f64>>,
 }
 
 /// What the two largest eigenvalues lead to, where these are positive reals and larger than all others, or a larger one
-/// is followed by one that is there twice with a single eigenvector.
+/// is followed by one that is there several times, with a single longest chain.
 fn leading(n: usize, apply: impl Fn(&[f64]) -> Vec<f64>, deflate: impl Fn(&mut [f64])) -> Result<Leading, NoTangents> {
     let width = WIDTH.min(n - 1);
     let mut vectors = starting_vectors(n, width);
@@ -181,10 +190,13 @@ fn leading(n: usize, apply: impl Fn(&[f64]) -> Vec<f64>, deflate: impl Fn(&mut [
         // images = H vectors, but for what is left over
         let h: Vec<Vec<f64>> = images.iter().map(|image| vectors.iter().map(|v| dot(image, v)).collect()).collect();
         let Some((block, third)) = leading_block::<2>(&h) else {
-            if let Some(chain) = chain(&h, &vectors, &images) {
-                return Ok(Leading::Chain(chain));
+            let of_two = || chain::<3>(&h, &vectors, &images);
+            let of_three = || chain::<4>(&h, &vectors, &images);
+            let of_four = || chain::<5>(&h, &vectors, &images);
+            match of_two().or_else(of_three).or_else(of_four) {
+                Some(chain) => return Ok(Leading::Chain(chain)),
+                None => continue,
             }
-            continue;
         };
         let (found, [[a, b], [c, d]], left_over) = seen(&block, &vectors, &images);
         let size = a.abs() + b.abs() + c.abs() + d.abs();
@@ -218,33 +230,56 @@ fn seen<const K: usize>(
     (found, map, sqrt(left_over.iter().sum()))
 }
 
-/// The chain of the second eigenvalue, where there is one.
-fn chain(h: &[Vec<f64>], vectors: &[Vec<f64>], images: &[Vec<f64>]) -> Option<Chain> {
-    let (block, fourth) = leading_block::<3>(h)?;
+/// The longest chain of the second eigenvalue, where that is there K - 1 times and one chain is longer than any other.
+fn chain<const K: usize>(h: &[Vec<f64>], vectors: &[Vec<f64>], images: &[Vec<f64>]) -> Option<Chain> {
+    let (block, after) = leading_block::<K>(h)?;
     let (found, map, left_over) = seen(&block, vectors, images);
     let size: f64 = map.iter().flatten().map(|x| x.abs()).sum();
-    // the largest one first, the other two orthogonal to it
+    // the largest one first, the others orthogonal to it
     let small: Vec<Vec<f64>> = map.iter().map(|row| row.to_vec()).collect();
     let ([first], others) = leading_basis::<1>(&small)?;
     let image = |u: &[f64]| times(u, &small);
     let largest = dot(&image(&first), &first);
-    let [[a, b], [c, d]] = [0, 1].map(|i| [0, 1].map(|k| dot(&image(&others[i]), &others[k])));
-    let (trace, determinant) = (a + d, a * d - b * c);
-    let double = trace / 2.0;
-    let is_double = (trace * trace - 4.0 * determinant).abs() <= 1e-9 * trace * trace;
-    let nilpotent = [[a - double, b], [c, d - double]];
-    let steps = nilpotent.map(|row| row[0].abs() + row[1].abs());
-    let from = usize::from(steps[1] > steps[0]);
-    let ahead = fourth < (1.0 - GAP) * double && double < (1.0 - GAP) * largest;
-    if left_over > RESIDUAL * size || !is_double || !ahead || steps[from] <= 1e-3 * double {
+    let rest: Vec<Vec<f64>> =
+        others.iter().map(|u| others.iter().map(|v| dot(&image(u), v)).collect()).collect();
+    let repeated = (0..K - 1).map(|i| rest[i][i]).sum::<f64>() / count(K - 1);
+    let ahead = after < (1.0 - GAP) * repeated && repeated < (1.0 - GAP) * largest;
+    if left_over > RESIDUAL * size || !ahead {
         return None;
     }
-    let combined = |[x, y]: [f64; 2]| -> Vec<f64> { (0..3).map(|k| x * others[0][k] + y * others[1][k]).collect() };
-    Some(Chain {
-        first: mixed(&first, &found),
-        last: mixed(&combined(nilpotent[from]), &found),
-        from: mixed(&others[from], &found),
-    })
+    let combined = |u: &Vec<f64>| mixed(&mixed(u, &others), &found);
+    let steps = longest(rest, repeated)?.iter().map(combined).collect();
+    Some(Chain { first: mixed(&first, &found), steps })
+}
+
+/// The longest chain of rows of a small matrix B whose only eigenvalue is b: `u_L = (0, .., 1, .., 0)`, then
+/// `u_(i-1) = u_i (B - b)`, from the last to the first. `None` where there are several, or other eigenvalues.
+fn longest(mut matrix: Vec<Vec<f64>>, b: f64) -> Option<Vec<Vec<f64>>> {
+    let n = matrix.len();
+    (0..n).for_each(|i| matrix[i][i] -= b);
+    matrix.iter_mut().flatten().for_each(|x| *x /= b);
+    let unit = |i: usize| (0..n).map(|k| f64::from(u8::from(i == k))).collect::<Vec<f64>>();
+    let mut powers = vec![(0..n).map(unit).collect::<Vec<_>>()];
+    let size = |row: &Vec<f64>| row.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    while powers[powers.len() - 1].iter().map(size).fold(0.0, f64::max) > 1e-9 {
+        if powers.len() > n {
+            return None;
+        }
+        powers.push(powers[powers.len() - 1].iter().map(|row| times(row, &matrix)).collect());
+    }
+    powers.pop();
+    let last = powers.last()?;
+    let from = (0..n).max_by(|&i, &k| size(&last[i]).total_cmp(&size(&last[k])))?;
+    let eigenvector = &last[from];
+    let square = dot(eigenvector, eigenvector);
+    let beside = |row: &Vec<f64>| {
+        let factor = dot(row, eigenvector) / square;
+        row.iter().zip(eigenvector).any(|(x, y)| (x - factor * y).abs() > 1e-9)
+    };
+    if powers.len() < 2 || size(eigenvector) < 1e-3 || last.iter().any(beside) {
+        return None;
+    }
+    Some(powers.iter().rev().map(|power| power[from].clone()).collect())
 }
 
 /// The combinations of rows that span the space of the K largest eigenvalues of a small matrix, and the size of the
