@@ -227,6 +227,9 @@ impl Fans<'_> {
 }
 
 /// The places that an interpolation keeps, and those where one value stands in two fans of a vertex.
+///
+/// Source: OpenSubdiv 3.5, compared by numbers; but where two values take turns around a vertex it takes the second for a
+/// new one when it comes again, and so parts the value that its order of faces makes the second.
 fn corners(
     topology: &Topology,
     mesh: &Topology,

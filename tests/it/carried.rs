@@ -7,6 +7,7 @@ mod laws;
 mod read;
 mod refused;
 mod shown;
+mod uv_fans;
 mod uv_weights;
 mod uvs;
 

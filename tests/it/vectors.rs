@@ -5,6 +5,7 @@
 
 mod masks;
 mod opensubdiv;
+mod uvs;
 
 use std::fs;
 use std::path::PathBuf;
@@ -78,6 +79,11 @@ fn loop_agrees_with_opensubdiv() {
 }
 
 #[test]
+fn texture_coordinates_agree_with_opensubdiv() {
+    assert_eq!(reproduced(&[("osd_uvs", 1)], uvs::cases), 30, "cases compared");
+}
+
+#[test]
 fn limit_surfaces_agree_with_opensubdiv() {
     assert_eq!(reproduced(OPENSUBDIV, opensubdiv::limits), 18, "limit surfaces compared");
     assert_eq!(reproduced(LOOP, opensubdiv::limits), 9, "limit surfaces compared");
@@ -96,7 +102,7 @@ fn words_on_triangles_agree_with_the_vectors() {
 #[test]
 fn the_copy_of_the_vectors_is_complete() {
     let files = matching("*");
-    assert_eq!(files.len(), 111);
+    assert_eq!(files.len(), 112);
     for (id, vector) in files {
         assert_eq!(vector["id"], id);
         assert!(vector["tol"].as_f64().is_some_and(|tol| tol > 0.0), "{id} has a tolerance");
