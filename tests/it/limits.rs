@@ -11,6 +11,7 @@ mod perturbed;
 mod refusals;
 mod root_three;
 mod sides;
+mod slow;
 mod varying;
 
 use serde_json::{Value, json};

@@ -2,7 +2,8 @@
 //! from the word, before anything is made.
 
 use super::cycle::{self, MAX_POINTS, made};
-use super::probe::{self, MAX_RINGS};
+use super::impulse;
+use super::probe::MAX_RINGS;
 use crate::scheme::ops::Heirs;
 use crate::scheme::word::Letter;
 
@@ -56,8 +57,8 @@ pub fn cost(cycle: &[Letter], impulses: usize, irregular: u128, n_vertices: u128
     let patch = |rings: usize| made(square(rings + 2), &pieces, 1).min(MAX_POINTS);
     // all numbers of rings up to the right one are tried, each on two patches, and then whether larger ones agree
     let tried = (1..=support).map(|rings| 2 * patch(rings)).sum::<usize>() + 12 * patch(support);
-    let side = probe::side(support, number(cycle, &[Heirs::Dual, Heirs::Faces]));
-    let impulse = probe::compared(side, &pieces).map_or(MAX_POINTS, |(_, points)| points);
+    let side = impulse::side(support, number(cycle, &[Heirs::Dual, Heirs::Faces]));
+    let impulse = impulse::compared(side, &pieces).map_or(MAX_POINTS, |(_, points)| points);
     let patches = n_vertices.min(irregular.saturating_mul(square(support) as u128));
     let points = patches
         .saturating_mul((follow.levels() * patch(support)) as u128)
@@ -78,5 +79,5 @@ fn number(cycle: &[Letter], heirs: &[Heirs]) -> usize {
 
 /// Whether the impulse of the least support would take too many points even for one level.
 pub(super) fn is_beyond(cycle: &[Letter]) -> bool {
-    probe::compared(probe::side(1, 0), &cycle::pieces(cycle.iter())).is_none()
+    impulse::compared(impulse::side(1, 0), &cycle::pieces(cycle.iter())).is_none()
 }

@@ -17,6 +17,7 @@ mod dual;
 mod field;
 mod frame;
 mod heir;
+mod impulse;
 mod mask;
 mod matrix;
 mod normals;
@@ -45,13 +46,14 @@ use cycle::Cycle;
 use dual::Led;
 use field::{Field, FieldRows, Wish};
 use frame::Frame;
+use impulse::{Impulse, Smoothness};
 use mask::Finder;
 pub(super) use normals::Normals;
 use own::Common;
 use patch::Rings;
 pub use perturbed::{ROWS_A_POINT, followed_points};
 use places::Starts;
-use probe::{Regular, Smoothness};
+use probe::Regular;
 
 /// Rings by which patches are wider at most where regular nets need fewer than a mesh: where it is narrow at its boundary,
 /// or has vertices between two faces.
@@ -210,17 +212,10 @@ fn evens_out(net: &MeshNet) -> bool {
 }
 
 /// How smooth the limit is where it is regular, with all of these numbers at vertices.
-fn smoothness(
-    cycle: &Cycle<'_>,
-    regular: Regular,
-    tagged: bool,
-    own: Vec<Common>,
-    support: usize,
-    watch: &Watch,
-) -> Result<Smoothness, Unlimited> {
+fn smoothness(impulse: Impulse<'_>, own: Vec<Common>, tangents: bool, watch: &Watch) -> Result<Smoothness, Unlimited> {
     let mut smoothness = Smoothness::Smooth;
     for common in if own.is_empty() { vec![Common::default()] } else { own } {
-        smoothness = smoothness.min(probe::smoothness(cycle, regular, tagged, common, support, watch)?);
+        smoothness = smoothness.min(Impulse { common, ..impulse }.smoothness(tangents, watch)?);
     }
     if smoothness == Smoothness::Rough { Err(Unlimited::Rough) } else { Ok(smoothness) }
 }
@@ -237,7 +232,9 @@ pub(super) fn check_continuous(plan: &Plan, net: &MeshNet) -> Result<(), Unlimit
     let ahead = (&steps[plan.word.prefix.len()..], plan.word.cycle.len());
     let cycle = Cycle::new(plan, ahead, Frame::of(plan, &net.base), &alphas);
     let (regular, tagged) = (Regular::of(&cycle, &net.base)?, net.directions.is_some());
-    smoothness(&cycle, regular, tagged, own, cost::support(&plan.word.cycle), &Watch::new()).map(drop)
+    let (support, common) = (cost::support(&plan.word.cycle), Common::default());
+    let impulse = Impulse { cycle: &cycle, regular, tagged, common, support };
+    smoothness(impulse, own, false, &Watch::new()).map(drop)
 }
 
 /// The limits of a net that `ahead` would refine further.
@@ -266,7 +263,8 @@ pub(super) fn limits(
     let tagged = net.directions.is_some();
     let rings = regular.rings(&cycle, tagged, Starts { is_open, others: centres.is_some() })?;
     let rings = if evens_out(&net) { Rings { patch: rings.patch.max(rings.support + 1), ..rings } } else { rings };
-    let smoothness = smoothness(&cycle, regular, tagged, own, rings.support, watch)?;
+    let impulse = Impulse { cycle: &cycle, regular, tagged, common: Common::default(), support: rings.support };
+    let smoothness = smoothness(impulse, own, asked.normals, watch)?;
     let kinked = perturbation.as_ref().filter(|_| asked.normals).and_then(perturbed::no_normals);
     if kinked.is_some() && !asked.positions {
         return Ok(Limits { warning: kinked, ..Limits::default() });

@@ -1,15 +1,12 @@
-//! What a cycle is like where nothing is irregular: how far it reaches, whether it converges, whether it is smooth.
+//! How far a cycle reaches where nothing is irregular.
 
 use super::Unlimited;
-use super::cycle::{Cycle, MAX_POINTS, is_triangular, made};
-use super::own::Common;
+use super::cycle::{Cycle, is_triangular};
 use super::patch::{Centre, Patch, Rings, Whole};
 use super::places::Starts;
-use crate::refine::{Points, RefineError};
 use crate::scheme::mesh_net::MeshNet;
 use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{Topology, index};
-use crate::watch::{Stopped, Watch};
 
 /// Most rings whose vertices may decide about a limit.
 pub(super) const MAX_RINGS: usize = 16;
@@ -18,11 +15,6 @@ pub(super) const MAX_RINGS: usize = 16;
 const TRIED: usize = 8;
 /// Steps after which children of places on the boundary, of edges and of faces are like those before.
 const STEPS: usize = 3;
-/// Levels of the impulse whose differences are compared: the first that do not take too many points.
-const LEVELS: [[usize; 2]; 4] = [[2, 4], [1, 3], [1, 2], [0, 1]];
-/// Differences that do not shrink below this part of what they were between these levels do not vanish.
-const SHRINKS: f64 = 0.98;
-
 /// How many sides the faces have around which a scheme is regular.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Regular {
@@ -189,105 +181,4 @@ fn closes(cycle: &Cycle<'_>, mut patch: Patch, rings: Rings, steps: usize) -> Re
 /// The faces of a patch.
 fn begins(patch: &Patch) -> Vec<Vec<u32>> {
     patch.faces().map(<[u32]>::to_vec).collect()
-}
-
-/// What an impulse shows of a scheme.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Smoothness {
-    /// Its differences do not vanish: there is no continuous limit.
-    Rough,
-    /// Its differences vanish, its divided second differences do not.
-    Continuous,
-    /// Its divided second differences vanish: the limit has a continuous tangent.
-    Smooth,
-}
-
-/// Refines an impulse on a regular net, tagged or not, whose vertices all carry the same numbers, and compares how its
-/// differences shrink.
-pub(super) fn smoothness(
-    cycle: &Cycle<'_>,
-    regular: Regular,
-    tagged: bool,
-    common: Common,
-    support: usize,
-    watch: &Watch,
-) -> Result<Smoothness, Unlimited> {
-    let side = side(support, cycle.n_duals());
-    let mut net = regular.net(side, tagged);
-    if common.are_there() {
-        let all: Vec<u32> = (0..index(net.n_vertices())).collect();
-        let directions = net.directions.as_deref().cloned();
-        net = net.carrying(Some(common.of_all(all.len()).attributes(&all)), directions);
-    }
-    let middle = (side / 2) * (side + 1) + side / 2;
-    let place = |v: usize| [index(v % (side + 1)), index(v / (side + 1)), u32::from(v == middle)].map(f64::from);
-    // work that no forecast counts
-    let uncounted = Watch::new();
-    let mut points = Points::new((0..net.n_vertices()).flat_map(place).collect(), 3);
-    let (levels, _) = compared(side, &cycle.pieces()).ok_or(Unlimited::Fine)?;
-    let mut seen = Vec::new();
-    if levels[0] == 0 {
-        seen.push(differences(&net.topology(), &points.now));
-    }
-    for level in 1..=levels[1] {
-        watch.check()?;
-        net = cycle.applied(net, |action, step| {
-            points.act(action, step.level, &uncounted).map_err(|error| match error {
-                RefineError::Stopped(Stopped) => Unlimited::Stopped(Stopped),
-                _ => Unlimited::Unsettled,
-            })
-        })?;
-        if levels.contains(&level) {
-            seen.push(differences(&net.topology(), &points.now));
-        }
-    }
-    let [early, late] = [&seen[0], &seen[1]];
-    Ok(if late.first > SHRINKS * early.first {
-        Smoothness::Rough
-    } else if late.second / late.length > SHRINKS * early.second / early.length {
-        Smoothness::Continuous
-    } else {
-        Smoothness::Smooth
-    })
-}
-
-/// Squares along a side of the net under an impulse whose limit reaches so many rings.
-pub(super) fn side(support: usize, n_duals: usize) -> usize {
-    2 * (support + 1 + n_duals)
-}
-
-/// The levels of an impulse on `side x side` squares whose differences are compared, where they do not take too many
-/// points, and how many these are. `pieces` are those of an edge after each operator of a level.
-pub(super) fn compared(side: usize, pieces: &[usize]) -> Option<([usize; 2], usize)> {
-    let found = LEVELS.map(|levels| (levels, made((side + 1) * (side + 1), pieces, levels[1])));
-    found.into_iter().find(|&(_, points)| points <= MAX_POINTS)
-}
-
-/// Largest differences of the third coordinate along edges, and largest edge in the first two.
-#[derive(Debug, Clone, Copy, Default)]
-struct Differences {
-    first: f64,
-    /// Between an edge and the one opposite to it.
-    second: f64,
-    length: f64,
-}
-
-fn differences(topology: &Topology, points: &[f64]) -> Differences {
-    let at = |v: u32| [0, 1, 2].map(|k| points[3 * v as usize + k]);
-    let mut largest = Differences::default();
-    for v in 0..topology.n_vertices() {
-        let [x, y, z] = at(index(v));
-        let valence = topology.ring(v).count();
-        let inside = !topology.is_isolated(v) && topology.boundary_edges(v).is_none() && valence.is_multiple_of(2);
-        let around: Vec<[f64; 3]> = topology.ring(v).map(|corner| at(topology.vertex(topology.next(corner)))).collect();
-        for (i, p) in around.iter().enumerate() {
-            largest.first = largest.first.max((p[2] - z).abs());
-            largest.length = largest.length.max((p[0] - x).abs().max((p[1] - y).abs()));
-            if inside {
-                let q = around[(i + valence / 2) % valence];
-                largest.second = largest.second.max((p[2] - 2.0 * z + q[2]).abs());
-            }
-        }
-    }
-    largest
 }

@@ -240,8 +240,7 @@ fn chain<const K: usize>(h: &[Vec<f64>], vectors: &[Vec<f64>], images: &[Vec<f64
     let ([first], others) = leading_basis::<1>(&small)?;
     let image = |u: &[f64]| times(u, &small);
     let largest = dot(&image(&first), &first);
-    let rest: Vec<Vec<f64>> =
-        others.iter().map(|u| others.iter().map(|v| dot(&image(u), v)).collect()).collect();
+    let rest: Vec<Vec<f64>> = others.iter().map(|u| others.iter().map(|v| dot(&image(u), v)).collect()).collect();
     let repeated = (0..K - 1).map(|i| rest[i][i]).sum::<f64>() / count(K - 1);
     let ahead = after < (1.0 - GAP) * repeated && repeated < (1.0 - GAP) * largest;
     if left_over > RESIDUAL * size || !ahead {

@@ -1,0 +1,269 @@
+//! Whether the limit of a cycle is continuous, and whether it is smooth, where nothing is irregular.
+//!
+//! An impulse on a regular net is refined, and its differences are compared at two levels. Where they do not shrink between
+//! these, as they may grow at first, the place where they are largest is followed through many more levels: differences
+//! that do not vanish there vanish nowhere else.
+
+use super::Unlimited;
+use super::cycle::{Cycle, MAX_POINTS, made};
+use super::own::{Common, Own};
+use super::patch::{Centre, Rings, Whole};
+use super::probe::Regular;
+use crate::math::functions::{exp, ln};
+use crate::refine::{Points, RefineError};
+use crate::scheme::mesh_net::MeshNet;
+use crate::shape::topology::{Topology, index};
+use crate::watch::{Stopped, Watch};
+
+/// Levels of the impulse whose differences are compared: the first that do not take too many points.
+const LEVELS: [[usize; 2]; 4] = [[2, 4], [1, 3], [1, 2], [0, 1]];
+/// The first and the last level at which differences are compared to those of half as many levels where one place is
+/// followed: so many that what grows by a power of the level, times what shrinks, is seen to shrink.
+const PLACE_LEVELS: [usize; 2] = [16, 256];
+/// Differences that are so many times as large after as many levels again grow by more than a power of the level.
+const GROWS: f64 = 16.0;
+/// Most points that are made of the surroundings of one place.
+const MAX_PLACE_POINTS: usize = 1 << 22;
+/// Differences that do not shrink below this part of what they were between these levels do not vanish.
+const SHRINKS: f64 = 0.98;
+
+/// What an impulse shows of a scheme.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Smoothness {
+    /// Its differences do not vanish: there is no continuous limit.
+    Rough,
+    /// Its differences vanish, its divided second differences do not.
+    Continuous,
+    /// Its divided second differences vanish: the limit has a continuous tangent.
+    Smooth,
+}
+
+/// What is looked at: a cycle on regular nets, tagged or not, whose vertices all carry the same numbers.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Impulse<'a> {
+    /// The cycle, as it is after its numbers have settled.
+    pub(super) cycle: &'a Cycle<'a>,
+    /// What it is regular on.
+    pub(super) regular: Regular,
+    /// Whether there are latitude lines.
+    pub(super) tagged: bool,
+    /// The numbers.
+    pub(super) common: Common,
+    /// Rings that decide about a limit.
+    pub(super) support: usize,
+}
+
+/// A net and its points: their places in the plane, and the heights that the impulse leads to.
+struct Heights {
+    net: MeshNet,
+    points: Points,
+}
+
+impl Impulse<'_> {
+    /// Refines an impulse, and compares how its differences shrink.
+    /// One that is continuous is smooth where nobody asks for `tangents`.
+    pub(super) fn smoothness(&self, tangents: bool, watch: &Watch) -> Result<Smoothness, Unlimited> {
+        let side = side(self.support, self.cycle.n_duals());
+        let mut heights = self.on(self.regular.net(side, self.tagged), side);
+        let (levels, _) = compared(side, &self.cycle.pieces()).ok_or(Unlimited::Fine)?;
+        let mut seen = Vec::new();
+        for level in 0..=levels[1] {
+            if level > 0 {
+                watch.check()?;
+                heights = self.refined(heights)?;
+            }
+            if levels.contains(&level) {
+                seen.push(Differences::of(&heights.net.topology(), &heights.points.now));
+            }
+        }
+        let vanish = |measure: Measure| -> Result<bool, Unlimited> {
+            let [early, late] = [0, 1].map(|i| measure.of(&seen[i]));
+            Ok(late <= SHRINKS * early || self.vanish_at_a_place(measure, watch)?)
+        };
+        Ok(if !vanish(Measure::First)? {
+            Smoothness::Rough
+        } else if tangents && !vanish(Measure::DividedSecond)? {
+            Smoothness::Continuous
+        } else {
+            Smoothness::Smooth
+        })
+    }
+
+    /// An impulse in the middle of a regular net of `side x side` squares.
+    fn on(&self, mut net: MeshNet, side: usize) -> Heights {
+        if self.common.are_there() {
+            let all: Vec<u32> = (0..index(net.n_vertices())).collect();
+            let directions = net.directions.as_deref().cloned();
+            net = net.carrying(Some(self.common.of_all(all.len()).attributes(&all)), directions);
+        }
+        let middle = (side / 2) * (side + 1) + side / 2;
+        let place = |v: usize| [index(v % (side + 1)), index(v / (side + 1)), u32::from(v == middle)].map(f64::from);
+        Heights { points: Points::new((0..net.n_vertices()).flat_map(place).collect(), 3), net }
+    }
+
+    /// One level more.
+    fn refined(&self, Heights { net, mut points }: Heights) -> Result<Heights, Unlimited> {
+        // work that no forecast counts
+        let uncounted = Watch::new();
+        let net = self.cycle.applied(net, |action, step| {
+            points.act(action, step.level, &uncounted).map_err(|error| match error {
+                RefineError::Stopped(Stopped) => Unlimited::Stopped(Stopped),
+                _ => Unlimited::Unsettled,
+            })
+        })?;
+        Ok(Heights { net, points })
+    }
+
+    /// Whether differences vanish where, from the impulse on, they are the largest near those of the level before.
+    fn vanish_at_a_place(&self, measure: Measure, watch: &Watch) -> Result<bool, Unlimited> {
+        // no point of the rim reaches what is around a vertex at the next level, not even where edges become shorter by
+        // the root of 3 only
+        let rings = self.support + self.support / 4 + 5;
+        let rings = Rings { support: rings, patch: rings };
+        let (net, middle) = self.regular.grid(rings, self.tagged);
+        let side = 2 * (rings.patch + 2);
+        let made = made(net.n_vertices(), &self.cycle.pieces(), 1).saturating_mul(PLACE_LEVELS[1]);
+        if made > MAX_PLACE_POINTS {
+            return Ok(false);
+        }
+        let mut heights = self.on(net, side);
+        heights = heights.around(&heights.net.topology(), middle, rings, [1.0; 2], self).ok_or(Unlimited::Size)?;
+        let (mut sizes, mut compared) = (vec![0.0], PLACE_LEVELS[0]);
+        for level in 1..=PLACE_LEVELS[1] {
+            watch.check()?;
+            heights = self.refined(heights)?;
+            let topology = heights.net.topology();
+            // within an edge of the level before
+            let near = |v: &usize| [0, 1].iter().all(|k| heights.points.now[3 * v + k].abs() <= 1.0);
+            let (mut place, mut largest, mut units) = (0, 0.0, [1.0; 2]);
+            for v in (0..topology.n_vertices()).filter(near) {
+                let here = Differences::at(&topology, &heights.points.now, v);
+                if measure.of(&here) > largest {
+                    (place, largest, units) = (v, measure.of(&here), measure.units(&here));
+                }
+            }
+            // none, or too large to go on
+            if largest == 0.0 || largest.is_infinite() {
+                return Ok(largest == 0.0);
+            }
+            sizes.push(sizes[level - 1] + ln(largest));
+            if level == compared {
+                let growth = exp(sizes[level] - sizes[level / 2]);
+                if growth <= SHRINKS || growth >= GROWS {
+                    return Ok(growth <= SHRINKS);
+                }
+                compared *= 2;
+            }
+            let Some(next) = heights.around(&topology, place, rings, units, self) else { return Ok(false) };
+            heights = next;
+        }
+        Ok(false)
+    }
+}
+
+/// Squares along a side of the net under an impulse whose limit reaches so many rings.
+pub(super) fn side(support: usize, n_duals: usize) -> usize {
+    2 * (support + 1 + n_duals)
+}
+
+/// The levels of an impulse on `side x side` squares whose differences are compared, where they do not take too many
+/// points, and how many these are. `pieces` are those of an edge after each operator of a level.
+pub(super) fn compared(side: usize, pieces: &[usize]) -> Option<([usize; 2], usize)> {
+    let found = LEVELS.map(|levels| (levels, made((side + 1) * (side + 1), pieces, levels[1])));
+    found.into_iter().find(|&(_, points)| points <= MAX_POINTS)
+}
+
+impl Heights {
+    /// What is around a vertex inside, seen from it and in other units of length and height: its place is 0, and the plane
+    /// through it and two others is taken off the heights. `None` where this is too much, or not of the net.
+    fn around(
+        &self,
+        topology: &Topology,
+        v: usize,
+        rings: Rings,
+        units: [f64; 2],
+        impulse: &Impulse<'_>,
+    ) -> Option<Self> {
+        let found = Whole::of(&self.net, topology).patch(Centre::Vertex(index(v)), rings)?;
+        let (net, origins) = found.patch.net(impulse.cycle.frame)?;
+        let at = |v: u32| [0, 1, 2].map(|k| self.points.now[3 * v as usize + k]);
+        let centre = at(index(v));
+        let seen = |v: u32| [0, 1, 2].map(|k| at(v)[k] - centre[k]);
+        let mut ring = topology.ring(v).map(|corner| seen(topology.vertex(topology.next(corner))));
+        let ([a, b, z], [c, d, w]) = (ring.next()?, ring.next()?);
+        let determinant = a * d - b * c;
+        let slope = [(z * d - w * b) / determinant, (w * a - z * c) / determinant];
+        let [length, size] = units;
+        let scaled = |[x, y, z]: [f64; 3]| [x / length, y / length, (z - slope[0] * x - slope[1] * y) / size];
+        let points = origins.iter().flat_map(|&origin| scaled(seen(found.vertices[origin as usize]))).collect();
+        let net = match &self.net.attributes {
+            Some(attributes) => {
+                let directions = net.directions.as_deref().cloned();
+                net.carrying(Some(Own::of(attributes, &found.vertices).attributes(&origins)), directions)
+            }
+            None => net,
+        };
+        Some(Self { net, points: Points::new(points, 3) })
+    }
+}
+
+/// Which differences are compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Measure {
+    First,
+    DividedSecond,
+}
+
+impl Measure {
+    fn of(self, differences: &Differences) -> f64 {
+        match self {
+            Self::First => differences.first,
+            Self::DividedSecond => differences.second / differences.length,
+        }
+    }
+
+    /// The units of length and height in which these differences are 1.
+    fn units(self, differences: &Differences) -> [f64; 2] {
+        let height = if self == Self::First { differences.first } else { differences.second };
+        [differences.length, height]
+    }
+}
+
+/// Largest differences of the third coordinate along edges, and largest edge in the first two.
+#[derive(Debug, Clone, Copy, Default)]
+struct Differences {
+    first: f64,
+    /// Between an edge and the one opposite to it.
+    second: f64,
+    length: f64,
+}
+
+impl Differences {
+    /// Those around a vertex.
+    fn at(topology: &Topology, points: &[f64], v: usize) -> Self {
+        let at = |v: u32| [0, 1, 2].map(|k| points[3 * v as usize + k]);
+        let [x, y, z] = at(index(v));
+        let valence = topology.ring(v).count();
+        let inside = !topology.is_isolated(v) && topology.boundary_edges(v).is_none() && valence.is_multiple_of(2);
+        let around: Vec<[f64; 3]> = topology.ring(v).map(|corner| at(topology.vertex(topology.next(corner)))).collect();
+        let mut largest = Self::default();
+        for (i, p) in around.iter().enumerate() {
+            largest.first = largest.first.max((p[2] - z).abs());
+            largest.length = largest.length.max((p[0] - x).abs().max((p[1] - y).abs()));
+            if inside {
+                let q = around[(i + valence / 2) % valence];
+                largest.second = largest.second.max((p[2] - 2.0 * z + q[2]).abs());
+            }
+        }
+        largest
+    }
+
+    /// Those around all vertices.
+    fn of(topology: &Topology, points: &[f64]) -> Self {
+        (0..topology.n_vertices()).map(|v| Self::at(topology, points, v)).fold(Self::default(), |a, b| Self {
+            first: a.first.max(b.first),
+            second: a.second.max(b.second),
+            length: a.length.max(b.length),
+        })
+    }
+}
