@@ -6,7 +6,7 @@ use crate::fault::Fault;
 use crate::math::functions::sqrt;
 use crate::output::{LIMIT, POSITIONS, TANGENTS};
 use crate::refine::curve::{LimitRows, NoLimit, check, refine_to_limit};
-use crate::refine::refine_polygon;
+use crate::refine::{RefineError, refine_polygon};
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::polygon::Polygon;
 use crate::shape::source::Curve;
@@ -70,13 +70,17 @@ pub(super) fn refine_all(
     let wanted = Wanted::of(output);
     // a scheme that turns tangents interpolates: its points are limit points, and it has its own tangents
     if wanted.nothing() || job.plan.turns_tangents().is_some() {
-        let refine = |polygon: &Polygon| finished(refine_polygon(polygon, &job.plan, steps, watch)?, polygon);
-        return polygons.iter().map(refine).collect();
+        let refine = |(i, polygon): (usize, &Polygon)| {
+            let curve = refine_polygon(polygon, &job.plan, steps, watch);
+            finished(curve.map_err(|error| of_polygon(error, polygons, i))?, polygon)
+        };
+        return polygons.iter().enumerate().map(refine).collect();
     }
     let rows = LimitRows::of(&job.plan, job.levels);
     let rows = rows.map_err(|error| RunError::Impossible(Fault::new("/plan", NoLimit::Plan(error).to_string())))?;
-    let refine = |polygon: &Polygon| {
-        let (mut curve, limit) = refine_to_limit(polygon, &job.plan, steps, &rows, watch)?;
+    let refine = |(i, polygon): (usize, &Polygon)| {
+        let refined = refine_to_limit(polygon, &job.plan, steps, &rows, watch);
+        let (mut curve, limit) = refined.map_err(|error| of_polygon(error, polygons, i))?;
         if wanted.tangents {
             curve.tangents = Some(tangents(polygon, &limit.points, &limit.tangents));
         }
@@ -85,7 +89,13 @@ pub(super) fn refine_all(
         }
         finished(curve, polygon)
     };
-    polygons.iter().map(refine).collect()
+    polygons.iter().enumerate().map(refine).collect()
+}
+
+/// The error of one of the polygons, at its place; one alone stands in no list.
+fn of_polygon(error: RefineError, polygons: &[Polygon], i: usize) -> RunError {
+    let place = if polygons.len() == 1 { "/input/polygon".to_owned() } else { format!("/input/polygons/{i}") };
+    RunError::of_shape(error, polygons[i].attributes.as_ref(), &place)
 }
 
 /// A polygon as it was given, as the curve that pictures show beside its refinement.

@@ -11,6 +11,7 @@ use crate::output::surface;
 use crate::refine::{Asked, RefineError, RefinedMesh, curve, refine_mesh, refine_mesh_to_limit};
 use crate::scheme::mesh_net::{Boundary, MeshNet};
 use crate::scheme::step::StepError;
+use crate::shape::attributes::Attributes;
 use crate::shape::mesh::Mesh;
 use crate::watch::{Stage, Stopped, Watch};
 
@@ -40,15 +41,26 @@ impl From<RefineError> for RunError {
         match error {
             RefineError::Stopped(stopped) => Self::Stopped(stopped),
             error @ RefineError::Unlimited(_) => Self::Impossible(Fault::new("/outputs/0", error.to_string())),
-            other => {
-                let longitude = matches!(
-                    other,
-                    RefineError::Step { error: StepError::NoAverage { name: "kernel_longitude", .. }, .. }
-                );
-                let place = if longitude { "/plan/parameters/kernel_longitude" } else { "/plan" };
-                Self::Impossible(Fault::new(place, other.to_string()))
-            }
+            other => Self::Impossible(Fault::new("/plan", other.to_string())),
         }
+    }
+}
+
+impl RunError {
+    /// The error of refining a shape at `place` below the job. A kernel without an average stands at what it was made of:
+    /// the kernels of the points of the shape, else their alphas, else the kernel of the plan.
+    pub(super) fn of_shape(error: RefineError, attributes: Option<&Attributes>, place: &str) -> Self {
+        let RefineError::Step { error: StepError::NoAverage { name, .. }, .. } = &error else { return error.into() };
+        let own =
+            |of: fn(&Attributes) -> &Option<Vec<f64>>| attributes.is_some_and(|attributes| of(attributes).is_some());
+        let place = if own(|attributes| &attributes.kernel) {
+            format!("{place}/parameters/kernel")
+        } else if own(|attributes| &attributes.alpha) {
+            format!("{place}/parameters/alpha")
+        } else {
+            format!("/plan/parameters/{name}")
+        };
+        Self::Impossible(Fault::new(place, error.to_string()))
     }
 }
 
@@ -82,11 +94,13 @@ pub fn run(admitted: &Admitted, output: &Output, out: &mut dyn Write, watch: &Wa
         Input::Mesh(mesh) => {
             let [positions, normals] = surface::limit(&output.options);
             let asked = Asked { positions, normals };
-            let (refined, found) = if asked.anything() {
-                refine_mesh_to_limit(mesh, &job.plan, job.levels, asked, watch)?
+            let refined = if asked.anything() {
+                refine_mesh_to_limit(mesh, &job.plan, job.levels, asked, watch)
             } else {
-                (refine_mesh(mesh, &job.plan, &steps, watch)?, Vec::new())
+                refine_mesh(mesh, &job.plan, &steps, watch).map(|refined| (refined, Vec::new()))
             };
+            let (refined, found) =
+                refined.map_err(|error| RunError::of_shape(error, mesh.attributes.as_ref(), "/input/mesh"))?;
             let control = control_mesh(mesh);
             let warnings = &[mesh.warnings.clone(), found].concat();
             let (shape, control) = (Shape::Mesh(&refined), Shape::Mesh(&control));

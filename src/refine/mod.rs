@@ -5,6 +5,7 @@ pub mod revolution;
 pub mod surface;
 
 mod limit;
+mod origins;
 mod refined;
 mod unfolded;
 mod uvs;
@@ -177,7 +178,8 @@ fn act_on(
     watch: &Watch,
 ) -> Result<(MeshNet, Vec<Points>), RefineError> {
     for step in steps {
-        let next = step.letter.operator.on_mesh(&net, &values(plan, step)).map_err(|error| at(step, error))?;
+        let next = step.letter.operator.on_mesh(&net, &values(plan, step));
+        let next = next.map_err(|error| at(step, origins::on_mesh(&net, error)))?;
         points.iter_mut().try_for_each(|points| points.act(&next.action, step.level, watch))?;
         net = next.net;
     }

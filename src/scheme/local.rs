@@ -100,7 +100,7 @@ impl Local {
         });
         let kernel: Vec<f64> = kernel.collect::<Result<_, _>>()?;
         if let Some(point) = kernel.iter().position(|&f| !has_average(f)) {
-            return Err(StepError::NoAverage { name: "kernel", point, value: kernel[point] });
+            return Err(StepError::NoAverage { name: "kernel", point, value: kernel[point], from: Vec::new() });
         }
         let (delta, compensation) = (delta.collect::<Result<_, _>>()?, compensation.collect::<Result<_, _>>()?);
         Ok(Some(Arc::new(Self { kernel, delta, compensation, arity })))

@@ -67,7 +67,7 @@ impl MeshLocal {
             if has_lines {
                 let f =
                     own(&attributes.kernel).map_or_else(|| sources.kernel.value(alpha(own_alpha, sources.alpha)), Ok);
-                curve_weight.push(omega / (8.0 * (1.0 + weight("kernel", number, f)?)));
+                curve_weight.push(omega / (8.0 * (1.0 + weight("kernel", n_v + i, f)?)));
             }
         }
         Ok(Some(Arc::new(Self { kernel, kernel_longitude, delta: attributes.delta, compensation, curve_weight })))
@@ -95,5 +95,5 @@ pub(super) fn upsampled(array: &[f64], topology: &Topology) -> Vec<f64> {
 
 fn weight<E: std::fmt::Display>(name: &'static str, i: usize, value: Result<f64, E>) -> Result<f64, StepError> {
     let value = finite(name, i, value)?;
-    if has_average(value) { Ok(value) } else { Err(StepError::NoAverage { name, point: i, value }) }
+    if has_average(value) { Ok(value) } else { Err(StepError::NoAverage { name, point: i, value, from: Vec::new() }) }
 }

@@ -105,15 +105,18 @@ pub enum StepError {
     Local(String),
     /// A kernel of a single point with which no average exists.
     #[error(
-        "the {name} of point {point} is {value}, where no average exists, as its weights add up to 0; it is any number but -1"
+        "the {name} of point {point}{} is {value}, where no average exists, as its weights add up to 0; it is any number \
+         but -1", origin(*.point, .from)
     )]
     NoAverage {
         /// Which kernel.
         name: &'static str,
-        /// The point, in the net that entered the last U.
+        /// The point, in the net that entered the last U or, beyond its points, that came of it.
         point: usize,
         /// Its kernel.
         value: f64,
+        /// The points of the input that make it, ascending, where they are known.
+        from: Vec<u32>,
     },
     /// Tags that a scheme of its own mask cannot carry.
     #[error("this scheme is a mask, which knows no {0}; leave them out or use a word over U, C and P")]
@@ -224,4 +227,17 @@ pub enum StepError {
         /// Why.
         error: ExpressionError,
     },
+}
+
+/// What a sentence says of the points of the input that make a point: the first of them where they are many.
+fn origin(point: usize, from: &[u32]) -> String {
+    const MOST: usize = 8;
+    let named = from.iter().take(MOST).map(u32::to_string).collect::<Vec<_>>().join(", ");
+    match from {
+        [] => String::new(),
+        &[own] if own as usize == point => String::new(),
+        [_] => format!(" (point {named} of the input)"),
+        _ if from.len() > MOST => format!(" (between the points {named}, ... of the input)"),
+        _ => format!(" (between the points {named} of the input)"),
+    }
 }

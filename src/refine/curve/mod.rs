@@ -14,7 +14,7 @@ pub use limit::{Limit, NoLimit, check};
 pub use rows::{LimitRows, Row};
 pub use tolerance::{NoLevel, Reached, reach};
 
-use super::{Points, RefineError, at, polygon_net, start_tangents, values};
+use super::{Points, RefineError, at, origins, polygon_net, start_tangents, values};
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::shape::polygon::Polygon;
@@ -65,7 +65,8 @@ fn refined(
     for steps in steps.chunk_by(|a, b| a.level == b.level) {
         let mut actions = Vec::with_capacity(steps.len());
         for step in steps {
-            let next = step.letter.operator.on_polygon(&net, &values(plan, step)).map_err(|error| at(step, error))?;
+            let next = step.letter.operator.on_polygon(&net, &values(plan, step));
+            let next = next.map_err(|error| at(step, origins::on_polygon(polygon, &net, error)))?;
             actions.push(next.action);
             net = next.net;
         }

@@ -160,3 +160,85 @@ fn what_single_points_cannot_have_is_told_at_its_place() {
         assert!(said.contains(expected), "{said}");
     }
 }
+
+/// What has no average only where numbers of points are averaged at a later level is told with the points between which
+/// that is, at their list.
+#[test]
+fn kernels_without_an_average_between_points_are_told_with_these_points() {
+    let told = |shape: &str, input: Value, parameters: Value, plan: Value, levels: u32| {
+        let mut input = json!({ shape: input });
+        input[shape]["parameters"] = parameters;
+        let faults = faults(json!({ "input": input, "plan": plan, "levels": levels }));
+        faults.iter().map(|fault| format!("{}: {}", fault.pointer, fault.detail)).collect::<Vec<_>>().join("\n")
+    };
+    let cube = || nets::cube().input()["mesh"].clone();
+    let word = || json!({ "word": "UCP" });
+    let square = |closed: bool| json!({ "points": [[0, 0], [2, 0], [3, 1], [1, 2]], "closed": closed });
+    // -1 is halfway along an edge, a quarter of the way, and in the middle of a face
+    let edge = nets::cube().faces[0][..2].to_vec();
+    let of_vertices = |some: &[usize], others: f64, own: f64| -> Vec<f64> {
+        (0..8).map(|v| if some.contains(&v) { own } else { others }).collect()
+    };
+    let between = |points: &[usize]| {
+        let mut points = points.to_vec();
+        points.sort_unstable();
+        let named = points.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+        format!("(between the points {named} of the input) is -1")
+    };
+    let half = of_vertices(&edge[..1], 1.0, -3.0);
+    let said = told("mesh", cube(), json!({ "kernel": half }), word(), 2);
+    assert!(said.starts_with("/input/mesh/parameters/kernel: level 2: the kernel of point"), "{said}");
+    // the first of the edges of that vertex, whichever it is
+    assert!(said.contains(&format!("(between the points {}", edge[0].min(edge[1]))), "{said}");
+    // all faces have three vertices of one kind or none: -1 is no mean of an edge, but that of faces
+    let corner = of_vertices(&edge[..1], 1.0, -7.0);
+    let said = told("mesh", cube(), json!({ "kernel": corner }), word(), 2);
+    let faces = nets::cube().faces.into_iter().filter(|face| face.contains(&edge[0]));
+    assert!(faces.map(|face| between(&face)).any(|named| said.contains(&named)), "{said}");
+    // the alpha of points makes a kernel of the plan
+    let plan = json!({ "word": "UCP", "parameters": { "kernel": "4*alpha-3" } });
+    let alpha = of_vertices(&edge[..1], 0.75, 1.25);
+    let said = told("mesh", cube(), json!({ "alpha": alpha }), plan.clone(), 2);
+    assert!(said.starts_with("/input/mesh/parameters/alpha: level 2: "), "{said}");
+    for (closed, kernel, plan, levels, place) in [
+        (
+            true,
+            json!([1, 1, 1, -3]),
+            word(),
+            2,
+            "level 2: the kernel of point 5 (between the points 2, 3 of the input)",
+        ),
+        (
+            false,
+            json!([1, 1, 1, -3]),
+            word(),
+            2,
+            "level 2: the kernel of point 5 (between the points 2, 3 of the input)",
+        ),
+        (
+            true,
+            json!([-7, 1, 1, 1]),
+            word(),
+            3,
+            "level 3: the kernel of point 3 (between the points 0, 1 of the input)",
+        ),
+        (
+            true,
+            json!([1, 1, 1, -5]),
+            json!({ "word": "U3C" }),
+            2,
+            "level 2: the kernel of point 7 (between the points 2, 3",
+        ),
+    ] {
+        let said = told("polygon", square(closed), json!({ "kernel": kernel }), plan, levels);
+        assert!(said.starts_with(&format!("/input/polygon/parameters/kernel: {place}")), "{said}");
+    }
+    // at the second level there is half the alpha of the first
+    let said = told("polygon", square(true), json!({ "alpha": [0.75, 1.0, 2.0, 3.0] }), plan, 2);
+    assert!(
+        said.starts_with(
+            "/input/polygon/parameters/alpha: level 2: the kernel of point 2 (point 1 of the input) is -1"
+        ),
+        "{said}"
+    );
+}
