@@ -116,6 +116,33 @@ fn cycles_of_several_steps_have_radii() {
     }
 }
 
+/// The limit of a line is that of the rings within reach: where a mesh diverges elsewhere, here at vertices of three edges
+/// around a cap, its other lines are circles still.
+#[test]
+fn what_diverges_elsewhere_leaves_lines_exact() {
+    let (k, n) = (8, 6);
+    let rings: Vec<Ring> = (0..n).map(|i| (1.0 + 0.2 * sin(1.3 * real(i)), real(i), 0.0)).collect();
+    let mut mesh = tube(k, &rings);
+    let (first, centre) = ((n - 1) * k, n * k);
+    mesh["positions"].as_array_mut().expect("points").push(json!([0, 0, 6]));
+    let cap = (0..k / 2).map(|i| json!([first + 2 * i, first + 2 * i + 1, first + (2 * i + 2) % k, centre]));
+    mesh["faces"].as_array_mut().expect("faces").extend(cap);
+    let plan = json!({ "preset": "push-back", "boundary": "edge-only", "parameters": { "delta": "60*(valence-4)" } });
+    let limit = json!({ "input": { "mesh": mesh }, "plan": plan, "levels": 1, "outputs": [{ "format": "json", "positions": "limit" }] });
+    let refused = format!("{:?}", support::render(&limit).expect_err("there is no limit"));
+    assert!(refused.contains("no continuous limit"), "{refused}");
+    let mut lines = told(&mesh, &plan);
+    lines.retain(|outlook| outlook.circle.is_ok());
+    assert_eq!(lines.len(), n - 2, "lines away from the cap");
+    for (outlook, found) in lines.iter().zip(points(&mesh, &plan, &lines, 4, "refined")) {
+        let radius = outlook.circle.as_ref().expect("an exact line").radius;
+        let (first, height) = (radii(&found).next().expect("a line has points"), found[0][2]);
+        assert!((first - radius).abs() < 1e-3, "{first}, told {radius}");
+        let off = radii(&found).map(|r| (r - first).abs()).chain(found.iter().map(|p| (p[2] - height).abs()));
+        assert!(off.fold(0.0, f64::max) < 1e-12, "line {:?}", outlook.line.vertices);
+    }
+}
+
 #[test]
 fn words_that_keep_no_circles_are_told_so() {
     for letters in ["U", "UP", "UPC", "UUC", "CU", "C(UC)", "U(UCP)"] {
