@@ -1,6 +1,7 @@
 //! Limit masks: the weights of a patch's points in the limit of its centre, and in two tangents there.
 
 use std::collections::BTreeMap;
+use std::convert::Infallible;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::Unlimited;
@@ -8,7 +9,7 @@ use super::cycle::{Child, Cycle};
 use super::own::{Common, Own};
 use super::patch::{Centre, Patch, Rings};
 use super::sector::{Part, Sectors};
-use super::skeleton::Skeletons;
+use super::skeleton::{Skeletons, Traced};
 use super::tangent::{self, NoTangents, starting_vectors};
 use super::turn;
 
@@ -45,14 +46,28 @@ pub(super) struct Mask {
 impl Mask {
     /// The same limit seen from one level before, on a patch whose child it is that of.
     fn before(&self, patch: &Patch, child: &Child) -> Self {
-        let matrix = &child.matrix;
-        let back = |[a, b]: &[Vec<f64>; 2]| [a, b].map(|tangent| tangential(matrix.times_row(tangent)));
         let parted = || Sectors::of(patch).children(&Sectors::of(&child.patch), child.turn);
-        let sectors = if self.tangents.len() > 1 { parted() } else { (0..self.tangents.len()).collect() };
-        Self {
-            position: summing_to_one(matrix.times_row(&self.position)),
-            tangents: sectors.into_iter().map(|s| self.tangents[s].as_ref().map(back).map_err(|why| *why)).collect(),
-        }
+        let sectors = if self.tangents.len() > 1 { parted() } else { vec![0; self.tangents.len()] };
+        let Ok(mask) = self.seen_by(&sectors, |row| Ok::<_, Infallible>(child.matrix.times_row(row)));
+        mask
+    }
+
+    /// The same where the level is not made a matrix.
+    fn before_traced(&self, patch: &Patch, level: &Traced) -> Result<Self, Unlimited> {
+        let parted = || Sectors::of(patch).children(&Sectors::of(level.patch()), level.turn());
+        let sectors = if self.tangents.len() > 1 { parted() } else { vec![0; self.tangents.len()] };
+        self.seen_by(&sectors, |row| level.times_row(row))
+    }
+
+    /// The mask over points of which `back` makes the rows: `sectors` tells for each of theirs which one it becomes.
+    fn seen_by<E>(&self, sectors: &[usize], back: impl Fn(&[f64]) -> Result<Vec<f64>, E>) -> Result<Self, E> {
+        let both = |[a, b]: &[Vec<f64>; 2]| Ok([tangential(back(a)?), tangential(back(b)?)]);
+        let tangents = |&sector: &usize| match &self.tangents[sector] {
+            Ok(tangents) => both(tangents).map(Ok),
+            Err(why) => Ok(Err(*why)),
+        };
+        let position = summing_to_one(back(&self.position)?);
+        Ok(Self { position, tangents: sectors.iter().map(tangents).collect::<Result<_, E>>()? })
     }
 }
 
@@ -109,14 +124,15 @@ impl<'a> Finder<'a> {
             if steps.len() > MAX_LEVELS {
                 return Err(Unlimited::Unsettled);
             }
-            let (child, next) = self.skeletons.step(steps.len(), &patch, &own)?;
-            let before = std::mem::replace(&mut patch, child.patch.clone());
-            steps.push((before, child));
+            let (level, next) = self.skeletons.step(steps.len(), &patch, &own)?;
+            let before = std::mem::replace(&mut patch, level.patch().clone());
+            steps.push((before, level));
             own = next;
         }
         // what no other vertex has is not kept
         let last = Masks::new(self, own.first()).of(steps.len(), &patch)?;
-        Ok(steps.iter().rev().fold(Mask::clone(&last), |mask, (patch, child)| mask.before(patch, child)))
+        let back = |mask: Mask, (patch, level): &(Patch, Traced)| mask.before_traced(patch, level);
+        steps.iter().rev().try_fold(Mask::clone(&last), back)
     }
 }
 
@@ -130,7 +146,7 @@ impl<'a> Masks<'a> {
         let finder = self.finder;
         if self.common.are_there() {
             let own = self.common.of_all(patch.n_vertices);
-            finder.skeletons.step(level, patch, &own).map(|(child, _)| child)
+            finder.skeletons.step(level, patch, &own)?.0.child()
         } else {
             finder.cycle.step(level, patch, finder.rings)
         }

@@ -119,6 +119,21 @@ impl Record {
         }
     }
 
+    /// The product of a row with the matrix of the `wanted` points after the last action over the points before the first,
+    /// those of `origins` taken together; `n_columns` of them are kept. `None` where another one has a weight.
+    pub(super) fn times_row(&self, row: &[f64], wanted: &[u32], origins: &[u32], n_columns: usize) -> Option<Vec<f64>> {
+        let mut trace = Trace::default();
+        wanted.iter().zip(row).for_each(|(&point, &factor)| trace.now.add(point, factor));
+        self.tables.iter().rev().for_each(|table| trace.back(table, self.weights));
+        let mut product = vec![0.0; n_columns];
+        let mut others = 0.0;
+        trace.now.drain(|column, weight| match product.get_mut(origins[column as usize] as usize) {
+            Some(sum) => *sum += weight,
+            None => others += weight.abs(),
+        });
+        (others == 0.0).then_some(product)
+    }
+
     /// For each of the `wanted` points after the last action its weights over the points before the first, those of
     /// `origins` taken together; `n_columns` of them are kept. `None` where another one has a weight.
     pub(super) fn matrix(&self, wanted: &[u32], origins: &[u32], n_columns: usize) -> Option<Matrix> {

@@ -148,7 +148,8 @@ impl Follower<'_> {
                 return Err(Unlimited::Wild);
             }
             let parts = (&own, Some((&numbering, self.perturbation)));
-            let (child, next) = self.finder.skeletons.followed(levels.len(), &patch, parts)?;
+            let (level, next) = self.finder.skeletons.followed(levels.len(), &patch, parts)?;
+            let child = level.child()?;
             let before = Sectors::of(&patch);
             let sectors =
                 if before.n > 1 { before.children(&Sectors::of(&child.patch), child.turn) } else { Vec::new() };

@@ -24,6 +24,43 @@ struct Skeleton {
     refined: Arc<Topology>,
 }
 
+/// A level on a patch as the actions that it is made of.
+#[derive(Debug)]
+pub(super) struct Traced {
+    skeleton: Arc<Skeleton>,
+    record: Record,
+    n_columns: usize,
+}
+
+impl Traced {
+    /// The patch around the centre's child.
+    pub(super) fn patch(&self) -> &Patch {
+        &self.skeleton.child.patch
+    }
+
+    /// Which face at the centre its first face there comes of.
+    pub(super) fn turn(&self) -> usize {
+        self.skeleton.child.turn
+    }
+
+    /// The points of the child's support.
+    fn wanted(&self) -> &[u32] {
+        &self.skeleton.child.vertices[..self.patch().support]
+    }
+
+    /// How a functional of the child's points reads the patch's: what multiplying with the matrix gives, without making it.
+    pub(super) fn times_row(&self, row: &[f64]) -> Result<Vec<f64>, Unlimited> {
+        let product = self.record.times_row(row, self.wanted(), &self.skeleton.origins, self.n_columns);
+        product.ok_or(Unlimited::Reach)
+    }
+
+    /// The level with its matrix.
+    pub(super) fn child(&self) -> Result<Child, Unlimited> {
+        let matrix = self.record.matrix(self.wanted(), &self.skeleton.origins, self.n_columns);
+        Ok(Child { patch: self.patch().clone(), matrix: matrix.ok_or(Unlimited::Reach)?, turn: self.turn() })
+    }
+}
+
 /// The skeletons that were met.
 #[derive(Debug)]
 pub(super) struct Skeletons<'a> {
@@ -39,8 +76,8 @@ impl<'a> Skeletons<'a> {
     }
 
     /// One level on a patch whose vertices carry these numbers; those of the child's vertices.
-    pub(super) fn step(&self, level: usize, patch: &Patch, own: &Own) -> Result<(Child, Own), Unlimited> {
-        self.followed(level, patch, (own, None)).map(|(child, (own, _))| (child, own))
+    pub(super) fn step(&self, level: usize, patch: &Patch, own: &Own) -> Result<(Traced, Own), Unlimited> {
+        self.followed(level, patch, (own, None)).map(|(traced, (own, _))| (traced, own))
     }
 
     /// One level on a patch whose vertices carry these numbers, and are perturbed by those in the whole net; the same of
@@ -50,7 +87,7 @@ impl<'a> Skeletons<'a> {
         level: usize,
         patch: &Patch,
         (own, noise): (&Own, Option<(&Numbering, Perturbation)>),
-    ) -> Result<(Child, (Own, Option<Numbering>)), Unlimited> {
+    ) -> Result<(Traced, (Own, Option<Numbering>)), Unlimited> {
         let skeleton = self.skeleton(patch, own)?;
         let directions = skeleton.net.directions.as_deref().cloned();
         let attributes = own.first().are_there().then(|| own.attributes(&skeleton.origins));
@@ -66,12 +103,10 @@ impl<'a> Skeletons<'a> {
             record.add(next.action)?;
             net = next.net;
         }
-        let Found { patch: child, vertices, corners, turn } = &skeleton.child;
-        let matrix = record.matrix(&vertices[..child.support], &skeleton.origins, patch.support);
-        let matrix = matrix.ok_or(Unlimited::Reach)?;
+        let Found { vertices, corners, .. } = &skeleton.child;
         let own = net.attributes.as_ref().map_or_else(Own::default, |attributes| Own::of(attributes, vertices));
         let numbering = net.numbering.map(|numbering| numbering.part(&skeleton.refined, vertices, corners));
-        Ok((Child { patch: child.clone(), matrix, turn: *turn }, (own, numbering)))
+        Ok((Traced { skeleton, record, n_columns: patch.support }, (own, numbering)))
     }
 
     fn skeleton(&self, patch: &Patch, own: &Own) -> Result<Arc<Skeleton>, Unlimited> {
