@@ -1,14 +1,16 @@
 //! Whether the limit of a cycle is continuous, and whether it is smooth, where nothing is irregular.
 //!
-//! An impulse on a regular net is refined, and its differences are compared at two levels. Where they do not shrink between
-//! these, as they may grow at first, the place where they are largest is followed through many more levels: differences
-//! that do not vanish there vanish nowhere else.
+//! An impulse on a regular net is refined, and its differences are compared at two levels. Where they do not shrink clearly
+//! between these, as they may grow at first, or later, or somewhere else, they are followed through many more levels at the
+//! places that a level or two carry back to themselves: at vertices, and in thirds of edges and faces where edges are
+//! halved. What does not vanish there does not vanish; products of other matrices grew no faster on any plan that was tried.
 
 use super::Unlimited;
 use super::cycle::{Cycle, MAX_POINTS, made};
 use super::own::{Common, Own};
 use super::patch::{Centre, Rings, Whole};
 use super::probe::Regular;
+use super::tangent::starting_vectors;
 use crate::math::functions::{exp, ln};
 use crate::refine::{Points, RefineError};
 use crate::scheme::mesh_net::MeshNet;
@@ -17,14 +19,17 @@ use crate::watch::{Stopped, Watch};
 
 /// Levels of the impulse whose differences are compared: the first that do not take too many points.
 const LEVELS: [[usize; 2]; 4] = [[2, 4], [1, 3], [1, 2], [0, 1]];
-/// The first and the last level at which differences are compared to those of half as many levels where one place is
+/// The first and the last level at which differences are compared to those of half as many levels where places are
 /// followed: so many that what grows by a power of the level, times what shrinks, is seen to shrink.
 const PLACE_LEVELS: [usize; 2] = [16, 256];
-/// Differences that are so many times as large after as many levels again grow by more than a power of the level.
-const GROWS: f64 = 16.0;
-/// Most points that are made of the surroundings of one place.
+/// Differences that are so many times as large after as many levels again grow by more than a power of the level; those
+/// that are so many times as small vanish. What is between these is looked at again after twice as many.
+const GROWS: f64 = 8.0;
+/// Most points that are made of the surroundings of all places.
 const MAX_PLACE_POINTS: usize = 1 << 22;
-/// Differences that do not shrink below this part of what they were between these levels do not vanish.
+/// Differences that shrink below this part of what they were between these levels vanish.
+const VANISHES: f64 = 0.5;
+/// Differences that do not shrink below this part of what they were do not vanish.
 const SHRINKS: f64 = 0.98;
 
 /// What an impulse shows of a scheme.
@@ -60,8 +65,8 @@ struct Heights {
 }
 
 impl Impulse<'_> {
-    /// Refines an impulse, and compares how its differences shrink.
-    /// One that is continuous is smooth where nobody asks for `tangents`.
+    /// Refines an impulse, and compares how its differences shrink. What is continuous counts as smooth where nobody asks
+    /// for `tangents`.
     pub(super) fn smoothness(&self, tangents: bool, watch: &Watch) -> Result<Smoothness, Unlimited> {
         let side = side(self.support, self.cycle.n_duals());
         let mut heights = self.on(self.regular.net(side, self.tagged), side);
@@ -78,7 +83,7 @@ impl Impulse<'_> {
         }
         let vanish = |measure: Measure| -> Result<bool, Unlimited> {
             let [early, late] = [0, 1].map(|i| measure.of(&seen[i]));
-            Ok(late <= SHRINKS * early || self.vanish_at_a_place(measure, watch)?)
+            Ok(late <= VANISHES * early || self.vanish_at_places(measure, watch)?.unwrap_or(late <= SHRINKS * early))
         };
         Ok(if !vanish(Measure::First)? {
             Smoothness::Rough
@@ -114,51 +119,122 @@ impl Impulse<'_> {
         Ok(Heights { net, points })
     }
 
-    /// Whether differences vanish where, from the impulse on, they are the largest near those of the level before.
-    fn vanish_at_a_place(&self, measure: Measure, watch: &Watch) -> Result<bool, Unlimited> {
+    /// Whether differences vanish at all places that are followed; `None` where too many points are around one.
+    fn vanish_at_places(&self, measure: Measure, watch: &Watch) -> Result<Option<bool>, Unlimited> {
+        let mut budget = MAX_PLACE_POINTS;
+        for place in places(self.cycle.pieces().last().copied().unwrap_or(2)) {
+            match self.vanish_at(place, measure, &mut budget, watch)? {
+                Some(true) => {}
+                other => return Ok(other),
+            }
+        }
+        Ok(Some(true))
+    }
+
+    /// Whether differences vanish at a place, from heights without a pattern on.
+    fn vanish_at(
+        &self,
+        place: Place,
+        measure: Measure,
+        budget: &mut usize,
+        watch: &Watch,
+    ) -> Result<Option<bool>, Unlimited> {
         // no point of the rim reaches what is around a vertex at the next level, not even where edges become shorter by
         // the root of 3 only
         let rings = self.support + self.support / 4 + 5;
         let rings = Rings { support: rings, patch: rings };
-        let (net, middle) = self.regular.grid(rings, self.tagged);
         let side = 2 * (rings.patch + 2);
-        let made = made(net.n_vertices(), &self.cycle.pieces(), 1).saturating_mul(PLACE_LEVELS[1]);
-        if made > MAX_PLACE_POINTS {
-            return Ok(false);
-        }
-        let mut heights = self.on(net, side);
-        heights = heights.around(&heights.net.topology(), middle, rings, [1.0; 2], self).ok_or(Unlimited::Size)?;
-        let (mut sizes, mut compared) = (vec![0.0], PLACE_LEVELS[0]);
+        let mut heights = self.on(self.regular.net(side, self.tagged), side);
+        let wild = starting_vectors(heights.net.n_vertices(), 1).concat();
+        heights.points.now.chunks_exact_mut(3).zip(wild).for_each(|(p, z)| p[2] = z);
+        let middle = (side / 2) * (side + 1) + side / 2;
+        let Some(mut heights) = heights.around(&heights.net.topology(), middle, rings, [1.0; 2], self) else {
+            return Ok(None);
+        };
+        let (mut target, mut sizes, mut compared) = (place.at, vec![0.0], PLACE_LEVELS[0]);
         for level in 1..=PLACE_LEVELS[1] {
             watch.check()?;
+            let made = made(heights.net.n_vertices(), &self.cycle.pieces(), 1);
+            let Some(left) = budget.checked_sub(made) else {
+                return Ok((level > PLACE_LEVELS[0]).then_some(false));
+            };
+            *budget = left;
             heights = self.refined(heights)?;
             let topology = heights.net.topology();
-            // within an edge of the level before
-            let near = |v: &usize| [0, 1].iter().all(|k| heights.points.now[3 * v + k].abs() <= 1.0);
-            let (mut place, mut largest, mut units) = (0, 0.0, [1.0; 2]);
-            for v in (0..topology.n_vertices()).filter(near) {
-                let here = Differences::at(&topology, &heights.points.now, v);
-                if measure.of(&here) > largest {
-                    (place, largest, units) = (v, measure.of(&here), measure.units(&here));
+            let mut largest = Differences::default();
+            let mut nearest = (f64::INFINITY, 0);
+            for v in 0..topology.n_vertices() {
+                let off = [0, 1].map(|k| (heights.points.now[3 * v + k] - target[k]).abs());
+                let off = off[0].max(off[1]);
+                // within an edge of the level before
+                if off <= 1.0 {
+                    largest = largest.or(&Differences::at(&topology, &heights.points.now, v));
+                }
+                if off < nearest.0 {
+                    nearest = (off, v);
                 }
             }
+            let size = measure.of(&largest);
             // none, or too large to go on
-            if largest == 0.0 || largest.is_infinite() {
-                return Ok(largest == 0.0);
+            if size == 0.0 || !size.is_finite() {
+                return Ok(Some(size == 0.0));
             }
-            sizes.push(sizes[level - 1] + ln(largest));
+            sizes.push(sizes[level - 1] + ln(size));
             if level == compared {
                 let growth = exp(sizes[level] - sizes[level / 2]);
-                if growth <= SHRINKS || growth >= GROWS {
-                    return Ok(growth <= SHRINKS);
+                let vanishes = growth <= if level < PLACE_LEVELS[1] { 1.0 / GROWS } else { SHRINKS };
+                if vanishes || growth >= GROWS {
+                    return Ok(Some(vanishes));
                 }
                 compared *= 2;
             }
-            let Some(next) = heights.around(&topology, place, rings, units, self) else { return Ok(false) };
+            let v = nearest.1;
+            target = [0, 1].map(|k| place.rounded((target[k] - heights.points.now[3 * v + k]) / largest.length));
+            let Some(next) = heights.around(&topology, v, rings, measure.units(&largest), self) else {
+                return Ok(None);
+            };
             heights = next;
         }
-        Ok(false)
+        Ok(Some(false))
     }
+}
+
+/// A place in the plane, in edges from a vertex, that levels carry back to itself, or to its like at another vertex.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    at: [f64; 2],
+    /// What its coordinates are whole multiples of, at all levels: one part of so many, or half of it in duals.
+    parts: f64,
+}
+
+impl Place {
+    /// A coordinate of it without rounding, which would grow with every level.
+    fn rounded(&self, x: f64) -> f64 {
+        (x * 2.0 * self.parts).round() / (2.0 * self.parts)
+    }
+}
+
+/// The places that a cut of edges in so many pieces carries back to themselves in one level or two, but for those that are
+/// mirror images of others.
+fn places(pieces: usize) -> Vec<Place> {
+    let mut places = Vec::new();
+    for parts in [pieces.saturating_sub(1), pieces + 1] {
+        let within = |p: usize| [p, parts - p].map(|p| count(p) / count(parts));
+        for (i, j) in (0..=parts / 2).flat_map(|j| (0..=j).map(move |i| (i, j))) {
+            for y in within(j) {
+                let place = Place { at: [within(i)[0], y], parts: count(parts) };
+                let vertex = i == 0 && j == 0;
+                if !(places.iter().any(|known: &Place| known.at == place.at) || vertex && parts > 1 || y >= 1.0) {
+                    places.push(place);
+                }
+            }
+        }
+    }
+    places
+}
+
+fn count(n: usize) -> f64 {
+    f64::from(index(n))
 }
 
 /// Squares along a side of the net under an impulse whose limit reaches so many rings.
@@ -260,10 +336,15 @@ impl Differences {
 
     /// Those around all vertices.
     fn of(topology: &Topology, points: &[f64]) -> Self {
-        (0..topology.n_vertices()).map(|v| Self::at(topology, points, v)).fold(Self::default(), |a, b| Self {
-            first: a.first.max(b.first),
-            second: a.second.max(b.second),
-            length: a.length.max(b.length),
-        })
+        (0..topology.n_vertices()).map(|v| Self::at(topology, points, v)).fold(Self::default(), |a, b| a.or(&b))
+    }
+
+    /// The larger of each.
+    fn or(&self, other: &Self) -> Self {
+        Self {
+            first: self.first.max(other.first),
+            second: self.second.max(other.second),
+            length: self.length.max(other.length),
+        }
     }
 }

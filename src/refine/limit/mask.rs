@@ -32,7 +32,7 @@ const TOGETHER: f64 = 1e-6;
 /// Levels after which numbers of vertices agree: their differences are halved.
 const MAX_LEVELS: usize = 1_100;
 /// Levels after which a mask has to have settled.
-const MAX_STEPS: usize = 5_000;
+const MAX_STEPS: usize = 20_000;
 
 /// The weights of one patch, over the points of its support.
 #[derive(Debug, Clone, PartialEq)]

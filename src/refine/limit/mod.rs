@@ -21,6 +21,7 @@ mod impulse;
 mod mask;
 mod matrix;
 mod normals;
+mod numbers;
 mod own;
 mod patch;
 mod perturbed;

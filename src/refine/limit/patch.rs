@@ -1,10 +1,10 @@
 //! Patches: the faces around a vertex, an edge or a face, numbered in an order that depends on their connectivity only.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::cycle::is_triangular;
 use super::frame::Frame;
+use super::numbers::Numbers;
 use crate::scheme::mesh_net::{Boundary, MeshNet, Surroundings};
 use crate::scheme::sharpness::Sharpness;
 use crate::shape::check::{FaceList, Winding};
@@ -14,9 +14,6 @@ use crate::shape::topology::{NONE, Topology, index};
 
 /// Most vertices of a patch: about what three rings around a vertex of valence 1,500 have.
 pub(super) const MAX_VERTICES: usize = 20_000;
-
-/// Numbers up to this many are found by looking through them.
-const FEW: usize = 128;
 
 /// What a patch lies around.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -232,9 +229,9 @@ impl Whole<'_> {
             sizes: Vec::new(),
             local: Vec::new(),
             reached: Vec::new(),
-            known: Numbers::default(),
+            known: Numbers::of(self.topology.n_vertices()),
             corners: Vec::new(),
-            faces: Numbers::default(),
+            faces: Numbers::of(self.topology.n_faces()),
             sharp_edges: Vec::new(),
             directions: Vec::new(),
         };
@@ -359,35 +356,5 @@ impl Walk<'_> {
             self.local.push(number);
             at = topology.next(at);
         }
-    }
-}
-
-/// Numbers in the order of first use.
-#[derive(Default)]
-struct Numbers {
-    order: Vec<u32>,
-    /// Filled once there are more than a few.
-    many: BTreeMap<u32, u32>,
-}
-
-impl Numbers {
-    /// The number of `thing`, and whether it is a new one.
-    fn number(&mut self, thing: u32) -> (u32, bool) {
-        let n = self.order.len();
-        let known = if n <= FEW {
-            self.order.iter().position(|&other| other == thing).map(index)
-        } else {
-            self.many.get(&thing).copied()
-        };
-        if let Some(number) = known {
-            return (number, false);
-        }
-        self.order.push(thing);
-        if n == FEW {
-            self.many = self.order.iter().enumerate().map(|(i, &other)| (other, index(i))).collect();
-        } else if n > FEW {
-            self.many.insert(thing, index(n));
-        }
-        (index(n), true)
     }
 }

@@ -1,13 +1,19 @@
-//! Plans whose differences grow for some levels before they shrink, or shrink before they grow.
+//! Plans whose differences grow for some levels before they shrink, or shrink before they grow, or grow between vertices.
 
 use serde_json::{Value, json};
 
 use super::{limit, warnings};
-use crate::support::nets::{self, distance};
+use crate::support::nets::{self, Net, distance};
 use crate::support::render;
 
 fn pushed_back(delta: f64) -> Value {
     json!({ "word": "UCP", "parameters": { "delta": delta } })
+}
+
+fn has_no_limit(net: &Net, plan: &Value) -> bool {
+    let job = json!({ "input": net.input(), "plan": plan, "levels": 0,
+        "outputs": [{ "format": "obj", "positions": "limit" }] });
+    render(&job).is_err_and(|faults| faults[0].detail.contains("no continuous limit"))
 }
 
 /// Where regular, `UCP` is continuous for deltas above -9: the differences of an impulse grow by a factor of 4.6 in the
@@ -22,10 +28,7 @@ fn differences_that_shrink_late_vanish() {
             assert!(off < 1e-11, "delta {delta}: the limit of vertex {v} moves by {off}");
         }
     }
-    let job = json!({ "input": net.input(), "plan": pushed_back(-9.1), "levels": 0,
-        "outputs": [{ "format": "obj", "positions": "limit" }] });
-    let faults = render(&job).expect_err("there is no limit");
-    assert!(faults[0].detail.contains("no continuous limit"), "{faults:?}");
+    assert!(has_no_limit(&net, &pushed_back(-9.1)));
 }
 
 /// Divided second differences vanish for deltas from about -4.87 to 3 only, those of the first levels say otherwise.
@@ -43,6 +46,38 @@ fn second_differences_that_shrink_late_vanish() {
     }
     for delta in [-5.2, 3.2] {
         let warnings = warnings(&net, &pushed_back(delta), 0);
+        assert!(warnings[0].ends_with("no continuous tangents"), "delta {delta}: {warnings:?}");
+    }
+}
+
+/// Differences may grow in thirds of edges and faces while they vanish around vertices: with compensations above 1 under
+/// two levels of `UCP`, whose matrices there have spectral radii of 1.22 for delta 2 and compensation 2. Bounds of the
+/// compensation from such radii: 2.669 for a limit and 1.658 for tangents where delta is 1, 1.889 and 1.288 where it is 2.
+#[test]
+fn what_grows_between_vertices_is_seen() {
+    let net = nets::torus(4, 5);
+    let with = |delta: f64, compensation: f64| json!({ "word": "UCP", "parameters": { "delta": delta, "compensation": compensation } });
+    for (delta, continuous, smooth) in [(1.0, 2.669, 1.658), (2.0, 1.889, 1.288)] {
+        assert!(has_no_limit(&net, &with(delta, 1.01 * continuous)), "delta {delta}");
+        let warnings = |compensation: f64| warnings(&net, &with(delta, compensation), 0);
+        let rough = warnings(0.99 * continuous);
+        assert!(rough[0].ends_with("no continuous tangents"), "delta {delta}: {rough:?}");
+        let rough = warnings(1.01 * smooth);
+        assert!(rough[0].contains("limit ones do not exist"), "delta {delta}: {rough:?}");
+        assert_eq!(warnings(0.99 * smooth), [""; 0], "delta {delta}");
+    }
+}
+
+/// The same on triangles: at a delta of -3 divided second differences come to 1 from below.
+#[test]
+fn what_grows_between_vertices_of_triangles_is_seen() {
+    let net = nets::triangulated(nets::torus(4, 5));
+    let with = |delta: f64| json!({ "word": "UCP", "parameters": { "delta": delta, "split": "triangle" } });
+    for delta in [-6.0, 5.5] {
+        assert!(has_no_limit(&net, &with(delta)), "delta {delta}");
+    }
+    for delta in [-3.0, 3.0] {
+        let warnings = warnings(&net, &with(delta), 0);
         assert!(warnings[0].ends_with("no continuous tangents"), "delta {delta}: {warnings:?}");
     }
 }
