@@ -154,6 +154,11 @@ impl<'a> Cycle<'a> {
         self.levels[self.settled].iter().any(|step| step.letter.operator.rebuilds())
     }
 
+    /// Whether rules reach a ring farther beside irregular vertices.
+    pub(super) fn reaches_farther(&self) -> bool {
+        self.levels[self.settled].iter().any(|step| step.letter.operator.reaches_farther())
+    }
+
     /// How many operators put faces in the place of vertices.
     pub(super) fn n_duals(&self) -> usize {
         let swaps = |step: &&Scheduled| matches!(step.letter.operator.heirs(), Heirs::Dual | Heirs::Faces);

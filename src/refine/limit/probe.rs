@@ -65,8 +65,8 @@ impl Regular {
     /// The fewest rings that decide about a limit.
     ///
     /// The support is the least number of rings such that the points of as many rings around the child come of no
-    /// others. The operators' rules reach as many rings at every valence, so that what holds here holds everywhere. The
-    /// patch is larger where points of its rim would take their connectivity from beyond it.
+    /// others. But for those that say so, the operators' rules reach as many rings at every valence, so that what holds here
+    /// holds everywhere. The patch is larger where points of its rim would take their connectivity from beyond it.
     pub(super) fn rings(self, cycle: &Cycle<'_>, tagged: bool, starts: Starts) -> Result<Rings, Unlimited> {
         let mut failed = Unlimited::Reach;
         let mut closed = |support: usize| match self.closed(cycle, support, tagged, starts) {
@@ -87,7 +87,7 @@ impl Regular {
         // where boundary edges are cut in three, rules reach one vertex farther along the boundary than inside, and
         // patches lose faces where their rim meets it
         let spare = usize::from(self == Self::Triangles && cycle.rebuilds());
-        let support = support + spare;
+        let support = support + spare + usize::from(cycle.reaches_farther());
         let most = support + 2 + starts.wider(cycle);
         for patch in support + spare..most {
             let rings = Rings { support, patch };

@@ -50,6 +50,10 @@ impl Operator for KobbeltEdges {
         Err(StepError::WrongNet("kobbelt refines meshes; for polygons use four-point"))
     }
 
+    fn reaches_farther(&self) -> bool {
+        true
+    }
+
     fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
         around::check("kobbelt", &net.base)
     }

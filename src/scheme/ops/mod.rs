@@ -220,6 +220,10 @@ pub trait Operator: fmt::Debug + Send + Sync {
     fn rebuilds(&self) -> bool {
         false
     }
+    /// Whether its rules reach a ring farther beside irregular vertices than in regular nets.
+    fn reaches_farther(&self) -> bool {
+        false
+    }
     /// Whether it can be applied to a mesh as it is given, as far as that depends on its connectivity and tags.
     ///
     /// # Errors

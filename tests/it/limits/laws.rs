@@ -76,6 +76,20 @@ fn classical_schemes_keep_their_limits() {
     }
 }
 
+/// The point beyond an irregular vertex depends on all faces there, a ring farther than a regular one.
+#[test]
+fn limit_normals_of_kobbelt_do_not_turn_where_irregular_vertices_share_faces() {
+    let mut cube = nets::cube();
+    (cube.positions[4], cube.positions[6]) = ([-1.0, -2.0, 1.0], [2.0, 3.0, 1.5]);
+    for net in [cube, nets::prism(5)] {
+        let [coarse, fine] = [0, 2].map(|levels| limit(&net, &json!({ "preset": "kobbelt" }), levels).1);
+        for (v, normal) in coarse.iter().enumerate() {
+            let off = distance(normal, &fine[v]);
+            assert!(off < 1e-12, "the normal of vertex {v} turns by {off}");
+        }
+    }
+}
+
 /// Two steps of sqrt 3 make three edges of one of the boundary, where patches may end in the middle.
 #[test]
 fn root_three_keeps_its_limits_on_open_meshes() {
