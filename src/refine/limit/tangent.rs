@@ -84,10 +84,9 @@ pub(super) fn of<'a>(
         }
         _ => return Err(NoTangents::Eigenvalues),
     };
-    match turn(centre, faces, |i| [x[i as usize], y[i as usize]]) {
-        Some(Turn::Left) => Ok([t, u]),
-        Some(Turn::Right) => Ok([u, t]),
-        None => Err(NoTangents::Folded),
+    match turn(centre, faces, |i| [x[i as usize], y[i as usize]])? {
+        Turn::Left => Ok([t, u]),
+        Turn::Right => Ok([u, t]),
     }
 }
 
@@ -130,17 +129,27 @@ enum Turn {
 }
 
 /// How the corners of the faces at the centre turn in the plane, where all turn the same way. A face that is alone around
-/// a vertex may be straight there.
-fn turn<'a>(centre: Centre, faces: impl Iterator<Item = &'a [u32]>, place: impl Fn(u32) -> [f64; 2]) -> Option<Turn> {
+/// a vertex may be straight there. Where points come together, as those of a boundary that shrinks faster than what is
+/// inside, there is no plane.
+fn turn<'a>(
+    centre: Centre,
+    faces: impl Iterator<Item = &'a [u32]>,
+    place: impl Fn(u32) -> [f64; 2],
+) -> Result<Turn, NoTangents> {
     let faces: Vec<&[u32]> = faces.collect();
     let mut turns = Vec::new();
     let mut alone = 0.0;
+    let extent =
+        faces.iter().flat_map(|face| face.iter()).flat_map(|&v| place(v)).fold(0.0, |most: f64, x| most.max(x.abs()));
     for face in &faces {
         for i in 0..face.len() {
             let [p, q, r] = [i + face.len() - 1, i, i + 1].map(|k| place(face[k % face.len()]));
             let (a, b) = ([r[0] - q[0], r[1] - q[1]], [p[0] - q[0], p[1] - q[1]]);
-            let lengths = sqrt((a[0] * a[0] + a[1] * a[1]) * (b[0] * b[0] + b[1] * b[1]));
-            let sine = (a[0] * b[1] - a[1] * b[0]) / lengths;
+            let lengths = [a, b].map(|[x, y]| sqrt(x * x + y * y));
+            if lengths[0].min(lengths[1]) <= 1e-9 * extent {
+                return Err(NoTangents::Eigenvalues);
+            }
+            let sine = (a[0] * b[1] - a[1] * b[0]) / (lengths[0] * lengths[1]);
             if faces.len() == 1 && centre == Centre::Vertex(face[i]) {
                 alone = sine;
             } else {
@@ -148,13 +157,12 @@ fn turn<'a>(centre: Centre, faces: impl Iterator<Item = &'a [u32]>, place: impl 
             }
         }
     }
-    // a sine, or not a number where points coincide
     if turns.iter().all(|&sine| sine > 1e-9) && alone > -1e-9 {
-        Some(Turn::Left)
+        Ok(Turn::Left)
     } else if turns.iter().all(|&sine| sine < -1e-9) && alone < 1e-9 {
-        Some(Turn::Right)
+        Ok(Turn::Right)
     } else {
-        None
+        Err(NoTangents::Folded)
     }
 }
 

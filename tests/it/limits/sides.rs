@@ -227,6 +227,19 @@ fn vertices_on_the_boundary_have_limit_normals_where_eigenvalues_have_chains() {
     }
 }
 
+/// From five faces on, points inside come together slower than those along the boundary, which do not tell where faces
+/// there lie: there is no tangent plane, and rounding makes none.
+#[test]
+fn vertices_on_the_boundary_with_more_faces_have_none() {
+    for plan in [catmull_clark(), json!({ "word": "UCC" }), json!({ "word": "UCP", "parameters": { "delta": 0.5 } })] {
+        for n in 5..10 {
+            let (_, warnings) = sides(&tagged(part(n, 2 * n), &[]), &edge_only(&plan), 0, "limit");
+            let place = format!("no tangent plane at a boundary vertex with {n} faces");
+            assert!(warnings.iter().any(|warning| warning.ends_with(&place)), "{plan}: {warnings:?} for {place}");
+        }
+    }
+}
+
 /// The normals of the input's vertices stay the same, whatever level they are asked at.
 #[test]
 fn limit_normals_of_sides_do_not_turn_under_more_levels() {
