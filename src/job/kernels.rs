@@ -1,35 +1,49 @@
-//! Which kernels of single points a plan takes.
+//! Which kernels and compensations of single points a plan takes.
 
 use super::Input;
 use crate::fault::Fault;
-use crate::scheme::local::has_average;
+use crate::scheme::local::{MAX_COMPENSATION, has_average};
 use crate::scheme::ops::Role;
 use crate::scheme::plan::Plan;
 use crate::shape::attributes::Attributes;
 
-/// Kernels with which the first level has no average, with pointers below the job; polygons are counted as in a list.
-/// Perturbed ones are another number each level.
+/// Kernels with which the first level has no average and compensations beyond their bound, with pointers below the job;
+/// polygons are counted as in a list. Perturbed kernels are another number each level.
 pub(super) fn check(input: &Input, plan: &Plan, levels: u32) -> Vec<Fault> {
-    let upsamples = plan.word.letters(levels).any(|letter| letter.operator.role() == Role::Upsample);
+    let has = |role: Role| plan.word.letters(levels).any(|letter| letter.operator.role() == role);
     let perturbed = plan.perturbation.is_some_and(|perturbation| perturbation.amplitude != 0.0);
-    if !upsamples || perturbed {
-        return Vec::new();
-    }
+    let (averages, pushes_back) = (has(Role::Upsample) && !perturbed, has(Role::PushBack));
+    let of_shape = |attributes: Option<&Attributes>, place: &str| {
+        let kernel = attributes.filter(|_| averages).and_then(|attributes| without_average(attributes, place));
+        let compensation = attributes.filter(|_| pushes_back).and_then(|attributes| too_large(attributes, place));
+        kernel.into_iter().chain(compensation)
+    };
     match input {
-        Input::Mesh(mesh) => first(mesh.attributes.as_ref(), "/input/mesh").into_iter().collect(),
+        Input::Mesh(mesh) => of_shape(mesh.attributes.as_ref(), "/input/mesh").collect(),
         Input::Polygons(polygons) => {
             let each = polygons.iter().enumerate();
-            each.filter_map(|(i, polygon)| first(polygon.attributes.as_ref(), &format!("/input/polygons/{i}")))
+            each.flat_map(|(i, polygon)| of_shape(polygon.attributes.as_ref(), &format!("/input/polygons/{i}")))
                 .collect()
         }
     }
 }
 
 /// The first of the kernels that points carry with which no average exists.
-fn first(attributes: Option<&Attributes>, place: &str) -> Option<Fault> {
-    let kernel = attributes?.kernel.as_ref()?;
+fn without_average(attributes: &Attributes, place: &str) -> Option<Fault> {
+    let kernel = attributes.kernel.as_ref()?;
     let i = kernel.iter().position(|&kernel| !has_average(kernel))?;
     let detail =
         format!("with the kernel {} no average exists, as its weights add up to 0; it is any number but -1", kernel[i]);
     Some(Fault::new(format!("{place}/parameters/kernel/{i}"), detail))
+}
+
+/// The first of the compensations that points carry that is larger than any may be.
+fn too_large(attributes: &Attributes, place: &str) -> Option<Fault> {
+    let compensation = attributes.compensation.as_ref()?;
+    let i = compensation.iter().position(|&value| value.abs() > MAX_COMPENSATION)?;
+    let detail = format!(
+        "the compensation is {}; at most {MAX_COMPENSATION} in size is allowed: choose a smaller one",
+        compensation[i]
+    );
+    Some(Fault::new(format!("{place}/parameters/compensation/{i}"), detail))
 }

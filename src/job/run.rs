@@ -47,18 +47,22 @@ impl From<RefineError> for RunError {
 }
 
 impl RunError {
-    /// The error of refining a shape at `place` below the job. A kernel without an average stands at what it was made of:
-    /// the kernels of the points of the shape, else their alphas, else the kernel of the plan.
+    /// The error of refining a shape at `place` below the job. A kernel without an average, or a compensation beyond its
+    /// bound, stands at what it was made of: the kernels or compensations of the points of the shape, else their alphas,
+    /// else the function of the plan.
     pub(super) fn of_shape(error: RefineError, attributes: Option<&Attributes>, place: &str) -> Self {
-        let RefineError::Step { error: StepError::NoAverage { name, .. }, .. } = &error else { return error.into() };
-        let own =
-            |of: fn(&Attributes) -> &Option<Vec<f64>>| attributes.is_some_and(|attributes| of(attributes).is_some());
-        let place = if own(|attributes| &attributes.kernel) {
-            format!("{place}/parameters/kernel")
-        } else if own(|attributes| &attributes.alpha) {
-            format!("{place}/parameters/alpha")
-        } else {
-            format!("/plan/parameters/{name}")
+        let name = match &error {
+            RefineError::Step { error: StepError::NoAverage { name, .. }, .. } => *name,
+            RefineError::Step { error: StepError::LargeCompensation { .. }, .. } => "compensation",
+            _ => return error.into(),
+        };
+        let arrays = attributes.map(Attributes::arrays).unwrap_or_default();
+        let given = |wanted: &str| arrays.iter().any(|(name, array)| *name == wanted && array.is_some());
+        // along longitude lines there is the kernel of the points, too
+        let carried = if name == "compensation" { name } else { "kernel" };
+        let place = match [carried, "alpha"].into_iter().find(|name| given(name)) {
+            Some(carried) => format!("{place}/parameters/{carried}"),
+            None => format!("/plan/parameters/{name}"),
         };
         Self::Impossible(Fault::new(place, error.to_string()))
     }

@@ -6,21 +6,29 @@ use crate::scheme::step::StepError;
 use crate::shape::polygon::Polygon;
 use crate::shape::topology::index;
 
-/// The error of an operator on a net of a mesh; points without an average with the vertices of the input that make them.
+/// The error of an operator on a net of a mesh; points without an average, or of a compensation beyond its bound, with the vertices of the input that make them.
 pub(super) fn on_mesh(net: &MeshNet, error: StepError) -> StepError {
     match error {
         StepError::NoAverage { name, point, value, .. } => {
             StepError::NoAverage { name, point, value, from: of_mesh(net, point) }
         }
+        StepError::LargeCompensation { point, value, alpha, .. } => {
+            StepError::LargeCompensation { point, value, alpha, from: of_mesh(net, point) }
+        }
         other => other,
     }
 }
 
-/// The same on a net of a polygon.
-pub(super) fn on_polygon(polygon: &Polygon, net: &PolygonNet, error: StepError) -> StepError {
+/// The same on a net of a polygon, the operator's arity given.
+pub(super) fn on_polygon(polygon: &Polygon, net: &PolygonNet, arity: u32, error: StepError) -> StepError {
     match error {
         StepError::NoAverage { name, point, value, .. } => {
             StepError::NoAverage { name, point, value, from: of_polygon(polygon, net.n_control(), point) }
+        }
+        StepError::LargeCompensation { point, value, alpha, .. } => {
+            let ends = usize::from(!net.is_closed());
+            let n = (net.n_control() - ends) * arity as usize + ends;
+            StepError::LargeCompensation { point, value, alpha, from: of_polygon(polygon, n, point) }
         }
         other => other,
     }

@@ -7,6 +7,9 @@ use super::step::StepError;
 use crate::math::expression::Expression;
 use crate::shape::attributes::between;
 
+/// Largest size of a compensation: beyond it lies a pole of the function, and coordinates lose all digits.
+pub const MAX_COMPENSATION: f64 = 1e12;
+
 /// A decaying perturbation at one upsampling.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
@@ -55,8 +58,24 @@ pub struct Sources<'a> {
     pub compensates_apart: bool,
     /// By what the alpha of points is multiplied at this upsampling.
     pub scale: f64,
+    /// Whether a push-back follows, which uses the compensations.
+    pub pushes_back: bool,
     /// Perturbation, if any.
     pub noise: Option<Noise>,
+}
+
+impl Sources<'_> {
+    /// The compensation of a point, computed at `alpha` if it does not come of carried ones.
+    ///
+    /// # Errors
+    /// [`StepError::LargeCompensation`] beyond [`MAX_COMPENSATION`] where a push-back uses it.
+    pub(super) fn bounded(&self, point: usize, value: f64, alpha: Option<f64>) -> Result<f64, StepError> {
+        if !self.pushes_back || value.abs() <= MAX_COMPENSATION {
+            return Ok(value);
+        }
+        let alpha = alpha.filter(|_| !self.compensation.is_constant());
+        Err(StepError::LargeCompensation { point, value, alpha, from: Vec::new() })
+    }
 }
 
 /// Values of the points that entered the last upsampling, and of the points made on the edges between them.
@@ -95,8 +114,10 @@ impl Local {
         let compensation = places.map(|(e, j)| {
             let own = |array: &Option<Vec<f64>>| array.as_ref().map(|array| between(array, e, j, arity));
             let alpha = own(&attributes.alpha).map_or(sources.compensation_alpha, |alpha| alpha * sources.scale);
-            let value = own(&attributes.compensation).map_or_else(|| sources.compensation.value(alpha), Ok);
-            finite("compensation", e, value.map(|value| value + noise(1, e)))
+            let carried = own(&attributes.compensation);
+            let value = carried.map_or_else(|| sources.compensation.value(alpha), Ok);
+            let value = finite("compensation", e, value.map(|value| value + noise(1, e)))?;
+            sources.bounded(e * arity as usize + j as usize, value, carried.is_none().then_some(alpha))
         });
         let kernel: Vec<f64> = kernel.collect::<Result<_, _>>()?;
         if let Some(point) = kernel.iter().position(|&f| !has_average(f)) {

@@ -61,8 +61,10 @@ impl MeshLocal {
             let own = |array: &Option<Vec<f64>>| array.as_ref().map(|array| mean(array, parent, i));
             let own_alpha = own(&attributes.alpha);
             let seen = alpha(own_alpha.filter(|_| !sources.compensates_apart), sources.compensation_alpha);
-            let omega = own(&attributes.compensation).map_or_else(|| sources.compensation.value(seen), Ok);
+            let carried = own(&attributes.compensation);
+            let omega = carried.map_or_else(|| sources.compensation.value(seen), Ok);
             let omega = finite("compensation", number, omega.map(|value| value + noise(operation, number)))?;
+            let omega = sources.bounded(n_v + i, omega, carried.is_none().then_some(seen))?;
             compensation.push(omega);
             if has_lines {
                 let f =

@@ -156,6 +156,8 @@ pub struct Scheduled {
     pub scale: f64,
     /// Number of upsamplings before.
     pub upsamplings: u32,
+    /// Whether it is an upsampling that a push-back follows before the next one.
+    pub pushed_back: bool,
     /// Whether it is the first average since an upsampling.
     pub first: bool,
     /// Value of the kernel.
@@ -218,6 +220,7 @@ impl Plan {
             compensation_alpha: step.compensation_alpha,
             compensates_apart: self.compensation_alpha.is_some(),
             scale: step.scale,
+            pushes_back: step.pushed_back,
             noise,
         })
     }

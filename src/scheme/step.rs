@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::local::Sources;
+use super::local::{MAX_COMPENSATION, Sources};
 use super::ops::LatitudeRule;
 use super::word::Letter;
 use crate::math::expression::{Expression, ExpressionError};
@@ -118,6 +118,18 @@ pub enum StepError {
         /// The points of the input that make it, ascending, where they are known.
         from: Vec<u32>,
     },
+    /// A compensation of a single point beyond [`MAX_COMPENSATION`].
+    #[error("{}", large_compensation(*.point, *.value, *.alpha, .from))]
+    LargeCompensation {
+        /// The point, in the net that came of the last U.
+        point: usize,
+        /// Its compensation.
+        value: f64,
+        /// Its alpha, where the compensation is a function of that.
+        alpha: Option<f64>,
+        /// The points of the input between which it lies, ascending, where they are known.
+        from: Vec<u32>,
+    },
     /// Tags that a scheme of its own mask cannot carry.
     #[error("this scheme is a mask, which knows no {0}; leave them out or use a word over U, C and P")]
     MaskTags(&'static str),
@@ -227,6 +239,18 @@ pub enum StepError {
         /// Why.
         error: ExpressionError,
     },
+}
+
+/// The sentence of a compensation beyond its bound.
+fn large_compensation(point: usize, value: f64, alpha: Option<f64>, from: &[u32]) -> String {
+    let (why, remedy) = match alpha {
+        Some(alpha) => (format!(" (alpha = {alpha}), a pole of the function"), "choose another alpha there"),
+        None => (String::new(), "choose smaller ones"),
+    };
+    format!(
+        "the compensation of point {point}{} is {value}{why}; at most {MAX_COMPENSATION} in size is allowed: {remedy}",
+        origin(point, from)
+    )
 }
 
 /// What a sentence says of the points of the input that make a point: the first of them where they are many.

@@ -16,6 +16,7 @@ mod masks;
 mod meshes;
 mod outlooks;
 mod own;
+mod own_compensation;
 mod own_parameters;
 mod polynomials;
 mod repetition;

@@ -66,7 +66,8 @@ fn refined(
         let mut actions = Vec::with_capacity(steps.len());
         for step in steps {
             let next = step.letter.operator.on_polygon(&net, &values(plan, step));
-            let next = next.map_err(|error| at(step, origins::on_polygon(polygon, &net, error)))?;
+            let named = |error| origins::on_polygon(polygon, &net, step.letter.arity, error);
+            let next = next.map_err(|error| at(step, named(error)))?;
             actions.push(next.action);
             net = next.net;
         }

@@ -3,14 +3,11 @@
 use super::{Plan, Scheduled};
 use crate::fault::Fault;
 use crate::math::expression::{Expression, ExpressionError};
-use crate::scheme::local::has_average;
+use crate::scheme::local::{MAX_COMPENSATION, has_average};
 use crate::scheme::ops::Role;
 use crate::scheme::presets::MU;
 use crate::scheme::word::Letter;
 use crate::shape::tile::Tile;
-
-/// Compensations beyond this come from a pole of the function, not from a wish.
-const MAX_COMPENSATION: f64 = 1e12;
 
 impl Plan {
     /// The operators of `levels` levels with their numbers.
@@ -22,7 +19,8 @@ impl Plan {
         let (mut scale, mut upsamplings) = (1.0, 0);
         let mut last_arity = None;
         let mut averages = None;
-        let mut steps = Vec::new();
+        let mut upsampled = None;
+        let mut steps: Vec<Scheduled> = Vec::new();
         let prefix = self.word.prefix.len();
         for (i, letter) in self.word.letters(levels).enumerate() {
             let level = if i < prefix { 0 } else { (i - prefix) / self.word.cycle.len() + 1 };
@@ -36,6 +34,7 @@ impl Plan {
                 compensation_alpha: other,
                 scale,
                 upsamplings,
+                pushed_back: false,
                 first: false,
                 kernel: 1.0,
                 compensation: 1.0,
@@ -50,6 +49,7 @@ impl Plan {
                     upsamplings += 1;
                     last_arity = Some(arity);
                     averages = Some(0);
+                    upsampled = Some(i);
                 }
                 Role::Average => {
                     step.letter.arity = last_arity.unwrap_or(arity);
@@ -59,7 +59,12 @@ impl Plan {
                         averages = Some(place + 1);
                     }
                 }
-                Role::PushBack => step.compensation = self.compensation_at(other, level)?,
+                Role::PushBack => {
+                    step.compensation = self.compensation_at(other, level)?;
+                    if let Some(upsampling) = upsampled {
+                        steps[upsampling].pushed_back = true;
+                    }
+                }
                 Role::Smooth => {}
             }
             let at_alpha = step.letter.operator.at_alpha(&mut step.letter, step.alpha);
@@ -108,10 +113,16 @@ impl Plan {
     fn compensation_at(&self, alpha: f64, level: u32) -> Result<f64, Fault> {
         let value = at(&self.compensation, alpha, level, "compensation")?;
         if value.abs() > MAX_COMPENSATION {
-            let detail = format!(
-                "the compensation is {value} at level {level} (alpha = {alpha}), a pole of the function; at most \
-                 {MAX_COMPENSATION} is allowed: choose another alpha"
-            );
+            let detail = if self.compensation.is_constant() {
+                format!(
+                    "the compensation is {value}; at most {MAX_COMPENSATION} in size is allowed: choose a smaller one"
+                )
+            } else {
+                format!(
+                    "the compensation is {value} at level {level} (alpha = {alpha}), a pole of the function; at most \
+                     {MAX_COMPENSATION} is allowed: choose another alpha"
+                )
+            };
             return Err(Fault::new("/parameters/compensation", detail));
         }
         Ok(value)
