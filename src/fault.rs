@@ -9,18 +9,28 @@ pub struct Fault {
     pub pointer: String,
     /// What is wrong there and what would be right.
     pub detail: String,
+    /// Where in the detail a pointer to another place of the request begins, if there is one.
+    pub other: Option<usize>,
 }
 
 impl Fault {
     /// A fault at `pointer`.
     pub fn new(pointer: impl Into<String>, detail: impl Into<String>) -> Self {
-        Self { pointer: pointer.into(), detail: detail.into() }
+        Self { pointer: pointer.into(), detail: detail.into(), other: None }
     }
 
-    /// The same fault seen from one level further out: `prefix` is put before its pointer.
+    /// A fault at `pointer` whose sentence names another place, too: what comes before it, its pointer, what comes after.
+    pub fn with_other(pointer: impl Into<String>, [before, other, after]: [&str; 3]) -> Self {
+        Self { other: Some(before.len()), ..Self::new(pointer, [before, other, after].concat()) }
+    }
+
+    /// The same fault seen from one level further out: `prefix` is put before its pointers.
     #[must_use]
     pub fn under(mut self, prefix: &str) -> Self {
         self.pointer.insert_str(0, prefix);
+        if let Some(other) = self.other {
+            self.detail.insert_str(other, prefix);
+        }
         self
     }
 }

@@ -48,6 +48,12 @@ fn vertex(v: u64, n: usize, place: &str, faults: &mut Vec<Fault>) -> Option<u32>
     found
 }
 
+/// Two sharpnesses of one vertex or edge: the first with its place, the second at `place`.
+fn two_values(place: &str, what: &str, (known, first): (f64, &str), value: f64) -> Fault {
+    let [before, after] = [format!("{what} has sharpness {known} at "), format!(" and {value} here; give it one")];
+    Fault::with_other(format!("{place}/sharpness"), [&before, first, &after])
+}
+
 /// Checks the sharpness of vertices.
 pub(super) fn check_corners(corners: &[(u64, f64)], n: usize, faults: &mut Vec<Fault>) -> Sharp {
     let mut found: BTreeMap<u32, (usize, f64)> = BTreeMap::new();
@@ -61,9 +67,8 @@ pub(super) fn check_corners(corners: &[(u64, f64)], n: usize, faults: &mut Vec<F
             (Some(v), Ok(value)) => {
                 let (first, known) = *found.entry(v).or_insert((i, value));
                 if known.to_bits() != value.to_bits() {
-                    let detail =
-                        format!("vertex {v} has sharpness {known} at /corners/{first} and {value} here; give it one");
-                    wrong.push(Fault::new(format!("{place}/sharpness"), detail));
+                    let what = format!("vertex {v}");
+                    wrong.push(two_values(&place, &what, (known, &format!("/corners/{first}")), value));
                 }
             }
         }
@@ -86,10 +91,8 @@ impl Pairs {
                 (Some(a), Some(b), Ok(value)) => {
                     let (first, known) = *found.entry((a.min(b), a.max(b))).or_insert((i, value));
                     if known.to_bits() != value.to_bits() {
-                        let detail = format!(
-                            "edge ({a}, {b}) has sharpness {known} at /creases/{first} and {value} here; give it one"
-                        );
-                        wrong.push(Fault::new(format!("{place}/sharpness"), detail));
+                        let what = format!("edge ({a}, {b})");
+                        wrong.push(two_values(&place, &what, (known, &format!("/creases/{first}")), value));
                     }
                 }
                 _ => {}
