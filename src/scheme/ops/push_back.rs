@@ -171,10 +171,11 @@ fn children_of(anchor: &polygon_net::Anchor, net: &PolygonNet, d: isize, start: 
 }
 
 fn legal(duals: u32, lost: bool, to: &'static str) -> Result<(), StepError> {
-    if lost {
-        Err(StepError::LostPoints(to))
-    } else if duals % 2 == 1 {
+    // what no other input helps against first
+    if duals % 2 == 1 {
         Err(StepError::OddDuals(duals))
+    } else if lost {
+        Err(StepError::LostPoints(to))
     } else {
         Ok(())
     }

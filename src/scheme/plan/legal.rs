@@ -64,6 +64,8 @@ impl Plan {
                     lost |= natural || dual && subject.is_mesh && subject.is_open;
                 }
                 Role::PushBack if !upsampled => return Err(StepError::NoAnchor),
+                // what no other input helps against first
+                Role::PushBack if duals % 2 == 1 => return Err(StepError::OddDuals(duals)),
                 Role::PushBack if lost => {
                     return Err(StepError::LostPoints(match (natural, subject.is_mesh) {
                         (true, _) => "natural ends: use clamped ones, or a scheme without push-back",
@@ -71,7 +73,6 @@ impl Plan {
                         (false, false) => "a scheme of its own mask: leave the P out",
                     }));
                 }
-                Role::PushBack if duals % 2 == 1 => return Err(StepError::OddDuals(duals)),
                 Role::PushBack | Role::Smooth => {}
             }
         }
