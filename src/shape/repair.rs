@@ -2,11 +2,12 @@
 
 use std::collections::BTreeSet;
 
+use super::attributes::Attributes;
 use super::check::{FaceList, oriented};
 use super::mesh::{MeshInput, listed, turned};
 use super::pair::{Diagonal, pair};
 use super::topology::NONE;
-use super::weld::{weld, weld_faces};
+use super::weld::{Welded, weld, weld_faces};
 use crate::fault::Fault;
 
 impl MeshInput {
@@ -35,6 +36,7 @@ impl MeshInput {
             let n = welded.merged();
             let vertices = if n == 1 { "vertex" } else { "vertices" };
             self.notes.push(format!("welding merged {n} {vertices}: {}{more}", pairs.join(", ")));
+            self.notes.extend(self.attributes.as_ref().and_then(|attributes| lost_parameters(attributes, &welded)));
         }
         if !result.gone.is_empty() {
             self.notes.push(format!("faces left out because welding left them no area: {}", listed(&result.gone)));
@@ -136,4 +138,21 @@ impl MeshInput {
         }
         self.faces = faces;
     }
+}
+
+/// A note of the parameters in which merged vertices differ from those that stayed, each with the first such pair.
+fn lost_parameters(attributes: &Attributes, welded: &Welded) -> Option<String> {
+    let image = welded.image.iter().enumerate();
+    let merged = image.map(|(v, &new)| (v, welded.kept[new as usize] as usize));
+    // both zeros are the same parameter
+    let differ =
+        |array: &[f64], from: usize, into: usize| (array[from] + 0.0).to_bits() != (array[into] + 0.0).to_bits();
+    let first = |(name, array): (&str, Option<&[f64]>)| {
+        let array = array.filter(|array| array.len() == welded.image.len())?;
+        let (from, into) = merged.clone().find(|&(from, into)| differ(array, from, into))?;
+        Some(format!("{name} ({from} into {into})"))
+    };
+    let found: Vec<String> = attributes.arrays().into_iter().filter_map(first).collect();
+    let note = "merged vertices differ in parameters, and those that stayed keep theirs";
+    (!found.is_empty()).then(|| format!("{note}: {}", found.join(", ")))
 }

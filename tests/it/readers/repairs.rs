@@ -41,6 +41,23 @@ fn equal_places_are_merged_and_told() {
 }
 
 #[test]
+fn parameters_that_merged_vertices_had_otherwise_are_told() {
+    let net = apart(&cube());
+    let warnings = |parameters: Value| {
+        let mut input = net.input();
+        input["mesh"]["parameters"] = parameters;
+        input["weld"] = json!(0);
+        let job = json!({ "input": input, "plan": { "word": "UCP" }, "levels": 1, "outputs": [{ "format": "json" }] });
+        support::render(&job).expect("it can be done").1.warnings
+    };
+    let last = |value: f64| (0..24).map(|v| if v == 10 { value } else { 0.0 }).collect::<Vec<f64>>();
+    let told = warnings(json!({ "delta": last(1.0), "kernel": vec![1; 24] }));
+    let expected = "merged vertices differ in parameters, and those that stayed keep theirs: delta (10 into 5)";
+    assert_eq!((told.len(), told[1].as_str()), (2, expected));
+    assert_eq!(warnings(json!({ "delta": last(-0.0) })).len(), 1);
+}
+
+#[test]
 fn vertices_go_to_the_lowest_within_the_distance() {
     let positions: Vec<[f64; 3]> = [0.0, 0.6, 1.2, 1.0, 3.0].map(|x| [x, 0.0, 0.0]).to_vec();
     let welded = weld(&positions, 1.0).expect("the distance is right");
