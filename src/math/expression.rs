@@ -18,6 +18,8 @@ pub const MAX_INSTRUCTIONS: usize = 256;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expression {
     code: Vec<Instruction>,
+    /// Name of the variable; empty where it does not occur.
+    variable: &'static str,
 }
 
 /// One step of the stack machine.
@@ -145,14 +147,14 @@ pub enum ExpressionError {
 impl Expression {
     /// The expression that is always `value`.
     pub fn constant(value: f64) -> Self {
-        Self { code: vec![Instruction::Constant(value + 0.0)] }
+        Self { code: vec![Instruction::Constant(value + 0.0)], variable: "" }
     }
 
     /// Compiles `text`, in which `variable` may occur (none when empty).
     ///
     /// # Errors
     /// [`ExpressionError`] when a bound is exceeded or the text does not follow the grammar.
-    pub fn parse(text: &str, variable: &str) -> Result<Self, ExpressionError> {
+    pub fn parse(text: &str, variable: &'static str) -> Result<Self, ExpressionError> {
         if text.len() > MAX_BYTES {
             return Err(ExpressionError::TooLong(text.len()));
         }
@@ -165,7 +167,8 @@ impl Expression {
         if parser.code.len() > MAX_INSTRUCTIONS {
             return Err(ExpressionError::TooLarge);
         }
-        Ok(Self { code: parser.code })
+        let occurs = parser.code.contains(&Instruction::Variable);
+        Ok(Self { code: parser.code, variable: if occurs { variable } else { "" } })
     }
 
     /// The value at `x` of the variable.
@@ -193,8 +196,8 @@ impl Expression {
             }
         }
         let value = stack[0] + 0.0;
-        let variable = if self.is_constant() { "" } else { "the variable" };
-        if value.is_finite() { Ok(value) } else { Err(ExpressionError::NotFinite { value, variable, at: x }) }
+        let not_finite = ExpressionError::NotFinite { value, variable: self.variable, at: x };
+        if value.is_finite() { Ok(value) } else { Err(not_finite) }
     }
 
     /// The instructions, for the key.
@@ -204,7 +207,7 @@ impl Expression {
 
     /// Whether the variable does not occur.
     pub fn is_constant(&self) -> bool {
-        !self.code.contains(&Instruction::Variable)
+        self.variable.is_empty()
     }
 }
 

@@ -261,7 +261,7 @@ pub fn check_delta(plan: &Plan, topology: &Arc<Topology>) -> Result<(), Fault> {
         #[expect(clippy::cast_precision_loss, reason = "valences are far below 2^52")]
         let value = plan.delta.value(valence as f64);
         if let Err(error) = value {
-            return Err(Fault::new("/parameters/delta", format!("{error} (valence {valence})")));
+            return Err(Fault::new("/parameters/delta", error.to_string()));
         }
     }
     Ok(())

@@ -142,7 +142,7 @@ fn values_that_are_not_finite_are_refused() {
     let pole = Expression::parse("1/alpha", "alpha").expect("it follows the grammar");
     assert_eq!(pole.value(0.5), Ok(2.0));
     let error = pole.value(0.0).expect_err("a pole").to_string();
-    assert!(error.starts_with("the expression is not finite (inf) at the variable = 0"), "{error}");
+    assert!(error.starts_with("the expression is not finite (inf) at alpha = 0"), "{error}");
     rejects("1e309", "the expression is not finite (inf); change the expression or the parameter");
 }
 

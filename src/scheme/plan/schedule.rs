@@ -140,8 +140,15 @@ fn no_average(name: &str, value: f64, alpha: f64, level: u32) -> Fault {
 fn at(function: &Expression, alpha: f64, level: u32, name: &str) -> Result<f64, Fault> {
     function.value(alpha).map_err(|error| {
         let value = if let ExpressionError::NotFinite { value, .. } = error { value } else { f64::NAN };
-        let detail =
-            format!("the {name} is {value} at level {level} (alpha = {alpha}); it must be finite at every level");
+        let detail = if function.is_constant() {
+            format!("the {name} is {value}; it must be finite: change the expression")
+        } else {
+            format!(
+                "the {name} is {value} at level {level} (alpha = {alpha}); it must be finite at every level for the alpha of \
+                 the plan, even where points or latitude lines have their own: give another \"alpha\" in the plan, or \
+                 change the expression"
+            )
+        };
         Fault::new(format!("/parameters/{name}"), detail)
     })
 }
