@@ -21,6 +21,7 @@ mod own_parameters;
 mod polynomials;
 mod repetition;
 mod root_three;
+mod sentences;
 mod sharp_normals;
 mod spellings;
 mod surface_tolerance;

@@ -131,6 +131,7 @@ fn preset(name: &str, parameters: &[(String, Literal)], subject: Subject) -> Res
         return Err(vec![Fault::new("/preset", detail)]);
     };
     check_subject(preset, subject)?;
+    check_carried(preset, subject)?;
     let values = Values::resolve(preset.parameters, parameters).map_err(|faults| under("/parameters", faults))?;
     (preset.spell)(&values).map_err(|faults| under("/parameters", faults))
 }
@@ -142,6 +143,15 @@ fn check_subject(preset: &Preset, subject: Subject) -> Result<(), Vec<Fault>> {
         _ => return Ok(()),
     };
     Err(vec![Fault::new("/preset", format!("{} refines {kind}; {remedy}", preset.name))])
+}
+
+/// Vertices of meshes carry values of the kernel and its like: a preset that has no such parameters has no use for them.
+fn check_carried(preset: &Preset, subject: Subject) -> Result<(), Vec<Fault>> {
+    let Some(carried) = subject.carried else { return Ok(()) };
+    if preset.parameters.iter().any(|parameter| parameter.name == presets::KERNEL.name) {
+        return Ok(());
+    }
+    Err(vec![Fault::new("/preset", StepError::Useless(carried.name()).to_string())])
 }
 
 fn word_functions(parameters: &[(String, Literal)], _: Subject) -> Result<Spelling, Vec<Fault>> {
