@@ -219,15 +219,13 @@ impl Place {
 fn places(pieces: usize) -> Vec<Place> {
     let mut places = Vec::new();
     for parts in [pieces.saturating_sub(1), pieces + 1] {
-        let within = |p: usize| [p, parts - p].map(|p| count(p) / count(parts));
+        let is_own_mirror = |p: usize| p == 0 || 2 * p == parts;
         for (i, j) in (0..=parts / 2).flat_map(|j| (0..=j).map(move |i| (i, j))) {
-            for y in within(j) {
-                let place = Place { at: [within(i)[0], y], parts: count(parts) };
-                let vertex = i == 0 && j == 0;
-                if !(places.iter().any(|known: &Place| known.at == place.at) || vertex && parts > 1 || y >= 1.0) {
-                    places.push(place);
-                }
-            }
+            // vertices once
+            let direct = (j > 0 || parts == 1).then_some(j);
+            let mirrored = (!is_own_mirror(i) && !is_own_mirror(j)).then_some(parts - j);
+            let place = |y: usize| Place { at: [i, y].map(|p| count(p) / count(parts)), parts: count(parts) };
+            places.extend(direct.into_iter().chain(mirrored).map(place));
         }
     }
     places

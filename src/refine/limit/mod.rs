@@ -29,6 +29,7 @@ mod places;
 mod probe;
 mod sector;
 mod skeleton;
+mod small;
 mod tangent;
 mod turn;
 

@@ -11,6 +11,7 @@
 //! that sum to 0 stay so under M, columns that the limit mask maps to 0 too.
 
 use super::patch::Centre;
+use super::small::{Vectors, dot, leading_basis, leading_block, mixed, orthonormalise, times};
 use crate::math::functions::{exp, ln, sqrt};
 
 /// Vectors iterated at once.
@@ -19,10 +20,6 @@ const WIDTH: usize = 8;
 const FIRST_LOOK: usize = 40;
 /// Looks before an eigenvalue after the second counts as equally large.
 const MAX_LOOKS: usize = 8;
-/// Squarings before a step of the inner iteration, on matrices of [`WIDTH`] rows: it applies their 32nd power.
-const SQUARINGS: usize = 5;
-/// Most of these steps.
-const MAX_INNER: usize = 800;
 /// How far below the second eigenvalue the third has to be, relative to it.
 const GAP: f64 = 1e-5;
 /// The part of the last vector of a chain in the characteristic map, small as after many levels: where the others vanish,
@@ -30,9 +27,6 @@ const GAP: f64 = 1e-5;
 const LATE: f64 = 1e-6;
 /// What two vectors may leave behind beside their span, relative to their eigenvalues.
 const RESIDUAL: f64 = 1e-11;
-
-/// K vectors.
-type Vectors<const K: usize> = [Vec<f64>; K];
 
 /// Why there are no tangents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,6 +76,7 @@ pub(super) fn of<'a>(
         (Leading::Chain(rows), Leading::Chain(columns)) if rows.steps.len() == columns.steps.len() => {
             chained(rows, columns)?
         }
+        (Leading::Thrice(rows, map), Leading::Thrice(columns, _)) => thrice(&rows, &map, &columns)?,
         _ => return Err(NoTangents::Eigenvalues),
     };
     match turn(centre, faces, |i| [x[i as usize], y[i as usize]])? {
@@ -114,6 +109,46 @@ fn chained(rows: Chain, columns: Chain) -> Result<[[Vec<f64>; 2]; 2], NoTangents
     let back = dot(&t, &y);
     y.iter_mut().zip(&x).for_each(|(y, x)| *y -= back * x);
     Ok([[t, u], [x, y]])
+}
+
+/// The tangents and the characteristic map where the second eigenvalue a is there three times, with `R M = a (I + N) R` for
+/// three rows R, `N = p q`, `q p = 0`: after k levels the points are `1 (l p) + a^k Y (I + k N) (R p) + ...` with the
+/// columns Y for which `R Y = I`. What is orthogonal to p, which q is, too, spans the tangent plane.
+fn thrice(rows: &Vectors<3>, map: &[[f64; 3]; 3], columns: &Vectors<3>) -> Result<[[Vec<f64>; 2]; 2], NoTangents> {
+    let a = (map[0][0] + map[1][1] + map[2][2]) / 3.0;
+    let n: [[f64; 3]; 3] =
+        std::array::from_fn(|i| std::array::from_fn(|k| map[i][k] / a - f64::from(u8::from(i == k))));
+    // the largest column is p, the largest row q, but for factors
+    let longest =
+        |all: [[f64; 3]; 3]| all.into_iter().max_by(|a, b| dot(a, a).total_cmp(&dot(b, b))).unwrap_or_default();
+    let (p, q) = (longest([0, 1, 2].map(|k| [0, 1, 2].map(|i| n[i][k]))), longest(n));
+    let (length, factor) = (sqrt(dot(&p, &p)), sqrt(dot(&q, &q)));
+    if length < 1e-3 || factor < 1e-3 {
+        return Err(NoTangents::Eigenvalues);
+    }
+    let p = p.map(|x| x / length);
+    let along = q.map(|x| x / factor);
+    let across = cross(p, along);
+    let sign =
+        if (0..9).map(|at| n[at / 3][at % 3] * p[at / 3] * along[at % 3]).sum::<f64>() < 0.0 { -1.0 } else { 1.0 };
+    // Y = C G^-1 with G = R C
+    let g: [[f64; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|k| dot(&rows[i], &columns[k])));
+    let cofactors = [cross(g[1], g[2]), cross(g[2], g[0]), cross(g[0], g[1])];
+    let determinant = dot(&g[0], &cofactors[0]);
+    if determinant.abs() < 1e-9 {
+        return Err(NoTangents::Eigenvalues);
+    }
+    let place = |i: usize| -> [f64; 2] {
+        let c = [0, 1, 2].map(|k| columns[k][i]);
+        let y = cofactors.map(|cofactor| dot(&cofactor, &c) / determinant);
+        [sign * dot(&y, &p) + LATE * dot(&y, &along), LATE * dot(&y, &across)]
+    };
+    let (x, y) = (0..rows[0].len()).map(place).map(|[x, y]| (x, y)).unzip();
+    Ok([[mixed(&along, rows), mixed(&across, rows)], [x, y]])
+}
+
+fn cross([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
+    [b * z - c * y, c * x - a * z, a * y - b * x]
 }
 
 /// Subtracts the mean.
@@ -172,6 +207,8 @@ enum Leading {
     Plane([Vec<f64>; 2]),
     /// A vector, and a chain for an eigenvalue that is there several times.
     Chain(Chain),
+    /// The space of an eigenvalue that is there three times, and what it is mapped to in terms of itself.
+    Thrice(Vectors<3>, [[f64; 3]; 3]),
 }
 
 /// The eigenvector of the largest eigenvalue a, and the longest chain of the next one b: an eigenvector, then vectors
@@ -182,7 +219,7 @@ struct Chain {
 }
 
 /// What the two largest eigenvalues lead to, where these are positive reals and larger than all others, or a larger one
-/// is followed by one that is there several times, with a single longest chain.
+/// is followed by one that is there several times, with a single longest chain, or the largest is there three times.
 fn leading(n: usize, apply: impl Fn(&[f64]) -> Vec<f64>, deflate: impl Fn(&mut [f64])) -> Result<Leading, NoTangents> {
     let width = WIDTH.min(n - 1);
     let mut vectors = starting_vectors(n, width);
@@ -201,8 +238,9 @@ fn leading(n: usize, apply: impl Fn(&[f64]) -> Vec<f64>, deflate: impl Fn(&mut [
             let of_two = || chain::<3>(&h, &vectors, &images);
             let of_three = || chain::<4>(&h, &vectors, &images);
             let of_four = || chain::<5>(&h, &vectors, &images);
-            match of_two().or_else(of_three).or_else(of_four) {
-                Some(chain) => return Ok(Leading::Chain(chain)),
+            let chain = of_two().or_else(of_three).or_else(of_four).map(Leading::Chain);
+            match chain.or_else(|| three_times(&h, &vectors, &images)) {
+                Some(leading) => return Ok(leading),
                 None => continue,
             }
         };
@@ -218,6 +256,18 @@ fn leading(n: usize, apply: impl Fn(&[f64]) -> Vec<f64>, deflate: impl Fn(&mut [
         }
     }
     Err(NoTangents::Eigenvalues)
+}
+
+/// The space of the largest eigenvalue, where that is there three times.
+fn three_times(h: &[Vec<f64>], vectors: &[Vec<f64>], images: &[Vec<f64>]) -> Option<Leading> {
+    let (block, fourth) = leading_block::<3>(h)?;
+    let (found, map, left_over) = seen(&block, vectors, images);
+    let a = (map[0][0] + map[1][1] + map[2][2]) / 3.0;
+    let nilpotent: Vec<Vec<f64>> =
+        (0..3).map(|i| (0..3).map(|k| map[i][k] / a - f64::from(u8::from(i == k))).collect()).collect();
+    let square = nilpotent.iter().map(|row| times(row, &nilpotent));
+    let vanishes = square.flatten().all(|x| x.abs() <= 1e-9);
+    (vanishes && left_over <= RESIDUAL * a && fourth < (1.0 - GAP) * a).then_some(Leading::Thrice(found, map))
 }
 
 /// The vectors of a leading block, what they are mapped to in terms of themselves, and what this leaves over.
@@ -289,67 +339,6 @@ fn longest(mut matrix: Vec<Vec<f64>>, b: f64) -> Option<Vec<Vec<f64>>> {
     Some(powers.iter().rev().map(|power| power[from].clone()).collect())
 }
 
-/// The combinations of rows that span the space of the K largest eigenvalues of a small matrix, and the size of the
-/// largest other one.
-fn leading_block<const K: usize>(h: &[Vec<f64>]) -> Option<(Vectors<K>, f64)> {
-    let (block, others) = leading_basis::<K>(h)?;
-    let rest: Vec<Vec<f64>> = others.iter().map(|u| times(u, h)).collect();
-    let rest: Vec<Vec<f64>> = rest.iter().map(|u| others.iter().map(|v| dot(u, v)).collect()).collect();
-    Some((block, spectral_radius(rest)))
-}
-
-/// The combinations of rows that span the space of the K largest eigenvalues of a small matrix, and what completes them to
-/// an orthonormal basis: `u -> u H`, iterated until the first no longer mix with the others.
-fn leading_basis<const K: usize>(h: &[Vec<f64>]) -> Option<(Vectors<K>, Vec<Vec<f64>>)> {
-    let width = h.len();
-    let mut power = h.to_vec();
-    for _ in 0..SQUARINGS {
-        let largest = power.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let scaled: Vec<Vec<f64>> = power.iter().map(|row| row.iter().map(|x| x / largest).collect()).collect();
-        power = scaled.iter().map(|row| times(row, &scaled)).collect();
-    }
-    let mut basis: Vec<Vec<f64>> =
-        (0..width).map(|i| (0..width).map(|k| f64::from(u8::from(i == k))).collect()).collect();
-    for _ in 0..MAX_INNER {
-        basis = basis.iter().map(|u| times(u, &power)).collect();
-        orthonormalise(&mut basis);
-        let (first, others) = basis.split_first_chunk::<K>()?;
-        let image = first.each_ref().map(|u| times(u, h));
-        let size = image.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let mixing = image.iter().flat_map(|u| others.iter().map(|v| dot(u, v).abs()));
-        if mixing.fold(0.0, f64::max) <= 1e-13 * size {
-            return Some((first.clone(), others.to_vec()));
-        }
-    }
-    None
-}
-
-/// `|B^m|^(1/m)` for `m = 2^24`, far enough for blocks that are not diagonalisable.
-fn spectral_radius(mut b: Vec<Vec<f64>>) -> f64 {
-    let (mut logarithm, mut share) = (0.0, 1.0);
-    for _ in 0..24 {
-        let largest = b.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
-        if largest == 0.0 {
-            return 0.0;
-        }
-        logarithm += share * ln(largest);
-        share /= 2.0;
-        b.iter_mut().flatten().for_each(|x| *x /= largest);
-        b = b.iter().map(|row| times(row, &b)).collect();
-    }
-    exp(logarithm)
-}
-
-/// `u H`.
-fn times(u: &[f64], h: &[Vec<f64>]) -> Vec<f64> {
-    (0..h.len()).map(|k| u.iter().zip(h).map(|(x, row)| x * row[k]).sum()).collect()
-}
-
-fn mixed(mix: &[f64], vectors: &[Vec<f64>]) -> Vec<f64> {
-    let n = vectors[0].len();
-    (0..n).map(|k| mix.iter().zip(vectors).map(|(factor, vector)| factor * vector[k]).sum()).collect()
-}
-
 /// Fixed vectors without a pattern that a symmetry of a patch could share.
 pub(super) fn starting_vectors(n: usize, width: usize) -> Vec<Vec<f64>> {
     let mut state = 0x9E37_79B9_7F4A_7C15_u64;
@@ -363,28 +352,6 @@ pub(super) fn starting_vectors(n: usize, width: usize) -> Vec<Vec<f64>> {
         unit - 0.5
     };
     (0..width).map(|_| (0..n).map(|_| next()).collect()).collect()
-}
-
-/// Gram and Schmidt, twice, so that nearly parallel vectors end orthogonal too. What vanishes becomes zero.
-fn orthonormalise(vectors: &mut [Vec<f64>]) {
-    for i in 0..vectors.len() {
-        let (before, rest) = vectors.split_at_mut(i);
-        let vector = &mut rest[0];
-        let original = sqrt(dot(vector, vector));
-        for _ in 0..2 {
-            for other in before.iter() {
-                let part = dot(vector, other);
-                vector.iter_mut().zip(other).for_each(|(x, y)| *x -= part * y);
-            }
-        }
-        let length = sqrt(dot(vector, vector));
-        let scale = if length > 1e-14 * original && length > 1e-280 { 1.0 / length } else { 0.0 };
-        vector.iter_mut().for_each(|x| *x *= scale);
-    }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 #[expect(clippy::cast_precision_loss, reason = "patches have few vertices")]

@@ -293,11 +293,58 @@ fn only_sectors_without_a_tangent_plane_have_area_normals() {
         same += usize::from(agree);
     }
     assert_eq!(same, 4, "only the corner has an area normal, in four faces");
-    // a crease across a corner with two faces on either side
-    let mut parted = tagged(nets::torus(4, 5), &RING);
-    parted.corners = vec![1];
+    // a crease across a corner with three faces on either side
+    let (net, _) = nets::sectors_of_quads(6, 2);
+    let beyond = |a: usize| {
+        let after = |face: &&Vec<usize>| (0..4).any(|i| face[i] == 0 && face[(i + 1) % 4] == a);
+        let face = net.faces.iter().find(after).expect("a face beside each edge");
+        face[(face.iter().position(|&v| v == 0).expect("the vertex") + 3) % 4]
+    };
+    let first = net.edges().into_iter().find(|edge| edge.0 == 0).expect("an edge").1;
+    let mut parted = tagged(net.clone(), &[[0, first], [0, beyond(beyond(beyond(first)))]]);
+    parted.corners = vec![0];
     let (_, warnings) = sides(&parted, &catmull_clark(), 0, "limit");
-    assert!(warnings[0].contains("one side of the sharp edges at a corner with 4 faces"), "{warnings:?}");
+    assert!(warnings[0].contains("one side of the sharp edges at a corner with 6 faces"), "{warnings:?}");
+}
+
+/// Where an eigenvalue is there three times, at corners with two quads or three triangles, points turn to the plane of the
+/// two edges that stay.
+#[test]
+fn corners_of_two_quads_or_three_triangles_touch_the_plane_of_their_edges() {
+    let rim = [[1.0, 0.0, 0.0], [1.0, 1.2, 0.3], [-0.2, 1.0, 0.1], [-1.0, 0.4, 0.5]];
+    let fan = Net {
+        positions: [[0.0; 3]].into_iter().chain(rim).collect(),
+        faces: (1..4).map(|i| vec![0, i, i + 1]).collect(),
+    };
+    let lifted = |mut net: Net| {
+        net.positions.iter_mut().enumerate().for_each(|(i, p)| p[2] += [0.0, 0.3, -0.2, 0.4, 0.1][i % 5]);
+        net
+    };
+    for (net, plan) in [
+        (lifted(part(2, 5)), catmull_clark()),
+        (lifted(part(2, 9)), json!({ "word": "UC" })),
+        (fan, json!({ "preset": "loop" })),
+    ] {
+        let mut corner = tagged(net.clone(), &[]);
+        corner.corners = vec![0];
+        let (coarse, warnings) = sides(&corner, &edge_only(&plan), 0, "limit");
+        assert!(warnings.is_empty(), "{plan}: {warnings:?}");
+        let at = |claimed: &[Vec<(usize, [f64; 3])>]| -> [f64; 3] {
+            claimed.iter().flatten().find(|(v, _)| *v == 0).expect("a face at the corner").1
+        };
+        let normal = at(&coarse);
+        let near = net.edges().into_iter().filter(|(a, b)| {
+            let both = |face: &&Vec<usize>| face.contains(a) && face.contains(b);
+            *a == 0 && net.faces.iter().filter(both).count() == 1
+        });
+        for (_, b) in near {
+            let across: f64 = (0..3).map(|k| normal[k] * (net.positions[b][k] - net.positions[0][k])).sum();
+            assert!(across.abs() <= 1e-9, "{plan}: {normal:?} is not upright on the edge to {b}: {across}");
+        }
+        let of_faces = |levels| distance(&normal, &at(&sides(&corner, &edge_only(&plan), levels, "area").0));
+        let [early, late] = [of_faces(2), of_faces(6)];
+        assert!(late < 0.85 * early, "{plan}: area normals are {early}, then {late} away");
+    }
 }
 
 /// The formats part alike, with texture coordinates and without; json has one normal a vertex, the mean of its sides.
