@@ -7,6 +7,7 @@ mod compensation_alpha;
 mod creases;
 mod curves;
 mod doo_sabin;
+mod exact_lines;
 mod incenter;
 mod interpolating;
 mod invariance;

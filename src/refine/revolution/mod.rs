@@ -1,28 +1,34 @@
 //! Which latitude lines of a mesh become exact circles, and how large.
 //!
-//! A line is exact when the rings around it, as far as the scheme reaches, are regular polygons of as many vertices on
-//! one axis, stars included, or end in a boundary or a crease, when every vertex of a ring has the same parameters, and
-//! when the plan keeps circles: a U, then averages of which the first has the kernel `cos(alpha/2)` and the others 1, and
-//! push-backs with the compensation `1/cos(alpha/2)`.
+//! A line is exact when the rings around it, as far as the scheme reaches, are regular polygons of as many vertices in
+//! parallel planes that turn the same way, stars included, or end in a boundary or a crease, when every vertex of a ring
+//! has the same parameters, and when the plan keeps circles: a U, then averages of which the first has the kernel
+//! `cos(alpha/2)` and the others 1, and push-backs with the compensation `1/cos(alpha/2)`.
+//!
+//! The rings need not lie on one axis. With the centres `c_u` and complex radii `z_u` the vertex i of the ring u is
+//! `c_u + z_u e^(i theta)` in its plane. The weights of a plan depend on the place along a ring by its parity alone, so that
+//! it acts on both parts apart: of the centres, equal all around, it makes means, equal all around again, and of the second
+//! part a real factor times a sum of `z_u` with real weights, times the finer `e^(i theta)`: a regular polygon again.
 
 mod profile;
 mod ring;
 mod walls;
+mod words;
 
 use super::limit::{Unlimited, check_continuous};
 use super::mesh_net;
 use super::vector::Vector;
 use crate::math::expression::Expression;
 use crate::scheme::ops::{LatitudeRule, Role};
-use crate::scheme::plan::{Latitude, Plan, Scheduled};
-use crate::scheme::word::Letter;
+use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::attributes::Attributes;
 use crate::shape::directions::{Direction, Directions, Line};
 use crate::shape::mesh::Mesh;
 use crate::shape::topology::Topology;
-use profile::{Profile, follows};
+use profile::Profile;
 use ring::{ROUNDING, Ring, tilt};
 use walls::Wall;
+use words::Reach;
 
 /// Levels after which radii have settled.
 const LEVELS: u32 = 64;
@@ -41,8 +47,8 @@ pub struct Outlook {
 pub struct Circle {
     /// Its radius, model units.
     pub radius: f64,
-    /// By how much the rings that it comes from miss regular polygons on one axis, model units: the line is a circle to
-    /// about that.
+    /// By how much the rings that it comes from miss regular polygons in parallel planes, model units: the line is a
+    /// circle to about that.
     pub irregularity: f64,
 }
 
@@ -59,7 +65,7 @@ struct Rings {
     nearest_first: Vec<Ring>,
     /// Push-back factor of each.
     deltas: Vec<f64>,
-    /// By how much they miss the axis of the line.
+    /// By how much they miss planes parallel to that of the line.
     tilt: f64,
 }
 
@@ -82,8 +88,10 @@ struct Tube<'a> {
     mesh: &'a Mesh,
     directions: &'a Directions,
     plan: &'a Plan,
-    latitude: &'a Latitude,
-    /// What vertices carry under the plan.
+    rule: LatitudeRule,
+    /// Whether the plan pushes anything back.
+    pushes: bool,
+    /// What vertices carry under the plan, as far as it uses it.
     attributes: Attributes,
     /// Whether a vertex has exactly two latitude edges.
     on_line: Vec<bool>,
@@ -93,14 +101,17 @@ struct Tube<'a> {
 impl<'a> Tube<'a> {
     /// What the lines of a mesh have in common; an error where no line becomes a circle.
     fn of(mesh: &'a Mesh, directions: &'a Directions, plan: &'a Plan) -> Result<Self, String> {
-        let latitude = plan.latitude.as_ref().ok_or("the plan does not look at latitude tags")?;
+        let rule = plan.latitude.as_ref().map_or(LatitudeRule::Isotropic, |latitude| latitude.rule);
         if plan.perturbation.is_some_and(|perturbation| perturbation.amplitude != 0.0) {
             return Err("the plan perturbs kernel and compensation at random".into());
         }
-        if !keeps_circles(&plan.word.prefix) || !keeps_circles(&plan.word.cycle) || plan.word.cycle.is_empty() {
+        if !words::keeps_circles(&plan.word, rule) {
             return Err("only words in which a C follows each U, as U C^k and U C^k P, keep circles".into());
         }
-        let attributes = super::carried(mesh, plan).0.unwrap_or_default();
+        let pushes = words::pushes(&plan.word);
+        let mut attributes = super::carried(mesh, plan).0.unwrap_or_default();
+        attributes.delta = attributes.delta.filter(|_| pushes);
+        attributes.compensation = attributes.compensation.filter(|_| pushes);
         if attributes.kernel.is_some() || attributes.compensation.is_some() {
             return Err("vertices carry a kernel or a compensation, which stay the same at all levels; circles need \
                         cos(alpha/2) and 1/cos(alpha/2)"
@@ -111,7 +122,11 @@ impl<'a> Tube<'a> {
         if let Err(reason @ (Unlimited::Rough | Unlimited::Unsettled)) = check_continuous(plan, &mesh_net(mesh, plan)) {
             return Err(reason.to_string());
         }
-        Ok(Self { mesh, directions, plan, latitude, attributes, on_line, steps })
+        let tube = Self { mesh, directions, plan, rule, pushes, attributes, on_line, steps };
+        if rule == LatitudeRule::Isotropic && tube.is_pushed() {
+            return Err("the plan does not look at latitude tags, and pushes vertices back".into());
+        }
+        Ok(tube)
     }
 
     fn topology(&self) -> &Topology {
@@ -119,43 +134,38 @@ impl<'a> Tube<'a> {
     }
 
     fn circle(&self, line: &Line) -> Result<Circle, String> {
-        let reach = self.reach();
+        let reach = Reach::of(&self.steps, self.is_pushed());
         let (ring, delta) = (self.ring(&line.vertices)?, self.delta(&line.vertices)?);
         let alpha = self.alpha(&line.vertices)?;
+        let mut like = ring;
         let sides = match self.wall(&line.vertices)? {
             Wall::End => [Side::Left, Side::Right].map(|_| Rings::default()),
-            Wall::Smooth => [self.side(line, &ring, Side::Left, reach)?, self.side(line, &ring, Side::Right, reach)?],
+            Wall::Smooth => [
+                self.side(line, &mut like, Side::Left, reach.given)?,
+                self.side(line, &mut like, Side::Right, reach.given)?,
+            ],
         };
         let [left, right] = sides;
         let place = left.nearest_first.len();
         let rings: Vec<Ring> = left.nearest_first.into_iter().rev().chain([ring]).chain(right.nearest_first).collect();
         let deltas: Vec<f64> = left.deltas.into_iter().rev().chain([delta]).chain(right.deltas).collect();
         let irregularity = rings.iter().map(|ring| ring.irregularity).fold(left.tilt.max(right.tilt), f64::max);
+        let profile = Profile::of(&rings, deltas, place, reach.widest);
         // rings without extent go round as often as the others
-        let winding = rings.iter().find(|ring| ring.axis.is_some()).map_or(1.0, |ring| ring.winding);
-        let profile = Profile::of(&rings, deltas, place, reach);
-        Ok(Circle { radius: self.limit(line.vertices.len(), winding, alpha, profile)?, irregularity })
+        Ok(Circle { radius: self.limit(line.vertices.len(), like.winding, alpha, &profile)?, irregularity })
     }
 
     /// Whether vertices of four edges are pushed back.
     fn is_pushed(&self) -> bool {
-        self.attributes.delta.is_some() || self.plan.delta.value(4.0) != Ok(0.0)
+        match &self.attributes.delta {
+            Some(delta) => delta.iter().any(|&delta| delta != 0.0),
+            None => self.pushes && self.plan.delta.value(4.0) != Ok(0.0),
+        }
     }
 
-    /// How many rings the limit of a line depends on, on each side.
-    fn reach(&self) -> usize {
-        let pushed = self.is_pushed();
-        let counts = |letter: &&Letter| match letter.operator.role() {
-            Role::Average => true,
-            Role::PushBack => pushed,
-            _ => false,
-        };
-        let blocks = [&self.plan.word.prefix, &self.plan.word.cycle].into_iter().flat_map(|letters| blocks(letters));
-        blocks.map(|block| block.iter().filter(counts).count()).max().unwrap_or(0)
-    }
-
-    /// The rings on one side of a line, as far as the scheme reaches or the tube goes.
-    fn side(&self, line: &Line, ring: &Ring, side: Side, reach: usize) -> Result<Rings, String> {
+    /// The rings on one side of a line, as far as the scheme reaches or the tube goes; all are `like` one of them, the first
+    /// that has an extent.
+    fn side(&self, line: &Line, like: &mut Ring, side: Side, reach: usize) -> Result<Rings, String> {
         let mut rings = Rings::default();
         let mut vertices = line.vertices.clone();
         let alpha = self.alpha(&line.vertices)?;
@@ -164,7 +174,10 @@ impl<'a> Tube<'a> {
             let at = |what: String| format!("{place}, {what}");
             vertices = self.beyond(&vertices, side).map_err(|what| at(what.into()))?;
             let found = self.ring(&vertices).map_err(at)?;
-            rings.tilt = rings.tilt.max(tilt(ring, &found).map_err(at)?);
+            rings.tilt = rings.tilt.max(tilt(like, &found).map_err(at)?);
+            if like.axis.is_none() {
+                *like = found;
+            }
             if self.alpha(&vertices).map_err(at)?.map(f64::to_bits) != alpha.map(f64::to_bits) {
                 return Err(at("vertices have another alpha".into()));
             }
@@ -223,6 +236,7 @@ impl<'a> Tube<'a> {
     fn delta(&self, vertices: &[u32]) -> Result<f64, String> {
         match &self.attributes.delta {
             Some(delta) => same(delta, vertices).ok_or("delta differs from vertex to vertex".into()),
+            None if !self.pushes => Ok(0.0),
             None => self.plan.delta.value(4.0).map_err(|error| error.to_string()),
         }
     }
@@ -230,7 +244,7 @@ impl<'a> Tube<'a> {
     /// An error where the plan pushes vertices of this ring back, because of their valence, but not those of tubes: then
     /// rings farther away count, and beyond such vertices there is no tube.
     fn check_pushed_alike(&self, ring: &[u32]) -> Result<(), String> {
-        if self.is_pushed() || self.wall(ring) == Ok(Wall::End) {
+        if !self.pushes || self.attributes.delta.is_some() || self.is_pushed() || self.wall(ring) == Ok(Wall::End) {
             return Ok(());
         }
         let is_pushed = |&&v: &&u32| {
@@ -244,21 +258,32 @@ impl<'a> Tube<'a> {
     }
 
     /// The radius of a line in the limit: of `n` vertices, which go round so often and carry this `alpha`.
-    fn limit(&self, n: usize, winding: f64, alpha: Option<f64>, mut profile: Profile) -> Result<f64, String> {
-        let mut theta = std::f64::consts::TAU * winding / ring::real(n);
-        let compensated = profile.is_pushed() || self.latitude.rule == LatitudeRule::Position;
+    ///
+    /// Going round `p` times one way and `n - p` times the other are the same, so that the alpha of either is right.
+    fn limit(&self, n: usize, winding: f64, alpha: Option<f64>, profile: &Profile) -> Result<f64, String> {
+        let other = ring::real(n) - winding;
+        let turning = |winding: f64| self.turning(std::f64::consts::TAU * winding / ring::real(n), alpha, profile);
+        turning(winding).or_else(|said| turning(other).map_err(|_| said)).map_err(|said| {
+            let or = if winding > 1.0 { format!(" or {} pi / {n}", 2.0 * other) } else { String::new() };
+            said.unwrap_or_else(|| {
+                format!(
+                    "circles need the kernel cos(alpha/2), 1 in later averages, and the compensation 1/cos(alpha/2) with \
+                     alpha = {} pi / {n}{or}",
+                    2.0 * winding
+                )
+            })
+        })
+    }
+
+    /// The radius in the limit of a line whose vertices `theta` parts; an error, with the reason where it is another one
+    /// than the plan's numbers, where it is no circle.
+    fn turning(&self, mut theta: f64, alpha: Option<f64>, profile: &Profile) -> Result<f64, Option<String>> {
+        let mut profile = profile.clone();
+        let compensated = profile.is_pushed() || self.rule == LatitudeRule::Position;
         for level in self.steps.chunk_by(|a, b| a.level == b.level) {
             let before = profile.here();
             for block in level.chunk_by(|_, b| b.letter.operator.role() != Role::Upsample) {
-                let along = self.along(block, theta, alpha, compensated).map_err(|reason| match reason {
-                    Some(reason) => reason,
-                    None => format!(
-                        "circles need the kernel cos(alpha/2), 1 in later averages, and the compensation \
-                         1/cos(alpha/2) with alpha = {} pi / {n}",
-                        2.0 * winding
-                    ),
-                })?;
-                profile = profile.refined(block, along, theta);
+                profile = profile.refined(block, self.along(block, theta, alpha, compensated)?, theta);
                 theta /= 2.0;
             }
             if level[0].level > 0 && profile.has_settled(before) {
@@ -281,7 +306,7 @@ impl<'a> Tube<'a> {
         let value = |function: &Expression, alpha: f64| function.value(alpha).map_err(|error| Some(error.to_string()));
         let c = crate::math::functions::cos(theta / 2.0);
         let kernel = value(self.plan.kernel.first().ok_or(None)?, own(upsampling.alpha))?;
-        let pushed = follows(block, Role::PushBack) > 0 && compensated;
+        let pushed = words::pushes_back(block) && compensated;
         let seen = match self.plan.compensation_alpha {
             Some(_) => upsampling.compensation_alpha,
             None => own(upsampling.compensation_alpha),
@@ -292,23 +317,9 @@ impl<'a> Tube<'a> {
         if (kernel - c).abs() > ROUNDING || pushed && (omega * c - 1.0).abs() > ROUNDING || others > ROUNDING {
             return Err(None);
         }
-        let longitude = self.latitude.kernel_longitude.as_ref();
+        let longitude = self.plan.latitude.as_ref().and_then(|latitude| latitude.kernel_longitude.as_ref());
         longitude.map_or(Ok(c), |kernel| value(kernel, own(upsampling.alpha)))
     }
-}
-
-/// A U at the front of each part, and what follows it.
-fn blocks(letters: &[Letter]) -> impl Iterator<Item = &[Letter]> {
-    letters.chunk_by(|_, next| next.operator.role() != Role::Upsample)
-}
-
-/// Whether a C is the first to follow each U, and nothing stands before the first U.
-fn keeps_circles(letters: &[Letter]) -> bool {
-    blocks(letters).all(|block| {
-        let letters: Vec<Option<char>> = block.iter().map(|letter| letter.operator.letter()).collect();
-        let rest = letters.get(2..).unwrap_or_default();
-        letters.starts_with(&[Some('U'), Some('C')]) && rest.iter().all(|letter| matches!(letter, Some('C' | 'P')))
-    })
 }
 
 /// The number that all these vertices have.

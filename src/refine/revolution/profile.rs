@@ -18,12 +18,12 @@ pub(super) struct Profile {
     deltas: Vec<f64>,
     /// The ring of the line.
     at: usize,
-    /// How many rings the line depends on, on each side.
+    /// How many rings the line depends on, on each side, at any level.
     reach: usize,
 }
 
 impl Profile {
-    /// The profile of rings on one axis, around ring `at`; rings beyond `reach` do not matter.
+    /// The profile of rings in parallel planes, around ring `at`; rings beyond `reach` do not matter.
     pub(super) fn of(rings: &[Ring], deltas: Vec<f64>, at: usize, reach: usize) -> Self {
         let complex = |ring: &Ring| {
             let Some((seen, axis)) = rings.iter().find_map(|ring| Some((ring.first, ring.axis?))) else {
@@ -110,9 +110,4 @@ fn averaged(fine: &[Complex], f: f64, factor: f64) -> Vec<Complex> {
 
 fn mix<const N: usize>(terms: [(Complex, f64); N]) -> Complex {
     terms.iter().fold([0.0; 2], |sum, (p, w)| [sum[0] + w * p[0], sum[1] + w * p[1]])
-}
-
-/// How many steps of a role there are after an upsampling.
-pub(super) fn follows(block: &[Scheduled], role: Role) -> usize {
-    block.iter().filter(|step| step.letter.operator.role() == role).count()
 }

@@ -1,0 +1,80 @@
+//! What plans do to tubes: whether their words keep circles, and how far they reach along the axis.
+
+use crate::scheme::ops::{LatitudeRule, Role};
+use crate::scheme::plan::Scheduled;
+use crate::scheme::word::{Letter, Word};
+
+/// How many rings on each side a line depends on.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reach {
+    /// Of the rings that are given.
+    pub(super) given: usize,
+    /// Of those at any level, at most.
+    pub(super) widest: usize,
+}
+
+impl Reach {
+    /// The reach of these steps, followed backwards from the ring of the line alone: an average depends on one finer ring
+    /// more; a push-back on the displacements of the coarser rings beside, so on the finer rings that these have become;
+    /// and of the finer rings every other one is a coarser one. Push-backs count where rings are `pushed`.
+    ///
+    /// The displacement of the last ring that counts does not, where an average comes before each push-back: its
+    /// displacement would depend on the ring beyond it.
+    pub(super) fn of(steps: &[Scheduled], pushed: bool) -> Self {
+        let (mut rings, mut widest) = (0_usize, 0);
+        for step in steps.iter().rev() {
+            rings = match step.letter.operator.role() {
+                Role::Average => rings + 1,
+                Role::PushBack if pushed => rings.next_multiple_of(2),
+                Role::PushBack | Role::Smooth => rings,
+                Role::Upsample => rings.div_ceil(2),
+            };
+            if step.letter.operator.role() == Role::Upsample {
+                widest = widest.max(rings);
+            }
+        }
+        Self { given: rings, widest }
+    }
+}
+
+/// A U at the front of each part, and what follows it.
+fn blocks(letters: &[Letter]) -> impl Iterator<Item = &[Letter]> {
+    letters.chunk_by(|_, next| next.operator.role() != Role::Upsample)
+}
+
+fn parts(word: &Word) -> impl Iterator<Item = &[Letter]> {
+    [&word.prefix, &word.cycle].into_iter().flat_map(|letters| blocks(letters))
+}
+
+/// What follows the first average.
+fn averaged<T>(block: &[T], role: impl Fn(&T) -> Role) -> &[T] {
+    let first = block.iter().position(|step| role(step) == Role::Average);
+    first.map_or(&[], |first| &block[first + 1..])
+}
+
+/// Whether something is pushed back after an upsampling: before the first average vertices are where they were.
+pub(super) fn pushes_back(block: &[Scheduled]) -> bool {
+    let role = |step: &Scheduled| step.letter.operator.role();
+    averaged(block, role).iter().any(|step| role(step) == Role::PushBack)
+}
+
+/// Whether a word pushes anything back.
+pub(super) fn pushes(word: &Word) -> bool {
+    let role = |letter: &Letter| letter.operator.role();
+    parts(word).any(|block| averaged(block, role).iter().any(|letter| role(letter) == Role::PushBack))
+}
+
+/// Whether each U halves edges and is followed by averages and push-backs, of which a C is the first to change anything,
+/// and nothing stands before the first U. By places a P changes the odd points even where no vertex has moved.
+pub(super) fn keeps_circles(word: &Word, rule: LatitudeRule) -> bool {
+    let keeps = |block: &[Letter]| {
+        let letters: Vec<Option<char>> = block.iter().map(|letter| letter.operator.letter()).collect();
+        let Some((Some('U'), rest)) = letters.split_first() else { return false };
+        let idle = rest.iter().take_while(|&&letter| letter == Some('P')).count();
+        (idle == 0 || rule != LatitudeRule::Position)
+            && rest.get(idle) == Some(&Some('C'))
+            && rest.iter().all(|letter| matches!(letter, Some('C' | 'P')))
+            && block.iter().all(Letter::halves)
+    };
+    !word.cycle.is_empty() && parts(word).all(keeps)
+}
