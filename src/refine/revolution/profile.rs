@@ -23,7 +23,7 @@ pub(super) struct Profile {
 }
 
 impl Profile {
-    /// The profile of rings in parallel planes, around ring `at`; rings beyond `reach` do not matter.
+    /// The profile of rings on one axis, around ring `at`; rings beyond `reach` do not matter.
     pub(super) fn of(rings: &[Ring], deltas: Vec<f64>, at: usize, reach: usize) -> Self {
         let complex = |ring: &Ring| {
             let Some((seen, axis)) = rings.iter().find_map(|ring| Some((ring.first, ring.axis?))) else {

@@ -13,6 +13,7 @@ const FAR: f64 = 1e-14;
 /// A ring of a tube: a regular polygon.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ring {
+    pub(super) centre: Vector,
     /// Unit vector along the axis, around which the vertices turn counter-clockwise; `None` for a ring without extent.
     pub(super) axis: Option<Vector>,
     /// How often its vertices go round the axis: 1, or more for a star.
@@ -33,7 +34,7 @@ impl Ring {
         let far = points.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
         let radius = arms.iter().map(|arm| length(*arm)).fold(0.0, f64::max);
         if radius <= ROUNDING * far {
-            return Some(Self { axis: None, winding: 1.0, first: [0.0; 3], irregularity: radius });
+            return Some(Self { centre, axis: None, winding: 1.0, first: [0.0; 3], irregularity: radius });
         }
         let turn = (0..n).map(|i| cross(arms[i], arms[(i + 1) % n])).fold([0.0; 3], plus);
         let axis = times(1.0 / length(turn), turn);
@@ -50,24 +51,28 @@ impl Ring {
             }
             irregularity = irregularity.max(missed);
         }
-        Some(Self { axis: Some(axis), winding, first: arms[0], irregularity })
+        Some(Self { centre, axis: Some(axis), winding, first: arms[0], irregularity })
     }
 }
 
-/// By how much another ring misses a plane parallel to that of the first, model units.
+/// By how much another ring misses the axis of the first, model units.
 pub(super) fn tilt(ring: &Ring, other: &Ring) -> Result<f64, String> {
-    let (Some(a), Some(b)) = (ring.axis, other.axis) else { return Ok(0.0) };
-    if dot(a, b) < 0.0 {
-        return Err("the ring runs the other way round".into());
+    let apart = plus(other.centre, times(-1.0, ring.centre));
+    let radius = length(ring.first).max(length(other.first));
+    let Some(axis) = ring.axis.or(other.axis) else { return Ok(0.0) };
+    let turned = match (ring.axis, other.axis) {
+        (Some(a), Some(b)) if dot(a, b) < 0.0 => return Err("the ring runs the other way round".into()),
+        (Some(_), Some(_)) if ring.winding.to_bits() != other.winding.to_bits() => {
+            return Err("the ring goes round the axis another number of times".into());
+        }
+        (Some(a), Some(b)) => length(cross(a, b)),
+        _ => 0.0,
+    };
+    let off = length(cross(axis, apart));
+    if off > IRREGULARITY * radius.max(length(apart)) || turned > IRREGULARITY {
+        return Err("the ring has another axis".into());
     }
-    if ring.winding.to_bits() != other.winding.to_bits() {
-        return Err("the ring goes round the axis another number of times".into());
-    }
-    let turned = length(cross(a, b));
-    if turned > IRREGULARITY {
-        return Err("the ring lies in a plane that is not parallel".into());
-    }
-    Ok(turned * length(ring.first).max(length(other.first)))
+    Ok(off + turned * radius)
 }
 
 #[expect(clippy::cast_precision_loss, reason = "rings have far fewer than 2^52 vertices")]
