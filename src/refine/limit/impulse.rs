@@ -268,7 +268,9 @@ impl Heights {
         let determinant = a * d - b * c;
         let slope = [(z * d - w * b) / determinant, (w * a - z * c) / determinant];
         let [length, size] = units;
-        let scaled = |[x, y, z]: [f64; 3]| [x / length, y / length, (z - slope[0] * x - slope[1] * y) / size];
+        // regular vertices lie at whole edges, or halves: rounding would grow as the differences do
+        let whole = |x: f64| (2.0 * x / length).round() / 2.0;
+        let scaled = |[x, y, z]: [f64; 3]| [whole(x), whole(y), (z - slope[0] * x - slope[1] * y) / size];
         let points = origins.iter().flat_map(|&origin| scaled(seen(found.vertices[origin as usize]))).collect();
         let net = match &self.net.attributes {
             Some(attributes) => {

@@ -193,6 +193,20 @@ fn part(sectors: usize, of: usize) -> Net {
     }
 }
 
+/// The normal of vertex 0 in the first face at it.
+fn of_first(claimed: &[Vec<(usize, [f64; 3])>]) -> [f64; 3] {
+    claimed.iter().flatten().find(|(v, _)| *v == 0).expect("a face at the first vertex").1
+}
+
+/// The two neighbours of vertex 0 on the boundary.
+fn beside_first(net: &Net) -> [usize; 2] {
+    let near = net.edges().into_iter().filter(|(a, b)| {
+        let both = |face: &&Vec<usize>| face.contains(a) && face.contains(b);
+        *a == 0 && net.faces.iter().filter(both).count() == 1
+    });
+    near.map(|(_, b)| b).collect::<Vec<_>>().try_into().expect("two on the boundary")
+}
+
 /// Where the eigenvalue 1/2 of the boundary comes again inside, in a chain, normals turn to the one of the tangent along the
 /// boundary and the other tangent inside. At a single face under `UCP` with delta 1 the eigenvalue 1/4 has a chain of three.
 #[test]
@@ -205,23 +219,16 @@ fn vertices_on_the_boundary_have_limit_normals_where_eigenvalues_have_chains() {
         let tagged = tagged(net.clone(), &[]);
         let (coarse, warnings) = sides(&tagged, &plan, 0, "limit");
         assert!(warnings.is_empty(), "{plan}: {warnings:?}");
-        let at = |claimed: &[Vec<(usize, [f64; 3])>]| -> [f64; 3] {
-            claimed.iter().flatten().find(|(v, _)| *v == 0).expect("a face at the first vertex").1
-        };
-        let normal = at(&coarse);
-        let near = net.edges().into_iter().filter(|(a, b)| {
-            let both = |face: &&Vec<usize>| face.contains(a) && face.contains(b);
-            *a == 0 && net.faces.iter().filter(both).count() == 1
-        });
-        let [p, q] = near.map(|(_, b)| net.positions[b]).collect::<Vec<_>>().try_into().expect("two on the boundary");
+        let normal = of_first(&coarse);
+        let [p, q] = beside_first(&net).map(|v| net.positions[v]);
         let across: f64 = (0..3).map(|k| normal[k] * (p[k] - q[k])).sum();
         // where the boundary has its direction from these two
         assert!(reach > 1 || across.abs() <= 1e-9, "{plan}: {normal:?} is not upright on the boundary: {across}");
         for levels in [1, 2] {
-            let off = distance(&normal, &at(&sides(&tagged, &plan, levels, "limit").0));
+            let off = distance(&normal, &of_first(&sides(&tagged, &plan, levels, "limit").0));
             assert!(off < 1e-8, "{plan}: the normal turns by {off} at level {levels}");
         }
-        let of_faces = |levels| distance(&normal, &at(&sides(&tagged, &plan, levels, "area").0));
+        let of_faces = |levels| distance(&normal, &of_first(&sides(&tagged, &plan, levels, "area").0));
         let [early, late] = [of_faces(3), of_faces(6)];
         assert!(late < 0.8 * early, "{plan}: area normals are {early}, then {late} away");
     }
@@ -329,19 +336,12 @@ fn corners_of_two_quads_or_three_triangles_touch_the_plane_of_their_edges() {
         corner.corners = vec![0];
         let (coarse, warnings) = sides(&corner, &edge_only(&plan), 0, "limit");
         assert!(warnings.is_empty(), "{plan}: {warnings:?}");
-        let at = |claimed: &[Vec<(usize, [f64; 3])>]| -> [f64; 3] {
-            claimed.iter().flatten().find(|(v, _)| *v == 0).expect("a face at the corner").1
-        };
-        let normal = at(&coarse);
-        let near = net.edges().into_iter().filter(|(a, b)| {
-            let both = |face: &&Vec<usize>| face.contains(a) && face.contains(b);
-            *a == 0 && net.faces.iter().filter(both).count() == 1
-        });
-        for (_, b) in near {
+        let normal = of_first(&coarse);
+        for b in beside_first(&net) {
             let across: f64 = (0..3).map(|k| normal[k] * (net.positions[b][k] - net.positions[0][k])).sum();
             assert!(across.abs() <= 1e-9, "{plan}: {normal:?} is not upright on the edge to {b}: {across}");
         }
-        let of_faces = |levels| distance(&normal, &at(&sides(&corner, &edge_only(&plan), levels, "area").0));
+        let of_faces = |levels| distance(&normal, &of_first(&sides(&corner, &edge_only(&plan), levels, "area").0));
         let [early, late] = [of_faces(2), of_faces(6)];
         assert!(late < 0.85 * early, "{plan}: area normals are {early}, then {late} away");
     }

@@ -68,6 +68,13 @@ fn what_grows_between_vertices_is_seen() {
     }
 }
 
+/// At a growth of 1.12 a level rounding of the places would have covered everything after 32 levels.
+#[test]
+fn what_grows_slowly_between_vertices_is_seen() {
+    let parameters = json!({ "kernel": 1.4409, "compensation": 1.8778, "delta": 2.8512 });
+    assert!(has_no_limit(&nets::torus(4, 5), &json!({ "word": "UCP", "parameters": parameters })));
+}
+
 /// The same on triangles: at a delta of -3 divided second differences come to 1 from below.
 #[test]
 fn what_grows_between_vertices_of_triangles_is_seen() {
