@@ -7,10 +7,13 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use crate::job::limits::{Limits, thousands};
+use crate::service::account::Account;
 
 /// Most bytes that a setting may name, 1 PiB: beyond the memory and the disks of one machine, and so small that sums of a
 /// thousand of them fit into 63 bits, which is what integers of TOML have.
 const MOST_BYTES: u64 = 1 << 50;
+/// Least memory a service works with, 256 MiB: its shares then still hold a small job each.
+const LEAST_MEMORY_BYTES: u64 = 256 << 20;
 /// Longest request body that can be allowed, 1 GiB: bodies are held in memory, and a gibibyte of JSON is read into several.
 const MOST_BODY_BYTES: u64 = 1 << 30;
 /// Most jobs or connections that can be allowed: each connection has a file descriptor and its buffers, each job its
@@ -123,15 +126,21 @@ settings! {
     max_output_bytes: u64 = Limits::default().max_output_bytes, in 1..=MOST_BYTES, "PLANISH_MAX_OUTPUT_BYTES", "bytes";
     /// Most memory one job may need.
     max_job_bytes: u64 = Limits::default().max_job_bytes, in 1..=MOST_BYTES, "PLANISH_MAX_JOB_BYTES", "bytes";
-    /// Memory of all jobs that run at once; others wait.
-    max_memory_bytes: u64 = 12 << 30, in 1..=MOST_BYTES, "PLANISH_MAX_MEMORY_BYTES", "bytes";
+    /// Memory of everything that is held for requests: bodies, computations, answers, caches. Who finds none left waits or is
+    /// answered 503.
+    max_memory_bytes: u64 = 12 << 30, in LEAST_MEMORY_BYTES..=MOST_BYTES, "PLANISH_MAX_MEMORY_BYTES", "bytes";
     /// Most bytes of a request body.
     max_body_bytes: u64 = 4 << 20, in 1..=MOST_BODY_BYTES, "PLANISH_MAX_BODY_BYTES", "bytes";
     /// Most jobs waiting in each of the two lanes; more are answered 503.
     max_queue: usize = 256, in 1..=MOST_WAITING, "PLANISH_MAX_QUEUE", "jobs";
-    /// Most connections open at once; more wait to be accepted.
+    /// Most jobs of one peer address that wait at once, joined ones included, and most that go on without their request;
+    /// more are answered 503.
+    max_queue_per_peer: usize = 64, in 1..=MOST_WAITING, "PLANISH_MAX_QUEUE_PER_PEER", "jobs";
+    /// Most connections open at once; a further one takes the place of the one that has been idle or slow for longest.
     max_connections: usize = 1024, in 1..=MOST_WAITING, "PLANISH_MAX_CONNECTIONS", "connections";
-    /// Memory for cached results; 0 turns the memory cache off.
+    /// Most connections of one peer address open at once; the same holds for a further one.
+    max_connections_per_peer: usize = 512, in 1..=MOST_WAITING, "PLANISH_MAX_CONNECTIONS_PER_PEER", "connections";
+    /// Memory for cached results, at most a quarter of max-memory-bytes; 0 turns the memory cache off.
     memory_cache_bytes: u64 = 512 << 20, in 0..=MOST_BYTES, "PLANISH_MEMORY_CACHE_BYTES", "bytes";
     /// Disk space for cached results; 0 keeps nothing on disk.
     cache_bytes: u64 = 8 << 30, in 0..=MOST_BYTES, "PLANISH_CACHE_BYTES", "bytes";
@@ -139,8 +148,11 @@ settings! {
     run_timeout_s: u64 = 300, in 1..=MOST_SECONDS, "PLANISH_RUN_TIMEOUT_S", "seconds";
     /// Longest time a client may take for its request headers, or stay silent between requests.
     header_timeout_s: u64 = 10, in 1..=MOST_SECONDS, "PLANISH_HEADER_TIMEOUT_S", "seconds";
-    /// Longest silence within a request body, and within the reading of an answer.
+    /// Longest silence within a request body, and how long a body or the reading of an answer may be slow at first.
     body_timeout_s: u64 = 15, in 1..=MOST_SECONDS, "PLANISH_BODY_TIMEOUT_S", "seconds";
+    /// Least rate at which a body has to arrive and an answer has to be read, averaged over all but its first
+    /// body-timeout-s.
+    least_rate_bytes_s: u64 = 16 << 10, in 1..=MOST_BYTES, "PLANISH_LEAST_RATE_BYTES_S", "bytes a second";
     /// Time for running requests and jobs to end after the signal to stop.
     shutdown_timeout_s: u64 = 20, in 0..=MOST_SECONDS, "PLANISH_SHUTDOWN_TIMEOUT_S", "seconds";
     /// Write logs as JSON lines.
@@ -212,11 +224,12 @@ impl Settings {
 
     /// The bounds on one job.
     pub fn limits(&self) -> Limits {
+        let long_lane = Account::new(self.max_memory_bytes, self.memory_cache_bytes).long.capacity;
         Limits {
             max_faces: self.max_faces.min(MOST_INDEXED),
             max_vertices: self.max_vertices.min(MOST_INDEXED),
             max_output_bytes: self.max_output_bytes,
-            max_job_bytes: self.max_job_bytes,
+            max_job_bytes: self.max_job_bytes.min(long_lane),
         }
     }
 

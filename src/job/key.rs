@@ -28,6 +28,9 @@ pub const RESULTS_VERSION: u32 = 6;
 pub struct Key([u8; 32]);
 
 impl Key {
+    /// The first of all keys in their order.
+    pub const LEAST: Self = Self([0; 32]);
+
     /// The key with these bytes.
     pub const fn from_bytes(bytes: [u8; 32]) -> Self {
         Self(bytes)
