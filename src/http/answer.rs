@@ -174,7 +174,7 @@ async fn body(app: &Arc<App>, found: Found, first: u64, last: u64) -> Result<Bod
     Ok(Body::from_stream(futures_util::StreamExt::chain(head, tail)))
 }
 
-async fn read_part(app: &Arc<App>, manifest: &Arc<Manifest>, index: usize) -> Option<Bytes> {
+pub(super) async fn read_part(app: &Arc<App>, manifest: &Arc<Manifest>, index: usize) -> Option<Bytes> {
     if let Some(part) = app.desk.tiers.part_at_hand(manifest, index) {
         return Some(part);
     }

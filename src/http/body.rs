@@ -5,7 +5,6 @@ use std::time::Duration;
 use axum::body::{Body, Bytes};
 use axum::http::{HeaderMap, header};
 use http_body_util::BodyExt;
-use serde::de::DeserializeOwned;
 use tokio::time::Instant;
 
 use super::App;
@@ -16,7 +15,6 @@ use crate::job::limits::in_bytes;
 use crate::service::account::Held;
 use crate::service::peer::{Kind, Ticket};
 use crate::service::pool::Lane;
-use crate::wire::read::{read, weight};
 
 /// Bodies up to this length take nothing from the account: with one a connection they are bounded by the connections, and
 /// a small request gets in though large ones have taken all there is.
@@ -33,17 +31,11 @@ pub(super) struct Sent {
     _charge: Charge,
 }
 
-/// Reads the body of a request as JSON.
-///
-/// # Errors
-/// 415, 413, 408, 400, 422, 503.
-pub(super) async fn json<T>(app: &App, client: &Client, headers: &HeaderMap, body: Body) -> Result<T, Problem>
-where
-    T: DeserializeOwned + Send + 'static,
-{
-    let sent = collect(app, client, headers, body).await?;
-    let weight = weight(sent.bytes.len() as u64);
-    app.desk.read(client.peer(), weight, move |_| read(&sent.bytes)).await?.map_err(Problem::from)
+impl Sent {
+    /// A request that was sent before; whoever kept it has its memory.
+    pub(super) fn again(bytes: Bytes) -> Self {
+        Self { bytes, _charge: Charge::default() }
+    }
 }
 
 /// The bytes of a body that says it is JSON.

@@ -93,11 +93,6 @@ impl Problem {
         Self { kind, detail: detail.into(), errors: Vec::new(), retry_after: None }
     }
 
-    /// What it says of places in the request.
-    pub(super) fn into_faults(self) -> Vec<Fault> {
-        self.errors
-    }
-
     /// Whether it is of this kind.
     pub(super) fn is(&self, kind: Kind) -> bool {
         self.kind.slug == kind.slug

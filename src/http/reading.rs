@@ -49,7 +49,7 @@ enum Step {
     Search(Arc<RequestDraft>, Arc<Held>, Sent),
 }
 
-/// Reads a job; `prepare` may name outputs where the request names none.
+/// Reads a job of so many outputs at most; `prepare` may name one where the request names none.
 ///
 /// # Errors
 /// Whatever is wrong with the request; 503 when too much is being read already.
@@ -57,6 +57,7 @@ pub(super) async fn job(
     app: &Arc<App>,
     client: &Client,
     sent: Sent,
+    most_outputs: usize,
     prepare: impl FnOnce(&mut JobRequest) -> Result<(), Problem> + Send + 'static,
 ) -> Result<Asked, Problem> {
     let (limits, inputs) = (app.desk.limits.reading(), app.desk.account.inputs.clone());
@@ -65,7 +66,14 @@ pub(super) async fn job(
     let step = app.desk.read(client.peer(), bytes, move |_| {
         let mut request: JobRequest = read(&sent.bytes)?;
         prepare(&mut request)?;
-        let draft = request.draft_within(&limits).map_err(Problem::invalid)?;
+        let n = request.outputs.len();
+        let draft = request.draft_within(&limits);
+        if n > most_outputs {
+            let detail = format!("{n} outputs; /v1/render answers one, send one job for each");
+            let many = std::iter::once(Fault::new("/outputs", detail));
+            return Err(Problem::invalid(many.chain(draft.err().unwrap_or_default()).collect()));
+        }
+        let draft = draft.map_err(Problem::invalid)?;
         let input = Arc::new(charge(&inputs, draft.input_bytes()).ok_or(busy)?);
         if draft.needs_search() {
             return Ok(Step::Search(Arc::new(draft), input, sent));
@@ -181,7 +189,7 @@ impl Task for Search {
         let found = match self.draft.search(watch) {
             Ok(Some(Reached { level, bound })) => Found::Reached { level, bound },
             Ok(None) => unreachable!("drafts without a search are complete"),
-            Err(SearchError::Refused(Fault { pointer, detail })) => Found::Refused { pointer, detail },
+            Err(SearchError::Refused(Fault { pointer, detail, .. })) => Found::Refused { pointer, detail },
             Err(SearchError::Stopped(stopped)) => return Err(RunError::Stopped(stopped)),
         };
         let bytes = serde_json::to_vec(&found).expect("numbers and text");

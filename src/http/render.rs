@@ -7,18 +7,19 @@ use axum::extract::State;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
-use super::answer::{self, Found, Gone, address};
+use super::answer::{self, Found, Gone};
+use super::body::Sent;
 use super::memo::Known;
 use super::negotiate::{self, Part};
 use super::problem::Problem;
-use super::resolve::resolve;
-use super::{App, Shared, body, jobs, memo};
-use crate::fault::Fault;
-use crate::job::Job;
+use super::reading::Asked;
+use super::requests::Client;
+use super::{App, Shared, body, jobs, memo, reading};
 use crate::job::key::Key;
-use crate::job::limits::Admitted;
 use crate::refine::curve::Reached;
 use crate::service::computation::Phase;
+use crate::service::jobs::Told;
+use crate::service::task::Render;
 use crate::wire::JobRequest;
 use crate::wire::output::OutputRequest;
 
@@ -129,10 +130,10 @@ pub(super) async fn read(
     headers: &HeaderMap,
     sent: Sent,
 ) -> Result<Asked, Problem> {
-    let accepted = Accepted::of(headers);
-    let asked = reading::job(app, client, sent, move |request| {
+    let headers = headers.clone();
+    let asked = reading::job(app, client, sent, 1, move |request| {
         if request.outputs.is_empty() {
-            let format = accepted.format(request.shape_kind())?;
+            let format = negotiate::format(&headers, request.shape_kind())?;
             request.outputs = vec![OutputRequest::of_format(format.name())];
         }
         Ok(())

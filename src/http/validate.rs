@@ -9,6 +9,7 @@ use serde::de::IgnoredAny;
 use utoipa::ToSchema;
 
 use super::problem::Problem;
+use super::requests::Client;
 use super::{Shared, body};
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
@@ -17,6 +18,7 @@ use crate::scheme::plan::{Plan, PlanInput};
 use crate::wire::answer::{FaultAnswer, MeshReport, ValidateAnswer};
 use crate::wire::input::InputRequest;
 use crate::wire::plan::PlanRequest;
+use crate::wire::read::{read, weight};
 
 /// The question: an input, as in a job.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
@@ -49,12 +51,20 @@ pub(super) struct ValidateRequest {
         (status = 200, description = "The report; `valid` tells whether a job would take the input", body = ValidateAnswer),
     )
 )]
-pub(super) async fn validate(State(app): State<Shared>, headers: HeaderMap, body: Body) -> Response {
+pub(super) async fn validate(
+    State(app): State<Shared>,
+    client: Client,
+    headers: HeaderMap,
+    body: Body,
+) -> Response {
     let answer = async {
-        let request: ValidateRequest = body::json(&app, &headers, body).await?;
-        let limits = app.desk.limits.reading();
-        let answer = move || Ok::<_, Problem>(axum::Json(report(request.input, request.plan, &limits)));
-        body::off_loop(usize::MAX, answer).await
+        let sent = body::collect(&app, &client, &headers, body).await?;
+        let (limits, bytes) = (app.desk.limits.reading(), weight(sent.bytes.len() as u64));
+        let report = app.desk.read(client.peer(), bytes, move |_| {
+            let request: ValidateRequest = read(&sent.bytes)?;
+            Ok::<_, Problem>(axum::Json(report(request.input, request.plan, &limits)))
+        });
+        report.await?
     };
     answer.await.into_response()
 }

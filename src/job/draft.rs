@@ -69,6 +69,11 @@ impl Draft {
         Self { frame, ..self }
     }
 
+    /// Bytes that the input takes in memory.
+    pub fn input_bytes(&self) -> u64 {
+        self.input.bytes()
+    }
+
     /// Whether a level has to be searched for before the job is complete.
     pub fn needs_search(&self) -> bool {
         matches!(self.asked, Asked::Tolerance(_))

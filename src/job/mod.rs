@@ -9,6 +9,7 @@ mod levels;
 pub mod limits;
 mod memory;
 mod run;
+mod size;
 mod steering;
 
 pub use draft::Draft;

@@ -47,12 +47,12 @@ pub struct Render {
     admitted: Arc<Admitted>,
     output: usize,
     /// The memory of the job's input.
-    _input: Option<Held>,
+    _input: Option<Arc<Held>>,
 }
 
 impl Render {
     /// The task that makes an output of a job, whose input takes so much memory.
-    pub fn new(admitted: Arc<Admitted>, output: usize, input: Option<Held>) -> Self {
+    pub fn new(admitted: Arc<Admitted>, output: usize, input: Option<Arc<Held>>) -> Self {
         Self { admitted, output, _input: input }
     }
 }

@@ -110,6 +110,11 @@ pub struct RequestDraft {
 }
 
 impl RequestDraft {
+    /// Bytes that the input takes in memory.
+    pub fn input_bytes(&self) -> u64 {
+        self.draft.input_bytes()
+    }
+
     /// Whether a level has to be searched for before the job is complete.
     pub fn needs_search(&self) -> bool {
         self.draft.needs_search()

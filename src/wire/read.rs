@@ -15,6 +15,11 @@ pub enum ReadError {
     Unfit(Vec<Fault>),
 }
 
+/// Bytes of memory that reading a request of so many bytes takes at most.
+pub fn weight(length: u64) -> u64 {
+    (1 << 20) + 32 * length
+}
+
 /// Reads a request, which is an object.
 ///
 /// # Errors

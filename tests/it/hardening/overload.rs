@@ -69,11 +69,10 @@ fn levels_of_tolerances_on_meshes_are_found_in_line() {
 #[test]
 fn a_turn_lasts_until_its_work_ends_though_nobody_waits_for_it() {
     story(settings(), async |server| {
-        let pool = &server.app.desk.pool;
         let turn = server.hold().await.pop().expect("one");
         let (end, ended) = std::sync::mpsc::channel::<()>();
         drop(tokio::task::spawn_blocking(move || turn.run(move || ended.recv())));
-        let mut next = pin!(pool.turn(Lane::Long, 0));
+        let mut next = pin!(server.turn(Lane::Long));
         assert!(poll_fn(|context| Poll::Ready(next.as_mut().poll(context).is_pending())).await, "its place is taken");
         end.send(()).expect("the work goes on");
         drop(next.await);
