@@ -7,7 +7,6 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use crate::job::limits::{Limits, thousands};
-use crate::service::account::Account;
 
 /// Most bytes that a setting may name, 1 PiB: beyond the memory and the disks of one machine, and so small that sums of a
 /// thousand of them fit into 63 bits, which is what integers of TOML have.
@@ -224,12 +223,11 @@ impl Settings {
 
     /// The bounds on one job.
     pub fn limits(&self) -> Limits {
-        let long_lane = Account::new(self.max_memory_bytes, self.memory_cache_bytes).long.capacity;
         Limits {
             max_faces: self.max_faces.min(MOST_INDEXED),
             max_vertices: self.max_vertices.min(MOST_INDEXED),
             max_output_bytes: self.max_output_bytes,
-            max_job_bytes: self.max_job_bytes.min(long_lane),
+            max_job_bytes: self.max_job_bytes,
         }
     }
 

@@ -19,6 +19,7 @@ use super::requests::Requests;
 use super::stream::Watched;
 use super::{App, Canary, Memo, canary, document, problem, router};
 use crate::config::Settings;
+use crate::job::limits::Limits;
 use crate::service::account::Account;
 use crate::service::clock::{Clock, Monotonic};
 use crate::service::desk::{Desk, Terms};
@@ -99,7 +100,10 @@ pub async fn bind(settings: Settings) -> Result<(TcpListener, Arc<App>), StartEr
     };
     let clock: Arc<dyn Clock> = Arc::new(Monotonic::default());
     let connections = Connections::new(settings.max_connections, settings.max_connections_per_peer, clock.clone());
-    let desk = Arc::new(Desk::new(settings.limits(), tiers, pool, account, terms, clock));
+    let limits = settings.limits();
+    // no job is taken on that finds no memory even when it is alone
+    let limits = Limits { max_job_bytes: limits.max_job_bytes.min(account.long.capacity), ..limits };
+    let desk = Arc::new(Desk::new(limits, tiers, pool, account, terms, clock));
     let (canary, memo) = (Canary::default(), Memo::default());
     Ok((listener, Arc::new(App { desk, settings, canary, memo, connections })))
 }
