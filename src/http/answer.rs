@@ -150,7 +150,7 @@ async fn body(app: &Arc<App>, found: Found, first: u64, last: u64) -> Result<Bod
     let index = |byte: u64| usize::try_from(byte / part_bytes).unwrap_or(usize::MAX);
     let (from, to) = (index(first), index(last));
     let manifest = found.manifest;
-    let head = read_part(app, &manifest, from).await.ok_or(Gone)?;
+    let head = app.desk.tiers.part(&manifest, from).await.ok_or(Gone)?;
     let head = slice(&head, from as u64 * part_bytes);
     if from == to {
         return Ok(Body::from(head));
@@ -163,7 +163,7 @@ async fn body(app: &Arc<App>, found: Found, first: u64, last: u64) -> Result<Bod
                 return None;
             }
             let start = at as u64 * part_bytes;
-            let part = read_part(&app, &manifest, at).await;
+            let part = app.desk.tiers.part(&manifest, at).await;
             let end = usize::try_from(last + 1 - start).unwrap_or(usize::MAX);
             // an error ends the connection: a broken answer, but never a wrong byte
             let part = part.map(|part| part.slice(..end.min(part.len()))).ok_or(std::io::ErrorKind::InvalidData);
@@ -172,23 +172,4 @@ async fn body(app: &Arc<App>, found: Found, first: u64, last: u64) -> Result<Bod
     });
     let head = stream::once(async move { Ok::<_, std::io::Error>(head) });
     Ok(Body::from_stream(futures_util::StreamExt::chain(head, tail)))
-}
-
-async fn read_part(app: &Arc<App>, manifest: &Arc<Manifest>, index: usize) -> Option<Bytes> {
-    if let Some(part) = app.desk.tiers.part_at_hand(manifest, index) {
-        return Some(part);
-    }
-    let (app, manifest) = (app.clone(), manifest.clone());
-    let read = tokio::task::spawn_blocking(move || app.desk.tiers.part(&manifest, index)).await;
-    match read {
-        Ok(Ok(part)) => part,
-        Ok(Err(error)) => {
-            tracing::warn!(%error, "a part of an artifact could not be read");
-            None
-        }
-        Err(error) => {
-            tracing::error!(%error, "reading a part panicked");
-            None
-        }
-    }
 }

@@ -6,17 +6,16 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use bytes::Bytes;
-
 use super::clock::Clock;
 use super::computation::{Computation, Failure, Outcome, Phase};
+use super::draft::{Draft, Kept};
 use super::jobs::{Jobs, Record, State};
 use super::pool::{Busy, Lane, Pool, Turn};
-use super::store::{Description, Manifest, PART_BYTES, StoreError};
+use super::store::{Description, Manifest};
 use super::tiers::Tiers;
-use crate::job::key::{Key, RESULTS_VERSION, content};
+use crate::job::key::Key;
 use crate::job::limits::{Admitted, Limits};
-use crate::job::{Report, RunError, run};
+use crate::job::{RunError, run};
 
 /// The desk of one service.
 #[derive(Debug)]
@@ -77,22 +76,7 @@ impl Desk {
 
     /// The artifact of a key, if it is kept anywhere.
     pub async fn find(self: &Arc<Self>, key: Key) -> Option<Arc<Manifest>> {
-        if let Some(manifest) = self.tiers.at_hand(&key) {
-            return Some(manifest);
-        }
-        let desk = self.clone();
-        let found = tokio::task::spawn_blocking(move || desk.tiers.find(&key)).await;
-        match found {
-            Ok(Ok(manifest)) => manifest,
-            Ok(Err(error)) => {
-                tracing::warn!(%key, %error, "the store could not be asked; computing instead");
-                None
-            }
-            Err(error) => {
-                tracing::error!(%key, %error, "looking an artifact up panicked");
-                None
-            }
-        }
+        self.tiers.find(&key).await
     }
 
     /// Joins the computation of an output, or starts it.
@@ -163,7 +147,8 @@ impl Desk {
         }
     }
 
-    /// Computes into a store; where no store takes the bytes, keeps them for this answer alone.
+    /// Computes into a store; where no store takes the bytes, keeps them for this answer alone. Computes again only
+    /// what the disk has lost.
     fn make_stored(
         &self,
         task: &Computation,
@@ -172,24 +157,19 @@ impl Desk {
         about: u128,
     ) -> Result<Outcome, RunError> {
         let asked = &admitted.job().outputs[output];
-        let media_type = asked.format.media_type().to_owned();
-        let stored = self.tiers.spool(task.key, about).and_then(|mut spool| {
-            let report = match run(admitted, asked, &mut *spool, &task.watch) {
-                Ok(report) => report,
-                Err(RunError::Io(error)) => return Err(StoreError::from(error)),
-                Err(error) => return Ok(Err(error)),
-            };
-            spool.commit(Description { media_type: media_type.clone(), warnings: report.warnings }).map(Ok)
-        });
-        match stored {
-            Ok(Ok(manifest)) => Ok(Outcome { manifest, loose: None, timings: task.timings() }),
-            Ok(Err(error)) => Err(error),
-            Err(error) => {
-                tracing::warn!(key = %task.key, %error, "no store takes the result; answering without");
-                let mut bytes = Vec::new();
-                let report = run(admitted, asked, &mut bytes, &task.watch)?;
-                Ok(loose(task, media_type, bytes, report))
+        let made = |draft: &mut Draft<'_>| {
+            let report = run(admitted, asked, draft, &task.watch)?;
+            let description = Description { media_type: asked.format.media_type().into(), warnings: report.warnings };
+            let Kept { manifest, loose } = draft.commit(description).map_err(|error| RunError::Io(error.into()))?;
+            Ok(Outcome { manifest, loose, timings: task.timings() })
+        };
+        let mut draft = self.tiers.draft(task.key, about);
+        match made(&mut draft) {
+            Err(RunError::Io(error)) if draft.has_lost_bytes() => {
+                tracing::warn!(key = %task.key, %error, "the disk lost the result; it is made again, in memory");
+                made(&mut self.tiers.draft_in_memory(task.key, about))
             }
+            made => made,
         }
     }
 
@@ -212,14 +192,9 @@ impl Desk {
         });
     }
 
-    /// Brings an artifact that was just made to disk, in the background of its answer.
+    /// Has an artifact that was just made brought to disk, in the background of its answer.
     fn persist(self: &Arc<Self>, manifest: Arc<Manifest>) {
-        let desk = self.clone();
-        tokio::task::spawn_blocking(move || {
-            if let Err(error) = desk.tiers.persist(&manifest) {
-                tracing::warn!(key = %manifest.key, %error, "the artifact could not be brought to disk");
-            }
-        });
+        self.tiers.persist(&manifest);
     }
 
     /// Computations under way or waiting.
@@ -253,20 +228,6 @@ impl Desk {
 async fn stop_later(computation: Arc<Computation>, after: Duration) {
     tokio::time::sleep(after).await;
     computation.run_out();
-}
-
-fn loose(task: &Computation, media_type: String, bytes: Vec<u8>, report: Report) -> Outcome {
-    let manifest = Manifest {
-        key: task.key,
-        media_type,
-        length: bytes.len() as u64,
-        content: content(&bytes),
-        parts: bytes.chunks(PART_BYTES).map(content).collect(),
-        warnings: report.warnings,
-        build: env!("CARGO_PKG_VERSION").to_owned(),
-        results_version: RESULTS_VERSION,
-    };
-    Outcome { manifest: Arc::new(manifest), loose: Some(Bytes::from(bytes)), timings: task.timings() }
 }
 
 fn message(panic: &(dyn Any + Send)) -> String {

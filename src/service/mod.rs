@@ -3,7 +3,11 @@
 pub mod clock;
 pub mod computation;
 pub mod desk;
+pub mod disk_counts;
+pub mod draft;
 pub mod jobs;
 pub mod pool;
+mod reads;
 pub mod store;
 pub mod tiers;
+pub mod writer;
