@@ -1,6 +1,8 @@
 //! `planish serve`: the service.
 
 use std::path::Path;
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
 
 use tracing_subscriber::EnvFilter;
 
@@ -8,19 +10,32 @@ use super::CliError;
 use crate::config::{Given, Settings};
 use crate::http::serve::{bind, serve as serve_http};
 
-/// Serves until the process is asked to stop.
+/// Serves until the process is asked to stop; from then on it takes no longer than the setting allows, whatever
+/// threads still wait for a disk that hangs.
 pub(super) fn serve(given: Given, file: Option<&Path>) -> Result<(), CliError> {
     let settings = Settings::read(given, file).map_err(CliError::new)?;
     log(settings.log_json);
+    let patience = Duration::from_secs(settings.shutdown_timeout_s);
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(CliError::new)?;
-    runtime.block_on(async {
+    let asked = OnceLock::new();
+    let served = runtime.block_on(async {
         let (listener, app) = bind(settings).await.map_err(CliError::new)?;
         let address = listener.local_addr().map_err(CliError::new)?;
         tracing::info!(%address, cache = %app.settings.data_dir.display(), "planish is listening");
         eprintln!("planish is listening on http://{address}");
-        serve_http(listener, app, stopped()).await;
-        Ok(())
-    })
+        let stop = async {
+            stopped().await;
+            asked.get_or_init(Instant::now);
+        };
+        serve_http(listener, app.clone(), stop).await;
+        Ok(app)
+    });
+    if let Ok(app) = &served {
+        let left = patience.saturating_sub(asked.get().map_or(Duration::ZERO, Instant::elapsed));
+        app.desk.tiers.close(left);
+    }
+    runtime.shutdown_background();
+    served.map(drop)
 }
 
 fn log(json: bool) {

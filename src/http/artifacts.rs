@@ -6,7 +6,7 @@ use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
-use super::answer::{self, Found, Gone, address};
+use super::answer::{self, Found, Lost, address};
 use super::problem::{self, Problem};
 use super::segment::Segment;
 use super::body::Sent;
@@ -55,8 +55,9 @@ async fn answered(app: &Arc<App>, client: &Client, file: &str, headers: &HeaderM
     let key = Key::parse(id).ok_or_else(unknown)?;
     if let Some(manifest) = app.desk.find(key).await {
         // what turns out to be damaged has been dropped, and is made again where its job is known
-        if let Ok(response) = tell(app, &key, extension, headers, Found::kept(manifest)).await? {
-            return Ok(response);
+        match tell(app, &key, extension, headers, Found::kept(manifest)).await? {
+            Err(Lost::Gone) => {}
+            answered => return Ok(answered?),
         }
     }
     let found = again(app, client, &key).await?;
@@ -70,7 +71,7 @@ async fn tell(
     extension: &str,
     headers: &HeaderMap,
     found: Found,
-) -> Result<Result<Response, Gone>, Problem> {
+) -> Result<Result<Response, Lost>, Problem> {
     let formats = FORMATS.iter().filter(|format| format.media_type() == found.manifest.media_type);
     if !formats.clone().any(|format| format.extension() == extension) {
         let right = formats.map(|format| address(key, *format)).next().unwrap_or_default();

@@ -122,7 +122,7 @@ async fn search(
 ) -> Result<Reached, Problem> {
     let task = Arc::new(Search { draft: draft.clone(), _input: input.clone() });
     if let Some(manifest) = app.desk.find(task.key()).await
-        && let Some(bytes) = super::answer::read_part(app, &manifest, 0).await
+        && let Some(bytes) = app.desk.tiers.part(&manifest, 0).await
     {
         return found(&bytes);
     }
@@ -138,9 +138,9 @@ async fn search(
 async fn whole(app: &Arc<App>, outcome: &Outcome) -> Result<axum::body::Bytes, Problem> {
     let bytes = match &outcome.loose {
         Some(bytes) => Some(bytes.clone()),
-        None => super::answer::read_part(app, &outcome.manifest, 0).await,
+        None => app.desk.tiers.part(&outcome.manifest, 0).await,
     };
-    bytes.ok_or_else(|| super::answer::Gone.into())
+    bytes.ok_or_else(|| super::answer::Lost::Gone.into())
 }
 
 /// What a search has found, as it is kept: refusals are remembered like results.

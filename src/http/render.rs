@@ -7,7 +7,7 @@ use axum::extract::State;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
-use super::answer::{self, Found, Gone};
+use super::answer::{self, Found, Lost};
 use super::body::Sent;
 use super::memo::Known;
 use super::negotiate::{self, Part};
@@ -67,8 +67,9 @@ async fn rendered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bo
             return Ok(not_modified(&known));
         }
         // what turns out to be damaged has been dropped, and is made again
-        if let Ok(response) = whole(app, Found::kept(manifest), &known).await {
-            return Ok(response);
+        match whole(app, Found::kept(manifest), &known).await {
+            Err(Lost::Gone) => {}
+            answered => return Ok(answered?),
         }
     }
     made(app, client, headers, asked, known).await
@@ -117,7 +118,7 @@ async fn made(
     }
 }
 
-async fn whole(app: &Arc<App>, found: Found, known: &Known) -> Result<Response, Gone> {
+async fn whole(app: &Arc<App>, found: Found, known: &Known) -> Result<Response, Lost> {
     let mut head = answer::headers(&found, &known.address);
     said(known.reached, &mut head);
     answer::bytes(app, found, head, Part::Whole).await

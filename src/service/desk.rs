@@ -6,20 +6,20 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use bytes::Bytes;
-
 use super::account::Account;
 use super::clock::Clock;
 use super::computation::{Computation, Failure, Outcome, Phase};
+use super::draft::{Draft, Kept};
 use super::jobs::{Jobs, State, Told};
+use super::lent::{InFlight, Lent};
 use super::peer::{Kind, Peer, Peers, Ticket};
-use super::pool::{Busy, Lane, Pool, Turn, Waiting};
-use super::store::{Description, Manifest, PART_BYTES, StoreError};
+use super::pool::{Busy, Lane, Memory, Pool, Turn, Waiting};
+use super::store::{Description, Manifest};
 use super::task::Task;
 use super::tiers::Tiers;
-use crate::job::key::{Key, RESULTS_VERSION, content};
+use crate::job::RunError;
+use crate::job::key::Key;
 use crate::job::limits::Limits;
-use crate::job::{Report, RunError};
 use crate::watch::Watch;
 
 /// The desk of one service.
@@ -33,6 +33,8 @@ pub struct Desk {
     pub pool: Pool,
     /// The memory of the service.
     pub account: Account,
+    /// The answers on their way.
+    pub in_flight: InFlight,
     /// What each client holds.
     pub peers: Arc<Peers>,
     /// Jobs that outlast their request.
@@ -96,27 +98,13 @@ impl Desk {
     /// A desk.
     pub fn new(limits: Limits, tiers: Tiers, pool: Pool, account: Account, terms: Terms, clock: Arc<dyn Clock>) -> Self {
         let (peers, jobs, under_way) = (Arc::default(), Jobs::default(), Mutex::default());
-        Self { limits, tiers, pool, account, peers, jobs, terms, clock, under_way }
+        let in_flight = InFlight::new(account.answers.clone());
+        Self { limits, tiers, pool, account, in_flight, peers, jobs, terms, clock, under_way }
     }
 
     /// The artifact of a key, if it is kept anywhere.
     pub async fn find(self: &Arc<Self>, key: Key) -> Option<Arc<Manifest>> {
-        if let Some(manifest) = self.tiers.at_hand(&key) {
-            return Some(manifest);
-        }
-        let desk = self.clone();
-        let found = tokio::task::spawn_blocking(move || desk.tiers.find(&key)).await;
-        match found {
-            Ok(Ok(manifest)) => manifest,
-            Ok(Err(error)) => {
-                tracing::warn!(%key, %error, "the store could not be asked; computing instead");
-                None
-            }
-            Err(error) => {
-                tracing::error!(%key, %error, "looking an artifact up panicked");
-                None
-            }
-        }
+        self.tiers.find(&key).await
     }
 
     /// Joins the computation of a task for a peer, or starts it.
@@ -238,41 +226,42 @@ impl Desk {
         }
         computation.set(Phase::Running);
         let start = self.clock.now();
-        let made = catch_unwind(AssertUnwindSafe(|| turn.run(|| self.make_stored(computation, task))));
+        let made = catch_unwind(AssertUnwindSafe(|| turn.run_keeping(|| self.make_stored(computation, task))));
         let took = self.clock.now().saturating_sub(start);
         self.pool.finished(lane, took);
         match made {
-            Ok(Ok(outcome)) => Phase::Done(Arc::new(outcome)),
-            Ok(Err(RunError::Stopped(_))) if computation.ran_out() => {
-                Phase::Failed(Failure::TimedOut(self.terms.run_timeout))
-            }
-            Ok(Err(RunError::Stopped(_))) => Phase::Failed(Failure::Cancelled),
-            Ok(Err(RunError::Impossible(fault))) => Phase::Failed(Failure::Impossible(fault)),
-            Ok(Err(RunError::Io(error))) => Phase::Failed(Failure::Internal(error.to_string())),
+            Ok((Ok(outcome), memory)) => Phase::Done(Arc::new(lent(outcome, memory))),
+            Ok((Err(error), _)) => Phase::Failed(self.failure(computation, error)),
             Err(panic) => Phase::Failed(Failure::Internal(message(&*panic))),
         }
     }
 
-    /// Computes into a store; where no store takes the bytes, keeps them for this answer alone.
+    fn failure(&self, computation: &Computation, error: RunError) -> Failure {
+        match error {
+            RunError::Stopped(_) if computation.ran_out() => Failure::TimedOut(self.terms.run_timeout),
+            RunError::Stopped(_) => Failure::Cancelled,
+            RunError::Impossible(fault) => Failure::Impossible(fault),
+            RunError::Io(error) => Failure::Internal(error.to_string()),
+        }
+    }
+
+    /// Computes into a store; where no store takes the bytes, keeps them for this answer alone. Computes again only
+    /// what the disk has lost.
     fn make_stored(&self, computation: &Computation, task: &dyn Task) -> Result<Outcome, RunError> {
-        let media_type = task.media_type().to_owned();
-        let stored = self.tiers.spool(computation.key, task.cost().result_bytes).and_then(|mut spool| {
-            let report = match task.run(&mut *spool, &computation.watch) {
-                Ok(report) => report,
-                Err(RunError::Io(error)) => return Err(StoreError::from(error)),
-                Err(error) => return Ok(Err(error)),
-            };
-            spool.commit(Description { media_type: media_type.clone(), warnings: report.warnings }).map(Ok)
-        });
-        match stored {
-            Ok(Ok(manifest)) => Ok(Outcome { manifest, loose: None, timings: computation.timings() }),
-            Ok(Err(error)) => Err(error),
-            Err(error) => {
-                tracing::warn!(key = %computation.key, %error, "no store takes the result; answering without");
-                let mut bytes = Vec::new();
-                let report = task.run(&mut bytes, &computation.watch)?;
-                Ok(loose(computation, media_type, bytes, report))
+        let (key, about) = (computation.key, task.cost().result_bytes);
+        let made = |draft: &mut Draft<'_>| {
+            let report = task.run(draft, &computation.watch)?;
+            let description = Description { media_type: task.media_type().into(), warnings: report.warnings };
+            let Kept { manifest, loose } = draft.commit(description).map_err(|error| RunError::Io(error.into()))?;
+            Ok(Outcome { manifest, loose, timings: computation.timings() })
+        };
+        let mut draft = self.tiers.draft(key, about);
+        match made(&mut draft) {
+            Err(RunError::Io(error)) if draft.has_lost_bytes() => {
+                tracing::warn!(%key, %error, "the disk lost the result; it is made again, in memory");
+                made(&mut self.tiers.draft_in_memory(key, about))
             }
+            made => made,
         }
     }
 
@@ -302,14 +291,9 @@ impl Desk {
         Ok(())
     }
 
-    /// Brings an artifact that was just made to disk, in the background of its answer.
+    /// Has an artifact that was just made brought to disk, in the background of its answer.
     fn persist(self: &Arc<Self>, manifest: Arc<Manifest>) {
-        let desk = self.clone();
-        tokio::task::spawn_blocking(move || {
-            if let Err(error) = desk.tiers.persist(&manifest) {
-                tracing::warn!(key = %manifest.key, %error, "the artifact could not be brought to disk");
-            }
-        });
+        self.tiers.persist(&manifest);
     }
 
     /// Computations under way or waiting.
@@ -339,6 +323,15 @@ impl Desk {
     }
 }
 
+/// An outcome whose bytes, where no store has them, hold the memory of their computation until the last answer has them.
+fn lent(mut outcome: Outcome, memory: Option<Memory>) -> Outcome {
+    if let (Some(bytes), Some(mut memory)) = (outcome.loose.take(), memory) {
+        memory.shrink_to(bytes.len() as u64);
+        outcome.loose = Some(Lent::new(bytes, memory));
+    }
+    outcome
+}
+
 /// Sets a computation aside that runs too long for its lane, and stops one that runs too long for any.
 async fn stop_later(computation: Arc<Computation>, aside: Option<Duration>, timeout: Duration) {
     if let Some(aside) = aside.filter(|aside| *aside < timeout) {
@@ -366,20 +359,6 @@ pub enum Unread {
     Busy(Busy),
     /// The work on it failed.
     Failed(Failure),
-}
-
-fn loose(task: &Computation, media_type: String, bytes: Vec<u8>, report: Report) -> Outcome {
-    let manifest = Manifest {
-        key: task.key,
-        media_type,
-        length: bytes.len() as u64,
-        content: content(&bytes),
-        parts: bytes.chunks(PART_BYTES).map(content).collect(),
-        warnings: report.warnings,
-        build: env!("CARGO_PKG_VERSION").to_owned(),
-        results_version: RESULTS_VERSION,
-    };
-    Outcome { manifest: Arc::new(manifest), loose: Some(Bytes::from(bytes)), timings: task.timings() }
 }
 
 fn message(panic: &(dyn Any + Send)) -> String {

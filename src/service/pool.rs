@@ -9,10 +9,10 @@ use std::time::Duration;
 use tokio::sync::oneshot;
 
 use super::account::{Account, Share};
-use super::line::{Line, Memory, Place};
+use super::line::{Line, Place};
 use super::peer::Peer;
 
-pub use super::line::Waiting;
+pub use super::line::{Memory, Waiting};
 
 /// Predicted milliseconds from which on work counts as long.
 const LONG_MS: u128 = 250;

@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use super::embedded::Inner;
 use super::files::Tmp;
-use super::parts::Parts;
+use super::parts::{self, Parts};
+use super::sealed::Sealed;
 use super::{Description, Manifest, PART_BYTES, Spool, StoreError, shelf};
 use crate::job::key::Key;
 
@@ -14,7 +15,7 @@ const BLOCK_BYTES: u64 = 4096;
 
 /// Spool of the embedded store.
 #[derive(Debug)]
-pub(super) struct DiskSpool {
+pub(in crate::service) struct DiskSpool {
     store: Arc<Inner>,
     key: Key,
     /// The part being filled.
@@ -30,25 +31,59 @@ impl DiskSpool {
         Self { store, key, part: Vec::new(), parts: Parts::default(), tmp: None, failed: None }
     }
 
-    fn take(&mut self, bytes: &[u8]) -> Result<usize, StoreError> {
-        let taken = bytes.len().min(PART_BYTES - self.part.len());
-        shelf::admit(self.parts.length() + (self.part.len() + taken) as u64, self.store.capacity)?;
+    /// Takes some of these bytes; says how many. On failure it has taken none of them, and still has all before.
+    pub(in crate::service) fn take(&mut self, bytes: &[u8]) -> Result<usize, StoreError> {
+        let before = self.part.len();
+        let taken = bytes.len().min(PART_BYTES - before);
+        shelf::admit(self.parts.length() + (before + taken) as u64, self.store.capacity)?;
         self.part.extend_from_slice(&bytes[..taken]);
         if self.part.len() == PART_BYTES {
-            self.spill()?;
+            self.spill().inspect_err(|_| self.part.truncate(before))?;
         }
         Ok(taken)
     }
 
-    /// Hashes the waiting part and writes it to the file.
+    /// Writes the waiting part to the file, making room for it where the disk is full, and hashes it.
     fn spill(&mut self) -> Result<(), StoreError> {
-        if !self.part.is_empty() {
-            self.parts.push(&self.part);
-            let tmp = self.tmp.take().map_or_else(|| self.store.folder.create_tmp(&self.key), Ok)?;
-            self.tmp.insert(tmp).write(&self.part)?;
-            self.part.clear();
+        if self.part.is_empty() {
+            return Ok(());
         }
+        let (store, key, part) = (&self.store, &self.key, &self.part);
+        let need = part.len() as u64;
+        let mut tmp =
+            self.tmp.take().map_or_else(|| store.with_room(need, || Ok(store.folder.create_tmp(key)?)), Ok)?;
+        let offset = self.parts.length();
+        let written = store.with_room(need, || Ok(tmp.write(offset, part)?));
+        self.tmp = Some(tmp);
+        written?;
+        self.parts.push(&self.part);
+        self.part.clear();
         Ok(())
+    }
+
+    /// Ends the writing: the bytes can be read from now on, but are not durable yet. On failure the spool still has
+    /// all that it took.
+    pub(in crate::service) fn seal(&mut self, description: Description) -> Result<Sealed, StoreError> {
+        self.spill()?;
+        let manifest = self.parts.clone().manifest(self.key, description);
+        shelf::admit(cost(manifest.length, manifest.encode().len()), self.store.capacity)?;
+        let tmp = self.tmp.take().map_or_else(|| self.store.folder.create_tmp(&self.key), Ok)?;
+        Ok(Sealed::new(Arc::clone(&self.store), Arc::new(manifest), tmp))
+    }
+
+    /// Gives back all bytes that it took, each part verified, and leaves nothing on the disk.
+    pub(in crate::service) fn reclaim(mut self) -> io::Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        for hash in self.parts.hashes() {
+            let tmp = self.tmp.as_ref().ok_or(io::ErrorKind::NotFound)?;
+            let part = tmp.read(bytes.len() as u64, PART_BYTES.min(usize_of(self.parts.length()) - bytes.len()))?;
+            if parts::hash(&part) != *hash {
+                return Err(io::Error::new(io::ErrorKind::InvalidData, "bytes that were just written are damaged"));
+            }
+            bytes.extend_from_slice(&part);
+        }
+        bytes.append(&mut self.part);
+        Ok(bytes)
     }
 }
 
@@ -75,22 +110,13 @@ impl Spool for DiskSpool {
         if let Some(failed) = self.failed.take() {
             return Err(failed);
         }
-        self.spill()?;
-        let Self { store, key, parts, tmp, .. } = *self;
-        if let Some(present) = store.held(&key, &parts.content()) {
-            return Ok(present);
-        }
-        let manifest = Arc::new(parts.manifest(key, description));
-        let record = manifest.encode();
-        let cost = cost(manifest.length, record.len());
-        shelf::admit(cost, store.capacity)?;
-        let mut bytes = tmp.map_or_else(|| store.folder.create_tmp(&key), Ok)?;
-        bytes.sync()?;
-        let mut written = store.folder.create_tmp(&key)?;
-        written.write(&record)?;
-        written.sync()?;
-        store.keep(manifest, cost, &mut bytes, &mut written)
+        self.seal(description)?.settle()
     }
+}
+
+/// A length that fits into memory, as what it counts was there part by part.
+fn usize_of(length: u64) -> usize {
+    usize::try_from(length).unwrap_or(usize::MAX)
 }
 
 /// Bytes that an artifact of this length takes on the disk, with a record of this length.
@@ -103,6 +129,7 @@ pub(super) fn cost(length: u64, record: usize) -> u64 {
 fn again(error: &StoreError) -> StoreError {
     match error {
         StoreError::TooLarge { capacity } => StoreError::TooLarge { capacity: *capacity },
+        StoreError::Occupied { path } => StoreError::Occupied { path: path.clone() },
         StoreError::Io(error) => StoreError::Io(io::Error::new(error.kind(), error.to_string())),
     }
 }

@@ -3,12 +3,15 @@
 //! An artifact exists if and only if its manifest does: bytes and manifest are written aside, synced, then renamed into
 //! place, bytes first. All else can be rebuilt from the manifests.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::time::Duration;
+use std::{io, thread};
 
 use bytes::Bytes;
 
+use super::disk::{Disk, Local};
 use super::disk_spool::{self, DiskSpool};
 use super::files::{Folder, Tmp};
 use super::index::Index;
@@ -17,8 +20,13 @@ use super::sweep::{self, Swept};
 use super::{Manifest, Spool, Store, StoreError, Usage, lock};
 use crate::job::key::Key;
 
-/// Artifacts in a folder; every byte served was verified on the way.
-#[derive(Debug)]
+/// How often a computation asks whether it may evict for its bytes, and the pause between: a second at most, about as
+/// long as a disk takes for one durable write under load. After it the bytes stay in memory, and no turn is held up.
+const TRIES: u32 = 100;
+const PAUSE: Duration = Duration::from_millis(10);
+
+/// Artifacts in a folder; every byte served was verified on the way. Clones share it.
+#[derive(Debug, Clone)]
 pub struct Embedded {
     inner: Arc<Inner>,
 }
@@ -32,6 +40,8 @@ pub(super) struct Inner {
     shelf: Mutex<Shelf<Arc<Manifest>>>,
     /// Held by whoever changes the files of artifacts; taken before the shelf.
     index: Mutex<Index>,
+    /// Keys that cannot be written, as a folder has the name of their artifact.
+    occupied: Mutex<HashSet<Key>>,
 }
 
 impl Embedded {
@@ -42,16 +52,49 @@ impl Embedded {
     /// # Errors
     /// When another process uses the folder, or the disk fails.
     pub fn open(dir: &Path, capacity_bytes: u64) -> Result<Self, StoreError> {
-        let folder = Folder::open(dir)?;
-        let swept = sweep::sweep(&folder)?;
+        Self::open_on(Arc::new(Local), dir, capacity_bytes)
+    }
+
+    /// Opens the store on a disk of its own kind.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn open_on(disk: Arc<dyn Disk>, dir: &Path, capacity_bytes: u64) -> Result<Self, StoreError> {
+        let folder = Folder::open(dir, disk)?;
+        let mut swept = sweep::sweep(&folder)?;
         if swept.damaged + swept.removed > 0 {
             tracing::warn!(dir = %dir.display(), damaged = swept.damaged, left_over = swept.removed, "swept the store");
         }
         let (index, uses) = Index::open(folder.index());
-        let shelf = fill(&folder, swept, &uses, capacity_bytes)?;
-        let inner = Inner { folder, capacity: capacity_bytes, shelf: Mutex::new(shelf), index: Mutex::new(index) };
+        let occupied = Mutex::new(std::mem::take(&mut swept.occupied));
+        let shelf = Mutex::new(fill(&folder, swept, &uses, capacity_bytes)?);
+        let inner = Inner { folder, capacity: capacity_bytes, shelf, index: Mutex::new(index), occupied };
         inner.write_index(&mut lock(&inner.index));
         Ok(Self { inner: Arc::new(inner) })
+    }
+
+    /// The manifest of an artifact, if it is here; counts as a use. Never waits for the disk.
+    pub(in crate::service) fn touch(&self, key: &Key) -> Option<Arc<Manifest>> {
+        lock(&self.inner.shelf).touch(key).cloned()
+    }
+
+    /// Refuses what cannot be kept, before anything is written. Never waits for the disk.
+    ///
+    /// # Errors
+    /// [`StoreError::TooLarge`] or [`StoreError::Occupied`].
+    pub(in crate::service) fn admit(&self, key: &Key, length: u64) -> Result<(), StoreError> {
+        shelf::admit(length, self.inner.capacity)?;
+        if lock(&self.inner.occupied).contains(key) { Err(self.inner.occupied(key)) } else { Ok(()) }
+    }
+
+    /// A place for a new artifact whose bytes can be had back when the disk fails.
+    pub(in crate::service) fn draft(&self, key: Key) -> DiskSpool {
+        DiskSpool::new(Arc::clone(&self.inner), key)
+    }
+
+    /// Writes the order of use and lets go of the folder; nothing is written afterwards. Blocks.
+    pub(in crate::service) fn close(&self) {
+        self.inner.close();
     }
 }
 
@@ -94,11 +137,14 @@ impl Inner {
         &self,
         manifest: Arc<Manifest>,
         cost: u64,
-        bytes: &mut Tmp,
-        record: &mut Tmp,
+        bytes: &Tmp,
+        record: &Tmp,
     ) -> Result<Arc<Manifest>, StoreError> {
         let key = manifest.key;
         let mut index = lock(&self.index);
+        if index.is_closed() {
+            return Err(io::Error::other("the store is closed").into());
+        }
         if let Some(present) = self.held(&key, &manifest.content) {
             return Ok(present);
         }
@@ -109,13 +155,72 @@ impl Inner {
             index.note_removed(evicted);
             self.folder.remove(&evicted)?;
         }
-        self.folder.place(&key, bytes, record)?;
+        if let Err(error) = self.folder.place(&key, bytes, record) {
+            if !self.folder.is_occupied(&key) {
+                return Err(error.into());
+            }
+            lock(&self.occupied).insert(key);
+            return Err(self.occupied(&key));
+        }
         lock(&self.shelf).insert(key, cost, Arc::clone(&manifest));
         index.note_added();
         if index.is_due() {
             self.write_index(&mut index);
         }
         Ok(manifest)
+    }
+
+    fn occupied(&self, key: &Key) -> StoreError {
+        StoreError::Occupied { path: self.folder.bytes(key).display().to_string() }
+    }
+
+    /// Writes something; where the disk is full, evicts the least recently used artifacts until it fits. Gives up when
+    /// none is left, or when others change files for longer than a computation should wait.
+    pub(super) fn with_room<T>(
+        &self,
+        need: u64,
+        mut write: impl FnMut() -> Result<T, StoreError>,
+    ) -> Result<T, StoreError> {
+        loop {
+            match write() {
+                Err(error) if error.is_full() => {
+                    let Some(mut index) = self.index_soon() else { return Err(error) };
+                    if !self.evict(&mut index, need)? {
+                        return Err(error);
+                    }
+                }
+                done => return done,
+            }
+        }
+    }
+
+    /// The right to change files, if it can be had soon.
+    fn index_soon(&self) -> Option<MutexGuard<'_, Index>> {
+        for _ in 0..TRIES {
+            match self.index.try_lock() {
+                Ok(index) => return Some(index),
+                Err(TryLockError::Poisoned(poisoned)) => return Some(poisoned.into_inner()),
+                Err(TryLockError::WouldBlock) => thread::sleep(PAUSE),
+            }
+        }
+        None
+    }
+
+    /// Evicts the least recently used artifacts, as the disk has no room for `need` bytes; false when none is left.
+    pub(super) fn make_room(&self, need: u64) -> Result<bool, StoreError> {
+        self.evict(&mut lock(&self.index), need)
+    }
+
+    fn evict(&self, index: &mut Index, need: u64) -> Result<bool, StoreError> {
+        let mut freed = 0;
+        while freed < need {
+            let Some((key, cost, _)) = ({ lock(&self.shelf).evict_oldest() }) else { break };
+            index.note_removed(key);
+            self.folder.remove(&key)?;
+            freed += cost;
+        }
+        tracing::warn!(need, freed, "the disk is full; the least recently used artifacts leave");
+        Ok(freed > 0)
     }
 
     /// Removes an artifact; says whether it was here.
@@ -151,9 +256,20 @@ impl Inner {
     }
 }
 
+impl Inner {
+    fn close(&self) {
+        let mut index = lock(&self.index);
+        if !index.is_closed() {
+            self.write_index(&mut index);
+            index.shut();
+            self.folder.release();
+        }
+    }
+}
+
 impl Drop for Inner {
     fn drop(&mut self) {
-        self.write_index(&mut lock(&self.index));
+        self.close();
     }
 }
 

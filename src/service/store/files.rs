@@ -1,7 +1,7 @@
 //! The folder of the embedded store: where each file stands, and how one gets there whole.
 //!
 //! ```text
-//! lock                          held by the one process that uses the folder
+//! lock                          held, like the folder itself, by the one process that uses the folder
 //! index.redb                    order of use
 //! tmp/<64 hex>.<number>.tmp     being written
 //! artifacts/ab/<64 hex>         bytes
@@ -11,13 +11,15 @@
 //! File names come from [`Key`]s and counters only, never from text of a request.
 
 use std::fs::{self, File, TryLockError};
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
 
 use bytes::Bytes;
 
-use super::{Manifest, parts};
+use super::disk::Disk;
+use super::{Manifest, lock, parts};
 use crate::job::key::Key;
 
 /// What follows the key in the name of a manifest.
@@ -28,25 +30,27 @@ const TMP_SUFFIX: &str = ".tmp";
 #[derive(Debug)]
 pub(super) struct Folder {
     root: PathBuf,
+    disk: Arc<dyn Disk>,
     n_tmp: AtomicU64,
-    /// Let go by the system when the file is closed, however the process ends.
-    _lock: File,
+    /// Let go by the system when the files are closed, however the process ends.
+    locks: Mutex<Vec<File>>,
 }
 
 impl Folder {
     /// Makes the folder if need be and takes hold of it.
-    pub(super) fn open(root: &Path) -> io::Result<Self> {
+    pub(super) fn open(root: &Path, disk: Arc<dyn Disk>) -> io::Result<Self> {
         let make = |path: &Path| fs::create_dir_all(path).map_err(at("make", path));
         make(&root.join("tmp"))?;
         make(&root.join("artifacts"))?;
-        let path = root.join("lock");
-        let lock = File::options().create(true).truncate(false).write(true).open(&path).map_err(at("open", &path))?;
-        lock.try_lock().map_err(|error| match error {
-            TryLockError::WouldBlock => io::Error::new(io::ErrorKind::ResourceBusy, in_use(root)),
-            TryLockError::Error(error) => at("lock", &path)(error),
-        })?;
-        sync_folder(root)?;
-        Ok(Self { root: root.to_owned(), n_tmp: AtomicU64::new(0), _lock: lock })
+        let locks = Mutex::new(hold(root)?);
+        let folder = Self { root: root.to_owned(), disk, n_tmp: AtomicU64::new(0), locks };
+        folder.sync_folder(root)?;
+        Ok(folder)
+    }
+
+    /// Lets go of the folder: another process may take it.
+    pub(super) fn release(&self) {
+        lock(&self.locks).clear();
     }
 
     pub(super) fn tmp(&self) -> PathBuf {
@@ -84,28 +88,34 @@ impl Folder {
         fs::create_dir_all(&folder).map_err(at("make", &folder))?;
         let path = folder.join(format!("{key}.{}{TMP_SUFFIX}", self.n_tmp.fetch_add(1, Ordering::Relaxed)));
         let file = File::create_new(&path).map_err(at("make", &path))?;
-        Ok(Tmp { path, file, placed: false })
+        Ok(Tmp { path, file, disk: Arc::clone(&self.disk), placed: AtomicBool::new(false) })
     }
 
-    /// Makes two written and synced files the artifact of `key`. On failure nothing of it is left.
+    /// Makes two written and synced files the artifact of `key`. On failure nothing of it is left under its name.
     ///
     /// One sync of the folder is enough for both names: until it returns nobody was told that the artifact exists, and
     /// of bytes without a manifest, or a manifest without its bytes, the next start sweeps what is there.
-    pub(super) fn place(&self, key: &Key, bytes: &mut Tmp, manifest: &mut Tmp) -> io::Result<()> {
+    pub(super) fn place(&self, key: &Key, bytes: &Tmp, manifest: &Tmp) -> io::Result<()> {
         let shard = self.shard(key);
         if !shard.is_dir() {
             fs::create_dir_all(&shard).map_err(at("make", &shard))?;
-            sync_folder(&self.artifacts())?;
-            sync_folder(&self.root)?;
+            self.sync_folder(&self.artifacts())?;
+            self.sync_folder(&self.root)?;
         }
         let placed = bytes
             .rename(&self.bytes(key))
             .and_then(|()| manifest.rename(&self.manifest(key)))
-            .and_then(|()| sync_folder(&shard));
+            .and_then(|()| self.sync_folder(&shard));
         placed.inspect_err(|_| {
             // The first error is the one to tell; the next start sweeps what stays.
-            let _ = self.remove(key);
+            let _ = remove_file(&self.manifest(key));
+            bytes.withdraw(&self.bytes(key));
         })
+    }
+
+    /// Whether something that is no file has the name of an artifact or of its manifest: neither can be written then.
+    pub(super) fn is_occupied(&self, key: &Key) -> bool {
+        self.bytes(key).is_dir() || self.manifest(key).is_dir()
     }
 
     /// Removes an artifact, its manifest first: without it the artifact does not exist.
@@ -116,27 +126,62 @@ impl Folder {
 
     /// Makes removals from the folder of `key` last.
     pub(super) fn sync(&self, key: &Key) -> io::Result<()> {
-        match sync_folder(&self.shard(key)) {
+        match self.sync_folder(&self.shard(key)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
             synced => synced,
         }
     }
 
+    /// Makes the names in a folder last.
+    fn sync_folder(&self, path: &Path) -> io::Result<()> {
+        if cfg!(unix) {
+            File::open(path).and_then(|folder| self.disk.sync(&folder)).map_err(at("sync", path))?;
+        }
+        Ok(())
+    }
+
     /// Reads a part; `None` unless its bytes have the hash in the manifest.
     pub(super) fn read_part(&self, manifest: &Manifest, index: usize) -> io::Result<Option<Bytes>> {
-        let Some((start, length)) = parts::span(manifest, index) else { return Ok(None) };
-        let path = self.bytes(&manifest.key);
-        let mut file = match File::open(&path) {
-            Ok(file) => file,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-            Err(error) => return Err(at("open", &path)(error)),
-        };
-        let mut bytes = Vec::with_capacity(length);
-        file.seek(SeekFrom::Start(start)).map_err(at("read", &path))?;
-        file.take(length as u64).read_to_end(&mut bytes).map_err(at("read", &path))?;
-        let sound = manifest.parts.get(index) == Some(&parts::hash(&bytes));
-        Ok(sound.then(|| Bytes::from(bytes)))
+        read_part(&*self.disk, &self.bytes(&manifest.key), manifest, index)
     }
+}
+
+/// Reads a part of an artifact from the file that has its bytes; `None` unless they have the hash in the manifest. What
+/// is there but is no file counts as damaged.
+fn read_part(disk: &dyn Disk, path: &Path, manifest: &Manifest, index: usize) -> io::Result<Option<Bytes>> {
+    let Some((start, length)) = parts::span(manifest, index) else { return Ok(None) };
+    let bytes = match disk.read(path, start, length) {
+        Ok(bytes) => bytes,
+        Err(error) if error.kind() == io::ErrorKind::NotFound || path.is_dir() => return Ok(None),
+        Err(error) => return Err(at("read", path)(error)),
+    };
+    let sound = manifest.parts.get(index) == Some(&parts::hash(&bytes));
+    Ok(sound.then(|| Bytes::from(bytes)))
+}
+
+/// Takes hold of a folder: locks the file `lock` in it and, where folders can be locked, the folder itself, so that
+/// removing the file does not let a second process in.
+fn hold(root: &Path) -> io::Result<Vec<File>> {
+    let path = root.join("lock");
+    let file = File::options().create(true).truncate(false).write(true).open(&path).map_err(at("open", &path))?;
+    let busy = || io::Error::new(io::ErrorKind::ResourceBusy, in_use(root));
+    file.try_lock().map_err(|error| match error {
+        TryLockError::WouldBlock => busy(),
+        TryLockError::Error(error) => at("lock", &path)(error),
+    })?;
+    let mut held = vec![file];
+    if cfg!(unix) {
+        let folder = File::open(root).map_err(at("open", root))?;
+        match folder.try_lock() {
+            Ok(()) => held.push(folder),
+            Err(TryLockError::WouldBlock) => return Err(busy()),
+            // some network file systems lock files only
+            Err(TryLockError::Error(error)) => {
+                tracing::warn!(dir = %root.display(), %error, "the folder cannot be locked; its lock file alone protects it");
+            }
+        }
+    }
+    Ok(held)
 }
 
 /// A file being written; removed again when it is dropped before it got its final name.
@@ -144,28 +189,47 @@ impl Folder {
 pub(super) struct Tmp {
     path: PathBuf,
     file: File,
-    placed: bool,
+    disk: Arc<dyn Disk>,
+    placed: AtomicBool,
 }
 
 impl Tmp {
-    pub(super) fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.file.write_all(bytes).map_err(at("write", &self.path))
+    /// Writes `bytes`, `offset` bytes after the start.
+    pub(super) fn write(&mut self, offset: u64, bytes: &[u8]) -> io::Result<()> {
+        self.disk.write(&mut self.file, offset, bytes).map_err(at("write", &self.path))
     }
 
     pub(super) fn sync(&self) -> io::Result<()> {
-        self.file.sync_all().map_err(at("sync", &self.path))
+        self.disk.sync(&self.file).map_err(at("sync", &self.path))
     }
 
-    fn rename(&mut self, to: &Path) -> io::Result<()> {
-        fs::rename(&self.path, to).map_err(at("place", to))?;
-        self.placed = true;
+    /// Reads `length` bytes back, from `offset` bytes after the start.
+    pub(super) fn read(&self, offset: u64, length: usize) -> io::Result<Vec<u8>> {
+        self.disk.read(&self.path, offset, length).map_err(at("read", &self.path))
+    }
+
+    /// Reads a part of the artifact whose bytes these are, as long as the file has not got its final name.
+    pub(super) fn read_part(&self, manifest: &Manifest, index: usize) -> io::Result<Option<Bytes>> {
+        read_part(&*self.disk, &self.path, manifest, index)
+    }
+
+    fn rename(&self, to: &Path) -> io::Result<()> {
+        self.disk.rename(&self.path, to).map_err(at("place", to))?;
+        self.placed.store(true, Ordering::Release);
         Ok(())
+    }
+
+    /// Takes a final name back.
+    fn withdraw(&self, from: &Path) {
+        if self.placed.swap(false, Ordering::AcqRel) && fs::rename(from, &self.path).is_err() {
+            let _ = remove_file(from);
+        }
     }
 }
 
 impl Drop for Tmp {
     fn drop(&mut self) {
-        if !self.placed {
+        if !*self.placed.get_mut() {
             // Nothing to do about a failure here: the next start sweeps the file.
             let _ = fs::remove_file(&self.path);
         }
@@ -177,20 +241,16 @@ pub(super) fn is_tmp_name(name: &str) -> bool {
     name.ends_with(TMP_SUFFIX) && name.get(..64).and_then(Key::parse).is_some()
 }
 
-/// Removes a file, if it is there.
+/// Removes a file, if it is there. A folder of that name is not of this store and is left alone.
 pub(super) fn remove_file(path: &Path) -> io::Result<()> {
     match fs::remove_file(path) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(at("remove", path)(error)),
-        _ => Ok(()),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        Err(_) if path.is_dir() => {
+            tracing::warn!(path = %path.display(), "a folder stands where a file of the store would; left alone");
+            Ok(())
+        }
+        removed => removed.map_err(at("remove", path)),
     }
-}
-
-/// Makes the names in a folder last.
-fn sync_folder(path: &Path) -> io::Result<()> {
-    if cfg!(unix) {
-        File::open(path).and_then(|folder| folder.sync_all()).map_err(at("sync", path))?;
-    }
-    Ok(())
 }
 
 fn in_use(root: &Path) -> String {

@@ -32,12 +32,14 @@ pub(super) struct Index {
     written: u64,
     removed: Vec<Key>,
     changes: u32,
+    /// Nothing is to be written any more.
+    closed: bool,
 }
 
 impl Index {
     /// Opens the index, or an empty one in its place, and reads the numbers of last use.
     pub(super) fn open(path: PathBuf) -> (Self, HashMap<Key, u64>) {
-        let mut index = Self { path, database: None, written: 0, removed: Vec::new(), changes: 0 };
+        let mut index = Self { path, database: None, written: 0, removed: Vec::new(), changes: 0, closed: false };
         let uses = index.read().unwrap_or_else(|error| {
             tracing::warn!(path = %index.path.display(), error, "the index cannot be read and is made anew");
             index.close();
@@ -95,6 +97,17 @@ impl Index {
         };
         let database = self.database.insert(database);
         guarded(|| write(database, self.written == 0, removed, uses))
+    }
+
+    /// Closes the file for good.
+    pub(super) fn shut(&mut self) {
+        self.close();
+        self.closed = true;
+    }
+
+    /// Whether it was closed for good.
+    pub(super) fn is_closed(&self) -> bool {
+        self.closed
     }
 
     /// Closing writes too, so it can fail as a write can.

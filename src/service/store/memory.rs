@@ -8,7 +8,7 @@ use bytes::Bytes;
 
 use super::parts::{self, Parts};
 use super::shelf::{self, Shelf};
-use super::{Description, Manifest, PART_BYTES, Spool, Store, StoreError, Usage, lock};
+use super::{Description, Manifest, Spool, Store, StoreError, Usage, lock};
 use crate::job::key::Key;
 
 /// Charged for an entry besides its bytes: the record, its strings, the places in the maps.
@@ -33,6 +33,40 @@ impl Memory {
     pub fn new(capacity_bytes: u64) -> Self {
         Self { shelf: Arc::new(Mutex::new(Shelf::new(capacity_bytes))), capacity: capacity_bytes }
     }
+
+    /// All bytes of an artifact, if it is here; no use.
+    pub(in crate::service) fn whole(&self, manifest: &Manifest) -> Option<Bytes> {
+        let shelf = lock(&self.shelf);
+        let held = shelf.peek(&manifest.key).filter(|held| held.manifest.content == manifest.content);
+        held.map(|held| held.bytes.clone())
+    }
+
+    /// Keeps an artifact whose bytes are all there. Where the same bytes are here already, those stay.
+    ///
+    /// # Errors
+    /// [`StoreError::TooLarge`].
+    pub(in crate::service) fn keep(&self, manifest: Arc<Manifest>, bytes: Bytes) -> Result<Arc<Manifest>, StoreError> {
+        let key = manifest.key;
+        let cost = manifest.length + manifest.encode().len() as u64 + ENTRY_BYTES;
+        shelf::admit(cost, self.capacity)?;
+        let held = Held { manifest: Arc::clone(&manifest), bytes };
+
+        let mut left = Vec::new(); // freed after the lock
+        let mut shelf = lock(&self.shelf);
+        if let Some(present) = shelf.touch(&key).filter(|present| present.manifest.content == manifest.content) {
+            return Ok(Arc::clone(&present.manifest));
+        }
+        let replaced = shelf.remove(&key);
+        while let Some((_, evicted)) = shelf.evict_for(cost) {
+            left.push(evicted);
+        }
+        shelf.insert(key, cost, held);
+        drop(shelf);
+        if replaced.is_some() {
+            tracing::warn!(%key, "an artifact was made again with other bytes; the new ones replace the old");
+        }
+        Ok(manifest)
+    }
 }
 
 impl Store for Memory {
@@ -45,11 +79,7 @@ impl Store for Memory {
     }
 
     fn part(&self, manifest: &Manifest, index: usize) -> Result<Option<Bytes>, StoreError> {
-        let Some((start, length)) = parts::span(manifest, index) else { return Ok(None) };
-        let Ok(start) = usize::try_from(start) else { return Ok(None) };
-        let shelf = lock(&self.shelf);
-        let held = shelf.peek(&manifest.key).filter(|held| held.manifest.content == manifest.content);
-        Ok(held.filter(|held| held.bytes.len() >= start + length).map(|held| held.bytes.slice(start..start + length)))
+        Ok(self.whole(manifest).and_then(|bytes| parts::part_of(manifest, &bytes, index)))
     }
 
     fn spool(&self, key: Key) -> Result<Box<dyn Spool>, StoreError> {
@@ -95,28 +125,11 @@ impl Write for MemorySpool {
 
 impl Spool for MemorySpool {
     fn commit(mut self: Box<Self>, description: Description) -> Result<Arc<Manifest>, StoreError> {
+        if self.refused {
+            shelf::admit(u64::MAX, self.store.capacity)?;
+        }
         let bytes = mem::take(&mut self.bytes);
-        let mut parts = Parts::default();
-        bytes.chunks(PART_BYTES).for_each(|part| parts.push(part));
-        let manifest = Arc::new(parts.manifest(self.key, description));
-        let cost = if self.refused { u64::MAX } else { manifest.length + manifest.encode().len() as u64 + ENTRY_BYTES };
-        shelf::admit(cost, self.store.capacity)?;
-        let held = Held { manifest: Arc::clone(&manifest), bytes: Bytes::from(bytes.into_boxed_slice()) };
-
-        let mut left = Vec::new(); // freed after the lock
-        let mut shelf = lock(&self.store.shelf);
-        if let Some(present) = shelf.touch(&self.key).filter(|present| present.manifest.content == manifest.content) {
-            return Ok(Arc::clone(&present.manifest));
-        }
-        let replaced = shelf.remove(&self.key);
-        while let Some((_, evicted)) = shelf.evict_for(cost) {
-            left.push(evicted);
-        }
-        shelf.insert(self.key, cost, held);
-        drop(shelf);
-        if replaced.is_some() {
-            tracing::warn!(key = %self.key, "an artifact was made again with other bytes; the new ones replace the old");
-        }
-        Ok(manifest)
+        let manifest = Arc::new(Parts::of(&bytes).manifest(self.key, description));
+        self.store.keep(manifest, Bytes::from(bytes.into_boxed_slice()))
     }
 }

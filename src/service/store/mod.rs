@@ -1,5 +1,6 @@
 //! Stores: keys and bytes only, content addressed, verified part by part when read.
 
+mod disk;
 mod disk_spool;
 mod embedded;
 mod files;
@@ -7,11 +8,16 @@ mod index;
 mod manifest;
 mod memory;
 mod parts;
+mod sealed;
 mod shelf;
 mod sweep;
 
+pub use disk::{Disk, Local};
+pub(super) use disk_spool::DiskSpool;
 pub use embedded::Embedded;
 pub use memory::Memory;
+pub(super) use parts::part_of;
+pub(super) use sealed::Sealed;
 
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -57,6 +63,20 @@ pub struct Description {
     pub media_type: String,
     /// Warnings of the computation.
     pub warnings: Vec<String>,
+}
+
+impl Description {
+    /// What was said of an artifact.
+    pub fn of(manifest: &Manifest) -> Self {
+        Self { media_type: manifest.media_type.clone(), warnings: manifest.warnings.clone() }
+    }
+}
+
+impl Manifest {
+    /// What is known of bytes that are all there.
+    pub fn of(key: Key, bytes: &[u8], description: Description) -> Self {
+        parts::Parts::of(bytes).manifest(key, description)
+    }
 }
 
 /// A place where artifacts are kept. Bounded: the least recently used ones leave when there is no room.
@@ -140,9 +160,22 @@ pub enum StoreError {
         /// Most bytes one artifact may have: half of what may be held.
         capacity: u64,
     },
+    /// Something that is no file has the name of the artifact.
+    #[error("a folder stands where the artifact would: {path}; remove it")]
+    Occupied {
+        /// Where.
+        path: String,
+    },
     /// The disk or the index failed.
     #[error("the store failed: {0}")]
     Io(#[source] io::Error),
+}
+
+impl StoreError {
+    /// Whether there was no room on the disk: removing something may help.
+    pub fn is_full(&self) -> bool {
+        matches!(self, Self::Io(error) if disk::is_full(error))
+    }
 }
 
 impl From<io::Error> for StoreError {
@@ -156,6 +189,7 @@ impl From<StoreError> for io::Error {
         match error {
             StoreError::Io(error) => error,
             StoreError::TooLarge { .. } => Self::new(io::ErrorKind::FileTooLarge, error),
+            StoreError::Occupied { .. } => Self::new(io::ErrorKind::IsADirectory, error),
         }
     }
 }

@@ -1,12 +1,13 @@
 //! The hashes of an artifact, taken while its bytes pass by.
 
 use blake3::Hasher;
+use bytes::Bytes;
 
 use super::{BUILD, Description, Manifest, PART_BYTES};
 use crate::job::key::{Key, RESULTS_VERSION};
 
 /// The hashes and the length of the parts seen so far.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Parts {
     whole: Hasher,
     hashes: Vec<Key>,
@@ -14,6 +15,13 @@ pub(super) struct Parts {
 }
 
 impl Parts {
+    /// The parts of bytes that are all there.
+    pub(super) fn of(bytes: &[u8]) -> Self {
+        let mut parts = Self::default();
+        bytes.chunks(PART_BYTES).for_each(|part| parts.push(part));
+        parts
+    }
+
     /// Takes the next part: exactly [`PART_BYTES`], except for the last one.
     pub(super) fn push(&mut self, part: &[u8]) {
         debug_assert!(self.length.is_multiple_of(PART_BYTES as u64), "only the last part may be short");
@@ -25,6 +33,11 @@ impl Parts {
     /// Bytes seen so far.
     pub(super) fn length(&self) -> u64 {
         self.length
+    }
+
+    /// The hash of each part seen so far.
+    pub(super) fn hashes(&self) -> &[Key] {
+        &self.hashes
     }
 
     /// BLAKE3 of all bytes seen so far.
@@ -57,4 +70,12 @@ pub(super) fn span(manifest: &Manifest, index: usize) -> Option<(u64, usize)> {
     let start = u64::try_from(index).ok()?.checked_mul(PART_BYTES as u64)?;
     let left = manifest.length.checked_sub(start).filter(|&left| left > 0)?;
     Some((start, usize::try_from(left).map_or(PART_BYTES, |left| left.min(PART_BYTES))))
+}
+
+/// Part `index` of an artifact whose bytes are all there; `None` when there is no such part.
+pub(in crate::service) fn part_of(manifest: &Manifest, bytes: &Bytes, index: usize) -> Option<Bytes> {
+    let (start, length) = span(manifest, index)?;
+    let start = usize::try_from(start).ok()?;
+    let end = start.checked_add(length).filter(|&end| end <= bytes.len())?;
+    Some(bytes.slice(start..end))
 }

@@ -54,10 +54,16 @@ impl<V> Shelf<V> {
         if self.bytes.saturating_add(cost) <= self.capacity && self.entries.len() < MAX_ARTIFACTS {
             return None;
         }
+        self.evict_oldest().map(|(key, _, value)| (key, value))
+    }
+
+    /// Takes out the least recently used entry: its key, what it cost, its value.
+    pub(super) fn evict_oldest(&mut self) -> Option<(Key, u64, V)> {
         let (_, &key) = self.order.first_key_value()?;
+        let cost = self.entries.get(&key)?.cost;
         let value = self.remove(&key)?;
         self.evicted += 1;
-        Some((key, value))
+        Some((key, cost, value))
     }
 
     /// Puts an entry in, as the most recently used one; gives back what it replaced.

@@ -1,6 +1,6 @@
 //! The start of the embedded store: finds the artifacts in its folder, removes what is no whole artifact.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fs::{self, DirEntry, File, Metadata};
 use std::io::{self, Read};
 use std::path::Path;
@@ -22,6 +22,8 @@ pub(super) struct Swept {
     pub(super) damaged: u64,
     /// Left-overs and artifacts of another results version that were removed.
     pub(super) removed: u64,
+    /// Keys of artifacts that cannot be written, as something that is no file has their name.
+    pub(super) occupied: HashSet<Key>,
 }
 
 /// A whole artifact.
@@ -37,7 +39,7 @@ pub(super) struct Found {
 pub(super) fn sweep(folder: &Folder) -> io::Result<Swept> {
     let mut swept = Swept::default();
     for entry in entries(&folder.tmp())? {
-        if name(&entry).is_some_and(|name| files::is_tmp_name(&name)) {
+        if name(&entry).is_some_and(|name| files::is_tmp_name(&name)) && !entry.path().is_dir() {
             files::remove_file(&entry.path())?;
             swept.removed += 1;
         }
@@ -60,6 +62,7 @@ fn sweep_shard(folder: &Folder, shard: &str, swept: &mut Swept) -> io::Result<()
         let metadata = entry.metadata().ok().filter(Metadata::is_file);
         let (Some(key), Some(metadata)) = (key, metadata) else {
             tracing::warn!(path = %entry.path().display(), "not a file of the store; left alone");
+            swept.occupied.extend(key);
             continue;
         };
         if record.is_some() {

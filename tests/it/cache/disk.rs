@@ -7,7 +7,7 @@ use planish::service::store::Usage;
 use serde_json::Value;
 
 use crate::http::jobs::{mesh, polygon, with};
-use crate::http::server::{Answer, Folder, Server, settings, story};
+use crate::http::server::{Answer, Folder, Server, settings, story, until};
 
 /// A server with a data directory.
 fn on(folder: &Folder) -> Settings {
@@ -124,17 +124,18 @@ fn an_address_whose_bytes_are_damaged_is_made_again_where_its_job_is_known_and_g
         let status = server.settled(later.header("location")).await;
         let href = status["outputs"][0]["href"].as_str().unwrap();
         let sound = server.get(href).await.ok();
-        damage(&folder);
+        damage(server, &folder).await;
         assert_eq!(server.get(href).await.ok().body, sound.body, "its job is known");
         let other = server.render(&mesh(1)).await.ok();
-        damage(&folder);
+        damage(server, &folder).await;
         server.get(other.header("content-location")).await.problem(404, "not-found");
         assert_eq!(server.render(&mesh(1)).await.ok().body, other.body);
     });
 }
 
-/// Flips a bit in the bytes of every artifact.
-fn damage(folder: &Folder) {
+/// Flips a bit in the bytes of every artifact, once all are on disk.
+async fn damage(server: &Server, folder: &Folder) {
+    until("all is on disk", || server.app.desk.tiers.disk_backlog().0 == 0).await;
     for path in files(&folder.path().join("artifacts")).iter().filter(|path| path.extension().is_none()) {
         let mut bytes = std::fs::read(path).unwrap();
         bytes[9] ^= 4;

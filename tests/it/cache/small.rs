@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use planish::config::Settings;
 
 use crate::http::jobs::{mesh, polygon, with};
-use crate::http::server::{Folder, settings, story};
+use crate::http::server::{Folder, settings, story, until};
 
 /// Room for a few results of [`job`].
 fn small() -> Settings {
@@ -87,6 +87,7 @@ fn a_small_disk_cache_keeps_within_its_bounds() {
             let first = server.render(&job).await.ok();
             let again = server.render(&job).await.ok();
             assert_eq!(first.body, again.body);
+            until("it is on disk", || server.app.desk.tiers.disk_backlog().0 == 0).await;
             let (_, usage) = server.app.desk.tiers.usage().pop().unwrap();
             assert!(usage.bytes <= usage.capacity, "{usage:?}");
             evicted = usage.evicted;

@@ -1,0 +1,113 @@
+//! A result being made: its bytes go to where they will be kept, and stay at hand when that place fails, so that they
+//! are computed once.
+
+use std::io::{self, Write};
+use std::sync::Arc;
+
+use bytes::Bytes;
+
+use super::disk_counts::count;
+use super::store::{Description, DiskSpool, Manifest, StoreError};
+use super::tiers::Tiers;
+use super::writer::Waiting;
+use crate::job::key::Key;
+
+/// Bytes that a result may have in memory beyond what its estimate says.
+const SLACK_BYTES: u128 = 1 << 20;
+
+/// A result being made.
+#[derive(Debug)]
+pub struct Draft<'a> {
+    tiers: &'a Tiers,
+    key: Key,
+    /// Where the bytes go, as long as that works.
+    spool: Option<DiskSpool>,
+    /// All bytes, where there is no spool.
+    bytes: Vec<u8>,
+    max_bytes: usize,
+    lost: bool,
+}
+
+/// A result that was made.
+#[derive(Debug)]
+pub struct Kept {
+    /// What is known of the bytes.
+    pub manifest: Arc<Manifest>,
+    /// The bytes themselves when no store has them.
+    pub loose: Option<Bytes>,
+}
+
+impl<'a> Draft<'a> {
+    /// A draft of about so many bytes, in this spool or in memory. In memory it may have what the estimate of its job
+    /// says, which is an upper bound that the job's memory contains.
+    pub(super) fn new(tiers: &'a Tiers, key: Key, about_bytes: u128, spool: Option<DiskSpool>) -> Self {
+        let max_bytes = about_bytes.saturating_add(about_bytes / 4).saturating_add(SLACK_BYTES);
+        let max_bytes = usize::try_from(max_bytes).unwrap_or(usize::MAX);
+        Self { tiers, key, spool, bytes: Vec::new(), max_bytes, lost: false }
+    }
+
+    /// Whether the disk lost bytes that it had taken, so that they have to be computed again.
+    pub fn has_lost_bytes(&self) -> bool {
+        self.lost
+    }
+
+    /// Keeps the result where there is room for it.
+    ///
+    /// # Errors
+    /// When the disk [lost](Self::has_lost_bytes) bytes.
+    pub fn commit(&mut self, description: Description) -> Result<Kept, StoreError> {
+        if let Some(mut spool) = self.spool.take() {
+            match spool.seal(description.clone()) {
+                Ok(sealed) => {
+                    let sealed = Arc::new(sealed);
+                    if self.tiers.offer(&Waiting::Sealed(Arc::clone(&sealed))) {
+                        return Ok(Kept { manifest: Arc::clone(sealed.manifest()), loose: None });
+                    }
+                    self.bytes = self.taken_back(sealed.whole())?;
+                }
+                Err(error) => self.take_back(spool, &error)?,
+            }
+        }
+        let bytes = Bytes::from(std::mem::take(&mut self.bytes).into_boxed_slice());
+        Ok(self.tiers.keep(Arc::new(Manifest::of(self.key, &bytes, description)), bytes))
+    }
+
+    /// Takes what the disk has into memory, as it takes no more.
+    fn take_back(&mut self, spool: DiskSpool, error: &StoreError) -> Result<(), StoreError> {
+        tracing::warn!(key = %self.key, %error, "the disk does not take the result; it stays in memory");
+        self.tiers.failed(error);
+        self.bytes = self.taken_back(spool.reclaim().map_err(StoreError::from))?;
+        Ok(())
+    }
+
+    fn taken_back(&mut self, bytes: Result<Vec<u8>, StoreError>) -> Result<Vec<u8>, StoreError> {
+        self.lost = bytes.is_err();
+        let counts = self.tiers.disk_counts();
+        count(if self.lost { &counts.lost } else { &counts.taken_back });
+        bytes
+    }
+}
+
+impl Write for Draft<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if let Some(mut spool) = self.spool.take() {
+            match spool.take(bytes) {
+                Ok(taken) => {
+                    self.spool = Some(spool);
+                    return Ok(taken);
+                }
+                Err(error) => self.take_back(spool, &error)?,
+            }
+        }
+        if self.lost || self.bytes.len().saturating_add(bytes.len()) > self.max_bytes {
+            let detail = format!("the result has more than the {} bytes that its estimate allows", self.max_bytes);
+            return Err(io::Error::new(io::ErrorKind::FileTooLarge, detail));
+        }
+        self.bytes.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}

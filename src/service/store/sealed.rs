@@ -1,0 +1,98 @@
+//! An artifact whose bytes are all in a temporary file: readable, and on its way to its name.
+
+use std::io::Write;
+use std::sync::Arc;
+
+use bytes::Bytes;
+
+use super::disk_spool::{self, DiskSpool};
+use super::embedded::Inner;
+use super::files::Tmp;
+use super::{Description, Manifest, StoreError};
+
+/// A finished spool of the embedded store; dropped before it [settles](Self::settle), it leaves nothing.
+#[derive(Debug)]
+pub(in crate::service) struct Sealed {
+    store: Arc<Inner>,
+    manifest: Arc<Manifest>,
+    bytes: Tmp,
+}
+
+impl Sealed {
+    pub(super) fn new(store: Arc<Inner>, manifest: Arc<Manifest>, bytes: Tmp) -> Self {
+        Self { store, manifest, bytes }
+    }
+
+    /// What is known of the bytes.
+    pub(in crate::service) fn manifest(&self) -> &Arc<Manifest> {
+        &self.manifest
+    }
+
+    /// A verified part, as long as the file has not got its name: then the store has it. Blocks.
+    ///
+    /// # Errors
+    /// When the disk fails.
+    pub(in crate::service) fn part(&self, index: usize) -> Result<Option<Bytes>, StoreError> {
+        Ok(self.bytes.read_part(&self.manifest, index)?)
+    }
+
+    /// All bytes, verified. Blocks.
+    ///
+    /// # Errors
+    /// When the disk fails or the bytes are damaged.
+    pub(in crate::service) fn whole(&self) -> Result<Vec<u8>, StoreError> {
+        let mut bytes = Vec::new();
+        for index in 0..self.manifest.parts.len() {
+            bytes.extend_from_slice(&self.sound_part(index)?);
+        }
+        Ok(bytes)
+    }
+
+    fn sound_part(&self, index: usize) -> Result<Bytes, StoreError> {
+        let damaged =
+            || std::io::Error::new(std::io::ErrorKind::InvalidData, "bytes that were just written are damaged");
+        Ok(self.part(index)?.ok_or_else(damaged)?)
+    }
+
+    /// Makes the bytes the artifact, durably. Where the disk is full, the least recently used artifacts leave until the
+    /// bytes fit or none is left. Blocks.
+    ///
+    /// When the same bytes are here already, those are kept; other bytes under the same key are replaced.
+    ///
+    /// # Errors
+    /// When the bytes cannot be kept.
+    pub(in crate::service) fn settle(&self) -> Result<Arc<Manifest>, StoreError> {
+        let mut copy: Option<Self> = None;
+        loop {
+            match copy.as_ref().unwrap_or(self).place() {
+                // after a failed sync the system may take lost bytes for written ones: only a new file is sound
+                Err(error) if error.is_full() && self.store.make_room(self.cost())? => copy = Some(self.copied()?),
+                placed => return placed,
+            }
+        }
+    }
+
+    fn cost(&self) -> u64 {
+        disk_spool::cost(self.manifest.length, self.manifest.encode().len())
+    }
+
+    fn copied(&self) -> Result<Self, StoreError> {
+        let mut spool = DiskSpool::new(Arc::clone(&self.store), self.manifest.key);
+        for index in 0..self.manifest.parts.len() {
+            spool.write_all(&self.sound_part(index)?)?;
+        }
+        spool.seal(Description::of(&self.manifest))
+    }
+
+    fn place(&self) -> Result<Arc<Manifest>, StoreError> {
+        let (store, key) = (&self.store, &self.manifest.key);
+        if let Some(present) = store.held(key, &self.manifest.content) {
+            return Ok(present);
+        }
+        self.bytes.sync()?;
+        let mut record = store.folder.create_tmp(key)?;
+        record.write(0, &self.manifest.encode())?;
+        record.sync()?;
+        store.keep(Arc::clone(&self.manifest), self.cost(), &self.bytes, &record)
+    }
+}
