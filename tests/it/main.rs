@@ -19,6 +19,7 @@ mod readers;
 mod refusals;
 mod robustness;
 mod sections;
+mod settings;
 mod shapes;
 mod stats;
 mod store;
