@@ -10,6 +10,7 @@ use serde::de::DeserializeOwned;
 use super::App;
 use super::problem::{self, Problem};
 use crate::job::limits::in_bytes;
+use crate::math::parameter::shortened;
 use crate::wire::read::read;
 
 /// Bodies up to this length are parsed where they arrive; longer ones on the blocking pool.
@@ -112,7 +113,8 @@ fn check_media_type(headers: &HeaderMap) -> Result<(), Problem> {
     if let Some(encoding) =
         headers.get(header::CONTENT_ENCODING).filter(|value| !value.as_bytes().eq_ignore_ascii_case(b"identity"))
     {
-        let detail = format!("Content-Encoding {encoding:?} is not read; send the JSON as it is");
+        let encoding = shortened(encoding.to_str().unwrap_or("?"));
+        let detail = format!("Content-Encoding \"{encoding}\" is not read; send the JSON as it is");
         return Err(Problem::new(problem::MEDIA_TYPE, detail));
     }
     let given = headers.get(header::CONTENT_TYPE).map(|value| value.to_str().unwrap_or("?"));
@@ -120,6 +122,7 @@ fn check_media_type(headers: &HeaderMap) -> Result<(), Problem> {
     match essence.as_deref() {
         Some("application/json") => Ok(()),
         Some(other) => {
+            let other = shortened(other);
             let detail = format!("Content-Type is {other}; send the job as Content-Type: application/json");
             Err(Problem::new(problem::MEDIA_TYPE, detail))
         }
