@@ -12,6 +12,7 @@ use super::pace::Pace;
 use super::problem::{self, Problem};
 use super::requests::Client;
 use crate::job::limits::in_bytes;
+use crate::math::parameter::shortened;
 use crate::service::account::Held;
 use crate::service::peer::{Kind, Ticket};
 use crate::service::pool::Lane;
@@ -170,7 +171,8 @@ fn check_media_type(headers: &HeaderMap) -> Result<(), Problem> {
     if let Some(encoding) =
         headers.get(header::CONTENT_ENCODING).filter(|value| !value.as_bytes().eq_ignore_ascii_case(b"identity"))
     {
-        let detail = format!("Content-Encoding {encoding:?} is not read; send the JSON as it is");
+        let encoding = shortened(encoding.to_str().unwrap_or("?"));
+        let detail = format!("Content-Encoding \"{encoding}\" is not read; send the JSON as it is");
         return Err(Problem::new(problem::MEDIA_TYPE, detail));
     }
     let given = headers.get(header::CONTENT_TYPE).map(|value| value.to_str().unwrap_or("?"));
@@ -178,6 +180,7 @@ fn check_media_type(headers: &HeaderMap) -> Result<(), Problem> {
     match essence.as_deref() {
         Some("application/json") => Ok(()),
         Some(other) => {
+            let other = shortened(other);
             let detail = format!("Content-Type is {other}; send the job as Content-Type: application/json");
             Err(Problem::new(problem::MEDIA_TYPE, detail))
         }

@@ -7,14 +7,20 @@ use std::time::{Duration, SystemTime};
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 
-use crate::fault::Fault;
+use crate::fault::{Fault, cut};
 use crate::job::limits::Refusal;
 use crate::math::parameter::shortened;
 use crate::service::computation::Failure;
 use crate::service::desk::Unread;
 use crate::service::pool::Busy;
-use crate::wire::answer::ProblemAnswer;
+use crate::wire::answer::{FaultAnswer, ProblemAnswer};
 use crate::wire::read::ReadError;
+
+/// Most bytes of the faults that one answer lists: some hundred of them, more than a reader mends at once. With its detail,
+/// in which every character may be escaped by six, the whole answer stays below 64 KiB.
+const MOST_FAULT_BYTES: usize = 32 << 10;
+/// Most characters of a detail: a place and a sentence at their longest.
+const MOST_DETAIL: usize = 4000;
 
 /// A kind of problem: its slug, title and status, and a page's worth of explanation.
 #[derive(Debug, Clone, Copy)]
@@ -115,12 +121,18 @@ impl Problem {
 
     /// The body, which is told in the log as well.
     fn answer(self) -> ProblemAnswer {
+        let n_faults = self.errors.len();
+        let errors = listed(self.errors);
+        let mut detail = cut(&self.detail, MOST_DETAIL).into_owned();
+        if errors.len() < n_faults {
+            detail.push_str(&format!("; errors lists the first {}", errors.len()));
+        }
         let answer = ProblemAnswer {
             kind: format!("/docs/problems/{}", self.kind.slug),
             title: self.kind.title.to_owned(),
             status: self.kind.status.as_u16(),
-            detail: self.detail,
-            errors: self.errors.into_iter().map(Into::into).collect(),
+            detail,
+            errors,
             trace_id: trace_id(),
         };
         tracing::info!(trace_id = answer.trace_id, status = answer.status, detail = answer.detail, "refused");
@@ -220,6 +232,16 @@ impl IntoResponse for Problem {
     }
 }
 
+/// The first faults, as many as fit into one answer.
+fn listed(faults: Vec<Fault>) -> Vec<FaultAnswer> {
+    let mut left = MOST_FAULT_BYTES;
+    let fitting = faults.into_iter().map(FaultAnswer::from).take_while(|fault| {
+        let length = serde_json::to_string(fault).expect("a fault is plain text").len();
+        left.checked_sub(length).map(|rest| left = rest).is_some()
+    });
+    fitting.collect()
+}
+
 /// The answer where no route is.
 pub(super) async fn no_such_page(uri: Uri) -> Problem {
     let path = shortened(uri.path());
@@ -233,7 +255,7 @@ pub(super) async fn method_not_allowed(method: Method, uri: Uri) -> Problem {
         "/v1/render" | "/v1/estimate" | "/v1/validate" => "send a job with POST",
         _ => "the header Allow lists the methods it knows",
     };
-    Problem::new(METHOD, format!("{path} does not know {method}; {remedy}"))
+    Problem::new(METHOD, format!("{path} does not know {}; {remedy}", shortened(method.as_str())))
 }
 
 /// What is written to a client that is not let in.
@@ -263,7 +285,7 @@ pub(super) fn unreadable(refusal: &[u8]) -> Vec<u8> {
 pub(super) fn panicked(panic: Box<dyn Any + Send>) -> Response {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
-    tracing::error!(panic = text.unwrap_or("no message"), "a handler panicked");
+    tracing::error!(panic = %cut(text.unwrap_or("no message"), MOST_DETAIL), "a handler panicked");
     Problem::new(INTERNAL, "the request made planish fail; this is a fault of planish, please report it")
         .into_response()
 }

@@ -3,6 +3,7 @@
 pub mod answer;
 pub mod catalogue;
 mod channels;
+mod choice;
 mod fixed;
 pub mod input;
 pub mod job;

@@ -3,6 +3,7 @@
 mod cache;
 mod carried;
 mod cli;
+mod edges;
 mod expressions;
 mod figures;
 mod forecast;
