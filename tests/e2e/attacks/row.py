@@ -51,7 +51,7 @@ class Row:
 
     def faults(self):
         """What the row fails by."""
-        is_back = self.ended_s is not None and self.ended_s <= SHUTDOWN_S if self.attack.slow_disk else self.recovered_s
+        slow_disk = self.attack.slow_disk
         return [
             name
             for name, failed in [
@@ -59,7 +59,8 @@ class Row:
                 ("livez", self.largest("livez") >= MAX_LIVEZ_S),
                 ("stranger", self.largest("stranger") >= MAX_STRANGER_S),
                 ("refusals", self.refused()),
-                ("shutdown" if self.attack.slow_disk else "recovery", not is_back and is_back != 0),
+                ("recovery", not slow_disk and self.recovered_s is None),
+                ("shutdown", slow_disk and (self.ended_s is None or self.ended_s > SHUTDOWN_S)),
             ]
             if failed
         ]
