@@ -4,5 +4,6 @@
 mod addresses;
 mod bodies;
 mod overload;
+mod parsing;
 mod shutdown;
 mod slow;
