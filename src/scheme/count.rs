@@ -67,7 +67,7 @@ impl Count {
 
     /// After a split with so many pieces an edge: of faces of any size into quads when it is 2, else of triangles or
     /// quads alone.
-    fn split(self, tile: Tile, pieces: u32) -> Self {
+    pub(super) fn split(self, tile: Tile, pieces: u32) -> Self {
         if tile == Tile::Quad && pieces == 2 {
             return self.halved();
         }
@@ -110,18 +110,6 @@ impl Count {
         let first = letter.pieces(is_quads) != letter.arity;
         let count = if first { self.halved() } else { self };
         count.split(letter.tile, letter.arity)
-    }
-
-    /// After a D on a closed mesh: vertices and faces change places.
-    pub(super) fn dual(self) -> Self {
-        Self {
-            vertices: self.faces,
-            faces: self.vertices,
-            corners: self.edges.saturating_mul(2),
-            largest_face: self.largest_fan,
-            largest_fan: self.largest_face,
-            ..self
-        }
     }
 }
 

@@ -29,6 +29,7 @@ pub(crate) fn render(job: &serde_json::Value) -> Result<(Vec<u8>, Report), Vec<F
     let admitted = Limits::default().admit(parsed(&text)?).map_err(|refusal| match refusal {
         Refusal::Impossible(faults) => faults,
         Refusal::TooLarge { detail, .. } => vec![Fault::new("/levels", detail)],
+        Refusal::Stopped => unreachable!("nothing stops it"),
     })?;
     let output = admitted.job().outputs[0].clone();
     let mut bytes = Vec::new();
