@@ -15,6 +15,8 @@
 //! both the boundary of the net and where the collar was cut off, so every vertex of the collar is known to be one or the
 //! other. What lies beyond is never reached by the boundary, so that sizes and valences that were there once stay.
 
+use std::mem;
+
 use super::count::Count;
 use super::ops::dual;
 use super::sizes::{Sizes, is_between_two};
@@ -139,11 +141,16 @@ fn near(
 ) -> Result<Option<(Topology, Vec<bool>)>, StepError> {
     let mut reached: Vec<bool> = (0..net.n_vertices()).map(|v| real[v] || is_between_two(net, v)).collect();
     let mut kept = vec![false; net.n_faces()];
+    let mut rim: Vec<usize> = (0..net.n_vertices()).filter(|&v| reached[v]).collect();
     for _ in 0..layers {
-        for f in 0..net.n_faces() {
-            kept[f] = kept[f] || net.face(f).iter().any(|&v| reached[v as usize]);
+        let mut next = Vec::new();
+        for f in rim.iter().flat_map(|&v| net.ring(v)).map(|corner| net.face_of(corner)) {
+            if !mem::replace(&mut kept[f], true) {
+                let vertices = net.face(f).iter().map(|&v| v as usize);
+                next.extend(vertices.filter(|&v| !mem::replace(&mut reached[v], true)));
+            }
         }
-        (0..net.n_faces()).filter(|&f| kept[f]).flat_map(|f| net.face(f)).for_each(|&v| reached[v as usize] = true);
+        rim = next;
     }
     if kept.iter().all(|&kept| kept) {
         return Ok(None);

@@ -75,7 +75,13 @@ impl Count {
         let [points, edges] =
             [tile.inner_vertices(d), tile.inner_edges(d)].map(|n| self.faces.saturating_mul(n as u128));
         let cells = |n: u128| n.saturating_mul(u128::from(pieces) * u128::from(pieces));
-        let regular = if tile == Tile::Quad { 4 } else { 6 };
+        let regular = match tile {
+            _ if self.faces == 0 => 0,
+            Tile::Quad => 4,
+            // where no edge is an inner one, new vertices lie on the boundary
+            Tile::Triangle if pieces == 2 && self.corners == self.edges => 5,
+            Tile::Triangle => 6,
+        };
         Self {
             vertices: self.vertices.saturating_add(self.edges.saturating_mul(d as u128 - 1)).saturating_add(points),
             edges: self.edges.saturating_mul(d as u128).saturating_add(edges),

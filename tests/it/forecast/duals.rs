@@ -3,17 +3,17 @@
 use planish::job::Input;
 use planish::math::expression::Expression;
 use planish::refine::mesh_net;
-use planish::scheme::forecast::{Count, ForecastError, of_mesh};
+use planish::scheme::forecast::{Count, ForecastError, MAX_BYTES, of_mesh};
 use planish::scheme::mesh_net::MeshNet;
 use planish::scheme::ops::{LatitudeRule, Role};
 use planish::scheme::plan::Scheduled;
 use planish::scheme::step::{StepError, Values};
-use planish::watch::Watch;
+use planish::watch::{Stopped, Watch};
 use proptest::prelude::*;
 use serde_json::json;
 
 use crate::support::nets::{self, Net};
-use crate::support::parsed;
+use crate::support::{parsed, peak};
 
 /// Nets are built as long as they have so few corners.
 const MOST_CORNERS: usize = 12_000;
@@ -183,5 +183,48 @@ proptest! {
     #[test]
     fn c1_counts_of_triangles_after_each_d_are_as_built(net in triangles(), word in words(), levels in 1..5_u32) {
         check(&net, &word, "triangle", levels)?;
+    }
+}
+
+fn open_grid(word: &str, levels: u32) -> (MeshNet, Vec<Scheduled>) {
+    let text = json!({
+        "input": nets::grid(3, 3).input(), "plan": { "word": word }, "levels": levels,
+        "outputs": [{ "format": "json" }],
+    });
+    let job = parsed(text.to_string().as_bytes()).expect("a job");
+    let Input::Mesh(mesh) = &job.input else { unreachable!("the input is a mesh") };
+    (mesh_net(mesh, &job.plan), job.plan.schedule(levels).expect("no functions"))
+}
+
+/// A grid of n x n quads becomes one of 2 n - k under U and k times D: what no forecast could build any more.
+#[test]
+fn c1_estimates_count_and_do_not_build() {
+    for (word, lost, levels, kept) in [("UD", 1, 20, 1 << 20), ("UDD", 2, 12, 32 << 20), ("UD", 1, 40, 1 << 20)] {
+        let (net, steps) = open_grid(word, levels);
+        let (found, taken) = peak(|| of_mesh(&net, &steps, CAP << 60, &Watch::new()));
+        let last = *found.expect("it can be counted").levels.last().expect("level 0");
+        let side = (0..levels).fold(3_u128, |n, _| 2 * n - lost);
+        assert_eq!([last.vertices, last.faces], [(side + 1) * (side + 1), side * side], "{word}");
+        assert!(taken < kept, "{word} {levels}: {taken} bytes");
+    }
+}
+
+#[test]
+fn c1_what_cannot_be_counted_within_the_bound_is_refused_without_being_made() {
+    let (net, steps) = open_grid("UDD", 18);
+    let (found, taken) = peak(|| of_mesh(&net, &steps, CAP, &Watch::new()));
+    let Err(error) = found else { panic!("18 levels of UDD have a long boundary: {found:?}") };
+    let ForecastError::Bytes { bytes, bound, .. } = error else { panic!("{error}") };
+    assert!(bytes > bound && bound == MAX_BYTES);
+    assert!(u128::from(taken) <= bound, "{taken} bytes");
+}
+
+#[test]
+fn c1_a_forecast_that_nobody_waits_for_stops() {
+    for word in ["UD", "UDD", "D"] {
+        let (net, steps) = open_grid(word, 9);
+        let watch = Watch::new();
+        watch.stop();
+        assert_eq!(of_mesh(&net, &steps, CAP, &watch), Err(ForecastError::Stopped(Stopped)), "{word}");
     }
 }

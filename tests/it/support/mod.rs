@@ -82,3 +82,13 @@ pub(crate) fn faults(mut job: serde_json::Value) -> Vec<Fault> {
         Err(faults) => faults,
     }
 }
+
+/// What a computation gives, and the most bytes that it held at once. It has one thread, as bytes are counted by thread.
+pub(crate) fn peak<T: Send>(run: impl FnOnce() -> T + Send) -> (T, u64) {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be started");
+    pool.install(|| {
+        let mut found = None;
+        let taken = allocation_counter::measure(|| found = Some(run()));
+        (found.expect("it ran"), taken.bytes_max)
+    })
+}
