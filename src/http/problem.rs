@@ -164,6 +164,7 @@ impl From<Refusal> for Problem {
         match refusal {
             Refusal::Impossible(faults) => Self::invalid(faults),
             Refusal::TooLarge { detail, faults } => Self { errors: faults, ..Self::new(TOO_LARGE, detail) },
+            Refusal::Stopped => Self::new(TIMED_OUT, "the forecast of the job was stopped; ask for fewer levels"),
         }
     }
 }
