@@ -18,4 +18,4 @@ mod report;
 mod schema;
 pub mod text;
 
-pub use job::JobRequest;
+pub use job::{JobRequest, RequestDraft};
