@@ -189,7 +189,7 @@ pub fn reach(mesh: &Mesh, plan: &Plan, placed: &[Placed], tolerance: f64, watch:
         if watch.done().saturating_sub(start) > MAX_WORK {
             return Err(NoLevel::TooLong(tolerance));
         }
-        walk.leave(&spline, tolerance);
+        walk.leave(&spline, tolerance, watch)?;
         let faces = walk.level.faces_after(spline.rounds.len() + usize::from(spline.halved));
         if faces > MAX_FACES {
             return Err(NoLevel::TooLarge { level: level + 1, faces });
@@ -257,10 +257,10 @@ impl Walk {
 
     /// Leaves faces behind whose distance second differences bound, where there are too many to go on with all: first
     /// those that are within half the tolerance.
-    fn leave(&mut self, spline: &Spline, tolerance: f64) {
+    fn leave(&mut self, spline: &Spline, tolerance: f64, watch: &Watch) -> Result<(), Stopped> {
         let fits = |level: &Level| level.faces_after(1) <= FOLLOWED_FACES;
         if fits(&self.level) || spline.halved {
-            return;
+            return Ok(());
         }
         let level = &self.level;
         let points = level.points.now.as_chunks::<3>().0;
@@ -271,7 +271,7 @@ impl Walk {
             })
             .collect();
         let twists = bend::spread(&level.topology, twists, spline.reach, f64::max);
-        let rests = Rests::of(level, spline);
+        let rests = Rests::of(level, spline, watch)?;
         let of_face = |&f: &u32| {
             let twist = level.topology.face(f as usize).iter().map(|&v| twists[v as usize]).fold(0.0, f64::max);
             (f, rests.bend(f) + twist)
@@ -285,6 +285,7 @@ impl Walk {
         };
         let some = part(tolerance / 2.0);
         *self = if fits(&some.level) { some } else { part(f64::MAX) };
+        Ok(())
     }
 
     /// One level further.
