@@ -296,6 +296,14 @@ impl Desk {
         self.tiers.persist(&manifest);
     }
 
+    /// The lines that let nobody more in, and the shares of memory that refuse requests. Lanes whose memory is taken are at
+    /// work, and records leave for others.
+    pub fn full(&self) -> Vec<&'static str> {
+        let Account { bodies, inputs, answers, .. } = &self.account;
+        let shares = [bodies, inputs, answers].into_iter().filter(|share| share.is_full()).map(|share| share.name);
+        shares.chain(self.pool.full_lanes()).collect()
+    }
+
     /// Computations under way or waiting.
     pub fn n_under_way(&self) -> usize {
         self.under_way.lock().unwrap_or_else(PoisonError::into_inner).len()
