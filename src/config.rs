@@ -1,12 +1,16 @@
 //! Every setting: unit, default, range; read once at start from flags, environment, and a TOML file, in this order.
 
+pub mod authority;
 mod file;
+mod origins;
 
 use std::net::SocketAddr;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use crate::job::limits::{Limits, thousands};
+
+pub use origins::CorsOrigins;
 
 /// Most bytes that a setting may name, 1 PiB: beyond the memory and the disks of one machine, and so small that sums of a
 /// thousand of them fit into 63 bits, which is what integers of TOML have.
@@ -111,6 +115,8 @@ macro_rules! settings {
 settings! {
     /// Address to listen on.
     listen: SocketAddr = SocketAddr::from(([127, 0, 0, 1], 8080)), "PLANISH_LISTEN", "";
+    /// Web pages that may ask, by their origins: `none`, `loopback`, `*`, or a list like `https://example.org`.
+    cors_origins: CorsOrigins = CorsOrigins::Usual, "PLANISH_CORS_ORIGINS", "";
     /// Folder for the cache; by the platform's convention when left out.
     data_dir: PathBuf = default_data_dir(), "PLANISH_DATA_DIR", "";
     /// Compute threads a lane; 0 means one a core.

@@ -3,4 +3,5 @@
 
 mod kinds;
 mod lengths;
+mod origins;
 mod schema;
