@@ -63,6 +63,10 @@ kinds! {
         "The header `Content-Range` tells the length of the artifact.";
     SLOW: "too-slow", REQUEST_TIMEOUT, "The request took too long to arrive",
         "The body stopped arriving for longer than this server waits.";
+    BAD_HOST: "bad-host", BAD_REQUEST, "The request does not name its host",
+        "A request of HTTP/1.1 has exactly one header `Host`: a name or an address, and perhaps a port (RFC 9112, 3.2).";
+    TRANSFER_CODING: "unknown-transfer-coding", NOT_IMPLEMENTED, "The body is coded in a way that is not read",
+        "Bodies come as they are, with `Content-Length` or as `Transfer-Encoding: chunked` alone (RFC 9112, 6.1).";
     HOST: "wrong-host", FORBIDDEN, "The server is not known by this name",
         "A server that listens on a loopback address answers only to localhost and loopback addresses, so that pages \
          from elsewhere cannot reach it under a name of their own.";
