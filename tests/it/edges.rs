@@ -5,4 +5,5 @@ mod hosts;
 mod kinds;
 mod lengths;
 mod origins;
+mod ranges;
 mod schema;
