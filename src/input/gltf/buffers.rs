@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use gltf::json::Root;
 
 use super::transform::Placement;
+use crate::fault;
 use crate::input::base64;
 use crate::input::text::quoted;
 
@@ -29,7 +30,9 @@ impl<'a> Document<'a> {
     /// A document; `binary` is the second chunk of GLB.
     pub(super) fn of_json(json: &[u8], binary: Option<&'a [u8]>) -> Result<Self, String> {
         let json = json.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(json);
-        let no_gltf = |error: serde_json::Error| format!("the document is no glTF: {error}");
+        // a text in the wrong place would be repeated in full
+        let no_gltf =
+            |error: serde_json::Error| format!("the document is no glTF: {}", fault::cut(&error.to_string(), 200));
         let root = Root::from_slice(json).map_err(no_gltf)?;
         let placements = Placement::all(json).map_err(no_gltf)?;
         if !root.asset.version.starts_with("2.") {
