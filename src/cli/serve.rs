@@ -2,32 +2,24 @@
 
 use std::path::Path;
 
-use tracing_subscriber::EnvFilter;
-
 use super::CliError;
+use super::log::Log;
 use crate::config::{Given, Settings};
 use crate::http::serve::{bind, serve as serve_http};
 
 /// Serves until the process is asked to stop.
 pub(super) fn serve(given: Given, file: Option<&Path>) -> Result<(), CliError> {
     let settings = Settings::read(given, file).map_err(CliError::new)?;
-    log(settings.log_json);
+    let log = Log::start(settings.log_json).map_err(CliError::new)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(CliError::new)?;
     runtime.block_on(async {
         let (listener, app) = bind(settings).await.map_err(CliError::new)?;
         let address = listener.local_addr().map_err(CliError::new)?;
         tracing::info!(%address, cache = %app.settings.data_dir.display(), "planish is listening");
-        eprintln!("planish is listening on http://{address}");
+        log.say(&format!("planish is listening on http://{address}"));
         serve_http(listener, app, stopped()).await;
         Ok(())
     })
-}
-
-fn log(json: bool) {
-    let filter = EnvFilter::try_from_env("PLANISH_LOG").unwrap_or_else(|_| EnvFilter::new("warn"));
-    let subscriber = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr);
-    // a second subscriber in one process is refused, and the first goes on
-    let _ = if json { subscriber.json().try_init() } else { subscriber.try_init() };
 }
 
 /// Comes true at the first interrupt or termination signal.

@@ -7,3 +7,4 @@ mod lengths;
 mod origins;
 mod ranges;
 mod schema;
+mod unread;
