@@ -20,6 +20,9 @@ const MOST_BODY_BYTES: u64 = 1 << 30;
 /// Most jobs or connections that can be allowed: each connection has a file descriptor and its buffers, each job its
 /// request, and 65,536 of them are more than two lanes or one address can serve.
 const MOST_WAITING: u64 = 1 << 16;
+/// Most compute threads of a lane: more than machines have cores, and two lanes of them still fit under the usual limit on
+/// the threads of a process.
+const MOST_THREADS: u64 = 1024;
 /// Longest time that a setting may name, a day in seconds: what waits longer is no service any more, and clocks can add a
 /// day to any time without overflow.
 const MOST_SECONDS: u64 = 24 * 60 * 60;
@@ -120,7 +123,7 @@ settings! {
     /// Folder for the cache; by the platform's convention when left out.
     data_dir: PathBuf = default_data_dir(), "PLANISH_DATA_DIR", "";
     /// Compute threads a lane; 0 means one a core.
-    threads: usize = 0, in 0..=1024, "PLANISH_THREADS", "threads";
+    threads: usize = 0, in 0..=MOST_THREADS, "PLANISH_THREADS", "threads";
     /// Most faces of a mesh at any level.
     max_faces: u64 = Limits::default().max_faces, in 1..=MOST_INDEXED, "PLANISH_MAX_FACES", "faces";
     /// Most points of all polygons, or vertices of a mesh, at any level.

@@ -14,28 +14,23 @@ pub struct Authority<'a> {
 impl<'a> Authority<'a> {
     /// Reads `host [":" port]`; nothing else, so no empty host, no name of a user, and no port beyond 65,535.
     pub fn parse(text: &'a str) -> Option<Self> {
-        let (host, port) = match text.strip_prefix('[') {
-            Some(rest) => {
-                let (host, after) = rest.split_once(']')?;
-                host.parse::<Ipv6Addr>().ok()?;
-                (host, if after.is_empty() { None } else { Some(after.strip_prefix(':')?) })
-            }
-            None => {
-                let (host, port) = text.split_once(':').map_or((text, None), |(host, port)| (host, Some(port)));
-                host.bytes().all(is_of_names).then_some((host, port))?
-            }
+        let (host, after) = if let Some(rest) = text.strip_prefix('[') {
+            rest.split_once(']').filter(|(host, _)| host.parse::<Ipv6Addr>().is_ok())?
+        } else {
+            let (host, after) = text.split_at(text.find(':').unwrap_or(text.len()));
+            (!host.is_empty() && host.bytes().all(is_of_names)).then_some((host, after))?
         };
-        if host.is_empty() {
-            return None;
-        }
         // a colon without a port is right, and means the port of the scheme
-        let port = port.filter(|port| !port.is_empty());
-        let is_number = port.is_none_or(|port| port.bytes().all(|b| b.is_ascii_digit()));
-        let port = if is_number { port.map(str::parse).transpose().ok()? } else { return None };
+        let digits = if after.is_empty() { "" } else { after.strip_prefix(':')? };
+        let port = match digits {
+            "" => None,
+            digits if digits.bytes().all(|byte| byte.is_ascii_digit()) => Some(digits.parse().ok()?),
+            _ => return None,
+        };
         Some(Self { host, port })
     }
 
-    /// Whether it is the machine itself: `localhost`, or an address like 127.0.0.1 or ::1.
+    /// Whether it is the machine itself: `localhost`, or an address like `127.0.0.1` or `::1`.
     pub fn is_loopback(&self) -> bool {
         self.host.eq_ignore_ascii_case("localhost") || self.host.parse().is_ok_and(|ip: IpAddr| ip.is_loopback())
     }

@@ -179,10 +179,11 @@ impl IntoResponse for Problem {
     fn into_response(self) -> Response {
         let n_faults = self.errors.len();
         let errors = listed(self.errors);
-        let mut detail = cut(&self.detail, MOST_DETAIL).into_owned();
-        if errors.len() < n_faults {
-            detail.push_str(&format!("; errors lists the first {}", errors.len()));
-        }
+        let detail = cut(&self.detail, MOST_DETAIL);
+        let detail = match errors.len() {
+            n if n < n_faults => format!("{detail}; errors lists the first {n}"),
+            _ => detail.into_owned(),
+        };
         let answer = ProblemAnswer {
             kind: format!("/docs/problems/{}", self.kind.slug),
             title: self.kind.title.to_owned(),

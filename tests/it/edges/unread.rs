@@ -36,6 +36,26 @@ fn be_refused(url: &str) {
 }
 
 #[test]
+fn l_a_line_of_the_log_is_short_however_long_the_request_was() {
+    let (service, url, mut log) = service();
+    // escapes make it longer where it is repeated
+    let body = format!("{{\"{}\": 1}}", r#"\u0001\"x"#.repeat(1 << 18));
+    let length = body.len();
+    let answer = exchanged(
+        &url,
+        &format!(
+            "POST /v1/render HTTP/1.1\r\nhost: {url}\r\nconnection: close\r\ncontent-type: application/json\r\n\
+             content-length: {length}\r\n\r\n{body}"
+        ),
+    );
+    assert!(answer.starts_with("HTTP/1.1 422") && answer.len() < 4 << 10, "{} bytes", answer.len());
+    let mut line = String::new();
+    log.read_line(&mut line).unwrap();
+    assert!(line.contains("refused") && line.contains("unknown field") && line.len() < 4 << 10, "{} bytes", line.len());
+    assert_eq!(ended(service), Some(0));
+}
+
+#[test]
 fn m9_a_log_that_nobody_reads_holds_no_request_and_no_end() {
     let (service, url, log) = service();
     be_refused(&url);
