@@ -12,19 +12,20 @@ use crate::job::limits::{Limits, thousands};
 
 pub use origins::CorsOrigins;
 
-/// Most bytes that a setting may name, 1 PiB: beyond the memory and the disks of one machine, and so small that sums of a
-/// thousand of them fit into 63 bits, which is what integers of TOML have.
+/// Most bytes that a setting may name, 1 PiB: beyond the memory and the disks of one machine, and so small that sums
+/// of a thousand of them fit into 63 bits, which is what integers of TOML have.
 const MOST_BYTES: u64 = 1 << 50;
-/// Longest request body that can be allowed, 1 GiB: bodies are held in memory, and a gibibyte of JSON is read into several.
+/// Longest request body that can be allowed, 1 GiB: bodies are held in memory, and a gibibyte of JSON is read into
+/// several.
 const MOST_BODY_BYTES: u64 = 1 << 30;
 /// Most jobs or connections that can be allowed: each connection has a file descriptor and its buffers, each job its
 /// request, and 65,536 of them are more than two lanes or one address can serve.
 const MOST_WAITING: u64 = 1 << 16;
-/// Most compute threads of a lane: more than machines have cores, and two lanes of them still fit under the usual limit on
-/// the threads of a process.
+/// Most compute threads of a lane: more than machines have cores, and two lanes of them still fit under the usual
+/// limit on the threads of a process.
 const MOST_THREADS: u64 = 1024;
-/// Longest time that a setting may name, a day in seconds: what waits longer is no service any more, and clocks can add a
-/// day to any time without overflow.
+/// Longest time that a setting may name, a day in seconds: what waits longer is no service any more, and clocks can
+/// add a day to any time without overflow.
 const MOST_SECONDS: u64 = 24 * 60 * 60;
 /// Most faces or vertices that can be allowed: indices are 32 bits wide, and a net has up to four corners a vertex.
 const MOST_INDEXED: u64 = u32::MAX as u64 / 5;
@@ -177,8 +178,8 @@ pub enum ConfigError {
     },
     /// A value outside its range.
     #[error(
-        "{name} is {value}, and may be {least} to {most}{unit}; change the flag --{flag}, the variable {variable} or the \
-         key {flag} of the settings file",
+        "{name} is {value}, and may be {least} to {most}{unit}; change the flag --{flag}, the variable {variable} or \
+         the key {flag} of the settings file",
         value = thousands((*.value).into()), least = thousands((*.range.start()).into()),
         most = thousands((*.range.end()).into()), unit = .unit, flag = .name.replace('_', "-")
     )]

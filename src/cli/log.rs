@@ -1,5 +1,5 @@
-//! The log of the service: a thread of its own writes it to standard error, and what nobody reads in time is dropped, so
-//! that a full pipe never holds a request.
+//! The log of the service: a thread of its own writes it to standard error, and what nobody reads in time is dropped,
+//! so that a full pipe never holds a request.
 
 use std::collections::VecDeque;
 use std::io::{self, Write};
@@ -12,7 +12,8 @@ use tracing_subscriber::fmt::MakeWriter;
 
 use crate::fault::cut;
 
-/// Most bytes of lines that wait to be written: some thousand of them, more than a reader that is alive falls behind by.
+/// Most bytes of lines that wait to be written: some thousand of them, more than a reader that is alive falls behind
+/// by.
 const MOST_BYTES: usize = 1 << 20;
 /// Longest wait at the end for lines to be written: a reader that is alive takes a mebibyte in a small part of it.
 const PATIENCE: Duration = Duration::from_secs(1);

@@ -15,8 +15,8 @@ use crate::service::pool::Busy;
 use crate::wire::answer::{FaultAnswer, ProblemAnswer};
 use crate::wire::read::ReadError;
 
-/// Most bytes of the faults that one answer lists: some hundred of them, more than a reader mends at once. With its detail,
-/// in which every character may be escaped by six, the whole answer stays below 64 KiB.
+/// Most bytes of the faults that one answer lists: some hundred of them, more than a reader mends at once. With its
+/// detail, in which every character may be escaped by six, the whole answer stays below 64 KiB.
 const MOST_FAULT_BYTES: usize = 32 << 10;
 /// Most characters of a detail: a place and a sentence at their longest.
 const MOST_DETAIL: usize = 4000;
@@ -64,7 +64,7 @@ kinds! {
     SLOW: "too-slow", REQUEST_TIMEOUT, "The request took too long to arrive",
         "The body stopped arriving for longer than this server waits.";
     BAD_HOST: "bad-host", BAD_REQUEST, "The request does not name its host",
-        "A request of HTTP/1.1 has exactly one header `Host`: a name or an address, and perhaps a port (RFC 9112, 3.2).";
+        "HTTP/1.1 asks for exactly one header `Host`: a name or an address, and perhaps a port (RFC 9112, 3.2).";
     TRANSFER_CODING: "unknown-transfer-coding", NOT_IMPLEMENTED, "The body is coded in a way that is not read",
         "Bodies come as they are, with `Content-Length` or as `Transfer-Encoding: chunked` alone (RFC 9112, 6.1).";
     HOST: "wrong-host", FORBIDDEN, "The server is not known by this name",
