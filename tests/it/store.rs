@@ -4,6 +4,8 @@
 mod codec;
 mod crash;
 mod disk;
+mod faults;
+pub(crate) mod faulty;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
