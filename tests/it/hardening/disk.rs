@@ -10,18 +10,28 @@ use planish::service::draft::Kept;
 use planish::service::store::Store;
 use planish::service::tiers::Tiers;
 use tokio::net::TcpListener;
+use tokio::runtime::Runtime;
 use tokio::sync::oneshot;
 
 use crate::http::server::{PATIENCE, Server, settings, until};
 use crate::store::faulty::Faulty;
 use crate::store::{ROOMY, Scratch, description, key, noise};
 
-/// Runs a story to its end, and leaves the threads behind that hang.
+/// A runtime that leaves the threads behind that hang.
+struct Leaving(Option<Runtime>);
+
+impl Drop for Leaving {
+    fn drop(&mut self) {
+        self.0.take().into_iter().for_each(Runtime::shutdown_background);
+    }
+}
+
+/// Runs a story to its end.
 pub(super) fn run<T>(story: impl Future<Output = T>) -> T {
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap();
-    let told = runtime.block_on(async { tokio::time::timeout(PATIENCE, story).await.expect("the story has an end") });
-    runtime.shutdown_background();
-    told
+    let runtime = Leaving(Some(runtime));
+    let told = async { tokio::time::timeout(PATIENCE, story).await.expect("the story has an end") };
+    runtime.0.as_ref().unwrap().block_on(told)
 }
 
 /// A service over these stores.

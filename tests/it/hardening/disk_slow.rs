@@ -111,13 +111,13 @@ fn h4_the_service_ends_though_the_disk_hangs() {
     let tiers = Tiers::new(1 << 20, Some(disk.store(&scratch.0, ROOMY)));
     let (syncs, reads) = (&disk.syncs, &disk.reads);
     syncs.close();
-    reads.close();
     run(async {
         served(tiers, async |server| {
             for levels in 1..6 {
                 server.render(&with(mesh(levels), "obj")).await.ok();
             }
             let tiers = &server.app.desk.tiers;
+            reads.close();
             assert_eq!(tiers.find(&key(0)).await, None, "a read hangs");
             until("the writers hang", || syncs.waiting() == 2 && reads.waiting() == 1).await;
             assert!(!tiers.close(Duration::ZERO), "the command gives up here");
