@@ -1,12 +1,69 @@
-//! Every setting: unit, default, bound; read once at start from flags, environment, and a TOML file, in this order.
+//! Every setting: unit, default, range; read once at start from flags, environment, and a TOML file, in this order.
+
+mod file;
 
 use std::net::SocketAddr;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use crate::job::limits::Limits;
+use crate::job::limits::{Limits, thousands};
 
+/// Most bytes that a setting may name, 1 PiB: beyond the memory and the disks of one machine, and so small that sums of a
+/// thousand of them fit into 63 bits, which is what integers of TOML have.
+const MOST_BYTES: u64 = 1 << 50;
+/// Least memory a service works with, 256 MiB: its shares then still hold a small job each.
+const LEAST_MEMORY_BYTES: u64 = 256 << 20;
+/// Longest request body that can be allowed, 1 GiB: bodies are held in memory, and a gibibyte of JSON is read into several.
+const MOST_BODY_BYTES: u64 = 1 << 30;
+/// Most jobs or connections that can be allowed: each connection has a file descriptor and its buffers, each job its
+/// request, and 65,536 of them are more than two lanes or one address can serve.
+const MOST_WAITING: u64 = 1 << 16;
+/// Longest time that a setting may name, a day in seconds: what waits longer is no service any more, and clocks can add a
+/// day to any time without overflow.
+const MOST_SECONDS: u64 = 24 * 60 * 60;
+/// Most faces or vertices that can be allowed: indices are 32 bits wide, and a net has up to four corners a vertex.
+const MOST_INDEXED: u64 = u32::MAX as u64 / 5;
+
+/// One setting as it is listed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setting {
+    /// Its name; flags and keys of the file have dashes in place of underscores.
+    pub name: &'static str,
+    /// Its value.
+    pub value: String,
+    /// The smallest and the largest value, where it is a number.
+    pub range: Option<RangeInclusive<u64>>,
+    /// What it counts.
+    pub unit: &'static str,
+    /// What it does.
+    pub doc: String,
+}
+
+/// A setting that is a number, which is what ranges are for.
+trait Number: Copy {
+    fn number(self) -> u64;
+}
+
+impl Number for u64 {
+    fn number(self) -> u64 {
+        self
+    }
+}
+
+impl Number for usize {
+    fn number(self) -> u64 {
+        self as u64
+    }
+}
+
+// Each entry is `name: type = default, in range, "VARIABLE", "unit";`, where only numbers have a range.
 macro_rules! settings {
-    ($($(#[doc = $doc:literal])+ $name:ident: $type:ty = $default:expr, $env:literal, $unit:literal;)*) => {
+    (@range) => { None };
+    (@range $range:expr) => { Some($range) };
+    ($(
+        $(#[doc = $doc:literal])+
+        $name:ident: $type:ty = $default:expr, $(in $range:expr,)? $env:literal, $unit:literal;
+    )*) => {
         /// Settings as far as they were given in one place: flags and environment, or the file.
         #[derive(Debug, Clone, Default, PartialEq, clap::Args, serde::Deserialize)]
         #[serde(deny_unknown_fields, rename_all = "kebab-case")]
@@ -33,9 +90,21 @@ macro_rules! settings {
                 Self { $($name: first.$name.or(second.$name).unwrap_or(default.$name),)* }
             }
 
-            /// Name, value, unit and meaning of every setting.
-            pub fn list(&self) -> Vec<(&'static str, String, &'static str, String)> {
-                vec![$((stringify!($name), format!("{:?}", self.$name), $unit, concat!($($doc),+).trim().to_owned()),)*]
+            /// Every setting with its value, range and meaning.
+            pub fn list(&self) -> Vec<Setting> {
+                vec![$(Setting {
+                    name: stringify!($name),
+                    value: format!("{:?}", self.$name),
+                    range: settings!(@range $($range)?),
+                    unit: $unit,
+                    doc: concat!($($doc),+).trim().to_owned(),
+                },)*]
+            }
+
+            /// Checks every number against its range.
+            fn checked(self) -> Result<Self, ConfigError> {
+                $($(in_range(stringify!($name), self.$name.number(), $range, $env, $unit)?;)?)*
+                Ok(self)
             }
         }
     };
@@ -47,35 +116,44 @@ settings! {
     /// Folder for the cache; by the platform's convention when left out.
     data_dir: PathBuf = default_data_dir(), "PLANISH_DATA_DIR", "";
     /// Compute threads a lane; 0 means one a core.
-    threads: usize = 0, "PLANISH_THREADS", "threads";
+    threads: usize = 0, in 0..=1024, "PLANISH_THREADS", "threads";
     /// Most faces of a mesh at any level.
-    max_faces: u64 = Limits::default().max_faces, "PLANISH_MAX_FACES", "faces";
+    max_faces: u64 = Limits::default().max_faces, in 1..=MOST_INDEXED, "PLANISH_MAX_FACES", "faces";
     /// Most points of all polygons, or vertices of a mesh, at any level.
-    max_vertices: u64 = Limits::default().max_vertices, "PLANISH_MAX_VERTICES", "vertices";
+    max_vertices: u64 = Limits::default().max_vertices, in 1..=MOST_INDEXED, "PLANISH_MAX_VERTICES", "vertices";
     /// Most bytes of one result.
-    max_output_bytes: u64 = Limits::default().max_output_bytes, "PLANISH_MAX_OUTPUT_BYTES", "bytes";
+    max_output_bytes: u64 = Limits::default().max_output_bytes, in 1..=MOST_BYTES, "PLANISH_MAX_OUTPUT_BYTES", "bytes";
     /// Most memory one job may need.
-    max_job_bytes: u64 = Limits::default().max_job_bytes, "PLANISH_MAX_JOB_BYTES", "bytes";
-    /// Memory of all jobs that run at once; others wait.
-    max_memory_bytes: u64 = 12 << 30, "PLANISH_MAX_MEMORY_BYTES", "bytes";
+    max_job_bytes: u64 = Limits::default().max_job_bytes, in 1..=MOST_BYTES, "PLANISH_MAX_JOB_BYTES", "bytes";
+    /// Memory of everything that is held for requests: bodies, computations, answers, caches. Who finds none left waits or is
+    /// answered 503.
+    max_memory_bytes: u64 = 12 << 30, in LEAST_MEMORY_BYTES..=MOST_BYTES, "PLANISH_MAX_MEMORY_BYTES", "bytes";
     /// Most bytes of a request body.
-    max_body_bytes: u64 = 4 << 20, "PLANISH_MAX_BODY_BYTES", "bytes";
+    max_body_bytes: u64 = 4 << 20, in 1..=MOST_BODY_BYTES, "PLANISH_MAX_BODY_BYTES", "bytes";
     /// Most jobs waiting in each of the two lanes; more are answered 503.
-    max_queue: usize = 256, "PLANISH_MAX_QUEUE", "jobs";
-    /// Most connections open at once; more wait to be accepted.
-    max_connections: usize = 1024, "PLANISH_MAX_CONNECTIONS", "connections";
-    /// Memory for cached results; 0 turns the memory cache off.
-    memory_cache_bytes: u64 = 512 << 20, "PLANISH_MEMORY_CACHE_BYTES", "bytes";
+    max_queue: usize = 256, in 1..=MOST_WAITING, "PLANISH_MAX_QUEUE", "jobs";
+    /// Most jobs of one peer address that wait at once, joined ones included, and most that go on without their request;
+    /// more are answered 503.
+    max_queue_per_peer: usize = 64, in 1..=MOST_WAITING, "PLANISH_MAX_QUEUE_PER_PEER", "jobs";
+    /// Most connections open at once; a further one takes the place of the one that has been idle or slow for longest.
+    max_connections: usize = 1024, in 1..=MOST_WAITING, "PLANISH_MAX_CONNECTIONS", "connections";
+    /// Most connections of one peer address open at once; the same holds for a further one.
+    max_connections_per_peer: usize = 512, in 1..=MOST_WAITING, "PLANISH_MAX_CONNECTIONS_PER_PEER", "connections";
+    /// Memory for cached results, at most a quarter of max-memory-bytes; 0 turns the memory cache off.
+    memory_cache_bytes: u64 = 512 << 20, in 0..=MOST_BYTES, "PLANISH_MEMORY_CACHE_BYTES", "bytes";
     /// Disk space for cached results; 0 keeps nothing on disk.
-    cache_bytes: u64 = 8 << 30, "PLANISH_CACHE_BYTES", "bytes";
+    cache_bytes: u64 = 8 << 30, in 0..=MOST_BYTES, "PLANISH_CACHE_BYTES", "bytes";
     /// Longest time one computation may run.
-    run_timeout_s: u64 = 300, "PLANISH_RUN_TIMEOUT_S", "seconds";
+    run_timeout_s: u64 = 300, in 1..=MOST_SECONDS, "PLANISH_RUN_TIMEOUT_S", "seconds";
     /// Longest time a client may take for its request headers, or stay silent between requests.
-    header_timeout_s: u64 = 10, "PLANISH_HEADER_TIMEOUT_S", "seconds";
-    /// Longest silence within a request body, and within the reading of an answer.
-    body_timeout_s: u64 = 15, "PLANISH_BODY_TIMEOUT_S", "seconds";
+    header_timeout_s: u64 = 10, in 1..=MOST_SECONDS, "PLANISH_HEADER_TIMEOUT_S", "seconds";
+    /// Longest silence within a request body, and how long a body or the reading of an answer may be slow at first.
+    body_timeout_s: u64 = 15, in 1..=MOST_SECONDS, "PLANISH_BODY_TIMEOUT_S", "seconds";
+    /// Least rate at which a body has to arrive and an answer has to be read, averaged over all but its first
+    /// body-timeout-s.
+    least_rate_bytes_s: u64 = 16 << 10, in 1..=MOST_BYTES, "PLANISH_LEAST_RATE_BYTES_S", "bytes a second";
     /// Time for running requests and jobs to end after the signal to stop.
-    shutdown_timeout_s: u64 = 20, "PLANISH_SHUTDOWN_TIMEOUT_S", "seconds";
+    shutdown_timeout_s: u64 = 20, in 0..=MOST_SECONDS, "PLANISH_SHUTDOWN_TIMEOUT_S", "seconds";
     /// Write logs as JSON lines.
     log_json: bool = false, "PLANISH_LOG_JSON", "";
 }
@@ -99,16 +177,38 @@ pub enum ConfigError {
         /// Where and why.
         error: Box<toml::de::Error>,
     },
-    /// A value that no service can work with.
-    #[error("{name} is {value}; {remedy}")]
+    /// A value outside its range.
+    #[error(
+        "{name} is {value}, and may be {least} to {most}{unit}; change the flag --{flag}, the variable {variable} or the \
+         key {flag} of the settings file",
+        value = thousands((*.value).into()), least = thousands((*.range.start()).into()),
+        most = thousands((*.range.end()).into()), unit = .unit, flag = .name.replace('_', "-")
+    )]
     OutOfRange {
         /// The setting.
         name: &'static str,
         /// Its value.
         value: u64,
-        /// What would be right.
-        remedy: &'static str,
+        /// The smallest and the largest value.
+        range: RangeInclusive<u64>,
+        /// What it counts, after a blank; empty where it counts nothing.
+        unit: String,
+        /// Its variable.
+        variable: &'static str,
     },
+}
+
+fn in_range(
+    name: &'static str,
+    value: u64,
+    range: RangeInclusive<u64>,
+    variable: &'static str,
+    unit: &str,
+) -> Result<(), ConfigError> {
+    if range.contains(&value) {
+        return Ok(());
+    }
+    Err(ConfigError::OutOfRange { name, value, range, unit: format!(" {unit}"), variable })
 }
 
 impl Settings {
@@ -117,44 +217,15 @@ impl Settings {
     /// # Errors
     /// [`ConfigError`].
     pub fn read(given: Given, file: Option<&Path>) -> Result<Self, ConfigError> {
-        let from_file = match file {
-            None => Given::default(),
-            Some(path) => {
-                let text = std::fs::read_to_string(path)
-                    .map_err(|error| ConfigError::Unreadable { path: path.to_owned(), error })?;
-                toml::from_str(&text)
-                    .map_err(|error| ConfigError::Unfit { path: path.to_owned(), error: Box::new(error) })?
-            }
-        };
+        let from_file = file.map(file::read).transpose()?.unwrap_or_default();
         Self::merged(given, from_file).checked()
-    }
-
-    fn checked(self) -> Result<Self, ConfigError> {
-        let at_least_one = [
-            ("max_body_bytes", self.max_body_bytes),
-            ("max_connections", self.max_connections as u64),
-            ("max_queue", self.max_queue as u64),
-            ("run_timeout_s", self.run_timeout_s),
-            ("header_timeout_s", self.header_timeout_s),
-            ("body_timeout_s", self.body_timeout_s),
-        ];
-        if let Some(&(name, value)) = at_least_one.iter().find(|(_, value)| *value == 0) {
-            return Err(ConfigError::OutOfRange { name, value, remedy: "give at least 1" });
-        }
-        if self.threads > 1024 {
-            let (name, value) = ("threads", self.threads as u64);
-            return Err(ConfigError::OutOfRange { name, value, remedy: "give at most 1024, or 0 for one a core" });
-        }
-        Ok(self)
     }
 
     /// The bounds on one job.
     pub fn limits(&self) -> Limits {
-        // indices are 32 bits wide, and a net has up to four corners a vertex
-        let indexed = u64::from(u32::MAX) / 5;
         Limits {
-            max_faces: self.max_faces.min(indexed),
-            max_vertices: self.max_vertices.min(indexed),
+            max_faces: self.max_faces.min(MOST_INDEXED),
+            max_vertices: self.max_vertices.min(MOST_INDEXED),
             max_output_bytes: self.max_output_bytes,
             max_job_bytes: self.max_job_bytes,
         }

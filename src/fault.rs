@@ -1,5 +1,6 @@
 //! What is wrong, and where: the one shape of every refusal (leaf).
 
+use std::borrow::Cow;
 use std::fmt;
 
 /// One fault of a request: a JSON pointer to the place, and a sentence that names value, bound and remedy.
@@ -46,7 +47,23 @@ pub fn under(prefix: &str, faults: Vec<Fault>) -> Vec<Fault> {
     faults.into_iter().map(|fault| fault.under(prefix)).collect()
 }
 
-/// Escapes one reference token of a JSON pointer: `~` and `/`.
+/// Most characters of a name in a pointer: every name that can be right is shorter.
+const MOST_NAME: usize = 128;
+
+/// Escapes one reference token of a JSON pointer: `~` and `/`. Names that are too long to be right are cut.
 pub fn token(name: &str) -> String {
-    name.replace('~', "~0").replace('/', "~1")
+    cut(name, MOST_NAME).replace('~', "~0").replace('/', "~1")
+}
+
+/// At most 40 characters of a client's text, for messages.
+pub fn shortened(text: &str) -> String {
+    cut(text, 40).into_owned()
+}
+
+/// A text of at most so many characters, and an ellipsis where there were more.
+pub fn cut(text: &str, most: usize) -> Cow<'_, str> {
+    match text.char_indices().nth(most) {
+        Some((end, _)) => Cow::Owned(format!("{}…", &text[..end])),
+        None => Cow::Borrowed(text),
+    }
 }

@@ -1,7 +1,7 @@
 //! "Should I stop?": one atomic flag, asked between pieces of work.
 
 use std::fmt;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
 /// Handle of one computation, shared by whoever runs it and whoever may stop it.
@@ -13,14 +13,20 @@ pub struct Watch(Arc<State>);
 
 #[derive(Default)]
 struct State {
-    stopped: AtomicBool,
+    /// Zero while it may go on, else [`STOPPED`] and [`SET_ASIDE`] as far as they hold.
+    halted: AtomicU8,
     done: AtomicU64,
     observer: OnceLock<Box<dyn Fn(Stage) + Send + Sync>>,
 }
 
+/// It is to end.
+const STOPPED: u8 = 1;
+/// It is to make room, and will be begun again.
+const SET_ASIDE: u8 = 2;
+
 impl fmt::Debug for State {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "stopped: {:?}, done: {:?}", self.stopped, self.done)
+        write!(f, "halted: {:?}, done: {:?}", self.halted, self.done)
     }
 }
 
@@ -48,15 +54,31 @@ impl Watch {
 
     /// Asks every loop under this watch to end.
     pub fn stop(&self) {
-        self.0.stopped.store(true, Ordering::Relaxed);
+        self.0.halted.fetch_or(STOPPED, Ordering::Relaxed);
+    }
+
+    /// Asks every loop under this watch to end for now; see [`Watch::begin_again`].
+    pub fn set_aside(&self) {
+        self.0.halted.fetch_or(SET_ASIDE, Ordering::Relaxed);
+    }
+
+    /// Whether the work was set aside and not stopped.
+    pub fn is_set_aside(&self) -> bool {
+        self.0.halted.load(Ordering::Relaxed) == SET_ASIDE
+    }
+
+    /// Lets work that was set aside be begun again from nothing; what was stopped stays stopped.
+    pub fn begin_again(&self) {
+        self.0.halted.fetch_and(!SET_ASIDE, Ordering::Relaxed);
+        self.0.done.store(0, Ordering::Relaxed);
     }
 
     /// Answers "go on" or [`Stopped`].
     ///
     /// # Errors
-    /// [`Stopped`] after [`Watch::stop`].
+    /// [`Stopped`] after [`Watch::stop`] or [`Watch::set_aside`].
     pub fn check(&self) -> Result<(), Stopped> {
-        if self.0.stopped.load(Ordering::Relaxed) { Err(Stopped) } else { Ok(()) }
+        if self.0.halted.load(Ordering::Relaxed) == 0 { Ok(()) } else { Err(Stopped) }
     }
 
     /// Has `observer` called at the start of every stage; the first observer stays.

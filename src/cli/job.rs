@@ -103,6 +103,7 @@ pub(super) fn admit(request: JobRequest, limits: &Limits) -> Result<Admitted, Cl
     limits.admit(job).map_err(|refusal| match refusal {
         Refusal::Impossible(faults) => CliError::Faults(faults),
         Refusal::TooLarge { detail, .. } => CliError::Plain(detail),
+        Refusal::Stopped => CliError::Plain("the forecast of the job was stopped".to_owned()),
     })
 }
 

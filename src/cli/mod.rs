@@ -13,7 +13,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use crate::config::{Given, Settings};
+use crate::config::{Given, Setting, Settings};
 use crate::fault::Fault;
 
 /// Refines control polygons and control meshes by subdivision.
@@ -78,9 +78,11 @@ impl Cli {
     pub fn from_command_line() -> Self {
         let defaults = Settings::default().list();
         let with_defaults = |serve: clap::Command| {
-            defaults.iter().fold(serve, |serve, (name, value, unit, doc)| {
+            defaults.iter().fold(serve, |serve, Setting { name, value, range, unit, doc }| {
                 let value = value.trim_matches('"');
-                let help = format!("{doc} [default: {value}{}{unit}]", if unit.is_empty() { "" } else { " " });
+                let blank = if unit.is_empty() { "" } else { " " };
+                let range = range.as_ref().map(|range| format!(", range: {} to {}", range.start(), range.end()));
+                let help = format!("{doc} [default: {value}{blank}{unit}{}]", range.unwrap_or_default());
                 serve.mut_arg(name, |arg| arg.help(help))
             })
         };

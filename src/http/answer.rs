@@ -12,8 +12,11 @@ use super::App;
 use super::negotiate::Part;
 use super::problem::{self, Problem};
 use crate::output::Format;
+use crate::service::account::{Full, Held};
 use crate::service::computation::Timings;
 use crate::service::desk::Origin;
+use crate::service::lent::Lent;
+use crate::service::pool::Busy;
 use crate::service::store::{Manifest, PART_BYTES};
 
 /// An artifact to be answered.
@@ -38,14 +41,24 @@ pub(super) fn address(key: impl std::fmt::Display, format: &dyn Format) -> Strin
     format!("/v1/artifacts/{key}.{}", format.extension())
 }
 
-/// The bytes of an artifact were damaged, or have just left the cache.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Gone;
+/// Why the bytes of an artifact are not answered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Lost {
+    /// They were damaged, or have just left the cache.
+    Gone,
+    /// Too many other answers are on their way.
+    Crowded,
+}
 
-impl From<Gone> for Problem {
-    fn from(_: Gone) -> Self {
-        let detail = "the stored result was damaged or has just left the cache; send the job again";
-        Self::new(problem::GONE, detail)
+impl From<Lost> for Problem {
+    fn from(lost: Lost) -> Self {
+        match lost {
+            Lost::Gone => {
+                let detail = "the stored result was damaged or has just left the cache; send the job again";
+                Self::new(problem::GONE, detail)
+            }
+            Lost::Crowded => Busy { retry_after: Duration::from_secs(1) }.into(),
+        }
     }
 }
 
@@ -111,8 +124,8 @@ fn warnings(warnings: &[String]) -> String {
 /// The artifact's bytes, or the part of them that was asked for.
 ///
 /// # Errors
-/// [`Gone`], when that turns out before the answer has begun.
-pub(super) async fn bytes(app: &Arc<App>, found: Found, mut headers: HeaderMap, part: Part) -> Result<Response, Gone> {
+/// [`Lost`], when that turns out before the answer has begun.
+pub(super) async fn bytes(app: &Arc<App>, found: Found, mut headers: HeaderMap, part: Part) -> Result<Response, Lost> {
     let length = found.manifest.length;
     let (status, first, last) = match part {
         Part::Whole => (StatusCode::OK, 0, length.saturating_sub(1)),
@@ -137,7 +150,7 @@ pub(super) async fn bytes(app: &Arc<App>, found: Found, mut headers: HeaderMap, 
 }
 
 /// The bytes `first ..= last`: the first part at once, so that damage is found before the answer begins.
-async fn body(app: &Arc<App>, found: Found, first: u64, last: u64) -> Result<Body, Gone> {
+async fn body(app: &Arc<App>, found: Found, first: u64, last: u64) -> Result<Body, Lost> {
     let slice = |bytes: &Bytes, start: u64| {
         let from = usize::try_from(first.saturating_sub(start)).unwrap_or(0);
         let to = usize::try_from(last + 1 - start).unwrap_or(usize::MAX).min(bytes.len());
@@ -149,27 +162,57 @@ async fn body(app: &Arc<App>, found: Found, first: u64, last: u64) -> Result<Bod
     let part_bytes = PART_BYTES as u64;
     let index = |byte: u64| usize::try_from(byte / part_bytes).unwrap_or(usize::MAX);
     let (from, to) = (index(first), index(last));
-    let manifest = found.manifest;
-    let head = app.desk.tiers.part(&manifest, from).await.ok_or(Gone)?;
+    let parts = Parts::of(app, found.manifest)?;
+    let head = parts.part(from).await.ok_or(Lost::Gone)?;
     let head = slice(&head, from as u64 * part_bytes);
     if from == to {
         return Ok(Body::from(head));
     }
-    let app = app.clone();
-    let tail = stream::unfold(from + 1, move |at| {
-        let (app, manifest) = (app.clone(), manifest.clone());
-        async move {
-            if at > to {
-                return None;
-            }
-            let start = at as u64 * part_bytes;
-            let part = app.desk.tiers.part(&manifest, at).await;
-            let end = usize::try_from(last + 1 - start).unwrap_or(usize::MAX);
-            // an error ends the connection: a broken answer, but never a wrong byte
-            let part = part.map(|part| part.slice(..end.min(part.len()))).ok_or(std::io::ErrorKind::InvalidData);
-            Some((part.map_err(std::io::Error::from), at + 1))
+    let tail = stream::unfold((parts, from + 1), move |(parts, at)| async move {
+        if at > to {
+            return None;
         }
+        let start = at as u64 * part_bytes;
+        let part = parts.part(at).await;
+        let end = usize::try_from(last + 1 - start).unwrap_or(usize::MAX);
+        // an error ends the connection: a broken answer, but never a wrong byte
+        let part = part.map(|part| part.slice(..end.min(part.len()))).ok_or(std::io::ErrorKind::InvalidData);
+        Some((part.map_err(std::io::Error::from), (parts, at + 1)))
     });
     let head = stream::once(async move { Ok::<_, std::io::Error>(head) });
     Ok(Body::from_stream(futures_util::StreamExt::chain(head, tail)))
+}
+
+/// The parts of an artifact, each paid for while a client has not read it.
+struct Parts {
+    app: Arc<App>,
+    manifest: Arc<Manifest>,
+    /// What pays for the artifact as it stands in memory; where nothing does, it comes from disk.
+    whole: Result<Option<Arc<Held>>, Full>,
+}
+
+impl Parts {
+    fn of(app: &Arc<App>, manifest: Arc<Manifest>) -> Result<Self, Lost> {
+        let whole = app.desk.in_flight.hold(&manifest);
+        if whole.is_err() && !app.desk.tiers.is_on_disk(&manifest.key) {
+            return Err(Lost::Crowded);
+        }
+        Ok(Self { app: app.clone(), manifest, whole })
+    }
+
+    /// A part: from memory when that is paid for, else from disk, one part after the other.
+    async fn part(&self, index: usize) -> Option<Bytes> {
+        let tiers = &self.app.desk.tiers;
+        if let Ok(paid) = &self.whole
+            && let Some(part) = tiers.part_at_hand(&self.manifest, index)
+        {
+            return Some(match paid {
+                Some(paid) => Lent::new(part, paid.clone()),
+                None => part,
+            });
+        }
+        let length = self.manifest.length.min(PART_BYTES as u64);
+        let paid = self.app.desk.in_flight.part(length).await;
+        tiers.part_on_disk(&self.manifest, index).await.map(|part| Lent::new(part, paid))
+    }
 }

@@ -6,13 +6,16 @@ use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
-use super::answer::{self, Found, Gone, address};
+use super::answer::{self, Found, Lost, address};
 use super::problem::{self, Problem};
 use super::segment::Segment;
-use super::{App, Shared, negotiate};
+use super::body::Sent;
+use super::requests::Client;
+use super::{App, Shared, negotiate, reading, render};
 use crate::job::key::Key;
 use crate::output::FORMATS;
 use crate::service::computation::Phase;
+use crate::service::task::Render;
 
 /// The bytes of an artifact: immutable, with a strong `ETag` and byte ranges.
 #[utoipa::path(
@@ -31,6 +34,7 @@ use crate::service::computation::Phase;
 )]
 pub(super) async fn artifact(
     State(app): State<Shared>,
+    client: Client,
     Segment(file): Segment,
     method: Method,
     mut headers: HeaderMap,
@@ -38,10 +42,10 @@ pub(super) async fn artifact(
     if method == Method::HEAD {
         headers.remove(header::RANGE); // ranges are for GET alone (RFC 9110, 14.2)
     }
-    answered(&app, &file, &headers).await.unwrap_or_else(IntoResponse::into_response)
+    answered(&app, &client, &file, &headers).await.unwrap_or_else(IntoResponse::into_response)
 }
 
-async fn answered(app: &Arc<App>, file: &str, headers: &HeaderMap) -> Result<Response, Problem> {
+async fn answered(app: &Arc<App>, client: &Client, file: &str, headers: &HeaderMap) -> Result<Response, Problem> {
     let unknown = || {
         let detail =
             "there is no artifact of this name; an address is /v1/artifacts/{64 hexadecimal digits}.{extension}";
@@ -51,11 +55,12 @@ async fn answered(app: &Arc<App>, file: &str, headers: &HeaderMap) -> Result<Res
     let key = Key::parse(id).ok_or_else(unknown)?;
     if let Some(manifest) = app.desk.find(key).await {
         // what turns out to be damaged has been dropped, and is made again where its job is known
-        if let Ok(response) = tell(app, &key, extension, headers, Found::kept(manifest)).await? {
-            return Ok(response);
+        match tell(app, &key, extension, headers, Found::kept(manifest)).await? {
+            Err(Lost::Gone) => {}
+            answered => return Ok(answered?),
         }
     }
-    let found = again(app, &key).await?;
+    let found = again(app, client, &key).await?;
     Ok(tell(app, &key, extension, headers, found).await??)
 }
 
@@ -66,7 +71,7 @@ async fn tell(
     extension: &str,
     headers: &HeaderMap,
     found: Found,
-) -> Result<Result<Response, Gone>, Problem> {
+) -> Result<Result<Response, Lost>, Problem> {
     let formats = FORMATS.iter().filter(|format| format.media_type() == found.manifest.media_type);
     if !formats.clone().any(|format| format.extension() == extension) {
         let right = formats.map(|format| address(key, *format)).next().unwrap_or_default();
@@ -83,13 +88,17 @@ async fn tell(
 }
 
 /// An artifact that is not kept: made again where its job is known.
-async fn again(app: &Arc<App>, key: &Key) -> Result<Found, Problem> {
+async fn again(app: &Arc<App>, client: &Client, key: &Key) -> Result<Found, Problem> {
     let Some(record) = app.desk.jobs.of_artifact(key) else {
         let detail = "this artifact is not kept here; send its job to /v1/render, and it will have this address";
         return Err(Problem::new(problem::NOT_FOUND, detail));
     };
-    let output = record.admitted.estimate().outputs.iter().position(|(known, _)| known == key).unwrap_or(0);
-    let interest = app.desk.compute(record.admitted, output)?;
+    // the format is that of the artifact, whatever the request left to be negotiated
+    let media_type = record.told.output.1.media_type();
+    let headers = HeaderMap::from_iter([(header::ACCEPT, HeaderValue::from_static(media_type))]);
+    let asked = render::read(app, client, &headers, Sent::again(record.told.request.clone())).await?;
+    let admitted = reading::admit(app, client, asked.job).await?;
+    let interest = app.desk.compute(Arc::new(Render::new(admitted, 0, Some(asked.input))), client.peer())?;
     match interest.computation.finished().await {
         Phase::Done(outcome) => {
             let (manifest, loose) = (outcome.manifest.clone(), outcome.loose.clone());

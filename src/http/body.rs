@@ -1,59 +1,96 @@
-//! Request bodies: bounded in length and in silence, read as JSON on the blocking pool when they are long.
+//! Request bodies: bounded in length, in silence and in slowness, with their memory taken from the account as they arrive.
 
 use std::time::Duration;
 
 use axum::body::{Body, Bytes};
 use axum::http::{HeaderMap, header};
 use http_body_util::BodyExt;
-use serde::de::DeserializeOwned;
+use tokio::time::Instant;
 
 use super::App;
+use super::pace::Pace;
 use super::problem::{self, Problem};
+use super::requests::Client;
 use crate::job::limits::in_bytes;
-use crate::wire::read::read;
+use crate::math::parameter::shortened;
+use crate::service::account::Held;
+use crate::service::peer::{Kind, Ticket};
+use crate::service::pool::Lane;
 
-/// Bodies up to this length are parsed where they arrive; longer ones on the blocking pool.
+/// Bodies up to this length take nothing from the account: with one a connection they are bounded by the connections, and
+/// a small request gets in though large ones have taken all there is.
 const SHORT_BYTES: usize = 16 << 10;
 
 /// Of a body that is refused, so much is read and forgotten at most.
 const DRAINED_BYTES: u64 = 64 << 20;
 
-/// Reads the body of a request as JSON.
-///
-/// # Errors
-/// 415, 413, 408, 400, 422.
-pub(super) async fn json<T>(app: &App, headers: &HeaderMap, body: Body) -> Result<T, Problem>
-where
-    T: DeserializeOwned + Send + 'static,
-{
-    let bytes = collect(app, headers, body).await?;
-    off_loop(bytes.len(), move || read(&bytes).map_err(Problem::from)).await
+/// The body of a request, with the memory it takes.
+#[derive(Debug)]
+pub(super) struct Sent {
+    /// The body.
+    pub(super) bytes: Bytes,
+    _charge: Charge,
 }
 
-/// Runs work on a request of so many bytes here when it is short, on the blocking pool when it is long.
-pub(super) async fn off_loop<T: Send + 'static>(
-    bytes: usize,
-    work: impl FnOnce() -> Result<T, Problem> + Send + 'static,
-) -> Result<T, Problem> {
-    if bytes <= SHORT_BYTES {
-        return work();
+impl Sent {
+    /// A request that was sent before; whoever kept it has its memory.
+    pub(super) fn again(bytes: Bytes) -> Self {
+        Self { bytes, _charge: Charge::default() }
     }
-    let done = tokio::task::spawn_blocking(work).await;
-    done.unwrap_or_else(|error| {
-        tracing::error!(%error, "work on a request panicked");
-        Err(Problem::new(problem::INTERNAL, "the request made planish fail; please report it"))
-    })
 }
 
 /// The bytes of a body that says it is JSON.
-pub(super) async fn collect(app: &App, headers: &HeaderMap, mut body: Body) -> Result<Bytes, Problem> {
-    let collected = collected(app, headers, &mut body).await;
+pub(super) async fn collect(
+    app: &App,
+    client: &Client,
+    headers: &HeaderMap,
+    mut body: Body,
+) -> Result<Sent, Problem> {
+    let collected = collected(app, client, headers, &mut body).await;
+    client.has_sent();
     let is_coming =
         collected.as_ref().is_err_and(|problem| !problem.is(problem::SLOW) && !problem.is(problem::NOT_JSON));
     if is_coming && !headers.contains_key(header::EXPECT) && announced(headers).unwrap_or(0) <= DRAINED_BYTES {
         drain(body, Duration::from_secs(app.settings.body_timeout_s)).await;
     }
     collected
+}
+
+/// What a body takes from the account, and from its peer's part of it.
+#[derive(Debug, Default)]
+struct Charge {
+    memory: Option<Held>,
+    ticket: Option<Ticket>,
+}
+
+impl Charge {
+    /// Takes what a buffer of so many bytes needs in all, before it is allocated; short bodies are free, as there can only
+    /// be one a connection.
+    fn cover(&mut self, app: &App, client: &Client, bytes: usize) -> Result<(), Problem> {
+        let more = (bytes as u64).saturating_sub(self.memory.as_ref().map_or(0, Held::bytes));
+        if bytes <= SHORT_BYTES || more == 0 {
+            return Ok(());
+        }
+        let bodies = &app.desk.account.bodies;
+        let most_a_peer = bodies.capacity / 2;
+        let peers = &app.desk.peers;
+        let is_fair = match &mut self.ticket {
+            Some(ticket) => ticket.grow(more, most_a_peer, bodies.capacity),
+            None => {
+                self.ticket = peers.take(client.peer(), Kind::BodyBytes, more, most_a_peer, bodies.capacity);
+                self.ticket.is_some()
+            }
+        };
+        let is_there = is_fair
+            && match &mut self.memory {
+                Some(memory) => memory.grow(more).is_ok(),
+                None => {
+                    self.memory = bodies.try_take(more).ok();
+                    self.memory.is_some()
+                }
+            };
+        if is_there { Ok(()) } else { Err(app.desk.pool.busy(Lane::Reading).into()) }
+    }
 }
 
 /// Reads the rest of a refused body and forgets it: most clients read no answer before they have sent everything.
@@ -75,7 +112,7 @@ fn announced(headers: &HeaderMap) -> Option<u64> {
     headers.get(header::CONTENT_LENGTH)?.to_str().ok()?.parse().ok()
 }
 
-async fn collected(app: &App, headers: &HeaderMap, body: &mut Body) -> Result<Bytes, Problem> {
+async fn collected(app: &App, client: &Client, headers: &HeaderMap, body: &mut Body) -> Result<Sent, Problem> {
     check_media_type(headers)?;
     let limit = app.settings.max_body_bytes;
     let too_long = |length: u64| {
@@ -89,30 +126,53 @@ async fn collected(app: &App, headers: &HeaderMap, body: &mut Body) -> Result<By
     if let Some(length) = announced(headers).filter(|length| *length > limit) {
         return Err(too_long(length));
     }
-    let silence = Duration::from_secs(app.settings.body_timeout_s);
-    let mut bytes = Vec::new();
+    let pace = Pace {
+        grace: Duration::from_secs(app.settings.body_timeout_s),
+        least_rate: app.settings.least_rate_bytes_s,
+    };
+    let (start, mut charge, mut bytes) = (Instant::now(), Charge::default(), Vec::new());
     loop {
-        let frame = tokio::time::timeout(silence, body.frame()).await.map_err(|_| {
-            Problem::new(
-                problem::SLOW,
-                format!("no byte of the body arrived for {} s; send it again", silence.as_secs()),
-            )
-        })?;
-        let Some(frame) = frame else { return Ok(bytes.into()) };
+        let late = Instant::now() + pace.grace;
+        let slow = start + pace.allows(bytes.len() as u64);
+        let frame = tokio::time::timeout_at(late.min(slow), body.frame()).await;
+        let Some(frame) = frame.map_err(|_| too_slow(pace, late < slow))? else {
+            return Ok(Sent { bytes: bytes.into(), _charge: charge });
+        };
         let frame = frame.map_err(|_| Problem::new(problem::NOT_JSON, "the body broke off; send it again"))?;
         let Ok(data) = frame.into_data() else { continue };
-        if (bytes.len() + data.len()) as u64 > limit {
-            return Err(too_long((bytes.len() + data.len()) as u64));
+        let length = bytes.len() + data.len();
+        if length as u64 > limit {
+            return Err(too_long(length as u64));
+        }
+        if length > bytes.capacity() {
+            // twice as much each time, but no more than was announced
+            let most = announced(headers).and_then(|length| usize::try_from(length).ok()).unwrap_or(usize::MAX);
+            let capacity = (2 * bytes.capacity()).min(most).max(length);
+            charge.cover(app, client, capacity)?;
+            bytes.reserve_exact(capacity - bytes.len());
         }
         bytes.extend_from_slice(&data);
     }
+}
+
+/// The refusal of a body that stopped arriving, or arrives too slowly.
+fn too_slow(pace: Pace, is_silent: bool) -> Problem {
+    let seconds = pace.grace.as_secs();
+    let detail = if is_silent {
+        format!("no byte of the body arrived for {seconds} s; send it again")
+    } else {
+        let rate = in_bytes(pace.least_rate.into());
+        format!("after {seconds} s the body arrives more slowly than at {rate} a second; send it again, or a smaller one")
+    };
+    Problem::new(problem::SLOW, detail)
 }
 
 fn check_media_type(headers: &HeaderMap) -> Result<(), Problem> {
     if let Some(encoding) =
         headers.get(header::CONTENT_ENCODING).filter(|value| !value.as_bytes().eq_ignore_ascii_case(b"identity"))
     {
-        let detail = format!("Content-Encoding {encoding:?} is not read; send the JSON as it is");
+        let encoding = shortened(encoding.to_str().unwrap_or("?"));
+        let detail = format!("Content-Encoding \"{encoding}\" is not read; send the JSON as it is");
         return Err(Problem::new(problem::MEDIA_TYPE, detail));
     }
     let given = headers.get(header::CONTENT_TYPE).map(|value| value.to_str().unwrap_or("?"));
@@ -120,6 +180,7 @@ fn check_media_type(headers: &HeaderMap) -> Result<(), Problem> {
     match essence.as_deref() {
         Some("application/json") => Ok(()),
         Some(other) => {
+            let other = shortened(other);
             let detail = format!("Content-Type is {other}; send the job as Content-Type: application/json");
             Err(Problem::new(problem::MEDIA_TYPE, detail))
         }

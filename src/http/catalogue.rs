@@ -9,6 +9,7 @@ use utoipa::ToSchema;
 use super::Shared;
 use super::problem::{self, Problem};
 use super::segment::Segment;
+use crate::config::Setting;
 use crate::math::parameter::shortened;
 use crate::wire::catalogue::{self, FormatEntry, OperatorEntry, PresetEntry, ReaderEntry};
 
@@ -86,7 +87,7 @@ pub(super) async fn limits(State(app): State<Shared>) -> Json<Vec<LimitEntry>> {
         ("max_wait_s", super::negotiate::MAX_WAIT.as_secs(), "seconds", "Longest wait that `Prefer` is granted."),
     ];
     let fixed = fixed.map(|(name, value, unit, doc)| LimitEntry { name, value, unit, doc: doc.to_owned() });
-    let settings = app.settings.list().into_iter().filter_map(|(name, value, unit, doc)| {
+    let settings = app.settings.list().into_iter().filter_map(|Setting { name, value, unit, doc, .. }| {
         let value = value.parse().ok()?;
         Some(LimitEntry { name, value, unit, doc })
     });

@@ -54,7 +54,7 @@ const QUESTION: &[Kind] =
 /// Adds to every operation what the handlers need not repeat.
 pub(super) fn completed(mut document: Api) -> Api {
     for (path, item) in &mut document.paths.paths {
-        for operation in [&mut item.get, &mut item.post].into_iter().flatten() {
+        for operation in [&mut item.get, &mut item.post, &mut item.delete].into_iter().flatten() {
             complete(path, operation);
         }
         if path.starts_with("/v1/artifacts/") {

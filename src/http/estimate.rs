@@ -6,8 +6,8 @@ use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 
 use super::problem::Problem;
-use super::resolve::resolve;
-use super::{Shared, body, render};
+use super::requests::Client;
+use super::{Shared, body, negotiate, reading};
 use crate::wire::JobRequest;
 use crate::wire::answer::EstimateAnswer;
 use crate::wire::output::OutputRequest;
@@ -21,15 +21,22 @@ use crate::wire::output::OutputRequest;
         (status = 200, description = "What it would come to", body = EstimateAnswer),
     )
 )]
-pub(super) async fn estimate(State(app): State<Shared>, headers: HeaderMap, body: Body) -> Response {
+pub(super) async fn estimate(
+    State(app): State<Shared>,
+    client: Client,
+    headers: HeaderMap,
+    body: Body,
+) -> Response {
     let answer = async {
-        let mut request: JobRequest = body::json(&app, &headers, body).await?;
-        if request.outputs.is_empty() {
-            let format = super::negotiate::format(&HeaderMap::new(), request.shape_kind())?;
-            request.outputs = vec![OutputRequest::of_format(format.name())];
-        }
-        let job = resolve(&app, request, usize::MAX).await?;
-        let admitted = render::admit(&app, job).await?;
+        let sent = body::collect(&app, &client, &headers, body).await?;
+        let asked = reading::job(&app, &client, sent, usize::MAX, |request| {
+            if request.outputs.is_empty() {
+                let format = negotiate::format(&HeaderMap::new(), request.shape_kind())?;
+                request.outputs = vec![OutputRequest::of_format(format.name())];
+            }
+            Ok(())
+        });
+        let admitted = reading::admit(&app, &client, asked.await?.job).await?;
         Ok::<_, Problem>(axum::Json(EstimateAnswer::new(admitted.job(), admitted.estimate())))
     };
     answer.await.into_response()

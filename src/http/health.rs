@@ -1,5 +1,7 @@
 //! Whether the service lives, and whether it works.
 
+use std::sync::Arc;
+
 use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
@@ -9,6 +11,7 @@ use utoipa::ToSchema;
 
 use super::Shared;
 use super::problem::{self, Problem};
+use crate::service::account::{Share, ShareUsage};
 
 /// The process answers.
 #[utoipa::path(get, path = "/livez", tag = "operations", responses((status = 200, description = "It lives", body = String, content_type = "text/plain")))]
@@ -17,7 +20,7 @@ pub(super) async fn livez() -> &'static str {
 }
 
 /// How ready the service is.
-#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
+#[derive(Debug, Clone, Serialize, ToSchema)]
 pub(super) struct Readiness {
     /// True: what is not ready is answered by a problem.
     ready: bool,
@@ -27,9 +30,28 @@ pub(super) struct Readiness {
     canary_ms: f64,
     /// Computations under way or waiting.
     under_way: usize,
+    /// Connections that are open.
+    connections: usize,
+    /// The shares of the memory, in the order of a request's way.
+    memory: Vec<ShareAnswer>,
 }
 
-/// A small real job was computed lately.
+/// A share of the memory.
+#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
+pub(super) struct ShareAnswer {
+    /// What it is for.
+    name: &'static str,
+    /// Bytes it has in all.
+    capacity: u64,
+    /// Bytes taken now.
+    taken: u64,
+    /// Most bytes that were taken at once since the start.
+    most: u64,
+    /// How often somebody found it empty.
+    refused: u64,
+}
+
+/// A small real job was computed lately, no line and no share of the memory is full, and the disk takes what it is given.
 #[utoipa::path(
     get, path = "/readyz", tag = "operations",
     responses(
@@ -37,20 +59,32 @@ pub(super) struct Readiness {
     )
 )]
 pub(super) async fn readyz(State(app): State<Shared>) -> Response {
-    match app.canary.last_success() {
-        Some((age, took)) if age <= super::canary::STALE => {
-            let readiness = Readiness {
-                ready: true,
-                canary_age_s: age.as_secs_f64(),
-                canary_ms: took.as_secs_f64() * 1000.0,
-                under_way: app.desk.n_under_way(),
-            };
-            (StatusCode::OK, Json(readiness)).into_response()
-        }
-        Some((age, _)) => {
-            let detail = format!("the canary job last succeeded {} s ago", age.as_secs());
-            Problem::new(problem::NOT_READY, detail).into_response()
-        }
-        None => Problem::new(problem::NOT_READY, "the canary job has not succeeded yet").into_response(),
+    let not_ready = |detail: String| Problem::new(problem::NOT_READY, detail).into_response();
+    let (age, took) = match app.canary.last_success() {
+        Some((age, took)) if age <= super::canary::STALE => (age, took),
+        Some((age, _)) => return not_ready(format!("the canary job last succeeded {} s ago", age.as_secs())),
+        None => return not_ready("the canary job has not succeeded yet".to_owned()),
+    };
+    let full = app.desk.full();
+    if !full.is_empty() {
+        return not_ready(format!("there is no room in: {}; cached results are answered all the same", full.join(", ")));
     }
+    if let Some(trouble) = app.desk.tiers.disk_trouble() {
+        let (n, seconds) = (trouble.failures, trouble.lasts.as_secs());
+        let remedy = "results are answered all the same, but not kept; look at the disk of --data-dir";
+        return not_ready(format!("{n} writes to disk failed in the last {seconds} s ({}); {remedy}", trouble.reason));
+    }
+    let share = |share: &Arc<Share>| {
+        let ShareUsage { taken, most, refused } = share.usage();
+        ShareAnswer { name: share.name, capacity: share.capacity, taken, most, refused }
+    };
+    let readiness = Readiness {
+        ready: true,
+        canary_age_s: age.as_secs_f64(),
+        canary_ms: took.as_secs_f64() * 1000.0,
+        under_way: app.desk.n_under_way(),
+        connections: app.connections.len(),
+        memory: app.desk.account.shares().into_iter().map(share).collect(),
+    };
+    (StatusCode::OK, Json(readiness)).into_response()
 }

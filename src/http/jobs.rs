@@ -1,10 +1,10 @@
-//! GET /v1/jobs/{id}: how a job stands that outlasted its request.
+//! GET and DELETE /v1/jobs/{id}: how a job stands that outlasted its request, and its end.
 
 use std::sync::Arc;
 use std::time::Duration;
 
 use axum::extract::State;
-use axum::http::{HeaderValue, header};
+use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
 use super::answer::address;
@@ -39,19 +39,32 @@ pub(super) async fn job(State(app): State<Shared>, Segment(id): Segment) -> Resp
     response
 }
 
+/// Forgets a job; when it is still under way and nobody else waits for its result, it is cancelled.
+#[utoipa::path(
+    delete, path = "/v1/jobs/{id}", tag = "jobs",
+    params(("id" = String, Path, description = "Id of the job, 64 hexadecimal digits")),
+    responses(
+        (status = 204, description = "It is forgotten"),
+    )
+)]
+pub(super) async fn forget(State(app): State<Shared>, Segment(id): Segment) -> Response {
+    if Key::parse(&id).is_some_and(|id| app.desk.jobs.remove(&id)) {
+        return StatusCode::NO_CONTENT.into_response();
+    }
+    Problem::new(problem::NOT_FOUND, "there is no job of this id, or it is forgotten already").into_response()
+}
+
 /// How a job stands, if it is known.
 pub(super) fn answer(app: &Arc<App>, id: &Key) -> Option<JobAnswer> {
     let record = app.desk.jobs.get(id)?;
     let (state, progress, timings, error) = standing(&record.state);
-    let job = record.admitted.job();
-    let output = |output: &crate::job::Output| {
-        let key = job.key(output);
-        OutputAnswer {
-            name: output.name.clone(),
-            format: output.format.name(),
-            key: key.to_string(),
-            href: address(key, output.format),
-        }
+    let told = &record.told;
+    let (name, format, key) = (&told.output.0, told.output.1, told.output.2);
+    let output = OutputAnswer {
+        name: name.clone(),
+        format: format.name(),
+        key: key.to_string(),
+        href: address(key, format),
     };
     Some(JobAnswer {
         id: record.id.to_string(),
@@ -59,11 +72,11 @@ pub(super) fn answer(app: &Arc<App>, id: &Key) -> Option<JobAnswer> {
         progress,
         attempts: record.attempts,
         timings_ms: timings.map(milliseconds),
-        cost: CostAnswer::new(record.admitted.estimate()),
-        outputs: job.outputs.iter().map(output).collect(),
+        cost: CostAnswer::new(&told.estimate),
+        outputs: vec![output],
         error,
         warnings: warnings(&record),
-        reached: job.reached.map(ReachedAnswer::from),
+        reached: told.reached.map(ReachedAnswer::from),
     })
 }
 
@@ -79,6 +92,9 @@ fn standing(state: &Standing) -> (&'static str, f64, Option<Timings>, Option<Str
         Standing::Failed(Failure::Impossible(fault)) => ("failed", 0.0, None, Some(fault.to_string())),
         Standing::Failed(Failure::TimedOut(limit)) => {
             ("failed", 0.0, None, Some(format!("it ran for {} s, the most this server allows", limit.as_secs())))
+        }
+        Standing::Failed(Failure::Busy(_)) => {
+            ("failed", 0.0, None, Some("there was no place for work as long as it came to be; send it again".to_owned()))
         }
         Standing::Failed(Failure::Internal(_)) => {
             ("failed", 0.0, None, Some("a fault of planish; please report it".to_owned()))

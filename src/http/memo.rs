@@ -6,6 +6,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use axum::http::{HeaderMap, header};
 
+use super::answer::address;
+use super::reading::Asked;
 use crate::job::key::{Key, content};
 use crate::refine::curve::Reached;
 
@@ -27,6 +29,14 @@ pub(super) struct Known {
     pub(super) address: Arc<str>,
     /// What a tolerance led to.
     pub(super) reached: Option<Reached>,
+}
+
+impl Known {
+    /// What is known of a request with one output.
+    pub(super) fn of(asked: &Asked) -> Self {
+        let (key, output) = (asked.keys[0], &asked.job.outputs[0]);
+        Self { key, address: address(key, output.format).into(), reached: asked.job.reached }
+    }
 }
 
 /// The identity of a request: its body, and the header that can change its meaning.

@@ -5,6 +5,7 @@ mod artifacts;
 mod body;
 mod canary;
 mod catalogue;
+mod connections;
 mod document;
 mod estimate;
 mod guard;
@@ -12,12 +13,15 @@ mod health;
 mod jobs;
 mod memo;
 mod negotiate;
+mod pace;
 mod pages;
 mod problem;
+mod reading;
 mod render;
-mod resolve;
+mod requests;
 mod segment;
 pub mod serve;
+mod stream;
 mod validate;
 
 use std::sync::Arc;
@@ -39,6 +43,7 @@ use crate::config::Settings;
 use crate::service::desk::Desk;
 
 pub use canary::Canary;
+pub use connections::Connections;
 pub use memo::Memo;
 
 /// What every handler knows.
@@ -52,6 +57,8 @@ pub struct App {
     pub canary: Canary,
     /// What was asked lately.
     pub memo: Memo,
+    /// The connections that are open.
+    pub connections: Arc<Connections>,
 }
 
 /// The state of the router.
@@ -62,7 +69,7 @@ fn routed() -> OpenApiRouter<Shared> {
     // artifacts are answered as they are, or their ETag would not be strong; other texts are compressed
     let artifacts = OpenApiRouter::new().routes(routes!(render::render)).routes(routes!(artifacts::artifact));
     let texts = OpenApiRouter::new()
-        .routes(routes!(jobs::job))
+        .routes(routes!(jobs::job, jobs::forget))
         .routes(routes!(estimate::estimate))
         .routes(routes!(validate::validate))
         .routes(routes!(catalogue::presets))
@@ -113,7 +120,7 @@ fn cors() -> CorsLayer {
     ]);
     CorsLayer::new()
         .allow_origin(Any)
-        .allow_methods([Method::GET, Method::HEAD, Method::POST, Method::OPTIONS])
+        .allow_methods([Method::GET, Method::HEAD, Method::POST, Method::DELETE, Method::OPTIONS])
         .allow_headers([
             header::CONTENT_TYPE,
             header::ACCEPT,

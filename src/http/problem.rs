@@ -7,13 +7,20 @@ use std::time::{Duration, SystemTime};
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 
-use crate::fault::Fault;
+use crate::fault::{Fault, cut};
 use crate::job::limits::Refusal;
 use crate::math::parameter::shortened;
 use crate::service::computation::Failure;
+use crate::service::desk::Unread;
 use crate::service::pool::Busy;
-use crate::wire::answer::ProblemAnswer;
+use crate::wire::answer::{FaultAnswer, ProblemAnswer};
 use crate::wire::read::ReadError;
+
+/// Most bytes of the faults that one answer lists: some hundred of them, more than a reader mends at once. With its detail,
+/// in which every character may be escaped by six, the whole answer stays below 64 KiB.
+const MOST_FAULT_BYTES: usize = 32 << 10;
+/// Most characters of a detail: a place and a sentence at their longest.
+const MOST_DETAIL: usize = 4000;
 
 /// A kind of problem: its slug, title and status, and a page's worth of explanation.
 #[derive(Debug, Clone, Copy)]
@@ -36,6 +43,12 @@ macro_rules! kinds {
 kinds! {
     NOT_JSON: "not-json", BAD_REQUEST, "The body is not JSON",
         "The text of the request ends early or breaks the grammar of JSON. The detail names line and column.";
+    NOT_HTTP: "not-http", BAD_REQUEST, "This is no HTTP request",
+        "The bytes that arrived break the grammar of HTTP/1.1, or say two things at once about their length.";
+    HEAD_TOO_LONG: "head-too-long", REQUEST_HEADER_FIELDS_TOO_LARGE, "The headers are too long",
+        "The request's line and its headers have at most 64 KiB together.";
+    URI_TOO_LONG: "address-too-long", URI_TOO_LONG, "The address is too long",
+        "Jobs are sent in the body of a POST request, where there is more room.";
     INVALID: "invalid-job", UNPROCESSABLE_ENTITY, "The job cannot be done",
         "The body is JSON, but no job: a field is unknown, missing or of the wrong kind, or the parts do not fit each \
          other. Every entry of `errors` points to one fault.";
@@ -86,14 +99,44 @@ impl Problem {
         Self { kind, detail: detail.into(), errors: Vec::new(), retry_after: None }
     }
 
-    /// What it says of places in the request.
-    pub(super) fn into_faults(self) -> Vec<Fault> {
-        self.errors
-    }
-
     /// Whether it is of this kind.
     pub(super) fn is(&self, kind: Kind) -> bool {
         self.kind.slug == kind.slug
+    }
+
+    /// The answer as it stands on the wire, where no router writes it; the connection ends with it.
+    fn written(self) -> Vec<u8> {
+        let (status, retry_after) = (self.kind.status, self.retry_after);
+        let body = serde_json::to_vec(&self.answer()).expect("a problem is plain text and numbers");
+        let retry_after = retry_after.map_or_else(String::new, |time| format!("retry-after: {}\r\n", time.as_secs().max(1)));
+        let mut written = format!(
+            "HTTP/1.1 {status}\r\ncontent-type: application/problem+json\r\ncache-control: no-store\r\n\
+             x-content-type-options: nosniff\r\n{retry_after}content-length: {}\r\nconnection: close\r\n\r\n",
+            body.len()
+        )
+        .into_bytes();
+        written.extend(body);
+        written
+    }
+
+    /// The body, which is told in the log as well.
+    fn answer(self) -> ProblemAnswer {
+        let n_faults = self.errors.len();
+        let errors = listed(self.errors);
+        let mut detail = cut(&self.detail, MOST_DETAIL).into_owned();
+        if errors.len() < n_faults {
+            detail.push_str(&format!("; errors lists the first {}", errors.len()));
+        }
+        let answer = ProblemAnswer {
+            kind: format!("/docs/problems/{}", self.kind.slug),
+            title: self.kind.title.to_owned(),
+            status: self.kind.status.as_u16(),
+            detail,
+            errors,
+            trace_id: trace_id(),
+        };
+        tracing::info!(trace_id = answer.trace_id, status = answer.status, detail = answer.detail, "refused");
+        answer
     }
 
     /// A job that cannot be, with all its faults.
@@ -121,6 +164,7 @@ impl From<Refusal> for Problem {
         match refusal {
             Refusal::Impossible(faults) => Self::invalid(faults),
             Refusal::TooLarge { detail, faults } => Self { errors: faults, ..Self::new(TOO_LARGE, detail) },
+            Refusal::Stopped => Self::new(TIMED_OUT, "the forecast of the job was stopped; ask for fewer levels"),
         }
     }
 }
@@ -128,8 +172,17 @@ impl From<Refusal> for Problem {
 impl From<Busy> for Problem {
     fn from(busy: Busy) -> Self {
         let seconds = busy.retry_after.as_secs().max(1);
-        let detail = format!("too many jobs are waiting; come back in {seconds} s");
+        let detail = format!("too much is waiting already, of all clients or of yours; come back in {seconds} s");
         Self { retry_after: Some(busy.retry_after), ..Self::new(BUSY, detail) }
+    }
+}
+
+impl From<Unread> for Problem {
+    fn from(unread: Unread) -> Self {
+        match unread {
+            Unread::Busy(busy) => busy.into(),
+            Unread::Failed(failure) => failure.into(),
+        }
     }
 }
 
@@ -146,6 +199,7 @@ impl From<Failure> for Problem {
                     format!("the computation ran for {seconds} s, the most this server allows; {remedy}"),
                 )
             }
+            Failure::Busy(retry_after) => Busy { retry_after }.into(),
             Failure::Internal(error) => {
                 tracing::error!(%error, "a computation failed");
                 Self::new(INTERNAL, "the computation failed; this is a fault of planish, please report it")
@@ -167,24 +221,26 @@ fn trace_id() -> String {
 
 impl IntoResponse for Problem {
     fn into_response(self) -> Response {
-        let answer = ProblemAnswer {
-            kind: format!("/docs/problems/{}", self.kind.slug),
-            title: self.kind.title.to_owned(),
-            status: self.kind.status.as_u16(),
-            detail: self.detail,
-            errors: self.errors.into_iter().map(Into::into).collect(),
-            trace_id: trace_id(),
-        };
-        tracing::info!(trace_id = answer.trace_id, status = answer.status, detail = answer.detail, "refused");
-        let body = serde_json::to_vec(&answer).expect("a problem is plain text and numbers");
+        let (status, retry_after) = (self.kind.status, self.retry_after);
+        let body = serde_json::to_vec(&self.answer()).expect("a problem is plain text and numbers");
         let mut headers = HeaderMap::new();
         headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));
         headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
-        if let Some(retry_after) = self.retry_after {
+        if let Some(retry_after) = retry_after {
             headers.insert(header::RETRY_AFTER, retry_after.as_secs().max(1).into());
         }
-        (self.kind.status, headers, body).into_response()
+        (status, headers, body).into_response()
     }
+}
+
+/// The first faults, as many as fit into one answer.
+fn listed(faults: Vec<Fault>) -> Vec<FaultAnswer> {
+    let mut left = MOST_FAULT_BYTES;
+    let fitting = faults.into_iter().map(FaultAnswer::from).take_while(|fault| {
+        let length = serde_json::to_string(fault).expect("a fault is plain text").len();
+        left.checked_sub(length).map(|rest| left = rest).is_some()
+    });
+    fitting.collect()
 }
 
 /// The answer where no route is.
@@ -200,7 +256,29 @@ pub(super) async fn method_not_allowed(method: Method, uri: Uri) -> Problem {
         "/v1/render" | "/v1/estimate" | "/v1/validate" => "send a job with POST",
         _ => "the header Allow lists the methods it knows",
     };
-    Problem::new(METHOD, format!("{path} does not know {method}; {remedy}"))
+    Problem::new(METHOD, format!("{path} does not know {}; {remedy}", shortened(method.as_str())))
+}
+
+/// What is written to a client that is not let in.
+pub(super) fn crowded() -> Vec<u8> {
+    let busy = Problem {
+        retry_after: Some(Duration::from_secs(1)),
+        ..Problem::new(BUSY, "all connections wait for answers already; come back in 1 s")
+    };
+    busy.written()
+}
+
+/// What is written in place of a refusal that the HTTP library made of bytes that it could not read as a request.
+pub(super) fn unreadable(refusal: &[u8]) -> Vec<u8> {
+    let is = |status: &[u8]| refusal.strip_prefix(b"HTTP/1.1 ").is_some_and(|rest| rest.starts_with(status));
+    let problem = if is(b"431") {
+        Problem::new(HEAD_TOO_LONG, "the request's line and headers have more than 64 KiB; send fewer or shorter ones")
+    } else if is(b"414") {
+        Problem::new(URI_TOO_LONG, "the request's address has more than 64 KiB; send the job in a body")
+    } else {
+        Problem::new(NOT_HTTP, "what was sent is no request of HTTP/1.1; send one line, headers, an empty line, a body")
+    };
+    problem.written()
 }
 
 /// The answer after a panic in a handler.
@@ -208,7 +286,7 @@ pub(super) async fn method_not_allowed(method: Method, uri: Uri) -> Problem {
 pub(super) fn panicked(panic: Box<dyn Any + Send>) -> Response {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
-    tracing::error!(panic = text.unwrap_or("no message"), "a handler panicked");
+    tracing::error!(panic = %cut(text.unwrap_or("no message"), MOST_DETAIL), "a handler panicked");
     Problem::new(INTERNAL, "the request made planish fail; this is a fault of planish, please report it")
         .into_response()
 }

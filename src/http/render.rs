@@ -7,18 +7,19 @@ use axum::extract::State;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
-use super::answer::{self, Found, Gone, address};
+use super::answer::{self, Found, Lost};
+use super::body::Sent;
 use super::memo::Known;
 use super::negotiate::{self, Part};
 use super::problem::Problem;
-use super::resolve::resolve;
-use super::{App, Shared, body, jobs, memo};
-use crate::fault::Fault;
-use crate::job::Job;
+use super::reading::Asked;
+use super::requests::Client;
+use super::{App, Shared, body, jobs, memo, reading};
 use crate::job::key::Key;
-use crate::job::limits::Admitted;
 use crate::refine::curve::Reached;
 use crate::service::computation::Phase;
+use crate::service::jobs::Told;
+use crate::service::task::Render;
 use crate::wire::JobRequest;
 use crate::wire::output::OutputRequest;
 
@@ -43,39 +44,35 @@ use crate::wire::output::OutputRequest;
         (status = 304, description = "The client has it already (`If-None-Match`)"),
     )
 )]
-pub(super) async fn render(State(app): State<Shared>, headers: HeaderMap, body: Body) -> Response {
-    rendered(&app, &headers, body).await.unwrap_or_else(IntoResponse::into_response)
+pub(super) async fn render(State(app): State<Shared>, client: Client, headers: HeaderMap, body: Body) -> Response {
+    rendered(&app, &client, &headers, body).await.unwrap_or_else(IntoResponse::into_response)
 }
 
-/// A job with the key and the address of its one output.
-struct Asked {
-    job: Job,
-    known: Known,
-}
-
-async fn rendered(app: &Arc<App>, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
-    let bytes = body::collect(app, headers, body).await?;
-    let request = memo::identity(headers, &bytes);
+async fn rendered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
+    let sent = body::collect(app, client, headers, body).await?;
+    let request = memo::identity(headers, &sent.bytes);
     if let Some(response) = again(app, headers, request).await {
         return Ok(response);
     }
-    let asked = read(app, headers, bytes).await?;
+    let asked = read(app, client, headers, sent).await?;
+    let known = Known::of(&asked);
     if let Some(request) = request {
-        app.memo.put(request, asked.known.clone());
+        app.memo.put(request, known.clone());
     }
-    if negotiate::has_already(headers, &asked.known.key) {
-        return Ok(not_modified(&asked.known));
+    if negotiate::has_already(headers, &known.key) {
+        return Ok(not_modified(&known));
     }
-    if let Some(manifest) = app.desk.find(asked.known.key).await {
+    if let Some(manifest) = app.desk.find(known.key).await {
         if negotiate::wants_nothing_kept(headers) {
-            return Ok(not_modified(&asked.known));
+            return Ok(not_modified(&known));
         }
         // what turns out to be damaged has been dropped, and is made again
-        if let Ok(response) = whole(app, Found::kept(manifest), &asked.known).await {
-            return Ok(response);
+        match whole(app, Found::kept(manifest), &known).await {
+            Err(Lost::Gone) => {}
+            answered => return Ok(answered?),
         }
     }
-    made(app, headers, asked).await
+    made(app, client, headers, asked, known).await
 }
 
 /// The answer to a request that came before and whose result is at hand.
@@ -89,67 +86,60 @@ async fn again(app: &Arc<App>, headers: &HeaderMap, request: Option<Key>) -> Opt
 }
 
 /// Has the artifact made, and answers with it or, when that takes too long, with where it will be.
-async fn made(app: &Arc<App>, headers: &HeaderMap, asked: Asked) -> Result<Response, Problem> {
+async fn made(
+    app: &Arc<App>,
+    client: &Client,
+    headers: &HeaderMap,
+    asked: Asked,
+    known: Known,
+) -> Result<Response, Problem> {
     let (patience, said) = negotiate::patience(headers);
-    let admitted = admit(app, asked.job).await?;
-    let interest = app.desk.compute(admitted.clone(), 0)?;
+    let Asked { job, input, sent, .. } = asked;
+    let admitted = reading::admit(app, client, job).await?;
+    let job = admitted.job();
+    let (id, output, reached) = (job.id(), &job.outputs[0], job.reached);
+    let output = (output.name.clone(), output.format, known.key);
+    let estimate = admitted.estimate().clone();
+    let interest = app.desk.compute(Arc::new(Render::new(admitted, 0, Some(input))), client.peer())?;
     let computation = interest.computation.clone();
     match tokio::time::timeout(patience, computation.finished()).await {
         Ok(Phase::Done(outcome)) => {
             let (manifest, loose) = (outcome.manifest.clone(), outcome.loose.clone());
             let found = Found { manifest, loose, origin: interest.origin, timings: outcome.timings };
-            Ok(whole(app, found, &asked.known).await?)
+            Ok(whole(app, found, &known).await?)
         }
         Ok(Phase::Failed(failure)) => Err(failure.into()),
         Ok(Phase::Queued | Phase::Running) | Err(_) => {
-            let id = admitted.job().id();
-            app.desk.detach(id, admitted, interest);
+            // a copy, so that a short request does not keep the buffer that it arrived in
+            let request = Bytes::copy_from_slice(&sent.bytes);
+            app.desk.detach(id, Told { output, estimate, reached, request }, interest, client.peer())?;
             Ok(later(app, &id, said.then_some(patience.as_secs())))
         }
     }
 }
 
-async fn whole(app: &Arc<App>, found: Found, known: &Known) -> Result<Response, Gone> {
+async fn whole(app: &Arc<App>, found: Found, known: &Known) -> Result<Response, Lost> {
     let mut head = answer::headers(&found, &known.address);
     said(known.reached, &mut head);
     answer::bytes(app, found, head, Part::Whole).await
 }
 
-/// Reads, checks and keys the job; on the blocking pool when it is long.
-async fn read(app: &Arc<App>, headers: &HeaderMap, bytes: Bytes) -> Result<Asked, Problem> {
-    let length = bytes.len();
-    let mut request: JobRequest =
-        body::off_loop(length, move || crate::wire::read::read(&bytes).map_err(Problem::from)).await?;
-    if request.outputs.is_empty() {
-        let format = negotiate::format(headers, request.shape_kind())?;
-        request.outputs = vec![OutputRequest::of_format(format.name())];
-    }
-    let n = request.outputs.len();
-    let resolved = resolve(app, request, length).await;
-    if n > 1 {
-        let detail = format!("{n} outputs; /v1/render answers one, send one job for each");
-        let others = resolved.err().map(Problem::into_faults).unwrap_or_default();
-        let many = std::iter::once(Fault::new("/outputs", detail));
-        return Err(Problem::invalid(many.chain(others).collect()));
-    }
-    let job = resolved?;
-    body::off_loop(length, move || {
-        let output = &job.outputs[0];
-        let key = job.key(output);
-        let known = Known { key, address: address(key, output.format).into(), reached: job.reached };
-        Ok(Asked { job, known })
-    })
-    .await
-}
-
-/// Admits a job: on the blocking pool, as some forecasts follow the mesh through its levels.
-pub(super) async fn admit(app: &Arc<App>, job: Job) -> Result<Arc<Admitted>, Problem> {
-    let desk = app.desk.clone();
-    let admitted = tokio::task::spawn_blocking(move || desk.limits.admit(job)).await;
-    match admitted {
-        Ok(admitted) => Ok(Arc::new(admitted?)),
-        Err(error) => Err(crate::service::computation::Failure::Internal(error.to_string()).into()),
-    }
+/// Reads, checks and keys the job.
+pub(super) async fn read(
+    app: &Arc<App>,
+    client: &Client,
+    headers: &HeaderMap,
+    sent: Sent,
+) -> Result<Asked, Problem> {
+    let headers = headers.clone();
+    let asked = reading::job(app, client, sent, 1, move |request| {
+        if request.outputs.is_empty() {
+            let format = negotiate::format(&headers, request.shape_kind())?;
+            request.outputs = vec![OutputRequest::of_format(format.name())];
+        }
+        Ok(())
+    });
+    asked.await
 }
 
 /// What a tolerance led to: the level, and how far from the limit the result is at most.

@@ -3,26 +3,28 @@
 use std::future::Future;
 use std::io;
 use std::path::Path;
-use std::pin::{Pin, pin};
+use std::pin::pin;
 use std::sync::Arc;
-use std::task::{Context, Poll};
 use std::time::Duration;
 
 use axum::Router;
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::graceful::GracefulShutdown;
-use hyper_util::service::TowerToHyperService;
-use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
-use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::Semaphore;
-use tokio::time::Sleep;
+use tokio::net::{TcpListener, TcpSocket, TcpStream};
 
-use super::{App, Canary, Memo, canary, document, router};
+use super::connections::{Connections, Open};
+use super::pace::Pace;
+use super::requests::Requests;
+use super::stream::Watched;
+use super::{App, Canary, Memo, canary, document, problem, router};
 use crate::config::Settings;
-use crate::service::clock::Monotonic;
-use crate::service::desk::Desk;
-use crate::service::pool::Pool;
+use crate::job::limits::Limits;
+use crate::service::account::Account;
+use crate::service::clock::{Clock, Monotonic};
+use crate::service::desk::{Desk, Terms};
+use crate::service::peer::Peer;
+use crate::service::pool::{Bounds, Pool};
 use crate::service::store::Embedded;
 use crate::service::tiers::Tiers;
 
@@ -62,14 +64,22 @@ pub fn document_text() -> String {
     text
 }
 
+/// Bytes of an answer that the system may hold for a client that does not read it. Twice as much is kept, and a write waits
+/// until a third is free: more than a round trip of a tenth of a second at 10 MB/s, and read out in about a minute at the
+/// least rate.
+const SEND_BUFFER_BYTES: u32 = 512 << 10;
+/// Connections that the system may hold until they are accepted.
+const BACKLOG: u32 = 1024;
+/// How long a computation may hold a place in the short lane: four times the prediction from which on work counts as long.
+const SHORT_TIME: Duration = Duration::from_secs(1);
+
 /// Opens stores, threads and listener.
 ///
 /// # Errors
 /// [`StartError`].
 pub async fn bind(settings: Settings) -> Result<(TcpListener, Arc<App>), StartError> {
-    let listener = TcpListener::bind(settings.listen)
-        .await
-        .map_err(|error| StartError::Listen { address: settings.listen, error })?;
+    let listener =
+        listen(settings.listen).map_err(|error| StartError::Listen { address: settings.listen, error })?;
     let disk = if settings.data_dir == Path::new("") || settings.cache_bytes == 0 {
         None
     } else {
@@ -77,40 +87,52 @@ pub async fn bind(settings: Settings) -> Result<(TcpListener, Arc<App>), StartEr
         let open = Embedded::open(&settings.data_dir, settings.cache_bytes);
         Some(open.map_err(|error| StartError::Store { path, error })?)
     };
-    let pool = Pool::new(settings.compute_threads(), settings.max_memory_bytes, settings.max_queue)?;
-    let tiers = Tiers::new(settings.memory_cache_bytes, disk);
-    let run_timeout = Duration::from_secs(settings.run_timeout_s);
-    let desk = Desk::new(settings.limits(), tiers, pool, run_timeout, Arc::new(Monotonic::default()));
-    Ok((listener, Arc::new(App { desk: Arc::new(desk), settings, canary: Canary::default(), memo: Memo::default() })))
+    let account = Account::new(settings.max_memory_bytes, settings.memory_cache_bytes);
+    let bounds = Bounds { queue: settings.max_queue, queue_a_peer: settings.max_queue_per_peer };
+    let pool = Pool::new(settings.compute_threads(), &account, bounds)?;
+    let tiers = Tiers::new(account.cache_bytes, disk);
+    let terms = Terms {
+        run_timeout: Duration::from_secs(settings.run_timeout_s),
+        short_time: SHORT_TIME,
+        most_a_peer: settings.max_queue_per_peer as u64,
+        // a quarter of the connections is kept for requests that wait for nothing
+        most_waiting: (settings.max_connections - settings.max_connections / 4) as u64,
+    };
+    let clock: Arc<dyn Clock> = Arc::new(Monotonic::default());
+    let connections = Connections::new(settings.max_connections, settings.max_connections_per_peer, clock.clone());
+    let limits = settings.limits();
+    // no job is taken on that finds no memory even when it is alone
+    let limits = Limits { max_job_bytes: limits.max_job_bytes.min(account.long.capacity), ..limits };
+    let desk = Arc::new(Desk::new(limits, tiers, pool, account, terms, clock));
+    let (canary, memo) = (Canary::default(), Memo::default());
+    Ok((listener, Arc::new(App { desk, settings, canary, memo, connections })))
+}
+
+fn listen(address: std::net::SocketAddr) -> io::Result<TcpListener> {
+    let socket = if address.is_ipv4() { TcpSocket::new_v4() } else { TcpSocket::new_v6() }?;
+    socket.set_reuseaddr(cfg!(unix))?;
+    socket.set_send_buffer_size(SEND_BUFFER_BYTES)?;
+    socket.bind(address)?;
+    socket.listen(BACKLOG)
 }
 
 /// Serves until `stop` comes true, then lets running requests end.
 pub async fn serve(listener: TcpListener, app: Arc<App>, stop: impl Future<Output = ()>) {
     let canary = tokio::spawn(canary::sing(app.clone()));
-    let connections = Arc::new(Semaphore::new(app.settings.max_connections));
     let graceful = GracefulShutdown::new();
     let router = router(app.clone());
     let mut stop = pin!(stop);
     loop {
-        let place = tokio::select! {
-            place = connections.clone().acquire_owned() => place.expect("the semaphore is never closed"),
-            () = &mut stop => break,
-        };
         let accepted = tokio::select! {
             accepted = listener.accept() => accepted,
             () = &mut stop => break,
         };
         match accepted {
-            Ok((stream, _)) => {
-                let connection = connection(stream, &app.settings, router.clone());
-                let watched = graceful.watch(connection);
-                tokio::spawn(async move {
-                    if let Err(error) = watched.await {
-                        tracing::debug!(%error, "a connection ended early");
-                    }
-                    drop(place);
-                });
-            }
+            Ok((stream, address)) => match app.connections.enter(Peer::new(address.ip())) {
+                Some(open) => attend(stream, open, &app.settings, router.clone(), &graceful),
+                // as much as the system takes at once: nobody waits for a client that is not let in
+                None => drop(stream.try_write(&problem::crowded())),
+            },
             Err(error) => {
                 tracing::warn!(%error, "a connection could not be accepted");
                 tokio::time::sleep(Duration::from_millis(50)).await;
@@ -131,76 +153,30 @@ pub async fn serve(listener: TcpListener, app: Arc<App>, stop: impl Future<Outpu
     canary.abort();
 }
 
-type Connection = http1::Connection<TokioIo<Patient>, TowerToHyperService<Router>>;
-
-fn connection(stream: TcpStream, settings: &Settings, router: Router) -> Connection {
+/// Answers the requests of a connection until either side closes it.
+fn attend(stream: TcpStream, open: Open, settings: &Settings, router: Router, graceful: &GracefulShutdown) {
     // answers are written at once or in large parts; waiting for more would only delay them
     if let Err(error) = stream.set_nodelay(true) {
         tracing::debug!(%error, "TCP_NODELAY was not set");
     }
-    let stream = Patient { stream, silence: Duration::from_secs(settings.body_timeout_s), alarm: None };
-    http1::Builder::new()
+    let connection = open.connection.clone();
+    let pace = Pace { grace: Duration::from_secs(settings.body_timeout_s), least_rate: settings.least_rate_bytes_s };
+    let stream = Watched::new(stream, connection.clone(), pace);
+    let served = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(Duration::from_secs(settings.header_timeout_s))
         .max_buf_size(64 << 10)
-        .serve_connection(TokioIo::new(stream), TowerToHyperService::new(router))
-}
-
-/// A stream whose reader must not let an answer wait for longer than `silence`.
-#[derive(Debug)]
-struct Patient {
-    stream: TcpStream,
-    silence: Duration,
-    alarm: Option<Pin<Box<Sleep>>>,
-}
-
-impl Patient {
-    /// Starts the alarm when a write has to wait, ends it when it moves.
-    fn watch<T>(&mut self, context: &mut Context<'_>, poll: Poll<io::Result<T>>) -> Poll<io::Result<T>> {
-        if poll.is_ready() {
-            self.alarm = None;
-            return poll;
+        .serve_connection(TokioIo::new(stream), Requests::new(router, connection.clone()));
+    let served = graceful.watch(served);
+    tokio::spawn(async move {
+        let _open = open;
+        tokio::select! {
+            ended = served => {
+                if let Err(error) = ended {
+                    tracing::debug!(%error, "a connection ended early");
+                }
+            }
+            () = connection.closed() => tracing::debug!("a connection made room for another"),
         }
-        let silence = self.silence;
-        let alarm = self.alarm.get_or_insert_with(|| Box::pin(tokio::time::sleep(silence)));
-        match alarm.as_mut().poll(context) {
-            Poll::Ready(()) => Poll::Ready(Err(io::Error::new(io::ErrorKind::TimedOut, "the client stopped reading"))),
-            Poll::Pending => Poll::Pending,
-        }
-    }
-}
-
-impl AsyncRead for Patient {
-    fn poll_read(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buf: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
-        Pin::new(&mut self.stream).poll_read(cx, buf)
-    }
-}
-
-impl AsyncWrite for Patient {
-    fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buf: &[u8]) -> Poll<io::Result<usize>> {
-        let poll = Pin::new(&mut self.stream).poll_write(cx, buf);
-        self.watch(cx, poll)
-    }
-
-    fn poll_write_vectored(
-        mut self: Pin<&mut Self>,
-        cx: &mut Context<'_>,
-        bufs: &[io::IoSlice<'_>],
-    ) -> Poll<io::Result<usize>> {
-        let poll = Pin::new(&mut self.stream).poll_write_vectored(cx, bufs);
-        self.watch(cx, poll)
-    }
-
-    fn is_write_vectored(&self) -> bool {
-        self.stream.is_write_vectored()
-    }
-
-    fn poll_flush(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
-        let poll = Pin::new(&mut self.stream).poll_flush(cx);
-        self.watch(cx, poll)
-    }
-
-    fn poll_shutdown(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
-        Pin::new(&mut self.stream).poll_shutdown(cx)
-    }
+    });
 }

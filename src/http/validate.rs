@@ -9,6 +9,7 @@ use serde::de::IgnoredAny;
 use utoipa::ToSchema;
 
 use super::problem::Problem;
+use super::requests::Client;
 use super::{Shared, body};
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
@@ -16,29 +17,32 @@ use crate::job::Input;
 use crate::scheme::plan::{Plan, PlanInput};
 use crate::wire::answer::{FaultAnswer, MeshReport, ValidateAnswer};
 use crate::wire::input::InputRequest;
+use crate::wire::object;
 use crate::wire::plan::PlanRequest;
+use crate::wire::read::{read, weight};
 
 /// The question: an input, as in a job.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ValidateRequest {
     /// The mesh (or polygons) to be checked.
+    #[serde(deserialize_with = "object::one")]
     input: InputRequest,
     /// The rest of a job, which is not looked at: a job may be sent as it is.
     #[serde(rename = "spec")]
-    #[schema(value_type = Option<Object>)]
+    #[schema(value_type = Option<serde_json::Value>)]
     _spec: Option<IgnoredAny>,
     /// The plan that latitude lines are judged by, push-back with delta 1 when left out; one that does not fit the mesh is
     /// the reason why no line is exact.
-    #[schema(value_type = Option<PlanRequest>)]
-    plan: Option<serde_json::Value>,
+    #[serde(default, deserialize_with = "object::optional")]
+    plan: Option<PlanRequest>,
     /// Not looked at.
     #[serde(rename = "levels")]
-    #[schema(value_type = Option<Object>)]
+    #[schema(value_type = Option<serde_json::Value>)]
     _levels: Option<IgnoredAny>,
     /// Not looked at.
     #[serde(rename = "outputs")]
-    #[schema(value_type = Option<Object>)]
+    #[schema(value_type = Option<serde_json::Value>)]
     _outputs: Option<IgnoredAny>,
 }
 
@@ -49,17 +53,25 @@ pub(super) struct ValidateRequest {
         (status = 200, description = "The report; `valid` tells whether a job would take the input", body = ValidateAnswer),
     )
 )]
-pub(super) async fn validate(State(app): State<Shared>, headers: HeaderMap, body: Body) -> Response {
+pub(super) async fn validate(
+    State(app): State<Shared>,
+    client: Client,
+    headers: HeaderMap,
+    body: Body,
+) -> Response {
     let answer = async {
-        let request: ValidateRequest = body::json(&app, &headers, body).await?;
-        let limits = app.desk.limits.reading();
-        let answer = move || Ok::<_, Problem>(axum::Json(report(request.input, request.plan, &limits)));
-        body::off_loop(usize::MAX, answer).await
+        let sent = body::collect(&app, &client, &headers, body).await?;
+        let (limits, bytes) = (app.desk.limits.reading(), weight(sent.bytes.len() as u64));
+        let report = app.desk.read(client.peer(), bytes, move |_| {
+            let request: ValidateRequest = read(&sent.bytes)?;
+            Ok::<_, Problem>(axum::Json(report(request.input, request.plan, &limits)))
+        });
+        report.await?
     };
     answer.await.into_response()
 }
 
-fn report(input: InputRequest, plan: Option<serde_json::Value>, limits: &ReadLimits) -> ValidateAnswer {
+fn report(input: InputRequest, plan: Option<PlanRequest>, limits: &ReadLimits) -> ValidateAnswer {
     match input.resolve(limits).map(|resolved| resolved.input) {
         Ok(Input::Mesh(mesh)) => {
             let input = Input::Mesh(mesh.clone());
@@ -79,9 +91,8 @@ fn report(input: InputRequest, plan: Option<serde_json::Value>, limits: &ReadLim
 }
 
 /// The plan that latitude lines are judged by, or why it does not fit the input.
-fn judge(input: &Input, plan: Option<serde_json::Value>) -> Result<Plan, String> {
+fn judge(input: &Input, plan: Option<PlanRequest>) -> Result<Plan, String> {
     let usual = || PlanInput { preset: Some("push-back".into()), ..PlanInput::default() };
-    let asked = plan.map(serde_json::from_value::<PlanRequest>).transpose().map_err(|error| error.to_string())?;
-    let plan = asked.map_or_else(usual, PlanRequest::resolve);
+    let plan = plan.map_or_else(usual, PlanRequest::resolve);
     input.plan(&plan).map_err(|faults| faults.into_iter().next().map_or_else(String::new, |fault| fault.detail))
 }

@@ -5,10 +5,12 @@
 mod accessor;
 mod buffers;
 mod carried;
+mod census;
 mod scene;
 mod transform;
 
 use self::buffers::Document;
+use super::room::Room;
 use super::{ReadLimits, ReadMesh, Reader};
 use crate::fault::Fault;
 
@@ -40,12 +42,13 @@ impl Reader for Gltf {
     }
 
     fn read(&self, bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
+        let mut room = Room::new(bytes.len());
         let document = if bytes.starts_with(b"glTF") {
             Err("the file is binary; read it as glb".to_owned())
         } else {
-            Document::of_json(bytes, None)
+            Document::of_json(bytes, None, &mut room)
         };
-        read(document, bytes.len(), limits)
+        read(document, bytes.len(), room, limits)
     }
 }
 
@@ -63,11 +66,18 @@ impl Reader for Glb {
     }
 
     fn read(&self, bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
-        read(Document::of_glb(bytes), bytes.len(), limits)
+        let mut room = Room::new(bytes.len());
+        let document = Document::of_glb(bytes, &mut room);
+        read(document, bytes.len(), room, limits)
     }
 }
 
-fn read(document: Result<Document<'_>, String>, length: usize, limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
-    let mesh = document.and_then(|document| scene::read(&document, length, limits));
+fn read(
+    document: Result<Document<'_>, String>,
+    length: usize,
+    room: Room,
+    limits: &ReadLimits,
+) -> Result<ReadMesh, Vec<Fault>> {
+    let mesh = document.and_then(|document| scene::read(&document, length, room, limits));
     mesh.map_err(|detail| vec![Fault::new("", detail)])
 }

@@ -7,6 +7,7 @@ mod gltf;
 mod obj;
 mod off;
 mod ply;
+mod room;
 mod stl;
 mod text;
 
@@ -17,6 +18,7 @@ use crate::shape::check::FaceList;
 pub use crate::shape::attachments::Channel;
 pub use crate::shape::labels::FaceSet;
 pub use base64::decode as from_base64;
+pub use room::weight;
 
 /// Every reader, in the order of the documentation.
 pub const READERS: &[&dyn Reader] = &[&obj::Obj, &ply::Ply, &stl::Stl, &off::Off, &gltf::Gltf, &gltf::Glb];

@@ -28,6 +28,9 @@ pub const RESULTS_VERSION: u32 = 6;
 pub struct Key([u8; 32]);
 
 impl Key {
+    /// The first of all keys in their order.
+    pub const LEAST: Self = Self([0; 32]);
+
     /// The key with these bytes.
     pub const fn from_bytes(bytes: [u8; 32]) -> Self {
         Self(bytes)
@@ -81,7 +84,7 @@ pub fn artifact(job: &Job, output: &Output) -> Key {
         text("planish artifact"),
         Item::Integer(u64::from(RESULTS_VERSION)),
         input(&job.input, &job.plan),
-        plan(job, output),
+        plan(&job.input, &job.plan, job.levels, shows_limit(output)),
         text(output.format.name()),
         values(&output.options),
     ];
@@ -98,6 +101,24 @@ pub fn job(outputs: &[(String, Key)]) -> Key {
     let entry = |(name, key): &(String, Key)| Item::List(vec![text(name), text(&key.to_string())]);
     let mut bytes = Vec::new();
     Item::List(vec![text("planish job"), Item::List(outputs.iter().map(entry).collect())]).encode(&mut bytes);
+    content(&bytes)
+}
+
+/// Key of a search for the level of a tolerance: over the results version, the shape, the whole plan, the tolerance and
+/// where outputs have their points. Searches with the same key have the same answer.
+pub(super) fn search(shape: &Input, refined: &Plan, tolerance: f64, places: &[&str]) -> Key {
+    let items = vec![
+        text("planish search"),
+        Item::Integer(u64::from(RESULTS_VERSION)),
+        input(shape, refined),
+        plan(shape, refined, 1, true),
+        // plans that no operator perturbs are refused, too
+        Item::Integer(u64::from(refined.perturbation.is_some())),
+        Item::Number(tolerance),
+        Item::List(places.iter().map(|place| text(place)).collect()),
+    ];
+    let mut bytes = Vec::new();
+    Item::List(items).encode(&mut bytes);
     content(&bytes)
 }
 
@@ -202,9 +223,9 @@ fn shows_limit(output: &Output) -> bool {
     output.options.unusual().any(of_limit)
 }
 
-/// Everything of a plan that can change the result: what no operator uses is left out.
-fn plan(job: &Job, output: &Output) -> Item<'static> {
-    let (plan, levels) = (&job.plan, job.levels);
+/// Everything of a plan that can change the result, which shows so many levels or also the limit: what no operator uses is
+/// left out.
+fn plan(input: &Input, plan: &Plan, levels: u32, shows_limit: bool) -> Item<'static> {
     let letters = |letters: &[Letter]| {
         let letter = |l: &Letter| {
             let mask = l.mask.as_ref().map(|mask| {
@@ -220,7 +241,7 @@ fn plan(job: &Job, output: &Output) -> Item<'static> {
         };
         Item::List(letters.iter().map(letter).collect())
     };
-    let cycle: &[Letter] = if levels == 0 && !shows_limit(output) { &[] } else { &plan.word.cycle };
+    let cycle: &[Letter] = if levels == 0 && !shows_limit { &[] } else { &plan.word.cycle };
     let has = |role: Role| plan.word.prefix.iter().chain(cycle).any(|l| l.operator.role() == role);
     let mut functions = Vec::new();
     if has(Role::Average) {
@@ -256,10 +277,10 @@ fn plan(job: &Job, output: &Output) -> Item<'static> {
             Item::List(head.into_iter().chain(kernel_longitude.as_ref().map(expression)).collect()),
         ));
     }
-    if levels > 0 || shows_limit(output) {
-        functions.extend(rules(job).map(|rule| (rule, text("yes"))));
+    if levels > 0 || shows_limit {
+        functions.extend(rules(input, plan).map(|rule| (rule, text("yes"))));
     }
-    let (is_mesh, is_open) = job.input.kind();
+    let (is_mesh, is_open) = input.kind();
     if is_open && is_mesh {
         functions.push(("boundary", Item::Integer(plan.boundary as u64)));
     } else if is_open {
@@ -275,9 +296,9 @@ fn plan(job: &Job, output: &Output) -> Item<'static> {
 }
 
 /// The rules of meshes that are not the usual ones, as far as the mesh gives them something to do.
-fn rules(job: &Job) -> impl Iterator<Item = &'static str> {
-    let Rules { creasing, triangles } = job.plan.rules;
-    let (chaikin, smooth) = match &job.input {
+fn rules(input: &Input, plan: &Plan) -> impl Iterator<Item = &'static str> + use<> {
+    let Rules { creasing, triangles } = plan.rules;
+    let (chaikin, smooth) = match input {
         Input::Mesh(mesh) => (
             creasing == Creasing::Chaikin && mesh.creases.iter().any(|&(_, s)| s < INFINITE_SHARPNESS),
             triangles == TriangleRule::Smooth && (0..mesh.topology.n_faces()).any(|f| mesh.topology.face(f).len() == 3),

@@ -2,10 +2,10 @@
 
 use super::{Input, Output, curves};
 use crate::fault::Fault;
-use crate::refine::curve::{Reached, reach};
+use crate::refine::curve::{self, Reached, reach};
 use crate::refine::surface::{self, Placed};
 use crate::scheme::plan::{MAX_LEVELS, Plan};
-use crate::shape::polygon::Polygon;
+use crate::watch::{Stopped, Watch};
 
 /// How often a plan is to be applied.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,12 +61,38 @@ pub(super) fn check(planned: bool, levels: Option<Levels>) -> Result<Asked, Faul
     }
 }
 
-/// The level for curves. Points that move to their limits go as far as the bound at most, so that their polygon is within
-/// twice the bound.
-fn curves_within(polygons: &[Polygon], plan: &Plan, outputs: &[Output], tolerance: f64) -> Result<Reached, String> {
-    let factor = if outputs.iter().any(curves::moves_points) { 2.0 } else { 1.0 };
-    let reached = reach(polygons, plan, tolerance / factor).map_err(|error| error.to_string())?;
-    Ok(Reached { bound: factor * reached.bound, ..reached })
+/// Why a search has found no level.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SearchError {
+    /// It was asked to stop.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    /// No level is known to be close enough: where in the job that was asked for, and why.
+    #[error("{0}")]
+    Refused(Fault),
+}
+
+/// What a search takes at most.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct SearchCost {
+    /// Units of work, as [`Watch::done`] counts them.
+    pub work: u64,
+    /// Bytes.
+    pub bytes: u64,
+}
+
+/// The error of a search that has a reason of its own, or was stopped.
+fn refused(stopped: Option<Stopped>, reason: &impl ToString) -> SearchError {
+    match stopped {
+        Some(stopped) => SearchError::Stopped(stopped),
+        None => SearchError::Refused(Fault::new("/levels/tolerance", reason.to_string())),
+    }
+}
+
+/// By what the distance of curves from their limit is less than that of outputs: points that move to their limits go as far
+/// as the bound at most, so that their polygon is within twice the bound.
+fn factor(outputs: &[Output]) -> f64 {
+    if outputs.iter().any(curves::moves_points) { 2.0 } else { 1.0 }
 }
 
 /// Where the outputs of a mesh have its vertices.
@@ -77,26 +103,72 @@ fn placed(outputs: &[Output]) -> Vec<Placed> {
     refined.into_iter().chain(limit).collect()
 }
 
+/// Names of the places where outputs have their points, as far as a search depends on them.
+pub(super) fn place_names(input: &Input, outputs: &[Output]) -> Vec<&'static str> {
+    match input {
+        Input::Polygons(_) if outputs.iter().any(curves::moves_points) => vec!["limit"],
+        Input::Polygons(_) => vec!["refined"],
+        Input::Mesh(_) => {
+            let name = |placed| match placed {
+                Placed::Refined => "refined",
+                Placed::Limit => "limit",
+            };
+            placed(outputs).into_iter().map(name).collect()
+        }
+    }
+}
+
 impl Asked {
-    /// The number of levels, and how close to the limit they lead all outputs where that was asked for.
+    /// Whether a search could find a level, as far as that can be told at once.
     ///
     /// # Errors
-    /// A fault below the job, when no level is known to be close enough.
-    pub(super) fn resolve(
+    /// A fault below the job.
+    pub(super) fn check(self, input: &Input, plan: &Plan) -> Result<(), Fault> {
+        let Self::Tolerance(tolerance) = self else { return Ok(()) };
+        let checked = match input {
+            Input::Polygons(_) => Ok(()),
+            Input::Mesh(mesh) => surface::check(mesh, plan, tolerance),
+        };
+        checked.map_err(|reason| Fault::new("/levels/tolerance", reason.to_string()))
+    }
+
+    /// What the search takes at most.
+    pub(super) fn cost(self, input: &Input) -> SearchCost {
+        match (self, input) {
+            (Self::Count(_), _) => SearchCost::default(),
+            (Self::Tolerance(_), Input::Polygons(_)) => {
+                SearchCost { work: curve::MAX_WORK, bytes: curve::search_bytes(input.n_points()) }
+            }
+            (Self::Tolerance(_), Input::Mesh(mesh)) => {
+                SearchCost { work: surface::MAX_WORK, bytes: surface::search_bytes(mesh) }
+            }
+        }
+    }
+
+    /// How close to the limit a level leads all outputs, and that level, where a tolerance was asked for.
+    ///
+    /// # Errors
+    /// [`SearchError`], also when no level is known to be close enough.
+    pub(super) fn search(
         self,
         input: &Input,
         plan: &Plan,
         outputs: &[Output],
-    ) -> Result<(u32, Option<Reached>), Fault> {
-        let tolerance = match self {
-            Self::Count(levels) => return Ok((levels, None)),
-            Self::Tolerance(tolerance) => tolerance,
-        };
+        watch: &Watch,
+    ) -> Result<Option<Reached>, SearchError> {
+        let Self::Tolerance(tolerance) = self else { return Ok(None) };
         let reached = match input {
-            Input::Polygons(polygons) => curves_within(polygons, plan, outputs, tolerance),
-            Input::Mesh(mesh) => surface::reach(mesh, plan, &placed(outputs), tolerance).map_err(|e| e.to_string()),
+            Input::Polygons(polygons) => {
+                let factor = factor(outputs);
+                let reached = reach(polygons, plan, tolerance / factor, watch);
+                let reached = reached.map_err(|error| refused(error.stopped(), &error))?;
+                Reached { bound: factor * reached.bound, ..reached }
+            }
+            Input::Mesh(mesh) => {
+                let reached = surface::reach(mesh, plan, &placed(outputs), tolerance, watch);
+                reached.map_err(|error| refused(error.stopped(), &error))?
+            }
         };
-        let reached = reached.map_err(|detail| Fault::new("/levels/tolerance", detail))?;
-        Ok((reached.level, Some(reached)))
+        Ok(Some(reached))
     }
 }

@@ -14,6 +14,7 @@ use crate::scheme::plan::Scheduled;
 use crate::scheme::step::StepError;
 use crate::shape::attributes::Attributes;
 use crate::shape::tile::Tile;
+use crate::watch::Watch;
 
 /// Bounds on one job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,6 +47,8 @@ pub enum Refusal {
         /// The same at its place.
         faults: Vec<Fault>,
     },
+    /// Its forecast was stopped.
+    Stopped,
 }
 
 /// What a job will come to.
@@ -91,7 +94,15 @@ impl Limits {
     /// # Errors
     /// [`Refusal`].
     pub fn admit(&self, job: Job) -> Result<Admitted, Refusal> {
-        let estimate = self.estimate(&job)?;
+        self.admit_under(job, &Watch::new())
+    }
+
+    /// Admits a job as [`Limits::admit`] does, as long as the watch says go on.
+    ///
+    /// # Errors
+    /// [`Refusal`], which is [`Refusal::Stopped`] when the watch says stop.
+    pub fn admit_under(&self, job: Job, watch: &Watch) -> Result<Admitted, Refusal> {
+        let estimate = self.estimate_under(&job, watch)?;
         Ok(Admitted { job, estimate })
     }
 
@@ -100,16 +111,26 @@ impl Limits {
     /// # Errors
     /// [`Refusal`].
     pub fn estimate(&self, job: &Job) -> Result<Estimate, Refusal> {
+        self.estimate_under(job, &Watch::new())
+    }
+
+    /// What a job will come to, within the limits, as long as the watch says go on.
+    ///
+    /// # Errors
+    /// [`Refusal`], which is [`Refusal::Stopped`] when the watch says stop.
+    pub fn estimate_under(&self, job: &Job, watch: &Watch) -> Result<Estimate, Refusal> {
         let steps = job.plan.schedule(job.levels).map_err(|fault| Refusal::Impossible(vec![fault.under("/plan")]))?;
         let forecast = match &job.input {
             Input::Polygons(polygons) => {
                 let nets: Vec<_> = polygons.iter().map(|polygon| polygon_net(polygon, &job.plan)).collect();
                 forecast::of_polygons(&nets, &steps)
             }
-            Input::Mesh(mesh) => forecast::of_mesh(&mesh_net(mesh, &job.plan), &steps, self.max_vertices.into()),
+            Input::Mesh(mesh) => {
+                forecast::of_mesh(&mesh_net(mesh, &job.plan), &steps, self.max_vertices.into(), watch)
+            }
         };
         let mut forecast = forecast.map_err(|error| self.no_forecast(&error))?;
-        self.add_uvs(job, &steps, &mut forecast)?;
+        self.add_uvs(job, &steps, &mut forecast, watch)?;
         let carried = carried(job);
         // the rows are made once more for each channel
         forecast.work = forecast.work.saturating_mul(1 + carried.channels);
@@ -146,23 +167,36 @@ impl Limits {
             }
             ForecastError::Step { .. } => Refusal::Impossible(vec![Fault::new("/plan", error.to_string())]),
             ForecastError::Cap { level, .. } => {
-                let remedy = match level {
-                    0 => "send a smaller mesh or a shorter prefix".to_owned(),
-                    level => format!("ask for at most {} levels", level - 1),
-                };
+                let remedy = fewer_levels(*level);
                 let bound = format!("this server allows {}; {remedy}", thousands(self.max_vertices.into()));
                 let detail =
                     format!("level {level} has more than {} vertices; {bound}", thousands(self.max_vertices.into()));
                 Refusal::TooLarge { detail, faults: vec![Fault::new("/levels", remedy)] }
             }
+            ForecastError::Bytes { level, bytes, bound } => {
+                let remedy = fewer_levels(*level);
+                let detail = format!(
+                    "level {level}: to count what D leaves along the boundary takes {}; a forecast may take {}; {remedy}",
+                    in_bytes(*bytes),
+                    in_bytes(*bound)
+                );
+                Refusal::TooLarge { detail, faults: vec![Fault::new("/levels", remedy)] }
+            }
+            ForecastError::Stopped(_) => Refusal::Stopped,
         }
     }
 
     /// Counts the places with texture coordinates, which are vertices of a mesh of their own.
-    fn add_uvs(&self, job: &Job, steps: &[Scheduled], forecast: &mut Forecast) -> Result<(), Refusal> {
+    fn add_uvs(
+        &self,
+        job: &Job,
+        steps: &[Scheduled],
+        forecast: &mut Forecast,
+        watch: &Watch,
+    ) -> Result<(), Refusal> {
         let Input::Mesh(mesh) = &job.input else { return Ok(()) };
         let Some(uvs) = &mesh.attachments.uvs else { return Ok(()) };
-        let places = forecast::of_mesh(&uv_net(mesh, uvs, &job.plan), steps, self.max_vertices.into());
+        let places = forecast::of_mesh(&uv_net(mesh, uvs, &job.plan), steps, self.max_vertices.into(), watch);
         let places = places.map_err(|error| self.no_forecast(&error))?;
         for (count, places) in forecast.levels.iter_mut().zip(&places.levels) {
             count.uvs = places.vertices;
@@ -246,6 +280,14 @@ impl Limits {
         };
         let short = if fitting == 0 { remedy.clone() } else { format!("at most {} for this input", fitting - 1) };
         Refusal::TooLarge { detail: format!("{reason}; {remedy}"), faults: vec![Fault::new("/levels", short)] }
+    }
+}
+
+/// What helps where a level is too large to be counted.
+fn fewer_levels(level: u32) -> String {
+    match level {
+        0 => "send a smaller mesh or a shorter prefix".to_owned(),
+        level => format!("ask for at most {} levels", level - 1),
     }
 }
 

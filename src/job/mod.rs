@@ -2,22 +2,24 @@
 
 pub mod codec;
 mod curves;
+mod draft;
 mod kernels;
 pub mod key;
 mod levels;
 pub mod limits;
 mod memory;
 mod run;
+mod size;
 mod steering;
 
-pub use levels::Levels;
+pub use draft::Draft;
+pub use levels::{Levels, SearchCost, SearchError};
 pub use run::{Report, RunError, run};
 
-use crate::fault::{Fault, under};
+use crate::fault::Fault;
 use crate::math::parameter::Values;
-use crate::output::{Format, ShapeKind, surface};
+use crate::output::{Format, ShapeKind};
 use crate::refine::curve::Reached;
-use crate::refine::{self, RefineError};
 use crate::scheme::plan::{AlphaOf, Carried, Plan, PlanInput, Subject};
 use crate::shape::attachments::Attachments;
 use crate::shape::attributes::Attributes;
@@ -25,6 +27,7 @@ use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::frame::Frame;
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
+use crate::watch::Watch;
 
 /// What is refined.
 #[derive(Debug, Clone, PartialEq)]
@@ -163,7 +166,7 @@ pub struct Job {
 }
 
 impl Job {
-    /// Resolves the plan for the input and checks that everything fits.
+    /// Resolves the plan for the input, checks that everything fits, and searches for the level of a tolerance.
     ///
     /// # Errors
     /// Every fault found, with pointers below the job.
@@ -173,61 +176,12 @@ impl Job {
         levels: Option<Levels>,
         outputs: Vec<Output>,
     ) -> Result<Self, Vec<Fault>> {
-        let mut faults = Vec::new();
-        let resolved = match plan {
-            None => Ok(Plan::none(PlanInput::default().boundary, PlanInput::default().ends)),
-            Some(plan) => {
-                let subject = input.subject(plan);
-                let told =
-                    outputs.iter().find_map(|output| output.format.refers(&output.options)).filter(|_| subject.is_mesh);
-                let subject = Subject { tags: subject.tags.or(told), attached: subject.attached.or(told), ..subject };
-                Plan::resolve(plan, subject).map_err(|found| under("/plan", found))
-            }
-        };
-        let asked = levels::check(plan.is_some(), levels).unwrap_or_else(|fault| {
-            faults.push(fault);
-            levels::Asked::Count(0)
-        });
-        for (i, output) in outputs.iter().enumerate() {
-            if let Err(detail) = output.format.takes(input.shape_kind(), &output.options) {
-                faults.push(Fault::new(format!("/outputs/{i}/format"), detail));
-            } else if let Err(fault) = output.format.suits(input.shape_kind(), input.attachments(), &output.options) {
-                faults.push(fault.under(&format!("/outputs/{i}")));
-            }
-        }
-        let plan = match resolved {
-            Ok(plan) => plan,
-            Err(found) => {
-                faults.extend(found);
-                return Err(faults);
-            }
-        };
-        let (levels, reached) = asked.resolve(&input, &plan, &outputs).unwrap_or_else(|fault| {
-            faults.push(fault);
-            (0, None)
-        });
-        for (i, output) in outputs.iter().enumerate() {
-            let fault = check_limit(&input, &plan, output).err();
-            faults.extend(fault.map(|error| Fault::new(format!("/outputs/{i}/positions"), error.to_string())));
-        }
-        faults.extend(plan.schedule(levels).err().map(|fault| fault.under("/plan")));
-        if let Input::Mesh(mesh) = &input {
-            let fault = crate::scheme::forecast::check_delta(&plan, &mesh.topology).err();
-            faults.extend(fault.map(|fault| fault.under("/plan")));
-        }
-        faults.extend(steering::check(&input, &plan));
-        faults.extend(kernels::check(&input, &plan, levels));
-        if let (Input::Polygons(polygons), true) = (&input, faults.is_empty()) {
-            for (i, output) in outputs.iter().enumerate() {
-                let fault = curves::check_wanted(polygons, &plan, levels, output).err();
-                faults.extend(fault.map(|fault| fault.under(&format!("/outputs/{i}"))));
-            }
-        }
-        if faults.is_empty() {
-            Ok(Self { input, plan, levels, reached, outputs, frame: Frame::default() })
-        } else {
-            Err(faults)
-        }
+        let draft = Draft::new(input, plan, levels, outputs)?;
+        let reached = draft.search(&Watch::new()).map_err(|error| match error {
+            SearchError::Refused(fault) => vec![fault],
+            SearchError::Stopped(stopped) => vec![Fault::new("/levels", stopped.to_string())],
+        })?;
+        draft.complete(reached)
     }
 
     /// The same job, its coordinates meant in this frame.
@@ -245,13 +199,5 @@ impl Job {
     pub fn id(&self) -> key::Key {
         let keys: Vec<_> = self.outputs.iter().map(|output| (output.name.clone(), self.key(output))).collect();
         key::job(&keys)
-    }
-}
-
-/// Whether limit positions of a mesh can be had where they are asked for, as far as that can be told before refining.
-fn check_limit(input: &Input, plan: &Plan, output: &Output) -> Result<(), RefineError> {
-    match (input, surface::limit(&output.options)) {
-        (Input::Mesh(_), [true, _]) => Ok(refine::check_limit(plan)?),
-        _ => Ok(()),
     }
 }

@@ -90,7 +90,7 @@ pub fn run(admitted: &Admitted, output: &Output, out: &mut dyn Write, watch: &Wa
         Input::Polygons(polygons) => {
             let refined = curves::refine_all(job, polygons, &steps, output, watch)?;
             let control: Vec<Curve> = polygons.iter().map(curves::control).collect::<Result<_, _>>()?;
-            let warnings = curve::warnings(&job.plan, job.levels);
+            let warnings = curve::warnings(&job.plan, job.levels, watch).map_err(RunError::Stopped)?;
             let (shape, control) = (Shape::Curves(&refined), Shape::Curves(&control));
             let scene = Scene { shape, control, warnings: &warnings, frame: job.frame };
             write(&scene, output, out, watch)

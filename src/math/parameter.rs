@@ -2,6 +2,7 @@
 
 mod read;
 
+pub use crate::fault::shortened;
 use crate::fault::{Fault, token, under};
 use crate::math::expression::Expression;
 
@@ -279,15 +280,6 @@ fn unknown(name: &str, declared: &[Parameter]) -> String {
     let known = declared.iter().map(|p| p.name).collect::<Vec<_>>().join(", ");
     let known = if known.is_empty() { "there are none here".into() } else { format!("known here: {known}") };
     format!("unknown parameter \"{}\"; {known}", shortened(name))
-}
-
-/// At most 40 characters of a client's text, for messages.
-pub fn shortened(text: &str) -> String {
-    let mut short: String = text.chars().take(40).collect();
-    if short.len() < text.len() {
-        short.push('…');
-    }
-    short
 }
 
 impl Parameter {

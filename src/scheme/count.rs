@@ -67,7 +67,7 @@ impl Count {
 
     /// After a split with so many pieces an edge: of faces of any size into quads when it is 2, else of triangles or
     /// quads alone.
-    fn split(self, tile: Tile, pieces: u32) -> Self {
+    pub(super) fn split(self, tile: Tile, pieces: u32) -> Self {
         if tile == Tile::Quad && pieces == 2 {
             return self.halved();
         }
@@ -75,7 +75,13 @@ impl Count {
         let [points, edges] =
             [tile.inner_vertices(d), tile.inner_edges(d)].map(|n| self.faces.saturating_mul(n as u128));
         let cells = |n: u128| n.saturating_mul(u128::from(pieces) * u128::from(pieces));
-        let regular = if tile == Tile::Quad { 4 } else { 6 };
+        let regular = match tile {
+            _ if self.faces == 0 => 0,
+            Tile::Quad => 4,
+            // where no edge is an inner one, new vertices lie on the boundary
+            Tile::Triangle if pieces == 2 && self.corners == self.edges => 5,
+            Tile::Triangle => 6,
+        };
         Self {
             vertices: self.vertices.saturating_add(self.edges.saturating_mul(d as u128 - 1)).saturating_add(points),
             edges: self.edges.saturating_mul(d as u128).saturating_add(edges),
@@ -110,18 +116,6 @@ impl Count {
         let first = letter.pieces(is_quads) != letter.arity;
         let count = if first { self.halved() } else { self };
         count.split(letter.tile, letter.arity)
-    }
-
-    /// After a D on a closed mesh: vertices and faces change places.
-    pub(super) fn dual(self) -> Self {
-        Self {
-            vertices: self.faces,
-            faces: self.vertices,
-            corners: self.edges.saturating_mul(2),
-            largest_face: self.largest_fan,
-            largest_fan: self.largest_face,
-            ..self
-        }
     }
 }
 

@@ -4,16 +4,18 @@ use std::sync::Arc;
 
 use super::census::Census;
 pub use super::count::Count;
+pub use super::duals::MAX_BYTES;
+use super::duals::Duals;
 use super::mesh_net::MeshNet;
-use super::ops::{LatitudeRule, Role, seen_valence};
-use super::plan::{DEFAULT_MU, Plan, Scheduled};
+use super::ops::{Role, seen_valence};
+use super::plan::{Plan, Scheduled};
 use super::polygon_net::{Extent, PolygonNet};
 use super::sharpness::Remaining;
-use super::step::{StepError, Values};
+use super::step::StepError;
 use crate::fault::Fault;
-use crate::math::expression::Expression;
 use crate::shape::tile::Tile;
 use crate::shape::topology::Topology;
+use crate::watch::{Stopped, Watch};
 
 /// Counts of every level of a job: entry 0 after the prefix, then one a level.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -39,7 +41,7 @@ pub enum ForecastError {
         /// Why.
         error: StepError,
     },
-    /// A net that can only be counted by building it passes the cap.
+    /// A net with duals passes the cap.
     #[error("level {level} would have more than {cap} vertices")]
     Cap {
         /// The first such level.
@@ -47,21 +49,39 @@ pub enum ForecastError {
         /// The cap.
         cap: u128,
     },
+    /// What has to be made of a net to count it takes too many bytes.
+    #[error("level {level}: to count what D leaves along the boundary takes {bytes} bytes; at most {bound} are allowed")]
+    Bytes {
+        /// The first such level.
+        level: u32,
+        /// The bytes.
+        bytes: u128,
+        /// The bound.
+        bound: u128,
+    },
+    /// It was asked to stop.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
 }
 
 /// Collects counts step by step.
-struct Tally {
+pub(super) struct Tally {
     levels: Vec<Count>,
     peak: Count,
     work: u128,
 }
 
 impl Tally {
-    fn new(start: Count) -> Self {
+    pub(super) fn new(start: Count) -> Self {
         Self { levels: vec![start], peak: start, work: 0 }
     }
 
-    fn step(&mut self, step: &Scheduled, count: Count) {
+    /// The count of the last step.
+    pub(super) fn last(&self) -> Count {
+        self.levels.last().copied().unwrap_or_default()
+    }
+
+    pub(super) fn step(&mut self, step: &Scheduled, count: Count) {
         self.work = self.work.saturating_add(count.vertices);
         if count.vertices > self.peak.vertices {
             self.peak = count;
@@ -74,7 +94,7 @@ impl Tally {
     }
 
     /// Levels that have no operator repeat the one before.
-    fn finish(self) -> Forecast {
+    pub(super) fn finish(self) -> Forecast {
         Forecast { levels: self.levels, peak: self.peak, work: self.work, topology_bytes: 0 }
     }
 }
@@ -127,12 +147,12 @@ fn of_polygon(net: &PolygonNet, steps: &[Scheduled]) -> Result<Forecast, Forecas
     Ok(tally.finish())
 }
 
-/// The forecast of a mesh. A mesh whose duals cannot be counted in closed form (open, or with vertices of valence 2)
-/// is followed through its topologies, which never pass `cap` vertices.
+/// The forecast of a mesh. Nets with duals are counted up to `cap` vertices.
 ///
 /// # Errors
-/// When an operator cannot be applied, or the cap is passed.
-pub fn of_mesh(net: &MeshNet, steps: &[Scheduled], cap: u128) -> Result<Forecast, ForecastError> {
+/// When an operator cannot be applied, the cap is passed, what has to be made of the net to count it takes more than
+/// [`MAX_BYTES`], or the watch says stop.
+pub fn of_mesh(net: &MeshNet, steps: &[Scheduled], cap: u128, watch: &Watch) -> Result<Forecast, ForecastError> {
     for (i, step) in steps.iter().enumerate() {
         let operator = step.letter.operator;
         if steps[..i].iter().all(|before| before.letter.operator.name() != operator.name()) {
@@ -142,23 +162,10 @@ pub fn of_mesh(net: &MeshNet, steps: &[Scheduled], cap: u128) -> Result<Forecast
     if steps.iter().any(|step| step.letter.operator.census(&Census::of(net)).is_some()) {
         return Ok(rebuilt(net, steps));
     }
-    let is_dual = |step: &Scheduled| step.letter.operator.letter() == Some('D');
-    let first_dual = steps.iter().position(is_dual);
-    let first_split = steps.iter().position(|step| step.letter.operator.role() == Role::Upsample);
-    let split_before = first_dual.is_none_or(|dual| first_split.is_some_and(|split| split < dual));
-    // the faces of a dual may be of any size, which decides how they are split further, and whether they can be
-    let after_dual = |step: &Scheduled| step.letter.operator.role() == Role::Upsample && !step.letter.halves();
-    let split_after = first_dual.is_some_and(|dual| steps[dual..].iter().any(after_dual));
-    if first_dual.is_none() || split_before && !split_after && is_simple(&net.base) {
-        Ok(counted(net, steps))
-    } else {
-        followed(net, steps, cap)
+    if steps.iter().any(|step| step.letter.operator.letter() == Some('D')) {
+        return Duals { net, steps, cap, watch }.forecast();
     }
-}
-
-/// Closed, without isolated vertices, every valence 3 or more.
-fn is_simple(topology: &Topology) -> bool {
-    topology.n_boundary() == 0 && (0..topology.n_vertices()).all(|v| topology.ring(v).count() >= 3)
+    Ok(counted(net, steps))
 }
 
 fn counted(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
@@ -175,8 +182,6 @@ fn counted(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
             pieces = pieces.saturating_mul(step.letter.pieces(is_quads).into());
             count = Count { parted: parted(splits, pieces), ..count.upsampled(&step.letter, is_quads) };
             is_quads = true;
-        } else if step.letter.operator.letter() == Some('D') {
-            count = count.dual();
         }
         tally.step(step, count);
     }
@@ -202,41 +207,6 @@ fn rebuilt(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
 fn parted(sharp: &[Remaining], splits: usize, pieces: u128) -> u128 {
     let remaining = sharp[splits.min(sharp.len() - 1)];
     remaining.edges.saturating_mul(pieces - 1).saturating_add(remaining.corners)
-}
-
-fn followed(net: &MeshNet, steps: &[Scheduled], cap: u128) -> Result<Forecast, ForecastError> {
-    let mut net = net.clone();
-    let mut count = Count::of_mesh(&net);
-    let mut tally = Tally::new(count);
-    let one = Expression::constant(1.0);
-    for step in steps {
-        if step.letter.operator.role() == Role::Upsample {
-            count = count.upsampled(&step.letter, net.is_quads());
-            if count.vertices > cap || count.corners > cap.saturating_mul(8) {
-                return Err(ForecastError::Cap { level: step.level, cap });
-            }
-        }
-        let role = step.letter.operator.role();
-        // a P changes no count, but whether it can be applied shows only here
-        if matches!(role, Role::Upsample | Role::PushBack) || step.letter.operator.letter() == Some('D') {
-            let values = Values {
-                letter: &step.letter,
-                alpha: step.alpha,
-                kernel: 1.0,
-                mu: DEFAULT_MU,
-                compensation: 1.0,
-                delta: &one,
-                first: false,
-                latitude_rule: LatitudeRule::Isotropic,
-                sources: None,
-            };
-            let next = step.letter.operator.on_mesh(&net, &values);
-            net = next.map_err(|error| ForecastError::Step { level: step.level, error })?.net;
-            count = Count::of_mesh(&net);
-        }
-        tally.step(step, count);
-    }
-    Ok(tally.finish())
 }
 
 /// Checks that delta has a value at every valence that the first levels of a mesh can show it.

@@ -3,8 +3,11 @@
 
 pub mod anchor;
 pub mod census;
+mod collar;
 mod count;
 pub mod creases;
+mod duals;
+mod fans;
 pub mod forecast;
 pub mod local;
 pub mod local_mesh;
@@ -15,6 +18,7 @@ pub mod polygon_net;
 pub mod presets;
 pub mod ranges;
 pub mod sharpness;
+mod sizes;
 pub mod step;
 pub mod window;
 pub mod word;

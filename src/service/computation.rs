@@ -53,6 +53,8 @@ pub enum Failure {
     Impossible(Fault),
     /// It ran longer than a computation may.
     TimedOut(Duration),
+    /// It turned out to be long, and there was no place for long work; come back after so much time.
+    Busy(Duration),
     /// A fault of the service itself.
     Internal(String),
 }

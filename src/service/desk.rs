@@ -6,16 +6,21 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use super::account::Account;
 use super::clock::Clock;
 use super::computation::{Computation, Failure, Outcome, Phase};
 use super::draft::{Draft, Kept};
-use super::jobs::{Jobs, Record, State};
-use super::pool::{Busy, Lane, Pool, Turn};
+use super::jobs::{Jobs, State, Told};
+use super::lent::{InFlight, Lent};
+use super::peer::{Kind, Peer, Peers, Ticket};
+use super::pool::{Busy, Lane, Memory, Pool, Turn, Waiting};
 use super::store::{Description, Manifest};
+use super::task::Task;
 use super::tiers::Tiers;
+use crate::job::RunError;
 use crate::job::key::Key;
-use crate::job::limits::{Admitted, Limits};
-use crate::job::{RunError, run};
+use crate::job::limits::Limits;
+use crate::watch::Watch;
 
 /// The desk of one service.
 #[derive(Debug)]
@@ -26,12 +31,31 @@ pub struct Desk {
     pub tiers: Tiers,
     /// Who computes.
     pub pool: Pool,
+    /// The memory of the service.
+    pub account: Account,
+    /// The answers on their way.
+    pub in_flight: InFlight,
+    /// What each client holds.
+    pub peers: Arc<Peers>,
     /// Jobs that outlast their request.
     pub jobs: Jobs,
-    /// Longest time one computation may run.
-    pub run_timeout: Duration,
+    /// How much is taken on, and for how long.
+    pub terms: Terms,
     clock: Arc<dyn Clock>,
     under_way: Mutex<HashMap<Key, Arc<Computation>>>,
+}
+
+/// How much work a desk takes on, and for how long.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Terms {
+    /// Longest time one computation may run.
+    pub run_timeout: Duration,
+    /// Longest time a computation may hold a place in the short lane; it is begun again in the long lane then.
+    pub short_time: Duration,
+    /// Most requests of one peer that wait at once, and most of its jobs that go on without their request.
+    pub most_a_peer: u64,
+    /// Most requests that wait at once.
+    pub most_waiting: u64,
 }
 
 /// How an artifact came about, for `Cache-Status`.
@@ -53,6 +77,8 @@ pub struct Interest {
     /// Whether it was under way already.
     pub origin: Origin,
     desk: Arc<Desk>,
+    /// Counts as one of what its peer may have.
+    ticket: Ticket,
 }
 
 impl Drop for Interest {
@@ -70,8 +96,10 @@ impl Drop for Interest {
 
 impl Desk {
     /// A desk.
-    pub fn new(limits: Limits, tiers: Tiers, pool: Pool, run_timeout: Duration, clock: Arc<dyn Clock>) -> Self {
-        Self { limits, tiers, pool, jobs: Jobs::default(), run_timeout, clock, under_way: Mutex::default() }
+    pub fn new(limits: Limits, tiers: Tiers, pool: Pool, account: Account, terms: Terms, clock: Arc<dyn Clock>) -> Self {
+        let (peers, jobs, under_way) = (Arc::default(), Jobs::default(), Mutex::default());
+        let in_flight = InFlight::new(account.answers.clone());
+        Self { limits, tiers, pool, account, in_flight, peers, jobs, terms, clock, under_way }
     }
 
     /// The artifact of a key, if it is kept anywhere.
@@ -79,42 +107,106 @@ impl Desk {
         self.tiers.find(&key).await
     }
 
-    /// Joins the computation of an output, or starts it.
+    /// Joins the computation of a task for a peer, or starts it.
     ///
     /// # Errors
     /// [`Busy`] when too many wait already.
-    pub fn compute(self: &Arc<Self>, admitted: Arc<Admitted>, output: usize) -> Result<Interest, Busy> {
-        let (key, size) = admitted.estimate().outputs[output];
+    pub fn compute(self: &Arc<Self>, task: Arc<dyn Task>, peer: Peer) -> Result<Interest, Busy> {
+        let (key, cost) = (task.key(), task.cost());
+        let lane = self.pool.lane_of(cost.time_ms, cost.memory_bytes);
+        let ticket = self.ticket(peer, Kind::Waiting).ok_or_else(|| self.pool.busy(lane))?;
         let mut under_way = self.under_way.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(computation) = under_way.get(&key).filter(|computation| computation.join()) {
-            return Ok(Interest { computation: computation.clone(), origin: Origin::Joined, desk: self.clone() });
+            return Ok(Interest { computation: computation.clone(), origin: Origin::Joined, desk: self.clone(), ticket });
         }
-        let lane = Lane::of(admitted.estimate().time_ms);
-        let waiting = self.pool.line_up(lane)?;
-        let computation = Arc::new(Computation::new(key, admitted.estimate().forecast.work, self.clock.clone()));
+        let waiting = self.pool.line_up(lane, peer, cost.memory_bytes)?;
+        let computation = Arc::new(Computation::new(key, cost.work, self.clock.clone()));
         under_way.insert(key, computation.clone());
         drop(under_way);
-        let (desk, task) = (self.clone(), computation.clone());
-        tokio::spawn(async move {
+        tokio::spawn(self.clone().see_through(computation.clone(), task, peer, lane, waiting));
+        Ok(Interest { computation, origin: Origin::Made, desk: self.clone(), ticket })
+    }
+
+    /// A ticket for one thing more that a peer holds, where it may.
+    fn ticket(&self, peer: Peer, kind: Kind) -> Option<Ticket> {
+        let most_of_all = if kind == Kind::Waiting { self.terms.most_waiting } else { u64::MAX };
+        self.peers.take(peer, kind, 1, self.terms.most_a_peer, most_of_all)
+    }
+
+    /// Has a task made when its turn comes; what takes too long for the short lane is begun again in the long one.
+    async fn see_through(
+        self: Arc<Self>,
+        computation: Arc<Computation>,
+        task: Arc<dyn Task>,
+        peer: Peer,
+        mut lane: Lane,
+        mut waiting: Waiting,
+    ) {
+        let phase = loop {
             let turn = tokio::select! {
-                turn = desk.pool.turn(lane, admitted.estimate().memory_bytes) => turn,
-                () = task.stopped() => return desk.finish(&task, Phase::Failed(Failure::Cancelled)),
+                turn = self.pool.turn(lane, waiting) => turn,
+                () = computation.stopped() => break Phase::Failed(Failure::Cancelled),
             };
-            drop(waiting);
-            let stopper = tokio::spawn(stop_later(task.clone(), desk.run_timeout));
-            let worker = (desk.clone(), task.clone());
-            let made =
-                tokio::task::spawn_blocking(move || worker.0.make(&worker.1, &admitted, output, size.bytes(), turn));
-            let phase = made.await.unwrap_or_else(|error| Phase::Failed(Failure::Internal(error.to_string())));
-            stopper.abort();
-            let stored = match &phase {
-                Phase::Done(outcome) if outcome.loose.is_none() => Some(outcome.manifest.clone()),
-                _ => None,
-            };
-            desk.finish(&task, phase);
-            stored.into_iter().for_each(|manifest| desk.persist(manifest));
-        });
-        Ok(Interest { computation, origin: Origin::Made, desk: self.clone() })
+            let phase = self.clone().take_turn(&computation, &task, lane, turn).await;
+            let is_moved = matches!(&phase, Phase::Failed(Failure::Cancelled)) && computation.watch.is_set_aside();
+            if !is_moved {
+                break phase;
+            }
+            lane = Lane::Long;
+            match self.pool.line_up(lane, peer, task.cost().memory_bytes) {
+                Ok(place) => waiting = place,
+                Err(busy) => break Phase::Failed(Failure::Busy(busy.retry_after)),
+            }
+            computation.watch.begin_again();
+            computation.set(Phase::Queued);
+        };
+        let stored = match &phase {
+            Phase::Done(outcome) if outcome.loose.is_none() => Some(outcome.manifest.clone()),
+            _ => None,
+        };
+        self.finish(&computation, phase);
+        stored.into_iter().for_each(|manifest| self.persist(manifest));
+    }
+
+    /// Has a task made in a turn, for as long as the lane allows.
+    async fn take_turn(
+        self: Arc<Self>,
+        computation: &Arc<Computation>,
+        task: &Arc<dyn Task>,
+        lane: Lane,
+        turn: Turn,
+    ) -> Phase {
+        let Terms { run_timeout, short_time, .. } = self.terms;
+        let run_out = stop_later(computation.clone(), (lane == Lane::Short).then_some(short_time), run_timeout);
+        let stopper = tokio::spawn(run_out);
+        let (desk, computation, task) = (self, computation.clone(), task.clone());
+        let made = tokio::task::spawn_blocking(move || desk.make(&computation, &*task, lane, turn)).await;
+        stopper.abort();
+        made.unwrap_or_else(|error| Phase::Failed(Failure::Internal(error.to_string())))
+    }
+
+    /// Runs work on a request, which takes so much memory, when its turn comes. When the caller leaves, the work is stopped.
+    ///
+    /// # Errors
+    /// [`Unread`].
+    pub async fn read<T: Send + 'static>(
+        &self,
+        peer: Peer,
+        memory_bytes: u64,
+        work: impl FnOnce(&Watch) -> T + Send + 'static,
+    ) -> Result<T, Unread> {
+        let waiting = self.pool.line_up(Lane::Reading, peer, memory_bytes.into()).map_err(Unread::Busy)?;
+        let turn = self.pool.turn(Lane::Reading, waiting).await;
+        let start = self.clock.now();
+        let watch = StopOnDrop(Watch::new());
+        let watched = watch.0.clone();
+        let reading = turn.spawn(move || work(&watched));
+        let read = tokio::time::timeout(self.terms.run_timeout, reading).await;
+        self.pool.finished(Lane::Reading, self.clock.now().saturating_sub(start));
+        match read {
+            Ok(read) => read.map_err(|_| Unread::Failed(Failure::Internal("reading a request panicked".to_owned()))),
+            Err(_) => Err(Unread::Failed(Failure::TimedOut(self.terms.run_timeout))),
+        }
     }
 
     /// Takes a finished computation off the list, then says so.
@@ -128,59 +220,65 @@ impl Desk {
     }
 
     /// Computes on this thread and the pool's.
-    fn make(&self, task: &Computation, admitted: &Admitted, output: usize, about: u128, turn: Turn) -> Phase {
-        if task.watch.check().is_err() {
+    fn make(&self, computation: &Computation, task: &dyn Task, lane: Lane, turn: Turn) -> Phase {
+        if computation.watch.check().is_err() {
             return Phase::Failed(Failure::Cancelled);
         }
-        task.set(Phase::Running);
+        computation.set(Phase::Running);
         let start = self.clock.now();
-        let made = catch_unwind(AssertUnwindSafe(|| turn.run(|| self.make_stored(task, admitted, output, about))));
+        let made = catch_unwind(AssertUnwindSafe(|| turn.run_keeping(|| self.make_stored(computation, task))));
         let took = self.clock.now().saturating_sub(start);
-        self.pool.finished(took);
+        self.pool.finished(lane, took);
         match made {
-            Ok(Ok(outcome)) => Phase::Done(Arc::new(outcome)),
-            Ok(Err(RunError::Stopped(_))) if task.ran_out() => Phase::Failed(Failure::TimedOut(self.run_timeout)),
-            Ok(Err(RunError::Stopped(_))) => Phase::Failed(Failure::Cancelled),
-            Ok(Err(RunError::Impossible(fault))) => Phase::Failed(Failure::Impossible(fault)),
-            Ok(Err(RunError::Io(error))) => Phase::Failed(Failure::Internal(error.to_string())),
+            Ok((Ok(outcome), memory)) => Phase::Done(Arc::new(lent(outcome, memory))),
+            Ok((Err(error), _)) => Phase::Failed(self.failure(computation, error)),
             Err(panic) => Phase::Failed(Failure::Internal(message(&*panic))),
+        }
+    }
+
+    fn failure(&self, computation: &Computation, error: RunError) -> Failure {
+        match error {
+            RunError::Stopped(_) if computation.ran_out() => Failure::TimedOut(self.terms.run_timeout),
+            RunError::Stopped(_) => Failure::Cancelled,
+            RunError::Impossible(fault) => Failure::Impossible(fault),
+            RunError::Io(error) => Failure::Internal(error.to_string()),
         }
     }
 
     /// Computes into a store; where no store takes the bytes, keeps them for this answer alone. Computes again only
     /// what the disk has lost.
-    fn make_stored(
-        &self,
-        task: &Computation,
-        admitted: &Admitted,
-        output: usize,
-        about: u128,
-    ) -> Result<Outcome, RunError> {
-        let asked = &admitted.job().outputs[output];
+    fn make_stored(&self, computation: &Computation, task: &dyn Task) -> Result<Outcome, RunError> {
+        let (key, about) = (computation.key, task.cost().result_bytes);
         let made = |draft: &mut Draft<'_>| {
-            let report = run(admitted, asked, draft, &task.watch)?;
-            let description = Description { media_type: asked.format.media_type().into(), warnings: report.warnings };
+            let report = task.run(draft, &computation.watch)?;
+            let description = Description { media_type: task.media_type().into(), warnings: report.warnings };
             let Kept { manifest, loose } = draft.commit(description).map_err(|error| RunError::Io(error.into()))?;
-            Ok(Outcome { manifest, loose, timings: task.timings() })
+            Ok(Outcome { manifest, loose, timings: computation.timings() })
         };
-        let mut draft = self.tiers.draft(task.key, about);
+        let mut draft = self.tiers.draft(key, about);
         match made(&mut draft) {
             Err(RunError::Io(error)) if draft.has_lost_bytes() => {
-                tracing::warn!(key = %task.key, %error, "the disk lost the result; it is made again, in memory");
-                made(&mut self.tiers.draft_in_memory(task.key, about))
+                tracing::warn!(%key, %error, "the disk lost the result; it is made again, in memory");
+                made(&mut self.tiers.draft_in_memory(key, about))
             }
             made => made,
         }
     }
 
     /// Makes a job's record follow its computation, so that it goes on without its request.
-    pub fn detach(self: &Arc<Self>, id: Key, admitted: Arc<Admitted>, interest: Interest) {
-        let artifact = interest.computation.key;
-        let again = u32::from(interest.origin == Origin::Made);
-        let attempts = self.jobs.get(&id).map_or(1, |record| record.attempts + again);
+    ///
+    /// # Errors
+    /// [`Busy`] when the peer has too many such jobs, or there is no room for the record; then the interest is dropped.
+    pub fn detach(self: &Arc<Self>, id: Key, told: Told, mut interest: Interest, peer: Peer) -> Result<(), Busy> {
         let computation = interest.computation.clone();
+        if self.jobs.follows(&id, &computation) {
+            return Ok(());
+        }
+        let busy = || self.pool.busy(Lane::Long);
+        interest.ticket = self.ticket(peer, Kind::Detached).ok_or_else(busy)?;
+        let attempts = u32::from(interest.origin == Origin::Made);
         let state = State::Active(Arc::new(interest));
-        self.jobs.put(Record { id, admitted, artifact, attempts, state });
+        self.jobs.put(&self.account.records, id, told, attempts, state).map_err(|_| busy())?;
         let desk = self.clone();
         tokio::spawn(async move {
             let state = match computation.finished().await {
@@ -190,11 +288,20 @@ impl Desk {
             };
             desk.jobs.settle(&id, &computation, state);
         });
+        Ok(())
     }
 
     /// Has an artifact that was just made brought to disk, in the background of its answer.
     fn persist(self: &Arc<Self>, manifest: Arc<Manifest>) {
         self.tiers.persist(&manifest);
+    }
+
+    /// The lines that let nobody more in, and the shares of memory that refuse requests. Lanes whose memory is taken are at
+    /// work, and records leave for others.
+    pub fn full(&self) -> Vec<&'static str> {
+        let Account { bodies, inputs, answers, .. } = &self.account;
+        let shares = [bodies, inputs, answers].into_iter().filter(|share| share.is_full()).map(|share| share.name);
+        shares.chain(self.pool.full_lanes()).collect()
     }
 
     /// Computations under way or waiting.
@@ -224,10 +331,42 @@ impl Desk {
     }
 }
 
-/// Stops a computation that runs too long.
-async fn stop_later(computation: Arc<Computation>, after: Duration) {
-    tokio::time::sleep(after).await;
-    computation.run_out();
+/// An outcome whose bytes, where no store has them, hold the memory of their computation until the last answer has them.
+fn lent(mut outcome: Outcome, memory: Option<Memory>) -> Outcome {
+    if let (Some(bytes), Some(mut memory)) = (outcome.loose.take(), memory) {
+        memory.shrink_to(bytes.len() as u64);
+        outcome.loose = Some(Lent::new(bytes, memory));
+    }
+    outcome
+}
+
+/// Sets a computation aside that runs too long for its lane, and stops one that runs too long for any.
+async fn stop_later(computation: Arc<Computation>, aside: Option<Duration>, timeout: Duration) {
+    if let Some(aside) = aside.filter(|aside| *aside < timeout) {
+        tokio::time::sleep(aside).await;
+        computation.watch.set_aside();
+    } else {
+        tokio::time::sleep(timeout).await;
+        computation.run_out();
+    }
+}
+
+/// Stops work when whoever waits for it leaves.
+struct StopOnDrop(Watch);
+
+impl Drop for StopOnDrop {
+    fn drop(&mut self) {
+        self.0.stop();
+    }
+}
+
+/// Why a request was not read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Unread {
+    /// Too many wait to be read.
+    Busy(Busy),
+    /// The work on it failed.
+    Failed(Failure),
 }
 
 fn message(panic: &(dyn Any + Send)) -> String {

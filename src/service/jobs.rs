@@ -1,30 +1,49 @@
-//! The records of jobs that outlast their request: bounded, in memory; finished ones leave first.
+//! The records of jobs that outlast their request: bounded in number and bytes; finished ones leave first.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use bytes::Bytes;
+
+use super::account::{Full, Held, Share};
 use super::computation::{Computation, Failure, Timings};
 use super::desk::Interest;
 use super::store::Manifest;
 use crate::job::key::Key;
-use crate::job::limits::Admitted;
+use crate::job::limits::Estimate;
+use crate::output::Format;
+use crate::refine::curve::Reached;
 
 /// Most records held.
 const MAX_RECORDS: usize = 10_000;
+/// Charged for a record besides its request: its counts a level, its names, its places in the maps.
+const RECORD_BYTES: u64 = 8 << 10;
+
+/// What is known of a job without its input.
+#[derive(Debug, Clone)]
+pub struct Told {
+    /// Name, format and key of its output.
+    pub output: (String, &'static dyn Format, Key),
+    /// What it was to come to.
+    pub estimate: Estimate,
+    /// How close to the limit it comes, where a tolerance was asked for.
+    pub reached: Option<Reached>,
+    /// The request as it was sent, so that an evicted result can be made again.
+    pub request: Bytes,
+}
 
 /// One tenant's interest in a computation, by the job's id.
 #[derive(Debug, Clone)]
 pub struct Record {
     /// Id of the job.
     pub id: Key,
-    /// The job, so that an evicted result can be made again.
-    pub admitted: Arc<Admitted>,
-    /// Key of its artifact.
-    pub artifact: Key,
+    /// What the job is.
+    pub told: Arc<Told>,
     /// How often it was queued.
     pub attempts: u32,
     /// How it stands.
     pub state: State,
+    _memory: Arc<Held>,
 }
 
 /// How a job stands.
@@ -46,7 +65,8 @@ pub struct Jobs(Mutex<Table>);
 struct Table {
     records: HashMap<Key, (u64, Record)>,
     by_age: BTreeMap<u64, Key>,
-    by_artifact: HashMap<Key, Key>,
+    /// Keys of artifacts with the ids of the jobs that have them.
+    by_artifact: BTreeSet<(Key, Key)>,
     next: u64,
 }
 
@@ -63,25 +83,52 @@ impl Jobs {
     /// The record of a job whose artifact has this key.
     pub fn of_artifact(&self, artifact: &Key) -> Option<Record> {
         let table = self.table();
-        let id = table.by_artifact.get(artifact)?;
+        let (_, id) = table.by_artifact.range((*artifact, Key::LEAST)..).next().filter(|(key, _)| key == artifact)?;
         table.records.get(id).map(|(_, record)| record.clone())
     }
 
-    /// Adds or replaces a record; makes room by forgetting the oldest that are finished, then the oldest.
-    pub fn put(&self, record: Record) {
+    /// Adds a record or takes the place of the one with the same id, whose attempts are added; makes room by forgetting the
+    /// oldest jobs that are finished.
+    ///
+    /// # Errors
+    /// [`Full`] when there is no room beside the jobs that go on.
+    pub fn put(&self, share: &Arc<Share>, id: Key, told: Told, attempts: u32, state: State) -> Result<(), Full> {
+        let mut forgotten = Vec::new(); // dropped after the lock: an interest asks the desk, memory its share
         let mut table = self.table();
-        table.forget(&record.id);
-        while table.records.len() >= MAX_RECORDS {
+        let before = table.forget(&id);
+        let attempts = before.as_ref().map_or(1, |record| record.attempts + attempts);
+        forgotten.extend(before);
+        let bytes = RECORD_BYTES + told.request.len() as u64;
+        let memory = loop {
+            if table.records.len() < MAX_RECORDS
+                && let Ok(memory) = share.try_take(bytes)
+            {
+                break memory;
+            }
             let finished = |id: &&Key| !matches!(table.records[*id].1.state, State::Active(_));
-            let oldest = table.by_age.values().find(finished).or_else(|| table.by_age.values().next()).copied();
-            let Some(oldest) = oldest else { break };
-            table.forget(&oldest);
-        }
+            let Some(oldest) = table.by_age.values().find(finished).copied() else {
+                drop(table);
+                drop(forgotten);
+                return Err(Full);
+            };
+            let record = table.forget(&oldest);
+            drop(record); // it is finished, so only its memory comes back
+        };
         let age = table.next;
         table.next += 1;
-        table.by_age.insert(age, record.id);
-        table.by_artifact.insert(record.artifact, record.id);
-        table.records.insert(record.id, (age, record));
+        table.by_age.insert(age, id);
+        table.by_artifact.insert((told.output.2, id));
+        let record = Record { id, told: Arc::new(told), attempts, state, _memory: Arc::new(memory) };
+        table.records.insert(id, (age, record));
+        drop(table);
+        drop(forgotten);
+        Ok(())
+    }
+
+    /// Forgets a job; what goes on only for it ends. False when it was not known.
+    pub fn remove(&self, id: &Key) -> bool {
+        let removed = self.table().forget(id);
+        removed.is_some()
     }
 
     /// Changes how a job stands, if it still stands for this computation.
@@ -89,16 +136,35 @@ impl Jobs {
         let mut table = self.table();
         let Some((_, record)) = table.records.get_mut(id) else { return };
         if matches!(&record.state, State::Active(interest) if Arc::ptr_eq(&interest.computation, computation)) {
-            record.state = state;
+            let before = std::mem::replace(&mut record.state, state);
+            drop(table);
+            drop(before); // an interest asks the desk, so not under the lock
         }
+    }
+
+    /// Whether a job goes on with this computation.
+    pub fn follows(&self, id: &Key, computation: &Arc<Computation>) -> bool {
+        let table = self.table();
+        let state = table.records.get(id).map(|(_, record)| &record.state);
+        matches!(state, Some(State::Active(interest)) if Arc::ptr_eq(&interest.computation, computation))
+    }
+
+    /// How many jobs are known.
+    pub fn len(&self) -> usize {
+        self.table().records.len()
+    }
+
+    /// Whether no job is known.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
     }
 }
 
 impl Table {
-    fn forget(&mut self, id: &Key) {
-        if let Some((age, record)) = self.records.remove(id) {
-            self.by_age.remove(&age);
-            self.by_artifact.remove(&record.artifact);
-        }
+    fn forget(&mut self, id: &Key) -> Option<Record> {
+        let (age, record) = self.records.remove(id)?;
+        self.by_age.remove(&age);
+        self.by_artifact.remove(&(record.told.output.2, *id));
+        Some(record)
     }
 }

@@ -1,13 +1,18 @@
 //! The service: finds, joins or makes artifacts; knows no HTTP.
 
+pub mod account;
 pub mod clock;
 pub mod computation;
 pub mod desk;
 pub mod disk_counts;
 pub mod draft;
 pub mod jobs;
+pub mod lent;
+mod line;
+pub mod peer;
 pub mod pool;
 mod reads;
 pub mod store;
+pub mod task;
 pub mod tiers;
 pub mod writer;

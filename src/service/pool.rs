@@ -1,30 +1,31 @@
-//! The compute threads: two lanes, so that short work never waits behind long work, and a budget of memory.
+//! The compute threads: lanes, so that short work never waits behind long work, each with its places, its memory, and a
+//! line in which peers take turns.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::sync::oneshot;
+
+use super::account::{Account, Share};
+use super::line::{Line, Place};
+use super::peer::Peer;
+
+pub use super::line::{Memory, Waiting};
 
 /// Predicted milliseconds from which on work counts as long.
 const LONG_MS: u128 = 250;
-/// Bytes of one unit of the memory budget.
-const UNIT_BYTES: u128 = 1 << 20;
 
-/// Which queue a computation waits in.
+/// Which line work waits in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lane {
-    /// Predicted to be quick.
+    /// Requests are parsed, checked and forecast.
+    Reading,
+    /// Computations that are predicted to be quick.
     Short,
-    /// Anything else.
+    /// All other computations.
     Long,
-}
-
-impl Lane {
-    /// The lane of work that is predicted to take so long.
-    pub fn of(time_ms: u128) -> Self {
-        if time_ms < LONG_MS { Self::Short } else { Self::Long }
-    }
 }
 
 /// The pool was asked for more than it will queue.
@@ -34,41 +35,42 @@ pub struct Busy {
     pub retry_after: Duration,
 }
 
+/// Work on a request panicked; the message is in the log.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Panicked;
+
+/// How many may wait.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Bounds {
+    /// In each line.
+    pub queue: usize,
+    /// In each line, of one peer.
+    pub queue_a_peer: usize,
+}
+
 /// Threads and places in line.
 #[derive(Debug)]
 pub struct Pool {
+    reading: LaneState,
     short: LaneState,
     long: LaneState,
-    budget: Arc<Semaphore>,
-    budget_units: u32,
-    max_queue: usize,
-    /// Moving average of the time one computation takes, microseconds.
-    average_us: AtomicU64,
 }
 
 #[derive(Debug)]
 struct LaneState {
     threads: Arc<rayon::ThreadPool>,
-    places: Arc<Semaphore>,
-    waiting: Arc<AtomicUsize>,
-}
-
-/// A place in line: counts as waiting until it is dropped.
-#[derive(Debug)]
-pub struct Waiting(Arc<AtomicUsize>);
-
-impl Drop for Waiting {
-    fn drop(&mut self) {
-        self.0.fetch_sub(1, Ordering::Relaxed);
-    }
+    line: Arc<Line>,
+    places: usize,
+    share: Arc<Share>,
+    /// Moving average of the time one piece of work takes, microseconds.
+    average_us: AtomicU64,
 }
 
 /// The right to compute now.
 #[derive(Debug)]
 pub struct Turn {
     threads: Arc<rayon::ThreadPool>,
-    _place: OwnedSemaphorePermit,
-    _memory: OwnedSemaphorePermit,
+    place: Place,
 }
 
 impl Turn {
@@ -76,62 +78,77 @@ impl Turn {
     pub fn run<T: Send>(self, work: impl FnOnce() -> T + Send) -> T {
         self.threads.install(work)
     }
+
+    /// As [`Turn::run`], but the memory stays with the caller when the place is free again.
+    pub fn run_keeping<T: Send>(mut self, work: impl FnOnce() -> T + Send) -> (T, Option<Memory>) {
+        let memory = self.place.memory.take();
+        (self.threads.install(work), memory)
+    }
+
+    /// Runs work on its threads while the caller does something else. What nobody waits for any more is finished all the
+    /// same, in its place.
+    ///
+    /// # Errors
+    /// [`Panicked`].
+    pub async fn spawn<T: Send + 'static>(self, work: impl FnOnce() -> T + Send + 'static) -> Result<T, Panicked> {
+        let (done, result) = oneshot::channel();
+        let threads = Arc::clone(&self.threads);
+        threads.spawn(move || {
+            let outcome = catch_unwind(AssertUnwindSafe(work));
+            drop(self);
+            let _ = done.send(outcome.map_err(|_| Panicked));
+        });
+        result.await.unwrap_or(Err(Panicked))
+    }
 }
 
 impl Pool {
-    /// A pool of `threads` threads a lane, `memory_bytes` for all computations at once, `max_queue` waiting a lane.
+    /// A pool of `threads` threads a lane with the memory of `account`.
     ///
     /// # Errors
     /// When the threads cannot be started.
-    pub fn new(threads: usize, memory_bytes: u64, max_queue: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
-        let budget_units = u32::try_from(u128::from(memory_bytes) / UNIT_BYTES).unwrap_or(u32::MAX >> 3).max(1);
+    pub fn new(threads: usize, account: &Account, bounds: Bounds) -> Result<Self, rayon::ThreadPoolBuildError> {
         Ok(Self {
-            short: LaneState::new("short", threads, threads)?,
-            long: LaneState::new("long", threads, threads.div_ceil(2))?,
-            budget: Arc::new(Semaphore::new(budget_units as usize)),
-            budget_units,
-            max_queue,
-            average_us: AtomicU64::new(100_000),
+            reading: LaneState::new("reading", threads, threads, &account.reading, bounds)?,
+            short: LaneState::new("short", threads, threads, &account.short, bounds)?,
+            long: LaneState::new("long", threads, threads.div_ceil(2), &account.long, bounds)?,
         })
     }
 
     fn lane(&self, lane: Lane) -> &LaneState {
         match lane {
+            Lane::Reading => &self.reading,
             Lane::Short => &self.short,
             Lane::Long => &self.long,
         }
     }
 
-    /// A place in line.
+    /// The lane of a computation that is predicted to take so long and so much memory.
+    pub fn lane_of(&self, time_ms: u128, memory_bytes: u128) -> Lane {
+        let is_short = time_ms < LONG_MS && memory_bytes <= u128::from(self.short.share.capacity);
+        if is_short { Lane::Short } else { Lane::Long }
+    }
+
+    /// A place in line for a turn with so much memory.
     ///
     /// # Errors
-    /// [`Busy`] when the line is full.
-    pub fn line_up(&self, lane: Lane) -> Result<Waiting, Busy> {
-        let waiting = &self.lane(lane).waiting;
-        if waiting.fetch_add(1, Ordering::Relaxed) >= self.max_queue {
-            waiting.fetch_sub(1, Ordering::Relaxed);
-            return Err(Busy { retry_after: self.drain_time(lane) });
-        }
-        Ok(Waiting(waiting.clone()))
+    /// [`Busy`] when the line is full, or this peer's part of it.
+    pub fn line_up(&self, lane: Lane, peer: Peer, memory_bytes: u128) -> Result<Waiting, Busy> {
+        let bytes = u64::try_from(memory_bytes).unwrap_or(u64::MAX);
+        self.lane(lane).line.join(peer, bytes).map_err(|_| self.busy(lane))
     }
 
-    /// How long the line of a lane will take, at least a second.
-    fn drain_time(&self, lane: Lane) -> Duration {
-        let state = self.lane(lane);
-        let line = state.waiting.load(Ordering::Relaxed) as u64;
-        let threads = state.threads.current_num_threads() as u64;
-        let us = self.average_us.load(Ordering::Relaxed).saturating_mul(line) / threads.max(1);
-        Duration::from_micros(us).max(Duration::from_secs(1))
+    /// Waits for the turn.
+    pub async fn turn(&self, lane: Lane, waiting: Waiting) -> Turn {
+        Turn { threads: Arc::clone(&self.lane(lane).threads), place: waiting.place().await }
     }
 
-    /// Waits for a turn with so much memory.
-    pub async fn turn(&self, lane: Lane, memory_bytes: u128) -> Turn {
+    /// A refusal: come back when the line of this lane will have passed, at least a second from now.
+    pub fn busy(&self, lane: Lane) -> Busy {
         let state = self.lane(lane);
-        let units = u32::try_from(memory_bytes.div_ceil(UNIT_BYTES)).unwrap_or(u32::MAX).clamp(1, self.budget_units);
-        let place = state.places.clone().acquire_owned().await.expect("the lane's semaphore is never closed");
-        let memory =
-            self.budget.clone().acquire_many_owned(units).await.expect("the budget's semaphore is never closed");
-        Turn { threads: state.threads.clone(), _place: place, _memory: memory }
+        let us = state.average_us.load(Ordering::Relaxed).saturating_mul(state.line.waiting() as u64);
+        let us = us / (state.places as u64).max(1);
+        Busy { retry_after: Duration::from_micros(us).max(Duration::from_secs(1)) }
     }
 
     /// Runs something small on the short lane's threads without standing in line.
@@ -139,27 +156,47 @@ impl Pool {
         self.short.threads.install(work)
     }
 
-    /// Remembers how long a computation took.
-    pub fn finished(&self, took: Duration) {
+    /// Remembers how long work in a lane took.
+    pub fn finished(&self, lane: Lane, took: Duration) {
         let us = u64::try_from(took.as_micros()).unwrap_or(u64::MAX);
-        let average = self.average_us.load(Ordering::Relaxed);
-        self.average_us.store(average - average / 8 + us / 8, Ordering::Relaxed);
+        let average = &self.lane(lane).average_us;
+        let before = average.load(Ordering::Relaxed);
+        average.store(before - before / 8 + us / 8, Ordering::Relaxed);
     }
 
     /// Computations waiting in the short and in the long lane.
     pub fn waiting(&self) -> [usize; 2] {
-        [&self.short, &self.long].map(|lane| lane.waiting.load(Ordering::Relaxed))
+        [&self.short, &self.long].map(|lane| lane.line.waiting())
+    }
+
+    /// Requests that wait to be read.
+    pub fn waiting_to_be_read(&self) -> usize {
+        self.reading.line.waiting()
+    }
+
+    /// The lanes whose lines let nobody more in.
+    pub fn full_lanes(&self) -> Vec<&'static str> {
+        let lanes = [("reading", &self.reading), ("short-lane", &self.short), ("long-lane", &self.long)];
+        lanes.into_iter().filter(|(_, lane)| lane.line.is_full()).map(|(name, _)| name).collect()
     }
 }
 
 impl LaneState {
-    fn new(name: &'static str, threads: usize, places: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
+    fn new(
+        name: &'static str,
+        threads: usize,
+        places: usize,
+        share: &Arc<Share>,
+        bounds: Bounds,
+    ) -> Result<Self, rayon::ThreadPoolBuildError> {
         let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let threads = builder.thread_name(move |i| format!("{name}-{i}")).build()?;
         Ok(Self {
             threads: Arc::new(threads),
-            places: Arc::new(Semaphore::new(places.max(1))),
-            waiting: Arc::default(),
+            line: Line::new(places, Arc::clone(share), bounds.queue, bounds.queue_a_peer),
+            places,
+            share: Arc::clone(share),
+            average_us: AtomicU64::new(100_000),
         })
     }
 }

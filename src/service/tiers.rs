@@ -106,9 +106,21 @@ impl Tiers {
 
     /// A verified part of an artifact; `None` when it is gone or was damaged, or the disk does not answer in time.
     pub async fn part(&self, manifest: &Arc<Manifest>, index: usize) -> Option<Bytes> {
-        if let Some(part) = self.part_at_hand(manifest, index) {
-            return Some(part);
+        match self.part_at_hand(manifest, index) {
+            Some(part) => Some(part),
+            None => self.part_on_disk(manifest, index).await,
         }
+    }
+
+    /// Whether an artifact is on disk, or is about to be without memory of its own.
+    pub fn is_on_disk(&self, key: &Key) -> bool {
+        let stored = self.disk.as_ref().is_some_and(|disk| disk.store.touch(key).is_some());
+        stored || matches!(self.waiting(key), Some(Waiting::Sealed(_)))
+    }
+
+    /// A verified part of an artifact as it stands on disk; `None` when it is not there or was damaged, or the disk does
+    /// not answer in time.
+    pub async fn part_on_disk(&self, manifest: &Arc<Manifest>, index: usize) -> Option<Bytes> {
         let disk = self.disk.as_ref()?;
         let (store, waiting, of) = (disk.store.clone(), self.waiting(&manifest.key), Arc::clone(manifest));
         let read = disk.reads.read(PART_PATIENCE, move || {

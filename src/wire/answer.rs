@@ -3,12 +3,17 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use crate::fault::Fault;
+use crate::fault::{Fault, cut};
 use crate::job::Job;
 use crate::job::limits::Estimate;
 use crate::output::Size;
 use crate::refine::curve::Reached;
 use crate::refine::revolution::Outlook;
+
+/// Most characters of a pointer: eight names that are too long to be right; nothing stands that deep.
+const MOST_POINTER: usize = 1000;
+/// Most characters of the sentence about a fault: the longest list all presets or options there are, in half of them.
+const MOST_DETAIL: usize = 2000;
 
 /// A problem (RFC 9457).
 #[derive(Debug, Clone, Serialize, ToSchema)]
@@ -40,7 +45,8 @@ pub struct FaultAnswer {
 
 impl From<Fault> for FaultAnswer {
     fn from(fault: Fault) -> Self {
-        Self { pointer: fault.pointer, detail: fault.detail }
+        let Fault { pointer, detail, .. } = fault;
+        Self { pointer: cut(&pointer, MOST_POINTER).into_owned(), detail: cut(&detail, MOST_DETAIL).into_owned() }
     }
 }
 

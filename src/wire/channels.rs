@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 
+use crate::fault::shortened;
 use crate::shape::attachments::{Channel, MAX_CHANNELS, MAX_WIDTH};
 
 /// Channels by name: lists of numbers, or of lists of as many numbers each.
@@ -29,7 +30,7 @@ impl<'de> Visitor<'de> for ChannelsVisitor {
         let mut channels: Vec<Channel> = Vec::new();
         while let Some((name, Rows { width, values })) = map.next_entry::<String, _>()? {
             if channels.iter().any(|known| known.name == name) {
-                return Err(A::Error::custom(format!("duplicate field `{name}`")));
+                return Err(A::Error::custom(format!("duplicate field \"{}\"", shortened(&name))));
             }
             if channels.len() == MAX_CHANNELS {
                 return Err(A::Error::custom(format!("more than {MAX_CHANNELS} channels")));

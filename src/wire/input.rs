@@ -3,6 +3,7 @@
 use serde::Deserialize;
 use utoipa::ToSchema;
 
+use super::choice::choice;
 use super::mesh::MeshRequest;
 use super::object;
 use super::polygon::{PolygonRequest, polygons};
@@ -49,38 +50,38 @@ pub struct InputRequest {
     pub file: Option<MeshFile>,
 }
 
-/// What to do with inconsistent winding.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum OrientRequest {
-    /// Refuse the mesh.
-    Refuse,
-    /// Turn faces to agree with the lowest of their component.
-    Repair,
+choice! {
+    /// What to do with inconsistent winding.
+    pub enum OrientRequest {
+        /// Refuse the mesh.
+        Refuse = "refuse",
+        /// Turn faces to agree with the lowest of their component.
+        Repair = "repair",
+    }
 }
 
-/// Unit of the coordinates.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum UnitRequest {
-    /// Metres.
-    M,
-    /// Millimetres.
-    Mm,
-    /// Centimetres.
-    Cm,
-    /// Inches.
-    In,
+choice! {
+    /// Unit of the coordinates.
+    pub enum UnitRequest {
+        /// Metres.
+        M = "m",
+        /// Millimetres.
+        Mm = "mm",
+        /// Centimetres.
+        Cm = "cm",
+        /// Inches.
+        In = "in",
+    }
 }
 
-/// The axis that points up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum UpRequest {
-    /// The second, as in glTF.
-    Y,
-    /// The third.
-    Z,
+choice! {
+    /// The axis that points up.
+    pub enum UpRequest {
+        /// The second, as in glTF.
+        Y = "y",
+        /// The third.
+        Z = "z",
+    }
 }
 
 /// A checked input.

@@ -10,8 +10,11 @@ use super::output::{OutputRequest, outputs};
 use super::plan::PlanRequest;
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
-use crate::job::Job;
+use crate::job::key::Key;
+use crate::job::{Draft, Job, SearchCost, SearchError};
 use crate::output::ShapeKind;
+use crate::refine::curve::Reached;
+use crate::watch::Watch;
 
 /// A job: what is refined, how, how often, and what is answered.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
@@ -56,11 +59,24 @@ impl JobRequest {
         self.resolve_within(&ReadLimits::default())
     }
 
-    /// Checks the request as a whole; mesh files may be as large as `limits` say.
+    /// Checks the request as a whole and searches for the level of a tolerance; mesh files may be as large as `limits` say.
     ///
     /// # Errors
     /// All faults found in input and outputs, or, where these are right, in the plan.
     pub fn resolve_within(self, limits: &ReadLimits) -> Result<Job, Vec<Fault>> {
+        let draft = self.draft_within(limits)?;
+        let found = draft.search(&Watch::new()).map_err(|error| match error {
+            SearchError::Refused(fault) => vec![fault],
+            SearchError::Stopped(stopped) => vec![Fault::new("/levels", stopped.to_string())],
+        })?;
+        draft.complete(found)
+    }
+
+    /// Checks the request as a whole, but for the level of a tolerance; mesh files may be as large as `limits` say.
+    ///
+    /// # Errors
+    /// All faults found in input and outputs, or, where these are right, in the plan.
+    pub fn draft_within(self, limits: &ReadLimits) -> Result<RequestDraft, Vec<Fault>> {
         let mut faults = Vec::new();
         if self.spec.is_some_and(|spec| spec != 1) {
             faults.push(Fault::new("/spec", format!("{} is unknown; this server speaks 1", self.spec.unwrap_or(0))));
@@ -77,20 +93,66 @@ impl JobRequest {
             plan.boundary = boundary;
         }
         // a plan is looked at even where the outputs are wrong, so that all faults come together
-        match Job::new(input, plan.as_ref(), self.levels.map(|levels| levels.0), outputs.unwrap_or_default()) {
-            Ok(job) if faults.is_empty() => Ok(job.framed(frame)),
+        match Draft::new(input, plan.as_ref(), self.levels.map(|levels| levels.0), outputs.unwrap_or_default()) {
+            Ok(draft) if faults.is_empty() => Ok(RequestDraft { draft: draft.framed(frame), alone }),
             Ok(_) => Err(faults),
-            Err(found) => Err(faults.into_iter().chain(found.into_iter().map(|f| as_written(f, alone))).collect()),
+            Err(found) => Err(faults.into_iter().chain(as_written(found, alone)).collect()),
         }
     }
 }
 
-/// The fault with its pointer as the request is written: a polygon alone stands in no list.
-fn as_written(fault: Fault, alone: bool) -> Fault {
-    match fault.pointer.strip_prefix("/input/polygons/0/") {
+/// A request that is checked, but for the level of a tolerance; see [`Draft`].
+#[derive(Debug, Clone)]
+pub struct RequestDraft {
+    draft: Draft,
+    /// Whether the input is a polygon that stands in no list.
+    alone: bool,
+}
+
+impl RequestDraft {
+    /// Bytes that the input takes in memory.
+    pub fn input_bytes(&self) -> u64 {
+        self.draft.input_bytes()
+    }
+
+    /// Whether a level has to be searched for before the job is complete.
+    pub fn needs_search(&self) -> bool {
+        self.draft.needs_search()
+    }
+
+    /// The key of the search, for whoever remembers answers and refusals; `None` where nothing is searched for.
+    pub fn search_key(&self) -> Option<Key> {
+        self.draft.search_key()
+    }
+
+    /// What the search takes at most.
+    pub fn search_cost(&self) -> SearchCost {
+        self.draft.search_cost()
+    }
+
+    /// Searches for the level of a tolerance; `None` where the levels were given as a number.
+    ///
+    /// # Errors
+    /// [`SearchError`].
+    pub fn search(&self, watch: &Watch) -> Result<Option<Reached>, SearchError> {
+        self.draft.search(watch)
+    }
+
+    /// The job, with what the search has found.
+    ///
+    /// # Errors
+    /// Every fault that shows at this level, with pointers into the request.
+    pub fn complete(self, found: Option<Reached>) -> Result<Job, Vec<Fault>> {
+        self.draft.complete(found).map_err(|faults| as_written(faults, self.alone).collect())
+    }
+}
+
+/// Faults with their pointers as the request is written: a polygon alone stands in no list.
+fn as_written(faults: Vec<Fault>, alone: bool) -> impl Iterator<Item = Fault> {
+    faults.into_iter().map(move |fault| match fault.pointer.strip_prefix("/input/polygons/0/") {
         Some(inside) if alone => Fault { pointer: format!("/input/polygon/{inside}"), ..fault },
         _ => fault,
-    }
+    })
 }
 
 fn keep<T>(result: Result<T, Vec<Fault>>, faults: &mut Vec<Fault>) -> Option<T> {

@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 
+use crate::fault::shortened;
 use crate::math::parameter::Literal;
 
 /// Most entries of one list or object among parameters.
@@ -93,7 +94,7 @@ impl<'de> Visitor<'de> for FieldsVisitor {
         let mut fields: Vec<(String, Literal)> = Vec::new();
         while let Some((name, WireLiteral(value))) = map.next_entry::<String, _>()? {
             if fields.iter().any(|(known, _)| *known == name) {
-                return Err(A::Error::custom(format!("duplicate field `{name}`")));
+                return Err(A::Error::custom(format!("duplicate field \"{}\"", shortened(&name))));
             }
             if fields.len() == 100 {
                 return Err(A::Error::custom("the object has more than 100 fields"));

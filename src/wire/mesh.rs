@@ -4,6 +4,7 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::channels::ChannelsRequest;
+use super::choice::choice;
 use super::polygon::PointParameters;
 use super::{fixed, object, schema};
 use crate::fault::Fault;
@@ -34,6 +35,7 @@ pub struct MeshRequest {
     #[serde(default)]
     pub holes: Vec<u64>,
     /// Parameters that vertices carry: each a list of one number a vertex.
+    #[serde(default, deserialize_with = "object::optional")]
     pub parameters: Option<PointParameters>,
     /// Edges along latitude lines, as pairs of vertices.
     #[serde(default, deserialize_with = "fixed::list")]
@@ -77,22 +79,22 @@ pub struct UvsRequest {
     pub interpolation: Option<InterpolationRequest>,
 }
 
-/// Where texture coordinates are interpolated linearly.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum InterpolationRequest {
-    /// Nowhere: boundaries and seams are smooth curves.
-    None,
-    /// Corners, where a region has one face, keep their values.
-    CornersOnly,
-    /// And places where three regions or more meet.
-    CornersPlus1,
-    /// And places where a seam ends inside, and both sides of a corner where two regions meet.
-    CornersPlus2,
-    /// All boundaries and seams.
-    Boundaries,
-    /// Everywhere.
-    All,
+choice! {
+    /// Where texture coordinates are interpolated linearly.
+    pub enum InterpolationRequest {
+        /// Nowhere: boundaries and seams are smooth curves.
+        None = "none",
+        /// Corners, where a region has one face, keep their values.
+        CornersOnly = "corners-only",
+        /// And places where three regions or more meet.
+        CornersPlus1 = "corners-plus1",
+        /// And places where a seam ends inside, and both sides of a corner where two regions meet.
+        CornersPlus2 = "corners-plus2",
+        /// All boundaries and seams.
+        Boundaries = "boundaries",
+        /// Everywhere.
+        All = "all",
+    }
 }
 
 impl UvsRequest {

@@ -3,6 +3,7 @@
 pub mod answer;
 pub mod catalogue;
 mod channels;
+mod choice;
 mod fixed;
 pub mod input;
 pub mod job;
@@ -18,4 +19,4 @@ mod report;
 mod schema;
 pub mod text;
 
-pub use job::JobRequest;
+pub use job::{JobRequest, RequestDraft};

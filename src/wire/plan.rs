@@ -3,6 +3,7 @@
 use serde::Deserialize;
 use utoipa::ToSchema;
 
+use super::choice::choice;
 use super::literal::WireFields;
 use crate::scheme::mesh_net::Boundary;
 use crate::scheme::plan::PlanInput;
@@ -28,26 +29,26 @@ pub struct PlanRequest {
     pub seed: Option<u64>,
 }
 
-/// Boundary rule of meshes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum BoundaryRequest {
-    /// Boundary curves by the curve rule; vertices with one face keep their place.
-    EdgeAndCorner,
-    /// Boundary curves by the curve rule.
-    EdgeOnly,
-    /// As `edge-only`, and faces that touch the boundary are not shown.
-    None,
+choice! {
+    /// Boundary rule of meshes.
+    pub enum BoundaryRequest {
+        /// Boundary curves by the curve rule; vertices with one face keep their place.
+        EdgeAndCorner = "edge-and-corner",
+        /// Boundary curves by the curve rule.
+        EdgeOnly = "edge-only",
+        /// As `edge-only`, and faces that touch the boundary are not shown.
+        None = "none",
+    }
 }
 
-/// End rule of open polygons.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum EndsRequest {
-    /// The curve starts and ends at the end points.
-    Clamped,
-    /// Only points whose whole stencil exists.
-    Natural,
+choice! {
+    /// End rule of open polygons.
+    pub enum EndsRequest {
+        /// The curve starts and ends at the end points.
+        Clamped = "clamped",
+        /// Only points whose whole stencil exists.
+        Natural = "natural",
+    }
 }
 
 impl PlanRequest {

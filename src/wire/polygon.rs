@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use utoipa::ToSchema;
 
-use super::schema;
+use super::{object, schema};
 use crate::fault::{Fault, under};
 use crate::shape::attributes::Attributes;
 use crate::shape::polygon::Polygon;
@@ -35,6 +35,7 @@ pub struct PolygonRequest {
     #[serde(default)]
     pub pinned: Vec<u64>,
     /// Parameters that points carry: each a list of one number a point.
+    #[serde(default, deserialize_with = "object::optional")]
     pub parameters: Option<PointParameters>,
 }
 

@@ -4,7 +4,10 @@ use serde::de::{DeserializeOwned, IgnoredAny};
 use serde_path_to_error::{Path, Segment};
 
 use super::object::Object;
-use crate::fault::{Fault, token};
+use crate::fault::{Fault, cut, shortened, token};
+
+/// Most characters of a sentence about what does not fit: the longest of our own has half of them.
+const MOST_DETAIL: usize = 1000;
 
 /// Why bytes are no request.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,6 +16,11 @@ pub enum ReadError {
     NotJson(String),
     /// JSON, but not what was asked for.
     Unfit(Vec<Fault>),
+}
+
+/// Bytes of memory that reading a request of so many bytes takes at most.
+pub fn weight(length: u64) -> u64 {
+    (1 << 20) + 32 * length
 }
 
 /// Reads a request, which is an object.
@@ -30,14 +38,14 @@ pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ReadError> {
 }
 
 fn refusal(error: &serde_json::Error, pointer: String, bytes: &[u8]) -> ReadError {
-    let mut text = error.to_string();
+    let mut text = briefly(&error.to_string());
     // a number beyond f64 is JSON all the same
     let beyond = text.starts_with("number out of range");
     let fits_json = error.is_data() || beyond;
     // what does not fit may stand in a text that breaks off later, and then it is no JSON in the first place
     let broken = if fits_json { serde_json::from_slice::<IgnoredAny>(bytes).err() } else { None };
     if let Some(broken) = &broken {
-        text = broken.to_string();
+        text = briefly(&broken.to_string());
     }
     if fits_json && broken.is_none() {
         let detail = text.split(" at line ").next().unwrap_or(&text).to_owned();
@@ -48,6 +56,22 @@ fn refusal(error: &serde_json::Error, pointer: String, bytes: &[u8]) -> ReadErro
         let remedy = if deep { "; lists and objects are nested too deep" } else { "" };
         ReadError::NotJson(format!("the body is not JSON: {text}{remedy}"))
     }
+}
+
+/// The sentence with what it repeats of the request shortened: an unknown name or a text in the wrong place may be as long
+/// as the request.
+fn briefly(text: &str) -> String {
+    let repeated = [
+        ("unknown field `", "`, expected "),
+        ("unknown field `", "`, there are no fields"),
+        ("invalid type: string \"", "\", expected "),
+        ("invalid value: string \"", "\", expected "),
+    ];
+    let shorter = repeated.iter().find_map(|(before, after)| {
+        let (word, rest) = text.strip_prefix(before)?.rsplit_once(after)?;
+        Some(format!("{before}{}{after}{}", shortened(word), cut(rest, MOST_DETAIL)))
+    });
+    shorter.unwrap_or_else(|| cut(text, MOST_DETAIL).into_owned())
 }
 
 /// Type names of this implementation in the words of JSON.
@@ -68,7 +92,6 @@ fn plain(detail: &str) -> String {
             "expected a job: an object with \"input\", \"plan\", \"levels\" and \"outputs\"",
         )
         .replace("a boolean", "true or false")
-        .replace("unknown variant", "unknown choice")
         .replace('`', "\"")
 }
 

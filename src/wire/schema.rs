@@ -16,8 +16,12 @@ fn index() -> Object {
 }
 
 fn lists(item: Object, least: usize, most: Option<usize>, doc: &str) -> RefOr<Schema> {
+    listed(item, least, most, doc).into()
+}
+
+fn listed(item: Object, least: usize, most: Option<usize>, doc: &str) -> ArrayBuilder {
     let inner = ArrayBuilder::new().items(item).min_items(Some(least)).max_items(most);
-    ArrayBuilder::new().items(inner).description(Some(doc)).into()
+    ArrayBuilder::new().items(inner).description(Some(doc))
 }
 
 /// Positions in space.
@@ -34,7 +38,8 @@ pub(super) fn points() -> RefOr<Schema> {
 pub(super) fn tangents() -> RefOr<Schema> {
     let doc = "Tangents of the points, one a point, of any length but 0, for presets that use them (`incenter`); without \
                them each is that of the circle through the point and its neighbours.";
-    lists(of(Type::Number).build(), 1, Some(4), doc)
+    let nullable = SchemaType::Array(vec![Type::Array, Type::Null]);
+    listed(of(Type::Number).build(), 1, Some(4), doc).schema_type(nullable).into()
 }
 
 /// Texture coordinates.

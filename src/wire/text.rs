@@ -3,9 +3,10 @@
 use serde::Deserialize;
 use utoipa::ToSchema;
 
+use super::choice::choice;
 use super::mesh::MeshRequest;
 use super::read::{ReadError, read};
-use crate::fault::Fault;
+use crate::fault::{Fault, shortened};
 use crate::input::{self, ReadLimits};
 use crate::scheme::mesh_net::Boundary;
 use crate::shape::check::Winding;
@@ -24,14 +25,14 @@ pub struct TextRequest {
     pub encoding: Option<EncodingRequest>,
 }
 
-/// How bytes stand in a text.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum EncodingRequest {
-    /// As they are.
-    Text,
-    /// In base64.
-    Base64,
+choice! {
+    /// How bytes stand in a text.
+    pub enum EncodingRequest {
+        /// As they are.
+        Text = "text",
+        /// In base64.
+        Base64 = "base64",
+    }
 }
 
 /// A mesh file that came by itself.
@@ -87,7 +88,7 @@ impl MeshFile {
         }
         let Some(reader) = input::named(&self.format) else {
             let known: Vec<&str> = input::READERS.iter().map(|reader| reader.name()).chain(["json"]).collect();
-            let detail = format!("there is no reader {:?}; known are {}", self.format, known.join(", "));
+            let detail = format!("there is no reader \"{}\"; known are {}", shortened(&self.format), known.join(", "));
             return Err(vec![Fault::new("/format", detail)]);
         };
         let mut mesh = reader.read(&self.bytes, limits).map_err(at_data)?;

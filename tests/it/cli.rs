@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 
-use planish::config::Settings;
+use planish::config::{Setting, Settings};
 use planish::output::FORMATS;
 use serde_json::{Value, json};
 
@@ -155,7 +155,7 @@ fn help_lists_every_setting_with_its_variable_and_default() {
     let output = planish().args(["serve", "--help"]).output().unwrap();
     assert!(output.status.success());
     let help = text(&output.stdout);
-    for (name, _, _, _) in Settings::default().list() {
+    for Setting { name, .. } in Settings::default().list() {
         assert!(help.contains(&format!("--{}", name.replace('_', "-"))), "--{name}");
         assert!(help.contains(&format!("PLANISH_{}", name.to_uppercase())), "PLANISH_{name}");
     }

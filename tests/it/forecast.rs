@@ -12,6 +12,8 @@ use serde_json::{Value, json};
 use crate::support::nets::{self, Net};
 use crate::support::{parsed, render};
 
+mod duals;
+
 /// Levels are asked for as long as the result stays this small.
 const MAX_VERTICES: u128 = 1500;
 
@@ -111,6 +113,7 @@ fn forecast(job: &Job) -> Result<Option<Forecast>, TestCaseError> {
     match Limits::default().estimate(job) {
         Ok(estimate) => Ok(Some(estimate.forecast)),
         Err(Refusal::TooLarge { detail, .. }) => Err(TestCaseError::reject(detail)),
+        Err(Refusal::Stopped) => unreachable!("nothing stops it"),
         Err(Refusal::Impossible(faults)) => {
             let steps = job.plan.schedule(job.levels).expect("the functions are constants");
             let watch = Watch::new();

@@ -7,5 +7,6 @@ mod disk;
 mod disk_full;
 mod disk_slow;
 mod overload;
+mod parsing;
 mod shutdown;
 mod slow;

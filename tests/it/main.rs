@@ -3,6 +3,7 @@
 mod cache;
 mod carried;
 mod cli;
+mod edges;
 mod expressions;
 mod figures;
 mod forecast;
@@ -19,6 +20,7 @@ mod readers;
 mod refusals;
 mod robustness;
 mod sections;
+mod settings;
 mod shapes;
 mod stats;
 mod store;

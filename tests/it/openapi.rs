@@ -63,6 +63,7 @@ fn every_route_of_the_service_is_described() {
         "POST /v1/estimate",
         "GET /v1/formats",
         "GET /v1/jobs/{id}",
+        "DELETE /v1/jobs/{id}",
         "GET /v1/limits",
         "GET /v1/operators",
         "GET /v1/operators/{letter}",

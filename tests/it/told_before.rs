@@ -16,6 +16,7 @@ fn estimate(job: &Value, limits: &Limits) -> Result<u128, Vec<Fault>> {
     match limits.estimate(&job) {
         Ok(estimate) => Ok(estimate.forecast.levels.last().map_or(0, |count| count.largest_face)),
         Err(Refusal::Impossible(faults) | Refusal::TooLarge { faults, .. }) => Err(faults),
+        Err(Refusal::Stopped) => unreachable!("nothing stops it"),
     }
 }
 

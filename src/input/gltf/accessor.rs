@@ -6,6 +6,10 @@ use gltf::json::buffer::View;
 use gltf::json::validation::Checked::Valid;
 
 use super::buffers::Document;
+use crate::input::room::Room;
+
+/// Bytes of a number.
+const NUMBER: usize = size_of::<f64>();
 
 /// Numbers in rows of `width`.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -15,6 +19,11 @@ pub(super) struct Rows {
 }
 
 impl Rows {
+    /// Bytes of the numbers, which whoever drops them gives back.
+    pub(super) fn bytes(&self) -> usize {
+        self.values.len() * NUMBER
+    }
+
     /// Number of rows.
     pub(super) fn len(&self) -> usize {
         self.values.len() / self.width
@@ -36,20 +45,22 @@ impl Document<'_> {
             .ok_or_else(|| format!("there is no accessor {i}; the file has {}", self.root.accessors.len()))
     }
 
-    /// Vectors or scalars of an accessor of at most `most` rows. Normalized whole numbers come to -1..1 or 0..1.
-    pub(super) fn rows(&self, index: Index<Accessor>, most: usize) -> Result<Rows, String> {
+    /// Vectors or scalars of an accessor. Normalized whole numbers come to -1..1 or 0..1.
+    pub(super) fn rows(&self, index: Index<Accessor>, room: &mut Room) -> Result<Rows, String> {
         let accessor = self.accessor(index)?;
         let place = |detail: String| format!("accessor {}: {detail}", index.value());
         let (component, width) = kind(accessor).map_err(place)?;
         let n = usize::try_from(accessor.count.0).unwrap_or(usize::MAX);
-        if n > most {
-            return Err(place(format!("{n} rows; the file may come to {most}")));
-        }
         let mut values = match accessor.buffer_view {
-            None => vec![0.0; n * width],
+            None => {
+                let zeros = n.saturating_mul(width * NUMBER);
+                let without = |detail| place(format!("it has {n} elements and no bufferView: {detail}"));
+                room.take(zeros).map_err(without)?;
+                vec![0.0; n * width]
+            }
             Some(view) => {
                 let offset = accessor.byte_offset.map_or(0, |offset| offset.0);
-                self.numbers(view, offset, n, component, width, accessor.normalized).map_err(place)?
+                self.numbers(view, [offset, n as u64], component, width, accessor.normalized, room).map_err(place)?
             }
         };
         if let Some(sparse) = &accessor.sparse {
@@ -61,40 +72,47 @@ impl Document<'_> {
                 return Err(place(format!("more sparse rows than its {n} rows")));
             }
             let offset = sparse.indices.byte_offset.0;
-            let at = self.numbers(sparse.indices.buffer_view, offset, count, kind.0, 1, false).map_err(place)?;
-            let offset = sparse.values.byte_offset.0;
-            let new = self.numbers(sparse.values.buffer_view, offset, count, component, width, accessor.normalized);
+            let at = self.numbers(sparse.indices.buffer_view, [offset, count as u64], kind.0, 1, false, room);
+            let at = at.map_err(place)?;
+            let range = [sparse.values.byte_offset.0, count as u64];
+            let new = self.numbers(sparse.values.buffer_view, range, component, width, accessor.normalized, room);
             if let Some(&[before, after, ..]) = at.windows(2).find(|pair| pair[1] <= pair[0]) {
                 return Err(place(format!("sparse row {after} after {before}; they have to increase")));
             }
             for (row, new) in at.into_iter().zip(new.map_err(place)?.chunks_exact(width)) {
-                let row = whole(row).filter(|&row| row < n);
+                let row = whole(row).map(|row| row as usize).filter(|&row| row < n);
                 let row = row.ok_or_else(|| place(format!("a sparse row beyond its {n} rows")))?;
                 values[row * width..(row + 1) * width].copy_from_slice(new);
             }
+            room.give(count * (1 + width) * NUMBER);
         }
         Ok(Rows { width, values })
     }
 
-    /// Whole numbers of an accessor, for indices.
-    pub(super) fn indices(&self, index: Index<Accessor>, most: usize) -> Result<Vec<usize>, String> {
+    /// Whole numbers of an accessor, for indices; they are taken from the room.
+    pub(super) fn indices(&self, index: Index<Accessor>, room: &mut Room) -> Result<Vec<u32>, String> {
         let (component, width) = kind(self.accessor(index)?)?;
         if width != 1 || matches!(component, ComponentType::F32 | ComponentType::I8 | ComponentType::I16) {
             return Err(format!("accessor {}: indices are unsigned scalars", index.value()));
         }
-        let rows = self.rows(index, most)?;
-        Ok(rows.values.into_iter().filter_map(whole).collect())
+        let rows = self.rows(index, room)?;
+        room.take(rows.len() * size_of::<u32>())?;
+        let mut found = Vec::with_capacity(rows.len());
+        found.extend(rows.values.iter().filter_map(|&x| whole(x)));
+        room.give(rows.bytes());
+        Ok(found)
     }
 
     fn numbers(
         &self,
         view: Index<View>,
-        offset: u64,
-        n: usize,
+        [offset, n]: [u64; 2],
         component: ComponentType,
         width: usize,
         normalized: bool,
+        room: &mut Room,
     ) -> Result<Vec<f64>, String> {
+        let n = usize::try_from(n).unwrap_or(usize::MAX);
         let (bytes, stride) = self.view(view)?;
         let row = size(component) * width;
         let stride = stride.unwrap_or(row);
@@ -110,6 +128,7 @@ impl Document<'_> {
                 "{n} rows, {stride} bytes apart, from byte {offset} of a view of {n_bytes} bytes; too many"
             ));
         }
+        room.take(n * width * NUMBER)?;
         let mut values = Vec::with_capacity(n * width);
         for i in 0..n {
             let start = offset + i * stride;
@@ -174,6 +193,6 @@ fn value(bytes: &[u8], component: ComponentType, normalized: bool) -> f64 {
 
 /// A whole number of at least 0 below 2^32, as all indices are.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is whole and below 2^32")]
-fn whole(x: f64) -> Option<usize> {
-    (x >= 0.0 && x <= f64::from(u32::MAX) && x.fract() == 0.0).then_some(x as usize)
+fn whole(x: f64) -> Option<u32> {
+    (x >= 0.0 && x <= f64::from(u32::MAX) && x.fract() == 0.0).then_some(x as u32)
 }

@@ -4,8 +4,10 @@ use std::borrow::Cow;
 
 use gltf::json::Root;
 
+use super::census;
 use super::transform::Placement;
 use crate::input::base64;
+use crate::input::room::Room;
 use crate::input::text::quoted;
 
 /// Bytes of the header of GLB, and of a chunk.
@@ -20,15 +22,16 @@ const HARMLESS: &[&str] = &["KHR_mesh_quantization", "KHR_texture_transform", "K
 pub(super) struct Document<'a> {
     pub(super) root: Root,
     /// Where the nodes are, in f64, which `root` rounds.
-    pub(super) placements: Vec<Placement>,
+    pub(super) placements: Vec<Option<Box<Placement>>>,
     /// The bytes of each buffer, no more than it says it has.
     pub(super) buffers: Vec<Cow<'a, [u8]>>,
 }
 
 impl<'a> Document<'a> {
-    /// A document; `binary` is the second chunk of GLB.
-    pub(super) fn of_json(json: &[u8], binary: Option<&'a [u8]>) -> Result<Self, String> {
+    /// A document; `binary` is the second chunk of GLB. What it holds is taken from the room.
+    pub(super) fn of_json(json: &[u8], binary: Option<&'a [u8]>, room: &mut Room) -> Result<Self, String> {
         let json = json.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(json);
+        census::admit(json, room)?;
         let no_gltf = |error: serde_json::Error| format!("the document is no glTF: {error}");
         let root = Root::from_slice(json).map_err(no_gltf)?;
         let placements = Placement::all(json).map_err(no_gltf)?;
@@ -45,7 +48,10 @@ impl<'a> Document<'a> {
         let mut buffers = Vec::with_capacity(root.buffers.len());
         for (i, buffer) in root.buffers.iter().enumerate() {
             let bytes: Cow<'a, [u8]> = match (&buffer.uri, binary) {
-                (Some(uri), _) => Cow::Owned(embedded(uri).map_err(|detail| format!("buffer {i}: {detail}"))?),
+                (Some(uri), _) => {
+                    let decoded = room.take(uri.len()).and_then(|()| embedded(uri));
+                    Cow::Owned(decoded.map_err(|detail| format!("buffer {i}: {detail}"))?)
+                }
                 (None, Some(binary)) if i == 0 => Cow::Borrowed(binary),
                 (None, _) => return Err(format!("buffer {i} has no data; give it a data URI, or send glb")),
             };
@@ -59,7 +65,7 @@ impl<'a> Document<'a> {
     }
 
     /// A document in the binary container.
-    pub(super) fn of_glb(bytes: &'a [u8]) -> Result<Self, String> {
+    pub(super) fn of_glb(bytes: &'a [u8], room: &mut Room) -> Result<Self, String> {
         let word = |at: usize| bytes.get(at..at + 4)?.try_into().ok().map(u32::from_le_bytes);
         let (Some(magic), Some(version), Some(length)) = (bytes.get(..4), word(4), word(8)) else {
             return Err(format!("{} bytes; a GLB has at least {HEADER}", bytes.len()));
@@ -78,7 +84,7 @@ impl<'a> Document<'a> {
         }
         let (json, rest) = chunk(bytes, HEADER, Some(*b"JSON"))?;
         let binary = if rest < bytes.len() { Some(chunk(bytes, rest, None)?.0) } else { None };
-        Self::of_json(json, binary)
+        Self::of_json(json, binary, room)
     }
 }
 

@@ -11,6 +11,7 @@ use serde_json::Value;
 
 use super::accessor::Rows;
 use super::buffers::Document;
+use crate::input::room::{GROWN, Room};
 use crate::input::{Channel, FaceSet, ReadMesh};
 use crate::shape::attachments::COLOR;
 
@@ -33,40 +34,37 @@ pub(super) fn group(primitive: &Primitive) -> Option<String> {
 }
 
 /// Numbers of vertices by the names of attributes, as long as all vertices have them.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Channels {
     found: BTreeMap<String, Rows>,
-    /// How many numbers may come yet: accessors may share their bytes.
-    room: usize,
 }
 
 impl Channels {
-    /// None, and so many numbers at most.
-    pub(super) fn new(room: usize) -> Self {
-        Self { found: BTreeMap::new(), room }
-    }
-
-    /// Takes the attributes of `n` vertices, the first of which has the number `start`. What does not fit is left out:
-    /// these numbers are not what a mesh is made of.
+    /// Takes the attributes of `n` vertices, the first of which has the number `start`. What there is no room for is left
+    /// out: these numbers are not what a mesh is made of, and accessors may share their bytes.
     pub(super) fn take(
         &mut self,
         document: &Document<'_>,
         attributes: &[(String, Index<Accessor>)],
-        start: usize,
-        n: usize,
+        (start, n): (usize, usize),
+        room: &mut Room,
     ) {
         for (name, accessor) in attributes {
             let known = self.found.entry(name.clone()).or_default();
             if known.values.len() != start * known.width {
                 continue;
             }
-            let Ok(rows) = document.rows(*accessor, n.min(self.room)) else { continue };
-            let fits = rows.len() == n && (start == 0 || rows.width == known.width) && rows.values.len() <= self.room;
-            if fits && rows.values.iter().all(|x| x.is_finite()) {
-                self.room -= rows.values.len();
-                known.width = rows.width;
-                known.values.extend(rows.values);
+            if document.accessor(*accessor).is_ok_and(|accessor| accessor.count.0 != n as u64) {
+                continue;
             }
+            let Ok(rows) = document.rows(*accessor, room) else { continue };
+            let bytes = rows.bytes();
+            let fits = start == 0 || rows.width == known.width;
+            if fits && rows.values.iter().all(|x| x.is_finite()) && room.take(GROWN * bytes).is_ok() {
+                known.width = rows.width;
+                known.values.extend(&rows.values);
+            }
+            room.give(bytes);
         }
     }
 

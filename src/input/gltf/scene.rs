@@ -7,50 +7,63 @@ use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked::Valid;
 use gltf::json::{Index, Node};
 
+use super::accessor::Rows;
 use super::buffers::Document;
 use super::carried::{Channels, Groups, group, name};
 use super::transform::Transform;
 use crate::input::collect::Collected;
+use crate::input::room::{GROWN, Room};
 use crate::input::{Channel, FaceSet, ReadLimits, ReadMesh, Uvs};
 use crate::math::functions::pow;
 use crate::shape::topology::index;
 
-/// A file may come to so many vertices, faces or primitives, or to as many as it has bytes: nodes that share a mesh must
-/// not make much of little.
-const LEAST_ROOM: usize = 1_000_000;
+/// A file may come to so many primitives, or to as many as it has bytes, and to three corners for each: nodes that share a
+/// mesh must not make much work of little, even where nothing is kept of it.
+const LEAST_PRIMITIVES: usize = 1_000_000;
+
+/// Bytes of a vertex, of the numbers that it may carry, and of a triangle, as they are kept in lists that grow.
+const POSITION: usize = GROWN * 24;
+const UV: usize = GROWN * 16;
+const COLOR: usize = GROWN * 32 + 32;
+/// A triangle has three corners, a start, and perhaps three corners of texture coordinates.
+const TRIANGLE: usize = GROWN * 16 + 12;
+/// Bytes of the number of a triangle in the set of its material, or of its node or group.
+const MEMBER: usize = GROWN * 8;
+/// Bytes of the name of a set, its place by its name, and the set.
+const SET: usize = GROWN * size_of::<FaceSet>() + 128;
+/// Bytes of a node on the way from the root to the one that is read.
+const FRAME: usize = GROWN * size_of::<Frame<'static>>();
+
+/// The children of a node that are still to be read, and where they are.
+type Frame<'a> = (std::slice::Iter<'a, Index<Node>>, Transform);
 
 /// Reads the default scene, else the first, else all nodes that are nobody's child.
-pub(super) fn read(document: &Document<'_>, length: usize, limits: &ReadLimits) -> Result<ReadMesh, String> {
-    let room = length.max(LEAST_ROOM);
+pub(super) fn read(
+    document: &Document<'_>,
+    length: usize,
+    room: Room,
+    limits: &ReadLimits,
+) -> Result<ReadMesh, String> {
     let mut reading = Reading {
         document,
         mesh: Collected::new(limits),
         room,
+        most_primitives: length.max(LEAST_PRIMITIVES),
         primitives: 0,
+        corners: 0,
         uvs: Some(Vec::new()),
         colors: Some(Vec::new()),
         color_width: 3,
         materials: BTreeMap::new(),
-        channels: Channels::new(room),
+        channels: Channels::default(),
         groups: Groups::default(),
         degenerate: 0,
         other: 0,
         is_posed: false,
     };
-    let nodes = &document.root.nodes;
-    let mut seen = vec![false; nodes.len()];
-    let mut waiting: Vec<(usize, Transform)> = Vec::new();
-    roots(document)?.into_iter().rev().for_each(|node| waiting.push((node, Transform::IDENTITY)));
-    while let Some((i, outer)) = waiting.pop() {
-        let node = nodes.get(i).ok_or_else(|| format!("there is no node {i}; the file has {}", nodes.len()))?;
-        if std::mem::replace(&mut seen[i], true) {
-            return Err(format!("node {i} is reached twice; nodes are to form trees"));
-        }
-        let inner = document.placements.get(i).map_or(Ok(Transform::IDENTITY), Transform::of);
-        let transform = outer.after(&inner.map_err(|detail| format!("node {i}: {detail}"))?);
-        reading.node(i, node, &transform)?;
-        let children = node.children.iter().flatten().rev();
-        waiting.extend(children.map(|child| (child.value(), transform)));
+    let mut seen = vec![false; document.root.nodes.len()];
+    for root in roots(document)? {
+        reading.tree(root, &mut seen)?;
     }
     Ok(reading.finish())
 }
@@ -81,8 +94,10 @@ fn roots(document: &Document<'_>) -> Result<Vec<usize>, String> {
 struct Reading<'a> {
     document: &'a Document<'a>,
     mesh: Collected,
-    room: usize,
+    room: Room,
+    most_primitives: usize,
     primitives: usize,
+    corners: usize,
     /// Texture coordinates of vertices, as long as all have them.
     uvs: Option<Vec<[f64; 2]>>,
     /// Red, green, blue and alpha of vertices, as long as all have them.
@@ -107,6 +122,40 @@ struct Attributes {
 }
 
 impl Reading<'_> {
+    /// Reads a node and all below it, each before its children.
+    fn tree(&mut self, root: usize, seen: &mut [bool]) -> Result<(), String> {
+        let mut path: Vec<Frame<'_>> = Vec::new();
+        let mut longest = 0;
+        let mut next = Some((root, Transform::IDENTITY));
+        while let Some((i, outer)) = next {
+            let document = self.document;
+            let nodes = &document.root.nodes;
+            let node = nodes.get(i).ok_or_else(|| format!("there is no node {i}; the file has {}", nodes.len()))?;
+            if std::mem::replace(&mut seen[i], true) {
+                return Err(format!("node {i} is reached twice; nodes are to form trees"));
+            }
+            let placement = document.placements.get(i).and_then(Option::as_deref);
+            let inner = placement.map_or(Ok(Transform::IDENTITY), Transform::of);
+            let transform = outer.after(&inner.map_err(|detail| format!("node {i}: {detail}"))?);
+            self.node(i, node, &transform)?;
+            path.push((node.children.as_deref().unwrap_or_default().iter(), transform));
+            if path.len() > longest {
+                longest = path.len();
+                self.room.take(FRAME)?;
+            }
+            next = None;
+            while let Some((children, transform)) = path.last_mut() {
+                if let Some(child) = children.next() {
+                    next = Some((child.value(), *transform));
+                    break;
+                }
+                path.pop();
+            }
+        }
+        self.room.give(FRAME * longest);
+        Ok(())
+    }
+
     fn node(&mut self, i: usize, node: &Node, transform: &Transform) -> Result<(), String> {
         let Some(mesh) = node.mesh else { return Ok(()) };
         let m = mesh.value();
@@ -117,13 +166,16 @@ impl Reading<'_> {
         for (p, primitive) in mesh.primitives.iter().enumerate() {
             let place = |detail: String| format!("mesh {m}, primitive {p}: {detail}");
             self.primitives += 1;
-            if self.primitives > self.room {
-                return Err(place(format!("the file comes to more than {} primitives; send fewer", self.room)));
+            let most = self.most_primitives;
+            if self.primitives > most {
+                return Err(place(format!("the file comes to more than {most} primitives; send fewer")));
             }
             self.primitive(primitive, transform, &mut shared).map_err(place)?;
         }
         let name = node.name.clone().or_else(|| mesh.name.clone()).unwrap_or_else(|| format!("node {i}"));
-        self.groups.node(name, first..self.mesh.mesh.faces.len());
+        let faces = first..self.mesh.mesh.faces.len();
+        self.room.take(if faces.is_empty() { 0 } else { SET + name.len() + faces.len() * MEMBER })?;
+        self.groups.node(name, faces);
         Ok(())
     }
 
@@ -150,23 +202,34 @@ impl Reading<'_> {
             known
         } else {
             let found = self.vertices(positions, others, transform)?;
-            self.channels.take(self.document, &own, found.0, found.1);
+            self.channels.take(self.document, &own, found, &mut self.room);
             shared.insert(key, found);
             found
         };
         let order = match primitive.indices {
-            Some(indices) => self.document.indices(indices, self.room.saturating_mul(3))?,
-            None => (0..n).collect(),
+            Some(indices) => self.document.indices(indices, &mut self.room)?,
+            None => {
+                self.room.take(n * size_of::<u32>())?;
+                (0..index(n)).collect()
+            }
         };
-        if let Some(beyond) = order.iter().find(|&&v| v >= n) {
+        self.corners += order.len();
+        let most = self.most_primitives.saturating_mul(3);
+        if self.corners > most {
+            return Err(format!("the file comes to more than {most} corners of triangles; send less at once"));
+        }
+        if let Some(beyond) = order.iter().find(|&&v| v as usize >= n) {
             return Err(format!("there is no vertex {beyond}; it has {n}, counted from 0"));
         }
         if mode == Mode::Triangles && !order.len().is_multiple_of(3) {
             return Err(format!("{} corners; triangles have 3 each", order.len()));
         }
         let faces = self.mesh.mesh.faces.len();
-        for triangle in triangles(mode, &order) {
-            let mut corners = triangle.map(|v| index(start + v));
+        let n_triangles = if mode == Mode::Triangles { order.len() / 3 } else { order.len().saturating_sub(2) };
+        // the numbers of those that are left out are given back
+        self.room.take(n_triangles * TRIANGLE)?;
+        for triangle in (0..n_triangles).map(|t| triangle(mode, &order, t)) {
+            let mut corners = triangle.map(|v| index(start) + v);
             if corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0] {
                 self.degenerate += 1;
                 continue;
@@ -175,15 +238,16 @@ impl Reading<'_> {
                 corners.swap(1, 2);
             }
             self.mesh.face(&corners)?;
-            if self.mesh.mesh.faces.len() > self.room {
-                return Err(format!("the file comes to more than {} triangles; send less at once", self.room));
-            }
         }
+        let n_made = self.mesh.mesh.faces.len() - faces;
+        self.room.give((n_triangles - n_made) * TRIANGLE + order.len() * size_of::<u32>());
         let made = faces as u64..self.mesh.mesh.faces.len() as u64;
         if let Some(group) = group(primitive) {
+            self.room.take(SET + 2 * group.len() + n_made * MEMBER)?;
             self.groups.told(group, made.clone());
         }
         if let Some(material) = primitive.material {
+            self.room.take(SET + n_made * MEMBER)?;
             self.materials.entry(material.value()).or_default().extend(made);
         }
         Ok(())
@@ -197,9 +261,10 @@ impl Reading<'_> {
         transform: &Transform,
     ) -> Result<(usize, usize), String> {
         let start = self.mesh.mesh.positions.len();
-        let most = self.room.saturating_sub(start);
-        let rows = self.document.rows(positions, most)?;
+        let rows = self.document.rows(positions, &mut self.room)?;
         let places = rows.rows::<3>().ok_or("POSITION is to be VEC3")?;
+        let n = places.len();
+        self.room.take(n * (POSITION + if uvs.is_some() { UV } else { 0 } + if colors.is_some() { COLOR } else { 0 }))?;
         for (i, place) in places.iter().enumerate() {
             let place = transform.point(*place);
             if place.iter().any(|x| !x.is_finite()) {
@@ -207,18 +272,7 @@ impl Reading<'_> {
             }
             self.mesh.vertex(place)?;
         }
-        let other = |accessor: Option<Index<Accessor>>| -> Result<Option<_>, String> {
-            let Some(accessor) = accessor else { return Ok(None) };
-            let found = self.document.rows(accessor, most)?;
-            let n = found.len();
-            let is_finite = found.values.iter().all(|x| x.is_finite());
-            if n != places.len() || !is_finite {
-                let i = accessor.value();
-                return Err(format!("accessor {i}: {n} rows of finite numbers are to be {}", places.len()));
-            }
-            Ok(Some(found))
-        };
-        let (uvs, colors) = (other(uvs)?, other(colors)?);
+        let (uvs, colors) = (self.others(uvs, n)?, self.others(colors, n)?);
         match (uvs.as_ref().and_then(|rows| rows.rows::<2>()), &mut self.uvs) {
             // the origin of glTF is the upper left corner of a picture
             (Some(rows), Some(all)) => all.extend(rows.iter().map(|[u, v]| [*u, 1.0 - v])),
@@ -236,7 +290,19 @@ impl Reading<'_> {
             (None, _) if places.is_empty() => {}
             _ => self.colors = None,
         }
-        Ok((start, places.len()))
+        self.room.give(rows.bytes() + [&uvs, &colors].into_iter().flatten().map(Rows::bytes).sum::<usize>());
+        Ok((start, n))
+    }
+
+    /// The finite numbers of an accessor that `n` vertices have besides their places.
+    fn others(&mut self, accessor: Option<Index<Accessor>>, n: usize) -> Result<Option<Rows>, String> {
+        let Some(accessor) = accessor else { return Ok(None) };
+        let found = self.document.rows(accessor, &mut self.room)?;
+        if found.len() != n || found.values.iter().any(|x| !x.is_finite()) {
+            let (i, given) = (accessor.value(), found.len());
+            return Err(format!("accessor {i}: {given} rows of finite numbers are to be {n}"));
+        }
+        Ok(Some(found))
     }
 
     fn finish(self) -> ReadMesh {
@@ -252,11 +318,13 @@ impl Reading<'_> {
             mesh.notes.push("skins and morph targets are not applied".to_owned());
         }
         if let Some(uvs) = self.uvs.filter(|uvs| !uvs.is_empty()) {
-            let corners = (0..mesh.faces.len()).flat_map(|f| mesh.faces.face(f)).copied().collect();
+            let mut corners = Vec::with_capacity(mesh.faces.n_corners());
+            corners.extend((0..mesh.faces.len()).flat_map(|f| mesh.faces.face(f)));
             mesh.uvs = Some(Uvs { values: uvs, corners });
         }
         if let Some(colors) = self.colors.filter(|colors| !colors.is_empty()) {
-            let values = colors.chunks_exact(4).flat_map(|color| &color[..self.color_width]).copied().collect();
+            let mut values = Vec::with_capacity(colors.len() / 4 * self.color_width);
+            values.extend(colors.chunks_exact(4).flat_map(|color| &color[..self.color_width]));
             mesh.channels.push(Channel { name: "color".to_owned(), width: self.color_width, values });
         }
         self.channels.finish(&mut mesh);
@@ -273,15 +341,13 @@ impl Reading<'_> {
     }
 }
 
-/// The triangles of a primitive, counter-clockwise. Source: glTF 2.0, section 3.7.2.1.
-fn triangles(mode: Mode, order: &[usize]) -> Vec<[usize; 3]> {
+/// Triangle `t` of a primitive, counter-clockwise. Source: glTF 2.0, section 3.7.2.1.
+fn triangle(mode: Mode, order: &[u32], t: usize) -> [u32; 3] {
     match mode {
-        Mode::TriangleStrip => {
-            let turned = |(i, v): (usize, &[usize])| if i % 2 == 0 { [v[0], v[1], v[2]] } else { [v[0], v[2], v[1]] };
-            order.windows(3).enumerate().map(turned).collect()
-        }
-        Mode::TriangleFan => order.windows(2).skip(1).map(|v| [v[0], v[1], order[0]]).collect(),
-        _ => order.as_chunks::<3>().0.to_vec(),
+        Mode::TriangleStrip if t % 2 == 0 => [order[t], order[t + 1], order[t + 2]],
+        Mode::TriangleStrip => [order[t], order[t + 2], order[t + 1]],
+        Mode::TriangleFan => [order[t + 1], order[t + 2], order[0]],
+        _ => [order[3 * t], order[3 * t + 1], order[3 * t + 2]],
     }
 }
 

@@ -22,22 +22,24 @@ pub(super) struct Placement {
 type Members<'a> = BTreeMap<String, &'a RawValue>;
 
 impl Placement {
-    /// The placements of all nodes of a document.
+    /// The placements of all nodes of a document; none where a node says nothing of its place.
     ///
     /// # Errors
     /// What is no glTF.
-    pub(super) fn all(json: &[u8]) -> serde_json::Result<Vec<Self>> {
+    pub(super) fn all(json: &[u8]) -> serde_json::Result<Vec<Option<Box<Self>>>> {
         let document: Members<'_> = serde_json::from_slice(json)?;
         let Some(nodes) = document.get("nodes") else { return Ok(Vec::new()) };
-        let nodes: Vec<Members<'_>> = serde_json::from_str(nodes.get())?;
-        let placement = |node: &Members<'_>| {
+        let nodes: Vec<&RawValue> = serde_json::from_str(nodes.get())?;
+        let placement = |node: &&RawValue| {
+            let node: Members<'_> = serde_json::from_str(node.get())?;
             let text = |name: &str| node.get(name).map_or("null", |value| value.get());
-            Ok(Self {
+            let placement = Self {
                 matrix: serde_json::from_str(text("matrix"))?,
                 rotation: serde_json::from_str(text("rotation"))?,
                 scale: serde_json::from_str(text("scale"))?,
                 translation: serde_json::from_str(text("translation"))?,
-            })
+            };
+            Ok((placement != Self::default()).then(|| Box::new(placement)))
         };
         nodes.iter().map(placement).collect()
     }

@@ -1,9 +1,10 @@
 //! What is worth knowing of a plan whose parameters lie where its scheme need not converge, or need not be smooth.
 
-use super::cycle::Cycle;
+use super::cycle::{Cycle, NoMask};
 use crate::scheme::plan::Plan;
 use crate::scheme::ranges::{self, Range};
 use crate::scheme::word::Letter;
+use crate::watch::{Stopped, Watch};
 
 /// Most points for each old one of the levels that are followed.
 const MAX_ARITY: i64 = 1 << 10;
@@ -11,14 +12,21 @@ const MAX_ARITY: i64 = 1 << 10;
 /// Warnings about the limit of a plan on polygons, in sentences; none for plans that are no masks.
 ///
 /// They depend on what the plan comes to, not on how it was written: a preset and its word have the same.
-pub fn warnings(plan: &Plan, levels: u32) -> Vec<String> {
-    // a perturbation decays, so that the plan without it decides
-    let Ok(cycle) = Cycle::settled(&Plan { perturbation: None, ..plan.clone() }) else { return Vec::new() };
+///
+/// # Errors
+/// [`Stopped`].
+pub fn warnings(plan: &Plan, levels: u32, watch: &Watch) -> Result<Vec<String>, Stopped> {
     if levels == 0 {
-        return Vec::new();
+        return Ok(Vec::new());
     }
+    // a perturbation decays, so that the plan without it decides
+    let cycle = match Cycle::settled(&Plan { perturbation: None, ..plan.clone() }, watch) {
+        Ok(cycle) => cycle,
+        Err(NoMask::Stopped(stopped)) => return Err(stopped),
+        Err(_) => return Ok(Vec::new()),
+    };
     if let Some(sentence) = sums(&cycle) {
-        return vec![sentence];
+        return Ok(vec![sentence]);
     }
     let range = u32::try_from(cycle.arity).ok().and_then(|arity| ranges::of(arity, &cycle.mask));
     // what is put together of operators is judged by what it does
@@ -26,7 +34,7 @@ pub fn warnings(plan: &Plan, levels: u32) -> Vec<String> {
     let range = range.filter(|_| plan.word.cycle.first().is_some_and(alone));
     let mut warnings: Vec<String> = range.iter().filter_map(Range::warning).collect();
     let inside = range.as_ref().is_some_and(Range::holds);
-    if !inside && !contracts(&cycle) {
+    if !inside && !contracts(&cycle, watch)? {
         let mut sentence = "the scheme is not known to converge: its differences do not shrink within the levels that \
                             were looked at"
             .to_owned();
@@ -36,7 +44,7 @@ pub fn warnings(plan: &Plan, levels: u32) -> Vec<String> {
         }
         warnings.push(sentence);
     }
-    warnings
+    Ok(warnings)
 }
 
 /// The weights of every new point sum to 1 in a scheme that converges.
@@ -51,16 +59,16 @@ fn sums(cycle: &Cycle) -> Option<String> {
 }
 
 /// Whether some number of levels shrinks the greatest difference of neighbours.
-fn contracts(cycle: &Cycle) -> bool {
+fn contracts(cycle: &Cycle, watch: &Watch) -> Result<bool, Stopped> {
     let mut block = cycle.clone();
     loop {
         if differences(&block) < 1.0 {
-            return true;
+            return Ok(true);
         }
         if block.arity * cycle.arity > MAX_ARITY {
-            return false;
+            return Ok(false);
         }
-        block = block.then(cycle);
+        block = block.then(cycle, watch)?;
     }
 }
 

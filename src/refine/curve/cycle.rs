@@ -1,16 +1,18 @@
 //! One application of a plan's cycle to polygons as one mask, found by refining a single impulse.
 
 use crate::math::mask::Mask;
-use crate::refine::{Points, values};
+use crate::refine::{Points, RefineError, values};
 use crate::scheme::ops::Role;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::polygon_net::{Ends, PolygonNet};
-use crate::watch::Watch;
+use crate::watch::{Stopped, Watch};
 
 /// Most points of the polygon that carries the impulse.
 const MAX_POINTS: u64 = 1 << 16;
 /// Masks that differ by less count as equal.
 const SAME: f64 = 1e-15;
+/// Products of weights that take as long as a row of a table, about 100 ns.
+const PRODUCTS_A_ROW: u64 = 64;
 /// Most levels whose masks may differ from the static limit.
 const MAX_CHANGING: u32 = 128;
 
@@ -41,6 +43,9 @@ pub enum NoMask {
     /// The levels do not come close to a static scheme.
     #[error("the rules do not settle as alpha goes to 0")]
     Unsettled,
+    /// It was asked to stop.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
 }
 
 /// One application of a cycle: `q[j] = sum over i of a[j - d i] p[i]`.
@@ -57,7 +62,7 @@ impl Cycle {
     ///
     /// # Errors
     /// [`NoMask`].
-    pub fn of(plan: &Plan, level: u32) -> Result<Self, NoMask> {
+    pub fn of(plan: &Plan, level: u32, watch: &Watch) -> Result<Self, NoMask> {
         if plan.perturbation.is_some() {
             return Err(NoMask::Perturbed);
         }
@@ -75,7 +80,7 @@ impl Cycle {
         if n.saturating_mul(arity) > MAX_POINTS {
             return Err(NoMask::TooWide);
         }
-        let response = response(plan, &steps, usize::try_from(n).map_err(|_| NoMask::TooWide)?)?;
+        let response = response(plan, &steps, usize::try_from(n).map_err(|_| NoMask::TooWide)?, watch)?;
         let reach = usize::try_from(reach).map_err(|_| NoMask::TooWide)?;
         // the points before the impulse stand at the end of the closed polygon
         let around = response[response.len() - reach..].iter().chain(&response[..=reach]);
@@ -89,19 +94,19 @@ impl Cycle {
     ///
     /// # Errors
     /// [`NoMask`].
-    pub fn settled(plan: &Plan) -> Result<Self, NoMask> {
-        Self::of(&Plan { alpha: 0.0, compensation_alpha: None, ..plan.clone() }, 0)
+    pub fn settled(plan: &Plan, watch: &Watch) -> Result<Self, NoMask> {
+        Self::of(&Plan { alpha: 0.0, compensation_alpha: None, ..plan.clone() }, 0, watch)
     }
 
     /// The cycles after `levels` levels until they differ no more from the static limit, and that.
     ///
     /// # Errors
     /// [`NoMask`].
-    pub fn from_level(plan: &Plan, levels: u32) -> Result<(Vec<Self>, Self), NoMask> {
-        let settled = Self::settled(plan)?;
+    pub fn from_level(plan: &Plan, levels: u32, watch: &Watch) -> Result<(Vec<Self>, Self), NoMask> {
+        let settled = Self::settled(plan, watch)?;
         let mut changing = Vec::new();
         for level in levels..levels + MAX_CHANGING {
-            let cycle = Self::of(plan, level)?;
+            let cycle = Self::of(plan, level, watch)?;
             if cycle.distance(&settled) <= SAME {
                 return Ok((changing, settled));
             }
@@ -126,20 +131,29 @@ impl Cycle {
         Self { arity: 1, mask: Mask { first: 0, values: vec![1.0] } }
     }
 
+    /// What it takes to find this cycle and another one after it as one, in rows.
+    pub fn work_with(&self, next: &Self) -> u64 {
+        (self.mask.values.len() as u64).saturating_mul(next.mask.values.len() as u64 / PRODUCTS_A_ROW + 1)
+    }
+
     /// This cycle and another one after it, as one.
-    #[must_use]
-    pub fn then(&self, next: &Self) -> Self {
+    ///
+    /// # Errors
+    /// [`Stopped`].
+    pub fn then(&self, next: &Self, watch: &Watch) -> Result<Self, Stopped> {
         let first = i64::from(self.mask.first) * next.arity + i64::from(next.mask.first);
         let last = i64::from(self.mask.last()) * next.arity + i64::from(next.mask.last());
         let mut values = vec![0.0; usize::try_from(last - first + 1).unwrap_or(0)];
         for (m, weight) in self.entries() {
+            watch.check()?;
+            watch.advance(next.mask.values.len() as u64 / PRODUCTS_A_ROW + 1);
             for (j, value) in next.entries() {
                 let at = m * next.arity + j - first;
                 values[usize::try_from(at).unwrap_or(0)] += weight * value;
             }
         }
         let first = i32::try_from(first).unwrap_or(0);
-        Self { arity: self.arity * next.arity, mask: Mask { first, values } }
+        Ok(Self { arity: self.arity * next.arity, mask: Mask { first, values } })
     }
 
     /// The entries with their indices.
@@ -189,7 +203,7 @@ fn extent(steps: &[Scheduled]) -> Option<(u64, u64)> {
 }
 
 /// What becomes of 1 at point 0 and 0 at the other points of a closed polygon.
-fn response(plan: &Plan, steps: &[Scheduled], n: usize) -> Result<Vec<f64>, NoMask> {
+fn response(plan: &Plan, steps: &[Scheduled], n: usize, watch: &Watch) -> Result<Vec<f64>, NoMask> {
     let mut net = PolygonNet::new(n, true, Ends::Clamped, &[]);
     let mut impulse = vec![0.0; n];
     impulse[0] = 1.0;
@@ -198,8 +212,10 @@ fn response(plan: &Plan, steps: &[Scheduled], n: usize) -> Result<Vec<f64>, NoMa
         let operator = step.letter.operator;
         let next =
             operator.on_polygon(&net, &values(plan, step)).map_err(|error| NoMask::NoValue(error.to_string()))?;
-        let acted = points.act(&next.action, step.level, &Watch::new());
-        acted.map_err(|error| NoMask::NoValue(error.to_string()))?;
+        points.act(&next.action, step.level, watch).map_err(|error| match error {
+            RefineError::Stopped(stopped) => NoMask::Stopped(stopped),
+            error => NoMask::NoValue(error.to_string()),
+        })?;
         net = next.net;
     }
     Ok(points.now)

@@ -9,11 +9,17 @@
 //! Source: Dyn and Levin, Acta Numerica 11 (2002), section 3, on difference schemes; Nairn, Peters and Lutterkort,
 //! CAGD 16 (1999), 613-631, on second differences as a measure of the distance.
 
+use std::ops::Range;
+
 use super::cycle::{Cycle, NoMask, real};
 use crate::scheme::plan::Plan;
+use crate::watch::{Stopped, Watch};
 
 /// Most points for each old one of the levels that are followed at once.
 const MAX_BLOCK: i64 = 256;
+/// Most units of work of a search, one being a row of a table or as many products of weights as take 100 ns: 13 s. Words of U
+/// and 63 C, whose masks are the longest of those in use, take a 16th of it.
+pub const MAX_WORK: u64 = 1 << 27;
 /// What rounding leaves of sums that are 0.
 const ROUNDING: f64 = 1e-9;
 /// Most levels.
@@ -24,13 +30,28 @@ const MAX_LEVELS: usize = 64;
 pub enum NoBound {
     /// The plan is not one mask a level.
     #[error("{0}, so that no distance to the limit is known in advance")]
-    Plan(#[from] NoMask),
+    Plan(NoMask),
     /// Straight polygons with equal edges do not stay what they are.
     #[error("the scheme does not reproduce linear functions, so that second differences do not bound its distance")]
     NotLinear,
     /// Second differences need not vanish.
     #[error("second differences need not vanish under the scheme, so that they do not bound its distance")]
     NotContractive,
+    /// The masks of several levels are too long.
+    #[error(
+        "the distance to the limit takes more than {MAX_WORK} steps to bound, which is the most that is done; give \"levels\" \
+         as a number, or a shorter word"
+    )]
+    TooLong,
+    /// It was asked to stop.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+}
+
+impl From<NoMask> for NoBound {
+    fn from(error: NoMask) -> Self {
+        if let NoMask::Stopped(stopped) = error { Self::Stopped(stopped) } else { Self::Plan(error) }
+    }
 }
 
 /// What the levels of a plan do to second differences.
@@ -38,6 +59,10 @@ pub enum NoBound {
 pub struct Distances {
     changing: Vec<Cycle>,
     settled: Cycle,
+    /// Asked while levels are taken together.
+    watch: Watch,
+    /// Work that was done before.
+    start: u64,
 }
 
 /// Some levels taken together, with the place that they give to point 0.
@@ -52,13 +77,28 @@ impl Distances {
     ///
     /// # Errors
     /// [`NoBound`].
-    pub fn of(plan: &Plan) -> Result<Self, NoBound> {
-        let (changing, settled) = Cycle::from_level(plan, 0)?;
-        Ok(Self { changing, settled })
+    pub fn of(plan: &Plan, watch: &Watch) -> Result<Self, NoBound> {
+        let start = watch.done();
+        let (changing, settled) = Cycle::from_level(plan, 0, watch)?;
+        Ok(Self { changing, settled, watch: watch.clone(), start })
     }
 
     fn cycle(&self, level: usize) -> &Cycle {
         self.changing.get(level).unwrap_or(&self.settled)
+    }
+
+    /// Levels one after another; none at all leave everything as it is.
+    fn block(&self, levels: Range<usize>) -> Result<Block, NoBound> {
+        let mut block = Block { cycle: Cycle::identity(), twice_centre: 0 };
+        for cycle in levels.map(|level| self.cycle(level)) {
+            let done = self.watch.done().saturating_sub(self.start);
+            if done.saturating_add(block.cycle.work_with(cycle)) > MAX_WORK {
+                return Err(NoBound::TooLong);
+            }
+            block.twice_centre = cycle.arity * block.twice_centre + cycle.twice_centre();
+            block.cycle = block.cycle.then(cycle, &self.watch)?;
+        }
+        Ok(block)
     }
 
     /// Levels from `level` on that are followed at once.
@@ -80,7 +120,7 @@ impl Distances {
         let mut factor = 1.0;
         for start in (before..after).step_by(length) {
             let end = after.min(start + length);
-            factor *= Block::of((start..end).map(|level| self.cycle(level))).second_differences()?;
+            factor *= self.block(start..end)?.second_differences()?;
         }
         Ok(factor)
     }
@@ -91,7 +131,7 @@ impl Distances {
     /// [`NoBound`].
     pub fn factor(&self, level: usize) -> Result<f64, NoBound> {
         let length = self.block_length();
-        let first = Block::of((level..level + length).map(|level| self.cycle(level)));
+        let first = self.block(level..level + length)?;
         let mut sum = first.deviation()?;
         let mut left = first.second_differences()?;
         let mut start = level + length;
@@ -110,10 +150,10 @@ impl Distances {
     fn following(&self, start: usize, length: usize) -> Result<(f64, f64), NoBound> {
         let mut sum = 0.0;
         for level in start..start + length {
-            let left = Block::of((start..level).map(|level| self.cycle(level))).second_differences()?;
-            sum += left * Block::of([self.cycle(level)].into_iter()).deviation()?;
+            let left = self.block(start..level)?.second_differences()?;
+            sum += left * self.block(level..level + 1)?.deviation()?;
         }
-        let all = Block::of((start..start + length).map(|level| self.cycle(level)));
+        let all = self.block(start..start + length)?;
         Ok((sum, all.second_differences()?))
     }
 
@@ -146,16 +186,6 @@ impl Distances {
 }
 
 impl Block {
-    /// Levels one after another; none at all leave everything as it is.
-    fn of<'a>(cycles: impl Iterator<Item = &'a Cycle>) -> Self {
-        let mut block = Self { cycle: Cycle::identity(), twice_centre: 0 };
-        for cycle in cycles {
-            block.twice_centre = cycle.arity * block.twice_centre + cycle.twice_centre();
-            block.cycle = block.cycle.then(cycle);
-        }
-        block
-    }
-
     /// Weights of the old points in new point `j`, and the index of the first of them.
     fn row(&self, j: i64) -> (i64, Vec<f64>) {
         let (d, mask) = (self.cycle.arity, &self.cycle.mask);

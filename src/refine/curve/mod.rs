@@ -9,10 +9,10 @@ mod tolerance;
 
 pub use convergence::warnings;
 pub use cycle::{Cycle, NoMask};
-pub use distance::{Distances, NoBound};
+pub use distance::{Distances, MAX_WORK, NoBound};
 pub use limit::{Limit, NoLimit, check};
 pub use rows::{LimitRows, Row};
-pub use tolerance::{NoLevel, Reached, reach};
+pub use tolerance::{NoLevel, Reached, reach, search_bytes};
 
 use super::{Points, RefineError, at, origins, polygon_net, start_tangents, values};
 use crate::scheme::plan::{Plan, Scheduled};

@@ -5,6 +5,7 @@
 
 use super::cycle::{Cycle, NoMask, real};
 use crate::scheme::plan::Plan;
+use crate::watch::Watch;
 
 /// Most repetitions of a static cycle.
 const MAX_ROUNDS: u32 = 4_000;
@@ -129,7 +130,7 @@ impl LimitRows {
     /// # Errors
     /// [`NoMask`], also when the static limit does not converge.
     pub fn of(plan: &Plan, levels: u32) -> Result<Self, NoMask> {
-        let (changing, settled) = Cycle::from_level(plan, levels)?;
+        let (changing, settled) = Cycle::from_level(plan, levels, &Watch::new())?;
         let mut position = settled_positions(&settled)?;
         let mut tangent = settled_tangents(&settled, &position);
         for cycle in changing.iter().rev() {

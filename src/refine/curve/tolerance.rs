@@ -7,7 +7,7 @@ use crate::refine::{Points, RefineError, at, polygon_net, values};
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::polygon_net::{Extent, PolygonNet};
 use crate::shape::polygon::Polygon;
-use crate::watch::Watch;
+use crate::watch::{Stopped, Watch};
 
 /// Points up to which second differences are measured; from there on they are bounded by their contraction.
 const MEASURED_POINTS: usize = 16_384;
@@ -15,6 +15,17 @@ const MEASURED_POINTS: usize = 16_384;
 const MEASURED_LEVELS: u32 = 16;
 /// The least tolerance, over the greatest coordinate: below it, rounding is not negligible.
 const LEAST: f64 = 1e-12;
+
+/// What a search takes for each point that it may look at, bytes: new and old points of up to 4 numbers, and their rows.
+const BYTES_A_POINT: u64 = 128;
+/// Points that a search may look at whatever the polygons are: those of impulses and of products of masks.
+const OTHER_POINTS: u64 = 1 << 18;
+
+/// Bytes that a search for polygons of so many points takes at most.
+pub fn search_bytes(points: usize) -> u64 {
+    // one level more than the last that is measured, of the largest arity
+    BYTES_A_POINT.saturating_mul((points as u64).saturating_mul(16).max(OTHER_POINTS))
+}
 
 /// The level that a tolerance asks for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,14 +64,27 @@ pub enum NoLevel {
     /// A level cannot be computed.
     #[error("{0}")]
     Level(String),
+    /// It was asked to stop.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+}
+
+impl NoLevel {
+    /// Whether the search only ended because it was asked to.
+    pub fn stopped(&self) -> Option<Stopped> {
+        match self {
+            Self::Stopped(stopped) | Self::Bound(NoBound::Stopped(stopped)) => Some(*stopped),
+            _ => None,
+        }
+    }
 }
 
 /// The first level at which all polygons are known to be within `tolerance` of their limits.
 ///
 /// # Errors
-/// [`NoLevel`].
-pub fn reach(polygons: &[Polygon], plan: &Plan, tolerance: f64) -> Result<Reached, NoLevel> {
-    let distances = Distances::of(plan)?;
+/// [`NoLevel`], also when `watch` says stop.
+pub fn reach(polygons: &[Polygon], plan: &Plan, tolerance: f64, watch: &Watch) -> Result<Reached, NoLevel> {
+    let distances = Distances::of(plan, watch)?;
     for polygon in polygons {
         check(polygon, plan)?;
         if polygon.rational {
@@ -71,18 +95,21 @@ pub fn reach(polygons: &[Polygon], plan: &Plan, tolerance: f64) -> Result<Reache
             return Err(NoLevel::TooFine { tolerance, size });
         }
     }
-    let bends = measured(polygons, plan)?;
+    let bends = measured(polygons, plan, watch)?;
     let found = distances.level(&bends, tolerance)?;
     let (level, bound) = found.ok_or(NoLevel::Never(tolerance))?;
     Ok(Reached { level, bound })
 }
 
 /// The greatest second difference of all polygons after 0, 1, ... levels, as long as they are small.
-fn measured(polygons: &[Polygon], plan: &Plan) -> Result<Vec<f64>, NoLevel> {
+fn measured(polygons: &[Polygon], plan: &Plan, watch: &Watch) -> Result<Vec<f64>, NoLevel> {
     let mut bends: Vec<f64> = Vec::new();
     for polygon in polygons {
         let most = MEASURED_POINTS / polygons.len().min(MEASURED_POINTS);
-        let of_one = measured_one(polygon, plan, most).map_err(|error| NoLevel::Level(error.to_string()))?;
+        let of_one = measured_one(polygon, plan, most, watch).map_err(|error| match error {
+            RefineError::Stopped(stopped) => NoLevel::Stopped(stopped),
+            error => NoLevel::Level(error.to_string()),
+        })?;
         // levels that some polygon is not followed to are bounded for all
         let shared = if bends.is_empty() { of_one.len() } else { bends.len().min(of_one.len()) };
         bends.resize(shared, 0.0);
@@ -93,8 +120,7 @@ fn measured(polygons: &[Polygon], plan: &Plan) -> Result<Vec<f64>, NoLevel> {
     Ok(bends)
 }
 
-fn measured_one(polygon: &Polygon, plan: &Plan, most: usize) -> Result<Vec<f64>, RefineError> {
-    let watch = Watch::new();
+fn measured_one(polygon: &Polygon, plan: &Plan, most: usize, watch: &Watch) -> Result<Vec<f64>, RefineError> {
     let mut net = polygon_net(polygon, plan);
     let mut points = Points::new(polygon.points.clone(), polygon.dimension);
     let mut bends = Vec::new();
@@ -103,7 +129,7 @@ fn measured_one(polygon: &Polygon, plan: &Plan, most: usize) -> Result<Vec<f64>,
         let Ok(steps) = plan.schedule(level) else { break };
         for step in steps.iter().filter(|step: &&Scheduled| step.level == level) {
             let next = step.letter.operator.on_polygon(&net, &values(plan, step)).map_err(|error| at(step, error))?;
-            points.act(&next.action, step.level, &watch)?;
+            points.act(&next.action, step.level, watch)?;
             net = next.net;
         }
         bends.push(greatest_second_difference(&net, &points.now, polygon.dimension));

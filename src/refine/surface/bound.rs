@@ -9,7 +9,7 @@ use super::nearest::{Faces, Surface, farthest};
 use super::rest::Rests;
 use super::spline::Spline;
 use crate::refine::vector::{Vector, length, minus};
-use crate::watch::Watch;
+use crate::watch::{Stopped, Watch};
 
 /// Faces of a net up to which it is refined further, and those of a part of it.
 pub(super) const FOLLOWED_FACES: usize = 1 << 16;
@@ -60,12 +60,12 @@ struct Comparison<'a> {
     rounding: f64,
     /// How often pieces may still be cut.
     cuts: usize,
+    watch: &'a Watch,
 }
 
 impl Comparison<'_> {
-    /// What is known of a level.
-    fn seen(&mut self, level: &Level) -> Seen {
-        let rests = Rests::of(level, self.spline);
+    /// What is known of a level; `None` as soon as a distance above `most` is measured.
+    fn seen(&mut self, level: &Level, most: f64) -> Result<Option<Seen>, Stopped> {
         let output = self.output.first();
         let belongs = |f: usize| output.slot(level.home[f]).is_some();
         let looked_at =
@@ -76,15 +76,21 @@ impl Comparison<'_> {
         let moved = |piece: &Piece| displaced.as_ref().map_or(piece.moved, |all| all.moved(piece).min(piece.moved));
         self.greatest = match &displaced {
             Some(_) => {
-                let whole = Surface::of(vec![Self::near(level, &looked_at, vec![0.0; looked_at.len()])]);
-                self.measured(&pieces, moved, false, |i, piece| self.there(piece).max(Self::back(&whole, piece, i)))
+                let whole = Self::near(level, &looked_at, vec![0.0; looked_at.len()]);
+                let whole = Surface::of(vec![whole], self.watch);
+                let distance = |i, piece: &Piece| self.there(piece).max(Self::back(&whole, piece, i));
+                self.measured(&pieces, moved, false, most, distance)?
             }
-            None => self.measured(&pieces, moved, true, |_, piece| self.there(piece)),
+            None => self.measured(&pieces, moved, true, most, |_, piece| self.there(piece))?,
         };
-        let (there, cuts) = self.there_at_most(&pieces, moved);
+        if self.greatest > most {
+            return Ok(None);
+        }
+        let rests = Rests::of(level, self.spline, self.watch)?;
+        let (there, cuts) = self.there_at_most(&pieces, moved)?;
         self.cuts -= cuts;
         let little = self.little();
-        let found = rests.distances(&level.live, little, belongs);
+        let found = rests.distances(&level.live, little, belongs)?;
         if let Some(displaced) = displaced {
             // at first all faces that are shown are live
             let plain = |(piece, &face): (&Piece, &u32)| piece.moved + rests.plain(face);
@@ -93,7 +99,7 @@ impl Comparison<'_> {
             self.first = Some((pieces, known));
         }
         let faces = level.live.iter().zip(found).map(|(&face, rest)| Known { face, rest }).collect();
-        Seen { faces, there }
+        Ok(Some(Seen { faces, there }))
     }
 
     /// Some faces of a level, in the limit's place.
@@ -122,29 +128,31 @@ impl Comparison<'_> {
     }
 
     /// The greatest distance of pieces, but for a part that does not matter, looked for where `moved` is great, which it is
-    /// at most; with `briefly` only as long as it grows.
+    /// at most; with `briefly` only as long as it grows, and never beyond `most`.
     fn measured(
         &self,
         pieces: &[Piece],
         moved: impl Fn(&Piece) -> f64,
         briefly: bool,
+        most: f64,
         distance: impl Fn(usize, &Piece) -> f64 + Sync,
-    ) -> f64 {
+    ) -> Result<f64, Stopped> {
         let mut order: Vec<(f64, usize)> = pieces.iter().map(moved).zip(0..).collect();
         order.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut greatest = self.greatest;
         for chunk in order.chunks(CHUNK) {
-            if chunk[0].0 <= (1.0 + SLACK) * greatest {
+            if chunk[0].0 <= (1.0 + SLACK) * greatest || greatest > most {
                 break;
             }
             let all: Vec<f64> = chunk.par_iter().map(|&(_, i)| distance(i, &pieces[i])).collect();
-            let most = all.into_iter().fold(0.0, f64::max);
-            if most <= greatest && briefly {
+            self.watch.check()?;
+            let farthest = all.into_iter().fold(0.0, f64::max);
+            if farthest <= greatest && briefly {
                 break;
             }
-            greatest = greatest.max(most);
+            greatest = greatest.max(farthest);
         }
-        greatest
+        Ok(greatest)
     }
 
     /// How far the corners of a piece are from the output.
@@ -158,7 +166,7 @@ impl Comparison<'_> {
     }
 
     /// How far pieces are from the output, at most, and the cuts made; none is farther than it was moved.
-    fn there_at_most(&self, pieces: &[Piece], moved: impl Fn(&Piece) -> f64) -> (f64, usize) {
+    fn there_at_most(&self, pieces: &[Piece], moved: impl Fn(&Piece) -> f64) -> Result<(f64, usize), Stopped> {
         let known: Vec<f64> = pieces.iter().map(moved).collect();
         let cut = |piece: &Piece, cuts, enough| {
             farthest(piece.points(), cuts, enough, &|corners: &[Vector]| self.output.over(corners, piece.home))
@@ -167,15 +175,15 @@ impl Comparison<'_> {
     }
 
     /// How far the output is from the limit, at most.
-    fn back_at_most(&mut self) -> f64 {
-        let Some((pieces, known)) = self.first.take() else { return 0.0 };
-        let limit = Surface::of(std::mem::take(&mut self.limit));
+    fn back_at_most(&mut self) -> Result<f64, Stopped> {
+        let Some((pieces, known)) = self.first.take() else { return Ok(0.0) };
+        let limit = Surface::of(std::mem::take(&mut self.limit), self.watch);
         let cut = |piece: &Piece, cuts, enough: f64| {
             let away = |corners: &[Vector]| limit.over(corners, None);
             let (most, used) = farthest(piece.flat(), cuts, enough - piece.cut, &away);
             (most + piece.cut, used)
         };
-        self.cut(&pieces, known, self.enough() + self.little(), cut).0
+        Ok(self.cut(&pieces, known, self.enough() + self.little(), cut)?.0)
     }
 
     /// The greatest distance of pieces, at most, and how many cuts that took. They are cut where more than `enough` is known;
@@ -186,19 +194,20 @@ impl Comparison<'_> {
         mut known: Vec<f64>,
         enough: f64,
         cut: impl Fn(&Piece, usize, f64) -> (f64, usize) + Sync,
-    ) -> (f64, usize) {
+    ) -> Result<(f64, usize), Stopped> {
         let mut far: Vec<usize> = (0..pieces.len()).filter(|&i| known[i] > enough).collect();
         let mut left = self.cuts;
         let mut cuts = FIRST_CUTS.min(left / far.len().max(1));
         while !far.is_empty() && cuts * far.len() <= left && (1..=CUTS).contains(&cuts) {
             let found: Vec<(f64, usize)> =
                 far.par_iter().with_min_len(4).map(|&i| cut(&pieces[i], cuts, enough)).collect();
+            self.watch.check()?;
             far.iter().zip(&found).for_each(|(&i, &(most, _))| known[i] = known[i].min(most));
             left -= found.iter().map(|&(_, used)| used).sum::<usize>();
             far = far.iter().zip(&found).filter(|(_, (_, used))| *used == cuts).map(|(&i, _)| i).collect();
             cuts *= 4;
         }
-        (known.into_iter().fold(0.0, f64::max), self.cuts - left)
+        Ok((known.into_iter().fold(0.0, f64::max), self.cuts - left))
     }
 }
 
@@ -307,13 +316,13 @@ pub(super) fn bound(
     watch: &Watch,
 ) -> Result<f64, NoLevel> {
     if base.live.len() > FOLLOWED_FACES {
-        return Ok(plain(base, spline));
+        return Ok(plain(base, spline, watch)?);
     }
     let flat = base.flat.now.as_chunks().0;
     let faces = Faces::of(&base.topology, flat, &base.live, vec![0.0; base.live.len()], !spline.halved);
-    let output = Surface::of(vec![faces]);
-    let mut comparison =
-        Comparison { spline, output, first: None, limit: Vec::new(), greatest: 0.0, rounding, cuts: ALL_CUTS };
+    let output = Surface::of(vec![faces], watch);
+    let (first, limit, cuts) = (None, Vec::new(), ALL_CUTS);
+    let mut comparison = Comparison { spline, output, first, limit, greatest: 0.0, rounding, cuts, watch };
     let (mut level, mut bound) = (base.clone(), 0.0_f64);
     for ahead in 0..=AHEAD {
         let next = if spline.halved { Level::next_halved } else { Level::next };
@@ -322,10 +331,7 @@ pub(super) fn bound(
             level = next(&level)?;
             continue;
         }
-        let seen = comparison.seen(&level);
-        if comparison.greatest > (1.0 + SLACK) * tolerance {
-            return Ok(f64::INFINITY);
-        }
+        let Some(seen) = comparison.seen(&level, (1.0 + SLACK) * tolerance)? else { return Ok(f64::INFINITY) };
         let little = comparison.little();
         let part = |least: f64| {
             let kept: Vec<u32> = seen.faces.iter().filter(|face| face.rest > least).map(|face| face.face).collect();
@@ -347,13 +353,13 @@ pub(super) fn bound(
         bound = comparison.leave(&level, &seen, |face| face.rest <= least).max(bound);
         level = next(&part)?;
     }
-    Ok(bound.max(comparison.back_at_most()))
+    Ok(bound.max(comparison.back_at_most()?))
 }
 
 /// The same of nets of too many faces to be measured.
-fn plain(base: &Level, spline: &Spline) -> f64 {
+fn plain(base: &Level, spline: &Spline, watch: &Watch) -> Result<f64, Stopped> {
     let (points, flat) = (base.points.now.as_chunks::<3>().0, base.flat.now.as_chunks::<3>().0);
-    let rests = Rests::of(base, spline);
+    let rests = Rests::of(base, spline, watch)?;
     let live: Vec<usize> = base.live.iter().map(|&f| f as usize).collect();
     let of_face = |&face: &u32| {
         let corners = base.topology.face(face as usize);
@@ -363,8 +369,8 @@ fn plain(base: &Level, spline: &Spline) -> f64 {
     };
     let moved: Vec<f64> = base.live.iter().map(of_face).collect();
     let most = moved.iter().copied().fold(0.0, f64::max);
-    let distances = rests.distances(&base.live, 0.0, |f| live.binary_search(&f).is_ok());
+    let distances = rests.distances(&base.live, 0.0, |f| live.binary_search(&f).is_ok())?;
     // point by point, or from the faces around, which may have moved farther
     let each = base.live.iter().zip(moved).zip(distances);
-    each.map(|((&face, moved), rest)| (moved + rests.plain(face)).min(most + rest)).fold(0.0, f64::max)
+    Ok(each.map(|((&face, moved), rest)| (moved + rests.plain(face)).min(most + rest)).fold(0.0, f64::max))
 }

@@ -43,9 +43,13 @@ impl<'a> Hulls<'a> {
 
     /// These, if so many faces are not too much work: for each, the faces of W and the points that each depends on.
     pub(super) fn affordable(&self, faces: usize) -> Option<&Self> {
+        (self.reach <= MAX_REACH && self.work(faces) <= WORK).then_some(self)
+    }
+
+    /// Points that are looked at for so many faces.
+    pub(super) fn work(&self, faces: usize) -> usize {
         let square = |side: usize| side * side;
-        let work = faces.saturating_mul(square(2 * self.reach + 3) * square(2 * self.reach + 2));
-        (self.reach <= MAX_REACH && work <= WORK).then_some(self)
+        faces.saturating_mul(square(2 * self.reach + 3) * square(2 * self.reach + 2))
     }
 
     /// How far a face and its limit are from the limit and the net, at most, if the faces around belong to the surface;

@@ -24,7 +24,7 @@ use super::{Points, RefineError, Unlimited, act_on, mesh_net};
 use crate::scheme::plan::Plan;
 use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
-use crate::watch::Watch;
+use crate::watch::{Stopped, Watch};
 use bound::{FOLLOWED_FACES, bound};
 use cut::{cut, twist};
 use level::Level;
@@ -35,6 +35,10 @@ use spline::Spline;
 const MAX_LEVEL: u32 = 16;
 /// Most faces of a net that are looked at.
 const MAX_FACES: usize = 1 << 18;
+/// Most units of work of a search.
+pub const MAX_WORK: u64 = 1 << 34;
+/// What a search takes for each face of the net that is looked at, bytes.
+const BYTES_A_FACE: u64 = 1 << 11;
 /// The least tolerance, over the greatest coordinate: below it, rounding is not negligible.
 const LEAST: f64 = 1e-12;
 /// What rounding adds to a bound, over the greatest coordinate.
@@ -105,55 +109,92 @@ pub enum NoLevel {
     /// Not within any number of levels.
     #[error("no level up to {MAX_LEVEL} is known to be within {0} of the limit; ask for a coarser tolerance")]
     Never(f64),
+    /// Too long a search.
+    #[error(
+        "the search for a level within {0} of the limit has taken {MAX_WORK} steps, which is the most that is searched; ask \
+         for a coarser tolerance, or give \"levels\" as a number"
+    )]
+    TooLong(f64),
     /// A level cannot be computed.
     #[error("{0}")]
     Level(String),
+    /// It was asked to stop.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+}
+
+impl NoLevel {
+    /// Whether the search only ended because it was asked to.
+    pub fn stopped(&self) -> Option<Stopped> {
+        if let Self::Stopped(stopped) = self { Some(*stopped) } else { None }
+    }
 }
 
 impl From<RefineError> for NoLevel {
     fn from(error: RefineError) -> Self {
-        Self::Level(error.to_string())
+        if let RefineError::Stopped(stopped) = error { Self::Stopped(stopped) } else { Self::Level(error.to_string()) }
     }
 }
 
 impl From<Unlimited> for NoLevel {
     fn from(error: Unlimited) -> Self {
-        Self::Level(error.to_string())
+        if let Unlimited::Stopped(stopped) = error { Self::Stopped(stopped) } else { Self::Level(error.to_string()) }
     }
+}
+
+/// Whether a level could be searched for, as far as that can be told at once.
+///
+/// # Errors
+/// [`NoLevel`].
+pub fn check(mesh: &Mesh, plan: &Plan, tolerance: f64) -> Result<(), NoLevel> {
+    Spline::of(plan, mesh)?;
+    check_size(mesh, tolerance).map(|_| ())
+}
+
+/// The greatest coordinate.
+fn check_size(mesh: &Mesh, tolerance: f64) -> Result<f64, NoLevel> {
+    let size = mesh.positions.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    if tolerance < LEAST * size { Err(NoLevel::TooFine { tolerance, size }) } else { Ok(size) }
+}
+
+/// Bytes that a search takes at most.
+pub fn search_bytes(mesh: &Mesh) -> u64 {
+    let faces = mesh.topology.n_corners().max(mesh.topology.n_faces()).max(MAX_FACES);
+    BYTES_A_FACE.saturating_mul(faces as u64)
 }
 
 /// The first level at which a mesh is known to be within `tolerance` of its limit surface, with its vertices at each of
 /// these places.
 ///
 /// # Errors
-/// [`NoLevel`].
-pub fn reach(mesh: &Mesh, plan: &Plan, placed: &[Placed], tolerance: f64) -> Result<Reached, NoLevel> {
+/// [`NoLevel`], also when `watch` says stop.
+pub fn reach(mesh: &Mesh, plan: &Plan, placed: &[Placed], tolerance: f64, watch: &Watch) -> Result<Reached, NoLevel> {
     let spline = Spline::of(plan, mesh)?;
-    let size = mesh.positions.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    if tolerance < LEAST * size {
-        return Err(NoLevel::TooFine { tolerance, size });
-    }
-    let watch = Watch::new();
+    let size = check_size(mesh, tolerance)?;
+    let start = watch.done();
     let points = vec![Points::new(mesh.positions.clone(), 3)];
-    let (net, mut points) = act_on(mesh_net(mesh, plan), points, &spline.plan, &spline.prefix, &watch)?;
+    let (net, mut points) = act_on(mesh_net(mesh, plan), points, &spline.plan, &spline.prefix, watch)?;
     let mut walk = Walk { level: Level::new(net, points.remove(0)), left: 0.0 };
     for level in 0..=MAX_LEVEL {
         if walk.is_ready(&spline) {
             let mut most = 0.0;
             for &placed in placed {
-                most = walk.bound(&spline, placed, tolerance, ROUNDING * size, &watch)?.max(most);
+                most = walk.bound(&spline, placed, tolerance, ROUNDING * size, watch)?.max(most);
             }
             let bound = most + ROUNDING * size;
             if bound <= tolerance {
                 return Ok(Reached { level, bound });
             }
         }
-        walk.leave(&spline, tolerance);
+        if watch.done().saturating_sub(start) > MAX_WORK {
+            return Err(NoLevel::TooLong(tolerance));
+        }
+        walk.leave(&spline, tolerance, watch)?;
         let faces = walk.level.faces_after(spline.rounds.len() + usize::from(spline.halved));
         if faces > MAX_FACES {
             return Err(NoLevel::TooLarge { level: level + 1, faces });
         }
-        walk.on(&spline, &watch)?;
+        walk.on(&spline, watch)?;
     }
     Err(NoLevel::Never(tolerance))
 }
@@ -216,10 +257,10 @@ impl Walk {
 
     /// Leaves faces behind whose distance second differences bound, where there are too many to go on with all: first
     /// those that are within half the tolerance.
-    fn leave(&mut self, spline: &Spline, tolerance: f64) {
+    fn leave(&mut self, spline: &Spline, tolerance: f64, watch: &Watch) -> Result<(), Stopped> {
         let fits = |level: &Level| level.faces_after(1) <= FOLLOWED_FACES;
         if fits(&self.level) || spline.halved {
-            return;
+            return Ok(());
         }
         let level = &self.level;
         let points = level.points.now.as_chunks::<3>().0;
@@ -230,7 +271,7 @@ impl Walk {
             })
             .collect();
         let twists = bend::spread(&level.topology, twists, spline.reach, f64::max);
-        let rests = Rests::of(level, spline);
+        let rests = Rests::of(level, spline, watch)?;
         let of_face = |&f: &u32| {
             let twist = level.topology.face(f as usize).iter().map(|&v| twists[v as usize]).fold(0.0, f64::max);
             (f, rests.bend(f) + twist)
@@ -244,6 +285,7 @@ impl Walk {
         };
         let some = part(tolerance / 2.0);
         *self = if fits(&some.level) { some } else { part(f64::MAX) };
+        Ok(())
     }
 
     /// One level further.

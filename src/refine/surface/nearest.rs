@@ -10,7 +10,10 @@ use super::sheet::Sheet;
 use crate::math::functions::sqrt;
 use crate::refine::vector::{Vector, cross, dot, mean, minus, plus, times, to_segment};
 use crate::shape::topology::Topology;
+use crate::watch::Watch;
 
+/// Nodes of a tree and faces that are looked at in the time of a row of a table, about 100 ns.
+const VISITS_A_ROW: u64 = 4;
 /// Most faces of a leaf.
 const LEAF: usize = 4;
 /// Triangles whose height is less than this part of their longest side are taken for their sides.
@@ -41,6 +44,8 @@ pub(super) struct Surface {
     /// Their boxes.
     boxes: Vec<Box3>,
     nodes: Vec<Node>,
+    /// Counts the nodes and faces that are looked at, and may say stop: from then on nothing is found.
+    watch: Watch,
 }
 
 /// A box around places in the order.
@@ -154,7 +159,8 @@ impl Faces {
 }
 
 impl Surface {
-    pub(super) fn of(parts: Vec<Faces>) -> Self {
+    /// The tree of some nets. Whoever asks it for distances asks the watch before they are used.
+    pub(super) fn of(parts: Vec<Faces>, watch: &Watch) -> Self {
         let slots = |(part, faces): (usize, &Faces)| (0..faces.len()).map(move |slot| (part, slot));
         let all: Vec<(usize, usize)> = parts.iter().enumerate().flat_map(slots).collect();
         let boxed = |&(part, slot): &(usize, usize)| parts[part].boxed(slot);
@@ -165,9 +171,10 @@ impl Surface {
             tree.node(&mut order, 0);
         }
         let nodes = tree.nodes;
+        watch.advance(all.len() as u64);
         let boxes = order.iter().map(|&i| boxes[i]).collect();
         let order = order.into_iter().map(|i| all[i]).collect();
-        Self { parts, order, boxes, nodes }
+        Self { parts, order, boxes, nodes, watch: watch.clone() }
     }
 
     /// The faces of the first net.
@@ -202,22 +209,29 @@ impl Surface {
 
     /// The nearest triangles of faces cut along either diagonal, beginning with a slot that is near; `None` without faces.
     fn nearest(&self, point: Vector, near: Option<usize>) -> Option<[Hit; 2]> {
+        if self.watch.check().is_err() {
+            return None;
+        }
+        let mut visited = 0;
         let mut best = [Hit { square: f64::INFINITY, part: 0, slot: usize::MAX, corners: [0, 1, 2] }; 2];
         if let Some(slot) = near {
             self.compare((0, slot), point, &mut best);
         }
         if !self.nodes.is_empty() {
-            self.search(0, point, &mut best);
+            self.search(0, point, &mut best, &mut visited);
         }
+        self.watch.advance(visited / VISITS_A_ROW + 1);
         best.iter().all(|hit| hit.slot != usize::MAX).then_some(best)
     }
 
-    fn search(&self, node: usize, point: Vector, best: &mut [Hit; 2]) {
+    fn search(&self, node: usize, point: Vector, best: &mut [Hit; 2], visited: &mut u64) {
+        *visited += 1;
         let is_near = |square: f64, best: &[Hit; 2]| square < best[0].square.max(best[1].square);
         match self.nodes[node].inside {
             Inside::Places(from, to) => {
                 for place in from..to {
                     if is_near(to_box(point, &self.boxes[place]), best) {
+                        *visited += 1;
                         self.compare(self.order[place], point, best);
                     }
                 }
@@ -230,7 +244,7 @@ impl Surface {
                 }
                 for (square, half) in halves {
                     if is_near(square, best) {
-                        self.search(half, point, best);
+                        self.search(half, point, best, visited);
                     }
                 }
             }

@@ -170,12 +170,24 @@ fn order_after(net: &MeshNet, known: &Arc<[u32]>, kept: &[u32], split_from: &[u3
     }
 }
 
-/// For each interior vertex in order the cycle of its faces, counter-clockwise, starting at the lowest; and these vertices.
+/// The faces of the dual in the documented order, and the vertices that they stand for.
 fn dual_faces(ordered: &Ordered) -> Result<(FaceList, Vec<u32>), StepError> {
-    let explicit = match ordered.order {
-        None => ordered.topology.clone(),
-        Some(_) => Arc::new(manifold(ordered.topology.n_vertices(), ordered.faces.clone())?.topology),
-    };
+    Ok(match ordered.order {
+        None => cycles(&ordered.topology),
+        Some(_) => cycles(&manifold(ordered.topology.n_vertices(), ordered.faces.clone())?.topology),
+    })
+}
+
+/// The connectivity of the dual, with one vertex for each face and more where one joins several fans; it may have no faces.
+///
+/// # Errors
+/// When the dual is no manifold.
+pub(in crate::scheme) fn dual(topology: &Topology) -> Result<Checked, StepError> {
+    manifold(topology.n_faces(), cycles(topology).0)
+}
+
+/// For each interior vertex in order the cycle of its faces, counter-clockwise, starting at the lowest; and these vertices.
+fn cycles(explicit: &Topology) -> (FaceList, Vec<u32>) {
     let dual = |v: usize, (faces, kept): &mut (FaceList, Vec<u32>)| {
         if explicit.is_isolated(v) || explicit.boundary_edges(v).is_some() {
             return;
@@ -199,7 +211,7 @@ fn dual_faces(ordered: &Ordered) -> Result<(FaceList, Vec<u32>), StepError> {
         faces.append(&some);
         kept.extend(vertices);
     }
-    Ok((faces, kept))
+    (faces, kept)
 }
 
 fn manifold(n_vertices: usize, faces: FaceList) -> Result<Checked, StepError> {

@@ -27,6 +27,7 @@ pub use butterfly::ButterflyEdges;
 pub use catmull_clark::CatmullClark;
 pub use circle::Circle;
 pub use doo_sabin::DooSabin;
+pub(super) use dual::dual;
 pub use incenter::Incenter;
 pub use kobbelt_edges::KobbeltEdges;
 pub use kobbelt_faces::KobbeltFaces;

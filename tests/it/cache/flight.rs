@@ -52,7 +52,7 @@ fn the_job_of_a_client_that_leaves_is_stopped() {
         drop(client);
         until("nobody waits", || server.app.desk.n_under_way() == 0).await;
         // its place is free again: the computation itself has ended
-        drop(server.app.desk.pool.turn(Lane::Long, 0).await);
+        drop(server.turn(Lane::Long).await);
     });
 }
 

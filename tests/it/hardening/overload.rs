@@ -27,15 +27,16 @@ fn a_full_queue_is_answered_503_while_cached_answers_and_health_go_on() {
             let hit = server.render(&mesh(1)).await.ok();
             assert_eq!(hit.header("cache-status"), "planish; hit");
             assert_eq!(hit.body, cached.body);
-            for health in ["/livez", "/readyz"] {
-                assert_eq!(server.get(health).await.status, 200, "{health}");
-            }
+            assert_eq!(server.get("/livez").await.status, 200);
+            let problem = server.get("/readyz").await.problem(503, "not-ready");
+            assert!(problem["detail"].as_str().unwrap().contains("short-lane"), "{problem}");
         }
         let joined = server.post_with("/v1/render", &with(mesh(2), "obj"), &[("prefer", "wait=0")]).await;
         assert_eq!(joined.status, 202, "who joins needs no place");
         drop(held);
         until("the queue is empty", || server.app.desk.n_under_way() == 0).await;
         server.render(&with(mesh(2), "stl")).await.ok();
+        server.get("/readyz").await.ok();
     });
 }
 
@@ -69,11 +70,10 @@ fn levels_of_tolerances_on_meshes_are_found_in_line() {
 #[test]
 fn a_turn_lasts_until_its_work_ends_though_nobody_waits_for_it() {
     story(settings(), async |server| {
-        let pool = &server.app.desk.pool;
         let turn = server.hold().await.pop().expect("one");
         let (end, ended) = std::sync::mpsc::channel::<()>();
         drop(tokio::task::spawn_blocking(move || turn.run(move || ended.recv())));
-        let mut next = pin!(pool.turn(Lane::Long, 0));
+        let mut next = pin!(server.turn(Lane::Long));
         assert!(poll_fn(|context| Poll::Ready(next.as_mut().poll(context).is_pending())).await, "its place is taken");
         end.send(()).expect("the work goes on");
         drop(next.await);

@@ -8,7 +8,7 @@ use crate::http::server::{rest, settings, story, until};
 
 /// A server that waits for a second.
 fn impatient() -> Settings {
-    Settings { header_timeout_s: 1, body_timeout_s: 1, ..settings() }
+    Settings { header_timeout_s: 1, body_timeout_s: 1, least_rate_bytes_s: 100 << 20, ..settings() }
 }
 
 #[test]
@@ -79,17 +79,18 @@ fn a_client_that_does_not_read_its_answer_is_let_go() {
 }
 
 #[test]
-fn beyond_the_cap_connections_wait_for_a_place() {
+fn beyond_the_cap_a_connection_takes_the_place_of_the_one_that_is_idle_for_longest() {
     let settings = Settings { max_connections: 2, header_timeout_s: 60, ..settings() };
     story(settings, async |server| {
-        let (first, second) = (server.connect().await, server.connect().await);
+        let first = server.connect().await;
+        until("the first is in", || server.app.connections.len() == 1).await;
+        let mut second = server.connect().await;
+        until("both are in", || server.app.connections.len() == 2).await;
         let asked = server.said("GET /livez HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n").await;
-        let mut waiting = tokio::spawn(rest(asked));
-        let early = tokio::time::timeout(std::time::Duration::from_millis(200), &mut waiting).await;
-        assert!(early.is_err(), "there is no place yet");
-        drop(first);
-        assert!(waiting.await.unwrap().starts_with("HTTP/1.1 200"));
-        drop(second);
+        assert!(rest(asked).await.starts_with("HTTP/1.1 200"));
+        assert_eq!(rest(first).await, "", "it was idle for longest");
+        second.write_all(b"GET /livez HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n").await.unwrap();
+        assert!(rest(second).await.starts_with("HTTP/1.1 200"));
     });
 }
 

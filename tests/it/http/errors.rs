@@ -197,7 +197,7 @@ fn a_method_that_a_page_does_not_know_is_405_with_those_it_knows() {
             (Method::DELETE, "/v1/presets/chaikin", "GET,HEAD"),
             (Method::POST, "/v1/artifacts/1.glb", "GET,HEAD"),
             (Method::PATCH, "/livez", "GET,HEAD"),
-            (Method::from_bytes(b"BREW").unwrap(), "/v1/jobs/1", "GET,HEAD"),
+            (Method::from_bytes(b"BREW").unwrap(), "/v1/jobs/1", "GET,HEAD,DELETE"),
         ];
         for (method, path, allowed) in table {
             let answer = server.ask(method.clone(), path, &[], Vec::new()).await;

@@ -11,6 +11,7 @@ use axum::http::{HeaderMap, Method};
 use planish::config::Settings;
 use planish::http::App;
 use planish::http::serve::{bind, serve};
+use planish::service::peer::Peer;
 use planish::service::pool::{Lane, Turn};
 use serde_json::Value;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
@@ -182,10 +183,17 @@ impl Server {
         let mut turns = Vec::new();
         for (lane, places) in [(Lane::Short, threads), (Lane::Long, threads.div_ceil(2))] {
             for _ in 0..places {
-                turns.push(self.app.desk.pool.turn(lane, 0).await);
+                turns.push(self.turn(lane).await);
             }
         }
         turns
+    }
+
+    /// A place in a lane.
+    pub(crate) async fn turn(&self, lane: Lane) -> Turn {
+        let pool = &self.app.desk.pool;
+        let waiting = pool.line_up(lane, Peer::SELF, 0).unwrap();
+        pool.turn(lane, waiting).await
     }
 
     /// Follows a job until nothing more will happen.

@@ -189,6 +189,7 @@ fn survives(text: &[u8]) -> bool {
             assert!(!faults.is_empty(), "{}", String::from_utf8_lossy(text));
             return false;
         }
+        Err(Refusal::Stopped) => unreachable!("nothing stops it"),
     };
     let results = admitted.job().outputs.iter().map(|output| {
         let mut bytes = Vec::new();

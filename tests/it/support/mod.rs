@@ -29,6 +29,7 @@ pub(crate) fn render(job: &serde_json::Value) -> Result<(Vec<u8>, Report), Vec<F
     let admitted = Limits::default().admit(parsed(&text)?).map_err(|refusal| match refusal {
         Refusal::Impossible(faults) => faults,
         Refusal::TooLarge { detail, .. } => vec![Fault::new("/levels", detail)],
+        Refusal::Stopped => unreachable!("nothing stops it"),
     })?;
     let output = admitted.job().outputs[0].clone();
     let mut bytes = Vec::new();
@@ -80,4 +81,14 @@ pub(crate) fn faults(mut job: serde_json::Value) -> Vec<Fault> {
         Ok((bytes, _)) => panic!("accepted, with {} bytes: {job:.2000}", bytes.len()),
         Err(faults) => faults,
     }
+}
+
+/// What a computation gives, and the most bytes that it held at once. It has one thread, as bytes are counted by thread.
+pub(crate) fn peak<T: Send>(run: impl FnOnce() -> T + Send) -> (T, u64) {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be started");
+    pool.install(|| {
+        let mut found = None;
+        let taken = allocation_counter::measure(|| found = Some(run()));
+        (found.expect("it ran"), taken.bytes_max)
+    })
 }

@@ -1,0 +1,175 @@
+//! The connections that are open: how many there are, of whom, and which one makes room when there are too many.
+
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use tokio::sync::Notify;
+
+use crate::service::clock::Clock;
+use crate::service::peer::Peer;
+
+/// What a connection is waiting for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub(super) enum Phase {
+    /// For its client to send a request, or the rest of one.
+    Listening,
+    /// For its client to read an answer.
+    Blocked,
+    /// For the service.
+    Working,
+}
+
+/// The open connections of a service.
+#[derive(Debug)]
+pub struct Connections {
+    table: Mutex<Table>,
+    most: usize,
+    most_a_peer: usize,
+    clock: Arc<dyn Clock>,
+    made_room: AtomicU64,
+    refused: AtomicU64,
+}
+
+#[derive(Debug, Default)]
+struct Table {
+    next: u64,
+    open: HashMap<u64, Arc<Connection>>,
+    of_peer: HashMap<Peer, usize>,
+}
+
+/// One connection.
+#[derive(Debug)]
+pub(super) struct Connection {
+    /// Whose it is.
+    pub(super) peer: Peer,
+    number: u64,
+    phase: AtomicU8,
+    /// When the phase began, microseconds of the clock.
+    since_us: AtomicU64,
+    clock: Arc<dyn Clock>,
+    closing: Notify,
+    /// Whether a request is being answered.
+    pub(super) serving: AtomicBool,
+    /// Whether the bytes that are written come from an answer of ours.
+    pub(super) answering: AtomicBool,
+}
+
+/// An open connection, counted until it is dropped.
+#[derive(Debug)]
+pub(super) struct Open {
+    pub(super) connection: Arc<Connection>,
+    connections: Arc<Connections>,
+}
+
+impl Connections {
+    /// At most so many connections, and so many of one peer.
+    pub(super) fn new(most: usize, most_a_peer: usize, clock: Arc<dyn Clock>) -> Arc<Self> {
+        let counters = (AtomicU64::new(0), AtomicU64::new(0));
+        Arc::new(Self { table: Mutex::default(), most, most_a_peer, clock, made_room: counters.0, refused: counters.1 })
+    }
+
+    fn table(&self) -> MutexGuard<'_, Table> {
+        self.table.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Lets a connection in. Where there are too many, the one that has kept the service waiting for longest is closed for
+    /// it: of the same peer when this peer has its share, else of the peer that has most. `None` when all of them wait for
+    /// the service.
+    pub(super) fn enter(self: &Arc<Self>, peer: Peer) -> Option<Open> {
+        let mut table = self.table();
+        let own = table.of_peer.get(&peer).copied().unwrap_or(0);
+        if own >= self.most_a_peer || table.open.len() >= self.most {
+            let from = if own >= self.most_a_peer { Some(peer) } else { None };
+            let Some(slowest) = table.slowest(from) else {
+                self.refused.fetch_add(1, Ordering::Relaxed);
+                return None;
+            };
+            self.made_room.fetch_add(1, Ordering::Relaxed);
+            table.remove(&slowest);
+            slowest.closing.notify_one();
+        }
+        let number = table.next;
+        table.next += 1;
+        let connection = Arc::new(Connection {
+            peer,
+            number,
+            phase: AtomicU8::new(Phase::Listening as u8),
+            since_us: AtomicU64::new(micros(self.clock.now())),
+            clock: self.clock.clone(),
+            closing: Notify::new(),
+            serving: AtomicBool::new(false),
+            answering: AtomicBool::new(false),
+        });
+        table.open.insert(number, connection.clone());
+        *table.of_peer.entry(peer).or_default() += 1;
+        Some(Open { connection, connections: Arc::clone(self) })
+    }
+
+    /// How many are open.
+    pub fn len(&self) -> usize {
+        self.table().open.len()
+    }
+
+    /// Whether none is open.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// How many were closed to make room, and how many were not let in.
+    pub fn crowding(&self) -> [u64; 2] {
+        [&self.made_room, &self.refused].map(|counter| counter.load(Ordering::Relaxed))
+    }
+}
+
+impl Table {
+    /// The connection that waits for its client for longest: one that listens before one that is not read.
+    fn slowest(&self, of: Option<Peer>) -> Option<Arc<Connection>> {
+        let rank = |connection: &&Arc<Connection>| {
+            let crowd = self.of_peer.get(&connection.peer).copied().unwrap_or(0);
+            let crowd = if of.is_some() { 0 } else { crowd };
+            let phase = connection.phase.load(Ordering::Relaxed);
+            (phase, usize::MAX - crowd, connection.since_us.load(Ordering::Relaxed), connection.number)
+        };
+        let waiting = self.open.values().filter(|connection| of.is_none_or(|peer| connection.peer == peer));
+        let waiting = waiting.filter(|connection| connection.phase.load(Ordering::Relaxed) != Phase::Working as u8);
+        waiting.min_by_key(rank).cloned()
+    }
+
+    fn remove(&mut self, connection: &Connection) {
+        if self.open.remove(&connection.number).is_some()
+            && let Some(own) = self.of_peer.get_mut(&connection.peer)
+        {
+            *own -= 1;
+            if *own == 0 {
+                self.of_peer.remove(&connection.peer);
+            }
+        }
+    }
+}
+
+impl Connection {
+    /// Says what the connection is waiting for from now on.
+    pub(super) fn enter(&self, phase: Phase) {
+        if self.phase.swap(phase as u8, Ordering::Relaxed) != phase as u8 {
+            self.since_us.store(micros(self.clock.now()), Ordering::Relaxed);
+        }
+    }
+
+    /// Comes true when the connection is to be closed for another.
+    pub(super) async fn closed(&self) {
+        self.closing.notified().await;
+    }
+}
+
+impl Drop for Open {
+    fn drop(&mut self) {
+        self.connections.table().remove(&self.connection);
+    }
+}
+
+fn micros(time: Duration) -> u64 {
+    u64::try_from(time.as_micros()).unwrap_or(u64::MAX)
+}

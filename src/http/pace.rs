@@ -1,0 +1,21 @@
+//! The least pace of a transfer: slow at first is fine, slow for ever is not.
+
+use std::time::Duration;
+
+/// How slow a transfer may be: for `grace` as slow as it likes, after that at `least_rate` on average.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Pace {
+    /// Time that a transfer has in any case.
+    pub(super) grace: Duration,
+    /// Bytes a second.
+    pub(super) least_rate: u64,
+}
+
+impl Pace {
+    /// How long a transfer may have taken when so many bytes are through: `grace + bytes / least_rate`.
+    pub(super) fn allows(&self, bytes: u64) -> Duration {
+        let millis = bytes.saturating_mul(1000) / self.least_rate.max(1);
+        // a day is longer than any transfer, and can be added to any time
+        self.grace.saturating_add(Duration::from_millis(millis)).min(Duration::from_hours(24))
+    }
+}

@@ -1,0 +1,125 @@
+//! The stream of a connection: its client has to read answers at the least rate, and refusals that the HTTP library writes
+//! by itself leave as problems.
+
+use std::io::{self, IoSlice};
+use std::pin::Pin;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::task::{Context, Poll, ready};
+
+use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
+use tokio::net::TcpStream;
+use tokio::time::{Instant, Sleep, sleep_until};
+
+use super::connections::{Connection, Phase};
+use super::pace::Pace;
+use super::problem;
+
+/// A stream that watches how fast it is read.
+#[derive(Debug)]
+pub(super) struct Watched {
+    stream: TcpStream,
+    connection: Arc<Connection>,
+    pace: Pace,
+    /// Since when an answer is being written, and how many bytes of it the system has taken.
+    answer: Option<(Instant, u64)>,
+    alarm: Option<Pin<Box<Sleep>>>,
+    /// What is written in place of a refusal of the HTTP library, and how much of it was.
+    instead: Option<(Vec<u8>, usize)>,
+}
+
+impl Watched {
+    pub(super) fn new(stream: TcpStream, connection: Arc<Connection>, pace: Pace) -> Self {
+        Self { stream, connection, pace, answer: None, alarm: None, instead: None }
+    }
+
+    /// Books what a write came to: the client may stay behind the least rate only for so long.
+    fn watch(&mut self, context: &mut Context<'_>, poll: Poll<io::Result<usize>>) -> Poll<io::Result<usize>> {
+        let (since, taken) = self.answer.get_or_insert_with(|| (Instant::now(), 0));
+        match poll {
+            Poll::Ready(Ok(n)) => {
+                *taken += n as u64;
+                self.alarm = None;
+                self.connection.enter(Phase::Working);
+                Poll::Ready(Ok(n))
+            }
+            Poll::Ready(Err(error)) => Poll::Ready(Err(error)),
+            Poll::Pending => {
+                self.connection.enter(Phase::Blocked);
+                let deadline = *since + self.pace.allows(*taken);
+                let alarm = self.alarm.get_or_insert_with(|| Box::pin(sleep_until(deadline)));
+                ready!(alarm.as_mut().poll(context));
+                Poll::Ready(Err(io::Error::new(io::ErrorKind::TimedOut, "the client reads too slowly")))
+            }
+        }
+    }
+
+    /// Whether the bytes to be written are no answer of ours, but a refusal that the library made of a request it could not
+    /// read; then a problem is prepared in their place.
+    fn is_refusal(&mut self, bytes: &[u8]) -> bool {
+        if self.instead.is_none() && !self.connection.answering.load(Ordering::Relaxed) {
+            self.instead = Some((problem::unreadable(bytes), 0));
+        }
+        self.instead.is_some()
+    }
+
+    /// Writes the problem, and says that `length` bytes were.
+    fn write_instead(&mut self, context: &mut Context<'_>, length: usize) -> Poll<io::Result<usize>> {
+        while let Some((bytes, at)) = self.instead.as_mut().filter(|(bytes, at)| *at < bytes.len()) {
+            let n = ready!(Pin::new(&mut self.stream).poll_write(context, &bytes[*at..]))?;
+            if n == 0 {
+                return Poll::Ready(Err(io::ErrorKind::WriteZero.into()));
+            }
+            *at += n;
+        }
+        Poll::Ready(Ok(length))
+    }
+}
+
+impl AsyncRead for Watched {
+    fn poll_read(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buf: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_read(cx, buf)
+    }
+}
+
+impl AsyncWrite for Watched {
+    fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buf: &[u8]) -> Poll<io::Result<usize>> {
+        if self.is_refusal(buf) {
+            return self.write_instead(cx, buf.len());
+        }
+        let poll = Pin::new(&mut self.stream).poll_write(cx, buf);
+        self.watch(cx, poll)
+    }
+
+    fn poll_write_vectored(
+        mut self: Pin<&mut Self>,
+        cx: &mut Context<'_>,
+        bufs: &[IoSlice<'_>],
+    ) -> Poll<io::Result<usize>> {
+        let first = bufs.iter().find(|buf| !buf.is_empty()).map_or(&[][..], |buf| buf);
+        if self.is_refusal(first) {
+            return self.write_instead(cx, bufs.iter().map(|buf| buf.len()).sum());
+        }
+        let poll = Pin::new(&mut self.stream).poll_write_vectored(cx, bufs);
+        self.watch(cx, poll)
+    }
+
+    fn is_write_vectored(&self) -> bool {
+        self.stream.is_write_vectored()
+    }
+
+    fn poll_flush(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        let flushed = ready!(Pin::new(&mut self.stream).poll_flush(cx));
+        // what was written is out: unless an answer goes on, the connection listens again
+        if !self.connection.serving.load(Ordering::Relaxed) {
+            self.answer = None;
+            self.connection.answering.store(false, Ordering::Relaxed);
+            self.connection.enter(Phase::Listening);
+        }
+        Poll::Ready(flushed)
+    }
+
+    fn poll_shutdown(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_shutdown(cx)
+    }
+}

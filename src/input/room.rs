@@ -1,0 +1,58 @@
+//! What a reader may take of memory: in proportion to the bytes that came in.
+
+/// Bytes that may be taken whatever the length: an accessor, a few nodes and primitives need more than their text is long.
+/// With less, small scenes of a few hundred nodes would be refused; more would let a thousand tiny requests take gigabytes.
+const LEAST: u64 = 1 << 20;
+
+/// Bytes that may be taken for each byte of a file. Lists double their room when they are full, so that an entry takes three
+/// times its size at worst: a vertex of OBJ (`v 0 0 0`) nine for each byte, a face of binary PLY (`3` and three indices, a
+/// byte each) sixteen, a node of glTF that says where it is about twenty.
+const EACH: u64 = 32;
+
+/// Times the size of its entries that a growing list holds at worst: the old half while it is copied to the new whole.
+pub(super) const GROWN: usize = 3;
+
+/// Bytes that reading a mesh file of so many bytes takes at most, the file itself left out.
+pub const fn weight(length: u64) -> u64 {
+    LEAST.saturating_add(EACH.saturating_mul(length))
+}
+
+/// What is left of the weight of a file.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Room {
+    length: u64,
+    left: u64,
+}
+
+impl Room {
+    /// All that a file of so many bytes may take.
+    pub(super) fn new(length: usize) -> Self {
+        Self { length: length as u64, left: weight(length as u64) }
+    }
+
+    /// Takes so many bytes.
+    ///
+    /// # Errors
+    /// There are not so many left: what the file may take, and how to stay below.
+    pub(super) fn take(&mut self, bytes: usize) -> Result<(), String> {
+        self.left = self.left.checked_sub(bytes as u64).ok_or_else(|| {
+            let Self { length, left } = self;
+            let all = weight(*length);
+            format!(
+                "reading takes {bytes} bytes more; a file of {length} bytes may take {all} in all, of which {left} are \
+                 left: send what is repeated in parts"
+            )
+        })?;
+        Ok(())
+    }
+
+    /// Gives back what was taken and is dropped.
+    pub(super) fn give(&mut self, bytes: usize) {
+        self.left += bytes as u64;
+    }
+
+    /// Whether so many bytes are left.
+    pub(super) fn has(&self, bytes: usize) -> bool {
+        self.left >= bytes as u64
+    }
+}

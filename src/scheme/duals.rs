@@ -1,0 +1,198 @@
+//! The forecast of words with D on any mesh, in three parts.
+//!
+//! Until the first U nets are never larger than the input; their duals are made. From then on, where each D comes right
+//! after a U that makes quads, there are closed forms (`fans`). Where several D follow each other or faces are split into
+//! triangles, a collar along the boundary is refined (`collar`), which grows like the boundary, not like the mesh.
+//!
+//! What is made is bounded: before anything is allocated its bytes are compared with [`MAX_BYTES`], or with what the
+//! duals of the input itself take, whichever is more.
+
+use super::collar::Collar;
+use super::count::Count;
+use super::fans::Fans;
+use super::forecast::{Forecast, ForecastError, Tally};
+use super::mesh_net::MeshNet;
+use super::ops::{LatitudeRule, Role};
+use super::plan::{DEFAULT_MU, Scheduled};
+use super::step::{StepError, Values};
+use crate::math::expression::Expression;
+use crate::shape::tile::Tile;
+use crate::watch::Watch;
+
+/// Bytes that a forecast may hold: the collar of a mesh of 20 million quads with four boundaries as long as it is wide
+/// takes a third of it.
+pub const MAX_BYTES: u128 = 64 << 20;
+/// Bytes for each corner of a net while it is split or its dual is made: 13 of the topology, 5 of its faces, and of the
+/// dual 12 of the sides of edges, 20 of its own topology and 13 of lists on the way, which grow by doubling.
+const CORNER_BYTES: u128 = 96;
+/// Layers that are kept at the end, so that no face touches both the boundary and the cut.
+const LEAST_LAYERS: u32 = 2;
+
+/// The forecast of a word with D.
+pub(super) struct Duals<'a> {
+    pub(super) net: &'a MeshNet,
+    pub(super) steps: &'a [Scheduled],
+    pub(super) cap: u128,
+    pub(super) watch: &'a Watch,
+}
+
+fn is_dual(step: &Scheduled) -> bool {
+    step.letter.operator.letter() == Some('D')
+}
+
+fn is_split(step: &Scheduled) -> bool {
+    step.letter.operator.role() == Role::Upsample
+}
+
+fn at(step: &Scheduled, error: StepError) -> ForecastError {
+    ForecastError::Step { level: step.level, error }
+}
+
+impl Duals<'_> {
+    /// The counts of every level.
+    pub(super) fn forecast(&self) -> Result<Forecast, ForecastError> {
+        let mut tally = Tally::new(Count::of_mesh(self.net));
+        let first = self.steps.iter().position(is_split).unwrap_or(self.steps.len());
+        let (before, after) = self.steps.split_at(first);
+        let net = self.built(before, &mut tally)?;
+        if after.is_empty() {
+            return Ok(tally.finish());
+        }
+        if let Some(tags) = net.tagged
+            && let Some(step) = after.iter().find(|step| is_dual(step))
+        {
+            return Err(at(step, StepError::DualTags(tags)));
+        }
+        if alone(after) { self.by_fans(&net, after, &mut tally)? } else { self.by_collar(&net, after, &mut tally)? }
+        Ok(tally.finish())
+    }
+
+    /// Refines a net by the operators themselves.
+    fn built(&self, steps: &[Scheduled], tally: &mut Tally) -> Result<MeshNet, ForecastError> {
+        let mut net = self.net.clone();
+        let mut count = tally.last();
+        let one = Expression::constant(1.0);
+        for step in steps {
+            self.watch.check()?;
+            if is_split(step) || is_dual(step) {
+                let next = if is_split(step) { count.upsampled(&step.letter, net.is_quads()) } else { count };
+                self.fits(step, next.corners)?;
+                let values = Values {
+                    letter: &step.letter,
+                    alpha: step.alpha,
+                    kernel: 1.0,
+                    mu: DEFAULT_MU,
+                    compensation: 1.0,
+                    delta: &one,
+                    first: false,
+                    latitude_rule: LatitudeRule::Isotropic,
+                    sources: None,
+                };
+                net = step.letter.operator.on_mesh(&net, &values).map_err(|error| at(step, error))?.net;
+                count = Count::of_mesh(&net);
+            }
+            tally.step(step, count);
+        }
+        Ok(net)
+    }
+
+    fn by_fans(&self, net: &MeshNet, steps: &[Scheduled], tally: &mut Tally) -> Result<(), ForecastError> {
+        let mut fans = Fans::of(&net.base, tally.last());
+        let mut lost = false;
+        for step in steps {
+            self.watch.check()?;
+            if is_split(step) {
+                let halved = step.letter.pieces(fans.is_quads()) != step.letter.arity;
+                halved.then(|| fans.split(2));
+                fans.split(step.letter.arity);
+                lost = false;
+            } else if is_dual(step) {
+                lost |= fans.dual();
+            }
+            self.count(step, fans.count(), lost, tally)?;
+        }
+        Ok(())
+    }
+
+    fn by_collar(&self, net: &MeshNet, steps: &[Scheduled], tally: &mut Tally) -> Result<(), ForecastError> {
+        let layers = layers(steps);
+        let mut collar = Collar::of(&net.base, tally.last(), layers[0]).map_err(|error| at(&steps[0], error))?;
+        let mut lost = false;
+        for (step, layers) in steps.iter().zip(layers) {
+            self.watch.check()?;
+            if is_split(step) {
+                collar.keep(layers).map_err(|error| at(step, error))?;
+                let (tile, arity) = (step.letter.tile, step.letter.arity);
+                if tile == Tile::Triangle && !collar.are_all(3) {
+                    return Err(self.other_faces(step));
+                }
+                let pieces = step.letter.pieces(collar.are_all(4));
+                let cells = u128::from(pieces) * u128::from(pieces);
+                self.fits(step, cells.saturating_mul(collar.n_corners() as u128))?;
+                (pieces != arity).then(|| collar.split(tile, 2));
+                collar.split(tile, arity);
+                lost = false;
+            } else if is_dual(step) {
+                lost |= collar.dual().map_err(|error| at(step, error))?;
+            }
+            self.count(step, collar.count(), lost, tally)?;
+        }
+        Ok(())
+    }
+
+    /// Notes a count within the cap; a P changes none, but needs all vertices that entered the last U.
+    fn count(&self, step: &Scheduled, count: Count, lost: bool, tally: &mut Tally) -> Result<(), ForecastError> {
+        if count.vertices > self.cap || count.corners > self.cap.saturating_mul(8) {
+            return Err(ForecastError::Cap { level: step.level, cap: self.cap });
+        }
+        if lost && step.letter.operator.role() == Role::PushBack {
+            return Err(at(step, StepError::LostPoints("a boundary or a valence below 3")));
+        }
+        tally.step(step, count);
+        Ok(())
+    }
+
+    /// Whether what a net of so many corners takes may be held.
+    fn fits(&self, step: &Scheduled, corners: u128) -> Result<(), ForecastError> {
+        let bytes = corners.saturating_mul(CORNER_BYTES);
+        let bound = MAX_BYTES.max(CORNER_BYTES * self.net.base.n_corners() as u128);
+        if bytes <= bound { Ok(()) } else { Err(ForecastError::Bytes { level: step.level, bytes, bound }) }
+    }
+
+    /// Why faces after a D cannot be split into triangles: the first of them is known once they are made.
+    fn other_faces(&self, step: &Scheduled) -> ForecastError {
+        let end = self.steps.iter().position(|other| std::ptr::eq(other, step)).map_or(self.steps.len(), |i| i + 1);
+        let made = self.built(&self.steps[..end], &mut Tally::new(Count::of_mesh(self.net)));
+        made.err().unwrap_or(at(step, StepError::WrongNet("only triangles are split into triangles")))
+    }
+}
+
+/// Whether each D comes right after an upsampling that makes quads, so far as connectivity goes.
+fn alone(steps: &[Scheduled]) -> bool {
+    let mut after_split = false;
+    steps.iter().all(|step| {
+        if is_split(step) {
+            after_split = true;
+            return step.letter.tile == Tile::Quad;
+        }
+        let allowed = !is_dual(step) || after_split;
+        after_split &= !is_dual(step);
+        allowed
+    })
+}
+
+/// The layers of faces that have to be known before each step, from its end backwards.
+fn layers(steps: &[Scheduled]) -> Vec<u32> {
+    let mut needed = LEAST_LAYERS;
+    let mut layers: Vec<u32> = Vec::with_capacity(steps.len());
+    for step in steps.iter().rev() {
+        if is_dual(step) {
+            needed = needed.saturating_add(1);
+        } else if is_split(step) {
+            needed = needed.div_ceil(step.letter.arity).max(LEAST_LAYERS);
+        }
+        layers.push(needed);
+    }
+    layers.reverse();
+    layers
+}

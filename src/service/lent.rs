@@ -1,0 +1,74 @@
+//! Bytes on their way to clients: what they hold of the account comes back when the last of them is gone.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+
+use bytes::Bytes;
+
+use super::account::{Full, Held, Share};
+use super::store::Manifest;
+use crate::job::key::Key;
+
+/// Answers up to this length take nothing: with one a connection they are bounded by the connections.
+const FREE_BYTES: u64 = 64 << 10;
+
+/// Bytes together with whatever pays for their memory.
+#[derive(Debug)]
+pub struct Lent<T> {
+    bytes: Bytes,
+    _paid: T,
+}
+
+impl<T: Send + 'static> Lent<T> {
+    /// The same bytes; what pays for them is dropped with their last part, wherever that is.
+    #[expect(clippy::new_ret_no_self, reason = "it is only ever an owner of bytes")]
+    pub fn new(bytes: Bytes, paid: T) -> Bytes {
+        Bytes::from_owner(Self { bytes, _paid: paid })
+    }
+}
+
+impl<T> AsRef<[u8]> for Lent<T> {
+    fn as_ref(&self) -> &[u8] {
+        &self.bytes
+    }
+}
+
+/// The artifacts in memory that are being answered, each paid for once: while a client reads one, it may leave the cache,
+/// but not the memory.
+#[derive(Debug)]
+pub struct InFlight {
+    share: Arc<Share>,
+    artifacts: Mutex<HashMap<Key, Weak<Held>>>,
+}
+
+impl InFlight {
+    /// Answers that are paid for from a share.
+    pub fn new(share: Arc<Share>) -> Self {
+        Self { share, artifacts: Mutex::default() }
+    }
+
+    /// Pays for an artifact in memory as long as it is answered; `None` for small ones, which are free.
+    ///
+    /// # Errors
+    /// [`Full`].
+    pub fn hold(&self, manifest: &Manifest) -> Result<Option<Arc<Held>>, Full> {
+        if manifest.length <= FREE_BYTES {
+            return Ok(None);
+        }
+        let mut artifacts = self.artifacts.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(held) = artifacts.get(&manifest.content).and_then(Weak::upgrade) {
+            return Ok(Some(held));
+        }
+        let held = Arc::new(self.share.try_take(manifest.length)?);
+        if artifacts.len() >= 64 && artifacts.len().is_power_of_two() {
+            artifacts.retain(|_, held| held.strong_count() > 0);
+        }
+        artifacts.insert(manifest.content, Arc::downgrade(&held));
+        Ok(Some(held))
+    }
+
+    /// Pays for a part that is about to be read from disk; waits until other clients have read theirs.
+    pub async fn part(&self, bytes: u64) -> Held {
+        self.share.take(bytes).await
+    }
+}

@@ -1,0 +1,186 @@
+//! The line before a lane: each peer has a queue of its own, and the queues take turns, so that whoever asks for little
+//! does not wait behind whoever asks for much.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use tokio::sync::oneshot;
+
+use super::account::{Held, Share};
+use super::peer::Peer;
+
+/// The line is full, or the peer has too many in it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Crowded;
+
+/// A bounded number of places, and those who wait for one.
+#[derive(Debug)]
+pub(super) struct Line {
+    state: Mutex<State>,
+    /// The memory of those who have a place.
+    share: Arc<Share>,
+    most: usize,
+    most_a_peer: usize,
+}
+
+#[derive(Debug)]
+struct State {
+    free: usize,
+    n_waiting: usize,
+    next_number: u64,
+    /// The queues of peers in the order of their turns; none is empty.
+    queues: VecDeque<(Peer, VecDeque<Request>)>,
+}
+
+#[derive(Debug)]
+struct Request {
+    number: u64,
+    bytes: u64,
+    grant: oneshot::Sender<Place>,
+}
+
+/// Somebody in line; leaves it when dropped.
+#[derive(Debug)]
+pub struct Waiting {
+    line: Arc<Line>,
+    peer: Peer,
+    number: u64,
+    granted: oneshot::Receiver<Place>,
+}
+
+/// A place, with the memory that goes with it.
+#[derive(Debug)]
+pub(super) struct Place {
+    line: Arc<Line>,
+    /// Taken out by whoever needs it longer than the place.
+    pub(super) memory: Option<Memory>,
+}
+
+/// The memory of a lane; given back, it goes to whoever waits for it.
+#[derive(Debug)]
+pub struct Memory {
+    line: Arc<Line>,
+    held: Option<Held>,
+}
+
+impl Memory {
+    /// Gives back what is held beyond so many bytes.
+    pub fn shrink_to(&mut self, bytes: u64) {
+        self.held.iter_mut().for_each(|held| held.shrink_to(bytes));
+        self.line.serve();
+    }
+}
+
+impl Drop for Memory {
+    fn drop(&mut self) {
+        drop(self.held.take());
+        self.line.serve();
+    }
+}
+
+impl Line {
+    /// A line before so many places, of at most `most` who wait, and `most_a_peer` of each peer.
+    pub(super) fn new(places: usize, share: Arc<Share>, most: usize, most_a_peer: usize) -> Arc<Self> {
+        let state = State { free: places.max(1), n_waiting: 0, next_number: 0, queues: VecDeque::new() };
+        Arc::new(Self { state: Mutex::new(state), share, most, most_a_peer })
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Joins the line for a place with so much memory; more than there is in all means all of it.
+    pub(super) fn join(self: &Arc<Self>, peer: Peer, bytes: u64) -> Result<Waiting, Crowded> {
+        let mut state = self.state();
+        let own = state.queues.iter().find(|(other, _)| *other == peer).map_or(0, |(_, queue)| queue.len());
+        if state.n_waiting >= self.most || own >= self.most_a_peer {
+            return Err(Crowded);
+        }
+        let number = state.next_number;
+        state.next_number += 1;
+        state.n_waiting += 1;
+        let (grant, granted) = oneshot::channel();
+        let request = Request { number, bytes: bytes.min(self.share.capacity), grant };
+        match state.queues.iter_mut().find(|(other, _)| *other == peer) {
+            Some((_, queue)) => queue.push_back(request),
+            None => state.queues.push_back((peer, VecDeque::from([request]))),
+        }
+        drop(state);
+        self.serve();
+        Ok(Waiting { line: Arc::clone(self), peer, number, granted })
+    }
+
+    /// Gives free places to those whose turn it is.
+    fn serve(self: &Arc<Self>) {
+        loop {
+            let mut state = self.state();
+            if state.free == 0 {
+                return;
+            }
+            let Some(bytes) = state.queues.front().and_then(|(_, queue)| queue.front()).map(|request| request.bytes)
+            else {
+                return;
+            };
+            // who comes first but finds no memory keeps the others waiting: passed by, it might wait for ever
+            let Ok(held) = self.share.try_take(bytes) else { return };
+            let memory = Memory { line: Arc::clone(self), held: Some(held) };
+            let (peer, mut queue) = state.queues.pop_front().expect("it was just looked at");
+            let request = queue.pop_front().expect("no queue is empty");
+            if !queue.is_empty() {
+                state.queues.push_back((peer, queue));
+            }
+            state.n_waiting -= 1;
+            state.free -= 1;
+            drop(state);
+            // whoever left in this moment drops its place, which comes back
+            drop(request.grant.send(Place { line: Arc::clone(self), memory: Some(memory) }));
+        }
+    }
+
+    /// Takes somebody who leaves out of the line.
+    fn leave(self: &Arc<Self>, peer: Peer, number: u64) {
+        let mut state = self.state();
+        let Some(at) = state.queues.iter().position(|(other, _)| *other == peer) else { return };
+        let queue = &mut state.queues[at].1;
+        let Some(place) = queue.iter().position(|request| request.number == number) else { return };
+        let _ = queue.remove(place);
+        let is_empty = queue.is_empty();
+        if is_empty {
+            let _ = state.queues.remove(at);
+        }
+        state.n_waiting -= 1;
+        drop(state);
+        self.serve();
+    }
+
+    /// How many wait.
+    pub(super) fn waiting(&self) -> usize {
+        self.state().n_waiting
+    }
+
+    /// Whether nobody more is let in.
+    pub(super) fn is_full(&self) -> bool {
+        self.state().n_waiting >= self.most
+    }
+}
+
+impl Waiting {
+    /// Waits for a place.
+    pub(super) async fn place(mut self) -> Place {
+        (&mut self.granted).await.expect("a line grants each request that stays")
+    }
+}
+
+impl Drop for Waiting {
+    fn drop(&mut self) {
+        self.line.leave(self.peer, self.number);
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        drop(self.memory.take());
+        self.line.state().free += 1;
+        self.line.serve();
+    }
+}

@@ -1,0 +1,101 @@
+//! Clients, told apart by their network address, and what each may hold at once.
+
+use std::collections::HashMap;
+use std::net::{IpAddr, Ipv6Addr};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// A client as far as the service can tell: one IPv4 address, or the 64-bit network of an IPv6 address, as a single
+/// customer is given at least that much of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Peer(IpAddr);
+
+impl Peer {
+    /// The service itself.
+    pub const SELF: Self = Self(IpAddr::V6(Ipv6Addr::UNSPECIFIED));
+
+    /// The client at an address.
+    pub fn new(address: IpAddr) -> Self {
+        match address.to_canonical() {
+            IpAddr::V6(v6) => Self(IpAddr::V6(Ipv6Addr::from(u128::from(v6) >> 64 << 64))),
+            v4 => Self(v4),
+        }
+    }
+}
+
+/// Something a peer may hold only so many of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Kind {
+    /// Requests that wait for a computation, joined ones included.
+    Waiting,
+    /// Jobs that go on without their request.
+    Detached,
+    /// Bytes of bodies.
+    BodyBytes,
+}
+
+/// What all peers hold.
+#[derive(Debug, Default)]
+pub struct Peers(Mutex<Table>);
+
+#[derive(Debug, Default)]
+struct Table {
+    of_peer: HashMap<(Peer, Kind), u64>,
+    of_all: HashMap<Kind, u64>,
+}
+
+/// Something held by a peer, until it is dropped.
+#[derive(Debug)]
+pub struct Ticket {
+    peers: Arc<Peers>,
+    peer: Peer,
+    kind: Kind,
+    amount: u64,
+}
+
+impl Peers {
+    fn table(&self) -> MutexGuard<'_, Table> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes an amount for a peer, if it then holds at most `most`, and all peers together at most `most_of_all`.
+    pub fn take(self: &Arc<Self>, peer: Peer, kind: Kind, amount: u64, most: u64, most_of_all: u64) -> Option<Ticket> {
+        let mut table = self.table();
+        let held = table.of_peer.get(&(peer, kind)).copied().unwrap_or(0).saturating_add(amount);
+        let all = table.of_all.get(&kind).copied().unwrap_or(0).saturating_add(amount);
+        if held > most || all > most_of_all {
+            return None;
+        }
+        table.of_peer.insert((peer, kind), held);
+        table.of_all.insert(kind, all);
+        Some(Ticket { peers: Arc::clone(self), peer, kind, amount })
+    }
+
+    /// How much of a kind all peers hold.
+    pub fn held(&self, kind: Kind) -> u64 {
+        self.table().of_all.get(&kind).copied().unwrap_or(0)
+    }
+}
+
+impl Ticket {
+    /// Takes more of the same, under the same bounds; what was held stays in any case.
+    pub fn grow(&mut self, amount: u64, most: u64, most_of_all: u64) -> bool {
+        let Some(mut more) = self.peers.take(self.peer, self.kind, amount, most, most_of_all) else { return false };
+        self.amount += std::mem::take(&mut more.amount);
+        true
+    }
+}
+
+impl Drop for Ticket {
+    fn drop(&mut self) {
+        let mut table = self.peers.table();
+        let key = (self.peer, self.kind);
+        let left = table.of_peer.get(&key).copied().unwrap_or(0).saturating_sub(self.amount);
+        if left == 0 {
+            table.of_peer.remove(&key);
+        } else {
+            table.of_peer.insert(key, left);
+        }
+        let all = table.of_all.entry(self.kind).or_default();
+        *all = all.saturating_sub(self.amount);
+    }
+}

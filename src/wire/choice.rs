@@ -1,0 +1,49 @@
+//! Choices: values that are written as one of a few texts. By itself serde would also take `{"y": null}` for `"y"`, and
+//! call a number in place of a text no JSON at all.
+
+use std::fmt;
+
+use serde::de::{Error, Visitor};
+
+use crate::fault::shortened;
+
+/// Declares a choice: an enumeration, the text of each of its values, and how it is read.
+macro_rules! choice {
+    (
+        $(#[doc = $about:literal])+
+        pub enum $name:ident { $($(#[doc = $doc:literal])+ $variant:ident = $text:literal,)+ }
+    ) => {
+        $(#[doc = $about])+
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, utoipa::ToSchema)]
+        pub enum $name {
+            $($(#[doc = $doc])+ #[schema(rename = $text)] $variant,)+
+        }
+
+        impl<'de> serde::Deserialize<'de> for $name {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                deserializer.deserialize_str($crate::wire::choice::OneOf(&[$(($text, Self::$variant)),+]))
+            }
+        }
+    };
+}
+pub(super) use choice;
+
+/// Reads one of these texts.
+pub(super) struct OneOf<T: 'static>(pub(super) &'static [(&'static str, T)]);
+
+impl<T: Copy> Visitor<'_> for OneOf<T> {
+    type Value = T;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let texts: Vec<String> = self.0.iter().map(|(text, _)| format!("\"{text}\"")).collect();
+        write!(f, "one of {}", texts.join(", "))
+    }
+
+    fn visit_str<E: Error>(self, given: &str) -> Result<T, E> {
+        let found = self.0.iter().find(|(text, _)| *text == given);
+        let expected: &dyn serde::de::Expected = &self;
+        found
+            .map(|(_, value)| *value)
+            .ok_or_else(|| E::custom(format!("unknown choice \"{}\", expected {expected}", shortened(given))))
+    }
+}

@@ -1,0 +1,133 @@
+//! Every kind of JSON value in the place of every field: what does not fit is 422 with a pointer to the field, never
+//! "not JSON", and nothing is taken that the schema of the request forbids.
+
+use serde_json::{Value, json};
+
+use super::schema::Document;
+use crate::http::jobs::{polygon, with};
+use crate::http::server::{Server, settings, story};
+
+/// Jobs that are right, and have every field that a job can have among them.
+fn samples() -> Vec<Value> {
+    let positions = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]];
+    let faces = [[0, 1, 4, 3], [1, 2, 5, 4]];
+    let uvs = json!({ "values": [[0, 0], [1, 0], [1, 1], [0, 1]], "faces": [[0, 1, 2, 3], [0, 1, 2, 3]],
+        "interpolation": "boundaries" });
+    let carrying = json!({ "positions": positions, "faces": faces, "corners": [{ "vertex": 0, "sharpness": 10.0 }],
+        "creases": [{ "edge": [1, 4], "sharpness": 2.0 }], "holes": [1], "channels": { "heat": [0, 1, 2, 3, 4, 5] },
+        "groups": [{ "name": "left", "faces": [0] }], "materials": [{ "name": "red", "faces": [1] }], "uvs": uvs });
+    let numbers = json!([1, 1, 1, 1, 1, 1]);
+    let tagged = json!({ "positions": positions, "faces": faces, "latitude": [[0, 1]], "longitude": [[1, 4]],
+        "parameters": { "alpha": numbers, "kernel": numbers, "compensation": numbers, "delta": numbers } });
+    let points = [[0, 0], [1, 0], [1, 1], [0, 1]];
+    let curve = json!({ "points": points, "closed": true, "corners": [0], "rational": false, "pinned": [],
+        "tangents": null, "parameters": { "alpha": [0, 0, 0, 0], "kernel": [1, 1, 1, 1],
+        "compensation": [1, 1, 1, 1], "delta": [0, 0, 0, 0] } });
+    let steered = json!({ "points": points, "closed": true, "tangents": [[1, 0], [0, 1], [-1, 0], [0, -1]],
+        "pinned": [0] });
+    let word = json!({ "word": "UC", "parameters": {}, "ends": "clamped", "seed": 1 });
+    let outputs = json!([{ "format": "json", "name": "a" }]);
+    let text = json!({ "format": "off", "data": "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "encoding": "text" });
+    vec![
+        json!({ "spec": 1, "input": { "mesh": carrying, "unit": "mm", "up": "z", "orient": "repair", "weld": null,
+            "pair_quads": false }, "plan": { "preset": "catmull-clark", "boundary": "edge-only" }, "levels": 1,
+            "outputs": outputs }),
+        json!({ "input": { "mesh": tagged }, "plan": { "preset": "push-back" }, "levels": 1, "outputs": outputs }),
+        json!({ "input": { "text": text, "weld": 0.0 }, "outputs": outputs }),
+        json!({ "input": { "polygon": curve }, "plan": word, "levels": 1, "outputs": outputs }),
+        json!({ "input": { "polygons": [curve] }, "plan": word, "levels": 1, "outputs": outputs }),
+        json!({ "input": { "polygon": { "points": points } }, "plan": { "word": "UC" }, "levels": { "tolerance": 0.5 },
+            "outputs": outputs }),
+        json!({ "input": { "polygon": steered }, "plan": { "preset": "incenter" }, "levels": 1, "outputs": outputs }),
+        json!({ "input": { "polygons": [steered] }, "plan": { "preset": "incenter" }, "levels": 1, "outputs": outputs }),
+    ]
+}
+
+/// Values of every kind, ordinary and odd.
+fn values() -> Vec<Value> {
+    let plain = json!([null, false, true, 0, 1, -1, 0.5, 1e300, "", "y", "none", [], [0], [null], {}, { "y": null }]);
+    plain.as_array().unwrap().clone()
+}
+
+/// Puts each value at each place of a schema, in every sample that has it, and asks.
+async fn every_kind_everywhere(server: &Server, path: &str, schema: &str) {
+    let document = Document::new();
+    let mut places = Vec::new();
+    document.places(document.named(schema), "", &mut places);
+    for (place, schema) in places {
+        let all = samples();
+        let having: Vec<_> = all.iter().filter(|sample| sample.pointer(&place).is_some()).collect();
+        assert!(!having.is_empty(), "no sample has {place}");
+        for (sample, value) in having.into_iter().flat_map(|sample| values().into_iter().map(move |v| (sample, v))) {
+            let mut request = sample.clone();
+            *request.pointer_mut(&place).unwrap() = value.clone();
+            let answer = server.post(path, &request).await;
+            let why = format!("{value} at {place} of {path}: {}", answer.text());
+            let refused = answer.status == 422 || (path == "/v1/validate" && answer.json()["valid"] == false);
+            assert!(refused || answer.status == 200, "{why}");
+            if refused {
+                let pointer = answer.json()["errors"][0]["pointer"].as_str().unwrap().to_owned();
+                assert!(!pointer.is_empty(), "{why}");
+                let here = pointer == place || pointer.starts_with(&format!("{place}/"));
+                assert!(here || document.takes(schema, &value), "the pointer leads elsewhere: {why}");
+            } else {
+                assert!(document.takes(schema, &value), "the schema forbids it: {why}");
+            }
+        }
+    }
+}
+
+#[test]
+fn m8_the_samples_are_right_and_fit_their_schema() {
+    story(settings(), async |server| {
+        let document = Document::new();
+        for sample in samples() {
+            server.post("/v1/estimate", &sample).await.ok();
+            assert!(document.takes(document.named("JobRequest"), &sample), "{sample}");
+        }
+    });
+}
+
+#[test]
+fn m8_a_value_of_any_kind_in_any_field_of_a_job_is_taken_by_its_schema_or_told_by_its_place() {
+    story(settings(), async |server| every_kind_everywhere(server, "/v1/estimate", "JobRequest").await);
+}
+
+#[test]
+fn m8_and_in_any_field_of_a_question() {
+    story(settings(), async |server| every_kind_everywhere(server, "/v1/validate", "ValidateRequest").await);
+}
+
+#[test]
+fn m8_a_choice_is_written_as_a_text_and_told_with_what_it_may_be() {
+    story(settings(), async |server| {
+        for value in [json!(false), json!(3), json!([]), json!({}), json!({ "y": null }), json!(["y"]), json!("x")] {
+            let mut job = with(polygon(1), "json");
+            job["input"]["up"] = value.clone();
+            let problem = server.render(&job).await.problem(422, "invalid-job");
+            assert_eq!(problem["errors"][0]["pointer"], "/input/up", "{value}: {problem}");
+            let said = problem["errors"][0]["detail"].as_str().unwrap();
+            assert!(said.ends_with("expected one of \"y\", \"z\""), "{value}: {said}");
+        }
+    });
+}
+
+#[test]
+fn m8_options_and_parameters_of_any_kind_are_taken_or_told_by_their_place() {
+    story(settings(), async |server| {
+        for format in planish::output::FORMATS
+            .iter()
+            .filter(|format| crate::http::jobs::formats(false).iter().any(|f| f.name() == format.name()))
+        {
+            for (option, value) in format.parameters().iter().flat_map(|p| values().into_iter().map(|v| (p.name, v))) {
+                let mut job = with(polygon(1), format.name());
+                job["outputs"][0][option] = value.clone();
+                let answer = server.post("/v1/estimate", &job).await;
+                let why = format!("{value} as {option} of {}: {}", format.name(), answer.text());
+                let place = format!("/outputs/0/{option}");
+                let told = || answer.json()["errors"][0]["pointer"].as_str().is_some_and(|at| at.starts_with(&place));
+                assert!(answer.status == 200 || (answer.status == 422 && told()), "{why}");
+            }
+        }
+    });
+}
