@@ -8,7 +8,9 @@ use planish::job::limits::Limits;
 use planish::service::clock::Manual;
 use planish::service::computation::Phase;
 use planish::service::draft::Kept;
+use planish::service::peer::Peer;
 use planish::service::store::PART_BYTES;
+use planish::service::task::Render;
 use planish::service::tiers::Tiers;
 use serde_json::Value;
 
@@ -29,7 +31,7 @@ fn computed(tiers: Tiers) -> (u64, Vec<u8>, [(&'static str, u64); 9]) {
     run(async {
         let (_, app) = app(tiers).await;
         let admitted = Limits::default().admit(support::parsed(job().to_string().as_bytes()).unwrap()).unwrap();
-        let interest = app.desk.compute(Arc::new(admitted), 0).unwrap();
+        let interest = app.desk.compute(Arc::new(Render::new(Arc::new(admitted), 0, None)), Peer::SELF).unwrap();
         let Phase::Done(outcome) = interest.computation.finished().await else { panic!("it is done") };
         let kept = Kept { manifest: outcome.manifest.clone(), loose: outcome.loose.clone() };
         let bytes = bytes(&app.desk.tiers, &kept).await.unwrap();

@@ -93,8 +93,8 @@ fn h4_results_of_any_size_are_answered_though_no_sync_ends() {
             }
         }
         until("the writers hang", || disk.syncs.waiting() == 2).await;
-        drop(server.app.desk.pool.turn(Lane::Long, 0).await);
-        drop(server.app.desk.pool.turn(Lane::Short, 0).await);
+        drop(server.turn(Lane::Long).await);
+        drop(server.turn(Lane::Short).await);
         disk.syncs.open();
         written(&server.app.desk.tiers).await;
         assert_eq!(n(&server.app.desk.tiers.disk_counts().dropped_failed), 0);
