@@ -7,10 +7,10 @@ use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
 use super::answer::{self, Found, Lost, address};
-use super::problem::{self, Problem};
-use super::segment::Segment;
 use super::body::Sent;
+use super::problem::{self, Problem};
 use super::requests::Client;
+use super::segment::Segment;
 use super::{App, Shared, negotiate, reading, render};
 use crate::job::key::Key;
 use crate::output::FORMATS;

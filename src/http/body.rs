@@ -40,12 +40,7 @@ impl Sent {
 }
 
 /// The bytes of a body that says it is JSON.
-pub(super) async fn collect(
-    app: &App,
-    client: &Client,
-    headers: &HeaderMap,
-    mut body: Body,
-) -> Result<Sent, Problem> {
+pub(super) async fn collect(app: &App, client: &Client, headers: &HeaderMap, mut body: Body) -> Result<Sent, Problem> {
     let collected = collected(app, client, headers, &mut body).await;
     client.has_sent();
     let is_coming =
@@ -126,10 +121,8 @@ async fn collected(app: &App, client: &Client, headers: &HeaderMap, body: &mut B
     if let Some(length) = announced(headers).filter(|length| *length > limit) {
         return Err(too_long(length));
     }
-    let pace = Pace {
-        grace: Duration::from_secs(app.settings.body_timeout_s),
-        least_rate: app.settings.least_rate_bytes_s,
-    };
+    let pace =
+        Pace { grace: Duration::from_secs(app.settings.body_timeout_s), least_rate: app.settings.least_rate_bytes_s };
     let (start, mut charge, mut bytes) = (Instant::now(), Charge::default(), Vec::new());
     loop {
         let late = Instant::now() + pace.grace;
@@ -162,7 +155,9 @@ fn too_slow(pace: Pace, is_silent: bool) -> Problem {
         format!("no byte of the body arrived for {seconds} s; send it again")
     } else {
         let rate = in_bytes(pace.least_rate.into());
-        format!("after {seconds} s the body arrives more slowly than at {rate} a second; send it again, or a smaller one")
+        format!(
+            "after {seconds} s the body arrives more slowly than at {rate} a second; send it again, or a smaller one"
+        )
     };
     Problem::new(problem::SLOW, detail)
 }

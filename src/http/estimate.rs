@@ -21,12 +21,7 @@ use crate::wire::output::OutputRequest;
         (status = 200, description = "What it would come to", body = EstimateAnswer),
     )
 )]
-pub(super) async fn estimate(
-    State(app): State<Shared>,
-    client: Client,
-    headers: HeaderMap,
-    body: Body,
-) -> Response {
+pub(super) async fn estimate(State(app): State<Shared>, client: Client, headers: HeaderMap, body: Body) -> Response {
     let answer = async {
         let sent = body::collect(&app, &client, &headers, body).await?;
         let asked = reading::job(&app, &client, sent, usize::MAX, |request| {

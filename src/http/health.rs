@@ -67,7 +67,10 @@ pub(super) async fn readyz(State(app): State<Shared>) -> Response {
     };
     let full = app.desk.full();
     if !full.is_empty() {
-        return not_ready(format!("there is no room in: {}; cached results are answered all the same", full.join(", ")));
+        return not_ready(format!(
+            "there is no room in: {}; cached results are answered all the same",
+            full.join(", ")
+        ));
     }
     if let Some(trouble) = app.desk.tiers.disk_trouble() {
         let (n, seconds) = (trouble.failures, trouble.lasts.as_secs());

@@ -60,12 +60,8 @@ pub(super) fn answer(app: &Arc<App>, id: &Key) -> Option<JobAnswer> {
     let (state, progress, timings, error) = standing(&record.state);
     let told = &record.told;
     let (name, format, key) = (&told.output.0, told.output.1, told.output.2);
-    let output = OutputAnswer {
-        name: name.clone(),
-        format: format.name(),
-        key: key.to_string(),
-        href: address(key, format),
-    };
+    let output =
+        OutputAnswer { name: name.clone(), format: format.name(), key: key.to_string(), href: address(key, format) };
     Some(JobAnswer {
         id: record.id.to_string(),
         state,
@@ -93,9 +89,12 @@ fn standing(state: &Standing) -> (&'static str, f64, Option<Timings>, Option<Str
         Standing::Failed(Failure::TimedOut(limit)) => {
             ("failed", 0.0, None, Some(format!("it ran for {} s, the most this server allows", limit.as_secs())))
         }
-        Standing::Failed(Failure::Busy(_)) => {
-            ("failed", 0.0, None, Some("there was no place for work as long as it came to be; send it again".to_owned()))
-        }
+        Standing::Failed(Failure::Busy(_)) => (
+            "failed",
+            0.0,
+            None,
+            Some("there was no place for work as long as it came to be; send it again".to_owned()),
+        ),
         Standing::Failed(Failure::Internal(_)) => {
             ("failed", 0.0, None, Some("a fault of planish; please report it".to_owned()))
         }

@@ -112,7 +112,8 @@ impl Problem {
     fn written(self) -> Vec<u8> {
         let (status, retry_after) = (self.kind.status, self.retry_after);
         let body = serde_json::to_vec(&self.answer()).expect("a problem is plain text and numbers");
-        let retry_after = retry_after.map_or_else(String::new, |time| format!("retry-after: {}\r\n", time.as_secs().max(1)));
+        let retry_after =
+            retry_after.map_or_else(String::new, |time| format!("retry-after: {}\r\n", time.as_secs().max(1)));
         let mut written = format!(
             "HTTP/1.1 {status}\r\ncontent-type: application/problem+json\r\ncache-control: no-store\r\n\
              x-content-type-options: nosniff\r\n{retry_after}content-length: {}\r\nconnection: close\r\n\r\n",

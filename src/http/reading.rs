@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::App;
 use super::body::Sent;
 use super::problem::{self, Problem};
 use super::requests::Client;
-use super::App;
 use crate::fault::Fault;
 use crate::job::key::Key;
 use crate::job::limits::Admitted;
@@ -85,9 +85,9 @@ pub(super) async fn job(
         Step::Search(draft, input, sent) => {
             let found = search(app, client, &draft, &input).await?;
             let bytes = COMPLETING * input.bytes();
-            let completing = app.desk.read(client.peer(), bytes, move |_| {
-                complete(Arc::unwrap_or_clone(draft), Some(found), input, sent)
-            });
+            let completing = app
+                .desk
+                .read(client.peer(), bytes, move |_| complete(Arc::unwrap_or_clone(draft), Some(found), input, sent));
             completing.await?
         }
     }

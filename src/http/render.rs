@@ -125,12 +125,7 @@ async fn whole(app: &Arc<App>, found: Found, known: &Known) -> Result<Response, 
 }
 
 /// Reads, checks and keys the job.
-pub(super) async fn read(
-    app: &Arc<App>,
-    client: &Client,
-    headers: &HeaderMap,
-    sent: Sent,
-) -> Result<Asked, Problem> {
+pub(super) async fn read(app: &Arc<App>, client: &Client, headers: &HeaderMap, sent: Sent) -> Result<Asked, Problem> {
     let headers = headers.clone();
     let asked = reading::job(app, client, sent, 1, move |request| {
         if request.outputs.is_empty() {

@@ -78,8 +78,7 @@ const SHORT_TIME: Duration = Duration::from_secs(1);
 /// # Errors
 /// [`StartError`].
 pub async fn bind(settings: Settings) -> Result<(TcpListener, Arc<App>), StartError> {
-    let listener =
-        listen(settings.listen).map_err(|error| StartError::Listen { address: settings.listen, error })?;
+    let listener = listen(settings.listen).map_err(|error| StartError::Listen { address: settings.listen, error })?;
     let disk = if settings.data_dir == Path::new("") || settings.cache_bytes == 0 {
         None
     } else {

@@ -53,12 +53,7 @@ pub(super) struct ValidateRequest {
         (status = 200, description = "The report; `valid` tells whether a job would take the input", body = ValidateAnswer),
     )
 )]
-pub(super) async fn validate(
-    State(app): State<Shared>,
-    client: Client,
-    headers: HeaderMap,
-    body: Body,
-) -> Response {
+pub(super) async fn validate(State(app): State<Shared>, client: Client, headers: HeaderMap, body: Body) -> Response {
     let answer = async {
         let sent = body::collect(&app, &client, &headers, body).await?;
         let (limits, bytes) = (app.desk.limits.reading(), weight(sent.bytes.len() as u64));

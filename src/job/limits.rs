@@ -125,9 +125,7 @@ impl Limits {
                 let nets: Vec<_> = polygons.iter().map(|polygon| polygon_net(polygon, &job.plan)).collect();
                 forecast::of_polygons(&nets, &steps)
             }
-            Input::Mesh(mesh) => {
-                forecast::of_mesh(&mesh_net(mesh, &job.plan), &steps, self.max_vertices.into(), watch)
-            }
+            Input::Mesh(mesh) => forecast::of_mesh(&mesh_net(mesh, &job.plan), &steps, self.max_vertices.into(), watch),
         };
         let mut forecast = forecast.map_err(|error| self.no_forecast(&error))?;
         self.add_uvs(job, &steps, &mut forecast, watch)?;
@@ -187,13 +185,7 @@ impl Limits {
     }
 
     /// Counts the places with texture coordinates, which are vertices of a mesh of their own.
-    fn add_uvs(
-        &self,
-        job: &Job,
-        steps: &[Scheduled],
-        forecast: &mut Forecast,
-        watch: &Watch,
-    ) -> Result<(), Refusal> {
+    fn add_uvs(&self, job: &Job, steps: &[Scheduled], forecast: &mut Forecast, watch: &Watch) -> Result<(), Refusal> {
         let Input::Mesh(mesh) = &job.input else { return Ok(()) };
         let Some(uvs) = &mesh.attachments.uvs else { return Ok(()) };
         let places = forecast::of_mesh(&uv_net(mesh, uvs, &job.plan), steps, self.max_vertices.into(), watch);

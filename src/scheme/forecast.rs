@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::census::Census;
 pub use super::count::Count;
-pub use super::duals::MAX_BYTES;
 use super::duals::Duals;
+pub use super::duals::MAX_BYTES;
 use super::mesh_net::MeshNet;
 use super::ops::{Role, seen_valence};
 use super::plan::{Plan, Scheduled};
@@ -50,7 +50,9 @@ pub enum ForecastError {
         cap: u128,
     },
     /// What has to be made of a net to count it takes too many bytes.
-    #[error("level {level}: to count what D leaves along the boundary takes {bytes} bytes; at most {bound} are allowed")]
+    #[error(
+        "level {level}: to count what D leaves along the boundary takes {bytes} bytes; at most {bound} are allowed"
+    )]
     Bytes {
         /// The first such level.
         level: u32,

@@ -96,7 +96,14 @@ impl Drop for Interest {
 
 impl Desk {
     /// A desk.
-    pub fn new(limits: Limits, tiers: Tiers, pool: Pool, account: Account, terms: Terms, clock: Arc<dyn Clock>) -> Self {
+    pub fn new(
+        limits: Limits,
+        tiers: Tiers,
+        pool: Pool,
+        account: Account,
+        terms: Terms,
+        clock: Arc<dyn Clock>,
+    ) -> Self {
         let (peers, jobs, under_way) = (Arc::default(), Jobs::default(), Mutex::default());
         let in_flight = InFlight::new(account.answers.clone());
         Self { limits, tiers, pool, account, in_flight, peers, jobs, terms, clock, under_way }
@@ -117,7 +124,12 @@ impl Desk {
         let ticket = self.ticket(peer, Kind::Waiting).ok_or_else(|| self.pool.busy(lane))?;
         let mut under_way = self.under_way.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(computation) = under_way.get(&key).filter(|computation| computation.join()) {
-            return Ok(Interest { computation: computation.clone(), origin: Origin::Joined, desk: self.clone(), ticket });
+            return Ok(Interest {
+                computation: computation.clone(),
+                origin: Origin::Joined,
+                desk: self.clone(),
+                ticket,
+            });
         }
         let waiting = self.pool.line_up(lane, peer, cost.memory_bytes)?;
         let computation = Arc::new(Computation::new(key, cost.work, self.clock.clone()));
@@ -165,7 +177,7 @@ impl Desk {
             _ => None,
         };
         self.finish(&computation, phase);
-        stored.into_iter().for_each(|manifest| self.persist(manifest));
+        stored.into_iter().for_each(|manifest| self.persist(&manifest));
     }
 
     /// Has a task made in a turn, for as long as the lane allows.
@@ -292,8 +304,8 @@ impl Desk {
     }
 
     /// Has an artifact that was just made brought to disk, in the background of its answer.
-    fn persist(self: &Arc<Self>, manifest: Arc<Manifest>) {
-        self.tiers.persist(&manifest);
+    fn persist(&self, manifest: &Arc<Manifest>) {
+        self.tiers.persist(manifest);
     }
 
     /// The lines that let nobody more in, and the shares of memory that refuse requests. Lanes whose memory is taken are at

@@ -148,13 +148,11 @@ impl Tiers {
 
     /// Keeps an artifact whose bytes are all there: in memory where it fits, else loose, and perhaps on disk later.
     pub(super) fn keep(&self, manifest: Arc<Manifest>, bytes: Bytes) -> Kept {
-        match self.memory.keep(Arc::clone(&manifest), bytes.clone()) {
-            Ok(manifest) => Kept { manifest, loose: None },
-            Err(_) => {
-                self.offer(&Waiting::Held(Arc::clone(&manifest), bytes.clone()));
-                Kept { manifest, loose: Some(bytes) }
-            }
+        if let Ok(manifest) = self.memory.keep(Arc::clone(&manifest), bytes.clone()) {
+            return Kept { manifest, loose: None };
         }
+        self.offer(&Waiting::Held(Arc::clone(&manifest), bytes.clone()));
+        Kept { manifest, loose: Some(bytes) }
     }
 
     /// Has an artifact that is in memory brought to disk, where there is one, so that it outlasts the process: later,

@@ -3,6 +3,9 @@
 
 mod addresses;
 mod bodies;
+mod disk;
+mod disk_full;
+mod disk_slow;
 mod overload;
 mod parsing;
 mod shutdown;

@@ -4,6 +4,8 @@
 mod codec;
 mod crash;
 mod disk;
+mod faults;
+pub(crate) mod faulty;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -13,13 +15,13 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use planish::job::key::Key;
 use planish::service::store::{Description, Embedded, Manifest, Memory, PART_BYTES, Store, StoreError};
 
-const ROOMY: u64 = 1 << 30;
+pub(crate) const ROOMY: u64 = 1 << 30;
 
 /// A folder of its own for one test, removed at its end.
-struct Scratch(PathBuf);
+pub(crate) struct Scratch(pub(crate) PathBuf);
 
 impl Scratch {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         static COUNTER: AtomicU32 = AtomicU32::new(0);
         let name = format!("planish-store-{}-{}", std::process::id(), COUNTER.fetch_add(1, Ordering::Relaxed));
         let path = std::env::temp_dir().join(name);
@@ -27,7 +29,7 @@ impl Scratch {
         Self(path)
     }
 
-    fn open(&self, capacity: u64) -> Embedded {
+    pub(crate) fn open(&self, capacity: u64) -> Embedded {
         Embedded::open(&self.0, capacity).unwrap()
     }
 }
@@ -45,18 +47,18 @@ fn on_every_store(capacity: u64, check: impl Fn(&dyn Store)) {
     assert_eq!(n_files(&scratch.0.join("tmp")), 0, "nothing stays in tmp");
 }
 
-fn key(number: u64) -> Key {
+pub(crate) fn key(number: u64) -> Key {
     Key::from_bytes(*blake3::hash(&number.to_le_bytes()).as_bytes())
 }
 
 /// `length` bytes that look random and depend on `seed` alone.
-fn noise(seed: u64, length: usize) -> Vec<u8> {
+pub(crate) fn noise(seed: u64, length: usize) -> Vec<u8> {
     let mut bytes = vec![0; length];
     blake3::Hasher::new().update(&seed.to_le_bytes()).finalize_xof().fill(&mut bytes);
     bytes
 }
 
-fn description() -> Description {
+pub(crate) fn description() -> Description {
     Description { media_type: "model/gltf-binary".to_owned(), warnings: vec!["one vertex was split".to_owned()] }
 }
 

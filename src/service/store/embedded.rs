@@ -289,6 +289,7 @@ impl Store for Embedded {
     }
 
     fn spool(&self, key: Key) -> Result<Box<dyn Spool>, StoreError> {
+        self.admit(&key, 0)?;
         Ok(Box::new(DiskSpool::new(Arc::clone(&self.inner), key)))
     }
 

@@ -173,3 +173,35 @@ fn two_services_do_not_share_a_folder() {
         assert!(error.contains("--data-dir"), "it says what to do: {error}");
     });
 }
+
+#[test]
+fn l_a_bit_flipped_behind_the_first_part_cuts_one_answer_and_drops_the_artifact() {
+    let folder = Folder::new();
+    let job = with(mesh(7), "json");
+    story(on_disk_alone(&folder), async |server| {
+        let made = server.render(&job).await.ok();
+        let address = made.header("content-location");
+        until("it is on disk", || server.app.desk.tiers.disk_backlog().0 == 0).await;
+        let flip = || {
+            let path = files(&folder.path().join("artifacts")).into_iter().find(|path| path.extension().is_none());
+            let mut bytes = std::fs::read(path.as_ref().unwrap()).unwrap();
+            bytes[(1 << 20) + 99] ^= 8;
+            std::fs::write(path.unwrap(), bytes).unwrap();
+        };
+        flip();
+        let cut = server.client.get(server.url(address)).send().await.unwrap();
+        assert_eq!(cut.headers()["content-length"], made.body.len().to_string().as_str());
+        assert!(cut.bytes().await.is_err(), "the answer is cut, never wrong");
+        assert_eq!((disk(server).artifacts, disk(server).damaged), (0, 1), "the artifact is dropped and counted");
+        let gone = server.get(address).await.problem(404, "not-found");
+        assert!(gone["detail"].as_str().unwrap().contains("send its job"), "{gone}");
+        assert_eq!(server.render(&job).await.ok().body, made.body, "its job makes it again");
+        until("it is on disk", || server.app.desk.tiers.disk_backlog().0 == 0).await;
+        flip();
+        let range = server.get_with(address, &[("range", "bytes=1048576-1048999")]).await;
+        range.problem(404, "not-found");
+        assert_eq!(disk(server).damaged, 2, "found before a byte is sent");
+        assert_eq!(server.render(&job).await.ok().body, made.body);
+        assert_eq!(server.get(address).await.ok().body, made.body);
+    });
+}

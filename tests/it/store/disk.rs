@@ -7,12 +7,12 @@ use planish::service::store::{Embedded, Manifest, PART_BYTES, Store, StoreError}
 
 use super::{ROOMY, Scratch, get, key, n_files, noise, put, try_put};
 
-fn bytes_path(folder: &Path, number: u64) -> PathBuf {
+pub(super) fn bytes_path(folder: &Path, number: u64) -> PathBuf {
     let name = key(number).to_string();
     folder.join("artifacts").join(&name[..2]).join(name)
 }
 
-fn manifest_path(folder: &Path, number: u64) -> PathBuf {
+pub(super) fn manifest_path(folder: &Path, number: u64) -> PathBuf {
     bytes_path(folder, number).with_extension("manifest")
 }
 
@@ -22,7 +22,7 @@ fn change(path: &Path, change: impl FnOnce(&mut Vec<u8>)) {
     fs::write(path, bytes).unwrap();
 }
 
-fn here(store: &dyn Store, numbers: std::ops::Range<u64>) -> Vec<u64> {
+pub(super) fn here(store: &dyn Store, numbers: std::ops::Range<u64>) -> Vec<u64> {
     numbers.filter(|&number| get(store, number).is_some()).collect()
 }
 

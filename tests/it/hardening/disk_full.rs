@@ -1,0 +1,131 @@
+//! Caches without room and disks that fail: nothing is computed twice, and the disk says that it is in trouble.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+use planish::job::limits::Limits;
+use planish::service::clock::Manual;
+use planish::service::computation::Phase;
+use planish::service::draft::Kept;
+use planish::service::peer::Peer;
+use planish::service::store::PART_BYTES;
+use planish::service::task::Render;
+use planish::service::tiers::Tiers;
+use serde_json::Value;
+
+use super::disk::{app, bytes, make, n, run, written};
+use crate::http::jobs::{mesh, with};
+use crate::http::server::until;
+use crate::store::faulty::Faulty;
+use crate::store::{ROOMY, Scratch, key};
+use crate::support;
+
+/// Three parts of a store.
+fn job() -> Value {
+    with(mesh(7), "json")
+}
+
+/// Has the job computed over these stores: the rows that were made, the bytes, and what the disk counted.
+fn computed(tiers: Tiers) -> (u64, Vec<u8>, [(&'static str, u64); 9]) {
+    run(async {
+        let (_, app) = app(tiers).await;
+        let admitted = Limits::default().admit(support::parsed(job().to_string().as_bytes()).unwrap()).unwrap();
+        let interest = app.desk.compute(Arc::new(Render::new(Arc::new(admitted), 0, None)), Peer::SELF).unwrap();
+        let Phase::Done(outcome) = interest.computation.finished().await else { panic!("it is done") };
+        let kept = Kept { manifest: outcome.manifest.clone(), loose: outcome.loose.clone() };
+        let bytes = bytes(&app.desk.tiers, &kept).await.unwrap();
+        (interest.computation.watch.done(), bytes, app.desk.tiers.disk_counts().list())
+    })
+}
+
+fn value(counts: &[(&'static str, u64)], name: &str) -> u64 {
+    counts.iter().find(|(known, _)| *known == name).unwrap().1
+}
+
+#[test]
+fn m5_a_result_is_computed_once_whatever_the_caches_take() {
+    let (rows, expected, _) = computed(Tiers::new(512 << 20, None));
+    assert!(rows > 0 && expected.len() > 2 * PART_BYTES);
+    let caches = [("off", 0), ("too small", 20_000), ("too small by little", 2 * expected.len() as u64)];
+    for (cache, memory_bytes) in caches {
+        let (again, bytes, _) = computed(Tiers::new(memory_bytes, None));
+        assert_eq!(again, rows, "the rows of one computation: {cache}");
+        assert!(bytes == expected, "{cache}");
+    }
+}
+
+#[test]
+fn m5_a_result_is_computed_once_though_the_disk_fails_within_it() {
+    let (rows, expected, _) = computed(Tiers::new(512 << 20, None));
+    let room = PART_BYTES as u64 * 3 / 2;
+    // the disk is full, or the store has less than half of it for one artifact
+    for (full, capacity) in [(room, ROOMY), (ROOMY, 2 * room)] {
+        let (scratch, disk) = (Scratch::new(), Faulty::new());
+        disk.limit(&scratch.0, full);
+        let (again, bytes, counts) = computed(Tiers::new(8 << 10, Some(disk.store(&scratch.0, capacity))));
+        assert_eq!((again, value(&counts, "taken_back"), value(&counts, "lost")), (rows, 1, 0));
+        assert!(bytes == expected);
+    }
+}
+
+#[test]
+fn m5_only_what_the_disk_has_lost_is_computed_again() {
+    let (rows, expected, _) = computed(Tiers::new(512 << 20, None));
+    let (scratch, disk) = (Scratch::new(), Faulty::new());
+    disk.limit(&scratch.0, PART_BYTES as u64 * 3 / 2);
+    disk.broken_reads.store(1, Ordering::Relaxed);
+    let (again, bytes, counts) = computed(Tiers::new(8 << 10, Some(disk.store(&scratch.0, ROOMY))));
+    assert_eq!((again, value(&counts, "taken_back"), value(&counts, "lost")), (2 * rows, 0, 1));
+    assert!(bytes == expected);
+}
+
+#[test]
+fn m6_a_full_disk_is_told_until_a_write_succeeds() {
+    let (scratch, disk) = (Scratch::new(), Faulty::new());
+    let clock = Arc::new(Manual::default());
+    let tiers = Tiers::with_clock(1 << 20, Some(disk.store(&scratch.0, ROOMY)), clock.clone());
+    run(async {
+        make(&tiers, 0, 1000);
+        written(&tiers).await;
+        assert_eq!(tiers.disk_trouble(), None);
+        disk.limit(&scratch.0, 0);
+        for number in 1..3 {
+            make(&tiers, number, 1000);
+            written(&tiers).await;
+            clock.advance(Duration::from_secs(7));
+            let trouble = tiers.disk_trouble().unwrap();
+            assert_eq!((trouble.lasts, trouble.failures), (Duration::from_secs(7 * number), number));
+            assert!(trouble.reason.contains("cannot write"), "{trouble:?}");
+        }
+        assert_eq!(n(&tiers.disk_counts().dropped_failed), 2);
+        let disk_usage = tiers.usage()[1].1;
+        assert_eq!((disk_usage.artifacts, disk_usage.evicted), (0, 1), "what was there had to leave");
+        assert!((0..3).all(|number| tiers.at_hand(&key(number)).is_some()), "memory goes on");
+        disk.limit(&scratch.0, ROOMY);
+        make(&tiers, 3, 1000);
+        written(&tiers).await;
+        assert_eq!(tiers.disk_trouble(), None);
+        until("it is counted", || n(&tiers.disk_counts().written) == 2).await;
+    });
+}
+
+#[test]
+fn m6_large_results_evict_from_a_full_disk_while_they_are_made() {
+    let (scratch, disk) = (Scratch::new(), Faulty::new());
+    let tiers = Tiers::new(8 << 10, Some(disk.store(&scratch.0, ROOMY)));
+    run(async {
+        for number in 0..4 {
+            make(&tiers, number, PART_BYTES);
+            written(&tiers).await;
+        }
+        disk.limit(&scratch.0, 9 * PART_BYTES as u64 / 2);
+        let kept = make(&tiers, 4, 3 * PART_BYTES);
+        assert!(kept.loose.is_none());
+        written(&tiers).await;
+        let usage = tiers.usage()[1].1;
+        assert_eq!((usage.artifacts, usage.evicted), (2, 3));
+        assert_eq!(n(&tiers.disk_counts().taken_back), 0);
+        assert!(tiers.find(&key(4)).await.is_some());
+    });
+}
