@@ -8,6 +8,7 @@ mod levels;
 pub mod limits;
 mod memory;
 mod run;
+mod size;
 mod steering;
 
 pub use levels::Levels;

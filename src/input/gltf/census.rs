@@ -63,7 +63,8 @@ fn prices(list: &[u8]) -> Prices {
             Prices { list, value: GROWN * 4, object, inner: MAP, member, members: 6, ..of(size_of::<Mesh>()) }
         }
         b"animations" => {
-            let part = if size_of::<Channel>() > size_of::<Sampler>() { size_of::<Channel>() } else { size_of::<Sampler>() };
+            let part =
+                if size_of::<Channel>() > size_of::<Sampler>() { size_of::<Channel>() } else { size_of::<Sampler>() };
             Prices { list: part, object: GROWN * part, ..of(size_of::<Animation>()) }
         }
         b"buffers" => of(size_of::<Buffer>() + 3 * slot),
@@ -160,7 +161,7 @@ pub(super) fn admit(json: &[u8], room: &mut Room) -> Result<(), String> {
     }
     let (name, entries, of_list) = census.largest;
     let name = quoted(&String::from_utf8_lossy(name));
-    room.take(bytes).map_err(|detail| format!("the list {name} of {entries} entries takes {of_list} bytes: {detail}"))
+    room.take(bytes).map_err(|detail| format!("{name}: {entries} entries take {of_list} bytes: {detail}"))
 }
 
 /// Where a text ends that starts here.

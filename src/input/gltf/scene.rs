@@ -264,7 +264,8 @@ impl Reading<'_> {
         let rows = self.document.rows(positions, &mut self.room)?;
         let places = rows.rows::<3>().ok_or("POSITION is to be VEC3")?;
         let n = places.len();
-        self.room.take(n * (POSITION + if uvs.is_some() { UV } else { 0 } + if colors.is_some() { COLOR } else { 0 }))?;
+        self.room
+            .take(n * (POSITION + if uvs.is_some() { UV } else { 0 } + if colors.is_some() { COLOR } else { 0 }))?;
         for (i, place) in places.iter().enumerate() {
             let place = transform.point(*place);
             if place.iter().any(|x| !x.is_finite()) {
