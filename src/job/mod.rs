@@ -10,6 +10,7 @@ pub mod limits;
 mod memory;
 mod run;
 mod steering;
+mod time;
 
 pub use draft::Draft;
 pub use levels::{Levels, SearchCost, SearchError};

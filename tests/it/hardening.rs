@@ -3,6 +3,8 @@
 
 mod addresses;
 mod bodies;
+mod cost;
 mod overload;
+mod searches;
 mod shutdown;
 mod slow;

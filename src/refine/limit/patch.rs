@@ -229,9 +229,9 @@ impl Whole<'_> {
             sizes: Vec::new(),
             local: Vec::new(),
             reached: Vec::new(),
-            known: Numbers::of(self.topology.n_vertices()),
+            known: Numbers::default(),
             corners: Vec::new(),
-            faces: Numbers::of(self.topology.n_faces()),
+            faces: Numbers::default(),
             sharp_edges: Vec::new(),
             directions: Vec::new(),
         };
