@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::Unlimited;
 use super::mask::{Finder, Mask, Masks};
 use super::own::{Common, Own};
-use super::patch::{Centre, Found, Patch, Rings, Whole};
+use super::patch::{Centre, Found, Patch, Rings, VERTICES_A_ROW, Whole};
 use super::probe::Regular;
 use super::sector::Sectors;
 use super::tangent::NoTangents;
@@ -24,8 +24,6 @@ const CHUNK: usize = 16_384;
 /// Vertices that the patches compared at a time have in all, about: 32 MiB of patches around vertices with many faces, and
 /// enough work for all threads.
 const CHUNK_VERTICES: usize = 1 << 20;
-/// Vertices of patches that are found in the time of a row of a table, 100 ns.
-pub(super) const VERTICES_A_ROW: u64 = 2;
 /// Most vertices whose surroundings carry numbers that differ: each is followed by itself.
 pub(super) const MAX_PATCHES: usize = 16_384;
 /// The class of vertices around which the net is a grid of quads.
@@ -78,7 +76,7 @@ impl Field {
         let plain = Masks::new(finder, Common::default());
         let grid = if on_grid { Some(regular_mask(rings, &plain, surroundings)?) } else { None };
         if !carries(&net) {
-            middles_settle(&whole, regular, rings, &plain)?;
+            middles_settle(&whole, regular, rings, &plain, watch)?;
         }
         let n = centres.as_ref().map_or(topology.n_vertices(), Vec::len);
         let centre = |v: u32| match &centres {
@@ -298,12 +296,18 @@ pub(super) fn patch(
 ///
 /// # Errors
 /// [`Unlimited::Rough`]; where the middle of a face cannot be followed, nothing is said about it.
-fn middles_settle(whole: &Whole<'_>, regular: Regular, rings: Rings, masks: &Masks<'_>) -> Result<(), Unlimited> {
+fn middles_settle(
+    whole: &Whole<'_>,
+    regular: Regular,
+    rings: Rings,
+    masks: &Masks<'_>,
+    watch: &Watch,
+) -> Result<(), Unlimited> {
     let topology = whole.topology;
     let mut seen = BTreeSet::from([if regular == Regular::Quads { 4 } else { 3 }]);
     for f in 0..topology.n_faces() {
         if seen.insert(topology.face(f).len()) {
-            let found = whole.least_patch(Centre::Face(index(f)), rings);
+            let found = whole.least_patch(Centre::Face(index(f)), rings, watch)?;
             let mask = found.map(|found| masks.of(0, &found.patch));
             if let Some(Err(error @ (Unlimited::Rough | Unlimited::Stopped(_)))) = mask {
                 return Err(error);

@@ -43,7 +43,7 @@ use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::watch::{Stopped, Watch};
 
 use super::{Points, RefineError};
-pub use cost::{Cost, Follow, cost};
+pub use cost::{Cost, Follow, cost, sees_whole_fans};
 pub(super) use cycle::AHEAD;
 use cycle::Cycle;
 use dual::Led;
@@ -234,7 +234,7 @@ pub(super) fn check_continuous(plan: &Plan, net: &MeshNet) -> Result<(), Unlimit
     let own = net.attributes.as_deref().map_or_else(Vec::new, own::extremes);
     let alphas: Vec<f64> = own.iter().filter_map(Common::alpha).chain([plan.alpha]).collect();
     let ahead = (&steps[plan.word.prefix.len()..], plan.word.cycle.len());
-    let cycle = Cycle::new(plan, ahead, Frame::of(plan, &net.base), &alphas);
+    let cycle = Cycle::new(plan, ahead, Frame::of(plan, &net.base), &alphas, &Watch::new());
     let (regular, tagged) = (Regular::of(&cycle, &net.base)?, net.directions.is_some());
     let (support, common) = (cost::support(&plan.word.cycle), Common::default());
     let impulse = Impulse { cycle: &cycle, regular, tagged, common, support };
@@ -262,7 +262,8 @@ pub(super) fn limits(
     let alphas: Vec<f64> = own.iter().filter_map(Common::alpha).chain([plan.alpha]).collect();
     let length = plan.word.cycle.len();
     let frame = Frame::of(plan, &net.base);
-    let cycle = Cycle::new(plan, (&ahead[before..], length), frame, if field::carries(&net) { &alphas } else { &[] });
+    let alphas = if field::carries(&net) { &alphas[..] } else { &[] };
+    let cycle = Cycle::new(plan, (&ahead[before..], length), frame, alphas, watch);
     let regular = Regular::of(&cycle, &net.topology())?;
     let tagged = net.directions.is_some();
     let rings = regular.rings(&cycle, tagged, Starts { is_open, others: centres.is_some() })?;

@@ -90,17 +90,29 @@ fn h3_a_picture_of_an_ordinary_mesh_is_told_as_before() {
     told(&job, 3, 20);
 }
 
+fn limit(n: usize, plan: &Value, normals: &str) -> Value {
+    let (positions, faces) = spindle(n);
+    json!({
+        "input": { "mesh": { "positions": positions, "faces": faces } }, "plan": plan, "levels": 0,
+        "outputs": [{ "format": "ply", "positions": "limit", "normals": normals }]
+    })
+}
+
 #[test]
-fn h3_limits_around_a_vertex_of_many_faces_are_told_by_their_number() {
-    let (positions, faces) = spindle(2_000);
-    let job = |normals: &str| {
-        json!({
-            "input": { "mesh": { "positions": positions, "faces": faces } },
-            "plan": { "preset": "loop" }, "levels": 0,
-            "outputs": [{ "format": "ply", "positions": "limit", "normals": normals }]
-        })
-    };
-    told(&job("none"), 3, 1_000);
-    // tangents that cannot be told apart are not looked for
-    told(&job("limit"), 3, 1_000);
+fn h3_limits_around_a_vertex_of_many_faces_take_as_long_as_there_are_faces() {
+    let plan = json!({ "preset": "loop" });
+    for normals in ["none", "limit"] {
+        // tangents that cannot be told apart are not looked for
+        let [(few_told, few), (many_told, many)] = [2_500, 10_000].map(|n| rows(&limit(n, &plan, normals)));
+        assert!(few <= few_told && many <= many_told, "{few} of {few_told}, {many} of {many_told}");
+        assert!(many < 5 * few && many_told < 5 * few_told, "{few} of {few_told}, {many} of {many_told}");
+    }
+}
+
+#[test]
+fn h3_limits_that_look_at_whole_fans_are_told_by_the_square_of_the_faces() {
+    let plan = json!({ "word": "UCC", "parameters": { "split": "triangle" } });
+    told(&limit(600, &plan, "none"), 3, 1_000);
+    let [few, many] = [300, 1_200].map(|n| admitted(&limit(n, &plan, "none")).estimate().time_ms);
+    assert!(many > 4 * few, "{few} ms, {many} ms");
 }
