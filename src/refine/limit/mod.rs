@@ -32,6 +32,8 @@ mod sector;
 mod skeleton;
 mod small;
 mod tangent;
+#[cfg(test)]
+mod tests;
 mod turn;
 
 use crate::math::rows::blend;
