@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::key::Key;
 use super::memory::{carried, memory};
-use super::{Input, Job, Output};
+use super::{Input, Job, Output, time};
 use crate::fault::Fault;
 use crate::input::ReadLimits;
 use crate::output::{Counts, Size, surface};
@@ -151,9 +151,8 @@ impl Limits {
             let bound = format!("this server allows {} a job", in_bytes(self.max_job_bytes.into()));
             return Err(self.too_large(job, &forecast, &format!("{place}; {bound}"), |_| false));
         }
-        // measured, rounded up: 100 ns a row, 10 ns a byte of the result (pictures are counted by their pixels)
-        let bytes = sizes.iter().fold(0, |sum: u128, size| sum.saturating_add(size.bytes()));
-        let time_ms = forecast.work.saturating_add(local.points) / 10_000 + bytes / 100_000 + 1;
+        let rows = forecast.work.saturating_add(local.points).saturating_add(time::rows(job, &counts));
+        let time_ms = time::milliseconds(rows, &sizes);
         let outputs = job.outputs.iter().zip(sizes).map(|(output, size)| (job.key(output), size)).collect();
         Ok(Estimate { forecast, outputs, memory_bytes, time_ms })
     }

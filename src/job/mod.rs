@@ -11,6 +11,7 @@ mod memory;
 mod run;
 mod size;
 mod steering;
+mod time;
 
 pub use draft::Draft;
 pub use levels::{Levels, SearchCost, SearchError};

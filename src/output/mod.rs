@@ -35,6 +35,7 @@ use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::scene::Scene;
 use crate::shape::attachments::Attachments;
 use crate::shape::frame::Frame;
+use crate::shape::mesh::Mesh;
 use crate::watch::{Stopped, Watch};
 
 /// Every format, in the order of the documentation.
@@ -129,6 +130,11 @@ pub trait Format: std::fmt::Debug + Send + Sync {
     /// Bytes of memory that the options cost while the scene is written, besides those that every picture of such a mesh
     /// and its bytes need.
     fn memory(&self, _counts: &Counts, _options: &Values) -> u128 {
+        0
+    }
+    /// Work that the scene takes besides refining it and making its bytes, in rows of a table, 100 ns each; `mesh` is the
+    /// input, where that is one.
+    fn work(&self, _mesh: Option<&Mesh>, _counts: &Counts, _options: &Values) -> u128 {
         0
     }
     /// Writes the scene.

@@ -9,11 +9,12 @@ use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::picture::coat::{self, CHANNEL, COLOR_BY};
 use crate::output::picture::drawing::Drawing;
-use crate::output::picture::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH, mesh, paint};
+use crate::output::picture::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH, forecast, mesh, paint};
 use crate::output::scene::{Scene, Shape};
 use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
 use crate::output::{ISOLINES, POSITIONS};
 use crate::shape::attachments::Attachments;
+use crate::shape::mesh::Mesh;
 use crate::watch::{Stage, Watch};
 
 /// The format "png".
@@ -100,6 +101,10 @@ impl Format for Png {
         let colors = coat::memory(options, vertices, counts.triangles(), counts.uvs);
         let pieces = counts.vertices.saturating_add(counts.input_edges as u128);
         colors.saturating_add(if options.has("show", ISOLINES) { pieces.saturating_mul(8) } else { 0 })
+    }
+
+    fn work(&self, mesh: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
+        mesh.map_or(0, |mesh| forecast::work(mesh, counts, &Options::new(options, counts.frame)))
     }
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {

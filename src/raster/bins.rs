@@ -54,7 +54,7 @@ impl Grid {
 }
 
 /// Items that touch more tiles than this are kept in one list for all, so that memory stays in proportion to the items.
-const FEW_TILES: usize = 16;
+pub(super) const FEW_TILES: usize = 16;
 
 /// The items of one run of the submission, sorted by tile.
 #[derive(Debug, Default)]

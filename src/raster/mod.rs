@@ -8,6 +8,7 @@
 mod bins;
 mod camera;
 mod clip;
+mod forecast;
 mod frame;
 mod line;
 mod paint;
@@ -21,6 +22,7 @@ mod triangle;
 mod vector;
 
 pub use camera::{Camera, Projection, View};
+pub use forecast::Forecast;
 pub use paint::Paint;
 pub use pixmap::Pixmap;
 

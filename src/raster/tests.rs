@@ -152,3 +152,34 @@ fn a_stopped_watch_ends_the_picture() {
     let camera = Camera::framing(&View::default(), &[&positions], 64, 64);
     assert_eq!(render(&model, &camera, [0; 4], [64, 64], &watch), Err(Stopped));
 }
+
+/// Rows of pixels are cut to what slivers may cover: every sample inside is found, and few pixels are looked at.
+#[test]
+fn slivers_cover_the_samples_inside_them_and_look_at_few_pixels_beside() {
+    for k in 0..64_u32 {
+        let angle = f64::from(k) / 64.0 * std::f64::consts::TAU + 0.01;
+        let (x, y) = (crate::math::functions::cos(angle), crate::math::functions::sin(angle));
+        let end = |side: f64| at(16.3 + 300.0 * x - side * y, 15.9 + 300.0 * y + side * x);
+        let corners = [at(16.3 - 300.0 * x, 15.9 - 300.0 * y), end(2.0), end(-2.0)];
+        let mut samples = Samples::new();
+        samples.draw(corners, 7, [0, 0]);
+        let left = |a: Vertex, b: Vertex, [px, py]: [i64; 2]| {
+            let [ax, ay, bx, by] = [a.x, a.y, b.x, b.y].map(i64::from);
+            (bx - ax) * (py - ay) - (by - ay) * (px - ax)
+        };
+        for (i, owners) in (0_i64..).zip(&samples.owner) {
+            let (row, column) = (i / TILE as i64, i % TILE as i64);
+            for (owner, place) in owners.iter().zip(super::triangle::PLACES) {
+                let p = [256 * column + 32 * i64::from(place[0]), 256 * row + 32 * i64::from(place[1])];
+                let sides = [0, 1, 2].map(|k| left(corners[k], corners[(k + 1) % 3], p));
+                if sides.iter().all(|&side| side > 0) || sides.iter().all(|&side| side < 0) {
+                    assert_eq!(*owner, 7, "sample at {p:?} of sliver {k}");
+                } else if sides.iter().any(|&side| side > 0) && sides.iter().any(|&side| side < 0) {
+                    assert_eq!(*owner, NOBODY, "sample at {p:?} of sliver {k}");
+                }
+            }
+        }
+        let all = (TILE * TILE) as u64;
+        assert!(samples.done().pixels < all / 2, "sliver {k}");
+    }
+}

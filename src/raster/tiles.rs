@@ -5,6 +5,7 @@
 use rayon::prelude::*;
 
 use super::TILE;
+use super::forecast;
 use super::frame::{Facet, Frame};
 use super::line::Layer;
 use super::pixmap::{ENCODING, Pixmap, premultiplied};
@@ -89,11 +90,13 @@ impl Desk {
         }
         self.samples.clear();
         for (n, id) in ids.enumerate() {
-            if n % 16384 == 16383 {
+            if n % 4096 == 4095 {
                 watch.check()?;
+                watch.advance(forecast::rows(self.samples.done()));
             }
             self.samples.draw(frame.corners(id), id, origin);
         }
+        watch.advance(forecast::rows(self.samples.done()));
         match &frame.lamps {
             Some(lamps) if surface => self.illuminate(frame, lamps, paper, origin),
             _ => self.light.fill(paper),

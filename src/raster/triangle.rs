@@ -9,6 +9,8 @@
 #![expect(clippy::cast_sign_loss, reason = "pixels are clamped to the tile")]
 #![expect(clippy::cast_precision_loss, reason = "pixels are clamped to the tile and areas stay below 2^48")]
 
+use std::ops::Range;
+
 use super::TILE;
 use super::project::{STEPS, Vertex};
 
@@ -20,6 +22,12 @@ pub(super) const PLACES: [[i32; 2]; SAMPLES] = [[3, 1], [7, 3], [1, 5], [5, 7]];
 
 /// Owner of a sample that no triangle covers.
 pub(super) const NOBODY: u32 = u32::MAX;
+
+/// Rows of at least so many pixels are cut to what a triangle may cover of them; below, that takes longer than it spares.
+pub(super) const CUT_PX: usize = 12;
+
+/// Pixels that are looked at in the time that it takes to cut a row.
+pub(super) const ROW_PX: u64 = 8;
 
 const EIGHTH: i32 = STEPS / 8;
 const SIDE: i32 = TILE as i32;
@@ -35,6 +43,17 @@ pub(super) struct Samples {
     farthest: f32,
     /// Pixels visited since `farthest` was found.
     visited: usize,
+    /// What was done since this was last asked for: pixels looked at, each row of them for some more, and triangles.
+    done: Done,
+}
+
+/// What drawing triangles took.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Done {
+    /// Pixels looked at, and [`ROW_PX`] for each row of them that was cut to what the triangle may cover.
+    pub(super) pixels: u64,
+    /// Triangles looked at.
+    pub(super) triangles: u64,
 }
 
 /// A triangle prepared for a tile; values are those of the first pixel of its bounding box.
@@ -54,7 +73,13 @@ struct Setup {
 impl Samples {
     pub(super) fn new() -> Self {
         let n = TILE * TILE;
-        Self { depth: vec![[0.0; SAMPLES]; n], owner: vec![[NOBODY; SAMPLES]; n], farthest: 0.0, visited: 0 }
+        let (depth, owner) = (vec![[0.0; SAMPLES]; n], vec![[NOBODY; SAMPLES]; n]);
+        Self { depth, owner, farthest: 0.0, visited: 0, done: Done::default() }
+    }
+
+    /// What was done since this was last asked for.
+    pub(super) fn done(&mut self) -> Done {
+        std::mem::take(&mut self.done)
     }
 
     pub(super) fn clear(&mut self) {
@@ -65,6 +90,7 @@ impl Samples {
 
     /// Draws one triangle into the tile whose first pixel is `origin`.
     pub(super) fn draw(&mut self, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
+        self.done.triangles += 1;
         let nearest = corners[0].depth.max(corners[1].depth).max(corners[2].depth);
         if nearest <= self.farthest {
             return;
@@ -84,13 +110,18 @@ impl Samples {
         let n = (right - left + 1) as usize;
         let mut start = setup.edges;
         for (row, y) in (top..=bottom).enumerate() {
+            let span = if n < CUT_PX { 0..n } else { setup.span(&start, n) };
+            self.done.pixels += span.len() as u64 + if n < CUT_PX { 0 } else { ROW_PX };
             let first = (y * SIDE + left) as usize;
             let lift = row as f32 * setup.slope[1];
             let base: [f32; SAMPLES] = std::array::from_fn(|s| setup.depth[s] + lift);
             let mut edges = start;
-            let depths = &mut self.depth[first..first + n];
-            let owners = &mut self.owner[first..first + n];
-            for (column, (depth, owner)) in depths.iter_mut().zip(owners).enumerate() {
+            if span.start > 0 {
+                step(&mut edges, setup.right.map(|right| right.wrapping_mul(span.start as i32)));
+            }
+            let depths = &mut self.depth[first + span.start..first + span.end];
+            let owners = &mut self.owner[first + span.start..first + span.end];
+            for (column, (depth, owner)) in span.zip(depths.iter_mut().zip(owners)) {
                 let outside: [i32; SAMPLES] = std::array::from_fn(|s| edges[0][s] | edges[1][s] | edges[2][s]);
                 if outside[0] & outside[1] & outside[2] & outside[3] >= 0 {
                     let shift = column as f32 * setup.slope[0];
@@ -196,6 +227,26 @@ impl Setup {
         }
         setup.interpolate(&corners, [origin[0] + left, origin[1] + top]);
         Some(setup)
+    }
+
+    /// The columns of a row of `n` pixels in which a sample may lie inside; `start` are the edge functions at its first
+    /// pixel. An edge function that is negative at all samples of a pixel leaves it out, and all are linear along the row.
+    fn span(&self, start: &[[i32; SAMPLES]; 3], n: usize) -> Range<usize> {
+        let (mut first, mut end) = (0_i64, n as i64);
+        for (edge, &right) in start.iter().zip(&self.right) {
+            let most = i64::from(edge[0].max(edge[1]).max(edge[2]).max(edge[3]));
+            let right = i64::from(right);
+            if right > 0 && most < 0 {
+                // most + right column >= 0
+                first = first.max((-most + right - 1) / right);
+            } else if most < 0 {
+                return 0..0;
+            } else if right < 0 {
+                end = end.min(most / -right + 1);
+            }
+        }
+        let first = first.min(n as i64);
+        first as usize..end.max(first) as usize
     }
 
     /// The plane of depths, from the first pixel of the box.

@@ -14,6 +14,7 @@ mod vector;
 pub use curve::refine_polygon;
 pub use limit::{
     Asked, Cost, Follow, ROWS_A_POINT, Unlimited, check as check_limit, cost as limit_cost, followed_points,
+    sees_whole_fans,
 };
 pub use refined::RefinedMesh;
 pub use uvs::uv_net;

@@ -3,10 +3,15 @@
 
 mod addresses;
 mod bodies;
+mod cost;
 mod disk;
 mod disk_full;
 mod disk_slow;
+mod memory;
 mod overload;
 mod parsing;
+mod peers;
+mod places;
+mod searches;
 mod shutdown;
 mod slow;

@@ -11,7 +11,7 @@ use crate::output::scene::{FaceChunk, MeshSource, Scene, Shape, in_chunks, trian
 use crate::raster::{Camera, Crowding, Model, Normals, Strokes, Surface, render};
 use crate::watch::{Stopped, Watch};
 
-const DEFAULT_SHOW: &[&str] = &["surface"];
+pub(super) const DEFAULT_SHOW: &[&str] = &["surface"];
 const SURFACE: [u8; 4] = [112, 160, 222, 255];
 const WIRE: [u8; 4] = [22, 38, 66, 255];
 const CONTROL: [u8; 4] = [217, 93, 57, 255];

@@ -2,6 +2,7 @@
 
 pub(super) mod coat;
 pub(super) mod drawing;
+pub(super) mod forecast;
 pub(super) mod mesh;
 pub(super) mod paint;
 pub(super) mod sections;

@@ -73,6 +73,12 @@ pub(super) fn support(cycle: &[Letter]) -> usize {
     MAX_RINGS.min(1 + number(cycle, &[Heirs::Same]))
 }
 
+/// Whether the patches of all vertices around one have all faces around that, so that those of n vertices have n times as
+/// many faces: where more than the faces at a vertex decide about its limit.
+pub fn sees_whole_fans(cycle: &[Letter]) -> bool {
+    number(cycle, &[Heirs::Same]) > 1 || number(cycle, &[Heirs::Dual, Heirs::Faces]) > 0
+}
+
 fn number(cycle: &[Letter], heirs: &[Heirs]) -> usize {
     cycle.iter().filter(|letter| heirs.contains(&letter.operator.heirs())).count()
 }

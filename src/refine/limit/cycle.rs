@@ -15,6 +15,7 @@ use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::step::Action;
 use crate::scheme::word::Letter;
 use crate::shape::topology::{Topology, index};
+use crate::watch::Watch;
 
 /// Levels that are scheduled beyond the last one. An alpha that is halved as often is below 1e-18 of what it was.
 pub(in crate::refine) const AHEAD: u32 = 62;
@@ -34,6 +35,8 @@ pub(super) struct Cycle<'a> {
     levels: Vec<&'a [Scheduled]>,
     /// The first of these levels from which on no number changes.
     pub(super) settled: usize,
+    /// Counts the points that are made and the patches that are found, and may say stop.
+    pub(super) watch: Watch,
 }
 
 /// What a level makes of a patch.
@@ -49,7 +52,13 @@ pub(super) struct Child {
 
 impl<'a> Cycle<'a> {
     /// The levels ahead, `length` steps each, which start with an upsampling. `alphas` are some that vertices carry.
-    pub(super) fn new(plan: &'a Plan, (ahead, length): (&'a [Scheduled], usize), frame: Frame, alphas: &[f64]) -> Self {
+    pub(super) fn new(
+        plan: &'a Plan,
+        (ahead, length): (&'a [Scheduled], usize),
+        frame: Frame,
+        alphas: &[f64],
+        watch: &Watch,
+    ) -> Self {
         let levels: Vec<&[Scheduled]> = ahead.chunks_exact(length).collect();
         let last = levels.len() - 1;
         let settled = |&level: &usize| {
@@ -57,7 +66,7 @@ impl<'a> Cycle<'a> {
             same(level, last) && alphas.iter().all(|&alpha| same_at(plan, alpha, level, last))
         };
         let settled = (0..last).rev().take_while(settled).last().unwrap_or(last);
-        Self { plan, frame, levels, settled }
+        Self { plan, frame, levels, settled, watch: watch.clone() }
     }
 
     /// The operators of a level; those beyond the settled one are like it.
@@ -117,7 +126,8 @@ impl<'a> Cycle<'a> {
         }
         let topology = net.topology();
         let whole = Whole::of(&net, &topology);
-        let found = whole.least_patch(centre, rings).ok_or(Unlimited::Size)?;
+        self.watch.advance(made.0 as u64);
+        let found = whole.least_patch(centre, rings, &self.watch)?.ok_or(Unlimited::Size)?;
         Ok((found, record, origins, topology))
     }
 

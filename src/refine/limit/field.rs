@@ -2,7 +2,6 @@
 //! patches.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::ops::Range;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -10,17 +9,21 @@ use rayon::prelude::*;
 use super::Unlimited;
 use super::mask::{Finder, Mask, Masks};
 use super::own::{Common, Own};
-use super::patch::{Centre, Found, Patch, Rings, Whole};
+use super::patch::{Centre, Found, Patch, Rings, VERTICES_A_ROW, Whole};
 use super::probe::Regular;
 use super::sector::Sectors;
 use super::tangent::NoTangents;
-use crate::math::rows::{RowSource, Rows};
+use crate::math::rows::Rows;
 use crate::scheme::mesh_net::{MeshNet, Surroundings};
 use crate::shape::topology::{NONE, Topology, index};
 use crate::watch::Watch;
 
-/// Vertices whose patches are compared at a time.
+/// Vertices whose patches are compared at a time, at first and at most.
+const FIRST_CHUNK: usize = 64;
 const CHUNK: usize = 16_384;
+/// Vertices that the patches compared at a time have in all, about: 32 MiB of patches around vertices with many faces, and
+/// enough work for all threads.
+const CHUNK_VERTICES: usize = 1 << 20;
 /// Most vertices whose surroundings carry numbers that differ: each is followed by itself.
 pub(super) const MAX_PATCHES: usize = 16_384;
 /// The class of vertices around which the net is a grid of quads.
@@ -73,7 +76,7 @@ impl Field {
         let plain = Masks::new(finder, Common::default());
         let grid = if on_grid { Some(regular_mask(rings, &plain, surroundings)?) } else { None };
         if !carries(&net) {
-            middles_settle(&whole, regular, rings, &plain)?;
+            middles_settle(&whole, regular, rings, &plain, watch)?;
         }
         let n = centres.as_ref().map_or(topology.n_vertices(), Vec::len);
         let centre = |v: u32| match &centres {
@@ -84,13 +87,20 @@ impl Field {
         let mut classes = vec![REGULAR; n];
         let rest: Vec<u32> = (0..index(n)).filter(|v| !is_regular(v)).collect();
         let mut known: BTreeMap<(Patch, Own), u32> = BTreeMap::new();
-        for chunk in rest.chunks(CHUNK) {
+        let mut left = rest.as_slice();
+        let mut chunk = FIRST_CHUNK;
+        while !left.is_empty() {
             watch.check().map_err(Unlimited::Stopped)?;
+            let (now, later) = left.split_at(chunk.min(left.len()));
+            left = later;
             let patch = |&v: &u32| {
                 patch(&whole, &net, centre(v), rings).map(|found| found.map(|(found, own)| (found.patch, own)))
             };
-            let patches: Vec<Option<(Patch, Own)>> = chunk.par_iter().map(patch).collect::<Result<_, _>>()?;
-            for (&v, patch) in chunk.iter().zip(patches) {
+            let patches: Vec<Option<(Patch, Own)>> = now.par_iter().map(patch).collect::<Result<_, _>>()?;
+            let size: usize = patches.iter().flatten().map(|(patch, _)| patch.n_vertices).sum();
+            watch.advance(size as u64 / VERTICES_A_ROW + now.len() as u64);
+            chunk = (CHUNK_VERTICES * now.len() / size.max(1)).clamp(1, CHUNK.min(2 * chunk));
+            for (&v, patch) in now.iter().zip(patches) {
                 let next = index(known.len()) + ALONE + 1;
                 classes[v as usize] = patch.map_or(ALONE, |patch| *known.entry(patch).or_insert(next));
             }
@@ -215,6 +225,11 @@ impl Field {
         self.classes.len()
     }
 
+    /// Number of points that rows are made of.
+    pub(super) fn n_points(&self) -> usize {
+        self.topology.n_vertices()
+    }
+
     /// Whether a vertex has no face.
     pub(super) fn is_alone(&self, v: usize) -> bool {
         self.classes[v] == ALONE
@@ -224,7 +239,8 @@ impl Field {
         Whole::of(&self.net, &self.topology)
     }
 
-    fn row(&self, v: usize, sector: usize, wish: Wish, out: &mut Rows) {
+    /// Adds the weights of a vertex for a wish in a sector.
+    pub(super) fn row(&self, v: usize, sector: usize, wish: Wish, out: &mut Rows) {
         match (self.centre(v), self.classes[v], &self.regular) {
             (None, ..) if self.centres.is_some() => {}
             (None, ..) => out.add(index(v), if wish == Wish::Position { 1.0 } else { 0.0 }),
@@ -280,12 +296,18 @@ pub(super) fn patch(
 ///
 /// # Errors
 /// [`Unlimited::Rough`]; where the middle of a face cannot be followed, nothing is said about it.
-fn middles_settle(whole: &Whole<'_>, regular: Regular, rings: Rings, masks: &Masks<'_>) -> Result<(), Unlimited> {
+fn middles_settle(
+    whole: &Whole<'_>,
+    regular: Regular,
+    rings: Rings,
+    masks: &Masks<'_>,
+    watch: &Watch,
+) -> Result<(), Unlimited> {
     let topology = whole.topology;
     let mut seen = BTreeSet::from([if regular == Regular::Quads { 4 } else { 3 }]);
     for f in 0..topology.n_faces() {
         if seen.insert(topology.face(f).len()) {
-            let found = whole.least_patch(Centre::Face(index(f)), rings);
+            let found = whole.least_patch(Centre::Face(index(f)), rings, watch)?;
             let mask = found.map(|found| masks.of(0, &found.patch));
             if let Some(Err(error @ (Unlimited::Rough | Unlimited::Stopped(_)))) = mask {
                 return Err(error);
@@ -365,32 +387,4 @@ fn regular_mask(rings: Rings, masks: &Masks<'_>, surroundings: Option<Surroundin
         tangents.as_ref().map(|[t, u]| [sorted(t), sorted(u)]).map_err(|why| *why)
     };
     Ok(Mask { position: sorted(&mask.position), tangents: mask.tangents.iter().map(both).collect() })
-}
-
-/// The rows of a field.
-#[derive(Debug)]
-pub(super) struct FieldRows<'a> {
-    /// The field.
-    pub(super) field: &'a Field,
-    /// Vertices and sectors of them, one for each row.
-    pub(super) places: &'a [(u32, usize)],
-    /// What the rows are for.
-    pub(super) wish: Wish,
-}
-
-impl RowSource for FieldRows<'_> {
-    fn n_rows(&self) -> usize {
-        self.places.len()
-    }
-
-    fn n_columns(&self) -> usize {
-        self.field.topology.n_vertices()
-    }
-
-    fn make(&self, range: Range<usize>, out: &mut Rows) {
-        for &(v, sector) in &self.places[range] {
-            self.field.row(v as usize, sector, self.wish, out);
-            out.end_row();
-        }
-    }
 }

@@ -15,6 +15,7 @@ mod cost;
 mod cycle;
 mod dual;
 mod field;
+mod field_rows;
 mod frame;
 mod heir;
 mod impulse;
@@ -31,6 +32,8 @@ mod sector;
 mod skeleton;
 mod small;
 mod tangent;
+#[cfg(test)]
+mod tests;
 mod turn;
 
 use crate::math::rows::blend;
@@ -42,11 +45,12 @@ use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::watch::{Stopped, Watch};
 
 use super::{Points, RefineError};
-pub use cost::{Cost, Follow, cost};
+pub use cost::{Cost, Follow, cost, sees_whole_fans};
 pub(super) use cycle::AHEAD;
 use cycle::Cycle;
 use dual::Led;
-use field::{Field, FieldRows, Wish};
+use field::{Field, Wish};
+use field_rows::FieldRows;
 use frame::Frame;
 use impulse::{Impulse, Smoothness};
 use mask::Finder;
@@ -232,7 +236,7 @@ pub(super) fn check_continuous(plan: &Plan, net: &MeshNet) -> Result<(), Unlimit
     let own = net.attributes.as_deref().map_or_else(Vec::new, own::extremes);
     let alphas: Vec<f64> = own.iter().filter_map(Common::alpha).chain([plan.alpha]).collect();
     let ahead = (&steps[plan.word.prefix.len()..], plan.word.cycle.len());
-    let cycle = Cycle::new(plan, ahead, Frame::of(plan, &net.base), &alphas);
+    let cycle = Cycle::new(plan, ahead, Frame::of(plan, &net.base), &alphas, &Watch::new());
     let (regular, tagged) = (Regular::of(&cycle, &net.base)?, net.directions.is_some());
     let (support, common) = (cost::support(&plan.word.cycle), Common::default());
     let impulse = Impulse { cycle: &cycle, regular, tagged, common, support };
@@ -260,7 +264,8 @@ pub(super) fn limits(
     let alphas: Vec<f64> = own.iter().filter_map(Common::alpha).chain([plan.alpha]).collect();
     let length = plan.word.cycle.len();
     let frame = Frame::of(plan, &net.base);
-    let cycle = Cycle::new(plan, (&ahead[before..], length), frame, if field::carries(&net) { &alphas } else { &[] });
+    let alphas = if field::carries(&net) { &alphas[..] } else { &[] };
+    let cycle = Cycle::new(plan, (&ahead[before..], length), frame, alphas, watch);
     let regular = Regular::of(&cycle, &net.topology())?;
     let tagged = net.directions.is_some();
     let rings = regular.rings(&cycle, tagged, Starts { is_open, others: centres.is_some() })?;

@@ -1,55 +1,60 @@
 //! Numbers in the order of first use.
 
-use std::collections::BTreeMap;
-
 use crate::shape::topology::{NONE, index};
 
-/// Of so many things each has a place for its number.
-const MANY: usize = 1 << 14;
-/// Of more, numbers up to this many are found by looking through them.
-const FEW: usize = 128;
+/// Numbers up to this many are found by looking through them.
+const FEW: usize = 16;
 
 /// Things in the order of first use, which is their number.
+///
+/// A table finds them by their hash, whatever the number of all things: what a patch takes depends on its size alone.
+#[derive(Default)]
 pub(super) struct Numbers {
     pub(super) order: Vec<u32>,
-    /// The number of each thing, or [`NONE`]; nothing where there are too many things.
+    /// Numbers, or [`NONE`], each at or after the place of its hash; twice as many places as numbers at least, a power of 2.
     places: Vec<u32>,
-    /// Filled there once there are more than a few.
-    tree: BTreeMap<u32, u32>,
 }
 
 impl Numbers {
-    /// None yet, for `n` things.
-    pub(super) fn of(n: usize) -> Self {
-        let places = if n <= MANY { vec![NONE; n] } else { Vec::new() };
-        Self { order: Vec::new(), places, tree: BTreeMap::new() }
-    }
-
     /// The number of `thing`, and whether it is a new one.
     pub(super) fn number(&mut self, thing: u32) -> (u32, bool) {
         let n = self.order.len();
-        if let Some(known) = self.known(thing) {
-            return (known, false);
+        if n < FEW {
+            if let Some(known) = self.order.iter().position(|&other| other == thing) {
+                return (index(known), false);
+            }
+            self.order.push(thing);
+            return (index(n), true);
         }
+        if 2 * n >= self.places.len() {
+            self.grow();
+        }
+        let place = self.place(thing);
+        if self.places[place] != NONE {
+            return (self.places[place], false);
+        }
+        self.places[place] = index(n);
         self.order.push(thing);
-        if let Some(place) = self.places.get_mut(thing as usize) {
-            *place = index(n);
-        } else if n == FEW {
-            self.tree = self.order.iter().enumerate().map(|(i, &other)| (other, index(i))).collect();
-        } else if n > FEW {
-            self.tree.insert(thing, index(n));
-        }
         (index(n), true)
     }
 
-    fn known(&self, thing: u32) -> Option<u32> {
-        if let Some(&place) = self.places.get(thing as usize) {
-            return (place != NONE).then_some(place);
+    /// Where the number of a thing stands, or is to stand.
+    fn place(&self, thing: u32) -> usize {
+        let last = self.places.len() - 1;
+        // neighbours have similar numbers: the golden ratio spreads them (Knuth, volume 3, section 6.4)
+        let hash = thing.wrapping_mul(0x9E37_79B9);
+        let mut place = hash.rotate_left(self.places.len().trailing_zeros()) as usize & last;
+        while self.places[place] != NONE && self.order[self.places[place] as usize] != thing {
+            place = (place + 1) & last;
         }
-        if self.order.len() <= FEW {
-            self.order.iter().position(|&other| other == thing).map(index)
-        } else {
-            self.tree.get(&thing).copied()
+        place
+    }
+
+    fn grow(&mut self) {
+        self.places = vec![NONE; (4 * self.order.len()).next_power_of_two()];
+        for n in 0..self.order.len() {
+            let place = self.place(self.order[n]);
+            self.places[place] = index(n);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Patches: the faces around a vertex, an edge or a face, numbered in an order that depends on their connectivity only.
 
+use std::cmp::Ordering;
 use std::sync::Arc;
 
 use super::cycle::is_triangular;
@@ -11,9 +12,13 @@ use crate::shape::check::{FaceList, Winding};
 use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{NONE, Topology, index};
+use crate::watch::{Stopped, Watch};
 
 /// Most vertices of a patch: about what three rings around a vertex of valence 1,500 have.
 pub(super) const MAX_VERTICES: usize = 20_000;
+
+/// Vertices of patches that are found in the time of a row of a table, 100 ns.
+pub(super) const VERTICES_A_ROW: u64 = 2;
 
 /// What a patch lies around.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -190,6 +195,11 @@ fn without_ears(topology: &Topology) -> Option<FaceList> {
     Some(faces)
 }
 
+/// The greatest common divisor of two numbers that are not both 0 (Euclid).
+fn common_divisor(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { common_divisor(b, a % b) }
+}
+
 impl Whole<'_> {
     /// The patch around a centre; `None` where it has more than [`MAX_VERTICES`] vertices.
     pub(super) fn patch(&self, centre: Centre, rings: Rings) -> Option<Found> {
@@ -197,16 +207,33 @@ impl Whole<'_> {
     }
 
     /// The least of all patches around a centre that differ by where the walk starts: the same for nets that differ by
-    /// a turn.
-    pub(super) fn least_patch(&self, centre: Centre, rings: Rings) -> Option<Found> {
+    /// a turn, and of several starts the first.
+    ///
+    /// Where a walk finds what one k starts before it found, a turn by k faces maps the surroundings to themselves. So does
+    /// one by the greatest divisor d that k and the number of starts have in common, and all later walks find what those
+    /// from the first d starts do: around a vertex that looks the same from all its faces, two walks are enough.
+    ///
+    /// # Errors
+    /// [`Stopped`].
+    pub(super) fn least_patch(&self, centre: Centre, rings: Rings, watch: &Watch) -> Result<Option<Found>, Stopped> {
+        let starts: Vec<u32> = self.starts(centre).collect();
+        let mut different = starts.len();
         let mut least: Option<Found> = None;
-        for (turn, start) in self.starts(centre).enumerate() {
-            let found = Found { turn, ..self.walk(centre, start, rings)? };
-            if least.as_ref().is_none_or(|known| found.patch < known.patch) {
-                least = Some(found);
+        for (turn, &start) in starts.iter().enumerate() {
+            if turn >= different {
+                break;
+            }
+            watch.check()?;
+            let Some(found) = self.walk(centre, start, rings) else { return Ok(None) };
+            let found = Found { turn, ..found };
+            watch.advance(found.vertices.len() as u64 / VERTICES_A_ROW + 1);
+            match least.as_ref().map(|known| (found.patch.cmp(&known.patch), turn - known.turn)) {
+                None | Some((Ordering::Less, _)) => least = Some(found),
+                Some((Ordering::Equal, turn)) => different = common_divisor(turn, different),
+                Some((Ordering::Greater, _)) => {}
             }
         }
-        least
+        Ok(least)
     }
 
     /// Corners at which a walk around a centre may start.
@@ -229,9 +256,9 @@ impl Whole<'_> {
             sizes: Vec::new(),
             local: Vec::new(),
             reached: Vec::new(),
-            known: Numbers::of(self.topology.n_vertices()),
+            known: Numbers::default(),
             corners: Vec::new(),
-            faces: Numbers::of(self.topology.n_faces()),
+            faces: Numbers::default(),
             sharp_edges: Vec::new(),
             directions: Vec::new(),
         };

@@ -3,13 +3,13 @@
 use rayon::prelude::*;
 
 use super::NoLevel;
+use super::budget::Budget;
 use super::cut::twist;
 use super::level::Level;
 use super::nearest::{Faces, Surface, farthest};
 use super::rest::Rests;
 use super::spline::Spline;
 use crate::refine::vector::{Vector, length, minus};
-use crate::watch::{Stopped, Watch};
 
 /// Faces of a net up to which it is refined further, and those of a part of it.
 pub(super) const FOLLOWED_FACES: usize = 1 << 16;
@@ -60,12 +60,12 @@ struct Comparison<'a> {
     rounding: f64,
     /// How often pieces may still be cut.
     cuts: usize,
-    watch: &'a Watch,
+    budget: &'a Budget,
 }
 
 impl Comparison<'_> {
     /// What is known of a level; `None` as soon as a distance above `most` is measured.
-    fn seen(&mut self, level: &Level, most: f64) -> Result<Option<Seen>, Stopped> {
+    fn seen(&mut self, level: &Level, most: f64) -> Result<Option<Seen>, NoLevel> {
         let output = self.output.first();
         let belongs = |f: usize| output.slot(level.home[f]).is_some();
         let looked_at =
@@ -77,7 +77,7 @@ impl Comparison<'_> {
         self.greatest = match &displaced {
             Some(_) => {
                 let whole = Self::near(level, &looked_at, vec![0.0; looked_at.len()]);
-                let whole = Surface::of(vec![whole], self.watch);
+                let whole = Surface::of(vec![whole], self.budget);
                 let distance = |i, piece: &Piece| self.there(piece).max(Self::back(&whole, piece, i));
                 self.measured(&pieces, moved, false, most, distance)?
             }
@@ -86,7 +86,7 @@ impl Comparison<'_> {
         if self.greatest > most {
             return Ok(None);
         }
-        let rests = Rests::of(level, self.spline, self.watch)?;
+        let rests = Rests::of(level, self.spline, self.budget)?;
         let (there, cuts) = self.there_at_most(&pieces, moved)?;
         self.cuts -= cuts;
         let little = self.little();
@@ -136,7 +136,7 @@ impl Comparison<'_> {
         briefly: bool,
         most: f64,
         distance: impl Fn(usize, &Piece) -> f64 + Sync,
-    ) -> Result<f64, Stopped> {
+    ) -> Result<f64, NoLevel> {
         let mut order: Vec<(f64, usize)> = pieces.iter().map(moved).zip(0..).collect();
         order.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut greatest = self.greatest;
@@ -145,7 +145,7 @@ impl Comparison<'_> {
                 break;
             }
             let all: Vec<f64> = chunk.par_iter().map(|&(_, i)| distance(i, &pieces[i])).collect();
-            self.watch.check()?;
+            self.budget.check()?;
             let farthest = all.into_iter().fold(0.0, f64::max);
             if farthest <= greatest && briefly {
                 break;
@@ -166,7 +166,7 @@ impl Comparison<'_> {
     }
 
     /// How far pieces are from the output, at most, and the cuts made; none is farther than it was moved.
-    fn there_at_most(&self, pieces: &[Piece], moved: impl Fn(&Piece) -> f64) -> Result<(f64, usize), Stopped> {
+    fn there_at_most(&self, pieces: &[Piece], moved: impl Fn(&Piece) -> f64) -> Result<(f64, usize), NoLevel> {
         let known: Vec<f64> = pieces.iter().map(moved).collect();
         let cut = |piece: &Piece, cuts, enough| {
             farthest(piece.points(), cuts, enough, &|corners: &[Vector]| self.output.over(corners, piece.home))
@@ -175,9 +175,9 @@ impl Comparison<'_> {
     }
 
     /// How far the output is from the limit, at most.
-    fn back_at_most(&mut self) -> Result<f64, Stopped> {
+    fn back_at_most(&mut self) -> Result<f64, NoLevel> {
         let Some((pieces, known)) = self.first.take() else { return Ok(0.0) };
-        let limit = Surface::of(std::mem::take(&mut self.limit), self.watch);
+        let limit = Surface::of(std::mem::take(&mut self.limit), self.budget);
         let cut = |piece: &Piece, cuts, enough: f64| {
             let away = |corners: &[Vector]| limit.over(corners, None);
             let (most, used) = farthest(piece.flat(), cuts, enough - piece.cut, &away);
@@ -194,14 +194,14 @@ impl Comparison<'_> {
         mut known: Vec<f64>,
         enough: f64,
         cut: impl Fn(&Piece, usize, f64) -> (f64, usize) + Sync,
-    ) -> Result<(f64, usize), Stopped> {
+    ) -> Result<(f64, usize), NoLevel> {
         let mut far: Vec<usize> = (0..pieces.len()).filter(|&i| known[i] > enough).collect();
         let mut left = self.cuts;
         let mut cuts = FIRST_CUTS.min(left / far.len().max(1));
         while !far.is_empty() && cuts * far.len() <= left && (1..=CUTS).contains(&cuts) {
             let found: Vec<(f64, usize)> =
                 far.par_iter().with_min_len(4).map(|&i| cut(&pieces[i], cuts, enough)).collect();
-            self.watch.check()?;
+            self.budget.check()?;
             far.iter().zip(&found).for_each(|(&i, &(most, _))| known[i] = known[i].min(most));
             left -= found.iter().map(|&(_, used)| used).sum::<usize>();
             far = far.iter().zip(&found).filter(|(_, (_, used))| *used == cuts).map(|(&i, _)| i).collect();
@@ -313,20 +313,20 @@ pub(super) fn bound(
     spline: &Spline,
     tolerance: f64,
     rounding: f64,
-    watch: &Watch,
+    budget: &Budget,
 ) -> Result<f64, NoLevel> {
     if base.live.len() > FOLLOWED_FACES {
-        return Ok(plain(base, spline, watch)?);
+        return Ok(plain(base, spline, budget)?);
     }
     let flat = base.flat.now.as_chunks().0;
     let faces = Faces::of(&base.topology, flat, &base.live, vec![0.0; base.live.len()], !spline.halved);
-    let output = Surface::of(vec![faces], watch);
+    let output = Surface::of(vec![faces], budget);
     let (first, limit, cuts) = (None, Vec::new(), ALL_CUTS);
-    let mut comparison = Comparison { spline, output, first, limit, greatest: 0.0, rounding, cuts, watch };
+    let mut comparison = Comparison { spline, output, first, limit, greatest: 0.0, rounding, cuts, budget };
     let (mut level, mut bound) = (base.clone(), 0.0_f64);
     for ahead in 0..=AHEAD {
         let next = if spline.halved { Level::next_halved } else { Level::next };
-        let next = |level: &Level| next(level, &spline.plan, spline.round(ahead), watch);
+        let next = |level: &Level| next(level, &spline.plan, spline.round(ahead), &budget.watch);
         if ahead < WHOLE && level.faces_after(1) <= FOLLOWED_FACES {
             level = next(&level)?;
             continue;
@@ -357,9 +357,9 @@ pub(super) fn bound(
 }
 
 /// The same of nets of too many faces to be measured.
-fn plain(base: &Level, spline: &Spline, watch: &Watch) -> Result<f64, Stopped> {
+fn plain(base: &Level, spline: &Spline, budget: &Budget) -> Result<f64, NoLevel> {
     let (points, flat) = (base.points.now.as_chunks::<3>().0, base.flat.now.as_chunks::<3>().0);
-    let rests = Rests::of(base, spline, watch)?;
+    let rests = Rests::of(base, spline, budget)?;
     let live: Vec<usize> = base.live.iter().map(|&f| f as usize).collect();
     let of_face = |&face: &u32| {
         let corners = base.topology.face(face as usize);

@@ -10,6 +10,7 @@
 
 mod bend;
 mod bound;
+mod budget;
 mod cut;
 mod hull;
 mod level;
@@ -26,6 +27,8 @@ use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
 use crate::watch::{Stopped, Watch};
 use bound::{FOLLOWED_FACES, bound};
+use budget::Budget;
+pub use budget::MAX_WORK;
 use cut::{cut, twist};
 use level::Level;
 use rest::Rests;
@@ -35,10 +38,9 @@ use spline::Spline;
 const MAX_LEVEL: u32 = 16;
 /// Most faces of a net that are looked at.
 const MAX_FACES: usize = 1 << 18;
-/// Most units of work of a search.
-pub const MAX_WORK: u64 = 1 << 34;
-/// What a search takes for each face of the net that is looked at, bytes.
-const BYTES_A_FACE: u64 = 1 << 11;
+/// What a search takes for each face of the net that is looked at, bytes: measured with a cube one corner of which is a
+/// million times as far as the others, which takes 550 MiB at [`MAX_FACES`].
+const BYTES_A_FACE: u64 = 3 << 10;
 /// The least tolerance, over the greatest coordinate: below it, rounding is not negligible.
 const LEAST: f64 = 1e-12;
 /// What rounding adds to a bound, over the greatest coordinate.
@@ -111,10 +113,10 @@ pub enum NoLevel {
     Never(f64),
     /// Too long a search.
     #[error(
-        "the search for a level within {0} of the limit has taken {MAX_WORK} steps, which is the most that is searched; ask \
-         for a coarser tolerance, or give \"levels\" as a number"
+        "the search for a level this close to the limit has taken more than {MAX_WORK} steps, which is the most that is done; \
+         ask for a coarser tolerance, or give \"levels\" as a number"
     )]
-    TooLong(f64),
+    TooLong,
     /// A level cannot be computed.
     #[error("{0}")]
     Level(String),
@@ -171,7 +173,7 @@ pub fn search_bytes(mesh: &Mesh) -> u64 {
 pub fn reach(mesh: &Mesh, plan: &Plan, placed: &[Placed], tolerance: f64, watch: &Watch) -> Result<Reached, NoLevel> {
     let spline = Spline::of(plan, mesh)?;
     let size = check_size(mesh, tolerance)?;
-    let start = watch.done();
+    let budget = &Budget::of(watch, MAX_WORK);
     let points = vec![Points::new(mesh.positions.clone(), 3)];
     let (net, mut points) = act_on(mesh_net(mesh, plan), points, &spline.plan, &spline.prefix, watch)?;
     let mut walk = Walk { level: Level::new(net, points.remove(0)), left: 0.0 };
@@ -179,17 +181,15 @@ pub fn reach(mesh: &Mesh, plan: &Plan, placed: &[Placed], tolerance: f64, watch:
         if walk.is_ready(&spline) {
             let mut most = 0.0;
             for &placed in placed {
-                most = walk.bound(&spline, placed, tolerance, ROUNDING * size, watch)?.max(most);
+                most = walk.bound(&spline, placed, tolerance, ROUNDING * size, budget)?.max(most);
             }
             let bound = most + ROUNDING * size;
             if bound <= tolerance {
                 return Ok(Reached { level, bound });
             }
         }
-        if watch.done().saturating_sub(start) > MAX_WORK {
-            return Err(NoLevel::TooLong(tolerance));
-        }
-        walk.leave(&spline, tolerance, watch)?;
+        budget.check()?;
+        walk.leave(&spline, tolerance, budget)?;
         let faces = walk.level.faces_after(spline.rounds.len() + usize::from(spline.halved));
         if faces > MAX_FACES {
             return Err(NoLevel::TooLarge { level: level + 1, faces });
@@ -222,11 +222,11 @@ impl Walk {
         placed: Placed,
         tolerance: f64,
         rounding: f64,
-        watch: &Watch,
+        budget: &Budget,
     ) -> Result<f64, NoLevel> {
         let (places, times) = match placed {
             Placed::Refined => (self.level.points.now.clone(), 1.0),
-            Placed::Limit => (self.limits(spline, watch)?, 2.0),
+            Placed::Limit => (self.limits(spline, &budget.watch)?, 2.0),
         };
         let left = times * self.left;
         if self.level.live.is_empty() {
@@ -235,11 +235,11 @@ impl Walk {
         let base = self.level.compared(places);
         if spline.halved {
             let upsampling = spline.rounds[0].first().expect("a round begins with an upsampling");
-            let split = base.upsampled(&spline.plan, upsampling, watch)?;
+            let split = base.upsampled(&spline.plan, upsampling, &budget.watch)?;
             let cut = cut(&base);
-            return Ok(bound(&split, spline, tolerance - cut, rounding, watch)? + cut);
+            return Ok(bound(&split, spline, tolerance - cut, rounding, budget)? + cut);
         }
-        Ok(bound(&base, spline, tolerance, rounding, watch)?.max(left))
+        Ok(bound(&base, spline, tolerance, rounding, budget)?.max(left))
     }
 
     /// The limits of the vertices.
@@ -257,7 +257,7 @@ impl Walk {
 
     /// Leaves faces behind whose distance second differences bound, where there are too many to go on with all: first
     /// those that are within half the tolerance.
-    fn leave(&mut self, spline: &Spline, tolerance: f64, watch: &Watch) -> Result<(), Stopped> {
+    fn leave(&mut self, spline: &Spline, tolerance: f64, budget: &Budget) -> Result<(), NoLevel> {
         let fits = |level: &Level| level.faces_after(1) <= FOLLOWED_FACES;
         if fits(&self.level) || spline.halved {
             return Ok(());
@@ -271,7 +271,7 @@ impl Walk {
             })
             .collect();
         let twists = bend::spread(&level.topology, twists, spline.reach, f64::max);
-        let rests = Rests::of(level, spline, watch)?;
+        let rests = Rests::of(level, spline, budget)?;
         let of_face = |&f: &u32| {
             let twist = level.topology.face(f as usize).iter().map(|&v| twists[v as usize]).fold(0.0, f64::max);
             (f, rests.bend(f) + twist)

@@ -5,12 +5,12 @@ use std::sync::{Arc, OnceLock};
 use rayon::prelude::*;
 
 use super::bend::{Box3, around};
+use super::budget::Budget;
 use super::cut::twist;
 use super::sheet::Sheet;
 use crate::math::functions::sqrt;
 use crate::refine::vector::{Vector, cross, dot, mean, minus, plus, times, to_segment};
 use crate::shape::topology::Topology;
-use crate::watch::Watch;
 
 /// Nodes of a tree and faces that are looked at in the time of a row of a table, about 100 ns.
 const VISITS_A_ROW: u64 = 4;
@@ -44,8 +44,8 @@ pub(super) struct Surface {
     /// Their boxes.
     boxes: Vec<Box3>,
     nodes: Vec<Node>,
-    /// Counts the nodes and faces that are looked at, and may say stop: from then on nothing is found.
-    watch: Watch,
+    /// Counts the nodes and faces that are looked at; once it is over, nothing is found.
+    budget: Budget,
 }
 
 /// A box around places in the order.
@@ -159,8 +159,8 @@ impl Faces {
 }
 
 impl Surface {
-    /// The tree of some nets. Whoever asks it for distances asks the watch before they are used.
-    pub(super) fn of(parts: Vec<Faces>, watch: &Watch) -> Self {
+    /// The tree of some nets. Whoever asks it for distances asks the budget before they are used.
+    pub(super) fn of(parts: Vec<Faces>, budget: &Budget) -> Self {
         let slots = |(part, faces): (usize, &Faces)| (0..faces.len()).map(move |slot| (part, slot));
         let all: Vec<(usize, usize)> = parts.iter().enumerate().flat_map(slots).collect();
         let boxed = |&(part, slot): &(usize, usize)| parts[part].boxed(slot);
@@ -171,10 +171,10 @@ impl Surface {
             tree.node(&mut order, 0);
         }
         let nodes = tree.nodes;
-        watch.advance(all.len() as u64);
+        budget.advance(all.len() as u64);
         let boxes = order.iter().map(|&i| boxes[i]).collect();
         let order = order.into_iter().map(|i| all[i]).collect();
-        Self { parts, order, boxes, nodes, watch: watch.clone() }
+        Self { parts, order, boxes, nodes, budget: budget.clone() }
     }
 
     /// The faces of the first net.
@@ -209,7 +209,7 @@ impl Surface {
 
     /// The nearest triangles of faces cut along either diagonal, beginning with a slot that is near; `None` without faces.
     fn nearest(&self, point: Vector, near: Option<usize>) -> Option<[Hit; 2]> {
-        if self.watch.check().is_err() {
+        if self.budget.is_over() {
             return None;
         }
         let mut visited = 0;
@@ -220,7 +220,7 @@ impl Surface {
         if !self.nodes.is_empty() {
             self.search(0, point, &mut best, &mut visited);
         }
-        self.watch.advance(visited / VISITS_A_ROW + 1);
+        self.budget.advance(visited / VISITS_A_ROW + 1);
         best.iter().all(|hit| hit.slot != usize::MAX).then_some(best)
     }
 

@@ -2,13 +2,14 @@
 
 use rayon::prelude::*;
 
+use super::NoLevel;
 use super::bend::{Bend, Box3, around, bends, spread};
+use super::budget::Budget;
 use super::hull::Hulls;
 use super::level::Level;
 use super::sheet::Sheet;
 use super::spline::Spline;
 use crate::refine::vector::{Vector, cross, length, minus, plus, unit};
-use crate::watch::{Stopped, Watch};
 
 /// Points of hulls that are looked at in the time of a row of a table, about 100 ns.
 const POINTS_A_ROW: u64 = 4;
@@ -40,36 +41,36 @@ pub(super) struct Rests<'a> {
     /// The same with a ring of faces more.
     beside: Vec<Near>,
     hulls: Hulls<'a>,
-    /// Once it says stop, nothing more is looked into.
-    watch: &'a Watch,
+    /// Once it is over, nothing more is looked into.
+    budget: &'a Budget,
 }
 
 impl<'a> Rests<'a> {
     /// Those of a level.
     ///
     /// # Errors
-    /// [`Stopped`].
-    pub(super) fn of(level: &'a Level, spline: &'a Spline, watch: &'a Watch) -> Result<Self, Stopped> {
-        watch.check()?;
+    /// [`NoLevel`].
+    pub(super) fn of(level: &'a Level, spline: &'a Spline, budget: &'a Budget) -> Result<Self, NoLevel> {
+        budget.check()?;
         let (topology, points) = (&level.topology, level.points.now.as_chunks::<3>().0);
         let areas: Vec<Vector> =
             (0..topology.n_faces()).into_par_iter().with_min_len(1024).map(|f| area(level, f)).collect();
         let around_vertex = |v: usize| topology.ring(v).map(|corner| areas[topology.face_of(corner)]);
         let normal = |v: usize| unit(around_vertex(v).fold([0.0; 3], plus));
         let normals: Vec<Vector> = (0..topology.n_vertices()).into_par_iter().with_min_len(1024).map(normal).collect();
-        watch.check()?;
+        budget.check()?;
         let bends = bends(&level.net, topology, spline.tile, points, &normals);
-        watch.check()?;
+        budget.check()?;
         let single = |(v, bend): (usize, Bend)| {
             let normals = around_vertex(v).map(unit).map(|n| [n, n]).fold([normals[v]; 2], around);
             Near { bend, points: [points[v]; 2], normals }
         };
         let single = bends.into_iter().enumerate().map(single).collect();
         let near = spread(topology, single, spline.reach, Near::or);
-        watch.check()?;
+        budget.check()?;
         let beside = spread(topology, near.clone(), 1, Near::or);
-        watch.advance((topology.n_faces() * (spline.reach + 4)) as u64);
-        Ok(Self { level, spline, near, beside, hulls: Hulls::of(level, spline.reach), watch })
+        budget.advance((topology.n_faces() * (spline.reach + 4)) as u64);
+        Ok(Self { level, spline, near, beside, hulls: Hulls::of(level, spline.reach), budget })
     }
 
     fn joined(&self, values: &[Near], face: u32) -> Option<Near> {
@@ -99,31 +100,31 @@ impl<'a> Rests<'a> {
     /// `belongs` says.
     ///
     /// # Errors
-    /// [`Stopped`].
+    /// [`NoLevel`].
     pub(super) fn distances(
         &self,
         faces: &[u32],
         little: f64,
         belongs: impl Fn(usize) -> bool + Sync,
-    ) -> Result<Vec<f64>, Stopped> {
-        self.watch.check()?;
+    ) -> Result<Vec<f64>, NoLevel> {
+        self.budget.check()?;
         let first = |&face: &u32| {
             let plain = self.plain(face);
-            let looked_into = plain > little && self.watch.check().is_ok();
+            let looked_into = plain > little && !self.budget.is_over();
             let sheet = if looked_into { self.on_sheet(face, &belongs) } else { Some(plain) };
             (plain, sheet)
         };
         let known: Vec<(f64, Option<f64>)> = faces.par_iter().with_min_len(64).map(first).collect();
         let unknown = known.iter().filter(|(_, sheet)| sheet.is_none()).count();
         let hulls = self.hulls.affordable(unknown);
-        self.watch.advance(faces.len() as u64 + hulls.map_or(0, |hulls| hulls.work(unknown) as u64) / POINTS_A_ROW);
+        self.budget.advance(faces.len() as u64 + hulls.map_or(0, |hulls| hulls.work(unknown) as u64) / POINTS_A_ROW);
         let last = |(&face, (plain, sheet)): (&u32, (f64, Option<f64>))| {
-            let hulls = || hulls.filter(|_| self.watch.check().is_ok());
+            let hulls = || hulls.filter(|_| !self.budget.is_over());
             let hull = || hulls()?.height(face as usize, &belongs);
             sheet.or_else(hull).unwrap_or(plain).min(plain)
         };
         let distances = faces.par_iter().zip(known).with_min_len(64).map(last).collect();
-        self.watch.check()?;
+        self.budget.check()?;
         Ok(distances)
     }
 

@@ -1,0 +1,62 @@
+//! Patches around vertices with many faces: the least one is found without all walks.
+
+use super::patch::{Centre, Found, Rings, Whole};
+use crate::scheme::mesh_net::{Boundary, MeshNet};
+use crate::shape::check::{FaceList, Winding};
+use crate::shape::topology::{Topology, index};
+use crate::watch::Watch;
+
+/// Faces of these sizes around vertex 0.
+fn around(sizes: &[u32]) -> MeshNet {
+    let n = index(sizes.len());
+    let mut faces = FaceList::default();
+    let mut vertices = n + 1;
+    for (i, &size) in (0..n).zip(sizes) {
+        let between = vertices..vertices + size - 3;
+        vertices = between.end;
+        faces.push([0, 1 + i].into_iter().chain(between).chain([1 + (i + 1) % n]));
+    }
+    let checked = Topology::of_faces(vertices as usize, faces, Winding::Refuse).expect("a fan is a manifold");
+    MeshNet::new(checked.topology.into(), &[], &[], Boundary::EdgeOnly)
+}
+
+/// The least of the patches of all starts, the first of several.
+fn least_of_all(whole: &Whole<'_>, centre: Centre, rings: Rings) -> Option<Found> {
+    let walks = whole.starts(centre).enumerate();
+    let found = walks.map(|(turn, start)| Found { turn, ..whole.walk(centre, start, rings).expect("a small patch") });
+    found.reduce(|least, found| if found.patch < least.patch { found } else { least })
+}
+
+#[test]
+fn the_least_patch_is_that_of_all_starts_whatever_comes_again_around_a_vertex() {
+    let units: [&[u32]; 8] =
+        [&[3], &[4], &[4, 3], &[3, 4], &[4, 4, 3], &[5, 3, 4, 3], &[3, 3, 4, 3, 4], &[4, 3, 3, 4, 3, 5]];
+    let rings = Rings { support: 1, patch: 1 };
+    for (unit, times) in units.into_iter().flat_map(|unit| (1..=6).map(move |times| (unit, times))) {
+        for odd in [None, Some(5)] {
+            let sizes: Vec<u32> = unit.iter().copied().cycle().take(unit.len() * times).chain(odd).collect();
+            if sizes.len() < 3 {
+                continue;
+            }
+            let net = around(&sizes);
+            let whole = Whole::of(&net, &net.base);
+            for centre in [Centre::Vertex(0), Centre::Face(0)] {
+                let expected = least_of_all(&whole, centre, rings).expect("there is a face");
+                let found = whole.least_patch(centre, rings, &Watch::new()).expect("nobody says stop");
+                let found = found.expect("a small patch");
+                let all = |found: Found| (found.patch, found.vertices, found.corners, found.turn);
+                assert_eq!(all(found), all(expected), "{sizes:?} around {centre:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_vertex_that_looks_the_same_from_all_its_faces_takes_two_walks() {
+    let net = around(&[3; 500]);
+    let whole = Whole::of(&net, &net.base);
+    let watch = Watch::new();
+    let found = whole.least_patch(Centre::Vertex(0), Rings { support: 1, patch: 1 }, &watch).expect("nobody says stop");
+    assert_eq!(found.map(|found| found.turn), Some(0));
+    assert!(watch.done() <= 2 * 501, "{} rows", watch.done());
+}

@@ -1,0 +1,64 @@
+//! What a search may still do: until it is stopped, or its work is used up.
+
+use super::NoLevel;
+use crate::watch::Watch;
+
+/// Most units of work of a search, of about 100 ns each: 3.5 minutes, ten times what those take that look at all the levels
+/// and faces they may.
+pub const MAX_WORK: u64 = 1 << 31;
+
+/// A watch, and the work that it counts at most.
+///
+/// Once either says no, distances that are asked for are not found any more, and whoever asked finds that out before using
+/// them. What was counted by then is more than the most in any case, so that it makes no difference which thread came first.
+#[derive(Debug, Clone)]
+pub(super) struct Budget {
+    pub(super) watch: Watch,
+    /// What the watch counts at most.
+    most: u64,
+}
+
+impl Budget {
+    /// So much work from now on.
+    pub(super) fn of(watch: &Watch, work: u64) -> Self {
+        Self { watch: watch.clone(), most: watch.done().saturating_add(work) }
+    }
+
+    /// Whether nothing more is to be done.
+    pub(super) fn is_over(&self) -> bool {
+        self.watch.check().is_err() || self.watch.done() > self.most
+    }
+
+    /// Goes on, or says why not.
+    ///
+    /// # Errors
+    /// [`NoLevel::Stopped`], [`NoLevel::TooLong`].
+    pub(super) fn check(&self) -> Result<(), NoLevel> {
+        self.watch.check()?;
+        if self.watch.done() > self.most { Err(NoLevel::TooLong) } else { Ok(()) }
+    }
+
+    /// Counts work as done.
+    pub(super) fn advance(&self, work: u64) {
+        self.watch.advance(work);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Budget, NoLevel, Watch};
+    use crate::watch::Stopped;
+
+    #[test]
+    fn a_budget_is_over_when_its_work_is_done_or_its_watch_says_stop() {
+        let watch = Watch::new();
+        watch.advance(5);
+        let budget = Budget::of(&watch, 10);
+        budget.advance(10);
+        assert!(budget.check().is_ok() && !budget.is_over());
+        budget.advance(1);
+        assert!(budget.check() == Err(NoLevel::TooLong) && budget.is_over());
+        watch.stop();
+        assert!(budget.check() == Err(NoLevel::Stopped(Stopped)) && budget.is_over());
+    }
+}

@@ -1,0 +1,96 @@
+//! Searches for the level of a tolerance: counted, stopped where they are, bounded, and apart from reading a job.
+
+use planish::input::ReadLimits;
+use planish::job::SearchError;
+use planish::watch::{Stopped, Watch};
+use planish::wire::{JobRequest, RequestDraft};
+use serde_json::{Value, json};
+
+use crate::support::nets::control;
+
+/// The cube whose first corner is far away.
+fn far_corner() -> Value {
+    let mut input = control("cube");
+    input["mesh"]["positions"][0] = json!([1e6, 1e6, 1e6]);
+    input
+}
+
+fn draft(input: &Value, plan: &Value, tolerance: f64) -> RequestDraft {
+    let job = json!({
+        "input": input, "plan": plan, "levels": { "tolerance": tolerance }, "outputs": [{ "format": "json" }]
+    });
+    let request: JobRequest = serde_json::from_value(job).unwrap();
+    request.draft_within(&ReadLimits::default()).unwrap()
+}
+
+fn catmull_clark() -> Value {
+    json!({ "preset": "catmull-clark" })
+}
+
+#[test]
+fn h5_a_search_counts_its_work_and_stays_within_what_it_says() {
+    for (input, plan, tolerance) in [(control("cube"), catmull_clark(), 0.05), (far_corner(), catmull_clark(), 3e4)] {
+        let draft = draft(&input, &plan, tolerance);
+        let watch = Watch::new();
+        let found = draft.search(&watch).unwrap().expect("a tolerance was asked for");
+        assert!(found.bound <= tolerance);
+        assert!(watch.done() > 1000 && watch.done() <= draft.search_cost().work, "{} units", watch.done());
+        let job = draft.complete(Some(found)).unwrap();
+        assert_eq!((job.levels, job.reached), (found.level, Some(found)));
+    }
+}
+
+#[test]
+fn h5_a_search_stops_when_it_is_told_to() {
+    let draft = draft(&far_corner(), &catmull_clark(), 0.05);
+    let watch = Watch::new();
+    let stopped = std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while watch.done() < 10_000 {
+                std::thread::yield_now();
+            }
+            watch.stop();
+        });
+        draft.search(&watch)
+    });
+    assert_eq!(stopped, Err(SearchError::Stopped(Stopped)));
+
+    let polygon = json!({ "polygon": { "points": [[0, 0], [1, 0], [1, 1], [0, 3]], "closed": true } });
+    let watch = Watch::new();
+    watch.stop();
+    let curve = self::draft(&polygon, &json!({ "preset": "cubic-b-spline" }), 1e-3);
+    assert_eq!(curve.search(&watch), Err(SearchError::Stopped(Stopped)));
+    assert!(curve.search(&Watch::new()).is_ok());
+}
+
+#[test]
+fn h5_a_search_is_refused_without_one_where_that_can_be_told_at_once() {
+    let job = json!({
+        "input": control("cube"), "plan": { "preset": "catmull-clark" }, "levels": { "tolerance": 1e-30 },
+        "outputs": [{ "format": "json" }]
+    });
+    let request: JobRequest = serde_json::from_value(job).unwrap();
+    let faults = request.draft_within(&ReadLimits::default()).unwrap_err();
+    assert_eq!(faults[0].pointer, "/levels/tolerance");
+}
+
+#[test]
+fn h5_searches_with_one_answer_have_one_key() {
+    let key = |input: &Value, plan: &Value, tolerance| draft(input, plan, tolerance).search_key().unwrap();
+    let plain = key(&control("cube"), &catmull_clark(), 0.5);
+    assert_eq!(plain, key(&control("cube"), &catmull_clark(), 0.5));
+    for other in [
+        key(&far_corner(), &catmull_clark(), 0.5),
+        key(&control("cube"), &json!({ "word": "UC" }), 0.5),
+        key(&control("cube"), &catmull_clark(), 0.25),
+    ] {
+        assert_ne!(plain, other);
+    }
+    let counted: JobRequest = serde_json::from_value(json!({
+        "input": control("cube"), "plan": catmull_clark(), "levels": 1, "outputs": [{ "format": "json" }]
+    }))
+    .unwrap();
+    let counted = counted.draft_within(&ReadLimits::default()).unwrap();
+    assert!(!counted.needs_search() && counted.search_key().is_none());
+    assert_eq!(counted.search(&Watch::new()), Ok(None));
+}
