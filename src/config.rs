@@ -1,6 +1,8 @@
 //! Every setting: unit, default, range; read once at start from flags, environment, and a TOML file, in this order.
 
+pub mod authority;
 mod file;
+mod origins;
 
 use std::net::SocketAddr;
 use std::ops::RangeInclusive;
@@ -8,18 +10,24 @@ use std::path::{Path, PathBuf};
 
 use crate::job::limits::{Limits, thousands};
 
-/// Most bytes that a setting may name, 1 PiB: beyond the memory and the disks of one machine, and so small that sums of a
-/// thousand of them fit into 63 bits, which is what integers of TOML have.
+pub use origins::CorsOrigins;
+
+/// Most bytes that a setting may name, 1 PiB: beyond the memory and the disks of one machine, and so small that sums
+/// of a thousand of them fit into 63 bits, which is what integers of TOML have.
 const MOST_BYTES: u64 = 1 << 50;
 /// Least memory a service works with, 256 MiB: its shares then still hold a small job each.
 const LEAST_MEMORY_BYTES: u64 = 256 << 20;
-/// Longest request body that can be allowed, 1 GiB: bodies are held in memory, and a gibibyte of JSON is read into several.
+/// Longest request body that can be allowed, 1 GiB: bodies are held in memory, and a gibibyte of JSON is read into
+/// several.
 const MOST_BODY_BYTES: u64 = 1 << 30;
 /// Most jobs or connections that can be allowed: each connection has a file descriptor and its buffers, each job its
 /// request, and 65,536 of them are more than two lanes or one address can serve.
 const MOST_WAITING: u64 = 1 << 16;
-/// Longest time that a setting may name, a day in seconds: what waits longer is no service any more, and clocks can add a
-/// day to any time without overflow.
+/// Most compute threads of a lane: more than machines have cores, and two lanes of them still fit under the usual
+/// limit on the threads of a process.
+const MOST_THREADS: u64 = 1024;
+/// Longest time that a setting may name, a day in seconds: what waits longer is no service any more, and clocks can
+/// add a day to any time without overflow.
 const MOST_SECONDS: u64 = 24 * 60 * 60;
 /// Most faces or vertices that can be allowed: indices are 32 bits wide, and a net has up to four corners a vertex.
 const MOST_INDEXED: u64 = u32::MAX as u64 / 5;
@@ -113,10 +121,12 @@ macro_rules! settings {
 settings! {
     /// Address to listen on.
     listen: SocketAddr = SocketAddr::from(([127, 0, 0, 1], 8080)), "PLANISH_LISTEN", "";
+    /// Web pages that may ask, by their origins: `none`, `loopback`, `*`, or a list like `https://example.org`.
+    cors_origins: CorsOrigins = CorsOrigins::Usual, "PLANISH_CORS_ORIGINS", "";
     /// Folder for the cache; by the platform's convention when left out.
     data_dir: PathBuf = default_data_dir(), "PLANISH_DATA_DIR", "";
     /// Compute threads a lane; 0 means one a core.
-    threads: usize = 0, in 0..=1024, "PLANISH_THREADS", "threads";
+    threads: usize = 0, in 0..=MOST_THREADS, "PLANISH_THREADS", "threads";
     /// Most faces of a mesh at any level.
     max_faces: u64 = Limits::default().max_faces, in 1..=MOST_INDEXED, "PLANISH_MAX_FACES", "faces";
     /// Most points of all polygons, or vertices of a mesh, at any level.
@@ -179,8 +189,8 @@ pub enum ConfigError {
     },
     /// A value outside its range.
     #[error(
-        "{name} is {value}, and may be {least} to {most}{unit}; change the flag --{flag}, the variable {variable} or the \
-         key {flag} of the settings file",
+        "{name} is {value}, and may be {least} to {most}{unit}; change the flag --{flag}, the variable {variable} or \
+         the key {flag} of the settings file",
         value = thousands((*.value).into()), least = thousands((*.range.start()).into()),
         most = thousands((*.range.end()).into()), unit = .unit, flag = .name.replace('_', "-")
     )]

@@ -3,6 +3,7 @@
 mod estimate;
 mod health;
 mod job;
+mod log;
 mod presets;
 mod render;
 mod serve;

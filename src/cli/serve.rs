@@ -4,9 +4,8 @@ use std::path::Path;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-use tracing_subscriber::EnvFilter;
-
 use super::CliError;
+use super::log::Log;
 use crate::config::{Given, Settings};
 use crate::http::serve::{bind, serve as serve_http};
 
@@ -14,7 +13,7 @@ use crate::http::serve::{bind, serve as serve_http};
 /// threads still wait for a disk that hangs.
 pub(super) fn serve(given: Given, file: Option<&Path>) -> Result<(), CliError> {
     let settings = Settings::read(given, file).map_err(CliError::new)?;
-    log(settings.log_json);
+    let log = Log::start(settings.log_json).map_err(CliError::new)?;
     let patience = Duration::from_secs(settings.shutdown_timeout_s);
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(CliError::new)?;
     let asked = OnceLock::new();
@@ -22,7 +21,7 @@ pub(super) fn serve(given: Given, file: Option<&Path>) -> Result<(), CliError> {
         let (listener, app) = bind(settings).await.map_err(CliError::new)?;
         let address = listener.local_addr().map_err(CliError::new)?;
         tracing::info!(%address, cache = %app.settings.data_dir.display(), "planish is listening");
-        eprintln!("planish is listening on http://{address}");
+        log.say(&format!("planish is listening on http://{address}"));
         let stop = async {
             stopped().await;
             asked.get_or_init(Instant::now);
@@ -36,13 +35,6 @@ pub(super) fn serve(given: Given, file: Option<&Path>) -> Result<(), CliError> {
     }
     runtime.shutdown_background();
     served.map(drop)
-}
-
-fn log(json: bool) {
-    let filter = EnvFilter::try_from_env("PLANISH_LOG").unwrap_or_else(|_| EnvFilter::new("warn"));
-    let subscriber = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr);
-    // a second subscriber in one process is refused, and the first goes on
-    let _ = if json { subscriber.json().try_init() } else { subscriber.try_init() };
 }
 
 /// Comes true at the first interrupt or termination signal.

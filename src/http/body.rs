@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use axum::body::{Body, Bytes};
-use axum::http::{HeaderMap, header};
+use axum::http::{HeaderMap, HeaderValue, header};
 use http_body_util::BodyExt;
 use tokio::time::Instant;
 
@@ -162,7 +162,24 @@ fn too_slow(pace: Pace, is_silent: bool) -> Problem {
     Problem::new(problem::SLOW, detail)
 }
 
+/// Of the codings that a body may come in, only `chunked` is read, and only alone.
+fn check_transfer_coding(headers: &HeaderMap) -> Result<(), Problem> {
+    let is_chunked = |value: &HeaderValue| value.as_bytes().trim_ascii().eq_ignore_ascii_case(b"chunked");
+    let mut codings = headers.get_all(header::TRANSFER_ENCODING).iter();
+    match (codings.next(), codings.next()) {
+        (None, _) => Ok(()),
+        (Some(coding), None) if is_chunked(coding) => Ok(()),
+        (Some(coding), _) => {
+            let coding = shortened(coding.to_str().unwrap_or("?"));
+            let detail =
+                format!("Transfer-Encoding \"{coding}\" is not read; send the JSON as it is, or chunked alone");
+            Err(Problem::new(problem::TRANSFER_CODING, detail))
+        }
+    }
+}
+
 fn check_media_type(headers: &HeaderMap) -> Result<(), Problem> {
+    check_transfer_coding(headers)?;
     if let Some(encoding) =
         headers.get(header::CONTENT_ENCODING).filter(|value| !value.as_bytes().eq_ignore_ascii_case(b"identity"))
     {

@@ -1,32 +1,47 @@
 //! What every request passes: the check of its host, and headers that keep browsers from guessing.
 
 use axum::extract::{Request, State};
-use axum::http::{HeaderValue, header};
+use axum::http::{HeaderValue, Version, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
 use super::Shared;
 use super::problem::{self, Problem};
+use crate::config::authority::Authority;
 use crate::math::parameter::shortened;
 
-/// On a loopback address only loopback names are answered, against DNS rebinding.
+/// Every request names one host; on a loopback address only loopback names are answered, against DNS rebinding.
 pub(super) async fn check_host(State(app): State<Shared>, request: Request, next: Next) -> Response {
-    if app.settings.listen.ip().is_loopback()
-        && let Some(host) = request.headers().get(header::HOST).map(|value| value.to_str().unwrap_or("?"))
-        && !is_loopback(host)
-    {
-        let detail = format!("this server listens on a loopback address and is not known as \"{}\"", shortened(host));
-        return Problem::new(problem::HOST, detail).into_response();
+    match hosts(&request, app.settings.listen.ip().is_loopback()) {
+        Ok(()) => next.run(request).await,
+        Err(problem) => problem.into_response(),
     }
-    next.run(request).await
 }
 
-fn is_loopback(host: &str) -> bool {
-    let name = match host.strip_prefix('[') {
-        Some(rest) => rest.split(']').next().unwrap_or(""),
-        None => host.rsplit_once(':').map_or(host, |(name, _)| name),
+/// Checks the host that the header names, and the one that an absolute address names in its place.
+fn hosts(request: &Request, only_loopback: bool) -> Result<(), Problem> {
+    let bad = |detail: &str| {
+        let remedy = "send one like \"Host: localhost:8080\"";
+        Problem::new(problem::BAD_HOST, format!("{detail}; {remedy}"))
     };
-    name.eq_ignore_ascii_case("localhost") || name.parse::<std::net::IpAddr>().is_ok_and(|ip| ip.is_loopback())
+    let mut values = request.headers().get_all(header::HOST).iter();
+    let header = match (values.next(), values.next()) {
+        (Some(value), None) => Some(value.to_str().map_err(|_| bad("the header Host is no ASCII text"))?),
+        // before 1.1, HTTP knew no such header
+        (None, _) if request.version() < Version::HTTP_11 => None,
+        (None, _) => return Err(bad("the request has no header Host")),
+        (Some(_), Some(_)) => return Err(bad("the request has more than one header Host")),
+    };
+    let target = request.uri().authority().map(axum::http::uri::Authority::as_str);
+    for host in header.into_iter().chain(target) {
+        let wrong = || bad(&format!("\"{}\" is no host with or without a port", shortened(host)));
+        let authority = Authority::parse(host).ok_or_else(wrong)?;
+        if only_loopback && !authority.is_loopback() {
+            let known = "this server listens on a loopback address and is not known as";
+            return Err(Problem::new(problem::HOST, format!("{known} \"{}\"", shortened(host))));
+        }
+    }
+    Ok(())
 }
 
 /// Headers of every answer.

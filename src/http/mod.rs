@@ -33,13 +33,13 @@ use axum::http::{HeaderName, Method, header};
 use axum::middleware;
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
-use tower_http::cors::{Any, CorsLayer};
+use tower_http::cors::{AllowOrigin, CorsLayer};
 use utoipa::OpenApi;
 use utoipa::openapi;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use crate::config::Settings;
+use crate::config::{CorsOrigins, Settings};
 use crate::service::desk::Desk;
 
 pub use canary::Canary;
@@ -102,13 +102,20 @@ pub fn router(app: Arc<App>) -> Router {
         .layer(DefaultBodyLimit::disable())
         .layer(CatchPanicLayer::custom(problem::panicked))
         .layer(middleware::from_fn_with_state(app.clone(), guard::check_host))
-        .layer(cors())
+        .layer(cors(&app.settings))
         .layer(middleware::from_fn(guard::headers))
         .with_state(app)
 }
 
-/// Any page may ask; no cookies are involved.
-fn cors() -> CorsLayer {
+/// Pages of the origins that the settings name may ask; no cookies are involved.
+fn cors(settings: &Settings) -> CorsLayer {
+    let (origins, address) = (settings.cors_origins.clone(), settings.listen.ip());
+    let origin = match origins {
+        CorsOrigins::Any => AllowOrigin::any(),
+        origins => {
+            AllowOrigin::predicate(move |origin, _| origin.to_str().is_ok_and(|origin| origins.allows(origin, address)))
+        }
+    };
     let exposed = ["etag", "location", "content-location", "cache-status", "server-timing", "retry-after"];
     let exposed = exposed.into_iter().chain([
         "planish-warnings",
@@ -119,7 +126,7 @@ fn cors() -> CorsLayer {
         "content-range",
     ]);
     CorsLayer::new()
-        .allow_origin(Any)
+        .allow_origin(origin)
         .allow_methods([Method::GET, Method::HEAD, Method::POST, Method::DELETE, Method::OPTIONS])
         .allow_headers([
             header::CONTENT_TYPE,

@@ -57,9 +57,15 @@ fn accepts(wish: &str, media_type: &str) -> Option<(u8, u32)> {
     } else {
         return None;
     };
-    let quality = parts.find_map(|part| part.strip_prefix("q=")).map_or(Some(1.0), |q| q.parse::<f64>().ok())?;
+    let quality = parts.find_map(|part| part.strip_prefix("q=")).map_or(Some(1.0), weight)?;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..1000")]
     Some((precision, (quality.clamp(0.0, 1.0) * 1000.0) as u32))
+}
+
+/// A weight of digits and a point.
+fn weight(text: &str) -> Option<f64> {
+    let is_plain = text.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
+    is_plain.then(|| text.parse().ok()).flatten()
 }
 
 /// How long the client wants to wait (`Prefer: wait=N`, `respond-async`), and whether it said so.
@@ -71,7 +77,7 @@ pub(super) fn patience(headers: &HeaderMap) -> (Duration, bool) {
         if preference == "respond-async" {
             return (Duration::ZERO, true);
         }
-        let seconds = preference.strip_prefix("wait=").and_then(|n| n.trim_matches('"').parse::<u64>().ok());
+        let seconds = preference.strip_prefix("wait=").and_then(|n| position(n.trim_matches('"')));
         if let Some(seconds) = seconds {
             return (Duration::from_secs(seconds).min(MAX_WAIT), true);
         }
@@ -122,18 +128,26 @@ pub(super) fn part(headers: &HeaderMap, key: &Key, length: u64) -> Part {
     if headers.get(header::IF_RANGE).is_some_and(|value| value != etag.as_str()) {
         return Part::Whole;
     }
-    let Some((first, last)) = range.strip_prefix("bytes=").and_then(|range| range.trim().split_once('-')) else {
-        return Part::Whole;
-    };
-    match (first.trim().parse::<u64>(), last.trim().parse::<u64>()) {
-        (Ok(first), _) if first >= length => Part::Beyond,
-        (Ok(first), Ok(last)) if last >= first => Part::Bytes { first, last: last.min(length - 1) },
-        (Ok(first), Err(_)) if last.trim().is_empty() => Part::Bytes { first, last: length - 1 },
-        (Err(_), Ok(0)) if first.trim().is_empty() => Part::Beyond,
-        (Err(_), Ok(suffix)) if first.trim().is_empty() && length > 0 => {
+    // the names of units know no small and large letters
+    let ranges = range.split_once('=').filter(|(unit, _)| unit.eq_ignore_ascii_case("bytes"));
+    let Some((first, last)) = ranges.and_then(|(_, range)| range.split_once('-')) else { return Part::Whole };
+    match (position(first), position(last)) {
+        (Some(first), Some(last)) if last < first => Part::Whole,
+        (Some(first), Some(_)) if first >= length => Part::Beyond,
+        (Some(first), Some(last)) => Part::Bytes { first, last: last.min(length - 1) },
+        (Some(_), None) if !last.is_empty() => Part::Whole,
+        (Some(first), None) if first >= length => Part::Beyond,
+        (Some(first), None) => Part::Bytes { first, last: length - 1 },
+        (None, Some(suffix)) if first.is_empty() && (suffix == 0 || length == 0) => Part::Beyond,
+        (None, Some(suffix)) if first.is_empty() => {
             Part::Bytes { first: length - suffix.min(length), last: length - 1 }
         }
-        (Err(_), Ok(_)) if first.trim().is_empty() => Part::Beyond,
         _ => Part::Whole,
     }
+}
+
+/// A number of digits alone; what is beyond 64 bits is beyond every artifact.
+fn position(text: &str) -> Option<u64> {
+    let is_number = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    is_number.then(|| text.parse().unwrap_or(u64::MAX))
 }

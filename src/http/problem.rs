@@ -16,8 +16,8 @@ use crate::service::pool::Busy;
 use crate::wire::answer::{FaultAnswer, ProblemAnswer};
 use crate::wire::read::ReadError;
 
-/// Most bytes of the faults that one answer lists: some hundred of them, more than a reader mends at once. With its detail,
-/// in which every character may be escaped by six, the whole answer stays below 64 KiB.
+/// Most bytes of the faults that one answer lists: some hundred of them, more than a reader mends at once. With its
+/// detail, in which every character may be escaped by six, the whole answer stays below 64 KiB.
 const MOST_FAULT_BYTES: usize = 32 << 10;
 /// Most characters of a detail: a place and a sentence at their longest.
 const MOST_DETAIL: usize = 4000;
@@ -70,6 +70,10 @@ kinds! {
         "The header `Content-Range` tells the length of the artifact.";
     SLOW: "too-slow", REQUEST_TIMEOUT, "The request took too long to arrive",
         "The body stopped arriving for longer than this server waits.";
+    BAD_HOST: "bad-host", BAD_REQUEST, "The request does not name its host",
+        "HTTP/1.1 asks for exactly one header `Host`: a name or an address, and perhaps a port (RFC 9112, 3.2).";
+    TRANSFER_CODING: "unknown-transfer-coding", NOT_IMPLEMENTED, "The body is coded in a way that is not read",
+        "Bodies come as they are, with `Content-Length` or as `Transfer-Encoding: chunked` alone (RFC 9112, 6.1).";
     HOST: "wrong-host", FORBIDDEN, "The server is not known by this name",
         "A server that listens on a loopback address answers only to localhost and loopback addresses, so that pages \
          from elsewhere cannot reach it under a name of their own.";
@@ -124,10 +128,11 @@ impl Problem {
     fn answer(self) -> ProblemAnswer {
         let n_faults = self.errors.len();
         let errors = listed(self.errors);
-        let mut detail = cut(&self.detail, MOST_DETAIL).into_owned();
-        if errors.len() < n_faults {
-            detail.push_str(&format!("; errors lists the first {}", errors.len()));
-        }
+        let detail = cut(&self.detail, MOST_DETAIL);
+        let detail = match errors.len() {
+            n if n < n_faults => format!("{detail}; errors lists the first {n}"),
+            _ => detail.into_owned(),
+        };
         let answer = ProblemAnswer {
             kind: format!("/docs/problems/{}", self.kind.slug),
             title: self.kind.title.to_owned(),

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::text::quoted;
 use super::{Channel, FaceSet, ReadMesh, Uvs};
 use crate::shape::attachments::{AttachmentsInput, MAX_CHANNELS, MAX_TOTAL_WIDTH, check_channel};
 use crate::shape::check::{FaceList, Winding};
@@ -38,9 +39,9 @@ fn channels(given: Vec<Channel>, n_vertices: usize, notes: &mut Vec<String>) -> 
     for channel in given {
         let width: usize = kept.iter().map(|channel| channel.width).sum::<usize>() + channel.width;
         if kept.len() == MAX_CHANNELS || width > MAX_TOTAL_WIDTH {
-            notes.push(format!("the numbers {:?} of vertices are left out: there are too many", channel.name));
+            notes.push(format!("the numbers {} of vertices are left out: there are too many", quoted(&channel.name)));
         } else if let Some(detail) = check_channel(&channel, &kept, n_vertices) {
-            notes.push(format!("the numbers {:?} of vertices are left out: {detail}", channel.name));
+            notes.push(format!("the numbers {} of vertices are left out: {detail}", quoted(&channel.name)));
         } else {
             kept.push(channel);
         }

@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 use self::body::{Ascii, Binary, Body};
 use self::header::{Element, Encoding, Header, NAMED, Property, Scalar};
 use super::collect::{Collected, vertex_index};
+use super::text::quoted;
 use super::{Channel, FaceSet, ReadLimits, ReadMesh, Reader, Uvs};
 use crate::fault::Fault;
 
@@ -84,7 +85,7 @@ fn elements(header: &Header, mut body: impl Body, limits: &ReadLimits) -> Result
                     element.properties.iter().try_for_each(|property| body.pass(property))?;
                 }
                 if element.count > 0 {
-                    reading.note(format!("elements \"{name}\" are left out: {}", element.count));
+                    reading.note(format!("elements {} are left out: {}", quoted(name), element.count));
                 }
             }
         }
@@ -175,7 +176,7 @@ impl Reading {
         for (property, joined) in element.properties.iter().zip(joined) {
             let name = property.name.as_str();
             uses.push(if property.list.is_some() {
-                self.note(format!("the lists \"{name}\" of vertices are left out"));
+                self.note(format!("the lists {} of vertices are left out", quoted(name)));
                 Use::Ignored
             } else if let Some(k) = ["x", "y", "z"].iter().position(|known| *known == name) {
                 Use::Position(k)
@@ -226,7 +227,7 @@ impl Reading {
         let is_name = |p: &Property| p.list.is_none() && p.kind.is_whole() && NAMED.contains(&p.name.as_str());
         let is_uvs = |p: &Property| p.list.is_some() && p.name == "texcoord";
         for property in element.properties.iter().filter(|p| !is_indices(p) && !is_uvs(p) && !is_name(p)) {
-            self.note(format!("the property \"{}\" of faces is left out", property.name));
+            self.note(format!("the property {} of faces is left out", quoted(&property.name)));
         }
         let (mut face, mut uvs): (Vec<u32>, Vec<f64>) = (Vec::new(), Vec::new());
         let n = usize::try_from(self.n_vertices).unwrap_or(usize::MAX);

@@ -36,11 +36,11 @@ impl Room {
     /// There are not so many left: what the file may take, and how to stay below.
     pub(super) fn take(&mut self, bytes: usize) -> Result<(), String> {
         self.left = self.left.checked_sub(bytes as u64).ok_or_else(|| {
-            let Self { length, left } = self;
-            let all = weight(*length);
+            let all = weight(self.length);
+            let (length, taken) = (self.length, all - self.left);
             format!(
-                "reading takes {bytes} bytes more; a file of {length} bytes may take {all} in all, of which {left} are \
-                 left: send what is repeated in parts"
+                "it takes {bytes} bytes to read; a file of {length} bytes may take {all} in all, of which {taken} are \
+                 taken: send less at once"
             )
         })?;
         Ok(())

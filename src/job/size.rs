@@ -1,13 +1,90 @@
-//! What an input holds in memory.
+//! What an input holds in memory, once it is read.
+
+use std::mem::size_of;
 
 use super::Input;
+use crate::shape::attachments::Attachments;
+use crate::shape::attributes::Attributes;
+use crate::shape::labels::Labels;
+use crate::shape::mesh::Mesh;
+use crate::shape::polygon::Polygon;
+use crate::shape::topology::Topology;
+
+/// Bytes of a corner of a topology: its vertex, in a list that was read and may have room for two, its edge, the two corners
+/// of that edge, as if no edge had two, and its face, where faces are of several sizes.
+const CORNER: usize = 2 * size_of::<u32>() + size_of::<u32>() + size_of::<[u32; 2]>();
+/// Bytes of the number of a face or vertex, in a list that may have room for two.
+const NUMBER: usize = 2 * size_of::<u32>();
 
 impl Input {
-    /// Bytes that the input holds in memory, roughly.
+    /// Bytes that the input holds: at most a little more than it does, never less.
     pub fn bytes(&self) -> u64 {
-        match self {
-            Self::Polygons(polygons) => 64 * polygons.iter().map(|polygon| polygon.len() as u64).sum::<u64>(),
-            Self::Mesh(mesh) => 160 * (mesh.topology.n_vertices() + mesh.topology.n_edges()) as u64,
-        }
+        let bytes = match self {
+            Self::Polygons(polygons) => {
+                list(polygons) + polygons.iter().map(|one| size_of::<Polygon>() + of_polygon(one)).sum::<usize>()
+            }
+            Self::Mesh(mesh) => size_of::<Mesh>() + of_mesh(mesh),
+        };
+        bytes as u64
     }
+}
+
+/// Bytes of the entries that a list has room for.
+fn list<T>(list: &Vec<T>) -> usize {
+    list.capacity() * size_of::<T>()
+}
+
+fn of_polygon(polygon: &Polygon) -> usize {
+    let Polygon { points, dimension: _, closed: _, corners, rational: _, tangents, pinned, attributes } = polygon;
+    let tangents = tangents.as_ref().map_or(0, list);
+    list(points) + list(corners) + list(pinned) + tangents + attributes.as_ref().map_or(0, of_attributes)
+}
+
+fn of_attributes(attributes: &Attributes) -> usize {
+    let Attributes { alpha, kernel, compensation, delta } = attributes;
+    [alpha, kernel, compensation, delta].into_iter().flatten().map(list).sum()
+}
+
+fn of_mesh(mesh: &Mesh) -> usize {
+    let Mesh {
+        positions,
+        topology,
+        corners,
+        semi_sharp_corners,
+        creases,
+        holes,
+        attributes,
+        directions,
+        attachments,
+        split_from,
+        warnings,
+    } = mesh;
+    let tags = list(corners) + list(semi_sharp_corners) + list(creases) + list(holes);
+    // a byte an edge and no more
+    let directions = directions.as_ref().map_or(0, |_| topology.n_edges());
+    let warnings = list(warnings) + warnings.iter().map(String::capacity).sum::<usize>();
+    let attributes = attributes.as_ref().map_or(0, of_attributes);
+    let carried = size_of::<Attachments>() + of_attachments(attachments);
+    let parts = size_of_val::<[u32]>(split_from);
+    list(positions) + of_topology(topology) + tags + directions + warnings + attributes + carried + parts
+}
+
+fn of_topology(topology: &Topology) -> usize {
+    let (corners, faces) = (topology.n_corners(), topology.n_faces());
+    let is_mixed = !topology.is_quads() && topology.first_other_than_triangle().is_some();
+    let of_faces = if is_mixed { faces * NUMBER + corners * size_of::<u32>() } else { 0 };
+    size_of::<Topology>() + corners * CORNER + of_faces + topology.n_vertices() * NUMBER
+}
+
+fn of_attachments(attachments: &Attachments) -> usize {
+    let Attachments { channels, groups, materials, uvs } = attachments;
+    let numbers: usize = channels.iter().map(|channel| list(&channel.values) + channel.name.capacity()).sum();
+    let uvs = uvs
+        .as_ref()
+        .map_or(0, |uvs| list(&uvs.values) + of_topology(&uvs.topology) + list(&uvs.corners) + list(&uvs.pairs));
+    list(channels) + numbers + of_labels(groups) + of_labels(materials) + uvs
+}
+
+fn of_labels(Labels { names, of_faces }: &Labels) -> usize {
+    list(names) + names.iter().map(String::capacity).sum::<usize>() + list(of_faces)
 }

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use super::topology::{Faces, NONE, Topology, index};
 use crate::fault::Fault;
 
-/// Most faults reported one by one; the rest are counted.
-const MAX_REPORTED: usize = 20;
+/// Most faults of a kind reported one by one; the rest are counted, or left out.
+pub(super) const MAX_REPORTED: usize = 20;
 
 /// A face list: face `f` has the vertices `vertices[starts[f]..starts[f + 1]]`.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -159,12 +159,15 @@ pub fn oriented(n_vertices: usize, faces: &mut FaceList, winding: Winding) -> Re
     orient(faces, &sides, winding)
 }
 
-fn report(faults: Vec<Fault>) -> Result<(), Vec<Fault>> {
+/// Reports the first of some faults, and how many there are. The others are not kept: their sentences would be longer than
+/// what they speak of.
+fn report(mut faults: impl Iterator<Item = Fault>) -> Result<(), Vec<Fault>> {
+    let first: Vec<Fault> = faults.by_ref().take(MAX_REPORTED).collect();
+    let more = faults.count();
+    let mut faults = first;
     if faults.is_empty() {
         return Ok(());
     }
-    let more = faults.len().saturating_sub(MAX_REPORTED);
-    let mut faults: Vec<Fault> = faults.into_iter().take(MAX_REPORTED).collect();
     if more > 0 {
         faults.push(Fault::new("/faces", format!("and {more} more faults like these")));
     }
@@ -187,7 +190,8 @@ fn check_faces(n_vertices: usize, faces: &FaceList) -> Result<(), Vec<Fault>> {
         let repeated = sorted.windows(2).find(|pair| pair[0] == pair[1])?;
         Some(Fault::new(place, format!("vertex {} occurs twice; a face visits each of its vertices once", repeated[0])))
     };
-    report((0..faces.len()).into_par_iter().filter_map(check).collect())
+    let wrong: Vec<u32> = (0..index(faces.len())).into_par_iter().filter(|&f| check(f as usize).is_some()).collect();
+    report(wrong.into_iter().filter_map(|f| check(f as usize)))
 }
 
 /// One side of an edge: the edge as (lower vertex, higher vertex), then the corner.
@@ -232,7 +236,7 @@ fn check_edges(faces: &FaceList, sides: &[Side]) -> Result<(), Vec<Fault>> {
         let detail = format!("edge ({a}, {b}) has {} faces ({}); at most 2 are allowed", group.len(), all.join(", "));
         Fault::new(format!("/faces/{}", face_of(faces, corner)), detail)
     });
-    report(crowded.collect())
+    report(crowded)
 }
 
 /// Turns faces so that neighbours agree, or reports why they do not. Returns the faces turned.
@@ -254,7 +258,7 @@ fn orient(faces: &mut FaceList, sides: &[Side], winding: Winding) -> Result<Vec<
             );
             Fault::new(format!("/faces/{g}"), detail)
         });
-        report(faults.collect())?;
+        report(faults)?;
     }
     for &f in &turned {
         faces.reverse(f as usize);

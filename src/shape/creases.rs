@@ -59,6 +59,9 @@ pub(super) fn check_corners(corners: &[(u64, f64)], n: usize, faults: &mut Vec<F
     let mut found: BTreeMap<u32, (usize, f64)> = BTreeMap::new();
     let mut wrong = Vec::new();
     for (i, &(v, value)) in corners.iter().enumerate() {
+        if wrong.len() >= MAX_REPORTED {
+            break;
+        }
         let place = format!("/corners/{i}");
         let v = vertex(v, n, &format!("{place}/vertex"), &mut wrong);
         match (v, sharpness(value)) {
@@ -83,6 +86,9 @@ impl Pairs {
         let mut found: BTreeMap<(u32, u32), (usize, f64)> = BTreeMap::new();
         let mut wrong = Vec::new();
         for (i, &(ends, value)) in creases.iter().enumerate() {
+            if wrong.len() >= MAX_REPORTED {
+                break;
+            }
             let place = format!("/creases/{i}");
             let [a, b] = [0, 1].map(|j| vertex(ends[j], n, &format!("{place}/edge/{j}"), &mut wrong));
             let value = sharpness(value).map_err(|detail| Fault::new(format!("{place}/sharpness"), detail));

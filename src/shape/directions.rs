@@ -70,6 +70,9 @@ impl Directions {
         let mut faults = Vec::new();
         for (direction, pairs) in [(Direction::Latitude, latitude), (Direction::Longitude, longitude)] {
             for (i, pair) in pairs.iter().enumerate() {
+                if faults.len() >= MAX_REPORTED {
+                    break;
+                }
                 let place = format!("/{}/{i}", direction.name());
                 let ends = pair.map(|v| u32::try_from(v).unwrap_or(NONE));
                 let Some(found) = edges.get(&(ends[0].min(ends[1]), ends[0].max(ends[1]))) else {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::attachments::{Attachments, AttachmentsInput};
 use super::attributes::Attributes;
-use super::check::{FaceList, Winding};
+use super::check::{FaceList, MAX_REPORTED, Winding};
 use super::creases::{INFINITE_SHARPNESS, Pairs, Sharp, Tags, check_corners};
 use super::directions::Directions;
 use super::topology::{Topology, index};
@@ -179,9 +179,11 @@ fn check_positions(positions: &[[f64; 3]]) -> Vec<Fault> {
 
 fn check_holes(holes: &[u64], n_faces: usize, faults: &mut Vec<Fault>) -> Vec<u32> {
     let mut found = Vec::new();
+    let most = faults.len() + MAX_REPORTED;
     for (i, &hole) in holes.iter().enumerate() {
         match u32::try_from(hole) {
             Ok(face) if (face as usize) < n_faces => found.push(face),
+            _ if faults.len() == most => {}
             _ => {
                 let detail = format!("there is no face {hole}; the mesh has {n_faces}, counted from 0");
                 faults.push(Fault::new(format!("/holes/{i}"), detail));

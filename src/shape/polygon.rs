@@ -1,6 +1,7 @@
 //! Control polygons.
 
 use super::attributes::Attributes;
+use super::check::MAX_REPORTED;
 use crate::fault::{Fault, under};
 use crate::math::functions::sqrt;
 
@@ -43,9 +44,8 @@ impl Polygon {
             faults.push(Fault::new("/points", detail));
         }
         let dimension = points.first().map_or(1, Vec::len);
-        for (i, point) in points.iter().enumerate() {
-            check_point(i, point, dimension, &mut faults);
-        }
+        let wrong = points.iter().enumerate().filter_map(|(i, point)| check_point(i, point, dimension));
+        faults.extend(wrong.take(MAX_REPORTED));
         let corners = check_indices("/corners", corners, points.len(), &mut faults);
         if !faults.is_empty() {
             return Err(faults);
@@ -109,8 +109,12 @@ impl Polygon {
             faults.push(Fault::new("/tangents", detail));
         }
         let mut directions = Vec::with_capacity(self.points.len());
+        let most_faults = faults.len() + MAX_REPORTED;
         for (i, tangent) in tangents.iter().enumerate() {
             let place = format!("/tangents/{i}");
+            if faults.len() == most_faults {
+                break;
+            }
             let most = tangent.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
             if tangent.len() != self.dimension {
                 let detail =
@@ -146,24 +150,27 @@ impl Polygon {
     }
 }
 
-fn check_point(i: usize, point: &[f64], dimension: usize, faults: &mut Vec<Fault>) {
-    let place = format!("/points/{i}");
+fn check_point(i: usize, point: &[f64], dimension: usize) -> Option<Fault> {
+    let place = || format!("/points/{i}");
     if point.is_empty() || point.len() > MAX_DIMENSION {
-        faults.push(Fault::new(place, format!("{} coordinates; a point has 1 to {MAX_DIMENSION}", point.len())));
-    } else if point.len() != dimension {
-        let detail = format!("{} coordinates where point 0 has {dimension}; give all points the same", point.len());
-        faults.push(Fault::new(place, detail));
-    } else if let Some(j) = point.iter().position(|x| !x.is_finite()) {
-        faults.push(Fault::new(format!("{place}/{j}"), format!("{} is not a finite number", point[j])));
+        return Some(Fault::new(place(), format!("{} coordinates; a point has 1 to {MAX_DIMENSION}", point.len())));
     }
+    if point.len() != dimension {
+        let detail = format!("{} coordinates where point 0 has {dimension}; give all points the same", point.len());
+        return Some(Fault::new(place(), detail));
+    }
+    let j = point.iter().position(|x| !x.is_finite())?;
+    Some(Fault::new(format!("{}/{j}", place()), format!("{} is not a finite number", point[j])))
 }
 
 /// Indices of points in ascending order.
 fn check_indices(place: &str, indices: &[u64], n: usize, faults: &mut Vec<Fault>) -> Vec<u32> {
     let mut found = Vec::with_capacity(indices.len());
+    let most = faults.len() + MAX_REPORTED;
     for (i, &given) in indices.iter().enumerate() {
         match u32::try_from(given) {
             Ok(index) if (index as usize) < n => found.push(index),
+            _ if faults.len() == most => {}
             _ => {
                 let detail = format!("there is no point {given}; the polygon has {n}, counted from 0");
                 faults.push(Fault::new(format!("{place}/{i}"), detail));

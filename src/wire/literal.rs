@@ -73,6 +73,8 @@ impl<'de> Visitor<'de> for LiteralVisitor {
             }
             items.push(item);
         }
+        // a list within a list would keep room for four where it has one
+        items.shrink_to_fit();
         Ok(Literal::List(items))
     }
 
@@ -101,6 +103,7 @@ impl<'de> Visitor<'de> for FieldsVisitor {
             }
             fields.push((name, value));
         }
+        fields.shrink_to_fit();
         Ok(fields)
     }
 }

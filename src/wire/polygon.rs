@@ -11,6 +11,9 @@ use crate::shape::polygon::Polygon;
 /// Most polygons of one job.
 pub(crate) const MAX_POLYGONS: usize = 4096;
 
+/// Faults of polygons after which no more polygons are looked at.
+const MAX_FAULTS: usize = 20;
+
 /// A control polygon.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -36,7 +39,7 @@ pub struct PolygonRequest {
     pub pinned: Vec<u64>,
     /// Parameters that points carry: each a list of one number a point.
     #[serde(default, deserialize_with = "object::optional")]
-    pub parameters: Option<PointParameters>,
+    pub parameters: Option<Box<PointParameters>>,
 }
 
 /// Parameters that points carry; each beats the plan's.
@@ -64,6 +67,9 @@ pub(super) fn polygons(requests: Vec<PolygonRequest>) -> Result<Vec<Polygon>, Ve
         match request.resolve() {
             Ok(polygon) => found.push(polygon),
             Err(wrong) => faults.extend(under(&format!("/{i}"), wrong)),
+        }
+        if faults.len() >= MAX_FAULTS {
+            break;
         }
     }
     if faults.is_empty() { Ok(found) } else { Err(faults) }

@@ -18,11 +18,6 @@ pub enum ReadError {
     Unfit(Vec<Fault>),
 }
 
-/// Bytes of memory that reading a request of so many bytes takes at most.
-pub fn weight(length: u64) -> u64 {
-    (1 << 20) + 32 * length
-}
-
 /// Reads a request, which is an object.
 ///
 /// # Errors
@@ -102,4 +97,14 @@ fn pointer(path: &Path) -> String {
         Segment::Enum { .. } | Segment::Unknown => String::new(),
     };
     path.iter().map(segment).collect()
+}
+
+/// Copies of the text of a body at worst: the text of a mesh file, what takes the escapes out of it as it grows, and the file
+/// that base64 holds.
+const TEXT: u64 = 4;
+
+/// Bytes that a request of so many bytes takes at most until it is a checked job, the body itself left out: a mesh file within
+/// it takes what its reader may; lists that the body itself holds take less (27 bytes a byte at worst, polygons of one point).
+pub const fn weight(length: u64) -> u64 {
+    crate::input::weight(length).saturating_add(TEXT.saturating_mul(length))
 }

@@ -14,7 +14,7 @@ use crate::http::server::Folder;
 use crate::support::render;
 
 /// The program, away from the settings of whoever runs the tests.
-fn planish() -> Command {
+pub(crate) fn planish() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_planish"));
     for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("PLANISH_")) {
         command.env_remove(name);
@@ -239,7 +239,7 @@ fn a_service_that_cannot_start_says_why() {
 }
 
 /// A service under its own process; ended when the test is.
-struct Service(Child);
+pub(crate) struct Service(pub(crate) Child);
 
 impl Drop for Service {
     fn drop(&mut self) {
@@ -262,7 +262,7 @@ fn started(command: &mut Command) -> (Service, String) {
 }
 
 /// Tells a service to end; its code.
-fn ended(mut service: Service) -> Option<i32> {
+pub(crate) fn ended(mut service: Service) -> Option<i32> {
     let told = Command::new("kill").args(["-TERM", &service.0.id().to_string()]).status().unwrap();
     assert!(told.success());
     let start = std::time::Instant::now();
@@ -275,7 +275,7 @@ fn ended(mut service: Service) -> Option<i32> {
     }
 }
 
-fn exchanged(host: &str, request: &str) -> String {
+pub(crate) fn exchanged(host: &str, request: &str) -> String {
     let mut stream = std::net::TcpStream::connect(host).unwrap();
     stream.write_all(request.as_bytes()).unwrap();
     let mut answer = Vec::new();
@@ -283,7 +283,7 @@ fn exchanged(host: &str, request: &str) -> String {
     text(&answer)
 }
 
-fn get(host: &str, path: &str) -> String {
+pub(crate) fn get(host: &str, path: &str) -> String {
     let answer = exchanged(host, &format!("GET {path} HTTP/1.1\r\nhost: {host}\r\nconnection: close\r\n\r\n"));
     answer.split_once("\r\n\r\n").unwrap().1.to_owned()
 }

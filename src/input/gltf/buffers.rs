@@ -6,6 +6,7 @@ use gltf::json::Root;
 
 use super::census;
 use super::transform::Placement;
+use crate::fault;
 use crate::input::base64;
 use crate::input::room::Room;
 use crate::input::text::quoted;
@@ -32,7 +33,9 @@ impl<'a> Document<'a> {
     pub(super) fn of_json(json: &[u8], binary: Option<&'a [u8]>, room: &mut Room) -> Result<Self, String> {
         let json = json.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(json);
         census::admit(json, room)?;
-        let no_gltf = |error: serde_json::Error| format!("the document is no glTF: {error}");
+        // a text in the wrong place would be repeated in full
+        let no_gltf =
+            |error: serde_json::Error| format!("the document is no glTF: {}", fault::cut(&error.to_string(), 200));
         let root = Root::from_slice(json).map_err(no_gltf)?;
         let placements = Placement::all(json).map_err(no_gltf)?;
         if !root.asset.version.starts_with("2.") {

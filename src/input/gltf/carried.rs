@@ -12,6 +12,7 @@ use serde_json::Value;
 use super::accessor::Rows;
 use super::buffers::Document;
 use crate::input::room::{GROWN, Room};
+use crate::input::text::quoted;
 use crate::input::{Channel, FaceSet, ReadMesh};
 use crate::shape::attachments::COLOR;
 
@@ -75,7 +76,8 @@ impl Channels {
             if width > 0 && values.len() == n * width {
                 mesh.channels.push(Channel { name, width, values });
             } else {
-                mesh.notes.push(format!("the numbers {name:?} of vertices are left out: not every vertex has them"));
+                mesh.notes
+                    .push(format!("the numbers {} of vertices are left out: not every vertex has them", quoted(&name)));
             }
         }
     }

@@ -161,7 +161,7 @@ pub(super) fn admit(json: &[u8], room: &mut Room) -> Result<(), String> {
     }
     let (name, entries, of_list) = census.largest;
     let name = quoted(&String::from_utf8_lossy(name));
-    room.take(bytes).map_err(|detail| format!("the list {name} of {entries} entries takes {of_list} bytes: {detail}"))
+    room.take(bytes).map_err(|detail| format!("{name}: {entries} entries take {of_list} bytes: {detail}"))
 }
 
 /// Where a text ends that starts here.

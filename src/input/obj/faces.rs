@@ -1,6 +1,7 @@
 //! Faces of an OBJ file with what belongs to their corners, and the sets they are in.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use super::corner::{self, Corner};
 use crate::fault::Fault;
@@ -100,17 +101,22 @@ impl Faces {
         }
         mesh.lines = self.lines;
         // a group says more than the object it is in
-        mesh.groups = self.groups.found.into_iter().chain(self.objects.found).collect();
-        mesh.groups.retain(|set| !set.faces.is_empty());
-        mesh.materials = self.materials.found;
-        mesh.materials.retain(|set| !set.faces.is_empty());
+        mesh.groups = self.groups.finish().chain(self.objects.finish()).collect();
+        mesh.materials = self.materials.finish().collect();
     }
+}
+
+/// A named set of faces, in ranges: faces may be in many sets at once, and those of a set come one after the other.
+#[derive(Debug)]
+struct Set {
+    name: String,
+    faces: Vec<Range<u32>>,
 }
 
 /// Named sets, and those that the next face is in.
 #[derive(Debug, Default)]
 pub(super) struct Sets {
-    found: Vec<FaceSet>,
+    found: Vec<Set>,
     by_name: BTreeMap<String, usize>,
     current: Vec<usize>,
 }
@@ -127,7 +133,7 @@ impl Sets {
                 at
             } else {
                 self.by_name.insert(name.to_owned(), self.found.len());
-                self.found.push(FaceSet { name: name.to_owned(), faces: Vec::new() });
+                self.found.push(Set { name: name.to_owned(), faces: Vec::new() });
                 self.found.len() - 1
             };
             if !self.current.contains(&at) {
@@ -138,6 +144,20 @@ impl Sets {
     }
 
     fn take(&mut self, face: u32) {
-        self.current.iter().for_each(|&at| self.found[at].faces.push(face.into()));
+        for &at in &self.current {
+            match self.found[at].faces.last_mut().filter(|range| range.end == face) {
+                Some(range) => range.end = face + 1,
+                None => self.found[at].faces.push(face..face + 1),
+            }
+        }
+    }
+
+    /// The sets that have faces, in the order of their names' first appearance.
+    fn finish(self) -> impl Iterator<Item = FaceSet> {
+        self.found.into_iter().filter(|set| !set.faces.is_empty()).map(|Set { name, faces: ranges }| {
+            let mut faces = Vec::with_capacity(ranges.iter().map(ExactSizeIterator::len).sum());
+            ranges.into_iter().for_each(|range| faces.extend(range.map(u64::from)));
+            FaceSet { name, faces }
+        })
     }
 }

@@ -17,29 +17,34 @@ pub(super) struct Tags {
 }
 
 /// The arguments of a tag.
-struct Arguments<'a> {
+struct Arguments {
     indices: Vec<u64>,
     numbers: Vec<f64>,
-    words: Vec<&'a str>,
+    n_words: usize,
 }
 
-impl<'a> Arguments<'a> {
-    fn read(mut words: impl Iterator<Item = &'a str>) -> Result<Self, String> {
+impl Arguments {
+    fn read<'a>(mut words: impl Iterator<Item = &'a str> + Clone) -> Result<Self, String> {
         let sizes = words.next().ok_or("a tag without the numbers of its arguments; write for example 2/1/0")?;
         let counts: Vec<u64> = sizes.split('/').map(count).collect::<Result<_, _>>()?;
         let &[n, m, k] = counts.as_slice() else {
             return Err(format!("{} are no numbers of arguments; write for example 2/1/0", quoted(sizes)));
         };
-        let words: Vec<&str> = words.collect();
+        let given = words.clone().count();
         let all = n.checked_add(m).and_then(|sum| sum.checked_add(k));
-        if all != Some(words.len() as u64) {
-            return Err(format!("the tag has {} arguments, {} says otherwise", words.len(), quoted(sizes)));
+        if all != Some(given as u64) {
+            return Err(format!("the tag has {given} arguments, {} says otherwise", quoted(sizes)));
         }
         // now no count is larger than the number of words
-        let (n, m) = (usize::try_from(n).unwrap_or(words.len()), usize::try_from(m).unwrap_or(words.len()));
-        let indices = words[..n].iter().map(|word| count(word)).collect::<Result<_, _>>()?;
-        let numbers = words[n..n + m].iter().map(|word| number(word)).collect::<Result<_, _>>()?;
-        Ok(Self { indices, numbers, words: words[n + m..].to_vec() })
+        let [n, m] = [n, m].map(|n| usize::try_from(n).unwrap_or(given));
+        let (mut indices, mut numbers) = (Vec::with_capacity(n), Vec::with_capacity(m));
+        for word in words.by_ref().take(n) {
+            indices.push(count(word)?);
+        }
+        for word in words.by_ref().take(m) {
+            numbers.push(number(word)?);
+        }
+        Ok(Self { indices, numbers, n_words: words.count() })
     }
 
     /// One sharpness for all of `n` entries, or one each.
@@ -60,7 +65,7 @@ impl Tags {
     pub(super) fn push<'a>(
         &mut self,
         line: usize,
-        mut words: impl Iterator<Item = &'a str>,
+        mut words: impl Iterator<Item = &'a str> + Clone,
         left_out: &mut BTreeMap<String, usize>,
     ) -> Result<(), String> {
         let name = words.next().ok_or("a tag without a name")?;
@@ -93,18 +98,21 @@ impl Tags {
         let beyond = |line: usize, what: &str, i: u64, n: u64| {
             at_line(line, format!("there is no {what} {i}; the file has {n}, in tags counted from 0"))
         };
+        mesh.creases.reserve_exact(self.creases.len());
         for (line, edge, sharpness) in self.creases {
             if let Some(&vertex) = edge.iter().find(|&&vertex| vertex >= vertices) {
                 return Err(beyond(line, "vertex", vertex, vertices));
             }
             mesh.creases.push((edge, sharpness));
         }
+        mesh.corners.reserve_exact(self.corners.len());
         for (line, vertex, sharpness) in self.corners {
             if vertex >= vertices {
                 return Err(beyond(line, "vertex", vertex, vertices));
             }
             mesh.corners.push((vertex, sharpness));
         }
+        mesh.holes.reserve_exact(self.holes.len());
         for (line, face) in self.holes {
             if face >= faces {
                 return Err(beyond(line, "face", face, faces));
@@ -117,8 +125,8 @@ impl Tags {
 }
 
 /// 0 leaves faces at the boundary out, 1 is edges and corners, 2 edges only.
-fn boundary(arguments: &Arguments<'_>) -> Result<Boundary, String> {
-    match (arguments.indices.as_slice(), arguments.numbers.len() + arguments.words.len()) {
+fn boundary(arguments: &Arguments) -> Result<Boundary, String> {
+    match (arguments.indices.as_slice(), arguments.numbers.len() + arguments.n_words) {
         ([0], 0) => Ok(Boundary::None),
         ([1], 0) => Ok(Boundary::EdgeAndCorner),
         ([2], 0) => Ok(Boundary::EdgeOnly),

@@ -39,7 +39,8 @@ fn samples() -> Vec<Value> {
         json!({ "input": { "polygon": { "points": points } }, "plan": { "word": "UC" }, "levels": { "tolerance": 0.5 },
             "outputs": outputs }),
         json!({ "input": { "polygon": steered }, "plan": { "preset": "incenter" }, "levels": 1, "outputs": outputs }),
-        json!({ "input": { "polygons": [steered] }, "plan": { "preset": "incenter" }, "levels": 1, "outputs": outputs }),
+        json!({ "input": { "polygons": [steered] }, "plan": { "preset": "incenter" }, "levels": 1,
+            "outputs": outputs }),
     ]
 }
 

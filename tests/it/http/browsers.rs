@@ -6,15 +6,15 @@ use super::jobs::{mesh, with};
 use super::server::{rest, settings, story};
 
 #[test]
-fn a_page_from_elsewhere_may_post_a_job() {
+fn a_page_of_the_same_machine_may_post_a_job() {
     story(settings(), async |server| {
         let headers = [
-            ("origin", "https://example.org"),
+            ("origin", "http://localhost:3000"),
             ("access-control-request-method", "POST"),
             ("access-control-request-headers", "content-type,if-none-match,prefer"),
         ];
         let preflight = server.ask(Method::OPTIONS, "/v1/render", &headers, Vec::new()).await.ok();
-        assert_eq!(preflight.header("access-control-allow-origin"), "*");
+        assert_eq!(preflight.header("access-control-allow-origin"), "http://localhost:3000");
         assert!(preflight.header("access-control-allow-methods").contains("POST"));
         let allowed = preflight.header("access-control-allow-headers");
         for header in ["content-type", "accept", "if-none-match", "range", "if-range", "prefer"] {
@@ -25,13 +25,13 @@ fn a_page_from_elsewhere_may_post_a_job() {
 }
 
 #[test]
-fn a_page_from_elsewhere_may_read_the_headers_of_answers() {
+fn a_page_that_may_ask_may_read_the_headers_of_answers() {
     story(settings(), async |server| {
-        let origin = [("origin", "https://example.org")];
+        let origin = [("origin", "http://127.0.0.1:3000")];
         let made = server.post_with("/v1/render", &mesh(1), &origin).await.ok();
         let refused = server.get_with("/v1/nothing", &origin).await;
         for answer in [&made, &refused] {
-            assert_eq!(answer.header("access-control-allow-origin"), "*");
+            assert_eq!(answer.header("access-control-allow-origin"), origin[0].1);
             let exposed = answer.header("access-control-expose-headers").to_ascii_lowercase();
             for header in [
                 "etag",
@@ -89,8 +89,6 @@ fn on_a_loopback_address_only_loopback_names_are_answered() {
             "192.168.0.1",
             "127.0.0.1.evil.example",
             "[2001:db8::1]:80",
-            "",
-            ":80",
         ];
         for host in foreign {
             let request = format!("GET /livez HTTP/1.1\r\nhost: {host}\r\nconnection: close\r\n\r\n");

@@ -215,7 +215,7 @@ fn what_leads_nowhere_is_named() {
     check("/accessors/0/bufferView", json!(4), &format!("{primitive}accessor 0: there is no bufferView 4"));
     let many = "accessor 0: 5 rows, 12 bytes apart, from byte 0 of a view of 48 bytes; too many";
     check("/accessors/0/count", json!(5), &format!("{primitive}{many}"));
-    let huge = "accessor 0: 4000000000 rows; the file may come to 1000000";
+    let huge = "accessor 0: 4000000000 rows, 12 bytes apart, from byte 0 of a view of 48 bytes; too many";
     check("/accessors/0/count", json!(4_000_000_000_u64), &format!("{primitive}{huge}"));
     check("/accessors/1/count", json!(2), &format!("{primitive}2 corners; triangles have 3 each"));
     check("/accessors/0/count", json!(2), &format!("{primitive}there is no vertex 2; it has 2, counted from 0"));
@@ -233,16 +233,19 @@ fn what_leads_nowhere_is_named() {
     check("/bufferViews/0/byteLength", json!(99), &format!("{primitive}{view}"));
 }
 
-/// Little that claims to be much: a mesh of a thousand triangles at ten thousand nodes.
+/// Little that claims to be much: a mesh of a thousand triangles at two hundred nodes.
 #[test]
 fn instances_are_bounded_by_the_bytes_that_are_there() {
     let indices: Vec<u8> = [0, 1, 2].repeat(1000);
     let mut document = square(4, &indices);
-    document["nodes"] = json!(vec![json!({ "mesh": 0 }); 10_000]);
+    document["nodes"] = json!(vec![json!({ "mesh": 0 }); 200]);
     document.as_object_mut().expect("an object").remove("scene");
     document.as_object_mut().expect("an object").remove("scenes");
     let found = sentences("gltf", document.to_string().as_bytes());
-    assert_eq!(found, ["mesh 0, primitive 0: the file comes to more than 1000000 triangles; send less at once"]);
+    let says = |part: &str| found[0].contains(part);
+    assert!(says("mesh 0, primitive 0: it takes ") && says(" are taken: send less at once"), "{found:?}");
+    document["nodes"] = json!(vec![json!({ "mesh": 0 }); 10]);
+    assert_eq!(faces(&document).len(), 10_000);
 }
 
 /// Groups are those that primitives name; what they leave is in the group of its node, where there are several nodes.
@@ -300,10 +303,11 @@ fn attributes_of_applications_are_channels() {
 #[test]
 fn attributes_are_bounded_by_the_bytes_that_are_there() {
     let mut document = square(4, &[0, 1, 2]);
-    document["accessors"][0] = json!({ "componentType": 5126, "count": 900_000, "type": "VEC3" });
+    document["accessors"][0] = json!({ "componentType": 5126, "count": 3000, "type": "VEC3" });
     for k in 0..60 {
         document["meshes"][0]["primitives"][0]["attributes"][format!("_A{k}")] = json!(0);
     }
     let found = mesh("gltf", document.to_string().as_bytes());
-    assert_eq!((found.positions.len(), found.channels.len(), found.notes.len()), (900_000, 0, 60));
+    assert_eq!((found.positions.len(), found.channels.len() + found.notes.len()), (3000, 60));
+    assert!(found.channels.len() < 10, "{}", found.channels.len());
 }

@@ -1,0 +1,127 @@
+//! Whose web pages may ask: the setting `cors-origins`.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
+
+use super::authority::Authority;
+use crate::fault::shortened;
+
+/// Most origins of a list: each answer looks through all of them.
+const MOST_ORIGINS: usize = 64;
+
+/// Web pages that may ask, by their origins.
+#[derive(Clone, PartialEq, Eq, Default)]
+pub enum CorsOrigins {
+    /// Pages of the machine itself where the service listens on a loopback address; else none.
+    #[default]
+    Usual,
+    /// None.
+    None,
+    /// Pages of the machine itself: of any port of `localhost` and of loopback addresses.
+    Loopback,
+    /// All.
+    Any,
+    /// Those of these origins.
+    Listed(Vec<String>),
+}
+
+impl CorsOrigins {
+    /// Whether pages of an origin may ask a service that listens on a loopback address, or on another.
+    pub fn allows(&self, origin: &str, address: std::net::IpAddr) -> bool {
+        match self {
+            Self::Usual => address.is_loopback() && is_loopback(origin),
+            Self::None => false,
+            Self::Loopback => is_loopback(origin),
+            Self::Any => true,
+            Self::Listed(origins) => origins.iter().any(|known| known == origin),
+        }
+    }
+
+    /// Reads entries of a list.
+    fn of<'a>(entries: impl Iterator<Item = &'a str>) -> Result<Self, String> {
+        let entries: Vec<&str> = entries.map(str::trim).take(MOST_ORIGINS + 1).collect();
+        match entries.as_slice() {
+            ["*"] => Ok(Self::Any),
+            ["none"] => Ok(Self::None),
+            ["loopback"] => Ok(Self::Loopback),
+            [] => Err("it names no origin; give none, loopback, *, or origins like https://example.org".to_owned()),
+            entries if entries.len() > MOST_ORIGINS => {
+                Err(format!("it names more than {MOST_ORIGINS} origins; name fewer, or give *"))
+            }
+            entries => entries.iter().map(|entry| origin(entry)).collect::<Result<_, _>>().map(Self::Listed),
+        }
+    }
+}
+
+/// An origin as browsers write it: in small letters, without the port that the scheme has anyway.
+fn origin(entry: &str) -> Result<String, String> {
+    let remedy = "write none, loopback, *, or origins like https://example.org or http://localhost:3000";
+    let wrong = || format!("\"{}\" is no origin; {remedy}", shortened(entry));
+    let (scheme, rest) = entry.split_once("://").ok_or_else(wrong)?;
+    let is_scheme = scheme.starts_with(|c: char| c.is_ascii_alphabetic())
+        && scheme.bytes().all(|b| b.is_ascii_alphanumeric() || b"+-.".contains(&b));
+    let authority = Authority::parse(rest).filter(|_| is_scheme).ok_or_else(wrong)?;
+    let scheme = scheme.to_ascii_lowercase();
+    let host = authority.host.to_ascii_lowercase();
+    let host = if host.contains(':') { format!("[{host}]") } else { host };
+    Ok(match (scheme.as_str(), authority.port) {
+        (_, None) | ("http", Some(80)) | ("https", Some(443)) => format!("{scheme}://{host}"),
+        (_, Some(port)) => format!("{scheme}://{host}:{port}"),
+    })
+}
+
+fn is_loopback(origin: &str) -> bool {
+    let rest = origin.strip_prefix("http://").or_else(|| origin.strip_prefix("https://"));
+    rest.and_then(Authority::parse).is_some_and(|authority| authority.is_loopback())
+}
+
+impl FromStr for CorsOrigins {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::of(text.split(','))
+    }
+}
+
+/// As the setting is written.
+impl fmt::Debug for CorsOrigins {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Usual => f.write_str("loopback on a loopback address, else none"),
+            Self::None => f.write_str("none"),
+            Self::Loopback => f.write_str("loopback"),
+            Self::Any => f.write_str("*"),
+            Self::Listed(origins) => f.write_str(&origins.join(",")),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for CorsOrigins {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(OriginsVisitor)
+    }
+}
+
+struct OriginsVisitor;
+
+impl<'de> Visitor<'de> for OriginsVisitor {
+    type Value = CorsOrigins;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("\"none\", \"loopback\", \"*\", or a list of origins")
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<CorsOrigins, E> {
+        text.parse().map_err(E::custom)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<CorsOrigins, A::Error> {
+        let mut entries: Vec<String> = Vec::new();
+        while let Some(entry) = list.next_element()? {
+            entries.push(entry);
+        }
+        CorsOrigins::of(entries.iter().map(String::as_str)).map_err(A::Error::custom)
+    }
+}
