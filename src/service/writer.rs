@@ -23,8 +23,8 @@ const MAX_WAITING: usize = 256;
 const MAX_SEALED: usize = 16;
 /// A disk that works for so long on one artifact counts as stuck: at 33 megabytes a second this is a gigabyte.
 const STUCK: Duration = Duration::from_secs(30);
-/// How long after its last failure a disk counts as failing when nothing more is written: without traffic, which a service
-/// that is not ready may not get, no write could show that it has recovered.
+/// How long after its last failure a disk counts as failing when nothing more is written: without traffic, which a
+/// service that is not ready may not get, no write could show that it has recovered.
 const MEMORY: Duration = Duration::from_mins(1);
 /// How long a writer that is dropped lets its threads go on: half of the service's own time to end.
 const LAST_WAIT: Duration = Duration::from_secs(10);
