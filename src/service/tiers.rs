@@ -202,7 +202,8 @@ impl Tiers {
         self.disk.as_ref().map_or((0, 0), |disk| disk.writer.backlog())
     }
 
-    /// Whether writes to disk fail, or one of them does not end; `None` when the last one succeeded.
+    /// Whether writes to disk fail, or one of them does not end; `None` when the last one succeeded, or failed more than
+    /// a minute ago.
     pub fn disk_trouble(&self) -> Option<Trouble> {
         self.disk.as_ref()?.writer.trouble()
     }

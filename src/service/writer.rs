@@ -23,6 +23,9 @@ const MAX_WAITING: usize = 256;
 const MAX_SEALED: usize = 16;
 /// A disk that works for so long on one artifact counts as stuck: at 33 megabytes a second this is a gigabyte.
 const STUCK: Duration = Duration::from_secs(30);
+/// How long after its last failure a disk counts as failing when nothing more is written: without traffic, which a
+/// service that is not ready may not get, no write could show that it has recovered.
+const MEMORY: Duration = Duration::from_mins(1);
 /// How long a writer that is dropped lets its threads go on: half of the service's own time to end.
 const LAST_WAIT: Duration = Duration::from_secs(10);
 
@@ -100,11 +103,19 @@ struct Backlog {
     under_way: HashMap<Key, Duration>,
     /// The last large artifact that could not be written: answers may still be reading it.
     given_up: Option<Arc<Sealed>>,
-    /// When writes began to fail, how many have failed since, and what the last one failed of.
-    failing: Option<(Duration, u64, String)>,
+    failing: Option<Failing>,
     threads: usize,
     closed: bool,
     ended: bool,
+}
+
+/// Writes that failed, without one between that succeeded.
+#[derive(Debug)]
+struct Failing {
+    since: Duration,
+    last: Duration,
+    failures: u64,
+    reason: String,
 }
 
 impl Writer {
@@ -164,11 +175,15 @@ impl Writer {
         self.0.note(&mut self.0.backlog(), error);
     }
 
-    /// Whether writes fail, or one of them does not end; `None` after a write that succeeded.
+    /// Whether writes fail, or one of them does not end; `None` after a write that succeeded, and some time after the
+    /// last one that failed.
     pub(super) fn trouble(&self) -> Option<Trouble> {
         let (backlog, now) = (self.0.backlog(), self.0.clock.now());
-        if let Some((since, failures, reason)) = backlog.failing.clone() {
-            return Some(Trouble { lasts: now.saturating_sub(since), failures, reason });
+        if let Some(Failing { since, last, failures, reason }) = &backlog.failing
+            && now.saturating_sub(*last) < MEMORY
+        {
+            let lasts = now.saturating_sub(*since);
+            return Some(Trouble { lasts, failures: *failures, reason: reason.clone() });
         }
         let lasts = now.saturating_sub(*backlog.under_way.values().min()?);
         let reason = format!("a write has not ended for {} s", lasts.as_secs());
@@ -285,11 +300,10 @@ impl Shared {
     }
 
     fn note(&self, backlog: &mut Backlog, error: &StoreError) {
-        if let StoreError::Io(error) = error {
-            let (since, failures) =
-                backlog.failing.as_ref().map_or((self.clock.now(), 0), |(since, failures, _)| (*since, *failures));
-            backlog.failing = Some((since, failures + 1, error.to_string()));
-        }
+        let StoreError::Io(error) = error else { return };
+        let (last, reason) = (self.clock.now(), error.to_string());
+        let (since, failures) = backlog.failing.as_ref().map_or((last, 0), |failing| (failing.since, failing.failures));
+        backlog.failing = Some(Failing { since, last, failures: failures + 1, reason });
     }
 
     /// Ends a thread; the last one closes the store.

@@ -34,11 +34,13 @@ pub(super) fn run<T>(story: impl Future<Output = T>) -> T {
     runtime.0.as_ref().unwrap().block_on(told)
 }
 
-/// A service over these stores.
+/// A service over these stores, in which slow machines begin nothing again in the long lane.
 pub(super) async fn app(tiers: Tiers) -> (TcpListener, Arc<App>) {
     let (listener, mut app) = bind(settings()).await.unwrap();
     let desk = &mut Arc::get_mut(&mut app).expect("it does not serve yet").desk;
-    Arc::get_mut(desk).expect("it does not serve yet").tiers = tiers;
+    let desk = Arc::get_mut(desk).expect("it does not serve yet");
+    desk.tiers = tiers;
+    desk.terms.short_time = desk.terms.run_timeout;
     (listener, app)
 }
 

@@ -107,6 +107,13 @@ fn m6_a_full_disk_is_told_until_a_write_succeeds() {
         written(&tiers).await;
         assert_eq!(tiers.disk_trouble(), None);
         until("it is counted", || n(&tiers.disk_counts().written) == 2).await;
+        disk.limit(&scratch.0, 0);
+        make(&tiers, 4, 1000);
+        written(&tiers).await;
+        clock.advance(Duration::from_secs(59));
+        assert!(tiers.disk_trouble().is_some());
+        clock.advance(Duration::from_secs(1));
+        assert_eq!(tiers.disk_trouble(), None, "without writes it would never be well again");
     });
 }
 

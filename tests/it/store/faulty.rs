@@ -85,7 +85,11 @@ impl Faulty {
 fn used(folder: &Path) -> u64 {
     let of = |path: &Path| -> u64 {
         let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
-        entries.filter_map(|entry| entry.metadata().ok()).filter(|about| about.is_file()).map(|about| about.len()).sum()
+        entries
+            .filter_map(|entry| entry.metadata().ok())
+            .filter(std::fs::Metadata::is_file)
+            .map(|about| about.len())
+            .sum()
     };
     let shards = std::fs::read_dir(folder.join("artifacts")).into_iter().flatten().flatten();
     of(&folder.join("tmp")) + shards.map(|shard| of(&shard.path())).sum::<u64>()
