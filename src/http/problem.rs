@@ -46,7 +46,7 @@ kinds! {
     NOT_HTTP: "not-http", BAD_REQUEST, "This is no HTTP request",
         "The bytes that arrived break the grammar of HTTP/1.1, or say two things at once about their length.";
     HEAD_TOO_LONG: "head-too-long", REQUEST_HEADER_FIELDS_TOO_LARGE, "The headers are too long",
-        "The request's line and its headers have at most 64 KiB together.";
+        "The request's line and its headers have at most 64 KiB together, and there are at most 100 headers.";
     URI_TOO_LONG: "address-too-long", URI_TOO_LONG, "The address is too long",
         "Jobs are sent in the body of a POST request, where there is more room.";
     INVALID: "invalid-job", UNPROCESSABLE_ENTITY, "The job cannot be done",
@@ -278,9 +278,9 @@ pub(super) fn crowded() -> Vec<u8> {
 pub(super) fn unreadable(refusal: &[u8]) -> Vec<u8> {
     let is = |status: &[u8]| refusal.strip_prefix(b"HTTP/1.1 ").is_some_and(|rest| rest.starts_with(status));
     let problem = if is(b"431") {
-        Problem::new(HEAD_TOO_LONG, "the request's line and headers have more than 64 KiB; send fewer or shorter ones")
+        Problem::new(HEAD_TOO_LONG, "the request's line and headers are too long, 64 KiB or 100 headers; send fewer or shorter ones")
     } else if is(b"414") {
-        Problem::new(URI_TOO_LONG, "the request's address has more than 64 KiB; send the job in a body")
+        Problem::new(URI_TOO_LONG, "the request's address is longer than 64 KiB; send the job in a body")
     } else {
         Problem::new(NOT_HTTP, "what was sent is no request of HTTP/1.1; send one line, headers, an empty line, a body")
     };
