@@ -167,8 +167,9 @@ fn slivers_cover_the_samples_inside_them_and_look_at_few_pixels_beside() {
             let [ax, ay, bx, by] = [a.x, a.y, b.x, b.y].map(i64::from);
             (bx - ax) * (py - ay) - (by - ay) * (px - ax)
         };
+        let tile = i64::try_from(TILE).expect("a tile is some dozen pixels wide");
         for (i, owners) in (0_i64..).zip(&samples.owner) {
-            let (row, column) = (i / TILE as i64, i % TILE as i64);
+            let (row, column) = (i / tile, i % tile);
             for (owner, place) in owners.iter().zip(super::triangle::PLACES) {
                 let p = [256 * column + 32 * i64::from(place[0]), 256 * row + 32 * i64::from(place[1])];
                 let sides = [0, 1, 2].map(|k| left(corners[k], corners[(k + 1) % 3], p));

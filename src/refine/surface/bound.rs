@@ -316,7 +316,7 @@ pub(super) fn bound(
     budget: &Budget,
 ) -> Result<f64, NoLevel> {
     if base.live.len() > FOLLOWED_FACES {
-        return Ok(plain(base, spline, budget)?);
+        return plain(base, spline, budget);
     }
     let flat = base.flat.now.as_chunks().0;
     let faces = Faces::of(&base.topology, flat, &base.live, vec![0.0; base.live.len()], !spline.halved);
