@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::key::Key;
-use super::memory::{carried, memory};
+use super::memory::{carried, compared_patches, memory};
 use super::{Input, Job, Output};
 use crate::fault::Fault;
 use crate::input::ReadLimits;
@@ -125,9 +125,7 @@ impl Limits {
                 let nets: Vec<_> = polygons.iter().map(|polygon| polygon_net(polygon, &job.plan)).collect();
                 forecast::of_polygons(&nets, &steps)
             }
-            Input::Mesh(mesh) => {
-                forecast::of_mesh(&mesh_net(mesh, &job.plan), &steps, self.max_vertices.into(), watch)
-            }
+            Input::Mesh(mesh) => forecast::of_mesh(&mesh_net(mesh, &job.plan), &steps, self.max_vertices.into(), watch),
         };
         let mut forecast = forecast.map_err(|error| self.no_forecast(&error))?;
         self.add_uvs(job, &steps, &mut forecast, watch)?;
@@ -144,7 +142,8 @@ impl Limits {
         let (limit_rows, limit_bytes) = limit_surface(job, &forecast);
         let forecast = Forecast { work: forecast.work.saturating_add(limit_rows), ..forecast };
         let local = if limit_rows > 0 { limit_patches(job, &forecast) } else { Cost::default() };
-        let limit_bytes = limit_bytes.saturating_add(local.bytes);
+        let compared = if limit_rows > 0 { compared_patches(job, &forecast) } else { 0 };
+        let limit_bytes = limit_bytes.saturating_add(local.bytes).saturating_add(compared);
         let options =
             job.outputs.iter().map(|output| output.format.memory(&counts, &output.options)).max().unwrap_or(0);
         let memory_bytes = memory(&forecast, &sizes, &carried).saturating_add(limit_bytes).saturating_add(options);
@@ -187,13 +186,7 @@ impl Limits {
     }
 
     /// Counts the places with texture coordinates, which are vertices of a mesh of their own.
-    fn add_uvs(
-        &self,
-        job: &Job,
-        steps: &[Scheduled],
-        forecast: &mut Forecast,
-        watch: &Watch,
-    ) -> Result<(), Refusal> {
+    fn add_uvs(&self, job: &Job, steps: &[Scheduled], forecast: &mut Forecast, watch: &Watch) -> Result<(), Refusal> {
         let Input::Mesh(mesh) = &job.input else { return Ok(()) };
         let Some(uvs) = &mesh.attachments.uvs else { return Ok(()) };
         let places = forecast::of_mesh(&uv_net(mesh, uvs, &job.plan), steps, self.max_vertices.into(), watch);

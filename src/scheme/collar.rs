@@ -83,8 +83,7 @@ impl Collar {
     /// After a split with so many pieces an edge: into quads of faces of any size when it is 2, else of faces like `tile`.
     pub(super) fn split(&mut self, tile: Tile, pieces: u32) {
         let halves = tile == Tile::Quad && pieces == 2;
-        let split =
-            if halves { self.net.split() } else { Tiling::new(&self.net, tile, pieces as usize).topology() };
+        let split = if halves { self.net.split() } else { Tiling::new(&self.net, tile, pieces as usize).topology() };
         // old vertices keep their numbers, and each boundary loop is all the net's or none of it
         let mut real = vec![false; split.n_vertices()];
         for round in split.boundary_loops() {
@@ -124,8 +123,7 @@ impl Collar {
         let Count { vertices, faces, corners, .. } = self.count;
         let corners = corners - fan_sum - 2 * between_two;
         let edges = (corners + real.iter().filter(|&&real| real).count() as u128) / 2;
-        self.count =
-            Count { vertices: faces + split, edges, faces: vertices - lost, corners, ..Count::default() };
+        self.count = Count { vertices: faces + split, edges, faces: vertices - lost, corners, ..Count::default() };
         (self.net, self.real, self.isolated) = (found.topology, real, isolated);
         Ok(lost > 0)
     }

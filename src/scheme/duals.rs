@@ -63,7 +63,11 @@ impl Duals<'_> {
         {
             return Err(at(step, StepError::DualTags(tags)));
         }
-        if alone(after) { self.by_fans(&net, after, &mut tally)? } else { self.by_collar(&net, after, &mut tally)? }
+        if alone(after) {
+            self.by_fans(&net, after, &mut tally)?
+        } else {
+            self.by_collar(&net, after, &mut tally)?
+        }
         Ok(tally.finish())
     }
 

@@ -40,7 +40,8 @@ fn built<'a>(net: &MeshNet, steps: &'a [Scheduled]) -> (Vec<Count>, &'a [Schedul
     let one = Expression::constant(1.0);
     for (i, step) in steps.iter().enumerate() {
         let role = step.letter.operator.role();
-        let growth = if role == Role::Upsample { step.letter.pieces(net.topology().is_quads()).pow(2) as usize } else { 1 };
+        let growth =
+            if role == Role::Upsample { step.letter.pieces(net.topology().is_quads()).pow(2) as usize } else { 1 };
         if net.topology().n_corners() * growth > MOST_CORNERS {
             return (counts, &steps[..i], None);
         }
@@ -101,16 +102,14 @@ fn together(nets: Vec<Net>) -> Net {
 
 /// A grid without some of its faces: holes, narrow strips, corners that meet.
 fn perforated() -> impl Strategy<Value = Net> {
-    (1..7_usize, 1..7_usize, proptest::collection::vec(any::<prop::sample::Index>(), 0..8)).prop_map(
-        |(n, m, holes)| {
-            let mut net = nets::grid(n, m);
-            for hole in holes.into_iter().take(net.faces.len() - 1) {
-                let hole = hole.index(net.faces.len());
-                net.faces.remove(hole);
-            }
-            net
-        },
-    )
+    (1..7_usize, 1..7_usize, proptest::collection::vec(any::<prop::sample::Index>(), 0..8)).prop_map(|(n, m, holes)| {
+        let mut net = nets::grid(n, m);
+        for hole in holes.into_iter().take(net.faces.len() - 1) {
+            let hole = hole.index(net.faces.len());
+            net.faces.remove(hole);
+        }
+        net
+    })
 }
 
 /// Fans of triangles or quads around one vertex, which may be pinched there.
@@ -163,7 +162,8 @@ fn triangles() -> impl Strategy<Value = Net> {
 /// Words with at least one D.
 fn words() -> impl Strategy<Value = String> {
     let letters = prop::sample::select(vec!["U", "U", "U", "U3", "U4", "D", "D", "D", "C", "P"]);
-    let common = prop::sample::select(vec!["UD", "UDD", "UDDD", "UCD", "DU", "U3D", "DDU(UD)", "UUD(UDD)", "UDDP", "D"]);
+    let common =
+        prop::sample::select(vec!["UD", "UDD", "UDDD", "UCD", "DU", "U3D", "DDU(UD)", "UUD(UDD)", "UDDP", "D"]);
     let random = (proptest::collection::vec(letters.clone(), 0..4), proptest::collection::vec(letters, 1..6));
     let random = random.prop_map(|(prefix, cycle)| {
         let (prefix, cycle) = (prefix.concat(), cycle.concat());
