@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::key::Key;
-use super::memory::{carried, memory};
+use super::memory::{carried, compared_patches, memory};
 use super::{Input, Job, Output, time};
 use crate::fault::Fault;
 use crate::input::ReadLimits;
@@ -142,7 +142,8 @@ impl Limits {
         let (limit_rows, limit_bytes) = limit_surface(job, &forecast);
         let forecast = Forecast { work: forecast.work.saturating_add(limit_rows), ..forecast };
         let local = if limit_rows > 0 { limit_patches(job, &forecast) } else { Cost::default() };
-        let limit_bytes = limit_bytes.saturating_add(local.bytes);
+        let compared = if limit_rows > 0 { compared_patches(job, &forecast) } else { 0 };
+        let limit_bytes = limit_bytes.saturating_add(local.bytes).saturating_add(compared);
         let options =
             job.outputs.iter().map(|output| output.format.memory(&counts, &output.options)).max().unwrap_or(0);
         let memory_bytes = memory(&forecast, &sizes, &carried).saturating_add(limit_bytes).saturating_add(options);

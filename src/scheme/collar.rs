@@ -122,7 +122,9 @@ impl Collar {
         self.beyond.dual();
         let Count { vertices, faces, corners, .. } = self.count;
         let corners = corners - fan_sum - 2 * between_two;
-        let edges = (corners + real.iter().filter(|&&real| real).count() as u128) / 2;
+        // boundary edges have one side, the others two
+        let open = real.iter().filter(|&&real| real).count() as u128;
+        let edges = open + (corners - open) / 2;
         self.count = Count { vertices: faces + split, edges, faces: vertices - lost, corners, ..Count::default() };
         (self.net, self.real, self.isolated) = (found.topology, real, isolated);
         Ok(lost > 0)

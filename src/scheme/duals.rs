@@ -64,9 +64,9 @@ impl Duals<'_> {
             return Err(at(step, StepError::DualTags(tags)));
         }
         if alone(after) {
-            self.by_fans(&net, after, &mut tally)?
+            self.by_fans(&net, after, &mut tally)?;
         } else {
-            self.by_collar(&net, after, &mut tally)?
+            self.by_collar(&net, after, &mut tally)?;
         }
         Ok(tally.finish())
     }

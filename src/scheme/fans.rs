@@ -35,7 +35,7 @@ pub(super) struct Fans {
     isolated: u128,
     sizes: Sizes,
     /// The fans that there are.
-    fans: BTreeSet<usize>,
+    present: BTreeSet<usize>,
     /// The same before the last U, and its pieces.
     before: (BTreeSet<usize>, u32),
 }
@@ -44,11 +44,11 @@ impl Fans {
     /// Those of a net whose counts are known.
     pub(super) fn of(topology: &Topology, count: Count) -> Self {
         let on_boundary = (0..topology.n_vertices()).filter(|&v| topology.boundary_edges(v).is_some());
-        let (mut fans, mut fan_sum, mut boundary) = (BTreeSet::new(), 0, 0);
+        let (mut present, mut fan_sum, mut boundary) = (BTreeSet::new(), 0, 0);
         for v in on_boundary {
             let fan = topology.ring(v).count();
             (fan_sum, boundary) = (fan_sum + fan as u128, boundary + 1);
-            fans.insert(fan);
+            present.insert(fan);
         }
         let all = 0..topology.n_vertices();
         let between_two = all.clone().filter(|&v| is_between_two(topology, v)).count() as u128;
@@ -56,12 +56,12 @@ impl Fans {
         let mut sizes = Sizes::default();
         sizes.add(topology, |_| false);
         let before = (BTreeSet::new(), 1);
-        Self { count, boundary, fan_sum, between_two, isolated, sizes, fans, before }
+        Self { count, boundary, fan_sum, between_two, isolated, sizes, present, before }
     }
 
     /// The counts.
     pub(super) fn count(&self) -> Count {
-        let fan = self.fans.last().map_or(0, |&fan| fan as u128 + 2);
+        let fan = self.present.last().map_or(0, |&fan| fan as u128 + 2);
         let largest_fan = self.sizes.largest_valence().max(fan);
         Count { largest_face: self.sizes.largest_face(), largest_fan, ..self.count }
     }
@@ -80,9 +80,9 @@ impl Fans {
             self.sizes.valences.remove(&4);
         }
         self.count = self.count.split(Tile::Quad, pieces);
-        self.before = (self.fans.clone(), pieces);
+        self.before = (self.present.clone(), pieces);
         if self.boundary > 0 {
-            self.fans.insert(2);
+            self.present.insert(2);
         }
         let pieces = u128::from(pieces);
         self.fan_sum = self.fan_sum.saturating_add(self.boundary.saturating_mul(2 * (pieces - 1)));
@@ -102,9 +102,10 @@ impl Fans {
         let (fans, pieces) = &self.before;
         let straight = !fans.is_empty() && (*pieces > 2 || fans.iter().any(|&fan| fan > 1));
         let kinds = [(fans.contains(&1), 1), (straight, 2), (fans.iter().any(|&fan| fan > 2), 3)];
-        self.fans = kinds.into_iter().filter_map(|(is, n)| is.then_some(n)).collect();
+        self.present = kinds.into_iter().filter_map(|(is, n)| is.then_some(n)).collect();
         let corners = corners - self.fan_sum - 2 * self.between_two;
-        let edges = (corners + touching) / 2;
+        // boundary edges have one side, the others two
+        let edges = touching + (corners - touching) / 2;
         self.count = Count { vertices: faces, edges, faces: vertices - lost, corners, ..Count::default() };
         self.fan_sum = 4 * touching - self.fan_sum;
         (self.boundary, self.between_two, self.isolated) = (touching, 0, 0);

@@ -26,7 +26,7 @@ pub struct Forecast {
     pub peak: Count,
     /// Rows of weights to be made in all: the unit of progress.
     pub work: u128,
-    /// Bytes of the topologies that a scheme of its own connectivity makes in its largest step.
+    /// Bytes of the topologies that a scheme of its own connectivity, or D, makes in its largest step.
     pub topology_bytes: u128,
 }
 
@@ -71,11 +71,16 @@ pub(super) struct Tally {
     levels: Vec<Count>,
     peak: Count,
     work: u128,
+    topology_bytes: u128,
 }
+
+/// Bytes for each corner of a net whose dual is made: 13 of its topology, 5 of its faces and 5 of a copy of them, and 33 of
+/// the dual and its sides before they are sorted; a third of them are held with the points anyway.
+const DUAL_CORNER_BYTES: u128 = 40;
 
 impl Tally {
     pub(super) fn new(start: Count) -> Self {
-        Self { levels: vec![start], peak: start, work: 0 }
+        Self { levels: vec![start], peak: start, work: 0, topology_bytes: 0 }
     }
 
     /// The count of the last step.
@@ -85,6 +90,10 @@ impl Tally {
 
     pub(super) fn step(&mut self, step: &Scheduled, count: Count) {
         self.work = self.work.saturating_add(count.vertices);
+        if step.letter.operator.letter() == Some('D') {
+            let bytes = self.last().corners.saturating_mul(DUAL_CORNER_BYTES);
+            self.topology_bytes = self.topology_bytes.max(bytes);
+        }
         if count.vertices > self.peak.vertices {
             self.peak = count;
         }
@@ -97,7 +106,7 @@ impl Tally {
 
     /// Levels that have no operator repeat the one before.
     pub(super) fn finish(self) -> Forecast {
-        Forecast { levels: self.levels, peak: self.peak, work: self.work, topology_bytes: 0 }
+        Forecast { levels: self.levels, peak: self.peak, work: self.work, topology_bytes: self.topology_bytes }
     }
 }
 

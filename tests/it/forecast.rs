@@ -13,6 +13,7 @@ use crate::support::nets::{self, Net};
 use crate::support::{parsed, render};
 
 mod duals;
+mod memory;
 
 /// Levels are asked for as long as the result stays this small.
 const MAX_VERTICES: u128 = 1500;
