@@ -227,9 +227,7 @@ impl Census<'_> {
     fn add(&mut self, bytes: usize) {
         self.bytes = self.bytes.saturating_add(bytes);
     }
-}
 
-impl<'a> Census<'a> {
     /// Ends what stands at the root.
     fn close(&mut self) {
         if self.bytes >= self.largest.2 {

@@ -1,6 +1,7 @@
 //! The nodes of the scene, and the triangles of their meshes.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use gltf::json::accessor::Accessor;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
@@ -206,12 +207,32 @@ impl Reading<'_> {
             shared.insert(key, found);
             found
         };
-        let order = match primitive.indices {
-            Some(indices) => self.document.indices(indices, &mut self.room)?,
-            None => {
-                self.room.take(n * size_of::<u32>())?;
-                (0..index(n)).collect()
-            }
+        let order = self.order(primitive, n)?;
+        if mode == Mode::Triangles && !order.len().is_multiple_of(3) {
+            return Err(format!("{} corners; triangles have 3 each", order.len()));
+        }
+        let made = self.faces(mode, &order, start, transform)?;
+        self.room.give(order.len() * size_of::<u32>());
+        let members = (made.end - made.start) * MEMBER;
+        let made = made.start as u64..made.end as u64;
+        if let Some(group) = group(primitive) {
+            self.room.take(SET + 2 * group.len() + members)?;
+            self.groups.told(group, made.clone());
+        }
+        if let Some(material) = primitive.material {
+            self.room.take(SET + members)?;
+            self.materials.entry(material.value()).or_default().extend(made);
+        }
+        Ok(())
+    }
+
+    /// The vertices of a primitive of `n` vertices in the order in which its triangles take them.
+    fn order(&mut self, primitive: &Primitive, n: usize) -> Result<Vec<u32>, String> {
+        let order = if let Some(indices) = primitive.indices {
+            self.document.indices(indices, &mut self.room)?
+        } else {
+            self.room.take(n * size_of::<u32>())?;
+            (0..index(n)).collect()
         };
         self.corners += order.len();
         let most = self.most_primitives.saturating_mul(3);
@@ -221,14 +242,22 @@ impl Reading<'_> {
         if let Some(beyond) = order.iter().find(|&&v| v as usize >= n) {
             return Err(format!("there is no vertex {beyond}; it has {n}, counted from 0"));
         }
-        if mode == Mode::Triangles && !order.len().is_multiple_of(3) {
-            return Err(format!("{} corners; triangles have 3 each", order.len()));
-        }
+        Ok(order)
+    }
+
+    /// Takes the triangles of a primitive whose vertices start at `start`. Returns the faces that they have become.
+    fn faces(
+        &mut self,
+        mode: Mode,
+        order: &[u32],
+        start: usize,
+        transform: &Transform,
+    ) -> Result<Range<usize>, String> {
         let faces = self.mesh.mesh.faces.len();
         let n_triangles = if mode == Mode::Triangles { order.len() / 3 } else { order.len().saturating_sub(2) };
         // the numbers of those that are left out are given back
         self.room.take(n_triangles * TRIANGLE)?;
-        for triangle in (0..n_triangles).map(|t| triangle(mode, &order, t)) {
+        for triangle in (0..n_triangles).map(|t| triangle(mode, order, t)) {
             let mut corners = triangle.map(|v| index(start) + v);
             if corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0] {
                 self.degenerate += 1;
@@ -239,18 +268,9 @@ impl Reading<'_> {
             }
             self.mesh.face(&corners)?;
         }
-        let n_made = self.mesh.mesh.faces.len() - faces;
-        self.room.give((n_triangles - n_made) * TRIANGLE + order.len() * size_of::<u32>());
-        let made = faces as u64..self.mesh.mesh.faces.len() as u64;
-        if let Some(group) = group(primitive) {
-            self.room.take(SET + 2 * group.len() + n_made * MEMBER)?;
-            self.groups.told(group, made.clone());
-        }
-        if let Some(material) = primitive.material {
-            self.room.take(SET + n_made * MEMBER)?;
-            self.materials.entry(material.value()).or_default().extend(made);
-        }
-        Ok(())
+        let made = faces..self.mesh.mesh.faces.len();
+        self.room.give((n_triangles - made.len()) * TRIANGLE);
+        Ok(made)
     }
 
     /// Appends the vertices of a primitive: where they start, how many they are.
@@ -345,7 +365,7 @@ impl Reading<'_> {
 /// Triangle `t` of a primitive, counter-clockwise. Source: glTF 2.0, section 3.7.2.1.
 fn triangle(mode: Mode, order: &[u32], t: usize) -> [u32; 3] {
     match mode {
-        Mode::TriangleStrip if t % 2 == 0 => [order[t], order[t + 1], order[t + 2]],
+        Mode::TriangleStrip if t.is_multiple_of(2) => [order[t], order[t + 1], order[t + 2]],
         Mode::TriangleStrip => [order[t], order[t + 2], order[t + 1]],
         Mode::TriangleFan => [order[t + 1], order[t + 2], order[0]],
         _ => [order[3 * t], order[3 * t + 1], order[3 * t + 2]],

@@ -24,6 +24,11 @@ fn many(start: &str, part: &str, end: &str) -> Vec<u8> {
     [start, &part.repeat(MANY), end].concat().into_bytes()
 }
 
+/// Texts of numbers, one after the other.
+fn joined(n: usize, text: impl Fn(usize) -> String) -> String {
+    (0..n).map(text).collect::<Vec<_>>().concat()
+}
+
 fn check(name: &str, format: &str, file: &[u8]) {
     let (taken, length) = (peak(format, file), file.len() as u64);
     let most = input::weight(length);
@@ -113,9 +118,9 @@ fn c3_gltf_takes_no_more_than_its_weight() {
     for (name, start, part, end) in long {
         check(name, "gltf", &many(start, part, end));
     }
-    let chain = (0..20_000).map(|i| format!(r#"{{"children":[{}]}},"#, i + 1)).collect::<String>();
+    let chain = joined(20_000, |i| format!(r#"{{"children":[{}]}},"#, i + 1));
     check("a chain", "gltf", format!(r#"{{"asset":{{"version":"2.0"}},"nodes":[{chain}{{}}]}}"#).as_bytes());
-    let names = (0..5_000).map(|i| format!(r#""_{i}":0,"#)).collect::<String>();
+    let names = joined(5_000, |i| format!(r#""_{i}":0,"#));
     let accessor = r#""accessors":[{"componentType":5126,"count":3,"type":"VEC3"}]"#;
     let mesh = format!(r#""meshes":[{{"primitives":[{{"attributes":{{{names}"POSITION":0}}}}]}}]"#);
     let file = format!(r#"{{"asset":{{"version":"2.0"}},{accessor},{mesh},"nodes":[{{"mesh":0}}]}}"#);
@@ -170,9 +175,9 @@ fn c3_text_takes_no_more_than_its_weight() {
     for (format, name, start, part, end) in cases {
         check(name, format, &many(&start, part, end));
     }
-    let names: String = (0..MANY).map(|i| format!("g {i:x}\n")).collect();
+    let names = joined(MANY, |i| format!("g {i:x}\n"));
     check("names", "obj", names.as_bytes());
-    let sets: String = (0..MANY).map(|i| format!("g {i:x}\nf 1 1 1\n")).collect();
+    let sets = joined(MANY, |i| format!("g {i:x}\nf 1 1 1\n"));
     check("groups", "obj", format!("v 0 0 0\n{sets}").as_bytes());
     check("no text", "obj", &[0xff, b'\r'].repeat(MANY));
     check("words that are no text", "obj", &[b"v ", [0xff, b' '].repeat(MANY).as_slice()].concat());
