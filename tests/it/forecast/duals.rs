@@ -1,6 +1,7 @@
 //! C1: estimates count, they do not build. What is forecast of words with D is what the operators make, on any mesh.
 
 use planish::job::Input;
+use planish::job::limits::{Limits, Refusal};
 use planish::math::expression::Expression;
 use planish::refine::mesh_net;
 use planish::scheme::forecast::{Count, ForecastError, MAX_BYTES, of_mesh};
@@ -227,4 +228,22 @@ fn c1_a_forecast_that_nobody_waits_for_stops() {
         watch.stop();
         assert_eq!(of_mesh(&net, &steps, CAP, &watch), Err(ForecastError::Stopped(Stopped)), "{word}");
     }
+}
+
+#[test]
+fn c1_a_refusal_names_the_level_the_bytes_the_bound_and_the_remedy() {
+    let text = json!({
+        "input": nets::grid(3, 3).input(), "plan": { "word": "UDD" }, "levels": 18, "outputs": [{ "format": "json" }],
+    });
+    let job = parsed(text.to_string().as_bytes()).expect("a job");
+    let limits = Limits { max_vertices: u64::MAX >> 8, ..Limits::default() };
+    let Err(Refusal::TooLarge { detail, faults }) = limits.estimate(&job) else { panic!("its boundary is too long") };
+    assert!(
+        detail.starts_with("level ") && detail.contains("a forecast may take 64.0 MiB; ask for at most"),
+        "{detail}"
+    );
+    assert_eq!(faults[0].pointer, "/levels");
+    let watch = Watch::new();
+    watch.stop();
+    assert_eq!(limits.estimate_under(&job, &watch), Err(Refusal::Stopped));
 }
