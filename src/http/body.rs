@@ -69,20 +69,18 @@ impl Charge {
         let bodies = &app.desk.account.bodies;
         let most_a_peer = bodies.capacity / 2;
         let peers = &app.desk.peers;
-        let is_fair = match &mut self.ticket {
-            Some(ticket) => ticket.grow(more, most_a_peer, bodies.capacity),
-            None => {
-                self.ticket = peers.take(client.peer(), Kind::BodyBytes, more, most_a_peer, bodies.capacity);
-                self.ticket.is_some()
-            }
+        let is_fair = if let Some(ticket) = &mut self.ticket {
+            ticket.grow(more, most_a_peer, bodies.capacity)
+        } else {
+            self.ticket = peers.take(client.peer(), Kind::BodyBytes, more, most_a_peer, bodies.capacity);
+            self.ticket.is_some()
         };
         let is_there = is_fair
-            && match &mut self.memory {
-                Some(memory) => memory.grow(more).is_ok(),
-                None => {
-                    self.memory = bodies.try_take(more).ok();
-                    self.memory.is_some()
-                }
+            && if let Some(memory) = &mut self.memory {
+                memory.grow(more).is_ok()
+            } else {
+                self.memory = bodies.try_take(more).ok();
+                self.memory.is_some()
             };
         if is_there { Ok(()) } else { Err(app.desk.pool.busy(Lane::Reading).into()) }
     }

@@ -75,7 +75,8 @@ pub(super) async fn readyz(State(app): State<Shared>) -> Response {
     if let Some(trouble) = app.desk.tiers.disk_trouble() {
         let (n, seconds) = (trouble.failures, trouble.lasts.as_secs());
         let remedy = "results are answered all the same, but not kept; look at the disk of --data-dir";
-        return not_ready(format!("{n} writes to disk failed in the last {seconds} s ({}); {remedy}", trouble.reason));
+        let reason = &trouble.reason;
+        return not_ready(format!("the disk has been failing for {seconds} s, {n} writes so far: {reason}; {remedy}"));
     }
     let share = |share: &Arc<Share>| {
         let ShareUsage { taken, most, refused } = share.usage();

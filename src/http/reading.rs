@@ -106,12 +106,10 @@ fn complete(draft: RequestDraft, found: Option<Reached>, input: Arc<Held>, sent:
 /// Admits a job, in the lane for reading, as some forecasts count for a while.
 pub(super) async fn admit(app: &Arc<App>, client: &Client, job: Job) -> Result<Arc<Admitted>, Problem> {
     let limits = app.desk.limits;
-    let admitted = app.desk.read(client.peer(), FORECAST_BYTES, move |_| limits.admit(job)).await?;
+    let bytes = job.forecast_bytes();
+    let admitted = app.desk.read(client.peer(), bytes, move |watch| limits.admit_under(job, watch)).await?;
     Ok(Arc::new(admitted?))
 }
-
-/// What a forecast takes at most.
-const FORECAST_BYTES: u64 = 4 << 20;
 
 /// The level that a tolerance leads to: kept from an earlier search, or searched for as other computations are made.
 async fn search(

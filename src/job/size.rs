@@ -2,7 +2,8 @@
 
 use std::mem::size_of;
 
-use super::Input;
+use super::{Input, Job};
+use crate::scheme::forecast;
 use crate::shape::attachments::Attachments;
 use crate::shape::attributes::Attributes;
 use crate::shape::labels::Labels;
@@ -15,6 +16,20 @@ use crate::shape::topology::Topology;
 const CORNER: usize = 2 * size_of::<u32>() + size_of::<u32>() + size_of::<[u32; 2]>();
 /// Bytes of the number of a face or vertex, in a list that may have room for two.
 const NUMBER: usize = 2 * size_of::<u32>();
+
+/// Bytes that any forecast takes: its lists of levels, and those of the outputs.
+const FORECAST: u64 = 1 << 20;
+
+impl Job {
+    /// Bytes that the forecast of the job takes at most: lists over the parts of the input, and what it follows of the net.
+    pub fn forecast_bytes(&self) -> u64 {
+        let followed = match &self.input {
+            Input::Polygons(_) => 0,
+            Input::Mesh(mesh) => forecast::forecast_bytes(&self.plan.word, mesh.topology.n_corners()),
+        };
+        FORECAST.saturating_add(self.input.bytes()).saturating_add(u64::try_from(followed).unwrap_or(u64::MAX))
+    }
+}
 
 impl Input {
     /// Bytes that the input holds: at most a little more than it does, never less.

@@ -15,6 +15,7 @@ use super::mesh_net::MeshNet;
 use super::ops::{LatitudeRule, Role};
 use super::plan::{DEFAULT_MU, Scheduled};
 use super::step::{StepError, Values};
+use super::word::Word;
 use crate::math::expression::Expression;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
@@ -27,6 +28,16 @@ pub const MAX_BYTES: u128 = 64 << 20;
 const CORNER_BYTES: u128 = 96;
 /// Layers that are kept at the end, so that no face touches both the boundary and the cut.
 const LEAST_LAYERS: u32 = 2;
+
+/// Bytes that the forecast of a plan holds at most, for a mesh with so many corners of faces.
+pub fn forecast_bytes(word: &Word, n_corners: usize) -> u128 {
+    let has_dual = word.prefix.iter().chain(&word.cycle).any(|letter| letter.operator.letter() == Some('D'));
+    if has_dual { bound(n_corners) } else { 0 }
+}
+
+fn bound(n_corners: usize) -> u128 {
+    MAX_BYTES.max(CORNER_BYTES * n_corners as u128)
+}
 
 /// The forecast of a word with D.
 pub(super) struct Duals<'a> {
@@ -159,7 +170,7 @@ impl Duals<'_> {
     /// Whether what a net of so many corners takes may be held.
     fn fits(&self, step: &Scheduled, corners: u128) -> Result<(), ForecastError> {
         let bytes = corners.saturating_mul(CORNER_BYTES);
-        let bound = MAX_BYTES.max(CORNER_BYTES * self.net.base.n_corners() as u128);
+        let bound = bound(self.net.base.n_corners());
         if bytes <= bound { Ok(()) } else { Err(ForecastError::Bytes { level: step.level, bytes, bound }) }
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::census::Census;
 pub use super::count::Count;
 use super::duals::Duals;
-pub use super::duals::MAX_BYTES;
+pub use super::duals::{MAX_BYTES, forecast_bytes};
 use super::mesh_net::MeshNet;
 use super::ops::{Role, seen_valence};
 use super::plan::{Plan, Scheduled};

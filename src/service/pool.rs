@@ -17,6 +17,11 @@ pub use super::line::{Memory, Waiting};
 /// Predicted milliseconds from which on work counts as long.
 const LONG_MS: u128 = 250;
 
+/// How far compute threads stand back: at 10 they get a tenth of the time of others while these have work, and all of it
+/// else. At 5 it would be a third; at 19, a seventieth, other processes of the machine would starve them.
+#[cfg(target_os = "linux")]
+const COMPUTE_NICENESS: i32 = 10;
+
 /// Which line work waits in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lane {
@@ -190,7 +195,7 @@ impl LaneState {
         bounds: Bounds,
     ) -> Result<Self, rayon::ThreadPoolBuildError> {
         let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
-        let threads = builder.thread_name(move |i| format!("{name}-{i}")).build()?;
+        let threads = builder.thread_name(move |i| format!("{name}-{i}")).start_handler(|_| stand_back()).build()?;
         Ok(Self {
             threads: Arc::new(threads),
             line: Line::new(places, Arc::clone(share), bounds.queue, bounds.queue_a_peer),
@@ -198,5 +203,15 @@ impl LaneState {
             share: Arc::clone(share),
             average_us: AtomicU64::new(100_000),
         })
+    }
+}
+
+/// Lets this thread compute only where those that answer requests leave time: the system may run more threads than it has
+/// cores, and a cached answer or a health check is a matter of microseconds.
+fn stand_back() {
+    // the niceness of a thread is its own on Linux alone
+    #[cfg(target_os = "linux")]
+    if let Err(error) = rustix::process::nice(COMPUTE_NICENESS) {
+        tracing::debug!(%error, "compute threads run at the usual priority");
     }
 }

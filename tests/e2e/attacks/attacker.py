@@ -27,7 +27,7 @@ class Attack:
         self.slow_disk = options.get("slow_disk", False)
 
     def shot(self, i):
-        return request("POST", self.path, self.body(i), *(["Prefer: respond-async"] if self.detached else []))
+        return request("POST", self.path, self.body(i), "Prefer: respond-async" if self.detached else "Prefer: wait=300")
 
 
 class Attacker:

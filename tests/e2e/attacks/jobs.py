@@ -91,7 +91,7 @@ def searched(i):
 
 
 def slow_picture(i):
-    job = {"input": {"mesh": grid(10, i * 1e-6)}, "plan": {"preset": "catmull-clark"}, "levels": 8}
+    job = {"input": {"mesh": grid(10, i * 1e-6)}, "plan": {"preset": "catmull-clark"}, "levels": 7}
     return text(job | {"outputs": [{"format": "png", "width": 2048, "height": 2048}]})
 
 
