@@ -30,8 +30,6 @@ pub(super) struct Readiness {
     canary_ms: f64,
     /// Computations under way or waiting.
     under_way: usize,
-    /// Connections that are open.
-    connections: usize,
     /// The shares of the memory, in the order of a request's way.
     memory: Vec<ShareAnswer>,
 }
@@ -87,7 +85,6 @@ pub(super) async fn readyz(State(app): State<Shared>) -> Response {
         canary_age_s: age.as_secs_f64(),
         canary_ms: took.as_secs_f64() * 1000.0,
         under_way: app.desk.n_under_way(),
-        connections: app.connections.len(),
         memory: app.desk.account.shares().into_iter().map(share).collect(),
     };
     (StatusCode::OK, Json(readiness)).into_response()

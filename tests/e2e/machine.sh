@@ -30,4 +30,5 @@ needs_rust() {
     exit 1
   fi
   needs cc gcc libc6-dev
+  needs make make
 }

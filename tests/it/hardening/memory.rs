@@ -68,8 +68,10 @@ fn a_share_gives_only_what_it_has_and_serves_those_who_wait_in_their_order() {
 fn c2_a_record_holds_the_request_and_not_the_input() {
     story(small(), async |server| {
         let job = with(mesh(1), "stats");
+        let held = server.hold().await;
         let first = server.post_with("/v1/render", &job, &[("prefer", "respond-async")]).await;
         assert_eq!(first.status, 202);
+        drop(held);
         server.settled(first.header("location")).await;
         until("its memory is back", || nothing_is_held(server)).await;
         let records = server.app.desk.account.records.usage().taken;
@@ -100,8 +102,10 @@ fn c2_records_leave_for_others_and_jobs_under_way_do_not() {
         let jobs = server.app.desk.jobs.len();
         assert!(jobs >= usize::try_from(n).unwrap(), "{jobs} of {n} are known");
         // those that are done make room
+        let held = server.hold().await;
         let answer = server.post_with("/v1/render", &with(mesh(2), "stats"), &[("prefer", "respond-async")]).await;
         assert_eq!(answer.status, 202, "{}", answer.text());
+        drop(held);
     });
 }
 

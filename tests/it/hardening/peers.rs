@@ -61,8 +61,10 @@ fn h2_many_jobs_of_one_client_leave_room_for_others() {
         drop(held);
         until("all are done", || server.app.desk.n_under_way() == 0).await;
         // what is done counts no more
+        let held = server.hold().await;
         let answer = server.post_with("/v1/render", &distinct(21), &[("prefer", "respond-async")]).await;
         assert_eq!(answer.status, 202);
+        drop(held);
     });
 }
 
