@@ -1,11 +1,10 @@
 //! The canary: a small real job, computed every ten seconds on the compute threads, which shows that work gets done.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::job::limits::{Admitted, Limits};
 use crate::job::run;
-use crate::service::desk::Desk;
 use crate::watch::Watch;
 use crate::wire::JobRequest;
 
@@ -40,11 +39,10 @@ impl Canary {
 }
 
 /// Runs the canary for as long as the service lives.
-pub(super) async fn sing(app: Arc<super::App>) {
-    let job = Arc::new(admitted());
+pub(super) async fn sing(app: super::Shared) {
     loop {
-        let (desk, job) = (app.desk.clone(), job.clone());
-        let sung = tokio::task::spawn_blocking(move || once(&desk, &job)).await;
+        let desk = app.desk.clone();
+        let sung = tokio::task::spawn_blocking(move || desk.pool.aside(once)).await;
         match sung {
             Ok(Ok(took)) => app.canary.succeeded(took),
             Ok(Err(error)) => tracing::error!(%error, "the canary job failed"),
@@ -60,9 +58,10 @@ fn admitted() -> Admitted {
     Limits::default().admit(job).expect("the canary job is small")
 }
 
-fn once(desk: &Desk, job: &Admitted) -> Result<Duration, crate::job::RunError> {
+/// Reads, admits and runs the job, on the threads that it is called on.
+fn once() -> Result<Duration, crate::job::RunError> {
     let start = Instant::now();
-    let mut bytes = Vec::new();
-    desk.pool.aside(|| run(job, &job.job().outputs[0], &mut bytes, &Watch::new()))?;
+    let job = admitted();
+    run(&job, &job.job().outputs[0], &mut Vec::new(), &Watch::new())?;
     Ok(start.elapsed())
 }

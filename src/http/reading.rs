@@ -12,7 +12,7 @@ use super::problem::{self, Problem};
 use super::requests::Client;
 use crate::fault::Fault;
 use crate::job::key::Key;
-use crate::job::limits::Admitted;
+use crate::job::limits::{Admitted, in_bytes};
 use crate::job::{Job, Report, RunError, SearchError};
 use crate::refine::curve::Reached;
 use crate::service::account::{Held, Share};
@@ -123,6 +123,15 @@ async fn search(
         && let Some(bytes) = app.desk.tiers.part(&manifest, 0).await
     {
         return found(&bytes);
+    }
+    let (needs, has) = (task.cost().memory_bytes, app.desk.account.long.capacity);
+    if needs > has.into() {
+        let (needs, has) = (in_bytes(needs), in_bytes(has.into()));
+        let detail = format!(
+            "the search for the level of this tolerance may need {needs} of memory, and this server has {has} for it; give \
+             \"levels\" as a number, or send a smaller mesh"
+        );
+        return Err(Problem::new(problem::TOO_LARGE, detail));
     }
     let interest = app.desk.compute(task, client.peer())?;
     match interest.computation.finished().await {

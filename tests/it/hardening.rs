@@ -15,3 +15,5 @@ mod places;
 mod searches;
 mod shutdown;
 mod slow;
+mod table;
+mod threads;

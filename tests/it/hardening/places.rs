@@ -187,6 +187,23 @@ fn refusals_of_the_http_library_are_problems_too() {
     });
 }
 
+#[test]
+fn a_computation_that_panics_fails_alone_and_gives_back_what_it_held() {
+    story(settings(), async |server| {
+        let desk = &server.app.desk;
+        let task = slow::Task::new();
+        task.panic();
+        let interest = desk.compute(task, Peer::SELF).unwrap();
+        let ended = format!("{:?}", interest.computation.finished().await);
+        assert!(ended.contains("Internal") && ended.contains("a task that panics"), "{ended}");
+        until("its memory is back", || desk.account.short.usage().taken == 0).await;
+        let read = desk.read(Peer::SELF, 1 << 20, |_| panic!("reading that panics")).await;
+        let _: () = read.map_err(|error| assert!(format!("{error:?}").contains("Internal"))).unwrap_or_default();
+        assert_eq!(desk.account.reading.usage().taken, 0);
+        server.render(&mesh(2)).await.ok();
+    });
+}
+
 /// A task that is predicted to be quick and runs until it is told to end.
 mod slow {
     use std::io::Write;
@@ -202,6 +219,7 @@ mod slow {
     pub(super) struct Task {
         runs: AtomicU32,
         is_over: AtomicBool,
+        panics: AtomicBool,
     }
 
     impl Task {
@@ -211,6 +229,10 @@ mod slow {
 
         pub(super) fn runs(&self) -> u32 {
             self.runs.load(Ordering::SeqCst)
+        }
+
+        pub(super) fn panic(&self) {
+            self.panics.store(true, Ordering::SeqCst);
         }
 
         pub(super) fn end(&self) {
@@ -233,6 +255,7 @@ mod slow {
 
         fn run(&self, out: &mut dyn Write, watch: &Watch) -> Result<Report, RunError> {
             self.runs.fetch_add(1, Ordering::SeqCst);
+            assert!(!self.panics.load(Ordering::SeqCst), "a task that panics");
             while !self.is_over.load(Ordering::SeqCst) {
                 watch.check().map_err(RunError::Stopped)?;
                 std::thread::yield_now();
