@@ -12,10 +12,10 @@ use super::App;
 use super::negotiate::Part;
 use super::problem::{self, Problem};
 use crate::output::Format;
-use crate::service::account::{Full, Held};
 use crate::service::computation::Timings;
-use crate::service::desk::Origin;
+use crate::service::desk::{Origin, Paid};
 use crate::service::lent::Lent;
+use crate::service::peer::{Kind, Peer};
 use crate::service::pool::Busy;
 use crate::service::store::{Manifest, PART_BYTES};
 
@@ -27,12 +27,14 @@ pub(super) struct Found {
     pub(super) loose: Option<Bytes>,
     pub(super) origin: Origin,
     pub(super) timings: Timings,
+    /// Who is answered.
+    pub(super) peer: Peer,
 }
 
 impl Found {
     /// An artifact that was there.
-    pub(super) fn kept(manifest: Arc<Manifest>) -> Self {
-        Self { manifest, loose: None, origin: Origin::Hit, timings: Timings::default() }
+    pub(super) fn kept(manifest: Arc<Manifest>, peer: Peer) -> Self {
+        Self { peer, manifest, loose: None, origin: Origin::Hit, timings: Timings::default() }
     }
 }
 
@@ -162,8 +164,8 @@ async fn body(app: &Arc<App>, found: Found, first: u64, last: u64) -> Result<Bod
     let part_bytes = PART_BYTES as u64;
     let index = |byte: u64| usize::try_from(byte / part_bytes).unwrap_or(usize::MAX);
     let (from, to) = (index(first), index(last));
-    let parts = Parts::of(app, found.manifest)?;
-    let head = parts.part(from).await.ok_or(Lost::Gone)?;
+    let parts = Parts::of(app, found.peer, found.manifest)?;
+    let head = parts.part(from).await?;
     let head = slice(&head, from as u64 * part_bytes);
     if from == to {
         return Ok(Body::from(head));
@@ -176,43 +178,54 @@ async fn body(app: &Arc<App>, found: Found, first: u64, last: u64) -> Result<Bod
         let part = parts.part(at).await;
         let end = usize::try_from(last + 1 - start).unwrap_or(usize::MAX);
         // an error ends the connection: a broken answer, but never a wrong byte
-        let part = part.map(|part| part.slice(..end.min(part.len()))).ok_or(std::io::ErrorKind::InvalidData);
-        Some((part.map_err(std::io::Error::from), (parts, at + 1)))
+        let part = part.map(|part| part.slice(..end.min(part.len())));
+        Some((part.map_err(|_| std::io::Error::from(std::io::ErrorKind::InvalidData)), (parts, at + 1)))
     });
     let head = stream::once(async move { Ok::<_, std::io::Error>(head) });
     Ok(Body::from_stream(futures_util::StreamExt::chain(head, tail)))
 }
 
+/// How long an answer waits for memory for its next part.
+const PART_PATIENCE: Duration = Duration::from_secs(10);
+
 /// The parts of an artifact, each paid for while a client has not read it.
 struct Parts {
     app: Arc<App>,
+    peer: Peer,
     manifest: Arc<Manifest>,
-    /// What pays for the artifact as it stands in memory; where nothing does, it comes from disk.
-    whole: Result<Option<Arc<Held>>, Full>,
+    /// What pays for the whole artifact, where it stands in memory and that is paid for or free.
+    whole: Option<Option<Arc<Paid>>>,
 }
 
 impl Parts {
-    fn of(app: &Arc<App>, manifest: Arc<Manifest>) -> Result<Self, Lost> {
-        let whole = app.desk.in_flight.hold(&manifest);
-        if whole.is_err() && !app.desk.tiers.is_on_disk(&manifest.key) {
-            return Err(Lost::Crowded);
+    fn of(app: &Arc<App>, peer: Peer, manifest: Arc<Manifest>) -> Result<Self, Lost> {
+        let desk = &app.desk;
+        let mut whole = None;
+        if desk.tiers.part_at_hand(&manifest, 0).is_some() {
+            let pay = |bytes| desk.charge(&desk.account.answers, Kind::AnswerBytes, peer, bytes);
+            whole = desk.in_flight.hold(&manifest, pay).ok();
+            if whole.is_none() && !desk.tiers.is_on_disk(&manifest.key) {
+                return Err(Lost::Crowded);
+            }
         }
-        Ok(Self { app: app.clone(), manifest, whole })
+        Ok(Self { app: app.clone(), peer, manifest, whole })
     }
 
     /// A part: from memory when that is paid for, else from disk, one part after the other.
-    async fn part(&self, index: usize) -> Option<Bytes> {
+    async fn part(&self, index: usize) -> Result<Bytes, Lost> {
         let tiers = &self.app.desk.tiers;
-        if let Ok(paid) = &self.whole
-            && let Some(part) = tiers.part_at_hand(&self.manifest, index)
-        {
-            return Some(match paid {
+        if let Some(paid) = &self.whole {
+            let part = tiers.part(&self.manifest, index).await.ok_or(Lost::Gone)?;
+            return Ok(match paid {
                 Some(paid) => Lent::new(part, paid.clone()),
                 None => part,
             });
         }
-        let length = self.manifest.length.min(PART_BYTES as u64);
-        let paid = self.app.desk.in_flight.part(length).await;
-        tiers.part_on_disk(&self.manifest, index).await.map(|part| Lent::new(part, paid))
+        let (answers, length) = (&self.app.desk.account.answers, self.manifest.length.min(PART_BYTES as u64));
+        let (most, peers) = (answers.capacity / 2, &self.app.desk.peers);
+        let ticket = peers.take(self.peer, Kind::AnswerBytes, length, most, u64::MAX).ok_or(Lost::Crowded)?;
+        let paid = tokio::time::timeout(PART_PATIENCE, answers.take(length)).await.map_err(|_| Lost::Crowded)?;
+        let part = tiers.part_on_disk(&self.manifest, index).await.ok_or(Lost::Gone)?;
+        Ok(Lent::new(part, (paid, ticket)))
     }
 }

@@ -55,7 +55,7 @@ async fn answered(app: &Arc<App>, client: &Client, file: &str, headers: &HeaderM
     let key = Key::parse(id).ok_or_else(unknown)?;
     if let Some(manifest) = app.desk.find(key).await {
         // what turns out to be damaged has been dropped, and is made again where its job is known
-        match tell(app, &key, extension, headers, Found::kept(manifest)).await? {
+        match tell(app, &key, extension, headers, Found::kept(manifest, client.peer())).await? {
             Err(Lost::Gone) => {}
             answered => return Ok(answered?),
         }
@@ -102,7 +102,7 @@ async fn again(app: &Arc<App>, client: &Client, key: &Key) -> Result<Found, Prob
     match interest.computation.finished().await {
         Phase::Done(outcome) => {
             let (manifest, loose) = (outcome.manifest.clone(), outcome.loose.clone());
-            Ok(Found { manifest, loose, origin: interest.origin, timings: outcome.timings })
+            Ok(Found { manifest, loose, origin: interest.origin, timings: outcome.timings, peer: client.peer() })
         }
         Phase::Failed(failure) => Err(failure.into()),
         Phase::Queued | Phase::Running => {

@@ -42,12 +42,12 @@ impl Sent {
 /// The bytes of a body that says it is JSON.
 pub(super) async fn collect(app: &App, client: &Client, headers: &HeaderMap, mut body: Body) -> Result<Sent, Problem> {
     let collected = collected(app, client, headers, &mut body).await;
-    client.has_sent();
     let is_coming =
         collected.as_ref().is_err_and(|problem| !problem.is(problem::SLOW) && !problem.is(problem::NOT_JSON));
     if is_coming && !headers.contains_key(header::EXPECT) && announced(headers).unwrap_or(0) <= DRAINED_BYTES {
         drain(body, Duration::from_secs(app.settings.body_timeout_s)).await;
     }
+    client.has_sent();
     collected
 }
 

@@ -158,6 +158,18 @@ impl Connection {
         }
     }
 
+    /// Says that a request has begun to arrive.
+    pub(super) fn begin(&self) {
+        self.phase.store(Phase::Listening as u8, Ordering::Relaxed);
+        self.since_us.store(micros(self.clock.now()), Ordering::Relaxed);
+    }
+
+    /// Says that the client has read on; what it may still have to send is another matter.
+    pub(super) fn is_read(&self) {
+        let (blocked, working) = (Phase::Blocked as u8, Phase::Working as u8);
+        let _ = self.phase.compare_exchange(blocked, working, Ordering::Relaxed, Ordering::Relaxed);
+    }
+
     /// Comes true when the connection is to be closed for another.
     pub(super) async fn closed(&self) {
         self.closing.notified().await;

@@ -15,8 +15,9 @@ use crate::job::key::Key;
 use crate::job::limits::{Admitted, in_bytes};
 use crate::job::{Job, Report, RunError, SearchError};
 use crate::refine::curve::Reached;
-use crate::service::account::{Held, Share};
 use crate::service::computation::{Failure, Outcome, Phase};
+use crate::service::desk::Paid;
+use crate::service::peer::Kind;
 use crate::service::pool::Lane;
 use crate::service::task::{Cost, Task};
 use crate::watch::Watch;
@@ -38,7 +39,7 @@ pub(super) struct Asked {
     /// Keys of its outputs.
     pub(super) keys: Vec<Key>,
     /// The memory of its input.
-    pub(super) input: Arc<Held>,
+    pub(super) input: Arc<Paid>,
     /// The request as it was sent.
     pub(super) sent: Sent,
 }
@@ -46,7 +47,7 @@ pub(super) struct Asked {
 /// A request that is read as far as that goes without a search.
 enum Step {
     Complete(Box<Asked>),
-    Search(Arc<RequestDraft>, Arc<Held>, Sent),
+    Search(Arc<RequestDraft>, Arc<Paid>, Sent),
 }
 
 /// Reads a job of so many outputs at most; `prepare` may name one where the request names none.
@@ -60,8 +61,7 @@ pub(super) async fn job(
     most_outputs: usize,
     prepare: impl FnOnce(&mut JobRequest) -> Result<(), Problem> + Send + 'static,
 ) -> Result<Asked, Problem> {
-    let (limits, inputs) = (app.desk.limits.reading(), app.desk.account.inputs.clone());
-    let busy = Problem::from(app.desk.pool.busy(Lane::Long));
+    let (desk, peer, limits) = (app.desk.clone(), client.peer(), app.desk.limits.reading());
     let bytes = weight(sent.bytes.len() as u64);
     let step = app.desk.read(client.peer(), bytes, move |_| {
         let mut request: JobRequest = read(&sent.bytes)?;
@@ -74,7 +74,12 @@ pub(super) async fn job(
             return Err(Problem::invalid(many.chain(draft.err().unwrap_or_default()).collect()));
         }
         let draft = draft.map_err(Problem::invalid)?;
-        let input = Arc::new(charge(&inputs, draft.input_bytes()).ok_or(busy)?);
+        let (bytes, inputs) = (draft.input_bytes(), &desk.account.inputs);
+        if bytes > inputs.capacity / 2 {
+            return Err(too_large("the input takes", bytes, inputs.capacity / 2));
+        }
+        let input = desk.charge(inputs, Kind::InputBytes, peer, bytes);
+        let input = Arc::new(input.map_err(|_| desk.pool.busy(Lane::Long))?);
         if draft.needs_search() {
             return Ok(Step::Search(Arc::new(draft), input, sent));
         }
@@ -84,7 +89,7 @@ pub(super) async fn job(
         Step::Complete(asked) => Ok(*asked),
         Step::Search(draft, input, sent) => {
             let found = search(app, client, &draft, &input).await?;
-            let bytes = COMPLETING * input.bytes();
+            let bytes = COMPLETING * draft.input_bytes();
             let completing = app
                 .desk
                 .read(client.peer(), bytes, move |_| complete(Arc::unwrap_or_clone(draft), Some(found), input, sent));
@@ -93,11 +98,14 @@ pub(super) async fn job(
     }
 }
 
-fn charge(inputs: &Arc<Share>, bytes: u64) -> Option<Held> {
-    inputs.try_take(bytes).ok()
+/// The refusal of something that takes more memory than there ever is for it.
+fn too_large(what: &str, needs: u64, has: u64) -> Problem {
+    let (needs, has) = (in_bytes(needs.into()), in_bytes(has.into()));
+    let remedy = "send a smaller one, or raise --max-memory-bytes";
+    Problem::new(problem::TOO_LARGE, format!("{what} {needs} of memory; this server has {has} for that: {remedy}"))
 }
 
-fn complete(draft: RequestDraft, found: Option<Reached>, input: Arc<Held>, sent: Sent) -> Result<Asked, Problem> {
+fn complete(draft: RequestDraft, found: Option<Reached>, input: Arc<Paid>, sent: Sent) -> Result<Asked, Problem> {
     let job = draft.complete(found).map_err(Problem::invalid)?;
     let keys = job.outputs.iter().map(|output| job.key(output)).collect();
     Ok(Asked { job, keys, input, sent })
@@ -116,7 +124,7 @@ async fn search(
     app: &Arc<App>,
     client: &Client,
     draft: &Arc<RequestDraft>,
-    input: &Arc<Held>,
+    input: &Arc<Paid>,
 ) -> Result<Reached, Problem> {
     let task = Arc::new(Search { draft: draft.clone(), _input: input.clone() });
     if let Some(manifest) = app.desk.find(task.key()).await
@@ -124,14 +132,9 @@ async fn search(
     {
         return found(&bytes);
     }
-    let (needs, has) = (task.cost().memory_bytes, app.desk.account.long.capacity);
-    if needs > has.into() {
-        let (needs, has) = (in_bytes(needs), in_bytes(has.into()));
-        let detail = format!(
-            "the search for the level of this tolerance may need {needs} of memory, and this server has {has} for it; give \
-             \"levels\" as a number, or send a smaller mesh"
-        );
-        return Err(Problem::new(problem::TOO_LARGE, detail));
+    let (needs, has) = (draft.search_cost().bytes, app.desk.account.long.capacity);
+    if needs > has {
+        return Err(too_large("the search for the level of this tolerance may take", needs, has));
     }
     let interest = app.desk.compute(task, client.peer())?;
     match interest.computation.finished().await {
@@ -173,7 +176,7 @@ fn found(bytes: &[u8]) -> Result<Reached, Problem> {
 #[derive(Debug)]
 struct Search {
     draft: Arc<RequestDraft>,
-    _input: Arc<Held>,
+    _input: Arc<Paid>,
 }
 
 impl Task for Search {
@@ -183,9 +186,9 @@ impl Task for Search {
 
     fn cost(&self) -> Cost {
         let cost = self.draft.search_cost();
-        // measured: a unit of its work takes less than 100 ns, as a row does
         let (work, memory_bytes) = (u128::from(cost.work), u128::from(cost.bytes));
-        Cost { memory_bytes, time_ms: work / 10_000 + 1, work, result_bytes: FOUND_BYTES }
+        // its bound is minutes, but most searches end in milliseconds: what does not is moved to the long lane
+        Cost { memory_bytes, time_ms: 1, work, result_bytes: FOUND_BYTES }
     }
 
     fn media_type(&self) -> &str {

@@ -51,7 +51,7 @@ pub(super) async fn render(State(app): State<Shared>, client: Client, headers: H
 async fn rendered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
     let sent = body::collect(app, client, headers, body).await?;
     let request = memo::identity(headers, &sent.bytes);
-    if let Some(response) = again(app, headers, request).await {
+    if let Some(response) = again(app, client, headers, request).await {
         return Ok(response);
     }
     let asked = read(app, client, headers, sent).await?;
@@ -67,7 +67,7 @@ async fn rendered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bo
             return Ok(not_modified(&known));
         }
         // what turns out to be damaged has been dropped, and is made again
-        match whole(app, Found::kept(manifest), &known).await {
+        match whole(app, Found::kept(manifest, client.peer()), &known).await {
             Err(Lost::Gone) => {}
             answered => return Ok(answered?),
         }
@@ -76,13 +76,13 @@ async fn rendered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bo
 }
 
 /// The answer to a request that came before and whose result is at hand.
-async fn again(app: &Arc<App>, headers: &HeaderMap, request: Option<Key>) -> Option<Response> {
+async fn again(app: &Arc<App>, client: &Client, headers: &HeaderMap, request: Option<Key>) -> Option<Response> {
     let known = app.memo.get(&request?)?;
     let manifest = app.desk.tiers.at_hand(&known.key)?;
     if negotiate::has_already(headers, &known.key) || negotiate::wants_nothing_kept(headers) {
         return Some(not_modified(&known));
     }
-    whole(app, Found::kept(manifest), &known).await.ok()
+    whole(app, Found::kept(manifest, client.peer()), &known).await.ok()
 }
 
 /// Has the artifact made, and answers with it or, when that takes too long, with where it will be.
@@ -96,6 +96,12 @@ async fn made(
     let (patience, said) = negotiate::patience(headers);
     let Asked { job, input, sent, .. } = asked;
     let admitted = reading::admit(app, client, job).await?;
+    // somebody else may have had it made while it was forecast
+    if let Some(manifest) = app.desk.tiers.at_hand(&known.key)
+        && let Ok(response) = whole(app, Found::kept(manifest, client.peer()), &known).await
+    {
+        return Ok(response);
+    }
     let job = admitted.job();
     let (id, output, reached) = (job.id(), &job.outputs[0], job.reached);
     let output = (output.name.clone(), output.format, known.key);
@@ -105,7 +111,8 @@ async fn made(
     match tokio::time::timeout(patience, computation.finished()).await {
         Ok(Phase::Done(outcome)) => {
             let (manifest, loose) = (outcome.manifest.clone(), outcome.loose.clone());
-            let found = Found { manifest, loose, origin: interest.origin, timings: outcome.timings };
+            let found =
+                Found { manifest, loose, origin: interest.origin, timings: outcome.timings, peer: client.peer() };
             Ok(whole(app, found, &known).await?)
         }
         Ok(Phase::Failed(failure)) => Err(failure.into()),

@@ -41,6 +41,7 @@ impl Service<Request<Incoming>> for Requests {
         let connection = self.connection.clone();
         connection.serving.store(true, Ordering::Relaxed);
         connection.answering.store(true, Ordering::Relaxed);
+        connection.begin();
         // a request whose body is still to come keeps the service waiting; see `body::collect`
         if request.body().is_end_stream() {
             connection.enter(Phase::Working);

@@ -1,7 +1,7 @@
 //! The server: connections with timeouts on every silence, a cap on their number, and an orderly end.
 
 use std::future::Future;
-use std::io;
+use std::io::{self, Write};
 use std::path::Path;
 use std::pin::pin;
 use std::sync::Arc;
@@ -27,6 +27,7 @@ use crate::service::peer::Peer;
 use crate::service::pool::{Bounds, Pool};
 use crate::service::store::Embedded;
 use crate::service::tiers::Tiers;
+use crate::wire::read::weight;
 
 /// Why the service did not start.
 #[derive(Debug, thiserror::Error)]
@@ -77,7 +78,7 @@ const SHORT_TIME: Duration = Duration::from_secs(1);
 ///
 /// # Errors
 /// [`StartError`].
-pub async fn bind(settings: Settings) -> Result<(TcpListener, Arc<App>), StartError> {
+pub async fn bind(mut settings: Settings) -> Result<(TcpListener, Arc<App>), StartError> {
     let listener = listen(settings.listen).map_err(|error| StartError::Listen { address: settings.listen, error })?;
     let disk = if settings.data_dir == Path::new("") || settings.cache_bytes == 0 {
         None
@@ -87,6 +88,7 @@ pub async fn bind(settings: Settings) -> Result<(TcpListener, Arc<App>), StartEr
         Some(open.map_err(|error| StartError::Store { path, error })?)
     };
     let account = Account::new(settings.max_memory_bytes, settings.memory_cache_bytes);
+    settings.max_body_bytes = settings.max_body_bytes.min(longest_body(&account));
     let bounds = Bounds { queue: settings.max_queue, queue_a_peer: settings.max_queue_per_peer };
     let pool = Pool::new(settings.compute_threads(), &account, bounds)?;
     let tiers = Tiers::new(account.cache_bytes, disk);
@@ -105,6 +107,13 @@ pub async fn bind(settings: Settings) -> Result<(TcpListener, Arc<App>), StartEr
     let desk = Arc::new(Desk::new(limits, tiers, pool, account, terms, clock));
     let (canary, memo) = (Canary::default(), Memo::default());
     Ok((listener, Arc::new(App { desk, settings, canary, memo, connections })))
+}
+
+/// The longest body that the memory of the service is good for: half of the share of bodies, and so long that reading it
+/// takes no more than its share and half of what resident memory may be above the whole.
+fn longest_body(account: &Account) -> u64 {
+    let room = account.reading.capacity + (256 << 20);
+    (account.bodies.capacity / 2).min(room / (weight(1) - weight(0)))
 }
 
 fn listen(address: std::net::SocketAddr) -> io::Result<TcpListener> {
@@ -129,8 +138,7 @@ pub async fn serve(listener: TcpListener, app: Arc<App>, stop: impl Future<Outpu
         match accepted {
             Ok((stream, address)) => match app.connections.enter(Peer::new(address.ip())) {
                 Some(open) => attend(stream, open, &app.settings, router.clone(), &graceful),
-                // as much as the system takes at once: nobody waits for a client that is not let in
-                None => drop(stream.try_write(&problem::crowded())),
+                None => turn_away(stream),
             },
             Err(error) => {
                 tracing::warn!(%error, "a connection could not be accepted");
@@ -150,6 +158,13 @@ pub async fn serve(listener: TcpListener, app: Arc<App>, stop: impl Future<Outpu
         app.desk.stop();
     }
     canary.abort();
+}
+
+/// Tells a client that there is no place, as far as the system takes that at once: nobody waits for it.
+fn turn_away(stream: TcpStream) {
+    if let Err(error) = stream.into_std().and_then(|mut stream| stream.write(&problem::crowded())) {
+        tracing::debug!(%error, "a client that was not let in was not told");
+    }
 }
 
 /// Answers the requests of a connection until either side closes it.

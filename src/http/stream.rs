@@ -40,7 +40,7 @@ impl Watched {
             Poll::Ready(Ok(n)) => {
                 *taken += n as u64;
                 self.alarm = None;
-                self.connection.enter(Phase::Working);
+                self.connection.is_read();
                 Poll::Ready(Ok(n))
             }
             Poll::Ready(Err(error)) => Poll::Ready(Err(error)),
@@ -65,12 +65,15 @@ impl Watched {
 
     /// Writes the problem, and says that `length` bytes were.
     fn write_instead(&mut self, context: &mut Context<'_>, length: usize) -> Poll<io::Result<usize>> {
-        while let Some((bytes, at)) = self.instead.as_mut().filter(|(bytes, at)| *at < bytes.len()) {
-            let n = ready!(Pin::new(&mut self.stream).poll_write(context, &bytes[*at..]))?;
+        while let Some((bytes, at)) = self.instead.as_ref().filter(|(bytes, at)| *at < bytes.len()) {
+            let poll = Pin::new(&mut self.stream).poll_write(context, &bytes[*at..]);
+            let n = ready!(self.watch(context, poll))?;
             if n == 0 {
                 return Poll::Ready(Err(io::ErrorKind::WriteZero.into()));
             }
-            *at += n;
+            if let Some((_, at)) = &mut self.instead {
+                *at += n;
+            }
         }
         Poll::Ready(Ok(length))
     }
@@ -110,9 +113,11 @@ impl AsyncWrite for Watched {
 
     fn poll_flush(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
         let flushed = ready!(Pin::new(&mut self.stream).poll_flush(cx));
-        // what was written is out: unless an answer goes on, the connection listens again
+        // what was written is out: the time until more is there is not the client's, and unless an answer goes on, the
+        // connection listens again
+        self.answer = None;
+        self.alarm = None;
         if !self.connection.serving.load(Ordering::Relaxed) {
-            self.answer = None;
             self.connection.answering.store(false, Ordering::Relaxed);
             self.connection.enter(Phase::Listening);
         }

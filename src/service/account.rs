@@ -74,6 +74,13 @@ struct State {
     waiting: VecDeque<(u64, oneshot::Sender<Held>)>,
 }
 
+impl State {
+    /// Takes those out of the line who wait no longer.
+    fn forget_those_who_left(&mut self) {
+        self.waiting.retain(|(_, grant)| !grant.is_closed());
+    }
+}
+
 /// How a share stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ShareUsage {
@@ -123,6 +130,7 @@ impl Share {
     /// [`Full`], which is counted.
     pub fn try_take(self: &Arc<Self>, bytes: u64) -> Result<Held, Full> {
         let mut state = self.state();
+        state.forget_those_who_left();
         if state.waiting.is_empty() && self.book(&mut state, bytes) {
             return Ok(Held { share: Arc::clone(self), bytes });
         }
@@ -136,6 +144,7 @@ impl Share {
         let bytes = bytes.min(self.capacity);
         let granted = {
             let mut state = self.state();
+            state.forget_those_who_left();
             if state.waiting.is_empty() && self.book(&mut state, bytes) {
                 return Held { share: Arc::clone(self), bytes };
             }
@@ -163,9 +172,7 @@ impl Share {
         state.taken -= bytes;
         let mut granted = Vec::new();
         loop {
-            while state.waiting.front().is_some_and(|(_, grant)| grant.is_closed()) {
-                state.waiting.pop_front();
-            }
+            state.forget_those_who_left();
             let Some(&(bytes, _)) = state.waiting.front() else { break };
             if !self.book(&mut state, bytes) {
                 break;

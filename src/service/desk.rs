@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use super::account::Account;
+use super::account::{Account, Full, Held, Share};
 use super::clock::Clock;
 use super::computation::{Computation, Failure, Outcome, Phase};
 use super::draft::{Draft, Kept};
@@ -58,6 +58,13 @@ pub struct Terms {
     pub most_waiting: u64,
 }
 
+/// Bytes of a share, taken for a peer.
+#[derive(Debug)]
+pub struct Paid {
+    _held: Held,
+    _ticket: Ticket,
+}
+
 /// How an artifact came about, for `Cache-Status`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Origin {
@@ -105,7 +112,7 @@ impl Desk {
         clock: Arc<dyn Clock>,
     ) -> Self {
         let (peers, jobs, under_way) = (Arc::default(), Jobs::default(), Mutex::default());
-        let in_flight = InFlight::new(account.answers.clone());
+        let in_flight = InFlight::default();
         Self { limits, tiers, pool, account, in_flight, peers, jobs, terms, clock, under_way }
     }
 
@@ -139,6 +146,16 @@ impl Desk {
         Ok(Interest { computation, origin: Origin::Made, desk: self.clone(), ticket })
     }
 
+    /// Takes bytes of a share for a peer, which gets half of it at most.
+    ///
+    /// # Errors
+    /// [`Full`].
+    pub fn charge(&self, share: &Arc<Share>, kind: Kind, peer: Peer, bytes: u64) -> Result<Paid, Full> {
+        let most = share.capacity / 2;
+        let ticket = self.peers.take(peer, kind, bytes, most, u64::MAX).ok_or(Full)?;
+        Ok(Paid { _held: share.try_take(bytes)?, _ticket: ticket })
+    }
+
     /// A ticket for one thing more that a peer holds, where it may.
     fn ticket(&self, peer: Peer, kind: Kind) -> Option<Ticket> {
         let most_of_all = if kind == Kind::Waiting { self.terms.most_waiting } else { u64::MAX };
@@ -165,7 +182,7 @@ impl Desk {
                 break phase;
             }
             lane = Lane::Long;
-            match self.pool.line_up(lane, peer, task.cost().memory_bytes) {
+            match self.pool.line_up_again(lane, peer, task.cost().memory_bytes) {
                 Ok(place) => waiting = place,
                 Err(busy) => break Phase::Failed(Failure::Busy(busy.retry_after)),
             }
@@ -242,10 +259,25 @@ impl Desk {
         let took = self.clock.now().saturating_sub(start);
         self.pool.finished(lane, took);
         match made {
-            Ok((Ok(outcome), memory)) => Phase::Done(Arc::new(lent(outcome, memory))),
+            Ok((Ok(outcome), memory)) => Phase::Done(Arc::new(self.lent(outcome, memory))),
             Ok((Err(error), _)) => Phase::Failed(self.failure(computation, error)),
             Err(panic) => Phase::Failed(Failure::Internal(message(&*panic))),
         }
+    }
+
+    /// An outcome whose bytes, where no store has them, are paid for until the last answer has them: as an answer, or, where
+    /// these have no room, with the memory of their computation.
+    fn lent(&self, mut outcome: Outcome, memory: Option<Memory>) -> Outcome {
+        let Some(bytes) = outcome.loose.take() else { return outcome };
+        let length = bytes.len() as u64;
+        outcome.loose = Some(match (self.account.answers.try_take(length), memory) {
+            (Err(Full), Some(mut memory)) => {
+                memory.shrink_to(length);
+                Lent::new(bytes, memory)
+            }
+            (held, _) => Lent::new(bytes, held.ok()),
+        });
+        outcome
     }
 
     fn failure(&self, computation: &Computation, error: RunError) -> Failure {
@@ -290,7 +322,8 @@ impl Desk {
         interest.ticket = self.ticket(peer, Kind::Detached).ok_or_else(busy)?;
         let attempts = u32::from(interest.origin == Origin::Made);
         let state = State::Active(Arc::new(interest));
-        self.jobs.put(&self.account.records, id, told, attempts, state).map_err(|_| busy())?;
+        let memory = |bytes| self.charge(&self.account.records, Kind::RecordBytes, peer, bytes);
+        self.jobs.put(memory, id, told, attempts, state).map_err(|_| busy())?;
         let desk = self.clone();
         tokio::spawn(async move {
             let state = match computation.finished().await {
@@ -341,15 +374,6 @@ impl Desk {
         let under_way = self.under_way.lock().unwrap_or_else(PoisonError::into_inner);
         under_way.values().map(|computation| computation.n_interests()).sum()
     }
-}
-
-/// An outcome whose bytes, where no store has them, hold the memory of their computation until the last answer has them.
-fn lent(mut outcome: Outcome, memory: Option<Memory>) -> Outcome {
-    if let (Some(bytes), Some(mut memory)) = (outcome.loose.take(), memory) {
-        memory.shrink_to(bytes.len() as u64);
-        outcome.loose = Some(Lent::new(bytes, memory));
-    }
-    outcome
 }
 
 /// Sets a computation aside that runs too long for its lane, and stops one that runs too long for any.

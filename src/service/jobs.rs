@@ -5,9 +5,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use bytes::Bytes;
 
-use super::account::{Full, Held, Share};
+use super::account::Full;
 use super::computation::{Computation, Failure, Timings};
-use super::desk::Interest;
+use super::desk::{Interest, Paid};
 use super::store::Manifest;
 use crate::job::key::Key;
 use crate::job::limits::Estimate;
@@ -43,7 +43,7 @@ pub struct Record {
     pub attempts: u32,
     /// How it stands.
     pub state: State,
-    _memory: Arc<Held>,
+    _memory: Arc<Paid>,
 }
 
 /// How a job stands.
@@ -87,33 +87,35 @@ impl Jobs {
         table.records.get(id).map(|(_, record)| record.clone())
     }
 
-    /// Adds a record or takes the place of the one with the same id, whose attempts are added; makes room by forgetting the
-    /// oldest jobs that are finished.
+    /// Adds a record or takes the place of the one with the same id, whose attempts are added. `memory` takes bytes for it;
+    /// where it finds none, the oldest jobs that are finished are forgotten.
     ///
     /// # Errors
-    /// [`Full`] when there is no room beside the jobs that go on.
-    pub fn put(&self, share: &Arc<Share>, id: Key, told: Told, attempts: u32, state: State) -> Result<(), Full> {
-        let mut forgotten = Vec::new(); // dropped after the lock: an interest asks the desk, memory its share
-        let mut table = self.table();
-        let before = table.forget(&id);
-        let attempts = before.as_ref().map_or(1, |record| record.attempts + attempts);
-        forgotten.extend(before);
+    /// [`Full`] when there is no room beside the jobs that go on; then all is as it was, but for those.
+    pub fn put(
+        &self,
+        memory: impl Fn(u64) -> Result<Paid, Full>,
+        id: Key,
+        told: Told,
+        attempts: u32,
+        state: State,
+    ) -> Result<(), Full> {
         let bytes = RECORD_BYTES + told.request.len() as u64;
+        let mut forgotten = Vec::new(); // dropped after the lock: an interest asks the desk
+        let mut table = self.table();
         let memory = loop {
             if table.records.len() < MAX_RECORDS
-                && let Ok(memory) = share.try_take(bytes)
+                && let Ok(memory) = memory(bytes)
             {
                 break memory;
             }
             let finished = |id: &&Key| !matches!(table.records[*id].1.state, State::Active(_));
-            let Some(oldest) = table.by_age.values().find(finished).copied() else {
-                drop(table);
-                drop(forgotten);
-                return Err(Full);
-            };
-            let record = table.forget(&oldest);
-            drop(record); // it is finished, so only its memory comes back
+            let oldest = table.by_age.values().find(finished).copied().ok_or(Full)?;
+            drop(table.forget(&oldest)); // it is finished, so only its memory comes back
         };
+        let before = table.forget(&id);
+        let attempts = before.as_ref().map_or(1, |record| record.attempts + attempts);
+        forgotten.extend(before);
         let age = table.next;
         table.next += 1;
         table.by_age.insert(age, id);

@@ -5,7 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use bytes::Bytes;
 
-use super::account::{Full, Held, Share};
+use super::account::Full;
+use super::desk::Paid;
 use super::store::Manifest;
 use crate::job::key::Key;
 
@@ -35,40 +36,33 @@ impl<T> AsRef<[u8]> for Lent<T> {
 
 /// The artifacts in memory that are being answered, each paid for once: while a client reads one, it may leave the cache,
 /// but not the memory.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct InFlight {
-    share: Arc<Share>,
-    artifacts: Mutex<HashMap<Key, Weak<Held>>>,
+    artifacts: Mutex<HashMap<Key, Weak<Paid>>>,
 }
 
 impl InFlight {
-    /// Answers that are paid for from a share.
-    pub fn new(share: Arc<Share>) -> Self {
-        Self { share, artifacts: Mutex::default() }
-    }
-
-    /// Pays for an artifact in memory as long as it is answered; `None` for small ones, which are free.
+    /// Pays for an artifact in memory as long as it is answered, with `pay`; `None` for small ones, which are free.
     ///
     /// # Errors
     /// [`Full`].
-    pub fn hold(&self, manifest: &Manifest) -> Result<Option<Arc<Held>>, Full> {
+    pub fn hold(
+        &self,
+        manifest: &Manifest,
+        pay: impl FnOnce(u64) -> Result<Paid, Full>,
+    ) -> Result<Option<Arc<Paid>>, Full> {
         if manifest.length <= FREE_BYTES {
             return Ok(None);
         }
         let mut artifacts = self.artifacts.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(held) = artifacts.get(&manifest.content).and_then(Weak::upgrade) {
-            return Ok(Some(held));
+        if let Some(paid) = artifacts.get(&manifest.content).and_then(Weak::upgrade) {
+            return Ok(Some(paid));
         }
-        let held = Arc::new(self.share.try_take(manifest.length)?);
+        let paid = Arc::new(pay(manifest.length)?);
         if artifacts.len() >= 64 && artifacts.len().is_power_of_two() {
-            artifacts.retain(|_, held| held.strong_count() > 0);
+            artifacts.retain(|_, paid| paid.strong_count() > 0);
         }
-        artifacts.insert(manifest.content, Arc::downgrade(&held));
-        Ok(Some(held))
-    }
-
-    /// Pays for a part that is about to be read from disk; waits until other clients have read theirs.
-    pub async fn part(&self, bytes: u64) -> Held {
-        self.share.take(bytes).await
+        artifacts.insert(manifest.content, Arc::downgrade(&paid));
+        Ok(Some(paid))
     }
 }

@@ -91,9 +91,18 @@ impl Line {
 
     /// Joins the line for a place with so much memory; more than there is in all means all of it.
     pub(super) fn join(self: &Arc<Self>, peer: Peer, bytes: u64) -> Result<Waiting, Crowded> {
+        self.join_behind(peer, bytes, self.most_a_peer)
+    }
+
+    /// Joins the line however many its peer has in it.
+    pub(super) fn join_again(self: &Arc<Self>, peer: Peer, bytes: u64) -> Result<Waiting, Crowded> {
+        self.join_behind(peer, bytes, usize::MAX)
+    }
+
+    fn join_behind(self: &Arc<Self>, peer: Peer, bytes: u64, most_a_peer: usize) -> Result<Waiting, Crowded> {
         let mut state = self.state();
         let own = state.queues.iter().find(|(other, _)| *other == peer).map_or(0, |(_, queue)| queue.len());
-        if state.n_waiting >= self.most || own >= self.most_a_peer {
+        if state.n_waiting >= self.most || own >= most_a_peer {
             return Err(Crowded);
         }
         let number = state.next_number;

@@ -31,6 +31,12 @@ pub enum Kind {
     Detached,
     /// Bytes of bodies.
     BodyBytes,
+    /// Bytes of inputs of jobs that wait or run.
+    InputBytes,
+    /// Bytes of answers that are on their way.
+    AnswerBytes,
+    /// Bytes of records.
+    RecordBytes,
 }
 
 /// What all peers hold.

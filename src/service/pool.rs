@@ -139,8 +139,15 @@ impl Pool {
     /// # Errors
     /// [`Busy`] when the line is full, or this peer's part of it.
     pub fn line_up(&self, lane: Lane, peer: Peer, memory_bytes: u128) -> Result<Waiting, Busy> {
-        let bytes = u64::try_from(memory_bytes).unwrap_or(u64::MAX);
-        self.lane(lane).line.join(peer, bytes).map_err(|_| self.busy(lane))
+        self.lane(lane).line.join(peer, bytes(memory_bytes)).map_err(|_| self.busy(lane))
+    }
+
+    /// As [`Pool::line_up`], for work that was let in before and may be waited for by others than its first peer.
+    ///
+    /// # Errors
+    /// [`Busy`] when the line is full.
+    pub fn line_up_again(&self, lane: Lane, peer: Peer, memory_bytes: u128) -> Result<Waiting, Busy> {
+        self.lane(lane).line.join_again(peer, bytes(memory_bytes)).map_err(|_| self.busy(lane))
     }
 
     /// Waits for the turn.
@@ -204,6 +211,10 @@ impl LaneState {
             average_us: AtomicU64::new(100_000),
         })
     }
+}
+
+fn bytes(memory_bytes: u128) -> u64 {
+    u64::try_from(memory_bytes).unwrap_or(u64::MAX)
 }
 
 /// Lets this thread compute only where those that answer requests leave time: the system may run more threads than it has

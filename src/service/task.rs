@@ -4,7 +4,7 @@ use std::fmt;
 use std::io::Write;
 use std::sync::Arc;
 
-use super::account::Held;
+use super::desk::Paid;
 use crate::job::key::Key;
 use crate::job::limits::Admitted;
 use crate::job::{Report, RunError, run};
@@ -47,12 +47,12 @@ pub struct Render {
     admitted: Arc<Admitted>,
     output: usize,
     /// The memory of the job's input.
-    _input: Option<Arc<Held>>,
+    _input: Option<Arc<Paid>>,
 }
 
 impl Render {
     /// The task that makes an output of a job, whose input takes so much memory.
-    pub fn new(admitted: Arc<Admitted>, output: usize, input: Option<Arc<Held>>) -> Self {
+    pub fn new(admitted: Arc<Admitted>, output: usize, input: Option<Arc<Paid>>) -> Self {
         Self { admitted, output, _input: input }
     }
 }

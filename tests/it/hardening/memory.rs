@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use planish::config::Settings;
 use planish::service::account::{Account, Full, Share};
+use planish::service::peer::{Kind, Peer};
 use serde_json::json;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
@@ -162,7 +163,7 @@ fn m1_answers_that_are_not_read_hold_no_more_than_their_share() {
 }
 
 #[test]
-fn m1_results_that_no_store_takes_hold_the_memory_of_their_computation() {
+fn m1_results_that_no_store_takes_are_paid_for_until_they_are_read() {
     let settings = Settings { memory_cache_bytes: 0, least_rate_bytes_s: 1, ..small() };
     story(settings, async |server| {
         let request = server.request("/v1/render", "", &with(mesh(6), "json").to_string());
@@ -171,9 +172,28 @@ fn m1_results_that_no_store_takes_hold_the_memory_of_their_computation() {
         stream.read_exact(&mut status).await.unwrap();
         assert_eq!(&status, b"HTTP/1.1 200");
         let account = &server.app.desk.account;
-        assert!(account.short.usage().taken + account.long.usage().taken > 2_000_000, "{account:?}");
+        assert!(account.answers.usage().taken > 2_000_000, "{account:?}");
         drop(stream);
         until("its memory is back", || nothing_is_held(server)).await;
+    });
+}
+
+#[test]
+fn one_peer_gets_half_of_a_share_and_no_more() {
+    story(small(), async |server| {
+        let desk = &server.app.desk;
+        let inputs = &desk.account.inputs;
+        let peer = |last| Peer::new([10, 0, 0, last].into());
+        let charge = |last, bytes| desk.charge(inputs, Kind::InputBytes, peer(last), bytes);
+        let half = inputs.capacity / 2;
+        let first = charge(1, half).unwrap();
+        assert_eq!(charge(1, 1).unwrap_err(), Full);
+        let second = charge(2, half).unwrap();
+        assert_eq!(charge(3, 1).unwrap_err(), Full, "all is taken");
+        drop(first);
+        drop(charge(1, 1).unwrap());
+        drop(second);
+        assert_eq!((inputs.usage().taken, desk.peers.held(Kind::InputBytes)), (0, 0));
     });
 }
 

@@ -56,7 +56,7 @@ H5: A tolerance whose level takes minutes to be searched for, asked for again an
 - h5_the_search_of_a_client_that_leaves_is_stopped_and_refusals_are_remembered
 M1: Many clients that read their large answers slowly.
 - m1_answers_that_are_not_read_hold_no_more_than_their_share
-- m1_results_that_no_store_takes_hold_the_memory_of_their_computation
+- m1_results_that_no_store_takes_are_paid_for_until_they_are_read
 M2: A long job that waits for memory stands before short ones.
 - m2_a_long_job_that_waits_for_memory_does_not_hold_short_ones_up
 M3: Jobs that take more memory than their forecast says.
@@ -210,7 +210,6 @@ client gone: Clients that leave while their jobs wait or run.
 - long_work_ends_with_the_last_interest
 panic: A computation or the reading of a request fails in a way that nobody foresaw.
 - a_computation_that_panics_fails_alone_and_gives_back_what_it_held
-
 stack overflow and want of memory: A request that nests very deeply, or a job that needs too much memory.
 - deep_nesting_ends_without_a_stack_overflow
 - a_job_that_is_too_large_is_refused_before_it_takes_a_place
