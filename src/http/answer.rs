@@ -13,9 +13,9 @@ use super::negotiate::Part;
 use super::problem::{self, Problem};
 use crate::output::Format;
 use crate::service::computation::Timings;
-use crate::service::desk::{Origin, Paid};
+use crate::service::desk::Origin;
 use crate::service::lent::Lent;
-use crate::service::peer::{Kind, Peer};
+use crate::service::peer::{Kind, Paid, Peer};
 use crate::service::pool::Busy;
 use crate::service::store::{Manifest, PART_BYTES};
 
@@ -193,28 +193,36 @@ struct Parts {
     app: Arc<App>,
     peer: Peer,
     manifest: Arc<Manifest>,
-    /// What pays for the whole artifact, where it stands in memory and that is paid for or free.
-    whole: Option<Option<Arc<Paid>>>,
+    from: Source,
+}
+
+/// Where parts come from.
+enum Source {
+    /// From an artifact in memory, which is paid for as a whole, or so small that it is free.
+    Memory(Option<Arc<Paid>>),
+    /// From disk.
+    Disk,
 }
 
 impl Parts {
     fn of(app: &Arc<App>, peer: Peer, manifest: Arc<Manifest>) -> Result<Self, Lost> {
         let desk = &app.desk;
-        let mut whole = None;
+        let mut from = Source::Disk;
         if desk.tiers.part_at_hand(&manifest, 0).is_some() {
-            let pay = |bytes| desk.charge(&desk.account.answers, Kind::AnswerBytes, peer, bytes);
-            whole = desk.in_flight.hold(&manifest, pay).ok();
-            if whole.is_none() && !desk.tiers.is_on_disk(&manifest.key) {
-                return Err(Lost::Crowded);
+            let pay = |bytes| desk.peers.charge(&desk.account.answers, Kind::AnswerBytes, peer, bytes);
+            match desk.in_flight.hold(&manifest, pay) {
+                Ok(paid) => from = Source::Memory(paid),
+                Err(_) if desk.tiers.is_on_disk(&manifest.key) => {}
+                Err(_) => return Err(Lost::Crowded),
             }
         }
-        Ok(Self { app: app.clone(), peer, manifest, whole })
+        Ok(Self { app: app.clone(), peer, manifest, from })
     }
 
     /// A part: from memory when that is paid for, else from disk, one part after the other.
     async fn part(&self, index: usize) -> Result<Bytes, Lost> {
         let tiers = &self.app.desk.tiers;
-        if let Some(paid) = &self.whole {
+        if let Source::Memory(paid) = &self.from {
             let part = tiers.part(&self.manifest, index).await.ok_or(Lost::Gone)?;
             return Ok(match paid {
                 Some(paid) => Lent::new(part, paid.clone()),

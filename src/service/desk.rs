@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use super::account::{Account, Full, Held, Share};
+use super::account::{Account, Full};
 use super::clock::Clock;
 use super::computation::{Computation, Failure, Outcome, Phase};
 use super::draft::{Draft, Kept};
@@ -56,13 +56,6 @@ pub struct Terms {
     pub most_a_peer: u64,
     /// Most requests that wait at once.
     pub most_waiting: u64,
-}
-
-/// Bytes of a share, taken for a peer.
-#[derive(Debug)]
-pub struct Paid {
-    _held: Held,
-    _ticket: Ticket,
 }
 
 /// How an artifact came about, for `Cache-Status`.
@@ -144,16 +137,6 @@ impl Desk {
         drop(under_way);
         tokio::spawn(self.clone().see_through(computation.clone(), task, peer, lane, waiting));
         Ok(Interest { computation, origin: Origin::Made, desk: self.clone(), ticket })
-    }
-
-    /// Takes bytes of a share for a peer, which gets half of it at most.
-    ///
-    /// # Errors
-    /// [`Full`].
-    pub fn charge(&self, share: &Arc<Share>, kind: Kind, peer: Peer, bytes: u64) -> Result<Paid, Full> {
-        let most = share.capacity / 2;
-        let ticket = self.peers.take(peer, kind, bytes, most, u64::MAX).ok_or(Full)?;
-        Ok(Paid { _held: share.try_take(bytes)?, _ticket: ticket })
     }
 
     /// A ticket for one thing more that a peer holds, where it may.
@@ -322,7 +305,7 @@ impl Desk {
         interest.ticket = self.ticket(peer, Kind::Detached).ok_or_else(busy)?;
         let attempts = u32::from(interest.origin == Origin::Made);
         let state = State::Active(Arc::new(interest));
-        let memory = |bytes| self.charge(&self.account.records, Kind::RecordBytes, peer, bytes);
+        let memory = |bytes| self.peers.charge(&self.account.records, Kind::RecordBytes, peer, bytes);
         self.jobs.put(memory, id, told, attempts, state).map_err(|_| busy())?;
         let desk = self.clone();
         tokio::spawn(async move {

@@ -7,7 +7,8 @@ use bytes::Bytes;
 
 use super::account::Full;
 use super::computation::{Computation, Failure, Timings};
-use super::desk::{Interest, Paid};
+use super::desk::Interest;
+use super::peer::Paid;
 use super::store::Manifest;
 use crate::job::key::Key;
 use crate::job::limits::Estimate;

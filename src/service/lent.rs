@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use bytes::Bytes;
 
 use super::account::Full;
-use super::desk::Paid;
+use super::peer::Paid;
 use super::store::Manifest;
 use crate::job::key::Key;
 

@@ -4,6 +4,8 @@ use std::collections::HashMap;
 use std::net::{IpAddr, Ipv6Addr};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use super::account::{Full, Held, Share};
+
 /// A client as far as the service can tell: one IPv4 address, or the 64-bit network of an IPv6 address, as a single
 /// customer is given at least that much of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -58,6 +60,13 @@ pub struct Ticket {
     amount: u64,
 }
 
+/// Bytes of a share, taken for a peer, until they are dropped.
+#[derive(Debug)]
+pub struct Paid {
+    _held: Held,
+    _ticket: Ticket,
+}
+
 impl Peers {
     fn table(&self) -> MutexGuard<'_, Table> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
@@ -74,6 +83,15 @@ impl Peers {
         table.of_peer.insert((peer, kind), held);
         table.of_all.insert(kind, all);
         Some(Ticket { peers: Arc::clone(self), peer, kind, amount })
+    }
+
+    /// Takes bytes of a share for a peer, which gets half of it at most.
+    ///
+    /// # Errors
+    /// [`Full`].
+    pub fn charge(self: &Arc<Self>, share: &Arc<Share>, kind: Kind, peer: Peer, bytes: u64) -> Result<Paid, Full> {
+        let ticket = self.take(peer, kind, bytes, share.capacity / 2, u64::MAX).ok_or(Full)?;
+        Ok(Paid { _held: share.try_take(bytes)?, _ticket: ticket })
     }
 
     /// How much of a kind all peers hold.

@@ -4,7 +4,7 @@ use std::fmt;
 use std::io::Write;
 use std::sync::Arc;
 
-use super::desk::Paid;
+use super::peer::Paid;
 use crate::job::key::Key;
 use crate::job::limits::Admitted;
 use crate::job::{Report, RunError, run};

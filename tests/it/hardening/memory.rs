@@ -184,7 +184,7 @@ fn one_peer_gets_half_of_a_share_and_no_more() {
         let desk = &server.app.desk;
         let inputs = &desk.account.inputs;
         let peer = |last| Peer::new([10, 0, 0, last].into());
-        let charge = |last, bytes| desk.charge(inputs, Kind::InputBytes, peer(last), bytes);
+        let charge = |last, bytes| desk.peers.charge(inputs, Kind::InputBytes, peer(last), bytes);
         let half = inputs.capacity / 2;
         let first = charge(1, half).unwrap();
         assert_eq!(charge(1, 1).unwrap_err(), Full);
