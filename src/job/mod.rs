@@ -28,7 +28,6 @@ use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::frame::Frame;
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
-use crate::watch::Watch;
 
 /// What is refined.
 #[derive(Debug, Clone, PartialEq)]
@@ -167,24 +166,6 @@ pub struct Job {
 }
 
 impl Job {
-    /// Resolves the plan for the input, checks that everything fits, and searches for the level of a tolerance.
-    ///
-    /// # Errors
-    /// Every fault found, with pointers below the job.
-    pub fn new(
-        input: Input,
-        plan: Option<&PlanInput>,
-        levels: Option<Levels>,
-        outputs: Vec<Output>,
-    ) -> Result<Self, Vec<Fault>> {
-        let draft = Draft::new(input, plan, levels, outputs)?;
-        let reached = draft.search(&Watch::new()).map_err(|error| match error {
-            SearchError::Refused(fault) => vec![fault],
-            SearchError::Stopped(stopped) => vec![Fault::new("/levels", stopped.to_string())],
-        })?;
-        draft.complete(reached)
-    }
-
     /// The same job, its coordinates meant in this frame.
     #[must_use]
     pub fn framed(self, frame: Frame) -> Self {

@@ -9,11 +9,11 @@ use std::time::Duration;
 use super::account::{Account, Full};
 use super::clock::Clock;
 use super::computation::{Computation, Failure, Outcome, Phase};
-use super::draft::{Draft, Kept};
 use super::jobs::{Jobs, State, Told};
 use super::lent::{InFlight, Lent};
 use super::peer::{Kind, Peer, Peers, Ticket};
 use super::pool::{Busy, Lane, Memory, Pool, Turn, Waiting};
+use super::result_buffer::{Kept, ResultBuffer};
 use super::store::{Description, Manifest};
 use super::task::Task;
 use super::tiers::Tiers;
@@ -276,17 +276,17 @@ impl Desk {
     /// what the disk has lost.
     fn make_stored(&self, computation: &Computation, task: &dyn Task) -> Result<Outcome, RunError> {
         let (key, about) = (computation.key, task.cost().result_bytes);
-        let made = |draft: &mut Draft<'_>| {
-            let report = task.run(draft, &computation.watch)?;
+        let made = |buffer: &mut ResultBuffer<'_>| {
+            let report = task.run(buffer, &computation.watch)?;
             let description = Description { media_type: task.media_type().into(), warnings: report.warnings };
-            let Kept { manifest, loose } = draft.commit(description).map_err(|error| RunError::Io(error.into()))?;
+            let Kept { manifest, loose } = buffer.commit(description).map_err(|error| RunError::Io(error.into()))?;
             Ok(Outcome { manifest, loose, timings: computation.timings() })
         };
-        let mut draft = self.tiers.draft(key, about);
-        match made(&mut draft) {
-            Err(RunError::Io(error)) if draft.has_lost_bytes() => {
+        let mut buffer = self.tiers.buffer(key, about);
+        match made(&mut buffer) {
+            Err(RunError::Io(error)) if buffer.has_lost_bytes() => {
                 tracing::warn!(%key, %error, "the disk lost the result; it is made again, in memory");
-                made(&mut self.tiers.draft_in_memory(key, about))
+                made(&mut self.tiers.buffer_in_memory(key, about))
             }
             made => made,
         }

@@ -8,8 +8,8 @@ use bytes::Bytes;
 
 use super::clock::{Clock, Monotonic};
 use super::disk_counts::DiskCounts;
-use super::draft::{Draft, Kept};
 use super::reads::Reads;
+use super::result_buffer::{Kept, ResultBuffer};
 use super::store::{Description, Embedded, Manifest, Memory, Store, StoreError, Usage, part_of};
 use super::writer::{Trouble, Waiting, Writer};
 use crate::job::key::Key;
@@ -135,15 +135,15 @@ impl Tiers {
     }
 
     /// A place for a new artifact of about this size: memory when it fits there well, else the disk.
-    pub fn draft(&self, key: Key, about_bytes: u128) -> Draft<'_> {
+    pub fn buffer(&self, key: Key, about_bytes: u128) -> ResultBuffer<'_> {
         let large = about_bytes > u128::from(self.small_bytes);
         let disk = self.disk.as_ref().filter(|disk| large && disk.takes(&key));
-        Draft::new(self, key, about_bytes, disk.map(|disk| disk.store.draft(key)))
+        ResultBuffer::new(self, key, about_bytes, disk.map(|disk| disk.store.reclaimable_spool(key)))
     }
 
     /// A place in memory for a new artifact of about this size.
-    pub fn draft_in_memory(&self, key: Key, about_bytes: u128) -> Draft<'_> {
-        Draft::new(self, key, about_bytes, None)
+    pub fn buffer_in_memory(&self, key: Key, about_bytes: u128) -> ResultBuffer<'_> {
+        ResultBuffer::new(self, key, about_bytes, None)
     }
 
     /// Keeps an artifact whose bytes are all there: in memory where it fits, else loose, and perhaps on disk later.

@@ -88,7 +88,7 @@ impl Embedded {
     }
 
     /// A place for a new artifact whose bytes can be had back when the disk fails.
-    pub(in crate::service) fn draft(&self, key: Key) -> DiskSpool {
+    pub(in crate::service) fn reclaimable_spool(&self, key: Key) -> DiskSpool {
         DiskSpool::new(Arc::clone(&self.inner), key)
     }
 

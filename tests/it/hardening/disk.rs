@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use planish::http::App;
 use planish::http::serve::{bind, serve};
-use planish::service::draft::Kept;
+use planish::service::result_buffer::Kept;
 use planish::service::store::Store;
 use planish::service::tiers::Tiers;
 use tokio::net::TcpListener;
@@ -62,9 +62,9 @@ pub(super) async fn served<T>(tiers: Tiers, tell: impl AsyncFnOnce(&Server) -> T
 
 /// Keeps an artifact as the desk does.
 pub(super) fn make(tiers: &Tiers, number: u64, length: usize) -> Kept {
-    let mut draft = tiers.draft(key(number), length as u128);
-    draft.write_all(&noise(number, length)).unwrap();
-    let kept = draft.commit(description()).unwrap();
+    let mut buffer = tiers.buffer(key(number), length as u128);
+    buffer.write_all(&noise(number, length)).unwrap();
+    let kept = buffer.commit(description()).unwrap();
     if kept.loose.is_none() {
         tiers.persist(&kept.manifest);
     }

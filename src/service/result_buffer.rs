@@ -17,7 +17,7 @@ const SLACK_BYTES: u128 = 1 << 20;
 
 /// A result being made.
 #[derive(Debug)]
-pub struct Draft<'a> {
+pub struct ResultBuffer<'a> {
     tiers: &'a Tiers,
     key: Key,
     /// Where the bytes go, as long as that works.
@@ -37,8 +37,8 @@ pub struct Kept {
     pub loose: Option<Bytes>,
 }
 
-impl<'a> Draft<'a> {
-    /// A draft of about so many bytes, in this spool or in memory. In memory it may have what the estimate of its job
+impl<'a> ResultBuffer<'a> {
+    /// A buffer for about so many bytes, in this spool or in memory. In memory it may have what the estimate of its job
     /// says, which is an upper bound that the job's memory contains.
     pub(super) fn new(tiers: &'a Tiers, key: Key, about_bytes: u128, spool: Option<DiskSpool>) -> Self {
         let max_bytes = about_bytes.saturating_add(about_bytes / 4).saturating_add(SLACK_BYTES);
@@ -88,7 +88,7 @@ impl<'a> Draft<'a> {
     }
 }
 
-impl Write for Draft<'_> {
+impl Write for ResultBuffer<'_> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         if let Some(mut spool) = self.spool.take() {
             match spool.take(bytes) {
