@@ -14,6 +14,7 @@ pub mod scheme;
 
 pub mod refine;
 
+pub mod analysis;
 pub mod input;
 pub mod output;
 

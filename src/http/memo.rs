@@ -8,8 +8,8 @@ use axum::http::{HeaderMap, header};
 
 use super::answer::address;
 use super::reading::Asked;
+use crate::analysis::curve::Reached;
 use crate::job::key::{Key, content};
-use crate::refine::curve::Reached;
 
 /// Longest request that is remembered, bytes.
 const MAX_BYTES: usize = 64 << 10;

@@ -2,10 +2,10 @@
 
 use super::run::RunError;
 use super::{Job, Output};
+use crate::analysis::curve::{LimitRows, NoLimit, check, refine_to_limit};
 use crate::fault::Fault;
 use crate::math::functions::sqrt;
 use crate::output::{LIMIT, POSITIONS, TANGENTS};
-use crate::refine::curve::{LimitRows, NoLimit, check, refine_to_limit};
 use crate::refine::{RefineError, refine_polygon};
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::polygon::Polygon;

@@ -3,10 +3,10 @@
 use super::key::{self, Key};
 use super::levels::{self, Asked, SearchCost, SearchError};
 use super::{Input, Job, Levels, Output, curves, kernels, steering};
+use crate::analysis::curve::Reached;
+use crate::analysis::limit::{LimitError, check};
 use crate::fault::{Fault, under};
 use crate::output::surface;
-use crate::refine::curve::Reached;
-use crate::refine::{self, RefineError};
 use crate::scheme::plan::{Plan, PlanInput, Subject};
 use crate::shape::frame::Frame;
 use crate::watch::Watch;
@@ -168,9 +168,9 @@ fn resolved(input: &Input, plan: Option<&PlanInput>, outputs: &[Output]) -> Resu
 }
 
 /// Whether limit positions of a mesh can be had where they are asked for, as far as that can be told before refining.
-fn check_limit(input: &Input, plan: &Plan, output: &Output) -> Result<(), RefineError> {
+fn check_limit(input: &Input, plan: &Plan, output: &Output) -> Result<(), LimitError> {
     match (input, surface::limit(&output.options)) {
-        (Input::Mesh(_), [true, _]) => Ok(refine::check_limit(plan)?),
+        (Input::Mesh(_), [true, _]) => Ok(check(plan)?),
         _ => Ok(()),
     }
 }

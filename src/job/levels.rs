@@ -1,9 +1,9 @@
 //! How often a plan is applied: so many times, or until the result is close to its limit.
 
 use super::{Input, Output, curves};
+use crate::analysis::curve::{self, Reached, reach};
+use crate::analysis::surface::{self, Placed};
 use crate::fault::Fault;
-use crate::refine::curve::{self, Reached, reach};
-use crate::refine::surface::{self, Placed};
 use crate::scheme::plan::{MAX_LEVELS, Plan};
 use crate::watch::{Stopped, Watch};
 

@@ -17,10 +17,10 @@ pub use draft::Draft;
 pub use levels::{Levels, SearchCost, SearchError};
 pub use run::{Report, RunError, run};
 
+use crate::analysis::curve::Reached;
 use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::{Format, ShapeKind};
-use crate::refine::curve::Reached;
 use crate::scheme::plan::{AlphaOf, Carried, Plan, PlanInput, Subject};
 use crate::shape::attachments::Attachments;
 use crate::shape::attributes::Attributes;

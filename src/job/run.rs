@@ -4,11 +4,13 @@ use std::io::Write;
 
 use super::limits::Admitted;
 use super::{Input, Output, curves};
+use crate::analysis::curve;
+use crate::analysis::limit::{Asked, LimitError, refine_mesh_to_limit};
 use crate::fault::Fault;
 use crate::output::FormatError;
 use crate::output::scene::{Curve, Scene, Shape};
 use crate::output::surface;
-use crate::refine::{Asked, RefineError, RefinedMesh, curve, refine_mesh, refine_mesh_to_limit};
+use crate::refine::{RefineError, RefinedMesh, refine_mesh};
 use crate::scheme::mesh_net::{Boundary, MeshNet};
 use crate::scheme::step::StepError;
 use crate::shape::attributes::Attributes;
@@ -40,13 +42,20 @@ impl From<RefineError> for RunError {
     fn from(error: RefineError) -> Self {
         match error {
             RefineError::Stopped(stopped) => Self::Stopped(stopped),
-            error @ RefineError::Unlimited(_) => Self::Impossible(Fault::new("/outputs/0", error.to_string())),
             other => Self::Impossible(Fault::new("/plan", other.to_string())),
         }
     }
 }
 
 impl RunError {
+    /// The error of a mesh at `place` below the job whose limit an output asks for.
+    fn of_limit(error: LimitError, attributes: Option<&Attributes>, place: &str) -> Self {
+        match error {
+            LimitError::Refine(error) => Self::of_shape(error, attributes, place),
+            error @ LimitError::Unlimited(_) => Self::Impossible(Fault::new("/outputs/0", error.to_string())),
+        }
+    }
+
     /// The error of refining a shape at `place` below the job. A kernel without an average, or a compensation beyond its
     /// bound, stands at what it was made of: the kernels or compensations of the points of the shape, else their alphas,
     /// else the function of the plan.
@@ -101,10 +110,12 @@ pub fn run(admitted: &Admitted, output: &Output, out: &mut dyn Write, watch: &Wa
             let refined = if asked.anything() {
                 refine_mesh_to_limit(mesh, &job.plan, job.levels, asked, watch)
             } else {
-                refine_mesh(mesh, &job.plan, &steps, watch).map(|refined| (refined, Vec::new()))
+                refine_mesh(mesh, &job.plan, &steps, watch)
+                    .map(|refined| (refined, Vec::new()))
+                    .map_err(LimitError::from)
             };
             let (refined, found) =
-                refined.map_err(|error| RunError::of_shape(error, mesh.attributes.as_ref(), "/input/mesh"))?;
+                refined.map_err(|error| RunError::of_limit(error, mesh.attributes.as_ref(), "/input/mesh"))?;
             let control = control_mesh(mesh);
             let warnings = &[mesh.warnings.clone(), found].concat();
             let (shape, control) = (Shape::Mesh(&refined), Shape::Mesh(&control));

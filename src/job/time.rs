@@ -4,8 +4,8 @@
 //! a byte of a result 10 ns (pictures are counted by their pixels), drawing as `raster::Forecast` says.
 
 use super::{Input, Job};
+use crate::analysis::limit::sees_whole_fans;
 use crate::output::{Counts, Size, surface};
-use crate::refine::sees_whole_fans;
 use crate::shape::mesh::Mesh;
 use crate::shape::topology::Topology;
 

@@ -6,3 +6,4 @@ pub mod mask;
 pub mod parameter;
 pub mod planar;
 pub mod rows;
+pub mod vector;

@@ -1,32 +1,24 @@
 //! Refinement: applies a plan's steps to points. Nothing outside knows how a net is stored.
 
-pub mod curve;
-pub mod revolution;
-pub mod surface;
-
-mod limit;
+mod normals;
 mod origins;
+mod polygon;
 mod refined;
 mod unfolded;
 mod uvs;
-mod vector;
 
-pub use curve::refine_polygon;
-pub use limit::{
-    Asked, Cost, Follow, ROWS_A_POINT, Unlimited, check as check_limit, cost as limit_cost, followed_points,
-    sees_whole_fans,
-};
+pub use normals::Normals;
+pub use polygon::{refine_polygon, refined_points};
 pub use refined::RefinedMesh;
 pub use uvs::uv_net;
 
-use limit::Limits;
 use uvs::RefinedUvs;
+pub use uvs::refined as refined_uvs;
 
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::fault::Fault;
 use crate::math::planar;
 use crate::math::rows::{MAX_RUN, RowSource, blend, blend_run};
 use crate::scheme::mesh_net::MeshNet;
@@ -65,15 +57,6 @@ pub enum RefineError {
         /// The first such level.
         level: u32,
     },
-    /// There is no limit.
-    #[error("{0}; ask for \"positions\": \"refined\"")]
-    Unlimited(Unlimited),
-}
-
-impl From<Unlimited> for RefineError {
-    fn from(error: Unlimited) -> Self {
-        if let Unlimited::Stopped(stopped) = error { Self::Stopped(stopped) } else { Self::Unlimited(error) }
-    }
 }
 
 /// The net of a polygon before refinement.
@@ -93,7 +76,7 @@ pub fn mesh_net(mesh: &Mesh, plan: &Plan) -> MeshNet {
 
 /// What the vertices and edges of a mesh carry under a plan: closed latitude lines of n vertices have the alpha
 /// `2 pi / n` where neither the plan nor the vertices give one.
-fn carried(mesh: &Mesh, plan: &Plan) -> (Option<Attributes>, Option<Directions>) {
+pub fn carried(mesh: &Mesh, plan: &Plan) -> (Option<Attributes>, Option<Directions>) {
     let (Some(latitude), Some(directions)) = (&plan.latitude, &mesh.directions) else {
         return (mesh.attributes.clone(), None);
     };
@@ -111,7 +94,7 @@ fn carried(mesh: &Mesh, plan: &Plan) -> (Option<Attributes>, Option<Directions>)
 }
 
 /// The tangents of a polygon in the plane: those given, or else those of circles through neighbours.
-fn start_tangents(polygon: &Polygon, watch: &Watch) -> Result<Vec<f64>, Stopped> {
+pub fn start_tangents(polygon: &Polygon, watch: &Watch) -> Result<Vec<f64>, Stopped> {
     match &polygon.tangents {
         Some(tangents) => Ok(tangents.clone()),
         None => planar::tangents(polygon.points.as_chunks().0, polygon.closed, watch).map(Vec::into_flattened),
@@ -129,39 +112,14 @@ pub fn refine_mesh(mesh: &Mesh, plan: &Plan, steps: &[Scheduled], watch: &Watch)
     Ok(if steps.is_empty() { refined.with_tags(mesh.tags()) } else { refined })
 }
 
-/// Refines a mesh by `levels` levels and finds what is asked for of its limit; the warnings say what has none.
-///
-/// # Errors
-/// [`RefineError`], also where there is no limit.
-pub fn refine_mesh_to_limit(
-    mesh: &Mesh,
-    plan: &Plan,
-    levels: u32,
-    asked: Asked,
-    watch: &Watch,
-) -> Result<(RefinedMesh, Vec<String>), RefineError> {
-    let later = |fault: Fault| Unlimited::Later(fault.detail);
-    let steps = plan.schedule(levels + limit::AHEAD).map_err(later)?;
-    let (steps, ahead) = steps.split_at(plan.word.prefix.len() + levels as usize * plan.word.cycle.len());
-    let (net, points) = act_on(mesh_net(mesh, plan), numbers(mesh), plan, steps, watch)?;
-    let found = match limit::limits(plan, &net, &points, ahead, asked, watch) {
-        Err(error) if !asked.positions && !matches!(error, Unlimited::Stopped(_)) => Limits::without_normals(&error),
-        found => found?,
-    };
-    let refined = || points.into_iter().map(|points| points.now).collect();
-    let uvs = uvs::refined(mesh, plan, steps, watch)?;
-    let mesh = assembled(mesh, &net, found.points.unwrap_or_else(refined), uvs).with_normals(found.normals);
-    Ok((mesh, found.warning.into_iter().collect()))
-}
-
 /// What is refined of a mesh: its positions, then its channels.
-fn numbers(mesh: &Mesh) -> Vec<Points> {
+pub fn numbers(mesh: &Mesh) -> Vec<Points> {
     let channels = mesh.attachments.channels.iter().map(|c| Points::new(c.values.clone(), c.width));
     std::iter::once(Points::new(mesh.positions.clone(), 3)).chain(channels).collect()
 }
 
 /// The refined mesh of a net, with its positions, channels and texture coordinates.
-fn assembled(mesh: &Mesh, net: &MeshNet, numbers: Vec<Vec<f64>>, uvs: Option<RefinedUvs>) -> RefinedMesh {
+pub fn assembled(mesh: &Mesh, net: &MeshNet, numbers: Vec<Vec<f64>>, uvs: Option<RefinedUvs>) -> RefinedMesh {
     let mut numbers = numbers.into_iter();
     let points = numbers.next().unwrap_or_default();
     let refined = RefinedMesh::new(net, points).carrying(mesh.attachments.clone(), numbers.collect(), uvs);
@@ -171,7 +129,7 @@ fn assembled(mesh: &Mesh, net: &MeshNet, numbers: Vec<Vec<f64>>, uvs: Option<Ref
 }
 
 /// Applies steps to a net and its points.
-fn act_on(
+pub fn act_on(
     mut net: MeshNet,
     mut points: Vec<Points>,
     plan: &Plan,
@@ -187,7 +145,7 @@ fn act_on(
     Ok((net, points))
 }
 
-fn values<'a>(plan: &'a Plan, step: &'a Scheduled) -> Values<'a> {
+pub fn values<'a>(plan: &'a Plan, step: &'a Scheduled) -> Values<'a> {
     Values {
         letter: &step.letter,
         alpha: step.alpha,
@@ -201,7 +159,7 @@ fn values<'a>(plan: &'a Plan, step: &'a Scheduled) -> Values<'a> {
     }
 }
 
-fn at(step: &Scheduled, error: StepError) -> RefineError {
+pub fn at(step: &Scheduled, error: StepError) -> RefineError {
     RefineError::Step { level: step.level, error }
 }
 
@@ -211,20 +169,20 @@ fn ensure(finite: bool, level: u32) -> Result<(), RefineError> {
 
 /// Points of a net, `n x width`, with those that entered the last U.
 #[derive(Clone)]
-struct Points {
-    now: Vec<f64>,
+pub struct Points {
+    pub now: Vec<f64>,
     anchor: Vec<f64>,
     /// Unit tangents, `n x width`, under plans that turn them.
     tangents: Option<Vec<f64>>,
-    width: usize,
+    pub width: usize,
 }
 
 impl Points {
-    fn new(now: Vec<f64>, width: usize) -> Self {
+    pub fn new(now: Vec<f64>, width: usize) -> Self {
         Self { now, anchor: Vec::new(), tangents: None, width }
     }
 
-    fn act(&mut self, action: &Action, level: u32, watch: &Watch) -> Result<(), RefineError> {
+    pub fn act(&mut self, action: &Action, level: u32, watch: &Watch) -> Result<(), RefineError> {
         match action {
             Action::Blend(rows) => return self.blend(false, &[&**rows], level, watch),
             Action::BlendFromAnchor(rows) => return self.blend(true, &[&**rows], level, watch),
@@ -241,7 +199,7 @@ impl Points {
 
     /// All actions of one level. Blends of rows that repeat themselves are made in one sweep, without the points between
     /// them.
-    fn act_all(&mut self, actions: &[Action], level: u32, watch: &Watch) -> Result<(), RefineError> {
+    pub fn act_all(&mut self, actions: &[Action], level: u32, watch: &Watch) -> Result<(), RefineError> {
         let repeat = |action: &Action| action.rows().is_some_and(|rows| rows.pattern().is_some());
         let runs = actions.chunk_by(|a, b| repeat(a) && repeat(b) && matches!(b, Action::Blend(_)));
         runs.flat_map(|run| run.chunks(MAX_RUN)).try_for_each(|run| match run {

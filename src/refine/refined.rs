@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::limit::Normals;
+use super::normals::Normals;
 use super::unfolded::Unfolded;
 use super::uvs::RefinedUvs;
 use crate::scheme::mesh_net::MeshNet;
@@ -197,7 +197,7 @@ impl RefinedMesh {
 
     /// The same mesh with normals in the order of construction, if there are any.
     #[must_use]
-    pub(super) fn with_normals(self, normals: Option<Normals>) -> Self {
+    pub fn with_normals(self, normals: Option<Normals>) -> Self {
         Self { normals, ..self }
     }
 

@@ -20,7 +20,7 @@ use crate::watch::Watch;
 
 /// Refined texture coordinates: the places as vertices of a mesh with the faces of the mesh.
 #[derive(Debug)]
-pub(super) struct RefinedUvs {
+pub struct RefinedUvs {
     /// Values in the order of construction, `n_places x 2`.
     pub(super) points: Vec<f64>,
     /// The places before refinement.
@@ -30,7 +30,7 @@ pub(super) struct RefinedUvs {
 }
 
 /// Those of a mesh, if it has any, refined by the steps of a plan; linear ones follow upsamplings only.
-pub(super) fn refined(
+pub fn refined(
     mesh: &Mesh,
     plan: &Plan,
     steps: &[Scheduled],

@@ -10,10 +10,10 @@ use super::computation::{Computation, Failure, Timings};
 use super::desk::Interest;
 use super::peer::Paid;
 use super::store::Manifest;
+use crate::analysis::curve::Reached;
 use crate::job::key::Key;
 use crate::job::limits::Estimate;
 use crate::output::Format;
-use crate::refine::curve::Reached;
 
 /// Most records held.
 const MAX_RECORDS: usize = 10_000;

@@ -3,12 +3,12 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
+use crate::analysis::curve::Reached;
+use crate::analysis::revolution::Outlook;
 use crate::fault::{Fault, cut};
 use crate::job::Job;
 use crate::job::limits::Estimate;
 use crate::output::Size;
-use crate::refine::curve::Reached;
-use crate::refine::revolution::Outlook;
 
 /// Most characters of a pointer: eight names that are too long to be right; nothing stands that deep.
 const MOST_POINTER: usize = 1000;

@@ -8,12 +8,12 @@ use super::levels::LevelsRequest;
 use super::object;
 use super::output::{OutputRequest, outputs};
 use super::plan::PlanRequest;
+use crate::analysis::curve::Reached;
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
 use crate::job::key::Key;
 use crate::job::{Draft, Job, SearchCost, SearchError};
 use crate::output::ShapeKind;
-use crate::refine::curve::Reached;
 use crate::watch::Watch;
 
 /// A job: what is refined, how, how often, and what is answered.

@@ -3,7 +3,8 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use planish::refine::{Asked, refine_mesh, refine_mesh_to_limit};
+use planish::analysis::limit::{Asked, refine_mesh_to_limit};
+use planish::refine::refine_mesh;
 use planish::shape::source::{FaceChunk, MeshSource};
 use planish::watch::Watch;
 use rayon::prelude::*;

@@ -1,8 +1,8 @@
 //! What is told of latitude lines is what is measured in the limit: those told exact are circles of the radius told, and
 //! the others are none.
 
+use planish::analysis::revolution::Outlook;
 use planish::math::functions::{cos, sin, sqrt};
-use planish::refine::revolution::Outlook;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 

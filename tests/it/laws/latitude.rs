@@ -1,7 +1,7 @@
 //! Latitude lines of tubes stay circles, whatever delta is, and what is not tagged is not touched.
 
+use planish::analysis::revolution::outlooks;
 use planish::math::functions::sqrt;
-use planish::refine::revolution::outlooks;
 use serde_json::{Value, json};
 
 use crate::support::{self, faults, nets};

@@ -1,8 +1,8 @@
 //! Latitude lines of tori around their main axis stay circles; those of sweeps and skins along a bent axis stay plane,
 //! and ellipses.
 
+use planish::analysis::revolution::outlooks;
 use planish::math::functions::{cos, sin, sqrt};
-use planish::refine::revolution::outlooks;
 use serde_json::{Value, json};
 
 use crate::support::nets::{Net, distance};

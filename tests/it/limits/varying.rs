@@ -1,7 +1,7 @@
 //! Limits where numbers differ from vertex to vertex: parameters of vertices, latitude lines.
 
+use planish::analysis::revolution::outlooks;
 use planish::math::functions::{cos, sin, sqrt};
-use planish::refine::revolution::outlooks;
 use serde_json::{Value, json};
 
 use crate::support::nets::{self, Net, distance};

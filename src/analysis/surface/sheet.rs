@@ -1,6 +1,6 @@
 //! Sheets: the faces around a face, where they lie over its plane like a graph.
 
-use crate::refine::vector::{Vector, cross, dot, from_segment, length, minus, plus, times};
+use crate::math::vector::{Vector, cross, dot, from_segment, length, minus, plus, times};
 use crate::shape::topology::{NONE, Topology};
 
 /// The surroundings of a face, seen along a direction.

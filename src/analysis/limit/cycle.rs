@@ -18,7 +18,7 @@ use crate::shape::topology::{Topology, index};
 use crate::watch::Watch;
 
 /// Levels that are scheduled beyond the last one. An alpha that is halved as often is below 1e-18 of what it was.
-pub(in crate::refine) const AHEAD: u32 = 62;
+pub(in crate::analysis) const AHEAD: u32 = 62;
 
 /// Most points that the operators of one level make of a net, all together.
 pub(super) const MAX_POINTS: usize = 1 << 20;

@@ -3,7 +3,7 @@
 
 use super::ring::Ring;
 use crate::math::functions::{cos, sqrt};
-use crate::refine::vector::{cross, dot, length, times};
+use crate::math::vector::{cross, dot, length, times};
 use crate::scheme::ops::Role;
 use crate::scheme::plan::Scheduled;
 

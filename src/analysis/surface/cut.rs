@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::level::Level;
 use crate::math::functions::{cos, sin};
-use crate::refine::vector::{Vector, cross, dot, length, minus, plus, times};
+use crate::math::vector::{Vector, cross, dot, length, minus, plus, times};
 use crate::shape::topology::Topology;
 
 /// How far a bilinear quad is from itself cut along either diagonal, at most; nothing for other faces.

@@ -3,11 +3,13 @@
 use super::cycle::NoMask;
 use super::rows::{LimitRows, Row};
 use crate::math::rows::{Rows, RowsBy, blend};
+use crate::refine::{RefineError, refined_points};
 use crate::scheme::ops::Role;
-use crate::scheme::plan::Plan;
+use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::polygon_net::{Ends, Extent, PolygonNet};
 use crate::scheme::window::{Window, steps};
 use crate::shape::polygon::Polygon;
+use crate::shape::source::Curve;
 use crate::shape::topology::index;
 use crate::watch::{Stopped, Watch};
 
@@ -70,17 +72,27 @@ pub fn check(polygon: &Polygon, plan: &Plan) -> Result<(), NoLimit> {
     if !polygon.corners.is_empty() && crosses { Err(NoLimit::Corners) } else { Ok(()) }
 }
 
+/// Refines one polygon and finds its limit points and tangents.
+///
+/// # Errors
+/// [`RefineError`].
+pub fn refine_to_limit(
+    polygon: &Polygon,
+    plan: &Plan,
+    steps: &[Scheduled],
+    rows: &LimitRows,
+    watch: &Watch,
+) -> Result<(Curve, Limit), RefineError> {
+    let (net, points) = refined_points(polygon, plan, steps, watch)?;
+    let limit = limit(&net, &points.now, polygon.dimension, rows, watch)?;
+    Ok((Curve { points: points.now, dimension: polygon.dimension, closed: polygon.closed, tangents: None }, limit))
+}
+
 /// Limit points and tangents of the `points` (`n x width`) of a refined polygon.
 ///
 /// # Errors
 /// [`Stopped`] when the watch says so.
-pub(super) fn limit(
-    net: &PolygonNet,
-    points: &[f64],
-    width: usize,
-    rows: &LimitRows,
-    watch: &Watch,
-) -> Result<Limit, Stopped> {
+fn limit(net: &PolygonNet, points: &[f64], width: usize, rows: &LimitRows, watch: &Watch) -> Result<Limit, Stopped> {
     let pieces = Pieces { net };
     let positions = RowsBy::new(net.n, net.n, |stored, out: &mut Rows| match pieces.place(stored) {
         Place::Fixed(_) => out.add(index(stored), 1.0),

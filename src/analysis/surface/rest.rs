@@ -9,7 +9,7 @@ use super::hull::Hulls;
 use super::level::Level;
 use super::sheet::Sheet;
 use super::spline::Spline;
-use crate::refine::vector::{Vector, cross, length, minus, plus, unit};
+use crate::math::vector::{Vector, cross, length, minus, plus, unit};
 
 /// Points of hulls that are looked at in the time of a row of a table, about 100 ns.
 const POINTS_A_ROW: u64 = 4;

@@ -20,8 +20,9 @@ mod sheet;
 mod spline;
 
 use super::curve::Reached;
+use super::limit::Unlimited;
 use super::limit::{self, Asked};
-use super::{Points, RefineError, Unlimited, act_on, mesh_net};
+use crate::refine::{Points, RefineError, act_on, mesh_net};
 use crate::scheme::plan::Plan;
 use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;

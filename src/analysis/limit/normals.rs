@@ -2,23 +2,7 @@
 
 use super::field::Field;
 use crate::math::functions::sqrt;
-
-/// Unit normals; zero where there are none: at vertices without faces, and where the surface has no tangent plane.
-#[derive(Debug, Clone, Default)]
-pub(in crate::refine) struct Normals {
-    /// For each vertex its normal, or the direction of the sum of those of its sectors, or zero where one has none.
-    pub(in crate::refine) of_vertices: Vec<[f64; 3]>,
-    /// At vertices with several sectors: the vertex, the next one of a face there, and the normal on that side; ascending.
-    sides: Vec<([u32; 2], [f64; 3])>,
-}
-
-impl Normals {
-    /// The normal of vertex `v` on the side of the face in which `next` follows it, if its sides have their own.
-    pub(in crate::refine) fn on_side(&self, v: u32, next: u32) -> Option<[f64; 3]> {
-        let found = self.sides.binary_search_by_key(&[v, next], |&(side, _)| side);
-        found.ok().map(|at| self.sides[at].1)
-    }
-}
+use crate::refine::Normals;
 
 /// The normals of all vertices, given the sectors of the field with two tangents each; and what is missing, in a sentence.
 pub(super) fn of(field: &Field, places: &[(u32, usize)], first: &[f64], second: &[f64]) -> (Normals, Option<String>) {

@@ -44,7 +44,9 @@ use crate::scheme::step::StepError;
 use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::watch::{Stopped, Watch};
 
-use super::{Points, RefineError};
+use crate::fault::Fault;
+use crate::refine::{Normals, Points, RefineError, RefinedMesh, act_on, assembled, mesh_net, numbers, refined_uvs};
+use crate::shape::mesh::Mesh;
 pub use cost::{Cost, Follow, cost, sees_whole_fans};
 pub(super) use cycle::AHEAD;
 use cycle::Cycle;
@@ -54,7 +56,6 @@ use field_rows::FieldRows;
 use frame::Frame;
 use impulse::{Impulse, Smoothness};
 use mask::Finder;
-pub(super) use normals::Normals;
 use own::Common;
 use patch::Rings;
 pub use perturbed::{ROWS_A_POINT, followed_points};
@@ -243,8 +244,53 @@ pub(super) fn check_continuous(plan: &Plan, net: &MeshNet) -> Result<(), Unlimit
     smoothness(impulse, own, false, &Watch::new()).map(drop)
 }
 
+/// Why a mesh could not be refined to its limit.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum LimitError {
+    /// It could not be refined.
+    #[error(transparent)]
+    Refine(#[from] RefineError),
+    /// There is no limit.
+    #[error("{0}; ask for \"positions\": \"refined\"")]
+    Unlimited(Unlimited),
+}
+
+impl From<Unlimited> for LimitError {
+    fn from(error: Unlimited) -> Self {
+        match error {
+            Unlimited::Stopped(stopped) => Self::Refine(stopped.into()),
+            error => Self::Unlimited(error),
+        }
+    }
+}
+
+/// Refines a mesh by `levels` levels and finds what is asked for of its limit; the warnings say what has none.
+///
+/// # Errors
+/// [`LimitError`], also where there is no limit.
+pub fn refine_mesh_to_limit(
+    mesh: &Mesh,
+    plan: &Plan,
+    levels: u32,
+    asked: Asked,
+    watch: &Watch,
+) -> Result<(RefinedMesh, Vec<String>), LimitError> {
+    let later = |fault: Fault| Unlimited::Later(fault.detail);
+    let steps = plan.schedule(levels + AHEAD).map_err(later)?;
+    let (steps, ahead) = steps.split_at(plan.word.prefix.len() + levels as usize * plan.word.cycle.len());
+    let (net, points) = act_on(mesh_net(mesh, plan), numbers(mesh), plan, steps, watch)?;
+    let found = match limits(plan, &net, &points, ahead, asked, watch) {
+        Err(error) if !asked.positions && !matches!(error, Unlimited::Stopped(_)) => Limits::without_normals(&error),
+        found => found?,
+    };
+    let refined = || points.into_iter().map(|points| points.now).collect();
+    let uvs = refined_uvs(mesh, plan, steps, watch)?;
+    let mesh = assembled(mesh, &net, found.points.unwrap_or_else(refined), uvs).with_normals(found.normals);
+    Ok((mesh, found.warning.into_iter().collect()))
+}
+
 /// The limits of a net that `ahead` would refine further.
-pub(super) fn limits(
+pub(in crate::analysis) fn limits(
     plan: &Plan,
     net: &MeshNet,
     points: &[Points],

@@ -9,7 +9,7 @@ use super::budget::Budget;
 use super::cut::twist;
 use super::sheet::Sheet;
 use crate::math::functions::sqrt;
-use crate::refine::vector::{Vector, cross, dot, mean, minus, plus, times, to_segment};
+use crate::math::vector::{Vector, cross, dot, mean, minus, plus, times, to_segment};
 use crate::shape::topology::Topology;
 
 /// Nodes of a tree and faces that are looked at in the time of a row of a table, about 100 ns.

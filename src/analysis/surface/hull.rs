@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use super::level::Level;
 use super::sheet::{flat, turns};
 use crate::math::functions::sqrt;
-use crate::refine::vector::{Vector, cross, dot, length, mean, minus, plus, times, unit};
+use crate::math::vector::{Vector, cross, dot, length, mean, minus, plus, times, unit};
 use crate::shape::topology::NONE;
 
 /// How often the normal of a line between points is turned.

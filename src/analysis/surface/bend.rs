@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::refine::vector::{Vector, dot, length, minus, plus};
+use crate::math::vector::{Vector, dot, length, minus, plus};
 use crate::scheme::mesh_net::MeshNet;
 use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::tile::Tile;

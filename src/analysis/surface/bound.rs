@@ -9,7 +9,7 @@ use super::level::Level;
 use super::nearest::{Faces, Surface, farthest};
 use super::rest::Rests;
 use super::spline::Spline;
-use crate::refine::vector::{Vector, length, minus};
+use crate::math::vector::{Vector, length, minus};
 
 /// Faces of a net up to which it is refined further, and those of a part of it.
 pub(super) const FOLLOWED_FACES: usize = 1 << 16;

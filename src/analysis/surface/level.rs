@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::refine::vector::{Vector, mean};
+use crate::math::vector::{Vector, mean};
 use crate::refine::{Points, RefineError, at, values};
 use crate::scheme::mesh_net::{Boundary, MeshNet};
 use crate::scheme::ops::Role;

@@ -1,18 +1,4 @@
-//! What is known of the limit of refined polygons: its points and tangents, how far it is, whether there is one.
-
-mod convergence;
-mod cycle;
-mod distance;
-mod limit;
-mod rows;
-mod tolerance;
-
-pub use convergence::warnings;
-pub use cycle::{Cycle, NoMask};
-pub use distance::{Distances, MAX_WORK, NoBound};
-pub use limit::{Limit, NoLimit, check};
-pub use rows::{LimitRows, Row};
-pub use tolerance::{NoLevel, Reached, reach, search_bytes};
+//! Polygons under refinement.
 
 use super::{Points, RefineError, at, origins, polygon_net, start_tangents, values};
 use crate::scheme::plan::{Plan, Scheduled};
@@ -31,27 +17,15 @@ pub fn refine_polygon(
     steps: &[Scheduled],
     watch: &Watch,
 ) -> Result<Curve, RefineError> {
-    let (_, points) = refined(polygon, plan, steps, watch)?;
+    let (_, points) = refined_points(polygon, plan, steps, watch)?;
     Ok(Curve { points: points.now, dimension: polygon.dimension, closed: polygon.closed, tangents: points.tangents })
 }
 
-/// Refines one polygon and finds its limit points and tangents.
+/// The net of a polygon after the steps, and its points.
 ///
 /// # Errors
 /// [`RefineError`].
-pub fn refine_to_limit(
-    polygon: &Polygon,
-    plan: &Plan,
-    steps: &[Scheduled],
-    rows: &LimitRows,
-    watch: &Watch,
-) -> Result<(Curve, Limit), RefineError> {
-    let (net, points) = refined(polygon, plan, steps, watch)?;
-    let limit = limit::limit(&net, &points.now, polygon.dimension, rows, watch)?;
-    Ok((Curve { points: points.now, dimension: polygon.dimension, closed: polygon.closed, tangents: None }, limit))
-}
-
-fn refined(
+pub fn refined_points(
     polygon: &Polygon,
     plan: &Plan,
     steps: &[Scheduled],

@@ -1,7 +1,7 @@
 //! Rings of tubes: regular polygons in space, star-shaped ones included.
 
 use crate::math::functions::{atan2, cos, sin};
-use crate::refine::vector::{Vector, cross, dot, length, plus, times};
+use crate::math::vector::{Vector, cross, dot, length, plus, times};
 
 /// By how much of its size a ring may miss a regular polygon, as coordinates with a few decimals do.
 const IRREGULARITY: f64 = 1e-5;

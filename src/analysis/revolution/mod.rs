@@ -16,9 +16,9 @@ mod walls;
 mod words;
 
 use super::limit::{Unlimited, check_continuous};
-use super::mesh_net;
-use super::vector::Vector;
 use crate::math::expression::Expression;
+use crate::math::vector::Vector;
+use crate::refine::{carried, mesh_net};
 use crate::scheme::ops::{LatitudeRule, Role};
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::attributes::Attributes;
@@ -109,7 +109,7 @@ impl<'a> Tube<'a> {
             return Err("only words in which a C follows each U, as U C^k and U C^k P, keep circles".into());
         }
         let pushes = words::pushes(&plan.word);
-        let mut attributes = super::carried(mesh, plan).0.unwrap_or_default();
+        let mut attributes = carried(mesh, plan).0.unwrap_or_default();
         attributes.delta = attributes.delta.filter(|_| pushes);
         attributes.compensation = attributes.compensation.filter(|_| pushes);
         if attributes.kernel.is_some() || attributes.compensation.is_some() {

@@ -1,0 +1,15 @@
+//! What is known of the limit of refined polygons: its points and tangents, how far it is, whether there is one.
+
+mod convergence;
+mod cycle;
+mod distance;
+mod limit;
+mod rows;
+mod tolerance;
+
+pub use convergence::warnings;
+pub use cycle::{Cycle, NoMask};
+pub use distance::{Distances, MAX_WORK, NoBound};
+pub use limit::{Limit, NoLimit, check, refine_to_limit};
+pub use rows::{LimitRows, Row};
+pub use tolerance::{NoLevel, Reached, reach, search_bytes};
