@@ -25,7 +25,7 @@ impl Job {
     pub fn forecast_bytes(&self) -> u64 {
         let followed = match &self.input {
             Input::Polygons(_) => 0,
-            Input::Mesh(mesh) => forecast::forecast_bytes(&self.plan.word, mesh.topology.n_corners()),
+            Input::Mesh(mesh) => forecast::forecast_bytes(&self.plan.word, mesh.topology.n_half_edges()),
         };
         FORECAST.saturating_add(self.input.bytes()).saturating_add(u64::try_from(followed).unwrap_or(u64::MAX))
     }
@@ -85,7 +85,7 @@ fn of_mesh(mesh: &Mesh) -> usize {
 }
 
 fn of_topology(topology: &Topology) -> usize {
-    let (corners, faces) = (topology.n_corners(), topology.n_faces());
+    let (corners, faces) = (topology.n_half_edges(), topology.n_faces());
     let is_mixed = !topology.is_quads() && topology.first_other_than_triangle().is_some();
     let of_faces = if is_mixed { faces * NUMBER + corners * size_of::<u32>() } else { 0 };
     size_of::<Topology>() + corners * CORNER + of_faces + topology.n_vertices() * NUMBER

@@ -121,9 +121,9 @@ impl RefinedMesh {
         let first = self.base.n_vertices();
         let Some(inside) = (place - on_edges).checked_sub(places.n_edges() * inner) else {
             let (edge, at) = ((place - on_edges) / inner, (place - on_edges) % inner);
-            let corner = places.edge_corners(edge)[0];
+            let corner = places.halves(edge)[0];
             let edge = self.base.edge(corner) as usize;
-            let forward = self.base.edge_corners(edge)[0] == corner;
+            let forward = self.base.halves(edge)[0] == corner;
             return first + edge * inner + if forward { at } else { inner - 1 - at };
         };
         first + self.base.n_edges() * inner + inside
@@ -168,9 +168,9 @@ impl RefinedMesh {
     pub(super) fn sharp_places(&self) -> Vec<[u32; 2]> {
         let Some(uvs) = &self.uvs else { return Vec::new() };
         let ends = |(edge, piece): (usize, usize)| {
-            let corner = self.base.edge_corners(edge)[0];
+            let corner = self.base.halves(edge)[0];
             let place = uvs.base.edge(corner) as usize;
-            let forward = uvs.base.edge_corners(place)[0] == corner;
+            let forward = uvs.base.halves(place)[0] == corner;
             let piece = if forward { piece } else { self.pieces - 1 - piece };
             (!uvs.base.is_boundary_edge(place)).then(|| self.piece(&uvs.base, place, piece))
         };
@@ -325,7 +325,7 @@ impl MeshSource for RefinedMesh {
     fn isoline(&self, edge: usize, out: &mut Vec<u32>) -> bool {
         out.clear();
         out.extend((0..=self.pieces).map(|at| self.along(&self.base, edge, at)));
-        let corners = self.base.edge_corners(edge).into_iter().filter(|&corner| corner != NONE);
+        let corners = self.base.halves(edge).into_iter().filter(|&corner| corner != NONE);
         corners.map(|corner| self.base.face_of(corner)).any(|face| !self.faces_of(face).is_empty())
     }
 

@@ -73,7 +73,7 @@ pub fn uv_net(mesh: &Mesh, uvs: &Uvs, plan: &Plan) -> MeshNet {
         }
     }
     let inside = |&(e, sharpness): &(u32, f64)| {
-        let edge = places.edge(vertices.edge_corners(e as usize)[0]);
+        let edge = places.edge(vertices.halves(e as usize)[0]);
         (!places.is_boundary_edge(edge as usize)).then_some((edge, sharpness))
     };
     let mut creases: Sharp = mesh.creases.iter().filter_map(inside).collect();
@@ -101,11 +101,11 @@ fn carrying(net: MeshNet, mesh: &Mesh, uvs: &Uvs, plan: &Plan) -> MeshNet {
         return net;
     }
     let mut vertex_of = vec![0; places.n_vertices()];
-    for corner in 0..index(places.n_corners()) {
+    for corner in 0..index(places.n_half_edges()) {
         vertex_of[places.vertex(corner) as usize] = vertices.vertex(corner);
     }
     let of_places = |array: &[f64]| vertex_of.iter().map(|&v| array[v as usize]).collect();
-    let edge_of = |e: usize| vertices.edge(places.edge_corners(e)[0]);
+    let edge_of = |e: usize| vertices.edge(places.halves(e)[0]);
     let of_edges = |directions: Directions| {
         Directions::of_edges((0..places.n_edges()).map(|e| directions.of(edge_of(e))).collect())
     };
@@ -121,7 +121,7 @@ fn elsewhere(mesh: &Mesh, uvs: &Uvs, creases: &Sharp) -> Vec<(u32, f64)> {
     let semi_sharp = |&&(_, sharpness): &&(u32, f64)| sharpness < INFINITE_SHARPNESS;
     let mut around: BTreeMap<u32, Vec<(u32, f64)>> = BTreeMap::new();
     for &(e, sharpness) in mesh.creases.iter().filter(semi_sharp) {
-        let edge = places.edge(vertices.edge_corners(e as usize)[0]);
+        let edge = places.edge(vertices.halves(e as usize)[0]);
         vertices.ends(e as usize).into_iter().for_each(|v| around.entry(v).or_default().push((edge, sharpness)));
     }
     let ends = creases.iter().filter(semi_sharp).flat_map(|&(edge, _)| places.ends(edge as usize));

@@ -26,7 +26,7 @@ impl Census {
             vertices: topology.n_vertices() as u128,
             edges: topology.n_edges() as u128,
             faces: topology.n_faces() as u128,
-            corners: topology.n_corners() as u128,
+            corners: topology.n_half_edges() as u128,
             largest_face: largest_face(net),
             largest_fan: largest_fan(topology),
             ..Count::default()

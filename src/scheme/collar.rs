@@ -64,7 +64,7 @@ impl Collar {
 
     /// Numbers of corners that are explicit.
     pub(super) fn n_corners(&self) -> usize {
-        self.net.n_corners()
+        self.net.n_half_edges()
     }
 
     /// Whether all faces have so many vertices.

@@ -55,7 +55,7 @@ impl Count {
             vertices: topology.n_vertices() as u128,
             edges: topology.n_edges() as u128,
             faces: topology.n_faces() as u128,
-            corners: topology.n_corners() as u128,
+            corners: topology.n_half_edges() as u128,
             hidden_faces: net.holes.len() as u128,
             hidden_corners: sizes.sum(),
             largest_face: largest_face(net),

@@ -170,7 +170,7 @@ impl Duals<'_> {
     /// Whether what a net of so many corners takes may be held.
     fn fits(&self, step: &Scheduled, corners: u128) -> Result<(), ForecastError> {
         let bytes = corners.saturating_mul(CORNER_BYTES);
-        let bound = bound(self.net.base.n_corners());
+        let bound = bound(self.net.base.n_half_edges());
         if bytes <= bound { Ok(()) } else { Err(ForecastError::Bytes { level: step.level, bytes, bound }) }
     }
 

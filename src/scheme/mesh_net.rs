@@ -256,7 +256,7 @@ impl MeshNet {
     pub fn n_faces(&self) -> usize {
         match (self.tiling(), &self.parent) {
             (Some(tiling), _) => tiling.n_faces(),
-            (None, Some(parent)) => parent.n_corners(),
+            (None, Some(parent)) => parent.n_half_edges(),
             (None, None) => self.base.n_faces(),
         }
     }

@@ -105,9 +105,9 @@ impl Topology {
 
     /// Finds each vertex's first corner; splits vertices with several fans. Returns the origins of the added vertices.
     fn part_fans(&mut self) -> Vec<u32> {
-        let mut seen = vec![false; self.n_corners()];
+        let mut seen = vec![false; self.n_half_edges()];
         let mut split_from = Vec::new();
-        for corner in 0..index(self.n_corners()) {
+        for corner in 0..index(self.n_half_edges()) {
             if seen[corner as usize] {
                 continue;
             }
@@ -117,12 +117,12 @@ impl Topology {
                 seen[c as usize] = true;
             }
             let vertex = self.vertex(corner);
-            if self.vertex_corner[vertex as usize] == NONE {
-                self.vertex_corner[vertex as usize] = start;
+            if self.outgoing[vertex as usize] == NONE {
+                self.outgoing[vertex as usize] = start;
             } else {
                 let added = index(self.n_vertices);
                 self.n_vertices += 1;
-                self.vertex_corner.push(start);
+                self.outgoing.push(start);
                 split_from.push(vertex);
                 for c in fan {
                     self.vertices[c as usize] = added;
@@ -312,15 +312,15 @@ fn connect(n_vertices: usize, faces: FaceList, sides: &[Side]) -> Topology {
         opposite[group[0].1 as usize] = group[1].1;
         opposite[group[1].1 as usize] = group[0].1;
     }
-    let mut corner_edge = vec![NONE; n_corners];
-    let mut edge_corners = Vec::with_capacity(sides.len());
+    let mut edge_of = vec![NONE; n_corners];
+    let mut halves = Vec::with_capacity(sides.len());
     for corner in 0..n_corners {
         let other = opposite[corner];
         if other == NONE || (other as usize) > corner {
-            corner_edge[corner] = index(edge_corners.len());
-            edge_corners.push([index(corner), other]);
+            edge_of[corner] = index(halves.len());
+            halves.push([index(corner), other]);
         } else {
-            corner_edge[corner] = corner_edge[other as usize];
+            edge_of[corner] = edge_of[other as usize];
         }
     }
     let all = |size: u32| faces.starts.windows(2).all(|pair| pair[1] - pair[0] == size);
@@ -335,6 +335,6 @@ fn connect(n_vertices: usize, faces: FaceList, sides: &[Side]) -> Topology {
         let owner = owner.flat_map(|(f, pair)| std::iter::repeat_n(index(f), (pair[1] - pair[0]) as usize)).collect();
         Faces::Mixed { starts, owner }
     };
-    let vertex_corner = vec![NONE; n_vertices];
-    Topology { n_vertices, faces: layout, vertices, corner_edge, edge_corners, vertex_corner }
+    let outgoing = vec![NONE; n_vertices];
+    Topology { n_vertices, faces: layout, vertices, edge_of, halves, outgoing }
 }

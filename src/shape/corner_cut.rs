@@ -28,12 +28,12 @@ impl Topology {
             return Ok(self.cut_corners());
         }
         let rim = BoundaryRank::of(self);
-        let n_c = index(self.n_corners());
+        let n_c = index(self.n_half_edges());
         let near = |corner: u32, end: u32| n_c + 2 * rim.rank(self.edge(corner)) + end;
         let mut faces = FaceList::default();
-        (0..self.n_faces()).for_each(|f| faces.push(self.corners(f)));
+        (0..self.n_faces()).for_each(|f| faces.push(self.half_edges(f)));
         for e in 0..self.n_edges() {
-            let [first, second] = self.edge_corners(e);
+            let [first, second] = self.halves(e);
             let [start, end] =
                 if second == NONE { [near(first, 0), near(first, 1)] } else { [self.next(second), second] };
             faces.push([first, start, end, self.next(first)]);
@@ -111,32 +111,32 @@ impl<'a> CornerCut<'a> {
     #[inline]
     fn edge_face(&self, e: u32) -> u32 {
         let rank = self.rank.as_ref().map_or(e, |rank| rank[e as usize]);
-        index(self.old.n_corners()) + 4 * rank
+        index(self.old.n_half_edges()) + 4 * rank
     }
 
     /// First corner of the faces of vertices.
     fn first_vertex_face(&self) -> u32 {
-        index(self.old.n_corners() + 4 * self.n_edge_faces)
+        index(self.old.n_half_edges() + 4 * self.n_edge_faces)
     }
 
     /// The edge of the new net that crosses an inner edge at the end where an outgoing corner lies.
     #[inline]
     fn crossing(&self, outgoing: u32) -> u32 {
         let e = self.old.edge(outgoing);
-        let n_c = index(self.old.n_corners());
-        let end = u32::from(self.old.edge_corners(e as usize)[0] != outgoing);
+        let n_c = index(self.old.n_half_edges());
+        let end = u32::from(self.old.halves(e as usize)[0] != outgoing);
         n_c + (self.edge_face(e) - n_c) / 2 + end
     }
 
     fn topology(&self) -> Topology {
-        let (vertices, corner_edge) = self.corners();
+        let (vertices, edge_of) = self.corners();
         Topology {
-            n_vertices: self.old.n_corners(),
+            n_vertices: self.old.n_half_edges(),
             faces: self.faces(),
             vertices,
-            corner_edge,
-            edge_corners: self.edges(),
-            vertex_corner: self.outgoing(),
+            edge_of,
+            halves: self.edges(),
+            outgoing: self.outgoing(),
         }
     }
 
@@ -147,8 +147,8 @@ impl<'a> CornerCut<'a> {
         if quads {
             return Faces::Quads;
         }
-        let kept = (0..old.n_faces()).map(|f| old.corners(f).start);
-        let of_edges = (0..index(self.n_edge_faces)).map(|rank| index(old.n_corners()) + 4 * rank);
+        let kept = (0..old.n_faces()).map(|f| old.half_edges(f).start);
+        let of_edges = (0..index(self.n_edge_faces)).map(|rank| index(old.n_half_edges()) + 4 * rank);
         let first = self.first_vertex_face();
         let of_vertices = self.starts.windows(2).filter(|pair| pair[1] > pair[0]).map(|pair| first + pair[0]);
         let end = first + self.starts[self.starts.len() - 1];
@@ -163,9 +163,9 @@ impl<'a> CornerCut<'a> {
     /// Vertex and edge at each corner.
     fn corners(&self) -> (Vec<u32>, Vec<u32>) {
         let old = self.old;
-        let n_c = index(old.n_corners());
+        let n_c = index(old.n_half_edges());
         let of_edge = |e: usize| {
-            let [first, second] = old.edge_corners(e);
+            let [first, second] = old.halves(e);
             let vertices = [first, old.next(second), second, old.next(first)];
             (vertices, [self.crossing(first), second, self.crossing(second), first])
         };
@@ -192,13 +192,13 @@ impl<'a> CornerCut<'a> {
     /// Corners on each edge: along the sides of the old faces, then across both ends of each inner edge.
     fn edges(&self) -> Vec<[u32; 2]> {
         let old = self.old;
-        let along = (0..index(old.n_corners())).into_par_iter().with_min_len(GRAIN).map(|corner| {
-            let [first, second] = old.edge_corners(old.edge(corner) as usize);
+        let along = (0..index(old.n_half_edges())).into_par_iter().with_min_len(GRAIN).map(|corner| {
+            let [first, second] = old.halves(old.edge(corner) as usize);
             let side = if first == corner { 3 } else { 1 };
             [corner, if second == NONE { NONE } else { self.edge_face(old.edge(corner)) + side }]
         });
         let across = (0..index(old.n_edges())).into_par_iter().with_min_len(GRAIN).flat_map_iter(|e| {
-            let [first, second] = old.edge_corners(e as usize);
+            let [first, second] = old.halves(e as usize);
             let ends = (second != NONE).then(|| {
                 let start = [self.edge_face(e), self.around(old.next(second))];
                 [start, [self.edge_face(e) + 2, self.around(old.next(first))]]
@@ -227,8 +227,8 @@ impl<'a> CornerCut<'a> {
                 return corner;
             }
             let e = old.edge(corner);
-            self.edge_face(e) + if old.edge_corners(e as usize)[0] == corner { 0 } else { 2 }
+            self.edge_face(e) + if old.halves(e as usize)[0] == corner { 0 } else { 2 }
         };
-        (0..index(old.n_corners())).into_par_iter().with_min_len(GRAIN).map(first).collect()
+        (0..index(old.n_half_edges())).into_par_iter().with_min_len(GRAIN).map(first).collect()
     }
 }

@@ -126,7 +126,7 @@ impl Directions {
     #[must_use]
     pub fn split(&self, topology: &Topology) -> Self {
         let halves = self.0.iter().flat_map(|&direction| [direction; 2]);
-        let spokes = (0..index(topology.n_corners())).map(|corner| match self.of(topology.edge(corner)) {
+        let spokes = (0..index(topology.n_half_edges())).map(|corner| match self.of(topology.edge(corner)) {
             Direction::Untagged => Direction::Untagged,
             Direction::Latitude => Direction::Longitude,
             Direction::Longitude => Direction::Latitude,

@@ -85,7 +85,7 @@ impl Grid {
 
     /// Number of faces, all of them quads.
     pub fn n_faces(&self) -> usize {
-        self.faces_of(self.base.n_corners())
+        self.faces_of(self.base.n_half_edges())
     }
 
     /// First inner vertex of all faces.
@@ -129,7 +129,7 @@ impl Grid {
 
     /// First face of base face `f`.
     pub fn first_face(&self, f: usize) -> usize {
-        self.faces_of(self.base.corners(f).start as usize)
+        self.faces_of(self.base.half_edges(f).start as usize)
     }
 
     /// Point `at` (0 to n) on the side of a corner, counted from the corner.
@@ -142,7 +142,7 @@ impl Grid {
             return self.base.vertex(self.base.next(corner));
         }
         let edge = self.base.edge(corner) as usize;
-        let forward = self.base.edge_corners(edge)[0] == corner;
+        let forward = self.base.halves(edge)[0] == corner;
         let at = if forward { at } else { n - at };
         index(self.base.n_vertices() + edge * (n - 1) + at - 1)
     }
@@ -158,7 +158,7 @@ impl Grid {
 
     fn quad_vertex(&self, f: usize, i: usize, j: usize) -> u32 {
         let n = self.n();
-        let first = self.base.corners(f).start;
+        let first = self.base.half_edges(f).start;
         match (i, j) {
             (_, 0) => self.on_side(first, i),
             (_, j) if i == n => self.on_side(first + 1, j),
@@ -171,7 +171,7 @@ impl Grid {
     fn part_vertex(&self, f: usize, part: usize, i: usize, j: usize) -> u32 {
         let half = self.half();
         let size = self.base.face(f).len();
-        let first = self.base.corners(f).start;
+        let first = self.base.half_edges(f).start;
         let before = (part + size - 1) % size;
         match (i, j) {
             (_, 0) => self.on_side(first + index(part), i),
@@ -218,7 +218,7 @@ impl Grid {
     /// Number of vertices after `level` splits, from Euler's count of the base.
     fn vertices_at(&self, level: usize) -> usize {
         let (mut v, mut e, mut f) = (self.base.n_vertices(), self.base.n_edges(), self.base.n_faces());
-        let mut corners = self.base.n_corners();
+        let mut corners = self.base.n_half_edges();
         for _ in 0..level {
             (v, e, f) = (v + e + f, 2 * e + corners, corners);
             corners *= 4;
@@ -248,7 +248,7 @@ impl Grid {
         if self.splits() == 1 || matches!(place, Place::Centre) {
             return index(self.base.n_vertices() + self.base.n_edges() + f);
         }
-        let first = self.base.corners(f).start as usize;
+        let first = self.base.half_edges(f).start as usize;
         let quarter = 1_usize << (2 * (self.splits() - 2));
         let edge_points = index(self.parent.n_vertices());
         match place {
@@ -277,9 +277,9 @@ impl Grid {
 
     /// The first face of a base edge and the place there of the edge's inner point `at`.
     fn beside(&self, edge: usize, at: usize) -> (usize, Place) {
-        let corner = self.base.edge_corners(edge)[0];
+        let corner = self.base.halves(edge)[0];
         let f = self.base.face_of(corner);
-        let (side, size) = (corner - self.base.corners(f).start, self.base.face(f).len());
+        let (side, size) = (corner - self.base.half_edges(f).start, self.base.face(f).len());
         if size == 4 {
             let [i, j] = Tile::Quad.along(self.n, side, at);
             (f, Place::Quad(i, j))
@@ -292,7 +292,7 @@ impl Grid {
 
     /// The number of a place of a base face after splits of any arity.
     fn descended(&self, f: usize, place: Place) -> u32 {
-        let (n, half, first) = (self.n, self.half(), self.base.corners(f).start as usize);
+        let (n, half, first) = (self.n, self.half(), self.base.half_edges(f).start as usize);
         let (pieces, n, face, place) = match place {
             Place::Quad(i, j) if self.is_quads => (&self.pieces[..], n, f, [i, j]),
             Place::Quad(i, j) => {

@@ -51,15 +51,15 @@ impl Numbering {
             vertices: topology.n_vertices() as u64,
             edges: topology.n_edges() as u64,
             faces: topology.n_faces() as u64,
-            corners: topology.n_corners() as u64,
+            corners: topology.n_half_edges() as u64,
         };
         let faces = 0..topology.n_faces();
-        let sides = faces.clone().flat_map(|f| topology.corners(f)).map(|corner| {
+        let sides = faces.clone().flat_map(|f| topology.half_edges(f)).map(|corner| {
             let edge = topology.edge(corner);
-            Side { edge: edge.into(), forward: topology.edge_corners(edge as usize)[0] == corner }
+            Side { edge: edge.into(), forward: topology.halves(edge as usize)[0] == corner }
         });
         let sides = sides.collect();
-        let face = |f: usize| Face { number: f as u64, start: topology.corners(f).start.into(), turn: 0 };
+        let face = |f: usize| Face { number: f as u64, start: topology.half_edges(f).start.into(), turn: 0 };
         Self { whole, vertices: (0..whole.vertices).collect(), faces: faces.map(face).collect(), sides }
     }
 
@@ -70,7 +70,7 @@ impl Numbering {
 
     /// The number of edge `e` of the part, whose topology is given.
     pub fn edge(&self, topology: &Topology, e: usize) -> u64 {
-        self.sides[topology.edge_corners(e)[0] as usize].edge
+        self.sides[topology.halves(e)[0] as usize].edge
     }
 
     /// The number of face `f`.
@@ -89,7 +89,7 @@ impl Numbering {
         };
         for &first in corners {
             let f = topology.face_of(first);
-            let range = topology.corners(f);
+            let range = topology.half_edges(f);
             let face = self.faces[f];
             let turn = (face.turn + first - range.start) % (range.end - range.start);
             part.faces.push(Face { turn, ..face });
@@ -123,7 +123,7 @@ impl Numbering {
         let edges = (0..topology.n_edges()).map(|e| on_edges.wrapping_add(self.edge(topology, e)));
         let middles = self.faces.iter().map(|face| on_faces.wrapping_add(face.number));
         let vertices = self.vertices.iter().copied().chain(edges).chain(middles).collect();
-        let n = topology.n_corners();
+        let n = topology.n_half_edges();
         let mut split = Self {
             whole: Counts {
                 vertices: on_faces.wrapping_add(whole.faces),
@@ -136,8 +136,8 @@ impl Numbering {
             sides: Vec::with_capacity(4 * n),
         };
         for f in 0..topology.n_faces() {
-            for child in topology.corners(f) {
-                let corner = topology.parent_corner(child);
+            for child in topology.half_edges(f) {
+                let corner = topology.parent_half_edge(child);
                 let before = topology.previous(corner);
                 let [along, back] = [corner, before].map(|corner| self.sides[corner as usize]);
                 let [here, there] = [corner, before].map(|corner| self.corner(topology, f, corner));
@@ -150,9 +150,9 @@ impl Numbering {
                     forward,
                 };
                 let sides = [half(along, false), spoke(here, true), spoke(there, false), half(back, true)];
-                let is_quad = topology.corners(f).len() == 4;
+                let is_quad = topology.half_edges(f).len() == 4;
                 // the quads of a quad keep its orientation, those of other faces start at their vertex
-                let first = if is_quad { corner - topology.corners(f).start } else { 0 };
+                let first = if is_quad { corner - topology.half_edges(f).start } else { 0 };
                 split.sides.extend((0..4).map(|at| sides[((at + 4 - first) % 4) as usize]));
                 let (start, j) = here;
                 let (place, turn) = if is_quad { (ROW_BY_ROW[j as usize], (j + 4 - first) % 4) } else { (j, 0) };
@@ -165,7 +165,7 @@ impl Numbering {
 
     /// A corner of face `f` in the whole net: the first corner of the face, and how many follow up to this one.
     fn corner(&self, topology: &Topology, f: usize, corner: u32) -> (u64, u32) {
-        let (face, range) = (self.faces[f], topology.corners(f));
+        let (face, range) = (self.faces[f], topology.half_edges(f));
         (face.start, (corner - range.start + face.turn) % (range.end - range.start))
     }
 }

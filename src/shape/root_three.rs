@@ -28,10 +28,10 @@ impl Topology {
     #[must_use]
     pub fn split_root_three(&self, rim: Rim) -> Self {
         let split = RootThree::of(self, rim);
-        let n_c = self.n_corners();
+        let n_c = self.n_half_edges();
         let mut vertices = vec![0; 3 * n_c];
-        let mut corner_edge = vec![0; 3 * n_c];
-        let triangles = vertices.par_chunks_exact_mut(3).zip(corner_edge.par_chunks_exact_mut(3));
+        let mut edge_of = vec![0; 3 * n_c];
+        let triangles = vertices.par_chunks_exact_mut(3).zip(edge_of.par_chunks_exact_mut(3));
         triangles.enumerate().with_min_len(GRAIN).for_each(|(corner, (vertices, edges))| {
             vertices.copy_from_slice(&split.triangle(index(corner)));
             edges.copy_from_slice(&split.sides(index(corner)));
@@ -40,9 +40,9 @@ impl Topology {
             n_vertices: self.n_vertices() + self.n_faces() + split.cut.len(),
             faces: Faces::Triangles,
             vertices,
-            corner_edge,
-            edge_corners: split.edges(),
-            vertex_corner: split.outgoing(),
+            edge_of,
+            halves: split.edges(),
+            outgoing: split.outgoing(),
         }
     }
 }
@@ -61,7 +61,7 @@ impl<'a> RootThree<'a> {
             Rim::Whole => Vec::new(),
             Rim::Thirds => {
                 let boundary = (0..old.n_edges()).filter(|&e| old.is_boundary_edge(e));
-                boundary.map(|e| old.edge_corners(e)[0]).collect()
+                boundary.map(|e| old.halves(e)[0]).collect()
             }
         };
         Self { old, rim, cut }
@@ -73,7 +73,7 @@ impl<'a> RootThree<'a> {
         if self.cut.is_empty() {
             return None;
         }
-        let mut corners = self.old.corners(self.old.face_of(corner));
+        let mut corners = self.old.half_edges(self.old.face_of(corner));
         corners.find(|&corner| self.old.twin(corner) == NONE)
     }
 
@@ -123,7 +123,7 @@ impl<'a> RootThree<'a> {
 
     /// The second spoke at the vertex opposite a cut edge, to the new vertex next to the edge's end.
     fn extra_spoke(&self, cut: u32) -> u32 {
-        index(self.old.n_edges() + self.old.n_corners()) + self.rank(cut)
+        index(self.old.n_edges() + self.old.n_half_edges()) + self.rank(cut)
     }
 
     /// The spoke at a corner to the centre that the inner edge of `from`, of the same face, sees.
@@ -152,11 +152,11 @@ impl<'a> RootThree<'a> {
     fn edges(&self) -> Vec<[u32; 2]> {
         let old = self.old;
         let crossing = (0..old.n_edges()).into_par_iter().with_min_len(GRAIN).map(|e| {
-            let [first, second] = old.edge_corners(e);
+            let [first, second] = old.halves(e);
             if second == NONE { [3 * first, NONE] } else { [3 * first + 1, 3 * second + 1] }
         });
         let spokes =
-            (0..index(old.n_corners())).into_par_iter().with_min_len(GRAIN).map(|corner| self.on_spoke(corner));
+            (0..index(old.n_half_edges())).into_par_iter().with_min_len(GRAIN).map(|corner| self.on_spoke(corner));
         let extra = self.cut.par_iter().map(|&cut| {
             // from the vertex opposite to the second new vertex: seen from across, and from the middle triangle
             [3 * old.twin(old.next(cut)), 3 * cut + 1]
@@ -187,7 +187,7 @@ impl<'a> RootThree<'a> {
     fn outgoing(&self) -> Vec<u32> {
         let old = self.old;
         let kept = |v: usize| {
-            let corner = old.vertex_corner[v];
+            let corner = old.outgoing[v];
             if corner == NONE {
                 return NONE;
             }
@@ -198,7 +198,7 @@ impl<'a> RootThree<'a> {
             3 * old.twin(old.previous(corner))
         };
         let of_face = |f: usize| {
-            let first = old.corners(f).start;
+            let first = old.half_edges(f).start;
             match self.cut_in(first) {
                 // from the first new vertex along the middle third
                 Some(cut) => 3 * cut,

@@ -16,12 +16,12 @@ impl Topology {
     /// by corner, each starting at its vertex.
     #[must_use]
     pub fn split(&self) -> Self {
-        let (n_v, n_e, n_c) = (self.n_vertices(), self.n_edges(), self.n_corners());
+        let (n_v, n_e, n_c) = (self.n_vertices(), self.n_edges(), self.n_half_edges());
         let mut vertices = vec![0; 4 * n_c];
-        let mut corner_edge = vec![0; 4 * n_c];
-        let quads = vertices.par_chunks_exact_mut(4).zip(corner_edge.par_chunks_exact_mut(4));
+        let mut edge_of = vec![0; 4 * n_c];
+        let quads = vertices.par_chunks_exact_mut(4).zip(edge_of.par_chunks_exact_mut(4));
         quads.enumerate().with_min_len(1024).for_each(|(child, (vertices, edges))| {
-            let corner = self.parent_corner(index(child));
+            let corner = self.parent_half_edge(index(child));
             let turn = self.child(corner, 0) & 3;
             let (quad, sides) = (self.child_quad(corner), self.child_edges(corner));
             for i in 0..4 {
@@ -35,16 +35,16 @@ impl Topology {
             let corner = index(corner);
             [self.child(corner, 1), self.child(self.next(corner), 2)]
         });
-        let kept = self.vertex_corner.par_iter().map(|&c| if c == NONE { NONE } else { self.child(c, 0) });
-        let on_edges = self.edge_corners.par_iter().map(|corners| self.child(self.next(corners[0]), 3));
-        let on_faces = (0..self.n_faces()).into_par_iter().map(|f| self.child(self.corners(f).start, 2));
+        let kept = self.outgoing.par_iter().map(|&c| if c == NONE { NONE } else { self.child(c, 0) });
+        let on_edges = self.halves.par_iter().map(|corners| self.child(self.next(corners[0]), 3));
+        let on_faces = (0..self.n_faces()).into_par_iter().map(|f| self.child(self.half_edges(f).start, 2));
         Self {
             n_vertices: n_v + n_e + self.n_faces(),
             faces: Faces::Quads,
             vertices,
-            corner_edge,
-            edge_corners: halves.chain(spokes).collect(),
-            vertex_corner: kept.chain(on_edges).chain(on_faces).collect(),
+            edge_of,
+            halves: halves.chain(spokes).collect(),
+            outgoing: kept.chain(on_edges).chain(on_faces).collect(),
         }
     }
 
@@ -60,7 +60,7 @@ impl Topology {
     /// Child corner `i` (0 to 3, counted from the vertex) in the child quad of `corner`.
     #[inline]
     fn child(&self, corner: u32, i: u32) -> u32 {
-        let range = self.corners(self.face_of(corner));
+        let range = self.half_edges(self.face_of(corner));
         let j = corner - range.start;
         if range.end - range.start == 4 {
             4 * (range.start + ROW_BY_ROW[j as usize]) + ((j + i) & 3)
@@ -71,8 +71,8 @@ impl Topology {
 
     /// The corner whose child quad has number `child`: the inverse of `child`.
     #[inline]
-    pub fn parent_corner(&self, child: u32) -> u32 {
-        let range = self.corners(self.face_of(child));
+    pub fn parent_half_edge(&self, child: u32) -> u32 {
+        let range = self.half_edges(self.face_of(child));
         if range.end - range.start == 4 { range.start + ROW_BY_ROW[(child - range.start) as usize] } else { child }
     }
 
@@ -82,8 +82,8 @@ impl Topology {
         let n_e = index(self.n_edges());
         let before = self.previous(corner);
         let (edge, edge_before) = (self.edge(corner), self.edge(before));
-        let forward = self.edge_corners[edge as usize][0] == corner;
-        let forward_before = self.edge_corners[edge_before as usize][0] == before;
+        let forward = self.halves[edge as usize][0] == corner;
+        let forward_before = self.halves[edge_before as usize][0] == before;
         [
             2 * edge + u32::from(!forward),
             2 * n_e + corner,
@@ -95,7 +95,7 @@ impl Topology {
     /// Corners on half `half & 1` of edge `half / 2`.
     #[inline]
     fn half_corners(&self, half: usize) -> [u32; 2] {
-        let [first, second] = self.edge_corners[half / 2];
+        let [first, second] = self.halves[half / 2];
         if half & 1 == 0 {
             let other = if second == NONE { NONE } else { self.child(self.next(second), 3) };
             [self.child(first, 0), other]

@@ -66,12 +66,12 @@ impl<'a> Tiling<'a> {
     /// The vertex at a place of a face of the parent.
     #[inline]
     pub fn vertex(&self, face: usize, place: [usize; 2]) -> u32 {
-        let first = self.parent.corners(face).start;
+        let first = self.parent.half_edges(face).start;
         match self.tile.place(self.pieces, place) {
             Place::Corner(corner) => self.parent.vertex(first + corner),
             Place::Side(side, at) => {
                 let edge = self.parent.edge(first + side) as usize;
-                let forward = self.parent.edge_corners(edge)[0] == first + side;
+                let forward = self.parent.halves(edge)[0] == first + side;
                 let at = if forward { at } else { self.pieces - at };
                 index(self.parent.n_vertices() + edge * (self.pieces - 1) + at - 1)
             }
@@ -89,9 +89,9 @@ impl<'a> Tiling<'a> {
 
     /// A corner of the parent's face, its side, and a place so many steps along an edge of the parent.
     pub(super) fn along(&self, edge: usize, at: usize) -> (usize, [usize; 2]) {
-        let corner = self.parent.edge_corners(edge)[0];
+        let corner = self.parent.halves(edge)[0];
         let face = self.parent.face_of(corner);
-        let side = corner - self.parent.corners(face).start;
+        let side = corner - self.parent.half_edges(face).start;
         (face, self.tile.along(self.pieces, side, at))
     }
 
@@ -104,7 +104,7 @@ impl<'a> Tiling<'a> {
     /// The corner whose half-edge is this piece, counted along the half-edge of a corner of the parent.
     fn piece(&self, corner: u32, piece: usize) -> u32 {
         let face = self.parent.face_of(corner);
-        let side = corner - self.parent.corners(face).start;
+        let side = corner - self.parent.half_edges(face).start;
         self.corner(face, self.tile.at_side(self.pieces, side, piece), side)
     }
 
@@ -113,9 +113,9 @@ impl<'a> Tiling<'a> {
         let d = self.pieces;
         match self.tile.side(d, cell, side) {
             Piece::Outer(side, piece) => {
-                let corner = self.parent.corners(face).start + side;
+                let corner = self.parent.half_edges(face).start + side;
                 let edge = self.parent.edge(corner) as usize;
-                let forward = self.parent.edge_corners(edge)[0] == corner;
+                let forward = self.parent.halves(edge)[0] == corner;
                 index(edge * d + if forward { piece } else { d - 1 - piece })
             }
             Piece::Inner(number) => index(self.parent.n_edges() * d + face * self.tile.inner_edges(d) + number),
@@ -127,15 +127,15 @@ impl<'a> Tiling<'a> {
         let (parent, tile, d) = (self.parent, self.tile, self.pieces);
         let sides = tile.sides() as usize;
         let mut vertices = vec![0; sides * self.n_faces()];
-        let mut corner_edge = vec![0; vertices.len()];
-        let cells = vertices.par_chunks_exact_mut(sides).zip(corner_edge.par_chunks_exact_mut(sides));
+        let mut edge_of = vec![0; vertices.len()];
+        let cells = vertices.par_chunks_exact_mut(sides).zip(edge_of.par_chunks_exact_mut(sides));
         cells.enumerate().with_min_len(1024).for_each(|(child, (vertices, edges))| {
             let (face, cell) = (child / (d * d), tile.cell(d, child % (d * d)));
             vertices.copy_from_slice(&self.face(child)[..sides]);
             (0..).zip(edges).for_each(|(side, edge)| *edge = self.edge(face, cell, side));
         });
         let pieces = (0..d * parent.n_edges()).into_par_iter().with_min_len(1024).map(|piece| {
-            let [first, second] = parent.edge_corners(piece / d);
+            let [first, second] = parent.halves(piece / d);
             let other = if second == NONE { NONE } else { self.piece(second, d - 1 - piece % d) };
             [self.piece(first, piece % d), other]
         });
@@ -145,9 +145,9 @@ impl<'a> Tiling<'a> {
             .with_min_len(1024)
             .map(|edge| tile.at_edge(d, edge % each).map(|(cell, side)| self.corner(edge / each, cell, side)));
         let new = parent.n_vertices()..self.n_vertices();
-        let kept = parent.vertex_corner.par_iter().map(|&c| if c == NONE { NONE } else { self.piece(c, 0) });
+        let kept = parent.outgoing.par_iter().map(|&c| if c == NONE { NONE } else { self.piece(c, 0) });
         let made = new.into_par_iter().with_min_len(1024).map(|v| match self.ancestor(v) {
-            Ancestor::Edge(edge, at) => self.piece(parent.edge_corners(edge)[0], at),
+            Ancestor::Edge(edge, at) => self.piece(parent.halves(edge)[0], at),
             Ancestor::Face(face, place) => self.corner(face, Cell::at(place), 0),
             Ancestor::Vertex(_) => unreachable!("vertices of the parent come first"),
         });
@@ -157,10 +157,10 @@ impl<'a> Tiling<'a> {
                 Tile::Quad => Faces::Quads,
                 Tile::Triangle => Faces::Triangles,
             },
-            edge_corners: pieces.chain(inner).collect(),
-            vertex_corner: kept.chain(made).collect(),
+            halves: pieces.chain(inner).collect(),
+            outgoing: kept.chain(made).collect(),
             vertices,
-            corner_edge,
+            edge_of,
         }
     }
 }

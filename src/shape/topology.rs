@@ -1,11 +1,11 @@
 //! Topology: which vertices, edges and faces meet, as flat arrays that are never edited. No coordinates.
 //!
-//! A *corner* is a place where a face has a vertex; it also stands for the half-edge from this vertex to the next one of
-//! the face. Corners are numbered face after face.
+//! A *half-edge* is one side of an edge: it belongs to one face and runs from a vertex of the face to the next one. Its
+//! number also stands for the place where the face has the vertex it starts at. Half-edges are numbered face after face.
 
 use rayon::prelude::*;
 
-/// "There is none": the missing second corner of a boundary edge, the missing corner of an isolated vertex.
+/// "There is none": the missing second half-edge of a boundary edge, the missing half-edge of an isolated vertex.
 pub const NONE: u32 = u32::MAX;
 
 /// Connectivity of an oriented 2-manifold with boundary; every vertex has at most one fan of faces.
@@ -13,29 +13,29 @@ pub const NONE: u32 = u32::MAX;
 pub struct Topology {
     pub(super) n_vertices: usize,
     pub(super) faces: Faces,
-    /// Vertex at each corner.
+    /// Vertex at each half-edge.
     pub(super) vertices: Vec<u32>,
-    /// Edge from each corner to the next of its face.
-    pub(super) corner_edge: Vec<u32>,
-    /// The corners whose half-edges lie on each edge; the first runs in the edge's direction, the second may be [`NONE`].
-    pub(super) edge_corners: Vec<[u32; 2]>,
-    /// The first outgoing corner of each vertex in counter-clockwise order (on the boundary the one whose edge is a
+    /// Edge from each half-edge to the next of its face.
+    pub(super) edge_of: Vec<u32>,
+    /// The half-edges whose half-edges lie on each edge; the first runs in the edge's direction, the second may be [`NONE`].
+    pub(super) halves: Vec<[u32; 2]>,
+    /// The first outgoing half-edge of each vertex in counter-clockwise order (on the boundary the one whose edge is a
     /// boundary edge), or [`NONE`].
-    pub(super) vertex_corner: Vec<u32>,
+    pub(super) outgoing: Vec<u32>,
 }
 
-/// Where each face's corners are.
+/// Where each face's half-edges are.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Faces {
-    /// Face `f` has the corners `4 f .. 4 f + 4`.
+    /// Face `f` has the half-edges `4 f .. 4 f + 4`.
     Quads,
-    /// Face `f` has the corners `3 f .. 3 f + 3`.
+    /// Face `f` has the half-edges `3 f .. 3 f + 3`.
     Triangles,
-    /// Face `f` has the corners `starts[f] .. starts[f + 1]`; `owner` is the face of each corner.
+    /// Face `f` has the half-edges `starts[f] .. starts[f + 1]`; `owner` is the face of each half-edge.
     Mixed { starts: Vec<u32>, owner: Vec<u32> },
 }
 
-/// Number as an index; nets have fewer than 2^32 corners by the limits that admit them.
+/// Number as an index; nets have fewer than 2^32 half-edges by the limits that admit them.
 #[expect(clippy::cast_possible_truncation, reason = "the limits keep every count below 2^32")]
 pub(crate) const fn index(n: usize) -> u32 {
     n as u32
@@ -49,7 +49,7 @@ impl Topology {
 
     /// Number of edges.
     pub fn n_edges(&self) -> usize {
-        self.edge_corners.len()
+        self.halves.len()
     }
 
     /// Number of faces.
@@ -61,8 +61,8 @@ impl Topology {
         }
     }
 
-    /// Number of corners: the sum of the sizes of all faces.
-    pub fn n_corners(&self) -> usize {
+    /// Number of half-edges: the sum of the sizes of all faces.
+    pub fn n_half_edges(&self) -> usize {
         self.vertices.len()
     }
 
@@ -83,9 +83,9 @@ impl Topology {
         }
     }
 
-    /// The corners of face `f`.
+    /// The half-edges of face `f`.
     #[inline]
-    pub fn corners(&self, f: usize) -> std::ops::Range<u32> {
+    pub fn half_edges(&self, f: usize) -> std::ops::Range<u32> {
         match &self.faces {
             Faces::Quads => index(4 * f)..index(4 * f + 4),
             Faces::Triangles => index(3 * f)..index(3 * f + 3),
@@ -96,81 +96,81 @@ impl Topology {
     /// The vertices of face `f`, counter-clockwise.
     #[inline]
     pub fn face(&self, f: usize) -> &[u32] {
-        let corners = self.corners(f);
-        &self.vertices[corners.start as usize..corners.end as usize]
+        let half_edges = self.half_edges(f);
+        &self.vertices[half_edges.start as usize..half_edges.end as usize]
     }
 
-    /// The face of a corner.
+    /// The face of a half-edge.
     #[inline]
-    pub fn face_of(&self, corner: u32) -> usize {
+    pub fn face_of(&self, half_edge: u32) -> usize {
         match &self.faces {
-            Faces::Quads => corner as usize / 4,
-            Faces::Triangles => corner as usize / 3,
-            Faces::Mixed { owner, .. } => owner[corner as usize] as usize,
+            Faces::Quads => half_edge as usize / 4,
+            Faces::Triangles => half_edge as usize / 3,
+            Faces::Mixed { owner, .. } => owner[half_edge as usize] as usize,
         }
     }
 
-    /// The next corner of the same face.
+    /// The next half-edge of the same face.
     #[inline]
-    pub fn next(&self, corner: u32) -> u32 {
+    pub fn next(&self, half_edge: u32) -> u32 {
         match &self.faces {
-            Faces::Quads => (corner & !3) | ((corner + 1) & 3),
+            Faces::Quads => (half_edge & !3) | ((half_edge + 1) & 3),
             Faces::Triangles => {
-                if corner % 3 == 2 {
-                    corner - 2
+                if half_edge % 3 == 2 {
+                    half_edge - 2
                 } else {
-                    corner + 1
+                    half_edge + 1
                 }
             }
             Faces::Mixed { .. } => {
-                let range = self.corners(self.face_of(corner));
-                if corner + 1 == range.end { range.start } else { corner + 1 }
+                let range = self.half_edges(self.face_of(half_edge));
+                if half_edge + 1 == range.end { range.start } else { half_edge + 1 }
             }
         }
     }
 
-    /// The previous corner of the same face.
+    /// The previous half-edge of the same face.
     #[inline]
-    pub fn previous(&self, corner: u32) -> u32 {
+    pub fn previous(&self, half_edge: u32) -> u32 {
         match &self.faces {
-            Faces::Quads => (corner & !3) | (corner.wrapping_sub(1) & 3),
+            Faces::Quads => (half_edge & !3) | (half_edge.wrapping_sub(1) & 3),
             Faces::Triangles => {
-                if corner.is_multiple_of(3) {
-                    corner + 2
+                if half_edge.is_multiple_of(3) {
+                    half_edge + 2
                 } else {
-                    corner - 1
+                    half_edge - 1
                 }
             }
             Faces::Mixed { .. } => {
-                let range = self.corners(self.face_of(corner));
-                if corner == range.start { range.end - 1 } else { corner - 1 }
+                let range = self.half_edges(self.face_of(half_edge));
+                if half_edge == range.start { range.end - 1 } else { half_edge - 1 }
             }
         }
     }
 
-    /// The vertex at a corner.
+    /// The vertex that a half-edge starts at.
     #[inline]
-    pub fn vertex(&self, corner: u32) -> u32 {
-        self.vertices[corner as usize]
+    pub fn vertex(&self, half_edge: u32) -> u32 {
+        self.vertices[half_edge as usize]
     }
 
-    /// The edge from a corner to the next of its face.
+    /// The edge of which a half-edge is one side.
     #[inline]
-    pub fn edge(&self, corner: u32) -> u32 {
-        self.corner_edge[corner as usize]
+    pub fn edge(&self, half_edge: u32) -> u32 {
+        self.edge_of[half_edge as usize]
     }
 
-    /// The one or two corners on edge `e`; the first runs in the edge's direction.
+    /// The one or two half-edges on edge `e`; the first runs in the edge's direction.
     #[inline]
-    pub fn edge_corners(&self, e: usize) -> [u32; 2] {
-        self.edge_corners[e]
+    pub fn halves(&self, e: usize) -> [u32; 2] {
+        self.halves[e]
     }
 
     /// The two ends of edge `e`, in its direction.
     #[inline]
     pub fn ends(&self, e: usize) -> [u32; 2] {
-        let corner = self.edge_corners[e][0];
-        [self.vertex(corner), self.vertex(self.next(corner))]
+        let half_edge = self.halves[e][0];
+        [self.vertex(half_edge), self.vertex(self.next(half_edge))]
     }
 
     /// The end of edge `e` that is not its end `v`.
@@ -183,36 +183,36 @@ impl Topology {
     /// Whether edge `e` has one face only.
     #[inline]
     pub fn is_boundary_edge(&self, e: usize) -> bool {
-        self.edge_corners[e][1] == NONE
+        self.halves[e][1] == NONE
     }
 
-    /// The corner on the other side of a corner's edge, or [`NONE`].
+    /// The half-edge on the other side of a half-edge's edge, or [`NONE`].
     #[inline]
-    pub fn twin(&self, corner: u32) -> u32 {
-        let [first, second] = self.edge_corners[self.edge(corner) as usize];
-        if first == corner { second } else { first }
+    pub fn twin(&self, half_edge: u32) -> u32 {
+        let [first, second] = self.halves[self.edge(half_edge) as usize];
+        if first == half_edge { second } else { first }
     }
 
-    /// Outgoing corners of vertex `v`, counter-clockwise; on the boundary from boundary to boundary.
+    /// Outgoing half-edges of vertex `v`, counter-clockwise; on the boundary from boundary to boundary.
     #[inline]
     pub fn ring(&self, v: usize) -> Ring<'_> {
-        let start = self.vertex_corner[v];
+        let start = self.outgoing[v];
         Ring::from(self, start)
     }
 
     /// Whether no face has vertex `v`.
     #[inline]
     pub fn is_isolated(&self, v: usize) -> bool {
-        self.vertex_corner[v] == NONE
+        self.outgoing[v] == NONE
     }
 
     /// The two boundary edges at vertex `v` (outgoing, incoming), if it lies on the boundary.
     pub fn boundary_edges(&self, v: usize) -> Option<[u32; 2]> {
-        let start = self.vertex_corner[v];
+        let start = self.outgoing[v];
         if start == NONE || self.twin(start) != NONE {
             return None;
         }
-        let last = self.ring(v).last().expect("a vertex with a corner has a ring");
+        let last = self.ring(v).last().expect("a vertex with a half-edge has a ring");
         Some([self.edge(start), self.edge(self.previous(last))])
     }
 
@@ -223,7 +223,7 @@ impl Topology {
 
     /// Number of boundary edges, which is also the number of boundary vertices.
     pub fn n_boundary(&self) -> usize {
-        self.edge_corners.par_iter().filter(|corners| corners[1] == NONE).count()
+        self.halves.par_iter().filter(|half_edges| half_edges[1] == NONE).count()
     }
 
     /// The boundary loops, each as its vertices with the mesh on the left, starting at the loop's lowest edge.
@@ -249,7 +249,7 @@ impl Topology {
     }
 }
 
-/// Iterator over the outgoing corners of a vertex.
+/// Iterator over the outgoing half-edges of a vertex.
 #[derive(Debug, Clone)]
 pub struct Ring<'a> {
     topology: &'a Topology,
@@ -258,7 +258,7 @@ pub struct Ring<'a> {
 }
 
 impl<'a> Ring<'a> {
-    /// The ring that starts at an outgoing corner.
+    /// The ring that starts at an outgoing half-edge.
     pub(super) fn from(topology: &'a Topology, start: u32) -> Self {
         Self { topology, start, at: start }
     }
@@ -272,9 +272,9 @@ impl Iterator for Ring<'_> {
         if self.at == NONE {
             return None;
         }
-        let corner = self.at;
-        let onward = self.topology.twin(self.topology.previous(corner));
+        let half_edge = self.at;
+        let onward = self.topology.twin(self.topology.previous(half_edge));
         self.at = if onward == self.start { NONE } else { onward };
-        Some(corner)
+        Some(half_edge)
     }
 }

@@ -100,7 +100,7 @@ impl Uvs {
         let (place_of_corner, n_places) = fans.places();
         let mut faces = FaceList::default();
         for f in 0..mesh.n_faces() {
-            faces.push(mesh.corners(f).map(|corner| place_of_corner[corner as usize]));
+            faces.push(mesh.half_edges(f).map(|corner| place_of_corner[corner as usize]));
         }
         let checked = Topology::of_faces(n_places, faces, Winding::Refuse)?;
         let mut values = vec![0.0; 2 * n_places];
@@ -133,7 +133,7 @@ impl Uvs {
     /// Edges of the mesh along which the texture coordinates are parted, ascending.
     pub fn seams(&self, mesh: &Topology) -> Vec<u32> {
         let parted = |&e: &usize| {
-            let [first, second] = mesh.edge_corners(e);
+            let [first, second] = mesh.halves(e);
             second != NONE && self.topology.is_boundary_edge(self.topology.edge(first) as usize)
         };
         (0..mesh.n_edges()).filter(parted).map(index).collect()
@@ -153,7 +153,7 @@ fn corner_values(input: &UvsInput, mesh: &Topology, turned: &[u32]) -> Result<Ve
         faults.push(Fault::new("/faces", detail));
         return Err(faults);
     }
-    let mut found = Vec::with_capacity(mesh.n_corners());
+    let mut found = Vec::with_capacity(mesh.n_half_edges());
     for f in 0..faces.len() {
         let face = faces.face(f);
         let size = mesh.face(f).len();

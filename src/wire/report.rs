@@ -58,7 +58,7 @@ fn components(topology: &Topology) -> usize {
         n += 1;
         let mut waiting = vec![first];
         while let Some(f) = waiting.pop() {
-            let neighbours = topology.corners(f).map(|corner| topology.twin(corner));
+            let neighbours = topology.half_edges(f).map(|corner| topology.twin(corner));
             for twin in neighbours.filter(|&twin| twin != crate::shape::topology::NONE) {
                 let g = topology.face_of(twin);
                 if !std::mem::replace(&mut seen[g], true) {

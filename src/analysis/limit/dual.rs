@@ -124,7 +124,7 @@ impl<'a> Dual<'a> {
         }
         // counter-clockwise around the end, the face of the twin comes after that of the corner
         let place = self.place(old.vertex(end), old.face_of(corner))?;
-        Some(Centre::Edge(self.new.corners(face as usize).start + place))
+        Some(Centre::Edge(self.new.half_edges(face as usize).start + place))
     }
 
     /// The place of a face in the cycle of those around an inner vertex, which starts at the lowest.
@@ -142,7 +142,7 @@ impl<'a> Dual<'a> {
         for &v in self.old.face(f) {
             let face = self.faces[v as usize];
             let Some(place) = self.place(v, f).filter(|_| face != NONE) else { continue };
-            let vertex = self.new.vertex(self.new.corners(face as usize).start + place);
+            let vertex = self.new.vertex(self.new.half_edges(face as usize).start + place);
             match found.iter_mut().find(|(known, _)| *known == vertex) {
                 Some((_, n)) => *n += 1,
                 None => found.push((vertex, 1)),

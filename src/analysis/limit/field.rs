@@ -321,7 +321,7 @@ fn middles_settle(
 fn near_irregular(whole: &Whole<'_>, rings: Rings) -> Vec<bool> {
     let topology = whole.topology;
     let irregular = |v: usize| {
-        let quads = || topology.ring(v).all(|corner| topology.corners(topology.face_of(corner)).len() == 4);
+        let quads = || topology.ring(v).all(|corner| topology.half_edges(topology.face_of(corner)).len() == 4);
         topology.is_isolated(v)
             || topology.boundary_edges(v).is_some()
             || topology.ring(v).take(5).count() != 4

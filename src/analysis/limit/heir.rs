@@ -55,7 +55,7 @@ fn middle(centre: Centre, topology: &Topology, finer: &Topology, rows: &Rows) ->
     let piece = || match centre {
         Centre::Vertex(_) => None,
         Centre::Edge(_) => {
-            let corners = 0..index(finer.n_corners());
+            let corners = 0..index(finer.n_half_edges());
             corners.map(Centre::Edge).find(|&piece| is_middle(&cell(piece, finer)))
         }
         Centre::Face(_) => (0..index(finer.n_faces())).find(|&f| is_middle(finer.face(f as usize))).map(Centre::Face),
@@ -95,7 +95,7 @@ fn cut(centre: Centre, before: &MeshNet, after: &MeshNet) -> Result<Centre, Unli
         towards(a, b).or_else(|| towards(b, a)).map(Centre::Edge).ok_or(Unlimited::Lost)
     };
     match centre {
-        Centre::Face(f) => face_of(&old.corners(f as usize).collect::<Vec<_>>()),
+        Centre::Face(f) => face_of(&old.half_edges(f as usize).collect::<Vec<_>>()),
         Centre::Edge(corner) => edge_of([corner, old.next(corner)]),
         Centre::Vertex(v) => {
             let ring: Vec<u32> = old.ring(v as usize).collect();
@@ -104,7 +104,7 @@ fn cut(centre: Centre, before: &MeshNet, after: &MeshNet) -> Result<Centre, Unli
                 // the first step puts two new vertices on each boundary edge, after those in corners
                 _ if before.rounds == 0 => {
                     let rim: Vec<usize> = (0..old.n_edges()).filter(|&e| old.is_boundary_edge(e)).collect();
-                    let first = old.n_corners();
+                    let first = old.n_half_edges();
                     if let Ok(place) = before.corners.binary_search(&v) {
                         return Ok(Centre::Vertex(index(first + 2 * rim.len() + place)));
                     }

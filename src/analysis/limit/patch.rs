@@ -188,7 +188,7 @@ impl Patch {
 /// The faces without those that have two edges on the boundary, if there are any: the second step of sqrt 3 cuts boundary
 /// edges in three, one of a face at most, and where a patch ends at the boundary of its mesh it may have such faces.
 fn without_ears(topology: &Topology) -> Option<FaceList> {
-    let is_ear = |&f: &usize| topology.corners(f).filter(|&corner| topology.twin(corner) == NONE).count() > 1;
+    let is_ear = |&f: &usize| topology.half_edges(f).filter(|&corner| topology.twin(corner) == NONE).count() > 1;
     (0..topology.n_faces()).find(is_ear)?;
     let mut faces = FaceList::default();
     (0..topology.n_faces()).filter(|f| !is_ear(f)).for_each(|f| faces.push(topology.face(f).iter().copied()));
@@ -244,7 +244,7 @@ impl Whole<'_> {
                 (Some(self.topology.ring(v as usize).take(if open { 1 } else { usize::MAX })), None, None)
             }
             Centre::Edge(corner) => (None, Some([corner, self.topology.twin(corner)]), None),
-            Centre::Face(f) => (None, None, Some(self.topology.corners(f as usize))),
+            Centre::Face(f) => (None, None, Some(self.topology.half_edges(f as usize))),
         };
         let sides = sides.into_iter().flatten().filter(|&corner| corner != NONE);
         around.into_iter().flatten().chain(sides).chain(of.into_iter().flatten())

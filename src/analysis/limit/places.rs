@@ -45,7 +45,7 @@ impl Regular {
             let net = self.net(side, false);
             let face = (side / 2 * side + side / 2) * per_square;
             if boundaries {
-                let rim = net.base.corners(side / 2 * per_square).start;
+                let rim = net.base.half_edges(side / 2 * per_square).start;
                 places.push((net.clone(), Centre::Edge(rim)));
             }
             places.push((net, Centre::Face(index(face))));

@@ -65,7 +65,7 @@ impl<'a> Hulls<'a> {
         let end = |corner: u32| at(topology.next(corner));
         let area =
             |corner: u32| cross(minus(end(corner), at(corner)), minus(at(topology.previous(corner)), at(corner)));
-        let corners = || around.iter().flat_map(|&f| topology.corners(f));
+        let corners = || around.iter().flat_map(|&f| topology.half_edges(f));
         let sum = corners().map(area).fold([0.0; 3], plus);
         let size = length(sum);
         if size.is_nan() || size <= 0.0 {

@@ -47,7 +47,7 @@ impl Level {
     /// Faces after so many rounds, faces of any size being split into quads by the first one.
     pub(super) fn faces_after(&self, rounds: usize) -> usize {
         // a quad has as many children as corners, a triangle one more
-        let first = self.topology.n_corners().max(4 * self.topology.n_faces());
+        let first = self.topology.n_half_edges().max(4 * self.topology.n_faces());
         (1..rounds).fold(first, |faces, _| faces.saturating_mul(4))
     }
 
@@ -125,7 +125,7 @@ impl Level {
         let centre = |corner: u32| centres[topology.face_of(corner)];
         let vertices = (0..topology.n_vertices())
             .map(|v| if topology.is_isolated(v) { points[v] } else { mean(topology.ring(v).map(centre)) });
-        let sides = |e: usize| topology.edge_corners(e).into_iter().filter(|&corner| corner != NONE);
+        let sides = |e: usize| topology.halves(e).into_iter().filter(|&corner| corner != NONE);
         let edges = (0..topology.n_edges()).map(|e| mean(sides(e).map(centre)));
         vertices.chain(edges).chain(centres.iter().copied()).flatten().collect()
     }
@@ -194,7 +194,7 @@ impl Level {
         vertices: &[u32],
         topology: &Topology,
     ) -> Option<Sharpness> {
-        let corners = kept.iter().flat_map(|&f| self.topology.corners(f as usize));
+        let corners = kept.iter().flat_map(|&f| self.topology.half_edges(f as usize));
         let mut edges: Vec<(u32, f64)> = (0..)
             .zip(corners)
             .map(|(corner, old)| (topology.edge(corner), sharpness.edge(self.topology.edge(old) as usize)))

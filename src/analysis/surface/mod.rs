@@ -162,7 +162,7 @@ fn check_size(mesh: &Mesh, tolerance: f64) -> Result<f64, NoLevel> {
 
 /// Bytes that a search takes at most.
 pub fn search_bytes(mesh: &Mesh) -> u64 {
-    let faces = mesh.topology.n_corners().max(mesh.topology.n_faces()).max(MAX_FACES);
+    let faces = mesh.topology.n_half_edges().max(mesh.topology.n_faces()).max(MAX_FACES);
     BYTES_A_FACE.saturating_mul(faces as u64)
 }
 

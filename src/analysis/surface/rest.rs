@@ -152,5 +152,5 @@ fn area(level: &Level, face: usize) -> Vector {
         let here = at(corner);
         cross(minus(at(topology.next(corner)), here), minus(at(topology.previous(corner)), here))
     };
-    topology.corners(face).map(normal).fold([0.0; 3], plus)
+    topology.half_edges(face).map(normal).fold([0.0; 3], plus)
 }

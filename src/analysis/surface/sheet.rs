@@ -49,14 +49,14 @@ impl Sheet {
             cross(minus(next, here), minus(before, here))
         };
         let corners = topology.face(face);
-        let sum = topology.corners(face).map(normal).fold([0.0; 3], plus);
+        let sum = topology.half_edges(face).map(normal).fold([0.0; 3], plus);
         let size = length(sum);
         if size.is_nan() || size <= 0.0 {
             return None;
         }
         let n = times(1.0 / size, sum);
         let (mut slope, mut rim) = (0.0_f64, Vec::new());
-        for corner in faces.iter().flat_map(|&f| topology.corners(f)) {
+        for corner in faces.iter().flat_map(|&f| topology.half_edges(f)) {
             let here = normal(corner);
             let up = dot(n, here);
             if up.is_nan() || up <= 0.0 {

@@ -20,7 +20,7 @@ pub(in crate::output) fn work(mesh: &Mesh, counts: &Counts, options: &Options<'_
     let topology = &mesh.topology;
     let points = mesh.positions.as_chunks::<3>().0;
     let camera = Camera::framing(&options.view(), &[points], options.size[0], options.size[1]);
-    let triangles = (topology.n_corners()).saturating_sub(2 * topology.n_faces()).max(1);
+    let triangles = (topology.n_half_edges()).saturating_sub(2 * topology.n_faces()).max(1);
     let stride = topology.n_faces().div_ceil(MAX_FACES).max(1);
     let parts = (real(counts.triangles()) / real(triangles as u128)).max(1.0);
     let mut forecast = Forecast::of(options.size);

@@ -167,7 +167,7 @@ fn crease_edge_row(parent: &Topology, e: usize, f: f64, out: &mut Rows) {
 fn edge_row(parent: &Topology, e: usize, f: f64, out: &mut Rows) {
     let n_v = index(parent.n_vertices());
     let ends = parent.ends(e);
-    let corners = parent.edge_corners(e);
+    let corners = parent.halves(e);
     let here = n_v + index(e);
     let sum = 4.0 * (1.0 + f) * (1.0 + f);
     out.add(here, 4.0 * f / sum);
@@ -185,7 +185,7 @@ fn face_row(parent: &Topology, face: usize, f: f64, out: &mut Rows) {
     let size = ratio(parent.face(face).len(), 1);
     let sum = size * (1.0 + f) * (1.0 + f);
     out.add(n_v + index(parent.n_edges() + face), size / sum);
-    for corner in parent.corners(face) {
+    for corner in parent.half_edges(face) {
         out.add(parent.vertex(corner), f * f / sum);
         out.add(n_v + parent.edge(corner), 2.0 * f / sum);
     }

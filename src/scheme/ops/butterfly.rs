@@ -74,7 +74,7 @@ impl Operator for ButterflyEdges {
 
 fn edge_row(net: &MeshNet, parent: &Topology, e: usize, strength: f64, out: &mut Rows) {
     let ends = parent.ends(e);
-    let [forward, backward] = parent.edge_corners(e);
+    let [forward, backward] = parent.halves(e);
     if backward == NONE {
         return boundary_row(net, parent, e, strength, out);
     }

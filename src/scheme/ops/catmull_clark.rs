@@ -112,14 +112,14 @@ fn smooth_weight(parent: &Topology, e: usize) -> f64 {
         let triangle = corner != NONE && parent.face(parent.face_of(corner)).len() == 3;
         if triangle { 0.47 } else { 0.25 }
     };
-    let [first, second] = parent.edge_corners(e);
+    let [first, second] = parent.halves(e);
     0.5 * (weight(first) + weight(second))
 }
 
 /// The row of an edge point; `weight` is that of each face point.
 fn edge_row(parent: &Topology, e: usize, weight: f64, out: &mut Rows) {
     let n_v = index(parent.n_vertices());
-    let corners = parent.edge_corners(e);
+    let corners = parent.halves(e);
     let here = n_v + index(e);
     if corners[1] == NONE || weight == 0.0 {
         out.add(here, 1.0);

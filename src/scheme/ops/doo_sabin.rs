@@ -99,7 +99,7 @@ impl Operator for DooSabin {
             self.admits(net)?;
         }
         let old = net.base.clone();
-        let (n_c, n_old) = (index(old.n_corners()), old.n_vertices());
+        let (n_c, n_old) = (index(old.n_half_edges()), old.n_vertices());
         let weights = Weights::of(&old);
         if net.rounds > 0 {
             let next = net.after_own(old.cut_corners(), later_corners(net));
@@ -175,7 +175,7 @@ fn weight(i: usize, n: usize) -> f64 {
 /// The new vertex at a corner of a whole face.
 #[inline]
 fn face_row(old: &Topology, weights: &Weights, corner: u32, out: &mut Rows) {
-    let range = old.corners(old.face_of(corner));
+    let range = old.half_edges(old.face_of(corner));
     let around = (corner..range.end).chain(range.start..corner);
     let weights = weights.of_size((range.end - range.start) as usize);
     around.zip(weights).for_each(|(other, &weight)| out.add(old.vertex(other), weight));
@@ -190,7 +190,7 @@ fn later_row(old: &Topology, weights: &Weights, corner: u32, out: &mut Rows) {
         (false, true) => rim_row(old, corner, old.next(corner), is_rim(old.next(corner)), out),
         (true, false) => rim_row(old, corner, before, is_rim(old.previous(before)), out),
         (false, false) => {
-            let mut rims = old.corners(old.face_of(corner)).filter(|&corner| is_rim(corner));
+            let mut rims = old.half_edges(old.face_of(corner)).filter(|&corner| is_rim(corner));
             match (rims.next(), rims.next()) {
                 (None, _) => face_row(old, weights, corner, out),
                 (Some(rim), None) => half_row(old, weights, corner, rim, out),

@@ -80,7 +80,7 @@ fn edge_row(net: &MeshNet, parent: &Topology, e: usize, out: &mut Rows) {
     let [a, b] = parent.ends(e);
     out.add(a, NEAR);
     out.add(b, NEAR);
-    let [forward, backward] = parent.edge_corners(e);
+    let [forward, backward] = parent.halves(e);
     for (end, other, outgoing) in [(a, b, forward), (b, a, backward)] {
         let v = end as usize;
         match parent.boundary_edges(v) {

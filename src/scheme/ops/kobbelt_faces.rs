@@ -57,7 +57,7 @@ impl Operator for KobbeltFaces {
 
 fn face_row(parent: &Topology, face: usize, out: &mut Rows) {
     let share = ratio(1, parent.face(face).len());
-    for side in parent.corners(face) {
+    for side in parent.half_edges(face) {
         let here = index(parent.n_vertices()) + parent.edge(side);
         let neighbour = parent.twin(side);
         if neighbour == NONE {

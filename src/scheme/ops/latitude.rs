@@ -55,7 +55,7 @@ impl Lines {
         let topology = anchor.topology.clone();
         let latitude = directions.latitude_pairs(&topology);
         let longitude = (0..topology.n_faces()).map(|f| {
-            let edges = topology.corners(f).map(|corner| topology.edge(corner));
+            let edges = topology.half_edges(f).map(|corner| topology.edge(corner));
             let mut tagged = edges.filter(|&e| directions.of(e) == Direction::Longitude);
             match (tagged.next(), tagged.next(), tagged.next()) {
                 (Some(a), Some(b), None) => Some([a, b]),
@@ -92,7 +92,7 @@ impl Lines {
 
     /// The point of the other longitude edge of the face beyond `e`.
     fn beyond_edge(&self, e: u32, f: usize) -> Option<Even> {
-        let faces = self.topology.edge_corners(e as usize);
+        let faces = self.topology.halves(e as usize);
         let beyond = faces.into_iter().filter(|&c| c != NONE).map(|c| self.topology.face_of(c)).find(|&g| g != f)?;
         let pair = self.longitude[beyond]?;
         Some(Even::Edge(if pair[0] == e { pair[1] } else { pair[0] }))

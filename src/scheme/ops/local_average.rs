@@ -62,13 +62,13 @@ pub(super) fn rows(net: &MeshNet, parent: &Arc<Topology>, local: &Arc<MeshLocal>
                     out.add(index(row), 0.5 / (1.0 + g));
                 }
             } else {
-                for corner in parent.edge_corners(e) {
+                for corner in parent.halves(e) {
                     quad(&parent, corner, &gains, 0.25, out);
                     quad(&parent, parent.next(corner), &gains, 0.25, out);
                 }
             }
         } else {
-            let corners = parent.corners(row - n_v - n_e);
+            let corners = parent.half_edges(row - n_v - n_e);
             let share = ratio(1, corners.len());
             corners.for_each(|corner| quad(&parent, corner, &gains, share, out));
         }

@@ -99,7 +99,7 @@ fn ruled_row(parent: &Topology, v: usize, rule: Rule, scale: f64, out: &mut Rows
 
 /// The row of an edge point; a sharpness of 1 makes it the middle.
 fn edge_row(parent: &Topology, e: usize, sharpness: f64, out: &mut Rows) {
-    let corners = parent.edge_corners(e);
+    let corners = parent.halves(e);
     if corners[1] == NONE || sharpness >= 1.0 {
         parent.ends(e).iter().for_each(|&v| out.add(v, 0.5));
         return;

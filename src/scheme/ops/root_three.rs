@@ -94,7 +94,7 @@ impl Operator for RootThree {
                 vertex_row(&before, rim, row, out);
             } else if row < n_v + n_f {
                 let face = row - n_v;
-                match old.corners(face).find(|&corner| rim == Rim::Thirds && old.twin(corner) == NONE) {
+                match old.half_edges(face).find(|&corner| rim == Rim::Thirds && old.twin(corner) == NONE) {
                     Some(corner) => third_row(&before, old.edge(corner), Near::Start, out),
                     None => old.face(face).iter().for_each(|&v| out.add(v, ratio(1, 3))),
                 }

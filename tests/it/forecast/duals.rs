@@ -28,7 +28,7 @@ fn counted(net: &MeshNet) -> Count {
         vertices: topology.n_vertices() as u128,
         edges: topology.n_edges() as u128,
         faces: topology.n_faces() as u128,
-        corners: topology.n_corners() as u128,
+        corners: topology.n_half_edges() as u128,
         largest_face: (0..topology.n_faces()).map(|f| topology.face(f).len()).max().unwrap_or(0) as u128,
         largest_fan: (0..topology.n_vertices()).map(fan).max().unwrap_or(0) as u128,
         ..Count::default()
@@ -43,7 +43,7 @@ fn built<'a>(net: &MeshNet, steps: &'a [Scheduled]) -> (Vec<Count>, &'a [Schedul
         let role = step.letter.operator.role();
         let growth =
             if role == Role::Upsample { step.letter.pieces(net.topology().is_quads()).pow(2) as usize } else { 1 };
-        if net.topology().n_corners() * growth > MOST_CORNERS {
+        if net.topology().n_half_edges() * growth > MOST_CORNERS {
             return (counts, &steps[..i], None);
         }
         let values = Values {

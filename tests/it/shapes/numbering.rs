@@ -27,7 +27,7 @@ fn part(topology: &Topology, numbering: &Numbering, choices: &[u8]) -> (Topology
         let mut face = topology.face(f).to_vec();
         let turn = choice(f) % face.len();
         face.rotate_left(turn);
-        corners.push(topology.corners(f).start + u32::try_from(turn).expect("small"));
+        corners.push(topology.half_edges(f).start + u32::try_from(turn).expect("small"));
         let local = face.iter().map(|v| {
             let at = vertices.iter().position(|known| known == v).unwrap_or(vertices.len());
             if at == vertices.len() {

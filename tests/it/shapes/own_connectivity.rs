@@ -33,17 +33,16 @@ fn check(found: &Topology) -> Result<(), TestCaseError> {
     prop_assert!(checked.split_from.is_empty(), "a vertex joins several fans");
     let expected = checked.topology;
     prop_assert_eq!(found.n_edges(), expected.n_edges());
-    for corner in 0..index(found.n_corners()) {
+    for corner in 0..index(found.n_half_edges()) {
         prop_assert_eq!(found.twin(corner), expected.twin(corner), "twin of {}", corner);
         prop_assert_eq!(found.next(corner), expected.next(corner));
         prop_assert_eq!(found.face_of(corner), expected.face_of(corner));
-        let [first, second] = found.edge_corners(found.edge(corner) as usize);
+        let [first, second] = found.halves(found.edge(corner) as usize);
         prop_assert!(first == corner || second == corner);
     }
     for v in 0..found.n_vertices() {
-        let boundary = |topology: &Topology| {
-            topology.boundary_edges(v).map(|edges| edges.map(|e| topology.edge_corners(e as usize)[0]))
-        };
+        let boundary =
+            |topology: &Topology| topology.boundary_edges(v).map(|edges| edges.map(|e| topology.halves(e as usize)[0]));
         prop_assert_eq!(boundary(found), boundary(&expected), "boundary at {}", v);
         let mut rings = [found, &expected].map(|topology| topology.ring(v).collect::<Vec<_>>());
         if boundary(found).is_none() {
@@ -138,6 +137,6 @@ proptest! {
             prop_assert_eq!(euler(&split), euler(&start));
             prop_assert_eq!(split.n_boundary(), if rim == Rim::Whole { before } else { 3 * before });
         }
-        prop_assert!((0..split.n_edges()).all(|e| split.edge_corners(e)[0] != NONE));
+        prop_assert!((0..split.n_edges()).all(|e| split.halves(e)[0] != NONE));
     }
 }
