@@ -69,7 +69,7 @@ impl Duals<'_> {
         if after.is_empty() {
             return Ok(tally.finish());
         }
-        if let Some(tags) = net.tagged
+        if let Some(tags) = net.tags.lost_by_dual
             && let Some(step) = after.iter().find(|step| is_dual(step))
         {
             return Err(at(step, StepError::DualTags(tags)));
@@ -90,7 +90,7 @@ impl Duals<'_> {
         for step in steps {
             self.watch.check()?;
             if is_split(step) || is_dual(step) {
-                let next = if is_split(step) { count.upsampled(&step.letter, net.is_quads()) } else { count };
+                let next = if is_split(step) { count.upsampled(&step.letter, net.mesh.is_quads()) } else { count };
                 self.fits(step, next.corners)?;
                 let values = Values {
                     letter: &step.letter,
@@ -112,7 +112,7 @@ impl Duals<'_> {
     }
 
     fn by_fans(&self, net: &MeshNet, steps: &[Scheduled], tally: &mut Tally) -> Result<(), ForecastError> {
-        let mut fans = Fans::of(&net.base, tally.last());
+        let mut fans = Fans::of(&net.mesh.base, tally.last());
         let mut lost = false;
         for step in steps {
             self.watch.check()?;
@@ -131,7 +131,7 @@ impl Duals<'_> {
 
     fn by_collar(&self, net: &MeshNet, steps: &[Scheduled], tally: &mut Tally) -> Result<(), ForecastError> {
         let layers = layers(steps);
-        let mut collar = Collar::of(&net.base, tally.last(), layers[0]).map_err(|error| at(&steps[0], error))?;
+        let mut collar = Collar::of(&net.mesh.base, tally.last(), layers[0]).map_err(|error| at(&steps[0], error))?;
         let mut lost = false;
         for (step, layers) in steps.iter().zip(layers) {
             self.watch.check()?;
@@ -170,7 +170,7 @@ impl Duals<'_> {
     /// Whether what a net of so many corners takes may be held.
     fn fits(&self, step: &Scheduled, corners: u128) -> Result<(), ForecastError> {
         let bytes = corners.saturating_mul(CORNER_BYTES);
-        let bound = bound(self.net.base.n_half_edges());
+        let bound = bound(self.net.mesh.base.n_half_edges());
         if bytes <= bound { Ok(()) } else { Err(ForecastError::Bytes { level: step.level, bytes, bound }) }
     }
 

@@ -22,7 +22,7 @@ const CAP: u128 = 1 << 40;
 
 /// What is compared of a net, counted from its topology.
 fn counted(net: &MeshNet) -> Count {
-    let topology = net.topology();
+    let topology = net.mesh.topology();
     let fan = |v: usize| topology.ring(v).count() + if topology.boundary_edges(v).is_some() { 2 } else { 0 };
     Count {
         vertices: topology.n_vertices() as u128,
@@ -42,8 +42,8 @@ fn built<'a>(net: &MeshNet, steps: &'a [Scheduled]) -> (Vec<Count>, &'a [Schedul
     for (i, step) in steps.iter().enumerate() {
         let role = step.letter.operator.role();
         let growth =
-            if role == Role::Upsample { step.letter.pieces(net.topology().is_quads()).pow(2) as usize } else { 1 };
-        if net.topology().n_half_edges() * growth > MOST_CORNERS {
+            if role == Role::Upsample { step.letter.pieces(net.mesh.topology().is_quads()).pow(2) as usize } else { 1 };
+        if net.mesh.topology().n_half_edges() * growth > MOST_CORNERS {
             return (counts, &steps[..i], None);
         }
         let values = Values {
