@@ -2,24 +2,33 @@
 //! Coordinates are never seen here, except by steps that are not linear.
 
 pub mod anchor;
+pub mod annotations;
 pub mod census;
 mod collar;
 mod count;
 pub mod creases;
 mod duals;
+pub mod extent;
 mod fans;
 pub mod forecast;
 pub mod local;
 pub mod local_mesh;
 pub mod mesh_net;
 pub mod ops;
+pub mod phase;
 pub mod plan;
+pub mod polygon_anchor;
 pub mod polygon_net;
+mod preimage;
 pub mod presets;
 pub mod ranges;
+pub mod rules;
 pub mod sharpness;
 mod sizes;
+pub mod split_mesh;
 pub mod step;
 pub mod stepper;
+pub mod surroundings;
+pub mod tags;
 pub mod window;
 pub mod word;

@@ -2,9 +2,10 @@
 
 use crate::math::mask::Mask;
 use crate::refine::{Points, RefineError, advance};
+use crate::scheme::extent::Ends;
 use crate::scheme::ops::Role;
 use crate::scheme::plan::{Plan, Scheduled};
-use crate::scheme::polygon_net::{Ends, PolygonNet};
+use crate::scheme::polygon_net::PolygonNet;
 use crate::watch::{Stopped, Watch};
 
 /// Most points of the polygon that carries the impulse.

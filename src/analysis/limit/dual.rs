@@ -49,7 +49,7 @@ impl<'a> Dual<'a> {
             n_faces - 1
         };
         let faces = (0..old.n_vertices()).map(face).collect();
-        Ok(Self { old, constructed, new: &after.base, faces })
+        Ok(Self { old, constructed, new: &after.mesh.base, faces })
     }
 
     /// What takes the place of a centre of the net before.
@@ -159,8 +159,8 @@ impl<'a> Dual<'a> {
 
 /// The topology of a net in the documented order, and that of its construction, where it is another one.
 fn documented(net: &MeshNet) -> Result<(Arc<Topology>, Option<Constructed>), Unlimited> {
-    let topology = net.topology();
-    let Some(order) = net.order() else { return Ok((topology, None)) };
+    let topology = net.mesh.topology();
+    let Some(order) = net.mesh.order() else { return Ok((topology, None)) };
     let (mut faces, mut face) = (FaceList::default(), vec![0; order.face_size()]);
     for f in 0..order.n_faces() {
         order.face(f, &mut face);
@@ -209,7 +209,7 @@ impl Led {
 
 /// The vertices of a net that have faces.
 fn vertices(net: &MeshNet) -> Vec<Option<Centre>> {
-    let topology = net.topology();
+    let topology = net.mesh.topology();
     let vertex = |v: usize| (!topology.is_isolated(v)).then(|| Centre::Vertex(index(v)));
     (0..topology.n_vertices()).map(vertex).collect()
 }

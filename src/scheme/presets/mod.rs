@@ -17,9 +17,9 @@ use crate::fault::Fault;
 use crate::math::expression::Expression;
 use crate::math::mask::Mask;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
-use crate::scheme::mesh_net::Rules;
 use crate::scheme::ops::{self, LatitudeRule, Masked};
 use crate::scheme::plan::DEFAULT_MU;
+use crate::scheme::rules::Rules;
 use crate::scheme::word::Letter;
 use crate::shape::tile::Tile;
 
