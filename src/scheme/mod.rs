@@ -20,5 +20,6 @@ pub mod ranges;
 pub mod sharpness;
 mod sizes;
 pub mod step;
+pub mod stepper;
 pub mod window;
 pub mod word;
