@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use super::{Points, RefineError, at, carried, mesh_net, values};
 use crate::scheme::mesh_net::{Boundary, MeshNet};
-use crate::scheme::ops::{Role, lettered};
+use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::sharpness::Sharpness;
 use crate::scheme::step::Values;
+use crate::scheme::word::lettered;
 use crate::shape::creases::{INFINITE_SHARPNESS, Sharp};
 use crate::shape::directions::Directions;
 use crate::shape::mesh::Mesh;
@@ -40,7 +41,7 @@ pub fn refined(
     let (mut net, mut points) = (uv_net(mesh, uvs, plan), Points::new(uvs.values.clone(), 2));
     let upsampling = lettered('U').expect("U is an operator");
     for step in steps {
-        let linear = uvs.linear && step.letter.operator.role() == Role::Upsample;
+        let linear = uvs.linear && step.letter.facts().role == Role::Upsample;
         if uvs.linear && !linear {
             continue;
         }

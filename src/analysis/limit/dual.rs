@@ -8,7 +8,7 @@ use super::Unlimited;
 use super::patch::Centre;
 use crate::refine::{Points, values};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::ops::Heirs;
+use crate::scheme::operator::Children;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::topology::{NONE, Topology, index};
@@ -197,7 +197,7 @@ impl Led {
             let operator = step.letter.operator;
             let next = operator.on_mesh(&led.net, &values(plan, step)).map_err(Unlimited::from)?;
             led.points.iter_mut().try_for_each(|points| points.act(&next.action, step.level, watch))?;
-            if operator.heirs() == Heirs::Dual {
+            if operator.facts().children == Children::Dual {
                 let centres = led.centres.take().unwrap_or_else(|| vertices(&led.net));
                 let dual = Dual::of(&led.net, &next.net)?;
                 let heir = |centre: Option<Centre>| centre.map(|centre| dual.heir(centre)).transpose();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::math::vector::{Vector, mean};
 use crate::refine::{Points, RefineError, at, values};
 use crate::scheme::mesh_net::{Boundary, MeshNet};
-use crate::scheme::ops::Role;
+use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::sharpness::Sharpness;
 use crate::shape::check::{FaceList, Winding};
@@ -61,7 +61,7 @@ impl Level {
         for step in round {
             let next = step.letter.operator.on_mesh(&net, &values(plan, step)).map_err(|error| at(step, error))?;
             points.act(&next.action, step.level, watch)?;
-            if step.letter.operator.role() == Role::Upsample {
+            if step.letter.facts().role == Role::Upsample {
                 flat.act(&next.action, step.level, watch)?;
             }
             net = next.net;

@@ -6,7 +6,8 @@ use planish::math::expression::Expression;
 use planish::refine::mesh_net;
 use planish::scheme::forecast::{Count, ForecastError, MAX_BYTES, of_mesh};
 use planish::scheme::mesh_net::MeshNet;
-use planish::scheme::ops::{LatitudeRule, Role};
+use planish::scheme::operator::Role;
+use planish::scheme::ops::LatitudeRule;
 use planish::scheme::plan::Scheduled;
 use planish::scheme::step::{StepError, Values};
 use planish::watch::{Stopped, Watch};
@@ -40,7 +41,7 @@ fn built<'a>(net: &MeshNet, steps: &'a [Scheduled]) -> (Vec<Count>, &'a [Schedul
     let (mut net, mut counts) = (net.clone(), vec![counted(net)]);
     let one = Expression::constant(1.0);
     for (i, step) in steps.iter().enumerate() {
-        let role = step.letter.operator.role();
+        let role = step.letter.facts().role;
         let growth =
             if role == Role::Upsample { step.letter.pieces(net.topology().is_quads()).pow(2) as usize } else { 1 };
         if net.topology().n_half_edges() * growth > MOST_CORNERS {
