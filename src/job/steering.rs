@@ -2,9 +2,9 @@
 
 use super::Input;
 use crate::fault::Fault;
+use crate::scheme::extent::Ends;
 use crate::scheme::ops::OPERATORS;
 use crate::scheme::plan::Plan;
-use crate::scheme::polygon_net::Ends;
 use crate::shape::polygon::Polygon;
 
 /// Every reason why plan and input do not fit, with pointers below the job; polygons are counted as in a list.

@@ -6,11 +6,12 @@ use super::census::Census;
 pub use super::count::Count;
 use super::duals::Duals;
 pub use super::duals::{MAX_BYTES, forecast_bytes};
+use super::extent::Extent;
 use super::mesh_net::MeshNet;
 use super::operator::{Children, Role};
 use super::ops::seen_valence;
 use super::plan::{Plan, Scheduled};
-use super::polygon_net::{Extent, PolygonNet};
+use super::polygon_net::PolygonNet;
 use super::sharpness::Remaining;
 use super::step::StepError;
 use crate::fault::Fault;
@@ -182,12 +183,12 @@ pub fn of_mesh(net: &MeshNet, steps: &[Scheduled], cap: u128, watch: &Watch) -> 
 
 fn counted(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
     let mut count = Count::of_mesh(net);
-    let sharp = net.sharpness.as_ref().map(|sharpness| sharpness.remaining(&net.base, net.rules.creasing));
+    let sharp = net.sharpness.as_ref().map(|sharpness| sharpness.remaining(&net.mesh.base, net.rules.creasing));
     let parted = |splits, pieces| sharp.as_ref().map_or(0, |sharp| parted(sharp, splits, pieces));
     let (mut splits, mut pieces) = (0, 1_u128);
     count.parted = parted(splits, pieces);
     let mut tally = Tally::new(count);
-    let mut is_quads = net.base.is_quads();
+    let mut is_quads = net.mesh.base.is_quads();
     for step in steps {
         if step.letter.facts().role == Role::Upsample {
             splits += 1;

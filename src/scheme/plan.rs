@@ -4,10 +4,11 @@ mod legal;
 mod resolve;
 mod schedule;
 
+use super::extent::Ends;
 use super::local::{Noise, Sources};
-use super::mesh_net::{Boundary, Rules};
 use super::ops::LatitudeRule;
-use super::polygon_net::Ends;
+use super::rules::Rules;
+use super::tags::Boundary;
 use super::word::{Letter, Word};
 use crate::math::expression::Expression;
 use crate::math::parameter::Literal;

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::mesh_net::Rules;
 use super::ops::{LatitudeRule, Masked};
 use super::plan::DEFAULT_MU;
+use super::rules::Rules;
 use super::word::{Letter, lettered};
 use crate::fault::Fault;
 use crate::math::expression::Expression;

@@ -77,7 +77,7 @@ pub(super) fn field(
     rows: u64,
     watch: &Watch,
 ) -> Result<Field, Unlimited> {
-    let topology = net.topology();
+    let topology = net.mesh.topology();
     let whole = Whole::of(&net, &topology);
     check_size(&whole, rings, watch)?;
     let numbering = Numbering::of(&topology);

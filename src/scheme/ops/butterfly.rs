@@ -8,7 +8,6 @@ use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Facts, Operator, Role};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, Step, StepError, Values};
-use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// The edge points of the modified butterfly scheme, with `16 w` times the displacement from the middle of the edge; at
@@ -47,16 +46,15 @@ impl Operator for ButterflyEdges {
     }
 
     fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
-        around::check("butterfly", &net.base)
+        around::check("butterfly", &net.mesh.base)
     }
 
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let halved = net.tile == Tile::Triangle && net.pieces.last() == Some(&2);
-        let parent = net.parent.clone().filter(|_| halved).ok_or(StepError::NoAnchor)?;
-        if net.pieces.len() == 1 {
+        let parent = net.mesh.halved_triangles().cloned().ok_or(StepError::NoAnchor)?;
+        if net.mesh.pieces.len() == 1 {
             self.admits(net)?;
         }
-        let (n, n_v, strength) = (net.n_vertices(), parent.n_vertices(), values.compensation);
+        let (n, n_v, strength) = (net.mesh.n_vertices(), parent.n_vertices(), values.compensation);
         let old = net.clone();
         let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
             if row < n_v {
@@ -134,7 +132,7 @@ fn boundary_row(net: &MeshNet, parent: &Topology, e: usize, strength: f64, out: 
     let unit = strength / 16.0;
     for (end, other, onward) in [(a, b, false), (b, a, true)] {
         out.add(end, 0.5 + unit);
-        match parent.boundary_edges(end as usize).filter(|_| !net.is_corner(end as usize)) {
+        match parent.boundary_edges(end as usize).filter(|_| !net.tags.is_corner(end as usize)) {
             Some([next, _]) if onward => out.add(parent.ends(next as usize)[1], -unit),
             Some([_, previous]) => out.add(parent.ends(previous as usize)[0], -unit),
             None => {

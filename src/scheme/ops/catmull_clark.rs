@@ -3,9 +3,10 @@
 use super::upsample::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::creases::{Creases, Rule};
-use crate::scheme::mesh_net::{MeshNet, TriangleRule};
+use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Facts, Follows, Operator, Role, SplineStep};
 use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::rules::TriangleRule;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::word::Letter;
 use crate::shape::topology::{NONE, Topology, index};
@@ -41,13 +42,13 @@ impl Operator for CatmullClark {
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let parent = net.halved().cloned().ok_or(StepError::NoAnchor)?;
-        let (n, n_v, n_e) = (net.n_vertices(), parent.n_vertices(), parent.n_edges());
+        let parent = net.mesh.halved().cloned().ok_or(StepError::NoAnchor)?;
+        let (n, n_v, n_e) = (net.mesh.n_vertices(), parent.n_vertices(), parent.n_edges());
         let old = net.clone();
         let creases = Creases::of_parent(net);
         let triangles = if parent.is_quads() { TriangleRule::Catmark } else { net.rules.triangles };
         let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
-            if row >= n_v + n_e || old.is_corner(row) || row < n_v && parent.is_isolated(row) {
+            if row >= n_v + n_e || old.tags.is_corner(row) || row < n_v && parent.is_isolated(row) {
                 out.add(index(row), 1.0);
             } else if row < n_v {
                 match creases.as_ref().and_then(|creases| creases.vertex(row)) {

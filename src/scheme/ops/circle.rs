@@ -3,9 +3,11 @@
 use super::masked::apply;
 use crate::math::functions::sin;
 use crate::math::mask::Mask;
+use crate::scheme::extent::Extent;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Children, Facts, Operator, Role};
-use crate::scheme::polygon_net::{self, Extent, PolygonNet};
+use crate::scheme::polygon_anchor::PolygonAnchor;
+use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::Window;
 use crate::scheme::word::Letter;
@@ -81,7 +83,7 @@ impl Operator for Circle {
         }
         let (landed, rows) = apply(net, window, Mask::clone(mask))?;
         let lost = net.extent == Extent::Natural && letter.averages > 0;
-        let anchor = polygon_net::Anchor { lost, ..polygon_net::Anchor::of(net) };
+        let anchor = PolygonAnchor { lost, ..net.as_anchor() };
         let phase = Some(net.phase_after(letter.arity));
         let next = PolygonNet { duals: 0, phase, anchor: Some(anchor), ..landed };
         Ok(Step { net: next, action: Action::BlendFromAnchor(rows) })

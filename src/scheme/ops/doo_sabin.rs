@@ -48,8 +48,8 @@ impl Operator for DooSabin {
     }
 
     fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
-        let topology = &net.base;
-        if !net.holes.is_empty() {
+        let topology = &net.mesh.base;
+        if !net.tags.holes.is_empty() {
             return Err(StepError::OwnTags("doo-sabin", "holes (boundary \"none\" makes some)"));
         }
         around::check("doo-sabin", topology)?;
@@ -59,7 +59,7 @@ impl Operator for DooSabin {
             if inner && n == 2 {
                 return Err(StepError::TwoFaces { scheme: "doo-sabin", vertex: v });
             }
-            if net.is_corner(v) && (inner || n != 1) {
+            if net.tags.is_corner(v) && (inner || n != 1) {
                 return Err(StepError::DualCorner(v));
             }
         }
@@ -86,29 +86,29 @@ impl Operator for DooSabin {
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        if net.rounds == 0 {
+        if net.mesh.rounds == 0 {
             self.admits(net)?;
         }
-        let old = net.base.clone();
+        let old = net.mesh.base.clone();
         let (n_c, n_old) = (index(old.n_half_edges()), old.n_vertices());
         let weights = Weights::of(&old);
-        if net.rounds > 0 {
-            let next = net.after_own(old.cut_corners(), later_corners(net));
+        if net.mesh.rounds > 0 {
+            let next = net.after_rebuild(old.cut_corners(), later_corners(net));
             let is_open = old.n_boundary() > 0;
-            let rows = RowsBy::new(next.n_vertices(), n_old, move |row, out: &mut Rows| {
+            let rows = RowsBy::new(next.mesh.n_vertices(), n_old, move |row, out: &mut Rows| {
                 let corner = index(row);
                 if is_open { later_row(&old, &weights, corner, out) } else { face_row(&old, &weights, corner, out) }
             });
             return Ok(Step { net: next, action: Action::Blend(Box::new(rows)) });
         }
         let topology = old
-            .cut_corners_first(&net.corners)
+            .cut_corners_first(&net.tags.corners)
             .map_err(|faults| StepError::DualNotManifold(faults.first().map_or(String::new(), ToString::to_string)))?;
         let boundary: Vec<u32> = (0..old.n_edges()).filter(|&e| old.is_boundary_edge(e)).map(index).collect();
-        let (fixed, n_rim) = (net.corners.clone(), 2 * boundary.len());
+        let (fixed, n_rim) = (net.tags.corners.clone(), 2 * boundary.len());
         let first_fixed = n_c + index(n_rim);
-        let next = net.after_own(topology, (first_fixed..).take(fixed.len()).collect());
-        let rows = RowsBy::new(next.n_vertices(), n_old, move |row, out: &mut Rows| {
+        let next = net.after_rebuild(topology, (first_fixed..).take(fixed.len()).collect());
+        let rows = RowsBy::new(next.mesh.n_vertices(), n_old, move |row, out: &mut Rows| {
             let Some(beyond) = row.checked_sub(n_c as usize) else {
                 return face_row(&old, &weights, index(row), out);
             };
@@ -127,7 +127,8 @@ impl Operator for DooSabin {
 
 /// Where the corners of a net that is not the first go: each has one face, whose corner there is the new vertex.
 fn later_corners(net: &MeshNet) -> Vec<u32> {
-    let mut corners: Vec<u32> = net.corners.iter().filter_map(|&v| net.base.ring(v as usize).next()).collect();
+    let mut corners: Vec<u32> =
+        net.tags.corners.iter().filter_map(|&v| net.mesh.base.ring(v as usize).next()).collect();
     corners.sort_unstable();
     corners
 }

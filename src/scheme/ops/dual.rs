@@ -10,7 +10,8 @@ use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Children, Facts, Operator, Role, SplineStep};
-use crate::scheme::polygon_net::{From, PolygonNet};
+use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::preimage::Preimage;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::Window;
 use crate::scheme::word::Letter;
@@ -62,11 +63,11 @@ impl Operator for Dual {
             return Err(StepError::DualTags("corners"));
         }
         let back = isize::from(net.duals % 2 == 1);
-        let (landed, origin) = net.land(Window::mean(2, back == 1))?;
+        let (landed, preimages) = net.land(Window::mean(2, back == 1))?;
         let (old, f, first) = (net.clone(), values.kernel, values.first);
-        let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match origin.of(row) {
-            From::End(end) => out.add(index(end), 1.0),
-            From::Point(j) => {
+        let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match preimages.of(row) {
+            Preimage::End(end) => out.add(index(end), 1.0),
+            Preimage::Point(j) => {
                 let (left, right) = (j - back, j - back + 1);
                 let (a, b) = (old.weight(left, f, first), old.weight(right, f, first));
                 old.add(left, a / (a + b), out);
@@ -78,7 +79,7 @@ impl Operator for Dual {
     }
 
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        if let Some(tags) = net.tagged {
+        if let Some(tags) = net.tags.lost_by_dual {
             return Err(StepError::DualTags(tags));
         }
         let ordered = Ordered::of(net);
@@ -86,14 +87,14 @@ impl Operator for Dual {
         if faces.is_empty() {
             return Err(StepError::NoInterior);
         }
-        let n_old = net.n_vertices();
-        let lost = kept.len() < n_old && !net.cut;
+        let n_old = net.mesh.n_vertices();
+        let lost = kept.len() < n_old && !net.tags.cut;
         let checked = manifold(ordered.faces.len(), faces)?;
         let split_from = checked.split_from;
-        let labels = net.anchor.clone().filter(|_| net.parent.is_some());
+        let labels = net.since.anchor.clone().filter(|_| net.mesh.parent.is_some());
         let (n_new, f) = (checked.topology.n_vertices(), values.kernel);
         let Ordered { faces, order, .. } = ordered;
-        let anchor = net.anchor.clone().map(|anchor| {
+        let anchor = net.since.anchor.clone().map(|anchor| {
             let known = anchor.order.as_ref().or(order.as_ref());
             let order = known.map(|known| order_after(net, known, &kept, &split_from));
             Anchor { lost: lost || anchor.lost, order, ..anchor }
@@ -129,9 +130,9 @@ struct Ordered {
 
 impl Ordered {
     fn of(net: &MeshNet) -> Self {
-        let topology = net.topology();
+        let topology = net.mesh.topology();
         let mut faces = FaceList::default();
-        let Some(order) = net.order() else {
+        let Some(order) = net.mesh.order() else {
             (0..topology.n_faces()).for_each(|f| faces.push(topology.face(f).iter().copied()));
             return Self { faces, order: None, topology };
         };
@@ -149,7 +150,7 @@ impl Ordered {
 /// vertices or faces before are `known`; the dual has faces for the vertices `kept`, and `split_from` are the faces whose
 /// vertex there is one more.
 fn order_after(net: &MeshNet, known: &Arc<[u32]>, kept: &[u32], split_from: &[u32]) -> Arc<[u32]> {
-    if net.duals.is_multiple_of(2) {
+    if net.since.duals.is_multiple_of(2) {
         if kept.len() == known.len() {
             return known.clone();
         }

@@ -49,15 +49,15 @@ impl Operator for KobbeltEdges {
     }
 
     fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
-        around::check("kobbelt", &net.base)
+        around::check("kobbelt", &net.mesh.base)
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let parent = net.parent.clone().ok_or(StepError::NoAnchor)?;
-        if net.pieces.len() == 1 {
+        let parent = net.mesh.parent.clone().ok_or(StepError::NoAnchor)?;
+        if net.mesh.pieces.len() == 1 {
             self.admits(net)?;
         }
-        let (n, n_v, n_e) = (net.n_vertices(), parent.n_vertices(), parent.n_edges());
+        let (n, n_v, n_e) = (net.mesh.n_vertices(), parent.n_vertices(), parent.n_edges());
         let old = net.clone();
         let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
             if row < n_v || row >= n_v + n_e {
@@ -78,7 +78,7 @@ fn edge_row(net: &MeshNet, parent: &Topology, e: usize, out: &mut Rows) {
     for (end, other, outgoing) in [(a, b, forward), (b, a, backward)] {
         let v = end as usize;
         match parent.boundary_edges(v) {
-            _ if net.is_corner(v) => reflected(end, other, out),
+            _ if net.tags.is_corner(v) => reflected(end, other, out),
             None => beyond(parent, outgoing, out),
             Some([onward, _]) if backward == NONE && end == b => out.add(parent.ends(onward as usize)[1], FAR),
             Some([_, from]) if backward == NONE => out.add(parent.ends(from as usize)[0], FAR),

@@ -38,8 +38,8 @@ impl Operator for KobbeltFaces {
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let parent = net.parent.clone().ok_or(StepError::NoAnchor)?;
-        let (n, before) = (net.n_vertices(), parent.n_vertices() + parent.n_edges());
+        let parent = net.mesh.parent.clone().ok_or(StepError::NoAnchor)?;
+        let (n, before) = (net.mesh.n_vertices(), parent.n_vertices() + parent.n_edges());
         let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
             if row < before {
                 out.add(index(row), 1.0);

@@ -10,7 +10,6 @@ use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::sharpness::edges_at;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::word::Letter;
-use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// Loop after U: `E' = 3/8 (V1 + V2) + 1/8 (A + B)` with the opposite vertices A and B, `V' = (1 - N beta) V + beta sum`
@@ -46,16 +45,15 @@ impl Operator for LoopSmoothing {
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let halved = net.tile == Tile::Triangle && net.pieces.last() == Some(&2);
-        let parent = net.parent.clone().filter(|_| halved).ok_or(StepError::NoAnchor)?;
-        let (n, n_v) = (net.n_vertices(), parent.n_vertices());
+        let parent = net.mesh.halved_triangles().cloned().ok_or(StepError::NoAnchor)?;
+        let (n, n_v) = (net.mesh.n_vertices(), parent.n_vertices());
         let old = net.clone();
         let creases = Creases::of_parent(net);
         let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
             if row >= n_v {
                 let e = row - n_v;
                 edge_row(&parent, e, creases.as_ref().map_or(0.0, |creases| creases.edge(e)), out);
-            } else if old.is_corner(row) || parent.is_isolated(row) {
+            } else if old.tags.is_corner(row) || parent.is_isolated(row) {
                 out.add(index(row), 1.0);
             } else {
                 match creases.as_ref().and_then(|creases| creases.vertex(row)) {

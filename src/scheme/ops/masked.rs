@@ -4,7 +4,8 @@ use crate::math::mask::Mask;
 use crate::math::rows::{RowSource, Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Children, Facts, Operator, Role};
-use crate::scheme::polygon_net::{From, PolygonNet};
+use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::preimage::Preimage;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::{Window, steps};
 use crate::scheme::word::Letter;
@@ -58,13 +59,13 @@ pub(super) fn apply(
     window: Window,
     mask: Mask,
 ) -> Result<(PolygonNet, Box<dyn RowSource>), StepError> {
-    let (landed, origin) = net.land(window)?;
+    let (landed, preimages) = net.land(window)?;
     let uniform = net.corners.is_empty();
     let old = net.clone();
     let n = landed.n;
-    let rows = RowsBy::new(n, net.n, move |row, out: &mut Rows| match origin.of(row) {
-        From::End(end) => out.add(index(end), 1.0),
-        From::Point(j) => {
+    let rows = RowsBy::new(n, net.n, move |row, out: &mut Rows| match preimages.of(row) {
+        Preimage::End(end) => out.add(index(end), 1.0),
+        Preimage::Point(j) => {
             if old.is_corner(old.control(j)) {
                 old.add(j, 1.0, out);
                 return;

@@ -43,8 +43,8 @@ impl Operator for RootThree {
     }
 
     fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
-        let topology = &net.base;
-        if !net.holes.is_empty() {
+        let topology = &net.mesh.base;
+        if !net.tags.holes.is_empty() {
             return Err(StepError::OwnTags("sqrt-3", "holes (boundary \"none\" makes some)"));
         }
         if let Some(face) = topology.first_other_than_triangle() {
@@ -68,18 +68,18 @@ impl Operator for RootThree {
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        if net.rounds == 0 {
+        if net.mesh.rounds == 0 {
             self.admits(net)?;
         }
-        let (old, rim) = (net.base.clone(), rim(net.rounds));
-        let next = net.after_own(old.split_root_three(rim), net.corners.to_vec());
+        let (old, rim) = (net.mesh.base.clone(), rim(net.mesh.rounds));
+        let next = net.after_rebuild(old.split_root_three(rim), net.tags.corners.to_vec());
         let (n_v, n_f) = (old.n_vertices(), old.n_faces());
         let cut: Vec<u32> = match rim {
             Rim::Whole => Vec::new(),
             Rim::Thirds => (0..old.n_edges()).filter(|&e| old.is_boundary_edge(e)).map(index).collect(),
         };
         let before = net.clone();
-        let rows = RowsBy::new(next.n_vertices(), n_v, move |row, out: &mut Rows| {
+        let rows = RowsBy::new(next.mesh.n_vertices(), n_v, move |row, out: &mut Rows| {
             if row < n_v {
                 vertex_row(&before, rim, row, out);
             } else if row < n_v + n_f {
@@ -102,9 +102,9 @@ fn rim(rounds: u32) -> Rim {
 }
 
 fn vertex_row(net: &MeshNet, rim: Rim, v: usize, out: &mut Rows) {
-    let old = &net.base;
+    let old = &net.mesh.base;
     let here = index(v);
-    if net.is_corner(v) || old.is_isolated(v) {
+    if net.tags.is_corner(v) || old.is_isolated(v) {
         return out.add(here, 1.0);
     }
     match (old.boundary_edges(v), rim) {
@@ -132,10 +132,10 @@ enum Near {
 
 /// A third of the way along a boundary edge: `(16 near + 10 far + 1 beyond)/27`, reflected at a corner.
 fn third_row(net: &MeshNet, edge: u32, near: Near, out: &mut Rows) {
-    let topology: &Topology = &net.base;
+    let topology: &Topology = &net.mesh.base;
     let [start, end] = topology.ends(edge as usize);
     let [a, b] = if near == Near::Start { [start, end] } else { [end, start] };
-    if net.is_corner(a as usize) {
+    if net.tags.is_corner(a as usize) {
         out.add(a, ratio(18, 27));
         out.add(b, ratio(9, 27));
         return;

@@ -8,7 +8,8 @@ use crate::scheme::local::Local;
 use crate::scheme::local_mesh::MeshLocal;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Children, Facts, Follows, Operator, Role, SplineStep};
-use crate::scheme::polygon_net::{self, From, PolygonNet};
+use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::preimage::Preimage;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::{Window, steps};
 use crate::scheme::word::Letter;
@@ -53,11 +54,11 @@ impl Operator for Upsample {
 
     fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
         let arity = values.letter.arity;
-        let (landed, origin) = net.land(Window::upsample(arity))?;
+        let (landed, preimages) = net.land(Window::upsample(arity))?;
         let old = net.clone();
-        let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match origin.of(row) {
-            From::End(end) => out.add(index(end), 1.0),
-            From::Point(j) => {
+        let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match preimages.of(row) {
+            Preimage::End(end) => out.add(index(end), 1.0),
+            Preimage::Point(j) => {
                 let d = steps(arity);
                 let (i, j) = (j.div_euclid(d), j.rem_euclid(d).unsigned_abs());
                 let d = arity as usize;
@@ -70,8 +71,11 @@ impl Operator for Upsample {
             }
         });
         let rows = rows.repeating(arity as usize, 4 * arity as usize);
-        let anchor = polygon_net::Anchor::of(net);
-        let local = values.sources.as_ref().map_or(Ok(None), |sources| Local::of(net, arity, sources))?;
+        let anchor = net.as_anchor();
+        let local = values.sources.as_ref().map_or(Ok(None), |sources| {
+            let edges = if net.is_closed() { net.n_control() } else { net.n_control() - 1 };
+            Local::of([net.n_control(), edges], net.attributes.as_deref(), arity, sources)
+        })?;
         let attributes = net.attributes.as_ref().map(|kept| Arc::new(kept.upsampled(arity, net.is_closed())));
         let phase = Some(net.phase_after(arity));
         let next = PolygonNet { duals: 0, phase, anchor: Some(anchor), attributes, local, ..landed };
@@ -79,7 +83,7 @@ impl Operator for Upsample {
     }
 
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let entered = net.topology();
+        let entered = net.mesh.topology();
         let (tile, pieces) = (values.letter.tile, values.letter.arity);
         if tile == Tile::Triangle
             && let Some(face) = entered.first_other_than_triangle()
@@ -93,15 +97,16 @@ impl Operator for Upsample {
             topology: entered.clone(),
             tile,
             pieces,
-            corners: net.corners.clone(),
+            corners: net.tags.corners.clone(),
             sharpness: net.sharpness.clone(),
-            directions: net.directions.clone(),
+            directions: net.annotations.directions.clone(),
             order: None,
             lost: false,
         };
-        let local = values.sources.as_ref().map_or(Ok(None), |sources| MeshLocal::of(net, &entered, sources))?;
-        let next = net.upsampled(anchor.clone(), local);
-        let rows = RowsBy::new(next.n_vertices(), entered.n_vertices(), move |row, out: &mut Rows| {
+        let local =
+            values.sources.as_ref().map_or(Ok(None), |sources| MeshLocal::of(&net.annotations, &entered, sources))?;
+        let next = net.after_split(anchor.clone(), local);
+        let rows = RowsBy::new(next.mesh.n_vertices(), entered.n_vertices(), move |row, out: &mut Rows| {
             anchor.shares(row, [1.0; 3], |v, weight| out.add(v, weight));
         });
         Ok(Step { net: next, action: Action::BlendFromAnchor(Box::new(rows)) })

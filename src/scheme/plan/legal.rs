@@ -1,8 +1,8 @@
 //! Which operators may follow which.
 
 use super::{Plan, Subject};
+use crate::scheme::extent::Ends;
 use crate::scheme::operator::{Follows, Role};
-use crate::scheme::polygon_net::Ends;
 use crate::scheme::step::StepError;
 use crate::scheme::word::Letter;
 use crate::shape::tile::Tile;
