@@ -3,13 +3,16 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use super::{Points, RefineError, at, carried, mesh_net, values};
+use super::apply::{Points, advance};
+use super::error::RefineError;
+use super::start::{carried, mesh_net};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::ops::{Role, lettered};
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::sharpness::Sharpness;
-use crate::scheme::step::Values;
+use crate::scheme::stepper::Stepper;
 use crate::scheme::tags::Boundary;
+use crate::scheme::word::Letter;
 use crate::shape::creases::{INFINITE_SHARPNESS, Sharp};
 use crate::shape::directions::Directions;
 use crate::shape::mesh::Mesh;
@@ -30,8 +33,11 @@ pub struct RefinedUvs {
     pub(super) order: Option<Order>,
 }
 
-/// Those of a mesh, if it has any, refined by the steps of a plan; linear ones follow upsamplings only.
-pub fn refined(
+/// The texture coordinates of a mesh, if it has any, refined by the steps of a plan; linear ones follow upsamplings only.
+///
+/// # Errors
+/// [`RefineError`].
+pub fn refined_uvs(
     mesh: &Mesh,
     plan: &Plan,
     steps: &[Scheduled],
@@ -39,19 +45,18 @@ pub fn refined(
 ) -> Result<Option<RefinedUvs>, RefineError> {
     let Some(uvs) = &mesh.attachments.uvs else { return Ok(None) };
     let (mut net, mut points) = (uv_net(mesh, uvs, plan), Points::new(uvs.values.clone(), 2));
-    let upsampling = lettered('U').expect("U is an operator");
-    for step in steps {
-        let linear = uvs.linear && step.letter.operator.role() == Role::Upsample;
-        if uvs.linear && !linear {
-            continue;
+    if uvs.linear {
+        let operator = lettered('U').expect("U is an operator");
+        for step in steps.iter().filter(|step| step.letter.operator.role() == Role::Upsample) {
+            let letter = Letter { operator, ..step.letter.clone() };
+            let step = Scheduled { letter, ..step.clone() };
+            // linear ones have no use for values of single vertices
+            let next = Stepper::new(plan).next_from(&net, &step, None).map_err(RefineError::at(&step))?;
+            points.act(&next.action, step.level, watch)?;
+            net = next.net;
         }
-        let operator = if linear { upsampling } else { step.letter.operator };
-        let values = values(plan, step);
-        // linear ones have no use for values of single vertices
-        let values = if linear { Values { sources: None, ..values } } else { values };
-        let next = operator.on_mesh(&net, &values).map_err(|error| at(step, error))?;
-        points.act(&next.action, step.level, watch)?;
-        net = next.net;
+    } else {
+        advance(&mut net, std::slice::from_mut(&mut points), plan, steps, watch)?;
     }
     let order = net.mesh.order();
     Ok(Some(RefinedUvs { points: points.now, base: net.mesh.base, order }))

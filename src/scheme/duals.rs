@@ -9,14 +9,15 @@
 
 use super::collar::Collar;
 use super::count::Count;
+use super::extent::Ends;
 use super::fans::Fans;
 use super::forecast::{Forecast, ForecastError, Tally};
 use super::mesh_net::MeshNet;
-use super::ops::{LatitudeRule, Role};
-use super::plan::{DEFAULT_MU, Scheduled};
-use super::step::{StepError, Values};
+use super::ops::Role;
+use super::plan::{Plan, Scheduled};
+use super::step::StepError;
+use super::stepper::Stepper;
 use super::word::Word;
-use crate::math::expression::Expression;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
@@ -86,24 +87,15 @@ impl Duals<'_> {
     fn built(&self, steps: &[Scheduled], tally: &mut Tally) -> Result<MeshNet, ForecastError> {
         let mut net = self.net.clone();
         let mut count = tally.last();
-        let one = Expression::constant(1.0);
+        let plan = Plan::none(net.tags.boundary, Ends::default());
+        let stepper = Stepper::new(&plan);
         for step in steps {
             self.watch.check()?;
             if is_split(step) || is_dual(step) {
                 let next = if is_split(step) { count.upsampled(&step.letter, net.mesh.is_quads()) } else { count };
                 self.fits(step, next.corners)?;
-                let values = Values {
-                    letter: &step.letter,
-                    alpha: step.alpha,
-                    kernel: 1.0,
-                    mu: DEFAULT_MU,
-                    compensation: 1.0,
-                    delta: &one,
-                    first: false,
-                    latitude_rule: LatitudeRule::Isotropic,
-                    sources: None,
-                };
-                net = step.letter.operator.on_mesh(&net, &values).map_err(|error| at(step, error))?.net;
+                // connectivity depends on no value
+                net = stepper.next_from(&net, step, None).map_err(|error| at(step, error))?.net;
                 count = Count::of_mesh(&net);
             }
             tally.step(step, count);

@@ -27,6 +27,7 @@ pub mod sharpness;
 mod sizes;
 pub mod split_mesh;
 pub mod step;
+pub mod stepper;
 pub mod surroundings;
 pub mod tags;
 pub mod window;

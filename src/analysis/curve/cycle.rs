@@ -1,7 +1,7 @@
 //! One application of a plan's cycle to polygons as one mask, found by refining a single impulse.
 
 use crate::math::mask::Mask;
-use crate::refine::{Points, RefineError, values};
+use crate::refine::{Points, RefineError, advance};
 use crate::scheme::extent::Ends;
 use crate::scheme::ops::Role;
 use crate::scheme::plan::{Plan, Scheduled};
@@ -209,15 +209,10 @@ fn response(plan: &Plan, steps: &[Scheduled], n: usize, watch: &Watch) -> Result
     let mut impulse = vec![0.0; n];
     impulse[0] = 1.0;
     let mut points = Points::new(impulse, 1);
-    for step in steps {
-        let operator = step.letter.operator;
-        let next =
-            operator.on_polygon(&net, &values(plan, step)).map_err(|error| NoMask::NoValue(error.to_string()))?;
-        points.act(&next.action, step.level, watch).map_err(|error| match error {
-            RefineError::Stopped(stopped) => NoMask::Stopped(stopped),
-            error => NoMask::NoValue(error.to_string()),
-        })?;
-        net = next.net;
-    }
+    advance(&mut net, std::slice::from_mut(&mut points), plan, steps, watch).map_err(|error| match error {
+        RefineError::Stopped(stopped) => NoMask::Stopped(stopped),
+        RefineError::Step { error, .. } => NoMask::NoValue(error.to_string()),
+        error => NoMask::NoValue(error.to_string()),
+    })?;
     Ok(points.now)
 }

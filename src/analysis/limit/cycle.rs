@@ -8,11 +8,11 @@ use super::heir::heir;
 use super::matrix::{Matrix, Record, Weights};
 use super::own::Own;
 use super::patch::{Found, Patch, Rings, Whole};
-use crate::refine::values;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::ops::Heirs;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::step::Action;
+use crate::scheme::stepper::Stepper;
 use crate::scheme::surroundings::Surroundings;
 use crate::scheme::word::Letter;
 use crate::shape::topology::{Topology, index};
@@ -119,7 +119,7 @@ impl<'a> Cycle<'a> {
         let mut record = Record::new(weights);
         let (mut centre, mut made) = (patch.centre(), Made::default());
         for step in self.level(level) {
-            let next = step.letter.operator.on_mesh(&net, &values(self.plan, step)).map_err(Unlimited::from)?;
+            let next = Stepper::new(self.plan).next(&net, step)?;
             made.add(&next.net)?;
             record.add(next.action)?;
             centre = heir(centre, step.letter.operator.heirs(), [&net, &next.net], &record)?;
@@ -141,7 +141,7 @@ impl<'a> Cycle<'a> {
         let (mut net, mut made) = (net, Made::default());
         net.tags.cut = self.frame.cut;
         for step in self.levels[self.settled] {
-            let next = step.letter.operator.on_mesh(&net, &values(self.plan, step)).map_err(Unlimited::from)?;
+            let next = Stepper::new(self.plan).next(&net, step)?;
             made.add(&next.net)?;
             act(&next.action, step)?;
             net = next.net;

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::Unlimited;
 use super::patch::Centre;
-use crate::refine::{Points, values};
+use crate::refine::{Points, advance};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::ops::Heirs;
 use crate::scheme::plan::{Plan, Scheduled};
@@ -194,16 +194,14 @@ impl Led {
     ) -> Result<Self, Unlimited> {
         let mut led = Self { net: net.clone(), points: points.to_vec(), centres: None };
         for step in steps {
-            let operator = step.letter.operator;
-            let next = operator.on_mesh(&led.net, &values(plan, step)).map_err(Unlimited::from)?;
-            led.points.iter_mut().try_for_each(|points| points.act(&next.action, step.level, watch))?;
-            if operator.heirs() == Heirs::Dual {
-                let centres = led.centres.take().unwrap_or_else(|| vertices(&led.net));
-                let dual = Dual::of(&led.net, &next.net)?;
+            let before = led.net.clone();
+            advance(&mut led.net, &mut led.points, plan, [step], watch)?;
+            if step.letter.operator.heirs() == Heirs::Dual {
+                let centres = led.centres.take().unwrap_or_else(|| vertices(&before));
+                let dual = Dual::of(&before, &led.net)?;
                 let heir = |centre: Option<Centre>| centre.map(|centre| dual.heir(centre)).transpose();
                 led.centres = Some(centres.into_par_iter().with_min_len(1024).map(heir).collect::<Result<_, _>>()?);
             }
-            led.net = next.net;
         }
         Ok(led)
     }

@@ -193,6 +193,7 @@ impl From<RefineError> for Unlimited {
     fn from(error: RefineError) -> Self {
         match error {
             RefineError::Stopped(stopped) => Self::Stopped(stopped),
+            RefineError::Step { error, .. } => error.into(),
             other => Self::Later(other.to_string()),
         }
     }

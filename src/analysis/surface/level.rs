@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use crate::math::vector::{Vector, mean};
-use crate::refine::{Points, RefineError, at, values};
+use crate::refine::{Points, RefineError, advance};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::ops::Role;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::sharpness::Sharpness;
+use crate::scheme::stepper::Stepper;
 use crate::scheme::tags::Boundary;
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::tile::Tile;
@@ -60,7 +61,7 @@ impl Level {
         let mut net = self.net.clone();
         let (mut points, mut flat) = (self.points.clone(), self.flat.clone());
         for step in round {
-            let next = step.letter.operator.on_mesh(&net, &values(plan, step)).map_err(|error| at(step, error))?;
+            let next = Stepper::new(plan).next(&net, step).map_err(RefineError::at(step))?;
             points.act(&next.action, step.level, watch)?;
             if step.letter.operator.role() == Role::Upsample {
                 flat.act(&next.action, step.level, watch)?;
@@ -87,13 +88,10 @@ impl Level {
     /// # Errors
     /// [`RefineError`].
     pub(super) fn upsampled(&self, plan: &Plan, step: &Scheduled, watch: &Watch) -> Result<Self, RefineError> {
-        let mut flat = self.flat.clone();
-        let mut level = Self::new(self.net.clone(), self.points.clone());
-        let next = step.letter.operator.on_mesh(&level.net, &values(plan, step)).map_err(|error| at(step, error))?;
-        level.points.act(&next.action, step.level, watch)?;
-        flat.act(&next.action, step.level, watch)?;
-        let places = flat.now;
-        Ok(Self::new(next.net, level.points).compared(places))
+        let (mut net, mut both) = (self.net.clone(), [self.points.clone(), self.flat.clone()]);
+        advance(&mut net, &mut both, plan, [step], watch)?;
+        let [points, flat] = both;
+        Ok(Self::new(net, points).compared(flat.now))
     }
 
     /// The net after the averages of a round, of which the last is half a one, and the upsampling after them; of the
@@ -108,11 +106,8 @@ impl Level {
     pub(super) fn next_halved(&self, plan: &Plan, round: &[Scheduled], watch: &Watch) -> Result<Self, RefineError> {
         let (mut net, mut points) = (self.net.clone(), self.points.clone());
         let (upsampling, averages) = round.split_first().expect("a round begins with an upsampling");
-        for step in averages.split_last().map_or(&[][..], |(_, whole)| whole) {
-            let next = step.letter.operator.on_mesh(&net, &values(plan, step)).map_err(|error| at(step, error))?;
-            points.act(&next.action, step.level, watch)?;
-            net = next.net;
-        }
+        let whole = averages.split_last().map_or(&[][..], |(_, whole)| whole);
+        advance(&mut net, std::slice::from_mut(&mut points), plan, whole, watch)?;
         let averaged = Self { net, points, ..self.clone() };
         let next = averaged.next(plan, std::slice::from_ref(upsampling), watch)?;
         Ok(Self { points: Points::new(averaged.means_of_centres(), 3), ..next })

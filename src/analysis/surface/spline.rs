@@ -2,7 +2,6 @@
 
 use super::NoLevel;
 use super::hull::MAX_REACH;
-use crate::refine::values;
 use crate::scheme::ops::{SplineStep, lettered};
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::word::{Letter, Word};
@@ -61,7 +60,7 @@ impl Spline {
         for later in &scheduled(LOOKED_AT)?[prefix.len()..] {
             #[expect(clippy::float_cmp, reason = "a kernel that is 1 is computed without rounding")]
             if later.kernel != 1.0 {
-                return Err(NoLevel::Kernel(values(&plan, later).kernel));
+                return Err(NoLevel::Kernel(later.kernel));
             }
         }
         let mut rounds: Vec<Vec<Scheduled>> = Vec::new();

@@ -2,13 +2,14 @@
 
 use planish::job::Input;
 use planish::job::limits::{Limits, Refusal};
-use planish::math::expression::Expression;
 use planish::refine::mesh_net;
 use planish::scheme::forecast::{Count, ForecastError, MAX_BYTES, of_mesh};
-use planish::scheme::mesh_net::MeshNet;
-use planish::scheme::ops::{LatitudeRule, Role};
-use planish::scheme::plan::Scheduled;
-use planish::scheme::step::{StepError, Values};
+use planish::scheme::mesh_net::{Boundary, MeshNet};
+use planish::scheme::ops::Role;
+use planish::scheme::plan::{Plan, Scheduled};
+use planish::scheme::polygon_net::Ends;
+use planish::scheme::step::StepError;
+use planish::scheme::stepper::Stepper;
 use planish::watch::{Stopped, Watch};
 use proptest::prelude::*;
 use serde_json::json;
@@ -38,7 +39,7 @@ fn counted(net: &MeshNet) -> Count {
 /// The net after each step, as the operators make it, and the steps that were affordable.
 fn built<'a>(net: &MeshNet, steps: &'a [Scheduled]) -> (Vec<Count>, &'a [Scheduled], Option<(u32, StepError)>) {
     let (mut net, mut counts) = (net.clone(), vec![counted(net)]);
-    let one = Expression::constant(1.0);
+    let plan = Plan::none(Boundary::default(), Ends::default());
     for (i, step) in steps.iter().enumerate() {
         let role = step.letter.operator.role();
         let growth =
@@ -46,18 +47,7 @@ fn built<'a>(net: &MeshNet, steps: &'a [Scheduled]) -> (Vec<Count>, &'a [Schedul
         if net.mesh.topology().n_half_edges() * growth > MOST_CORNERS {
             return (counts, &steps[..i], None);
         }
-        let values = Values {
-            letter: &step.letter,
-            alpha: step.alpha,
-            kernel: 1.0,
-            mu: 0.5,
-            compensation: 1.0,
-            delta: &one,
-            first: false,
-            latitude_rule: LatitudeRule::Isotropic,
-            sources: None,
-        };
-        match step.letter.operator.on_mesh(&net, &values) {
+        match Stepper::new(&plan).next_from(&net, step, None) {
             Ok(next) => net = next.net,
             Err(error) => return (counts, &steps[..=i], Some((step.level, error))),
         }
