@@ -7,12 +7,12 @@ use super::apply::{Points, advance};
 use super::error::RefineError;
 use super::start::{carried, mesh_net};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::ops::{Role, lettered};
+use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::sharpness::Sharpness;
 use crate::scheme::stepper::Stepper;
 use crate::scheme::tags::Boundary;
-use crate::scheme::word::Letter;
+use crate::scheme::word::{Letter, lettered};
 use crate::shape::creases::{INFINITE_SHARPNESS, Sharp};
 use crate::shape::directions::Directions;
 use crate::shape::mesh::Mesh;
@@ -47,7 +47,7 @@ pub fn refined_uvs(
     let (mut net, mut points) = (uv_net(mesh, uvs, plan), Points::new(uvs.values.clone(), 2));
     if uvs.linear {
         let operator = lettered('U').expect("U is an operator");
-        for step in steps.iter().filter(|step| step.letter.operator.role() == Role::Upsample) {
+        for step in steps.iter().filter(|step| step.letter.facts().role == Role::Upsample) {
             let letter = Letter { operator, ..step.letter.clone() };
             let step = Scheduled { letter, ..step.clone() };
             // linear ones have no use for values of single vertices

@@ -13,7 +13,7 @@ use super::extent::Ends;
 use super::fans::Fans;
 use super::forecast::{Forecast, ForecastError, Tally};
 use super::mesh_net::MeshNet;
-use super::ops::Role;
+use super::operator::{Children, Role};
 use super::plan::{Plan, Scheduled};
 use super::step::StepError;
 use super::stepper::Stepper;
@@ -32,7 +32,7 @@ const LEAST_LAYERS: u32 = 2;
 
 /// Bytes that the forecast of a plan holds at most, for a mesh with so many corners of faces.
 pub fn forecast_bytes(word: &Word, n_corners: usize) -> u128 {
-    let has_dual = word.prefix.iter().chain(&word.cycle).any(|letter| letter.operator.letter() == Some('D'));
+    let has_dual = word.prefix.iter().chain(&word.cycle).any(|letter| letter.facts().children == Children::Dual);
     if has_dual { bound(n_corners) } else { 0 }
 }
 
@@ -49,11 +49,11 @@ pub(super) struct Duals<'a> {
 }
 
 fn is_dual(step: &Scheduled) -> bool {
-    step.letter.operator.letter() == Some('D')
+    step.letter.facts().children == Children::Dual
 }
 
 fn is_split(step: &Scheduled) -> bool {
-    step.letter.operator.role() == Role::Upsample
+    step.letter.facts().role == Role::Upsample
 }
 
 fn at(step: &Scheduled, error: StepError) -> ForecastError {
@@ -152,7 +152,7 @@ impl Duals<'_> {
         if count.vertices > self.cap || count.corners > self.cap.saturating_mul(8) {
             return Err(ForecastError::Cap { level: step.level, cap: self.cap });
         }
-        if lost && step.letter.operator.role() == Role::PushBack {
+        if lost && step.letter.facts().role == Role::PushBack {
             return Err(at(step, StepError::LostPoints("a boundary or a valence below 3")));
         }
         tally.step(step, count);

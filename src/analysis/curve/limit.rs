@@ -5,7 +5,7 @@ use super::rows::{LimitRows, Row};
 use crate::math::rows::{Rows, RowsBy, blend};
 use crate::refine::{RefineError, refined_points};
 use crate::scheme::extent::{Ends, Extent};
-use crate::scheme::ops::Role;
+use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::window::{Window, steps};
@@ -68,7 +68,7 @@ pub fn check(polygon: &Polygon, plan: &Plan) -> Result<(), NoLimit> {
     let mut letters = plan.word.prefix.iter().chain(&plan.word.cycle);
     let crosses = letters.any(|letter| {
         let window = letter.operator.window(letter, 0);
-        letter.operator.role() == Role::Average && !window.is_some_and(near)
+        letter.facts().role == Role::Average && !window.is_some_and(near)
     });
     if !polygon.corners.is_empty() && crosses { Err(NoLimit::Corners) } else { Ok(()) }
 }

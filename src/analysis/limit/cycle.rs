@@ -9,7 +9,7 @@ use super::matrix::{Matrix, Record, Weights};
 use super::own::Own;
 use super::patch::{Found, Patch, Rings, Whole};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::ops::Heirs;
+use crate::scheme::operator::Children;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::step::Action;
 use crate::scheme::stepper::Stepper;
@@ -77,7 +77,7 @@ impl<'a> Cycle<'a> {
 
     /// Number of upsamplings before a step of a level, from the beginning of the plan.
     pub(super) fn upsamplings(&self, level: usize, step: &Scheduled) -> u32 {
-        let each = self.level(level).iter().filter(|step| step.letter.operator.heirs().refine()).count();
+        let each = self.level(level).iter().filter(|step| step.letter.facts().children.refine()).count();
         step.upsamplings + index(level.saturating_sub(self.settled) * each)
     }
 
@@ -122,7 +122,7 @@ impl<'a> Cycle<'a> {
             let next = Stepper::new(self.plan).next(&net, step)?;
             made.add(&next.net)?;
             record.add(next.action)?;
-            centre = heir(centre, step.letter.operator.heirs(), [&net, &next.net], &record)?;
+            centre = heir(centre, step.letter.facts().children, [&net, &next.net], &record)?;
             net = next.net;
         }
         let topology = net.mesh.topology();
@@ -163,17 +163,17 @@ impl<'a> Cycle<'a> {
 
     /// Whether it makes a connectivity of its own.
     pub(super) fn rebuilds(&self) -> bool {
-        self.levels[self.settled].iter().any(|step| step.letter.operator.rebuilds())
+        self.levels[self.settled].iter().any(|step| step.letter.facts().rebuilds)
     }
 
     /// Whether rules reach a ring farther beside irregular vertices.
     pub(super) fn reaches_farther(&self) -> bool {
-        self.levels[self.settled].iter().any(|step| step.letter.operator.reaches_farther())
+        self.levels[self.settled].iter().any(|step| step.letter.facts().reaches_farther)
     }
 
     /// How many operators put faces in the place of vertices.
     pub(super) fn n_duals(&self) -> usize {
-        let swaps = |step: &&Scheduled| matches!(step.letter.operator.heirs(), Heirs::Dual | Heirs::Faces);
+        let swaps = |step: &&Scheduled| matches!(step.letter.facts().children, Children::Dual | Children::Faces);
         self.levels[self.settled].iter().filter(swaps).count()
     }
 }
@@ -181,7 +181,7 @@ impl<'a> Cycle<'a> {
 /// The pieces into which each operator of a level and those before it there cut an edge.
 pub(super) fn pieces<'a>(letters: impl Iterator<Item = &'a Letter>) -> Vec<usize> {
     let after = |pieces: &mut usize, letter: &Letter| {
-        let refines = letter.operator.heirs().refine();
+        let refines = letter.facts().children.refine();
         *pieces = pieces.saturating_mul(if refines { letter.arity as usize } else { 1 });
         Some(*pieces)
     };

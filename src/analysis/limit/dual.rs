@@ -8,7 +8,7 @@ use super::Unlimited;
 use super::patch::Centre;
 use crate::refine::{Points, advance};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::ops::Heirs;
+use crate::scheme::operator::Children;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::topology::{NONE, Topology, index};
@@ -196,7 +196,7 @@ impl Led {
         for step in steps {
             let before = led.net.clone();
             advance(&mut led.net, &mut led.points, plan, [step], watch)?;
-            if step.letter.operator.heirs() == Heirs::Dual {
+            if step.letter.facts().children == Children::Dual {
                 let centres = led.centres.take().unwrap_or_else(|| vertices(&before));
                 let dual = Dual::of(&before, &led.net)?;
                 let heir = |centre: Option<Centre>| centre.map(|centre| dual.heir(centre)).transpose();

@@ -11,7 +11,7 @@ use super::matrix::Record;
 use super::patch::Centre;
 use crate::math::rows::Rows;
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::ops::Heirs;
+use crate::scheme::operator::Children;
 use crate::shape::topology::{Topology, index};
 
 /// Weights that differ by no more than this are the same.
@@ -23,18 +23,18 @@ const SAME: f64 = 1e-9;
 /// [`Unlimited::Lost`] and [`Unlimited::Parted`].
 pub(super) fn heir(
     centre: Centre,
-    heirs: Heirs,
+    heirs: Children,
     [before, after]: [&MeshNet; 2],
     record: &Record,
 ) -> Result<Centre, Unlimited> {
     match (heirs, centre) {
-        (Heirs::Same, _) | (Heirs::Vertices, Centre::Vertex(_)) => Ok(centre),
-        (Heirs::Vertices, _) => {
+        (Children::Same, _) | (Children::Vertices, Centre::Vertex(_)) => Ok(centre),
+        (Children::Vertices, _) => {
             let (topology, finer) = (before.mesh.topology(), after.mesh.topology());
             record.last().and_then(|rows| middle(centre, &topology, &finer, &rows)).ok_or(Unlimited::Lost)
         }
-        (Heirs::Dual, _) => Dual::of(before, after)?.heir(centre),
-        (Heirs::Faces, _) => cut(centre, before, after),
+        (Children::Dual, _) => Dual::of(before, after)?.heir(centre),
+        (Children::Faces, _) => cut(centre, before, after),
     }
 }
 

@@ -205,7 +205,7 @@ impl From<RefineError> for Unlimited {
 /// [`Unlimited`].
 pub fn check(plan: &Plan) -> Result<(), Unlimited> {
     let cycle = &plan.word.cycle;
-    if !cycle.iter().any(|letter| letter.operator.heirs().refine()) {
+    if !cycle.iter().any(|letter| letter.facts().children.refine()) {
         return Err(Unlimited::NoUpsampling);
     }
     if cost::is_beyond(cycle) { Err(Unlimited::Fine) } else { Ok(()) }
@@ -301,7 +301,7 @@ pub(in crate::analysis) fn limits(
 ) -> Result<Limits, Unlimited> {
     check(plan)?;
     // what comes before the first upsampling moves points, and puts faces in the place of vertices: the limits stay
-    let before = ahead.iter().take_while(|step| !step.letter.operator.heirs().refine()).count();
+    let before = ahead.iter().take_while(|step| !step.letter.facts().children.refine()).count();
     let given = points;
     let Led { net, points, centres } = Led::by(net, points, plan, &ahead[..before], watch)?;
     let is_open = net.mesh.base.n_boundary() > 0;

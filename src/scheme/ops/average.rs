@@ -5,10 +5,10 @@ use std::sync::Arc;
 use super::local_average;
 use super::ring_average::{self, Around};
 use super::upsample::ratio;
-use super::{Follows, Operator, Role, SplineStep};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::creases::{Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::{Facts, Follows, Operator, Role, SplineStep};
 use crate::scheme::plan::DEFAULT_MU;
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::preimage::Preimage;
@@ -22,43 +22,31 @@ use crate::shape::topology::{Topology, index};
 #[derive(Debug)]
 pub(super) struct Average;
 
+static FACTS: Facts = Facts {
+    letter: Some('C'),
+    name: "average",
+    doc: "The convolution average: D twice, re-centred. Curves after U: vertices (1, 2f, 1), edge points (f, 2, f), each over \
+     2(1 + f), with the kernel f in the first average after a U and 1 else. Meshes: the mean of the loop centres \
+     (f^2 V + f (E1 + E2) + F) / (1 + f)^2 of the quads around a vertex, after U3 and higher with f^2 for V, f for \
+     points of edges, 1 for points inside faces; with split triangle mu P + (1 - mu) times the mean of the neighbours, \
+     where V has the weight f. Boundaries and creases follow the curve rule, corners stay.",
+    source: "Zhang and Wang 2002, formulas (2) and (5); Zorin and Schroeder, CAGD 18 (2001), 429-454",
+    role: Role::Average,
+    uses: &["kernel", "mu"],
+    follows: Follows::Creases,
+    pointwise: true,
+    ..Facts::USUAL
+};
+
 impl Operator for Average {
-    fn letter(&self) -> Option<char> {
-        Some('C')
+    fn facts(&self) -> &'static Facts {
+        &FACTS
     }
 
-    fn name(&self) -> &'static str {
-        "average"
-    }
-
-    fn doc(&self) -> &'static str {
-        "The convolution average: D twice, re-centred. Curves after U: vertices (1, 2f, 1), edge points (f, 2, f), each over \
-         2(1 + f), with the kernel f in the first average after a U and 1 else. Meshes: the mean of the loop centres \
-         (f^2 V + f (E1 + E2) + F) / (1 + f)^2 of the quads around a vertex, after U3 and higher with f^2 for V, f for \
-         points of edges, 1 for points inside faces; with split triangle mu P + (1 - mu) times the mean of the neighbours, \
-         where V has the weight f. Boundaries and creases follow the curve rule, corners stay."
-    }
-
-    fn source(&self) -> &'static str {
-        "Zhang and Wang 2002, formulas (2) and (5); Zorin and Schroeder, CAGD 18 (2001), 429-454"
-    }
-
-    fn role(&self) -> Role {
-        Role::Average
-    }
-
-    fn uses(&self) -> &'static [&'static str] {
-        &["kernel", "mu"]
-    }
-
-    fn spline(&self, letter: &Letter, mu: f64) -> Option<SplineStep> {
+    fn spline(&self, letter: &Letter, mu: f64) -> Result<SplineStep, &'static str> {
         // the one weight with which the symbol is that of a box spline
         let even = letter.tile == Tile::Quad || mu == DEFAULT_MU;
-        even.then_some(SplineStep::Mean)
-    }
-
-    fn follows(&self) -> Follows {
-        Follows::Creases
+        if even { Ok(SplineStep::Mean) } else { Err("its C has another mu than 1/4") }
     }
 
     fn window(&self, _: &Letter, _: u32) -> Option<Window> {

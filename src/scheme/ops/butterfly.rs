@@ -1,10 +1,11 @@
 //! The edge points of the modified butterfly scheme, applied after U on triangles.
 
+use super::around;
 use super::cosines::cosine;
 use super::upsample::ratio;
-use super::{Operator, Role, around};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::{Facts, Operator, Role};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::shape::topology::{NONE, Topology, index};
@@ -24,24 +25,20 @@ use crate::shape::topology::{NONE, Topology, index};
 #[derive(Debug)]
 pub struct ButterflyEdges;
 
+static FACTS: Facts = Facts {
+    name: "butterfly-edges",
+    doc: "The edge points of the modified butterfly scheme after U on triangles: 1/2 (a + b) + 2w (c + d) - w (four far \
+     vertices) where both ends have valence 6, weights of the ring of an end of another valence, the four-point rule \
+     on boundaries. Used by the preset butterfly.",
+    source: "Zorin, Schroeder and Sweldens, SIGGRAPH 1996, 189-192; Dyn, Levin and Gregory, ACM TOG 9 (1990), 160-169",
+    // w is a sixteenth of the compensation, as in the word of the four-point scheme
+    role: Role::PushBack,
+    ..Facts::USUAL
+};
+
 impl Operator for ButterflyEdges {
-    fn name(&self) -> &'static str {
-        "butterfly-edges"
-    }
-
-    fn doc(&self) -> &'static str {
-        "The edge points of the modified butterfly scheme after U on triangles: 1/2 (a + b) + 2w (c + d) - w (four far \
-         vertices) where both ends have valence 6, weights of the ring of an end of another valence, the four-point rule \
-         on boundaries. Used by the preset butterfly."
-    }
-
-    fn source(&self) -> &'static str {
-        "Zorin, Schroeder and Sweldens, SIGGRAPH 1996, 189-192; Dyn, Levin and Gregory, ACM TOG 9 (1990), 160-169"
-    }
-
-    fn role(&self) -> Role {
-        // w is a sixteenth of the compensation, as in the word of the four-point scheme
-        Role::PushBack
+    fn facts(&self) -> &'static Facts {
+        &FACTS
     }
 
     fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {

@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use super::around;
 use super::cosines::cosine;
 use super::upsample::ratio;
-use super::{Heirs, Operator, Role, around};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::census::{Census, sum};
 use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::{Children, Facts, Operator, Role};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::shape::topology::{NONE, Topology, index};
@@ -25,35 +26,25 @@ use crate::shape::topology::{NONE, Topology, index};
 #[derive(Debug)]
 pub struct DooSabin;
 
+static FACTS: Facts = Facts {
+    name: "doo-sabin",
+    doc: "A level of Doo and Sabin: a new vertex for each corner of a face of n vertices, with weights (n + 5)/(4n) for the \
+     corner and (3 + 2 cos(2 pi i/n))/(4n) for the others; a face for each face, edge and vertex. Boundaries follow \
+     Chaikin, and the surface is reflected at them. Used by the preset doo-sabin.",
+    source: "Doo and Sabin, CAD 10 (1978), 356-360; Doo, Proc. Interactive Techniques in CAD (1978), 157-165",
+    role: Role::Smooth,
+    children: Children::Faces,
+    rebuilds: true,
+    ..Facts::USUAL
+};
+
 impl Operator for DooSabin {
-    fn name(&self) -> &'static str {
-        "doo-sabin"
-    }
-
-    fn doc(&self) -> &'static str {
-        "A level of Doo and Sabin: a new vertex for each corner of a face of n vertices, with weights (n + 5)/(4n) for the \
-         corner and (3 + 2 cos(2 pi i/n))/(4n) for the others; a face for each face, edge and vertex. Boundaries follow \
-         Chaikin, and the surface is reflected at them. Used by the preset doo-sabin."
-    }
-
-    fn source(&self) -> &'static str {
-        "Doo and Sabin, CAD 10 (1978), 356-360; Doo, Proc. Interactive Techniques in CAD (1978), 157-165"
-    }
-
-    fn role(&self) -> Role {
-        Role::Smooth
-    }
-
-    fn heirs(&self) -> Heirs {
-        Heirs::Faces
+    fn facts(&self) -> &'static Facts {
+        &FACTS
     }
 
     fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
         Err(StepError::WrongNet("doo-sabin refines meshes; for polygons use chaikin"))
-    }
-
-    fn rebuilds(&self) -> bool {
-        true
     }
 
     fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
@@ -75,7 +66,7 @@ impl Operator for DooSabin {
         Ok(())
     }
 
-    fn census(&self, before: &Census) -> Option<Census> {
+    fn census(&self, before: &Census) -> Census {
         let Census { count, boundary: b, corners: q, isolated, rounds } = *before;
         let (v, e, f, c) = (count.vertices, count.edges, count.faces, count.corners);
         if rounds == 0 {
@@ -84,14 +75,14 @@ impl Operator for DooSabin {
             let corners = sum(&[(2, c), (4, e), (2, b), (1, q)]);
             let largest = count.largest_face.max(count.largest_fan).max(4);
             let after = before.after([vertices, faces, corners, largest], sum(&[(2, b), (1, q)]));
-            return Some(Census { isolated: 0, ..after });
+            return Census { isolated: 0, ..after };
         }
         let inner = e.saturating_sub(b);
         let faces = sum(&[(1, f), (1, inner), (1, v.saturating_sub(b))]);
         let corners = sum(&[(2, c), (4, inner), (1, q)]).saturating_sub(sum(&[(2, b)]));
         // all vertices inside have four faces
         let largest = count.largest_face.max(4);
-        Some(before.after([c, faces, corners, largest], sum(&[(2, b)]).saturating_sub(q)))
+        before.after([c, faces, corners, largest], sum(&[(2, b)]).saturating_sub(q))
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {

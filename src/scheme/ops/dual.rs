@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::average::Average;
 use super::upsample::ratio;
-use super::{Heirs, Operator, Role, SplineStep};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
 use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::{Children, Facts, Operator, Role, SplineStep};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::preimage::Preimage;
 use crate::scheme::step::{Action, Step, StepError, Values};
@@ -25,40 +26,31 @@ const PART: usize = 4096;
 #[derive(Debug)]
 pub(super) struct Dual;
 
+static FACTS: Facts = Facts {
+    letter: Some('D'),
+    name: "dual",
+    doc: "The dual average. Curves: q[j] = (w[j] p[j] + w[j+1] p[j+1]) / (w[j] + w[j+1]), with the kernel f as weight of \
+     vertices and 1 of edge points for the first average after a U, all 1 else. Meshes: one vertex for each face, at \
+     the mean of its vertices (weights f^2 for V, f for E, 1 for F in the first average after a U); one face for \
+     each interior vertex.",
+    source: "Lane and Riesenfeld, IEEE PAMI 2 (1980), 35-46; Zhang and Wang 2002, formula (2)",
+    role: Role::Average,
+    uses: &["kernel"],
+    children: Children::Dual,
+    twice: Some(&Average),
+    ..Facts::USUAL
+};
+
 impl Operator for Dual {
-    fn letter(&self) -> Option<char> {
-        Some('D')
+    fn facts(&self) -> &'static Facts {
+        &FACTS
     }
 
-    fn name(&self) -> &'static str {
-        "dual"
-    }
-
-    fn doc(&self) -> &'static str {
-        "The dual average. Curves: q[j] = (w[j] p[j] + w[j+1] p[j+1]) / (w[j] + w[j+1]), with the kernel f as weight of \
-         vertices and 1 of edge points for the first average after a U, all 1 else. Meshes: one vertex for each face, at \
-         the mean of its vertices (weights f^2 for V, f for E, 1 for F in the first average after a U); one face for \
-         each interior vertex."
-    }
-
-    fn source(&self) -> &'static str {
-        "Lane and Riesenfeld, IEEE PAMI 2 (1980), 35-46; Zhang and Wang 2002, formula (2)"
-    }
-
-    fn role(&self) -> Role {
-        Role::Average
-    }
-
-    fn heirs(&self) -> Heirs {
-        Heirs::Dual
-    }
-
-    fn spline(&self, letter: &Letter, _: f64) -> Option<SplineStep> {
-        (letter.tile == Tile::Quad).then_some(SplineStep::HalfMean)
-    }
-
-    fn uses(&self) -> &'static [&'static str] {
-        &["kernel"]
+    fn spline(&self, letter: &Letter, _: f64) -> Result<SplineStep, &'static str> {
+        match letter.tile {
+            Tile::Quad => Ok(SplineStep::HalfMean),
+            Tile::Triangle => Err("its D makes other faces of triangles"),
+        }
     }
 
     fn window(&self, _: &Letter, duals: u32) -> Option<Window> {

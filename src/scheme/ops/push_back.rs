@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use super::latitude::{LatitudeRule, Lines};
 use super::upsample::ratio;
-use super::{Follows, Operator, Role};
 use crate::math::expression::Expression;
 use crate::math::functions::sin;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
 use crate::scheme::creases::{Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::{Facts, Follows, Operator, Role, SplineStep};
 use crate::scheme::polygon_anchor::PolygonAnchor;
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, Step, StepError, Values};
@@ -29,6 +29,24 @@ pub struct PushBack(Share);
 pub(super) const PUSH_BACK: PushBack = PushBack(Share::Linear);
 /// The push-back of circle schemes.
 pub const CIRCULAR_PUSH_BACK: PushBack = PushBack(Share::Circular);
+
+static LINEAR: Facts =
+    Facts { letter: Some('P'), name: "push-back", follows: Follows::Creases, pointwise: true, ..COMMON };
+
+static CIRCULAR: Facts = Facts { name: "circular-push-back", needs_alpha: true, ..COMMON };
+
+/// What both have in common.
+const COMMON: Facts = Facts {
+    doc: "Pushes back towards the polygon or mesh that entered the last U. With D = delta (old - new) at each vertex: \
+         vertices move by D, edge points by omega/2 (D1 + D2), face points of an n-gon by omega^2/n times the sum over \
+         its vertices; omega is the compensation. For higher arities D is interpolated as U interpolates, times omega \
+         on edges and omega^2 inside faces. delta 0 changes nothing, 1 interpolates. Needs an even number of D \
+         since the last U.",
+    source: "Zhang and Wang 2002, formulas (3) and (6)-(9)",
+    role: Role::PushBack,
+    uses: &["delta", "compensation"],
+    ..Facts::USUAL
+};
 
 /// How a point between two vertices takes part in their displacements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,19 +70,11 @@ impl Share {
 }
 
 impl Operator for PushBack {
-    fn letter(&self) -> Option<char> {
-        (self.0 == Share::Linear).then_some('P')
-    }
-
-    fn name(&self) -> &'static str {
+    fn facts(&self) -> &'static Facts {
         match self.0 {
-            Share::Linear => "push-back",
-            Share::Circular => "circular-push-back",
+            Share::Linear => &LINEAR,
+            Share::Circular => &CIRCULAR,
         }
-    }
-
-    fn needs_alpha(&self) -> bool {
-        self.0 == Share::Circular
     }
 
     fn at_alpha(&self, _: &mut Letter, alpha: f64) -> Result<(), String> {
@@ -72,28 +82,8 @@ impl Operator for PushBack {
         if pole { Err(format!("the circular push-back has a pole at alpha = {alpha}")) } else { Ok(()) }
     }
 
-    fn doc(&self) -> &'static str {
-        "Pushes back towards the polygon or mesh that entered the last U. With D = delta (old - new) at each vertex: \
-         vertices move by D, edge points by omega/2 (D1 + D2), face points of an n-gon by omega^2/n times the sum over \
-         its vertices; omega is the compensation. For higher arities D is interpolated as U interpolates, times omega \
-         on edges and omega^2 inside faces. delta 0 changes nothing, 1 interpolates. Needs an even number of D \
-         since the last U."
-    }
-
-    fn source(&self) -> &'static str {
-        "Zhang and Wang 2002, formulas (3) and (6)-(9)"
-    }
-
-    fn role(&self) -> Role {
-        Role::PushBack
-    }
-
-    fn follows(&self) -> Follows {
-        if self.0 == Share::Linear { Follows::Creases } else { Follows::Corners }
-    }
-
-    fn uses(&self) -> &'static [&'static str] {
-        &["delta", "compensation"]
+    fn spline(&self, _: &Letter, _: f64) -> Result<SplineStep, &'static str> {
+        Err("its P pushes back")
     }
 
     fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {

@@ -2,10 +2,10 @@
 
 use super::cosines::cosine;
 use super::upsample::ratio;
-use super::{Heirs, Operator, Role};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::census::{Census, sum};
 use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::{Children, Facts, Operator, Role};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::shape::root_three::Rim;
@@ -21,35 +21,25 @@ use crate::shape::topology::{NONE, Topology, index};
 #[derive(Debug)]
 pub struct RootThree;
 
+static FACTS: Facts = Facts {
+    name: "sqrt-3",
+    doc: "A level of Kobbelt's sqrt 3 scheme on triangles: centroids of the faces, flipped edges, and old vertices moved by \
+     (4 - 2 cos(2 pi/n))/9 of the way to the mean of their n neighbours. Every second level cuts boundary edges in \
+     three, by the ternary cubic B-spline (1, 4, 10, 16, 19, 16, 10, 4, 1)/27. Used by the preset sqrt-3.",
+    source: "Kobbelt, SIGGRAPH 2000, 103-112",
+    role: Role::Smooth,
+    children: Children::Vertices,
+    rebuilds: true,
+    ..Facts::USUAL
+};
+
 impl Operator for RootThree {
-    fn name(&self) -> &'static str {
-        "sqrt-3"
-    }
-
-    fn doc(&self) -> &'static str {
-        "A level of Kobbelt's sqrt 3 scheme on triangles: centroids of the faces, flipped edges, and old vertices moved by \
-         (4 - 2 cos(2 pi/n))/9 of the way to the mean of their n neighbours. Every second level cuts boundary edges in \
-         three, by the ternary cubic B-spline (1, 4, 10, 16, 19, 16, 10, 4, 1)/27. Used by the preset sqrt-3."
-    }
-
-    fn source(&self) -> &'static str {
-        "Kobbelt, SIGGRAPH 2000, 103-112"
-    }
-
-    fn role(&self) -> Role {
-        Role::Smooth
-    }
-
-    fn heirs(&self) -> Heirs {
-        Heirs::Vertices
+    fn facts(&self) -> &'static Facts {
+        &FACTS
     }
 
     fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
         Err(StepError::WrongNet("sqrt-3 refines meshes of triangles; for polygons use ternary-cubic"))
-    }
-
-    fn rebuilds(&self) -> bool {
-        true
     }
 
     fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
@@ -67,14 +57,14 @@ impl Operator for RootThree {
         }
     }
 
-    fn census(&self, before: &Census) -> Option<Census> {
+    fn census(&self, before: &Census) -> Census {
         let (v, f, b) = (before.count.vertices, before.count.faces, before.boundary);
         let (faces, corners) = (sum(&[(3, f)]), sum(&[(9, f)]));
         let (vertices, boundary) = match rim(before.rounds) {
             Rim::Whole => (sum(&[(1, v), (1, f)]), b),
             Rim::Thirds => (sum(&[(1, v), (1, f), (1, b)]), sum(&[(3, b)])),
         };
-        Some(before.after([vertices, faces, corners, 3], boundary))
+        before.after([vertices, faces, corners, 3], boundary)
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {

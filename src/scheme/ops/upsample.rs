@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use super::{Follows, Operator, Role, SplineStep};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
 use crate::scheme::local::Local;
 use crate::scheme::local_mesh::MeshLocal;
 use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::{Children, Facts, Follows, Operator, Role, SplineStep};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::preimage::Preimage;
 use crate::scheme::step::{Action, Step, StepError, Values};
@@ -23,40 +23,29 @@ pub(super) use crate::scheme::anchor::ratio;
 #[derive(Debug)]
 pub(super) struct Upsample;
 
+static FACTS: Facts = Facts {
+    letter: Some('U'),
+    name: "upsample",
+    doc: "Upsamples by linear interpolation. Curves, arity d (U is U2): q[di+j] = ((d-j) p[i] + j p[i+1]) / d. Meshes: vertices stay, \
+     every edge gets its midpoint and every face the mean of its vertices, so that an n-gon becomes n quads; arity d \
+     splits quads into d x d bilinearly, after a U where a mesh has other faces. With split triangle every triangle \
+     becomes d x d triangles.",
+    source: "Zhang and Wang 2002, formulas (1) and (4); Zorin and Schroeder, CAGD 18 (2001), 429-454",
+    role: Role::Upsample,
+    uses: &["alpha", "split"],
+    children: Children::Vertices,
+    follows: Follows::Creases,
+    pointwise: true,
+    ..Facts::USUAL
+};
+
 impl Operator for Upsample {
-    fn letter(&self) -> Option<char> {
-        Some('U')
+    fn facts(&self) -> &'static Facts {
+        &FACTS
     }
 
-    fn name(&self) -> &'static str {
-        "upsample"
-    }
-
-    fn doc(&self) -> &'static str {
-        "Upsamples by linear interpolation. Curves, arity d (U is U2): q[di+j] = ((d-j) p[i] + j p[i+1]) / d. Meshes: vertices stay, \
-         every edge gets its midpoint and every face the mean of its vertices, so that an n-gon becomes n quads; arity d \
-         splits quads into d x d bilinearly, after a U where a mesh has other faces. With split triangle every triangle \
-         becomes d x d triangles."
-    }
-
-    fn source(&self) -> &'static str {
-        "Zhang and Wang 2002, formulas (1) and (4); Zorin and Schroeder, CAGD 18 (2001), 429-454"
-    }
-
-    fn role(&self) -> Role {
-        Role::Upsample
-    }
-
-    fn uses(&self) -> &'static [&'static str] {
-        &["alpha", "split"]
-    }
-
-    fn spline(&self, letter: &Letter, _: f64) -> Option<SplineStep> {
-        (letter.arity == 2).then_some(SplineStep::Upsample)
-    }
-
-    fn follows(&self) -> Follows {
-        Follows::Creases
+    fn spline(&self, letter: &Letter, _: f64) -> Result<SplineStep, &'static str> {
+        if letter.arity == 2 { Ok(SplineStep::Upsample) } else { Err("its U has an arity above 2") }
     }
 
     fn window(&self, letter: &Letter, _: u32) -> Option<Window> {

@@ -1,8 +1,8 @@
 //! Classical schemes on meshes.
 
-use super::{Preset, Refines, Spelling, letters};
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::scheme::ops::{CatmullClark, LoopSmoothing};
+use crate::scheme::preset::{Preset, Refines, Spelling, letters};
 use crate::scheme::rules::{Rules, TriangleRule};
 use crate::scheme::sharpness::Creasing;
 use crate::scheme::word::Letter;

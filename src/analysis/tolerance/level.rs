@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::math::vector::{Vector, mean};
 use crate::refine::{Points, RefineError, advance};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::ops::Role;
+use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::sharpness::Sharpness;
 use crate::scheme::stepper::Stepper;
@@ -63,7 +63,7 @@ impl Level {
         for step in round {
             let next = Stepper::new(plan).next(&net, step).map_err(RefineError::at(step))?;
             points.act(&next.action, step.level, watch)?;
-            if step.letter.operator.role() == Role::Upsample {
+            if step.letter.facts().role == Role::Upsample {
                 flat.act(&next.action, step.level, watch)?;
             }
             net = next.net;
