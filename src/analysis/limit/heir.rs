@@ -7,7 +7,7 @@
 
 use super::Unlimited;
 use super::dual::Dual;
-use super::matrix::Record;
+use super::record::Record;
 use super::patch::Centre;
 use crate::math::rows::Rows;
 use crate::scheme::mesh_net::MeshNet;

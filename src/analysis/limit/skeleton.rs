@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::Unlimited;
 use super::cycle::{Child, Cycle};
-use super::matrix::{Record, Weights};
+use super::record::{Record, Weights};
 use super::own::Own;
 use super::patch::{Found, Patch, Rings};
 use crate::scheme::mesh_net::MeshNet;
@@ -56,8 +56,7 @@ impl Traced {
 
     /// The level with its matrix.
     pub(super) fn child(&self) -> Result<Child, Unlimited> {
-        let matrix = self.record.matrix(self.wanted(), &self.skeleton.origins, self.n_columns);
-        Ok(Child { patch: self.patch().clone(), matrix: matrix.ok_or(Unlimited::Reach)?, turn: self.turn() })
+        Child::new(&self.skeleton.child, &self.record, &self.skeleton.origins, self.n_columns)
     }
 }
 
