@@ -106,7 +106,7 @@ fn format(name: &str) -> &'static dyn Format {
 
 fn options(name: &str, given: &[(&str, Literal)]) -> Values {
     let given: Vec<_> = given.iter().map(|(key, value)| ((*key).to_owned(), value.clone())).collect();
-    Values::resolve(format(name).parameters(), &given).expect("the options are known")
+    Values::resolve(format(name).facts().parameters, &given).expect("the options are known")
 }
 
 fn attempt(format: &dyn Format, options: &Values, shape: Shape<'_>) -> Result<Vec<u8>, FormatError> {
