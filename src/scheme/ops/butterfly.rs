@@ -3,9 +3,10 @@
 use super::around;
 use super::cosines::cosine;
 use super::upsample::ratio;
+use crate::math::parameter::{Default, Kind, Parameter};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Facts, Operator, Role};
+use crate::scheme::operator::{Facts, Operator};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::shape::topology::{NONE, Topology, index};
@@ -25,14 +26,24 @@ use crate::shape::topology::{NONE, Topology, index};
 #[derive(Debug)]
 pub struct ButterflyEdges;
 
+impl ButterflyEdges {
+    /// The tension.
+    pub const W: Parameter = Parameter {
+        name: "w",
+        kind: Kind::Number { min: -1e3, max: 1e3 },
+        unit: "",
+        default: Default::Number(1.0 / 16.0),
+        doc: "Tension: what edge points are off the middles of their edges at 1/16 is multiplied by 16 w.",
+    };
+}
+
 static FACTS: Facts = Facts {
     name: "butterfly-edges",
     doc: "The edge points of the modified butterfly scheme after U on triangles: 1/2 (a + b) + 2w (c + d) - w (four far \
      vertices) where both ends have valence 6, weights of the ring of an end of another valence, the four-point rule \
      on boundaries. Used by the preset butterfly.",
     source: "Zorin, Schroeder and Sweldens, SIGGRAPH 1996, 189-192; Dyn, Levin and Gregory, ACM TOG 9 (1990), 160-169",
-    // w is a sixteenth of the compensation, as in the word of the four-point scheme
-    role: Role::PushBack,
+    parameters: &[ButterflyEdges::W],
     ..Facts::USUAL
 };
 
@@ -54,7 +65,7 @@ impl Operator for ButterflyEdges {
         if net.mesh.pieces.len() == 1 {
             self.admits(net)?;
         }
-        let (n, n_v, strength) = (net.mesh.n_vertices(), parent.n_vertices(), values.compensation);
+        let (n, n_v, strength) = (net.mesh.n_vertices(), parent.n_vertices(), 16.0 * values.settings.number(&Self::W));
         let old = net.clone();
         let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
             if row < n_v {

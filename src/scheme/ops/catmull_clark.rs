@@ -7,8 +7,8 @@ use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Facts, Follows, Operator, Role, SplineStep};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::rules::TriangleRule;
+use crate::scheme::settings::Settings;
 use crate::scheme::step::{Action, Step, StepError, Values};
-use crate::scheme::word::Letter;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// Catmull-Clark after U, for faces of any size: `F' = F`, `E' = E/2 + (F1 + F2)/4` (which is `(V1 + V2 + F1 + F2)/4`),
@@ -37,7 +37,7 @@ impl Operator for CatmullClark {
         Err(StepError::WrongNet("catmull-clark refines meshes; for polygons use cubic-b-spline"))
     }
 
-    fn spline(&self, _: &Letter, _: f64) -> Result<SplineStep, &'static str> {
+    fn spline(&self, _: &Settings, _: f64) -> Result<SplineStep, &'static str> {
         Ok(SplineStep::Mean)
     }
 

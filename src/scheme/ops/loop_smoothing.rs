@@ -7,9 +7,9 @@ use crate::scheme::creases::{Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Facts, Follows, Operator, Role, SplineStep};
 use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::settings::Settings;
 use crate::scheme::sharpness::edges_at;
 use crate::scheme::step::{Action, Step, StepError, Values};
-use crate::scheme::word::Letter;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// Loop after U: `E' = 3/8 (V1 + V2) + 1/8 (A + B)` with the opposite vertices A and B, `V' = (1 - N beta) V + beta sum`
@@ -40,7 +40,7 @@ impl Operator for LoopSmoothing {
         Err(StepError::WrongNet("loop refines meshes; for polygons use cubic-b-spline"))
     }
 
-    fn spline(&self, _: &Letter, _: f64) -> Result<SplineStep, &'static str> {
+    fn spline(&self, _: &Settings, _: f64) -> Result<SplineStep, &'static str> {
         Ok(SplineStep::Mean)
     }
 
