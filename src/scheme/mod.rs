@@ -29,6 +29,7 @@ pub mod rules;
 pub mod sharpness;
 mod sizes;
 pub mod split_mesh;
+pub mod stencil;
 pub mod step;
 pub mod stepper;
 pub mod surroundings;
