@@ -1,6 +1,6 @@
 //! Vertices and faces as they come from a file, counted against the limits before they are kept.
 
-use super::{ReadLimits, ReadMesh};
+use super::reader::{ReadLimits, ReadMesh};
 
 /// Most corners of all faces: corners are numbered with 32 bits, and a refined face has several for each.
 const MAX_CORNERS: usize = u32::MAX as usize / 5;

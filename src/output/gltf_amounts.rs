@@ -2,9 +2,10 @@
 
 use crate::fault::Fault;
 use crate::math::parameter::Values;
+use crate::output::counts::{Counts, ShapeKind};
 use crate::output::numbers::total;
+use crate::output::options::IDS;
 use crate::output::scene::{Frame, Shape};
-use crate::output::{Counts, IDS, ShapeKind};
 use crate::shape::attachments::Attachments;
 use crate::shape::labels::parts;
 

@@ -9,13 +9,18 @@ use serde_json::Value;
 
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::output::counts::{Counts, ShapeKind};
 use crate::output::curvature;
+use crate::output::error::FormatError;
+use crate::output::format::{Format, FormatFacts};
+use crate::output::normals;
 use crate::output::numbers::{REAL, digits, real, reals, total, whole};
+use crate::output::options::{IDS, ISOLINES, POSITIONS, TANGENTS};
 use crate::output::scene::{Curve, MeshSource, Scene, Shape};
 use crate::output::sections::{SECTIONS, asked};
+use crate::output::size::Size;
 use crate::output::stream::{Positions, Stream, unfit};
 use crate::output::surface::{NORMALS, with_normals};
-use crate::output::{Counts, Format, FormatError, IDS, ISOLINES, POSITIONS, ShapeKind, Size, TANGENTS, normals};
 use crate::shape::attachments::Attachments;
 use crate::watch::Watch;
 
@@ -55,21 +60,19 @@ const WARNINGS_FRAME: usize = 64;
 #[derive(Debug)]
 pub(super) struct Json;
 
+const FACTS: &FormatFacts = &FormatFacts {
+    name: "json",
+    extension: "json",
+    media_type: "application/json",
+    doc: "JSON as in requests: all coordinates at full precision, polygons as they are",
+    parameters: &[POSITIONS, NORMALS, TANGENTS, CURVATURE, IDS, EDGES, SECTIONS],
+    holds: |_, _| Ok(()),
+    shows_control: false,
+};
+
 impl Format for Json {
-    fn name(&self) -> &'static str {
-        "json"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "application/json"
-    }
-
-    fn doc(&self) -> &'static str {
-        "JSON as in requests: all coordinates at full precision, polygons as they are"
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        &[POSITIONS, NORMALS, TANGENTS, CURVATURE, IDS, EDGES, SECTIONS]
+    fn facts(&self) -> &'static FormatFacts {
+        FACTS
     }
 
     fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
@@ -93,10 +96,6 @@ impl Format for Json {
         if asked(options) && curves {
             return Err(Fault::new("/sections", "planes cut meshes, curves have no sections; leave it out"));
         }
-        Ok(())
-    }
-
-    fn holds(&self, _kind: ShapeKind) -> Result<(), String> {
         Ok(())
     }
 

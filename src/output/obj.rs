@@ -2,14 +2,19 @@
 
 use std::io::Write;
 
-use crate::math::parameter::{Parameter, Values};
+use crate::math::parameter::Values;
 use crate::output::colors::within;
+use crate::output::counts::{Counts, ShapeKind};
+use crate::output::error::FormatError;
+use crate::output::format::{Format, FormatFacts};
+use crate::output::normals;
 use crate::output::numbers::{REAL, digits, real, reals, total, whole};
+use crate::output::options::{IDS, POSITIONS};
 use crate::output::parted::Parted;
 use crate::output::scene::{Curve, Frame, MeshSource, Scene, Shape};
+use crate::output::size::Size;
 use crate::output::stream::{Positions, Stream, holds_space};
 use crate::output::surface::{NORMALS, with_normals};
-use crate::output::{Counts, Format, FormatError, IDS, POSITIONS, ShapeKind, Size, normals};
 use crate::shape::creases::Tags;
 use crate::shape::labels::Labels;
 use crate::watch::Watch;
@@ -38,25 +43,19 @@ const UNNAMED: &str = "default";
 #[derive(Debug)]
 pub(super) struct Obj;
 
+const FACTS: &FormatFacts = &FormatFacts {
+    name: "obj",
+    extension: "obj",
+    media_type: "model/obj",
+    doc: "Wavefront OBJ: polygons as they are, shortest decimals that read back exactly",
+    parameters: &[POSITIONS, NORMALS, IDS],
+    holds: |kind, _| holds_space("obj", kind),
+    shows_control: false,
+};
+
 impl Format for Obj {
-    fn name(&self) -> &'static str {
-        "obj"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "model/obj"
-    }
-
-    fn doc(&self) -> &'static str {
-        "Wavefront OBJ: polygons as they are, shortest decimals that read back exactly"
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        &[POSITIONS, NORMALS, IDS]
-    }
-
-    fn holds(&self, kind: ShapeKind) -> Result<(), String> {
-        holds_space(self.name(), kind)
+    fn facts(&self) -> &'static FormatFacts {
+        FACTS
     }
 
     fn size(&self, counts: &Counts, options: &Values) -> Size {

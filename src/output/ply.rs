@@ -7,12 +7,17 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::output::counts::{Counts, ShapeKind};
+use crate::output::error::FormatError;
+use crate::output::format::{Format, FormatFacts};
+use crate::output::normals;
 use crate::output::numbers::{REAL, digits, real, real_f32, rounded, total, whole};
+use crate::output::options::{IDS, POSITIONS};
 use crate::output::scene::{Curve, Frame, MeshSource, Scene, Shape};
 use crate::output::sides::Sides;
+use crate::output::size::Size;
 use crate::output::stream::{Positions, Stream, channels_within_f32, holds_space};
 use crate::output::surface::{NORMALS, with_normals};
-use crate::output::{Counts, Format, FormatError, IDS, POSITIONS, ShapeKind, Size, normals};
 use crate::shape::attachments::Attachments;
 use crate::watch::Watch;
 use carried::Carried;
@@ -32,25 +37,19 @@ use carried::Carried;
 #[derive(Debug)]
 pub(super) struct Ply;
 
+const FACTS: &FormatFacts = &FormatFacts {
+    name: "ply",
+    extension: "ply",
+    media_type: "model/ply",
+    doc: "Stanford PLY: polygons as they are, f64 or f32 coordinates, binary little endian or text",
+    parameters: PARAMETERS,
+    holds: |kind, _| holds_space("ply", kind),
+    shows_control: false,
+};
+
 impl Format for Ply {
-    fn name(&self) -> &'static str {
-        "ply"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "model/ply"
-    }
-
-    fn doc(&self) -> &'static str {
-        "Stanford PLY: polygons as they are, f64 or f32 coordinates, binary little endian or text"
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        PARAMETERS
-    }
-
-    fn holds(&self, kind: ShapeKind) -> Result<(), String> {
-        holds_space(self.name(), kind)
+    fn facts(&self) -> &'static FormatFacts {
+        FACTS
     }
 
     fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {

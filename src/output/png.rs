@@ -7,12 +7,15 @@ use image::{ExtendedColorType, ImageEncoder};
 
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::output::counts::{Counts, ShapeKind};
+use crate::output::error::FormatError;
+use crate::output::format::{Format, FormatFacts};
+use crate::output::options::{ISOLINES, POSITIONS};
 use crate::output::picture::coat::{self, CHANNEL, COLOR_BY};
 use crate::output::picture::drawing::Drawing;
 use crate::output::picture::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH, forecast, mesh, paint};
 use crate::output::scene::{Scene, Shape};
-use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
-use crate::output::{ISOLINES, POSITIONS};
+use crate::output::size::Size;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::watch::{Stage, Watch};
@@ -59,25 +62,19 @@ const PARAMETERS: &[Parameter] = &[
     CAMERA,
 ];
 
+const FACTS: &FormatFacts = &FormatFacts {
+    name: "png",
+    extension: "png",
+    media_type: "image/png",
+    doc: "A picture in pixels: a lit mesh with hidden lines removed, or curves with their control polygons.",
+    parameters: PARAMETERS,
+    holds: |kind, _| picture::drawable(kind),
+    shows_control: true,
+};
+
 impl Format for Png {
-    fn name(&self) -> &'static str {
-        "png"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "image/png"
-    }
-
-    fn doc(&self) -> &'static str {
-        "A picture in pixels: a lit mesh with hidden lines removed, or curves with their control polygons."
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        PARAMETERS
-    }
-
-    fn holds(&self, kind: ShapeKind) -> Result<(), String> {
-        picture::drawable(kind)
+    fn facts(&self) -> &'static FormatFacts {
+        FACTS
     }
 
     fn suits(&self, kind: ShapeKind, carried: &Attachments, options: &Values) -> Result<(), Fault> {
@@ -124,7 +121,7 @@ impl Format for Png {
             Shape::Mesh(shape) => mesh::picture(scene, shape, &options, watch)?,
             Shape::Curves(curves) => {
                 let dimension = curves.iter().map(|c| c.dimension).max().unwrap_or(1);
-                self.holds(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
+                picture::drawable(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
                 paint::paint(&Drawing::of(scene, &options, watch)?, watch)?
             }
         };

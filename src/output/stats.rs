@@ -11,12 +11,16 @@ use std::io::Write;
 
 use serde_json::{Value, json};
 
-use crate::math::parameter::{Parameter, Values};
+use crate::math::parameter::Values;
 use crate::output::bounds::Bounds;
+use crate::output::counts::Counts;
+use crate::output::error::FormatError;
+use crate::output::format::{Format, FormatFacts};
 use crate::output::numbers::total;
+use crate::output::options::POSITIONS;
 use crate::output::scene::{Scene, Shape};
+use crate::output::size::Size;
 use crate::output::surface::{NORMALS, with_normals};
-use crate::output::{Counts, Format, FormatError, POSITIONS, ShapeKind, Size};
 use crate::watch::Watch;
 
 use moments::Moments;
@@ -37,29 +41,19 @@ use moments::Moments;
 #[derive(Debug)]
 pub(super) struct Stats;
 
+const FACTS: &FormatFacts = &FormatFacts {
+    name: "stats",
+    extension: "json",
+    media_type: "application/json",
+    doc: "Statistics in JSON: counts, bounding box, measures, moments, valences, hashes",
+    parameters: &[POSITIONS, NORMALS],
+    holds: |_, _| Ok(()),
+    shows_control: false,
+};
+
 impl Format for Stats {
-    fn name(&self) -> &'static str {
-        "stats"
-    }
-
-    fn extension(&self) -> &'static str {
-        "json"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "application/json"
-    }
-
-    fn doc(&self) -> &'static str {
-        "Statistics in JSON: counts, bounding box, measures, moments, valences, hashes"
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        &[POSITIONS, NORMALS]
-    }
-
-    fn holds(&self, _kind: ShapeKind) -> Result<(), String> {
-        Ok(())
+    fn facts(&self) -> &'static FormatFacts {
+        FACTS
     }
 
     /// Three lists may have many entries. Distinct valences 1, 2, .. k need k (k + 1) / 2 ends of edges, of which there

@@ -4,12 +4,17 @@ use std::io::Write;
 
 use crate::math::parameter::{Default, Parameter, Values};
 use crate::math::vector::{plus, unit};
+use crate::output::counts::{Counts, ShapeKind};
+use crate::output::error::FormatError;
+use crate::output::format::{Format, FormatFacts};
+use crate::output::normals;
 use crate::output::numbers::{rounded, total};
+use crate::output::options::{LIMIT, POSITIONS};
 use crate::output::parted::Parted;
 use crate::output::scene::{MeshSource, Scene, Shape, triangles};
+use crate::output::size::Size;
 use crate::output::stream::{Positions, Stream};
 use crate::output::surface::NORMALS;
-use crate::output::{Counts, Format, FormatError, LIMIT, POSITIONS, ShapeKind, Size, normals};
 use crate::watch::Watch;
 
 /// Bytes before the number of triangles; programs take a file that starts with "solid" for text.
@@ -22,33 +27,28 @@ const TRIANGLE: u128 = 50;
 #[derive(Debug)]
 pub(super) struct Stl;
 
+const FACETS: Parameter = Parameter {
+    default: Default::Text("area"),
+    doc: "Normals of triangles: their own, none (zeros), or the mean of those of the limit surface at their corners.",
+    ..NORMALS
+};
+
+const FACTS: &FormatFacts = &FormatFacts {
+    name: "stl",
+    extension: "stl",
+    media_type: "model/stl",
+    doc: "Binary STL: loose triangles with facet normals, f32",
+    parameters: &[POSITIONS, FACETS],
+    holds: |kind, _| match kind {
+        ShapeKind::Mesh => Ok(()),
+        ShapeKind::Curves { .. } => Err("stl holds triangles only, these are curves; ask for json or obj".into()),
+    },
+    shows_control: false,
+};
+
 impl Format for Stl {
-    fn name(&self) -> &'static str {
-        "stl"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "model/stl"
-    }
-
-    fn doc(&self) -> &'static str {
-        "Binary STL: loose triangles with facet normals, f32"
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        const FACETS: Parameter = Parameter {
-            default: Default::Text("area"),
-            doc: "Normals of triangles: their own, none (zeros), or the mean of those of the limit surface at their corners.",
-            ..NORMALS
-        };
-        &[POSITIONS, FACETS]
-    }
-
-    fn holds(&self, kind: ShapeKind) -> Result<(), String> {
-        match kind {
-            ShapeKind::Mesh => Ok(()),
-            ShapeKind::Curves { .. } => Err("stl holds triangles only, these are curves; ask for json or obj".into()),
-        }
+    fn facts(&self) -> &'static FormatFacts {
+        FACTS
     }
 
     fn size(&self, counts: &Counts, _options: &Values) -> Size {

@@ -5,8 +5,9 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use crate::output::counts::ShapeKind;
+use crate::output::error::FormatError;
 use crate::output::scene::{CHUNK, Curve, FaceChunk, MeshSource, in_chunks};
-use crate::output::{FormatError, ShapeKind};
 use crate::watch::Watch;
 
 /// Rows that one thread encodes at a time.

@@ -4,12 +4,16 @@ use std::io::{self, Write};
 
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::output::counts::{Counts, ShapeKind};
+use crate::output::error::FormatError;
+use crate::output::format::{Format, FormatFacts};
+use crate::output::options::POSITIONS;
 use crate::output::picture::drawing::{Drawing, Item};
 use crate::output::picture::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH};
 use crate::output::scene::{Scene, Shape};
 use crate::output::sections::{SECTIONS, asked, planes};
+use crate::output::size::Size;
 use crate::output::surface::NORMALS;
-use crate::output::{Counts, Format, FormatError, POSITIONS, ShapeKind, Size};
 use crate::shape::attachments::Attachments;
 use crate::watch::Watch;
 
@@ -38,35 +42,31 @@ const PARAMETERS: &[Parameter] = &[
     },
 ];
 
-impl Format for Svg {
-    fn name(&self) -> &'static str {
-        "svg"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "image/svg+xml"
-    }
-
-    fn doc(&self) -> &'static str {
-        "A drawing of curves with their control polygons, or of plane sections of a mesh, in paths that scale."
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        PARAMETERS
-    }
-
-    fn holds(&self, kind: ShapeKind) -> Result<(), String> {
-        match kind {
-            ShapeKind::Mesh => {
-                let detail = "svg draws curves, and of a mesh only sections; name planes in \"sections\", or ask for \"png\" to see the mesh";
-                Err(detail.into())
-            }
-            ShapeKind::Curves { .. } => picture::drawable(kind),
+fn holds(kind: ShapeKind, options: &Values) -> Result<(), String> {
+    match kind {
+        ShapeKind::Mesh if asked(options) => Ok(()),
+        ShapeKind::Mesh => {
+            Err("svg draws curves, and of a mesh only sections; name planes in \"sections\", or ask for \
+                                \"png\" to see the mesh"
+                .into())
         }
+        ShapeKind::Curves { .. } => picture::drawable(kind),
     }
+}
 
-    fn takes(&self, kind: ShapeKind, options: &Values) -> Result<(), String> {
-        if kind == ShapeKind::Mesh && asked(options) { Ok(()) } else { self.holds(kind) }
+const FACTS: &FormatFacts = &FormatFacts {
+    name: "svg",
+    extension: "svg",
+    media_type: "image/svg+xml",
+    doc: "A drawing of curves with their control polygons, or of plane sections of a mesh, in paths that scale.",
+    parameters: PARAMETERS,
+    holds,
+    shows_control: true,
+};
+
+impl Format for Svg {
+    fn facts(&self) -> &'static FormatFacts {
+        FACTS
     }
 
     fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
@@ -98,7 +98,7 @@ impl Format for Svg {
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
         if let Shape::Curves(curves) = scene.shape {
             let dimension = curves.iter().map(|c| c.dimension).max().unwrap_or(1);
-            self.holds(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
+            picture::drawable(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
         }
         picture::check_extent(scene)?;
         let options = Options::new(values, scene.frame);

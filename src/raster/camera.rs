@@ -2,8 +2,6 @@
 
 use rayon::prelude::*;
 
-use super::clip::segment;
-use super::project::GUARD;
 use crate::math::functions::{cos, sin, tan};
 use crate::math::vector::{Vector, cross, dot, minus, plus, reduce, times};
 
@@ -242,23 +240,6 @@ impl Camera {
             Projection::Perspective => [0.0, 1.0 / self.near],
             Projection::Orthographic => [self.fall[1], 0.0],
         }
-    }
-
-    /// Where the segment from `a` to `b` (model units) falls in the picture, pixel coordinates: the part in front of the
-    /// camera and within 2,048 pixels of the picture, if there is one.
-    pub fn segment(&self, a: [f64; 3], b: [f64; 3]) -> Option<[[f64; 2]; 2]> {
-        let ends = segment(self, [self.view(a), self.view(b)])?.map(|end| self.pixel(end));
-        ends.iter().flatten().all(|x| x.is_finite()).then_some(ends)
-    }
-
-    /// Where a point (model units) falls in the picture, pixel coordinates; `None` behind the camera and more than 2,048
-    /// pixels outside the picture.
-    pub fn place(&self, point: [f64; 3]) -> Option<[f64; 2]> {
-        let seen = self.view(point);
-        let in_front = self.projection == Projection::Orthographic || seen[2] >= self.near;
-        let place = self.pixel(seen);
-        let near = (0..2).all(|k| place[k] > -GUARD && place[k] < self.size_px[k] + GUARD);
-        (in_front && near).then_some(place)
     }
 
     /// Pixel coordinates of `[X, Y]` divided by `w`.

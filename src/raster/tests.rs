@@ -1,5 +1,6 @@
 //! Laws of the rasteriser.
 
+use super::bins::TILE;
 use super::project::Vertex;
 use super::triangle::{NOBODY, SAMPLES, Samples};
 use super::*;

@@ -3,10 +3,12 @@
 use serde_json::Value;
 
 use crate::math::parameter::Values;
+use crate::output::counts::Counts;
+use crate::output::error::FormatError;
 use crate::output::numbers::{REAL, digits, real, reals, total, whole};
+use crate::output::options::{IDS, ISOLINES};
 use crate::output::scene::MeshSource;
 use crate::output::stream::Stream;
-use crate::output::{Counts, FormatError, IDS, ISOLINES};
 use crate::shape::attachments::Channel;
 use crate::shape::creases::Tags;
 use crate::shape::labels::Labels;

@@ -1,11 +1,12 @@
 //! Sections of a mesh, a list of polylines for each plane.
 
 use crate::math::parameter::Values;
+use crate::output::counts::Counts;
+use crate::output::error::FormatError;
 use crate::output::numbers::{REAL, reals, total};
 use crate::output::scene::MeshSource;
 use crate::output::sections::{Polyline, planes, section};
 use crate::output::stream::{Positions, Stream};
-use crate::output::{Counts, FormatError};
 use crate::watch::Watch;
 
 /// Most bytes of the entry: each triangle gives a segment at most, and each segment may be a polyline of its own.

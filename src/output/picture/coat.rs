@@ -4,8 +4,8 @@
 use super::{Options, shown_as};
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
-use crate::output::ShapeKind;
 use crate::output::colors::{linear, mark, scale};
+use crate::output::counts::ShapeKind;
 use crate::output::scene::{FaceChunk, MeshSource, in_chunks, triangles};
 use crate::raster::{Paint, Surface};
 use crate::shape::attachments::{Attachments, COLOR as COLORS};

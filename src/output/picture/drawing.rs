@@ -3,7 +3,7 @@
 #![expect(clippy::cast_possible_truncation, reason = "pixel coordinates need no more than the precision of f32")]
 
 use super::Options;
-use crate::output::FormatError;
+use crate::output::error::FormatError;
 use crate::output::scene::{CHUNK, Curve, Scene, Shape};
 use crate::raster::{Camera, Projection, View};
 use crate::watch::Watch;

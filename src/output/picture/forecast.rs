@@ -2,7 +2,7 @@
 
 use super::Options;
 use super::mesh::DEFAULT_SHOW;
-use crate::output::Counts;
+use crate::output::counts::Counts;
 use crate::raster::{Camera, Forecast};
 use crate::shape::mesh::Mesh;
 

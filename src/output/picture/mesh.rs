@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::Options;
 use super::coat::Coat;
 use crate::math::vector::unit;
-use crate::output::FormatError;
+use crate::output::error::FormatError;
 use crate::output::normals;
 use crate::output::parted::Parted;
 use crate::output::scene::{FaceChunk, MeshSource, Scene, Shape, in_chunks, triangles};

@@ -10,10 +10,11 @@ pub(super) mod sections;
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
 use crate::output::colors::linear;
+use crate::output::counts::ShapeKind;
+use crate::output::error::FormatError;
 use crate::output::numbers::rounded;
 use crate::output::scene::{Frame, Scene, Shape, in_chunks};
 use crate::output::surface::NORMALS;
-use crate::output::{FormatError, ShapeKind};
 use crate::raster::{MAX_SIDE_PX, Projection, View};
 
 /// Largest width and height, pixels.

@@ -3,7 +3,7 @@
 use tiny_skia::{Color, FillRule, LineCap, LineJoin, Paint, PathBuilder, Pixmap, Stroke, Transform};
 
 use super::drawing::{Drawing, Item};
-use crate::output::FormatError;
+use crate::output::error::FormatError;
 use crate::watch::Watch;
 
 /// Discs painted at once.

@@ -3,7 +3,7 @@
 use super::Options;
 use super::drawing::{CURVE, Drawing, Easel};
 use crate::math::vector::{cross, dot, minus, unit};
-use crate::output::FormatError;
+use crate::output::error::FormatError;
 use crate::output::scene::{Curve, MeshSource};
 use crate::output::sections::{Plane, Polyline, section};
 use crate::output::stream::Positions;

@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use crate::output::FormatError;
 use crate::output::bounds::Bounds;
+use crate::output::error::FormatError;
 use crate::output::scene::{CHUNK, Curve};
 use crate::output::stream::unfit;
 use crate::watch::{Stopped, Watch};

@@ -4,9 +4,10 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::output::bounds::Bounds;
+use crate::output::error::FormatError;
+use crate::output::normals;
 use crate::output::scene::{FaceChunk, MeshSource, in_chunks, triangles};
 use crate::output::stream::{FaceBlock, Positions, face_blocks};
-use crate::output::{FormatError, normals};
 use crate::watch::{Stopped, Watch};
 
 use super::connectivity::Connectivity;
