@@ -12,7 +12,6 @@ mod room;
 mod stl;
 mod text;
 
-use crate::scheme::tags::Boundary;
 pub use crate::shape::attachments::Channel;
 pub use crate::shape::labels::FaceSet;
 pub use base64::decode as from_base64;
