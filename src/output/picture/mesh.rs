@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::Options;
 use super::coat::Coat;
+use crate::math::vector::unit;
 use crate::output::error::FormatError;
 use crate::output::normals;
 use crate::output::parted::Parted;
@@ -154,19 +155,7 @@ fn isolines(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 2]>, Stopp
 fn face_normals(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Vec<[f64; 3]>, Stopped> {
     let mut all = Vec::with_capacity(mesh.n_corners().saturating_sub(2 * mesh.n_faces()));
     each_face(mesh, watch, |face| {
-        let origin = positions[face[0] as usize];
-        let relative = |v: u32| {
-            let p = positions[v as usize];
-            [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]
-        };
-        let mut normal = [0.0; 3];
-        for pair in face.windows(2) {
-            let (a, b) = (relative(pair[0]), relative(pair[1]));
-            normal[0] += a[1] * b[2] - a[2] * b[1];
-            normal[1] += a[2] * b[0] - a[0] * b[2];
-            normal[2] += a[0] * b[1] - a[1] * b[0];
-        }
-        let normal = normals::unit(normal);
+        let normal = unit(normals::area_vector(face, positions, 1.0));
         all.extend(triangles(face).map(|_| normal));
     })?;
     Ok(all)
