@@ -1,7 +1,7 @@
 //! What every reader does, and what it hands over.
 
 use crate::fault::Fault;
-use crate::scheme::mesh_net::Boundary;
+use crate::scheme::tags::Boundary;
 use crate::shape::attachments::Channel;
 use crate::shape::check::FaceList;
 use crate::shape::labels::FaceSet;
