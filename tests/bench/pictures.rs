@@ -40,7 +40,7 @@ fn picture(table: &mut Table, what: &str, mesh: &RefinedMesh, aim: Aim, smaller:
         let begun = begun.lock().expect("one thread").expect("every picture is encoded");
         encoding = encoding.min(begun.elapsed());
     });
-    let triangles = mesh.n_corners() - 2 * mesh.n_faces();
+    let triangles = mesh.n_half_edges() - 2 * mesh.n_faces();
     let ratio = smaller.map_or_else(String::new, |smaller| format!("{:.2} x 100k", ms(all) / smaller));
     let detail = format!(
         "{triangles} triangles, {SIDE} x {SIDE}, {:.1} ms of it for {} KB of PNG",
