@@ -32,6 +32,7 @@ pub mod sharpness;
 mod sizes;
 pub mod split_mesh;
 pub mod step;
+pub mod step_error;
 pub mod stepper;
 pub mod surroundings;
 pub mod tags;
