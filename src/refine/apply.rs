@@ -70,7 +70,6 @@ impl Points {
             Action::Sequence(actions) => {
                 return actions.iter().try_for_each(|action| self.act(action, level, watch));
             }
-            Action::Keep => return Ok(()),
         }
         let finite = |numbers: &[f64]| numbers.par_chunks(CHUNK).all(|chunk| chunk.iter().all(|x| x.is_finite()));
         ensure(finite(&self.now) && self.tangents.as_deref().is_none_or(finite), level)

@@ -31,6 +31,7 @@ pub mod settings;
 pub mod sharpness;
 mod sizes;
 pub mod split_mesh;
+pub mod stencil;
 pub mod step;
 pub mod step_error;
 pub mod stepper;

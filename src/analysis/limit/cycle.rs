@@ -5,9 +5,10 @@ use std::sync::Arc;
 use super::Unlimited;
 use super::frame::Frame;
 use super::heir::heir;
-use super::matrix::{Matrix, Record, Weights};
 use super::own::Own;
 use super::patch::{Found, Patch, Rings, Whole};
+use super::record::{Record, Weights};
+use crate::math::rows::Rows;
 use crate::scheme::letter::Letter;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::Children;
@@ -46,9 +47,38 @@ pub(super) struct Child {
     /// The patch around the centre's child.
     pub(super) patch: Patch,
     /// From the points of the patch to those of the child's.
-    pub(super) matrix: Matrix,
+    matrix: Rows,
+    /// Points of the patch that the matrix maps.
+    n_columns: usize,
     /// Which face at the centre its first face there comes of: upsamplings keep the order around a vertex.
     pub(super) turn: usize,
+}
+
+impl Child {
+    /// The child that a record makes of a patch.
+    ///
+    /// # Errors
+    /// [`Unlimited::Reach`] where points of the child's support come of others than those of the patch's.
+    pub(super) fn new(found: &Found, record: &Record, origins: &[u32], n_columns: usize) -> Result<Self, Unlimited> {
+        let matrix = record.matrix(&found.vertices[..found.patch.support], origins, n_columns);
+        let matrix = matrix.ok_or(Unlimited::Reach)?;
+        Ok(Self { patch: found.patch.clone(), matrix, n_columns, turn: found.turn })
+    }
+
+    /// How a functional of the child's points reads the patch's.
+    pub(super) fn back(&self, row: &[f64]) -> Vec<f64> {
+        self.matrix.times_row(row, self.n_columns)
+    }
+
+    /// The child's points for those of the patch.
+    pub(super) fn forth(&self, column: &[f64]) -> Vec<f64> {
+        self.matrix.times_column(column)
+    }
+
+    /// Whether two children come of the points of their patches with the same weights.
+    pub(super) fn has_weights_of(&self, other: &Self) -> bool {
+        self.n_columns == other.n_columns && self.matrix == other.matrix
+    }
 }
 
 impl<'a> Cycle<'a> {
@@ -85,8 +115,7 @@ impl<'a> Cycle<'a> {
     pub(super) fn step(&self, level: usize, patch: &Patch, rings: Rings) -> Result<Child, Unlimited> {
         let own = Own::default();
         let (found, record, origins, _) = self.refined(level, patch, &own, rings, Weights::Exact)?;
-        let matrix = record.matrix(&found.vertices[..found.patch.support], &origins, patch.support);
-        Ok(Child { patch: found.patch, matrix: matrix.ok_or(Unlimited::Reach)?, turn: found.turn })
+        Child::new(&found, &record, &origins, patch.support)
     }
 
     /// The child's patch, and where it lies in the net after a level, whose topology this is.

@@ -7,8 +7,8 @@
 
 use super::Unlimited;
 use super::dual::Dual;
-use super::matrix::Record;
 use super::patch::Centre;
+use super::record::Record;
 use crate::math::rows::Rows;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::Children;

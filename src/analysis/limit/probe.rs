@@ -124,7 +124,7 @@ impl Regular {
             let large = cycle.step(cycle.settled, &large, larger)?;
             let Ok(small) = cycle.step(cycle.settled, &small, rings) else { return Ok(false) };
             let (few, many) = (begins(&small.patch), begins(&large.patch));
-            if small.matrix != large.matrix || !many.starts_with(&few) || !self.is_complete(&few, rings) {
+            if !small.has_weights_of(&large) || !many.starts_with(&few) || !self.is_complete(&few, rings) {
                 return Ok(false);
             }
             pair = [Some(small.patch), Some(large.patch)];
@@ -145,7 +145,7 @@ impl Regular {
             for _ in 0..STEPS {
                 let expected = cycle.step(cycle.settled, &large, rings)?;
                 let Ok(found) = cycle.step(cycle.settled, &small, rings) else { return Ok(false) };
-                if found.matrix != expected.matrix || begins(&found.patch) != begins(&expected.patch) {
+                if !found.has_weights_of(&expected) || begins(&found.patch) != begins(&expected.patch) {
                     return Ok(false);
                 }
                 small = found.patch;

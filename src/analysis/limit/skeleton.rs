@@ -5,9 +5,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::Unlimited;
 use super::cycle::{Child, Cycle};
-use super::matrix::{Record, Weights};
 use super::own::Own;
 use super::patch::{Found, Patch, Rings};
+use super::record::{Record, Weights};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::Perturbation;
 use crate::scheme::stepper::Stepper;
@@ -56,8 +56,7 @@ impl Traced {
 
     /// The level with its matrix.
     pub(super) fn child(&self) -> Result<Child, Unlimited> {
-        let matrix = self.record.matrix(self.wanted(), &self.skeleton.origins, self.n_columns);
-        Ok(Child { patch: self.patch().clone(), matrix: matrix.ok_or(Unlimited::Reach)?, turn: self.turn() })
+        Child::new(&self.skeleton.child, &self.record, &self.skeleton.origins, self.n_columns)
     }
 }
 

@@ -6,7 +6,8 @@ use rayon::prelude::*;
 
 use crate::math::functions::sin;
 use crate::math::parameter::{Default, Kind, Parameter};
-use crate::math::planar::{Neighbours, Vector, direction, half_chord, length, rotated, turn};
+use crate::math::planar::{Neighbours, Vector, angle, half_chord, length, rotated};
+use crate::math::vector::{direction, plus, times};
 use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::settings::Settings;
@@ -123,7 +124,7 @@ impl Biarcs {
             watch.check()?;
             for (i, tangent) in (block * BLOCK..).zip(tangents) {
                 if let Some(circle) = neighbours.tangent(points, i) {
-                    *tangent = rotated(*tangent, self.mu * turn(*tangent, circle));
+                    *tangent = rotated(*tangent, self.mu * angle(*tangent, circle));
                 }
             }
             Ok(())
@@ -135,15 +136,15 @@ impl Biarcs {
 fn joint(a: Vector, tangent_a: Vector, b: Vector, tangent_b: Vector) -> (Vector, Vector) {
     let half = half_chord(a, b);
     let Some(e) = direction(half) else {
-        return (a, rotated(tangent_a, turn(tangent_a, tangent_b) / 2.0));
+        return (a, rotated(tangent_a, angle(tangent_a, tangent_b) / 2.0));
     };
-    let (turn_a, turn_b) = (turn(tangent_a, e), turn(e, tangent_b));
+    let (turn_a, turn_b) = (angle(tangent_a, e), angle(e, tangent_b));
     let sum = turn_a + turn_b;
-    let middle = [a[0] / 2.0 + b[0] / 2.0, a[1] / 2.0 + b[1] / 2.0];
+    let middle = plus(times(0.5, a), times(0.5, b));
     if turn_a.abs() < STRAIGHT && turn_b.abs() < STRAIGHT {
         // the height of the arc of so small an angle over its chord
         let height = length(half) * sum / 4.0;
-        return ([middle[0] + height * e[1], middle[1] - height * e[0]], e);
+        return (plus(middle, times(height, [e[1], -e[0]])), e);
     }
     let both = |turn: fn(f64) -> bool| turn(turn_a) && turn(turn_b);
     if !both(|turn| turn >= STRAIGHT) && !both(|turn| turn <= -STRAIGHT) {
@@ -154,6 +155,5 @@ fn joint(a: Vector, tangent_a: Vector, b: Vector, tangent_b: Vector) -> (Vector,
         return (middle, e);
     }
     let reach = length(half) * (2.0 * sin(turn_b / 2.0) / sin(sum / 2.0));
-    let way = rotated(e, -turn_a / 2.0);
-    ([a[0] + reach * way[0], a[1] + reach * way[1]], e)
+    (plus(a, times(reach, rotated(e, -turn_a / 2.0))), e)
 }
