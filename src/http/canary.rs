@@ -39,7 +39,7 @@ impl Canary {
 }
 
 /// Runs the canary for as long as the service lives.
-pub(super) async fn sing(app: super::Shared) {
+pub(super) async fn sing(app: super::app::Shared) {
     loop {
         let desk = app.desk.clone();
         let sung = tokio::task::spawn_blocking(move || desk.pool.aside(once)).await;

@@ -13,11 +13,12 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::graceful::GracefulShutdown;
 use tokio::net::{TcpListener, TcpSocket, TcpStream};
 
+use super::app::App;
 use super::connections::{Connections, Open};
 use super::pace::Pace;
 use super::requests::Requests;
 use super::stream::Watched;
-use super::{App, Canary, Memo, canary, document, problem, router};
+use super::{Canary, Memo, canary, document, problem, router};
 use crate::config::Settings;
 use crate::job::limits::Limits;
 use crate::service::account::Account;
