@@ -11,7 +11,6 @@ use futures_util::stream;
 use super::app::App;
 use super::negotiate::ByteRange;
 use super::problem::{self, Problem};
-use crate::output::Format;
 use crate::service::computation::Timings;
 use crate::service::lent::Lent;
 use crate::service::peer::{Kind, Paid, Peer};
@@ -36,11 +35,6 @@ impl Artifact {
     pub(super) fn kept(manifest: Arc<Manifest>, peer: Peer) -> Self {
         Self { peer, manifest, loose: None, provenance: Provenance::Hit, timings: Timings::default() }
     }
-}
-
-/// Where an artifact has its address.
-pub(super) fn address(key: impl std::fmt::Display, format: &dyn Format) -> String {
-    format!("/v1/artifacts/{key}.{}", format.extension())
 }
 
 /// Why the bytes of an artifact are not answered.
@@ -86,8 +80,8 @@ pub(super) fn headers(found: &Artifact, address: &str) -> HeaderMap {
     put(header::VARY, "accept".to_owned());
     put(header::ACCEPT_RANGES, "bytes".to_owned());
     put(header::CONTENT_SECURITY_POLICY, "default-src 'none'; style-src 'unsafe-inline'; sandbox".to_owned());
-    put(HeaderName::from_static("cross-provenance-resource-policy"), "cross-provenance".to_owned());
-    put(HeaderName::from_static("timing-allow-provenance"), "*".to_owned());
+    put(HeaderName::from_static("cross-origin-resource-policy"), "cross-origin".to_owned());
+    put(HeaderName::from_static("timing-allow-origin"), "*".to_owned());
     if !found.manifest.warnings.is_empty() {
         put(HeaderName::from_static("planish-warnings"), warnings(&found.manifest.warnings));
     }

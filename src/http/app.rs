@@ -1,6 +1,6 @@
 //! What every handler knows.
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use super::canary::Canary;
 use super::connections::Connections;
@@ -16,11 +16,13 @@ pub struct App {
     /// The settings of this service.
     pub settings: Settings,
     /// The job that shows whether the service works.
-    pub canary: Canary,
+    pub canary: Arc<Canary>,
     /// What was asked lately.
     pub memo: Memo,
     /// The connections that are open.
     pub connections: Arc<Connections>,
+    /// The OpenAPI document, written when it is first asked for.
+    pub openapi: LazyLock<String>,
 }
 
 /// The state of the router.

@@ -6,7 +6,8 @@ use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
-use super::answer::{self, Artifact, Lost, address};
+use super::address::address;
+use super::answer::{self, Artifact, Lost};
 use super::app::{App, Shared};
 use super::body::Sent;
 use super::problem::{self, Problem};

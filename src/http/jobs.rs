@@ -7,7 +7,7 @@ use axum::extract::State;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
-use super::answer::address;
+use super::address::address;
 use super::app::{App, Shared};
 use super::problem::{self, Problem};
 use super::segment::Segment;

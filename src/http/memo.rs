@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use axum::http::{HeaderMap, header};
 
-use super::answer::address;
+use super::address::address;
 use crate::analysis::curve::Reached;
 use crate::job::Job;
 use crate::job::key::{Key, content};

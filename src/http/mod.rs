@@ -1,5 +1,6 @@
 //! The HTTP interface: one file a resource, listed in `routes`.
 
+mod address;
 mod answer;
 mod app;
 mod artifacts;
@@ -31,4 +32,4 @@ pub use app::App;
 pub use canary::Canary;
 pub use connections::Connections;
 pub use memo::Memo;
-pub use router::{document, router};
+pub use router::{document, document_text, router};

@@ -23,6 +23,16 @@ pub fn document() -> openapi::OpenApi {
     completed(described.into_openapi())
 }
 
+/// The OpenAPI document as text, the way it is committed.
+///
+/// # Panics
+/// Never: the document is plain data.
+pub fn document_text() -> String {
+    let mut text = document().to_pretty_json().expect("the document is plain data");
+    text.push('\n');
+    text
+}
+
 /// The router of a service.
 pub fn router(app: Arc<App>) -> Router {
     let (router, _) = routes::all().split_for_parts();

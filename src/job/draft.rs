@@ -7,7 +7,7 @@ use super::levels::{self, CheckedLevels, Levels};
 use super::output::Output;
 use super::search::Search;
 use super::steering;
-use crate::analysis::limit::check;
+use crate::analysis::limit::{LimitError, check};
 use crate::fault::{Fault, under};
 use crate::output::surface;
 use crate::scheme::forecast::check_delta;
@@ -85,7 +85,7 @@ fn faults_of(Checked { input, entry, plan, outputs, .. }: &Checked) -> Vec<Fault
         let moves_vertices = |output: &&Output| surface::limit(&output.options)[0];
         let fault = |output: &Output| {
             let error = check(plan).err()?;
-            Some(output.fault(Fault::new("/positions", error.to_string())))
+            Some(output.fault(Fault::new("/positions", LimitError::from(error).to_string())))
         };
         faults.extend(outputs.iter().filter(moves_vertices).filter_map(fault));
         faults.extend(check_delta(plan, &mesh.topology).err().map(|fault| fault.under("/plan")));

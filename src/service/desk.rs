@@ -12,10 +12,10 @@ use super::jobs::{JobSummary, Jobs, State};
 use super::lent::{InFlight, Lent};
 use super::peer::{Kind, Peer, Peers, Ticket};
 use super::pool::{Busy, Lane, Memory, Pool, Turn, Waiting};
-use super::result_buffer::{Kept, ResultBuffer};
+use super::result_buffer::ResultBuffer;
 use super::store::{Description, Manifest};
 use super::task::Task;
-use super::tiers::Tiers;
+use super::tiers::{Kept, Tiers};
 use super::under_way::{Interest, Provenance, UnderWay};
 use crate::job::RunError;
 use crate::job::key::Key;
@@ -237,11 +237,11 @@ impl Desk {
             let Kept { manifest, loose } = buffer.commit(description).map_err(|error| RunError::Io(error.into()))?;
             Ok(Outcome { manifest, loose, timings: computation.timings() })
         };
-        let mut buffer = self.tiers.buffer(key, about);
+        let mut buffer = ResultBuffer::new(&self.tiers, key, about);
         match made(&mut buffer) {
             Err(RunError::Io(error)) if buffer.has_lost_bytes() => {
                 tracing::warn!(%key, %error, "the disk lost the result; it is made again, in memory");
-                made(&mut self.tiers.buffer_in_memory(key, about))
+                made(&mut ResultBuffer::in_memory(&self.tiers, key, about))
             }
             made => made,
         }
