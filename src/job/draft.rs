@@ -42,7 +42,7 @@ impl Draft {
         });
         let kind = input.shape_kind();
         for output in &outputs {
-            if let Err(detail) = output.format.takes(kind, &output.options) {
+            if let Err(detail) = (output.format.facts().holds)(kind, &output.options) {
                 faults.push(output.fault(Fault::new("/format", detail)));
             } else if let Err(fault) = output.format.suits(kind, input.attachments(), &output.options) {
                 faults.push(output.fault(fault));

@@ -2,8 +2,8 @@
 
 use crate::fault::Fault;
 use crate::output::ShapeKind;
-use crate::scheme::mesh_net::Boundary;
 use crate::scheme::plan::{AlphaOf, Carried, Plan, PlanInput, Subject};
+use crate::scheme::tags::Boundary;
 use crate::shape::attachments::Attachments;
 use crate::shape::attributes::Attributes;
 use crate::shape::creases::INFINITE_SHARPNESS;

@@ -6,7 +6,7 @@ use super::key::{self, Key};
 use super::output::Output;
 use super::{curves, size};
 use crate::analysis::curve::{self, Reached, reach};
-use crate::analysis::surface::{self, Placed};
+use crate::analysis::tolerance::{self, Placed};
 use crate::fault::Fault;
 use crate::watch::{Stopped, Watch};
 
@@ -46,7 +46,7 @@ impl Search {
         match &checked.input {
             Input::Polygons(_) => {}
             Input::Mesh(mesh) => {
-                surface::check(mesh, &checked.plan, tolerance).map_err(|reason| at_tolerance(&reason))?
+                tolerance::check(mesh, &checked.plan, tolerance).map_err(|reason| at_tolerance(&reason))?
             }
         }
         Ok(Self { checked, tolerance })
@@ -69,7 +69,7 @@ impl Search {
             input @ Input::Polygons(_) => {
                 SearchCost { work: curve::MAX_WORK, bytes: curve::search_bytes(input.n_points()) }
             }
-            Input::Mesh(mesh) => SearchCost { work: surface::MAX_WORK, bytes: surface::search_bytes(mesh) },
+            Input::Mesh(mesh) => SearchCost { work: tolerance::MAX_WORK, bytes: tolerance::search_bytes(mesh) },
         }
     }
 
@@ -87,7 +87,7 @@ impl Search {
                 Ok(Reached { bound: factor * reached.bound, ..reached })
             }
             Input::Mesh(mesh) => {
-                let reached = surface::reach(mesh, plan, &placed(outputs), self.tolerance, watch);
+                let reached = tolerance::reach(mesh, plan, &placed(outputs), self.tolerance, watch);
                 reached.map_err(|error| refused(error.stopped(), &error))
             }
         }

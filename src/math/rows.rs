@@ -63,6 +63,25 @@ impl Rows {
         (&self.indices[range.clone()], &self.weights[range])
     }
 
+    /// `x R` for a row `x`: the weights of the `n` old points in a functional that has the weights `x` over the new ones.
+    pub fn times_row(&self, x: &[f64], n: usize) -> Vec<f64> {
+        let mut product = vec![0.0; n];
+        for (r, &factor) in x.iter().enumerate() {
+            let (indices, weights) = self.row(r);
+            indices.iter().zip(weights).for_each(|(&index, &weight)| product[index as usize] += factor * weight);
+        }
+        product
+    }
+
+    /// `R y` for a column `y`: the new values for the old ones.
+    pub fn times_column(&self, y: &[f64]) -> Vec<f64> {
+        let value = |r: usize| {
+            let (indices, weights) = self.row(r);
+            indices.iter().zip(weights).map(|(&index, &weight)| weight * y[index as usize]).sum()
+        };
+        (0..self.len()).map(value).collect()
+    }
+
     /// `out[r] = sum of weight x points[index]`, for points of `W` coordinates each.
     fn apply<const W: usize>(&self, points: &[[f64; W]], out: &mut [[f64; W]]) {
         for (r, target) in out.iter_mut().enumerate() {

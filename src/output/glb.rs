@@ -1,17 +1,20 @@
 //! GLB: glTF 2.0 in one binary file.
 
-use std::io::Write;
+use std::io::{self, Write};
 
 use crate::fault::Fault;
-use crate::math::parameter::{Parameter, Values};
+use crate::math::parameter::Values;
+use crate::output::counts::Counts;
+use crate::output::error::FormatError;
+use crate::output::format::{Format, FormatFacts};
 use crate::output::gltf_amounts::{self, Amounts, Contents, parted, with_normals};
 use crate::output::gltf_buffer::Buffer;
 use crate::output::gltf_document::{PARAMETERS, document};
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::sides::Sides;
+use crate::output::size::Size;
 use crate::output::stream::holds_space;
-use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
 use crate::watch::Watch;
 
 /// Bytes before the first chunk, and before the content of each chunk.
@@ -28,25 +31,19 @@ const CHUNK_HEADER: u128 = 8;
 #[derive(Debug)]
 pub(super) struct Glb;
 
+const FACTS: &FormatFacts = &FormatFacts {
+    name: "glb",
+    extension: "glb",
+    media_type: "model/gltf-binary",
+    doc: "Binary glTF 2.0: triangles with normals, or line strips, in f32",
+    parameters: PARAMETERS,
+    holds: |kind, _| holds_space("glb", kind),
+    shows_control: false,
+};
+
 impl Format for Glb {
-    fn name(&self) -> &'static str {
-        "glb"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "model/gltf-binary"
-    }
-
-    fn doc(&self) -> &'static str {
-        "Binary glTF 2.0: triangles with normals, or line strips, in f32"
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        PARAMETERS
-    }
-
-    fn holds(&self, kind: ShapeKind) -> Result<(), String> {
-        holds_space(self.name(), kind)
+    fn facts(&self) -> &'static FormatFacts {
+        FACTS
     }
 
     fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
@@ -77,9 +74,7 @@ impl Format for Glb {
         let file = check_length(file(room, binary)).map_err(FormatError::Unfit)?;
         let [room, binary] =
             [room, binary].map(|part| u32::try_from(part).expect("the parts are shorter than the file"));
-        let mut json = document(&buffer, None)?;
-        debug_assert!(json.len() <= room as usize, "the document fits its room");
-        json.resize(room as usize, b' ');
+        let json = padded(document(&buffer, None)?, room)?;
         out.write_all(b"glTF")?;
         out.write_all([2, file].map(u32::to_le_bytes).as_flattened())?;
         chunk(*b"JSON", room, out)?;
@@ -90,6 +85,18 @@ impl Format for Glb {
         }
         Ok(())
     }
+}
+
+/// The document with spaces up to the length that was forecast for it.
+fn padded(mut json: Vec<u8>, room: u32) -> Result<Vec<u8>, FormatError> {
+    let length = json.len();
+    if length > room as usize {
+        // cut short it would be no JSON, and the length of the file was promised
+        let detail = format!("the glTF document takes {length} bytes, {room} were forecast");
+        return Err(FormatError::Io(io::Error::other(detail)));
+    }
+    json.resize(room as usize, b' ');
+    Ok(json)
 }
 
 /// A length of a file as glb counts it.
@@ -109,4 +116,17 @@ fn file(json: u128, binary: u128) -> u128 {
 fn chunk(kind: [u8; 4], length: u32, out: &mut dyn Write) -> Result<(), FormatError> {
     out.write_all(&length.to_le_bytes())?;
     Ok(out.write_all(&kind)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_document_longer_than_forecast_is_an_error_and_never_cut() {
+        assert_eq!(padded(b"{}".to_vec(), 4).expect("it fits"), b"{}  ");
+        assert_eq!(padded(b"{}".to_vec(), 2).expect("it fits"), b"{}");
+        let error = padded(b"{\"a\": 1}".to_vec(), 4).expect_err("it does not fit");
+        assert!(matches!(error, FormatError::Io(_)), "{error}");
+    }
 }

@@ -1,8 +1,12 @@
 //! Polygons under refinement.
 
-use super::{Points, RefineError, at, origins, polygon_net, start_tangents, values};
+use super::apply::Points;
+use super::error::RefineError;
+use super::origins;
+use super::start::{polygon_net, start_tangents};
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::stepper::Stepper;
 use crate::shape::polygon::Polygon;
 use crate::shape::source::Curve;
 use crate::watch::Watch;
@@ -39,9 +43,8 @@ pub fn refined_points(
     for steps in steps.chunk_by(|a, b| a.level == b.level) {
         let mut actions = Vec::with_capacity(steps.len());
         for step in steps {
-            let next = step.letter.operator.on_polygon(&net, &values(plan, step));
-            let named = |error| origins::on_polygon(polygon, &net, step.letter.arity, error);
-            let next = next.map_err(|error| at(step, named(error)))?;
+            let named = |error| origins::on_polygon(polygon, &net, step.letter.settings.arity(), error);
+            let next = Stepper::new(plan).next(&net, step).map_err(named).map_err(RefineError::at(step))?;
             actions.push(next.action);
             net = next.net;
         }

@@ -3,12 +3,17 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use super::{Points, RefineError, at, carried, mesh_net, values};
-use crate::scheme::mesh_net::{Boundary, MeshNet};
-use crate::scheme::ops::{Role, lettered};
+use super::apply::{Points, advance};
+use super::error::RefineError;
+use super::start::{carried, mesh_net};
+use crate::scheme::letter::Letter;
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::sharpness::Sharpness;
-use crate::scheme::step::Values;
+use crate::scheme::stepper::Stepper;
+use crate::scheme::tags::Boundary;
+use crate::scheme::word::lettered;
 use crate::shape::creases::{INFINITE_SHARPNESS, Sharp};
 use crate::shape::directions::Directions;
 use crate::shape::mesh::Mesh;
@@ -29,8 +34,11 @@ pub struct RefinedUvs {
     pub(super) order: Option<Order>,
 }
 
-/// Those of a mesh, if it has any, refined by the steps of a plan; linear ones follow upsamplings only.
-pub fn refined(
+/// The texture coordinates of a mesh, if it has any, refined by the steps of a plan; linear ones follow upsamplings only.
+///
+/// # Errors
+/// [`RefineError`].
+pub fn refined_uvs(
     mesh: &Mesh,
     plan: &Plan,
     steps: &[Scheduled],
@@ -38,22 +46,21 @@ pub fn refined(
 ) -> Result<Option<RefinedUvs>, RefineError> {
     let Some(uvs) = &mesh.attachments.uvs else { return Ok(None) };
     let (mut net, mut points) = (uv_net(mesh, uvs, plan), Points::new(uvs.values.clone(), 2));
-    let upsampling = lettered('U').expect("U is an operator");
-    for step in steps {
-        let linear = uvs.linear && step.letter.operator.role() == Role::Upsample;
-        if uvs.linear && !linear {
-            continue;
+    if uvs.linear {
+        let operator = lettered('U').expect("U is an operator");
+        for step in steps.iter().filter(|step| step.letter.facts().role == Role::Upsample) {
+            let letter = Letter { operator, ..step.letter.clone() };
+            let step = Scheduled { letter, ..step.clone() };
+            // linear ones have no use for values of single vertices
+            let next = Stepper::new(plan).next_from(&net, &step, None).map_err(RefineError::at(&step))?;
+            points.act(&next.action, step.level, watch)?;
+            net = next.net;
         }
-        let operator = if linear { upsampling } else { step.letter.operator };
-        let values = values(plan, step);
-        // linear ones have no use for values of single vertices
-        let values = if linear { Values { sources: None, ..values } } else { values };
-        let next = operator.on_mesh(&net, &values).map_err(|error| at(step, error))?;
-        points.act(&next.action, step.level, watch)?;
-        net = next.net;
+    } else {
+        advance(&mut net, std::slice::from_mut(&mut points), plan, steps, watch)?;
     }
-    let order = net.order();
-    Ok(Some(RefinedUvs { points: points.now, base: net.base, order }))
+    let order = net.mesh.order();
+    Ok(Some(RefinedUvs { points: points.now, base: net.mesh.base, order }))
 }
 
 /// The net of texture coordinates before refinement. Places at vertices that keep their place keep theirs, sharp edges and
@@ -61,7 +68,7 @@ pub fn refined(
 /// those of the mesh carry, and perturbations go by the numbers in the mesh: on both sides of a seam the same.
 pub fn uv_net(mesh: &Mesh, uvs: &Uvs, plan: &Plan) -> MeshNet {
     let (places, vertices) = (&uvs.topology, &mesh.topology);
-    let fixed = mesh_net(mesh, plan).corners;
+    let fixed = mesh_net(mesh, plan).tags.corners;
     let mut corners = uvs.corners.clone();
     let mut semi_sharp = Sharp::new();
     for place in 0..index(places.n_vertices()) {
@@ -111,7 +118,9 @@ fn carrying(net: MeshNet, mesh: &Mesh, uvs: &Uvs, plan: &Plan) -> MeshNet {
     };
     let attributes = attributes.map(|attributes| attributes.changed(of_places));
     let numbering = numbered.then(|| Arc::new(Numbering::of(vertices).with_origins(&vertex_of)));
-    MeshNet { numbering, ..net.carrying(attributes, directions.map(of_edges)) }
+    let mut net = net.carrying(attributes, directions.map(of_edges));
+    net.annotations.numbering = numbering;
+    net
 }
 
 /// For the places where semi-sharp edges end, the other semi-sharp edges that end at the same vertex: on seams, and on the

@@ -9,14 +9,15 @@
 
 use super::collar::Collar;
 use super::count::Count;
+use super::extent::Ends;
 use super::fans::Fans;
 use super::forecast::{Forecast, ForecastError, Tally};
 use super::mesh_net::MeshNet;
-use super::ops::{LatitudeRule, Role};
-use super::plan::{DEFAULT_MU, Scheduled};
-use super::step::{StepError, Values};
+use super::operator::{Children, Role};
+use super::plan::{Plan, Scheduled};
+use super::step::StepError;
+use super::stepper::Stepper;
 use super::word::Word;
-use crate::math::expression::Expression;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
@@ -31,7 +32,7 @@ const LEAST_LAYERS: u32 = 2;
 
 /// Bytes that the forecast of a plan holds at most, for a mesh with so many corners of faces.
 pub fn forecast_bytes(word: &Word, n_corners: usize) -> u128 {
-    let has_dual = word.prefix.iter().chain(&word.cycle).any(|letter| letter.operator.letter() == Some('D'));
+    let has_dual = word.prefix.iter().chain(&word.cycle).any(|letter| letter.facts().children == Children::Dual);
     if has_dual { bound(n_corners) } else { 0 }
 }
 
@@ -48,11 +49,11 @@ pub(super) struct Duals<'a> {
 }
 
 fn is_dual(step: &Scheduled) -> bool {
-    step.letter.operator.letter() == Some('D')
+    step.letter.facts().children == Children::Dual
 }
 
 fn is_split(step: &Scheduled) -> bool {
-    step.letter.operator.role() == Role::Upsample
+    step.letter.facts().role == Role::Upsample
 }
 
 fn at(step: &Scheduled, error: StepError) -> ForecastError {
@@ -69,7 +70,7 @@ impl Duals<'_> {
         if after.is_empty() {
             return Ok(tally.finish());
         }
-        if let Some(tags) = net.tagged
+        if let Some(tags) = net.tags.lost_by_dual
             && let Some(step) = after.iter().find(|step| is_dual(step))
         {
             return Err(at(step, StepError::DualTags(tags)));
@@ -86,24 +87,16 @@ impl Duals<'_> {
     fn built(&self, steps: &[Scheduled], tally: &mut Tally) -> Result<MeshNet, ForecastError> {
         let mut net = self.net.clone();
         let mut count = tally.last();
-        let one = Expression::constant(1.0);
+        let plan = Plan::none(net.tags.boundary, Ends::default());
+        let stepper = Stepper::new(&plan);
         for step in steps {
             self.watch.check()?;
             if is_split(step) || is_dual(step) {
-                let next = if is_split(step) { count.upsampled(&step.letter, net.is_quads()) } else { count };
+                let next =
+                    if is_split(step) { count.upsampled(&step.letter.settings, net.mesh.is_quads()) } else { count };
                 self.fits(step, next.corners)?;
-                let values = Values {
-                    letter: &step.letter,
-                    alpha: step.alpha,
-                    kernel: 1.0,
-                    mu: DEFAULT_MU,
-                    compensation: 1.0,
-                    delta: &one,
-                    first: false,
-                    latitude_rule: LatitudeRule::Isotropic,
-                    sources: None,
-                };
-                net = step.letter.operator.on_mesh(&net, &values).map_err(|error| at(step, error))?.net;
+                // connectivity depends on no value
+                net = stepper.next_from(&net, step, None).map_err(|error| at(step, error))?.net;
                 count = Count::of_mesh(&net);
             }
             tally.step(step, count);
@@ -112,14 +105,14 @@ impl Duals<'_> {
     }
 
     fn by_fans(&self, net: &MeshNet, steps: &[Scheduled], tally: &mut Tally) -> Result<(), ForecastError> {
-        let mut fans = Fans::of(&net.base, tally.last());
+        let mut fans = Fans::of(&net.mesh.base, tally.last());
         let mut lost = false;
         for step in steps {
             self.watch.check()?;
             if is_split(step) {
-                let halved = step.letter.pieces(fans.is_quads()) != step.letter.arity;
+                let halved = step.letter.settings.pieces(fans.is_quads()) != step.letter.settings.arity();
                 halved.then(|| fans.split(2));
-                fans.split(step.letter.arity);
+                fans.split(step.letter.settings.arity());
                 lost = false;
             } else if is_dual(step) {
                 lost |= fans.dual();
@@ -131,17 +124,17 @@ impl Duals<'_> {
 
     fn by_collar(&self, net: &MeshNet, steps: &[Scheduled], tally: &mut Tally) -> Result<(), ForecastError> {
         let layers = layers(steps);
-        let mut collar = Collar::of(&net.base, tally.last(), layers[0]).map_err(|error| at(&steps[0], error))?;
+        let mut collar = Collar::of(&net.mesh.base, tally.last(), layers[0]).map_err(|error| at(&steps[0], error))?;
         let mut lost = false;
         for (step, layers) in steps.iter().zip(layers) {
             self.watch.check()?;
             if is_split(step) {
                 collar.keep(layers).map_err(|error| at(step, error))?;
-                let (tile, arity) = (step.letter.tile, step.letter.arity);
+                let (tile, arity) = (step.letter.settings.tile(), step.letter.settings.arity());
                 if tile == Tile::Triangle && !collar.are_all(3) {
                     return Err(self.other_faces(step));
                 }
-                let pieces = step.letter.pieces(collar.are_all(4));
+                let pieces = step.letter.settings.pieces(collar.are_all(4));
                 let cells = u128::from(pieces) * u128::from(pieces);
                 self.fits(step, cells.saturating_mul(collar.n_corners() as u128))?;
                 (pieces != arity).then(|| collar.split(tile, 2));
@@ -160,7 +153,7 @@ impl Duals<'_> {
         if count.vertices > self.cap || count.corners > self.cap.saturating_mul(8) {
             return Err(ForecastError::Cap { level: step.level, cap: self.cap });
         }
-        if lost && step.letter.operator.role() == Role::PushBack {
+        if lost && step.letter.facts().role == Role::PushBack {
             return Err(at(step, StepError::LostPoints("a boundary or a valence below 3")));
         }
         tally.step(step, count);
@@ -170,7 +163,7 @@ impl Duals<'_> {
     /// Whether what a net of so many corners takes may be held.
     fn fits(&self, step: &Scheduled, corners: u128) -> Result<(), ForecastError> {
         let bytes = corners.saturating_mul(CORNER_BYTES);
-        let bound = bound(self.net.base.n_half_edges());
+        let bound = bound(self.net.mesh.base.n_half_edges());
         if bytes <= bound { Ok(()) } else { Err(ForecastError::Bytes { level: step.level, bytes, bound }) }
     }
 
@@ -188,7 +181,7 @@ fn alone(steps: &[Scheduled]) -> bool {
     steps.iter().all(|step| {
         if is_split(step) {
             after_split = true;
-            return step.letter.tile == Tile::Quad;
+            return step.letter.settings.tile() == Tile::Quad;
         }
         let allowed = !is_dual(step) || after_split;
         after_split &= !is_dual(step);
@@ -204,7 +197,7 @@ fn layers(steps: &[Scheduled]) -> Vec<u32> {
         if is_dual(step) {
             needed = needed.saturating_add(1);
         } else if is_split(step) {
-            needed = needed.div_ceil(step.letter.arity).max(LEAST_LAYERS);
+            needed = needed.div_ceil(step.letter.settings.arity()).max(LEAST_LAYERS);
         }
         layers.push(needed);
     }

@@ -4,20 +4,19 @@ mod legal;
 mod resolve;
 mod schedule;
 
+use super::extent::Ends;
+use super::letter::Letter;
 use super::local::{Noise, Sources};
-use super::mesh_net::{Boundary, Rules};
-use super::ops::LatitudeRule;
-use super::ops::Operator;
-use super::polygon_net::Ends;
-use super::word::{Letter, Word};
+use super::parameters::DEFAULT_MU;
+use super::rules::{LatitudeRule, Rules};
+use super::tags::Boundary;
+use super::word::Word;
 use crate::math::expression::Expression;
 use crate::math::parameter::Literal;
 use crate::shape::tile::Tile;
 
 /// Most levels of any plan.
 pub const MAX_LEVELS: u32 = 64;
-/// The weight of a vertex in averages of triangles with which `UC` is Loop's scheme at regular vertices.
-pub const DEFAULT_MU: f64 = 0.25;
 /// What a client writes as a plan.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PlanInput {
@@ -197,13 +196,13 @@ impl Plan {
     /// The name of the operator that turns tangents along with points of the plane, if there is one; such a plan is not
     /// linear.
     pub fn turns_tangents(&self) -> Option<&'static str> {
-        let mut operators = self.word.prefix.iter().chain(&self.word.cycle).map(|letter| letter.operator);
-        operators.find(|operator| operator.turns_tangents()).map(Operator::name)
+        let mut all = self.word.prefix.iter().chain(&self.word.cycle).map(Letter::facts);
+        all.find(|facts| facts.turns_tangents).map(|facts| facts.name)
     }
 
     /// Into what the faces of a mesh are split.
     pub fn tile(&self) -> Tile {
-        let triangles = self.word.letters(1).any(|letter| letter.tile == Tile::Triangle);
+        let triangles = self.word.letters(1).any(|letter| letter.settings.tile() == Tile::Triangle);
         if triangles { Tile::Triangle } else { Tile::Quad }
     }
 

@@ -4,19 +4,20 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::local::{MAX_COMPENSATION, Sources};
-use super::ops::LatitudeRule;
-use super::word::Letter;
+use super::rules::LatitudeRule;
+use super::settings::Settings;
 use crate::math::expression::{Expression, ExpressionError};
 use crate::math::planar::Vector;
 use crate::math::rows::RowSource;
 use crate::shape::creases::INFINITE_SHARPNESS;
+use crate::shape::topology::NONE;
 use crate::watch::{Stopped, Watch};
 
 /// The numbers an operator works with at one place of a plan.
 #[derive(Debug, Clone, Copy)]
 pub struct Values<'a> {
-    /// The letter: its arity and mask.
-    pub letter: &'a Letter,
+    /// The values of the parameters of its letter.
+    pub settings: &'a Settings,
     /// Parameter spacing that entered the last upsampling, radians.
     pub alpha: f64,
     /// Value of the kernel for this average.
@@ -63,8 +64,17 @@ pub enum Action {
     Map(Box<dyn PointMap>),
     /// One after another.
     Sequence(Vec<Action>),
-    /// The points stay as they are.
-    Keep,
+}
+
+/// What a new point is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// A point before the step.
+    Point(u32),
+    /// A point of the anchor.
+    Anchor(u32),
+    /// A point that a net lost where it was cut out of a closed mesh: nothing is known of it.
+    Lost,
 }
 
 impl Action {
@@ -73,6 +83,34 @@ impl Action {
         match self {
             Self::Blend(rows) | Self::BlendFromAnchor(rows) => Some(&**rows),
             _ => None,
+        }
+    }
+
+    /// The rows of a linear step, whatever they are applied to; `None` where there is none or more than one table.
+    pub fn table(&self) -> Option<&dyn RowSource> {
+        match self {
+            Self::PushBack { rows, .. } => Some(&**rows),
+            _ => self.rows(),
+        }
+    }
+
+    /// Whether the points before the step become the anchor.
+    pub fn sets_anchor(&self) -> bool {
+        matches!(self, Self::BlendFromAnchor(_))
+    }
+
+    /// The weights with which a linear step with a table makes point number `point`, given the row of the point there: what
+    /// [`Points::act`](crate::refine::Points::act) computes for all points at once.
+    pub fn weights(&self, point: u32, (indices, weights): (&[u32], &[f64]), mut each: impl FnMut(Source, f64)) {
+        let entries = indices.iter().zip(weights);
+        let Self::PushBack { children, .. } = self else {
+            return entries.for_each(|(&index, &weight)| each(Source::Point(index), weight));
+        };
+        each(Source::Point(point), 1.0);
+        for (&index, &weight) in entries {
+            each(Source::Anchor(index), weight);
+            let child = children[index as usize];
+            each(if child == NONE { Source::Lost } else { Source::Point(child) }, -weight);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Windows: how an operator of some arity moves and counts the points of a polygon.
 
-use super::polygon_net::Extent;
+use super::extent::Extent;
 
 /// Arity and reach of an operator: new point `j` is made of the old points `i` with `first <= j - d i <= last`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,6 +42,11 @@ impl Window {
         let spare = width.cast_signed() - 1;
         let back = if before { spare - spare / 2 } else { spare / 2 };
         Self { arity: 1, first: back - spare, last: back }
+    }
+
+    /// Whether it moves points by half a step.
+    pub fn shifts(&self) -> bool {
+        self.arity == 1 && (self.first + self.last) % 2 != 0
     }
 
     /// The polygon of `n` stored points after the operator. With the centre of reflection at `c`, the new one lies at

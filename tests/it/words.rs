@@ -1,10 +1,11 @@
 //! The grammar of words: `item* [ '(' item+ ')' ]`, `item := letter [ '^' n ] | '(' item+ ')' '^' n`.
 
-use planish::scheme::word::{Letter, Word};
+use planish::scheme::letter::Letter;
+use planish::scheme::word::Word;
 use proptest::prelude::*;
 
 fn letters(letters: &[Letter]) -> String {
-    letters.iter().filter_map(|letter| letter.operator.letter()).collect()
+    letters.iter().filter_map(|letter| letter.facts().letter).collect()
 }
 
 fn accepts(text: &str, prefix: &str, cycle: &str) {

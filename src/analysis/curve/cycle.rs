@@ -1,10 +1,11 @@
 //! One application of a plan's cycle to polygons as one mask, found by refining a single impulse.
 
 use crate::math::mask::Mask;
-use crate::refine::{Points, RefineError, values};
-use crate::scheme::ops::Role;
+use crate::refine::{Points, RefineError, advance};
+use crate::scheme::extent::Ends;
+use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
-use crate::scheme::polygon_net::{Ends, PolygonNet};
+use crate::scheme::polygon_net::PolygonNet;
 use crate::watch::{Stopped, Watch};
 
 /// Most points of the polygon that carries the impulse.
@@ -70,7 +71,7 @@ impl Cycle {
             return Err(NoMask::NotLinear(name));
         }
         let first = plan.word.cycle.first().ok_or(NoMask::NoCycle)?;
-        if first.operator.role() != Role::Upsample {
+        if first.facts().role != Role::Upsample {
             return Err(NoMask::NoUpsampling);
         }
         let steps = plan.schedule(level + 1).map_err(|fault| NoMask::NoValue(fault.detail))?;
@@ -184,20 +185,20 @@ fn extent(steps: &[Scheduled]) -> Option<(u64, u64)> {
     let (mut arity, mut last, mut reach, mut duals) = (1_u64, 1_u64, 0_u64, 0);
     for step in steps {
         let operator = step.letter.operator;
-        if operator.role() == Role::Upsample {
+        if operator.facts().role == Role::Upsample {
             duals = 0;
         }
-        if let Some(window) = operator.window(&step.letter, duals) {
+        if let Some(window) = operator.window(&step.letter.settings, duals) {
             let d = u64::from(window.arity);
             arity = arity.checked_mul(d).filter(|&arity| arity <= MAX_POINTS)?;
             let spread = window.first.unsigned_abs().max(window.last.unsigned_abs());
             reach = reach.checked_mul(d)?.checked_add(spread.into())?;
             last = if d > 1 { d } else { last };
         }
-        if operator.role() == Role::PushBack {
+        if operator.facts().role == Role::PushBack {
             reach += last;
         }
-        duals += u32::from(operator.shifts(&step.letter));
+        duals += u32::from(step.letter.shifts());
     }
     Some((arity, reach))
 }
@@ -208,15 +209,10 @@ fn response(plan: &Plan, steps: &[Scheduled], n: usize, watch: &Watch) -> Result
     let mut impulse = vec![0.0; n];
     impulse[0] = 1.0;
     let mut points = Points::new(impulse, 1);
-    for step in steps {
-        let operator = step.letter.operator;
-        let next =
-            operator.on_polygon(&net, &values(plan, step)).map_err(|error| NoMask::NoValue(error.to_string()))?;
-        points.act(&next.action, step.level, watch).map_err(|error| match error {
-            RefineError::Stopped(stopped) => NoMask::Stopped(stopped),
-            error => NoMask::NoValue(error.to_string()),
-        })?;
-        net = next.net;
-    }
+    advance(&mut net, std::slice::from_mut(&mut points), plan, steps, watch).map_err(|error| match error {
+        RefineError::Stopped(stopped) => NoMask::Stopped(stopped),
+        RefineError::Step { error, .. } => NoMask::NoValue(error.to_string()),
+        error => NoMask::NoValue(error.to_string()),
+    })?;
     Ok(points.now)
 }

@@ -4,9 +4,10 @@ use super::cycle::NoMask;
 use super::rows::{LimitRows, Row};
 use crate::math::rows::{Rows, RowsBy, blend};
 use crate::refine::{RefineError, refined_points};
-use crate::scheme::ops::Role;
+use crate::scheme::extent::{Ends, Extent};
+use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
-use crate::scheme::polygon_net::{Ends, Extent, PolygonNet};
+use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::window::{Window, steps};
 use crate::shape::polygon::Polygon;
 use crate::shape::source::Curve;
@@ -59,15 +60,15 @@ pub fn check(polygon: &Polygon, plan: &Plan) -> Result<(), NoLimit> {
         return Err(NoLimit::NaturalEnds);
     }
     let mut letters = plan.word.prefix.iter().chain(&plan.word.cycle);
-    if !polygon.closed && letters.any(|letter| letter.mask.as_ref().is_some_and(|mask| !mask.is_symmetric())) {
+    if !polygon.closed && letters.any(|letter| letter.settings.mask().is_some_and(|mask| !mask.is_symmetric())) {
         return Err(NoLimit::OneSided);
     }
     // what reaches one point on each side never looks across a corner, which is fixed
     let near = |window: Window| window.first >= -1 && window.last <= 1;
     let mut letters = plan.word.prefix.iter().chain(&plan.word.cycle);
     let crosses = letters.any(|letter| {
-        let window = letter.operator.window(letter, 0);
-        letter.operator.role() == Role::Average && !window.is_some_and(near)
+        let window = letter.operator.window(&letter.settings, 0);
+        letter.facts().role == Role::Average && !window.is_some_and(near)
     });
     if !polygon.corners.is_empty() && crosses { Err(NoLimit::Corners) } else { Ok(()) }
 }

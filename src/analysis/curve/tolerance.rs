@@ -3,9 +3,10 @@
 use super::distance::{Distances, NoBound};
 use super::limit::{NoLimit, check};
 use crate::math::functions::sqrt;
-use crate::refine::{Points, RefineError, at, polygon_net, values};
-use crate::scheme::plan::{Plan, Scheduled};
-use crate::scheme::polygon_net::{Extent, PolygonNet};
+use crate::refine::{Points, RefineError, advance, polygon_net};
+use crate::scheme::extent::Extent;
+use crate::scheme::plan::Plan;
+use crate::scheme::polygon_net::PolygonNet;
 use crate::shape::polygon::Polygon;
 use crate::watch::{Stopped, Watch};
 
@@ -127,11 +128,8 @@ fn measured_one(polygon: &Polygon, plan: &Plan, most: usize, watch: &Watch) -> R
     for level in 0..=MEASURED_LEVELS {
         // a level whose functions have no value is refused when it is asked for
         let Ok(steps) = plan.schedule(level) else { break };
-        for step in steps.iter().filter(|step: &&Scheduled| step.level == level) {
-            let next = step.letter.operator.on_polygon(&net, &values(plan, step)).map_err(|error| at(step, error))?;
-            points.act(&next.action, step.level, watch)?;
-            net = next.net;
-        }
+        let steps = steps.iter().filter(|step| step.level == level);
+        advance(&mut net, std::slice::from_mut(&mut points), plan, steps, watch)?;
         bends.push(greatest_second_difference(&net, &points.now, polygon.dimension));
         if net.n > most {
             break;

@@ -5,15 +5,17 @@ use std::sync::Arc;
 use super::Unlimited;
 use super::frame::Frame;
 use super::heir::heir;
-use super::matrix::{Matrix, Record, Weights};
 use super::own::Own;
 use super::patch::{Found, Patch, Rings, Whole};
-use crate::refine::values;
-use crate::scheme::mesh_net::{MeshNet, Surroundings};
-use crate::scheme::ops::Heirs;
+use super::record::{Record, Weights};
+use crate::math::rows::Rows;
+use crate::scheme::letter::Letter;
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::Children;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::step::Action;
-use crate::scheme::word::Letter;
+use crate::scheme::stepper::Stepper;
+use crate::scheme::surroundings::Surroundings;
 use crate::shape::topology::{Topology, index};
 use crate::watch::Watch;
 
@@ -45,9 +47,38 @@ pub(super) struct Child {
     /// The patch around the centre's child.
     pub(super) patch: Patch,
     /// From the points of the patch to those of the child's.
-    pub(super) matrix: Matrix,
+    matrix: Rows,
+    /// Points of the patch that the matrix maps.
+    n_columns: usize,
     /// Which face at the centre its first face there comes of: upsamplings keep the order around a vertex.
     pub(super) turn: usize,
+}
+
+impl Child {
+    /// The child that a record makes of a patch.
+    ///
+    /// # Errors
+    /// [`Unlimited::Reach`] where points of the child's support come of others than those of the patch's.
+    pub(super) fn new(found: &Found, record: &Record, origins: &[u32], n_columns: usize) -> Result<Self, Unlimited> {
+        let matrix = record.matrix(&found.vertices[..found.patch.support], origins, n_columns);
+        let matrix = matrix.ok_or(Unlimited::Reach)?;
+        Ok(Self { patch: found.patch.clone(), matrix, n_columns, turn: found.turn })
+    }
+
+    /// How a functional of the child's points reads the patch's.
+    pub(super) fn back(&self, row: &[f64]) -> Vec<f64> {
+        self.matrix.times_row(row, self.n_columns)
+    }
+
+    /// The child's points for those of the patch.
+    pub(super) fn forth(&self, column: &[f64]) -> Vec<f64> {
+        self.matrix.times_column(column)
+    }
+
+    /// Whether two children come of the points of their patches with the same weights.
+    pub(super) fn has_weights_of(&self, other: &Self) -> bool {
+        self.n_columns == other.n_columns && self.matrix == other.matrix
+    }
 }
 
 impl<'a> Cycle<'a> {
@@ -76,7 +107,7 @@ impl<'a> Cycle<'a> {
 
     /// Number of upsamplings before a step of a level, from the beginning of the plan.
     pub(super) fn upsamplings(&self, level: usize, step: &Scheduled) -> u32 {
-        let each = self.level(level).iter().filter(|step| step.letter.operator.heirs().refine()).count();
+        let each = self.level(level).iter().filter(|step| step.letter.facts().children.refine()).count();
         step.upsamplings + index(level.saturating_sub(self.settled) * each)
     }
 
@@ -84,8 +115,7 @@ impl<'a> Cycle<'a> {
     pub(super) fn step(&self, level: usize, patch: &Patch, rings: Rings) -> Result<Child, Unlimited> {
         let own = Own::default();
         let (found, record, origins, _) = self.refined(level, patch, &own, rings, Weights::Exact)?;
-        let matrix = record.matrix(&found.vertices[..found.patch.support], &origins, patch.support);
-        Ok(Child { patch: found.patch, matrix: matrix.ok_or(Unlimited::Reach)?, turn: found.turn })
+        Child::new(&found, &record, &origins, patch.support)
     }
 
     /// The child's patch, and where it lies in the net after a level, whose topology this is.
@@ -112,19 +142,19 @@ impl<'a> Cycle<'a> {
     ) -> Result<(Found, Record, Vec<u32>, Arc<Topology>), Unlimited> {
         let (mut net, origins) = patch.net(self.frame).ok_or(Unlimited::Reach)?;
         if own.first().are_there() {
-            let directions = net.directions.as_deref().cloned();
+            let directions = net.annotations.directions.as_deref().cloned();
             net = net.carrying(Some(own.attributes(&origins)), directions);
         }
         let mut record = Record::new(weights);
         let (mut centre, mut made) = (patch.centre(), Made::default());
         for step in self.level(level) {
-            let next = step.letter.operator.on_mesh(&net, &values(self.plan, step)).map_err(Unlimited::from)?;
+            let next = Stepper::new(self.plan).next(&net, step)?;
             made.add(&next.net)?;
             record.add(next.action)?;
-            centre = heir(centre, step.letter.operator.heirs(), [&net, &next.net], &record)?;
+            centre = heir(centre, step.letter.facts().children, [&net, &next.net], &record)?;
             net = next.net;
         }
-        let topology = net.topology();
+        let topology = net.mesh.topology();
         let whole = Whole::of(&net, &topology);
         self.watch.advance(made.0 as u64);
         let found = whole.least_patch(centre, rings, &self.watch)?.ok_or(Unlimited::Size)?;
@@ -137,9 +167,10 @@ impl<'a> Cycle<'a> {
         net: MeshNet,
         mut act: impl FnMut(&Action, &Scheduled) -> Result<(), Unlimited>,
     ) -> Result<MeshNet, Unlimited> {
-        let (mut net, mut made) = (MeshNet { cut: self.frame.cut, ..net }, Made::default());
+        let (mut net, mut made) = (net, Made::default());
+        net.tags.cut = self.frame.cut;
         for step in self.levels[self.settled] {
-            let next = step.letter.operator.on_mesh(&net, &values(self.plan, step)).map_err(Unlimited::from)?;
+            let next = Stepper::new(self.plan).next(&net, step)?;
             made.add(&next.net)?;
             act(&next.action, step)?;
             net = next.net;
@@ -155,23 +186,23 @@ impl<'a> Cycle<'a> {
     /// What has to be known of a mesh beyond a patch of it: something where arities above 2 split quads into fewer pieces
     /// than other faces.
     pub(super) fn surroundings(&self, topology: &Topology) -> Option<Surroundings> {
-        let matters = |step: &Scheduled| step.letter.pieces(false) != step.letter.pieces(true);
+        let matters = |step: &Scheduled| step.letter.settings.pieces(false) != step.letter.settings.pieces(true);
         self.levels[self.settled].iter().any(matters).then(|| Surroundings::of(topology))
     }
 
     /// Whether it makes a connectivity of its own.
     pub(super) fn rebuilds(&self) -> bool {
-        self.levels[self.settled].iter().any(|step| step.letter.operator.rebuilds())
+        self.levels[self.settled].iter().any(|step| step.letter.facts().rebuilds)
     }
 
     /// Whether rules reach a ring farther beside irregular vertices.
     pub(super) fn reaches_farther(&self) -> bool {
-        self.levels[self.settled].iter().any(|step| step.letter.operator.reaches_farther())
+        self.levels[self.settled].iter().any(|step| step.letter.facts().reaches_farther)
     }
 
     /// How many operators put faces in the place of vertices.
     pub(super) fn n_duals(&self) -> usize {
-        let swaps = |step: &&Scheduled| matches!(step.letter.operator.heirs(), Heirs::Dual | Heirs::Faces);
+        let swaps = |step: &&Scheduled| matches!(step.letter.facts().children, Children::Dual | Children::Faces);
         self.levels[self.settled].iter().filter(swaps).count()
     }
 }
@@ -179,8 +210,8 @@ impl<'a> Cycle<'a> {
 /// The pieces into which each operator of a level and those before it there cut an edge.
 pub(super) fn pieces<'a>(letters: impl Iterator<Item = &'a Letter>) -> Vec<usize> {
     let after = |pieces: &mut usize, letter: &Letter| {
-        let refines = letter.operator.heirs().refine();
-        *pieces = pieces.saturating_mul(if refines { letter.arity as usize } else { 1 });
+        let refines = letter.facts().children.refine();
+        *pieces = pieces.saturating_mul(if refines { letter.settings.arity() as usize } else { 1 });
         Some(*pieces)
     };
     letters.scan(1, after).collect()
@@ -207,7 +238,7 @@ struct Made(usize);
 impl Made {
     /// Those of one net, before anything is done about each.
     fn add(&mut self, net: &MeshNet) -> Result<(), Unlimited> {
-        self.0 += net.n_vertices();
+        self.0 += net.mesh.n_vertices();
         if self.0 > MAX_POINTS { Err(Unlimited::Fine) } else { Ok(()) }
     }
 }

@@ -48,7 +48,7 @@ impl Mask {
     fn before(&self, patch: &Patch, child: &Child) -> Self {
         let parted = || Sectors::of(patch).children(&Sectors::of(&child.patch), child.turn);
         let sectors = if self.tangents.len() > 1 { parted() } else { vec![0; self.tangents.len()] };
-        let Ok(mask) = self.seen_by(&sectors, |row| Ok::<_, Infallible>(child.matrix.times_row(row)));
+        let Ok(mask) = self.seen_by(&sectors, |row| Ok::<_, Infallible>(child.back(row)));
         mask
     }
 
@@ -216,7 +216,7 @@ impl<'a> Masks<'a> {
     /// This is the left eigenvector of the eigenvalue 1, reached as the limit of the centre itself, so that a plan
     /// without a limit is found out.
     fn fixed_point(&self, patch: &Patch, children: &[Child]) -> Result<Mask, Unlimited> {
-        let back = |row: &[f64]| children.iter().rev().fold(row.to_vec(), |row, child| child.matrix.times_row(&row));
+        let back = |row: &[f64]| children.iter().rev().fold(row.to_vec(), |row, child| child.back(&row));
         let mut position = patch.middle();
         let mut steps = 0;
         let (mut least, mut least_at) = (f64::INFINITY, 0);
@@ -241,8 +241,7 @@ impl<'a> Masks<'a> {
             }
         }
         let position = summing_to_one(position);
-        let forth =
-            |column: &[f64]| children.iter().fold(column.to_vec(), |column, child| child.matrix.times_column(&column));
+        let forth = |column: &[f64]| children.iter().fold(column.to_vec(), |column, child| child.forth(&column));
         if !comes_together(&position, forth) {
             return Err(Unlimited::Rough);
         }

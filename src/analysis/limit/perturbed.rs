@@ -9,16 +9,16 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::cycle::Child;
 use super::field::{Field, patch};
 use super::mask::{Finder, Mask, Masks, summing_to_one, tangential};
-use super::matrix::Matrix;
 use super::own::{Common, Own};
 use super::patch::{Centre, Found, Patch, Rings, Whole};
 use super::sector::Sectors;
 use super::tangent::starting_vectors;
 use super::{Asked, Unlimited};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::ops::Role;
+use crate::scheme::operator::Role;
 use crate::scheme::plan::{Perturbation, Plan};
 use crate::shape::numbering::Numbering;
 use crate::shape::topology::index;
@@ -43,7 +43,7 @@ const CHUNK: usize = 4_096;
 /// The perturbation of a plan, if it has any say in the cycle.
 pub(super) fn of(plan: &Plan) -> Option<Perturbation> {
     let uses = |role: Role| matches!(role, Role::Average | Role::PushBack);
-    let acts = plan.word.cycle.iter().any(|letter| uses(letter.operator.role()));
+    let acts = plan.word.cycle.iter().any(|letter| uses(letter.facts().role));
     plan.perturbation.filter(|perturbation| acts && perturbation.amplitude != 0.0)
 }
 
@@ -53,7 +53,7 @@ pub fn followed_points(plan: &Plan, asked: Asked) -> u64 {
     if !of(plan).is_some_and(|perturbation| asked.positions || with_normals(&perturbation)) {
         return 0;
     }
-    let rings = plan.word.cycle.iter().filter(|letter| letter.operator.role() != Role::Upsample).count() as u64;
+    let rings = plan.word.cycle.iter().filter(|letter| letter.facts().role != Role::Upsample).count() as u64;
     (2 * rings + 1).saturating_pow(2)
 }
 
@@ -77,7 +77,7 @@ pub(super) fn field(
     rows: u64,
     watch: &Watch,
 ) -> Result<Field, Unlimited> {
-    let topology = net.topology();
+    let topology = net.mesh.topology();
     let whole = Whole::of(&net, &topology);
     check_size(&whole, rings, watch)?;
     let numbering = Numbering::of(&topology);
@@ -124,8 +124,8 @@ struct Follower<'a> {
 
 /// A level on the way of a vertex.
 struct Level {
-    /// From the points around it before to those after.
-    matrix: Matrix,
+    /// What is around it after the level, and how that comes of what was before.
+    child: Child,
     /// For each sector before the one that it becomes; empty where there is one only.
     sectors: Vec<usize>,
 }
@@ -153,9 +153,9 @@ impl Follower<'_> {
             let before = Sectors::of(&patch);
             let sectors =
                 if before.n > 1 { before.children(&Sectors::of(&child.patch), child.turn) } else { Vec::new() };
-            spread.go_on(&child.matrix);
-            levels.push(Level { matrix: child.matrix, sectors });
-            patch = child.patch;
+            spread.go_on(&child);
+            patch = child.patch.clone();
+            levels.push(Level { child, sectors });
             own = next.0;
             numbering = next.1.ok_or(Unlimited::Wild)?;
         };
@@ -189,8 +189,8 @@ impl Follower<'_> {
 /// the second would drown in it.
 fn before(mask: &Mask, level: &Level) -> Mask {
     let back = |[t, u]: &[Vec<f64>; 2]| {
-        let t = tangential(level.matrix.times_row(t));
-        let mut u = level.matrix.times_row(u);
+        let t = tangential(level.child.back(t));
+        let mut u = level.child.back(u);
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
         let along = dot(&u, &t) / dot(&t, &t);
         u.iter_mut().zip(&t).for_each(|(x, y)| *x -= along * y);
@@ -199,7 +199,7 @@ fn before(mask: &Mask, level: &Level) -> Mask {
     let child = |sector: usize| level.sectors.get(sector).copied().unwrap_or(sector);
     let tangents =
         (0..mask.tangents.len()).map(|sector| mask.tangents[child(sector)].as_ref().map(back).map_err(|why| *why));
-    Mask { position: summing_to_one(level.matrix.times_row(&mask.position)), tangents: tangents.collect() }
+    Mask { position: summing_to_one(level.child.back(&mask.position)), tangents: tangents.collect() }
 }
 
 /// How far the points around a vertex are apart, of 1 at the beginning.
@@ -218,9 +218,9 @@ impl Spread {
     }
 
     /// After a level.
-    fn go_on(&mut self, matrix: &Matrix) {
+    fn go_on(&mut self, child: &Child) {
         for witness in &mut self.witnesses {
-            let mut next = matrix.times_column(witness);
+            let mut next = child.forth(witness);
             let centre = next[0];
             next.iter_mut().for_each(|x| *x -= centre);
             *witness = next;

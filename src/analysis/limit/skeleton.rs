@@ -5,12 +5,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::Unlimited;
 use super::cycle::{Child, Cycle};
-use super::matrix::{Record, Weights};
 use super::own::Own;
 use super::patch::{Found, Patch, Rings};
-use crate::refine::values;
+use super::record::{Record, Weights};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::Perturbation;
+use crate::scheme::stepper::Stepper;
 use crate::shape::numbering::Numbering;
 use crate::shape::topology::Topology;
 
@@ -56,8 +56,7 @@ impl Traced {
 
     /// The level with its matrix.
     pub(super) fn child(&self) -> Result<Child, Unlimited> {
-        let matrix = self.record.matrix(self.wanted(), &self.skeleton.origins, self.n_columns);
-        Ok(Child { patch: self.patch().clone(), matrix: matrix.ok_or(Unlimited::Reach)?, turn: self.turn() })
+        Child::new(&self.skeleton.child, &self.record, &self.skeleton.origins, self.n_columns)
     }
 }
 
@@ -89,23 +88,24 @@ impl<'a> Skeletons<'a> {
         (own, noise): (&Own, Option<(&Numbering, Perturbation)>),
     ) -> Result<(Traced, (Own, Option<Numbering>)), Unlimited> {
         let skeleton = self.skeleton(patch, own)?;
-        let directions = skeleton.net.directions.as_deref().cloned();
+        let directions = skeleton.net.annotations.directions.as_deref().cloned();
         let attributes = own.first().are_there().then(|| own.attributes(&skeleton.origins));
         let mut net = skeleton.net.clone().carrying(attributes, directions);
-        net.numbering = noise.map(|(numbering, _)| Arc::new(numbering.with_origins(&skeleton.origins)));
+        net.annotations.numbering = noise.map(|(numbering, _)| Arc::new(numbering.with_origins(&skeleton.origins)));
         let mut record = Record::new(Weights::Exact);
         for step in self.cycle.level(level) {
-            let mut values = values(self.cycle.plan, step);
-            if let (Some(sources), Some((_, perturbation))) = (&mut values.sources, noise) {
+            let mut sources = self.cycle.plan.sources(step);
+            if let (Some(sources), Some((_, perturbation))) = (&mut sources, noise) {
                 sources.noise = Some(perturbation.at(self.cycle.upsamplings(level, step)));
             }
-            let next = step.letter.operator.on_mesh(&net, &values).map_err(Unlimited::from)?;
+            let next = Stepper::new(self.cycle.plan).next_from(&net, step, sources)?;
             record.add(next.action)?;
             net = next.net;
         }
         let Found { vertices, corners, .. } = &skeleton.child;
-        let own = net.attributes.as_ref().map_or_else(Own::default, |attributes| Own::of(attributes, vertices));
-        let numbering = net.numbering.map(|numbering| numbering.part(&skeleton.refined, vertices, corners));
+        let own =
+            net.annotations.attributes.as_ref().map_or_else(Own::default, |attributes| Own::of(attributes, vertices));
+        let numbering = net.annotations.numbering.map(|numbering| numbering.part(&skeleton.refined, vertices, corners));
         Ok((Traced { skeleton, record, n_columns: patch.support }, (own, numbering)))
     }
 

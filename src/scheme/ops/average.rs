@@ -5,15 +5,17 @@ use std::sync::Arc;
 use super::local_average;
 use super::ring_average::{self, Around};
 use super::upsample::ratio;
-use super::{Follows, Operator, Role, SplineStep};
 use crate::math::rows::{Rows, RowsBy};
-use crate::scheme::creases::{Creases, Rule};
+use crate::scheme::creases::{Blend, Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::plan::DEFAULT_MU;
-use crate::scheme::polygon_net::{From, PolygonNet};
+use crate::scheme::operator::{Facts, Follows, Operator, Role, SplineStep};
+use crate::scheme::parameters::{DEFAULT_MU, SPLIT};
+use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::preimage::Preimage;
+use crate::scheme::settings::Settings;
+use crate::scheme::stencil::{EdgeMask, FaceMask, RingMask, VertexMask};
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::Window;
-use crate::scheme::word::Letter;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 
@@ -21,56 +23,45 @@ use crate::shape::topology::{Topology, index};
 #[derive(Debug)]
 pub(super) struct Average;
 
+static FACTS: Facts = Facts {
+    letter: Some('C'),
+    name: "average",
+    doc: "The convolution average: D twice, re-centred. Curves after U: vertices (1, 2f, 1), edge points (f, 2, f), each over \
+     2(1 + f), with the kernel f in the first average after a U and 1 else. Meshes: the mean of the loop centres \
+     (f^2 V + f (E1 + E2) + F) / (1 + f)^2 of the quads around a vertex, after U3 and higher with f^2 for V, f for \
+     points of edges, 1 for points inside faces; with split triangle mu P + (1 - mu) times the mean of the neighbours, \
+     where V has the weight f. Boundaries and creases follow the curve rule, corners stay.",
+    source: "Zhang and Wang 2002, formulas (2) and (5); Zorin and Schroeder, CAGD 18 (2001), 429-454",
+    role: Role::Average,
+    uses: &["kernel", "mu"],
+    parameters: &[SPLIT],
+    follows: Follows::Creases,
+    pointwise: true,
+    ..Facts::USUAL
+};
+
 impl Operator for Average {
-    fn letter(&self) -> Option<char> {
-        Some('C')
+    fn facts(&self) -> &'static Facts {
+        &FACTS
     }
 
-    fn name(&self) -> &'static str {
-        "average"
-    }
-
-    fn doc(&self) -> &'static str {
-        "The convolution average: D twice, re-centred. Curves after U: vertices (1, 2f, 1), edge points (f, 2, f), each over \
-         2(1 + f), with the kernel f in the first average after a U and 1 else. Meshes: the mean of the loop centres \
-         (f^2 V + f (E1 + E2) + F) / (1 + f)^2 of the quads around a vertex, after U3 and higher with f^2 for V, f for \
-         points of edges, 1 for points inside faces; with split triangle mu P + (1 - mu) times the mean of the neighbours, \
-         where V has the weight f. Boundaries and creases follow the curve rule, corners stay."
-    }
-
-    fn source(&self) -> &'static str {
-        "Zhang and Wang 2002, formulas (2) and (5); Zorin and Schroeder, CAGD 18 (2001), 429-454"
-    }
-
-    fn role(&self) -> Role {
-        Role::Average
-    }
-
-    fn uses(&self) -> &'static [&'static str] {
-        &["kernel", "mu"]
-    }
-
-    fn spline(&self, letter: &Letter, mu: f64) -> Option<SplineStep> {
+    fn spline(&self, settings: &Settings, mu: f64) -> Result<SplineStep, &'static str> {
         // the one weight with which the symbol is that of a box spline
-        let even = letter.tile == Tile::Quad || mu == DEFAULT_MU;
-        even.then_some(SplineStep::Mean)
+        let even = settings.tile() == Tile::Quad || mu == DEFAULT_MU;
+        if even { Ok(SplineStep::Mean) } else { Err("its C has another mu than 1/4") }
     }
 
-    fn follows(&self) -> Follows {
-        Follows::Creases
-    }
-
-    fn window(&self, _: &Letter, _: u32) -> Option<Window> {
+    fn window(&self, _: &Settings, _: u32) -> Option<Window> {
         Some(Window::mean(3, false))
     }
 
     fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
-        let (landed, origin) = net.land(Window::mean(3, false))?;
+        let (landed, preimages) = net.land(Window::mean(3, false))?;
         let (old, f, first) = (net.clone(), values.kernel, values.first);
-        let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match origin.of(row) {
-            From::End(end) => out.add(index(end), 1.0),
-            From::Point(j) if old.is_corner(old.control(j)) => old.add(j, 1.0, out),
-            From::Point(j) => {
+        let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match preimages.of(row) {
+            Preimage::End(end) => out.add(index(end), 1.0),
+            Preimage::Point(j) if old.is_corner(old.control(j)) => old.add(j, 1.0, out),
+            Preimage::Point(j) => {
                 // two D: the means of the pairs before and after, with the kernel as weight of vertices, and their mean
                 let [a, b, c] = [j - 1, j, j + 1].map(|i| old.weight(i, f, first));
                 let (before, after) = (2.0 * (a + b), 2.0 * (b + c));
@@ -84,15 +75,15 @@ impl Operator for Average {
     }
 
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let action = match net.halved() {
-            _ if values.letter.tile == Tile::Triangle => {
+        let action = match net.mesh.halved() {
+            _ if values.settings.tile() == Tile::Triangle => {
                 ring_average::rows(net, Around::Neighbours { mu: values.mu }, values.kernel)
             }
-            Some(parent) => match net.local.as_ref().filter(|_| values.first) {
+            Some(parent) => match net.since.local.as_ref().filter(|_| values.first) {
                 Some(local) => local_average::rows(net, parent, local),
                 None => split_rows(net.clone(), parent.clone(), values.kernel),
             },
-            None if net.parent.is_some() => ring_average::rows(net, Around::Faces, values.kernel),
+            None if net.mesh.parent.is_some() => ring_average::rows(net, Around::Faces, values.kernel),
             None => plain_rows(net.clone()),
         };
         Ok(Step { net: net.clone(), action })
@@ -102,115 +93,75 @@ impl Operator for Average {
 /// C on a mesh whose vertices are the V, E, F of a split.
 fn split_rows(net: MeshNet, parent: Arc<Topology>, f: f64) -> Action {
     let (n_v, n_e) = (parent.n_vertices(), parent.n_edges());
-    let n = net.n_vertices();
+    let n = net.mesh.n_vertices();
     let creases = Creases::of_parent(&net);
     let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
         if row < n_v {
-            match rule(&net, &parent, creases.as_ref(), row) {
+            // edges are smooth or infinitely sharp here
+            match Blend::of(row, &parent, &net.tags, creases.as_ref()).before {
                 Rule::Corner => out.add(index(row), 1.0),
-                Rule::Crease(edges) => crease_row(&parent, row, edges, f, out),
-                Rule::Smooth => vertex_row(&parent, row, f, out),
+                Rule::Crease(edges) => curve_mask(f).add_edge_points(&parent, row, edges, out),
+                Rule::Smooth => vertex_mask(parent.ring(row).count(), f).add(&parent, row, out),
             }
         } else if row < n_v + n_e {
             let e = row - n_v;
-            if parent.is_boundary_edge(e) || creases.as_ref().is_some_and(|creases| creases.edge(e) > 0.0) {
-                crease_edge_row(&parent, e, f, out);
-            } else {
-                edge_row(&parent, e, f, out);
-            }
+            let sharp = parent.is_boundary_edge(e) || creases.as_ref().is_some_and(|creases| creases.edge(e) > 0.0);
+            let mask = if sharp { curve_edge_mask(f) } else { edge_mask(f) };
+            mask.add(&parent, e, out);
         } else {
-            face_row(&parent, row - n_v - n_e, f, out);
+            let face = row - n_v - n_e;
+            face_mask(parent.face(face).len(), f).add(&parent, face, out);
         }
     });
     Action::Blend(Box::new(rows))
 }
 
-/// How vertex `v` of a topology comes about: edges are smooth or infinitely sharp here.
-pub(super) fn rule(net: &MeshNet, topology: &Topology, creases: Option<&Creases>, v: usize) -> Rule {
-    if net.is_corner(v) || topology.is_isolated(v) {
-        return Rule::Corner;
-    }
-    match creases.and_then(|creases| creases.vertex(v)) {
-        Some(blend) => blend.before,
-        None => topology.boundary_edges(v).map_or(Rule::Smooth, Rule::Crease),
-    }
-}
-
-/// `(E + 2 f V + E) / (2 (1 + f))`.
-fn crease_row(parent: &Topology, v: usize, edges: [u32; 2], f: f64, out: &mut Rows) {
-    let n_v = index(parent.n_vertices());
+/// Along creases and boundaries `(E + 2 f V + E) / (2 (1 + f))`.
+fn curve_mask(f: f64) -> RingMask {
     let sum = 2.0 * (1.0 + f);
-    out.add(index(v), 2.0 * f / sum);
-    edges.iter().for_each(|&e| out.add(n_v + e, 1.0 / sum));
+    RingMask { own: 2.0 * f / sum, neighbours: 1.0 / sum }
 }
 
 /// `(N f^2 V + 2 f sum E + sum F) / (N (1 + f)^2)`.
-fn vertex_row(parent: &Topology, v: usize, f: f64, out: &mut Rows) {
-    let n_v = index(parent.n_vertices());
-    let valence = ratio(parent.ring(v).count(), 1);
+fn vertex_mask(valence: usize, f: f64) -> VertexMask {
+    let valence = ratio(valence, 1);
     let sum = valence * (1.0 + f) * (1.0 + f);
-    out.add(index(v), valence * f * f / sum);
-    for corner in parent.ring(v) {
-        out.add(n_v + parent.edge(corner), 2.0 * f / sum);
-        out.add(n_v + index(parent.n_edges() + parent.face_of(corner)), 1.0 / sum);
-    }
+    VertexMask { own: valence * f * f / sum, edges: 2.0 * f / sum, faces: 1.0 / sum }
 }
 
-/// `(f V1 + 2 E + f V2) / (2 (1 + f))`.
-fn crease_edge_row(parent: &Topology, e: usize, f: f64, out: &mut Rows) {
+/// Along creases and boundaries `(f V1 + 2 E + f V2) / (2 (1 + f))`.
+fn curve_edge_mask(f: f64) -> EdgeMask {
     let sum = 2.0 * (1.0 + f);
-    out.add(index(parent.n_vertices() + e), 2.0 / sum);
-    parent.ends(e).iter().for_each(|&v| out.add(v, f / sum));
+    EdgeMask { own: 2.0 / sum, ends: Some(f / sum), faces: None, sides: None }
 }
 
 /// `(2 f^2 (V1 + V2) + 4 f E + 2 (F1 + F2) + f (Ea + Eb + Ec + Ed)) / (4 (1 + f)^2)`.
-fn edge_row(parent: &Topology, e: usize, f: f64, out: &mut Rows) {
-    let n_v = index(parent.n_vertices());
-    let ends = parent.ends(e);
-    let corners = parent.halves(e);
-    let here = n_v + index(e);
+fn edge_mask(f: f64) -> EdgeMask {
     let sum = 4.0 * (1.0 + f) * (1.0 + f);
-    out.add(here, 4.0 * f / sum);
-    ends.iter().for_each(|&v| out.add(v, 2.0 * f * f / sum));
-    for corner in corners {
-        out.add(n_v + index(parent.n_edges() + parent.face_of(corner)), 2.0 / sum);
-        out.add(n_v + parent.edge(parent.next(corner)), f / sum);
-        out.add(n_v + parent.edge(parent.previous(corner)), f / sum);
-    }
+    EdgeMask { own: 4.0 * f / sum, ends: Some(2.0 * f * f / sum), faces: Some(2.0 / sum), sides: Some(f / sum) }
 }
 
 /// `(n F + f^2 sum V + 2 f sum E) / (n (1 + f)^2)`.
-fn face_row(parent: &Topology, face: usize, f: f64, out: &mut Rows) {
-    let n_v = index(parent.n_vertices());
-    let size = ratio(parent.face(face).len(), 1);
+fn face_mask(size: usize, f: f64) -> FaceMask {
+    let size = ratio(size, 1);
     let sum = size * (1.0 + f) * (1.0 + f);
-    out.add(n_v + index(parent.n_edges() + face), size / sum);
-    for corner in parent.half_edges(face) {
-        out.add(parent.vertex(corner), f * f / sum);
-        out.add(n_v + parent.edge(corner), 2.0 * f / sum);
-    }
+    FaceMask { own: size / sum, vertices: f * f / sum, edges: 2.0 * f / sum }
 }
 
 /// C where there are no labels: the mean of the centroids of the faces around a vertex; boundaries and creases
 /// `(1, 2, 1) / 4`.
 fn plain_rows(net: MeshNet) -> Action {
-    let n = net.n_vertices();
-    let creases = Creases::of_net(&net, &net.base);
+    let n = net.mesh.n_vertices();
+    let creases = Creases::of_net(&net, &net.mesh.base);
     let rows = RowsBy::new(n, n, move |v, out: &mut Rows| {
-        let topology = &net.base;
-        match rule(&net, topology, creases.as_ref(), v) {
+        let topology = &net.mesh.base;
+        match Blend::of(v, topology, &net.tags, creases.as_ref()).before {
             Rule::Corner => out.add(index(v), 1.0),
-            Rule::Crease(edges) => {
-                out.add(index(v), 0.5);
-                for e in edges {
-                    let [from, to] = topology.ends(e as usize);
-                    out.add(if from as usize == v { to } else { from }, 0.25);
-                }
-            }
+            Rule::Crease(edges) => RingMask::CUBIC.add_ends(topology, v, edges.into_iter(), out),
             Rule::Smooth => {
                 let valence = topology.ring(v).count();
-                for corner in topology.ring(v) {
-                    let face = topology.face(topology.face_of(corner));
+                for half_edge in topology.ring(v) {
+                    let face = topology.face(topology.face_of(half_edge));
                     face.iter().for_each(|&u| out.add(u, ratio(1, valence * face.len())));
                 }
             }

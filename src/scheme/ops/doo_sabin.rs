@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use super::around;
 use super::cosines::cosine;
 use super::upsample::ratio;
-use super::{Heirs, Operator, Role, around};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::census::{Census, sum};
 use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::{Children, Facts, Operator, Role};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::shape::topology::{NONE, Topology, index};
@@ -25,40 +26,30 @@ use crate::shape::topology::{NONE, Topology, index};
 #[derive(Debug)]
 pub struct DooSabin;
 
+static FACTS: Facts = Facts {
+    name: "doo-sabin",
+    doc: "A level of Doo and Sabin: a new vertex for each corner of a face of n vertices, with weights (n + 5)/(4n) for the \
+     corner and (3 + 2 cos(2 pi i/n))/(4n) for the others; a face for each face, edge and vertex. Boundaries follow \
+     Chaikin, and the surface is reflected at them. Used by the preset doo-sabin.",
+    source: "Doo and Sabin, CAD 10 (1978), 356-360; Doo, Proc. Interactive Techniques in CAD (1978), 157-165",
+    role: Role::Smooth,
+    children: Children::Faces,
+    rebuilds: true,
+    ..Facts::USUAL
+};
+
 impl Operator for DooSabin {
-    fn name(&self) -> &'static str {
-        "doo-sabin"
-    }
-
-    fn doc(&self) -> &'static str {
-        "A level of Doo and Sabin: a new vertex for each corner of a face of n vertices, with weights (n + 5)/(4n) for the \
-         corner and (3 + 2 cos(2 pi i/n))/(4n) for the others; a face for each face, edge and vertex. Boundaries follow \
-         Chaikin, and the surface is reflected at them. Used by the preset doo-sabin."
-    }
-
-    fn source(&self) -> &'static str {
-        "Doo and Sabin, CAD 10 (1978), 356-360; Doo, Proc. Interactive Techniques in CAD (1978), 157-165"
-    }
-
-    fn role(&self) -> Role {
-        Role::Smooth
-    }
-
-    fn heirs(&self) -> Heirs {
-        Heirs::Faces
+    fn facts(&self) -> &'static Facts {
+        &FACTS
     }
 
     fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
         Err(StepError::WrongNet("doo-sabin refines meshes; for polygons use chaikin"))
     }
 
-    fn rebuilds(&self) -> bool {
-        true
-    }
-
     fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
-        let topology = &net.base;
-        if !net.holes.is_empty() {
+        let topology = &net.mesh.base;
+        if !net.tags.holes.is_empty() {
             return Err(StepError::OwnTags("doo-sabin", "holes (boundary \"none\" makes some)"));
         }
         around::check("doo-sabin", topology)?;
@@ -68,14 +59,14 @@ impl Operator for DooSabin {
             if inner && n == 2 {
                 return Err(StepError::TwoFaces { scheme: "doo-sabin", vertex: v });
             }
-            if net.is_corner(v) && (inner || n != 1) {
+            if net.tags.is_corner(v) && (inner || n != 1) {
                 return Err(StepError::DualCorner(v));
             }
         }
         Ok(())
     }
 
-    fn census(&self, before: &Census) -> Option<Census> {
+    fn census(&self, before: &Census) -> Census {
         let Census { count, boundary: b, corners: q, isolated, rounds } = *before;
         let (v, e, f, c) = (count.vertices, count.edges, count.faces, count.corners);
         if rounds == 0 {
@@ -84,48 +75,48 @@ impl Operator for DooSabin {
             let corners = sum(&[(2, c), (4, e), (2, b), (1, q)]);
             let largest = count.largest_face.max(count.largest_fan).max(4);
             let after = before.after([vertices, faces, corners, largest], sum(&[(2, b), (1, q)]));
-            return Some(Census { isolated: 0, ..after });
+            return Census { isolated: 0, ..after };
         }
         let inner = e.saturating_sub(b);
         let faces = sum(&[(1, f), (1, inner), (1, v.saturating_sub(b))]);
         let corners = sum(&[(2, c), (4, inner), (1, q)]).saturating_sub(sum(&[(2, b)]));
         // all vertices inside have four faces
         let largest = count.largest_face.max(4);
-        Some(before.after([c, faces, corners, largest], sum(&[(2, b)]).saturating_sub(q)))
+        before.after([c, faces, corners, largest], sum(&[(2, b)]).saturating_sub(q))
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        if net.rounds == 0 {
+        if net.mesh.rounds == 0 {
             self.admits(net)?;
         }
-        let old = net.base.clone();
+        let old = net.mesh.base.clone();
         let (n_c, n_old) = (index(old.n_half_edges()), old.n_vertices());
         let weights = Weights::of(&old);
-        if net.rounds > 0 {
-            let next = net.after_own(old.cut_corners(), later_corners(net));
+        if net.mesh.rounds > 0 {
+            let next = net.after_rebuild(old.cut_corners(), later_corners(net));
             let is_open = old.n_boundary() > 0;
-            let rows = RowsBy::new(next.n_vertices(), n_old, move |row, out: &mut Rows| {
+            let rows = RowsBy::new(next.mesh.n_vertices(), n_old, move |row, out: &mut Rows| {
                 let corner = index(row);
                 if is_open { later_row(&old, &weights, corner, out) } else { face_row(&old, &weights, corner, out) }
             });
             return Ok(Step { net: next, action: Action::Blend(Box::new(rows)) });
         }
         let topology = old
-            .cut_corners_first(&net.corners)
+            .cut_corners_first(&net.tags.corners)
             .map_err(|faults| StepError::DualNotManifold(faults.first().map_or(String::new(), ToString::to_string)))?;
         let boundary: Vec<u32> = (0..old.n_edges()).filter(|&e| old.is_boundary_edge(e)).map(index).collect();
-        let (fixed, n_rim) = (net.corners.clone(), 2 * boundary.len());
+        let (fixed, n_rim) = (net.tags.corners.clone(), 2 * boundary.len());
         let first_fixed = n_c + index(n_rim);
-        let next = net.after_own(topology, (first_fixed..).take(fixed.len()).collect());
-        let rows = RowsBy::new(next.n_vertices(), n_old, move |row, out: &mut Rows| {
+        let next = net.after_rebuild(topology, (first_fixed..).take(fixed.len()).collect());
+        let rows = RowsBy::new(next.mesh.n_vertices(), n_old, move |row, out: &mut Rows| {
             let Some(beyond) = row.checked_sub(n_c as usize) else {
                 return face_row(&old, &weights, index(row), out);
             };
             if let Some(&edge) = boundary.get(beyond / 2).filter(|_| beyond < n_rim) {
                 let [a, b] = old.ends(edge as usize);
                 let [near, far] = if beyond.is_multiple_of(2) { [a, b] } else { [b, a] };
-                out.add(near, 0.75);
-                out.add(far, 0.25);
+                out.add(near, CHAIKIN[0]);
+                out.add(far, CHAIKIN[1]);
             } else {
                 out.add(fixed[beyond - n_rim], 1.0);
             }
@@ -136,33 +127,38 @@ impl Operator for DooSabin {
 
 /// Where the corners of a net that is not the first go: each has one face, whose corner there is the new vertex.
 fn later_corners(net: &MeshNet) -> Vec<u32> {
-    let mut corners: Vec<u32> = net.corners.iter().filter_map(|&v| net.base.ring(v as usize).next()).collect();
+    let mut corners: Vec<u32> =
+        net.tags.corners.iter().filter_map(|&v| net.mesh.base.ring(v as usize).next()).collect();
     corners.sort_unstable();
     corners
 }
 
-/// The weights of faces by their size; those of quads are kept apart.
+/// The weights of faces by their size; those of quads are kept apart, where no table has to be searched.
 #[derive(Debug)]
-struct Weights(BTreeMap<usize, Vec<f64>>);
+struct Weights {
+    quad: [f64; 4],
+    others: BTreeMap<usize, Vec<f64>>,
+}
 
-const QUAD: [f64; 4] = [9.0 / 16.0, 3.0 / 16.0, 1.0 / 16.0, 3.0 / 16.0];
+/// The weights of Chaikin's scheme, which boundaries follow.
+const CHAIKIN: [f64; 2] = [0.75, 0.25];
 
 impl Weights {
     fn of(topology: &Topology) -> Self {
-        let mut table = BTreeMap::from([(2, vec![0.75, 0.25]), (4, QUAD.to_vec())]);
+        let mut others = BTreeMap::from([(2, CHAIKIN.to_vec())]);
         for f in 0..topology.n_faces() {
             // a half face of n vertices has n - 2 inside and as many reflected
             let n = topology.face(f).len();
             for n in [n, 2 * n - 4].into_iter().filter(|&n| n != 4) {
-                table.entry(n).or_insert_with(|| (0..n).map(|i| weight(i, n)).collect());
+                others.entry(n).or_insert_with(|| (0..n).map(|i| weight(i, n)).collect());
             }
         }
-        Self(table)
+        Self { quad: std::array::from_fn(|i| weight(i, 4)), others }
     }
 
     #[inline]
     fn of_size(&self, n: usize) -> &[f64] {
-        if n == 4 { &QUAD } else { &self.0[&n] }
+        if n == 4 { &self.quad } else { &self.others[&n] }
     }
 }
 
@@ -205,7 +201,7 @@ fn later_row(old: &Topology, weights: &Weights, corner: u32, out: &mut Rows) {
 
 /// On a boundary edge, near one end; an edge that ends in a corner is half as long as the others.
 fn rim_row(old: &Topology, near: u32, far: u32, to_corner: bool, out: &mut Rows) {
-    let share = if to_corner { 0.5 } else { 0.25 };
+    let share = if to_corner { 0.5 } else { CHAIKIN[1] };
     out.add(old.vertex(near), 1.0 - share);
     out.add(old.vertex(far), share);
 }

@@ -3,10 +3,11 @@
 use super::{Plan, Scheduled};
 use crate::fault::Fault;
 use crate::math::expression::{Expression, ExpressionError};
+use crate::math::parameter::Value;
+use crate::scheme::letter::Letter;
 use crate::scheme::local::{MAX_COMPENSATION, has_average};
-use crate::scheme::ops::Role;
-use crate::scheme::presets::MU;
-use crate::scheme::word::Letter;
+use crate::scheme::operator::Role;
+use crate::scheme::parameters::{ARITY, MU};
 use crate::shape::tile::Tile;
 
 impl Plan {
@@ -26,7 +27,7 @@ impl Plan {
             let level = if i < prefix { 0 } else { (i - prefix) / self.word.cycle.len() + 1 };
             let level = u32::try_from(level).unwrap_or(u32::MAX);
             let operator = letter.operator;
-            let arity = letter.arity;
+            let arity = letter.settings.arity();
             let mut step = Scheduled {
                 letter,
                 level,
@@ -39,7 +40,7 @@ impl Plan {
                 kernel: 1.0,
                 compensation: 1.0,
             };
-            match operator.role() {
+            match operator.facts().role {
                 Role::Upsample => {
                     let before = f64::from(last_arity.unwrap_or(1));
                     alpha /= before;
@@ -52,7 +53,7 @@ impl Plan {
                     upsampled = Some(i);
                 }
                 Role::Average => {
-                    step.letter.arity = last_arity.unwrap_or(arity);
+                    step.letter.settings.set(&ARITY, Value::Integer(last_arity.unwrap_or(arity).into()));
                     if let Some(place) = averages {
                         step.kernel = self.kernel_at(place, alpha, level, &step.letter)?;
                         step.first = place == 0;
@@ -67,7 +68,7 @@ impl Plan {
                 }
                 Role::Smooth => {}
             }
-            let at_alpha = step.letter.operator.at_alpha(&mut step.letter, step.alpha);
+            let at_alpha = step.letter.operator.at_alpha(&mut step.letter.settings, step.alpha);
             at_alpha.map_err(|error| {
                 Fault::new("/parameters/alpha", format!("{error} (level {level}); choose another alpha"))
             })?;
@@ -89,7 +90,9 @@ impl Plan {
                 return Err(no_average("kernel_longitude", value, alpha, level));
             }
         }
-        if letter.tile == Tile::Triangle && self.triangle_sums(value, letter).iter().any(|sum| sum.abs() < 1e-9) {
+        if letter.settings.tile() == Tile::Triangle
+            && self.triangle_sums(value, letter).iter().any(|sum| sum.abs() < 1e-9)
+        {
             let detail = format!(
                 "the kernel is {value} at level {level} (alpha = {alpha}), where the weights of some triangle add up to 0; \
                  choose another kernel or another mu than {}",
@@ -103,7 +106,7 @@ impl Plan {
     /// What the weights of a triangle add up to where it is not 1: around and beside V in C, beside V in D.
     fn triangle_sums(&self, kernel: f64, letter: &Letter) -> Vec<f64> {
         let mu = self.mu;
-        if letter.operator.uses().contains(&MU.name) {
+        if letter.facts().uses.contains(&MU.name) {
             vec![mu * kernel + 1.0 - mu, mu + 0.5 * (1.0 - mu) * (1.0 + kernel)]
         } else {
             vec![kernel + 2.0]

@@ -2,13 +2,15 @@
 
 use planish::job::Input;
 use planish::job::limits::{Limits, Refusal};
-use planish::math::expression::Expression;
 use planish::refine::mesh_net;
+use planish::scheme::extent::Ends;
 use planish::scheme::forecast::{Count, ForecastError, MAX_BYTES, of_mesh};
 use planish::scheme::mesh_net::MeshNet;
-use planish::scheme::ops::{LatitudeRule, Role};
-use planish::scheme::plan::Scheduled;
-use planish::scheme::step::{StepError, Values};
+use planish::scheme::operator::Role;
+use planish::scheme::plan::{Plan, Scheduled};
+use planish::scheme::step::StepError;
+use planish::scheme::stepper::Stepper;
+use planish::scheme::tags::Boundary;
 use planish::watch::{Stopped, Watch};
 use proptest::prelude::*;
 use serde_json::json;
@@ -22,7 +24,7 @@ const CAP: u128 = 1 << 40;
 
 /// What is compared of a net, counted from its topology.
 fn counted(net: &MeshNet) -> Count {
-    let topology = net.topology();
+    let topology = net.mesh.topology();
     let fan = |v: usize| topology.ring(v).count() + if topology.boundary_edges(v).is_some() { 2 } else { 0 };
     Count {
         vertices: topology.n_vertices() as u128,
@@ -38,26 +40,18 @@ fn counted(net: &MeshNet) -> Count {
 /// The net after each step, as the operators make it, and the steps that were affordable.
 fn built<'a>(net: &MeshNet, steps: &'a [Scheduled]) -> (Vec<Count>, &'a [Scheduled], Option<(u32, StepError)>) {
     let (mut net, mut counts) = (net.clone(), vec![counted(net)]);
-    let one = Expression::constant(1.0);
+    let plan = Plan::none(Boundary::default(), Ends::default());
     for (i, step) in steps.iter().enumerate() {
-        let role = step.letter.operator.role();
-        let growth =
-            if role == Role::Upsample { step.letter.pieces(net.topology().is_quads()).pow(2) as usize } else { 1 };
-        if net.topology().n_half_edges() * growth > MOST_CORNERS {
+        let role = step.letter.facts().role;
+        let growth = if role == Role::Upsample {
+            step.letter.settings.pieces(net.mesh.topology().is_quads()).pow(2) as usize
+        } else {
+            1
+        };
+        if net.mesh.topology().n_half_edges() * growth > MOST_CORNERS {
             return (counts, &steps[..i], None);
         }
-        let values = Values {
-            letter: &step.letter,
-            alpha: step.alpha,
-            kernel: 1.0,
-            mu: 0.5,
-            compensation: 1.0,
-            delta: &one,
-            first: false,
-            latitude_rule: LatitudeRule::Isotropic,
-            sources: None,
-        };
-        match step.letter.operator.on_mesh(&net, &values) {
+        match Stepper::new(&plan).next_from(&net, step, None) {
             Ok(next) => net = next.net,
             Err(error) => return (counts, &steps[..=i], Some((step.level, error))),
         }

@@ -33,7 +33,8 @@ fn every_operator_is_listed_and_has_a_page() {
         let list = server.get("/v1/operators").await.ok().json();
         let letters: Vec<String> =
             list.as_array().unwrap().iter().map(|entry| entry["letter"].as_str().unwrap().to_owned()).collect();
-        let known: Vec<String> = OPERATORS.iter().filter_map(|operator| operator.letter()).map(String::from).collect();
+        let known: Vec<String> =
+            OPERATORS.iter().filter_map(|operator| operator.facts().letter).map(String::from).collect();
         assert_eq!(letters, known);
         for letter in ["U", "D", "C", "P"] {
             assert_eq!(server.get(&format!("/v1/operators/{letter}")).await.ok().json()["letter"], letter);
@@ -47,8 +48,8 @@ fn every_format_is_listed_with_what_it_holds() {
         let list = server.get("/v1/formats").await.ok().json();
         for (entry, format) in list.as_array().unwrap().iter().zip(FORMATS) {
             assert_eq!(entry["name"], format.name());
-            assert_eq!(entry["media_type"], format.media_type());
-            assert_eq!(entry["extension"], format.extension());
+            assert_eq!(entry["media_type"], format.facts().media_type);
+            assert_eq!(entry["extension"], format.facts().extension);
             assert!(!entry["holds"].as_array().unwrap().is_empty());
         }
         assert_eq!(list.as_array().unwrap().len(), FORMATS.len());

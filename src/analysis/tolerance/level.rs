@@ -3,11 +3,13 @@
 use std::sync::Arc;
 
 use crate::math::vector::{Vector, mean};
-use crate::refine::{Points, RefineError, at, values};
-use crate::scheme::mesh_net::{Boundary, MeshNet};
-use crate::scheme::ops::Role;
+use crate::refine::{Points, RefineError, advance};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::sharpness::Sharpness;
+use crate::scheme::stepper::Stepper;
+use crate::scheme::tags::Boundary;
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
@@ -31,9 +33,9 @@ pub(super) struct Level {
 impl Level {
     /// A net, of which all faces are followed that are not hidden.
     pub(super) fn new(net: MeshNet, points: Points) -> Self {
-        let topology = net.topology();
+        let topology = net.mesh.topology();
         let n = index(topology.n_faces());
-        let shown = |f: &u32| net.parent.is_some() || net.holes.binary_search(f).is_err();
+        let shown = |f: &u32| net.mesh.parent.is_some() || net.tags.holes.binary_search(f).is_err();
         let live = (0..n).filter(shown).collect();
         Self { flat: points.clone(), home: (0..n).collect(), live, net, topology, points }
     }
@@ -59,15 +61,15 @@ impl Level {
         let mut net = self.net.clone();
         let (mut points, mut flat) = (self.points.clone(), self.flat.clone());
         for step in round {
-            let next = step.letter.operator.on_mesh(&net, &values(plan, step)).map_err(|error| at(step, error))?;
+            let next = Stepper::new(plan).next(&net, step).map_err(RefineError::at(step))?;
             points.act(&next.action, step.level, watch)?;
-            if step.letter.operator.role() == Role::Upsample {
+            if step.letter.facts().role == Role::Upsample {
                 flat.act(&next.action, step.level, watch)?;
             }
             net = next.net;
         }
-        let topology = net.topology();
-        let tile = net.tile;
+        let topology = net.mesh.topology();
+        let tile = net.mesh.tile;
         let parent = |child: usize| match tile {
             // the children of a face have the numbers of its corners
             Tile::Quad => self.topology.face_of(index(child)),
@@ -86,13 +88,10 @@ impl Level {
     /// # Errors
     /// [`RefineError`].
     pub(super) fn upsampled(&self, plan: &Plan, step: &Scheduled, watch: &Watch) -> Result<Self, RefineError> {
-        let mut flat = self.flat.clone();
-        let mut level = Self::new(self.net.clone(), self.points.clone());
-        let next = step.letter.operator.on_mesh(&level.net, &values(plan, step)).map_err(|error| at(step, error))?;
-        level.points.act(&next.action, step.level, watch)?;
-        flat.act(&next.action, step.level, watch)?;
-        let places = flat.now;
-        Ok(Self::new(next.net, level.points).compared(places))
+        let (mut net, mut both) = (self.net.clone(), [self.points.clone(), self.flat.clone()]);
+        advance(&mut net, &mut both, plan, [step], watch)?;
+        let [points, flat] = both;
+        Ok(Self::new(net, points).compared(flat.now))
     }
 
     /// The net after the averages of a round, of which the last is half a one, and the upsampling after them; of the
@@ -107,11 +106,8 @@ impl Level {
     pub(super) fn next_halved(&self, plan: &Plan, round: &[Scheduled], watch: &Watch) -> Result<Self, RefineError> {
         let (mut net, mut points) = (self.net.clone(), self.points.clone());
         let (upsampling, averages) = round.split_first().expect("a round begins with an upsampling");
-        for step in averages.split_last().map_or(&[][..], |(_, whole)| whole) {
-            let next = step.letter.operator.on_mesh(&net, &values(plan, step)).map_err(|error| at(step, error))?;
-            points.act(&next.action, step.level, watch)?;
-            net = next.net;
-        }
+        let whole = averages.split_last().map_or(&[][..], |(_, whole)| whole);
+        advance(&mut net, std::slice::from_mut(&mut points), plan, whole, watch)?;
         let averaged = Self { net, points, ..self.clone() };
         let next = averaged.next(plan, std::slice::from_ref(upsampling), watch)?;
         Ok(Self { points: Points::new(averaged.means_of_centres(), 3), ..next })
@@ -153,7 +149,7 @@ impl Level {
             Points::new(vertices.iter().flat_map(|&v| all[v as usize]).collect(), 3)
         };
         let corners: Vec<u32> =
-            (0..vertices.len()).filter(|&v| self.net.is_corner(vertices[v] as usize)).map(index).collect();
+            (0..vertices.len()).filter(|&v| self.net.tags.is_corner(vertices[v] as usize)).map(index).collect();
         let net = MeshNet::new(topology.clone(), &corners, &[], Boundary::EdgeOnly);
         let sharpness = self.net.sharpness.as_deref().and_then(|s| self.sharpness(s, &kept, &vertices, &topology));
         let net = net.with_sharpness(sharpness, self.net.rules);

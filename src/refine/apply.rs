@@ -1,0 +1,134 @@
+//! Points under refinement: what the actions of steps do to them.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::error::RefineError;
+use crate::math::rows::{MAX_RUN, RowSource, blend, blend_run};
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::step::{Action, PointMap};
+use crate::scheme::stepper::{Net, Stepper};
+use crate::shape::topology::NONE;
+use crate::watch::{Stopped, Watch};
+
+/// Numbers that one thread takes at a time.
+const CHUNK: usize = 1 << 16;
+
+/// Takes steps of a plan with a net and all points that belong to it. After an error of an operator the net is the one to
+/// which it could not be applied.
+///
+/// # Errors
+/// [`RefineError`].
+pub fn advance<'a, N: Net>(
+    net: &mut N,
+    points: &mut [Points],
+    plan: &Plan,
+    steps: impl IntoIterator<Item = &'a Scheduled>,
+    watch: &Watch,
+) -> Result<(), RefineError> {
+    for step in steps {
+        let next = Stepper::new(plan).next(net, step).map_err(RefineError::at(step))?;
+        points.iter_mut().try_for_each(|points| points.act(&next.action, step.level, watch))?;
+        *net = next.net;
+    }
+    Ok(())
+}
+
+fn ensure(finite: bool, level: u32) -> Result<(), RefineError> {
+    if finite { Ok(()) } else { Err(RefineError::NotFinite { level }) }
+}
+
+/// Points of a net, `n x width`, with those that entered the last U.
+#[derive(Debug, Clone)]
+pub struct Points {
+    /// Their coordinates, point after point.
+    pub now: Vec<f64>,
+    anchor: Vec<f64>,
+    /// Unit tangents, `n x width`, under plans that turn them.
+    pub(super) tangents: Option<Vec<f64>>,
+    /// Coordinates a point.
+    pub width: usize,
+}
+
+impl Points {
+    /// Points before any step, `width` coordinates each.
+    pub fn new(now: Vec<f64>, width: usize) -> Self {
+        Self { now, anchor: Vec::new(), tangents: None, width }
+    }
+
+    /// Does what an action of a level says.
+    ///
+    /// # Errors
+    /// When the watch says stop, or a coordinate is no longer finite.
+    pub fn act(&mut self, action: &Action, level: u32, watch: &Watch) -> Result<(), RefineError> {
+        match action {
+            Action::Blend(rows) => return self.blend(false, &[&**rows], level, watch),
+            Action::BlendFromAnchor(rows) => return self.blend(true, &[&**rows], level, watch),
+            Action::PushBack { rows, children } => self.push_back(&**rows, children, watch)?,
+            Action::Map(map) => self.map(&**map, watch)?,
+            Action::Sequence(actions) => {
+                return actions.iter().try_for_each(|action| self.act(action, level, watch));
+            }
+        }
+        let finite = |numbers: &[f64]| numbers.par_chunks(CHUNK).all(|chunk| chunk.iter().all(|x| x.is_finite()));
+        ensure(finite(&self.now) && self.tangents.as_deref().is_none_or(finite), level)
+    }
+
+    /// All actions of one level. Blends of rows that repeat themselves are made in one sweep, without the points between
+    /// them.
+    pub(super) fn act_all(&mut self, actions: &[Action], level: u32, watch: &Watch) -> Result<(), RefineError> {
+        let repeat = |action: &Action| action.rows().is_some_and(|rows| rows.pattern().is_some());
+        let runs = actions.chunk_by(|a, b| repeat(a) && repeat(b) && matches!(b, Action::Blend(_)));
+        runs.flat_map(|run| run.chunks(MAX_RUN)).try_for_each(|run| match run {
+            [action] => self.act(action, level, watch),
+            run => {
+                let rows: Vec<_> = run.iter().filter_map(Action::rows).collect();
+                self.blend(matches!(run[0], Action::BlendFromAnchor(_)), &rows, level, watch)
+            }
+        })
+    }
+
+    /// `points <- rows x points` for the rows of a run, one after another; on request what was there becomes the anchor.
+    fn blend(&mut self, anchor: bool, run: &[&dyn RowSource], level: u32, watch: &Watch) -> Result<(), RefineError> {
+        let next = blend_run(run, &self.now, self.width, watch)?;
+        let before = std::mem::replace(&mut self.now, next.points);
+        if anchor {
+            self.anchor = before;
+        }
+        ensure(next.finite, level)
+    }
+
+    fn map(&mut self, map: &dyn PointMap, watch: &Watch) -> Result<(), Stopped> {
+        let tangents = self.tangents.as_ref().expect("plans with such a step start with tangents");
+        let (points, tangents) = map.apply(self.now.as_chunks().0, tangents.as_chunks().0, watch)?;
+        (self.now, self.tangents) = (points.into_flattened(), Some(tangents.into_flattened()));
+        Ok(())
+    }
+
+    /// `points + rows x (anchor - children)`.
+    fn push_back(&mut self, rows: &dyn RowSource, children: &Arc<[u32]>, watch: &Watch) -> Result<(), Stopped> {
+        let w = self.width;
+        let mut differences = self.anchor.clone();
+        let chunks = differences.par_chunks_mut(CHUNK * w).zip(children.par_chunks(CHUNK));
+        chunks.for_each(|(differences, children)| {
+            for (difference, &child) in differences.chunks_exact_mut(w).zip(children) {
+                if child == NONE {
+                    difference.fill(0.0);
+                    continue;
+                }
+                let child = child as usize * w;
+                for (d, x) in difference.iter_mut().zip(&self.now[child..child + w]) {
+                    *d -= x;
+                }
+            }
+        });
+        let moves = blend(rows, &differences, w, watch)?;
+        self.now.par_chunks_mut(CHUNK).zip(moves.par_chunks(CHUNK)).for_each(|(points, moves)| {
+            for (x, m) in points.iter_mut().zip(moves) {
+                *x += m;
+            }
+        });
+        Ok(())
+    }
+}
