@@ -12,7 +12,7 @@ mod stl;
 mod text;
 
 use crate::fault::Fault;
-use crate::scheme::mesh_net::Boundary;
+use crate::scheme::tags::Boundary;
 use crate::shape::check::FaceList;
 
 pub use crate::shape::attachments::Channel;

@@ -3,14 +3,14 @@
 use super::Input;
 use crate::fault::Fault;
 use crate::scheme::local::{MAX_COMPENSATION, has_average};
-use crate::scheme::ops::Role;
+use crate::scheme::operator::Role;
 use crate::scheme::plan::Plan;
 use crate::shape::attributes::Attributes;
 
 /// Kernels with which the first level has no average and compensations beyond their bound, with pointers below the job;
 /// polygons are counted as in a list. Perturbed kernels are another number each level.
 pub(super) fn check(input: &Input, plan: &Plan, levels: u32) -> Vec<Fault> {
-    let has = |role: Role| plan.word.letters(levels).any(|letter| letter.operator.role() == role);
+    let has = |role: Role| plan.word.letters(levels).any(|letter| letter.facts().role == role);
     let perturbed = plan.perturbation.is_some_and(|perturbation| perturbation.amplitude != 0.0);
     let (averages, pushes_back) = (has(Role::Upsample) && !perturbed, has(Role::PushBack));
     let of_shape = |attributes: Option<&Attributes>, place: &str| {

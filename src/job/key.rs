@@ -7,9 +7,9 @@ use super::{Input, Job, Output};
 use crate::math::expression::{Expression, Instruction};
 use crate::math::parameter::{Value, Values};
 use crate::output::{LIMIT, TANGENTS};
-use crate::scheme::mesh_net::{Rules, TriangleRule};
-use crate::scheme::ops::Role;
+use crate::scheme::operator::Role;
 use crate::scheme::plan::{Latitude, Plan};
+use crate::scheme::rules::{Rules, TriangleRule};
 use crate::scheme::sharpness::Creasing;
 use crate::scheme::word::Letter;
 use crate::shape::attachments::Attachments;
@@ -235,19 +235,19 @@ fn plan(input: &Input, plan: &Plan, levels: u32, shows_limit: bool) -> Item<'sta
                 ])
             });
             let head = [l.arity, l.averages].map(|n| Item::Integer(u64::from(n)));
-            let head = [text(l.operator.name())].into_iter().chain(head);
+            let head = [text(l.facts().name)].into_iter().chain(head);
             let tile = (l.tile == Tile::Triangle).then(|| text("triangle"));
             Item::List(head.chain(mask).chain(l.blending.map(Item::Number)).chain(tile).collect())
         };
         Item::List(letters.iter().map(letter).collect())
     };
     let cycle: &[Letter] = if levels == 0 && !shows_limit { &[] } else { &plan.word.cycle };
-    let has = |role: Role| plan.word.prefix.iter().chain(cycle).any(|l| l.operator.role() == role);
+    let has = |role: Role| plan.word.prefix.iter().chain(cycle).any(|l| l.facts().role == role);
     let mut functions = Vec::new();
     if has(Role::Average) {
         functions.push(("kernel", Item::List(plan.kernel.iter().map(expression).collect())));
     }
-    let averages = |l: &Letter| l.tile == Tile::Triangle && l.operator.uses().contains(&"mu");
+    let averages = |l: &Letter| l.tile == Tile::Triangle && l.facts().uses.contains(&"mu");
     if plan.word.prefix.iter().chain(cycle).any(averages) {
         functions.push(("mu", Item::Number(plan.mu)));
     }
@@ -255,7 +255,7 @@ fn plan(input: &Input, plan: &Plan, levels: u32, shows_limit: bool) -> Item<'sta
         functions.push(("compensation", expression(&plan.compensation)));
         functions.push(("delta", expression(&plan.delta)));
     }
-    let follows = |l: &Letter| l.operator.needs_alpha();
+    let follows = |l: &Letter| l.facts().needs_alpha;
     let compensated = has(Role::PushBack) && !plan.compensation.is_constant();
     let other = plan.compensation_alpha.filter(|_| compensated);
     let in_alpha = has(Role::Average) && plan.kernel.iter().any(|k| !k.is_constant())

@@ -2,7 +2,7 @@
 
 use super::{Input, Output, curves};
 use crate::analysis::curve::{self, Reached, reach};
-use crate::analysis::surface::{self, Placed};
+use crate::analysis::tolerance::{self, Placed};
 use crate::fault::Fault;
 use crate::scheme::plan::{MAX_LEVELS, Plan};
 use crate::watch::{Stopped, Watch};
@@ -127,7 +127,7 @@ impl Asked {
         let Self::Tolerance(tolerance) = self else { return Ok(()) };
         let checked = match input {
             Input::Polygons(_) => Ok(()),
-            Input::Mesh(mesh) => surface::check(mesh, plan, tolerance),
+            Input::Mesh(mesh) => tolerance::check(mesh, plan, tolerance),
         };
         checked.map_err(|reason| Fault::new("/levels/tolerance", reason.to_string()))
     }
@@ -140,7 +140,7 @@ impl Asked {
                 SearchCost { work: curve::MAX_WORK, bytes: curve::search_bytes(input.n_points()) }
             }
             (Self::Tolerance(_), Input::Mesh(mesh)) => {
-                SearchCost { work: surface::MAX_WORK, bytes: surface::search_bytes(mesh) }
+                SearchCost { work: tolerance::MAX_WORK, bytes: tolerance::search_bytes(mesh) }
             }
         }
     }
@@ -165,7 +165,7 @@ impl Asked {
                 Reached { bound: factor * reached.bound, ..reached }
             }
             Input::Mesh(mesh) => {
-                let reached = surface::reach(mesh, plan, &placed(outputs), tolerance, watch);
+                let reached = tolerance::reach(mesh, plan, &placed(outputs), tolerance, watch);
                 reached.map_err(|error| refused(error.stopped(), &error))?
             }
         };

@@ -3,7 +3,7 @@
 use super::{Input, Job};
 use crate::output::Size;
 use crate::scheme::forecast::Forecast;
-use crate::scheme::ops::Heirs;
+use crate::scheme::operator::Children;
 use crate::scheme::word::Letter;
 use crate::shape::tile::Tile;
 
@@ -103,5 +103,5 @@ pub(super) fn compared_patches(job: &Job, forecast: &Forecast) -> u128 {
 
 /// Whether an operator makes triangles across old ones, as sqrt-3 does, which keeps vertices.
 fn joins_triangles(letter: &Letter) -> bool {
-    letter.operator.rebuilds() && letter.operator.heirs() == Heirs::Vertices
+    letter.facts().rebuilds && letter.facts().children == Children::Vertices
 }

@@ -97,7 +97,7 @@ impl Input {
             Self::Mesh(mesh) if !mesh.corners.is_empty() || !mesh.semi_sharp_corners.is_empty() => Some("corners"),
             Self::Mesh(mesh) if !mesh.creases.is_empty() => Some("creases"),
             Self::Mesh(mesh) if !mesh.holes.is_empty() => Some("holes"),
-            Self::Mesh(_) if is_open && input.boundary == crate::scheme::mesh_net::Boundary::None => {
+            Self::Mesh(_) if is_open && input.boundary == crate::scheme::tags::Boundary::None => {
                 Some("the holes that boundary \"none\" makes")
             }
             Self::Mesh(mesh) if mesh.directions.is_some() => Some("latitude and longitude tags"),

@@ -2,9 +2,9 @@
 
 use super::Input;
 use crate::fault::Fault;
+use crate::scheme::extent::Ends;
 use crate::scheme::ops::OPERATORS;
 use crate::scheme::plan::Plan;
-use crate::scheme::polygon_net::Ends;
 use crate::shape::polygon::Polygon;
 
 /// Every reason why plan and input do not fit, with pointers below the job; polygons are counted as in a list.
@@ -55,7 +55,7 @@ fn unfit(polygon: &Polygon, name: &str) -> Vec<Fault> {
 
 /// Tangents that a plan does not use.
 fn unused(polygon: &Polygon) -> Vec<Fault> {
-    let users: Vec<_> = OPERATORS.iter().filter(|op| op.turns_tangents()).map(|op| op.name()).collect();
+    let users: Vec<_> = OPERATORS.iter().filter(|op| op.facts().turns_tangents).map(|op| op.facts().name).collect();
     let detail = format!("tangents are used by the preset {} alone; use it, or leave them out", users.join(", "));
     let tangents = polygon.tangents.is_some().then_some("/tangents");
     let pinned = (!polygon.pinned.is_empty()).then_some("/pinned");

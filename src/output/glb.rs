@@ -1,6 +1,6 @@
 //! GLB: glTF 2.0 in one binary file.
 
-use std::io::Write;
+use std::io::{self, Write};
 
 use crate::fault::Fault;
 use crate::math::parameter::{Parameter, Values};
@@ -77,9 +77,7 @@ impl Format for Glb {
         let file = check_length(file(room, binary)).map_err(FormatError::Unfit)?;
         let [room, binary] =
             [room, binary].map(|part| u32::try_from(part).expect("the parts are shorter than the file"));
-        let mut json = document(&buffer, None)?;
-        debug_assert!(json.len() <= room as usize, "the document fits its room");
-        json.resize(room as usize, b' ');
+        let json = padded(document(&buffer, None)?, room)?;
         out.write_all(b"glTF")?;
         out.write_all([2, file].map(u32::to_le_bytes).as_flattened())?;
         chunk(*b"JSON", room, out)?;
@@ -90,6 +88,18 @@ impl Format for Glb {
         }
         Ok(())
     }
+}
+
+/// The document with spaces up to the length that was forecast for it.
+fn padded(mut json: Vec<u8>, room: u32) -> Result<Vec<u8>, FormatError> {
+    let length = json.len();
+    if length > room as usize {
+        // cut short it would be no JSON, and the length of the file was promised
+        let detail = format!("the glTF document takes {length} bytes, {room} were forecast");
+        return Err(FormatError::Io(io::Error::other(detail)));
+    }
+    json.resize(room as usize, b' ');
+    Ok(json)
 }
 
 /// A length of a file as glb counts it.
@@ -109,4 +119,17 @@ fn file(json: u128, binary: u128) -> u128 {
 fn chunk(kind: [u8; 4], length: u32, out: &mut dyn Write) -> Result<(), FormatError> {
     out.write_all(&length.to_le_bytes())?;
     Ok(out.write_all(&kind)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_document_longer_than_forecast_is_an_error_and_never_cut() {
+        assert_eq!(padded(b"{}".to_vec(), 4).expect("it fits"), b"{}  ");
+        assert_eq!(padded(b"{}".to_vec(), 2).expect("it fits"), b"{}");
+        let error = padded(b"{\"a\": 1}".to_vec(), 4).expect_err("it does not fit");
+        assert!(matches!(error, FormatError::Io(_)), "{error}");
+    }
 }

@@ -36,7 +36,7 @@ pub fn assembled(mesh: &Mesh, net: &MeshNet, numbers: Vec<Vec<f64>>, uvs: Option
     let points = numbers.next().unwrap_or_default();
     let refined = RefinedMesh::new(net, points).carrying(mesh.attachments.clone(), numbers.collect(), uvs);
     // a connectivity of its own tells no origins in the input
-    let stays = Arc::ptr_eq(&net.base, &mesh.topology);
+    let stays = Arc::ptr_eq(&net.mesh.base, &mesh.topology);
     if stays { refined.split_from(mesh.split_from.clone()) } else { refined }
 }
 

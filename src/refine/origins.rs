@@ -36,15 +36,15 @@ pub(super) fn on_polygon(polygon: &Polygon, net: &PolygonNet, arity: u32, error:
 
 /// The vertices of the base around a vertex of a net, or around the point of an edge or a face of it.
 fn of_mesh(net: &MeshNet, point: usize) -> Vec<u32> {
-    let topology = net.topology();
+    let topology = net.mesh.topology();
     let (n_v, n_e) = (topology.n_vertices(), topology.n_edges());
     let around = match point.checked_sub(n_v) {
         None => vec![index(point)],
         Some(e) if e < n_e => topology.ends(e).to_vec(),
         Some(i) => topology.face(i - n_e).to_vec(),
     };
-    let Some(order) = net.order() else { return sorted(around) };
-    let base = &net.base;
+    let Some(order) = net.mesh.order() else { return sorted(around) };
+    let base = &net.mesh.base;
     let cells = (0..order.n_vertices()).filter(|&v| around.contains(&order.constructed(v))).map(|v| order.origin(v));
     let vertices = cells.flat_map(|origin| match origin.dimension {
         0 => vec![origin.cell],

@@ -52,13 +52,13 @@ struct Shown {
 impl RefinedMesh {
     /// The mesh of a net with its points in the order of construction, `n x 3`.
     pub fn new(net: &MeshNet, points: Vec<f64>) -> Self {
-        let order = net.order();
-        let shown = Shown::new(&net.base, order.as_ref(), &net.holes);
-        let pieces = net.pieces.iter().map(|&pieces| pieces as usize).product();
+        let order = net.mesh.order();
+        let shown = Shown::new(&net.mesh.base, order.as_ref(), &net.tags.holes);
+        let pieces = net.mesh.pieces.iter().map(|&pieces| pieces as usize).product();
         Self {
             points,
             normals: None,
-            base: net.base.clone(),
+            base: net.mesh.base.clone(),
             order,
             shown,
             attachments: Arc::default(),

@@ -6,12 +6,13 @@ use std::sync::Arc;
 use super::apply::{Points, advance};
 use super::error::RefineError;
 use super::start::{carried, mesh_net};
-use crate::scheme::mesh_net::{Boundary, MeshNet};
-use crate::scheme::ops::{Role, lettered};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::sharpness::Sharpness;
 use crate::scheme::stepper::Stepper;
-use crate::scheme::word::Letter;
+use crate::scheme::tags::Boundary;
+use crate::scheme::word::{Letter, lettered};
 use crate::shape::creases::{INFINITE_SHARPNESS, Sharp};
 use crate::shape::directions::Directions;
 use crate::shape::mesh::Mesh;
@@ -46,7 +47,7 @@ pub fn refined_uvs(
     let (mut net, mut points) = (uv_net(mesh, uvs, plan), Points::new(uvs.values.clone(), 2));
     if uvs.linear {
         let operator = lettered('U').expect("U is an operator");
-        for step in steps.iter().filter(|step| step.letter.operator.role() == Role::Upsample) {
+        for step in steps.iter().filter(|step| step.letter.facts().role == Role::Upsample) {
             let letter = Letter { operator, ..step.letter.clone() };
             let step = Scheduled { letter, ..step.clone() };
             // linear ones have no use for values of single vertices
@@ -57,8 +58,8 @@ pub fn refined_uvs(
     } else {
         advance(&mut net, std::slice::from_mut(&mut points), plan, steps, watch)?;
     }
-    let order = net.order();
-    Ok(Some(RefinedUvs { points: points.now, base: net.base, order }))
+    let order = net.mesh.order();
+    Ok(Some(RefinedUvs { points: points.now, base: net.mesh.base, order }))
 }
 
 /// The net of texture coordinates before refinement. Places at vertices that keep their place keep theirs, sharp edges and
@@ -66,7 +67,7 @@ pub fn refined_uvs(
 /// those of the mesh carry, and perturbations go by the numbers in the mesh: on both sides of a seam the same.
 pub fn uv_net(mesh: &Mesh, uvs: &Uvs, plan: &Plan) -> MeshNet {
     let (places, vertices) = (&uvs.topology, &mesh.topology);
-    let fixed = mesh_net(mesh, plan).corners;
+    let fixed = mesh_net(mesh, plan).tags.corners;
     let mut corners = uvs.corners.clone();
     let mut semi_sharp = Sharp::new();
     for place in 0..index(places.n_vertices()) {
@@ -116,7 +117,9 @@ fn carrying(net: MeshNet, mesh: &Mesh, uvs: &Uvs, plan: &Plan) -> MeshNet {
     };
     let attributes = attributes.map(|attributes| attributes.changed(of_places));
     let numbering = numbered.then(|| Arc::new(Numbering::of(vertices).with_origins(&vertex_of)));
-    MeshNet { numbering, ..net.carrying(attributes, directions.map(of_edges)) }
+    let mut net = net.carrying(attributes, directions.map(of_edges));
+    net.annotations.numbering = numbering;
+    net
 }
 
 /// For the places where semi-sharp edges end, the other semi-sharp edges that end at the same vertex: on seams, and on the

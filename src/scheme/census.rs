@@ -21,7 +21,7 @@ pub struct Census {
 impl Census {
     /// The counts of a net that is not split.
     pub fn of(net: &MeshNet) -> Self {
-        let topology = &net.base;
+        let topology = &net.mesh.base;
         let count = Count {
             vertices: topology.n_vertices() as u128,
             edges: topology.n_edges() as u128,
@@ -34,9 +34,9 @@ impl Census {
         Self {
             count,
             boundary: topology.n_boundary() as u128,
-            corners: net.corners.len() as u128,
+            corners: net.tags.corners.len() as u128,
             isolated: (0..topology.n_vertices()).filter(|&v| topology.is_isolated(v)).count() as u128,
-            rounds: net.rounds,
+            rounds: net.mesh.rounds,
         }
     }
 

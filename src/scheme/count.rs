@@ -49,20 +49,20 @@ impl Count {
 
     /// The counts of a net.
     pub(super) fn of_mesh(net: &MeshNet) -> Self {
-        let topology = &net.base;
-        let sizes = net.holes.iter().map(|&f| topology.face(f as usize).len() as u128);
+        let topology = &net.mesh.base;
+        let sizes = net.tags.holes.iter().map(|&f| topology.face(f as usize).len() as u128);
         let count = Self {
             vertices: topology.n_vertices() as u128,
             edges: topology.n_edges() as u128,
             faces: topology.n_faces() as u128,
             corners: topology.n_half_edges() as u128,
-            hidden_faces: net.holes.len() as u128,
+            hidden_faces: net.tags.holes.len() as u128,
             hidden_corners: sizes.sum(),
             largest_face: largest_face(net),
             largest_fan: largest_fan(topology),
             ..Self::default()
         };
-        net.pieces.iter().fold(count, |count, &pieces| count.split(net.tile, pieces))
+        net.mesh.pieces.iter().fold(count, |count, &pieces| count.split(net.mesh.tile, pieces))
     }
 
     /// After a split with so many pieces an edge: of faces of any size into quads when it is 2, else of triangles or
@@ -121,8 +121,8 @@ impl Count {
 
 /// Corners of the largest face of the base of a net that is shown.
 pub(super) fn largest_face(net: &MeshNet) -> u128 {
-    let shown = (0..net.base.n_faces()).filter(|&f| net.holes.binary_search(&index(f)).is_err());
-    shown.map(|f| net.base.face(f).len()).max().unwrap_or(0) as u128
+    let shown = (0..net.mesh.base.n_faces()).filter(|&f| net.tags.holes.binary_search(&index(f)).is_err());
+    shown.map(|f| net.mesh.base.face(f).len()).max().unwrap_or(0) as u128
 }
 
 /// Corners of the largest face that a dual makes of a vertex.

@@ -54,7 +54,7 @@ pub struct Creases {
 impl Creases {
     /// What sets the vertices and edges apart that entered the last U of a net; `None` when nothing does.
     pub fn of_parent(net: &MeshNet) -> Option<Self> {
-        let anchor = net.anchor.as_ref()?;
+        let anchor = net.since.anchor.as_ref()?;
         let before = anchor.sharpness.as_ref()?;
         let after = After { sharpness: net.sharpness.as_deref(), pieces: Some(anchor.pieces_of_an_edge()) };
         Some(Self::of(&anchor.topology, before, &after))

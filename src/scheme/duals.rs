@@ -9,12 +9,12 @@
 
 use super::collar::Collar;
 use super::count::Count;
+use super::extent::Ends;
 use super::fans::Fans;
 use super::forecast::{Forecast, ForecastError, Tally};
 use super::mesh_net::MeshNet;
-use super::ops::Role;
+use super::operator::{Children, Role};
 use super::plan::{Plan, Scheduled};
-use super::polygon_net::Ends;
 use super::step::StepError;
 use super::stepper::Stepper;
 use super::word::Word;
@@ -32,7 +32,7 @@ const LEAST_LAYERS: u32 = 2;
 
 /// Bytes that the forecast of a plan holds at most, for a mesh with so many corners of faces.
 pub fn forecast_bytes(word: &Word, n_corners: usize) -> u128 {
-    let has_dual = word.prefix.iter().chain(&word.cycle).any(|letter| letter.operator.letter() == Some('D'));
+    let has_dual = word.prefix.iter().chain(&word.cycle).any(|letter| letter.facts().children == Children::Dual);
     if has_dual { bound(n_corners) } else { 0 }
 }
 
@@ -49,11 +49,11 @@ pub(super) struct Duals<'a> {
 }
 
 fn is_dual(step: &Scheduled) -> bool {
-    step.letter.operator.letter() == Some('D')
+    step.letter.facts().children == Children::Dual
 }
 
 fn is_split(step: &Scheduled) -> bool {
-    step.letter.operator.role() == Role::Upsample
+    step.letter.facts().role == Role::Upsample
 }
 
 fn at(step: &Scheduled, error: StepError) -> ForecastError {
@@ -70,7 +70,7 @@ impl Duals<'_> {
         if after.is_empty() {
             return Ok(tally.finish());
         }
-        if let Some(tags) = net.tagged
+        if let Some(tags) = net.tags.lost_by_dual
             && let Some(step) = after.iter().find(|step| is_dual(step))
         {
             return Err(at(step, StepError::DualTags(tags)));
@@ -87,12 +87,12 @@ impl Duals<'_> {
     fn built(&self, steps: &[Scheduled], tally: &mut Tally) -> Result<MeshNet, ForecastError> {
         let mut net = self.net.clone();
         let mut count = tally.last();
-        let plan = Plan::none(net.boundary, Ends::default());
+        let plan = Plan::none(net.tags.boundary, Ends::default());
         let stepper = Stepper::new(&plan);
         for step in steps {
             self.watch.check()?;
             if is_split(step) || is_dual(step) {
-                let next = if is_split(step) { count.upsampled(&step.letter, net.is_quads()) } else { count };
+                let next = if is_split(step) { count.upsampled(&step.letter, net.mesh.is_quads()) } else { count };
                 self.fits(step, next.corners)?;
                 // connectivity depends on no value
                 net = stepper.next_from(&net, step, None).map_err(|error| at(step, error))?.net;
@@ -104,7 +104,7 @@ impl Duals<'_> {
     }
 
     fn by_fans(&self, net: &MeshNet, steps: &[Scheduled], tally: &mut Tally) -> Result<(), ForecastError> {
-        let mut fans = Fans::of(&net.base, tally.last());
+        let mut fans = Fans::of(&net.mesh.base, tally.last());
         let mut lost = false;
         for step in steps {
             self.watch.check()?;
@@ -123,7 +123,7 @@ impl Duals<'_> {
 
     fn by_collar(&self, net: &MeshNet, steps: &[Scheduled], tally: &mut Tally) -> Result<(), ForecastError> {
         let layers = layers(steps);
-        let mut collar = Collar::of(&net.base, tally.last(), layers[0]).map_err(|error| at(&steps[0], error))?;
+        let mut collar = Collar::of(&net.mesh.base, tally.last(), layers[0]).map_err(|error| at(&steps[0], error))?;
         let mut lost = false;
         for (step, layers) in steps.iter().zip(layers) {
             self.watch.check()?;
@@ -152,7 +152,7 @@ impl Duals<'_> {
         if count.vertices > self.cap || count.corners > self.cap.saturating_mul(8) {
             return Err(ForecastError::Cap { level: step.level, cap: self.cap });
         }
-        if lost && step.letter.operator.role() == Role::PushBack {
+        if lost && step.letter.facts().role == Role::PushBack {
             return Err(at(step, StepError::LostPoints("a boundary or a valence below 3")));
         }
         tally.step(step, count);
@@ -162,7 +162,7 @@ impl Duals<'_> {
     /// Whether what a net of so many corners takes may be held.
     fn fits(&self, step: &Scheduled, corners: u128) -> Result<(), ForecastError> {
         let bytes = corners.saturating_mul(CORNER_BYTES);
-        let bound = bound(self.net.base.n_half_edges());
+        let bound = bound(self.net.mesh.base.n_half_edges());
         if bytes <= bound { Ok(()) } else { Err(ForecastError::Bytes { level: step.level, bytes, bound }) }
     }
 

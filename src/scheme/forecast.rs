@@ -6,10 +6,12 @@ use super::census::Census;
 pub use super::count::Count;
 use super::duals::Duals;
 pub use super::duals::{MAX_BYTES, forecast_bytes};
+use super::extent::Extent;
 use super::mesh_net::MeshNet;
-use super::ops::{Role, seen_valence};
+use super::operator::{Children, Role};
+use super::ops::seen_valence;
 use super::plan::{Plan, Scheduled};
-use super::polygon_net::{Extent, PolygonNet};
+use super::polygon_net::PolygonNet;
 use super::sharpness::Remaining;
 use super::step::StepError;
 use crate::fault::Fault;
@@ -90,7 +92,7 @@ impl Tally {
 
     pub(super) fn step(&mut self, step: &Scheduled, count: Count) {
         self.work = self.work.saturating_add(count.vertices);
-        if step.letter.operator.letter() == Some('D') {
+        if step.letter.facts().children == Children::Dual {
             let bytes = self.last().corners.saturating_mul(DUAL_CORNER_BYTES);
             self.topology_bytes = self.topology_bytes.max(bytes);
         }
@@ -141,14 +143,14 @@ fn of_polygon(net: &PolygonNet, steps: &[Scheduled]) -> Result<Forecast, Forecas
     let mut tally = Tally::new(count(n, extent));
     let mut duals = 0;
     for step in steps {
-        if step.letter.operator.role() == Role::Upsample {
+        if step.letter.facts().role == Role::Upsample {
             duals = 0;
         }
         if let Some(window) = step.letter.operator.window(&step.letter, duals) {
             let landing = window.land(n, extent);
             (n, extent) = (landing.n, landing.extent);
         }
-        duals += u32::from(step.letter.operator.shifts(&step.letter));
+        duals += u32::from(step.letter.shifts());
         if n < 2 {
             let error = StepError::TooFewPoints(usize::try_from(n).unwrap_or(0));
             return Err(ForecastError::Step { level: step.level, error });
@@ -166,14 +168,14 @@ fn of_polygon(net: &PolygonNet, steps: &[Scheduled]) -> Result<Forecast, Forecas
 pub fn of_mesh(net: &MeshNet, steps: &[Scheduled], cap: u128, watch: &Watch) -> Result<Forecast, ForecastError> {
     for (i, step) in steps.iter().enumerate() {
         let operator = step.letter.operator;
-        if steps[..i].iter().all(|before| before.letter.operator.name() != operator.name()) {
+        if steps[..i].iter().all(|before| before.letter.facts().name != operator.facts().name) {
             operator.admits(net).map_err(|error| ForecastError::Step { level: step.level, error })?;
         }
     }
-    if steps.iter().any(|step| step.letter.operator.census(&Census::of(net)).is_some()) {
+    if steps.iter().any(|step| step.letter.facts().rebuilds) {
         return Ok(rebuilt(net, steps));
     }
-    if steps.iter().any(|step| step.letter.operator.letter() == Some('D')) {
+    if steps.iter().any(|step| step.letter.facts().children == Children::Dual) {
         return Duals { net, steps, cap, watch }.forecast();
     }
     Ok(counted(net, steps))
@@ -181,14 +183,14 @@ pub fn of_mesh(net: &MeshNet, steps: &[Scheduled], cap: u128, watch: &Watch) -> 
 
 fn counted(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
     let mut count = Count::of_mesh(net);
-    let sharp = net.sharpness.as_ref().map(|sharpness| sharpness.remaining(&net.base, net.rules.creasing));
+    let sharp = net.sharpness.as_ref().map(|sharpness| sharpness.remaining(&net.mesh.base, net.rules.creasing));
     let parted = |splits, pieces| sharp.as_ref().map_or(0, |sharp| parted(sharp, splits, pieces));
     let (mut splits, mut pieces) = (0, 1_u128);
     count.parted = parted(splits, pieces);
     let mut tally = Tally::new(count);
-    let mut is_quads = net.base.is_quads();
+    let mut is_quads = net.mesh.base.is_quads();
     for step in steps {
-        if step.letter.operator.role() == Role::Upsample {
+        if step.letter.facts().role == Role::Upsample {
             splits += 1;
             pieces = pieces.saturating_mul(step.letter.pieces(is_quads).into());
             count = Count { parted: parted(splits, pieces), ..count.upsampled(&step.letter, is_quads) };
@@ -206,7 +208,7 @@ fn rebuilt(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
     let mut topology_bytes = 0;
     for step in steps {
         let before = census;
-        census = step.letter.operator.census(&census).unwrap_or(census);
+        census = step.letter.operator.census(&census);
         topology_bytes = topology_bytes.max(census.bytes().saturating_add(before.bytes()));
         tally.step(step, census.count);
     }

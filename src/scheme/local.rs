@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use super::polygon_net::PolygonNet;
 use super::step::StepError;
 use crate::math::expression::Expression;
-use crate::shape::attributes::between;
+use crate::shape::attributes::{Attributes, between};
 
 /// Largest size of a compensation: beyond it lies a pole of the function, and coordinates lose all digits.
 pub const MAX_COMPENSATION: f64 = 1e12;
@@ -91,13 +90,18 @@ pub struct Local {
 }
 
 impl Local {
-    /// The local values at an upsampling of `net`; `None` when all points have the plan's.
-    pub(super) fn of(net: &PolygonNet, arity: u32, sources: &Sources<'_>) -> Result<Option<Arc<Self>>, StepError> {
-        if net.attributes.is_none() && sources.noise.is_none() {
+    /// The local values at an upsampling of a polygon with `n` control points and so many edges that carry these parameters; `None` when
+    /// all points have the plan's.
+    pub(super) fn of(
+        [n, edges]: [usize; 2],
+        attributes: Option<&Attributes>,
+        arity: u32,
+        sources: &Sources<'_>,
+    ) -> Result<Option<Arc<Self>>, StepError> {
+        if attributes.is_none() && sources.noise.is_none() {
             return Ok(None);
         }
-        let n = net.n_control();
-        let attributes = net.attributes.as_deref().cloned().unwrap_or_default();
+        let attributes = attributes.cloned().unwrap_or_default();
         let own = |array: &Option<Vec<f64>>, i: usize| array.as_ref().map(|array| array[i]);
         let noise = |operation, i: usize| sources.noise.map_or(0.0, |noise| noise.at(operation, i as u64));
         let kernel = (0..n).map(|i| {
@@ -109,7 +113,6 @@ impl Local {
             let value = own(&attributes.delta, i).map_or_else(|| sources.delta.value(f64::NAN), Ok);
             finite("delta", i, value)
         });
-        let edges = if net.is_closed() { n } else { n - 1 };
         let places = (0..edges).flat_map(|e| (1..arity).map(move |j| (e, j)));
         let compensation = places.map(|(e, j)| {
             let own = |array: &Option<Vec<f64>>| array.as_ref().map(|array| between(array, e, j, arity));

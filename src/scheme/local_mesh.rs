@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use super::annotations::{Annotations, mean};
 use super::local::{Sources, finite, has_average};
-use super::mesh_net::MeshNet;
 use super::step::StepError;
 use crate::shape::topology::Topology;
 
@@ -23,16 +23,21 @@ pub struct MeshLocal {
 }
 
 impl MeshLocal {
-    /// The local values at an upsampling of `net`, whose topology is `parent`; `None` when all vertices have the plan's.
-    pub(super) fn of(net: &MeshNet, parent: &Topology, sources: &Sources<'_>) -> Result<Option<Arc<Self>>, StepError> {
-        let has_lines = net.directions.is_some();
-        if net.attributes.is_none() && sources.noise.is_none() && !has_lines {
+    /// The local values at an upsampling of `parent`, whose vertices and edges carry `annotations`; `None` when all
+    /// vertices have the plan's.
+    pub(super) fn of(
+        annotations: &Annotations,
+        parent: &Topology,
+        sources: &Sources<'_>,
+    ) -> Result<Option<Arc<Self>>, StepError> {
+        let has_lines = annotations.directions.is_some();
+        if annotations.attributes.is_none() && sources.noise.is_none() && !has_lines {
             return Ok(None);
         }
         let (n_v, n_e, n_f) = (parent.n_vertices(), parent.n_edges(), parent.n_faces());
-        let attributes = net.attributes.as_deref().cloned().unwrap_or_default();
+        let attributes = annotations.attributes.as_deref().cloned().unwrap_or_default();
         let noise = |operation, i: usize| {
-            let number = || match (&net.numbering, operation) {
+            let number = || match (&annotations.numbering, operation) {
                 (None, _) => i as u64,
                 (Some(numbering), 0) => numbering.vertex(i),
                 (Some(numbering), 1) => numbering.edge(parent, i),
@@ -74,25 +79,6 @@ impl MeshLocal {
         }
         Ok(Some(Arc::new(Self { kernel, kernel_longitude, delta: attributes.delta, compensation, curve_weight })))
     }
-}
-
-/// The mean over the ends of edge `i`, or over the vertices of face `i - n_e`.
-fn mean(array: &[f64], topology: &Topology, i: usize) -> f64 {
-    let n_e = topology.n_edges();
-    if i < n_e {
-        let [a, b] = topology.ends(i);
-        return f64::midpoint(array[a as usize], array[b as usize]);
-    }
-    let face = topology.face(i - n_e);
-    #[expect(clippy::cast_precision_loss, reason = "faces have far fewer than 2^52 vertices")]
-    let n = face.len() as f64;
-    face.iter().map(|&v| array[v as usize]).sum::<f64>() / n
-}
-
-/// The numbers that vertices carry after an upsampling of arity 2.
-pub(super) fn upsampled(array: &[f64], topology: &Topology) -> Vec<f64> {
-    let made = (0..topology.n_edges() + topology.n_faces()).map(|i| mean(array, topology, i));
-    array.iter().copied().chain(made).collect()
 }
 
 fn weight<E: std::fmt::Display>(name: &'static str, i: usize, value: Result<f64, E>) -> Result<f64, StepError> {

@@ -2,24 +2,36 @@
 //! Coordinates are never seen here, except by steps that are not linear.
 
 pub mod anchor;
+pub mod annotations;
 pub mod census;
 mod collar;
 mod count;
 pub mod creases;
 mod duals;
+pub mod extent;
 mod fans;
 pub mod forecast;
 pub mod local;
 pub mod local_mesh;
 pub mod mesh_net;
+pub mod operator;
 pub mod ops;
+pub mod parameters;
+pub mod phase;
 pub mod plan;
+pub mod polygon_anchor;
 pub mod polygon_net;
+mod preimage;
+pub mod preset;
 pub mod presets;
 pub mod ranges;
+pub mod rules;
 pub mod sharpness;
 mod sizes;
+pub mod split_mesh;
 pub mod step;
 pub mod stepper;
+pub mod surroundings;
+pub mod tags;
 pub mod window;
 pub mod word;

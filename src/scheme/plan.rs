@@ -4,11 +4,11 @@ mod legal;
 mod resolve;
 mod schedule;
 
+use super::extent::Ends;
 use super::local::{Noise, Sources};
-use super::mesh_net::{Boundary, Rules};
 use super::ops::LatitudeRule;
-use super::ops::Operator;
-use super::polygon_net::Ends;
+use super::rules::Rules;
+use super::tags::Boundary;
 use super::word::{Letter, Word};
 use crate::math::expression::Expression;
 use crate::math::parameter::Literal;
@@ -197,8 +197,8 @@ impl Plan {
     /// The name of the operator that turns tangents along with points of the plane, if there is one; such a plan is not
     /// linear.
     pub fn turns_tangents(&self) -> Option<&'static str> {
-        let mut operators = self.word.prefix.iter().chain(&self.word.cycle).map(|letter| letter.operator);
-        operators.find(|operator| operator.turns_tangents()).map(Operator::name)
+        let mut all = self.word.prefix.iter().chain(&self.word.cycle).map(Letter::facts);
+        all.find(|facts| facts.turns_tangents).map(|facts| facts.name)
     }
 
     /// Into what the faces of a mesh are split.

@@ -2,36 +2,16 @@
 
 use std::sync::Arc;
 
+use super::extent::{Ends, Extent};
 use super::local::Local;
+use super::phase::Phase;
+use super::polygon_anchor::PolygonAnchor;
+use super::preimage::Preimages;
 use super::step::StepError;
 use super::window::{Window, steps};
 use crate::math::rows::Rows;
 use crate::shape::attributes::Attributes;
 use crate::shape::topology::index;
-
-/// End rule of open polygons.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Ends {
-    /// The polygon goes on by point reflection about its end points, which stay where they are.
-    #[default]
-    Clamped,
-    /// Only points whose whole stencil exists.
-    Natural,
-}
-
-/// How a polygon goes on beyond its stored points.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Extent {
-    /// Cyclically.
-    Closed,
-    /// By reflection about the first and the last point, which are points of the polygon: `P[-j] = 2 P[0] - P[j]`.
-    Whole,
-    /// By reflection about the first and the last stored point, which are no points of the polygon but lie half a step
-    /// before and after it: `q[-1-j] = 2 e - q[j]`.
-    Half,
-    /// Not at all.
-    Natural,
-}
 
 /// The state of a polygon under refinement.
 #[derive(Debug, Clone)]
@@ -49,109 +29,11 @@ pub struct PolygonNet {
     /// Control points whose tangents stay, ascending; only steps that turn tangents move them along.
     pub pinned: Arc<[u32]>,
     /// What entered the last U.
-    pub anchor: Option<Anchor>,
+    pub anchor: Option<PolygonAnchor>,
     /// Parameters that control points carry.
     pub attributes: Option<Arc<Attributes>>,
     /// Values of single points at the last U.
     pub local: Option<Arc<Local>>,
-}
-
-/// Which control points are children of vertices.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Phase {
-    /// Arity of the last U.
-    pub arity: u32,
-    /// Offset of the first control point.
-    pub offset: u32,
-}
-
-/// The polygon that entered the last U.
-#[derive(Debug, Clone)]
-pub struct Anchor {
-    /// Stored points.
-    pub n: usize,
-    /// Index of the first control point among the stored ones.
-    pub first: usize,
-    /// Number of control points.
-    pub n_control: usize,
-    /// Whether it is closed.
-    pub closed: bool,
-    /// Its corners.
-    pub corners: Arc<[u32]>,
-    /// Whether points were lost since.
-    pub lost: bool,
-}
-
-impl Anchor {
-    /// The anchor for an upsampling of `net`.
-    pub(super) fn of(net: &PolygonNet) -> Self {
-        Self {
-            n: net.n,
-            first: net.first(),
-            n_control: net.n_control(),
-            closed: net.is_closed(),
-            corners: net.corners.clone(),
-            lost: false,
-        }
-    }
-
-    /// Adds `weight x delta x` the displacement of control point `i` to a row: none at corners; beyond the ends of an
-    /// open polygon that of its mirror image, reversed.
-    pub(super) fn push(&self, i: isize, weight: f64, delta: impl Fn(usize) -> f64, rows: &mut Rows) {
-        let n = self.n_control.cast_signed();
-        let (i, weight) = match (self.closed, self.first) {
-            (true, _) => (i.rem_euclid(n), weight),
-            (false, 1) if i < 0 => (-1 - i, -weight),
-            (false, 1) if i >= n => (2 * n - 1 - i, -weight),
-            _ => (i, weight),
-        };
-        let Ok(i) = usize::try_from(i) else { return };
-        if i < self.n_control && self.corners.binary_search(&index(i)).is_err() {
-            rows.add(index(i + self.first), weight * delta(i));
-        }
-    }
-}
-
-impl Phase {
-    /// The index `j` of control point 0, counted so that vertices stand at the multiples of the arity.
-    pub(super) fn start(self) -> isize {
-        let (d, offset) = (steps(self.arity), steps(self.offset));
-        -((d - offset) % d)
-    }
-
-    /// The phase when the first control point moves by so many steps.
-    fn moved(self, by: i32) -> Self {
-        let by = by.rem_euclid(self.arity.cast_signed()).unsigned_abs();
-        Self { offset: (self.offset + by) % self.arity, ..self }
-    }
-}
-
-/// Where the stored points of a net come from.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Origin {
-    n: usize,
-    /// The last stored point of the old net, when the two ends stay where they are.
-    ends: Option<usize>,
-    start: isize,
-}
-
-/// Where one stored point comes from.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum From {
-    /// It is this stored end point of the old net.
-    End(usize),
-    /// It has this index `j` in the window.
-    Point(isize),
-}
-
-impl Origin {
-    pub(super) fn of(&self, row: usize) -> From {
-        match self.ends {
-            Some(_) if row == 0 => From::End(0),
-            Some(last) if row + 1 == self.n => From::End(last),
-            _ => From::Point(self.start + row.cast_signed()),
-        }
-    }
 }
 
 impl PolygonNet {
@@ -199,8 +81,20 @@ impl PolygonNet {
     /// The net after an average that moved it by so many half steps: with natural ends points were lost.
     pub(super) fn shifted(self, by: u32) -> Self {
         let lost = self.extent == Extent::Natural;
-        let anchor = self.anchor.map(|anchor| Anchor { lost: lost || anchor.lost, ..anchor });
+        let anchor = self.anchor.map(|anchor| PolygonAnchor { lost: lost || anchor.lost, ..anchor });
         Self { duals: self.duals + by, anchor, ..self }
+    }
+
+    /// The net as what enters an upsampling.
+    pub(super) fn as_anchor(&self) -> PolygonAnchor {
+        PolygonAnchor {
+            n: self.n,
+            first: self.first(),
+            n_control: self.n_control(),
+            closed: self.is_closed(),
+            corners: self.corners.clone(),
+            lost: false,
+        }
     }
 
     /// The labels after an upsampling of this net: vertices stand at the multiples of the arity.
@@ -242,7 +136,7 @@ impl PolygonNet {
 
     /// The net after an operator with this window, and where its points come from. Labels, counts of D and the anchor
     /// are left as they are.
-    pub(super) fn land(&self, window: Window) -> Result<(Self, Origin), StepError> {
+    pub(super) fn land(&self, window: Window) -> Result<(Self, Preimages), StepError> {
         let landing = window.land(self.n as u128, self.extent);
         let n = usize::try_from(landing.n).unwrap_or(usize::MAX);
         if n < 2 {
@@ -250,7 +144,7 @@ impl PolygonNet {
         }
         let fixed_ends = matches!(self.extent, Extent::Whole | Extent::Half);
         let first = isize::from(landing.extent == Extent::Half);
-        let origin = Origin { n, ends: fixed_ends.then_some(self.n - 1), start: landing.start as isize - first };
+        let preimages = Preimages { n, ends: fixed_ends.then_some(self.n - 1), start: landing.start as isize - first };
         let (d, start) = (i64::from(window.arity), i64::from(landing.start));
         let corners = self.corners.iter().map(|&c| i64::from(c) * d - start);
         let corners = corners.filter_map(|c| u32::try_from(c).ok()).filter(|&c| (c as usize) < n).collect();
@@ -258,7 +152,7 @@ impl PolygonNet {
         let trimmed = usize::try_from(landing.start).ok().filter(|_| self.extent == Extent::Natural && d == 1);
         let part = |attributes: &Arc<Attributes>| trimmed.map(|start| Arc::new(attributes.part(start, n)));
         let attributes = self.attributes.as_ref().map(|kept| part(kept).unwrap_or_else(|| kept.clone()));
-        Ok((Self { n, extent: landing.extent, corners, phase, attributes, ..self.clone() }, origin))
+        Ok((Self { n, extent: landing.extent, corners, phase, attributes, ..self.clone() }, preimages))
     }
 
     /// Adds `weight x` control point `i` to a row, `i` taken beyond the ends by the extent's rule.

@@ -2,7 +2,8 @@
 
 use super::local::Sources;
 use super::mesh_net::MeshNet;
-use super::ops::{LatitudeRule, Operator};
+use super::operator::Operator;
+use super::ops::LatitudeRule;
 use super::plan::{Plan, Scheduled};
 use super::polygon_net::PolygonNet;
 use super::step::{Step, StepError, Values};

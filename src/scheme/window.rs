@@ -1,6 +1,6 @@
 //! Windows: how an operator of some arity moves and counts the points of a polygon.
 
-use super::polygon_net::Extent;
+use super::extent::Extent;
 
 /// Arity and reach of an operator: new point `j` is made of the old points `i` with `first <= j - d i <= last`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,8 +1,10 @@
 //! Words: the grammar `item* [ '(' item+ ')' ]`, `item := letter [ '^' n ] | '(' item+ ')' '^' n`.
 
+use std::fmt;
 use std::sync::Arc;
 
-use super::ops::{self, Operator};
+use super::operator::{Facts, Operator};
+use super::ops::OPERATORS;
 use crate::math::mask::Mask;
 use crate::shape::tile::Tile;
 
@@ -12,6 +14,36 @@ pub const MAX_BYTES: usize = 256;
 pub const MAX_LETTERS: usize = 64;
 /// Deepest nesting of groups.
 pub const MAX_DEPTH: usize = 8;
+
+/// Arities of U.
+pub const ARITIES: Arities = Arities { least: 2, most: 8 };
+
+/// A range of arities.
+#[derive(Debug, Clone, Copy)]
+pub struct Arities {
+    /// Smallest.
+    pub least: u32,
+    /// Largest.
+    pub most: u32,
+}
+
+impl Arities {
+    /// Whether `arity` is one of them.
+    pub fn contains(self, arity: u32) -> bool {
+        (self.least..=self.most).contains(&arity)
+    }
+}
+
+impl fmt::Display for Arities {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} to {}", self.least, self.most)
+    }
+}
+
+/// The operator of a letter.
+pub fn lettered(letter: char) -> Option<&'static dyn Operator> {
+    OPERATORS.iter().copied().find(|op| op.facts().letter == Some(letter))
+}
 
 /// One letter of a word: an operator, and for U its arity.
 #[derive(Debug, Clone)]
@@ -35,9 +67,18 @@ impl Letter {
     pub fn plain(operator: &'static dyn Operator) -> Self {
         Self { operator, arity: 2, tile: Tile::default(), averages: 0, mask: None, blending: None }
     }
-}
 
-impl Letter {
+    /// What holds of its operator.
+    pub fn facts(&self) -> &'static Facts {
+        self.operator.facts()
+    }
+
+    /// Whether it moves the points of a polygon by half a step.
+    pub fn shifts(&self) -> bool {
+        let window = self.operator.window(self, 0);
+        window.is_some_and(|window| window.arity == 1 && (window.first + window.last) % 2 != 0)
+    }
+
     /// Whether a U of it splits faces of any size into quads, one a corner.
     pub fn halves(&self) -> bool {
         self.tile == Tile::Quad && self.arity == 2
@@ -51,7 +92,7 @@ impl Letter {
 
 impl PartialEq for Letter {
     fn eq(&self, other: &Self) -> bool {
-        self.operator.name() == other.operator.name()
+        self.facts().name == other.facts().name
             && self.arity == other.arity
             && self.tile == other.tile
             && self.averages == other.averages
@@ -103,7 +144,7 @@ pub enum WordError {
         at: usize,
     },
     /// An arity that no operator offers.
-    #[error("U{arity} is not offered; the arity of U is {}", ops::ARITIES)]
+    #[error("U{arity} is not offered; the arity of U is {}", ARITIES)]
     Arity {
         /// The arity asked for.
         arity: u32,
@@ -111,7 +152,7 @@ pub enum WordError {
 }
 
 fn known() -> String {
-    ops::OPERATORS.iter().filter_map(|op| op.letter()).map(String::from).collect::<Vec<_>>().join(", ")
+    OPERATORS.iter().filter_map(|op| op.facts().letter).map(String::from).collect::<Vec<_>>().join(", ")
 }
 
 impl Word {
@@ -200,13 +241,13 @@ impl Parser<'_> {
     fn letter(&mut self) -> Result<Letter, WordError> {
         let at = self.at + 1;
         let letter = self.peek().ok_or_else(|| self.expected("an operator"))?;
-        let operator = ops::lettered(letter).ok_or(WordError::UnknownLetter { letter, at })?;
+        let operator = lettered(letter).ok_or(WordError::UnknownLetter { letter, at })?;
         self.at += 1;
         let arity = match self.peek() {
             Some('0'..='9') if letter == 'U' => self.number()?,
             _ => 2,
         };
-        if ops::ARITIES.contains(arity) {
+        if ARITIES.contains(arity) {
             Ok(Letter { arity, ..Letter::plain(operator) })
         } else {
             Err(WordError::Arity { arity })

@@ -3,8 +3,8 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
+use crate::analysis::circles::Outlook;
 use crate::analysis::curve::Reached;
-use crate::analysis::revolution::Outlook;
 use crate::fault::{Fault, cut};
 use crate::job::Job;
 use crate::job::limits::Estimate;

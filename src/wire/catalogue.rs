@@ -7,8 +7,11 @@ use utoipa::ToSchema;
 use crate::input::{READERS, Reader};
 use crate::math::parameter::{Default, Kind, Parameter};
 use crate::output::{FORMATS, Format, ShapeKind};
-use crate::scheme::ops::{OPERATORS, Operator};
-use crate::scheme::presets::{PRESETS, Preset, Refines, WORD_PARAMETERS};
+use crate::scheme::operator::Operator;
+use crate::scheme::ops::OPERATORS;
+use crate::scheme::parameters::WORD_PARAMETERS;
+use crate::scheme::preset::{Preset, Refines};
+use crate::scheme::presets::PRESETS;
 
 /// One parameter or option.
 #[derive(Debug, Clone, Serialize, ToSchema)]
@@ -168,13 +171,13 @@ impl PresetEntry {
 
 impl OperatorEntry {
     fn new(operator: &dyn Operator) -> Option<Self> {
-        let used = WORD_PARAMETERS.iter().filter(|parameter| operator.uses().contains(&parameter.name));
+        let used = WORD_PARAMETERS.iter().filter(|parameter| operator.facts().uses.contains(&parameter.name));
         Some(Self {
-            letter: operator.letter()?,
-            name: operator.name(),
+            letter: operator.facts().letter?,
+            name: operator.facts().name,
             parameters: used.map(ParameterEntry::new).collect(),
-            doc: operator.doc(),
-            source: operator.source(),
+            doc: operator.facts().doc,
+            source: operator.facts().source,
         })
     }
 }

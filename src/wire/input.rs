@@ -11,7 +11,7 @@ use super::text::{Held, MeshFile, TextRequest, within};
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
 use crate::job::Input;
-use crate::scheme::mesh_net::Boundary;
+use crate::scheme::tags::Boundary;
 use crate::shape::check::Winding;
 use crate::shape::frame::{Frame, Unit, Up};
 use crate::shape::mesh::{Mesh, MeshInput};

@@ -5,9 +5,9 @@ use utoipa::ToSchema;
 
 use super::choice::choice;
 use super::literal::WireFields;
-use crate::scheme::mesh_net::Boundary;
+use crate::scheme::extent::Ends;
 use crate::scheme::plan::PlanInput;
-use crate::scheme::polygon_net::Ends;
+use crate::scheme::tags::Boundary;
 
 /// How the input is refined: a preset or a word.
 #[derive(Debug, Clone, Default, Deserialize, ToSchema)]

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::answer::MeshReport;
-use crate::analysis::revolution::outlooks;
+use crate::analysis::circles::outlooks;
 use crate::scheme::plan::Plan;
 use crate::shape::mesh::Mesh;
 use crate::shape::topology::{Topology, index};

@@ -8,7 +8,7 @@ use super::mesh::MeshRequest;
 use super::read::{ReadError, read};
 use crate::fault::{Fault, shortened};
 use crate::input::{self, ReadLimits};
-use crate::scheme::mesh_net::Boundary;
+use crate::scheme::tags::Boundary;
 use crate::shape::check::Winding;
 use crate::shape::mesh::MeshInput;
 

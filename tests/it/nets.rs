@@ -1,22 +1,14 @@
-//! The control nets of `tests/nets` are what their README says, and every job of `api/examples/jobs` gives the result
-//! whose hash stands in `tests/golden/hashes.txt`, for any number of threads.
-//!
-//! `BLESS=1 cargo test --test it nets::` writes the table anew.
+//! The control nets of `tests/nets` are what their README says.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::PathBuf;
 
-use planish::job::key::content;
-use planish::job::limits::Limits;
-use planish::job::run;
 use planish::shape::check::{FaceList, Winding};
 use planish::shape::topology::Topology;
-use planish::watch::Watch;
 use serde_json::Value;
 
 use crate::support::nets::Net;
-use crate::support::parsed;
 
 fn path(inside: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(inside)
@@ -154,47 +146,4 @@ fn every_net_has_a_row_in_the_readme() {
         .flat_map(|columns| table(columns).into_keys())
         .collect();
     assert_eq!(rows, files("tests/nets").into_keys().collect());
-}
-
-/// One line for each result of each job: file, name of the output, hash of the bytes.
-fn results(threads: usize) -> Vec<String> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be started");
-    pool.install(|| {
-        let jobs = files("api/examples/jobs");
-        assert!(!jobs.is_empty(), "there are example jobs");
-        jobs.iter().flat_map(|(name, text)| lines(name, text)).collect()
-    })
-}
-
-fn lines(name: &str, text: &str) -> Vec<String> {
-    let job = parsed(text.as_bytes()).unwrap_or_else(|faults| panic!("{name}: {faults:?}"));
-    let admitted = Limits::default().admit(job).unwrap_or_else(|refusal| panic!("{name}: {refusal:?}"));
-    let line = |output| {
-        let mut bytes = Vec::new();
-        run(&admitted, output, &mut bytes, &Watch::new()).unwrap_or_else(|error| panic!("{name}: {error}"));
-        assert!(!bytes.is_empty(), "{name}");
-        format!("{name} {} {}", output.name, content(&bytes))
-    };
-    admitted.job().outputs.iter().map(line).collect()
-}
-
-#[test]
-fn results_have_the_committed_hashes_with_1_2_and_8_threads() {
-    let [found, two, eight] = std::thread::scope(|scope| {
-        [1, 2, 8].map(|threads| scope.spawn(move || results(threads))).map(|run| run.join().expect("the jobs run"))
-    });
-    assert_eq!(two, found, "with 2 threads");
-    assert_eq!(eight, found, "with 8 threads");
-    let golden = path("tests/golden/hashes.txt");
-    let text = found.join("\n") + "\n";
-    if std::env::var_os("BLESS").is_some() {
-        fs::write(&golden, text).expect("the table can be written");
-        return;
-    }
-    let committed = fs::read_to_string(&golden)
-        .unwrap_or_else(|error| panic!("{}: {error}; BLESS=1 cargo test --test it nets:: writes it", golden.display()));
-    for (found, committed) in text.lines().zip(committed.lines()) {
-        assert_eq!(found, committed, "a change of bytes raises RESULTS_VERSION and is named in the changelog");
-    }
-    assert_eq!(text.lines().count(), committed.lines().count(), "jobs were added or removed: look, then BLESS=1");
 }

@@ -6,4 +6,5 @@ mod numbering;
 mod order;
 mod own_connectivity;
 mod repairs;
+mod small;
 mod triangle_order;

@@ -4,7 +4,7 @@ use planish::scheme::word::{Letter, Word};
 use proptest::prelude::*;
 
 fn letters(letters: &[Letter]) -> String {
-    letters.iter().filter_map(|letter| letter.operator.letter()).collect()
+    letters.iter().filter_map(|letter| letter.facts().letter).collect()
 }
 
 fn accepts(text: &str, prefix: &str, cycle: &str) {

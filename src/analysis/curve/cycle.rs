@@ -2,9 +2,10 @@
 
 use crate::math::mask::Mask;
 use crate::refine::{Points, RefineError, advance};
-use crate::scheme::ops::Role;
+use crate::scheme::extent::Ends;
+use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
-use crate::scheme::polygon_net::{Ends, PolygonNet};
+use crate::scheme::polygon_net::PolygonNet;
 use crate::watch::{Stopped, Watch};
 
 /// Most points of the polygon that carries the impulse.
@@ -70,7 +71,7 @@ impl Cycle {
             return Err(NoMask::NotLinear(name));
         }
         let first = plan.word.cycle.first().ok_or(NoMask::NoCycle)?;
-        if first.operator.role() != Role::Upsample {
+        if first.facts().role != Role::Upsample {
             return Err(NoMask::NoUpsampling);
         }
         let steps = plan.schedule(level + 1).map_err(|fault| NoMask::NoValue(fault.detail))?;
@@ -184,7 +185,7 @@ fn extent(steps: &[Scheduled]) -> Option<(u64, u64)> {
     let (mut arity, mut last, mut reach, mut duals) = (1_u64, 1_u64, 0_u64, 0);
     for step in steps {
         let operator = step.letter.operator;
-        if operator.role() == Role::Upsample {
+        if operator.facts().role == Role::Upsample {
             duals = 0;
         }
         if let Some(window) = operator.window(&step.letter, duals) {
@@ -194,10 +195,10 @@ fn extent(steps: &[Scheduled]) -> Option<(u64, u64)> {
             reach = reach.checked_mul(d)?.checked_add(spread.into())?;
             last = if d > 1 { d } else { last };
         }
-        if operator.role() == Role::PushBack {
+        if operator.facts().role == Role::PushBack {
             reach += last;
         }
-        duals += u32::from(operator.shifts(&step.letter));
+        duals += u32::from(step.letter.shifts());
     }
     Some((arity, reach))
 }

@@ -4,9 +4,10 @@ use super::cycle::NoMask;
 use super::rows::{LimitRows, Row};
 use crate::math::rows::{Rows, RowsBy, blend};
 use crate::refine::{RefineError, refined_points};
-use crate::scheme::ops::Role;
+use crate::scheme::extent::{Ends, Extent};
+use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
-use crate::scheme::polygon_net::{Ends, Extent, PolygonNet};
+use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::window::{Window, steps};
 use crate::shape::polygon::Polygon;
 use crate::shape::source::Curve;
@@ -67,7 +68,7 @@ pub fn check(polygon: &Polygon, plan: &Plan) -> Result<(), NoLimit> {
     let mut letters = plan.word.prefix.iter().chain(&plan.word.cycle);
     let crosses = letters.any(|letter| {
         let window = letter.operator.window(letter, 0);
-        letter.operator.role() == Role::Average && !window.is_some_and(near)
+        letter.facts().role == Role::Average && !window.is_some_and(near)
     });
     if !polygon.corners.is_empty() && crosses { Err(NoLimit::Corners) } else { Ok(()) }
 }

@@ -4,8 +4,9 @@ use super::distance::{Distances, NoBound};
 use super::limit::{NoLimit, check};
 use crate::math::functions::sqrt;
 use crate::refine::{Points, RefineError, advance, polygon_net};
+use crate::scheme::extent::Extent;
 use crate::scheme::plan::Plan;
-use crate::scheme::polygon_net::{Extent, PolygonNet};
+use crate::scheme::polygon_net::PolygonNet;
 use crate::shape::polygon::Polygon;
 use crate::watch::{Stopped, Watch};
 

@@ -4,7 +4,7 @@
 use super::cycle::{self, MAX_POINTS, made};
 use super::impulse;
 use super::probe::MAX_RINGS;
-use crate::scheme::ops::Heirs;
+use crate::scheme::operator::Children;
 use crate::scheme::word::Letter;
 
 /// Bytes a point: its topology, its place among the rows that were made, the numbers of an impulse before and after.
@@ -57,7 +57,7 @@ pub fn cost(cycle: &[Letter], impulses: usize, irregular: u128, n_vertices: u128
     let patch = |rings: usize| made(square(rings + 2), &pieces, 1).min(MAX_POINTS);
     // all numbers of rings up to the right one are tried, each on two patches, and then whether larger ones agree
     let tried = (1..=support).map(|rings| 2 * patch(rings)).sum::<usize>() + 12 * patch(support);
-    let side = impulse::side(support, number(cycle, &[Heirs::Dual, Heirs::Faces]));
+    let side = impulse::side(support, number(cycle, &[Children::Dual, Children::Faces]));
     let impulse = impulse::compared(side, &pieces).map_or(MAX_POINTS, |(_, points)| points);
     let patches = n_vertices.min(irregular.saturating_mul(square(support) as u128));
     let points = patches
@@ -70,17 +70,17 @@ pub fn cost(cycle: &[Letter], impulses: usize, irregular: u128, n_vertices: u128
 
 /// Rings that decide about a limit, at most as far as operators reach a ring each.
 pub(super) fn support(cycle: &[Letter]) -> usize {
-    MAX_RINGS.min(1 + number(cycle, &[Heirs::Same]))
+    MAX_RINGS.min(1 + number(cycle, &[Children::Same]))
 }
 
 /// Whether the patches of all vertices around one have all faces around that, so that those of n vertices have n times as
 /// many faces: where more than the faces at a vertex decide about its limit.
 pub fn sees_whole_fans(cycle: &[Letter]) -> bool {
-    number(cycle, &[Heirs::Same]) > 1 || number(cycle, &[Heirs::Dual, Heirs::Faces]) > 0
+    number(cycle, &[Children::Same]) > 1 || number(cycle, &[Children::Dual, Children::Faces]) > 0
 }
 
-fn number(cycle: &[Letter], heirs: &[Heirs]) -> usize {
-    cycle.iter().filter(|letter| heirs.contains(&letter.operator.heirs())).count()
+fn number(cycle: &[Letter], heirs: &[Children]) -> usize {
+    cycle.iter().filter(|letter| heirs.contains(&letter.facts().children)).count()
 }
 
 /// Whether the impulse of the least support would take too many points even for one level.

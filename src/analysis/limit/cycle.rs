@@ -5,15 +5,16 @@ use std::sync::Arc;
 use super::Unlimited;
 use super::frame::Frame;
 use super::heir::heir;
-use super::record::{Record, Weights};
 use super::own::Own;
 use super::patch::{Found, Patch, Rings, Whole};
-use crate::scheme::mesh_net::{MeshNet, Surroundings};
+use super::record::{Record, Weights};
 use crate::math::rows::Rows;
-use crate::scheme::ops::Heirs;
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::Children;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::step::Action;
 use crate::scheme::stepper::Stepper;
+use crate::scheme::surroundings::Surroundings;
 use crate::scheme::word::Letter;
 use crate::shape::topology::{Topology, index};
 use crate::watch::Watch;
@@ -106,7 +107,7 @@ impl<'a> Cycle<'a> {
 
     /// Number of upsamplings before a step of a level, from the beginning of the plan.
     pub(super) fn upsamplings(&self, level: usize, step: &Scheduled) -> u32 {
-        let each = self.level(level).iter().filter(|step| step.letter.operator.heirs().refine()).count();
+        let each = self.level(level).iter().filter(|step| step.letter.facts().children.refine()).count();
         step.upsamplings + index(level.saturating_sub(self.settled) * each)
     }
 
@@ -141,7 +142,7 @@ impl<'a> Cycle<'a> {
     ) -> Result<(Found, Record, Vec<u32>, Arc<Topology>), Unlimited> {
         let (mut net, origins) = patch.net(self.frame).ok_or(Unlimited::Reach)?;
         if own.first().are_there() {
-            let directions = net.directions.as_deref().cloned();
+            let directions = net.annotations.directions.as_deref().cloned();
             net = net.carrying(Some(own.attributes(&origins)), directions);
         }
         let mut record = Record::new(weights);
@@ -150,10 +151,10 @@ impl<'a> Cycle<'a> {
             let next = Stepper::new(self.plan).next(&net, step)?;
             made.add(&next.net)?;
             record.add(next.action)?;
-            centre = heir(centre, step.letter.operator.heirs(), [&net, &next.net], &record)?;
+            centre = heir(centre, step.letter.facts().children, [&net, &next.net], &record)?;
             net = next.net;
         }
-        let topology = net.topology();
+        let topology = net.mesh.topology();
         let whole = Whole::of(&net, &topology);
         self.watch.advance(made.0 as u64);
         let found = whole.least_patch(centre, rings, &self.watch)?.ok_or(Unlimited::Size)?;
@@ -166,7 +167,8 @@ impl<'a> Cycle<'a> {
         net: MeshNet,
         mut act: impl FnMut(&Action, &Scheduled) -> Result<(), Unlimited>,
     ) -> Result<MeshNet, Unlimited> {
-        let (mut net, mut made) = (MeshNet { cut: self.frame.cut, ..net }, Made::default());
+        let (mut net, mut made) = (net, Made::default());
+        net.tags.cut = self.frame.cut;
         for step in self.levels[self.settled] {
             let next = Stepper::new(self.plan).next(&net, step)?;
             made.add(&next.net)?;
@@ -190,17 +192,17 @@ impl<'a> Cycle<'a> {
 
     /// Whether it makes a connectivity of its own.
     pub(super) fn rebuilds(&self) -> bool {
-        self.levels[self.settled].iter().any(|step| step.letter.operator.rebuilds())
+        self.levels[self.settled].iter().any(|step| step.letter.facts().rebuilds)
     }
 
     /// Whether rules reach a ring farther beside irregular vertices.
     pub(super) fn reaches_farther(&self) -> bool {
-        self.levels[self.settled].iter().any(|step| step.letter.operator.reaches_farther())
+        self.levels[self.settled].iter().any(|step| step.letter.facts().reaches_farther)
     }
 
     /// How many operators put faces in the place of vertices.
     pub(super) fn n_duals(&self) -> usize {
-        let swaps = |step: &&Scheduled| matches!(step.letter.operator.heirs(), Heirs::Dual | Heirs::Faces);
+        let swaps = |step: &&Scheduled| matches!(step.letter.facts().children, Children::Dual | Children::Faces);
         self.levels[self.settled].iter().filter(swaps).count()
     }
 }
@@ -208,7 +210,7 @@ impl<'a> Cycle<'a> {
 /// The pieces into which each operator of a level and those before it there cut an edge.
 pub(super) fn pieces<'a>(letters: impl Iterator<Item = &'a Letter>) -> Vec<usize> {
     let after = |pieces: &mut usize, letter: &Letter| {
-        let refines = letter.operator.heirs().refine();
+        let refines = letter.facts().children.refine();
         *pieces = pieces.saturating_mul(if refines { letter.arity as usize } else { 1 });
         Some(*pieces)
     };
@@ -236,7 +238,7 @@ struct Made(usize);
 impl Made {
     /// Those of one net, before anything is done about each.
     fn add(&mut self, net: &MeshNet) -> Result<(), Unlimited> {
-        self.0 += net.n_vertices();
+        self.0 += net.mesh.n_vertices();
         if self.0 > MAX_POINTS { Err(Unlimited::Fine) } else { Ok(()) }
     }
 }

@@ -8,7 +8,7 @@ use super::Unlimited;
 use super::patch::Centre;
 use crate::refine::{Points, advance};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::ops::Heirs;
+use crate::scheme::operator::Children;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::topology::{NONE, Topology, index};
@@ -49,7 +49,7 @@ impl<'a> Dual<'a> {
             n_faces - 1
         };
         let faces = (0..old.n_vertices()).map(face).collect();
-        Ok(Self { old, constructed, new: &after.base, faces })
+        Ok(Self { old, constructed, new: &after.mesh.base, faces })
     }
 
     /// What takes the place of a centre of the net before.
@@ -159,8 +159,8 @@ impl<'a> Dual<'a> {
 
 /// The topology of a net in the documented order, and that of its construction, where it is another one.
 fn documented(net: &MeshNet) -> Result<(Arc<Topology>, Option<Constructed>), Unlimited> {
-    let topology = net.topology();
-    let Some(order) = net.order() else { return Ok((topology, None)) };
+    let topology = net.mesh.topology();
+    let Some(order) = net.mesh.order() else { return Ok((topology, None)) };
     let (mut faces, mut face) = (FaceList::default(), vec![0; order.face_size()]);
     for f in 0..order.n_faces() {
         order.face(f, &mut face);
@@ -196,7 +196,7 @@ impl Led {
         for step in steps {
             let before = led.net.clone();
             advance(&mut led.net, &mut led.points, plan, [step], watch)?;
-            if step.letter.operator.heirs() == Heirs::Dual {
+            if step.letter.facts().children == Children::Dual {
                 let centres = led.centres.take().unwrap_or_else(|| vertices(&before));
                 let dual = Dual::of(&before, &led.net)?;
                 let heir = |centre: Option<Centre>| centre.map(|centre| dual.heir(centre)).transpose();
@@ -209,7 +209,7 @@ impl Led {
 
 /// The vertices of a net that have faces.
 fn vertices(net: &MeshNet) -> Vec<Option<Centre>> {
-    let topology = net.topology();
+    let topology = net.mesh.topology();
     let vertex = |v: usize| (!topology.is_isolated(v)).then(|| Centre::Vertex(index(v)));
     (0..topology.n_vertices()).map(vertex).collect()
 }

@@ -14,7 +14,8 @@ use super::probe::Regular;
 use super::sector::Sectors;
 use super::tangent::NoTangents;
 use crate::math::rows::Rows;
-use crate::scheme::mesh_net::{MeshNet, Surroundings};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::surroundings::Surroundings;
 use crate::shape::topology::{NONE, Topology, index};
 use crate::watch::Watch;
 
@@ -65,7 +66,7 @@ impl Field {
         finder: &Finder<'_>,
         watch: &Watch,
     ) -> Result<Self, Unlimited> {
-        let topology = net.topology();
+        let topology = net.mesh.topology();
         let surroundings = finder.cycle.surroundings(&topology);
         let whole = Whole { surroundings, ..Whole::of(&net, &topology) };
         let near = match regular {
@@ -193,7 +194,7 @@ impl Field {
             Some(Centre::Face(f)) => ("an interior vertex", self.topology.face(f as usize).len()),
             Some(Centre::Vertex(v)) => {
                 let v = v as usize;
-                let kind = if self.net.is_corner(v) {
+                let kind = if self.net.tags.is_corner(v) {
                     "a corner"
                 } else if self.topology.boundary_edges(v).is_some() {
                     "a boundary vertex"
@@ -275,7 +276,7 @@ fn weights(mask: &Mask, wish: Wish, sector: usize) -> &[f64] {
 
 /// Whether vertices or edges of a net carry what others do not.
 pub(super) fn carries(net: &MeshNet) -> bool {
-    net.attributes.is_some() || net.directions.is_some()
+    net.annotations.attributes.is_some() || net.annotations.directions.is_some()
 }
 
 /// The patch around what took the place of a vertex, and the numbers that its vertices carry; `None` for a vertex without
@@ -288,7 +289,11 @@ pub(super) fn patch(
 ) -> Result<Option<(Found, Own)>, Unlimited> {
     let Some(centre) = centre else { return Ok(None) };
     let found = whole.patch(centre, rings).ok_or(Unlimited::Size)?;
-    let own = net.attributes.as_ref().map_or_else(Own::default, |attributes| Own::of(attributes, &found.vertices));
+    let own = net
+        .annotations
+        .attributes
+        .as_ref()
+        .map_or_else(Own::default, |attributes| Own::of(attributes, &found.vertices));
     Ok(Some((found, own)))
 }
 
@@ -377,7 +382,7 @@ fn grid(topology: &Topology, v: usize, rings: usize, mut each: impl FnMut(u32)) 
 /// The mask of a vertex of a grid, in the order of [`grid`].
 fn regular_mask(rings: Rings, masks: &Masks<'_>, surroundings: Option<Surroundings>) -> Result<Mask, Unlimited> {
     let (net, middle) = Regular::Quads.grid(rings, false);
-    let (topology, whole) = (&net.base, Whole { surroundings, ..Whole::of(&net, &net.base) });
+    let (topology, whole) = (&net.mesh.base, Whole { surroundings, ..Whole::of(&net, &net.mesh.base) });
     let Found { patch, vertices, .. } = whole.patch(Centre::Vertex(index(middle)), rings).ok_or(Unlimited::Size)?;
     let mask = masks.of(0, &patch)?;
     let mut order = Vec::new();

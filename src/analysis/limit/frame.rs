@@ -1,7 +1,8 @@
 //! What the nets of a cycle have in common, wherever a patch is cut out of them.
 
-use crate::scheme::mesh_net::{Boundary, Rules};
 use crate::scheme::plan::Plan;
+use crate::scheme::rules::Rules;
+use crate::scheme::tags::Boundary;
 use crate::shape::topology::Topology;
 
 /// What holds of all patches of a net.

@@ -7,11 +7,11 @@
 
 use super::Unlimited;
 use super::dual::Dual;
-use super::record::Record;
 use super::patch::Centre;
+use super::record::Record;
 use crate::math::rows::Rows;
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::ops::Heirs;
+use crate::scheme::operator::Children;
 use crate::shape::topology::{Topology, index};
 
 /// Weights that differ by no more than this are the same.
@@ -23,18 +23,18 @@ const SAME: f64 = 1e-9;
 /// [`Unlimited::Lost`] and [`Unlimited::Parted`].
 pub(super) fn heir(
     centre: Centre,
-    heirs: Heirs,
+    heirs: Children,
     [before, after]: [&MeshNet; 2],
     record: &Record,
 ) -> Result<Centre, Unlimited> {
     match (heirs, centre) {
-        (Heirs::Same, _) | (Heirs::Vertices, Centre::Vertex(_)) => Ok(centre),
-        (Heirs::Vertices, _) => {
-            let (topology, finer) = (before.topology(), after.topology());
+        (Children::Same, _) | (Children::Vertices, Centre::Vertex(_)) => Ok(centre),
+        (Children::Vertices, _) => {
+            let (topology, finer) = (before.mesh.topology(), after.mesh.topology());
             record.last().and_then(|rows| middle(centre, &topology, &finer, &rows)).ok_or(Unlimited::Lost)
         }
-        (Heirs::Dual, _) => Dual::of(before, after)?.heir(centre),
-        (Heirs::Faces, _) => cut(centre, before, after),
+        (Children::Dual, _) => Dual::of(before, after)?.heir(centre),
+        (Children::Faces, _) => cut(centre, before, after),
     }
 }
 
@@ -85,7 +85,7 @@ fn count(n: usize) -> f64 {
 /// What becomes of a centre where new vertices stand in the corners of faces. On the boundary a vertex has two of them,
 /// and the edge between takes its place; a corner that stays has one of its own.
 fn cut(centre: Centre, before: &MeshNet, after: &MeshNet) -> Result<Centre, Unlimited> {
-    let (old, new) = (&before.base, &after.base);
+    let (old, new) = (&before.mesh.base, &after.mesh.base);
     let face_of = |corners: &[u32]| {
         let found = (0..new.n_faces()).find(|&f| same_set(new.face(f), corners));
         found.map(|f| Centre::Face(index(f))).ok_or(Unlimited::Lost)
@@ -102,10 +102,10 @@ fn cut(centre: Centre, before: &MeshNet, after: &MeshNet) -> Result<Centre, Unli
             let Some([onward, from]) = old.boundary_edges(v as usize) else { return face_of(&ring) };
             match ring[..] {
                 // the first step puts two new vertices on each boundary edge, after those in corners
-                _ if before.rounds == 0 => {
+                _ if before.mesh.rounds == 0 => {
                     let rim: Vec<usize> = (0..old.n_edges()).filter(|&e| old.is_boundary_edge(e)).collect();
                     let first = old.n_half_edges();
-                    if let Ok(place) = before.corners.binary_search(&v) {
+                    if let Ok(place) = before.tags.corners.binary_search(&v) {
                         return Ok(Centre::Vertex(index(first + 2 * rim.len() + place)));
                     }
                     let near = |e: u32, end: usize| index(first + 2 * rim.partition_point(|&r| r < e as usize) + end);

@@ -78,7 +78,7 @@ impl Impulse<'_> {
                 heights = self.refined(heights)?;
             }
             if levels.contains(&level) {
-                seen.push(Differences::of(&heights.net.topology(), &heights.points.now));
+                seen.push(Differences::of(&heights.net.mesh.topology(), &heights.points.now));
             }
         }
         let vanish = |measure: Measure| -> Result<bool, Unlimited> {
@@ -97,13 +97,13 @@ impl Impulse<'_> {
     /// An impulse in the middle of a regular net of `side x side` squares.
     fn on(&self, mut net: MeshNet, side: usize) -> Heights {
         if self.common.are_there() {
-            let all: Vec<u32> = (0..index(net.n_vertices())).collect();
-            let directions = net.directions.as_deref().cloned();
+            let all: Vec<u32> = (0..index(net.mesh.n_vertices())).collect();
+            let directions = net.annotations.directions.as_deref().cloned();
             net = net.carrying(Some(self.common.of_all(all.len()).attributes(&all)), directions);
         }
         let middle = (side / 2) * (side + 1) + side / 2;
         let place = |v: usize| [index(v % (side + 1)), index(v / (side + 1)), u32::from(v == middle)].map(f64::from);
-        Heights { points: Points::new((0..net.n_vertices()).flat_map(place).collect(), 3), net }
+        Heights { points: Points::new((0..net.mesh.n_vertices()).flat_map(place).collect(), 3), net }
     }
 
     /// One level more.
@@ -145,22 +145,22 @@ impl Impulse<'_> {
         let rings = Rings { support: rings, patch: rings };
         let side = 2 * (rings.patch + 2);
         let mut heights = self.on(self.regular.net(side, self.tagged), side);
-        let wild = starting_vectors(heights.net.n_vertices(), 1).concat();
+        let wild = starting_vectors(heights.net.mesh.n_vertices(), 1).concat();
         heights.points.now.chunks_exact_mut(3).zip(wild).for_each(|(p, z)| p[2] = z);
         let middle = (side / 2) * (side + 1) + side / 2;
-        let Some(mut heights) = heights.around(&heights.net.topology(), middle, rings, [1.0; 2], self) else {
+        let Some(mut heights) = heights.around(&heights.net.mesh.topology(), middle, rings, [1.0; 2], self) else {
             return Ok(None);
         };
         let (mut target, mut sizes, mut compared) = (place.at, vec![0.0], PLACE_LEVELS[0]);
         for level in 1..=PLACE_LEVELS[1] {
             watch.check()?;
-            let made = made(heights.net.n_vertices(), &self.cycle.pieces(), 1);
+            let made = made(heights.net.mesh.n_vertices(), &self.cycle.pieces(), 1);
             let Some(left) = budget.checked_sub(made) else {
                 return Ok((level > PLACE_LEVELS[0]).then_some(false));
             };
             *budget = left;
             heights = self.refined(heights)?;
-            let topology = heights.net.topology();
+            let topology = heights.net.mesh.topology();
             let mut largest = Differences::default();
             let mut nearest = (f64::INFINITY, 0);
             for v in 0..topology.n_vertices() {
@@ -272,9 +272,9 @@ impl Heights {
         let whole = |x: f64| (2.0 * x / length).round() / 2.0;
         let scaled = |[x, y, z]: [f64; 3]| [whole(x), whole(y), (z - slope[0] * x - slope[1] * y) / size];
         let points = origins.iter().flat_map(|&origin| scaled(seen(found.vertices[origin as usize]))).collect();
-        let net = match &self.net.attributes {
+        let net = match &self.net.annotations.attributes {
             Some(attributes) => {
-                let directions = net.directions.as_deref().cloned();
+                let directions = net.annotations.directions.as_deref().cloned();
                 net.carrying(Some(Own::of(attributes, &found.vertices).attributes(&origins)), directions)
             }
             None => net,

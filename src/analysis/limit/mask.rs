@@ -241,8 +241,7 @@ impl<'a> Masks<'a> {
             }
         }
         let position = summing_to_one(position);
-        let forth =
-            |column: &[f64]| children.iter().fold(column.to_vec(), |column, child| child.forth(&column));
+        let forth = |column: &[f64]| children.iter().fold(column.to_vec(), |column, child| child.forth(&column));
         if !comes_together(&position, forth) {
             return Err(Unlimited::Rough);
         }

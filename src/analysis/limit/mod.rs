@@ -205,7 +205,7 @@ impl From<RefineError> for Unlimited {
 /// [`Unlimited`].
 pub fn check(plan: &Plan) -> Result<(), Unlimited> {
     let cycle = &plan.word.cycle;
-    if !cycle.iter().any(|letter| letter.operator.heirs().refine()) {
+    if !cycle.iter().any(|letter| letter.facts().children.refine()) {
         return Err(Unlimited::NoUpsampling);
     }
     if cost::is_beyond(cycle) { Err(Unlimited::Fine) } else { Ok(()) }
@@ -235,11 +235,11 @@ fn smoothness(impulse: Impulse<'_>, own: Vec<Common>, tangents: bool, watch: &Wa
 pub(super) fn check_continuous(plan: &Plan, net: &MeshNet) -> Result<(), Unlimited> {
     check(plan)?;
     let steps = plan.schedule(AHEAD).map_err(|fault| Unlimited::Later(fault.detail))?;
-    let own = net.attributes.as_deref().map_or_else(Vec::new, own::extremes);
+    let own = net.annotations.attributes.as_deref().map_or_else(Vec::new, own::extremes);
     let alphas: Vec<f64> = own.iter().filter_map(Common::alpha).chain([plan.alpha]).collect();
     let ahead = (&steps[plan.word.prefix.len()..], plan.word.cycle.len());
-    let cycle = Cycle::new(plan, ahead, Frame::of(plan, &net.base), &alphas, &Watch::new());
-    let (regular, tagged) = (Regular::of(&cycle, &net.base)?, net.directions.is_some());
+    let cycle = Cycle::new(plan, ahead, Frame::of(plan, &net.mesh.base), &alphas, &Watch::new());
+    let (regular, tagged) = (Regular::of(&cycle, &net.mesh.base)?, net.annotations.directions.is_some());
     let (support, common) = (cost::support(&plan.word.cycle), Common::default());
     let impulse = Impulse { cycle: &cycle, regular, tagged, common, support };
     smoothness(impulse, own, false, &Watch::new()).map(drop)
@@ -301,20 +301,20 @@ pub(in crate::analysis) fn limits(
 ) -> Result<Limits, Unlimited> {
     check(plan)?;
     // what comes before the first upsampling moves points, and puts faces in the place of vertices: the limits stay
-    let before = ahead.iter().take_while(|step| !step.letter.operator.heirs().refine()).count();
+    let before = ahead.iter().take_while(|step| !step.letter.facts().children.refine()).count();
     let given = points;
     let Led { net, points, centres } = Led::by(net, points, plan, &ahead[..before], watch)?;
-    let is_open = net.base.n_boundary() > 0;
+    let is_open = net.mesh.base.n_boundary() > 0;
     let (perturbation, rows) = (perturbed::of(plan), ROWS_A_POINT * followed_points(plan, asked));
     let plan = &Plan { perturbation: None, ..plan.clone() };
-    let own = net.attributes.as_deref().map_or_else(Vec::new, own::extremes);
+    let own = net.annotations.attributes.as_deref().map_or_else(Vec::new, own::extremes);
     let alphas: Vec<f64> = own.iter().filter_map(Common::alpha).chain([plan.alpha]).collect();
     let length = plan.word.cycle.len();
-    let frame = Frame::of(plan, &net.base);
+    let frame = Frame::of(plan, &net.mesh.base);
     let alphas = if field::carries(&net) { &alphas[..] } else { &[] };
     let cycle = Cycle::new(plan, (&ahead[before..], length), frame, alphas, watch);
-    let regular = Regular::of(&cycle, &net.topology())?;
-    let tagged = net.directions.is_some();
+    let regular = Regular::of(&cycle, &net.mesh.topology())?;
+    let tagged = net.annotations.directions.is_some();
     let rings = regular.rings(&cycle, tagged, Starts { is_open, others: centres.is_some() })?;
     let rings = if evens_out(&net) { Rings { patch: rings.patch.max(rings.support + 1), ..rings } } else { rings };
     let impulse = Impulse { cycle: &cycle, regular, tagged, common: Common::default(), support: rings.support };

@@ -6,8 +6,10 @@ use std::sync::Arc;
 use super::cycle::is_triangular;
 use super::frame::Frame;
 use super::numbers::Numbers;
-use crate::scheme::mesh_net::{Boundary, MeshNet, Surroundings};
+use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::sharpness::Sharpness;
+use crate::scheme::surroundings::Surroundings;
+use crate::scheme::tags::{Boundary, Tags};
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::directions::{Direction, Directions};
@@ -60,12 +62,12 @@ pub(super) struct Whole<'a> {
 impl<'a> Whole<'a> {
     /// A net, `topology` being its own.
     pub(super) fn of(net: &'a MeshNet, topology: &'a Topology) -> Self {
-        let rounds = if net.rounds < 2 { net.rounds } else { 2 + net.rounds % 2 };
+        let rounds = if net.mesh.rounds < 2 { net.mesh.rounds } else { 2 + net.mesh.rounds % 2 };
         Self {
             topology,
-            corners: &net.corners,
+            corners: &net.tags.corners,
             sharpness: net.sharpness.as_deref(),
-            directions: net.directions.as_deref(),
+            directions: net.annotations.directions.as_deref(),
             rounds,
             surroundings: net.surroundings,
         }
@@ -173,15 +175,17 @@ impl Patch {
         let vertices = self.sharp_vertices.iter().map(read).collect();
         let net = MeshNet::new(topology, &self.fixed, &[], Boundary::EdgeOnly);
         let net = net.with_sharpness(Sharpness::of(&edges, &vertices), rules);
-        let mut directions = vec![Direction::default(); net.base.n_edges()];
+        let mut directions = vec![Direction::default(); net.mesh.base.n_edges()];
         for (corner, &direction) in self.directions.iter().enumerate() {
-            directions[net.base.edge(index(corner)) as usize] = direction;
+            directions[net.mesh.base.edge(index(corner)) as usize] = direction;
         }
         let directions = (!self.directions.is_empty()).then(|| Directions::of_edges(directions));
         // nothing that a D would lose was tagged where there is one
-        let net = MeshNet { tagged: None, boundary, cut, ..net.carrying(None, directions) };
-        let (rounds, surroundings) = (self.rounds, self.surroundings);
-        Some((MeshNet { rounds, surroundings, ..net }, origins))
+        let mut net = net.carrying(None, directions);
+        net.tags = Tags { lost_by_dual: None, boundary, cut, ..net.tags };
+        net.mesh.rounds = self.rounds;
+        net.surroundings = self.surroundings;
+        Some((net, origins))
     }
 }
 

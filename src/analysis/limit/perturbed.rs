@@ -18,7 +18,7 @@ use super::sector::Sectors;
 use super::tangent::starting_vectors;
 use super::{Asked, Unlimited};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::ops::Role;
+use crate::scheme::operator::Role;
 use crate::scheme::plan::{Perturbation, Plan};
 use crate::shape::numbering::Numbering;
 use crate::shape::topology::index;
@@ -43,7 +43,7 @@ const CHUNK: usize = 4_096;
 /// The perturbation of a plan, if it has any say in the cycle.
 pub(super) fn of(plan: &Plan) -> Option<Perturbation> {
     let uses = |role: Role| matches!(role, Role::Average | Role::PushBack);
-    let acts = plan.word.cycle.iter().any(|letter| uses(letter.operator.role()));
+    let acts = plan.word.cycle.iter().any(|letter| uses(letter.facts().role));
     plan.perturbation.filter(|perturbation| acts && perturbation.amplitude != 0.0)
 }
 
@@ -53,7 +53,7 @@ pub fn followed_points(plan: &Plan, asked: Asked) -> u64 {
     if !of(plan).is_some_and(|perturbation| asked.positions || with_normals(&perturbation)) {
         return 0;
     }
-    let rings = plan.word.cycle.iter().filter(|letter| letter.operator.role() != Role::Upsample).count() as u64;
+    let rings = plan.word.cycle.iter().filter(|letter| letter.facts().role != Role::Upsample).count() as u64;
     (2 * rings + 1).saturating_pow(2)
 }
 
@@ -77,7 +77,7 @@ pub(super) fn field(
     rows: u64,
     watch: &Watch,
 ) -> Result<Field, Unlimited> {
-    let topology = net.topology();
+    let topology = net.mesh.topology();
     let whole = Whole::of(&net, &topology);
     check_size(&whole, rings, watch)?;
     let numbering = Numbering::of(&topology);

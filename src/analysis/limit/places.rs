@@ -5,7 +5,8 @@ use std::sync::Arc;
 use super::cycle::Cycle;
 use super::patch::Centre;
 use super::probe::Regular;
-use crate::scheme::mesh_net::{Boundary, MeshNet};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::tags::Boundary;
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::topology::{Topology, index};
 
@@ -45,7 +46,7 @@ impl Regular {
             let net = self.net(side, false);
             let face = (side / 2 * side + side / 2) * per_square;
             if boundaries {
-                let rim = net.base.half_edges(side / 2 * per_square).start;
+                let rim = net.mesh.base.half_edges(side / 2 * per_square).start;
                 places.push((net.clone(), Centre::Edge(rim)));
             }
             places.push((net, Centre::Face(index(face))));

@@ -31,7 +31,7 @@ impl Regular {
             return Ok(Self::Quads);
         }
         let refined = cycle.applied(Self::Triangles.net(4 + 2 * cycle.n_duals(), false), |_, _| Ok(()))?;
-        Ok(if is_triangular(&refined.topology()) { Self::Triangles } else { Self::Quads })
+        Ok(if is_triangular(&refined.mesh.topology()) { Self::Triangles } else { Self::Quads })
     }
 
     /// A regular net of `side x side` squares, each cut into two triangles where it is made of these; its rows are latitude
@@ -41,7 +41,7 @@ impl Regular {
         let squares = (0..side).flat_map(|j| (0..side).map(move |i| (i, j)));
         let squares = squares.map(|(i, j)| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
         let net = self.of_squares((side + 1) * (side + 1), squares);
-        let topology = &net.base;
+        let topology = &net.mesh.base;
         let direction = |e: usize| {
             let [a, b] = topology.ends(e).map(|v| v as usize / (side + 1));
             if a == b { Direction::Latitude } else { Direction::Longitude }
@@ -58,7 +58,7 @@ impl Regular {
 
     fn patch(self, rings: Rings, tagged: bool) -> Option<Patch> {
         let (net, middle) = self.grid(rings, tagged);
-        let whole = Whole::of(&net, &net.base);
+        let whole = Whole::of(&net, &net.mesh.base);
         whole.patch(Centre::Vertex(index(middle)), rings).map(|found| found.patch)
     }
 
@@ -107,7 +107,7 @@ impl Regular {
         }
         let rings = Rings { patch: rings.patch + starts.wider(cycle), ..rings };
         for (net, centre) in self.places(starts, cycle.n_duals(), rings.patch) {
-            let patch = Whole::of(&net, &net.base).patch(centre, rings).ok_or(Unlimited::Size)?.patch;
+            let patch = Whole::of(&net, &net.mesh.base).patch(centre, rings).ok_or(Unlimited::Size)?.patch;
             if !closes(cycle, patch, rings, STEPS)? {
                 return Ok(false);
             }
@@ -136,7 +136,7 @@ impl Regular {
     fn agrees_elsewhere(self, cycle: &Cycle<'_>, rings: Rings, starts: Starts) -> Result<bool, Unlimited> {
         let larger = Rings { patch: rings.patch + 2 + starts.wider(cycle), ..rings };
         for (net, centre) in self.places(starts, cycle.n_duals(), larger.patch) {
-            let whole = Whole::of(&net, &net.base);
+            let whole = Whole::of(&net, &net.mesh.base);
             let [Some(mut small), Some(mut large)] =
                 [rings, larger].map(|rings| whole.patch(centre, rings).map(|found| found.patch))
             else {

@@ -5,9 +5,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::Unlimited;
 use super::cycle::{Child, Cycle};
-use super::record::{Record, Weights};
 use super::own::Own;
 use super::patch::{Found, Patch, Rings};
+use super::record::{Record, Weights};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::Perturbation;
 use crate::scheme::stepper::Stepper;
@@ -88,10 +88,10 @@ impl<'a> Skeletons<'a> {
         (own, noise): (&Own, Option<(&Numbering, Perturbation)>),
     ) -> Result<(Traced, (Own, Option<Numbering>)), Unlimited> {
         let skeleton = self.skeleton(patch, own)?;
-        let directions = skeleton.net.directions.as_deref().cloned();
+        let directions = skeleton.net.annotations.directions.as_deref().cloned();
         let attributes = own.first().are_there().then(|| own.attributes(&skeleton.origins));
         let mut net = skeleton.net.clone().carrying(attributes, directions);
-        net.numbering = noise.map(|(numbering, _)| Arc::new(numbering.with_origins(&skeleton.origins)));
+        net.annotations.numbering = noise.map(|(numbering, _)| Arc::new(numbering.with_origins(&skeleton.origins)));
         let mut record = Record::new(Weights::Exact);
         for step in self.cycle.level(level) {
             let mut sources = self.cycle.plan.sources(step);
@@ -103,8 +103,9 @@ impl<'a> Skeletons<'a> {
             net = next.net;
         }
         let Found { vertices, corners, .. } = &skeleton.child;
-        let own = net.attributes.as_ref().map_or_else(Own::default, |attributes| Own::of(attributes, vertices));
-        let numbering = net.numbering.map(|numbering| numbering.part(&skeleton.refined, vertices, corners));
+        let own =
+            net.annotations.attributes.as_ref().map_or_else(Own::default, |attributes| Own::of(attributes, vertices));
+        let numbering = net.annotations.numbering.map(|numbering| numbering.part(&skeleton.refined, vertices, corners));
         Ok((Traced { skeleton, record, n_columns: patch.support }, (own, numbering)))
     }
 

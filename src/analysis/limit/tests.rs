@@ -1,7 +1,8 @@
 //! Patches around vertices with many faces: the least one is found without all walks.
 
 use super::patch::{Centre, Found, Rings, Whole};
-use crate::scheme::mesh_net::{Boundary, MeshNet};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::tags::Boundary;
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::topology::{Topology, index};
 use crate::watch::Watch;
@@ -39,7 +40,7 @@ fn the_least_patch_is_that_of_all_starts_whatever_comes_again_around_a_vertex() 
                 continue;
             }
             let net = around(&sizes);
-            let whole = Whole::of(&net, &net.base);
+            let whole = Whole::of(&net, &net.mesh.base);
             for centre in [Centre::Vertex(0), Centre::Face(0)] {
                 let expected = least_of_all(&whole, centre, rings).expect("there is a face");
                 let found = whole.least_patch(centre, rings, &Watch::new()).expect("nobody says stop");
@@ -54,7 +55,7 @@ fn the_least_patch_is_that_of_all_starts_whatever_comes_again_around_a_vertex() 
 #[test]
 fn a_vertex_that_looks_the_same_from_all_its_faces_takes_two_walks() {
     let net = around(&[3; 500]);
-    let whole = Whole::of(&net, &net.base);
+    let whole = Whole::of(&net, &net.mesh.base);
     let watch = Watch::new();
     let found = whole.least_patch(Centre::Vertex(0), Rings { support: 1, patch: 1 }, &watch).expect("nobody says stop");
     assert_eq!(found.map(|found| found.turn), Some(0));

@@ -42,7 +42,7 @@ pub(super) fn by(patch: &Patch, forth: impl Fn(&[f64]) -> Vec<f64>) -> Option<us
 /// `None` where it does not look the same then.
 pub(super) fn places(patch: &Patch, cycle: &Cycle<'_>, rings: Rings, faces: usize) -> Option<Vec<u32>> {
     let (net, origins) = patch.net(cycle.frame)?;
-    let (centre, whole) = (patch.centre(), Whole::of(&net, &net.base));
+    let (centre, whole) = (patch.centre(), Whole::of(&net, &net.mesh.base));
     let [here, there] = [0, faces].map(|start| whole.walk(centre, whole.starts(centre).nth(start)?, rings));
     let (here, there) = (here?, there?);
     let place = |i: usize| {

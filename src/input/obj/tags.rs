@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::fault::Fault;
 use crate::input::ReadMesh;
 use crate::input::text::{at_line, count, number, quoted};
-use crate::scheme::mesh_net::Boundary;
+use crate::scheme::tags::Boundary;
 
 /// What tags say, with the line of each entry, as the vertices they name may follow.
 #[derive(Debug, Default)]

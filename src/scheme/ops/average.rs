@@ -5,12 +5,13 @@ use std::sync::Arc;
 use super::local_average;
 use super::ring_average::{self, Around};
 use super::upsample::ratio;
-use super::{Follows, Operator, Role, SplineStep};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::creases::{Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::{Facts, Follows, Operator, Role, SplineStep};
 use crate::scheme::plan::DEFAULT_MU;
-use crate::scheme::polygon_net::{From, PolygonNet};
+use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::preimage::Preimage;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::Window;
 use crate::scheme::word::Letter;
@@ -21,43 +22,31 @@ use crate::shape::topology::{Topology, index};
 #[derive(Debug)]
 pub(super) struct Average;
 
+static FACTS: Facts = Facts {
+    letter: Some('C'),
+    name: "average",
+    doc: "The convolution average: D twice, re-centred. Curves after U: vertices (1, 2f, 1), edge points (f, 2, f), each over \
+     2(1 + f), with the kernel f in the first average after a U and 1 else. Meshes: the mean of the loop centres \
+     (f^2 V + f (E1 + E2) + F) / (1 + f)^2 of the quads around a vertex, after U3 and higher with f^2 for V, f for \
+     points of edges, 1 for points inside faces; with split triangle mu P + (1 - mu) times the mean of the neighbours, \
+     where V has the weight f. Boundaries and creases follow the curve rule, corners stay.",
+    source: "Zhang and Wang 2002, formulas (2) and (5); Zorin and Schroeder, CAGD 18 (2001), 429-454",
+    role: Role::Average,
+    uses: &["kernel", "mu"],
+    follows: Follows::Creases,
+    pointwise: true,
+    ..Facts::USUAL
+};
+
 impl Operator for Average {
-    fn letter(&self) -> Option<char> {
-        Some('C')
+    fn facts(&self) -> &'static Facts {
+        &FACTS
     }
 
-    fn name(&self) -> &'static str {
-        "average"
-    }
-
-    fn doc(&self) -> &'static str {
-        "The convolution average: D twice, re-centred. Curves after U: vertices (1, 2f, 1), edge points (f, 2, f), each over \
-         2(1 + f), with the kernel f in the first average after a U and 1 else. Meshes: the mean of the loop centres \
-         (f^2 V + f (E1 + E2) + F) / (1 + f)^2 of the quads around a vertex, after U3 and higher with f^2 for V, f for \
-         points of edges, 1 for points inside faces; with split triangle mu P + (1 - mu) times the mean of the neighbours, \
-         where V has the weight f. Boundaries and creases follow the curve rule, corners stay."
-    }
-
-    fn source(&self) -> &'static str {
-        "Zhang and Wang 2002, formulas (2) and (5); Zorin and Schroeder, CAGD 18 (2001), 429-454"
-    }
-
-    fn role(&self) -> Role {
-        Role::Average
-    }
-
-    fn uses(&self) -> &'static [&'static str] {
-        &["kernel", "mu"]
-    }
-
-    fn spline(&self, letter: &Letter, mu: f64) -> Option<SplineStep> {
+    fn spline(&self, letter: &Letter, mu: f64) -> Result<SplineStep, &'static str> {
         // the one weight with which the symbol is that of a box spline
         let even = letter.tile == Tile::Quad || mu == DEFAULT_MU;
-        even.then_some(SplineStep::Mean)
-    }
-
-    fn follows(&self) -> Follows {
-        Follows::Creases
+        if even { Ok(SplineStep::Mean) } else { Err("its C has another mu than 1/4") }
     }
 
     fn window(&self, _: &Letter, _: u32) -> Option<Window> {
@@ -65,12 +54,12 @@ impl Operator for Average {
     }
 
     fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
-        let (landed, origin) = net.land(Window::mean(3, false))?;
+        let (landed, preimages) = net.land(Window::mean(3, false))?;
         let (old, f, first) = (net.clone(), values.kernel, values.first);
-        let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match origin.of(row) {
-            From::End(end) => out.add(index(end), 1.0),
-            From::Point(j) if old.is_corner(old.control(j)) => old.add(j, 1.0, out),
-            From::Point(j) => {
+        let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match preimages.of(row) {
+            Preimage::End(end) => out.add(index(end), 1.0),
+            Preimage::Point(j) if old.is_corner(old.control(j)) => old.add(j, 1.0, out),
+            Preimage::Point(j) => {
                 // two D: the means of the pairs before and after, with the kernel as weight of vertices, and their mean
                 let [a, b, c] = [j - 1, j, j + 1].map(|i| old.weight(i, f, first));
                 let (before, after) = (2.0 * (a + b), 2.0 * (b + c));
@@ -84,15 +73,15 @@ impl Operator for Average {
     }
 
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let action = match net.halved() {
+        let action = match net.mesh.halved() {
             _ if values.letter.tile == Tile::Triangle => {
                 ring_average::rows(net, Around::Neighbours { mu: values.mu }, values.kernel)
             }
-            Some(parent) => match net.local.as_ref().filter(|_| values.first) {
+            Some(parent) => match net.since.local.as_ref().filter(|_| values.first) {
                 Some(local) => local_average::rows(net, parent, local),
                 None => split_rows(net.clone(), parent.clone(), values.kernel),
             },
-            None if net.parent.is_some() => ring_average::rows(net, Around::Faces, values.kernel),
+            None if net.mesh.parent.is_some() => ring_average::rows(net, Around::Faces, values.kernel),
             None => plain_rows(net.clone()),
         };
         Ok(Step { net: net.clone(), action })
@@ -102,7 +91,7 @@ impl Operator for Average {
 /// C on a mesh whose vertices are the V, E, F of a split.
 fn split_rows(net: MeshNet, parent: Arc<Topology>, f: f64) -> Action {
     let (n_v, n_e) = (parent.n_vertices(), parent.n_edges());
-    let n = net.n_vertices();
+    let n = net.mesh.n_vertices();
     let creases = Creases::of_parent(&net);
     let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
         if row < n_v {
@@ -127,7 +116,7 @@ fn split_rows(net: MeshNet, parent: Arc<Topology>, f: f64) -> Action {
 
 /// How vertex `v` of a topology comes about: edges are smooth or infinitely sharp here.
 pub(super) fn rule(net: &MeshNet, topology: &Topology, creases: Option<&Creases>, v: usize) -> Rule {
-    if net.is_corner(v) || topology.is_isolated(v) {
+    if net.tags.is_corner(v) || topology.is_isolated(v) {
         return Rule::Corner;
     }
     match creases.and_then(|creases| creases.vertex(v)) {
@@ -194,10 +183,10 @@ fn face_row(parent: &Topology, face: usize, f: f64, out: &mut Rows) {
 /// C where there are no labels: the mean of the centroids of the faces around a vertex; boundaries and creases
 /// `(1, 2, 1) / 4`.
 fn plain_rows(net: MeshNet) -> Action {
-    let n = net.n_vertices();
-    let creases = Creases::of_net(&net, &net.base);
+    let n = net.mesh.n_vertices();
+    let creases = Creases::of_net(&net, &net.mesh.base);
     let rows = RowsBy::new(n, n, move |v, out: &mut Rows| {
-        let topology = &net.base;
+        let topology = &net.mesh.base;
         match rule(&net, topology, creases.as_ref(), v) {
             Rule::Corner => out.add(index(v), 1.0),
             Rule::Crease(edges) => {

@@ -1,9 +1,9 @@
 //! A: the window average.
 
 use super::masked::apply;
-use super::{Operator, Role};
 use crate::math::mask::Mask;
 use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::{Facts, Operator, Role};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::Window;
@@ -13,31 +13,21 @@ use crate::scheme::word::Letter;
 #[derive(Debug)]
 pub(super) struct BoxAverage;
 
+static FACTS: Facts = Facts {
+    letter: Some('A'),
+    name: "window-average",
+    doc: "The mean of d neighbouring points of a curve, d being the arity of the last U; equals D when d is 2. For odd d the \
+     point itself stands in the middle; for even d the window reaches further forward the first time after a U, \
+     further back the second, and so on. U3 A^(g-1) gives the B-spline of degree g.",
+    source: "Zhang and Wang 2002, section 4.2; Lane and Riesenfeld, IEEE PAMI 2 (1980), 35-46",
+    role: Role::Average,
+    needs_upsampling: true,
+    ..Facts::USUAL
+};
+
 impl Operator for BoxAverage {
-    fn letter(&self) -> Option<char> {
-        Some('A')
-    }
-
-    fn name(&self) -> &'static str {
-        "window-average"
-    }
-
-    fn doc(&self) -> &'static str {
-        "The mean of d neighbouring points of a curve, d being the arity of the last U; equals D when d is 2. For odd d the \
-         point itself stands in the middle; for even d the window reaches further forward the first time after a U, \
-         further back the second, and so on. U3 A^(g-1) gives the B-spline of degree g."
-    }
-
-    fn source(&self) -> &'static str {
-        "Zhang and Wang 2002, section 4.2; Lane and Riesenfeld, IEEE PAMI 2 (1980), 35-46"
-    }
-
-    fn role(&self) -> Role {
-        Role::Average
-    }
-
-    fn needs_upsampling(&self) -> bool {
-        true
+    fn facts(&self) -> &'static Facts {
+        &FACTS
     }
 
     fn window(&self, letter: &Letter, duals: u32) -> Option<Window> {
@@ -45,14 +35,14 @@ impl Operator for BoxAverage {
     }
 
     fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
-        if !net.corners.is_empty() && self.shifts(values.letter) {
+        if !net.corners.is_empty() && values.letter.shifts() {
             return Err(StepError::DualTags("corners"));
         }
         let d = values.letter.arity;
         let window = Window::mean(d, net.duals % 2 == 1);
         let mask = Mask { first: window.first, values: vec![1.0 / f64::from(d); d as usize] };
         let (landed, rows) = apply(net, window, mask)?;
-        Ok(Step { net: landed.shifted(u32::from(self.shifts(values.letter))), action: Action::Blend(rows) })
+        Ok(Step { net: landed.shifted(u32::from(values.letter.shifts())), action: Action::Blend(rows) })
     }
 
     fn on_mesh(&self, _: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {

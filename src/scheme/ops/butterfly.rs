@@ -1,13 +1,13 @@
 //! The edge points of the modified butterfly scheme, applied after U on triangles.
 
+use super::around;
 use super::cosines::cosine;
 use super::upsample::ratio;
-use super::{Operator, Role, around};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::{Facts, Operator, Role};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, Step, StepError, Values};
-use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// The edge points of the modified butterfly scheme, with `16 w` times the displacement from the middle of the edge; at
@@ -25,24 +25,20 @@ use crate::shape::topology::{NONE, Topology, index};
 #[derive(Debug)]
 pub struct ButterflyEdges;
 
+static FACTS: Facts = Facts {
+    name: "butterfly-edges",
+    doc: "The edge points of the modified butterfly scheme after U on triangles: 1/2 (a + b) + 2w (c + d) - w (four far \
+     vertices) where both ends have valence 6, weights of the ring of an end of another valence, the four-point rule \
+     on boundaries. Used by the preset butterfly.",
+    source: "Zorin, Schroeder and Sweldens, SIGGRAPH 1996, 189-192; Dyn, Levin and Gregory, ACM TOG 9 (1990), 160-169",
+    // w is a sixteenth of the compensation, as in the word of the four-point scheme
+    role: Role::PushBack,
+    ..Facts::USUAL
+};
+
 impl Operator for ButterflyEdges {
-    fn name(&self) -> &'static str {
-        "butterfly-edges"
-    }
-
-    fn doc(&self) -> &'static str {
-        "The edge points of the modified butterfly scheme after U on triangles: 1/2 (a + b) + 2w (c + d) - w (four far \
-         vertices) where both ends have valence 6, weights of the ring of an end of another valence, the four-point rule \
-         on boundaries. Used by the preset butterfly."
-    }
-
-    fn source(&self) -> &'static str {
-        "Zorin, Schroeder and Sweldens, SIGGRAPH 1996, 189-192; Dyn, Levin and Gregory, ACM TOG 9 (1990), 160-169"
-    }
-
-    fn role(&self) -> Role {
-        // w is a sixteenth of the compensation, as in the word of the four-point scheme
-        Role::PushBack
+    fn facts(&self) -> &'static Facts {
+        &FACTS
     }
 
     fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
@@ -50,16 +46,15 @@ impl Operator for ButterflyEdges {
     }
 
     fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
-        around::check("butterfly", &net.base)
+        around::check("butterfly", &net.mesh.base)
     }
 
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let halved = net.tile == Tile::Triangle && net.pieces.last() == Some(&2);
-        let parent = net.parent.clone().filter(|_| halved).ok_or(StepError::NoAnchor)?;
-        if net.pieces.len() == 1 {
+        let parent = net.mesh.halved_triangles().cloned().ok_or(StepError::NoAnchor)?;
+        if net.mesh.pieces.len() == 1 {
             self.admits(net)?;
         }
-        let (n, n_v, strength) = (net.n_vertices(), parent.n_vertices(), values.compensation);
+        let (n, n_v, strength) = (net.mesh.n_vertices(), parent.n_vertices(), values.compensation);
         let old = net.clone();
         let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
             if row < n_v {
@@ -137,7 +132,7 @@ fn boundary_row(net: &MeshNet, parent: &Topology, e: usize, strength: f64, out: 
     let unit = strength / 16.0;
     for (end, other, onward) in [(a, b, false), (b, a, true)] {
         out.add(end, 0.5 + unit);
-        match parent.boundary_edges(end as usize).filter(|_| !net.is_corner(end as usize)) {
+        match parent.boundary_edges(end as usize).filter(|_| !net.tags.is_corner(end as usize)) {
             Some([next, _]) if onward => out.add(parent.ends(next as usize)[1], -unit),
             Some([_, previous]) => out.add(parent.ends(previous as usize)[0], -unit),
             None => {

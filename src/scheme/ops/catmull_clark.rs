@@ -1,11 +1,12 @@
 //! The smoothing half of Catmull-Clark, applied after U.
 
 use super::upsample::ratio;
-use super::{Follows, Operator, Role, SplineStep};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::creases::{Creases, Rule};
-use crate::scheme::mesh_net::{MeshNet, TriangleRule};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::{Facts, Follows, Operator, Role, SplineStep};
 use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::rules::TriangleRule;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::word::Letter;
 use crate::shape::topology::{NONE, Topology, index};
@@ -17,44 +18,37 @@ use crate::shape::topology::{NONE, Topology, index};
 #[derive(Debug)]
 pub struct CatmullClark;
 
+static FACTS: Facts = Facts {
+    name: "catmull-clark-smoothing",
+    doc: "The smoothing of Catmull and Clark after U: face points stay, edge points E/2 + (F1 + F2)/4, vertices of valence \
+     N (N-3)/N V + 2/N^2 sum E + 1/N^2 sum F; boundaries and creases are cubic B-splines, while they are sharp. Used by the preset catmull-clark.",
+    source: "Catmull and Clark, CAD 10 (1978), 350-355; boundaries as OpenSubdiv 3.5",
+    role: Role::Smooth,
+    follows: Follows::SemiSharp,
+    ..Facts::USUAL
+};
+
 impl Operator for CatmullClark {
-    fn name(&self) -> &'static str {
-        "catmull-clark-smoothing"
-    }
-
-    fn doc(&self) -> &'static str {
-        "The smoothing of Catmull and Clark after U: face points stay, edge points E/2 + (F1 + F2)/4, vertices of valence \
-         N (N-3)/N V + 2/N^2 sum E + 1/N^2 sum F; boundaries and creases are cubic B-splines, while they are sharp. Used by the preset catmull-clark."
-    }
-
-    fn source(&self) -> &'static str {
-        "Catmull and Clark, CAD 10 (1978), 350-355; boundaries as OpenSubdiv 3.5"
-    }
-
-    fn role(&self) -> Role {
-        Role::Smooth
+    fn facts(&self) -> &'static Facts {
+        &FACTS
     }
 
     fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
         Err(StepError::WrongNet("catmull-clark refines meshes; for polygons use cubic-b-spline"))
     }
 
-    fn spline(&self, _: &Letter, _: f64) -> Option<SplineStep> {
-        Some(SplineStep::Mean)
-    }
-
-    fn follows(&self) -> Follows {
-        Follows::SemiSharp
+    fn spline(&self, _: &Letter, _: f64) -> Result<SplineStep, &'static str> {
+        Ok(SplineStep::Mean)
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let parent = net.halved().cloned().ok_or(StepError::NoAnchor)?;
-        let (n, n_v, n_e) = (net.n_vertices(), parent.n_vertices(), parent.n_edges());
+        let parent = net.mesh.halved().cloned().ok_or(StepError::NoAnchor)?;
+        let (n, n_v, n_e) = (net.mesh.n_vertices(), parent.n_vertices(), parent.n_edges());
         let old = net.clone();
         let creases = Creases::of_parent(net);
         let triangles = if parent.is_quads() { TriangleRule::Catmark } else { net.rules.triangles };
         let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
-            if row >= n_v + n_e || old.is_corner(row) || row < n_v && parent.is_isolated(row) {
+            if row >= n_v + n_e || old.tags.is_corner(row) || row < n_v && parent.is_isolated(row) {
                 out.add(index(row), 1.0);
             } else if row < n_v {
                 match creases.as_ref().and_then(|creases| creases.vertex(row)) {

@@ -1,11 +1,13 @@
 //! A level of the d-ary circle scheme: a mask that follows alpha.
 
 use super::masked::apply;
-use super::{Operator, Role};
 use crate::math::functions::sin;
 use crate::math::mask::Mask;
+use crate::scheme::extent::Extent;
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::polygon_net::{self, Extent, PolygonNet};
+use crate::scheme::operator::{Children, Facts, Operator, Role};
+use crate::scheme::polygon_anchor::PolygonAnchor;
+use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::Window;
 use crate::scheme::word::Letter;
@@ -45,25 +47,19 @@ fn summed(values: &[f64], d: usize) -> Vec<f64> {
     (0..n).map(|j| values[(j + 1).saturating_sub(d)..values.len().min(j + 1)].iter().sum()).collect()
 }
 
+static FACTS: Facts = Facts {
+    name: "circle-mask",
+    doc: "A level of the d-ary scheme that keeps circles of angle alpha a point. Used by the preset d-ary-circle.",
+    source: "after Zhang and Wang 2002, section 4.2; space {1, ..., t^(m-1), cos t, sin t}",
+    role: Role::Upsample,
+    children: Children::Vertices,
+    needs_alpha: true,
+    ..Facts::USUAL
+};
+
 impl Operator for Circle {
-    fn name(&self) -> &'static str {
-        "circle-mask"
-    }
-
-    fn doc(&self) -> &'static str {
-        "A level of the d-ary scheme that keeps circles of angle alpha a point. Used by the preset d-ary-circle."
-    }
-
-    fn source(&self) -> &'static str {
-        "after Zhang and Wang 2002, section 4.2; space {1, ..., t^(m-1), cos t, sin t}"
-    }
-
-    fn role(&self) -> Role {
-        Role::Upsample
-    }
-
-    fn needs_alpha(&self) -> bool {
-        true
+    fn facts(&self) -> &'static Facts {
+        &FACTS
     }
 
     fn at_alpha(&self, letter: &mut Letter, alpha: f64) -> Result<(), String> {
@@ -87,7 +83,7 @@ impl Operator for Circle {
         }
         let (landed, rows) = apply(net, window, Mask::clone(mask))?;
         let lost = net.extent == Extent::Natural && letter.averages > 0;
-        let anchor = polygon_net::Anchor { lost, ..polygon_net::Anchor::of(net) };
+        let anchor = PolygonAnchor { lost, ..net.as_anchor() };
         let phase = Some(net.phase_after(letter.arity));
         let next = PolygonNet { duals: 0, phase, anchor: Some(anchor), ..landed };
         Ok(Step { net: next, action: Action::BlendFromAnchor(rows) })

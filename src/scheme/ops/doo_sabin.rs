@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use super::around;
 use super::cosines::cosine;
 use super::upsample::ratio;
-use super::{Heirs, Operator, Role, around};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::census::{Census, sum};
 use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::{Children, Facts, Operator, Role};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::shape::topology::{NONE, Topology, index};
@@ -25,40 +26,30 @@ use crate::shape::topology::{NONE, Topology, index};
 #[derive(Debug)]
 pub struct DooSabin;
 
+static FACTS: Facts = Facts {
+    name: "doo-sabin",
+    doc: "A level of Doo and Sabin: a new vertex for each corner of a face of n vertices, with weights (n + 5)/(4n) for the \
+     corner and (3 + 2 cos(2 pi i/n))/(4n) for the others; a face for each face, edge and vertex. Boundaries follow \
+     Chaikin, and the surface is reflected at them. Used by the preset doo-sabin.",
+    source: "Doo and Sabin, CAD 10 (1978), 356-360; Doo, Proc. Interactive Techniques in CAD (1978), 157-165",
+    role: Role::Smooth,
+    children: Children::Faces,
+    rebuilds: true,
+    ..Facts::USUAL
+};
+
 impl Operator for DooSabin {
-    fn name(&self) -> &'static str {
-        "doo-sabin"
-    }
-
-    fn doc(&self) -> &'static str {
-        "A level of Doo and Sabin: a new vertex for each corner of a face of n vertices, with weights (n + 5)/(4n) for the \
-         corner and (3 + 2 cos(2 pi i/n))/(4n) for the others; a face for each face, edge and vertex. Boundaries follow \
-         Chaikin, and the surface is reflected at them. Used by the preset doo-sabin."
-    }
-
-    fn source(&self) -> &'static str {
-        "Doo and Sabin, CAD 10 (1978), 356-360; Doo, Proc. Interactive Techniques in CAD (1978), 157-165"
-    }
-
-    fn role(&self) -> Role {
-        Role::Smooth
-    }
-
-    fn heirs(&self) -> Heirs {
-        Heirs::Faces
+    fn facts(&self) -> &'static Facts {
+        &FACTS
     }
 
     fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
         Err(StepError::WrongNet("doo-sabin refines meshes; for polygons use chaikin"))
     }
 
-    fn rebuilds(&self) -> bool {
-        true
-    }
-
     fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
-        let topology = &net.base;
-        if !net.holes.is_empty() {
+        let topology = &net.mesh.base;
+        if !net.tags.holes.is_empty() {
             return Err(StepError::OwnTags("doo-sabin", "holes (boundary \"none\" makes some)"));
         }
         around::check("doo-sabin", topology)?;
@@ -68,14 +59,14 @@ impl Operator for DooSabin {
             if inner && n == 2 {
                 return Err(StepError::TwoFaces { scheme: "doo-sabin", vertex: v });
             }
-            if net.is_corner(v) && (inner || n != 1) {
+            if net.tags.is_corner(v) && (inner || n != 1) {
                 return Err(StepError::DualCorner(v));
             }
         }
         Ok(())
     }
 
-    fn census(&self, before: &Census) -> Option<Census> {
+    fn census(&self, before: &Census) -> Census {
         let Census { count, boundary: b, corners: q, isolated, rounds } = *before;
         let (v, e, f, c) = (count.vertices, count.edges, count.faces, count.corners);
         if rounds == 0 {
@@ -84,40 +75,40 @@ impl Operator for DooSabin {
             let corners = sum(&[(2, c), (4, e), (2, b), (1, q)]);
             let largest = count.largest_face.max(count.largest_fan).max(4);
             let after = before.after([vertices, faces, corners, largest], sum(&[(2, b), (1, q)]));
-            return Some(Census { isolated: 0, ..after });
+            return Census { isolated: 0, ..after };
         }
         let inner = e.saturating_sub(b);
         let faces = sum(&[(1, f), (1, inner), (1, v.saturating_sub(b))]);
         let corners = sum(&[(2, c), (4, inner), (1, q)]).saturating_sub(sum(&[(2, b)]));
         // all vertices inside have four faces
         let largest = count.largest_face.max(4);
-        Some(before.after([c, faces, corners, largest], sum(&[(2, b)]).saturating_sub(q)))
+        before.after([c, faces, corners, largest], sum(&[(2, b)]).saturating_sub(q))
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        if net.rounds == 0 {
+        if net.mesh.rounds == 0 {
             self.admits(net)?;
         }
-        let old = net.base.clone();
+        let old = net.mesh.base.clone();
         let (n_c, n_old) = (index(old.n_half_edges()), old.n_vertices());
         let weights = Weights::of(&old);
-        if net.rounds > 0 {
-            let next = net.after_own(old.cut_corners(), later_corners(net));
+        if net.mesh.rounds > 0 {
+            let next = net.after_rebuild(old.cut_corners(), later_corners(net));
             let is_open = old.n_boundary() > 0;
-            let rows = RowsBy::new(next.n_vertices(), n_old, move |row, out: &mut Rows| {
+            let rows = RowsBy::new(next.mesh.n_vertices(), n_old, move |row, out: &mut Rows| {
                 let corner = index(row);
                 if is_open { later_row(&old, &weights, corner, out) } else { face_row(&old, &weights, corner, out) }
             });
             return Ok(Step { net: next, action: Action::Blend(Box::new(rows)) });
         }
         let topology = old
-            .cut_corners_first(&net.corners)
+            .cut_corners_first(&net.tags.corners)
             .map_err(|faults| StepError::DualNotManifold(faults.first().map_or(String::new(), ToString::to_string)))?;
         let boundary: Vec<u32> = (0..old.n_edges()).filter(|&e| old.is_boundary_edge(e)).map(index).collect();
-        let (fixed, n_rim) = (net.corners.clone(), 2 * boundary.len());
+        let (fixed, n_rim) = (net.tags.corners.clone(), 2 * boundary.len());
         let first_fixed = n_c + index(n_rim);
-        let next = net.after_own(topology, (first_fixed..).take(fixed.len()).collect());
-        let rows = RowsBy::new(next.n_vertices(), n_old, move |row, out: &mut Rows| {
+        let next = net.after_rebuild(topology, (first_fixed..).take(fixed.len()).collect());
+        let rows = RowsBy::new(next.mesh.n_vertices(), n_old, move |row, out: &mut Rows| {
             let Some(beyond) = row.checked_sub(n_c as usize) else {
                 return face_row(&old, &weights, index(row), out);
             };
@@ -136,7 +127,8 @@ impl Operator for DooSabin {
 
 /// Where the corners of a net that is not the first go: each has one face, whose corner there is the new vertex.
 fn later_corners(net: &MeshNet) -> Vec<u32> {
-    let mut corners: Vec<u32> = net.corners.iter().filter_map(|&v| net.base.ring(v as usize).next()).collect();
+    let mut corners: Vec<u32> =
+        net.tags.corners.iter().filter_map(|&v| net.mesh.base.ring(v as usize).next()).collect();
     corners.sort_unstable();
     corners
 }

@@ -4,12 +4,14 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::average::Average;
 use super::upsample::ratio;
-use super::{Heirs, Operator, Role, SplineStep};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::polygon_net::{From, PolygonNet};
+use crate::scheme::operator::{Children, Facts, Operator, Role, SplineStep};
+use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::preimage::Preimage;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::Window;
 use crate::scheme::word::Letter;
@@ -24,40 +26,31 @@ const PART: usize = 4096;
 #[derive(Debug)]
 pub(super) struct Dual;
 
+static FACTS: Facts = Facts {
+    letter: Some('D'),
+    name: "dual",
+    doc: "The dual average. Curves: q[j] = (w[j] p[j] + w[j+1] p[j+1]) / (w[j] + w[j+1]), with the kernel f as weight of \
+     vertices and 1 of edge points for the first average after a U, all 1 else. Meshes: one vertex for each face, at \
+     the mean of its vertices (weights f^2 for V, f for E, 1 for F in the first average after a U); one face for \
+     each interior vertex.",
+    source: "Lane and Riesenfeld, IEEE PAMI 2 (1980), 35-46; Zhang and Wang 2002, formula (2)",
+    role: Role::Average,
+    uses: &["kernel"],
+    children: Children::Dual,
+    twice: Some(&Average),
+    ..Facts::USUAL
+};
+
 impl Operator for Dual {
-    fn letter(&self) -> Option<char> {
-        Some('D')
+    fn facts(&self) -> &'static Facts {
+        &FACTS
     }
 
-    fn name(&self) -> &'static str {
-        "dual"
-    }
-
-    fn doc(&self) -> &'static str {
-        "The dual average. Curves: q[j] = (w[j] p[j] + w[j+1] p[j+1]) / (w[j] + w[j+1]), with the kernel f as weight of \
-         vertices and 1 of edge points for the first average after a U, all 1 else. Meshes: one vertex for each face, at \
-         the mean of its vertices (weights f^2 for V, f for E, 1 for F in the first average after a U); one face for \
-         each interior vertex."
-    }
-
-    fn source(&self) -> &'static str {
-        "Lane and Riesenfeld, IEEE PAMI 2 (1980), 35-46; Zhang and Wang 2002, formula (2)"
-    }
-
-    fn role(&self) -> Role {
-        Role::Average
-    }
-
-    fn heirs(&self) -> Heirs {
-        Heirs::Dual
-    }
-
-    fn spline(&self, letter: &Letter, _: f64) -> Option<SplineStep> {
-        (letter.tile == Tile::Quad).then_some(SplineStep::HalfMean)
-    }
-
-    fn uses(&self) -> &'static [&'static str] {
-        &["kernel"]
+    fn spline(&self, letter: &Letter, _: f64) -> Result<SplineStep, &'static str> {
+        match letter.tile {
+            Tile::Quad => Ok(SplineStep::HalfMean),
+            Tile::Triangle => Err("its D makes other faces of triangles"),
+        }
     }
 
     fn window(&self, _: &Letter, duals: u32) -> Option<Window> {
@@ -70,11 +63,11 @@ impl Operator for Dual {
             return Err(StepError::DualTags("corners"));
         }
         let back = isize::from(net.duals % 2 == 1);
-        let (landed, origin) = net.land(Window::mean(2, back == 1))?;
+        let (landed, preimages) = net.land(Window::mean(2, back == 1))?;
         let (old, f, first) = (net.clone(), values.kernel, values.first);
-        let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match origin.of(row) {
-            From::End(end) => out.add(index(end), 1.0),
-            From::Point(j) => {
+        let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match preimages.of(row) {
+            Preimage::End(end) => out.add(index(end), 1.0),
+            Preimage::Point(j) => {
                 let (left, right) = (j - back, j - back + 1);
                 let (a, b) = (old.weight(left, f, first), old.weight(right, f, first));
                 old.add(left, a / (a + b), out);
@@ -86,7 +79,7 @@ impl Operator for Dual {
     }
 
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        if let Some(tags) = net.tagged {
+        if let Some(tags) = net.tags.lost_by_dual {
             return Err(StepError::DualTags(tags));
         }
         let ordered = Ordered::of(net);
@@ -94,14 +87,14 @@ impl Operator for Dual {
         if faces.is_empty() {
             return Err(StepError::NoInterior);
         }
-        let n_old = net.n_vertices();
-        let lost = kept.len() < n_old && !net.cut;
+        let n_old = net.mesh.n_vertices();
+        let lost = kept.len() < n_old && !net.tags.cut;
         let checked = manifold(ordered.faces.len(), faces)?;
         let split_from = checked.split_from;
-        let labels = net.anchor.clone().filter(|_| net.parent.is_some());
+        let labels = net.since.anchor.clone().filter(|_| net.mesh.parent.is_some());
         let (n_new, f) = (checked.topology.n_vertices(), values.kernel);
         let Ordered { faces, order, .. } = ordered;
-        let anchor = net.anchor.clone().map(|anchor| {
+        let anchor = net.since.anchor.clone().map(|anchor| {
             let known = anchor.order.as_ref().or(order.as_ref());
             let order = known.map(|known| order_after(net, known, &kept, &split_from));
             Anchor { lost: lost || anchor.lost, order, ..anchor }
@@ -137,9 +130,9 @@ struct Ordered {
 
 impl Ordered {
     fn of(net: &MeshNet) -> Self {
-        let topology = net.topology();
+        let topology = net.mesh.topology();
         let mut faces = FaceList::default();
-        let Some(order) = net.order() else {
+        let Some(order) = net.mesh.order() else {
             (0..topology.n_faces()).for_each(|f| faces.push(topology.face(f).iter().copied()));
             return Self { faces, order: None, topology };
         };
@@ -157,7 +150,7 @@ impl Ordered {
 /// vertices or faces before are `known`; the dual has faces for the vertices `kept`, and `split_from` are the faces whose
 /// vertex there is one more.
 fn order_after(net: &MeshNet, known: &Arc<[u32]>, kept: &[u32], split_from: &[u32]) -> Arc<[u32]> {
-    if net.duals.is_multiple_of(2) {
+    if net.since.duals.is_multiple_of(2) {
         if kept.len() == known.len() {
             return known.clone();
         }

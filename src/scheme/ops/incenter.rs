@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::{Operator, Role};
 use crate::math::functions::sin;
 use crate::math::planar::{Neighbours, Vector, direction, half_chord, length, rotated, turn};
 use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::{Children, Facts, Operator, Role};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, PointMap, Step, StepError, Values};
 use crate::scheme::window::Window;
@@ -26,26 +26,20 @@ const STRAIGHT: f64 = 1e-9;
 #[derive(Debug)]
 pub struct Incenter;
 
+static FACTS: Facts = Facts {
+    name: "incenter",
+    doc: "A level of incenter subdivision, which is not linear: it turns tangents along with points of the plane. Used by \
+     the preset incenter.",
+    source: "after Deng and Wang, CAGD 27 (2010), 48-59",
+    role: Role::Upsample,
+    children: Children::Vertices,
+    turns_tangents: true,
+    ..Facts::USUAL
+};
+
 impl Operator for Incenter {
-    fn name(&self) -> &'static str {
-        "incenter"
-    }
-
-    fn doc(&self) -> &'static str {
-        "A level of incenter subdivision, which is not linear: it turns tangents along with points of the plane. Used by \
-         the preset incenter."
-    }
-
-    fn source(&self) -> &'static str {
-        "after Deng and Wang, CAGD 27 (2010), 48-59"
-    }
-
-    fn role(&self) -> Role {
-        Role::Upsample
-    }
-
-    fn turns_tangents(&self) -> bool {
-        true
+    fn facts(&self) -> &'static Facts {
+        &FACTS
     }
 
     fn window(&self, letter: &Letter, _: u32) -> Option<Window> {

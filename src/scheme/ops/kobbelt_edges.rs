@@ -1,9 +1,10 @@
 //! The edge points of Kobbelt's interpolating scheme, applied after U.
 
+use super::around;
 use super::upsample::ratio;
-use super::{Operator, Role, around};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::{Facts, Operator, Role};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::shape::topology::{NONE, Topology, index};
@@ -27,43 +28,36 @@ const FAR: f64 = -1.0 / 16.0;
 #[derive(Debug)]
 pub struct KobbeltEdges;
 
+static FACTS: Facts = Facts {
+    name: "kobbelt-edges",
+    doc: "The edge points of Kobbelt after U: 9/16 (a + b) - 1/16 (a* + b*), where a* and b* continue the edge beyond its \
+     ends: the next vertex at valence 4, a virtual point at other valences, the next vertex of the boundary on \
+     boundaries, the reflected one at corners. Used by the preset kobbelt.",
+    source: "Kobbelt, Computer Graphics Forum 15 (1996), 409-420, section 3; ends as of clamped polygons",
+    role: Role::Smooth,
+    reaches_farther: true,
+    ..Facts::USUAL
+};
+
 impl Operator for KobbeltEdges {
-    fn name(&self) -> &'static str {
-        "kobbelt-edges"
-    }
-
-    fn doc(&self) -> &'static str {
-        "The edge points of Kobbelt after U: 9/16 (a + b) - 1/16 (a* + b*), where a* and b* continue the edge beyond its \
-         ends: the next vertex at valence 4, a virtual point at other valences, the next vertex of the boundary on \
-         boundaries, the reflected one at corners. Used by the preset kobbelt."
-    }
-
-    fn source(&self) -> &'static str {
-        "Kobbelt, Computer Graphics Forum 15 (1996), 409-420, section 3; ends as of clamped polygons"
-    }
-
-    fn role(&self) -> Role {
-        Role::Smooth
+    fn facts(&self) -> &'static Facts {
+        &FACTS
     }
 
     fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
         Err(StepError::WrongNet("kobbelt refines meshes; for polygons use four-point"))
     }
 
-    fn reaches_farther(&self) -> bool {
-        true
-    }
-
     fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
-        around::check("kobbelt", &net.base)
+        around::check("kobbelt", &net.mesh.base)
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let parent = net.parent.clone().ok_or(StepError::NoAnchor)?;
-        if net.pieces.len() == 1 {
+        let parent = net.mesh.parent.clone().ok_or(StepError::NoAnchor)?;
+        if net.mesh.pieces.len() == 1 {
             self.admits(net)?;
         }
-        let (n, n_v, n_e) = (net.n_vertices(), parent.n_vertices(), parent.n_edges());
+        let (n, n_v, n_e) = (net.mesh.n_vertices(), parent.n_vertices(), parent.n_edges());
         let old = net.clone();
         let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
             if row < n_v || row >= n_v + n_e {
@@ -84,7 +78,7 @@ fn edge_row(net: &MeshNet, parent: &Topology, e: usize, out: &mut Rows) {
     for (end, other, outgoing) in [(a, b, forward), (b, a, backward)] {
         let v = end as usize;
         match parent.boundary_edges(v) {
-            _ if net.is_corner(v) => reflected(end, other, out),
+            _ if net.tags.is_corner(v) => reflected(end, other, out),
             None => beyond(parent, outgoing, out),
             Some([onward, _]) if backward == NONE && end == b => out.add(parent.ends(onward as usize)[1], FAR),
             Some([_, from]) if backward == NONE => out.add(parent.ends(from as usize)[0], FAR),

@@ -1,9 +1,9 @@
 //! The face points of Kobbelt's interpolating scheme, applied after its edge points.
 
 use super::upsample::ratio;
-use super::{Operator, Role};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::{Facts, Operator, Role};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::shape::topology::{NONE, Topology, index};
@@ -18,23 +18,19 @@ use crate::shape::topology::{NONE, Topology, index};
 #[derive(Debug)]
 pub struct KobbeltFaces;
 
+static FACTS: Facts = Facts {
+    name: "kobbelt-faces",
+    doc: "The face points of Kobbelt after his edge points: 1/n sum (E + (E - E*) / 8) over the sides of the face, with the \
+     edge point E* across the neighbour at each side: in quads the four-point rule from edge points to edge points. \
+     Used by the preset kobbelt.",
+    source: "Kobbelt, Computer Graphics Forum 15 (1996), 409-420, section 3",
+    role: Role::Smooth,
+    ..Facts::USUAL
+};
+
 impl Operator for KobbeltFaces {
-    fn name(&self) -> &'static str {
-        "kobbelt-faces"
-    }
-
-    fn doc(&self) -> &'static str {
-        "The face points of Kobbelt after his edge points: 1/n sum (E + (E - E*) / 8) over the sides of the face, with the \
-         edge point E* across the neighbour at each side: in quads the four-point rule from edge points to edge points. \
-         Used by the preset kobbelt."
-    }
-
-    fn source(&self) -> &'static str {
-        "Kobbelt, Computer Graphics Forum 15 (1996), 409-420, section 3"
-    }
-
-    fn role(&self) -> Role {
-        Role::Smooth
+    fn facts(&self) -> &'static Facts {
+        &FACTS
     }
 
     fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
@@ -42,8 +38,8 @@ impl Operator for KobbeltFaces {
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let parent = net.parent.clone().ok_or(StepError::NoAnchor)?;
-        let (n, before) = (net.n_vertices(), parent.n_vertices() + parent.n_edges());
+        let parent = net.mesh.parent.clone().ok_or(StepError::NoAnchor)?;
+        let (n, before) = (net.mesh.n_vertices(), parent.n_vertices() + parent.n_edges());
         let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
             if row < before {
                 out.add(index(row), 1.0);

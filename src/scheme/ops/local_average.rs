@@ -32,9 +32,9 @@ impl Gains {
 /// The first C after an upsampling of `parent`: each quad has the loop centre
 /// `(g h V + h E1 + g E2 + F) / ((1 + g) (1 + h))` with the weights g, h of its vertex against the points of its edges.
 pub(super) fn rows(net: &MeshNet, parent: &Arc<Topology>, local: &Arc<MeshLocal>) -> Action {
-    let directions = net.anchor.as_ref().and_then(|anchor| anchor.directions.clone());
+    let directions = net.since.anchor.as_ref().and_then(|anchor| anchor.directions.clone());
     let gains = Gains { local: local.clone(), directions };
-    let (n_v, n_e, n) = (parent.n_vertices(), parent.n_edges(), net.n_vertices());
+    let (n_v, n_e, n) = (parent.n_vertices(), parent.n_edges(), net.mesh.n_vertices());
     let creases = Creases::of_parent(net);
     let (net, parent) = (net.clone(), parent.clone());
     let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {

@@ -1,16 +1,15 @@
 //! The smoothing half of Loop's scheme, applied after U on triangles.
 
 use super::upsample::ratio;
-use super::{Follows, Operator, Role, SplineStep};
 use crate::math::functions::cos;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::creases::{Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::{Facts, Follows, Operator, Role, SplineStep};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::sharpness::edges_at;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::word::Letter;
-use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// Loop after U: `E' = 3/8 (V1 + V2) + 1/8 (A + B)` with the opposite vertices A and B, `V' = (1 - N beta) V + beta sum`
@@ -21,48 +20,40 @@ use crate::shape::topology::{NONE, Topology, index};
 #[derive(Debug)]
 pub struct LoopSmoothing;
 
+static FACTS: Facts = Facts {
+    name: "loop-smoothing",
+    doc: "The smoothing of Loop after U on triangles: edge points 3/8 (V1 + V2) + 1/8 (A + B), vertices of valence N \
+     (1 - N beta) V + beta sum of the neighbours, beta = (5/8 - (3/8 + cos(2 pi/N)/4)^2) / N; boundaries and \
+     creases are cubic B-splines, while they are sharp. Used by the preset loop.",
+    source: "Loop, Smooth subdivision surfaces based on triangles, 1987; boundaries as OpenSubdiv 3.5",
+    role: Role::Smooth,
+    follows: Follows::SemiSharp,
+    ..Facts::USUAL
+};
+
 impl Operator for LoopSmoothing {
-    fn name(&self) -> &'static str {
-        "loop-smoothing"
-    }
-
-    fn doc(&self) -> &'static str {
-        "The smoothing of Loop after U on triangles: edge points 3/8 (V1 + V2) + 1/8 (A + B), vertices of valence N \
-         (1 - N beta) V + beta sum of the neighbours, beta = (5/8 - (3/8 + cos(2 pi/N)/4)^2) / N; boundaries and \
-         creases are cubic B-splines, while they are sharp. Used by the preset loop."
-    }
-
-    fn source(&self) -> &'static str {
-        "Loop, Smooth subdivision surfaces based on triangles, 1987; boundaries as OpenSubdiv 3.5"
-    }
-
-    fn role(&self) -> Role {
-        Role::Smooth
+    fn facts(&self) -> &'static Facts {
+        &FACTS
     }
 
     fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
         Err(StepError::WrongNet("loop refines meshes; for polygons use cubic-b-spline"))
     }
 
-    fn spline(&self, _: &Letter, _: f64) -> Option<SplineStep> {
-        Some(SplineStep::Mean)
-    }
-
-    fn follows(&self) -> Follows {
-        Follows::SemiSharp
+    fn spline(&self, _: &Letter, _: f64) -> Result<SplineStep, &'static str> {
+        Ok(SplineStep::Mean)
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let halved = net.tile == Tile::Triangle && net.pieces.last() == Some(&2);
-        let parent = net.parent.clone().filter(|_| halved).ok_or(StepError::NoAnchor)?;
-        let (n, n_v) = (net.n_vertices(), parent.n_vertices());
+        let parent = net.mesh.halved_triangles().cloned().ok_or(StepError::NoAnchor)?;
+        let (n, n_v) = (net.mesh.n_vertices(), parent.n_vertices());
         let old = net.clone();
         let creases = Creases::of_parent(net);
         let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
             if row >= n_v {
                 let e = row - n_v;
                 edge_row(&parent, e, creases.as_ref().map_or(0.0, |creases| creases.edge(e)), out);
-            } else if old.is_corner(row) || parent.is_isolated(row) {
+            } else if old.tags.is_corner(row) || parent.is_isolated(row) {
                 out.add(index(row), 1.0);
             } else {
                 match creases.as_ref().and_then(|creases| creases.vertex(row)) {

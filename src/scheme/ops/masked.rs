@@ -1,10 +1,11 @@
 //! A whole level of a linear curve scheme, given by its mask.
 
-use super::{Operator, Role};
 use crate::math::mask::Mask;
 use crate::math::rows::{RowSource, Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::polygon_net::{From, PolygonNet};
+use crate::scheme::operator::{Children, Facts, Operator, Role};
+use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::preimage::Preimage;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::{Window, steps};
 use crate::scheme::word::Letter;
@@ -14,21 +15,18 @@ use crate::shape::topology::index;
 #[derive(Debug)]
 pub struct Masked;
 
+static FACTS: Facts = Facts {
+    name: "mask",
+    doc: "A level of a linear curve scheme of arity d: q[j] = sum over i of a[j - d i] p[i]. Used by presets.",
+    source: "Dyn, Subdivision schemes in CAGD, 1992, section 2",
+    role: Role::Upsample,
+    children: Children::Vertices,
+    ..Facts::USUAL
+};
+
 impl Operator for Masked {
-    fn name(&self) -> &'static str {
-        "mask"
-    }
-
-    fn doc(&self) -> &'static str {
-        "A level of a linear curve scheme of arity d: q[j] = sum over i of a[j - d i] p[i]. Used by presets."
-    }
-
-    fn source(&self) -> &'static str {
-        "Dyn, Subdivision schemes in CAGD, 1992, section 2"
-    }
-
-    fn role(&self) -> Role {
-        Role::Upsample
+    fn facts(&self) -> &'static Facts {
+        &FACTS
     }
 
     fn window(&self, letter: &Letter, _: u32) -> Option<Window> {
@@ -61,13 +59,13 @@ pub(super) fn apply(
     window: Window,
     mask: Mask,
 ) -> Result<(PolygonNet, Box<dyn RowSource>), StepError> {
-    let (landed, origin) = net.land(window)?;
+    let (landed, preimages) = net.land(window)?;
     let uniform = net.corners.is_empty();
     let old = net.clone();
     let n = landed.n;
-    let rows = RowsBy::new(n, net.n, move |row, out: &mut Rows| match origin.of(row) {
-        From::End(end) => out.add(index(end), 1.0),
-        From::Point(j) => {
+    let rows = RowsBy::new(n, net.n, move |row, out: &mut Rows| match preimages.of(row) {
+        Preimage::End(end) => out.add(index(end), 1.0),
+        Preimage::Point(j) => {
             if old.is_corner(old.control(j)) {
                 old.add(j, 1.0, out);
                 return;

@@ -5,14 +5,15 @@ use std::sync::Arc;
 
 use super::latitude::{LatitudeRule, Lines};
 use super::upsample::ratio;
-use super::{Follows, Operator, Role};
 use crate::math::expression::Expression;
 use crate::math::functions::sin;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
 use crate::scheme::creases::{Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::polygon_net::{self, PolygonNet};
+use crate::scheme::operator::{Facts, Follows, Operator, Role, SplineStep};
+use crate::scheme::polygon_anchor::PolygonAnchor;
+use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::steps;
 use crate::scheme::word::Letter;
@@ -28,6 +29,24 @@ pub struct PushBack(Share);
 pub(super) const PUSH_BACK: PushBack = PushBack(Share::Linear);
 /// The push-back of circle schemes.
 pub const CIRCULAR_PUSH_BACK: PushBack = PushBack(Share::Circular);
+
+static LINEAR: Facts =
+    Facts { letter: Some('P'), name: "push-back", follows: Follows::Creases, pointwise: true, ..COMMON };
+
+static CIRCULAR: Facts = Facts { name: "circular-push-back", needs_alpha: true, ..COMMON };
+
+/// What both have in common.
+const COMMON: Facts = Facts {
+    doc: "Pushes back towards the polygon or mesh that entered the last U. With D = delta (old - new) at each vertex: \
+         vertices move by D, edge points by omega/2 (D1 + D2), face points of an n-gon by omega^2/n times the sum over \
+         its vertices; omega is the compensation. For higher arities D is interpolated as U interpolates, times omega \
+         on edges and omega^2 inside faces. delta 0 changes nothing, 1 interpolates. Needs an even number of D \
+         since the last U.",
+    source: "Zhang and Wang 2002, formulas (3) and (6)-(9)",
+    role: Role::PushBack,
+    uses: &["delta", "compensation"],
+    ..Facts::USUAL
+};
 
 /// How a point between two vertices takes part in their displacements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,19 +70,11 @@ impl Share {
 }
 
 impl Operator for PushBack {
-    fn letter(&self) -> Option<char> {
-        (self.0 == Share::Linear).then_some('P')
-    }
-
-    fn name(&self) -> &'static str {
+    fn facts(&self) -> &'static Facts {
         match self.0 {
-            Share::Linear => "push-back",
-            Share::Circular => "circular-push-back",
+            Share::Linear => &LINEAR,
+            Share::Circular => &CIRCULAR,
         }
-    }
-
-    fn needs_alpha(&self) -> bool {
-        self.0 == Share::Circular
     }
 
     fn at_alpha(&self, _: &mut Letter, alpha: f64) -> Result<(), String> {
@@ -71,28 +82,8 @@ impl Operator for PushBack {
         if pole { Err(format!("the circular push-back has a pole at alpha = {alpha}")) } else { Ok(()) }
     }
 
-    fn doc(&self) -> &'static str {
-        "Pushes back towards the polygon or mesh that entered the last U. With D = delta (old - new) at each vertex: \
-         vertices move by D, edge points by omega/2 (D1 + D2), face points of an n-gon by omega^2/n times the sum over \
-         its vertices; omega is the compensation. For higher arities D is interpolated as U interpolates, times omega \
-         on edges and omega^2 inside faces. delta 0 changes nothing, 1 interpolates. Needs an even number of D \
-         since the last U."
-    }
-
-    fn source(&self) -> &'static str {
-        "Zhang and Wang 2002, formulas (3) and (6)-(9)"
-    }
-
-    fn role(&self) -> Role {
-        Role::PushBack
-    }
-
-    fn follows(&self) -> Follows {
-        if self.0 == Share::Linear { Follows::Creases } else { Follows::Corners }
-    }
-
-    fn uses(&self) -> &'static [&'static str] {
-        &["delta", "compensation"]
+    fn spline(&self, _: &Letter, _: f64) -> Result<SplineStep, &'static str> {
+        Err("its P pushes back")
     }
 
     fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
@@ -132,24 +123,24 @@ impl Operator for PushBack {
         if self.0 == Share::Circular {
             return Err(StepError::WrongNet("this scheme refines polygons"));
         }
-        let anchor = net.anchor.clone().ok_or(StepError::NoAnchor)?;
-        legal(net.duals, anchor.lost, "a boundary or a valence below 3")?;
+        let anchor = net.since.anchor.clone().ok_or(StepError::NoAnchor)?;
+        legal(net.since.duals, anchor.lost, "a boundary or a valence below 3")?;
         let deltas = deltas(net, &anchor, values.delta)?;
         let children = children(&anchor);
-        if let Some(lines) = net.local.as_ref().and_then(|local| Lines::of(&anchor, local)).map(Arc::new) {
+        if let Some(lines) = net.since.local.as_ref().and_then(|local| Lines::of(&anchor, local)).map(Arc::new) {
             let rows = Box::new(lines.displacements(deltas.into()));
             let push = Action::PushBack { rows, children };
             let by_places = values.latitude_rule == LatitudeRule::Position;
             let action = if by_places { Action::Sequence(vec![lines.follows(), push]) } else { push };
             return Ok(Step { net: net.clone(), action });
         }
-        let (omega, local, n_v) = (values.compensation, net.local.clone(), anchor.topology.n_vertices());
+        let (omega, local, n_v) = (values.compensation, net.since.local.clone(), anchor.topology.n_vertices());
         // of the points of edges and faces, where they have their own
         let omega = move |place: usize| match &local {
             Some(local) if place >= n_v => local.compensation[place - n_v],
             _ => omega,
         };
-        let rows = RowsBy::new(net.n_vertices(), anchor.topology.n_vertices(), move |row, out: &mut Rows| {
+        let rows = RowsBy::new(net.mesh.n_vertices(), anchor.topology.n_vertices(), move |row, out: &mut Rows| {
             let place = anchor.order.as_ref().map_or(row, |order| order[row] as usize);
             let omega = omega(place);
             let scales = [1.0, omega, omega * omega];
@@ -160,7 +151,7 @@ impl Operator for PushBack {
 }
 
 /// For each stored point of the anchor its child; the end points of a dual polygon are their own.
-fn children_of(anchor: &polygon_net::Anchor, net: &PolygonNet, d: isize, start: isize) -> Arc<[u32]> {
+fn children_of(anchor: &PolygonAnchor, net: &PolygonNet, d: isize, start: isize) -> Arc<[u32]> {
     let mut children = vec![0; anchor.n];
     children[anchor.n - 1] = index(net.n - 1);
     for i in 0..anchor.n_control {
@@ -202,7 +193,7 @@ fn deltas(net: &MeshNet, anchor: &Anchor, delta: &Expression) -> Result<Vec<f64>
     let creases = Creases::of_parent(net);
     let mut known: BTreeMap<usize, f64> = BTreeMap::new();
     let mut deltas = Vec::with_capacity(anchor.topology.n_vertices());
-    let own = net.local.as_ref().and_then(|local| local.delta.as_ref());
+    let own = net.since.local.as_ref().and_then(|local| local.delta.as_ref());
     for v in 0..anchor.topology.n_vertices() {
         let valence = match creases.as_ref().and_then(|creases| creases.vertex(v)) {
             Some(_) => anchor.tile.regular_valence(),

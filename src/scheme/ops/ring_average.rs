@@ -24,9 +24,9 @@ pub(super) enum Around {
 /// The mean of what the faces around a vertex contribute, with the weights that the kernel `f` gives to V, E and F;
 /// boundaries and creases follow the curve rule, corners stay.
 pub(super) fn rows(net: &MeshNet, around: Around, f: f64) -> Action {
-    let n = net.n_vertices();
-    let topology = net.topology();
-    let weights = Weights { labels: net.anchor.clone().filter(|_| net.parent.is_some()), f };
+    let n = net.mesh.n_vertices();
+    let topology = net.mesh.topology();
+    let weights = Weights { labels: net.since.anchor.clone().filter(|_| net.mesh.parent.is_some()), f };
     let creases = Creases::of_net(net, &topology);
     let old = net.clone();
     let rows = RowsBy::new(n, n, move |v, out: &mut Rows| match (rule(&old, &topology, creases.as_ref(), v), around) {

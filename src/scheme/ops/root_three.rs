@@ -2,10 +2,10 @@
 
 use super::cosines::cosine;
 use super::upsample::ratio;
-use super::{Heirs, Operator, Role};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::census::{Census, sum};
 use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::{Children, Facts, Operator, Role};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::shape::root_three::Rim;
@@ -21,40 +21,30 @@ use crate::shape::topology::{NONE, Topology, index};
 #[derive(Debug)]
 pub struct RootThree;
 
+static FACTS: Facts = Facts {
+    name: "sqrt-3",
+    doc: "A level of Kobbelt's sqrt 3 scheme on triangles: centroids of the faces, flipped edges, and old vertices moved by \
+     (4 - 2 cos(2 pi/n))/9 of the way to the mean of their n neighbours. Every second level cuts boundary edges in \
+     three, by the ternary cubic B-spline (1, 4, 10, 16, 19, 16, 10, 4, 1)/27. Used by the preset sqrt-3.",
+    source: "Kobbelt, SIGGRAPH 2000, 103-112",
+    role: Role::Smooth,
+    children: Children::Vertices,
+    rebuilds: true,
+    ..Facts::USUAL
+};
+
 impl Operator for RootThree {
-    fn name(&self) -> &'static str {
-        "sqrt-3"
-    }
-
-    fn doc(&self) -> &'static str {
-        "A level of Kobbelt's sqrt 3 scheme on triangles: centroids of the faces, flipped edges, and old vertices moved by \
-         (4 - 2 cos(2 pi/n))/9 of the way to the mean of their n neighbours. Every second level cuts boundary edges in \
-         three, by the ternary cubic B-spline (1, 4, 10, 16, 19, 16, 10, 4, 1)/27. Used by the preset sqrt-3."
-    }
-
-    fn source(&self) -> &'static str {
-        "Kobbelt, SIGGRAPH 2000, 103-112"
-    }
-
-    fn role(&self) -> Role {
-        Role::Smooth
-    }
-
-    fn heirs(&self) -> Heirs {
-        Heirs::Vertices
+    fn facts(&self) -> &'static Facts {
+        &FACTS
     }
 
     fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
         Err(StepError::WrongNet("sqrt-3 refines meshes of triangles; for polygons use ternary-cubic"))
     }
 
-    fn rebuilds(&self) -> bool {
-        true
-    }
-
     fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
-        let topology = &net.base;
-        if !net.holes.is_empty() {
+        let topology = &net.mesh.base;
+        if !net.tags.holes.is_empty() {
             return Err(StepError::OwnTags("sqrt-3", "holes (boundary \"none\" makes some)"));
         }
         if let Some(face) = topology.first_other_than_triangle() {
@@ -67,29 +57,29 @@ impl Operator for RootThree {
         }
     }
 
-    fn census(&self, before: &Census) -> Option<Census> {
+    fn census(&self, before: &Census) -> Census {
         let (v, f, b) = (before.count.vertices, before.count.faces, before.boundary);
         let (faces, corners) = (sum(&[(3, f)]), sum(&[(9, f)]));
         let (vertices, boundary) = match rim(before.rounds) {
             Rim::Whole => (sum(&[(1, v), (1, f)]), b),
             Rim::Thirds => (sum(&[(1, v), (1, f), (1, b)]), sum(&[(3, b)])),
         };
-        Some(before.after([vertices, faces, corners, 3], boundary))
+        before.after([vertices, faces, corners, 3], boundary)
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        if net.rounds == 0 {
+        if net.mesh.rounds == 0 {
             self.admits(net)?;
         }
-        let (old, rim) = (net.base.clone(), rim(net.rounds));
-        let next = net.after_own(old.split_root_three(rim), net.corners.to_vec());
+        let (old, rim) = (net.mesh.base.clone(), rim(net.mesh.rounds));
+        let next = net.after_rebuild(old.split_root_three(rim), net.tags.corners.to_vec());
         let (n_v, n_f) = (old.n_vertices(), old.n_faces());
         let cut: Vec<u32> = match rim {
             Rim::Whole => Vec::new(),
             Rim::Thirds => (0..old.n_edges()).filter(|&e| old.is_boundary_edge(e)).map(index).collect(),
         };
         let before = net.clone();
-        let rows = RowsBy::new(next.n_vertices(), n_v, move |row, out: &mut Rows| {
+        let rows = RowsBy::new(next.mesh.n_vertices(), n_v, move |row, out: &mut Rows| {
             if row < n_v {
                 vertex_row(&before, rim, row, out);
             } else if row < n_v + n_f {
@@ -112,9 +102,9 @@ fn rim(rounds: u32) -> Rim {
 }
 
 fn vertex_row(net: &MeshNet, rim: Rim, v: usize, out: &mut Rows) {
-    let old = &net.base;
+    let old = &net.mesh.base;
     let here = index(v);
-    if net.is_corner(v) || old.is_isolated(v) {
+    if net.tags.is_corner(v) || old.is_isolated(v) {
         return out.add(here, 1.0);
     }
     match (old.boundary_edges(v), rim) {
@@ -142,10 +132,10 @@ enum Near {
 
 /// A third of the way along a boundary edge: `(16 near + 10 far + 1 beyond)/27`, reflected at a corner.
 fn third_row(net: &MeshNet, edge: u32, near: Near, out: &mut Rows) {
-    let topology: &Topology = &net.base;
+    let topology: &Topology = &net.mesh.base;
     let [start, end] = topology.ends(edge as usize);
     let [a, b] = if near == Near::Start { [start, end] } else { [end, start] };
-    if net.is_corner(a as usize) {
+    if net.tags.is_corner(a as usize) {
         out.add(a, ratio(18, 27));
         out.add(b, ratio(9, 27));
         return;

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use super::{Follows, Operator, Role, SplineStep};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
 use crate::scheme::local::Local;
 use crate::scheme::local_mesh::MeshLocal;
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::polygon_net::{self, From, PolygonNet};
+use crate::scheme::operator::{Children, Facts, Follows, Operator, Role, SplineStep};
+use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::preimage::Preimage;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::{Window, steps};
 use crate::scheme::word::Letter;
@@ -22,40 +23,29 @@ pub(super) use crate::scheme::anchor::ratio;
 #[derive(Debug)]
 pub(super) struct Upsample;
 
+static FACTS: Facts = Facts {
+    letter: Some('U'),
+    name: "upsample",
+    doc: "Upsamples by linear interpolation. Curves, arity d (U is U2): q[di+j] = ((d-j) p[i] + j p[i+1]) / d. Meshes: vertices stay, \
+     every edge gets its midpoint and every face the mean of its vertices, so that an n-gon becomes n quads; arity d \
+     splits quads into d x d bilinearly, after a U where a mesh has other faces. With split triangle every triangle \
+     becomes d x d triangles.",
+    source: "Zhang and Wang 2002, formulas (1) and (4); Zorin and Schroeder, CAGD 18 (2001), 429-454",
+    role: Role::Upsample,
+    uses: &["alpha", "split"],
+    children: Children::Vertices,
+    follows: Follows::Creases,
+    pointwise: true,
+    ..Facts::USUAL
+};
+
 impl Operator for Upsample {
-    fn letter(&self) -> Option<char> {
-        Some('U')
+    fn facts(&self) -> &'static Facts {
+        &FACTS
     }
 
-    fn name(&self) -> &'static str {
-        "upsample"
-    }
-
-    fn doc(&self) -> &'static str {
-        "Upsamples by linear interpolation. Curves, arity d (U is U2): q[di+j] = ((d-j) p[i] + j p[i+1]) / d. Meshes: vertices stay, \
-         every edge gets its midpoint and every face the mean of its vertices, so that an n-gon becomes n quads; arity d \
-         splits quads into d x d bilinearly, after a U where a mesh has other faces. With split triangle every triangle \
-         becomes d x d triangles."
-    }
-
-    fn source(&self) -> &'static str {
-        "Zhang and Wang 2002, formulas (1) and (4); Zorin and Schroeder, CAGD 18 (2001), 429-454"
-    }
-
-    fn role(&self) -> Role {
-        Role::Upsample
-    }
-
-    fn uses(&self) -> &'static [&'static str] {
-        &["alpha", "split"]
-    }
-
-    fn spline(&self, letter: &Letter, _: f64) -> Option<SplineStep> {
-        (letter.arity == 2).then_some(SplineStep::Upsample)
-    }
-
-    fn follows(&self) -> Follows {
-        Follows::Creases
+    fn spline(&self, letter: &Letter, _: f64) -> Result<SplineStep, &'static str> {
+        if letter.arity == 2 { Ok(SplineStep::Upsample) } else { Err("its U has an arity above 2") }
     }
 
     fn window(&self, letter: &Letter, _: u32) -> Option<Window> {
@@ -64,11 +54,11 @@ impl Operator for Upsample {
 
     fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
         let arity = values.letter.arity;
-        let (landed, origin) = net.land(Window::upsample(arity))?;
+        let (landed, preimages) = net.land(Window::upsample(arity))?;
         let old = net.clone();
-        let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match origin.of(row) {
-            From::End(end) => out.add(index(end), 1.0),
-            From::Point(j) => {
+        let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match preimages.of(row) {
+            Preimage::End(end) => out.add(index(end), 1.0),
+            Preimage::Point(j) => {
                 let d = steps(arity);
                 let (i, j) = (j.div_euclid(d), j.rem_euclid(d).unsigned_abs());
                 let d = arity as usize;
@@ -81,8 +71,11 @@ impl Operator for Upsample {
             }
         });
         let rows = rows.repeating(arity as usize, 4 * arity as usize);
-        let anchor = polygon_net::Anchor::of(net);
-        let local = values.sources.as_ref().map_or(Ok(None), |sources| Local::of(net, arity, sources))?;
+        let anchor = net.as_anchor();
+        let local = values.sources.as_ref().map_or(Ok(None), |sources| {
+            let edges = if net.is_closed() { net.n_control() } else { net.n_control() - 1 };
+            Local::of([net.n_control(), edges], net.attributes.as_deref(), arity, sources)
+        })?;
         let attributes = net.attributes.as_ref().map(|kept| Arc::new(kept.upsampled(arity, net.is_closed())));
         let phase = Some(net.phase_after(arity));
         let next = PolygonNet { duals: 0, phase, anchor: Some(anchor), attributes, local, ..landed };
@@ -90,7 +83,7 @@ impl Operator for Upsample {
     }
 
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let entered = net.topology();
+        let entered = net.mesh.topology();
         let (tile, pieces) = (values.letter.tile, values.letter.arity);
         if tile == Tile::Triangle
             && let Some(face) = entered.first_other_than_triangle()
@@ -104,15 +97,16 @@ impl Operator for Upsample {
             topology: entered.clone(),
             tile,
             pieces,
-            corners: net.corners.clone(),
+            corners: net.tags.corners.clone(),
             sharpness: net.sharpness.clone(),
-            directions: net.directions.clone(),
+            directions: net.annotations.directions.clone(),
             order: None,
             lost: false,
         };
-        let local = values.sources.as_ref().map_or(Ok(None), |sources| MeshLocal::of(net, &entered, sources))?;
-        let next = net.upsampled(anchor.clone(), local);
-        let rows = RowsBy::new(next.n_vertices(), entered.n_vertices(), move |row, out: &mut Rows| {
+        let local =
+            values.sources.as_ref().map_or(Ok(None), |sources| MeshLocal::of(&net.annotations, &entered, sources))?;
+        let next = net.after_split(anchor.clone(), local);
+        let rows = RowsBy::new(next.mesh.n_vertices(), entered.n_vertices(), move |row, out: &mut Rows| {
             anchor.shares(row, [1.0; 3], |v, weight| out.add(v, weight));
         });
         Ok(Step { net: next, action: Action::BlendFromAnchor(Box::new(rows)) })

@@ -1,8 +1,8 @@
 //! Which operators may follow which.
 
 use super::{Plan, Subject};
-use crate::scheme::ops::{Follows, Role};
-use crate::scheme::polygon_net::Ends;
+use crate::scheme::extent::Ends;
+use crate::scheme::operator::{Follows, Role};
 use crate::scheme::step::StepError;
 use crate::scheme::word::Letter;
 use crate::shape::tile::Tile;
@@ -15,37 +15,37 @@ impl Plan {
         let mut arity = 2;
         let mut most = Follows::Corners;
         for mut letter in self.word.letters(2) {
-            let role = letter.operator.role();
+            let role = letter.facts().role;
             if role == Role::Average {
                 letter.arity = arity;
             }
-            if subject.is_mesh && letter.operator.needs_upsampling() {
+            if subject.is_mesh && letter.facts().needs_upsampling {
                 return Err(StepError::WrongNet("A averages the points of polygons; meshes take U, D, C and P"));
             }
             let splits_input = role == Role::Upsample && letter.tile == Tile::Triangle && !upsampled && duals == 0;
             if let Some((face, size)) = subject.other_face.filter(|_| splits_input) {
                 return Err(StepError::NotTriangles { face, size });
             }
-            let dual = letter.operator.shifts(&letter);
+            let dual = letter.shifts();
             if let Some(carried) = subject.carried {
                 if let Some(found) = other_than_halves(&letter) {
                     return Err(StepError::NotHalves { what: carried.name(), found });
                 }
-                let halves = letter.operator.letter() == Some('U');
+                let halves = letter.facts().letter == Some('U');
                 if !matches!(role, Role::Average | Role::PushBack) && !halves || letter.tile == Tile::Triangle {
                     return Err(StepError::Useless(carried.name()));
                 }
             }
-            if let Some(tags) = subject.attached.filter(|_| letter.operator.rebuilds()) {
-                return Err(StepError::OwnTags(letter.operator.name(), tags));
+            if let Some(tags) = subject.attached.filter(|_| letter.facts().rebuilds) {
+                return Err(StepError::OwnTags(letter.facts().name, tags));
             }
-            let follows = letter.operator.follows();
+            let follows = letter.facts().follows;
             most = most.max(follows);
             if subject.creased && follows == Follows::Corners && !dual {
                 return Err(StepError::Creases);
             }
             match role {
-                Role::Upsample if letter.mask.is_some() || letter.operator.needs_alpha() => {
+                Role::Upsample if letter.mask.is_some() || letter.facts().needs_alpha => {
                     if let Some(tags) = subject.tags {
                         return Err(StepError::MaskTags(tags));
                     }
@@ -54,7 +54,7 @@ impl Plan {
                 }
                 Role::Upsample => (upsampled, duals, lost, arity) = (true, 0, false, letter.arity),
                 Role::Average => {
-                    if letter.operator.needs_upsampling() && !upsampled {
+                    if letter.facts().needs_upsampling && !upsampled {
                         return Err(StepError::NoArity);
                     }
                     if let Some(tags) = subject.tags.filter(|_| dual) {
@@ -85,7 +85,7 @@ impl Plan {
 
 /// How the U of a word differs from one that halves edges and makes quads, if it does.
 pub(super) fn other_than_halves(letter: &Letter) -> Option<String> {
-    let is_lettered = letter.operator.letter() == Some('U');
+    let is_lettered = letter.facts().letter == Some('U');
     let split = || (letter.tile == Tile::Triangle).then(|| "split triangle".to_owned());
     let arity = || (letter.arity != 2).then(|| format!("U{}", letter.arity));
     if is_lettered { split().or_else(arity) } else { None }

@@ -6,9 +6,11 @@ use crate::fault::{Fault, under};
 use crate::math::expression::Expression;
 use crate::math::parameter::{Literal, Values, shortened};
 use crate::scheme::anchor::ratio;
-use crate::scheme::mesh_net::Rules;
 use crate::scheme::ops::LatitudeRule;
-use crate::scheme::presets::{self, Preset, Refines, Spelling, WORD_PARAMETERS};
+use crate::scheme::parameters::{KERNEL, WORD_PARAMETERS, latitude_rule, perturbation, tile};
+use crate::scheme::preset::{Preset, Refines, Spelling};
+use crate::scheme::presets::PRESETS;
+use crate::scheme::rules::Rules;
 use crate::scheme::step::StepError;
 use crate::scheme::word::{Letter, Word};
 use crate::shape::tile::Tile;
@@ -89,7 +91,7 @@ impl Plan {
     /// Whether it is a word over U, C and P whose upsamplings halve edges and make quads.
     fn averages_halves(&self) -> bool {
         let mut letters = self.word.prefix.iter().chain(&self.word.cycle);
-        let known = |letter: &Letter| matches!(letter.operator.letter(), Some('U' | 'C' | 'P'));
+        let known = |letter: &Letter| matches!(letter.facts().letter, Some('U' | 'C' | 'P'));
         letters.all(|letter| known(letter) && letter.tile == Tile::Quad && letter.arity == 2)
     }
 
@@ -125,8 +127,8 @@ fn with_lines(spelling: Spelling, input: &PlanInput, subject: Subject) -> (Spell
 }
 
 fn preset(name: &str, parameters: &[(String, Literal)], subject: Subject) -> Result<Spelling, Vec<Fault>> {
-    let Some(preset) = presets::named(name) else {
-        let known = presets::PRESETS.iter().map(|p| p.name).collect::<Vec<_>>().join(", ");
+    let Some(preset) = PRESETS.iter().copied().find(|preset| preset.name == name) else {
+        let known = PRESETS.iter().map(|p| p.name).collect::<Vec<_>>().join(", ");
         let detail = format!("there is no preset \"{}\"; known are {known}", shortened(name));
         return Err(vec![Fault::new("/preset", detail)]);
     };
@@ -148,7 +150,7 @@ fn check_subject(preset: &Preset, subject: Subject) -> Result<(), Vec<Fault>> {
 /// Vertices of meshes carry values of the kernel and its like: a preset that has no such parameters has no use for them.
 fn check_carried(preset: &Preset, subject: Subject) -> Result<(), Vec<Fault>> {
     let Some(carried) = subject.carried else { return Ok(()) };
-    if preset.parameters.iter().any(|parameter| parameter.name == presets::KERNEL.name) {
+    if preset.parameters.iter().any(|parameter| parameter.name == KERNEL.name) {
         return Ok(());
     }
     Err(vec![Fault::new("/preset", StepError::Useless(carried.name()).to_string())])
@@ -162,13 +164,13 @@ fn word_functions(parameters: &[(String, Literal)], _: Subject) -> Result<Spelli
         alpha: values.number("alpha").unwrap_or(0.0),
         compensation_alpha: values.number("compensation_alpha"),
         kernel: values.expressions("kernel").to_vec(),
-        tile: presets::tile(&values),
+        tile: tile(&values),
         mu: values.number("mu").unwrap_or(DEFAULT_MU),
         compensation: values.expression("compensation").cloned().unwrap_or_else(|| one.clone()),
         delta: values.expression("delta").cloned().unwrap_or(one),
-        perturbation: presets::perturbation(&values),
+        perturbation: perturbation(&values),
         kernel_longitude: values.expression("kernel_longitude").cloned(),
-        latitude_rule: presets::latitude_rule(&values),
+        latitude_rule: latitude_rule(&values),
         rules: Rules::default(),
     })
 }
@@ -183,15 +185,14 @@ fn both<A, B>(a: Result<A, Vec<Fault>>, b: Result<B, Vec<Fault>>) -> Result<(A, 
 
 /// On polygons two D next to each other are a C; one spelling of them makes one key.
 fn pair_duals(letters: &mut Vec<Letter>) {
-    let average = crate::scheme::ops::lettered('C').expect("C is an operator");
     let mut paired: Vec<Letter> = Vec::with_capacity(letters.len());
-    let is_dual = |letter: &Letter| letter.operator.letter() == Some('D');
     for letter in letters.drain(..) {
-        if is_dual(&letter) && paired.last().is_some_and(is_dual) {
-            paired.pop();
-            paired.push(Letter::plain(average));
-        } else {
-            paired.push(letter);
+        match letter.facts().twice.filter(|_| paired.last() == Some(&letter)) {
+            Some(whole) => {
+                paired.pop();
+                paired.push(Letter::plain(whole));
+            }
+            None => paired.push(letter),
         }
     }
     *letters = paired;

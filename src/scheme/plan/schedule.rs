@@ -4,8 +4,8 @@ use super::{Plan, Scheduled};
 use crate::fault::Fault;
 use crate::math::expression::{Expression, ExpressionError};
 use crate::scheme::local::{MAX_COMPENSATION, has_average};
-use crate::scheme::ops::Role;
-use crate::scheme::presets::MU;
+use crate::scheme::operator::Role;
+use crate::scheme::parameters::MU;
 use crate::scheme::word::Letter;
 use crate::shape::tile::Tile;
 
@@ -39,7 +39,7 @@ impl Plan {
                 kernel: 1.0,
                 compensation: 1.0,
             };
-            match operator.role() {
+            match operator.facts().role {
                 Role::Upsample => {
                     let before = f64::from(last_arity.unwrap_or(1));
                     alpha /= before;
@@ -103,7 +103,7 @@ impl Plan {
     /// What the weights of a triangle add up to where it is not 1: around and beside V in C, beside V in D.
     fn triangle_sums(&self, kernel: f64, letter: &Letter) -> Vec<f64> {
         let mu = self.mu;
-        if letter.operator.uses().contains(&MU.name) {
+        if letter.facts().uses.contains(&MU.name) {
             vec![mu * kernel + 1.0 - mu, mu + 0.5 * (1.0 - mu) * (1.0 + kernel)]
         } else {
             vec![kernel + 2.0]

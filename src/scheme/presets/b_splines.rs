@@ -1,8 +1,8 @@
 //! Uniform B-splines and C-B-splines: one upsampling and repeated averages.
 
-use super::{Preset, Refines, Spelling, letters};
 use crate::math::expression::Expression;
 use crate::math::parameter::{Default, Kind, Parameter};
+use crate::scheme::preset::{Preset, Refines, Spelling, letters};
 
 const LANE_RIESENFELD: &str = "Lane and Riesenfeld, IEEE PAMI 2 (1980), 35-46";
 

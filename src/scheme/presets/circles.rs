@@ -1,10 +1,10 @@
 //! d-ary schemes that keep circles.
 
-use super::{Preset, Refines, Spelling};
 use crate::fault::Fault;
 use crate::math::expression::Expression;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::scheme::ops::{CIRCULAR_PUSH_BACK, Circle};
+use crate::scheme::preset::{Preset, Refines, Spelling};
 use crate::scheme::word::Letter;
 
 pub(super) const D_ARY_CIRCLE: Preset = Preset {

@@ -1,8 +1,8 @@
 //! The incenter scheme, which is not linear.
 
-use super::{Preset, Refines, Spelling};
 use crate::math::parameter::{Default, Kind, Parameter};
 use crate::scheme::ops::Incenter;
+use crate::scheme::preset::{Preset, Refines, Spelling};
 use crate::scheme::word::Letter;
 
 pub(super) const INCENTER: Preset = Preset {

@@ -1,8 +1,8 @@
 //! Interpolating curve schemes.
 
-use super::{Preset, Refines, Spelling, letters};
 use crate::math::expression::Expression;
 use crate::math::parameter::{Default, Kind, Parameter};
+use crate::scheme::preset::{Preset, Refines, Spelling, letters};
 
 pub(super) const FOUR_POINT: Preset = Preset {
     name: "four-point",

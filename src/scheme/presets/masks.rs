@@ -1,9 +1,9 @@
 //! Schemes given by their masks: a client's own, and the 2n-point interpolation of Deslauriers and Dubuc.
 
-use super::{Preset, Refines, Spelling, masked};
 use crate::fault::Fault;
 use crate::math::mask::Mask;
 use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
+use crate::scheme::preset::{Preset, Refines, Spelling, masked};
 
 pub(super) const TWO_N_POINT: Preset = Preset {
     name: "two-n-point",

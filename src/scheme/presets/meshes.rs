@@ -1,9 +1,9 @@
 //! Classical schemes on meshes.
 
-use super::{Preset, Refines, Spelling, letters};
 use crate::math::parameter::{Default, Kind, Parameter, Values};
-use crate::scheme::mesh_net::{Rules, TriangleRule};
 use crate::scheme::ops::{CatmullClark, LoopSmoothing};
+use crate::scheme::preset::{Preset, Refines, Spelling, letters};
+use crate::scheme::rules::{Rules, TriangleRule};
 use crate::scheme::sharpness::Creasing;
 use crate::scheme::word::Letter;
 use crate::shape::tile::Tile;

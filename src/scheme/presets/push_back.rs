@@ -1,11 +1,12 @@
 //! Semi-stationary push-back subdivision.
 
-use super::{
-    ALPHA, COMPENSATION, COMPENSATION_ALPHA, DELTA, KERNEL, KERNEL_LONGITUDE, LATITUDE_RULE, MU, PERTURBATION, Preset,
-    Refines, SPLIT, Spelling, expression, latitude_rule, letters, perturbation, tile,
-};
 use crate::math::parameter::{Default, Kind, Parameter};
+use crate::scheme::parameters::{
+    ALPHA, COMPENSATION, COMPENSATION_ALPHA, DELTA, KERNEL, KERNEL_LONGITUDE, LATITUDE_RULE, MU, PERTURBATION, SPLIT,
+    expression, latitude_rule, perturbation, tile,
+};
 use crate::scheme::plan::DEFAULT_MU;
+use crate::scheme::preset::{Preset, Refines, Spelling, letters};
 
 pub(super) const PUSH_BACK: Preset = Preset {
     name: "push-back",

@@ -1,9 +1,9 @@
 //! The blending ternary scheme and the schemes that it contains.
 
-use super::{Preset, Refines, Spelling, masked};
 use crate::fault::Fault;
 use crate::math::mask::Mask;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::scheme::preset::{Preset, Refines, Spelling, masked};
 
 const HUANG_TAN: &str = "Huang and Tan, Acta Electronica Sinica 49 (2021), 90-98";
 

@@ -1,9 +1,9 @@
 //! Classical schemes on triangles besides Loop.
 
-use super::{Preset, Refines, Spelling, letters};
 use crate::math::expression::Expression;
 use crate::math::parameter::{Default, Kind, Parameter};
 use crate::scheme::ops::{ButterflyEdges, RootThree};
+use crate::scheme::preset::{Preset, Refines, Spelling, letters};
 use crate::scheme::word::Letter;
 use crate::shape::tile::Tile;
 

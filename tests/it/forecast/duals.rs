@@ -3,13 +3,14 @@
 use planish::job::Input;
 use planish::job::limits::{Limits, Refusal};
 use planish::refine::mesh_net;
+use planish::scheme::extent::Ends;
 use planish::scheme::forecast::{Count, ForecastError, MAX_BYTES, of_mesh};
-use planish::scheme::mesh_net::{Boundary, MeshNet};
-use planish::scheme::ops::Role;
+use planish::scheme::mesh_net::MeshNet;
+use planish::scheme::operator::Role;
 use planish::scheme::plan::{Plan, Scheduled};
-use planish::scheme::polygon_net::Ends;
 use planish::scheme::step::StepError;
 use planish::scheme::stepper::Stepper;
+use planish::scheme::tags::Boundary;
 use planish::watch::{Stopped, Watch};
 use proptest::prelude::*;
 use serde_json::json;
@@ -23,7 +24,7 @@ const CAP: u128 = 1 << 40;
 
 /// What is compared of a net, counted from its topology.
 fn counted(net: &MeshNet) -> Count {
-    let topology = net.topology();
+    let topology = net.mesh.topology();
     let fan = |v: usize| topology.ring(v).count() + if topology.boundary_edges(v).is_some() { 2 } else { 0 };
     Count {
         vertices: topology.n_vertices() as u128,
@@ -41,10 +42,10 @@ fn built<'a>(net: &MeshNet, steps: &'a [Scheduled]) -> (Vec<Count>, &'a [Schedul
     let (mut net, mut counts) = (net.clone(), vec![counted(net)]);
     let plan = Plan::none(Boundary::default(), Ends::default());
     for (i, step) in steps.iter().enumerate() {
-        let role = step.letter.operator.role();
+        let role = step.letter.facts().role;
         let growth =
-            if role == Role::Upsample { step.letter.pieces(net.topology().is_quads()).pow(2) as usize } else { 1 };
-        if net.topology().n_half_edges() * growth > MOST_CORNERS {
+            if role == Role::Upsample { step.letter.pieces(net.mesh.topology().is_quads()).pow(2) as usize } else { 1 };
+        if net.mesh.topology().n_half_edges() * growth > MOST_CORNERS {
             return (counts, &steps[..i], None);
         }
         match Stepper::new(&plan).next_from(&net, step, None) {

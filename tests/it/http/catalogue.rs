@@ -33,7 +33,8 @@ fn every_operator_is_listed_and_has_a_page() {
         let list = server.get("/v1/operators").await.ok().json();
         let letters: Vec<String> =
             list.as_array().unwrap().iter().map(|entry| entry["letter"].as_str().unwrap().to_owned()).collect();
-        let known: Vec<String> = OPERATORS.iter().filter_map(|operator| operator.letter()).map(String::from).collect();
+        let known: Vec<String> =
+            OPERATORS.iter().filter_map(|operator| operator.facts().letter).map(String::from).collect();
         assert_eq!(letters, known);
         for letter in ["U", "D", "C", "P"] {
             assert_eq!(server.get(&format!("/v1/operators/{letter}")).await.ok().json()["letter"], letter);

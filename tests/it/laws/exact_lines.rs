@@ -1,7 +1,7 @@
 //! What is told of latitude lines is what is measured in the limit: those told exact are circles of the radius told, and
 //! the others are none.
 
-use planish::analysis::revolution::Outlook;
+use planish::analysis::circles::Outlook;
 use planish::math::functions::{cos, sin, sqrt};
 use proptest::prelude::*;
 use serde_json::{Value, json};

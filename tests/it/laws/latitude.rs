@@ -1,6 +1,6 @@
 //! Latitude lines of tubes stay circles, whatever delta is, and what is not tagged is not touched.
 
-use planish::analysis::revolution::outlooks;
+use planish::analysis::circles::outlooks;
 use planish::math::functions::sqrt;
 use serde_json::{Value, json};
 

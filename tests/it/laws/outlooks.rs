@@ -1,6 +1,6 @@
 //! What is told of latitude lines beforehand is true: a line called exact is a circle of that radius in the limit.
 
-use planish::analysis::revolution::{Outlook, outlooks};
+use planish::analysis::circles::{Outlook, outlooks};
 use planish::math::functions::{cos, sin, sqrt};
 use proptest::prelude::*;
 use serde_json::{Value, json};

@@ -1,7 +1,8 @@
 //! Polynomials: up to which degree a scheme makes polynomials of polynomials (generation), and gives each one back
 //! (reproduction). Both are what they are said to be, no less and no more.
 
-use planish::scheme::presets::{PRESETS, Refines};
+use planish::scheme::preset::Refines;
+use planish::scheme::presets::PRESETS;
 use serde_json::{Value, json};
 
 use super::refined;

@@ -1,7 +1,7 @@
 //! Latitude lines of tori around their main axis stay circles; those of sweeps and skins along a bent axis stay plane,
 //! and ellipses.
 
-use planish::analysis::revolution::outlooks;
+use planish::analysis::circles::outlooks;
 use planish::math::functions::{cos, sin, sqrt};
 use serde_json::{Value, json};
 

@@ -1,6 +1,6 @@
 //! Limits where numbers differ from vertex to vertex: parameters of vertices, latitude lines.
 
-use planish::analysis::revolution::outlooks;
+use planish::analysis::circles::outlooks;
 use planish::math::functions::{cos, sin, sqrt};
 use serde_json::{Value, json};
 

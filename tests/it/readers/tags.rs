@@ -1,6 +1,6 @@
 //! The tags of subdivision surfaces in OBJ.
 
-use planish::scheme::mesh_net::Boundary;
+use planish::scheme::tags::Boundary;
 use serde_json::json;
 
 use super::{mesh, sentences};

@@ -2,7 +2,7 @@
 
 use super::NoLevel;
 use super::hull::MAX_REACH;
-use crate::scheme::ops::{SplineStep, lettered};
+use crate::scheme::operator::SplineStep;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::word::{Letter, Word};
 use crate::shape::mesh::Mesh;
@@ -50,7 +50,7 @@ impl Spline {
         if plan.turns_tangents().is_some() {
             return Err(NoLevel::NotLinear);
         }
-        let dual = plan.word.cycle.iter().any(|letter| step(plan, letter) == Some(SplineStep::HalfMean));
+        let dual = plan.word.cycle.iter().any(|letter| step(plan, letter) == Ok(SplineStep::HalfMean));
         if dual && mesh.topology.n_boundary() > 0 {
             return Err(NoLevel::LostBoundary);
         }
@@ -66,18 +66,18 @@ impl Spline {
         let mut rounds: Vec<Vec<Scheduled>> = Vec::new();
         for later in scheduled(1)?.split_off(prefix.len()) {
             match step(&plan, &later.letter) {
-                Some(SplineStep::Upsample) => rounds.push(vec![later]),
-                Some(_) => match rounds.last_mut() {
+                Ok(SplineStep::Upsample) => rounds.push(vec![later]),
+                Ok(_) => match rounds.last_mut() {
                     Some(round) => round.push(later),
                     None => return Err(NoLevel::NoSpline("its cycle does not begin with a U")),
                 },
-                None => return Err(no_spline(&later.letter)),
+                Err(why) => return Err(NoLevel::NoSpline(why)),
             }
         }
         let averages = rounds.iter().map(|round| round.len() - 1).max().unwrap_or(0);
         let tile = plan.tile();
         let half = |round: &Vec<Scheduled>| {
-            round.last().is_some_and(|last| step(&plan, &last.letter) == Some(SplineStep::HalfMean))
+            round.last().is_some_and(|last| step(&plan, &last.letter) == Ok(SplineStep::HalfMean))
         };
         let halved = rounds.iter().any(half);
         if halved && !rounds.iter().all(half) {
@@ -106,18 +106,8 @@ impl Spline {
     }
 }
 
-fn step(plan: &Plan, letter: &Letter) -> Option<SplineStep> {
+fn step(plan: &Plan, letter: &Letter) -> Result<SplineStep, &'static str> {
     letter.operator.spline(letter, plan.mu)
-}
-
-fn no_spline(letter: &Letter) -> NoLevel {
-    NoLevel::NoSpline(match (letter.arity, letter.tile, letter.operator.letter()) {
-        (3.., _, Some('U')) => "its U has an arity above 2",
-        (_, Tile::Triangle, Some('C')) => "its C has another mu than 1/4",
-        (_, Tile::Triangle, Some('D')) => "its D makes other faces of triangles",
-        (_, _, Some('P')) => "its P pushes back",
-        _ => "its steps are others",
-    })
 }
 
 /// The cycle with each pair of D as one C, on closed meshes the same net in another order; a D that is left over comes
@@ -127,14 +117,14 @@ fn paired(plan: &Plan) -> Result<Vec<Letter>, NoLevel> {
     let mut half: Option<&Letter> = None;
     for letter in &plan.word.cycle {
         match (step(plan, letter), half) {
-            (Some(SplineStep::HalfMean), None) => half = Some(letter),
-            (Some(SplineStep::HalfMean), Some(_)) => {
-                let average = lettered('C').expect("C is registered");
-                cycle.push(Letter { tile: letter.tile, ..Letter::plain(average) });
+            (Ok(SplineStep::HalfMean), None) => half = Some(letter),
+            (Ok(SplineStep::HalfMean), Some(_)) => {
+                let whole = letter.facts().twice.ok_or(NoLevel::Dual)?;
+                cycle.push(Letter { tile: letter.tile, ..Letter::plain(whole) });
                 half = None;
             }
             // halves that are not next to each other do not make a whole where averages see the net between them
-            (Some(SplineStep::Mean) | None, Some(_)) => return Err(NoLevel::Dual),
+            (Ok(SplineStep::Mean) | Err(_), Some(_)) => return Err(NoLevel::Dual),
             _ => {
                 cycle.extend(half.take().cloned());
                 cycle.push(letter.clone());

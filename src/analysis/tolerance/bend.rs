@@ -68,8 +68,8 @@ impl Bending<'_> {
         let end = |corner: u32| topology.vertex(topology.next(corner)) as usize;
         let lines: Vec<[usize; 2]> = match (open, ring.len(), sharp.as_slice()) {
             // a fixed corner of one quad: where two boundary lines end
-            (true, 1, []) if self.net.is_corner(v) && sides == 4 => return Bend::NONE,
-            _ if self.net.is_corner(v) => return Bend::UNBOUNDED,
+            (true, 1, []) if self.net.tags.is_corner(v) && sides == 4 => return Bend::NONE,
+            _ if self.net.tags.is_corner(v) => return Bend::UNBOUNDED,
             (true, n, []) if n == half => {
                 vec![[end(ring[0]), topology.vertex(topology.previous(ring[n - 1])) as usize]]
             }

@@ -4,7 +4,7 @@
 use super::ring::Ring;
 use crate::math::functions::{cos, sqrt};
 use crate::math::vector::{cross, dot, length, times};
-use crate::scheme::ops::Role;
+use crate::scheme::operator::Role;
 use crate::scheme::plan::Scheduled;
 
 /// A complex number: the first vertex of a ring, in the plane across the axis.
@@ -67,7 +67,7 @@ impl Profile {
             (0..2 * n - 1).map(|j| f64::midpoint(self.deltas[j / 2], self.deltas[j.div_ceil(2)])).collect();
         let quarter = cos(theta / 4.0);
         for step in block {
-            match step.letter.operator.role() {
+            match step.letter.facts().role {
                 Role::Average if step.first => fine = averaged(&fine, along, cos(theta / 2.0)),
                 Role::Average => fine = averaged(&fine, 1.0, quarter * quarter),
                 Role::PushBack => self.push_back(&mut fine),

@@ -1,6 +1,7 @@
 //! What plans do to tubes: whether their words keep circles, and how far they reach along the axis.
 
-use crate::scheme::ops::{LatitudeRule, Role};
+use crate::scheme::operator::Role;
+use crate::scheme::ops::LatitudeRule;
 use crate::scheme::plan::Scheduled;
 use crate::scheme::word::{Letter, Word};
 
@@ -23,13 +24,13 @@ impl Reach {
     pub(super) fn of(steps: &[Scheduled], pushed: bool) -> Self {
         let (mut rings, mut widest) = (0_usize, 0);
         for step in steps.iter().rev() {
-            rings = match step.letter.operator.role() {
+            rings = match step.letter.facts().role {
                 Role::Average => rings + 1,
                 Role::PushBack if pushed => rings.next_multiple_of(2),
                 Role::PushBack | Role::Smooth => rings,
                 Role::Upsample => rings.div_ceil(2),
             };
-            if step.letter.operator.role() == Role::Upsample {
+            if step.letter.facts().role == Role::Upsample {
                 widest = widest.max(rings);
             }
         }
@@ -39,7 +40,7 @@ impl Reach {
 
 /// A U at the front of each part, and what follows it.
 fn blocks(letters: &[Letter]) -> impl Iterator<Item = &[Letter]> {
-    letters.chunk_by(|_, next| next.operator.role() != Role::Upsample)
+    letters.chunk_by(|_, next| next.facts().role != Role::Upsample)
 }
 
 fn parts(word: &Word) -> impl Iterator<Item = &[Letter]> {
@@ -54,13 +55,13 @@ fn averaged<T>(block: &[T], role: impl Fn(&T) -> Role) -> &[T] {
 
 /// Whether something is pushed back after an upsampling: before the first average vertices are where they were.
 pub(super) fn pushes_back(block: &[Scheduled]) -> bool {
-    let role = |step: &Scheduled| step.letter.operator.role();
+    let role = |step: &Scheduled| step.letter.facts().role;
     averaged(block, role).iter().any(|step| role(step) == Role::PushBack)
 }
 
 /// Whether a word pushes anything back.
 pub(super) fn pushes(word: &Word) -> bool {
-    let role = |letter: &Letter| letter.operator.role();
+    let role = |letter: &Letter| letter.facts().role;
     parts(word).any(|block| averaged(block, role).iter().any(|letter| role(letter) == Role::PushBack))
 }
 
@@ -68,7 +69,7 @@ pub(super) fn pushes(word: &Word) -> bool {
 /// and nothing stands before the first U. By places a P changes the odd points even where no vertex has moved.
 pub(super) fn keeps_circles(word: &Word, rule: LatitudeRule) -> bool {
     let keeps = |block: &[Letter]| {
-        let letters: Vec<Option<char>> = block.iter().map(|letter| letter.operator.letter()).collect();
+        let letters: Vec<Option<char>> = block.iter().map(|letter| letter.facts().letter).collect();
         let Some((Some('U'), rest)) = letters.split_first() else { return false };
         let idle = rest.iter().take_while(|&&letter| letter == Some('P')).count();
         (idle == 0 || rule != LatitudeRule::Position)

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use crate::math::vector::{Vector, mean};
 use crate::refine::{Points, RefineError, advance};
-use crate::scheme::mesh_net::{Boundary, MeshNet};
-use crate::scheme::ops::Role;
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::sharpness::Sharpness;
 use crate::scheme::stepper::Stepper;
+use crate::scheme::tags::Boundary;
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
@@ -32,9 +33,9 @@ pub(super) struct Level {
 impl Level {
     /// A net, of which all faces are followed that are not hidden.
     pub(super) fn new(net: MeshNet, points: Points) -> Self {
-        let topology = net.topology();
+        let topology = net.mesh.topology();
         let n = index(topology.n_faces());
-        let shown = |f: &u32| net.parent.is_some() || net.holes.binary_search(f).is_err();
+        let shown = |f: &u32| net.mesh.parent.is_some() || net.tags.holes.binary_search(f).is_err();
         let live = (0..n).filter(shown).collect();
         Self { flat: points.clone(), home: (0..n).collect(), live, net, topology, points }
     }
@@ -62,13 +63,13 @@ impl Level {
         for step in round {
             let next = Stepper::new(plan).next(&net, step).map_err(RefineError::at(step))?;
             points.act(&next.action, step.level, watch)?;
-            if step.letter.operator.role() == Role::Upsample {
+            if step.letter.facts().role == Role::Upsample {
                 flat.act(&next.action, step.level, watch)?;
             }
             net = next.net;
         }
-        let topology = net.topology();
-        let tile = net.tile;
+        let topology = net.mesh.topology();
+        let tile = net.mesh.tile;
         let parent = |child: usize| match tile {
             // the children of a face have the numbers of its corners
             Tile::Quad => self.topology.face_of(index(child)),
@@ -148,7 +149,7 @@ impl Level {
             Points::new(vertices.iter().flat_map(|&v| all[v as usize]).collect(), 3)
         };
         let corners: Vec<u32> =
-            (0..vertices.len()).filter(|&v| self.net.is_corner(vertices[v] as usize)).map(index).collect();
+            (0..vertices.len()).filter(|&v| self.net.tags.is_corner(vertices[v] as usize)).map(index).collect();
         let net = MeshNet::new(topology.clone(), &corners, &[], Boundary::EdgeOnly);
         let sharpness = self.net.sharpness.as_deref().and_then(|s| self.sharpness(s, &kept, &vertices, &topology));
         let net = net.with_sharpness(sharpness, self.net.rules);

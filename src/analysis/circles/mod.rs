@@ -19,7 +19,8 @@ use super::limit::{Unlimited, check_continuous};
 use crate::math::expression::Expression;
 use crate::math::vector::Vector;
 use crate::refine::{carried, mesh_net};
-use crate::scheme::ops::{LatitudeRule, Role};
+use crate::scheme::operator::Role;
+use crate::scheme::ops::LatitudeRule;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::attributes::Attributes;
 use crate::shape::directions::{Direction, Directions, Line};
@@ -282,7 +283,7 @@ impl<'a> Tube<'a> {
         let compensated = profile.is_pushed() || self.rule == LatitudeRule::Position;
         for level in self.steps.chunk_by(|a, b| a.level == b.level) {
             let before = profile.here();
-            for block in level.chunk_by(|_, b| b.letter.operator.role() != Role::Upsample) {
+            for block in level.chunk_by(|_, b| b.letter.facts().role != Role::Upsample) {
                 profile = profile.refined(block, self.along(block, theta, alpha, compensated)?, theta);
                 theta /= 2.0;
             }
@@ -312,7 +313,7 @@ impl<'a> Tube<'a> {
             None => own(upsampling.compensation_alpha),
         };
         let omega = value(&self.plan.compensation, seen)?;
-        let later = block.iter().filter(|step| step.letter.operator.role() == Role::Average && !step.first);
+        let later = block.iter().filter(|step| step.letter.facts().role == Role::Average && !step.first);
         let others = later.map(|step| (step.kernel - 1.0).abs()).fold(0.0, f64::max);
         if (kernel - c).abs() > ROUNDING || pushed && (omega * c - 1.0).abs() > ROUNDING || others > ROUNDING {
             return Err(None);

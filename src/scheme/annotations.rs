@@ -1,0 +1,50 @@
+//! What the vertices, edges and faces of a mesh carry, which only words over U, C and P look at.
+
+use std::sync::Arc;
+
+use crate::shape::attributes::Attributes;
+use crate::shape::directions::Directions;
+use crate::shape::numbering::Numbering;
+use crate::shape::topology::Topology;
+
+/// Parameters of vertices, directions of edges, and numbers of all of them. A D leaves none of them.
+#[derive(Debug, Clone, Default)]
+pub struct Annotations {
+    /// Parameters that vertices carry.
+    pub attributes: Option<Arc<Attributes>>,
+    /// Directions of edges along latitude and longitude lines.
+    pub directions: Option<Arc<Directions>>,
+    /// Numbers in the whole net, where the net is only a part of it.
+    pub numbering: Option<Arc<Numbering>>,
+}
+
+impl Annotations {
+    /// After an upsampling of a topology, which has to halve edges and make quads where there are annotations.
+    pub(super) fn after_split(&self, entered: &Topology) -> Self {
+        let upsampled = |attributes: &Arc<Attributes>| Arc::new(attributes.changed(|array| upsampled(array, entered)));
+        Self {
+            attributes: self.attributes.as_ref().map(upsampled),
+            directions: self.directions.as_ref().map(|directions| Arc::new(directions.split(entered))),
+            numbering: self.numbering.as_ref().map(|numbering| Arc::new(numbering.split(entered))),
+        }
+    }
+}
+
+/// The numbers that vertices carry after an upsampling of arity 2.
+fn upsampled(array: &[f64], topology: &Topology) -> Vec<f64> {
+    let made = (0..topology.n_edges() + topology.n_faces()).map(|i| mean(array, topology, i));
+    array.iter().copied().chain(made).collect()
+}
+
+/// The mean over the ends of edge `i`, or over the vertices of face `i - n_e`.
+pub(super) fn mean(array: &[f64], topology: &Topology, i: usize) -> f64 {
+    let n_e = topology.n_edges();
+    if i < n_e {
+        let [a, b] = topology.ends(i);
+        return f64::midpoint(array[a as usize], array[b as usize]);
+    }
+    let face = topology.face(i - n_e);
+    #[expect(clippy::cast_precision_loss, reason = "faces have far fewer than 2^52 vertices")]
+    let n = face.len() as f64;
+    face.iter().map(|&v| array[v as usize]).sum::<f64>() / n
+}

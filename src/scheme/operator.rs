@@ -1,0 +1,173 @@
+//! What an operator is: facts, declared once and read by everybody, and the little that it does.
+
+use std::fmt;
+
+use super::census::Census;
+use super::mesh_net::MeshNet;
+use super::polygon_net::PolygonNet;
+use super::step::{Step, StepError, Values};
+use super::window::Window;
+use super::word::Letter;
+
+/// An operator: weights and connectivity; coordinates are seen only by those that are not linear, in an [`Action::Map`].
+///
+/// [`Action::Map`]: super::step::Action::Map
+pub trait Operator: fmt::Debug + Send + Sync {
+    /// What holds of it everywhere.
+    fn facts(&self) -> &'static Facts;
+    /// How it moves and counts the points of a polygon after `duals` half steps since the last upsampling; `None` when
+    /// every point stays one.
+    fn window(&self, _letter: &Letter, _duals: u32) -> Option<Window> {
+        None
+    }
+    /// Sets what follows alpha in its letter.
+    ///
+    /// # Errors
+    /// A sentence, where alpha does not allow it.
+    fn at_alpha(&self, _letter: &mut Letter, _alpha: f64) -> Result<(), String> {
+        Ok(())
+    }
+    /// What it is among the steps of splines on meshes, with the weight `mu` of vertices on triangles and the kernel 1;
+    /// its weights are to be positive everywhere, and regular on boundaries and creases.
+    ///
+    /// # Errors
+    /// What keeps a cycle with this operator from making splines, as the end of a sentence.
+    fn spline(&self, _letter: &Letter, _mu: f64) -> Result<SplineStep, &'static str> {
+        Err("its steps are others")
+    }
+    /// Whether it can be applied to a mesh as it is given, as far as that depends on its connectivity and tags.
+    ///
+    /// # Errors
+    /// Why not, and where.
+    fn admits(&self, _net: &MeshNet) -> Result<(), StepError> {
+        Ok(())
+    }
+    /// The counts of a mesh after it, for operators that [rebuild](Facts::rebuilds) it; others leave them as they are.
+    fn census(&self, before: &Census) -> Census {
+        *before
+    }
+    /// The step on a polygon.
+    ///
+    /// # Errors
+    /// When the operator cannot be applied here.
+    fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError>;
+    /// The step on a mesh.
+    ///
+    /// # Errors
+    /// When the operator cannot be applied here.
+    fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError>;
+}
+
+/// What holds of an operator everywhere.
+#[derive(Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a question of its own, asked by its name")]
+pub struct Facts {
+    /// Its letter in words; presets may use operators that have none.
+    pub letter: Option<char>,
+    /// Its name in the catalogue and in keys.
+    pub name: &'static str,
+    /// What it does, with the formula.
+    pub doc: &'static str,
+    /// Author, year, page.
+    pub source: &'static str,
+    /// What it means for the parameters that change along a plan.
+    pub role: Role,
+    /// The plan parameters that it uses.
+    pub uses: &'static [&'static str],
+    /// What becomes of the vertices and faces of a mesh.
+    pub children: Children,
+    /// Which sharp edges and vertices of meshes it follows.
+    pub follows: Follows,
+    /// The operator that two of it in a row are, up to the order of points; on meshes where they are closed.
+    pub twice: Option<&'static dyn Operator>,
+    /// Whether single points of a mesh may have their own kernel, compensation or push-back factor, be it from vertex
+    /// parameters, latitude and longitude tags or the perturbation, as long as edges are halved and faces are quads.
+    pub pointwise: bool,
+    /// Whether its weights follow alpha.
+    pub needs_alpha: bool,
+    /// Whether it makes sense only after an upsampling.
+    pub needs_upsampling: bool,
+    /// Whether it is not linear but turns tangents along with points of the plane.
+    pub turns_tangents: bool,
+    /// Whether it makes a connectivity of its own, whose faces lie across several old ones.
+    pub rebuilds: bool,
+    /// Whether its rules reach a ring farther beside extraordinary vertices than in regular nets.
+    pub reaches_farther: bool,
+}
+
+impl Facts {
+    /// What holds of an operator that says nothing else; its name, documentation and source are still to be given.
+    pub const USUAL: Self = Self {
+        letter: None,
+        name: "",
+        doc: "",
+        source: "",
+        role: Role::Smooth,
+        uses: &[],
+        children: Children::Same,
+        follows: Follows::Corners,
+        twice: None,
+        pointwise: false,
+        needs_alpha: false,
+        needs_upsampling: false,
+        turns_tangents: false,
+        rebuilds: false,
+        reaches_farther: false,
+    };
+}
+
+/// What an operator means for the parameters that change along a plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// Divides alpha at the next of its kind, and lets the next average use the kernel.
+    Upsample,
+    /// Uses the kernel when it is the first since an upsampling.
+    Average,
+    /// Uses the compensation and delta.
+    PushBack,
+    /// Uses no parameter that changes.
+    Smooth,
+}
+
+/// What becomes of the vertices and faces of a mesh in one step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Children {
+    /// They stay what they are.
+    Same,
+    /// The mesh gets finer; vertices stay vertices and keep their numbers.
+    Vertices,
+    /// Vertices become faces and faces vertices.
+    Dual,
+    /// The mesh gets finer; vertices become faces, faces stay faces, and new vertices stand in the corners of old faces,
+    /// in their order.
+    Faces,
+}
+
+impl Children {
+    /// Whether the mesh gets finer.
+    pub fn refine(self) -> bool {
+        matches!(self, Self::Vertices | Self::Faces)
+    }
+}
+
+/// What an operator is among the steps that make splines of regular nets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SplineStep {
+    /// Points halfway between old ones.
+    Upsample,
+    /// A mean over neighbours in all directions, with the weights (1, 2, 1)/4 in each of two, or 1/4 and six times 1/8.
+    Mean,
+    /// Half of it: a mean over the corners of a face.
+    HalfMean,
+}
+
+/// Which sharp edges and vertices an operator follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Follows {
+    /// Vertices that are infinitely sharp.
+    Corners,
+    /// Edges that are infinitely sharp, too.
+    Creases,
+    /// Any sharpness.
+    SemiSharp,
+}

@@ -1,0 +1,146 @@
+//! Parameters of words, which presets share, and what their values mean.
+
+use super::ops::LatitudeRule;
+use super::plan::DEFAULT_MU;
+use crate::math::expression::Expression;
+use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::shape::tile::Tile;
+
+/// The alpha of the first U.
+pub const ALPHA: Parameter = Parameter {
+    name: "alpha",
+    kind: Kind::Number { min: -1e6, max: 1e6 },
+    unit: "radians",
+    default: Default::Number(0.0),
+    doc: "Parameter spacing that enters the first U; each later U divides it by the arity of the U before it.",
+};
+
+/// The kernel f(alpha).
+pub const KERNEL: Parameter = Parameter {
+    name: "kernel",
+    kind: Kind::Expressions { variable: "alpha", most: 8 },
+    unit: "",
+    default: Default::Number(1.0),
+    doc: "Weight of vertices in the first average after a U; a list gives the second, third, ... average theirs.",
+};
+
+/// The compensation function omega(alpha).
+pub const COMPENSATION: Parameter = Parameter {
+    name: "compensation",
+    kind: Kind::Expression { variable: "alpha" },
+    unit: "",
+    default: Default::Number(1.0),
+    doc: "How strongly P moves edge points (omega) and face points (omega squared) along with the vertices.",
+};
+
+/// The push-back factor delta.
+pub const DELTA: Parameter = Parameter {
+    name: "delta",
+    kind: Kind::Expression { variable: "valence" },
+    unit: "",
+    default: Default::Number(1.0),
+    doc: "Push-back factor: 0 approximates, 1 interpolates; on meshes it may depend on the valence (on boundaries 4, with split triangle 6).",
+};
+
+/// The alpha of the compensation, where it differs.
+pub const COMPENSATION_ALPHA: Parameter = Parameter {
+    name: "compensation_alpha",
+    kind: Kind::Number { min: -1e6, max: 1e6 },
+    unit: "radians",
+    default: Default::Absent,
+    doc: "The alpha that the compensation sees at the first U, divided like alpha; when left out alpha itself, which on closed latitude lines is 2 pi / n. An alpha that points carry beats both.",
+};
+
+/// Into what the faces of a mesh are split.
+pub const SPLIT: Parameter = Parameter {
+    name: "split",
+    kind: Kind::Choice(&["quad", "triangle"]),
+    unit: "",
+    default: Default::Text("quad"),
+    doc: "Into what U splits the faces of a mesh: quads, or triangles if all faces are triangles. Without effect on polygons.",
+};
+
+/// The weight of a vertex in averages of triangles.
+pub const MU: Parameter = Parameter {
+    name: "mu",
+    kind: Kind::Number { min: 0.0, max: 1.0 },
+    unit: "",
+    default: Default::Number(DEFAULT_MU),
+    doc: "Weight of a vertex itself in averages with split triangle; 1/4 makes UC Loop's scheme at regular vertices, 1/3 \
+          averages the centroids. Without effect with split quad.",
+};
+
+/// The random perturbation.
+pub const PERTURBATION: Parameter = Parameter {
+    name: "perturbation",
+    kind: Kind::Group(&[
+        Parameter {
+            name: "amplitude",
+            kind: Kind::Number { min: 0.0, max: 1e3 },
+            unit: "",
+            default: Default::Required,
+            doc: "Amplitude c at the first U.",
+        },
+        Parameter {
+            name: "decay",
+            kind: Kind::Number { min: 0.0, max: 0.999 },
+            unit: "",
+            default: Default::Number(0.5),
+            doc: "Decay gamma: each U multiplies the amplitude by it; below 1/2 the limit stays C1.",
+        },
+    ]),
+    unit: "",
+    default: Default::Absent,
+    doc: "Random perturbation of kernel and compensation by c gamma^h xi at the h-th U, from the plan's seed; on meshes in \
+          words over U, C and P with split quad.",
+};
+
+/// Into what the faces of a mesh are split.
+pub(super) fn tile(values: &Values) -> Tile {
+    if values.choice("split") == Some("triangle") { Tile::Triangle } else { Tile::Quad }
+}
+
+/// Amplitude and decay, if a perturbation is given.
+pub(super) fn perturbation(values: &Values) -> Option<[f64; 2]> {
+    let group = values.group("perturbation")?;
+    Some([group.number("amplitude")?, group.number("decay")?])
+}
+
+/// Parameters of a plan given as a word.
+pub const WORD_PARAMETERS: &[Parameter] =
+    &[ALPHA, KERNEL, KERNEL_LONGITUDE, COMPENSATION, COMPENSATION_ALPHA, DELTA, LATITUDE_RULE, PERTURBATION, SPLIT, MU];
+
+/// The kernel along longitude lines.
+pub const KERNEL_LONGITUDE: Parameter = Parameter {
+    name: "kernel_longitude",
+    kind: Kind::Expression { variable: "alpha" },
+    unit: "",
+    default: Default::Absent,
+    doc: "Weight of vertices in the first average after a U along longitude edges; the kernel when left out. Meshes with \
+          latitude tags only.",
+};
+
+/// What latitude tags do.
+pub const LATITUDE_RULE: Parameter = Parameter {
+    name: "latitude_rule",
+    kind: Kind::Choice(&["difference", "position", "isotropic"]),
+    unit: "",
+    default: Default::Text("difference"),
+    doc: "What P does along latitude lines: odd points follow the displacements of even ones, or their places, or the \
+          tags are not looked at. With tags, kernel and compensation default to cos(alpha/2) and 1/cos(alpha/2), and \
+          alpha to 2 pi / n on closed lines of n vertices.",
+};
+
+/// What latitude tags do, as an operator needs it.
+pub(super) fn latitude_rule(values: &Values) -> LatitudeRule {
+    match values.choice("latitude_rule") {
+        Some("position") => LatitudeRule::Position,
+        Some("isotropic") => LatitudeRule::Isotropic,
+        _ => LatitudeRule::Difference,
+    }
+}
+
+/// An expression, or 1 where there is none.
+pub(super) fn expression(values: &Values, name: &str) -> Expression {
+    values.expression(name).cloned().unwrap_or_else(|| Expression::constant(1.0))
+}

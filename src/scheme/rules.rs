@@ -1,0 +1,22 @@
+//! Rules that a preset chooses for meshes.
+
+use super::sharpness::Creasing;
+
+/// What Catmull-Clark does at edges beside triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TriangleRule {
+    /// What it does everywhere.
+    #[default]
+    Catmark,
+    /// Face points count more, so that triangles in a mesh of quads dent it less.
+    Smooth,
+}
+
+/// Rules that a preset chooses for meshes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Rules {
+    /// How sharpness becomes less.
+    pub creasing: Creasing,
+    /// What happens beside triangles.
+    pub triangles: TriangleRule,
+}

@@ -1,0 +1,94 @@
+//! What a client marks on a mesh for its connectivity: corners, holes, and what happens at the boundary.
+
+use std::sync::Arc;
+
+use crate::shape::topology::{Topology, index};
+
+/// Boundary rule of meshes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Boundary {
+    /// Boundary curves by the curve rule; vertices with one face keep their place.
+    #[default]
+    EdgeAndCorner,
+    /// Boundary curves by the curve rule.
+    EdgeOnly,
+    /// As `EdgeOnly`, and faces that touch the boundary are not shown.
+    None,
+}
+
+/// The tags of a net.
+#[derive(Debug, Clone)]
+pub struct Tags {
+    /// Vertices that keep their place, ascending; they are vertices of the base.
+    pub corners: Arc<[u32]>,
+    /// Base faces that are not shown, ascending.
+    pub holes: Arc<[u32]>,
+    /// Boundary rule.
+    pub boundary: Boundary,
+    /// Whether the boundary is where the net was cut out of a closed mesh, so that D loses no vertices there.
+    pub cut: bool,
+    /// What the client tagged that D would lose, if anything.
+    pub lost_by_dual: Option<&'static str>,
+}
+
+impl Tags {
+    /// The tags of a control mesh.
+    pub(super) fn new(topology: &Topology, corners: &[u32], holes: &[u32], boundary: Boundary) -> Self {
+        let holes = hidden(topology, holes, boundary);
+        let lost_by_dual = if !corners.is_empty() {
+            Some("corners")
+        } else if !holes.is_empty() {
+            Some("holes (boundary \"none\" makes some)")
+        } else {
+            None
+        };
+        Self { corners: fixed(topology, corners, boundary), holes, boundary, cut: false, lost_by_dual }
+    }
+
+    /// The same where something else was tagged, if it was.
+    pub(super) fn and(self, any: bool, what: &'static str) -> Self {
+        Self { lost_by_dual: self.lost_by_dual.or(any.then_some(what)), ..self }
+    }
+
+    /// After a D that made this topology.
+    pub(super) fn after_dual(&self, topology: &Topology) -> Self {
+        let corners = fixed(topology, &[], self.boundary);
+        Self { corners, holes: Arc::default(), boundary: self.boundary, cut: self.cut, lost_by_dual: None }
+    }
+
+    /// After a step with a connectivity of its own, which knows where the corners went; ascending.
+    pub(super) fn after_rebuild(&self, corners: Vec<u32>) -> Self {
+        Self { corners: corners.into(), ..self.clone() }
+    }
+
+    /// Whether vertex `v` keeps its place.
+    #[inline]
+    pub fn is_corner(&self, v: usize) -> bool {
+        !self.corners.is_empty() && self.corners.binary_search(&index(v)).is_ok()
+    }
+}
+
+/// Tagged corners and, where the boundary rule says so, boundary vertices with one face.
+fn fixed(topology: &Topology, corners: &[u32], boundary: Boundary) -> Arc<[u32]> {
+    let mut fixed = corners.to_vec();
+    if boundary == Boundary::EdgeAndCorner {
+        let lone = (0..topology.n_vertices())
+            .filter(|&v| topology.boundary_edges(v).is_some() && topology.ring(v).count() == 1);
+        fixed.extend(lone.map(index));
+        fixed.sort_unstable();
+        fixed.dedup();
+    }
+    fixed.into()
+}
+
+/// Tagged holes and, where the boundary is not interpolated, faces that touch it.
+fn hidden(topology: &Topology, holes: &[u32], boundary: Boundary) -> Arc<[u32]> {
+    let mut hidden = holes.to_vec();
+    if boundary == Boundary::None {
+        let touches = |f: &usize| topology.face(*f).iter().any(|&v| topology.boundary_edges(v as usize).is_some());
+        hidden.extend((0..topology.n_faces()).filter(touches).map(index));
+        hidden.sort_unstable();
+        hidden.dedup();
+    }
+    hidden.into()
+}
