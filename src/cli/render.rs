@@ -52,7 +52,7 @@ pub(super) fn render(
 /// Leaves the one output that fits the target: of the format named, else by the extension, else the job's only one.
 fn choose(request: &mut JobRequest, target: &Path, format: Option<&str>) -> Result<(), CliError> {
     let extension = target.extension().and_then(|extension| extension.to_str());
-    let known = |name: &str| output::named(name).map(Format::name);
+    let known = |name: &str| output::named(name).map(<dyn Format>::name);
     let wanted = match (format, extension) {
         (Some(name), _) => Some(known(name).ok_or_else(|| CliError::new(format!("there is no format {name}")))?),
         (None, Some(extension)) => {
@@ -60,7 +60,7 @@ fn choose(request: &mut JobRequest, target: &Path, format: Option<&str>) -> Resu
                 request.format().and_then(output::named).is_some_and(|format| format.extension() == extension)
             };
             let asked = request.outputs.iter().find(fits).and_then(|output| output.format());
-            let wanted = asked.and_then(output::named).map(Format::name).or_else(|| known(extension));
+            let wanted = asked.and_then(output::named).map(<dyn Format>::name).or_else(|| known(extension));
             Some(wanted.ok_or_else(|| {
                 CliError::new(format!("no format has the extension .{extension}; name one with --format"))
             })?)

@@ -30,7 +30,7 @@ pub(super) fn format(headers: &HeaderMap, kind: ShapeKind) -> Result<&'static dy
     let holding = FORMATS.iter().copied().filter(|format| format.holds(kind).is_ok());
     let best = holding.clone().map(|format| quality(&format)).max().unwrap_or(0);
     if best == 0 {
-        let mut types: Vec<&str> = holding.map(Format::media_type).collect();
+        let mut types: Vec<&str> = holding.map(<dyn Format>::media_type).collect();
         types.dedup();
         let what = if kind == ShapeKind::Mesh { "a mesh" } else { "a polygon" };
         let detail = format!("{what} can be answered as {}; change Accept or name an output", types.join(", "));

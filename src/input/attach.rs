@@ -2,10 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use super::reader::{ReadMesh, Uvs};
 use super::text::quoted;
-use super::{Channel, FaceSet, ReadMesh, Uvs};
+use crate::shape::attachments::Channel;
 use crate::shape::attachments::{AttachmentsInput, MAX_CHANNELS, MAX_TOTAL_WIDTH, check_channel};
 use crate::shape::check::{FaceList, Winding};
+use crate::shape::labels::FaceSet;
 use crate::shape::labels::{MAX_LABELS, MAX_NAME};
 use crate::shape::mesh::MeshInput;
 use crate::shape::uvs::UvsInput;

@@ -10,8 +10,8 @@ mod scene;
 mod transform;
 
 use self::buffers::Document;
+use super::reader::{ReadLimits, ReadMesh, Reader};
 use super::room::Room;
-use super::{ReadLimits, ReadMesh, Reader};
 use crate::fault::Fault;
 
 /// glTF in one text file. Buffers have to be data URIs.

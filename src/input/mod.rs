@@ -7,17 +7,15 @@ mod gltf;
 mod obj;
 mod off;
 mod ply;
+mod reader;
 mod room;
 mod stl;
 mod text;
 
-use crate::fault::Fault;
-use crate::scheme::tags::Boundary;
-use crate::shape::check::FaceList;
-
 pub use crate::shape::attachments::Channel;
 pub use crate::shape::labels::FaceSet;
 pub use base64::decode as from_base64;
+pub use reader::{ReadLimits, ReadMesh, Reader, Uvs};
 pub use room::weight;
 
 /// Every reader, in the order of the documentation.
@@ -31,76 +29,4 @@ pub fn named(name: &str) -> Option<&'static dyn Reader> {
 /// The reader of files with an extension, given without the dot, in any case.
 pub fn of_extension(extension: &str) -> Option<&'static dyn Reader> {
     READERS.iter().copied().find(|reader| reader.extension().eq_ignore_ascii_case(extension))
-}
-
-/// A way to read a mesh from the bytes of a file.
-pub trait Reader: std::fmt::Debug + Send + Sync {
-    /// Name in requests.
-    fn name(&self) -> &'static str;
-    /// File extension without the dot.
-    fn extension(&self) -> &'static str {
-        self.name()
-    }
-    /// Media type of the bytes.
-    fn media_type(&self) -> &'static str;
-    /// One sentence for the catalogue.
-    fn doc(&self) -> &'static str;
-    /// Reads a file. No more memory is taken than the [`weight`] of the length of `bytes`, whatever counts they claim.
-    ///
-    /// # Errors
-    /// What is wrong, by line or byte; without pointers, as there is nothing but the file.
-    fn read(&self, bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>>;
-}
-
-/// Bounds on one file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ReadLimits {
-    /// Vertices.
-    pub max_vertices: u64,
-    /// Faces.
-    pub max_faces: u64,
-}
-
-impl Default for ReadLimits {
-    fn default() -> Self {
-        Self { max_vertices: 40_000_000, max_faces: 20_000_000 }
-    }
-}
-
-/// What a file holds.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct ReadMesh {
-    /// Positions of the vertices, `n x 3`, model units.
-    pub positions: Vec<[f64; 3]>,
-    /// Faces, each of 3 or more vertices that exist.
-    pub faces: FaceList,
-    /// The line of each face in the file, where it has one; else empty.
-    pub lines: Vec<u32>,
-    /// Edges with a sharpness.
-    pub creases: Vec<([u64; 2], f64)>,
-    /// Vertices with a sharpness.
-    pub corners: Vec<(u64, f64)>,
-    /// Faces that are refined but not shown.
-    pub holes: Vec<u64>,
-    /// The boundary rule that the file asks for.
-    pub boundary: Option<Boundary>,
-    /// Texture coordinates.
-    pub uvs: Option<Uvs>,
-    /// Named sets of faces, which may overlap: a face is in the first.
-    pub groups: Vec<FaceSet>,
-    /// Materials with their faces.
-    pub materials: Vec<FaceSet>,
-    /// Numbers that vertices carry.
-    pub channels: Vec<Channel>,
-    /// What was left out or changed, in sentences.
-    pub notes: Vec<String>,
-}
-
-/// Texture coordinates that belong to the corners of faces.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Uvs {
-    /// Coordinates, `n x 2`.
-    pub values: Vec<[f64; 2]>,
-    /// For each corner (face after face) its row of `values`.
-    pub corners: Vec<u32>,
 }

@@ -11,9 +11,10 @@ use std::collections::BTreeMap;
 
 use self::faces::Faces;
 use super::collect::Collected;
+use super::reader::{ReadLimits, ReadMesh, Reader};
 use super::text::{at_line, number, numbers, quoted, text};
-use super::{Channel, ReadLimits, ReadMesh, Reader};
 use crate::fault::Fault;
+use crate::shape::attachments::Channel;
 
 /// Faults that are told one by one.
 const MAX_FAULTS: usize = 20;

@@ -3,9 +3,10 @@
 //! Source: The Geometry Center, Geomview Manual 1.9 (2014), section 4.2.5.
 
 use super::collect::{Collected, vertex_index};
+use super::reader::{ReadLimits, ReadMesh, Reader, Uvs};
 use super::text::{Words, at_line, count, number, quoted, text};
-use super::{Channel, ReadLimits, ReadMesh, Reader, Uvs};
 use crate::fault::Fault;
+use crate::shape::attachments::Channel;
 
 /// Least bytes of a vertex ("0 0 0" and a line break) and of a face ("3 0 1 2").
 const VERTEX_BYTES: u64 = 6;

@@ -11,9 +11,11 @@ use std::collections::BTreeMap;
 use self::body::{Ascii, Binary, Body};
 use self::header::{Element, Encoding, Header, NAMED, Property, Scalar};
 use super::collect::{Collected, vertex_index};
+use super::reader::{ReadLimits, ReadMesh, Reader, Uvs};
 use super::text::quoted;
-use super::{Channel, FaceSet, ReadLimits, ReadMesh, Reader, Uvs};
 use crate::fault::Fault;
+use crate::shape::attachments::Channel;
+use crate::shape::labels::FaceSet;
 
 /// Most channels of further numbers.
 const MAX_CHANNELS: usize = 64;

@@ -3,9 +3,10 @@
 //! Source: 3D Systems, Stereolithography Interface Specification (1988), section 6.5.
 
 use super::collect::Collected;
+use super::reader::{ReadLimits, ReadMesh, Reader};
 use super::text::{Words, at_line, number, quoted, text};
-use super::{FaceSet, ReadLimits, ReadMesh, Reader};
 use crate::fault::Fault;
+use crate::shape::labels::FaceSet;
 use crate::shape::topology::index;
 use crate::shape::weld::{weld, weld_faces};
 

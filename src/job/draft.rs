@@ -40,7 +40,7 @@ impl Draft {
             Asked::Count(0)
         });
         for (i, output) in outputs.iter().enumerate() {
-            if let Err(detail) = output.format.takes(input.shape_kind(), &output.options) {
+            if let Err(detail) = (output.format.facts().holds)(input.shape_kind(), &output.options) {
                 faults.push(Fault::new(format!("/outputs/{i}/format"), detail));
             } else if let Err(fault) = output.format.suits(input.shape_kind(), input.attachments(), &output.options) {
                 faults.push(fault.under(&format!("/outputs/{i}")));

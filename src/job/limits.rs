@@ -301,7 +301,7 @@ fn counts(job: &Job, count: Count) -> Counts {
         control: job.input.n_points() as u128,
         vertices: count.vertices,
         faces: count.faces - count.hidden_faces,
-        corners: count.corners - count.hidden_corners,
+        half_edges: count.corners - count.hidden_corners,
         largest_face: count.largest_face,
         parted: count.parted,
         uvs: count.uvs,

@@ -3,15 +3,18 @@
 use std::io::{self, Write};
 
 use crate::fault::Fault;
-use crate::math::parameter::{Parameter, Values};
+use crate::math::parameter::Values;
+use crate::output::counts::Counts;
+use crate::output::error::FormatError;
+use crate::output::format::{Format, FormatFacts};
 use crate::output::gltf_amounts::{self, Amounts, Contents, parted, with_normals};
 use crate::output::gltf_buffer::Buffer;
 use crate::output::gltf_document::{PARAMETERS, document};
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::sides::Sides;
+use crate::output::size::Size;
 use crate::output::stream::holds_space;
-use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
 use crate::watch::Watch;
 
 /// Bytes before the first chunk, and before the content of each chunk.
@@ -28,25 +31,19 @@ const CHUNK_HEADER: u128 = 8;
 #[derive(Debug)]
 pub(super) struct Glb;
 
+const FACTS: &FormatFacts = &FormatFacts {
+    name: "glb",
+    extension: "glb",
+    media_type: "model/gltf-binary",
+    doc: "Binary glTF 2.0: triangles with normals, or line strips, in f32",
+    parameters: PARAMETERS,
+    holds: |kind, _| holds_space("glb", kind),
+    shows_control: false,
+};
+
 impl Format for Glb {
-    fn name(&self) -> &'static str {
-        "glb"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "model/gltf-binary"
-    }
-
-    fn doc(&self) -> &'static str {
-        "Binary glTF 2.0: triangles with normals, or line strips, in f32"
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        PARAMETERS
-    }
-
-    fn holds(&self, kind: ShapeKind) -> Result<(), String> {
-        holds_space(self.name(), kind)
+    fn facts(&self) -> &'static FormatFacts {
+        FACTS
     }
 
     fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {

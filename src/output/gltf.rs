@@ -3,15 +3,18 @@
 use std::io::{self, Write};
 
 use crate::fault::Fault;
-use crate::math::parameter::{Parameter, Values};
+use crate::math::parameter::Values;
+use crate::output::counts::Counts;
+use crate::output::error::FormatError;
+use crate::output::format::{Format, FormatFacts};
 use crate::output::gltf_amounts::{self, Amounts, Contents, with_normals};
 use crate::output::gltf_buffer::Buffer;
 use crate::output::gltf_document::{PARAMETERS, document};
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::sides::Sides;
+use crate::output::size::Size;
 use crate::output::stream::holds_space;
-use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
 use crate::watch::Watch;
 
 const URI: &str = "data:application/octet-stream;base64,";
@@ -20,25 +23,19 @@ const URI: &str = "data:application/octet-stream;base64,";
 #[derive(Debug)]
 pub(super) struct Gltf;
 
+const FACTS: &FormatFacts = &FormatFacts {
+    name: "gltf",
+    extension: "gltf",
+    media_type: "model/gltf+json",
+    doc: "Self-contained glTF 2.0 in JSON: as glb, with the numbers as base64",
+    parameters: PARAMETERS,
+    holds: |kind, _| holds_space("gltf", kind),
+    shows_control: false,
+};
+
 impl Format for Gltf {
-    fn name(&self) -> &'static str {
-        "gltf"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "model/gltf+json"
-    }
-
-    fn doc(&self) -> &'static str {
-        "Self-contained glTF 2.0 in JSON: as glb, with the numbers as base64"
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        PARAMETERS
-    }
-
-    fn holds(&self, kind: ShapeKind) -> Result<(), String> {
-        holds_space(self.name(), kind)
+    fn facts(&self) -> &'static FormatFacts {
+        FACTS
     }
 
     fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {

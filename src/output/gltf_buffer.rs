@@ -6,11 +6,13 @@ use std::ops::Range;
 use crate::math::parameter::Values;
 use crate::output::bounds::Bounds;
 use crate::output::colors::linear;
+use crate::output::counts::ShapeKind;
+use crate::output::error::FormatError;
 use crate::output::gltf_amounts::{Amounts, Contents, VECTOR, check_origins};
+use crate::output::normals;
 use crate::output::numbers::{as_written, rounded};
 use crate::output::scene::{FaceChunk, Frame, MeshSource, Scene, Shape, in_chunks, triangles};
 use crate::output::stream::{Positions, Stream, channels_within_f32};
-use crate::output::{FormatError, ShapeKind, normals};
 use crate::shape::attachments::Attachments;
 use crate::shape::labels::{Part as Faces, parts};
 use crate::watch::{Stopped, Watch};
@@ -205,7 +207,7 @@ fn sections(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<Section>, Format
     let parts = if attachments.names_faces() {
         parts(&attachments.groups, &attachments.materials, mesh.input_cells()[2])
     } else {
-        let triangles = mesh.n_corners() as u128 - 2 * mesh.n_faces() as u128;
+        let triangles = mesh.n_half_edges() as u128 - 2 * mesh.n_faces() as u128;
         let ranges = std::iter::once(0..mesh.n_faces()).collect();
         return Ok(if triangles > 0 {
             vec![Section { group: None, material: None, triangles, ranges }]

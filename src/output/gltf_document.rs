@@ -11,11 +11,12 @@ use serde_json::value::{RawValue, to_raw_value};
 use serde_json::{Map, Value, json};
 
 use crate::math::parameter::{Default as Otherwise, Kind, Parameter};
+use crate::output::error::FormatError;
 use crate::output::gltf_amounts::{NUMBER, ORIGIN, TRIANGLE, VECTOR};
 use crate::output::gltf_buffer::{Buffer, Part, Section};
 use crate::output::gltf_views::{Views, accessor, length};
 use crate::output::numbers::rounded;
-use crate::output::{FormatError, IDS, POSITIONS};
+use crate::output::options::{IDS, POSITIONS};
 use crate::shape::frame::{Frame, Unit, Up};
 
 /// Linear base colours of surfaces and of curves.

@@ -1,6 +1,7 @@
 //! JSON in the notation of requests: every format's fallback, holding everything at full precision.
 
 mod carried;
+mod row;
 mod sections;
 
 use std::io::Write;
@@ -9,15 +10,21 @@ use serde_json::Value;
 
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::output::counts::{Counts, ShapeKind};
 use crate::output::curvature;
+use crate::output::error::FormatError;
+use crate::output::format::{Format, FormatFacts};
+use crate::output::normals;
 use crate::output::numbers::{REAL, digits, real, reals, total, whole};
+use crate::output::options::{IDS, ISOLINES, POSITIONS, TANGENTS};
 use crate::output::scene::{Curve, MeshSource, Scene, Shape};
 use crate::output::sections::{SECTIONS, asked};
+use crate::output::size::Size;
 use crate::output::stream::{Positions, Stream, unfit};
 use crate::output::surface::{NORMALS, with_normals};
-use crate::output::{Counts, Format, FormatError, IDS, ISOLINES, POSITIONS, ShapeKind, Size, TANGENTS, normals};
 use crate::shape::attachments::Attachments;
 use crate::watch::Watch;
+use row::row;
 
 /// The option of discrete curvature.
 const CURVATURE: Parameter = Parameter {
@@ -55,21 +62,19 @@ const WARNINGS_FRAME: usize = 64;
 #[derive(Debug)]
 pub(super) struct Json;
 
+const FACTS: &FormatFacts = &FormatFacts {
+    name: "json",
+    extension: "json",
+    media_type: "application/json",
+    doc: "JSON as in requests: all coordinates at full precision, polygons as they are",
+    parameters: &[POSITIONS, NORMALS, TANGENTS, CURVATURE, IDS, EDGES, SECTIONS],
+    holds: |_, _| Ok(()),
+    shows_control: false,
+};
+
 impl Format for Json {
-    fn name(&self) -> &'static str {
-        "json"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "application/json"
-    }
-
-    fn doc(&self) -> &'static str {
-        "JSON as in requests: all coordinates at full precision, polygons as they are"
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        &[POSITIONS, NORMALS, TANGENTS, CURVATURE, IDS, EDGES, SECTIONS]
+    fn facts(&self) -> &'static FormatFacts {
+        FACTS
     }
 
     fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
@@ -93,10 +98,6 @@ impl Format for Json {
         if asked(options) && curves {
             return Err(Fault::new("/sections", "planes cut meshes, curves have no sections; leave it out"));
         }
-        Ok(())
-    }
-
-    fn holds(&self, _kind: ShapeKind) -> Result<(), String> {
         Ok(())
     }
 
@@ -125,7 +126,7 @@ impl Format for Json {
                 let braces = br#"{"positions":[],"faces":[],"normals":[]}"#.len() as u128;
                 let corner = digits(counts.vertices) + 1;
                 let vectors = if with_normals(options) { 2 } else { 1 };
-                let rows = [(counts.vertices, vectors * row(3)), (counts.faces, 2), (counts.corners, corner)];
+                let rows = [(counts.vertices, vectors * row(3)), (counts.faces, 2), (counts.half_edges, corner)];
                 let carried = carried::size(counts, options);
                 let sections = sections::size(counts, options);
                 total(&[(1, braces), rows[0], rows[1], rows[2], (1, carried), (1, sections)])
@@ -271,14 +272,4 @@ fn write_curvatures(curve: &Curve, n: usize, stream: &mut Stream<'_>) -> Result<
         }
     })?;
     stream.bytes(b"]")
-}
-
-/// One list in a list of lists, with a comma before all but the first.
-fn row(index: usize, out: &mut Vec<u8>, items: impl FnOnce(&mut Vec<u8>)) {
-    if index > 0 {
-        out.push(b',');
-    }
-    out.push(b'[');
-    items(out);
-    out.push(b']');
 }

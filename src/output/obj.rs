@@ -2,14 +2,19 @@
 
 use std::io::Write;
 
-use crate::math::parameter::{Parameter, Values};
+use crate::math::parameter::Values;
 use crate::output::colors::within;
+use crate::output::counts::{Counts, ShapeKind};
+use crate::output::error::FormatError;
+use crate::output::format::{Format, FormatFacts};
+use crate::output::normals;
 use crate::output::numbers::{REAL, digits, real, reals, total, whole};
+use crate::output::options::{IDS, POSITIONS};
 use crate::output::parted::Parted;
 use crate::output::scene::{Curve, Frame, MeshSource, Scene, Shape};
+use crate::output::size::Size;
 use crate::output::stream::{Positions, Stream, holds_space};
 use crate::output::surface::{NORMALS, with_normals};
-use crate::output::{Counts, Format, FormatError, IDS, POSITIONS, ShapeKind, Size, normals};
 use crate::shape::creases::Tags;
 use crate::shape::labels::Labels;
 use crate::watch::Watch;
@@ -38,25 +43,19 @@ const UNNAMED: &str = "default";
 #[derive(Debug)]
 pub(super) struct Obj;
 
+const FACTS: &FormatFacts = &FormatFacts {
+    name: "obj",
+    extension: "obj",
+    media_type: "model/obj",
+    doc: "Wavefront OBJ: polygons as they are, shortest decimals that read back exactly",
+    parameters: &[POSITIONS, NORMALS, IDS],
+    holds: |kind, _| holds_space("obj", kind),
+    shows_control: false,
+};
+
 impl Format for Obj {
-    fn name(&self) -> &'static str {
-        "obj"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "model/obj"
-    }
-
-    fn doc(&self) -> &'static str {
-        "Wavefront OBJ: polygons as they are, shortest decimals that read back exactly"
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        &[POSITIONS, NORMALS, IDS]
-    }
-
-    fn holds(&self, kind: ShapeKind) -> Result<(), String> {
-        holds_space(self.name(), kind)
+    fn facts(&self) -> &'static FormatFacts {
+        FACTS
     }
 
     fn size(&self, counts: &Counts, options: &Values) -> Size {
@@ -78,7 +77,7 @@ impl Format for Obj {
                 let color = if counts.attachments.color().is_some() { row } else { 0 };
                 let vertex = 2 + row + color;
                 let place = if counts.uvs > 0 { 1 + digits(counts.uvs) } else { 0 };
-                let rows = [(counts.vertices, vertex), (counts.faces, 2), (counts.corners, corner + place)];
+                let rows = [(counts.vertices, vertex), (counts.faces, 2), (counts.half_edges, corner + place)];
                 let uvs = (counts.uvs, 3 + 2 * (1 + REAL));
                 let tags = (counts.tags as u128, "t corner 1/1/0\n".len() as u128 + 2 * (1 + index) + 1 + REAL);
                 total(&[(1, header), (1, told), tags, uvs, rows[0], (n_normals, 3 + row), rows[1], rows[2]])
@@ -322,7 +321,7 @@ fn vertex(position: &[f64; 3], out: &mut Vec<u8>) {
 
 /// Most bytes of the lines that tell of origins, groups and materials.
 fn told(counts: &Counts, ids: bool) -> u128 {
-    let cells = counts.corners.max(counts.vertices).max(counts.input_faces as u128);
+    let cells = counts.half_edges.max(counts.vertices).max(counts.input_faces as u128);
     let remark = if ids { "# from vertex \n".len() as u128 + digits(cells) } else { 0 };
     let line = |keyword: &str, labels: &Labels| {
         let longest = labels.names.iter().map(String::len).max().map_or(0, |longest| longest.max(UNNAMED.len()));

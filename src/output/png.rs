@@ -7,12 +7,16 @@ use image::{ExtendedColorType, ImageEncoder};
 
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::output::counts::{Counts, ShapeKind};
+use crate::output::error::FormatError;
+use crate::output::format::{Format, FormatFacts};
+use crate::output::options::{ISOLINES, POSITIONS};
 use crate::output::picture::coat::{self, CHANNEL, COLOR_BY};
 use crate::output::picture::drawing::Drawing;
-use crate::output::picture::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH, forecast, mesh, paint};
+use crate::output::picture::options::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH};
+use crate::output::picture::{forecast, mesh, paint};
 use crate::output::scene::{Scene, Shape};
-use crate::output::{Counts, Format, FormatError, ShapeKind, Size};
-use crate::output::{ISOLINES, POSITIONS};
+use crate::output::size::Size;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::watch::{Stage, Watch};
@@ -59,25 +63,19 @@ const PARAMETERS: &[Parameter] = &[
     CAMERA,
 ];
 
+const FACTS: &FormatFacts = &FormatFacts {
+    name: "png",
+    extension: "png",
+    media_type: "image/png",
+    doc: "A picture in pixels: a lit mesh with hidden lines removed, or curves with their control polygons.",
+    parameters: PARAMETERS,
+    holds: |kind, _| options::drawable(kind),
+    shows_control: true,
+};
+
 impl Format for Png {
-    fn name(&self) -> &'static str {
-        "png"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "image/png"
-    }
-
-    fn doc(&self) -> &'static str {
-        "A picture in pixels: a lit mesh with hidden lines removed, or curves with their control polygons."
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        PARAMETERS
-    }
-
-    fn holds(&self, kind: ShapeKind) -> Result<(), String> {
-        picture::drawable(kind)
+    fn facts(&self) -> &'static FormatFacts {
+        FACTS
     }
 
     fn suits(&self, kind: ShapeKind, carried: &Attachments, options: &Values) -> Result<(), Fault> {
@@ -86,12 +84,12 @@ impl Format for Png {
             ShapeKind::Curves { .. } => &["control", "points", "curve"],
         };
         coat::check(kind, carried, options)?;
-        picture::shows_only(fitting, kind, options)
+        options::shows_only(fitting, kind, options)
     }
 
     /// The length of the rows stored without compression, which the encoder never exceeds, and a kilobyte around them.
     fn size(&self, _: &Counts, options: &Values) -> Size {
-        let [width, height] = picture::size(options).map(u128::from);
+        let [width, height] = options::size(options).map(u128::from);
         let rows = height * (1 + 4 * width);
         let blocks = rows / 32_768 + 1;
         Size::AtMost(rows + 17 * blocks + 1024)
@@ -107,8 +105,8 @@ impl Format for Png {
         let colors = coat::memory(options, vertices, counts.triangles(), counts.uvs);
         let pieces = counts.vertices.saturating_add(counts.input_edges as u128);
         let isolines = if options.has("show", ISOLINES) { pieces.saturating_mul(8) } else { 0 };
-        let wires = if options.has("show", "wireframe") { counts.corners.saturating_mul(WIRE_BYTES) } else { 0 };
-        let pixels = picture::size(options).map(u128::from).iter().product::<u128>() * PIXEL_BYTES;
+        let wires = if options.has("show", "wireframe") { counts.half_edges.saturating_mul(WIRE_BYTES) } else { 0 };
+        let pixels = options::size(options).map(u128::from).iter().product::<u128>() * PIXEL_BYTES;
         [isolines, wires, pixels].iter().fold(colors, |sum: u128, bytes| sum.saturating_add(*bytes))
     }
 
@@ -119,12 +117,12 @@ impl Format for Png {
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
         let options = Options::new(values, scene.frame);
         watch.enter(Stage::Render);
-        picture::check_extent(scene)?;
+        options::check_extent(scene)?;
         let pixels = match scene.shape {
             Shape::Mesh(shape) => mesh::picture(scene, shape, &options, watch)?,
             Shape::Curves(curves) => {
                 let dimension = curves.iter().map(|c| c.dimension).max().unwrap_or(1);
-                self.holds(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
+                options::drawable(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
                 paint::paint(&Drawing::of(scene, &options, watch)?, watch)?
             }
         };

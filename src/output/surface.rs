@@ -1,7 +1,7 @@
 //! Options that formats of meshes share.
 
-use super::{LIMIT, POSITIONS};
 use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::output::options::{LIMIT, POSITIONS};
 
 /// Normals of vertices, for formats that have none unless asked.
 pub(super) const NORMALS: Parameter = Parameter {

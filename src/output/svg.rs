@@ -4,12 +4,17 @@ use std::io::{self, Write};
 
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::output::counts::{Counts, ShapeKind};
+use crate::output::error::FormatError;
+use crate::output::format::{Format, FormatFacts};
+use crate::output::options::POSITIONS;
 use crate::output::picture::drawing::{Drawing, Item};
-use crate::output::picture::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH};
+use crate::output::picture::options::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH};
+use crate::output::picture::sections;
 use crate::output::scene::{Scene, Shape};
 use crate::output::sections::{SECTIONS, asked, planes};
+use crate::output::size::Size;
 use crate::output::surface::NORMALS;
-use crate::output::{Counts, Format, FormatError, POSITIONS, ShapeKind, Size};
 use crate::shape::attachments::Attachments;
 use crate::watch::Watch;
 
@@ -38,35 +43,31 @@ const PARAMETERS: &[Parameter] = &[
     },
 ];
 
-impl Format for Svg {
-    fn name(&self) -> &'static str {
-        "svg"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "image/svg+xml"
-    }
-
-    fn doc(&self) -> &'static str {
-        "A drawing of curves with their control polygons, or of plane sections of a mesh, in paths that scale."
-    }
-
-    fn parameters(&self) -> &'static [Parameter] {
-        PARAMETERS
-    }
-
-    fn holds(&self, kind: ShapeKind) -> Result<(), String> {
-        match kind {
-            ShapeKind::Mesh => {
-                let detail = "svg draws curves, and of a mesh only sections; name planes in \"sections\", or ask for \"png\" to see the mesh";
-                Err(detail.into())
-            }
-            ShapeKind::Curves { .. } => picture::drawable(kind),
+fn holds(kind: ShapeKind, options: &Values) -> Result<(), String> {
+    match kind {
+        ShapeKind::Mesh if asked(options) => Ok(()),
+        ShapeKind::Mesh => {
+            Err("svg draws curves, and of a mesh only sections; name planes in \"sections\", or ask for \
+                                \"png\" to see the mesh"
+                .into())
         }
+        ShapeKind::Curves { .. } => options::drawable(kind),
     }
+}
 
-    fn takes(&self, kind: ShapeKind, options: &Values) -> Result<(), String> {
-        if kind == ShapeKind::Mesh && asked(options) { Ok(()) } else { self.holds(kind) }
+const FACTS: &FormatFacts = &FormatFacts {
+    name: "svg",
+    extension: "svg",
+    media_type: "image/svg+xml",
+    doc: "A drawing of curves with their control polygons, or of plane sections of a mesh, in paths that scale.",
+    parameters: PARAMETERS,
+    holds,
+    shows_control: true,
+};
+
+impl Format for Svg {
+    fn facts(&self) -> &'static FormatFacts {
+        FACTS
     }
 
     fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
@@ -74,11 +75,11 @@ impl Format for Svg {
             ShapeKind::Mesh if options.unusual().any(|(name, _)| name == "show") => {
                 Err(Fault::new("/show", "of a mesh only its sections are drawn; leave it out"))
             }
-            ShapeKind::Mesh => picture::opaque(options),
+            ShapeKind::Mesh => options::opaque(options),
             ShapeKind::Curves { .. } if asked(options) => {
                 Err(Fault::new("/sections", "planes cut meshes, curves have no sections; leave it out"))
             }
-            ShapeKind::Curves { .. } => picture::shows_only(&["control", "points", "curve"], kind, options),
+            ShapeKind::Curves { .. } => options::shows_only(&["control", "points", "curve"], kind, options),
         }
     }
 
@@ -98,12 +99,12 @@ impl Format for Svg {
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
         if let Shape::Curves(curves) = scene.shape {
             let dimension = curves.iter().map(|c| c.dimension).max().unwrap_or(1);
-            self.holds(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
+            options::drawable(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
         }
-        picture::check_extent(scene)?;
+        options::check_extent(scene)?;
         let options = Options::new(values, scene.frame);
         let drawing = match scene.shape {
-            Shape::Mesh(mesh) => picture::sections::drawing(mesh, &planes(values), &options, watch)?,
+            Shape::Mesh(mesh) => sections::drawing(mesh, &planes(values), &options, watch)?,
             Shape::Curves(_) => Drawing::of(scene, &options, watch)?,
         };
         let mut page = Page { text: String::new(), out };

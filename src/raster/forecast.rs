@@ -3,8 +3,7 @@
 #![expect(clippy::cast_precision_loss, reason = "a forecast needs no last digit")]
 #![expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a forecast is clamped to what it can be")]
 
-use super::TILE;
-use super::bins::FEW_TILES;
+use super::bins::{FEW_TILES, TILE};
 use super::camera::Camera;
 use super::project::{BEHIND, FAR_OUT, STEPS, vertex};
 use super::triangle::{CUT_PX, Done, ROW_PX};

@@ -6,10 +6,11 @@
 
 use rayon::prelude::*;
 
-use super::bins::{Bins, Grid, TileRect};
+use super::bins::{Bins, Grid, TILE, TileRect};
 use super::camera::Camera;
+use super::clip;
+use super::model::{Crowding, Strokes};
 use super::pixmap::premultiplied;
-use super::{Crowding, Strokes, TILE, clip};
 use crate::watch::{Stopped, Watch};
 
 /// A segment in the picture.

@@ -39,6 +39,18 @@ pub(super) struct Vertex {
     pub(super) sides: u32,
 }
 
+impl Camera {
+    /// Where a point (model units) falls in the picture, pixel coordinates; `None` behind the camera and more than 2,048
+    /// pixels outside the picture.
+    pub fn place(&self, point: [f64; 3]) -> Option<[f64; 2]> {
+        let seen = self.view(point);
+        let in_front = self.projection == Projection::Orthographic || seen[2] >= self.near;
+        let place = self.pixel(seen);
+        let near = (0..2).all(|k| place[k] > -GUARD && place[k] < self.size_px[k] + GUARD);
+        (in_front && near).then_some(place)
+    }
+}
+
 /// The vertex of a point in view coordinates (see [`Camera::view`]).
 pub(super) fn vertex(camera: &Camera, seen: [f64; 4]) -> Vertex {
     let behind = Vertex { sides: BEHIND, ..Vertex::default() };

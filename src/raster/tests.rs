@@ -1,8 +1,10 @@
 //! Laws of the rasteriser.
 
+use super::bins::TILE;
 use super::project::Vertex;
 use super::triangle::{NOBODY, SAMPLES, Samples};
 use super::*;
+use crate::watch::{Stopped, Watch};
 
 fn at(x: f64, y: f64) -> Vertex {
     #[expect(clippy::cast_possible_truncation, reason = "test places are small")]

@@ -4,10 +4,12 @@
 
 use rayon::prelude::*;
 
-use super::TILE;
+use super::binned_model::{BinnedModel, Facet};
+use super::bins::{Grid, TILE};
+use super::camera::Camera;
 use super::forecast;
-use super::frame::{Facet, Frame};
 use super::line::Layer;
+use super::model::Model;
 use super::pixmap::{ENCODING, Pixmap, premultiplied};
 use super::shade::{Lamps, Spots};
 use super::triangle::{NOBODY, PLACES, SAMPLES, Samples, slope};
@@ -30,14 +32,26 @@ struct Desk {
     spots: Spots,
 }
 
-/// Draws every tile of the frame.
-pub(super) fn draw(
-    frame: &Frame<'_>,
+/// Largest width and height of a picture, pixels.
+pub const MAX_SIDE_PX: u32 = 8192;
+
+/// Draws the model into a picture of `width x height` pixels (1 to [`MAX_SIDE_PX`] each; the camera must have been framed
+/// for them) over `background`, straight sRGB.
+///
+/// # Errors
+/// [`Stopped`] when the watch says stop; it is asked at least once a tile.
+///
+/// # Panics
+/// When an index points past its array.
+pub fn render(
+    model: &Model<'_>,
+    camera: &Camera,
     background: [u8; 4],
-    width: u32,
-    height: u32,
+    [width, height]: [u32; 2],
     watch: &Watch,
 ) -> Result<Pixmap, Stopped> {
+    let (width, height) = (width.clamp(1, MAX_SIDE_PX), height.clamp(1, MAX_SIDE_PX));
+    let model = &BinnedModel::new(model, camera, Grid::of(width, height), watch)?;
     let (columns, n_rows) = (width as usize, height as usize);
     let mut bytes = vec![0; columns * n_rows * 4];
     let encoding = &*ENCODING;
@@ -52,7 +66,7 @@ pub(super) fn draw(
             watch.check()?;
             let tile = row * n_columns + column;
             let origin = [column, row].map(|i| i32::try_from(i * TILE).expect("pictures are bounded"));
-            if desk.draw(frame, tile, origin, paper, watch)? {
+            if desk.draw(model, tile, origin, paper, watch)? {
                 for (y, line) in lines.iter_mut().enumerate() {
                     for (pixel, light) in line.chunks_exact_mut(4).zip(&desk.light[y * TILE..]) {
                         pixel.copy_from_slice(&encoding.pixel(*light));
@@ -77,15 +91,15 @@ impl Desk {
     /// Draws one tile into `self.light`; `false` when nothing touches it.
     fn draw(
         &mut self,
-        frame: &Frame<'_>,
+        model: &BinnedModel<'_>,
         tile: usize,
         origin: [i32; 2],
         paper: [f32; 4],
         watch: &Watch,
     ) -> Result<bool, Stopped> {
-        let mut ids = frame.tile(tile).peekable();
+        let mut ids = model.tile(tile).peekable();
         let surface = ids.peek().is_some();
-        if !surface && frame.layers.iter().all(|layer| layer.tile(tile).next().is_none()) {
+        if !surface && model.layers.iter().all(|layer| layer.tile(tile).next().is_none()) {
             return Ok(false);
         }
         self.samples.clear();
@@ -94,22 +108,22 @@ impl Desk {
                 watch.check()?;
                 watch.advance(forecast::rows(self.samples.done()));
             }
-            self.samples.draw(frame.corners(id), id, origin);
+            self.samples.draw(model.corners(id), id, origin);
         }
         watch.advance(forecast::rows(self.samples.done()));
-        match &frame.lamps {
-            Some(lamps) if surface => self.illuminate(frame, lamps, paper, origin),
+        match &model.lamps {
+            Some(lamps) if surface => self.illuminate(model, lamps, paper, origin),
             _ => self.light.fill(paper),
         }
-        for layer in &frame.layers {
-            self.stroke(frame, layer, tile, origin, watch)?;
+        for layer in &model.layers {
+            self.stroke(model, layer, tile, origin, watch)?;
         }
         Ok(true)
     }
 
     /// Lights what is seen of the surface, once for each triangle in a pixel, at the centre of its samples there; what
     /// is left of the pixel shows the paper.
-    fn illuminate(&mut self, frame: &Frame<'_>, lamps: &Lamps, paper: [f32; 4], origin: [i32; 2]) {
+    fn illuminate(&mut self, model: &BinnedModel<'_>, lamps: &Lamps, paper: [f32; 4], origin: [i32; 2]) {
         let corner = origin.map(|o| o as f32);
         let mut known = NOBODY;
         let mut facet = Facet::default();
@@ -122,12 +136,12 @@ impl Desk {
                 let held = held_by(owners, owner);
                 rest |= held;
                 if owner != known {
-                    (known, facet) = (owner, frame.facet(owner, origin));
+                    (known, facet) = (owner, model.facet(owner, origin));
                 }
                 let [right, down, share] = CENTRES[held];
                 let place = [x + right, y + down];
                 let global = [corner[0] + place[0], corner[1] + place[1]];
-                let color = frame.paint.map_or(lamps.outside, |paint| paint.color(&facet.tint, place));
+                let color = model.paint.map_or(lamps.outside, |paint| paint.color(&facet.tint, place));
                 self.spots.push((pixel, share), facet.normal(place), color, global, facet.back);
                 if self.spots.full() {
                     lamps.illuminate(&mut self.spots, &mut self.light);
@@ -140,14 +154,14 @@ impl Desk {
     /// Draws a layer of lines: first the coverage of all of them, then their colour once, so that joints do not show.
     fn stroke(
         &mut self,
-        frame: &Frame<'_>,
+        model: &BinnedModel<'_>,
         layer: &Layer,
         tile: usize,
         origin: [i32; 2],
         watch: &Watch,
     ) -> Result<(), Stopped> {
         self.coverage.fill(0.0);
-        let mut veil = Veil::new(frame, &self.samples, layer.half_px());
+        let mut veil = Veil::new(model, &self.samples, layer.half_px());
         for (n, segment) in layer.tile(tile).enumerate() {
             if n % 4096 == 4095 {
                 watch.check()?;
@@ -191,7 +205,7 @@ const CENTRES: [[f32; 3]; ALL + 1] = {
 
 /// What hides lines: the samples of a tile.
 struct Veil<'a> {
-    frame: &'a Frame<'a>,
+    model: &'a BinnedModel<'a>,
     samples: &'a Samples,
     reach_px: f32,
     lift: [f32; 2],
@@ -201,12 +215,12 @@ struct Veil<'a> {
 }
 
 impl<'a> Veil<'a> {
-    fn new(frame: &'a Frame<'a>, samples: &'a Samples, half_px: f32) -> Self {
-        let nearer = frame.camera.nearer();
+    fn new(model: &'a BinnedModel<'a>, samples: &'a Samples, half_px: f32) -> Self {
+        let nearer = model.camera.nearer();
         #[expect(clippy::cast_possible_truncation, reason = "a lift needs no last digit")]
-        let lifted = |share: f64| nearer.map(|c| (c * share * frame.camera.radius) as f32);
+        let lifted = |share: f64| nearer.map(|c| (c * share * model.camera.radius) as f32);
         Self {
-            frame,
+            model,
             samples,
             reach_px: half_px + 1.0,
             lift: lifted(LIFT),
@@ -229,7 +243,7 @@ impl<'a> Veil<'a> {
                 n += 1;
             } else if depth + most >= surface {
                 if owner != self.known {
-                    let [x, y] = slope(&self.frame.corners(owner));
+                    let [x, y] = slope(&self.model.corners(owner));
                     #[expect(clippy::cast_possible_truncation, reason = "a lift needs no last digit")]
                     let steepness = (x.abs() + y.abs()) as f32;
                     (self.known, self.slope) = (owner, steepness);

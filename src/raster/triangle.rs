@@ -11,7 +11,7 @@
 
 use std::ops::Range;
 
-use super::TILE;
+use super::bins::TILE;
 use super::project::{STEPS, Vertex};
 
 /// Samples a pixel.

@@ -92,7 +92,8 @@ impl Duals<'_> {
         for step in steps {
             self.watch.check()?;
             if is_split(step) || is_dual(step) {
-                let next = if is_split(step) { count.upsampled(&step.letter, net.mesh.is_quads()) } else { count };
+                let next =
+                    if is_split(step) { count.upsampled(&step.letter.settings, net.mesh.is_quads()) } else { count };
                 self.fits(step, next.corners)?;
                 // connectivity depends on no value
                 net = stepper.next_from(&net, step, None).map_err(|error| at(step, error))?.net;
@@ -109,9 +110,9 @@ impl Duals<'_> {
         for step in steps {
             self.watch.check()?;
             if is_split(step) {
-                let halved = step.letter.pieces(fans.is_quads()) != step.letter.arity;
+                let halved = step.letter.settings.pieces(fans.is_quads()) != step.letter.settings.arity();
                 halved.then(|| fans.split(2));
-                fans.split(step.letter.arity);
+                fans.split(step.letter.settings.arity());
                 lost = false;
             } else if is_dual(step) {
                 lost |= fans.dual();
@@ -129,11 +130,11 @@ impl Duals<'_> {
             self.watch.check()?;
             if is_split(step) {
                 collar.keep(layers).map_err(|error| at(step, error))?;
-                let (tile, arity) = (step.letter.tile, step.letter.arity);
+                let (tile, arity) = (step.letter.settings.tile(), step.letter.settings.arity());
                 if tile == Tile::Triangle && !collar.are_all(3) {
                     return Err(self.other_faces(step));
                 }
-                let pieces = step.letter.pieces(collar.are_all(4));
+                let pieces = step.letter.settings.pieces(collar.are_all(4));
                 let cells = u128::from(pieces) * u128::from(pieces);
                 self.fits(step, cells.saturating_mul(collar.n_corners() as u128))?;
                 (pieces != arity).then(|| collar.split(tile, 2));
@@ -180,7 +181,7 @@ fn alone(steps: &[Scheduled]) -> bool {
     steps.iter().all(|step| {
         if is_split(step) {
             after_split = true;
-            return step.letter.tile == Tile::Quad;
+            return step.letter.settings.tile() == Tile::Quad;
         }
         let allowed = !is_dual(step) || after_split;
         after_split &= !is_dual(step);
@@ -196,7 +197,7 @@ fn layers(steps: &[Scheduled]) -> Vec<u32> {
         if is_dual(step) {
             needed = needed.saturating_add(1);
         } else if is_split(step) {
-            needed = needed.div_ceil(step.letter.arity).max(LEAST_LAYERS);
+            needed = needed.div_ceil(step.letter.settings.arity()).max(LEAST_LAYERS);
         }
         layers.push(needed);
     }

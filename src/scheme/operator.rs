@@ -5,9 +5,10 @@ use std::fmt;
 use super::census::Census;
 use super::mesh_net::MeshNet;
 use super::polygon_net::PolygonNet;
+use super::settings::Settings;
 use super::step::{Step, StepError, Values};
 use super::window::Window;
-use super::word::Letter;
+use crate::math::parameter::Parameter;
 
 /// An operator: weights and connectivity; coordinates are seen only by those that are not linear, in an [`Action::Map`].
 ///
@@ -17,14 +18,14 @@ pub trait Operator: fmt::Debug + Send + Sync {
     fn facts(&self) -> &'static Facts;
     /// How it moves and counts the points of a polygon after `duals` half steps since the last upsampling; `None` when
     /// every point stays one.
-    fn window(&self, _letter: &Letter, _duals: u32) -> Option<Window> {
+    fn window(&self, _settings: &Settings, _duals: u32) -> Option<Window> {
         None
     }
-    /// Sets what follows alpha in its letter.
+    /// Sets what follows alpha among the values of a letter.
     ///
     /// # Errors
     /// A sentence, where alpha does not allow it.
-    fn at_alpha(&self, _letter: &mut Letter, _alpha: f64) -> Result<(), String> {
+    fn at_alpha(&self, _settings: &mut Settings, _alpha: f64) -> Result<(), String> {
         Ok(())
     }
     /// What it is among the steps of splines on meshes, with the weight `mu` of vertices on triangles and the kernel 1;
@@ -32,7 +33,7 @@ pub trait Operator: fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// What keeps a cycle with this operator from making splines, as the end of a sentence.
-    fn spline(&self, _letter: &Letter, _mu: f64) -> Result<SplineStep, &'static str> {
+    fn spline(&self, _settings: &Settings, _mu: f64) -> Result<SplineStep, &'static str> {
         Err("its steps are others")
     }
     /// Whether it can be applied to a mesh as it is given, as far as that depends on its connectivity and tags.
@@ -74,6 +75,8 @@ pub struct Facts {
     pub role: Role,
     /// The plan parameters that it uses.
     pub uses: &'static [&'static str],
+    /// The parameters that each of its letters has a value of.
+    pub parameters: &'static [Parameter],
     /// What becomes of the vertices and faces of a mesh.
     pub children: Children,
     /// Which sharp edges and vertices of meshes it follows.
@@ -96,6 +99,11 @@ pub struct Facts {
 }
 
 impl Facts {
+    /// Whether letters have a value of a parameter.
+    pub fn has(&self, parameter: &Parameter) -> bool {
+        self.parameters.iter().any(|declared| declared.name == parameter.name)
+    }
+
     /// What holds of an operator that says nothing else; its name, documentation and source are still to be given.
     pub const USUAL: Self = Self {
         letter: None,
@@ -104,6 +112,7 @@ impl Facts {
         source: "",
         role: Role::Smooth,
         uses: &[],
+        parameters: &[],
         children: Children::Same,
         follows: Follows::Corners,
         twice: None,

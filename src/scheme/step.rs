@@ -4,8 +4,8 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::local::{MAX_COMPENSATION, Sources};
-use super::ops::LatitudeRule;
-use super::word::Letter;
+use super::rules::LatitudeRule;
+use super::settings::Settings;
 use crate::math::expression::{Expression, ExpressionError};
 use crate::math::planar::Vector;
 use crate::math::rows::RowSource;
@@ -16,8 +16,8 @@ use crate::watch::{Stopped, Watch};
 /// The numbers an operator works with at one place of a plan.
 #[derive(Debug, Clone, Copy)]
 pub struct Values<'a> {
-    /// The letter: its arity and mask.
-    pub letter: &'a Letter,
+    /// The values of the parameters of its letter.
+    pub settings: &'a Settings,
     /// Parameter spacing that entered the last upsampling, radians.
     pub alpha: f64,
     /// Value of the kernel for this average.

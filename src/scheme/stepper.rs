@@ -3,9 +3,9 @@
 use super::local::Sources;
 use super::mesh_net::MeshNet;
 use super::operator::Operator;
-use super::ops::LatitudeRule;
 use super::plan::{Plan, Scheduled};
 use super::polygon_net::PolygonNet;
+use super::rules::LatitudeRule;
 use super::step::{Step, StepError, Values};
 
 /// A net to which operators are applied.
@@ -61,7 +61,7 @@ impl<'a> Stepper<'a> {
         sources: Option<Sources<'_>>,
     ) -> Result<Step<N>, StepError> {
         let values = Values {
-            letter: &step.letter,
+            settings: &step.letter.settings,
             alpha: step.alpha,
             kernel: step.kernel,
             mu: self.plan.mu,

@@ -190,8 +190,8 @@ impl FormatEntry {
             media_type: format.media_type(),
             extension: format.extension(),
             holds: kinds.into_iter().filter(|(_, kind)| format.holds(*kind).is_ok()).map(|(name, _)| name).collect(),
-            options: ParameterEntry::all(format.parameters()),
-            doc: format.doc(),
+            options: ParameterEntry::all(format.facts().parameters),
+            doc: format.facts().doc,
         }
     }
 }

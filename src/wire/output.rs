@@ -67,7 +67,7 @@ fn output(request: &OutputRequest) -> Result<Output, Vec<Fault>> {
     let Some(format) = format else {
         return Err(vec![Fault::new("", format!("an output has a \"format\": one of {}", format_names()))]);
     };
-    let options = Values::resolve(format.parameters(), &options).map_err(|faults| {
+    let options = Values::resolve(format.facts().parameters, &options).map_err(|faults| {
         let known =
             |fault: Fault| Fault { detail: fault.detail.replace("unknown parameter", "unknown option"), ..fault };
         faults.into_iter().map(known).collect::<Vec<_>>()

@@ -16,7 +16,7 @@ pub(crate) fn measure(table: &mut Table) {
         Scene { shape: Shape::Mesh(&mesh), control: Shape::Mesh(&mesh), warnings: &[], frame: Frame::default() };
     for name in ["obj", "glb", "ply"] {
         let format = planish::output::named(name).expect("a format of the catalogue");
-        let options = Values::resolve(format.parameters(), &[]).expect("defaults are allowed");
+        let options = Values::resolve(format.facts().parameters, &[]).expect("defaults are allowed");
         let mut bytes = Vec::new();
         let time = best(|| {
             bytes.clear();

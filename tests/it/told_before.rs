@@ -125,7 +125,7 @@ fn origins_that_f32_cannot_number_are_refused_by_the_estimate() {
         let format = named(name).expect("a format");
         let options = |ids| {
             let given = [("ids".to_owned(), Literal::Flag(ids))];
-            Values::resolve(format.parameters(), &given).expect("an option")
+            Values::resolve(format.facts().parameters, &given).expect("an option")
         };
         for (cells, ids, fits) in [(1 << 24, true, true), ((1 << 24) + 1, true, false), ((1 << 24) + 1, false, true)] {
             let told = format.fits(&counts(cells), &options(ids));

@@ -11,10 +11,12 @@ use serde_json::Value;
 
 use super::accessor::Rows;
 use super::buffers::Document;
+use crate::input::reader::ReadMesh;
 use crate::input::room::{GROWN, Room};
 use crate::input::text::quoted;
-use crate::input::{Channel, FaceSet, ReadMesh};
 use crate::shape::attachments::COLOR;
+use crate::shape::attachments::Channel;
+use crate::shape::labels::FaceSet;
 
 /// What the attribute `_ORIGIN` of a file that tells origins is: no channel.
 const ORIGIN: &str = "origin";

@@ -13,9 +13,11 @@ use super::buffers::Document;
 use super::carried::{Channels, Groups, group, name};
 use super::transform::Transform;
 use crate::input::collect::Collected;
+use crate::input::reader::{ReadLimits, ReadMesh, Uvs};
 use crate::input::room::{GROWN, Room};
-use crate::input::{Channel, FaceSet, ReadLimits, ReadMesh, Uvs};
 use crate::math::functions::pow;
+use crate::shape::attachments::Channel;
+use crate::shape::labels::FaceSet;
 use crate::shape::topology::index;
 
 /// A file may come to so many primitives, or to as many as it has bytes, and to three corners for each: nodes that share a
@@ -339,7 +341,7 @@ impl Reading<'_> {
             mesh.notes.push("skins and morph targets are not applied".to_owned());
         }
         if let Some(uvs) = self.uvs.filter(|uvs| !uvs.is_empty()) {
-            let mut corners = Vec::with_capacity(mesh.faces.n_corners());
+            let mut corners = Vec::with_capacity(mesh.faces.n_half_edges());
             corners.extend((0..mesh.faces.len()).flat_map(|f| mesh.faces.face(f)));
             mesh.uvs = Some(Uvs { values: uvs, corners });
         }

@@ -6,9 +6,10 @@ use std::ops::Range;
 use super::corner::{self, Corner};
 use crate::fault::Fault;
 use crate::input::collect::Collected;
+use crate::input::reader::{ReadMesh, Uvs};
 use crate::input::text::{at_line, quoted};
-use crate::input::{FaceSet, ReadMesh, Uvs};
 use crate::shape::check::FaceList;
+use crate::shape::labels::FaceSet;
 use crate::shape::topology::{NONE, index};
 
 /// Most groups that a face is in at once.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::fault::Fault;
-use crate::input::ReadMesh;
+use crate::input::reader::ReadMesh;
 use crate::input::text::{at_line, count, number, quoted};
 use crate::scheme::tags::Boundary;
 

@@ -3,14 +3,14 @@
 use tiny_skia::{Color, FillRule, LineCap, LineJoin, Paint, PathBuilder, Pixmap, Stroke, Transform};
 
 use super::drawing::{Drawing, Item};
-use crate::output::FormatError;
+use crate::output::error::FormatError;
 use crate::watch::Watch;
 
 /// Discs painted at once.
 const BATCH: usize = 256;
 
 /// Rows of red, green, blue and alpha (straight), from the top.
-pub(in crate::output) fn paint(drawing: &Drawing, watch: &Watch) -> Result<Vec<u8>, FormatError> {
+pub(crate) fn paint(drawing: &Drawing, watch: &Watch) -> Result<Vec<u8>, FormatError> {
     let [width, height] = drawing.size;
     let mut pixmap = Pixmap::new(width, height)
         .ok_or_else(|| FormatError::Unfit(format!("a picture of {width} x {height} pixels cannot be made")))?;

@@ -2,15 +2,15 @@
 
 use serde_json::{Value, json};
 
-use crate::output::FormatError;
 use crate::output::bounds::Bounds;
+use crate::output::error::FormatError;
 use crate::output::scene::{CHUNK, Curve};
 use crate::output::stream::unfit;
 use crate::watch::{Stopped, Watch};
 
+use super::entries::{add_moments, bounding_box, euler, seen_from};
 use super::hashes::{Part, PositionsHash, ShapeHash};
 use super::moments::Moments;
-use super::{add_moments, bounding_box, euler, seen_from};
 
 /// The statistics of polygons whose points have `D` coordinates.
 pub(super) fn report<const D: usize>(curves: &[Curve], watch: &Watch) -> Result<Value, FormatError> {

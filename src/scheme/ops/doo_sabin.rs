@@ -115,8 +115,8 @@ impl Operator for DooSabin {
             if let Some(&edge) = boundary.get(beyond / 2).filter(|_| beyond < n_rim) {
                 let [a, b] = old.ends(edge as usize);
                 let [near, far] = if beyond.is_multiple_of(2) { [a, b] } else { [b, a] };
-                out.add(near, 0.75);
-                out.add(far, 0.25);
+                out.add(near, CHAIKIN[0]);
+                out.add(far, CHAIKIN[1]);
             } else {
                 out.add(fixed[beyond - n_rim], 1.0);
             }
@@ -133,28 +133,32 @@ fn later_corners(net: &MeshNet) -> Vec<u32> {
     corners
 }
 
-/// The weights of faces by their size; those of quads are kept apart.
+/// The weights of faces by their size; those of quads are kept apart, where no table has to be searched.
 #[derive(Debug)]
-struct Weights(BTreeMap<usize, Vec<f64>>);
+struct Weights {
+    quad: [f64; 4],
+    others: BTreeMap<usize, Vec<f64>>,
+}
 
-const QUAD: [f64; 4] = [9.0 / 16.0, 3.0 / 16.0, 1.0 / 16.0, 3.0 / 16.0];
+/// The weights of Chaikin's scheme, which boundaries follow.
+const CHAIKIN: [f64; 2] = [0.75, 0.25];
 
 impl Weights {
     fn of(topology: &Topology) -> Self {
-        let mut table = BTreeMap::from([(2, vec![0.75, 0.25]), (4, QUAD.to_vec())]);
+        let mut others = BTreeMap::from([(2, CHAIKIN.to_vec())]);
         for f in 0..topology.n_faces() {
             // a half face of n vertices has n - 2 inside and as many reflected
             let n = topology.face(f).len();
             for n in [n, 2 * n - 4].into_iter().filter(|&n| n != 4) {
-                table.entry(n).or_insert_with(|| (0..n).map(|i| weight(i, n)).collect());
+                others.entry(n).or_insert_with(|| (0..n).map(|i| weight(i, n)).collect());
             }
         }
-        Self(table)
+        Self { quad: std::array::from_fn(|i| weight(i, 4)), others }
     }
 
     #[inline]
     fn of_size(&self, n: usize) -> &[f64] {
-        if n == 4 { &QUAD } else { &self.0[&n] }
+        if n == 4 { &self.quad } else { &self.others[&n] }
     }
 }
 
@@ -197,7 +201,7 @@ fn later_row(old: &Topology, weights: &Weights, corner: u32, out: &mut Rows) {
 
 /// On a boundary edge, near one end; an edge that ends in a corner is half as long as the others.
 fn rim_row(old: &Topology, near: u32, far: u32, to_corner: bool, out: &mut Rows) {
-    let share = if to_corner { 0.5 } else { 0.25 };
+    let share = if to_corner { 0.5 } else { CHAIKIN[1] };
     out.add(old.vertex(near), 1.0 - share);
     out.add(old.vertex(far), share);
 }

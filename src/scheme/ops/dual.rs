@@ -10,11 +10,12 @@ use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Children, Facts, Operator, Role, SplineStep};
+use crate::scheme::parameters::SPLIT;
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::preimage::Preimage;
+use crate::scheme::settings::Settings;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::Window;
-use crate::scheme::word::Letter;
 use crate::shape::check::{Checked, FaceList, Winding};
 use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
@@ -36,6 +37,7 @@ static FACTS: Facts = Facts {
     source: "Lane and Riesenfeld, IEEE PAMI 2 (1980), 35-46; Zhang and Wang 2002, formula (2)",
     role: Role::Average,
     uses: &["kernel"],
+    parameters: &[SPLIT],
     children: Children::Dual,
     twice: Some(&Average),
     ..Facts::USUAL
@@ -46,14 +48,14 @@ impl Operator for Dual {
         &FACTS
     }
 
-    fn spline(&self, letter: &Letter, _: f64) -> Result<SplineStep, &'static str> {
-        match letter.tile {
+    fn spline(&self, settings: &Settings, _: f64) -> Result<SplineStep, &'static str> {
+        match settings.tile() {
             Tile::Quad => Ok(SplineStep::HalfMean),
             Tile::Triangle => Err("its D makes other faces of triangles"),
         }
     }
 
-    fn window(&self, _: &Letter, duals: u32) -> Option<Window> {
+    fn window(&self, _: &Settings, duals: u32) -> Option<Window> {
         // the first D looks forward, the second back, so that two of them are centred again
         Some(Window::mean(2, duals % 2 == 1))
     }

@@ -29,7 +29,6 @@ pub(super) use dual::dual;
 pub use incenter::Incenter;
 pub use kobbelt_edges::KobbeltEdges;
 pub use kobbelt_faces::KobbeltFaces;
-pub use latitude::LatitudeRule;
 pub use loop_smoothing::LoopSmoothing;
 pub use masked::Masked;
 pub use push_back::CIRCULAR_PUSH_BACK;

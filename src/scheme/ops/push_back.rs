@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::latitude::{LatitudeRule, Lines};
+use super::latitude::Lines;
 use super::upsample::ratio;
 use crate::math::expression::Expression;
 use crate::math::functions::sin;
@@ -14,9 +14,10 @@ use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Facts, Follows, Operator, Role, SplineStep};
 use crate::scheme::polygon_anchor::PolygonAnchor;
 use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::rules::LatitudeRule;
+use crate::scheme::settings::Settings;
 use crate::scheme::step::{Action, Step, StepError, Values};
 use crate::scheme::window::steps;
-use crate::scheme::word::Letter;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
 
@@ -77,12 +78,12 @@ impl Operator for PushBack {
         }
     }
 
-    fn at_alpha(&self, _: &mut Letter, alpha: f64) -> Result<(), String> {
+    fn at_alpha(&self, _: &mut Settings, alpha: f64) -> Result<(), String> {
         let pole = self.0 == Share::Circular && alpha != 0.0 && sin(alpha).abs() < 1e-9;
         if pole { Err(format!("the circular push-back has a pole at alpha = {alpha}")) } else { Ok(()) }
     }
 
-    fn spline(&self, _: &Letter, _: f64) -> Result<SplineStep, &'static str> {
+    fn spline(&self, _: &Settings, _: f64) -> Result<SplineStep, &'static str> {
         Err("its P pushes back")
     }
 

@@ -1,10 +1,12 @@
 //! Which operators may follow which.
 
 use super::{Plan, Subject};
+use crate::math::parameter::Value;
 use crate::scheme::extent::Ends;
+use crate::scheme::letter::Letter;
 use crate::scheme::operator::{Follows, Role};
+use crate::scheme::parameters::{ARITY, AVERAGES, MASK};
 use crate::scheme::step::StepError;
-use crate::scheme::word::Letter;
 use crate::shape::tile::Tile;
 
 impl Plan {
@@ -17,12 +19,13 @@ impl Plan {
         for mut letter in self.word.letters(2) {
             let role = letter.facts().role;
             if role == Role::Average {
-                letter.arity = arity;
+                letter.settings.set(&ARITY, Value::Integer(arity.into()));
             }
             if subject.is_mesh && letter.facts().needs_upsampling {
                 return Err(StepError::WrongNet("A averages the points of polygons; meshes take U, D, C and P"));
             }
-            let splits_input = role == Role::Upsample && letter.tile == Tile::Triangle && !upsampled && duals == 0;
+            let splits_input =
+                role == Role::Upsample && letter.settings.tile() == Tile::Triangle && !upsampled && duals == 0;
             if let Some((face, size)) = subject.other_face.filter(|_| splits_input) {
                 return Err(StepError::NotTriangles { face, size });
             }
@@ -31,8 +34,9 @@ impl Plan {
                 if let Some(found) = other_than_halves(&letter) {
                     return Err(StepError::NotHalves { what: carried.name(), found });
                 }
-                let halves = letter.facts().letter == Some('U');
-                if !matches!(role, Role::Average | Role::PushBack) && !halves || letter.tile == Tile::Triangle {
+                // averages that move to the duals are refused for what they cannot carry
+                let known = letter.facts().pointwise || role == Role::Average;
+                if !known || letter.settings.tile() == Tile::Triangle {
                     return Err(StepError::Useless(carried.name()));
                 }
             }
@@ -45,14 +49,15 @@ impl Plan {
                 return Err(StepError::Creases);
             }
             match role {
-                Role::Upsample if letter.mask.is_some() || letter.facts().needs_alpha => {
+                Role::Upsample if letter.facts().has(&MASK) => {
                     if let Some(tags) = subject.tags {
                         return Err(StepError::MaskTags(tags));
                     }
-                    let averaged = natural && letter.averages > 0;
-                    (upsampled, duals, lost, arity) = (true, 0, letter.mask.is_some() || averaged, letter.arity);
+                    let averaged = natural && letter.settings.whole(&AVERAGES).is_some_and(|averages| averages > 0);
+                    (upsampled, duals, lost, arity) =
+                        (true, 0, letter.settings.mask().is_some() || averaged, letter.settings.arity());
                 }
-                Role::Upsample => (upsampled, duals, lost, arity) = (true, 0, false, letter.arity),
+                Role::Upsample => (upsampled, duals, lost, arity) = (true, 0, false, letter.settings.arity()),
                 Role::Average => {
                     if letter.facts().needs_upsampling && !upsampled {
                         return Err(StepError::NoArity);
@@ -85,8 +90,8 @@ impl Plan {
 
 /// How the U of a word differs from one that halves edges and makes quads, if it does.
 pub(super) fn other_than_halves(letter: &Letter) -> Option<String> {
-    let is_lettered = letter.facts().letter == Some('U');
-    let split = || (letter.tile == Tile::Triangle).then(|| "split triangle".to_owned());
-    let arity = || (letter.arity != 2).then(|| format!("U{}", letter.arity));
-    if is_lettered { split().or_else(arity) } else { None }
+    let is_upsampling = letter.facts().pointwise && letter.facts().role == Role::Upsample;
+    let split = || (letter.settings.tile() == Tile::Triangle).then(|| "split triangle".to_owned());
+    let arity = || (letter.settings.arity() != 2).then(|| format!("U{}", letter.settings.arity()));
+    if is_upsampling { split().or_else(arity) } else { None }
 }

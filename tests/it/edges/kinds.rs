@@ -120,7 +120,9 @@ fn m8_options_and_parameters_of_any_kind_are_taken_or_told_by_their_place() {
             .iter()
             .filter(|format| crate::http::jobs::formats(false).iter().any(|f| f.name() == format.name()))
         {
-            for (option, value) in format.parameters().iter().flat_map(|p| values().into_iter().map(|v| (p.name, v))) {
+            for (option, value) in
+                format.facts().parameters.iter().flat_map(|p| values().into_iter().map(|v| (p.name, v)))
+            {
                 let mut job = with(polygon(1), format.name());
                 job["outputs"][0][option] = value.clone();
                 let answer = server.post("/v1/estimate", &job).await;

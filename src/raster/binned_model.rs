@@ -1,16 +1,17 @@
-//! A frame: the model projected, clipped and sorted into tiles, ready to be drawn tile by tile.
+//! The model projected, clipped and sorted into tiles, ready to be drawn tile by tile.
 
 use rayon::prelude::*;
 
 use super::bins::{Bins, Grid, TileRect};
-use super::camera::{Camera, Projection};
+use super::camera::{Camera, Projection, unit};
+use super::clip;
 use super::line::Layer;
+use super::model::{Model, Normals, Surface};
 use super::paint::{Paint, Tint};
 use super::project::{BEHIND, FAR_OUT, STEPS, Vertex, vertex, vertices};
 use super::shade::{Lamps, Vec3f};
 use super::triangle::{area, pixel_box};
-use super::vector::{cross, sub, unit};
-use super::{Model, Normals, Surface, clip};
+use crate::math::vector::{cross, minus};
 use crate::watch::{Stopped, Watch};
 
 /// A piece of a clipped triangle.
@@ -24,7 +25,7 @@ struct Piece {
 
 /// What is drawn, tile by tile.
 #[derive(Debug)]
-pub(super) struct Frame<'a> {
+pub(super) struct BinnedModel<'a> {
     model: &'a Model<'a>,
     pub(super) camera: &'a Camera,
     pub(super) grid: Grid,
@@ -67,7 +68,7 @@ struct Run {
     pieces: Vec<Piece>,
 }
 
-impl<'a> Frame<'a> {
+impl<'a> BinnedModel<'a> {
     pub(super) fn new(model: &'a Model<'a>, camera: &'a Camera, grid: Grid, watch: &Watch) -> Result<Self, Stopped> {
         let vertices = if model.triangles.is_empty() { Vec::new() } else { vertices(camera, model.positions) };
         watch.check()?;
@@ -82,9 +83,9 @@ impl<'a> Frame<'a> {
             Surface::Unseen => (None, None),
         };
         let (pieces, runs) = (Vec::new(), Vec::new());
-        let mut frame = Self { model, camera, grid, vertices, pieces, runs, layers, lamps, paint };
-        frame.sort(watch)?;
-        Ok(frame)
+        let mut binned = Self { model, camera, grid, vertices, pieces, runs, layers, lamps, paint };
+        binned.sort(watch)?;
+        Ok(binned)
     }
 
     /// Culls, clips and bins the triangles, in runs whose borders depend on their number only.
@@ -184,7 +185,7 @@ impl<'a> Frame<'a> {
         let undefined = |n: &[f64; 3]| n.iter().all(|c| c.abs() <= 0.0);
         if normals.iter().any(undefined) {
             let [a, b, c] = triangle.map(|v| self.model.positions[v as usize]);
-            let plane = unit(cross(sub(b, a), sub(c, a))).unwrap_or(self.camera.forward.map(|x| -x));
+            let plane = unit(cross(minus(b, a), minus(c, a))).unwrap_or(self.camera.forward.map(|x| -x));
             normals.iter_mut().filter(|n| undefined(n)).for_each(|n| *n = plane);
         }
         shared(piece, normals)

@@ -1,0 +1,19 @@
+//! Why a format did not write a scene.
+
+use std::io;
+
+use crate::watch::Stopped;
+
+/// Why a scene was not written.
+#[derive(Debug, thiserror::Error)]
+pub enum FormatError {
+    /// The job was asked to stop.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    /// The bytes could not be taken.
+    #[error("writing the result failed: {0}")]
+    Io(#[from] io::Error),
+    /// The scene holds something the format cannot express.
+    #[error("{0}")]
+    Unfit(String),
+}

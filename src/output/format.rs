@@ -1,0 +1,110 @@
+//! What every format declares, and what it does.
+
+use std::fmt;
+use std::io::Write;
+
+use super::counts::{Counts, ShapeKind};
+use super::error::FormatError;
+use super::options::IDS;
+use super::scene::Scene;
+use super::size::Size;
+use crate::fault::Fault;
+use crate::math::parameter::{Parameter, Values};
+use crate::shape::attachments::Attachments;
+use crate::shape::mesh::Mesh;
+use crate::watch::Watch;
+
+/// What a format declares.
+#[derive(Debug)]
+pub struct FormatFacts {
+    /// Name in requests.
+    pub name: &'static str,
+    /// File extension without the dot.
+    pub extension: &'static str,
+    /// Media type of the bytes.
+    pub media_type: &'static str,
+    /// One sentence for the catalogue.
+    pub doc: &'static str,
+    /// Options that the format knows.
+    pub parameters: &'static [Parameter],
+    /// Whether the format can hold what these options make of a shape of this kind; else a sentence that says why not,
+    /// and which formats can.
+    pub holds: fn(ShapeKind, &Values) -> Result<(), String>,
+    /// Whether the format reads the shape as it was given, besides the refined one.
+    pub shows_control: bool,
+}
+
+/// A way to write a scene as bytes.
+pub trait Format: fmt::Debug + Send + Sync {
+    /// What the format declares.
+    fn facts(&self) -> &'static FormatFacts;
+
+    /// Whether the options make sense for a shape of this kind that carries this.
+    ///
+    /// # Errors
+    /// The fault, with a pointer below the output.
+    fn suits(&self, _kind: ShapeKind, _carried: &Attachments, _options: &Values) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    /// Whether the format can count what there will be; what coordinates it can hold shows only when they are there.
+    ///
+    /// # Errors
+    /// The fault, with a pointer below the output.
+    fn fits(&self, _counts: &Counts, _options: &Values) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    /// Bytes that `counts` will take.
+    fn size(&self, counts: &Counts, options: &Values) -> Size;
+
+    /// What the options tell of single faces, edges or vertices of the input, if anything: schemes that make faces of
+    /// their own cannot.
+    fn refers(&self, options: &Values) -> Option<&'static str> {
+        options.flag(IDS.name).then_some(IDS.name)
+    }
+
+    /// Bytes of memory that the options cost while the scene is written, besides those that every picture of such a mesh
+    /// and its bytes need.
+    fn memory(&self, _counts: &Counts, _options: &Values) -> u128 {
+        0
+    }
+
+    /// Work that the scene takes besides refining it and making its bytes, in rows of a table, 100 ns each; `mesh` is the
+    /// input, where that is one.
+    fn work(&self, _mesh: Option<&Mesh>, _counts: &Counts, _options: &Values) -> u128 {
+        0
+    }
+
+    /// Writes the scene.
+    ///
+    /// # Errors
+    /// When the scene cannot be held after all, the writer fails, or the watch says stop.
+    fn write(&self, scene: &Scene<'_>, options: &Values, out: &mut dyn Write, watch: &Watch)
+    -> Result<(), FormatError>;
+}
+
+impl dyn Format + '_ {
+    /// Name in requests.
+    pub fn name(&self) -> &'static str {
+        self.facts().name
+    }
+
+    /// File extension without the dot.
+    pub fn extension(&self) -> &'static str {
+        self.facts().extension
+    }
+
+    /// Media type of the bytes.
+    pub fn media_type(&self) -> &'static str {
+        self.facts().media_type
+    }
+
+    /// Whether the format can hold a shape of this kind, whatever the options.
+    ///
+    /// # Errors
+    /// A sentence that says why not, and which formats can.
+    pub fn holds(&self, kind: ShapeKind) -> Result<(), String> {
+        (self.facts().holds)(kind, &Values::default())
+    }
+}

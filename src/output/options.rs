@@ -1,0 +1,36 @@
+//! Options that several formats declare.
+
+use crate::math::parameter::{Default, Kind, Parameter};
+
+/// The option of mesh formats that tells of what in the input everything came.
+pub(super) const IDS: Parameter = Parameter {
+    name: "ids",
+    kind: Kind::Flag,
+    unit: "",
+    default: Default::Flag(false),
+    doc: "For each face of a mesh the input face it came of, for each vertex the input vertex, edge or face",
+};
+
+/// The edges of the input on a refined mesh: an option of formats that write them, and what pictures show.
+pub(super) const ISOLINES: &str = "isolines";
+
+/// Name of the choice that moves points to the limit.
+pub const LIMIT: &str = "limit";
+
+/// The option where the points of the last level stand.
+pub const POSITIONS: Parameter = Parameter {
+    name: "positions",
+    kind: Kind::Choice(&["refined", LIMIT]),
+    unit: "",
+    default: Default::Text("refined"),
+    doc: "Whether the points of the last level stay where refinement put them, or move to their limit.",
+};
+
+/// The option of unit tangents.
+pub const TANGENTS: Parameter = Parameter {
+    name: "tangents",
+    kind: Kind::Flag,
+    unit: "",
+    default: Default::Flag(false),
+    doc: "Whether the unit tangents of the limit curve at the points are written; null where there is none. Curves only.",
+};
