@@ -5,7 +5,7 @@ use std::io::Write;
 use super::limits::Admitted;
 use super::{Input, Output, curves};
 use crate::analysis::curve;
-use crate::analysis::limit::{Asked, LimitError, refine_mesh_to_limit};
+use crate::analysis::limit::{LimitError, LimitRequest, refine_mesh_to_limit};
 use crate::fault::Fault;
 use crate::output::FormatError;
 use crate::output::scene::{Curve, Scene, Shape};
@@ -107,7 +107,7 @@ pub fn run(admitted: &Admitted, output: &Output, out: &mut dyn Write, watch: &Wa
         }
         Input::Mesh(mesh) => {
             let [positions, normals] = surface::limit(&output.options);
-            let asked = Asked { positions, normals };
+            let asked = LimitRequest { positions, normals };
             let refined = if asked.anything() {
                 refine_mesh_to_limit(mesh, &job.plan, job.levels, asked, watch)
             } else {
