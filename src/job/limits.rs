@@ -8,7 +8,7 @@ use super::key::Key;
 use super::memory::{carried, compared_patches, memory};
 use super::output::Output;
 use super::time;
-use crate::analysis::limit::{Asked, Cost, Follow, ROWS_A_POINT, cost as limit_cost, followed_points};
+use crate::analysis::limit::{Cost, Follow, LimitRequest, ROWS_A_POINT, cost as limit_cost, followed_points};
 use crate::fault::Fault;
 use crate::input::ReadLimits;
 use crate::output::{Counts, Size, surface};
@@ -331,7 +331,7 @@ fn limit_surface(job: &Job, forecast: &Forecast) -> (u128, u128) {
         if positions + normals == 0 {
             return (0, 0);
         }
-        let asked = Asked { positions: positions > 0, normals: normals > 0 };
+        let asked = LimitRequest { positions: positions > 0, normals: normals > 0 };
         let points = u128::from(followed_points(&job.plan, asked));
         let of_face = if points > 0 { 48 + 88 } else { 48 };
         let of_vertex = 29 + 72 * normals + 8 * points * (1 + 2 * normals);
@@ -369,9 +369,9 @@ fn limit_patches(job: &Job, forecast: &Forecast) -> Cost {
     let halved = [Some(plan.alpha), plan.compensation_alpha].into_iter().flatten().any(|alpha| alpha != 0.0);
     let fades = halved && plan.kernel.iter().chain([&plan.compensation]).any(|function| !function.is_constant());
     let follow = match kinds {
-        0 if fades => Follow::Numbers,
-        0 => Follow::Around,
-        _ => Follow::Own,
+        0 if fades => Follow::PlanValues,
+        0 => Follow::Connectivity,
+        _ => Follow::VertexParameters,
     };
     limit_cost(cycle, 1 << kinds, irregular, vertices, follow)
 }

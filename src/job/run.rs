@@ -10,7 +10,7 @@ use super::input::Input;
 use super::limits::Admitted;
 use super::output::Output;
 use crate::analysis::curve;
-use crate::analysis::limit::{Asked, LimitError, refine_mesh_to_limit};
+use crate::analysis::limit::{LimitError, LimitRequest, refine_mesh_to_limit};
 use crate::output::scene::{Control, Curve, Scene, Shape};
 use crate::output::surface;
 use crate::refine::{RefinedMesh, refine_mesh};
@@ -58,7 +58,7 @@ fn draw(
 /// Refines and writes a mesh.
 fn form(job: &Job, mesh: &Mesh, output: &Output, out: &mut dyn Write, watch: &Watch) -> Result<Report, RunError> {
     let [positions, normals] = surface::limit(&output.options);
-    let asked = Asked { positions, normals };
+    let asked = LimitRequest { positions, normals };
     let refined = if asked.anything() {
         refine_mesh_to_limit(mesh, &job.plan, job.levels, asked, watch)
     } else {
