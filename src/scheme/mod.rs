@@ -3,13 +3,8 @@
 
 pub mod anchor;
 pub mod annotations;
-pub mod census;
-mod collar;
-mod count;
 pub mod creases;
-mod duals;
 pub mod extent;
-mod fans;
 pub mod forecast;
 pub mod local;
 pub mod local_mesh;
@@ -27,7 +22,6 @@ pub mod presets;
 pub mod ranges;
 pub mod rules;
 pub mod sharpness;
-mod sizes;
 pub mod split_mesh;
 pub mod stencil;
 pub mod step;

@@ -6,7 +6,7 @@ use super::around;
 use super::cosines::cosine;
 use super::upsample::ratio;
 use crate::math::rows::{Rows, RowsBy};
-use crate::scheme::census::{Census, sum};
+use crate::scheme::forecast::{Census, sum};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Children, Facts, Operator, Role};
 use crate::scheme::polygon_net::PolygonNet;

@@ -3,8 +3,8 @@
 use super::cosines::cosine;
 use super::upsample::ratio;
 use crate::math::rows::{Rows, RowsBy};
-use crate::scheme::census::{Census, sum};
 use crate::scheme::creases::{Blend, Rule};
+use crate::scheme::forecast::{Census, sum};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Children, Facts, Operator, Role};
 use crate::scheme::polygon_net::PolygonNet;

@@ -18,9 +18,9 @@
 use std::mem;
 
 use super::count::Count;
-use super::ops::dual;
 use super::sizes::{Sizes, is_between_two};
-use super::step::StepError;
+use crate::scheme::ops::dual;
+use crate::scheme::step::StepError;
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::tile::Tile;
 use crate::shape::tiling::Tiling;

@@ -9,15 +9,15 @@
 
 use super::collar::Collar;
 use super::count::Count;
-use super::extent::Ends;
 use super::fans::Fans;
-use super::forecast::{Forecast, ForecastError, Tally};
-use super::mesh_net::MeshNet;
-use super::operator::{Children, Role};
-use super::plan::{Plan, Scheduled};
-use super::step::StepError;
-use super::stepper::Stepper;
-use super::word::Word;
+use super::tally::{Forecast, ForecastError, Tally};
+use crate::scheme::extent::Ends;
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::{Children, Role};
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::step::StepError;
+use crate::scheme::stepper::Stepper;
+use crate::scheme::word::Word;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
 

@@ -1,7 +1,7 @@
 //! Counts of one net, and how operators change them.
 
-use super::mesh_net::MeshNet;
-use super::word::Letter;
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::word::Letter;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 
