@@ -4,7 +4,7 @@ use super::run::RunError;
 use super::{Job, Output};
 use crate::analysis::curve::{LimitRows, NoLimit, check, refine_to_limit};
 use crate::fault::Fault;
-use crate::math::functions::sqrt;
+use crate::math::vector::reduce;
 use crate::output::{LIMIT, POSITIONS, TANGENTS};
 use crate::refine::{RefineError, refine_polygon};
 use crate::scheme::plan::{Plan, Scheduled};
@@ -115,21 +115,13 @@ fn tangents(polygon: &Polygon, points: &[f64], derivatives: &[f64]) -> Vec<f64> 
         let last = width - 1;
         let projected = |i: usize| derivative[i] * point[last] - point[i] * derivative[last];
         let along = |i: usize| if polygon.rational { projected(i) } else { derivative[i] };
-        tangents.extend(unit(&(0..kept).map(along).collect::<Vec<_>>()));
+        let mut tangent: Vec<f64> = (0..kept).map(along).collect();
+        match reduce(&mut tangent) {
+            Some(length) => tangents.extend(tangent.iter().map(|x| x / length)),
+            None => tangents.extend(vec![0.0; kept]),
+        }
     }
     tangents
-}
-
-/// The vector over its length; zeros where it has none.
-fn unit(vector: &[f64]) -> Vec<f64> {
-    let most = vector.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    if most == 0.0 || !most.is_finite() {
-        return vec![0.0; vector.len()];
-    }
-    // scaled first, so that no square is lost
-    let scaled: Vec<f64> = vector.iter().map(|x| x / most).collect();
-    let length = sqrt(scaled.iter().map(|x| x * x).sum());
-    scaled.iter().map(|x| x / length).collect()
 }
 
 /// The curve of a result: homogeneous points divided by their last coordinate.

@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use crate::math::parameter::{Default, Parameter, Values};
+use crate::math::vector::{plus, unit};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Format, FormatFacts};
@@ -51,7 +52,7 @@ impl Format for Stl {
     }
 
     fn size(&self, counts: &Counts, _options: &Values) -> Size {
-        let triangles = counts.corners.saturating_sub(counts.faces.saturating_mul(2));
+        let triangles = counts.half_edges.saturating_sub(counts.faces.saturating_mul(2));
         Size::Exact(total(&[(1, HEADER.len() as u128 + 4), (triangles, TRIANGLE)]))
     }
 
@@ -75,7 +76,7 @@ fn write_mesh(
     out: &mut dyn Write,
     watch: &Watch,
 ) -> Result<(), FormatError> {
-    let n_triangles = mesh.n_corners() - 2 * mesh.n_faces();
+    let n_triangles = mesh.n_half_edges() - 2 * mesh.n_faces();
     let Ok(n) = u32::try_from(n_triangles) else {
         let most = u32::MAX;
         return Err(FormatError::Unfit(format!(
@@ -94,7 +95,7 @@ fn write_mesh(
     stream.bytes(&n.to_le_bytes())?;
     stream.faces(mesh, |_, face, out| {
         for triangle in triangles(face) {
-            let own = || normals::unit(normals::area_vector(&triangle, rows, scale));
+            let own = || unit(normals::area_vector(&triangle, rows, scale));
             let normal = match normals {
                 Some("none") => [0.0; 3],
                 _ if at_limit => mean(triangle.map(|v| corners[v as usize])).unwrap_or_else(own),
@@ -111,7 +112,7 @@ fn write_mesh(
 }
 
 /// The direction of the sum of unit normals; `None` where they cancel.
-fn mean(normals: [[f64; 3]; 3]) -> Option<[f64; 3]> {
-    let normal = normals::unit([0, 1, 2].map(|k| normals.iter().map(|normal| normal[k]).sum()));
+fn mean([a, b, c]: [[f64; 3]; 3]) -> Option<[f64; 3]> {
+    let normal = unit(plus(plus(a, b), c));
     normal.iter().any(|&x| x != 0.0).then_some(normal)
 }

@@ -12,6 +12,7 @@ use super::patch::{Centre, Rings, Whole};
 use super::probe::Regular;
 use super::tangent::starting_vectors;
 use crate::math::functions::{exp, ln};
+use crate::math::vector::minus;
 use crate::refine::{Points, RefineError};
 use crate::scheme::mesh_net::MeshNet;
 use crate::shape::topology::{Topology, index};
@@ -262,7 +263,7 @@ impl Heights {
         let (net, origins) = found.patch.net(impulse.cycle.frame)?;
         let at = |v: u32| [0, 1, 2].map(|k| self.points.now[3 * v as usize + k]);
         let centre = at(index(v));
-        let seen = |v: u32| [0, 1, 2].map(|k| at(v)[k] - centre[k]);
+        let seen = |v: u32| minus(at(v), centre);
         let mut ring = topology.ring(v).map(|corner| seen(topology.vertex(topology.next(corner))));
         let ([a, b, z], [c, d, w]) = (ring.next()?, ring.next()?);
         let determinant = a * d - b * c;

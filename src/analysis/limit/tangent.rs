@@ -13,6 +13,7 @@
 use super::patch::Centre;
 use super::small::{Vectors, dot, leading_basis, leading_block, mixed, orthonormalise, times};
 use crate::math::functions::{exp, ln, sqrt};
+use crate::math::vector::cross;
 
 /// Vectors iterated at once.
 const WIDTH: usize = 8;
@@ -155,10 +156,6 @@ fn thrice(rows: &Vectors<3>, map: &[[f64; 3]; 3], columns: &Vectors<3>) -> Resul
     };
     let (x, y) = (0..rows[0].len()).map(place).map(|[x, y]| (x, y)).unzip();
     Ok([[mixed(&along, rows), mixed(&across, rows)], [x, y]])
-}
-
-fn cross([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
-    [b * z - c * y, c * x - a * z, a * y - b * x]
 }
 
 /// Subtracts the mean.

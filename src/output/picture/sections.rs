@@ -1,7 +1,8 @@
 //! A drawing of the sections of a mesh, each in the frame of its plane.
 
-use super::Options;
 use super::drawing::{CURVE, Drawing, Easel};
+use super::options::Options;
+use crate::math::vector::{cross, dot, minus, unit};
 use crate::output::error::FormatError;
 use crate::output::scene::{Curve, MeshSource};
 use crate::output::sections::{Plane, Polyline, section};
@@ -18,7 +19,7 @@ const GAP: f64 = 0.1;
 ///
 /// Each is seen against its normal, up as [`axes`] says. Several stand row by row, with the columns that make them
 /// largest, all at one scale and each in the middle of its place.
-pub(in crate::output) fn drawing(
+pub(crate) fn drawing(
     mesh: &dyn MeshSource,
     planes: &[Plane],
     options: &Options<'_>,
@@ -52,10 +53,7 @@ fn axes(normal: [f64; 3], up: [f64; 3]) -> [[f64; 3]; 2] {
 /// The polylines as plane curves, seen from the first point of them.
 fn flat(polylines: &[Polyline], axes: [[f64; 3]; 2]) -> Vec<Curve> {
     let Some(origin) = polylines.first().map(|first| first.points[0]) else { return Vec::new() };
-    let place = |p: &[f64; 3]| {
-        let seen = std::array::from_fn(|k| p[k] - origin[k]);
-        axes.map(|axis| dot(axis, seen))
-    };
+    let place = |p: &[f64; 3]| axes.map(|axis| dot(axis, minus(*p, origin)));
     let curve = |polyline: &Polyline| Curve {
         points: polyline.points.iter().flat_map(place).collect(),
         dimension: 2,
@@ -100,19 +98,6 @@ fn bounds(curves: &[Curve]) -> [[f64; 2]; 2] {
         Some([[low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])]])
     };
     points.fold(None, join).unwrap_or_default()
-}
-
-fn unit(v: [f64; 3]) -> [f64; 3] {
-    let length = crate::math::functions::sqrt(dot(v, v));
-    v.map(|x| x / length)
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[cfg(test)]

@@ -42,8 +42,8 @@ fn counted(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
     for step in steps {
         if step.letter.facts().role == Role::Upsample {
             splits += 1;
-            pieces = pieces.saturating_mul(step.letter.pieces(is_quads).into());
-            count = Count { parted: parted(splits, pieces), ..count.upsampled(&step.letter, is_quads) };
+            pieces = pieces.saturating_mul(step.letter.settings.pieces(is_quads).into());
+            count = Count { parted: parted(splits, pieces), ..count.upsampled(&step.letter.settings, is_quads) };
             is_quads = true;
         }
         tally.step(step, count);

@@ -5,8 +5,7 @@ use super::tally::{Forecast, ForecastError, Tally};
 use crate::scheme::extent::Extent;
 use crate::scheme::operator::Role;
 use crate::scheme::plan::Scheduled;
-use crate::scheme::polygon_net::PolygonNet;
-use crate::scheme::step::StepError;
+use crate::scheme::polygon_net::{PolygonNet, too_few_points};
 
 /// The forecast of several polygons refined alike.
 ///
@@ -42,13 +41,13 @@ fn of_polygon(net: &PolygonNet, steps: &[Scheduled]) -> Result<Forecast, Forecas
         if step.letter.facts().role == Role::Upsample {
             duals = 0;
         }
-        if let Some(window) = step.letter.operator.window(&step.letter, duals) {
+        if let Some(window) = step.letter.operator.window(&step.letter.settings, duals) {
             let landing = window.land(n, extent);
             (n, extent) = (landing.n, landing.extent);
         }
         duals += u32::from(step.letter.shifts());
         if n < 2 {
-            let error = StepError::TooFewPoints(usize::try_from(n).unwrap_or(0));
+            let error = too_few_points(usize::try_from(n).unwrap_or(0));
             return Err(ForecastError::Step { level: step.level, error });
         }
         tally.step(step, count(n, extent));

@@ -3,7 +3,7 @@
 use super::count::Count;
 use crate::scheme::operator::Children;
 use crate::scheme::plan::Scheduled;
-use crate::scheme::step::StepError;
+use crate::scheme::step_error::StepError;
 use crate::watch::Stopped;
 
 /// Counts of every level of a job: entry 0 after the prefix, then one a level.

@@ -9,13 +9,14 @@ use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::creases::{Blend, Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Facts, Follows, Operator, Role, SplineStep};
-use crate::scheme::plan::DEFAULT_MU;
+use crate::scheme::parameters::{DEFAULT_MU, SPLIT};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::preimage::Preimage;
+use crate::scheme::settings::Settings;
 use crate::scheme::stencil::{EdgeMask, FaceMask, RingMask, VertexMask};
-use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::StepError;
 use crate::scheme::window::Window;
-use crate::scheme::word::Letter;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 
@@ -34,6 +35,7 @@ static FACTS: Facts = Facts {
     source: "Zhang and Wang 2002, formulas (2) and (5); Zorin and Schroeder, CAGD 18 (2001), 429-454",
     role: Role::Average,
     uses: &["kernel", "mu"],
+    parameters: &[SPLIT],
     follows: Follows::Creases,
     pointwise: true,
     ..Facts::USUAL
@@ -44,13 +46,13 @@ impl Operator for Average {
         &FACTS
     }
 
-    fn spline(&self, letter: &Letter, mu: f64) -> Result<SplineStep, &'static str> {
+    fn spline(&self, settings: &Settings, mu: f64) -> Result<SplineStep, &'static str> {
         // the one weight with which the symbol is that of a box spline
-        let even = letter.tile == Tile::Quad || mu == DEFAULT_MU;
+        let even = settings.tile() == Tile::Quad || mu == DEFAULT_MU;
         if even { Ok(SplineStep::Mean) } else { Err("its C has another mu than 1/4") }
     }
 
-    fn window(&self, _: &Letter, _: u32) -> Option<Window> {
+    fn window(&self, _: &Settings, _: u32) -> Option<Window> {
         Some(Window::mean(3, false))
     }
 
@@ -75,7 +77,7 @@ impl Operator for Average {
 
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
         let action = match net.mesh.halved() {
-            _ if values.letter.tile == Tile::Triangle => {
+            _ if values.settings.tile() == Tile::Triangle => {
                 ring_average::rows(net, Around::Neighbours { mu: values.mu }, values.kernel)
             }
             Some(parent) => match net.since.local.as_ref().filter(|_| values.first) {

@@ -3,12 +3,13 @@
 use super::around;
 use super::cosines::cosine;
 use super::upsample::ratio;
+use crate::math::parameter::{Default, Kind, Parameter};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Facts, Operator, Role};
-use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::operator::{Facts, Nets, Operator};
 use crate::scheme::stencil::{FourPoint, TriangleEdgeMask};
-use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::StepError;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// The edge points of the modified butterfly scheme, with `16 w` times the displacement from the middle of the edge; at
@@ -26,14 +27,25 @@ use crate::shape::topology::{NONE, Topology, index};
 #[derive(Debug)]
 pub struct ButterflyEdges;
 
+impl ButterflyEdges {
+    /// The tension.
+    pub const W: Parameter = Parameter {
+        name: "w",
+        kind: Kind::Number { min: -1e3, max: 1e3 },
+        unit: "",
+        default: Default::Number(1.0 / 16.0),
+        doc: "Tension: what edge points are off the middles of their edges at 1/16 is multiplied by 16 w.",
+    };
+}
+
 static FACTS: Facts = Facts {
     name: "butterfly-edges",
     doc: "The edge points of the modified butterfly scheme after U on triangles: 1/2 (a + b) + 2w (c + d) - w (four far \
      vertices) where both ends have valence 6, weights of the ring of an end of another valence, the four-point rule \
      on boundaries. Used by the preset butterfly.",
     source: "Zorin, Schroeder and Sweldens, SIGGRAPH 1996, 189-192; Dyn, Levin and Gregory, ACM TOG 9 (1990), 160-169",
-    // w is a sixteenth of the compensation, as in the word of the four-point scheme
-    role: Role::PushBack,
+    nets: Nets::Meshes("butterfly refines meshes of triangles; for polygons use four-point"),
+    parameters: &[ButterflyEdges::W],
     ..Facts::USUAL
 };
 
@@ -42,20 +54,16 @@ impl Operator for ButterflyEdges {
         &FACTS
     }
 
-    fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
-        Err(StepError::WrongNet("butterfly refines meshes of triangles; for polygons use four-point"))
-    }
-
     fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
         around::check("butterfly", &net.mesh.base)
     }
 
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let parent = net.mesh.halved_triangles().cloned().ok_or(StepError::NoAnchor)?;
+        let parent = net.mesh.halved_triangles().cloned().ok_or_else(around::not_upsampled)?;
         if net.mesh.pieces.len() == 1 {
             self.admits(net)?;
         }
-        let (n, n_v, strength) = (net.mesh.n_vertices(), parent.n_vertices(), values.compensation);
+        let (n, n_v, strength) = (net.mesh.n_vertices(), parent.n_vertices(), 16.0 * values.settings.number(&Self::W));
         let old = net.clone();
         let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
             if row < n_v {

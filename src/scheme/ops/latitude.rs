@@ -18,18 +18,6 @@ use crate::scheme::step::Action;
 use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{NONE, Topology, index};
 
-/// What odd points of latitude lines follow.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum LatitudeRule {
-    /// Differences of their even neighbours.
-    #[default]
-    Difference,
-    /// Places of their even neighbours.
-    Position,
-    /// Nothing: the tags are not looked at.
-    Isotropic,
-}
-
 /// An even point: a vertex, or the point of a longitude edge.
 #[derive(Debug, Clone, Copy)]
 enum Even {
