@@ -76,8 +76,8 @@ pub(super) struct Tally {
     topology_bytes: u128,
 }
 
-/// Bytes for each corner of a net whose dual is made: 13 of its topology, 5 of its faces and 5 of a copy of them, and 33 of
-/// the dual and its sides before they are sorted; a third of them are held with the points anyway.
+/// Bytes for each corner of a net whose dual is made: 13 of its topology, 5 of its faces and 5 of a copy of them, and
+/// 33 of the dual and its sides before they are sorted; a third of them are held with the points anyway.
 const DUAL_CORNER_BYTES: u128 = 40;
 
 impl Tally {
@@ -215,8 +215,8 @@ fn rebuilt(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
     Forecast { topology_bytes, ..tally.finish() }
 }
 
-/// Copies of vertices, at most, after some splits into so many pieces of an edge: one for each inner point of a sharp edge, and around its ends as many
-/// as there are faces.
+/// Copies of vertices, at most, after some splits into so many pieces of an edge: one for each inner point of a sharp
+/// edge, and around its ends as many as there are faces.
 fn parted(sharp: &[Remaining], splits: usize, pieces: u128) -> u128 {
     let remaining = sharp[splits.min(sharp.len() - 1)];
     remaining.edges.saturating_mul(pieces - 1).saturating_add(remaining.corners)

@@ -39,7 +39,6 @@ mod turn;
 use crate::math::rows::blend;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::{Plan, Scheduled};
-use crate::scheme::sharpness::Creasing;
 use crate::scheme::step_error::StepError;
 use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::watch::{Stopped, Watch};
@@ -216,7 +215,7 @@ pub fn check(plan: &Plan) -> Result<(), Unlimited> {
 fn evens_out(net: &MeshNet) -> bool {
     let semi_sharp = |&(_, sharpness): &(u32, f64)| sharpness < INFINITE_SHARPNESS;
     let any = net.sharpness.as_ref().is_some_and(|sharpness| sharpness.edges().iter().any(semi_sharp));
-    any && net.rules.creasing == Creasing::Chaikin
+    any && net.rules.creasing.looks_around()
 }
 
 /// How smooth the limit is where it is regular, with all of these numbers at vertices.
