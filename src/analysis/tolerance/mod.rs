@@ -23,6 +23,7 @@ use super::curve::Reached;
 use super::limit::Unlimited;
 use super::limit::{self, LimitRequest};
 use crate::refine::{Points, RefineError, act_on, mesh_net};
+use crate::scheme::operator::SPLINES;
 use crate::scheme::plan::Plan;
 use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
@@ -85,10 +86,7 @@ pub enum NoLevel {
     )]
     Kernel(f64),
     /// Another scheme.
-    #[error(
-        "distances are bounded for Catmull-Clark, Loop and words over U, C and D that make splines, which this plan does not \
-         as {0}; give \"levels\" as a number"
-    )]
+    #[error("distances are bounded for {SPLINES}, which this plan does not as {0}; give \"levels\" as a number")]
     NoSpline(&'static str),
     /// Rounding is larger.
     #[error("{tolerance} is below what rounding leaves of coordinates of {size}; ask for at least {least}", least = size * LEAST)]
