@@ -2,11 +2,11 @@
 
 use rayon::prelude::*;
 
-use super::NoLevel;
 use super::budget::Budget;
 use super::cut::twist;
 use super::level::Level;
 use super::nearest::{Faces, Surface, farthest};
+use super::no_level::NoLevel;
 use super::rest::Rests;
 use super::spline::Spline;
 use crate::math::vector::{Vector, length, minus};

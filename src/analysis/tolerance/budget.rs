@@ -1,11 +1,7 @@
 //! What a search may still do: until it is stopped, or its work is used up.
 
-use super::NoLevel;
+use super::no_level::NoLevel;
 use crate::watch::Watch;
-
-/// Most units of work of a search, of about 100 ns each: 3.5 minutes, ten times what those take that look at all the levels
-/// and faces they may.
-pub const MAX_WORK: u64 = 1 << 31;
 
 /// A watch, and the work that it counts at most.
 ///

@@ -2,11 +2,11 @@
 
 use rayon::prelude::*;
 
-use super::NoLevel;
 use super::bend::{Bend, Box3, around, bends, spread};
 use super::budget::Budget;
 use super::hull::Hulls;
 use super::level::Level;
+use super::no_level::NoLevel;
 use super::sheet::Sheet;
 use super::spline::Spline;
 use crate::math::vector::{Vector, cross, length, minus, plus, times};

@@ -1,7 +1,7 @@
 //! Which plans refine splines, so that second differences bound the distance from the limit.
 
-use super::NoLevel;
 use super::hull::MAX_REACH;
+use super::no_level::NoLevel;
 use crate::scheme::operator::SplineStep;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::word::{Letter, Word};

@@ -2,9 +2,9 @@
 
 use super::legal::other_than_halves;
 use super::{AlphaOf, Carried, DEFAULT_MU, Latitude, Perturbation, Plan, PlanInput, Subject};
-use crate::fault::{Fault, under};
+use crate::fault::{Fault, shortened, under};
 use crate::math::expression::Expression;
-use crate::math::parameter::{Literal, Values, shortened};
+use crate::math::parameter::{Literal, Values};
 use crate::scheme::anchor::ratio;
 use crate::scheme::ops::LatitudeRule;
 use crate::scheme::parameters::{KERNEL, WORD_PARAMETERS, latitude_rule, perturbation, tile};
