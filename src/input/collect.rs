@@ -62,7 +62,7 @@ impl Collected {
             return Err(format!("a face of {} vertices; a face has at least 3", vertices.len()));
         }
         self.expect_faces(self.mesh.faces.len() as u64 + 1)?;
-        let corners = self.mesh.faces.n_corners() + vertices.len();
+        let corners = self.mesh.faces.n_half_edges() + vertices.len();
         if corners > MAX_CORNERS {
             return Err(format!(
                 "the faces have {corners} corners or more; {MAX_CORNERS} are allowed; send a smaller mesh"

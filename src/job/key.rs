@@ -7,11 +7,11 @@ use super::{Input, Job, Output};
 use crate::math::expression::{Expression, Instruction};
 use crate::math::parameter::{Value, Values};
 use crate::output::{LIMIT, TANGENTS};
+use crate::scheme::letter::Letter;
 use crate::scheme::operator::Role;
 use crate::scheme::plan::{Latitude, Plan};
 use crate::scheme::rules::{Rules, TriangleRule};
 use crate::scheme::sharpness::Creasing;
-use crate::scheme::word::Letter;
 use crate::shape::attachments::Attachments;
 use crate::shape::attributes::Attributes;
 use crate::shape::creases::{INFINITE_SHARPNESS, Sharp};
@@ -227,17 +227,9 @@ fn shows_limit(output: &Output) -> bool {
 /// left out.
 fn plan(input: &Input, plan: &Plan, levels: u32, shows_limit: bool) -> Item<'static> {
     let letters = |letters: &[Letter]| {
-        let letter = |l: &Letter| {
-            let mask = l.mask.as_ref().map(|mask| {
-                Item::List(vec![
-                    Item::Integer(i64::from(mask.first).cast_unsigned()),
-                    Item::Numbers(mask.values.clone().into()),
-                ])
-            });
-            let head = [l.arity, l.averages].map(|n| Item::Integer(u64::from(n)));
-            let head = [text(l.facts().name)].into_iter().chain(head);
-            let tile = (l.tile == Tile::Triangle).then(|| text("triangle"));
-            Item::List(head.chain(mask).chain(l.blending.map(Item::Number)).chain(tile).collect())
+        let letter = |letter: &Letter| {
+            let Letter { operator, settings } = letter;
+            Item::List(vec![text(operator.facts().name), values(settings.values())])
         };
         Item::List(letters.iter().map(letter).collect())
     };
@@ -247,7 +239,7 @@ fn plan(input: &Input, plan: &Plan, levels: u32, shows_limit: bool) -> Item<'sta
     if has(Role::Average) {
         functions.push(("kernel", Item::List(plan.kernel.iter().map(expression).collect())));
     }
-    let averages = |l: &Letter| l.tile == Tile::Triangle && l.facts().uses.contains(&"mu");
+    let averages = |l: &Letter| l.settings.tile() == Tile::Triangle && l.facts().uses.contains(&"mu");
     if plan.word.prefix.iter().chain(cycle).any(averages) {
         functions.push(("mu", Item::Number(plan.mu)));
     }

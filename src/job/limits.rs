@@ -12,7 +12,7 @@ use crate::output::{Counts, Size, surface};
 use crate::refine::{mesh_net, polygon_net, uv_net};
 use crate::scheme::forecast::{self, Count, Forecast, ForecastError};
 use crate::scheme::plan::Scheduled;
-use crate::scheme::step::StepError;
+use crate::scheme::step_error::About;
 use crate::shape::attributes::Attributes;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
@@ -161,7 +161,7 @@ impl Limits {
 
     fn no_forecast(&self, error: &ForecastError) -> Refusal {
         match error {
-            ForecastError::Step { error: StepError::TooFewPoints(_), .. } => {
+            ForecastError::Step { error, .. } if error.about == About::Ends => {
                 Refusal::Impossible(vec![Fault::new("/plan/ends", error.to_string())])
             }
             ForecastError::Step { .. } => Refusal::Impossible(vec![Fault::new("/plan", error.to_string())]),
@@ -301,7 +301,7 @@ fn counts(job: &Job, count: Count) -> Counts {
         control: job.input.n_points() as u128,
         vertices: count.vertices,
         faces: count.faces - count.hidden_faces,
-        corners: count.corners - count.hidden_corners,
+        half_edges: count.corners - count.hidden_corners,
         largest_face: count.largest_face,
         parted: count.parted,
         uvs: count.uvs,

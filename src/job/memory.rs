@@ -3,8 +3,8 @@
 use super::{Input, Job};
 use crate::output::Size;
 use crate::scheme::forecast::Forecast;
+use crate::scheme::letter::Letter;
 use crate::scheme::operator::Children;
-use crate::scheme::word::Letter;
 use crate::shape::tile::Tile;
 
 /// What is refined along with the positions.

@@ -12,7 +12,7 @@ use crate::output::scene::{Curve, Scene, Shape};
 use crate::output::surface;
 use crate::refine::{RefineError, RefinedMesh, refine_mesh};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::step::StepError;
+use crate::scheme::step_error::{About, StepError};
 use crate::scheme::tags::Boundary;
 use crate::shape::attributes::Attributes;
 use crate::shape::mesh::Mesh;
@@ -62,8 +62,7 @@ impl RunError {
     /// else the function of the plan.
     pub(super) fn of_shape(error: RefineError, attributes: Option<&Attributes>, place: &str) -> Self {
         let name = match &error {
-            RefineError::Step { error: StepError::NoAverage { name, .. }, .. } => *name,
-            RefineError::Step { error: StepError::LargeCompensation { .. }, .. } => "compensation",
+            RefineError::Step { error: StepError { about: About::Point { name, .. }, .. }, .. } => *name,
             _ => return error.into(),
         };
         let arrays = attributes.map(Attributes::arrays).unwrap_or_default();

@@ -6,4 +6,5 @@ pub mod mask;
 pub mod parameter;
 pub mod planar;
 pub mod rows;
+pub mod sharing;
 pub mod vector;

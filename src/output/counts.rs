@@ -30,9 +30,9 @@ pub struct Counts {
     pub vertices: u128,
     /// Shown faces (0 for curves).
     pub faces: u128,
-    /// Sum of the sizes of the shown faces.
-    pub corners: u128,
-    /// Corners of the largest shown face (0 for curves).
+    /// Half-edges of the shown faces: the sum of their sizes (0 for curves).
+    pub half_edges: u128,
+    /// Vertices of the largest shown face (0 for curves).
     pub largest_face: u128,
     /// Vertices that are added, at most, where normals differ across sharp edges; 0 where no edge is sharp.
     pub parted: u128,
@@ -53,7 +53,7 @@ pub struct Counts {
 impl Counts {
     /// Triangles after triangulation: a face of n vertices gives n - 2. Where counts are too large to be true, a bound.
     pub fn triangles(&self) -> u128 {
-        let less = self.faces.checked_mul(2).and_then(|twice| self.corners.checked_sub(twice));
-        less.unwrap_or(self.corners)
+        let less = self.faces.checked_mul(2).and_then(|twice| self.half_edges.checked_sub(twice));
+        less.unwrap_or(self.half_edges)
     }
 }

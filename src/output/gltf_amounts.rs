@@ -80,7 +80,7 @@ impl Amounts {
             numbers: counts.attachments.width() as u128,
             uvs: counts.uvs > 0,
             ids: mesh && options.flag("ids"),
-            triangles: if faces == 0 { 0 } else { counts.corners.saturating_sub(faces.saturating_mul(2)) },
+            triangles: if faces == 0 { 0 } else { counts.half_edges.saturating_sub(faces.saturating_mul(2)) },
         }
     }
 
@@ -93,9 +93,9 @@ impl Amounts {
                     vertices: mesh.n_vertices() as u128,
                     normals: with_normals(options) && faces > 0,
                     numbers: mesh.attachments().width() as u128,
-                    uvs: mesh.n_uvs() > 0,
+                    uvs: mesh.uvs().is_some(),
                     ids: options.flag("ids"),
-                    triangles: mesh.n_corners() as u128 - 2 * faces,
+                    triangles: mesh.n_half_edges() as u128 - 2 * faces,
                 }
             }
             Shape::Curves(curves) => Self {

@@ -207,7 +207,7 @@ fn sections(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<Section>, Format
     let parts = if attachments.names_faces() {
         parts(&attachments.groups, &attachments.materials, mesh.input_cells()[2])
     } else {
-        let triangles = mesh.n_corners() as u128 - 2 * mesh.n_faces() as u128;
+        let triangles = mesh.n_half_edges() as u128 - 2 * mesh.n_faces() as u128;
         let ranges = std::iter::once(0..mesh.n_faces()).collect();
         return Ok(if triangles > 0 {
             vec![Section { group: None, material: None, triangles, ranges }]

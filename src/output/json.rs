@@ -1,6 +1,7 @@
 //! JSON in the notation of requests: every format's fallback, holding everything at full precision.
 
 mod carried;
+mod row;
 mod sections;
 
 use std::io::Write;
@@ -23,6 +24,7 @@ use crate::output::stream::{Positions, Stream, unfit};
 use crate::output::surface::{NORMALS, with_normals};
 use crate::shape::attachments::Attachments;
 use crate::watch::Watch;
+use row::row;
 
 /// The option of discrete curvature.
 const CURVATURE: Parameter = Parameter {
@@ -124,7 +126,7 @@ impl Format for Json {
                 let braces = br#"{"positions":[],"faces":[],"normals":[]}"#.len() as u128;
                 let corner = digits(counts.vertices) + 1;
                 let vectors = if with_normals(options) { 2 } else { 1 };
-                let rows = [(counts.vertices, vectors * row(3)), (counts.faces, 2), (counts.corners, corner)];
+                let rows = [(counts.vertices, vectors * row(3)), (counts.faces, 2), (counts.half_edges, corner)];
                 let carried = carried::size(counts, options);
                 let sections = sections::size(counts, options);
                 total(&[(1, braces), rows[0], rows[1], rows[2], (1, carried), (1, sections)])
@@ -270,14 +272,4 @@ fn write_curvatures(curve: &Curve, n: usize, stream: &mut Stream<'_>) -> Result<
         }
     })?;
     stream.bytes(b"]")
-}
-
-/// One list in a list of lists, with a comma before all but the first.
-fn row(index: usize, out: &mut Vec<u8>, items: impl FnOnce(&mut Vec<u8>)) {
-    if index > 0 {
-        out.push(b',');
-    }
-    out.push(b'[');
-    items(out);
-    out.push(b']');
 }

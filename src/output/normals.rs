@@ -46,9 +46,8 @@ pub fn area(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Res
 /// [`Stopped`] when the watch says so.
 pub fn of(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Vec<[f64; 3]>, Stopped> {
     let mut normals = Vec::new();
-    if !mesh.normals(0..mesh.n_vertices(), &mut normals) {
-        return area(mesh, positions, watch);
-    }
+    let Some(source) = mesh.normals() else { return area(mesh, positions, watch) };
+    source.of_vertices(0..mesh.n_vertices(), &mut normals);
     let is_missing = |normal: &[f64; 3]| normal.iter().all(|&x| x == 0.0);
     if normals.iter().any(is_missing) {
         let area = area(mesh, positions, watch)?;
@@ -127,6 +126,7 @@ mod tests {
     use std::ops::Range;
 
     use super::*;
+    use crate::shape::source::OriginSource;
 
     #[derive(Debug)]
     struct Fan(usize);
@@ -139,7 +139,7 @@ mod tests {
         fn n_faces(&self) -> usize {
             self.0
         }
-        fn n_corners(&self) -> usize {
+        fn n_half_edges(&self) -> usize {
             3 * self.0
         }
         fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
@@ -157,6 +157,12 @@ mod tests {
                 let [a, b] = if f % 2 == 0 { [f + 1, f + 2] } else { [f + 2, f + 1] };
                 out.push(&[0, b, a]);
             }
+        }
+    }
+
+    impl OriginSource for Fan {
+        fn input_cells(&self) -> [usize; 3] {
+            [self.0 + 3, 0, self.0]
         }
     }
 

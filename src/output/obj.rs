@@ -77,7 +77,7 @@ impl Format for Obj {
                 let color = if counts.attachments.color().is_some() { row } else { 0 };
                 let vertex = 2 + row + color;
                 let place = if counts.uvs > 0 { 1 + digits(counts.uvs) } else { 0 };
-                let rows = [(counts.vertices, vertex), (counts.faces, 2), (counts.corners, corner + place)];
+                let rows = [(counts.vertices, vertex), (counts.faces, 2), (counts.half_edges, corner + place)];
                 let uvs = (counts.uvs, 3 + 2 * (1 + REAL));
                 let tags = (counts.tags as u128, "t corner 1/1/0\n".len() as u128 + 2 * (1 + index) + 1 + REAL);
                 total(&[(1, header), (1, told), tags, uvs, rows[0], (n_normals, 3 + row), rows[1], rows[2]])
@@ -321,7 +321,7 @@ fn vertex(position: &[f64; 3], out: &mut Vec<u8>) {
 
 /// Most bytes of the lines that tell of origins, groups and materials.
 fn told(counts: &Counts, ids: bool) -> u128 {
-    let cells = counts.corners.max(counts.vertices).max(counts.input_faces as u128);
+    let cells = counts.half_edges.max(counts.vertices).max(counts.input_faces as u128);
     let remark = if ids { "# from vertex \n".len() as u128 + digits(cells) } else { 0 };
     let line = |keyword: &str, labels: &Labels| {
         let longest = labels.names.iter().map(String::len).max().map_or(0, |longest| longest.max(UNNAMED.len()));

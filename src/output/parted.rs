@@ -4,8 +4,9 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::output::scene::{FaceChunk, MeshSource, Origin, Shape, in_chunks};
+use crate::output::scene::{FaceChunk, MeshSource, Shape, in_chunks};
 use crate::shape::attachments::Attachments;
+use crate::shape::source::{NormalSource, Origin, OriginSource, UvSource};
 use crate::watch::{Stopped, Watch};
 
 /// The mesh with a copy of each vertex for every sector but one between the sharp edges that meet there.
@@ -22,6 +23,11 @@ pub(super) struct Parted<'a> {
     /// The normal of each copy, and those of the parted vertices, ascending, where the mesh brings normals.
     normals: Vec<[f64; 3]>,
     kept: Vec<(u32, [f64; 3])>,
+}
+
+/// Whether texture coordinates are numbered like the vertices.
+fn is_unfolded(uvs: &dyn UvSource) -> bool {
+    uvs.unfolded().is_none()
 }
 
 /// A face at a vertex, with its neighbours there: counter-clockwise from `next` to `before`.
@@ -46,10 +52,9 @@ impl<'a> Parted<'a> {
         }
         sharp.par_sort_unstable();
         let corners = corners(mesh, &sharp, watch)?;
-        let has_normals = mesh.normals(0..0, &mut Vec::new());
         let mut parted = Self { mesh, origins: Vec::new(), moved: Vec::new(), normals: Vec::new(), kept: Vec::new() };
         for around in corners.chunk_by(|a, b| a.vertex == b.vertex) {
-            parted.part(around, &sharp, has_normals);
+            parted.part(around, &sharp);
         }
         parted.moved.par_sort_unstable();
         Ok((!parted.origins.is_empty()).then_some(parted))
@@ -61,8 +66,20 @@ impl<'a> Parted<'a> {
         copy.and_then(|copy| self.origins.get(copy)).copied().unwrap_or(v)
     }
 
+    /// Fills `out` with what `rows` gives for the vertices in `range`; a copy has what its vertex has.
+    fn with_copies<T: Clone>(&self, range: Range<usize>, out: &mut Vec<T>, rows: impl Fn(Range<usize>, &mut Vec<T>)) {
+        let n = self.mesh.n_vertices();
+        rows(range.start.min(n)..range.end.min(n), out);
+        let mut one = Vec::new();
+        for copy in range.start.max(n)..range.end.max(n) {
+            let origin = self.origins[copy - n] as usize;
+            rows(origin..origin + 1, &mut one);
+            out.extend_from_slice(&one);
+        }
+    }
+
     /// Parts one vertex, given its corners by face.
-    fn part(&mut self, around: &[Corner], sharp: &[[u32; 2]], has_normals: bool) {
+    fn part(&mut self, around: &[Corner], sharp: &[[u32; 2]]) {
         let vertex = around[0].vertex;
         let sectors = sectors(around, |other| sharp.binary_search(&[vertex.min(other), vertex.max(other)]).is_ok());
         let first = self.mesh.n_vertices() + self.origins.len();
@@ -72,12 +89,12 @@ impl<'a> Parted<'a> {
             let copy = u32::try_from(first + sector - 1).unwrap_or(u32::MAX);
             self.moved.push((corner.face, vertex, copy));
         }
-        if has_normals && n > 0 {
+        if let Some(source) = self.mesh.normals().filter(|_| n > 0) {
             let mut one = Vec::new();
-            self.mesh.normals(vertex as usize..vertex as usize + 1, &mut one);
+            source.of_vertices(vertex as usize..vertex as usize + 1, &mut one);
             let normal = |sector| {
                 let corner = around.iter().zip(&sectors).find(|(_, other)| **other == sector).map(|(corner, _)| corner);
-                let side = corner.and_then(|corner| self.mesh.side_normal(vertex, corner.next));
+                let side = corner.and_then(|corner| source.on_side(vertex, corner.next));
                 side.or_else(|| one.first().copied()).unwrap_or_default()
             };
             self.kept.push((vertex, normal(0)));
@@ -155,31 +172,12 @@ impl MeshSource for Parted<'_> {
         self.mesh.n_faces()
     }
 
-    fn n_corners(&self) -> usize {
-        self.mesh.n_corners()
+    fn n_half_edges(&self) -> usize {
+        self.mesh.n_half_edges()
     }
 
     fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
-        let n = self.mesh.n_vertices();
-        self.mesh.positions(range.start.min(n)..range.end.min(n), out);
-        let mut one = Vec::new();
-        for copy in range.start.max(n)..range.end.max(n) {
-            let origin = self.origins[copy - n] as usize;
-            self.mesh.positions(origin..origin + 1, &mut one);
-            out.extend_from_slice(&one);
-        }
-    }
-
-    fn normals(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) -> bool {
-        let n = self.mesh.n_vertices();
-        if !self.mesh.normals(range.start.min(n)..range.end.min(n), out) {
-            return false;
-        }
-        let first = self.kept.partition_point(|&(v, _)| (v as usize) < range.start);
-        let here = self.kept[first..].iter().take_while(|&&(v, _)| (v as usize) < range.end);
-        here.for_each(|&(v, normal)| out[v as usize - range.start] = normal);
-        out.extend_from_slice(&self.normals[range.start.max(n) - n..range.end.max(n) - n]);
-        true
+        self.with_copies(range, out, |range, out| self.mesh.positions(range, out));
     }
 
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
@@ -199,49 +197,73 @@ impl MeshSource for Parted<'_> {
             start = end;
         }
     }
+
+    fn normals(&self) -> Option<&dyn NormalSource> {
+        self.mesh.normals().is_some().then_some(self)
+    }
+
+    fn uvs(&self) -> Option<&dyn UvSource> {
+        let uvs = self.mesh.uvs()?;
+        Some(if is_unfolded(uvs) { self } else { uvs })
+    }
+
     fn attachments(&self) -> &Attachments {
         self.mesh.attachments()
     }
 
     fn channel(&self, channel: usize, range: Range<usize>, out: &mut Vec<f64>) {
+        self.with_copies(range, out, |range, out| self.mesh.channel(channel, range, out));
+    }
+}
+
+impl NormalSource for Parted<'_> {
+    fn of_vertices(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
         let n = self.mesh.n_vertices();
-        self.mesh.channel(channel, range.start.min(n)..range.end.min(n), out);
-        let mut one = Vec::new();
-        for copy in range.start.max(n)..range.end.max(n) {
-            let origin = self.origins[copy - n] as usize;
-            self.mesh.channel(channel, origin..origin + 1, &mut one);
-            out.extend_from_slice(&one);
+        out.clear();
+        if let Some(normals) = self.mesh.normals() {
+            normals.of_vertices(range.start.min(n)..range.end.min(n), out);
+        }
+        let first = self.kept.partition_point(|&(v, _)| (v as usize) < range.start);
+        let here = self.kept[first..].iter().take_while(|&&(v, _)| (v as usize) < range.end);
+        here.for_each(|&(v, normal)| out[v as usize - range.start] = normal);
+        out.extend_from_slice(&self.normals[range.start.max(n) - n..range.end.max(n) - n]);
+    }
+
+    /// Each vertex has one side only.
+    fn on_side(&self, _vertex: u32, _next: u32) -> Option<[f64; 3]> {
+        None
+    }
+}
+
+/// Those of a mesh whose texture coordinates are numbered like its vertices.
+impl UvSource for Parted<'_> {
+    fn n_points(&self) -> usize {
+        self.n_vertices()
+    }
+
+    fn values(&self, range: Range<usize>, out: &mut Vec<[f64; 2]>) {
+        if let Some(uvs) = self.mesh.uvs() {
+            self.with_copies(range, out, |range, out| uvs.values(range, out));
         }
     }
 
-    fn n_uvs(&self) -> usize {
-        if self.is_unfolded() { self.n_vertices() } else { self.mesh.n_uvs() }
+    fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
+        MeshSource::faces(self, range, out);
     }
 
-    fn uvs(&self, range: Range<usize>, out: &mut Vec<[f64; 2]>) {
-        if !self.is_unfolded() {
-            return self.mesh.uvs(range, out);
-        }
-        let n = self.mesh.n_vertices();
-        self.mesh.uvs(range.start.min(n)..range.end.min(n), out);
-        let mut one = Vec::new();
-        for copy in range.start.max(n)..range.end.max(n) {
-            let origin = self.origins[copy - n] as usize;
-            self.mesh.uvs(origin..origin + 1, &mut one);
-            out.extend_from_slice(&one);
-        }
+    fn unfolded(&self) -> Option<Box<dyn MeshSource + '_>> {
+        None
     }
+}
 
-    fn uv_faces(&self, range: Range<usize>, out: &mut FaceChunk) {
-        if self.is_unfolded() { self.faces(range, out) } else { self.mesh.uv_faces(range, out) }
-    }
-
-    fn is_unfolded(&self) -> bool {
-        self.mesh.is_unfolded()
-    }
-
+impl OriginSource for Parted<'_> {
     fn input_cells(&self) -> [usize; 3] {
         self.mesh.input_cells()
+    }
+
+    fn vertex_origin(&self, vertex: usize) -> Origin {
+        let copy = vertex.checked_sub(self.mesh.n_vertices());
+        self.mesh.vertex_origin(copy.map_or(vertex, |copy| self.origins[copy] as usize))
     }
 
     fn face_origin(&self, face: usize) -> u32 {
@@ -250,10 +272,5 @@ impl MeshSource for Parted<'_> {
 
     fn faces_of(&self, face: usize) -> Range<usize> {
         self.mesh.faces_of(face)
-    }
-
-    fn vertex_origin(&self, vertex: usize) -> Origin {
-        let copy = vertex.checked_sub(self.mesh.n_vertices());
-        self.mesh.vertex_origin(copy.map_or(vertex, |copy| self.origins[copy] as usize))
     }
 }

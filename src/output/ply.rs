@@ -1,6 +1,7 @@
 //! Stanford PLY: polygons and f64 coordinates in few bytes.
 
 mod carried;
+mod layout;
 
 use std::io::Write;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -11,16 +12,17 @@ use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Format, FormatFacts};
 use crate::output::normals;
-use crate::output::numbers::{REAL, digits, real, real_f32, rounded, total, whole};
+use crate::output::numbers::{digits, total};
 use crate::output::options::{IDS, POSITIONS};
 use crate::output::scene::{Curve, Frame, MeshSource, Scene, Shape};
 use crate::output::sides::Sides;
 use crate::output::size::Size;
 use crate::output::stream::{Positions, Stream, channels_within_f32, holds_space};
-use crate::output::surface::{NORMALS, with_normals};
+use crate::output::surface::NORMALS;
 use crate::shape::attachments::Attachments;
 use crate::watch::Watch;
 use carried::Carried;
+use layout::{Encoding, Layout};
 
 /// PLY, binary little endian unless `ascii`: elements `vertex` and `face` for meshes, `vertex` and `edge` for curves.
 ///
@@ -106,121 +108,6 @@ const PARAMETERS: &[Parameter] = &[
     IDS,
 ];
 
-/// How rows are written.
-#[derive(Debug, Clone, Copy)]
-struct Layout {
-    encoding: Encoding,
-    float: bool,
-    normals: bool,
-    ids: bool,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Encoding {
-    Ascii,
-    /// Binary, one byte for the size of a face.
-    Uchar,
-    /// Binary, four bytes for the size of a face.
-    Uint,
-}
-
-impl Layout {
-    fn of(options: &Values) -> Self {
-        Self {
-            encoding: match (options.flag("ascii"), options.choice("face_sizes")) {
-                (true, _) => Encoding::Ascii,
-                (false, Some("uint")) => Encoding::Uint,
-                (false, _) => Encoding::Uchar,
-            },
-            float: options.choice("precision") == Some("f32"),
-            normals: with_normals(options),
-            ids: options.flag("ids"),
-        }
-    }
-
-    /// The same layout for curves, which have no normals and no origins.
-    fn of_curves(options: &Values) -> Self {
-        Self { normals: false, ids: false, ..Self::of(options) }
-    }
-
-    /// Numbers a vertex.
-    fn numbers(self) -> usize {
-        if self.normals { 6 } else { 3 }
-    }
-
-    /// Bytes a vertex, at most where they are text.
-    fn vertex_bytes(self) -> u128 {
-        let number = match (self.encoding, self.float) {
-            (Encoding::Ascii, _) => REAL + 1,
-            (_, true) => 4,
-            (_, false) => 8,
-        };
-        self.numbers() as u128 * number
-    }
-
-    fn vertex(self, numbers: &[f64], out: &mut Vec<u8>) {
-        for (k, &x) in numbers.iter().enumerate() {
-            if k > 0 {
-                self.separate(out);
-            }
-            self.number(x, out);
-        }
-    }
-
-    /// What stands between two numbers.
-    fn separate(self, out: &mut Vec<u8>) {
-        if self.encoding == Encoding::Ascii {
-            out.push(b' ');
-        }
-    }
-
-    fn number(self, x: f64, out: &mut Vec<u8>) {
-        match (self.encoding, self.float) {
-            (Encoding::Ascii, true) => real_f32(out, x),
-            (Encoding::Ascii, false) => real(out, x),
-            (_, true) => out.extend_from_slice(&rounded(x).to_le_bytes()),
-            (_, false) => out.extend_from_slice(&x.to_le_bytes()),
-        }
-    }
-
-    fn byte(self, x: u8, out: &mut Vec<u8>) {
-        if self.encoding == Encoding::Ascii { whole(out, x.into()) } else { out.push(x) }
-    }
-
-    fn face(self, face: &[u32], out: &mut Vec<u8>) {
-        let size = face.len() as u64;
-        match self.encoding {
-            Encoding::Ascii => whole(out, size),
-            Encoding::Uchar => out.extend_from_slice(&size.to_le_bytes()[..1]),
-            Encoding::Uint => out.extend_from_slice(&size.to_le_bytes()[..4]),
-        }
-        for &vertex in face {
-            self.separate(out);
-            self.index(vertex, out);
-        }
-    }
-
-    fn edge(self, [a, b]: [u32; 2], out: &mut Vec<u8>) {
-        self.index(a, out);
-        self.separate(out);
-        self.index(b, out);
-        self.end_row(out);
-    }
-
-    fn index(self, vertex: u32, out: &mut Vec<u8>) {
-        match self.encoding {
-            Encoding::Ascii => whole(out, u64::from(vertex)),
-            Encoding::Uchar | Encoding::Uint => out.extend_from_slice(&vertex.to_le_bytes()),
-        }
-    }
-
-    fn end_row(self, out: &mut Vec<u8>) {
-        if self.encoding == Encoding::Ascii {
-            out.push(b'\n');
-        }
-    }
-}
-
 fn mesh_size(counts: &Counts, layout: Layout) -> Size {
     let vertices = if counts.uvs > 0 { counts.uvs } else { counts.vertices };
     let attachments = &counts.attachments;
@@ -228,14 +115,14 @@ fn mesh_size(counts: &Counts, layout: Layout) -> Size {
     let vertices = vertices.saturating_add(parted);
     let header = mesh_header(vertices, counts.faces, counts.frame, attachments, layout).len() as u128;
     let (carried, of_face) =
-        carried::bytes(attachments, layout, counts.corners.max(vertices).max(counts.input_faces as u128));
+        carried::bytes(attachments, layout, counts.half_edges.max(vertices).max(counts.input_faces as u128));
     let (face, corner) = match layout.encoding {
-        Encoding::Ascii => (digits(counts.corners) + 1, digits(vertices) + 1),
+        Encoding::Ascii => (digits(counts.half_edges) + 1, digits(vertices) + 1),
         Encoding::Uchar => (1, 4),
         Encoding::Uint => (4, 4),
     };
     let (vertex, face) = (layout.vertex_bytes() + carried, face + of_face);
-    let bytes = total(&[(1, header), (vertices, vertex), (counts.faces, face), (counts.corners, corner)]);
+    let bytes = total(&[(1, header), (vertices, vertex), (counts.faces, face), (counts.half_edges, corner)]);
     if layout.encoding == Encoding::Ascii || parted > 0 { Size::AtMost(bytes) } else { Size::Exact(bytes) }
 }
 

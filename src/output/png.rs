@@ -13,7 +13,8 @@ use crate::output::format::{Format, FormatFacts};
 use crate::output::options::{ISOLINES, POSITIONS};
 use crate::output::picture::coat::{self, CHANNEL, COLOR_BY};
 use crate::output::picture::drawing::Drawing;
-use crate::output::picture::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH, forecast, mesh, paint};
+use crate::output::picture::options::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH};
+use crate::output::picture::{forecast, mesh, paint};
 use crate::output::scene::{Scene, Shape};
 use crate::output::size::Size;
 use crate::shape::attachments::Attachments;
@@ -68,7 +69,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     media_type: "image/png",
     doc: "A picture in pixels: a lit mesh with hidden lines removed, or curves with their control polygons.",
     parameters: PARAMETERS,
-    holds: |kind, _| picture::drawable(kind),
+    holds: |kind, _| options::drawable(kind),
     shows_control: true,
 };
 
@@ -83,12 +84,12 @@ impl Format for Png {
             ShapeKind::Curves { .. } => &["control", "points", "curve"],
         };
         coat::check(kind, carried, options)?;
-        picture::shows_only(fitting, kind, options)
+        options::shows_only(fitting, kind, options)
     }
 
     /// The length of the rows stored without compression, which the encoder never exceeds, and a kilobyte around them.
     fn size(&self, _: &Counts, options: &Values) -> Size {
-        let [width, height] = picture::size(options).map(u128::from);
+        let [width, height] = options::size(options).map(u128::from);
         let rows = height * (1 + 4 * width);
         let blocks = rows / 32_768 + 1;
         Size::AtMost(rows + 17 * blocks + 1024)
@@ -104,8 +105,8 @@ impl Format for Png {
         let colors = coat::memory(options, vertices, counts.triangles(), counts.uvs);
         let pieces = counts.vertices.saturating_add(counts.input_edges as u128);
         let isolines = if options.has("show", ISOLINES) { pieces.saturating_mul(8) } else { 0 };
-        let wires = if options.has("show", "wireframe") { counts.corners.saturating_mul(WIRE_BYTES) } else { 0 };
-        let pixels = picture::size(options).map(u128::from).iter().product::<u128>() * PIXEL_BYTES;
+        let wires = if options.has("show", "wireframe") { counts.half_edges.saturating_mul(WIRE_BYTES) } else { 0 };
+        let pixels = options::size(options).map(u128::from).iter().product::<u128>() * PIXEL_BYTES;
         [isolines, wires, pixels].iter().fold(colors, |sum: u128, bytes| sum.saturating_add(*bytes))
     }
 
@@ -116,12 +117,12 @@ impl Format for Png {
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
         let options = Options::new(values, scene.frame);
         watch.enter(Stage::Render);
-        picture::check_extent(scene)?;
+        options::check_extent(scene)?;
         let pixels = match scene.shape {
             Shape::Mesh(shape) => mesh::picture(scene, shape, &options, watch)?,
             Shape::Curves(curves) => {
                 let dimension = curves.iter().map(|c| c.dimension).max().unwrap_or(1);
-                picture::drawable(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
+                options::drawable(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
                 paint::paint(&Drawing::of(scene, &options, watch)?, watch)?
             }
         };

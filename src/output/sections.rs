@@ -9,7 +9,7 @@ use crate::output::scene::{FaceChunk, MeshSource, in_chunks};
 use crate::shape::topology::{NONE, index};
 use crate::watch::{Stopped, Watch};
 
-use chain::chains;
+use chain::{Crossing, Segment, chains};
 
 /// Most planes of one output.
 const MAX_PLANES: usize = 64;
@@ -68,24 +68,6 @@ pub(super) fn planes(options: &Values) -> Vec<Plane> {
 /// Whether there are any.
 pub(super) fn asked(options: &Values) -> bool {
     !options.groups(SECTIONS.name).is_empty()
-}
-
-/// Where a plane crosses a line between two vertices.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Crossing {
-    /// The vertices, the lower one first.
-    ends: [u32; 2],
-    /// [`NONE`] for an edge of the mesh, the face for a diagonal inside it.
-    inside: u32,
-}
-
-/// Where a plane crosses a triangle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Segment {
-    /// The side that runs from before the plane to behind it.
-    from: Crossing,
-    /// The side that runs from behind the plane to before it.
-    to: Crossing,
 }
 
 /// The section of a mesh whose vertices have these positions (model units, finite).

@@ -3,6 +3,7 @@
 
 use crate::output::parted::Parted;
 use crate::output::scene::{MeshSource, Shape};
+use crate::shape::source::UvSource;
 use crate::watch::{Stopped, Watch};
 
 /// A shape with a vertex for each place that has texture coordinates.
@@ -22,7 +23,7 @@ pub(super) struct Parts<'a> {
 impl<'a> Sides<'a> {
     /// That of a shape.
     pub(super) fn of(whole: Shape<'a>) -> Self {
-        let unfolded = if let Shape::Mesh(mesh) = whole { mesh.unfolded() } else { None };
+        let unfolded = if let Shape::Mesh(mesh) = whole { mesh.uvs().and_then(UvSource::unfolded) } else { None };
         Self { whole, unfolded }
     }
 

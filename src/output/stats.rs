@@ -2,17 +2,14 @@
 
 mod connectivity;
 mod curves;
+mod entries;
 mod hashes;
 mod mesh;
 mod moments;
 
-use std::collections::BTreeMap;
 use std::io::Write;
 
-use serde_json::{Value, json};
-
 use crate::math::parameter::Values;
-use crate::output::bounds::Bounds;
 use crate::output::counts::Counts;
 use crate::output::error::FormatError;
 use crate::output::format::{Format, FormatFacts};
@@ -22,8 +19,6 @@ use crate::output::scene::{Scene, Shape};
 use crate::output::size::Size;
 use crate::output::surface::{NORMALS, with_normals};
 use crate::watch::Watch;
-
-use moments::Moments;
 
 /// JSON with counts, bounding box, measures and hashes.
 ///
@@ -59,7 +54,7 @@ impl Format for Stats {
     /// Three lists may have many entries. Distinct valences 1, 2, .. k need k (k + 1) / 2 ends of edges, of which there
     /// are two for each corner at most; likewise distinct sizes of faces.
     fn size(&self, counts: &Counts, _options: &Values) -> Size {
-        let distinct = counts.corners.saturating_mul(4).isqrt() + 1;
+        let distinct = counts.half_edges.saturating_mul(4).isqrt() + 1;
         let entry = br#""1234567890":12345678901234567890,"#.len() as u128;
         Size::AtMost(total(&[(1, 2_048), (3 * distinct.min(counts.vertices), entry)]))
     }
@@ -82,32 +77,4 @@ impl Format for Stats {
         };
         Ok(writeln!(out, "{found}")?)
     }
-}
-
-fn seen_from<const D: usize>(origin: [f64; D], point: &[f64; D]) -> [f64; D] {
-    std::array::from_fn(|k| point[k] - origin[k])
-}
-
-fn add_moments<const D: usize>(found: &mut Value, of: &str, moments: &Moments<D>, origin: [f64; D]) {
-    let centered = moments.centered();
-    found["moments_of"] = json!(centered.map(|_| of));
-    found["centroid"] = json!(centered.map(|c| list(&std::array::from_fn::<f64, D, _>(|k| c.centroid[k] + origin[k]))));
-    found["second_moments"] = json!(centered.map(|c| c.second.iter().map(list).collect::<Vec<_>>()));
-}
-
-fn bounding_box<const D: usize>(bounds: &Bounds<D>) -> Value {
-    if bounds.is_empty() { Value::Null } else { json!({ "min": list(&bounds.min), "max": list(&bounds.max) }) }
-}
-
-/// Numbers without -0.
-fn list<const D: usize>(numbers: &[f64; D]) -> Vec<f64> {
-    numbers.iter().map(|x| x + 0.0).collect()
-}
-
-fn histogram(counts: &BTreeMap<u32, u64>) -> Value {
-    counts.iter().map(|(key, count)| (key.to_string(), Value::from(*count))).collect()
-}
-
-fn euler([vertices, edges, faces]: [usize; 3]) -> i128 {
-    vertices as i128 - edges as i128 + faces as i128
 }

@@ -52,7 +52,7 @@ impl Format for Stl {
     }
 
     fn size(&self, counts: &Counts, _options: &Values) -> Size {
-        let triangles = counts.corners.saturating_sub(counts.faces.saturating_mul(2));
+        let triangles = counts.half_edges.saturating_sub(counts.faces.saturating_mul(2));
         Size::Exact(total(&[(1, HEADER.len() as u128 + 4), (triangles, TRIANGLE)]))
     }
 
@@ -76,7 +76,7 @@ fn write_mesh(
     out: &mut dyn Write,
     watch: &Watch,
 ) -> Result<(), FormatError> {
-    let n_triangles = mesh.n_corners() - 2 * mesh.n_faces();
+    let n_triangles = mesh.n_half_edges() - 2 * mesh.n_faces();
     let Ok(n) = u32::try_from(n_triangles) else {
         let most = u32::MAX;
         return Err(FormatError::Unfit(format!(

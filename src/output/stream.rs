@@ -93,14 +93,14 @@ impl<'a> Stream<'a> {
         mesh: &dyn MeshSource,
         encode: impl Fn(usize, &[u32], &[u32], &mut Vec<u8>) + Sync,
     ) -> Result<(), FormatError> {
-        if mesh.n_uvs() == 0 {
+        let Some(source) = mesh.uvs() else {
             return self.faces(mesh, |index, face, out| encode(index, face, &[], out));
-        }
+        };
         let (mut faces, mut uvs) = (FaceChunk::default(), FaceChunk::default());
         in_chunks(mesh.n_faces(), |range| {
             self.watch.check()?;
             mesh.faces(range.clone(), &mut faces);
-            mesh.uv_faces(range.clone(), &mut uvs);
+            source.faces(range.clone(), &mut uvs);
             // the faces have the same sizes, so that they are cut alike
             let blocks: Vec<_> = face_blocks(&faces).into_iter().zip(face_blocks(&uvs)).collect();
             self.encoded(&blocks, |(block, uvs), out| {
@@ -117,9 +117,10 @@ impl<'a> Stream<'a> {
         mesh: &dyn MeshSource,
         encode: impl Fn(usize, [f64; 2], &mut Vec<u8>) + Sync,
     ) -> Result<(), FormatError> {
+        let Some(source) = mesh.uvs() else { return Ok(()) };
         let mut values = Vec::new();
-        in_chunks(mesh.n_uvs(), |range| {
-            mesh.uvs(range.clone(), &mut values);
+        in_chunks(source.n_points(), |range| {
+            source.values(range.clone(), &mut values);
             self.rows(range.start, &values, |start, rows, out| {
                 for (i, &row) in rows.iter().enumerate() {
                     encode(start + i, row, out);
@@ -320,10 +321,11 @@ pub(super) fn channels_within_f32(mesh: &dyn MeshSource, watch: &Watch) -> Resul
             Err(FormatError::Unfit(detail))
         })?;
     }
+    let Some(source) = mesh.uvs() else { return Ok(()) };
     let mut uvs = Vec::new();
-    in_chunks(mesh.n_uvs(), |range| {
+    in_chunks(source.n_points(), |range| {
         watch.check()?;
-        mesh.uvs(range, &mut uvs);
+        source.values(range, &mut uvs);
         let Some(x) = uvs.iter().flatten().find(|x| x.abs() > f64::from(f32::MAX)) else { return Ok(()) };
         let most = f32::MAX;
         let detail =

@@ -9,7 +9,8 @@ use crate::output::error::FormatError;
 use crate::output::format::{Format, FormatFacts};
 use crate::output::options::POSITIONS;
 use crate::output::picture::drawing::{Drawing, Item};
-use crate::output::picture::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH};
+use crate::output::picture::options::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH};
+use crate::output::picture::sections;
 use crate::output::scene::{Scene, Shape};
 use crate::output::sections::{SECTIONS, asked, planes};
 use crate::output::size::Size;
@@ -50,7 +51,7 @@ fn holds(kind: ShapeKind, options: &Values) -> Result<(), String> {
                                 \"png\" to see the mesh"
                 .into())
         }
-        ShapeKind::Curves { .. } => picture::drawable(kind),
+        ShapeKind::Curves { .. } => options::drawable(kind),
     }
 }
 
@@ -74,11 +75,11 @@ impl Format for Svg {
             ShapeKind::Mesh if options.unusual().any(|(name, _)| name == "show") => {
                 Err(Fault::new("/show", "of a mesh only its sections are drawn; leave it out"))
             }
-            ShapeKind::Mesh => picture::opaque(options),
+            ShapeKind::Mesh => options::opaque(options),
             ShapeKind::Curves { .. } if asked(options) => {
                 Err(Fault::new("/sections", "planes cut meshes, curves have no sections; leave it out"))
             }
-            ShapeKind::Curves { .. } => picture::shows_only(&["control", "points", "curve"], kind, options),
+            ShapeKind::Curves { .. } => options::shows_only(&["control", "points", "curve"], kind, options),
         }
     }
 
@@ -98,12 +99,12 @@ impl Format for Svg {
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
         if let Shape::Curves(curves) = scene.shape {
             let dimension = curves.iter().map(|c| c.dimension).max().unwrap_or(1);
-            picture::drawable(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
+            options::drawable(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
         }
-        picture::check_extent(scene)?;
+        options::check_extent(scene)?;
         let options = Options::new(values, scene.frame);
         let drawing = match scene.shape {
-            Shape::Mesh(mesh) => picture::sections::drawing(mesh, &planes(values), &options, watch)?,
+            Shape::Mesh(mesh) => sections::drawing(mesh, &planes(values), &options, watch)?,
             Shape::Curves(_) => Drawing::of(scene, &options, watch)?,
         };
         let mut page = Page { text: String::new(), out };

@@ -13,7 +13,7 @@ use crate::scheme::sharpness::Sharpness;
 use crate::shape::attachments::Attachments;
 use crate::shape::creases::{INFINITE_SHARPNESS, Tags};
 use crate::shape::order::Order;
-use crate::shape::source::{FaceChunk, MeshSource, Origin};
+use crate::shape::source::{FaceChunk, MeshSource, NormalSource, Origin, OriginSource, UvSource};
 use crate::shape::topology::{NONE, Topology, index};
 
 /// A refined mesh: positions in the order of construction, and the way from there to the documented order.
@@ -46,7 +46,7 @@ struct Shown {
     /// For each run its first number among the shown faces and its first face.
     runs: Vec<(usize, usize)>,
     n: usize,
-    n_corners: usize,
+    n_half_edges: usize,
 }
 
 impl RefinedMesh {
@@ -215,18 +215,18 @@ impl Shown {
         let first = |f: usize| if f == base.n_faces() { all } else { order.map_or(f, |order| order.first_face(f)) };
         let corners = |f: usize| base.face(f).len();
         let mut runs = Vec::new();
-        let (mut n, mut n_corners, mut from) = (0, 0, 0);
+        let (mut n, mut n_half_edges, mut from) = (0, 0, 0);
         let hidden = holes.iter().map(|&f| f as usize).chain([base.n_faces()]);
         for hole in hidden {
             if hole > from {
                 runs.push((n, first(from)));
                 n += first(hole) - first(from);
-                n_corners += (from..hole).map(corners).sum::<usize>();
+                n_half_edges += (from..hole).map(corners).sum::<usize>();
             }
             from = hole + 1;
         }
-        let n_corners = order.map_or(n_corners, |order| order.face_size() * n);
-        Self { runs, n, n_corners }
+        let n_half_edges = order.map_or(n_half_edges, |order| order.face_size() * n);
+        Self { runs, n, n_half_edges }
     }
 
     /// The number that face `face` has among the shown ones, or that of the first shown one after it.
@@ -270,21 +270,12 @@ impl MeshSource for RefinedMesh {
         self.shown.n
     }
 
-    fn n_corners(&self) -> usize {
-        self.shown.n_corners
+    fn n_half_edges(&self) -> usize {
+        self.shown.n_half_edges
     }
 
     fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
         ordered(self.points.as_chunks::<3>().0, self.order.as_ref(), range, out);
-    }
-
-    fn normals(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) -> bool {
-        self.normals.as_ref().map(|normals| ordered(&normals.of_vertices, self.order.as_ref(), range, out)).is_some()
-    }
-
-    fn side_normal(&self, vertex: u32, next: u32) -> Option<[f64; 3]> {
-        let [vertex, next] = [vertex, next].map(|v| index(self.constructed(v as usize)));
-        self.normals.as_ref()?.on_side(vertex, next)
     }
 
     fn sharp_edges(&self) -> Vec<[u32; 2]> {
@@ -297,6 +288,14 @@ impl MeshSource for RefinedMesh {
 
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
         self.list(&self.base, self.order.as_ref(), range, out);
+    }
+
+    fn normals(&self) -> Option<&dyn NormalSource> {
+        self.normals.is_some().then_some(self)
+    }
+
+    fn uvs(&self) -> Option<&dyn UvSource> {
+        self.uvs.is_some().then_some(self)
     }
 
     fn attachments(&self) -> &Attachments {
@@ -317,16 +316,60 @@ impl MeshSource for RefinedMesh {
             row.copy_from_slice(&values[at..at + width]);
         });
     }
+}
 
+impl NormalSource for RefinedMesh {
+    fn of_vertices(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
+        out.clear();
+        if let Some(normals) = &self.normals {
+            ordered(&normals.of_vertices, self.order.as_ref(), range, out);
+        }
+    }
+
+    fn on_side(&self, vertex: u32, next: u32) -> Option<[f64; 3]> {
+        let [vertex, next] = [vertex, next].map(|v| index(self.constructed(v as usize)));
+        self.normals.as_ref()?.on_side(vertex, next)
+    }
+}
+
+impl UvSource for RefinedMesh {
+    fn n_points(&self) -> usize {
+        self.uvs.as_ref().map_or(0, |uvs| uvs.points.len() / 2)
+    }
+
+    fn values(&self, range: Range<usize>, out: &mut Vec<[f64; 2]>) {
+        out.clear();
+        if let Some(uvs) = &self.uvs {
+            ordered(uvs.points.as_chunks().0, uvs.order.as_ref(), range, out);
+        }
+    }
+
+    fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
+        out.clear();
+        if let Some(uvs) = &self.uvs {
+            self.list(&uvs.base, uvs.order.as_ref(), range, out);
+        }
+    }
+
+    fn unfolded(&self) -> Option<Box<dyn MeshSource + '_>> {
+        Some(Box::new(Unfolded(self)))
+    }
+}
+
+impl OriginSource for RefinedMesh {
     fn input_cells(&self) -> [usize; 3] {
         [self.base.n_vertices(), self.base.n_edges(), self.base.n_faces()]
     }
 
-    fn isoline(&self, edge: usize, out: &mut Vec<u32>) -> bool {
-        out.clear();
-        out.extend((0..=self.pieces).map(|at| self.along(&self.base, edge, at)));
-        let corners = self.base.halves(edge).into_iter().filter(|&corner| corner != NONE);
-        corners.map(|corner| self.base.face_of(corner)).any(|face| !self.faces_of(face).is_empty())
+    fn vertex_origin(&self, vertex: usize) -> Origin {
+        let origin = match &self.order {
+            None => Origin { dimension: 0, cell: index(vertex) },
+            Some(order) => order.origin(vertex),
+        };
+        let given = self.base.n_vertices() - self.split_from.len();
+        let part = (origin.cell as usize).checked_sub(given).filter(|_| origin.dimension == 0);
+        let from = part.and_then(|part| self.split_from.get(part));
+        from.map_or(origin, |&cell| Origin { cell, ..origin })
     }
 
     fn face_origin(&self, face: usize) -> u32 {
@@ -343,36 +386,10 @@ impl MeshSource for RefinedMesh {
         self.shown.number(first(face))..self.shown.number(first(face + 1))
     }
 
-    fn n_uvs(&self) -> usize {
-        self.uvs.as_ref().map_or(0, |uvs| uvs.points.len() / 2)
-    }
-
-    fn uvs(&self, range: Range<usize>, out: &mut Vec<[f64; 2]>) {
-        match &self.uvs {
-            None => out.clear(),
-            Some(uvs) => ordered(uvs.points.as_chunks().0, uvs.order.as_ref(), range, out),
-        }
-    }
-
-    fn uv_faces(&self, range: Range<usize>, out: &mut FaceChunk) {
-        match &self.uvs {
-            None => out.clear(),
-            Some(uvs) => self.list(&uvs.base, uvs.order.as_ref(), range, out),
-        }
-    }
-
-    fn unfolded(&self) -> Option<Box<dyn MeshSource + '_>> {
-        self.uvs.is_some().then(|| Box::new(Unfolded(self)) as Box<dyn MeshSource + '_>)
-    }
-
-    fn vertex_origin(&self, vertex: usize) -> Origin {
-        let origin = match &self.order {
-            None => Origin { dimension: 0, cell: index(vertex) },
-            Some(order) => order.origin(vertex),
-        };
-        let given = self.base.n_vertices() - self.split_from.len();
-        let part = (origin.cell as usize).checked_sub(given).filter(|_| origin.dimension == 0);
-        let from = part.and_then(|part| self.split_from.get(part));
-        from.map_or(origin, |&cell| Origin { cell, ..origin })
+    fn isoline(&self, edge: usize, out: &mut Vec<u32>) -> bool {
+        out.clear();
+        out.extend((0..=self.pieces).map(|at| self.along(&self.base, edge, at)));
+        let corners = self.base.halves(edge).into_iter().filter(|&corner| corner != NONE);
+        corners.map(|corner| self.base.face_of(corner)).any(|face| !self.faces_of(face).is_empty())
     }
 }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::RefinedMesh;
 use crate::shape::attachments::Attachments;
-use crate::shape::source::{FaceChunk, MeshSource, Origin};
+use crate::shape::source::{FaceChunk, MeshSource, NormalSource, Origin, OriginSource, UvSource};
 use crate::shape::topology::index;
 
 /// The faces are those of the mesh, in their order; vertices without a face are not there.
@@ -24,15 +24,15 @@ impl Unfolded<'_> {
 
 impl MeshSource for Unfolded<'_> {
     fn n_vertices(&self) -> usize {
-        self.0.n_uvs()
+        self.0.n_points()
     }
 
     fn n_faces(&self) -> usize {
         self.0.n_faces()
     }
 
-    fn n_corners(&self) -> usize {
-        self.0.n_corners()
+    fn n_half_edges(&self) -> usize {
+        self.0.n_half_edges()
     }
 
     fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
@@ -40,27 +40,19 @@ impl MeshSource for Unfolded<'_> {
     }
 
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
-        self.0.uv_faces(range, out);
-    }
-
-    fn normals(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) -> bool {
-        self.0.has_normals() && {
-            self.gathered(range, |v| self.0.normal(v), out);
-            true
-        }
-    }
-
-    fn side_normal(&self, place: u32, next: u32) -> Option<[f64; 3]> {
-        let [vertex, next] = [place, next].map(|place| index(self.0.vertex_at(place as usize)));
-        self.0.side_normal(vertex, next)
+        UvSource::faces(self.0, range, out);
     }
 
     fn sharp_edges(&self) -> Vec<[u32; 2]> {
         self.0.sharp_places()
     }
 
-    fn is_unfolded(&self) -> bool {
-        true
+    fn normals(&self) -> Option<&dyn NormalSource> {
+        self.0.has_normals().then_some(self)
+    }
+
+    fn uvs(&self) -> Option<&dyn UvSource> {
+        Some(self)
     }
 
     fn attachments(&self) -> &Attachments {
@@ -73,21 +65,44 @@ impl MeshSource for Unfolded<'_> {
         out.clear();
         rows.iter().for_each(|row| out.extend_from_slice(row));
     }
+}
 
-    fn n_uvs(&self) -> usize {
-        self.0.n_uvs()
+impl NormalSource for Unfolded<'_> {
+    fn of_vertices(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
+        self.gathered(range, |v| self.0.normal(v), out);
     }
 
-    fn uvs(&self, range: Range<usize>, out: &mut Vec<[f64; 2]>) {
-        self.0.uvs(range, out);
+    fn on_side(&self, place: u32, next: u32) -> Option<[f64; 3]> {
+        let [vertex, next] = [place, next].map(|place| index(self.0.vertex_at(place as usize)));
+        self.0.on_side(vertex, next)
+    }
+}
+
+impl UvSource for Unfolded<'_> {
+    fn n_points(&self) -> usize {
+        self.0.n_points()
     }
 
-    fn uv_faces(&self, range: Range<usize>, out: &mut FaceChunk) {
-        self.0.uv_faces(range, out);
+    fn values(&self, range: Range<usize>, out: &mut Vec<[f64; 2]>) {
+        self.0.values(range, out);
     }
 
+    fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
+        UvSource::faces(self.0, range, out);
+    }
+
+    fn unfolded(&self) -> Option<Box<dyn MeshSource + '_>> {
+        None
+    }
+}
+
+impl OriginSource for Unfolded<'_> {
     fn input_cells(&self) -> [usize; 3] {
         self.0.input_cells()
+    }
+
+    fn vertex_origin(&self, place: usize) -> Origin {
+        self.0.vertex_origin(self.0.vertex_at(place))
     }
 
     fn face_origin(&self, face: usize) -> u32 {
@@ -96,9 +111,5 @@ impl MeshSource for Unfolded<'_> {
 
     fn faces_of(&self, face: usize) -> Range<usize> {
         self.0.faces_of(face)
-    }
-
-    fn vertex_origin(&self, place: usize) -> Origin {
-        self.0.vertex_origin(self.0.vertex_at(place))
     }
 }

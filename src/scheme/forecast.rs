@@ -11,9 +11,9 @@ use super::mesh_net::MeshNet;
 use super::operator::{Children, Role};
 use super::ops::seen_valence;
 use super::plan::{Plan, Scheduled};
-use super::polygon_net::PolygonNet;
+use super::polygon_net::{PolygonNet, too_few_points};
 use super::sharpness::Remaining;
-use super::step::StepError;
+use super::step_error::StepError;
 use crate::fault::Fault;
 use crate::shape::tile::Tile;
 use crate::shape::topology::Topology;
@@ -146,13 +146,13 @@ fn of_polygon(net: &PolygonNet, steps: &[Scheduled]) -> Result<Forecast, Forecas
         if step.letter.facts().role == Role::Upsample {
             duals = 0;
         }
-        if let Some(window) = step.letter.operator.window(&step.letter, duals) {
+        if let Some(window) = step.letter.operator.window(&step.letter.settings, duals) {
             let landing = window.land(n, extent);
             (n, extent) = (landing.n, landing.extent);
         }
         duals += u32::from(step.letter.shifts());
         if n < 2 {
-            let error = StepError::TooFewPoints(usize::try_from(n).unwrap_or(0));
+            let error = too_few_points(usize::try_from(n).unwrap_or(0));
             return Err(ForecastError::Step { level: step.level, error });
         }
         tally.step(step, count(n, extent));
@@ -192,8 +192,8 @@ fn counted(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
     for step in steps {
         if step.letter.facts().role == Role::Upsample {
             splits += 1;
-            pieces = pieces.saturating_mul(step.letter.pieces(is_quads).into());
-            count = Count { parted: parted(splits, pieces), ..count.upsampled(&step.letter, is_quads) };
+            pieces = pieces.saturating_mul(step.letter.settings.pieces(is_quads).into());
+            count = Count { parted: parted(splits, pieces), ..count.upsampled(&step.letter.settings, is_quads) };
             is_quads = true;
         }
         tally.step(step, count);

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::topology::{Faces, NONE, Topology, index};
 use crate::fault::Fault;
+use crate::math::sharing::is_small;
 
 /// Most faults of a kind reported one by one; the rest are counted, or left out.
 pub(super) const MAX_REPORTED: usize = 20;
@@ -45,8 +46,8 @@ impl FaceList {
         self.len() == 0
     }
 
-    /// Number of corners: the sum of the sizes of all faces.
-    pub fn n_corners(&self) -> usize {
+    /// Number of half-edges: the sum of the sizes of all faces.
+    pub fn n_half_edges(&self) -> usize {
         self.vertices.len()
     }
 
@@ -177,20 +178,29 @@ fn report(mut faults: impl Iterator<Item = Fault>) -> Result<(), Vec<Fault>> {
 fn check_faces(n_vertices: usize, faces: &FaceList) -> Result<(), Vec<Fault>> {
     let check = |f: usize| -> Option<Fault> {
         let face = faces.face(f);
-        let place = format!("/faces/{f}");
+        let place = || format!("/faces/{f}");
         if face.len() < 3 {
-            return Some(Fault::new(place, format!("a face of {} vertices; a face has at least 3", face.len())));
+            return Some(Fault::new(place(), format!("a face of {} vertices; a face has at least 3", face.len())));
         }
         if let Some(j) = face.iter().position(|&v| v as usize >= n_vertices) {
             let detail = format!("there is no vertex {}; the mesh has {n_vertices}, counted from 0", face[j]);
-            return Some(Fault::new(format!("{place}/{j}"), detail));
+            return Some(Fault::new(format!("{}/{j}", place()), detail));
         }
         let mut sorted = face.to_vec();
         sorted.sort_unstable();
         let repeated = sorted.windows(2).find(|pair| pair[0] == pair[1])?;
-        Some(Fault::new(place, format!("vertex {} occurs twice; a face visits each of its vertices once", repeated[0])))
+        Some(Fault::new(
+            place(),
+            format!("vertex {} occurs twice; a face visits each of its vertices once", repeated[0]),
+        ))
     };
-    let wrong: Vec<u32> = (0..index(faces.len())).into_par_iter().filter(|&f| check(f as usize).is_some()).collect();
+    let all = 0..index(faces.len());
+    let is_wrong = |f: &u32| check(*f as usize).is_some();
+    let wrong: Vec<u32> = if is_small(faces.len()) {
+        all.filter(is_wrong).collect()
+    } else {
+        all.into_par_iter().filter(is_wrong).collect()
+    };
     report(wrong.into_iter().filter_map(|f| check(f as usize)))
 }
 
@@ -211,13 +221,18 @@ fn sides(n_vertices: usize, faces: &FaceList) -> Vec<Side> {
     let mut places = vec![0; n_vertices + 1];
     all().for_each(|side| places[side.0.0 as usize + 1] += 1);
     (0..n_vertices).for_each(|v| places[v + 1] += places[v]);
-    let mut sides = vec![((0, 0), 0); faces.n_corners()];
+    let mut sides = vec![((0, 0), 0); faces.n_half_edges()];
     for side in all() {
         let place = &mut places[side.0.0 as usize];
         sides[*place] = side;
         *place += 1;
     }
-    sides.par_chunk_by_mut(|a, b| a.0.0 == b.0.0).for_each(<[Side]>::sort_unstable);
+    let same_vertex = |a: &Side, b: &Side| a.0.0 == b.0.0;
+    if is_small(sides.len()) {
+        sides.chunk_by_mut(same_vertex).for_each(<[Side]>::sort_unstable);
+    } else {
+        sides.par_chunk_by_mut(same_vertex).for_each(<[Side]>::sort_unstable);
+    }
     sides
 }
 
@@ -306,15 +321,15 @@ fn turns(faces: &FaceList, sides: &[Side]) -> Result<Vec<u32>, Vec<Fault>> {
 
 /// The topology of checked faces, but for [`Topology::part_fans`].
 fn connect(n_vertices: usize, faces: FaceList, sides: &[Side]) -> Topology {
-    let n_corners = faces.vertices.len();
-    let mut opposite = vec![NONE; n_corners];
+    let n_half_edges = faces.vertices.len();
+    let mut opposite = vec![NONE; n_half_edges];
     for group in groups(sides).filter(|group| group.len() == 2) {
         opposite[group[0].1 as usize] = group[1].1;
         opposite[group[1].1 as usize] = group[0].1;
     }
-    let mut edge_of = vec![NONE; n_corners];
+    let mut edge_of = vec![NONE; n_half_edges];
     let mut halves = Vec::with_capacity(sides.len());
-    for corner in 0..n_corners {
+    for corner in 0..n_half_edges {
         let other = opposite[corner];
         if other == NONE || (other as usize) > corner {
             edge_of[corner] = index(halves.len());

@@ -32,27 +32,44 @@ impl Curve {
 }
 
 /// A mesh as a source: vertices and faces in the documented order. Hidden faces (holes) are already left out.
-pub trait MeshSource: std::fmt::Debug + Sync {
+///
+/// What is filled into `out` replaces what it held before.
+pub trait MeshSource: OriginSource + std::fmt::Debug + Sync {
     /// Number of vertices.
     fn n_vertices(&self) -> usize;
+
     /// Number of shown faces.
     fn n_faces(&self) -> usize;
-    /// Sum of the sizes of the shown faces.
-    fn n_corners(&self) -> usize;
-    /// Fills `out` with the positions (model units) of the vertices in `range`; what it held before is dropped.
+
+    /// Number of half-edges of the shown faces: the sum of their sizes.
+    fn n_half_edges(&self) -> usize;
+
+    /// Fills `out` with the positions (model units) of the vertices in `range`.
     fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>);
-    /// Fills `out` with the unit normals of the vertices in `range` (zero where undefined) and answers true, if the mesh
-    /// brings its own; else leaves them to the writer.
-    fn normals(&self, _range: Range<usize>, _out: &mut Vec<[f64; 3]>) -> bool {
-        false
-    }
-    /// The unit normal of a vertex on the side of the face in which `next` follows it (zero where undefined), if the mesh
-    /// brings normals that differ from side to side there.
-    fn side_normal(&self, _vertex: u32, _next: u32) -> Option<[f64; 3]> {
+
+    /// Fills `out` with the faces in `range`, counter-clockwise seen from outside.
+    fn faces(&self, range: Range<usize>, out: &mut FaceChunk);
+
+    /// The normals that the mesh brings; without them they are left to the writer.
+    fn normals(&self) -> Option<&dyn NormalSource> {
         None
     }
-    /// Fills `out` with the faces in `range`, counter-clockwise seen from outside; what it held before is dropped.
-    fn faces(&self, range: Range<usize>, out: &mut FaceChunk);
+
+    /// Texture coordinates.
+    fn uvs(&self) -> Option<&dyn UvSource> {
+        None
+    }
+
+    /// What the mesh carries besides its shape; the names belong to input faces.
+    fn attachments(&self) -> &Attachments {
+        Attachments::none()
+    }
+
+    /// Fills `out` with the numbers that the vertices in `range` carry in channel number `channel`, vertex after vertex.
+    fn channel(&self, _channel: usize, _range: Range<usize>, out: &mut Vec<f64>) {
+        out.clear();
+    }
+
     /// The ends of the interior edges that are still sharp, where the mesh brings normals those that stay so.
     fn sharp_edges(&self) -> Vec<[u32; 2]> {
         Vec::new()
@@ -62,58 +79,59 @@ pub trait MeshSource: std::fmt::Debug + Sync {
     fn tags(&self) -> Tags {
         Tags::default()
     }
+}
 
-    /// What the mesh carries besides its shape; the names belong to input faces.
-    fn attachments(&self) -> &Attachments {
-        Attachments::none()
-    }
-    /// Fills `out` with the numbers that the vertices in `range` carry in channel number `channel`, vertex after vertex;
-    /// what it held before is dropped.
-    fn channel(&self, _channel: usize, _range: Range<usize>, out: &mut Vec<f64>) {
-        out.clear();
-    }
-    /// Number of places with texture coordinates; 0 where there are none.
-    fn n_uvs(&self) -> usize {
-        0
-    }
-    /// Fills `out` with the texture coordinates of the places in `range`; what it held before is dropped.
-    fn uvs(&self, _range: Range<usize>, out: &mut Vec<[f64; 2]>) {
-        out.clear();
-    }
-    /// Fills `out` with the places at the corners of the faces in `range`; what it held before is dropped.
-    fn uv_faces(&self, _range: Range<usize>, out: &mut FaceChunk) {
-        out.clear();
-    }
-    /// The same mesh with a vertex for each place with texture coordinates, and these numbered like the vertices; `None`
-    /// where there are no texture coordinates.
-    fn unfolded(&self) -> Option<Box<dyn MeshSource + '_>> {
-        None
-    }
-    /// Whether the places with texture coordinates are numbered like the vertices.
-    fn is_unfolded(&self) -> bool {
-        false
-    }
+/// Unit normals of vertices, zero where they are undefined.
+pub trait NormalSource {
+    /// Fills `out` with the normals of the vertices in `range`.
+    fn of_vertices(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>);
+
+    /// The normal of a vertex on the side of the face in which `next` follows it, where normals differ from side to side.
+    fn on_side(&self, vertex: u32, next: u32) -> Option<[f64; 3]>;
+}
+
+/// Texture coordinates: they stand at points of their own, as a vertex on a seam has several.
+pub trait UvSource {
+    /// Number of points with texture coordinates.
+    fn n_points(&self) -> usize;
+
+    /// Fills `out` with the texture coordinates of the points in `range`.
+    fn values(&self, range: Range<usize>, out: &mut Vec<[f64; 2]>);
+
+    /// Fills `out` with the points at the half-edges of the faces in `range`.
+    fn faces(&self, range: Range<usize>, out: &mut FaceChunk);
+
+    /// The same mesh with a vertex for each point with texture coordinates, so that these are numbered like the vertices;
+    /// `None` where they are already.
+    fn unfolded(&self) -> Option<Box<dyn MeshSource + '_>>;
+}
+
+/// The cells of the input that the vertices and faces of a mesh came of. A mesh that stands as it was given has the
+/// cells of the input for its own.
+pub trait OriginSource {
     /// Numbers of vertices, edges and faces of the input, hidden ones included.
-    fn input_cells(&self) -> [usize; 3] {
-        [self.n_vertices(), 0, self.n_faces()]
+    fn input_cells(&self) -> [usize; 3];
+
+    /// The cell of the input that vertex `vertex` came of.
+    fn vertex_origin(&self, vertex: usize) -> Origin {
+        Origin { dimension: 0, cell: index(vertex) }
     }
+
+    /// The input face that shown face `face` came of.
+    fn face_origin(&self, face: usize) -> u32 {
+        index(face)
+    }
+
+    /// The shown faces that came of input face `face`: consecutive ones, none where it is hidden.
+    fn faces_of(&self, face: usize) -> Range<usize> {
+        face..face + 1
+    }
+
     /// Fills `out` with the vertices along edge `edge` of the input, from its start to its end, and says whether a face
     /// beside it is shown; what it held before is dropped. Edges that did not stay have no vertices.
     fn isoline(&self, _edge: usize, out: &mut Vec<u32>) -> bool {
         out.clear();
         false
-    }
-    /// The input face that shown face `face` came of.
-    fn face_origin(&self, face: usize) -> u32 {
-        index(face)
-    }
-    /// The shown faces that came of input face `face`: consecutive ones, none where it is hidden.
-    fn faces_of(&self, face: usize) -> Range<usize> {
-        face..face + 1
-    }
-    /// The cell of the input that vertex `vertex` came of.
-    fn vertex_origin(&self, vertex: usize) -> Origin {
-        Origin { dimension: 0, cell: index(vertex) }
     }
 }
 
@@ -122,7 +140,7 @@ pub trait MeshSource: std::fmt::Debug + Sync {
 pub struct Origin {
     /// 0 for a vertex, 1 for an edge, 2 for a face.
     pub dimension: u8,
-    /// Its number; edges are numbered by first appearance when faces are scanned in order, corner by corner.
+    /// Its number; edges are numbered by first appearance when faces are scanned in order, half-edge by half-edge.
     pub cell: u32,
 }
 

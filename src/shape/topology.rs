@@ -5,6 +5,8 @@
 
 use rayon::prelude::*;
 
+use crate::math::sharing::is_small;
+
 /// "There is none": the missing second half-edge of a boundary edge, the missing half-edge of an isolated vertex.
 pub const NONE: u32 = u32::MAX;
 
@@ -223,7 +225,11 @@ impl Topology {
 
     /// Number of boundary edges, which is also the number of boundary vertices.
     pub fn n_boundary(&self) -> usize {
-        self.halves.par_iter().filter(|half_edges| half_edges[1] == NONE).count()
+        let is_boundary = |half_edges: &&[u32; 2]| half_edges[1] == NONE;
+        if is_small(self.n_edges()) {
+            return self.halves.iter().filter(is_boundary).count();
+        }
+        self.halves.par_iter().filter(is_boundary).count()
     }
 
     /// The boundary loops, each as its vertices with the mesh on the left, starting at the loop's lowest edge.

@@ -22,7 +22,7 @@ pub(crate) fn measure(table: &mut Table) {
 fn picture(table: &mut Table, what: &str, mesh: &RefinedMesh, aim: Aim, smaller: Option<f64>) -> f64 {
     let png = planish::output::named("png").expect("png is a format");
     let size = ["width", "height"].map(|name| (name.to_owned(), Literal::Number(SIDE)));
-    let options = Values::resolve(png.parameters(), &size).expect("a picture that is allowed");
+    let options = Values::resolve(png.facts().parameters, &size).expect("a picture that is allowed");
     let scene = Scene { shape: Shape::Mesh(mesh), control: Shape::Mesh(mesh), warnings: &[], frame: Frame::default() };
     let mut bytes = Vec::new();
     let mut encoding = Duration::MAX;
@@ -40,7 +40,7 @@ fn picture(table: &mut Table, what: &str, mesh: &RefinedMesh, aim: Aim, smaller:
         let begun = begun.lock().expect("one thread").expect("every picture is encoded");
         encoding = encoding.min(begun.elapsed());
     });
-    let triangles = mesh.n_corners() - 2 * mesh.n_faces();
+    let triangles = mesh.n_half_edges() - 2 * mesh.n_faces();
     let ratio = smaller.map_or_else(String::new, |smaller| format!("{:.2} x 100k", ms(all) / smaller));
     let detail = format!(
         "{triangles} triangles, {SIDE} x {SIDE}, {:.1} ms of it for {} KB of PNG",

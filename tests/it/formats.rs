@@ -7,6 +7,7 @@ use std::sync::Arc;
 use planish::math::parameter::{Literal, Values};
 use planish::output::scene::{Curve, FaceChunk, Frame, MeshSource, Scene, Shape, in_chunks};
 use planish::output::{Counts, Format, FormatError, ShapeKind, Size, named};
+use planish::shape::source::OriginSource;
 use planish::watch::Watch;
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -27,7 +28,7 @@ impl MeshSource for Net {
     fn n_faces(&self) -> usize {
         self.faces.len()
     }
-    fn n_corners(&self) -> usize {
+    fn n_half_edges(&self) -> usize {
         self.faces.iter().map(Vec::len).sum()
     }
     fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
@@ -37,6 +38,12 @@ impl MeshSource for Net {
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
         out.clear();
         self.faces[range].iter().for_each(|face| out.push(face));
+    }
+}
+
+impl OriginSource for Net {
+    fn input_cells(&self) -> [usize; 3] {
+        [self.positions.len(), 0, self.faces.len()]
     }
 }
 
@@ -63,7 +70,7 @@ fn counts(shape: Shape<'_>) -> Counts {
         Shape::Mesh(mesh) => Counts {
             vertices: mesh.n_vertices() as u128,
             faces: mesh.n_faces() as u128,
-            corners: mesh.n_corners() as u128,
+            half_edges: mesh.n_half_edges() as u128,
             largest_face: 4,
             attachments: Arc::new(mesh.attachments().clone()),
             input_faces: mesh.input_cells()[2],
@@ -106,7 +113,7 @@ fn format(name: &str) -> &'static dyn Format {
 
 fn options(name: &str, given: &[(&str, Literal)]) -> Values {
     let given: Vec<_> = given.iter().map(|(key, value)| ((*key).to_owned(), value.clone())).collect();
-    Values::resolve(format(name).parameters(), &given).expect("the options are known")
+    Values::resolve(format(name).facts().parameters, &given).expect("the options are known")
 }
 
 fn attempt(format: &dyn Format, options: &Values, shape: Shape<'_>) -> Result<Vec<u8>, FormatError> {
@@ -230,7 +237,7 @@ fn forecasts_of_absurd_counts_saturate() {
                 control: n,
                 vertices: n,
                 faces: n,
-                corners: n,
+                half_edges: n,
                 ..counts(Shape::Curves(&[]))
             };
             for (format, options) in variants() {

@@ -2,8 +2,12 @@
 //!
 //! This reads the text of `src`, comments left out.
 
+mod imports;
+
 use std::fs;
 use std::path::{Path, PathBuf};
+
+use imports::{Crate, circles};
 
 /// Every module of the crate's root with its floor; leaves stand on no floor and may be used by all.
 const FLOORS: &[(&str, u32)] = &[
@@ -31,6 +35,7 @@ const MAX_LINES: usize = 400;
 struct Source {
     module: String,
     path: PathBuf,
+    text: String,
     lines: Vec<String>,
     n_lines: usize,
 }
@@ -84,6 +89,7 @@ fn read(folder: &Path, root: &Path, found: &mut Vec<Source>) {
                 path: inside.to_owned(),
                 lines: text.lines().map(code).collect(),
                 n_lines: text.lines().count(),
+                text,
             });
         }
     }
@@ -187,9 +193,47 @@ fn schemes_see_no_coordinates() {
 }
 
 #[test]
-fn refinement_knows_no_names_of_schemes() {
-    for source in sources().iter().filter(|source| source.module == "refine") {
-        source.never_says(&["presets", "catmull", "chaikin", "four-point"]);
+fn no_file_leads_back_to_itself() {
+    let files = sources().into_iter().map(|source| {
+        let path = source.path.to_string_lossy().replace('\\', "/");
+        (path, source.text)
+    });
+    let files = Crate::of(files);
+    let imports = files.imports();
+    let n_imports: usize = imports.values().map(std::collections::BTreeSet::len).sum();
+    assert!(n_imports > 500, "only {n_imports} imports were read");
+    let found = circles(&imports);
+    assert!(found.is_empty(), "files that import each other in circles: {found:#?}");
+}
+
+/// Words that name schemes, without their separators.
+const SCHEMES: &[&str] = &[
+    "catmull",
+    "loopsmoothing",
+    "doosabin",
+    "kobbelt",
+    "butterfly",
+    "sqrt3",
+    "rootthree",
+    "chaikin",
+    "incenter",
+    "fourpoint",
+    "pushback",
+    "repeatedaveraging",
+];
+/// Where a name of a scheme stands outside `scheme/`, and why.
+const NAMED: &[(&str, &[&str])] = &[];
+
+#[test]
+fn schemes_are_named_in_their_own_folder_only() {
+    for source in sources().iter().filter(|source| source.floor() > floor("scheme") || source.module == "raster") {
+        let path = source.path.to_string_lossy().replace('\\', "/");
+        let allowed = NAMED.iter().find(|(file, _)| *file == path).map_or(&[][..], |(_, names)| names);
+        for (i, line) in source.lines.iter().enumerate() {
+            let plain: String = line.to_lowercase().chars().filter(|c| !matches!(c, '-' | '_' | ' ')).collect();
+            let named = SCHEMES.iter().find(|name| plain.contains(**name) && !allowed.contains(name));
+            assert!(named.is_none(), "{path}:{}: schemes are named in scheme/ only: {line}", i + 1);
+        }
     }
 }
 

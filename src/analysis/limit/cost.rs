@@ -4,8 +4,8 @@
 use super::cycle::{self, MAX_POINTS, made};
 use super::impulse;
 use super::probe::MAX_RINGS;
+use crate::scheme::letter::Letter;
 use crate::scheme::operator::Children;
-use crate::scheme::word::Letter;
 
 /// Bytes a point: its topology, its place among the rows that were made, the numbers of an impulse before and after.
 const BYTES_A_POINT: usize = 160;

@@ -9,13 +9,13 @@ use super::own::Own;
 use super::patch::{Found, Patch, Rings, Whole};
 use super::record::{Record, Weights};
 use crate::math::rows::Rows;
+use crate::scheme::letter::Letter;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::Children;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::step::Action;
 use crate::scheme::stepper::Stepper;
 use crate::scheme::surroundings::Surroundings;
-use crate::scheme::word::Letter;
 use crate::shape::topology::{Topology, index};
 use crate::watch::Watch;
 
@@ -186,7 +186,7 @@ impl<'a> Cycle<'a> {
     /// What has to be known of a mesh beyond a patch of it: something where arities above 2 split quads into fewer pieces
     /// than other faces.
     pub(super) fn surroundings(&self, topology: &Topology) -> Option<Surroundings> {
-        let matters = |step: &Scheduled| step.letter.pieces(false) != step.letter.pieces(true);
+        let matters = |step: &Scheduled| step.letter.settings.pieces(false) != step.letter.settings.pieces(true);
         self.levels[self.settled].iter().any(matters).then(|| Surroundings::of(topology))
     }
 
@@ -211,7 +211,7 @@ impl<'a> Cycle<'a> {
 pub(super) fn pieces<'a>(letters: impl Iterator<Item = &'a Letter>) -> Vec<usize> {
     let after = |pieces: &mut usize, letter: &Letter| {
         let refines = letter.facts().children.refine();
-        *pieces = pieces.saturating_mul(if refines { letter.arity as usize } else { 1 });
+        *pieces = pieces.saturating_mul(if refines { letter.settings.arity() as usize } else { 1 });
         Some(*pieces)
     };
     letters.scan(1, after).collect()

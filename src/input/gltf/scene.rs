@@ -341,7 +341,7 @@ impl Reading<'_> {
             mesh.notes.push("skins and morph targets are not applied".to_owned());
         }
         if let Some(uvs) = self.uvs.filter(|uvs| !uvs.is_empty()) {
-            let mut corners = Vec::with_capacity(mesh.faces.n_corners());
+            let mut corners = Vec::with_capacity(mesh.faces.n_half_edges());
             corners.extend((0..mesh.faces.len()).flat_map(|f| mesh.faces.face(f)));
             mesh.uvs = Some(Uvs { values: uvs, corners });
         }

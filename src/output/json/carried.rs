@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use super::row::row;
 use crate::math::parameter::Values;
 use crate::output::counts::Counts;
 use crate::output::error::FormatError;
@@ -26,7 +27,7 @@ pub(super) fn size(counts: &Counts, options: &Values) -> u128 {
         let faces = if labels.is_empty() { 0 } else { counts.faces };
         total(&[(1, br#","materials":[]"#.len() as u128), (1, frames as u128), (faces, digits(counts.faces) + 1)])
     };
-    let cell = digits(counts.corners.max(counts.vertices).max(counts.input_faces as u128)) + 1;
+    let cell = digits(counts.half_edges.max(counts.vertices).max(counts.input_faces as u128)) + 1;
     let origins = br#","ids":{"faces":[],"vertices":[]}"#.len() as u128;
     let origins = if options.flag(IDS.name) {
         total(&[(1, origins), (counts.faces, cell), (counts.vertices, cell + 4)])
@@ -34,7 +35,7 @@ pub(super) fn size(counts: &Counts, options: &Values) -> u128 {
         0
     };
     let frame = br#","uvs":{"values":[],"faces":[]}"#.len() as u128;
-    let rows = [(counts.uvs, 2 + 2 * (REAL + 1)), (counts.faces, 2), (counts.corners, digits(counts.uvs) + 1)];
+    let rows = [(counts.uvs, 2 + 2 * (REAL + 1)), (counts.faces, 2), (counts.half_edges, digits(counts.uvs) + 1)];
     let uvs = if counts.uvs > 0 { total(&[(1, frame), rows[0], rows[1], rows[2]]) } else { 0 };
     // the inner vertices of all edges are different ones
     let edges = counts.input_edges as u128;
@@ -70,7 +71,7 @@ pub(super) fn write(mesh: &dyn MeshSource, options: &Values, stream: &mut Stream
             stream.bytes(b"]")?;
         }
     }
-    if mesh.n_uvs() > 0 {
+    if mesh.uvs().is_some() {
         write_uvs(mesh, stream)?;
     }
     if options.flag(IDS.name) {
@@ -84,7 +85,7 @@ fn write_isolines(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), 
     stream.each(0..mesh.input_cells()[1], |edge, out| {
         let mut line = Vec::new();
         mesh.isoline(edge, &mut line);
-        super::row(edge, out, |out| line.iter().enumerate().for_each(|(i, &v)| listed(v.into(), i == 0, out)));
+        row(edge, out, |out| line.iter().enumerate().for_each(|(i, &v)| listed(v.into(), i == 0, out)));
     })?;
     stream.bytes(b"]")
 }

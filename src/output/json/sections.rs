@@ -1,5 +1,6 @@
 //! Sections of a mesh, a list of polylines for each plane.
 
+use super::row::row;
 use crate::math::parameter::Values;
 use crate::output::counts::Counts;
 use crate::output::error::FormatError;
@@ -47,7 +48,7 @@ fn write_polyline(polyline: &Polyline, stream: &mut Stream<'_>) -> Result<(), Fo
     stream.bytes(br#"{"points":["#)?;
     stream.rows(0, &polyline.points, |start, rows, out| {
         for (i, point) in rows.iter().enumerate() {
-            super::row(start + i, out, |out| reals(out, point, b','));
+            row(start + i, out, |out| reals(out, point, b','));
         }
     })?;
     stream.bytes(format!(r#"],"closed":{}}}"#, polyline.closed).as_bytes())

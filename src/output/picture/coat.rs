@@ -1,7 +1,7 @@
 //! What gives the surface of a picture its colours: a channel of its vertices, its texture coordinates, its groups or
 //! materials.
 
-use super::{Options, shown_as};
+use super::options::{Options, shown_as};
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::colors::{linear, mark, scale};
@@ -16,7 +16,7 @@ use crate::watch::{Stopped, Watch};
 const FACES: &str = "faces";
 
 /// What colours follow.
-pub(in crate::output) const COLOR_BY: Parameter = Parameter {
+pub(crate) const COLOR_BY: Parameter = Parameter {
     name: "color_by",
     kind: Kind::Choice(&["none", "channel", "uvs", "groups", "materials", FACES]),
     unit: "",
@@ -26,7 +26,7 @@ pub(in crate::output) const COLOR_BY: Parameter = Parameter {
 };
 
 /// The channel that colours follow.
-pub(in crate::output) const CHANNEL: Parameter = Parameter {
+pub(crate) const CHANNEL: Parameter = Parameter {
     name: "channel",
     kind: Kind::Name,
     unit: "",
@@ -42,7 +42,7 @@ const SQUARES: f64 = 8.0;
 const PALE: f64 = 0.8;
 
 /// Refuses colours that a shape of this kind does not carry.
-pub(in crate::output) fn check(kind: ShapeKind, carried: &Attachments, options: &Values) -> Result<(), Fault> {
+pub(crate) fn check(kind: ShapeKind, carried: &Attachments, options: &Values) -> Result<(), Fault> {
     let by = options.choice(COLOR_BY.name).unwrap_or("none");
     if kind != ShapeKind::Mesh && by != "none" {
         return Err(Fault::new("/color_by", "curves have one colour; leave it out"));
@@ -76,12 +76,12 @@ fn check_channel(carried: &Attachments, options: &Values) -> Result<(), Fault> {
 }
 
 /// Whether colours refer to faces of the input.
-pub(in crate::output) fn follows_faces(options: &Values) -> bool {
+pub(crate) fn follows_faces(options: &Values) -> bool {
     options.choice(COLOR_BY.name) == Some(FACES)
 }
 
 /// Bytes of memory for the colours of so many vertices, triangles and places with texture coordinates.
-pub(in crate::output) fn memory(options: &Values, vertices: u128, triangles: u128, uvs: u128) -> u128 {
+pub(crate) fn memory(options: &Values, vertices: u128, triangles: u128, uvs: u128) -> u128 {
     match options.choice(COLOR_BY.name) {
         // a channel of four numbers, and the colour
         Some("channel") => vertices.saturating_mul(32 + 12),
@@ -172,19 +172,20 @@ fn by_channel(mesh: &dyn MeshSource, channel: usize, watch: &Watch) -> Result<Co
 }
 
 fn by_uvs(mesh: &dyn MeshSource, plain: [u8; 4], watch: &Watch) -> Result<Coat, Stopped> {
-    let mut places = Vec::with_capacity(mesh.n_uvs());
+    let Some(source) = mesh.uvs() else { return Ok(Coat::Plain(plain)) };
+    let mut places = Vec::with_capacity(source.n_points());
     let mut chunk = Vec::new();
-    in_chunks(mesh.n_uvs(), |range| {
+    in_chunks(source.n_points(), |range| {
         watch.check()?;
-        mesh.uvs(range, &mut chunk);
+        source.values(range, &mut chunk);
         places.extend(chunk.iter().map(|uv| uv.map(|x| SQUARES * x)));
         Ok(())
     })?;
-    let mut corners = Vec::with_capacity(mesh.n_corners().saturating_sub(2 * mesh.n_faces()));
+    let mut corners = Vec::with_capacity(mesh.n_half_edges().saturating_sub(2 * mesh.n_faces()));
     let mut faces = FaceChunk::default();
     in_chunks(mesh.n_faces(), |range| {
         watch.check()?;
-        mesh.uv_faces(range, &mut faces);
+        source.faces(range, &mut faces);
         corners.extend(faces.iter().flat_map(triangles));
         Ok(())
     })?;
@@ -201,7 +202,7 @@ fn by_labels(mesh: &dyn MeshSource, labels: &Labels, plain: [u8; 4], watch: &Wat
 
 /// A colour for each face of the input.
 fn by_origin(mesh: &dyn MeshSource, color: impl Fn(u32) -> [f32; 3], watch: &Watch) -> Result<Coat, Stopped> {
-    let mut colors = Vec::with_capacity(mesh.n_corners().saturating_sub(2 * mesh.n_faces()));
+    let mut colors = Vec::with_capacity(mesh.n_half_edges().saturating_sub(2 * mesh.n_faces()));
     let mut faces = FaceChunk::default();
     in_chunks(mesh.n_faces(), |range| {
         watch.check()?;

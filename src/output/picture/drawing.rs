@@ -2,7 +2,7 @@
 
 #![expect(clippy::cast_possible_truncation, reason = "pixel coordinates need no more than the precision of f32")]
 
-use super::Options;
+use super::options::Options;
 use crate::output::error::FormatError;
 use crate::output::scene::{CHUNK, Curve, Scene, Shape};
 use crate::raster::{Camera, Projection, View};
@@ -10,18 +10,18 @@ use crate::watch::Watch;
 
 /// Lines and discs over a background, in the order of painting. Places are pixel coordinates, y downwards.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::output) struct Drawing {
+pub(crate) struct Drawing {
     /// Width and height, pixels.
-    pub(in crate::output) size: [u32; 2],
+    pub(crate) size: [u32; 2],
     /// Straight sRGB.
-    pub(in crate::output) background: [u8; 4],
+    pub(crate) background: [u8; 4],
     /// What is painted, the first undermost.
-    pub(in crate::output) items: Vec<Item>,
+    pub(crate) items: Vec<Item>,
 }
 
 /// One thing to paint.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::output) enum Item {
+pub(crate) enum Item {
     /// Polylines with round joins and caps.
     Lines {
         /// Two or more places each.
@@ -61,7 +61,7 @@ const LONGEST: usize = 4096;
 
 impl Drawing {
     /// Draws the curves of a scene.
-    pub(in crate::output) fn of(scene: &Scene<'_>, options: &Options<'_>, watch: &Watch) -> Result<Self, FormatError> {
+    pub(crate) fn of(scene: &Scene<'_>, options: &Options<'_>, watch: &Watch) -> Result<Self, FormatError> {
         let (Shape::Curves(curves), Shape::Curves(control)) = (scene.shape, scene.control) else {
             return Err(FormatError::Unfit("only curves can be drawn as lines; ask for \"png\" instead".into()));
         };

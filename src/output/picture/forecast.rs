@@ -1,7 +1,7 @@
 //! What a picture of a mesh will take to draw, told by where the input stands in it.
 
-use super::Options;
 use super::mesh::DEFAULT_SHOW;
+use super::options::Options;
 use crate::output::counts::Counts;
 use crate::raster::{Camera, Forecast};
 use crate::shape::mesh::Mesh;
@@ -12,7 +12,7 @@ const MAX_FACES: usize = 1 << 18;
 const CORNERS_A_ROW: u128 = 2;
 
 /// Rows of a table, 100 ns each. The refined mesh covers about what the input does, face by face, as both are framed alike.
-pub(in crate::output) fn work(mesh: &Mesh, counts: &Counts, options: &Options<'_>) -> u128 {
+pub(crate) fn work(mesh: &Mesh, counts: &Counts, options: &Options<'_>) -> u128 {
     let shows = |item| options.shows(item, DEFAULT_SHOW);
     if !(shows("surface") || shows("wireframe") || shows("isolines")) {
         return 0;
@@ -29,7 +29,7 @@ pub(in crate::output) fn work(mesh: &Mesh, counts: &Counts, options: &Options<'_
             forecast.add(&camera, [face[0], pair[0], pair[1]].map(|v| points[v as usize]), parts);
         }
     }
-    u128::from(forecast.rows(real(stride as u128))).saturating_add(counts.corners / CORNERS_A_ROW)
+    u128::from(forecast.rows(real(stride as u128))).saturating_add(counts.half_edges / CORNERS_A_ROW)
 }
 
 #[expect(clippy::cast_precision_loss, reason = "a forecast needs no last digit")]

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::Options;
 use super::coat::Coat;
+use super::options::Options;
 use crate::math::vector::unit;
 use crate::output::error::FormatError;
 use crate::output::normals;
@@ -19,7 +19,7 @@ const CONTROL: [u8; 4] = [217, 93, 57, 255];
 const POINT: [u8; 4] = [176, 58, 32, 255];
 
 /// Rows of red, green, blue and alpha (straight), from the top.
-pub(in crate::output) fn picture(
+pub(crate) fn picture(
     scene: &Scene<'_>,
     mesh: &dyn MeshSource,
     options: &Options<'_>,
@@ -118,14 +118,14 @@ fn each_face(mesh: &dyn MeshSource, watch: &Watch, mut each: impl FnMut(&[u32]))
 }
 
 fn triangulated(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 3]>, Stopped> {
-    let mut all = Vec::with_capacity(mesh.n_corners().saturating_sub(2 * mesh.n_faces()));
+    let mut all = Vec::with_capacity(mesh.n_half_edges().saturating_sub(2 * mesh.n_faces()));
     each_face(mesh, watch, |face| all.extend(triangles(face)))?;
     Ok(all)
 }
 
 /// Each edge of the shown faces once.
 fn edges(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 2]>, Stopped> {
-    let mut keys: Vec<[u32; 2]> = Vec::with_capacity(mesh.n_corners());
+    let mut keys: Vec<[u32; 2]> = Vec::with_capacity(mesh.n_half_edges());
     each_face(mesh, watch, |face| {
         let next = face.iter().cycle().skip(1);
         keys.extend(face.iter().zip(next).map(|(&a, &b)| [a.min(b), a.max(b)]));
@@ -153,7 +153,7 @@ fn isolines(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 2]>, Stopp
 
 /// For each triangle the normal of its face, by Newell's sum of cross products; of length one or zero.
 fn face_normals(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Vec<[f64; 3]>, Stopped> {
-    let mut all = Vec::with_capacity(mesh.n_corners().saturating_sub(2 * mesh.n_faces()));
+    let mut all = Vec::with_capacity(mesh.n_half_edges().saturating_sub(2 * mesh.n_faces()));
     each_face(mesh, watch, |face| {
         let normal = unit(normals::area_vector(face, positions, 1.0));
         all.extend(triangles(face).map(|_| normal));

@@ -10,7 +10,7 @@ use crate::watch::Watch;
 const BATCH: usize = 256;
 
 /// Rows of red, green, blue and alpha (straight), from the top.
-pub(in crate::output) fn paint(drawing: &Drawing, watch: &Watch) -> Result<Vec<u8>, FormatError> {
+pub(crate) fn paint(drawing: &Drawing, watch: &Watch) -> Result<Vec<u8>, FormatError> {
     let [width, height] = drawing.size;
     let mut pixmap = Pixmap::new(width, height)
         .ok_or_else(|| FormatError::Unfit(format!("a picture of {width} x {height} pixels cannot be made")))?;

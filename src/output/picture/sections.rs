@@ -1,7 +1,7 @@
 //! A drawing of the sections of a mesh, each in the frame of its plane.
 
-use super::Options;
 use super::drawing::{CURVE, Drawing, Easel};
+use super::options::Options;
 use crate::math::vector::{cross, dot, minus, unit};
 use crate::output::error::FormatError;
 use crate::output::scene::{Curve, MeshSource};
@@ -19,7 +19,7 @@ const GAP: f64 = 0.1;
 ///
 /// Each is seen against its normal, up as [`axes`] says. Several stand row by row, with the columns that make them
 /// largest, all at one scale and each in the middle of its place.
-pub(in crate::output) fn drawing(
+pub(crate) fn drawing(
     mesh: &dyn MeshSource,
     planes: &[Plane],
     options: &Options<'_>,

@@ -1,6 +1,6 @@
 //! What vertices and faces have in PLY besides their places: channels, names, origins.
 
-use super::{Encoding, Layout};
+use super::layout::{Encoding, Layout};
 use crate::output::colors::byte;
 use crate::output::numbers::{REAL, digits, whole};
 use crate::output::scene::MeshSource;
@@ -101,8 +101,8 @@ impl<'a> Carried<'a> {
             values
         };
         let mut uvs = Vec::new();
-        if mesh.n_uvs() > 0 {
-            mesh.uvs(start..start + n, &mut uvs);
+        if let Some(source) = mesh.uvs() {
+            source.values(start..start + n, &mut uvs);
         }
         Self { mesh, layout, start, channels: (0..mesh.attachments().channels.len()).map(fetch).collect(), uvs }
     }

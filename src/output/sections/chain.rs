@@ -1,11 +1,28 @@
-//! Segments joined to chains.
+//! Where a plane crosses triangles: the segments, joined to chains.
 
 use rayon::prelude::*;
 
-use super::{Crossing, Segment};
 use crate::output::scene::CHUNK;
 use crate::shape::topology::{NONE, index};
 use crate::watch::{Stopped, Watch};
+
+/// Where a plane crosses a line between two vertices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Crossing {
+    /// The vertices, the lower one first.
+    pub(super) ends: [u32; 2],
+    /// [`NONE`] for an edge of the mesh, the face for a diagonal inside it.
+    pub(super) inside: u32,
+}
+
+/// Where a plane crosses a triangle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Segment {
+    /// The side that runs from before the plane to behind it.
+    pub(super) from: Crossing,
+    /// The side that runs from behind the plane to before it.
+    pub(super) to: Crossing,
+}
 
 /// The crossings along each chain, and whether it is closed.
 ///

@@ -80,7 +80,7 @@ impl Connectivity {
 
 /// The edges of all faces, one entry for each face at an edge: the smaller end above the larger one.
 fn keys(mesh: &dyn MeshSource, watch: &Watch) -> Result<(Vec<u64>, BTreeMap<u32, u64>), Stopped> {
-    let mut keys = Vec::with_capacity(mesh.n_corners());
+    let mut keys = Vec::with_capacity(mesh.n_half_edges());
     let mut face_sizes = BTreeMap::new();
     let mut chunk = FaceChunk::default();
     in_chunks(mesh.n_faces(), |range| {

@@ -8,9 +8,9 @@ use crate::output::scene::{CHUNK, Curve};
 use crate::output::stream::unfit;
 use crate::watch::{Stopped, Watch};
 
+use super::entries::{add_moments, bounding_box, euler, seen_from};
 use super::hashes::{Part, PositionsHash, ShapeHash};
 use super::moments::Moments;
-use super::{add_moments, bounding_box, euler, seen_from};
 
 /// The statistics of polygons whose points have `D` coordinates.
 pub(super) fn report<const D: usize>(curves: &[Curve], watch: &Watch) -> Result<Value, FormatError> {

@@ -11,9 +11,9 @@ use crate::output::stream::{FaceBlock, Positions, face_blocks};
 use crate::watch::{Stopped, Watch};
 
 use super::connectivity::Connectivity;
+use super::entries::{add_moments, bounding_box, euler, histogram, seen_from};
 use super::hashes::{Part, PositionsHash, ShapeHash};
 use super::moments::Moments;
-use super::{add_moments, bounding_box, euler, histogram, seen_from};
 
 /// The statistics of a mesh, on request with a hash of its normals.
 pub(super) fn report(mesh: &dyn MeshSource, with_normals: bool, watch: &Watch) -> Result<Value, FormatError> {
@@ -58,7 +58,7 @@ fn counts(mesh: &dyn MeshSource, connectivity: &Connectivity) -> Value {
         "vertices": n_vertices,
         "edges": connectivity.edges,
         "faces": n_faces,
-        "triangles": mesh.n_corners() - 2 * n_faces,
+        "triangles": mesh.n_half_edges() - 2 * n_faces,
         "isolated_vertices": connectivity.isolated.len(),
         "components": connectivity.components,
         "closed": connectivity.closed,

@@ -48,8 +48,8 @@ fn every_format_is_listed_with_what_it_holds() {
         let list = server.get("/v1/formats").await.ok().json();
         for (entry, format) in list.as_array().unwrap().iter().zip(FORMATS) {
             assert_eq!(entry["name"], format.name());
-            assert_eq!(entry["media_type"], format.media_type());
-            assert_eq!(entry["extension"], format.extension());
+            assert_eq!(entry["media_type"], format.facts().media_type);
+            assert_eq!(entry["extension"], format.facts().extension);
             assert!(!entry["holds"].as_array().unwrap().is_empty());
         }
         assert_eq!(list.as_array().unwrap().len(), FORMATS.len());

@@ -14,7 +14,7 @@ fn every_format_is_answered_for_what_it_holds_and_refused_for_what_it_does_not()
                 let answer = server.render(&with(job.clone(), format.name())).await;
                 if holding.contains(&format.name()) {
                     let answer = answer.ok();
-                    assert_eq!(answer.header("content-type"), format.media_type());
+                    assert_eq!(answer.header("content-type"), format.facts().media_type);
                     check(format.name(), is_mesh, &answer);
                 } else {
                     let problem = answer.problem(422, "invalid-job");

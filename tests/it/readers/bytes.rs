@@ -66,7 +66,7 @@ fn survives(format: &str, bytes: &[u8]) {
         assert_eq!(channel.values.len(), n * channel.width, "{}", channel.name);
     }
     if let Some(uvs) = &mesh.uvs {
-        assert_eq!(uvs.corners.len(), mesh.faces.n_corners());
+        assert_eq!(uvs.corners.len(), mesh.faces.n_half_edges());
         assert!(uvs.corners.iter().all(|&corner| (corner as usize) < uvs.values.len()));
     }
     let sets = mesh.groups.iter().chain(&mesh.materials);

@@ -48,7 +48,7 @@ pub(crate) fn nothing(kind: ShapeKind) -> Counts {
         control: 0,
         vertices: 0,
         faces: 0,
-        corners: 0,
+        half_edges: 0,
         largest_face: 0,
         parted: 0,
         uvs: 0,

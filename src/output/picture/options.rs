@@ -1,0 +1,258 @@
+//! What pictures have in common: their options, and what the options say.
+
+use crate::fault::Fault;
+use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
+use crate::output::colors::linear;
+use crate::output::counts::ShapeKind;
+use crate::output::error::FormatError;
+use crate::output::numbers::rounded;
+use crate::output::scene::{Frame, Scene, Shape, in_chunks};
+use crate::output::surface::NORMALS;
+use crate::raster::{MAX_SIDE_PX, Projection, View};
+
+/// Largest width and height, pixels.
+const MAX_SIDE: i64 = MAX_SIDE_PX as i64;
+
+/// Width of the picture.
+pub(crate) const WIDTH: Parameter = Parameter {
+    name: "width",
+    kind: Kind::Integer { min: 16, max: MAX_SIDE },
+    unit: "pixels",
+    default: Default::Number(1024.0),
+    doc: "Width of the picture.",
+};
+
+/// Height of the picture.
+pub(crate) const HEIGHT: Parameter = Parameter {
+    name: "height",
+    kind: Kind::Integer { min: 16, max: MAX_SIDE },
+    unit: "pixels",
+    default: Default::Number(768.0),
+    doc: "Height of the picture.",
+};
+
+/// Colour behind everything.
+pub(crate) const BACKGROUND: Parameter = Parameter {
+    name: "background",
+    kind: Kind::Color,
+    unit: "",
+    default: Default::Text("#ffffff"),
+    doc: "Colour behind everything; \"transparent\" leaves it out.",
+};
+
+/// Colour of the refined shape.
+pub(crate) const COLOR: Parameter = Parameter {
+    name: "color",
+    kind: Kind::Color,
+    unit: "",
+    default: Default::Absent,
+    doc: "Colour of the refined shape; left out, a calm blue.",
+};
+
+/// The camera.
+pub(crate) const CAMERA: Parameter = Parameter {
+    name: "camera",
+    kind: Kind::Group(CAMERA_FIELDS),
+    unit: "",
+    default: Default::Fields,
+    doc: "Where the picture is taken from; everything shown is framed unless an eye is given. Curves in the plane use only zoom and target.",
+};
+
+const CAMERA_FIELDS: &[Parameter] = &[
+    Parameter {
+        name: "projection",
+        kind: Kind::Choice(&["perspective", "orthographic"]),
+        unit: "",
+        default: Default::Text("perspective"),
+        doc: "Whether far things look smaller.",
+    },
+    Parameter {
+        name: "azimuth_deg",
+        kind: Kind::Number { min: -360.0, max: 360.0 },
+        unit: "degrees",
+        default: Default::Number(35.0),
+        doc: "Turn about the up axis; with y up, 0 looks from +z and 90 from +x.",
+    },
+    Parameter {
+        name: "elevation_deg",
+        kind: Kind::Number { min: -90.0, max: 90.0 },
+        unit: "degrees",
+        default: Default::Number(25.0),
+        doc: "Height above the horizon.",
+    },
+    Parameter {
+        name: "fov_deg",
+        kind: Kind::Number { min: 1.0, max: 150.0 },
+        unit: "degrees",
+        default: Default::Number(30.0),
+        doc: "Vertical angle of view of the perspective camera.",
+    },
+    Parameter {
+        name: "zoom",
+        kind: Kind::Number { min: 0.001, max: 1000.0 },
+        unit: "",
+        default: Default::Number(1.0),
+        doc: "Magnification about the centre of the picture.",
+    },
+    Parameter {
+        name: "eye",
+        kind: Kind::Vector,
+        unit: "model units",
+        default: Default::Absent,
+        doc: "Where the camera stands; with it the angles do not count.",
+    },
+    Parameter {
+        name: "target",
+        kind: Kind::Vector,
+        unit: "model units",
+        default: Default::Absent,
+        doc: "What stands in the centre of the picture; left out, the middle of what is shown.",
+    },
+    Parameter {
+        name: "up",
+        kind: Kind::Vector,
+        unit: "",
+        default: Default::Absent,
+        doc: "The direction that points up in the picture; left out, that of the input's `up`: +y, or +z.",
+    },
+];
+
+/// Refuses shapes whose extent leaves no room for the arithmetic of a camera.
+pub(crate) fn check_extent(scene: &Scene<'_>) -> Result<(), FormatError> {
+    let mut largest = 0.0_f64;
+    match scene.control {
+        Shape::Curves(curves) => {
+            curves.iter().flat_map(|curve| &curve.points).for_each(|x| largest = largest.max(x.abs()));
+        }
+        Shape::Mesh(mesh) => {
+            let mut chunk = Vec::new();
+            in_chunks(mesh.n_vertices(), |range| {
+                mesh.positions(range, &mut chunk);
+                chunk.iter().flatten().for_each(|x| largest = largest.max(x.abs()));
+                Ok::<_, FormatError>(())
+            })?;
+        }
+    }
+    if largest == 0.0 || (1e-100..=1e100).contains(&largest) {
+        return Ok(());
+    }
+    let detail = format!("coordinates up to {largest:e} cannot be drawn; scale the input to between 1e-100 and 1e100");
+    Err(FormatError::Unfit(detail))
+}
+
+/// Refuses parts to show that a shape of this kind does not have, and colours that let something through.
+pub(crate) fn shows_only(fitting: &[&str], kind: ShapeKind, options: &Values) -> Result<(), Fault> {
+    opaque(options)?;
+    let Value::Choices(items) = options.get("show") else { return Ok(()) };
+    if items.is_empty() {
+        return Err(Fault::new("/show", format!("an empty list shows nothing; name some of {}", fitting.join(", "))));
+    }
+    let Some(alien) = items.iter().find(|item| !fitting.contains(item)) else { return Ok(()) };
+    let what = if kind == ShapeKind::Mesh { "a mesh" } else { "a curve" };
+    Err(Fault::new("/show", format!("{what} has no \"{alien}\" to show; it has {}", fitting.join(", "))))
+}
+
+/// Refuses colours of shapes that let something through.
+pub(crate) fn opaque(options: &Values) -> Result<(), Fault> {
+    if options.color("color").is_some_and(|color| color[3] != 255) {
+        return Err(Fault::new("/color", "shapes are drawn opaque; give a colour as #rgb or #rrggbb"));
+    }
+    Ok(())
+}
+
+/// The options of a picture, read once.
+#[derive(Debug, Clone)]
+pub(crate) struct Options<'a> {
+    pub(super) values: &'a Values,
+    /// What coordinates mean.
+    pub(crate) frame: Frame,
+    /// Width and height, pixels.
+    pub(crate) size: [u32; 2],
+    /// Straight sRGB.
+    pub(crate) background: [u8; 4],
+}
+
+impl<'a> Options<'a> {
+    /// Reads resolved values of the parameters above.
+    pub(crate) fn new(values: &'a Values, frame: Frame) -> Self {
+        Self { values, frame, size: size(values), background: values.color("background").unwrap_or([255; 4]) }
+    }
+
+    /// Whether `item` is to be shown: as the request says, or `default` when it does not say.
+    pub(crate) fn shows(&self, item: &str, default: &[&str]) -> bool {
+        let given = matches!(self.values.get("show"), Value::Choices(_));
+        if given { self.values.has("show", item) } else { default.contains(&item) }
+    }
+
+    /// Whether each face has one normal.
+    pub(crate) fn flat(&self) -> bool {
+        self.values.choice("shading") == Some("flat") || self.values.choice(NORMALS.name) == Some("none")
+    }
+
+    /// Colour of the refined shape.
+    pub(crate) fn color(&self, default: [u8; 4]) -> [u8; 4] {
+        self.values.color("color").unwrap_or(default)
+    }
+
+    /// Pixels for each unit of line width, so that lines keep their proportion to the picture.
+    pub(crate) fn unit_px(&self) -> f32 {
+        let smaller = f64::from(self.size[0].min(self.size[1]));
+        #[expect(clippy::cast_possible_truncation, reason = "a width needs no last digit")]
+        let unit = (smaller / 768.0).max(0.35) as f32;
+        unit
+    }
+
+    /// Side of the square that each of `n` things has in the picture, in units of line width.
+    pub(crate) fn room(&self, n: usize) -> f32 {
+        let [width, height] = self.size.map(f64::from);
+        let unit = f64::from(self.unit_px());
+        #[expect(clippy::cast_precision_loss, reason = "a width needs no last digit")]
+        let each = width * height / (unit * unit * n.max(1) as f64);
+        #[expect(clippy::cast_possible_truncation, reason = "a width needs no last digit")]
+        let side = each.sqrt() as f32;
+        side
+    }
+
+    /// The view that the camera options ask for.
+    pub(crate) fn view(&self) -> View {
+        let fallback = Values::default();
+        let camera = self.values.group("camera").unwrap_or(&fallback);
+        let number = |name: &str, default: f64| camera.number(name).unwrap_or(default);
+        let radians = |degrees: f64| degrees * (std::f64::consts::PI / 180.0);
+        let orthographic = camera.choice("projection") == Some("orthographic");
+        View {
+            projection: if orthographic { Projection::Orthographic } else { Projection::Perspective },
+            azimuth_rad: radians(number("azimuth_deg", 35.0)),
+            elevation_rad: radians(number("elevation_deg", 25.0)),
+            fov_rad: radians(number("fov_deg", 30.0)),
+            zoom: number("zoom", 1.0),
+            eye: camera.vector("eye"),
+            target: camera.vector("target"),
+            up: camera.vector("up").unwrap_or(self.frame.up.direction()),
+        }
+    }
+}
+
+/// Width and height, pixels.
+pub(crate) fn size(values: &Values) -> [u32; 2] {
+    let side = |name: &str, default: u32| {
+        let given = values.integer(name).and_then(|n| u32::try_from(n).ok()).unwrap_or(default);
+        given.clamp(1, MAX_SIDE_PX)
+    };
+    [side("width", 1024), side("height", 768)]
+}
+
+/// Linear light of straight sRGB bytes.
+pub(super) fn shown_as(color: [u8; 4]) -> [f32; 3] {
+    std::array::from_fn(|k| rounded(linear(k, f64::from(color[k]) / 255.0)))
+}
+
+/// Refuses curves that pictures cannot show.
+pub(crate) fn drawable(kind: ShapeKind) -> Result<(), String> {
+    match kind {
+        ShapeKind::Mesh | ShapeKind::Curves { dimension: 1..=3 } => Ok(()),
+        ShapeKind::Curves { dimension } => Err(format!(
+            "points of {dimension} coordinates cannot be drawn, pictures show 1 to 3; ask for \"json\" instead"
+        )),
+    }
+}
