@@ -11,8 +11,8 @@ pub(super) enum Beyond {
     End,
 }
 
-/// What lies beyond a ring of a mesh; an error where the ring is disturbed. `on_line` tells of each vertex whether it has
-/// exactly two latitude edges.
+/// What lies beyond a ring of a mesh; an error where the ring is disturbed. `on_line` tells of each vertex whether it
+/// has exactly two latitude edges.
 pub(super) fn beyond(mesh: &Mesh, on_line: &[bool], ring: &[u32]) -> Result<Beyond, String> {
     if ring.iter().any(|v| mesh.corners.binary_search(v).is_ok()) {
         return Err("a vertex is a corner".into());

@@ -37,7 +37,8 @@ struct Rings {
     tilt: f64,
 }
 
-/// What becomes of every latitude line of a mesh under a plan, or under none, as it does not fit the mesh for that reason.
+/// What becomes of every latitude line of a mesh under a plan, or under none, as it does not fit the mesh for that
+/// reason.
 pub fn outlooks(mesh: &Mesh, plan: Result<&Plan, &str>) -> Vec<Outlook> {
     let Some(directions) = &mesh.directions else { return Vec::new() };
     let lines = directions.lines(&mesh.topology).into_iter();
@@ -131,8 +132,8 @@ impl<'a> Tube<'a> {
         }
     }
 
-    /// The rings on one side of a line, as far as the scheme reaches or the tube goes; all are `like` one of them, the first
-    /// that has an extent.
+    /// The rings on one side of a line, as far as the scheme reaches or the tube goes; all are `like` one of them, the
+    /// first that has an extent.
     fn side(&self, line: &Line, like: &mut Ring, side: Side, reach: usize) -> Result<Rings, String> {
         let mut rings = Rings::default();
         let mut vertices = line.vertices.clone();
@@ -171,11 +172,11 @@ impl<'a> Tube<'a> {
         for (i, &v) in line.iter().enumerate() {
             let w = line[(i + 1) % line.len()];
             let (from, to) = if side == Side::Left { (v, w) } else { (w, v) };
-            let corner = topology.ring(from as usize).find(|&c| topology.vertex(topology.next(c)) == to);
-            let corner = corner.ok_or("the boundary cuts the tube")?;
-            let (after, before) = (topology.next(corner), topology.previous(corner));
+            let half_edge = topology.ring(from as usize).find(|&c| topology.vertex(topology.next(c)) == to);
+            let half_edge = half_edge.ok_or("the boundary cuts the tube")?;
+            let (after, before) = (topology.next(half_edge), topology.previous(half_edge));
             let along = [after, before].map(|c| self.directions.of(topology.edge(c)));
-            if topology.face(topology.face_of(corner)).len() != 4 || along != [Direction::Longitude; 2] {
+            if topology.face(topology.face_of(half_edge)).len() != 4 || along != [Direction::Longitude; 2] {
                 return Err("a face is no quad between two longitude edges");
             }
             if self.directions.of(topology.edge(topology.next(after))) != Direction::Latitude {
@@ -214,8 +215,8 @@ impl<'a> Tube<'a> {
         }
     }
 
-    /// An error where the plan pushes vertices of this ring back, because of their valence, but not those of tubes: then
-    /// rings farther away count, and beyond such vertices there is no tube.
+    /// An error where the plan pushes vertices of this ring back, because of their valence, but not those of tubes:
+    /// then rings farther away count, and beyond such vertices there is no tube.
     fn check_pushed_alike(&self, ring: &[u32]) -> Result<(), String> {
         if !self.pushes
             || self.attributes.delta.is_some()
@@ -239,8 +240,8 @@ impl<'a> Tube<'a> {
     /// Going round `p` times one way and `n - p` times the other are the same, so that the alpha of either is right.
     fn limit(&self, n: usize, winding: f64, alpha: Option<f64>, profile: &Profile) -> Result<f64, String> {
         let other = ring::real(n) - winding;
-        let turning = |winding: f64| self.turning(std::f64::consts::TAU * winding / ring::real(n), alpha, profile);
-        turning(winding).or_else(|said| turning(other).map_err(|_| said)).map_err(|said| {
+        let radius_at = |winding: f64| self.radius_at(std::f64::consts::TAU * winding / ring::real(n), alpha, profile);
+        radius_at(winding).or_else(|said| radius_at(other).map_err(|_| said)).map_err(|said| {
             let or = if winding > 1.0 { format!(" or {} pi / {n}", 2.0 * other) } else { String::new() };
             said.unwrap_or_else(|| {
                 format!(
@@ -252,9 +253,9 @@ impl<'a> Tube<'a> {
         })
     }
 
-    /// The radius in the limit of a line whose vertices `theta` parts; an error, with the reason where it is another one
-    /// than the plan's numbers, where it is no circle.
-    fn turning(&self, mut theta: f64, alpha: Option<f64>, profile: &Profile) -> Result<f64, Option<String>> {
+    /// The radius in the limit of a line whose vertices `theta` parts; an error, with the reason where it is another
+    /// one than the plan's numbers, where it is no circle.
+    fn radius_at(&self, mut theta: f64, alpha: Option<f64>, profile: &Profile) -> Result<f64, Option<String>> {
         let mut profile = profile.clone();
         let compensated = profile.is_pushed() || self.rule == LatitudeRule::Position;
         for level in self.steps.chunk_by(|a, b| a.level == b.level) {
@@ -279,14 +280,14 @@ impl<'a> Tube<'a> {
         compensated: bool,
     ) -> Result<f64, Option<String>> {
         let upsampling = &block[0];
-        let own = |plan: f64| alpha.map_or(plan, |alpha| alpha * upsampling.scale);
+        let alpha_of = |plan: f64| alpha.map_or(plan, |alpha| alpha * upsampling.scale);
         let value = |function: &Expression, alpha: f64| function.value(alpha).map_err(|error| Some(error.to_string()));
         let c = crate::math::functions::cos(theta / 2.0);
-        let kernel = value(self.plan.kernel.first().ok_or(None)?, own(upsampling.alpha))?;
+        let kernel = value(self.plan.kernel.first().ok_or(None)?, alpha_of(upsampling.alpha))?;
         let pushed = words::pushes_back(block) && compensated;
         let seen = match self.plan.compensation_alpha {
             Some(_) => upsampling.compensation_alpha,
-            None => own(upsampling.compensation_alpha),
+            None => alpha_of(upsampling.compensation_alpha),
         };
         let omega = value(&self.plan.compensation, seen)?;
         let later = block.iter().filter(|step| step.letter.facts().role == Role::Average && !step.first);
@@ -295,7 +296,7 @@ impl<'a> Tube<'a> {
             return Err(None);
         }
         let longitude = self.plan.latitude.as_ref().and_then(|latitude| latitude.kernel_longitude.as_ref());
-        longitude.map_or(Ok(c), |kernel| value(kernel, own(upsampling.alpha)))
+        longitude.map_or(Ok(c), |kernel| value(kernel, alpha_of(upsampling.alpha)))
     }
 }
 

@@ -95,18 +95,18 @@ pub fn refine_to_limit(
 /// [`Stopped`] when the watch says so.
 fn limit(net: &PolygonNet, points: &[f64], width: usize, rows: &LimitRows, watch: &Watch) -> Result<Limit, Stopped> {
     let pieces = Pieces { net };
-    let positions = RowsBy::new(net.n, net.n, |stored, out: &mut Rows| match pieces.place(stored) {
-        Place::Fixed(_) => out.add(index(stored), 1.0),
-        Place::Inner(i) => pieces.add(i, &rows.position[0], out),
+    let positions = RowsBy::new(net.n, net.n, |stored, out: &mut Rows| match pieces.kind(stored) {
+        PointKind::Fixed(_) => out.add(index(stored), 1.0),
+        PointKind::Inner(i) => pieces.add(i, &rows.position[0], out),
     });
     let positions = blend(&positions, points, width, watch)?;
     let tangents = match &rows.tangent {
         None => Vec::new(),
         Some(pair) => {
-            let rows = RowsBy::new(net.n, net.n, |stored, out: &mut Rows| match pieces.place(stored) {
-                Place::Inner(i) | Place::Fixed(End::Point(i)) => pieces.add(i, &pair[0], out),
-                Place::Fixed(End::Corner) => {}
-                Place::Fixed(End::Middle(i)) => pieces.add(i, &pair[1], out),
+            let rows = RowsBy::new(net.n, net.n, |stored, out: &mut Rows| match pieces.kind(stored) {
+                PointKind::Inner(i) | PointKind::Fixed(End::Point(i)) => pieces.add(i, &pair[0], out),
+                PointKind::Fixed(End::Corner) => {}
+                PointKind::Fixed(End::Middle(i)) => pieces.add(i, &pair[1], out),
             });
             blend(&rows, points, width, watch)?
         }
@@ -120,7 +120,7 @@ struct Pieces<'a> {
 }
 
 /// A stored point.
-enum Place {
+enum PointKind {
     /// It stays where it is.
     Fixed(End),
     /// Control point with rules from both sides.
@@ -138,16 +138,16 @@ enum End {
 }
 
 impl Pieces<'_> {
-    fn place(&self, stored: usize) -> Place {
+    fn kind(&self, stored: usize) -> PointKind {
         let net = self.net;
         let i = stored.cast_signed() - net.first().cast_signed();
         let n = net.n_control().cast_signed();
         match net.extent {
-            Extent::Half if i < 0 => Place::Fixed(End::Middle(0)),
-            Extent::Half if i >= n => Place::Fixed(End::Middle(n)),
-            Extent::Whole if i == 0 || i + 1 == n => Place::Fixed(End::Point(i)),
-            _ if net.is_corner(i.unsigned_abs()) => Place::Fixed(End::Corner),
-            _ => Place::Inner(i),
+            Extent::Half if i < 0 => PointKind::Fixed(End::Middle(0)),
+            Extent::Half if i >= n => PointKind::Fixed(End::Middle(n)),
+            Extent::Whole if i == 0 || i + 1 == n => PointKind::Fixed(End::Point(i)),
+            _ if net.is_corner(i.unsigned_abs()) => PointKind::Fixed(End::Corner),
+            _ => PointKind::Inner(i),
         }
     }
 
@@ -175,8 +175,8 @@ impl Pieces<'_> {
         out.add(stored(at), weight);
     }
 
-    /// The corners, or ends, between which control point `i` lies, the later one perhaps a round further; none when there
-    /// are no corners.
+    /// The corners, or ends, between which control point `i` lies, the later one perhaps a round further; none when
+    /// there are no corners.
     fn piece(&self, i: isize) -> Option<[isize; 2]> {
         let corners = &self.net.corners;
         let (&lowest, &highest) = (corners.first()?, corners.last()?);

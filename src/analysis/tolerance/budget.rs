@@ -5,8 +5,9 @@ use crate::watch::Watch;
 
 /// A watch, and the work that it counts at most.
 ///
-/// Once either says no, distances that are asked for are not found any more, and whoever asked finds that out before using
-/// them. What was counted by then is more than the most in any case, so that it makes no difference which thread came first.
+/// Once either says no, distances that are asked for are not found any more, and whoever asked finds that out before
+/// using them. What was counted by then is more than the most in any case, so that it makes no difference which thread
+/// came first.
 #[derive(Debug, Clone)]
 pub(super) struct Budget {
     pub(super) watch: Watch,

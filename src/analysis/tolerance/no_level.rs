@@ -10,8 +10,8 @@ pub(super) const MAX_LEVEL: u32 = 16;
 pub(super) const MAX_FACES: usize = 1 << 18;
 /// The least tolerance, over the greatest coordinate: below it, rounding is not negligible.
 pub(super) const LEAST: f64 = 1e-12;
-/// Most units of work of a search, of about 100 ns each: 3.5 minutes, ten times what those take that look at all the levels
-/// and faces they may.
+/// Most units of work of a search, of about 100 ns each: 3.5 minutes, ten times what those take that look at all the
+/// levels and faces they may.
 pub const MAX_WORK: u64 = 1 << 31;
 
 /// Why no level can be given for a tolerance.

@@ -7,7 +7,7 @@ use super::cut::{cut, twist};
 use super::level::Level;
 use super::no_level::NoLevel;
 use super::placed::Placed;
-use super::rest::Rests;
+use super::remainder::Remainders;
 use super::spline::Spline;
 use crate::analysis::limit::{self, Asked};
 use crate::refine::{Points, act_on};
@@ -35,8 +35,8 @@ impl Walk {
         spline.halved || self.level.live.iter().all(|&f| topology.face(f as usize).len() == sides)
     }
 
-    /// How far the output is from the limit at most, with its vertices there; infinite where it is soon seen to be above the
-    /// tolerance.
+    /// How far the output is from the limit at most, with its vertices there; infinite where it is soon seen to be
+    /// above the tolerance.
     pub(super) fn bound(
         &self,
         spline: &Spline,
@@ -87,25 +87,25 @@ impl Walk {
         let points = level.points.now.as_chunks::<3>().0;
         let twists: Vec<f64> = (0..level.topology.n_vertices())
             .map(|v| {
-                let around = level.topology.ring(v).map(|corner| level.topology.face_of(corner));
+                let around = level.topology.ring(v).map(|half_edge| level.topology.face_of(half_edge));
                 around.map(|f| twist(&level.topology, f, points)).fold(0.0, f64::max)
             })
             .collect();
         let twists = bend::spread(&level.topology, twists, spline.reach, f64::max);
-        let rests = Rests::of(level, spline, budget)?;
+        let remainders = Remainders::of(level, spline, budget)?;
         let of_face = |&f: &u32| {
             let twist = level.topology.face(f as usize).iter().map(|&v| twists[v as usize]).fold(0.0, f64::max);
-            (f, rests.bend(f) + twist)
+            (f, remainders.bend(f) + twist)
         };
         let known: Vec<(u32, f64)> = level.live.iter().map(of_face).collect();
-        let part = |most: f64| {
+        let followed = |most: f64| {
             let (left, kept): (Vec<_>, Vec<_>) = known.iter().partition(|&&(_, distance)| distance <= most);
             let left = left.iter().map(|&(_, distance)| distance).fold(self.left, f64::max);
             let kept: Vec<u32> = kept.iter().map(|&(f, _)| f).collect();
             Self { level: level.focused(&kept, spline.margin()), left }
         };
-        let some = part(tolerance / 2.0);
-        *self = if fits(&some.level) { some } else { part(f64::MAX) };
+        let some = followed(tolerance / 2.0);
+        *self = if fits(&some.level) { some } else { followed(f64::MAX) };
         Ok(())
     }
 
