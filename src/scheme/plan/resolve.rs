@@ -2,9 +2,9 @@
 
 use super::legal::{other_than_halves, useless};
 use super::{AlphaOf, Carried, Latitude, Perturbation, Plan, PlanInput, Subject};
-use crate::fault::{Fault, under};
+use crate::fault::{Fault, shortened, under};
 use crate::math::expression::Expression;
-use crate::math::parameter::{Literal, Value, Values, shortened};
+use crate::math::parameter::{Literal, Value, Values};
 use crate::scheme::anchor::ratio;
 use crate::scheme::letter::Letter;
 use crate::scheme::parameters::{DEFAULT_MU, KERNEL, SPLIT, WORD_PARAMETERS, latitude_rule, perturbation, tile};
