@@ -8,7 +8,7 @@ use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Children, Facts, Operator, Role};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, Step, StepError, Values};
-use crate::shape::root_three::Rim;
+use crate::shape::root_three::BoundarySplit;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// Kobbelt's sqrt 3 scheme for triangles: a vertex at the centroid of each face, every inner edge flipped, and the old
@@ -60,9 +60,9 @@ impl Operator for RootThree {
     fn census(&self, before: &Census) -> Census {
         let (v, f, b) = (before.count.vertices, before.count.faces, before.boundary);
         let (faces, corners) = (sum(&[(3, f)]), sum(&[(9, f)]));
-        let (vertices, boundary) = match rim(before.rounds) {
-            Rim::Whole => (sum(&[(1, v), (1, f)]), b),
-            Rim::Thirds => (sum(&[(1, v), (1, f), (1, b)]), sum(&[(3, b)])),
+        let (vertices, boundary) = match boundary(before.rounds) {
+            BoundarySplit::Whole => (sum(&[(1, v), (1, f)]), b),
+            BoundarySplit::Thirds => (sum(&[(1, v), (1, f), (1, b)]), sum(&[(3, b)])),
         };
         before.after([vertices, faces, corners, 3], boundary)
     }
@@ -71,20 +71,21 @@ impl Operator for RootThree {
         if net.mesh.rounds == 0 {
             self.admits(net)?;
         }
-        let (old, rim) = (net.mesh.base.clone(), rim(net.mesh.rounds));
-        let next = net.after_rebuild(old.split_root_three(rim), net.tags.corners.to_vec());
+        let (old, boundary) = (net.mesh.base.clone(), boundary(net.mesh.rounds));
+        let next = net.after_rebuild(old.split_root_three(boundary), net.tags.corners.to_vec());
         let (n_v, n_f) = (old.n_vertices(), old.n_faces());
-        let cut: Vec<u32> = match rim {
-            Rim::Whole => Vec::new(),
-            Rim::Thirds => (0..old.n_edges()).filter(|&e| old.is_boundary_edge(e)).map(index).collect(),
+        let cut: Vec<u32> = match boundary {
+            BoundarySplit::Whole => Vec::new(),
+            BoundarySplit::Thirds => (0..old.n_edges()).filter(|&e| old.is_boundary_edge(e)).map(index).collect(),
         };
         let before = net.clone();
         let rows = RowsBy::new(next.mesh.n_vertices(), n_v, move |row, out: &mut Rows| {
             if row < n_v {
-                vertex_row(&before, rim, row, out);
+                vertex_row(&before, boundary, row, out);
             } else if row < n_v + n_f {
                 let face = row - n_v;
-                match old.half_edges(face).find(|&corner| rim == Rim::Thirds && old.twin(corner) == NONE) {
+                match old.half_edges(face).find(|&corner| boundary == BoundarySplit::Thirds && old.twin(corner) == NONE)
+                {
                     Some(corner) => third_row(&before, old.edge(corner), Near::Start, out),
                     None => old.face(face).iter().for_each(|&v| out.add(v, ratio(1, 3))),
                 }
@@ -97,19 +98,19 @@ impl Operator for RootThree {
 }
 
 /// Boundaries are cut in every second step.
-fn rim(rounds: u32) -> Rim {
-    if rounds.is_multiple_of(2) { Rim::Whole } else { Rim::Thirds }
+fn boundary(rounds: u32) -> BoundarySplit {
+    if rounds.is_multiple_of(2) { BoundarySplit::Whole } else { BoundarySplit::Thirds }
 }
 
-fn vertex_row(net: &MeshNet, rim: Rim, v: usize, out: &mut Rows) {
+fn vertex_row(net: &MeshNet, boundary: BoundarySplit, v: usize, out: &mut Rows) {
     let old = &net.mesh.base;
     let here = index(v);
     if net.tags.is_corner(v) || old.is_isolated(v) {
         return out.add(here, 1.0);
     }
-    match (old.boundary_edges(v), rim) {
-        (Some(_), Rim::Whole) => out.add(here, 1.0),
-        (Some([onward, from]), Rim::Thirds) => {
+    match (old.boundary_edges(v), boundary) {
+        (Some(_), BoundarySplit::Whole) => out.add(here, 1.0),
+        (Some([onward, from]), BoundarySplit::Thirds) => {
             out.add(here, ratio(19, 27));
             out.add(old.ends(onward as usize)[1], ratio(4, 27));
             out.add(old.ends(from as usize)[0], ratio(4, 27));
