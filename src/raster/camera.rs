@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::vector::{Vec3, add, cross, dot, scaled, sub, unit};
 use crate::math::functions::{cos, sin, tan};
+use crate::math::sharing::is_small;
 
 /// How depth shrinks what is seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,22 +77,29 @@ pub struct Camera {
     pub(super) radius: f64,
 }
 
+/// What `one` finds of each of some points, joined, `none` being what there is of no point.
+fn joined<T: Copy + Send + Sync>(
+    points: &[&[Vec3]],
+    none: T,
+    one: impl Fn(&Vec3) -> T + Sync,
+    join: impl Fn(T, T) -> T + Sync + Send + Copy,
+) -> T {
+    let add = |sum, point| join(sum, one(point));
+    if is_small(points.iter().map(|list| list.len()).sum()) {
+        return points.iter().copied().flatten().fold(none, add);
+    }
+    let of_list = |list: &&[Vec3]| list.par_iter().with_min_len(4096).fold(|| none, add).reduce(|| none, join);
+    points.par_iter().map(of_list).reduce(|| none, join)
+}
+
 /// Centre and half the largest side of the bounding box of finite points; `([0, 0, 0], 1)` when there is none.
 fn bounds(points: &[&[Vec3]]) -> (Vec3, f64) {
     let none = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     let join = |(a, b): (Vec3, Vec3), (c, d): (Vec3, Vec3)| {
         ([0, 1, 2].map(|i| a[i].min(c[i])), [0, 1, 2].map(|i| b[i].max(d[i])))
     };
-    let (low, high) = points
-        .par_iter()
-        .map(|list| {
-            list.par_iter()
-                .with_min_len(4096)
-                .filter(|p| p.iter().all(|x| x.is_finite()))
-                .fold(|| none, |acc, &p| join(acc, (p, p)))
-                .reduce(|| none, join)
-        })
-        .reduce(|| none, join);
+    let one = |&p: &Vec3| if p.iter().all(|x| x.is_finite()) { (p, p) } else { none };
+    let (low, high) = joined(points, none, one, join);
     if low[0] > high[0] {
         return ([0.0; 3], 1.0);
     }
@@ -141,10 +149,7 @@ fn reach(points: &[&[Vec3]], centre: Vec3, [right, up, forward]: [Vec3; 3], tang
         let (x, y, z) = (dot(r, right), dot(r, up), dot(r, forward));
         [x - tangent[0] * z, -x - tangent[0] * z, y - tangent[1] * z, -y - tangent[1] * z, z, -z]
     };
-    let found = points
-        .par_iter()
-        .map(|list| list.par_iter().with_min_len(4096).fold(|| none, |acc, p| join(acc, one(p))).reduce(|| none, join))
-        .reduce(|| none, join);
+    let found = joined(points, none, one, join);
     if found.iter().all(|x| x.is_finite()) { found } else { [0.0; 6] }
 }
 
