@@ -1,10 +1,11 @@
 //! What a job needs in memory while it runs.
 
-use super::{Input, Job};
+use super::complete::Job;
+use super::input::Input;
 use crate::output::Size;
 use crate::scheme::forecast::Forecast;
+use crate::scheme::letter::Letter;
 use crate::scheme::operator::Children;
-use crate::scheme::word::Letter;
 use crate::shape::tile::Tile;
 
 /// What is refined along with the positions.

@@ -205,6 +205,22 @@ impl Values {
         if faults.is_empty() { Ok(Self(values)) } else { Err(faults) }
     }
 
+    /// The values of parameters that are all left out; required ones are absent.
+    pub fn usual(declared: &[Parameter]) -> Self {
+        let entry = |parameter: &Parameter| {
+            let value = parameter.value(None).unwrap_or(Value::Absent);
+            Entry { name: parameter.name, value, usual: true }
+        };
+        Self(declared.iter().map(entry).collect())
+    }
+
+    /// Sets the value of a parameter, if it is one of those declared.
+    pub fn set(&mut self, parameter: &Parameter, value: Value) {
+        if let Some(entry) = self.0.iter_mut().find(|entry| entry.name == parameter.name) {
+            *entry = Entry { usual: parameter.value(None).is_ok_and(|usual| usual == value), value, ..*entry };
+        }
+    }
+
     /// The values that differ from those of parameters left out, in the order of their declarations.
     pub fn unusual(&self) -> impl Iterator<Item = (&'static str, &Value)> {
         self.0.iter().filter(|entry| !entry.usual).map(|entry| (entry.name, &entry.value))

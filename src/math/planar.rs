@@ -1,6 +1,7 @@
 //! Directions and angles in the plane, and the tangents of polygons by circles through three points.
 
-use super::functions::{atan2, cos, sin, sqrt};
+use super::functions::{atan2, cos, sin};
+use super::vector::{self, direction, dot, minus, plus, times};
 use crate::watch::{Stopped, Watch};
 
 /// A point or a vector of the plane.
@@ -17,25 +18,14 @@ pub fn half_chord(a: Vector, b: Vector) -> Vector {
 /// The length of a vector, without overflow on the way.
 pub fn length(v: Vector) -> f64 {
     let most = v[0].abs().max(v[1].abs());
-    if most > 0.0 { most * sqrt((v[0] / most) * (v[0] / most) + (v[1] / most) * (v[1] / most)) } else { 0.0 }
-}
-
-/// The direction of a vector; the vector 0 has none.
-pub fn direction(v: Vector) -> Option<Vector> {
-    let most = v[0].abs().max(v[1].abs());
-    if most == 0.0 {
-        return None;
-    }
-    let [x, y] = [v[0] / most, v[1] / most];
-    let norm = sqrt(x * x + y * y);
-    Some([x / norm, y / norm])
+    if most > 0.0 { most * vector::length(v.map(|x| x / most)) } else { 0.0 }
 }
 
 /// The angle from one direction to another, counter-clockwise, radians in `(-pi, pi]`; opposite ones are pi apart.
-pub fn turn(from: Vector, to: Vector) -> f64 {
+pub fn angle(from: Vector, to: Vector) -> f64 {
     let cross = from[0] * to[1] - from[1] * to[0];
     // adding 0 makes the 0 of opposite directions a positive one
-    atan2(cross + 0.0, from[0] * to[0] + from[1] * to[1])
+    atan2(cross + 0.0, dot(from, to))
 }
 
 /// A vector rotated counter-clockwise by an angle, radians.
@@ -51,7 +41,7 @@ pub fn circle_tangent(u: Vector, v: Vector) -> Option<Vector> {
     let (long_u, long_v) = (length(u), length(v));
     let longest = long_u.max(long_v);
     let (a, b) = (long_v / longest, long_u / longest);
-    direction([a * of_u[0] + b * of_v[0], a * of_u[1] + b * of_v[1]]).or(Some([-of_u[1], of_u[0]]))
+    direction(plus(times(a, of_u), times(b, of_v))).or(Some([-of_u[1], of_u[0]]))
 }
 
 /// For each point of a polygon the nearest points before and after it that lie elsewhere.
@@ -60,7 +50,7 @@ pub struct Neighbours {
     n: usize,
     closed: bool,
     /// Indices before and after, [`NONE`] where there is none; absent while no two neighbours lie at one place.
-    found: Option<Vec<[u32; 2]>>,
+    nearest: Option<Vec<[u32; 2]>>,
 }
 
 const NONE: u32 = u32::MAX;
@@ -80,7 +70,7 @@ impl Neighbours {
             any |= (start..edges.min(start + BLOCK)).any(repeated);
         }
         if !any {
-            return Ok(Self { n, closed, found: None });
+            return Ok(Self { n, closed, nearest: None });
         }
         let mut found = vec![[NONE; 2]; n];
         // where a closed polygon has only one place, no point has a neighbour
@@ -99,13 +89,13 @@ impl Neighbours {
                 }
             }
         }
-        Ok(Self { n, closed, found: Some(found) })
+        Ok(Self { n, closed, nearest: Some(found) })
     }
 
     /// The nearest point before point `i` that lies elsewhere.
     pub fn before(&self, i: usize) -> Option<usize> {
-        match &self.found {
-            Some(found) => place(found[i][0]),
+        match &self.nearest {
+            Some(found) => known(found[i][0]),
             None if i > 0 => Some(i - 1),
             None => self.closed.then_some(self.n - 1),
         }
@@ -113,8 +103,8 @@ impl Neighbours {
 
     /// The nearest point after point `i` that lies elsewhere.
     pub fn after(&self, i: usize) -> Option<usize> {
-        match &self.found {
-            Some(found) => place(found[i][1]),
+        match &self.nearest {
+            Some(found) => known(found[i][1]),
             None if i + 1 < self.n => Some(i + 1),
             None => self.closed.then_some(0),
         }
@@ -131,7 +121,7 @@ fn index(i: usize) -> u32 {
     u32::try_from(i).expect("polygons have fewer than 2^32 points")
 }
 
-fn place(i: u32) -> Option<usize> {
+fn known(i: u32) -> Option<usize> {
     (i != NONE).then_some(i as usize)
 }
 
@@ -162,6 +152,5 @@ fn end_tangent(points: &[Vector], neighbours: &Neighbours, i: usize) -> Option<V
     };
     let chord = direction(half_chord(points[a], points[b]))?;
     let Some(inner) = neighbours.tangent(points, inner) else { return Some(chord) };
-    let along = 2.0 * (inner[0] * chord[0] + inner[1] * chord[1]);
-    direction([along * chord[0] - inner[0], along * chord[1] - inner[1]])
+    direction(minus(times(2.0 * dot(inner, chord), chord), inner))
 }

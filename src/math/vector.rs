@@ -1,30 +1,43 @@
-//! Vectors of three numbers.
+//! Vectors of a fixed number of coordinates. Sums run from the first coordinate to the last, so the bits are always the same.
 
-use crate::math::functions::sqrt;
+use super::functions::sqrt;
 
+/// A point or a vector of space.
 pub type Vector = [f64; 3];
 
-pub fn plus(a: Vector, b: Vector) -> Vector {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+/// The sum of two vectors.
+#[must_use]
+pub fn plus<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
+    std::array::from_fn(|k| a[k] + b[k])
 }
 
-pub fn minus(a: Vector, b: Vector) -> Vector {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+/// The difference of two vectors.
+#[must_use]
+pub fn minus<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
+    std::array::from_fn(|k| a[k] - b[k])
 }
 
-pub fn times(k: f64, a: Vector) -> Vector {
-    [k * a[0], k * a[1], k * a[2]]
+/// A vector multiplied by a number.
+#[must_use]
+pub fn times<const N: usize>(k: f64, a: [f64; N]) -> [f64; N] {
+    a.map(|x| k * x)
 }
 
-pub fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+/// The scalar product of two vectors.
+#[must_use]
+pub fn dot<const N: usize>(a: [f64; N], b: [f64; N]) -> f64 {
+    (1..N).fold(a[0] * b[0], |sum, k| sum + a[k] * b[k])
 }
 
+/// The vector product of two vectors.
+#[must_use]
 pub fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-pub fn length(a: Vector) -> f64 {
+/// The length of a vector whose square is a number of normal size.
+#[must_use]
+pub fn length<const N: usize>(a: [f64; N]) -> f64 {
     sqrt(dot(a, a))
 }
 
@@ -35,7 +48,8 @@ pub fn mean(all: impl Iterator<Item = Vector>) -> Vector {
 }
 
 /// The square of the distance of a point from a segment.
-pub fn to_segment(p: Vector, [a, b]: [Vector; 2]) -> f64 {
+#[must_use]
+pub fn square_from_segment(p: Vector, [a, b]: [Vector; 2]) -> f64 {
     let along = minus(b, a);
     let square = dot(along, along);
     let at = if square > 0.0 { (dot(minus(p, a), along) / square).clamp(0.0, 1.0) } else { 0.0 };
@@ -44,12 +58,39 @@ pub fn to_segment(p: Vector, [a, b]: [Vector; 2]) -> f64 {
 }
 
 /// The distance of a point from a segment.
+#[must_use]
 pub fn from_segment(p: Vector, segment: [Vector; 2]) -> f64 {
-    sqrt(to_segment(p, segment))
+    sqrt(square_from_segment(p, segment))
 }
 
-/// A vector of length 1; zero for zero.
-pub fn unit(x: Vector) -> Vector {
-    let size = length(x);
-    if size > 0.0 { times(1.0 / size, x) } else { [0.0; 3] }
+/// Divides a vector by its largest coordinate and returns the length that remains, which no square of it exceeds or
+/// loses; `None`, and nothing changes, where no coordinate is other than 0 or one is infinite.
+pub fn reduce(v: &mut [f64]) -> Option<f64> {
+    let largest = v.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    if largest == 0.0 || !largest.is_finite() {
+        return None;
+    }
+    v.iter_mut().for_each(|x| *x /= largest);
+    Some(sqrt(v.iter().map(|x| x * x).sum()))
+}
+
+/// A vector at length 1, whatever its length; `None` for one without a direction.
+#[must_use]
+pub fn direction<const N: usize>(mut v: [f64; N]) -> Option<[f64; N]> {
+    let length = reduce(&mut v)?;
+    Some(v.map(|x| x / length))
+}
+
+/// Squared lengths none of whose larger terms has overflowed or lost digits to underflow.
+const SAFE: std::ops::RangeInclusive<f64> = 1e-200..=1e200;
+
+/// A vector at length 1, whatever its length; zero for one without a direction.
+#[must_use]
+pub fn unit<const N: usize>(v: [f64; N]) -> [f64; N] {
+    let square = dot(v, v);
+    if SAFE.contains(&square) {
+        let length = sqrt(square);
+        return v.map(|x| x / length);
+    }
+    direction(v).unwrap_or([0.0; N])
 }

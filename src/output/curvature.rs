@@ -1,6 +1,6 @@
 //! Discrete curvature of polygons.
 
-use crate::math::functions::sqrt;
+use crate::math::vector::{cross, length};
 use crate::output::scene::Curve;
 
 /// The discrete curvature at each point: that of the circle through it and its two neighbours,
@@ -22,12 +22,8 @@ pub(super) fn discrete(curve: &Curve, i: usize) -> Option<f64> {
         std::array::from_fn(|k| if k < curve.dimension { at(to)[k] - at(from)[k] } else { 0.0 })
     };
     let (a, b, c) = (edge(before, i), edge(i, after), edge(before, after));
-    let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-    let twice_area = if curve.dimension == 2 { cross[2] } else { length(cross) };
+    let normal = cross(a, b);
+    let twice_area = if curve.dimension == 2 { normal[2] } else { length(normal) };
     let curvature = 2.0 * twice_area / length(a) / length(b) / length(c);
     curvature.is_finite().then_some(curvature)
-}
-
-fn length(vector: [f64; 3]) -> f64 {
-    sqrt(vector.iter().map(|x| x * x).sum())
 }

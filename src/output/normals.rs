@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::math::functions::sqrt;
+use crate::math::vector::{cross, minus, plus, times, unit};
 use crate::output::bounds::Bounds;
 use crate::output::scene::{CHUNK, FaceChunk, MeshSource, in_chunks};
 use crate::watch::{Stopped, Watch};
@@ -31,7 +31,7 @@ pub fn area(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Res
         for (face, vector) in faces.iter().zip(&vectors) {
             for &vertex in *face {
                 let sum = &mut sums[vertex as usize];
-                *sum = [sum[0] + vector[0], sum[1] + vector[1], sum[2] + vector[2]];
+                *sum = plus(*sum, *vector);
             }
         }
         Ok(())
@@ -82,25 +82,6 @@ pub fn split_vertices(
     Ok(found)
 }
 
-/// The vector of length one in the direction of `v`; zero for vectors without a direction.
-pub fn unit(v: [f64; 3]) -> [f64; 3] {
-    let square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-    if SAFE.contains(&square) {
-        let length = sqrt(square);
-        return v.map(|x| x / length);
-    }
-    let largest = v.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    if largest == 0.0 || !largest.is_finite() {
-        return [0.0; 3];
-    }
-    let v = v.map(|x| x / largest);
-    let length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    v.map(|x| x / length)
-}
-
-/// Squared lengths none of whose larger terms has overflowed or lost digits to underflow.
-const SAFE: std::ops::RangeInclusive<f64> = 1e-200..=1e200;
-
 /// The same normal, or +z for one that is undefined: what formats take that know unit vectors only.
 pub fn or_up(normal: [f64; 3]) -> [f64; 3] {
     if normal.iter().all(|&x| x == 0.0) { [0.0, 0.0, 1.0] } else { normal }
@@ -108,21 +89,14 @@ pub fn or_up(normal: [f64; 3]) -> [f64; 3] {
 
 /// Twice Newell's area vector of a face, of positions multiplied by `scale`.
 pub fn area_vector(face: &[u32], positions: &[[f64; 3]], scale: f64) -> [f64; 3] {
-    let at = |vertex: u32| positions[vertex as usize].map(|x| x * scale);
+    let at = |vertex: u32| times(scale, positions[vertex as usize]);
     let origin = at(face[0]);
-    let spoke = |vertex: u32| {
-        let p = at(vertex);
-        [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]
-    };
+    let spoke = |vertex: u32| minus(at(vertex), origin);
     let mut sum = [0.0; 3];
     let mut a = spoke(face[1]);
     for &vertex in &face[2..] {
         let b = spoke(vertex);
-        sum = [
-            sum[0] + (a[1] * b[2] - a[2] * b[1]),
-            sum[1] + (a[2] * b[0] - a[0] * b[2]),
-            sum[2] + (a[0] * b[1] - a[1] * b[0]),
-        ];
+        sum = plus(sum, cross(a, b));
         a = b;
     }
     sum

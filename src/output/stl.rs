@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use crate::math::parameter::{Default, Parameter, Values};
+use crate::math::vector::{plus, unit};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
@@ -95,7 +96,7 @@ fn write_mesh(
     stream.bytes(&n.to_le_bytes())?;
     stream.faces(mesh, |_, face, out| {
         for triangle in triangles(face) {
-            let own = || normals::unit(normals::area_vector(&triangle, rows, scale));
+            let own = || unit(normals::area_vector(&triangle, rows, scale));
             let normal = match normals {
                 Some("none") => [0.0; 3],
                 _ if at_limit => mean(triangle.map(|v| corners[v as usize])).unwrap_or_else(own),
@@ -112,7 +113,7 @@ fn write_mesh(
 }
 
 /// The direction of the sum of unit normals; `None` where they cancel.
-fn mean(normals: [[f64; 3]; 3]) -> Option<[f64; 3]> {
-    let normal = normals::unit([0, 1, 2].map(|k| normals.iter().map(|normal| normal[k]).sum()));
+fn mean([a, b, c]: [[f64; 3]; 3]) -> Option<[f64; 3]> {
+    let normal = unit(plus(plus(a, b), c));
     normal.iter().any(|&x| x != 0.0).then_some(normal)
 }

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::bins::{Bins, Grid, TileRect};
-use super::camera::{Camera, Projection};
+use super::camera::{Camera, Projection, unit};
 use super::clip;
 use super::line::Layer;
 use super::model::{Model, Normals, Surface};
@@ -11,7 +11,7 @@ use super::paint::{Paint, Tint};
 use super::project::{BEHIND, FAR_OUT, STEPS, Vertex, vertex, vertices};
 use super::shade::{Lamps, Vec3f};
 use super::triangle::{area, pixel_box};
-use super::vector::{cross, sub, unit};
+use crate::math::vector::{cross, minus};
 use crate::watch::{Stopped, Watch};
 
 /// A piece of a clipped triangle.
@@ -185,7 +185,7 @@ impl<'a> BinnedModel<'a> {
         let undefined = |n: &[f64; 3]| n.iter().all(|c| c.abs() <= 0.0);
         if normals.iter().any(undefined) {
             let [a, b, c] = triangle.map(|v| self.model.positions[v as usize]);
-            let plane = unit(cross(sub(b, a), sub(c, a))).unwrap_or(self.camera.forward.map(|x| -x));
+            let plane = unit(cross(minus(b, a), minus(c, a))).unwrap_or(self.camera.forward.map(|x| -x));
             normals.iter_mut().filter(|n| undefined(n)).for_each(|n| *n = plane);
         }
         shared(piece, normals)

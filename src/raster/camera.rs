@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::vector::{Vec3, add, cross, dot, scaled, sub, unit};
 use crate::math::functions::{cos, sin, tan};
 use crate::math::sharing::is_small;
+use crate::math::vector::{Vector, cross, dot, minus, plus, reduce, times};
 
 /// How depth shrinks what is seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,12 +58,12 @@ const MARGIN: f64 = 0.06;
 /// A camera that looks at something. Pixel coordinates have their origin in the upper left corner, y downwards.
 #[derive(Debug, Clone, Copy)]
 pub struct Camera {
-    pub(super) eye: Vec3,
-    pub(super) right: Vec3,
-    pub(super) up: Vec3,
-    pub(super) forward: Vec3,
+    pub(super) eye: Vector,
+    pub(super) right: Vector,
+    pub(super) up: Vector,
+    pub(super) forward: Vector,
     /// The direction that counts as up in the model.
-    pub(super) sky: Vec3,
+    pub(super) sky: Vector,
     pub(super) projection: Projection,
     /// Pixels a model unit at distance one (perspective) or everywhere (orthographic).
     pub(super) focal_px: f64,
@@ -79,26 +79,28 @@ pub struct Camera {
 
 /// What `one` finds of each of some points, joined, `none` being what there is of no point.
 fn joined<T: Copy + Send + Sync>(
-    points: &[&[Vec3]],
+    points: &[&[Vector]],
     none: T,
-    one: impl Fn(&Vec3) -> T + Sync,
+    one: impl Fn(&Vector) -> T + Sync,
     join: impl Fn(T, T) -> T + Sync + Send + Copy,
 ) -> T {
-    let add = |sum, point| join(sum, one(point));
+    let add = |sum: T, point: &Vector| join(sum, one(point));
     if is_small(points.iter().map(|list| list.len()).sum()) {
         return points.iter().copied().flatten().fold(none, add);
     }
-    let of_list = |list: &&[Vec3]| list.par_iter().with_min_len(4096).fold(|| none, add).reduce(|| none, join);
-    points.par_iter().map(of_list).reduce(|| none, join)
+    points
+        .par_iter()
+        .map(|list| list.par_iter().with_min_len(4096).fold(|| none, add).reduce(|| none, join))
+        .reduce(|| none, join)
 }
 
 /// Centre and half the largest side of the bounding box of finite points; `([0, 0, 0], 1)` when there is none.
-fn bounds(points: &[&[Vec3]]) -> (Vec3, f64) {
+fn bounds(points: &[&[Vector]]) -> (Vector, f64) {
     let none = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    let join = |(a, b): (Vec3, Vec3), (c, d): (Vec3, Vec3)| {
+    let join = |(a, b): (Vector, Vector), (c, d): (Vector, Vector)| {
         ([0, 1, 2].map(|i| a[i].min(c[i])), [0, 1, 2].map(|i| b[i].max(d[i])))
     };
-    let one = |&p: &Vec3| if p.iter().all(|x| x.is_finite()) { (p, p) } else { none };
+    let one = |&p: &Vector| if p.iter().all(|x| x.is_finite()) { (p, p) } else { none };
     let (low, high) = joined(points, none, one, join);
     if low[0] > high[0] {
         return ([0.0; 3], 1.0);
@@ -110,25 +112,31 @@ fn bounds(points: &[&[Vec3]]) -> (Vec3, f64) {
     (centre, if radius > 1e-150 { radius.min(1e150) } else { 1.0 })
 }
 
+/// A vector at length one, whatever its length; `None` when it has no direction.
+pub(super) fn unit(mut v: Vector) -> Option<Vector> {
+    let length = reduce(&mut v)?;
+    (length >= 1.0).then(|| times(1.0 / length, v))
+}
+
 /// Right, up and forward of a camera that looks from the angles of `view`.
-fn orbit(view: &View) -> [Vec3; 3] {
+fn orbit(view: &View) -> [Vector; 3] {
     let sky = unit(view.up).unwrap_or([0.0, 1.0, 0.0]);
     let axis = if sky[0].abs() < 0.999 { [1.0, 0.0, 0.0] } else { [0.0, 0.0, -1.0] };
-    let side = unit(sub(axis, scaled(sky, dot(axis, sky)))).unwrap_or([0.0, 0.0, 1.0]);
+    let side = unit(minus(axis, times(dot(axis, sky), sky))).unwrap_or([0.0, 0.0, 1.0]);
     let front = cross(side, sky);
     let (sa, ca) = (sin(view.azimuth_rad), cos(view.azimuth_rad));
     let (se, ce) = (sin(view.elevation_rad), cos(view.elevation_rad));
-    let around = add(scaled(front, ca), scaled(side, sa));
-    let right = sub(scaled(side, ca), scaled(front, sa));
-    let toward = add(scaled(around, ce), scaled(sky, se));
-    [right, sub(scaled(sky, ce), scaled(around, se)), scaled(toward, -1.0)]
+    let around = plus(times(ca, front), times(sa, side));
+    let right = minus(times(ca, side), times(sa, front));
+    let toward = plus(times(ce, around), times(se, sky));
+    [right, minus(times(ce, sky), times(se, around)), times(-1.0, toward)]
 }
 
 /// Right, up and forward of a camera at `eye` that looks at `target`, or those of the angles when both coincide.
-fn aimed(view: &View, eye: Vec3, target: Vec3) -> [Vec3; 3] {
-    let Some(forward) = unit(sub(target, eye)) else { return orbit(view) };
+fn aimed(view: &View, eye: Vector, target: Vector) -> [Vector; 3] {
+    let Some(forward) = unit(minus(target, eye)) else { return orbit(view) };
     let sky = unit(view.up).unwrap_or([0.0, 1.0, 0.0]);
-    let sideways = |up: Vec3| {
+    let sideways = |up: Vector| {
         let right = cross(forward, up);
         if dot(right, right) > 1e-12 { unit(right) } else { None }
     };
@@ -141,11 +149,11 @@ fn aimed(view: &View, eye: Vec3, target: Vec3) -> [Vec3; 3] {
 
 /// Largest values over points: how far they reach to the right, left, top and bottom, each lessened by
 /// `tangent x distance`, then forward and backward.
-fn reach(points: &[&[Vec3]], centre: Vec3, [right, up, forward]: [Vec3; 3], tangent: [f64; 2]) -> [f64; 6] {
+fn reach(points: &[&[Vector]], centre: Vector, [right, up, forward]: [Vector; 3], tangent: [f64; 2]) -> [f64; 6] {
     let none = [f64::NEG_INFINITY; 6];
     let join = |a: [f64; 6], b: [f64; 6]| [0, 1, 2, 3, 4, 5].map(|i| a[i].max(b[i]));
-    let one = |&p: &Vec3| {
-        let r = sub(p, centre);
+    let one = |&p: &Vector| {
+        let r = minus(p, centre);
         let (x, y, z) = (dot(r, right), dot(r, up), dot(r, forward));
         [x - tangent[0] * z, -x - tangent[0] * z, y - tangent[1] * z, -y - tangent[1] * z, z, -z]
     };
@@ -183,7 +191,7 @@ impl Camera {
         camera
     }
 
-    fn frame_perspective(&mut self, view: &View, points: &[&[Vec3]], centre: Vec3, half: [f64; 2]) {
+    fn frame_perspective(&mut self, view: &View, points: &[&[Vector]], centre: Vector, half: [f64; 2]) {
         self.focal_px = 0.5 * self.size_px[1] / tan(0.5 * view.fov_rad.clamp(1e-3, 3.0));
         if view.eye.is_some() {
             return;
@@ -191,20 +199,20 @@ impl Camera {
         let tangent = [half[0] / self.focal_px, half[1] / self.focal_px];
         let [right, left, top, bottom, _, back] = reach(points, centre, [self.right, self.up, self.forward], tangent);
         let [x, y] = view.target.map_or([0.5 * (right - left), 0.5 * (top - bottom)], |target| {
-            let to = sub(target, centre);
+            let to = minus(target, centre);
             [dot(to, self.right), dot(to, self.up)]
         });
         let across = (right - x).max(left + x) / tangent[0];
         let along = (top - y).max(bottom + y) / tangent[1];
         let distance = across.max(along).max(back + 0.05 * self.radius);
-        self.eye = add(add(centre, scaled(self.right, x)), add(scaled(self.up, y), scaled(self.forward, -distance)));
+        self.eye = plus(plus(centre, times(x, self.right)), plus(times(y, self.up), times(-distance, self.forward)));
     }
 
-    fn frame_orthographic(&mut self, view: &View, points: &[&[Vec3]], centre: Vec3, half: [f64; 2]) {
+    fn frame_orthographic(&mut self, view: &View, points: &[&[Vector]], centre: Vector, half: [f64; 2]) {
         let [right, left, top, bottom, front, back] =
             reach(points, centre, [self.right, self.up, self.forward], [0.0; 2]);
         let [x, y] = view.eye.or(view.target).map_or([0.5 * (right - left), 0.5 * (top - bottom)], |given| {
-            let to = sub(given, centre);
+            let to = minus(given, centre);
             [dot(to, self.right), dot(to, self.up)]
         });
         let least = 1e-3 * self.radius;
@@ -212,14 +220,14 @@ impl Camera {
         let scale_y = half[1] / (top - y).max(bottom + y).max(least);
         self.focal_px = scale_x.min(scale_y);
         let span = (front + back).max(least);
-        let start = add(centre, scaled(self.forward, -back));
-        self.eye = add(start, add(scaled(self.right, x), scaled(self.up, y)));
+        let start = plus(centre, times(-back, self.forward));
+        self.eye = plus(start, plus(times(x, self.right), times(y, self.up)));
         self.fall = [1.0, 0.999 / span];
     }
 
     /// Right and down in pixels times `w`, the divisor `w`, and the distance along the view, model units.
-    pub(super) fn view(&self, point: Vec3) -> [f64; 4] {
-        let r = sub(point, self.eye);
+    pub(super) fn view(&self, point: Vector) -> [f64; 4] {
+        let r = minus(point, self.eye);
         let z = dot(r, self.forward);
         let w = if self.projection == Projection::Perspective { z } else { 1.0 };
         [self.focal_px * dot(r, self.right), -self.focal_px * dot(r, self.up), w, z]

@@ -21,7 +21,6 @@ mod shade;
 mod tests;
 mod tiles;
 mod triangle;
-mod vector;
 
 pub use camera::{Camera, Projection, View};
 pub use forecast::Forecast;

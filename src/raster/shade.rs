@@ -5,9 +5,9 @@
 
 #![expect(clippy::cast_possible_truncation, reason = "colours and directions need no more than the precision of f32")]
 
-use super::camera::{Camera, Projection};
+use super::camera::{Camera, Projection, unit};
 use super::pixmap::linear;
-use super::vector::{add, scaled, unit};
+use crate::math::vector::{plus, times};
 
 pub(super) type Vec3f = [f32; 3];
 
@@ -51,11 +51,11 @@ impl Lamps {
     pub(super) fn new(camera: &Camera, [r, g, b, _]: [u8; 4]) -> Self {
         let single = |v: [f64; 3]| v.map(|x| x as f32);
         let turned = |[x, y, z]: [f64; 3]| {
-            let v = add(add(scaled(camera.right, x), scaled(camera.up, y)), scaled(camera.forward, -z));
+            let v = plus(plus(times(x, camera.right), times(y, camera.up)), times(-z, camera.forward));
             unit(v).unwrap_or(camera.up)
         };
         let key = turned(KEY);
-        let gleam = unit(add(key, scaled(camera.forward, -1.0))).unwrap_or(key);
+        let gleam = unit(plus(key, times(-1.0, camera.forward))).unwrap_or(key);
         let spread = if camera.projection == Projection::Perspective { 1.0 / camera.focal_px } else { 0.0 };
         Self {
             key: single(key),
@@ -64,8 +64,8 @@ impl Lamps {
             sky: single(camera.sky),
             gleam: single(gleam),
             forward: single(camera.forward),
-            across: single(scaled(camera.right, spread)),
-            along: single(scaled(camera.up, -spread)),
+            across: single(times(spread, camera.right)),
+            along: single(times(-spread, camera.up)),
             centre_px: [(0.5 * camera.size_px[0]) as f32, (0.5 * camera.size_px[1]) as f32],
             outside: [linear(r), linear(g), linear(b)],
         }

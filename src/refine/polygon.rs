@@ -43,7 +43,7 @@ pub fn refined_points(
     for steps in steps.chunk_by(|a, b| a.level == b.level) {
         let mut actions = Vec::with_capacity(steps.len());
         for step in steps {
-            let named = |error| origins::on_polygon(polygon, &net, step.letter.arity, error);
+            let named = |error| origins::on_polygon(polygon, &net, step.letter.settings.arity(), error);
             let next = Stepper::new(plan).next(&net, step).map_err(named).map_err(RefineError::at(step))?;
             actions.push(next.action);
             net = next.net;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::mesh_net::MeshNet;
 use super::sharpness::{Sharpness, edges_at};
+use super::tags::Tags;
 use crate::shape::topology::{Topology, index};
 
 /// How a vertex comes about.
@@ -30,7 +31,23 @@ pub struct Blend {
 }
 
 impl Blend {
+    /// One rule alone.
+    fn one(rule: Rule) -> Self {
+        Self { before: rule, after: rule, weight: 1.0 }
+    }
+
+    /// How vertex `v` of a topology comes about, be it set apart by creases, tagged, on the boundary, or none of these.
+    #[inline]
+    pub(super) fn of(v: usize, topology: &Topology, tags: &Tags, creases: Option<&Creases>) -> Self {
+        if tags.is_corner(v) || topology.is_isolated(v) {
+            return Self::one(Rule::Corner);
+        }
+        let usual = || Self::one(topology.boundary_edges(v).map_or(Rule::Smooth, Rule::Crease));
+        creases.and_then(|creases| creases.vertex(v)).unwrap_or_else(usual)
+    }
+
     /// The rules with their weights; one alone where both agree.
+    #[inline]
     pub fn rules(&self) -> impl Iterator<Item = (Rule, f64)> + use<> {
         let blended = self.before != self.after && self.weight < 1.0;
         let first = (self.before, if blended { self.weight } else { 1.0 });

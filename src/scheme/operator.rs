@@ -2,12 +2,14 @@
 
 use std::fmt;
 
-use super::census::Census;
+use super::forecast::Census;
 use super::mesh_net::MeshNet;
 use super::polygon_net::PolygonNet;
-use super::step::{Step, StepError, Values};
+use super::settings::Settings;
+use super::step::{Step, Values};
+use super::step_error::StepError;
 use super::window::Window;
-use super::word::Letter;
+use crate::math::parameter::Parameter;
 
 /// An operator: weights and connectivity; coordinates are seen only by those that are not linear, in an [`Action::Map`].
 ///
@@ -17,14 +19,14 @@ pub trait Operator: fmt::Debug + Send + Sync {
     fn facts(&self) -> &'static Facts;
     /// How it moves and counts the points of a polygon after `duals` half steps since the last upsampling; `None` when
     /// every point stays one.
-    fn window(&self, _letter: &Letter, _duals: u32) -> Option<Window> {
+    fn window(&self, _settings: &Settings, _duals: u32) -> Option<Window> {
         None
     }
-    /// Sets what follows alpha in its letter.
+    /// Sets what follows alpha among the values of a letter.
     ///
     /// # Errors
     /// A sentence, where alpha does not allow it.
-    fn at_alpha(&self, _letter: &mut Letter, _alpha: f64) -> Result<(), String> {
+    fn at_alpha(&self, _settings: &mut Settings, _alpha: f64) -> Result<(), String> {
         Ok(())
     }
     /// What it is among the steps of splines on meshes, with the weight `mu` of vertices on triangles and the kernel 1;
@@ -32,7 +34,7 @@ pub trait Operator: fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// What keeps a cycle with this operator from making splines, as the end of a sentence.
-    fn spline(&self, _letter: &Letter, _mu: f64) -> Result<SplineStep, &'static str> {
+    fn spline(&self, _settings: &Settings, _mu: f64) -> Result<SplineStep, &'static str> {
         Err("its steps are others")
     }
     /// Whether it can be applied to a mesh as it is given, as far as that depends on its connectivity and tags.
@@ -50,12 +52,16 @@ pub trait Operator: fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// When the operator cannot be applied here.
-    fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError>;
+    fn on_polygon(&self, _net: &PolygonNet, _values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
+        Err(StepError::new(self.facts().nets.not_polygons().unwrap_or_default()))
+    }
     /// The step on a mesh.
     ///
     /// # Errors
     /// When the operator cannot be applied here.
-    fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError>;
+    fn on_mesh(&self, _net: &MeshNet, _values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+        Err(StepError::new(self.facts().nets.not_meshes().unwrap_or_default()))
+    }
 }
 
 /// What holds of an operator everywhere.
@@ -70,10 +76,14 @@ pub struct Facts {
     pub doc: &'static str,
     /// Author, year, page.
     pub source: &'static str,
+    /// To which nets it can be applied.
+    pub nets: Nets,
     /// What it means for the parameters that change along a plan.
     pub role: Role,
     /// The plan parameters that it uses.
     pub uses: &'static [&'static str],
+    /// The parameters that each of its letters has a value of.
+    pub parameters: &'static [Parameter],
     /// What becomes of the vertices and faces of a mesh.
     pub children: Children,
     /// Which sharp edges and vertices of meshes it follows.
@@ -85,8 +95,8 @@ pub struct Facts {
     pub pointwise: bool,
     /// Whether its weights follow alpha.
     pub needs_alpha: bool,
-    /// Whether it makes sense only after an upsampling.
-    pub needs_upsampling: bool,
+    /// Why it makes no sense before the first upsampling, if it makes none.
+    pub needs_upsampling: Option<&'static str>,
     /// Whether it is not linear but turns tangents along with points of the plane.
     pub turns_tangents: bool,
     /// Whether it makes a connectivity of its own, whose faces lie across several old ones.
@@ -96,24 +106,54 @@ pub struct Facts {
 }
 
 impl Facts {
+    /// Whether letters have a value of a parameter.
+    pub fn has(&self, parameter: &Parameter) -> bool {
+        self.parameters.iter().any(|declared| declared.name == parameter.name)
+    }
+
     /// What holds of an operator that says nothing else; its name, documentation and source are still to be given.
     pub const USUAL: Self = Self {
         letter: None,
         name: "",
         doc: "",
         source: "",
+        nets: Nets::Both,
         role: Role::Smooth,
         uses: &[],
+        parameters: &[],
         children: Children::Same,
         follows: Follows::Corners,
         twice: None,
         pointwise: false,
         needs_alpha: false,
-        needs_upsampling: false,
+        needs_upsampling: None,
         turns_tangents: false,
         rebuilds: false,
         reaches_farther: false,
     };
+}
+
+/// To which nets an operator can be applied, and why not to others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Nets {
+    /// Polygons and meshes.
+    Both,
+    /// Polygons; why no meshes.
+    Polygons(&'static str),
+    /// Meshes; why no polygons.
+    Meshes(&'static str),
+}
+
+impl Nets {
+    /// Why it cannot be applied to polygons, if it cannot.
+    pub fn not_polygons(self) -> Option<&'static str> {
+        if let Self::Meshes(why) = self { Some(why) } else { None }
+    }
+
+    /// Why it cannot be applied to meshes, if it cannot.
+    pub fn not_meshes(self) -> Option<&'static str> {
+        if let Self::Polygons(why) = self { Some(why) } else { None }
+    }
 }
 
 /// What an operator means for the parameters that change along a plan.

@@ -1,10 +1,52 @@
 //! Parameters of words, which presets share, and what their values mean.
 
-use super::ops::LatitudeRule;
-use super::plan::DEFAULT_MU;
+use std::ops::RangeInclusive;
+
+use super::rules::LatitudeRule;
 use crate::math::expression::Expression;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::shape::tile::Tile;
+
+/// The weight of a vertex in averages of triangles with which `UC` is Loop's scheme at regular vertices.
+pub const DEFAULT_MU: f64 = 0.25;
+/// Arities that are offered.
+pub const ARITIES: RangeInclusive<i64> = 2..=8;
+
+/// The arity of an upsampling, and of what averages as many points.
+pub const ARITY: Parameter = Parameter {
+    name: "arity",
+    kind: Kind::Integer { min: *ARITIES.start(), max: *ARITIES.end() },
+    unit: "",
+    default: Default::Number(2.0),
+    doc: "New points for each old one.",
+};
+
+/// The averages within an operator.
+pub const AVERAGES: Parameter = Parameter {
+    name: "averages",
+    kind: Kind::Integer { min: 0, max: 12 },
+    unit: "",
+    default: Default::Number(1.0),
+    doc: "Number m of averages of d points.",
+};
+
+/// The entries of a mask.
+pub const MASK: Parameter = Parameter {
+    name: "mask",
+    kind: Kind::Numbers { most: 129 },
+    unit: "",
+    default: Default::Required,
+    doc: "Entries of the mask.",
+};
+
+/// Where a mask begins.
+pub const FIRST: Parameter = Parameter {
+    name: "first",
+    kind: Kind::Integer { min: -128, max: 128 },
+    unit: "",
+    default: Default::Required,
+    doc: "Index of the first entry.",
+};
 
 /// The alpha of the first U.
 pub const ALPHA: Parameter = Parameter {

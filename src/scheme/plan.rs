@@ -5,19 +5,18 @@ mod resolve;
 mod schedule;
 
 use super::extent::Ends;
+use super::letter::Letter;
 use super::local::{Noise, Sources};
-use super::ops::LatitudeRule;
-use super::rules::Rules;
+use super::parameters::DEFAULT_MU;
+use super::rules::{LatitudeRule, Rules};
 use super::tags::Boundary;
-use super::word::{Letter, Word};
+use super::word::Word;
 use crate::math::expression::Expression;
 use crate::math::parameter::Literal;
 use crate::shape::tile::Tile;
 
 /// Most levels of any plan.
 pub const MAX_LEVELS: u32 = 64;
-/// The weight of a vertex in averages of triangles with which `UC` is Loop's scheme at regular vertices.
-pub const DEFAULT_MU: f64 = 0.25;
 /// What a client writes as a plan.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PlanInput {
@@ -203,7 +202,7 @@ impl Plan {
 
     /// Into what the faces of a mesh are split.
     pub fn tile(&self) -> Tile {
-        let triangles = self.word.letters(1).any(|letter| letter.tile == Tile::Triangle);
+        let triangles = self.word.letters(1).any(|letter| letter.settings.tile() == Tile::Triangle);
         if triangles { Tile::Triangle } else { Tile::Quad }
     }
 

@@ -1,15 +1,15 @@
 //! Presets: named schemes, spelled as words over operators.
 
-use std::sync::Arc;
-
-use super::ops::{LatitudeRule, Masked};
-use super::plan::DEFAULT_MU;
+use super::letter::Letter;
+use super::ops::Masked;
+use super::parameters::{ARITY, DEFAULT_MU};
+use super::rules::LatitudeRule;
 use super::rules::Rules;
-use super::word::{Letter, lettered};
+use super::word::lettered;
 use crate::fault::Fault;
 use crate::math::expression::Expression;
 use crate::math::mask::Mask;
-use crate::math::parameter::{Parameter, Values};
+use crate::math::parameter::{Parameter, Value, Values};
 use crate::shape::tile::Tile;
 
 /// A named scheme.
@@ -99,6 +99,7 @@ pub(super) fn letters(word: &str) -> Vec<Letter> {
 /// A scheme that is one mask; without entries there is none.
 pub(super) fn masked(arity: u32, mask: Option<Mask>) -> Result<Spelling, Vec<Fault>> {
     let none = || vec![Fault::new("/mask", "every entry of the mask is 0; give the weights of the scheme")];
-    let mask = Some(Arc::new(mask.ok_or_else(none)?));
-    Ok(Spelling::of(vec![Letter { arity, mask, ..Letter::plain(&Masked) }]))
+    let mut letter = Letter::plain(&Masked).with(&ARITY, Value::Integer(arity.into()));
+    letter.settings.set_mask(mask.ok_or_else(none)?);
+    Ok(Spelling::of(vec![letter]))
 }

@@ -1,4 +1,4 @@
-//! Rules that a preset chooses for meshes.
+//! Rules that presets and plans choose for meshes.
 
 use super::sharpness::Creasing;
 
@@ -19,4 +19,16 @@ pub struct Rules {
     pub creasing: Creasing,
     /// What happens beside triangles.
     pub triangles: TriangleRule,
+}
+
+/// What odd points of latitude lines follow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LatitudeRule {
+    /// Differences of their even neighbours.
+    #[default]
+    Difference,
+    /// Places of their even neighbours.
+    Position,
+    /// Nothing: the tags are not looked at.
+    Isotropic,
 }

@@ -3,10 +3,11 @@
 use super::local::Sources;
 use super::mesh_net::MeshNet;
 use super::operator::Operator;
-use super::ops::LatitudeRule;
 use super::plan::{Plan, Scheduled};
 use super::polygon_net::PolygonNet;
-use super::step::{Step, StepError, Values};
+use super::rules::LatitudeRule;
+use super::step::{Step, Values};
+use super::step_error::StepError;
 
 /// A net to which operators are applied.
 pub trait Net: Sized {
@@ -61,7 +62,7 @@ impl<'a> Stepper<'a> {
         sources: Option<Sources<'_>>,
     ) -> Result<Step<N>, StepError> {
         let values = Values {
-            letter: &step.letter,
+            settings: &step.letter.settings,
             alpha: step.alpha,
             kernel: step.kernel,
             mu: self.plan.mu,

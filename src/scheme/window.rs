@@ -44,6 +44,11 @@ impl Window {
         Self { arity: 1, first: back - spare, last: back }
     }
 
+    /// Whether it moves points by half a step.
+    pub fn shifts(&self) -> bool {
+        self.arity == 1 && (self.first + self.last) % 2 != 0
+    }
+
     /// The polygon of `n` stored points after the operator. With the centre of reflection at `c`, the new one lies at
     /// `d c + (first + last) / 2`: on a point, or half a step before one.
     pub fn land(&self, n: u128, extent: Extent) -> Landing {

@@ -1,12 +1,10 @@
 //! Words: the grammar `item* [ '(' item+ ')' ]`, `item := letter [ '^' n ] | '(' item+ ')' '^' n`.
 
-use std::fmt;
-use std::sync::Arc;
-
-use super::operator::{Facts, Operator};
+use super::letter::Letter;
+use super::operator::{Operator, Role};
 use super::ops::OPERATORS;
-use crate::math::mask::Mask;
-use crate::shape::tile::Tile;
+use super::parameters::{ARITIES, ARITY};
+use crate::math::parameter::Value;
 
 /// Longest text of a word, bytes.
 pub const MAX_BYTES: usize = 256;
@@ -15,90 +13,9 @@ pub const MAX_LETTERS: usize = 64;
 /// Deepest nesting of groups.
 pub const MAX_DEPTH: usize = 8;
 
-/// Arities of U.
-pub const ARITIES: Arities = Arities { least: 2, most: 8 };
-
-/// A range of arities.
-#[derive(Debug, Clone, Copy)]
-pub struct Arities {
-    /// Smallest.
-    pub least: u32,
-    /// Largest.
-    pub most: u32,
-}
-
-impl Arities {
-    /// Whether `arity` is one of them.
-    pub fn contains(self, arity: u32) -> bool {
-        (self.least..=self.most).contains(&arity)
-    }
-}
-
-impl fmt::Display for Arities {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} to {}", self.least, self.most)
-    }
-}
-
 /// The operator of a letter.
 pub fn lettered(letter: char) -> Option<&'static dyn Operator> {
     OPERATORS.iter().copied().find(|op| op.facts().letter == Some(letter))
-}
-
-/// One letter of a word: an operator, and for U its arity.
-#[derive(Debug, Clone)]
-pub struct Letter {
-    /// The operator.
-    pub operator: &'static dyn Operator,
-    /// Arity of an upsampling; of an average that of the last upsampling, once the plan is scheduled.
-    pub arity: u32,
-    /// On meshes: into what faces are split.
-    pub tile: Tile,
-    /// Averages within the operator, for those that have some.
-    pub averages: u32,
-    /// The mask, for operators that have one of their own.
-    pub mask: Option<Arc<Mask>>,
-    /// The blending factor, for operators that have one.
-    pub blending: Option<f64>,
-}
-
-impl Letter {
-    /// An operator of arity 2 without a mask.
-    pub fn plain(operator: &'static dyn Operator) -> Self {
-        Self { operator, arity: 2, tile: Tile::default(), averages: 0, mask: None, blending: None }
-    }
-
-    /// What holds of its operator.
-    pub fn facts(&self) -> &'static Facts {
-        self.operator.facts()
-    }
-
-    /// Whether it moves the points of a polygon by half a step.
-    pub fn shifts(&self) -> bool {
-        let window = self.operator.window(self, 0);
-        window.is_some_and(|window| window.arity == 1 && (window.first + window.last) % 2 != 0)
-    }
-
-    /// Whether a U of it splits faces of any size into quads, one a corner.
-    pub fn halves(&self) -> bool {
-        self.tile == Tile::Quad && self.arity == 2
-    }
-
-    /// Pieces into which an upsampling of a mesh cuts each edge: other faces than quads are first split into quads.
-    pub fn pieces(&self, is_quads: bool) -> u32 {
-        if self.tile == Tile::Quad && self.arity != 2 && !is_quads { 2 * self.arity } else { self.arity }
-    }
-}
-
-impl PartialEq for Letter {
-    fn eq(&self, other: &Self) -> bool {
-        self.facts().name == other.facts().name
-            && self.arity == other.arity
-            && self.tile == other.tile
-            && self.averages == other.averages
-            && self.mask == other.mask
-            && self.blending == other.blending
-    }
 }
 
 /// A word: the prefix is applied once, then the cycle once a level.
@@ -144,7 +61,7 @@ pub enum WordError {
         at: usize,
     },
     /// An arity that no operator offers.
-    #[error("U{arity} is not offered; the arity of U is {}", ARITIES)]
+    #[error("U{arity} is not offered; the arity of U is {} to {}", ARITIES.start(), ARITIES.end())]
     Arity {
         /// The arity asked for.
         arity: u32,
@@ -244,11 +161,11 @@ impl Parser<'_> {
         let operator = lettered(letter).ok_or(WordError::UnknownLetter { letter, at })?;
         self.at += 1;
         let arity = match self.peek() {
-            Some('0'..='9') if letter == 'U' => self.number()?,
-            _ => 2,
+            Some('0'..='9') if operator.facts().role == Role::Upsample => self.number()?,
+            _ => return Ok(Letter::plain(operator)),
         };
-        if ARITIES.contains(arity) {
-            Ok(Letter { arity, ..Letter::plain(operator) })
+        if ARITIES.contains(&arity.into()) {
+            Ok(Letter::plain(operator).with(&ARITY, Value::Integer(arity.into())))
         } else {
             Err(WordError::Arity { arity })
         }

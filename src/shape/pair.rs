@@ -7,7 +7,7 @@
 
 use super::check::FaceList;
 use super::topology::{NONE, index};
-use crate::math::functions::sqrt;
+use crate::math::vector::{cross, direction, dot, minus, plus};
 
 /// Cosine of the largest angle (about 25.8 degrees) between the two triangles of a quad.
 const LEAST_FLATNESS: f64 = 0.9;
@@ -109,16 +109,16 @@ fn quad(faces: &FaceList, [f, g]: [u32; 2], [j, k]: [u32; 2]) -> [u32; 4] {
 /// The largest cosine of a corner of the quad `(a, b, c, d)` with the diagonal `(a, c)`; nothing where it is bent, not
 /// convex, or too sharp.
 fn skew([a, b, c, d]: [[f64; 3]; 4]) -> Option<f64> {
-    let first = unit(cross(minus(b, a), minus(c, a)))?;
-    let second = unit(cross(minus(c, a), minus(d, a)))?;
+    let first = direction(cross(minus(b, a), minus(c, a)))?;
+    let second = direction(cross(minus(c, a), minus(d, a)))?;
     if dot(first, second) < LEAST_FLATNESS {
         return None;
     }
-    let normal = unit(std::array::from_fn(|k| first[k] + second[k]))?;
+    let normal = direction(plus(first, second))?;
     let corners = [[d, a, b], [a, b, c], [b, c, d], [c, d, a]];
     let mut largest = 0.0_f64;
     for [before, at, after] in corners {
-        let (inward, outward) = (unit(minus(before, at))?, unit(minus(after, at))?);
+        let (inward, outward) = (direction(minus(before, at))?, direction(minus(after, at))?);
         if dot(cross(outward, inward), normal) <= 0.0 {
             return None;
         }
@@ -187,27 +187,4 @@ fn join(faces: &FaceList, candidates: &[Candidate], chosen: &[u32]) -> Paired {
         paired.made += 1;
     }
     paired
-}
-
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|k| a[k] - b[k])
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// The vector of length 1; nothing for the vector 0 and those that are not finite.
-fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
-    let largest = v.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    if largest <= 0.0 || !largest.is_finite() {
-        return None;
-    }
-    let scaled = v.map(|x| x / largest);
-    let length = sqrt(dot(scaled, scaled));
-    Some(scaled.map(|x| x / length))
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::answer::MeshReport;
 use crate::analysis::circles::outlooks;
+use crate::math::vector::{cross, dot, length, minus, plus};
 use crate::scheme::plan::Plan;
 use crate::shape::mesh::Mesh;
 use crate::shape::topology::{Topology, index};
@@ -79,17 +80,14 @@ fn degenerate(mesh: &Mesh) -> Vec<u32> {
     let is_flat = |f: &usize| {
         let face = mesh.topology.face(*f);
         let origin = point(face[0]);
-        let relative = |v: u32| -> [f64; 3] { std::array::from_fn(|k| point(v)[k] - origin[k]) };
+        let relative = |v: u32| minus(point(v), origin);
         let (mut normal, mut extent) = ([0.0; 3], 0.0_f64);
         for (j, &v) in face.iter().enumerate() {
             let (p, q) = (relative(v), relative(face[(j + 1) % face.len()]));
-            normal[0] += p[1] * q[2] - p[2] * q[1];
-            normal[1] += p[2] * q[0] - p[0] * q[2];
-            normal[2] += p[0] * q[1] - p[1] * q[0];
-            extent = extent.max(p.iter().map(|x| x * x).sum());
+            normal = plus(normal, cross(p, q));
+            extent = extent.max(dot(p, p));
         }
-        let area = 0.5 * crate::math::functions::sqrt(normal.iter().map(|x| x * x).sum());
-        area <= 1e-12 * extent
+        0.5 * length(normal) <= 1e-12 * extent
     };
     (0..mesh.topology.n_faces()).filter(is_flat).map(index).collect()
 }

@@ -1,6 +1,7 @@
 //! The grammar of words: `item* [ '(' item+ ')' ]`, `item := letter [ '^' n ] | '(' item+ ')' '^' n`.
 
-use planish::scheme::word::{Letter, Word};
+use planish::scheme::letter::Letter;
+use planish::scheme::word::Word;
 use proptest::prelude::*;
 
 fn letters(letters: &[Letter]) -> String {

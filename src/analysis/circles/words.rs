@@ -1,9 +1,10 @@
 //! What plans do to tubes: whether their words keep circles, and how far they reach along the axis.
 
+use crate::scheme::letter::Letter;
 use crate::scheme::operator::Role;
-use crate::scheme::ops::LatitudeRule;
 use crate::scheme::plan::Scheduled;
-use crate::scheme::word::{Letter, Word};
+use crate::scheme::rules::LatitudeRule;
+use crate::scheme::word::Word;
 
 /// How many rings on each side a line depends on.
 #[derive(Debug, Clone, Copy)]
@@ -75,7 +76,7 @@ pub(super) fn keeps_circles(word: &Word, rule: LatitudeRule) -> bool {
         (idle == 0 || rule != LatitudeRule::Position)
             && rest.get(idle) == Some(&Some('C'))
             && rest.iter().all(|letter| matches!(letter, Some('C' | 'P')))
-            && block.iter().all(Letter::halves)
+            && block.iter().all(|letter| letter.settings.halves())
     };
     !word.cycle.is_empty() && parts(word).all(keeps)
 }

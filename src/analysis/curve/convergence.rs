@@ -1,9 +1,9 @@
 //! What is worth knowing of a plan whose parameters lie where its scheme need not converge, or need not be smooth.
 
 use super::cycle::{Cycle, NoMask};
+use crate::scheme::letter::Letter;
 use crate::scheme::plan::Plan;
 use crate::scheme::ranges::{self, Range};
-use crate::scheme::word::Letter;
 use crate::watch::{Stopped, Watch};
 
 /// Most points for each old one of the levels that are followed.
@@ -30,7 +30,7 @@ pub fn warnings(plan: &Plan, levels: u32, watch: &Watch) -> Result<Vec<String>, 
     }
     let range = u32::try_from(cycle.arity).ok().and_then(|arity| ranges::of(arity, &cycle.mask));
     // what is put together of operators is judged by what it does
-    let alone = |letter: &Letter| letter.mask.is_some() || cycle.arity == 2;
+    let alone = |letter: &Letter| letter.settings.mask().is_some() || cycle.arity == 2;
     let range = range.filter(|_| plan.word.cycle.first().is_some_and(alone));
     let mut warnings: Vec<String> = range.iter().filter_map(Range::warning).collect();
     let inside = range.as_ref().is_some_and(Range::holds);

@@ -188,7 +188,7 @@ fn extent(steps: &[Scheduled]) -> Option<(u64, u64)> {
         if operator.facts().role == Role::Upsample {
             duals = 0;
         }
-        if let Some(window) = operator.window(&step.letter, duals) {
+        if let Some(window) = operator.window(&step.letter.settings, duals) {
             let d = u64::from(window.arity);
             arity = arity.checked_mul(d).filter(|&arity| arity <= MAX_POINTS)?;
             let spread = window.first.unsigned_abs().max(window.last.unsigned_abs());

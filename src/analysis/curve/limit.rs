@@ -60,14 +60,14 @@ pub fn check(polygon: &Polygon, plan: &Plan) -> Result<(), NoLimit> {
         return Err(NoLimit::NaturalEnds);
     }
     let mut letters = plan.word.prefix.iter().chain(&plan.word.cycle);
-    if !polygon.closed && letters.any(|letter| letter.mask.as_ref().is_some_and(|mask| !mask.is_symmetric())) {
+    if !polygon.closed && letters.any(|letter| letter.settings.mask().is_some_and(|mask| !mask.is_symmetric())) {
         return Err(NoLimit::OneSided);
     }
     // what reaches one point on each side never looks across a corner, which is fixed
     let near = |window: Window| window.first >= -1 && window.last <= 1;
     let mut letters = plan.word.prefix.iter().chain(&plan.word.cycle);
     let crosses = letters.any(|letter| {
-        let window = letter.operator.window(letter, 0);
+        let window = letter.operator.window(&letter.settings, 0);
         letter.facts().role == Role::Average && !window.is_some_and(near)
     });
     if !polygon.corners.is_empty() && crosses { Err(NoLimit::Corners) } else { Ok(()) }

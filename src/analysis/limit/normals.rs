@@ -1,7 +1,7 @@
 //! Normals of the limit, one for each sector of a vertex.
 
 use super::field::Field;
-use crate::math::functions::sqrt;
+use crate::math::vector::{cross, direction, length, plus};
 use crate::refine::Normals;
 
 /// The normals of all vertices, given the sectors of the field with two tangents each; and what is missing, in a sentence.
@@ -9,7 +9,7 @@ pub(super) fn of(field: &Field, places: &[(u32, usize)], first: &[f64], second: 
     let (first, second) = (first.as_chunks::<3>().0, second.as_chunks::<3>().0);
     let found: Vec<Option<[f64; 3]>> = first.iter().zip(second).map(|(t, u)| normal(*t, *u)).collect();
     let n = field.n_vertices();
-    let missing = |&at: &usize| found[at].is_none() && !field.is_alone(places[at].0 as usize);
+    let missing = |&at: &usize| found[at].is_none() && !field.is_isolated(places[at].0 as usize);
     let mut missing: Vec<usize> = (0..found.len()).filter(missing).collect();
     let warning = missing.first().map(|&at| {
         let (v, sector) = (places[at].0 as usize, places[at].1);
@@ -26,11 +26,10 @@ pub(super) fn of(field: &Field, places: &[(u32, usize)], first: &[f64], second: 
     for others in beside.chunk_by(|&a, &b| places[a].0 == places[b].0) {
         let v = places[others[0]].0;
         let of_sector = |sector: usize| if sector == 0 { found[v as usize] } else { found[others[sector - 1]] };
-        let corners = field.corners(v as usize);
+        let corners = field.sides(v as usize);
         sides.extend(corners.iter().map(|&(next, sector)| ([v, next], of_sector(sector).unwrap_or_default())));
         let all: Option<Vec<[f64; 3]>> = (0..=others.len()).map(of_sector).collect();
-        let sum =
-            all.and_then(|all| unit(all.iter().fold([0.0; 3], |sum, normal| [0, 1, 2].map(|k| sum[k] + normal[k]))));
+        let sum = all.and_then(|all| direction(all.into_iter().fold([0.0; 3], plus)));
         of_vertices[v as usize] = sum.unwrap_or_default();
     }
     sides.sort_unstable_by_key(|&(side, _)| side);
@@ -43,18 +42,8 @@ fn explained(missing: usize, all: usize, why: &str) -> String {
     format!("at {missing} of {all} {vertices} the normal is weighted by area, as a limit one does not exist: {why}")
 }
 
-/// `v` at length one; `None` for a vector without a direction.
-fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
-    let largest = v.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    let v = v.map(|x| x / largest);
-    let length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    (largest > 0.0 && largest.is_finite()).then(|| v.map(|x| x / length))
-}
-
 /// `t x u` at length one; `None` for vectors whose sine is below 1e-9.
 fn normal(t: [f64; 3], u: [f64; 3]) -> Option<[f64; 3]> {
-    let (t, u) = (unit(t)?, unit(u)?);
-    let product = [t[1] * u[2] - t[2] * u[1], t[2] * u[0] - t[0] * u[2], t[0] * u[1] - t[1] * u[0]];
-    let sine = sqrt(product.iter().map(|x| x * x).sum());
-    if sine > 1e-9 { unit(product) } else { None }
+    let product = cross(direction(t)?, direction(u)?);
+    if length(product) > 1e-9 { direction(product) } else { None }
 }

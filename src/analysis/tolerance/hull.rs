@@ -77,8 +77,8 @@ impl<'a> Hulls<'a> {
         }
         let plane = Plane::of(n, corners().map(at))?;
         let of_near = |face: usize| self.near(face).iter().map(|&v| points[v as usize]);
-        let seen = |face: usize| -> Vec<Place> { of_near(face).map(|p| plane.place(p)).collect() };
-        let own: Vec<Place> = topology.face(face).iter().map(|&v| plane.place(points[v as usize])).collect();
+        let seen = |face: usize| -> Vec<Point> { of_near(face).map(|p| plane.place(p)).collect() };
+        let own: Vec<Point> = topology.face(face).iter().map(|&v| plane.place(points[v as usize])).collect();
         let hull = seen(face);
         for corner in corners() {
             let twin = topology.twin(corner);
@@ -136,7 +136,7 @@ impl<'a> Hulls<'a> {
 }
 
 /// A point of a plane.
-type Place = [f64; 2];
+type Point = [f64; 2];
 
 /// A plane across a direction, with coordinates in which some points are about as far from each other to all sides; whether
 /// lines are between points does not depend on them.
@@ -153,7 +153,8 @@ impl Plane {
             let x = flat(n, minus(p, origin));
             if length(x) > length(most) { x } else { most }
         };
-        let along = unit(points.clone().fold([0.0; 3], longest));
+        let along = points.clone().fold([0.0; 3], longest);
+        let along = times(1.0 / length(along), along);
         let across = cross(n, along);
         let mut moments = [0.0; 3];
         for x in points.map(|p| minus(p, origin)) {
@@ -170,37 +171,30 @@ impl Plane {
         (length(along).is_finite() && length(across).is_finite()).then_some(Self { origin, axes: [along, across] })
     }
 
-    fn place(&self, p: Vector) -> Place {
+    fn place(&self, p: Vector) -> Point {
         self.axes.map(|axis| dot(axis, minus(p, self.origin)))
     }
 }
 
 /// Whether a line is found between two sets of points: again and again its normal is turned to those points that it fails
 /// at most (Rosenblatt, 1958).
-fn are_apart(a: &[Place], b: &[Place]) -> bool {
-    let along = |way: Place, p: Place| way[0] * p[0] + way[1] * p[1];
-    let mean_of = |points: &[Place]| {
-        let sum = points.iter().fold([0.0; 2], |sum, p| [sum[0] + p[0], sum[1] + p[1]]);
+fn are_apart(a: &[Point], b: &[Point]) -> bool {
+    let mean_of = |points: &[Point]| {
+        let sum = points.iter().copied().fold([0.0; 2], plus);
         sum.map(|x| x / points.iter().map(|_| 1.0).sum::<f64>())
     };
-    let between = |from: Place, to: Place| [to[0] - from[0], to[1] - from[1]];
-    let unit = |x: Place| {
-        let size = sqrt(along(x, x));
-        x.map(|x| if size > 0.0 { x / size } else { 0.0 })
-    };
-    let mut way = unit(between(mean_of(a), mean_of(b)));
+    let mut normal = unit(minus(mean_of(b), mean_of(a)));
     for _ in 0..TURNS {
-        let extreme = |points: &[Place], sign: f64| {
-            let ahead = |p: &Place| sign * along(way, *p);
+        let extreme = |points: &[Point], sign: f64| {
+            let ahead = |p: &Point| sign * dot(normal, *p);
             points.iter().copied().reduce(|most, p| if ahead(&p) > ahead(&most) { p } else { most })
         };
         let (Some(far), Some(near)) = (extreme(a, 1.0), extreme(b, -1.0)) else { return false };
-        let gap = between(far, near);
-        if along(way, gap) > 0.0 {
+        let gap = minus(near, far);
+        if dot(normal, gap) > 0.0 {
             return true;
         }
-        let turned = unit(gap);
-        way = [way[0] + turned[0], way[1] + turned[1]];
+        normal = plus(normal, unit(gap));
     }
     false
 }

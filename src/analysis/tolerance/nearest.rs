@@ -9,7 +9,7 @@ use super::budget::Budget;
 use super::cut::twist;
 use super::sheet::Sheet;
 use crate::math::functions::sqrt;
-use crate::math::vector::{Vector, cross, dot, mean, minus, plus, times, to_segment};
+use crate::math::vector::{Vector, cross, dot, mean, minus, plus, square_from_segment, times};
 use crate::shape::topology::Topology;
 
 /// Nodes of a tree and faces that are looked at in the time of a row of a table, about 100 ns.
@@ -362,5 +362,5 @@ fn to_triangle(p: Vector, [a, b, c]: [Vector; 3]) -> f64 {
             return height * height / square;
         }
     }
-    [[a, b], [b, c], [c, a]].map(|side| to_segment(p, side)).into_iter().fold(f64::INFINITY, f64::min)
+    [[a, b], [b, c], [c, a]].map(|side| square_from_segment(p, side)).into_iter().fold(f64::INFINITY, f64::min)
 }

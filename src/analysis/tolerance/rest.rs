@@ -9,7 +9,13 @@ use super::hull::Hulls;
 use super::level::Level;
 use super::sheet::Sheet;
 use super::spline::Spline;
-use crate::math::vector::{Vector, cross, length, minus, plus, unit};
+use crate::math::vector::{Vector, cross, length, minus, plus, times};
+
+/// A vector at length 1; zero for zero.
+fn at_unit_length(x: Vector) -> Vector {
+    let size = length(x);
+    if size > 0.0 { times(1.0 / size, x) } else { [0.0; 3] }
+}
 
 /// Points of hulls that are looked at in the time of a row of a table, about 100 ns.
 const POINTS_A_ROW: u64 = 4;
@@ -56,13 +62,13 @@ impl<'a> Rests<'a> {
         let areas: Vec<Vector> =
             (0..topology.n_faces()).into_par_iter().with_min_len(1024).map(|f| area(level, f)).collect();
         let around_vertex = |v: usize| topology.ring(v).map(|corner| areas[topology.face_of(corner)]);
-        let normal = |v: usize| unit(around_vertex(v).fold([0.0; 3], plus));
+        let normal = |v: usize| at_unit_length(around_vertex(v).fold([0.0; 3], plus));
         let normals: Vec<Vector> = (0..topology.n_vertices()).into_par_iter().with_min_len(1024).map(normal).collect();
         budget.check()?;
         let bends = bends(&level.net, topology, spline.tile, points, &normals);
         budget.check()?;
         let single = |(v, bend): (usize, Bend)| {
-            let normals = around_vertex(v).map(unit).map(|n| [n, n]).fold([normals[v]; 2], around);
+            let normals = around_vertex(v).map(at_unit_length).map(|n| [n, n]).fold([normals[v]; 2], around);
             Near { bend, points: [points[v]; 2], normals }
         };
         let single = bends.into_iter().enumerate().map(single).collect();

@@ -2,9 +2,10 @@
 
 use super::NoLevel;
 use super::hull::MAX_REACH;
+use crate::scheme::letter::Letter;
 use crate::scheme::operator::SplineStep;
 use crate::scheme::plan::{Plan, Scheduled};
-use crate::scheme::word::{Letter, Word};
+use crate::scheme::word::Word;
 use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
 
@@ -107,7 +108,7 @@ impl Spline {
 }
 
 fn step(plan: &Plan, letter: &Letter) -> Result<SplineStep, &'static str> {
-    letter.operator.spline(letter, plan.mu)
+    letter.operator.spline(&letter.settings, plan.mu)
 }
 
 /// The cycle with each pair of D as one C, on closed meshes the same net in another order; a D that is left over comes
@@ -120,7 +121,7 @@ fn paired(plan: &Plan) -> Result<Vec<Letter>, NoLevel> {
             (Ok(SplineStep::HalfMean), None) => half = Some(letter),
             (Ok(SplineStep::HalfMean), Some(_)) => {
                 let whole = letter.facts().twice.ok_or(NoLevel::Dual)?;
-                cycle.push(Letter { tile: letter.tile, ..Letter::plain(whole) });
+                cycle.push(Letter { operator: whole, ..letter.clone() });
                 half = None;
             }
             // halves that are not next to each other do not make a whole where averages see the net between them

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde_json::value::RawValue;
 
+use crate::math::vector::{cross, dot};
+
 /// How far the length of a rotation may be from 1: writers of few digits round it.
 const UNIT: f64 = 1e-3;
 /// How far the last row of a matrix may be from 0, 0, 0, 1.
@@ -106,7 +108,6 @@ impl Transform {
     /// Whether it turns the orientation round: the determinant is negative.
     pub(super) fn is_mirror(&self) -> bool {
         let [a, b, c, _] = self.0;
-        let cross = [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];
-        a[0] * cross[0] + a[1] * cross[1] + a[2] * cross[2] < 0.0
+        dot(a, cross(b, c)) < 0.0
     }
 }

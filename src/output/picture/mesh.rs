@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::coat::Coat;
 use super::options::Options;
+use crate::math::vector::unit;
 use crate::output::error::FormatError;
 use crate::output::normals;
 use crate::output::scene::{FaceChunk, MeshSource, Scene, Shape, in_chunks, triangles};
@@ -37,7 +38,7 @@ pub(crate) fn picture(
     let coat = if shows("surface") { Some(Coat::of(sides, options, options.color(SURFACE), watch)?) } else { None };
     let wires = if shows("wireframe") { edges(mesh, watch)? } else { Vec::new() };
     let isolines = if shows("isolines") { isolines(mesh, watch)? } else { Vec::new() };
-    let net = match scene.control {
+    let net = match scene.control.shape() {
         Shape::Mesh(net) if shows("control") || shows("points") => Net::of(net, watch)?,
         _ => Net::default(),
     };
@@ -154,19 +155,7 @@ fn isolines(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 2]>, Stopp
 fn face_normals(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Vec<[f64; 3]>, Stopped> {
     let mut all = Vec::with_capacity(mesh.n_half_edges().saturating_sub(2 * mesh.n_faces()));
     each_face(mesh, watch, |face| {
-        let origin = positions[face[0] as usize];
-        let relative = |v: u32| {
-            let p = positions[v as usize];
-            [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]
-        };
-        let mut normal = [0.0; 3];
-        for pair in face.windows(2) {
-            let (a, b) = (relative(pair[0]), relative(pair[1]));
-            normal[0] += a[1] * b[2] - a[2] * b[1];
-            normal[1] += a[2] * b[0] - a[0] * b[2];
-            normal[2] += a[0] * b[1] - a[1] * b[0];
-        }
-        let normal = normals::unit(normal);
+        let normal = unit(normals::area_vector(face, positions, 1.0));
         all.extend(triangles(face).map(|_| normal));
     })?;
     Ok(all)

@@ -2,6 +2,7 @@
 
 use super::drawing::{CURVE, Drawing, Easel};
 use super::options::Options;
+use crate::math::vector::{cross, dot, minus, unit};
 use crate::output::error::FormatError;
 use crate::output::scene::{Curve, MeshSource};
 use crate::output::sections::{Plane, Polyline, section};
@@ -52,10 +53,7 @@ fn axes(normal: [f64; 3], up: [f64; 3]) -> [[f64; 3]; 2] {
 /// The polylines as plane curves, seen from the first point of them.
 fn flat(polylines: &[Polyline], axes: [[f64; 3]; 2]) -> Vec<Curve> {
     let Some(origin) = polylines.first().map(|first| first.points[0]) else { return Vec::new() };
-    let place = |p: &[f64; 3]| {
-        let seen = std::array::from_fn(|k| p[k] - origin[k]);
-        axes.map(|axis| dot(axis, seen))
-    };
+    let place = |p: &[f64; 3]| axes.map(|axis| dot(axis, minus(*p, origin)));
     let curve = |polyline: &Polyline| Curve {
         points: polyline.points.iter().flat_map(place).collect(),
         dimension: 2,
@@ -100,19 +98,6 @@ fn bounds(curves: &[Curve]) -> [[f64; 2]; 2] {
         Some([[low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])]])
     };
     points.fold(None, join).unwrap_or_default()
-}
-
-fn unit(v: [f64; 3]) -> [f64; 3] {
-    let length = crate::math::functions::sqrt(dot(v, v));
-    v.map(|x| x / length)
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[cfg(test)]

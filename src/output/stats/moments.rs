@@ -1,6 +1,6 @@
 //! Length, area, volume, centroid and second moments, summed over simplices.
 
-use crate::math::functions::sqrt;
+use crate::math::vector::{cross, dot, length, minus};
 
 /// Integrals of 1, `x` and `x x^T` over segments, triangles or tetrahedra: model units to the power of their dimension,
 /// plus one, plus two.
@@ -33,8 +33,7 @@ impl<const D: usize> Moments<D> {
 
     /// Adds the segment from `a` to `b`.
     pub(super) fn add_segment(&mut self, a: [f64; D], b: [f64; D]) {
-        let squares: f64 = a.iter().zip(&b).map(|(a, b)| (b - a) * (b - a)).sum();
-        self.add(sqrt(squares), 2.0, &[a, b]);
+        self.add(length(minus(b, a)), 2.0, &[a, b]);
     }
 
     /// The sum of both.
@@ -64,16 +63,16 @@ impl<const D: usize> Moments<D> {
 impl Moments<3> {
     /// Adds the triangle `a b c`.
     pub(super) fn add_triangle(&mut self, corners: &[[f64; 3]; 3]) {
-        let [a, b, c] = corners;
+        let [a, b, c] = *corners;
         let normal = cross(minus(b, a), minus(c, a));
-        self.add(sqrt(dot(&normal, &normal)) / 2.0, 3.0, corners);
+        self.add(length(normal) / 2.0, 3.0, corners);
     }
 
     /// Adds the tetrahedron that the triangle `a b c` spans with the origin; its volume is positive when the triangle
     /// is counter-clockwise seen from the far side.
     pub(super) fn add_cone(&mut self, corners: &[[f64; 3]; 3]) {
-        let [a, b, c] = corners;
-        self.add(dot(a, &cross(*b, *c)) / 6.0, 4.0, corners);
+        let [a, b, c] = *corners;
+        self.add(dot(a, cross(b, c)) / 6.0, 4.0, corners);
     }
 }
 
@@ -84,18 +83,6 @@ pub(super) struct Centered<const D: usize> {
     pub(super) centroid: [f64; D],
     /// `int (x - centroid) (x - centroid)^T`, symmetric.
     pub(super) second: [[f64; D]; D],
-}
-
-fn minus(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[cfg(test)]

@@ -6,15 +6,17 @@ use super::local_average;
 use super::ring_average::{self, Around};
 use super::upsample::ratio;
 use crate::math::rows::{Rows, RowsBy};
-use crate::scheme::creases::{Creases, Rule};
+use crate::scheme::creases::{Blend, Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Facts, Follows, Operator, Role, SplineStep};
-use crate::scheme::plan::DEFAULT_MU;
+use crate::scheme::parameters::{DEFAULT_MU, SPLIT};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::preimage::Preimage;
-use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::settings::Settings;
+use crate::scheme::stencil::{EdgeMask, FaceMask, RingMask, VertexMask};
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::StepError;
 use crate::scheme::window::Window;
-use crate::scheme::word::Letter;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 
@@ -33,6 +35,7 @@ static FACTS: Facts = Facts {
     source: "Zhang and Wang 2002, formulas (2) and (5); Zorin and Schroeder, CAGD 18 (2001), 429-454",
     role: Role::Average,
     uses: &["kernel", "mu"],
+    parameters: &[SPLIT],
     follows: Follows::Creases,
     pointwise: true,
     ..Facts::USUAL
@@ -43,13 +46,13 @@ impl Operator for Average {
         &FACTS
     }
 
-    fn spline(&self, letter: &Letter, mu: f64) -> Result<SplineStep, &'static str> {
+    fn spline(&self, settings: &Settings, mu: f64) -> Result<SplineStep, &'static str> {
         // the one weight with which the symbol is that of a box spline
-        let even = letter.tile == Tile::Quad || mu == DEFAULT_MU;
+        let even = settings.tile() == Tile::Quad || mu == DEFAULT_MU;
         if even { Ok(SplineStep::Mean) } else { Err("its C has another mu than 1/4") }
     }
 
-    fn window(&self, _: &Letter, _: u32) -> Option<Window> {
+    fn window(&self, _: &Settings, _: u32) -> Option<Window> {
         Some(Window::mean(3, false))
     }
 
@@ -74,7 +77,7 @@ impl Operator for Average {
 
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
         let action = match net.mesh.halved() {
-            _ if values.letter.tile == Tile::Triangle => {
+            _ if values.settings.tile() == Tile::Triangle => {
                 ring_average::rows(net, Around::Neighbours { mu: values.mu }, values.kernel)
             }
             Some(parent) => match net.since.local.as_ref().filter(|_| values.first) {
@@ -95,89 +98,55 @@ fn split_rows(net: MeshNet, parent: Arc<Topology>, f: f64) -> Action {
     let creases = Creases::of_parent(&net);
     let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
         if row < n_v {
-            match rule(&net, &parent, creases.as_ref(), row) {
+            // edges are smooth or infinitely sharp here
+            match Blend::of(row, &parent, &net.tags, creases.as_ref()).before {
                 Rule::Corner => out.add(index(row), 1.0),
-                Rule::Crease(edges) => crease_row(&parent, row, edges, f, out),
-                Rule::Smooth => vertex_row(&parent, row, f, out),
+                Rule::Crease(edges) => curve_mask(f).add_edge_points(&parent, row, edges, out),
+                Rule::Smooth => vertex_mask(parent.ring(row).count(), f).add(&parent, row, out),
             }
         } else if row < n_v + n_e {
             let e = row - n_v;
-            if parent.is_boundary_edge(e) || creases.as_ref().is_some_and(|creases| creases.edge(e) > 0.0) {
-                crease_edge_row(&parent, e, f, out);
-            } else {
-                edge_row(&parent, e, f, out);
-            }
+            let sharp = parent.is_boundary_edge(e) || creases.as_ref().is_some_and(|creases| creases.edge(e) > 0.0);
+            let mask = if sharp { curve_edge_mask(f) } else { edge_mask(f) };
+            mask.add(&parent, e, out);
         } else {
-            face_row(&parent, row - n_v - n_e, f, out);
+            let face = row - n_v - n_e;
+            face_mask(parent.face(face).len(), f).add(&parent, face, out);
         }
     });
     Action::Blend(Box::new(rows))
 }
 
-/// How vertex `v` of a topology comes about: edges are smooth or infinitely sharp here.
-pub(super) fn rule(net: &MeshNet, topology: &Topology, creases: Option<&Creases>, v: usize) -> Rule {
-    if net.tags.is_corner(v) || topology.is_isolated(v) {
-        return Rule::Corner;
-    }
-    match creases.and_then(|creases| creases.vertex(v)) {
-        Some(blend) => blend.before,
-        None => topology.boundary_edges(v).map_or(Rule::Smooth, Rule::Crease),
-    }
-}
-
-/// `(E + 2 f V + E) / (2 (1 + f))`.
-fn crease_row(parent: &Topology, v: usize, edges: [u32; 2], f: f64, out: &mut Rows) {
-    let n_v = index(parent.n_vertices());
+/// Along creases and boundaries `(E + 2 f V + E) / (2 (1 + f))`.
+fn curve_mask(f: f64) -> RingMask {
     let sum = 2.0 * (1.0 + f);
-    out.add(index(v), 2.0 * f / sum);
-    edges.iter().for_each(|&e| out.add(n_v + e, 1.0 / sum));
+    RingMask { own: 2.0 * f / sum, neighbours: 1.0 / sum }
 }
 
 /// `(N f^2 V + 2 f sum E + sum F) / (N (1 + f)^2)`.
-fn vertex_row(parent: &Topology, v: usize, f: f64, out: &mut Rows) {
-    let n_v = index(parent.n_vertices());
-    let valence = ratio(parent.ring(v).count(), 1);
+fn vertex_mask(valence: usize, f: f64) -> VertexMask {
+    let valence = ratio(valence, 1);
     let sum = valence * (1.0 + f) * (1.0 + f);
-    out.add(index(v), valence * f * f / sum);
-    for corner in parent.ring(v) {
-        out.add(n_v + parent.edge(corner), 2.0 * f / sum);
-        out.add(n_v + index(parent.n_edges() + parent.face_of(corner)), 1.0 / sum);
-    }
+    VertexMask { own: valence * f * f / sum, edges: 2.0 * f / sum, faces: 1.0 / sum }
 }
 
-/// `(f V1 + 2 E + f V2) / (2 (1 + f))`.
-fn crease_edge_row(parent: &Topology, e: usize, f: f64, out: &mut Rows) {
+/// Along creases and boundaries `(f V1 + 2 E + f V2) / (2 (1 + f))`.
+fn curve_edge_mask(f: f64) -> EdgeMask {
     let sum = 2.0 * (1.0 + f);
-    out.add(index(parent.n_vertices() + e), 2.0 / sum);
-    parent.ends(e).iter().for_each(|&v| out.add(v, f / sum));
+    EdgeMask { own: 2.0 / sum, ends: Some(f / sum), faces: None, sides: None }
 }
 
 /// `(2 f^2 (V1 + V2) + 4 f E + 2 (F1 + F2) + f (Ea + Eb + Ec + Ed)) / (4 (1 + f)^2)`.
-fn edge_row(parent: &Topology, e: usize, f: f64, out: &mut Rows) {
-    let n_v = index(parent.n_vertices());
-    let ends = parent.ends(e);
-    let corners = parent.halves(e);
-    let here = n_v + index(e);
+fn edge_mask(f: f64) -> EdgeMask {
     let sum = 4.0 * (1.0 + f) * (1.0 + f);
-    out.add(here, 4.0 * f / sum);
-    ends.iter().for_each(|&v| out.add(v, 2.0 * f * f / sum));
-    for corner in corners {
-        out.add(n_v + index(parent.n_edges() + parent.face_of(corner)), 2.0 / sum);
-        out.add(n_v + parent.edge(parent.next(corner)), f / sum);
-        out.add(n_v + parent.edge(parent.previous(corner)), f / sum);
-    }
+    EdgeMask { own: 4.0 * f / sum, ends: Some(2.0 * f * f / sum), faces: Some(2.0 / sum), sides: Some(f / sum) }
 }
 
 /// `(n F + f^2 sum V + 2 f sum E) / (n (1 + f)^2)`.
-fn face_row(parent: &Topology, face: usize, f: f64, out: &mut Rows) {
-    let n_v = index(parent.n_vertices());
-    let size = ratio(parent.face(face).len(), 1);
+fn face_mask(size: usize, f: f64) -> FaceMask {
+    let size = ratio(size, 1);
     let sum = size * (1.0 + f) * (1.0 + f);
-    out.add(n_v + index(parent.n_edges() + face), size / sum);
-    for corner in parent.half_edges(face) {
-        out.add(parent.vertex(corner), f * f / sum);
-        out.add(n_v + parent.edge(corner), 2.0 * f / sum);
-    }
+    FaceMask { own: size / sum, vertices: f * f / sum, edges: 2.0 * f / sum }
 }
 
 /// C where there are no labels: the mean of the centroids of the faces around a vertex; boundaries and creases
@@ -187,19 +156,13 @@ fn plain_rows(net: MeshNet) -> Action {
     let creases = Creases::of_net(&net, &net.mesh.base);
     let rows = RowsBy::new(n, n, move |v, out: &mut Rows| {
         let topology = &net.mesh.base;
-        match rule(&net, topology, creases.as_ref(), v) {
+        match Blend::of(v, topology, &net.tags, creases.as_ref()).before {
             Rule::Corner => out.add(index(v), 1.0),
-            Rule::Crease(edges) => {
-                out.add(index(v), 0.5);
-                for e in edges {
-                    let [from, to] = topology.ends(e as usize);
-                    out.add(if from as usize == v { to } else { from }, 0.25);
-                }
-            }
+            Rule::Crease(edges) => RingMask::CUBIC.add_ends(topology, v, edges.into_iter(), out),
             Rule::Smooth => {
                 let valence = topology.ring(v).count();
-                for corner in topology.ring(v) {
-                    let face = topology.face(topology.face_of(corner));
+                for half_edge in topology.ring(v) {
+                    let face = topology.face(topology.face_of(half_edge));
                     face.iter().for_each(|&u| out.add(u, ratio(1, valence * face.len())));
                 }
             }

@@ -3,11 +3,13 @@
 use super::around;
 use super::cosines::cosine;
 use super::upsample::ratio;
+use crate::math::parameter::{Default, Kind, Parameter};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Facts, Operator, Role};
-use crate::scheme::polygon_net::PolygonNet;
-use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::operator::{Facts, Nets, Operator};
+use crate::scheme::stencil::{FourPoint, TriangleEdgeMask};
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::StepError;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// The edge points of the modified butterfly scheme, with `16 w` times the displacement from the middle of the edge; at
@@ -25,14 +27,25 @@ use crate::shape::topology::{NONE, Topology, index};
 #[derive(Debug)]
 pub struct ButterflyEdges;
 
+impl ButterflyEdges {
+    /// The tension.
+    pub const W: Parameter = Parameter {
+        name: "w",
+        kind: Kind::Number { min: -1e3, max: 1e3 },
+        unit: "",
+        default: Default::Number(1.0 / 16.0),
+        doc: "Tension: what edge points are off the middles of their edges at 1/16 is multiplied by 16 w.",
+    };
+}
+
 static FACTS: Facts = Facts {
     name: "butterfly-edges",
     doc: "The edge points of the modified butterfly scheme after U on triangles: 1/2 (a + b) + 2w (c + d) - w (four far \
      vertices) where both ends have valence 6, weights of the ring of an end of another valence, the four-point rule \
      on boundaries. Used by the preset butterfly.",
     source: "Zorin, Schroeder and Sweldens, SIGGRAPH 1996, 189-192; Dyn, Levin and Gregory, ACM TOG 9 (1990), 160-169",
-    // w is a sixteenth of the compensation, as in the word of the four-point scheme
-    role: Role::PushBack,
+    nets: Nets::Meshes("butterfly refines meshes of triangles; for polygons use four-point"),
+    parameters: &[ButterflyEdges::W],
     ..Facts::USUAL
 };
 
@@ -41,20 +54,16 @@ impl Operator for ButterflyEdges {
         &FACTS
     }
 
-    fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
-        Err(StepError::WrongNet("butterfly refines meshes of triangles; for polygons use four-point"))
-    }
-
     fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
         around::check("butterfly", &net.mesh.base)
     }
 
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let parent = net.mesh.halved_triangles().cloned().ok_or(StepError::NoAnchor)?;
+        let parent = net.mesh.halved_triangles().cloned().ok_or_else(around::not_upsampled)?;
         if net.mesh.pieces.len() == 1 {
             self.admits(net)?;
         }
-        let (n, n_v, strength) = (net.mesh.n_vertices(), parent.n_vertices(), values.compensation);
+        let (n, n_v, strength) = (net.mesh.n_vertices(), parent.n_vertices(), 16.0 * values.settings.number(&Self::W));
         let old = net.clone();
         let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
             if row < n_v {
@@ -67,78 +76,57 @@ impl Operator for ButterflyEdges {
     }
 }
 
+/// `1/2 (a + b) + 2w (c + d) - w (four far vertices)`, with 16 w as the strength.
+fn edge_mask(strength: f64) -> TriangleEdgeMask {
+    let unit = strength / 16.0;
+    TriangleEdgeMask { ends: 0.5, opposite: 2.0 * unit, far: Some(-unit) }
+}
+
 fn edge_row(net: &MeshNet, parent: &Topology, e: usize, strength: f64, out: &mut Rows) {
     let ends = parent.ends(e);
     let [forward, backward] = parent.halves(e);
     if backward == NONE {
-        return boundary_row(net, parent, e, strength, out);
+        let rule = FourPoint::new(strength / 16.0);
+        for (end, onward) in [(ends[0], false), (ends[1], true)] {
+            out.add(end, rule.near);
+            rule.add_beyond(parent, &net.tags, e, onward, out);
+        }
+        return;
     }
-    // outgoing corners of the ends that need weights of their own
+    // outgoing half-edges of the ends that need weights of their own
     let extraordinary = |v: u32| {
         let n = parent.ring(v as usize).count();
         n > 2 && n != 6 && parent.boundary_edges(v as usize).is_none()
     };
-    let rings = [(ends[0], forward), (ends[1], backward)].map(|(v, corner)| extraordinary(v).then_some(corner));
+    let rings = [(ends[0], forward), (ends[1], backward)].map(|(v, half_edge)| extraordinary(v).then_some(half_edge));
     let n_rings = rings.iter().flatten().count();
-    let middle = if n_rings == 0 { 0.5 } else { 0.5 - 0.5 * strength };
-    ends.iter().for_each(|&v| out.add(v, middle));
     if n_rings == 0 {
-        [forward, backward].iter().for_each(|&corner| wing(parent, corner, strength / 16.0, out));
+        return edge_mask(strength).add(parent, e, out);
     }
-    rings.iter().flatten().for_each(|&corner| ring_row(parent, corner, strength / ratio(n_rings, 1), out));
+    ends.iter().for_each(|&v| out.add(v, 0.5 - 0.5 * strength));
+    rings.iter().flatten().for_each(|&half_edge| ring_row(parent, half_edge, strength / ratio(n_rings, 1), out));
 }
 
-/// One side of an edge: the vertex opposite it, and the two far ones; a far vertex that is missing is reflected.
-fn wing(parent: &Topology, corner: u32, unit: f64, out: &mut Rows) {
-    let (onward, back) = (parent.next(corner), parent.previous(corner));
-    let opposite = parent.vertex(back);
-    out.add(opposite, 2.0 * unit);
-    for (side, near, far) in [(onward, onward, corner), (back, corner, onward)] {
-        let beyond = parent.twin(side);
-        if beyond == NONE {
-            // across the side from `near` to the opposite vertex lies near + opposite - far
-            out.add(parent.vertex(near), -unit);
-            out.add(opposite, -unit);
-            out.add(parent.vertex(far), unit);
-        } else {
-            out.add(parent.vertex(parent.previous(beyond)), -unit);
-        }
+/// The weight of neighbour `j` of an extraordinary vertex of valence `n`, counted from the other end of the edge.
+fn ring_weight(j: usize, n: usize) -> f64 {
+    match (n, j) {
+        (3, 0) => ratio(5, 12),
+        (3, _) => -ratio(1, 12),
+        (4, 0) => ratio(3, 8),
+        (4, 2) => -ratio(1, 8),
+        (4, _) => 0.0,
+        _ => (0.25 + cosine(j, n) + 0.5 * cosine(2 * j, n)) / ratio(n, 1),
     }
 }
 
-/// The edge point that an inner vertex makes of its ring, on the edge of one of its outgoing corners.
+/// The edge point that an inner vertex makes of its ring, on the edge of one of its outgoing half-edges.
 fn ring_row(parent: &Topology, outgoing: u32, scale: f64, out: &mut Rows) {
     let v = parent.vertex(outgoing);
     let n = parent.ring(v as usize).count();
     out.add(v, 0.75 * scale);
-    let mut corner = outgoing;
+    let mut half_edge = outgoing;
     for j in 0..n {
-        let weight = match (n, j) {
-            (3, 0) => ratio(5, 12),
-            (3, _) => -ratio(1, 12),
-            (4, 0) => ratio(3, 8),
-            (4, 2) => -ratio(1, 8),
-            (4, _) => 0.0,
-            _ => (0.25 + cosine(j, n) + 0.5 * cosine(2 * j, n)) / ratio(n, 1),
-        };
-        out.add(parent.vertex(parent.next(corner)), scale * weight);
-        corner = parent.twin(parent.previous(corner));
-    }
-}
-
-/// The four-point rule along the boundary, reflected at corners.
-fn boundary_row(net: &MeshNet, parent: &Topology, e: usize, strength: f64, out: &mut Rows) {
-    let [a, b] = parent.ends(e);
-    let unit = strength / 16.0;
-    for (end, other, onward) in [(a, b, false), (b, a, true)] {
-        out.add(end, 0.5 + unit);
-        match parent.boundary_edges(end as usize).filter(|_| !net.tags.is_corner(end as usize)) {
-            Some([next, _]) if onward => out.add(parent.ends(next as usize)[1], -unit),
-            Some([_, previous]) => out.add(parent.ends(previous as usize)[0], -unit),
-            None => {
-                out.add(end, -2.0 * unit);
-                out.add(other, unit);
-            }
-        }
+        out.add(parent.vertex(parent.next(half_edge)), scale * ring_weight(j, n));
+        half_edge = parent.twin(parent.previous(half_edge));
     }
 }

@@ -4,13 +4,14 @@ use super::masked::apply;
 use crate::math::functions::sin;
 use crate::math::mask::Mask;
 use crate::scheme::extent::Extent;
-use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Children, Facts, Operator, Role};
+use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
+use crate::scheme::parameters::{ARITY, AVERAGES, FIRST, MASK};
 use crate::scheme::polygon_anchor::PolygonAnchor;
 use crate::scheme::polygon_net::PolygonNet;
-use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::settings::Settings;
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::StepError;
 use crate::scheme::window::Window;
-use crate::scheme::word::Letter;
 
 /// A level of the d-ary scheme with m averages that reproduces circles of angle alpha a point: the mask
 /// `d sigma^m E / (sigma(1)^m E(1))` with `sigma = 1 + z + ... + z^(d-1)`, `E` having the coefficients
@@ -51,8 +52,10 @@ static FACTS: Facts = Facts {
     name: "circle-mask",
     doc: "A level of the d-ary scheme that keeps circles of angle alpha a point. Used by the preset d-ary-circle.",
     source: "after Zhang and Wang 2002, section 4.2; space {1, ..., t^(m-1), cos t, sin t}",
+    nets: Nets::Polygons("this scheme refines polygons"),
     role: Role::Upsample,
     children: Children::Vertices,
+    parameters: &[ARITY, AVERAGES, MASK, FIRST],
     needs_alpha: true,
     ..Facts::USUAL
 };
@@ -62,34 +65,31 @@ impl Operator for Circle {
         &FACTS
     }
 
-    fn at_alpha(&self, letter: &mut Letter, alpha: f64) -> Result<(), String> {
-        let mask = Self::mask(letter.arity, letter.averages, alpha);
-        letter.mask = Some(mask.ok_or_else(|| format!("the circle mask has a pole at alpha = {alpha}"))?.into());
+    fn at_alpha(&self, settings: &mut Settings, alpha: f64) -> Result<(), String> {
+        let averages = settings.whole(&AVERAGES).unwrap_or(0);
+        let mask = Self::mask(settings.arity(), averages, alpha);
+        settings.set_mask(mask.ok_or_else(|| format!("the circle mask has a pole at alpha = {alpha}"))?);
         Ok(())
     }
 
-    fn window(&self, letter: &Letter, _: u32) -> Option<Window> {
-        let mask = letter.mask.as_ref()?;
-        Some(Window { arity: letter.arity, first: mask.first, last: mask.last() })
+    fn window(&self, settings: &Settings, _: u32) -> Option<Window> {
+        let mask = settings.mask()?;
+        Some(Window { arity: settings.arity(), first: mask.first, last: mask.last() })
     }
 
     fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
-        let letter = values.letter;
-        let (Some(window), Some(mask)) = (self.window(letter, 0), &letter.mask) else {
-            return Err(StepError::WrongNet("a circle mask is scheduled before it is applied"));
+        let settings = values.settings;
+        let (Some(window), Some(mask)) = (self.window(settings, 0), settings.mask()) else {
+            return Err(StepError::new("a circle mask is scheduled before it is applied"));
         };
         if !net.corners.is_empty() {
-            return Err(StepError::WrongNet("corners need a word over U, C and P; this scheme is a mask and has none"));
+            return Err(StepError::new("corners need a word over U, C and P; this scheme is a mask and has none"));
         }
-        let (landed, rows) = apply(net, window, Mask::clone(mask))?;
-        let lost = net.extent == Extent::Natural && letter.averages > 0;
+        let (landed, rows) = apply(net, window, mask)?;
+        let lost = net.extent == Extent::Natural && settings.whole(&AVERAGES).is_some_and(|averages| averages > 0);
         let anchor = PolygonAnchor { lost, ..net.as_anchor() };
-        let phase = Some(net.phase_after(letter.arity));
+        let phase = Some(net.phase_after(settings.arity()));
         let next = PolygonNet { duals: 0, phase, anchor: Some(anchor), ..landed };
         Ok(Step { net: next, action: Action::BlendFromAnchor(rows) })
-    }
-
-    fn on_mesh(&self, _: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        Err(StepError::WrongNet("this scheme refines polygons"))
     }
 }

@@ -5,13 +5,15 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::math::functions::sin;
-use crate::math::planar::{Neighbours, Vector, direction, half_chord, length, rotated, turn};
-use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Children, Facts, Operator, Role};
+use crate::math::parameter::{Default, Kind, Parameter};
+use crate::math::planar::{Neighbours, Vector, angle, half_chord, length, rotated};
+use crate::math::vector::{direction, plus, times};
+use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
 use crate::scheme::polygon_net::PolygonNet;
-use crate::scheme::step::{Action, PointMap, Step, StepError, Values};
+use crate::scheme::settings::Settings;
+use crate::scheme::step::{Action, PointMap, Step, Values};
+use crate::scheme::step_error::StepError;
 use crate::scheme::window::Window;
-use crate::scheme::word::Letter;
 use crate::watch::{Stopped, Watch};
 
 /// Edges that one thread takes at a time.
@@ -26,13 +28,26 @@ const STRAIGHT: f64 = 1e-9;
 #[derive(Debug)]
 pub struct Incenter;
 
+impl Incenter {
+    /// How far tangents follow the circle.
+    pub const MU: Parameter = Parameter {
+        name: "mu",
+        kind: Kind::Number { min: 0.0, max: 1.0 },
+        unit: "",
+        default: Default::Number(0.25),
+        doc: "How far tangents follow the circle through three points: 0 keeps those of the biarcs, 1 takes the circle's.",
+    };
+}
+
 static FACTS: Facts = Facts {
     name: "incenter",
     doc: "A level of incenter subdivision, which is not linear: it turns tangents along with points of the plane. Used by \
      the preset incenter.",
     source: "after Deng and Wang, CAGD 27 (2010), 48-59",
+    nets: Nets::Polygons("this scheme refines polygons"),
     role: Role::Upsample,
     children: Children::Vertices,
+    parameters: &[Incenter::MU],
     turns_tangents: true,
     ..Facts::USUAL
 };
@@ -42,23 +57,17 @@ impl Operator for Incenter {
         &FACTS
     }
 
-    fn window(&self, letter: &Letter, _: u32) -> Option<Window> {
-        Some(Window::upsample(letter.arity))
+    fn window(&self, _: &Settings, _: u32) -> Option<Window> {
+        Some(Window::upsample(2))
     }
 
     fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
-        let Some(mu) = values.letter.blending else {
-            return Err(StepError::WrongNet("incenter subdivision has a blending factor mu"));
-        };
+        let mu = values.settings.number(&Self::MU);
         let (landed, _) = net.land(Window::upsample(2))?;
         let map = Biarcs { closed: net.is_closed(), mu, pinned: net.pinned.clone() };
         let pinned = net.pinned.iter().map(|i| 2 * i).collect();
         let next = PolygonNet { duals: 0, phase: Some(net.phase_after(2)), anchor: None, pinned, ..landed };
         Ok(Step { net: next, action: Action::Map(Box::new(map)) })
-    }
-
-    fn on_mesh(&self, _: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        Err(StepError::WrongNet("this scheme refines polygons"))
     }
 }
 
@@ -115,7 +124,7 @@ impl Biarcs {
             watch.check()?;
             for (i, tangent) in (block * BLOCK..).zip(tangents) {
                 if let Some(circle) = neighbours.tangent(points, i) {
-                    *tangent = rotated(*tangent, self.mu * turn(*tangent, circle));
+                    *tangent = rotated(*tangent, self.mu * angle(*tangent, circle));
                 }
             }
             Ok(())
@@ -127,15 +136,15 @@ impl Biarcs {
 fn joint(a: Vector, tangent_a: Vector, b: Vector, tangent_b: Vector) -> (Vector, Vector) {
     let half = half_chord(a, b);
     let Some(e) = direction(half) else {
-        return (a, rotated(tangent_a, turn(tangent_a, tangent_b) / 2.0));
+        return (a, rotated(tangent_a, angle(tangent_a, tangent_b) / 2.0));
     };
-    let (turn_a, turn_b) = (turn(tangent_a, e), turn(e, tangent_b));
+    let (turn_a, turn_b) = (angle(tangent_a, e), angle(e, tangent_b));
     let sum = turn_a + turn_b;
-    let middle = [a[0] / 2.0 + b[0] / 2.0, a[1] / 2.0 + b[1] / 2.0];
+    let middle = plus(times(0.5, a), times(0.5, b));
     if turn_a.abs() < STRAIGHT && turn_b.abs() < STRAIGHT {
         // the height of the arc of so small an angle over its chord
         let height = length(half) * sum / 4.0;
-        return ([middle[0] + height * e[1], middle[1] - height * e[0]], e);
+        return (plus(middle, times(height, [e[1], -e[0]])), e);
     }
     let both = |turn: fn(f64) -> bool| turn(turn_a) && turn(turn_b);
     if !both(|turn| turn >= STRAIGHT) && !both(|turn| turn <= -STRAIGHT) {
@@ -146,6 +155,5 @@ fn joint(a: Vector, tangent_a: Vector, b: Vector, tangent_b: Vector) -> (Vector,
         return (middle, e);
     }
     let reach = length(half) * (2.0 * sin(turn_b / 2.0) / sin(sum / 2.0));
-    let way = rotated(e, -turn_a / 2.0);
-    ([a[0] + reach * way[0], a[1] + reach * way[1]], e)
+    (plus(a, times(reach, rotated(e, -turn_a / 2.0))), e)
 }

@@ -4,15 +4,14 @@ use super::around;
 use super::upsample::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Facts, Operator, Role};
-use crate::scheme::polygon_net::PolygonNet;
-use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::operator::{Facts, Nets, Operator, Role};
+use crate::scheme::stencil::FourPoint;
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::StepError;
 use crate::shape::topology::{NONE, Topology, index};
 
-/// Weight of the two ends of an edge.
-const NEAR: f64 = 9.0 / 16.0;
-/// Weight of the two points beyond the ends.
-const FAR: f64 = -1.0 / 16.0;
+/// The rule along lines of edges.
+const RULE: FourPoint = FourPoint::CUBIC;
 
 /// The edge points of Kobbelt: `E' = 9/16 (a + b) - 1/16 (a* + b*)` with the points `a*`, `b*` that continue the edge
 /// beyond its ends `a` and `b`.
@@ -34,6 +33,7 @@ static FACTS: Facts = Facts {
      ends: the next vertex at valence 4, a virtual point at other valences, the next vertex of the boundary on \
      boundaries, the reflected one at corners. Used by the preset kobbelt.",
     source: "Kobbelt, Computer Graphics Forum 15 (1996), 409-420, section 3; ends as of clamped polygons",
+    nets: Nets::Meshes("kobbelt refines meshes; for polygons use four-point"),
     role: Role::Smooth,
     reaches_farther: true,
     ..Facts::USUAL
@@ -44,16 +44,12 @@ impl Operator for KobbeltEdges {
         &FACTS
     }
 
-    fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
-        Err(StepError::WrongNet("kobbelt refines meshes; for polygons use four-point"))
-    }
-
     fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
         around::check("kobbelt", &net.mesh.base)
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let parent = net.mesh.parent.clone().ok_or(StepError::NoAnchor)?;
+        let parent = net.mesh.parent.clone().ok_or_else(around::not_upsampled)?;
         if net.mesh.pieces.len() == 1 {
             self.admits(net)?;
         }
@@ -72,56 +68,59 @@ impl Operator for KobbeltEdges {
 
 fn edge_row(net: &MeshNet, parent: &Topology, e: usize, out: &mut Rows) {
     let [a, b] = parent.ends(e);
-    out.add(a, NEAR);
-    out.add(b, NEAR);
+    out.add(a, RULE.near);
+    out.add(b, RULE.near);
     let [forward, backward] = parent.halves(e);
     for (end, other, outgoing) in [(a, b, forward), (b, a, backward)] {
-        let v = end as usize;
-        match parent.boundary_edges(v) {
-            _ if net.tags.is_corner(v) => reflected(end, other, out),
-            None => beyond(parent, outgoing, out),
-            Some([onward, _]) if backward == NONE && end == b => out.add(parent.ends(onward as usize)[1], FAR),
-            Some([_, from]) if backward == NONE => out.add(parent.ends(from as usize)[0], FAR),
-            Some(_) => reflected(end, other, out),
+        let is_inner = parent.boundary_edges(end as usize).is_none();
+        if is_inner && !net.tags.is_corner(end as usize) {
+            beyond(parent, outgoing, out);
+        } else if backward == NONE {
+            RULE.add_beyond(parent, &net.tags, e, end == b, out);
+        } else {
+            RULE.beyond(end, other, None, |v, weight| out.add(v, weight));
         }
     }
 }
 
-fn reflected(end: u32, other: u32, out: &mut Rows) {
-    out.add(end, 2.0 * FAR);
-    out.add(other, -FAR);
-}
-
-/// What continues, beyond the interior vertex it leaves, the edge of an outgoing corner.
+/// What continues, beyond the interior vertex it leaves, the edge of an outgoing half-edge.
 fn beyond(parent: &Topology, outgoing: u32, out: &mut Rows) {
-    let around = |corner: u32| parent.twin(parent.previous(corner));
+    let around = |half_edge: u32| parent.twin(parent.previous(half_edge));
     let across = around(around(outgoing));
-    let end_of = |corner: u32| parent.vertex(parent.next(corner));
+    let end_of = |half_edge: u32| parent.vertex(parent.next(half_edge));
     if across != outgoing && around(around(across)) == outgoing {
-        return out.add(end_of(across), FAR);
+        return out.add(end_of(across), RULE.far);
     }
     if across == outgoing {
-        return out.add(end_of(around(outgoing)), FAR);
+        return out.add(end_of(around(outgoing)), RULE.far);
     }
     let p = parent.vertex(outgoing);
     let n = parent.ring(p as usize).count();
-    let mut corner = outgoing;
+    let mut half_edge = outgoing;
     for i in 0..n {
-        let taken = f64::from(i == 0 || i == 1 || i == n - 1);
-        out.add(end_of(corner), FAR * (ratio(4, n) - taken));
-        let taken = [0, 1, n - 2, n - 1].iter().filter(|&&at| at == i).count();
-        opposite(parent, corner, FAR * (ratio(taken, 9) - ratio(4, 9 * n)), out);
-        corner = around(corner);
+        let [neighbour, diagonal] = virtual_point(i, n);
+        out.add(end_of(half_edge), RULE.far * neighbour);
+        opposite(parent, half_edge, RULE.far * diagonal, out);
+        half_edge = around(half_edge);
     }
 }
 
-/// The vertex opposite a corner of a quad; in other faces twice the centroid less the corner's vertex.
-fn opposite(parent: &Topology, corner: u32, weight: f64, out: &mut Rows) {
-    let face = parent.face_of(corner);
+/// The weights of neighbour `i` around a vertex of valence `n`, counted from the other end of the edge, and of the vertex
+/// opposite in the face after it, in the virtual point beyond that vertex.
+fn virtual_point(i: usize, n: usize) -> [f64; 2] {
+    let taken = f64::from(i == 0 || i == 1 || i == n - 1);
+    let neighbour = ratio(4, n) - taken;
+    let taken = [0, 1, n - 2, n - 1].iter().filter(|&&at| at == i).count();
+    [neighbour, ratio(taken, 9) - ratio(4, 9 * n)]
+}
+
+/// The vertex opposite the start of a half-edge of a quad; in other faces twice the centroid less that start.
+fn opposite(parent: &Topology, half_edge: u32, weight: f64, out: &mut Rows) {
+    let face = parent.face_of(half_edge);
     if parent.face(face).len() == 4 {
-        out.add(parent.vertex(parent.next(parent.next(corner))), weight);
+        out.add(parent.vertex(parent.next(parent.next(half_edge))), weight);
     } else {
         out.add(index(parent.n_vertices() + parent.n_edges() + face), 2.0 * weight);
-        out.add(parent.vertex(corner), -weight);
+        out.add(parent.vertex(half_edge), -weight);
     }
 }

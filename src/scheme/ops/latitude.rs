@@ -13,21 +13,10 @@ use std::sync::Arc;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::{Anchor, ratio};
 use crate::scheme::local_mesh::MeshLocal;
+use crate::scheme::stencil::FourPoint;
 use crate::scheme::step::Action;
 use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{NONE, Topology, index};
-
-/// What odd points of latitude lines follow.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum LatitudeRule {
-    /// Differences of their even neighbours.
-    #[default]
-    Difference,
-    /// Places of their even neighbours.
-    Position,
-    /// Nothing: the tags are not looked at.
-    Isotropic,
-}
 
 /// An even point: a vertex, or the point of a longitude edge.
 #[derive(Debug, Clone, Copy)]
@@ -101,17 +90,12 @@ impl Lines {
     /// Calls `add` with the even points that an odd one follows, and their weights; `false` where it is on no line.
     fn follow(&self, row: usize, mut add: impl FnMut(Even, f64)) -> bool {
         let Some(sides) = self.around(row) else { return false };
-        let w = self.local.curve_weight[row - self.topology.n_vertices()];
+        let rule = FourPoint::new(self.local.curve_weight[row - self.topology.n_vertices()]);
         let [(a, aa), (b, bb)] = sides;
         for (here, there, beyond) in [(a, b, aa), (b, a, bb)] {
-            add(here, 0.5 + w);
-            if let Some(beyond) = beyond {
-                add(beyond, -w);
-            } else {
-                // where the line ends it goes on by reflection
-                add(here, -2.0 * w);
-                add(there, w);
-            }
+            add(here, rule.near);
+            // where the line ends it goes on by reflection
+            rule.beyond(here, there, beyond, &mut add);
         }
         true
     }

@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use super::average::rule;
 use super::upsample::ratio;
 use crate::math::rows::{Rows, RowsBy};
-use crate::scheme::creases::{Creases, Rule};
+use crate::scheme::creases::{Blend, Creases, Rule};
 use crate::scheme::local_mesh::MeshLocal;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::step::Action;
@@ -39,7 +38,7 @@ pub(super) fn rows(net: &MeshNet, parent: &Arc<Topology>, local: &Arc<MeshLocal>
     let (net, parent) = (net.clone(), parent.clone());
     let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
         if row < n_v {
-            match rule(&net, &parent, creases.as_ref(), row) {
+            match Blend::of(row, &parent, &net.tags, creases.as_ref()).before {
                 Rule::Corner => out.add(index(row), 1.0),
                 Rule::Crease(edges) => {
                     for e in edges {

@@ -1,16 +1,18 @@
 //! The smoothing half of Loop's scheme, applied after U on triangles.
 
+use super::around;
 use super::upsample::ratio;
 use crate::math::functions::cos;
 use crate::math::rows::{Rows, RowsBy};
-use crate::scheme::creases::{Creases, Rule};
+use crate::scheme::creases::{Blend, Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Facts, Follows, Operator, Role, SplineStep};
-use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::operator::{Facts, Follows, Nets, Operator, Role, SplineStep};
+use crate::scheme::settings::Settings;
 use crate::scheme::sharpness::edges_at;
-use crate::scheme::step::{Action, Step, StepError, Values};
-use crate::scheme::word::Letter;
-use crate::shape::topology::{NONE, Topology, index};
+use crate::scheme::stencil::{RingMask, TriangleEdgeMask};
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::StepError;
+use crate::shape::topology::index;
 
 /// Loop after U: `E' = 3/8 (V1 + V2) + 1/8 (A + B)` with the opposite vertices A and B, `V' = (1 - N beta) V + beta sum`
 /// of the N neighbours, `beta = (5/8 - (3/8 + cos(2 pi/N)/4)^2) / N`; boundaries and creases:
@@ -26,6 +28,7 @@ static FACTS: Facts = Facts {
      (1 - N beta) V + beta sum of the neighbours, beta = (5/8 - (3/8 + cos(2 pi/N)/4)^2) / N; boundaries and \
      creases are cubic B-splines, while they are sharp. Used by the preset loop.",
     source: "Loop, Smooth subdivision surfaces based on triangles, 1987; boundaries as OpenSubdiv 3.5",
+    nets: Nets::Meshes("loop refines meshes; for polygons use cubic-b-spline"),
     role: Role::Smooth,
     follows: Follows::SemiSharp,
     ..Facts::USUAL
@@ -36,29 +39,33 @@ impl Operator for LoopSmoothing {
         &FACTS
     }
 
-    fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
-        Err(StepError::WrongNet("loop refines meshes; for polygons use cubic-b-spline"))
-    }
-
-    fn spline(&self, _: &Letter, _: f64) -> Result<SplineStep, &'static str> {
+    fn spline(&self, _: &Settings, _: f64) -> Result<SplineStep, &'static str> {
         Ok(SplineStep::Mean)
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let parent = net.mesh.halved_triangles().cloned().ok_or(StepError::NoAnchor)?;
+        let parent = net.mesh.halved_triangles().cloned().ok_or_else(around::not_upsampled)?;
         let (n, n_v) = (net.mesh.n_vertices(), parent.n_vertices());
         let old = net.clone();
         let creases = Creases::of_parent(net);
         let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
-            if row >= n_v {
-                let e = row - n_v;
-                edge_row(&parent, e, creases.as_ref().map_or(0.0, |creases| creases.edge(e)), out);
-            } else if old.tags.is_corner(row) || parent.is_isolated(row) {
-                out.add(index(row), 1.0);
-            } else {
-                match creases.as_ref().and_then(|creases| creases.vertex(row)) {
-                    None => vertex_row(&parent, row, out),
-                    Some(blend) => blend.rules().for_each(|(rule, weight)| ruled_row(&parent, row, rule, weight, out)),
+            if let Some(e) = row.checked_sub(n_v) {
+                let sharpness = creases.as_ref().map_or(0.0, |creases| creases.edge(e));
+                if parent.is_boundary_edge(e) || sharpness >= 1.0 {
+                    parent.ends(e).iter().for_each(|&v| out.add(v, 0.5));
+                } else {
+                    edge_mask(sharpness).add(&parent, e, out);
+                }
+                return;
+            }
+            for (rule, weight) in Blend::of(row, &parent, &old.tags, creases.as_ref()).rules() {
+                match rule {
+                    Rule::Corner => out.add(index(row), weight),
+                    Rule::Crease(edges) => CURVE_MASK.times(weight).add_ends(&parent, row, edges.into_iter(), out),
+                    Rule::Smooth => {
+                        let mask = vertex_mask(parent.valence(row)).times(weight);
+                        mask.add_ends(&parent, row, edges_at(&parent, row), out);
+                    }
                 }
             }
         });
@@ -66,38 +73,19 @@ impl Operator for LoopSmoothing {
     }
 }
 
-fn vertex_row(parent: &Topology, v: usize, out: &mut Rows) {
-    let rule = parent.boundary_edges(v).map_or(Rule::Smooth, Rule::Crease);
-    ruled_row(parent, v, rule, 1.0, out);
+/// Along creases and boundaries (1, 6, 1)/8, the cubic B-spline.
+const CURVE_MASK: RingMask = RingMask { own: 0.75, neighbours: 0.125 };
+
+/// `(1 - N beta) V + beta sum` of the N neighbours.
+fn vertex_mask(valence: usize) -> RingMask {
+    let beta = beta(valence);
+    RingMask { own: 1.0 - ratio(valence, 1) * beta, neighbours: beta }
 }
 
-/// The row of a vertex by one rule, multiplied by `scale`.
-fn ruled_row(parent: &Topology, v: usize, rule: Rule, scale: f64, out: &mut Rows) {
-    match rule {
-        Rule::Corner => out.add(index(v), scale),
-        Rule::Crease(edges) => {
-            out.add(index(v), scale * 0.75);
-            edges.iter().for_each(|&e| out.add(parent.other_end(e as usize, v), scale * 0.125));
-        }
-        Rule::Smooth => {
-            let valence = parent.valence(v);
-            let beta = beta(valence);
-            out.add(index(v), scale * (1.0 - ratio(valence, 1) * beta));
-            edges_at(parent, v).for_each(|e| out.add(parent.other_end(e as usize, v), scale * beta));
-        }
-    }
-}
-
-/// The row of an edge point; a sharpness of 1 makes it the middle.
-fn edge_row(parent: &Topology, e: usize, sharpness: f64, out: &mut Rows) {
-    let corners = parent.halves(e);
-    if corners[1] == NONE || sharpness >= 1.0 {
-        parent.ends(e).iter().for_each(|&v| out.add(v, 0.5));
-        return;
-    }
+/// The mask of the point of an inner edge with a sharpness below 1, which is that much the middle.
+fn edge_mask(sharpness: f64) -> TriangleEdgeMask {
     let smooth = 1.0 - sharpness;
-    parent.ends(e).iter().for_each(|&v| out.add(v, 0.5 * sharpness + 0.375 * smooth));
-    corners.iter().for_each(|&corner| out.add(parent.vertex(parent.previous(corner)), 0.125 * smooth));
+    TriangleEdgeMask { ends: 0.5 * sharpness + 0.375 * smooth, opposite: 0.125 * smooth, far: None }
 }
 
 /// Loop's weight of each of the `valence` neighbours of an interior vertex.

@@ -2,13 +2,14 @@
 
 use crate::math::mask::Mask;
 use crate::math::rows::{RowSource, Rows, RowsBy};
-use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Children, Facts, Operator, Role};
+use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
+use crate::scheme::parameters::{ARITY, FIRST, MASK};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::preimage::Preimage;
-use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::settings::Settings;
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::StepError;
 use crate::scheme::window::{Window, steps};
-use crate::scheme::word::Letter;
 use crate::shape::topology::index;
 
 /// A level of the scheme `q[j] = sum over i of a[j - d i] p[i]` of arity d with the mask a.
@@ -19,7 +20,9 @@ static FACTS: Facts = Facts {
     name: "mask",
     doc: "A level of a linear curve scheme of arity d: q[j] = sum over i of a[j - d i] p[i]. Used by presets.",
     source: "Dyn, Subdivision schemes in CAGD, 1992, section 2",
+    nets: Nets::Polygons("this scheme refines polygons"),
     role: Role::Upsample,
+    parameters: &[ARITY, MASK, FIRST],
     children: Children::Vertices,
     ..Facts::USUAL
 };
@@ -29,26 +32,22 @@ impl Operator for Masked {
         &FACTS
     }
 
-    fn window(&self, letter: &Letter, _: u32) -> Option<Window> {
-        let mask = letter.mask.as_ref()?;
-        Some(Window { arity: letter.arity, first: mask.first, last: mask.last() })
+    fn window(&self, settings: &Settings, _: u32) -> Option<Window> {
+        let mask = settings.mask()?;
+        Some(Window { arity: settings.arity(), first: mask.first, last: mask.last() })
     }
 
     fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
-        let letter = values.letter;
-        let (Some(window), Some(mask)) = (self.window(letter, 0), &letter.mask) else {
-            return Err(StepError::WrongNet("a mask operator has a mask"));
+        let settings = values.settings;
+        let (Some(window), Some(mask)) = (self.window(settings, 0), settings.mask()) else {
+            return Err(StepError::new("a mask operator has a mask"));
         };
         if !net.corners.is_empty() {
-            return Err(StepError::WrongNet("corners need a word over U, C and P; this scheme is a mask and has none"));
+            return Err(StepError::new("corners need a word over U, C and P; this scheme is a mask and has none"));
         }
-        let (landed, rows) = apply(net, window, Mask::clone(mask))?;
+        let (landed, rows) = apply(net, window, mask)?;
         let next = PolygonNet { duals: 0, phase: None, anchor: None, ..landed };
         Ok(Step { net: next, action: Action::Blend(rows) })
-    }
-
-    fn on_mesh(&self, _: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        Err(StepError::WrongNet("this scheme refines polygons"))
     }
 }
 

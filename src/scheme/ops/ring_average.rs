@@ -1,10 +1,9 @@
 //! C on split meshes of any arity, from the faces around each vertex.
 
-use super::average::rule;
 use super::upsample::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::{Anchor, Label};
-use crate::scheme::creases::{Creases, Rule};
+use crate::scheme::creases::{Blend, Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::step::Action;
 use crate::shape::topology::{Topology, index};
@@ -29,14 +28,16 @@ pub(super) fn rows(net: &MeshNet, around: Around, f: f64) -> Action {
     let weights = Weights { labels: net.since.anchor.clone().filter(|_| net.mesh.parent.is_some()), f };
     let creases = Creases::of_net(net, &topology);
     let old = net.clone();
-    let rows = RowsBy::new(n, n, move |v, out: &mut Rows| match (rule(&old, &topology, creases.as_ref(), v), around) {
-        (Rule::Corner, _) => out.add(index(v), 1.0),
-        (Rule::Crease(edges), _) => {
-            let ends = edges.map(|e| topology.other_end(e as usize, v));
-            crease_row(&weights, v, ends, out);
+    let rows = RowsBy::new(n, n, move |v, out: &mut Rows| {
+        match (Blend::of(v, &topology, &old.tags, creases.as_ref()).before, around) {
+            (Rule::Corner, _) => out.add(index(v), 1.0),
+            (Rule::Crease(edges), _) => {
+                let ends = edges.map(|e| topology.other_end(e as usize, v));
+                crease_row(&weights, v, ends, out);
+            }
+            (Rule::Smooth, Around::Faces) => faces_row(&topology, &weights, v, out),
+            (Rule::Smooth, Around::Neighbours { mu }) => neighbours_row(&topology, &weights, v, mu, out),
         }
-        (Rule::Smooth, Around::Faces) => faces_row(&topology, &weights, v, out),
-        (Rule::Smooth, Around::Neighbours { mu }) => neighbours_row(&topology, &weights, v, mu, out),
     });
     Action::Blend(Box::new(rows))
 }

@@ -1,13 +1,17 @@
 //! A level of sqrt 3 subdivision.
 
+use super::around;
 use super::cosines::cosine;
-use super::upsample::ratio;
+use super::upsample::{not_triangles, ratio};
 use crate::math::rows::{Rows, RowsBy};
-use crate::scheme::census::{Census, sum};
+use crate::scheme::creases::{Blend, Rule};
+use crate::scheme::forecast::{Census, sum};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Children, Facts, Operator, Role};
-use crate::scheme::polygon_net::PolygonNet;
-use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
+use crate::scheme::sharpness::edges_at;
+use crate::scheme::stencil::RingMask;
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::StepError;
 use crate::shape::root_three::BoundarySplit;
 use crate::shape::topology::{NONE, Topology, index};
 
@@ -27,6 +31,7 @@ static FACTS: Facts = Facts {
      (4 - 2 cos(2 pi/n))/9 of the way to the mean of their n neighbours. Every second level cuts boundary edges in \
      three, by the ternary cubic B-spline (1, 4, 10, 16, 19, 16, 10, 4, 1)/27. Used by the preset sqrt-3.",
     source: "Kobbelt, SIGGRAPH 2000, 103-112",
+    nets: Nets::Meshes("sqrt-3 refines meshes of triangles; for polygons use ternary-cubic"),
     role: Role::Smooth,
     children: Children::Vertices,
     rebuilds: true,
@@ -38,21 +43,17 @@ impl Operator for RootThree {
         &FACTS
     }
 
-    fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
-        Err(StepError::WrongNet("sqrt-3 refines meshes of triangles; for polygons use ternary-cubic"))
-    }
-
     fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
         let topology = &net.mesh.base;
         if !net.tags.holes.is_empty() {
-            return Err(StepError::OwnTags("sqrt-3", "holes (boundary \"none\" makes some)"));
+            return Err(around::cannot_follow("sqrt-3", "holes (boundary \"none\" makes some)"));
         }
         if let Some(face) = topology.first_other_than_triangle() {
-            return Err(StepError::NotTriangles { face, size: topology.face(face).len() });
+            return Err(not_triangles(face, topology.face(face).len()));
         }
         let two = |&v: &usize| topology.boundary_edges(v).is_none() && topology.ring(v).count() == 2;
         match (0..topology.n_vertices()).find(two) {
-            Some(vertex) => Err(StepError::TwoFaces { scheme: "sqrt-3", vertex }),
+            Some(vertex) => Err(around::two_faces("sqrt-3", vertex)),
             None => Ok(()),
         }
     }
@@ -102,25 +103,23 @@ fn boundary(rounds: u32) -> BoundarySplit {
     if rounds.is_multiple_of(2) { BoundarySplit::Whole } else { BoundarySplit::Thirds }
 }
 
+/// `(1 - a) p + a/n sum neighbours` with `a = (4 - 2 cos(2 pi/n))/9`.
+fn vertex_mask(valence: usize) -> RingMask {
+    let moved = (4.0 - 2.0 * cosine(1, valence)) / 9.0;
+    RingMask { own: 1.0 - moved, neighbours: moved / ratio(valence, 1) }
+}
+
+/// On boundaries (4, 19, 4)/27, in every second step.
+fn curve_mask() -> RingMask {
+    RingMask { own: ratio(19, 27), neighbours: ratio(4, 27) }
+}
+
 fn vertex_row(net: &MeshNet, boundary: BoundarySplit, v: usize, out: &mut Rows) {
     let old = &net.mesh.base;
-    let here = index(v);
-    if net.tags.is_corner(v) || old.is_isolated(v) {
-        return out.add(here, 1.0);
-    }
-    match (old.boundary_edges(v), boundary) {
-        (Some(_), BoundarySplit::Whole) => out.add(here, 1.0),
-        (Some([onward, from]), BoundarySplit::Thirds) => {
-            out.add(here, ratio(19, 27));
-            out.add(old.ends(onward as usize)[1], ratio(4, 27));
-            out.add(old.ends(from as usize)[0], ratio(4, 27));
-        }
-        (None, _) => {
-            let n = old.ring(v).count();
-            let moved = (4.0 - 2.0 * cosine(1, n)) / 9.0;
-            out.add(here, 1.0 - moved);
-            old.ring(v).for_each(|corner| out.add(old.vertex(old.next(corner)), moved / ratio(n, 1)));
-        }
+    match (Blend::of(v, old, &net.tags, None).before, boundary) {
+        (Rule::Corner, _) | (Rule::Crease(_), BoundarySplit::Whole) => out.add(index(v), 1.0),
+        (Rule::Crease(edges), BoundarySplit::Thirds) => curve_mask().add_ends(old, v, edges.into_iter(), out),
+        (Rule::Smooth, _) => vertex_mask(old.ring(v).count()).add_ends(old, v, edges_at(old, v), out),
     }
 }
 

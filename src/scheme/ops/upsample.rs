@@ -8,11 +8,13 @@ use crate::scheme::local::Local;
 use crate::scheme::local_mesh::MeshLocal;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Children, Facts, Follows, Operator, Role, SplineStep};
+use crate::scheme::parameters::{ARITY, SPLIT};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::preimage::Preimage;
-use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::settings::Settings;
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::{About, StepError};
 use crate::scheme::window::{Window, steps};
-use crate::scheme::word::Letter;
 use crate::shape::tile::Tile;
 use crate::shape::topology::index;
 
@@ -33,6 +35,7 @@ static FACTS: Facts = Facts {
     source: "Zhang and Wang 2002, formulas (1) and (4); Zorin and Schroeder, CAGD 18 (2001), 429-454",
     role: Role::Upsample,
     uses: &["alpha", "split"],
+    parameters: &[ARITY, SPLIT],
     children: Children::Vertices,
     follows: Follows::Creases,
     pointwise: true,
@@ -44,16 +47,16 @@ impl Operator for Upsample {
         &FACTS
     }
 
-    fn spline(&self, letter: &Letter, _: f64) -> Result<SplineStep, &'static str> {
-        if letter.arity == 2 { Ok(SplineStep::Upsample) } else { Err("its U has an arity above 2") }
+    fn spline(&self, settings: &Settings, _: f64) -> Result<SplineStep, &'static str> {
+        if settings.arity() == 2 { Ok(SplineStep::Upsample) } else { Err("its U has an arity above 2") }
     }
 
-    fn window(&self, letter: &Letter, _: u32) -> Option<Window> {
-        Some(Window::upsample(letter.arity))
+    fn window(&self, settings: &Settings, _: u32) -> Option<Window> {
+        Some(Window::upsample(settings.arity()))
     }
 
     fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
-        let arity = values.letter.arity;
+        let arity = values.settings.arity();
         let (landed, preimages) = net.land(Window::upsample(arity))?;
         let old = net.clone();
         let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match preimages.of(row) {
@@ -84,11 +87,11 @@ impl Operator for Upsample {
 
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
         let entered = net.mesh.topology();
-        let (tile, pieces) = (values.letter.tile, values.letter.arity);
+        let (tile, pieces) = (values.settings.tile(), values.settings.arity());
         if tile == Tile::Triangle
             && let Some(face) = entered.first_other_than_triangle()
         {
-            return Err(StepError::NotTriangles { face, size: entered.face(face).len() });
+            return Err(not_triangles(face, entered.face(face).len()));
         }
         let is_quads = || entered.is_quads() && net.surroundings.is_none_or(|all| all.quads);
         let quads = tile == Tile::Quad && pieces != 2 && !is_quads();
@@ -111,4 +114,11 @@ impl Operator for Upsample {
         });
         Ok(Step { net: next, action: Action::BlendFromAnchor(Box::new(rows)) })
     }
+}
+
+/// The refusal of a face that cannot be split into triangles.
+pub(in crate::scheme) fn not_triangles(face: usize, size: usize) -> StepError {
+    let found = format!("face {face} has {size} vertices, and only triangles are split into triangles");
+    let remedy = "send a mesh of triangles, or use a scheme for any faces, such as catmull-clark or a word with \"split\": \"quad\"";
+    StepError::about(About::Triangles, format!("{found}; {remedy}"))
 }

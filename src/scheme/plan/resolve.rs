@@ -1,18 +1,18 @@
 //! From what a client wrote to a plan.
 
-use super::legal::other_than_halves;
-use super::{AlphaOf, Carried, DEFAULT_MU, Latitude, Perturbation, Plan, PlanInput, Subject};
+use super::legal::{other_than_halves, useless};
+use super::{AlphaOf, Carried, Latitude, Perturbation, Plan, PlanInput, Subject};
 use crate::fault::{Fault, under};
 use crate::math::expression::Expression;
-use crate::math::parameter::{Literal, Values, shortened};
+use crate::math::parameter::{Literal, Value, Values, shortened};
 use crate::scheme::anchor::ratio;
-use crate::scheme::ops::LatitudeRule;
-use crate::scheme::parameters::{KERNEL, WORD_PARAMETERS, latitude_rule, perturbation, tile};
+use crate::scheme::letter::Letter;
+use crate::scheme::parameters::{DEFAULT_MU, KERNEL, SPLIT, WORD_PARAMETERS, latitude_rule, perturbation, tile};
 use crate::scheme::preset::{Preset, Refines, Spelling};
 use crate::scheme::presets::PRESETS;
-use crate::scheme::rules::Rules;
-use crate::scheme::step::StepError;
-use crate::scheme::word::{Letter, Word};
+use crate::scheme::rules::{LatitudeRule, Rules};
+use crate::scheme::step_error::About;
+use crate::scheme::word::Word;
 use crate::shape::tile::Tile;
 
 impl Plan {
@@ -43,7 +43,8 @@ impl Plan {
             pair_duals(&mut word.cycle);
         }
         if subject.is_mesh && spelling.tile == Tile::Triangle {
-            word.prefix.iter_mut().chain(&mut word.cycle).for_each(|letter| letter.tile = Tile::Triangle);
+            let letters = word.prefix.iter_mut().chain(&mut word.cycle);
+            letters.for_each(|letter| letter.settings.set(&SPLIT, Value::Choice("triangle")));
         }
         let Spelling { alpha, compensation_alpha, kernel, mu, compensation, delta, perturbation, rules, .. } = spelling;
         let perturbation = perturbation.map(|[amplitude, decay]| Perturbation { amplitude, decay, seed: input.seed });
@@ -75,9 +76,9 @@ impl Plan {
             return Err(vec![Fault::new("/parameters/perturbation", detail)]);
         }
         plan.check_legal(subject).map_err(|error| {
-            let split = match &error {
-                StepError::NotTriangles { .. } => input.word.is_some(),
-                StepError::NotHalves { .. } => {
+            let split = match error.about {
+                About::Triangles => input.word.is_some(),
+                About::Halves => {
                     plan.tile() == Tile::Triangle && input.parameters.iter().any(|(name, _)| name == "split")
                 }
                 _ => false,
@@ -91,8 +92,7 @@ impl Plan {
     /// Whether it is a word over U, C and P whose upsamplings halve edges and make quads.
     fn averages_halves(&self) -> bool {
         let mut letters = self.word.prefix.iter().chain(&self.word.cycle);
-        let known = |letter: &Letter| matches!(letter.facts().letter, Some('U' | 'C' | 'P'));
-        letters.all(|letter| known(letter) && letter.tile == Tile::Quad && letter.arity == 2)
+        letters.all(|letter| letter.facts().pointwise && letter.settings.halves())
     }
 
     fn check_delta(&self, subject: Subject) -> Result<(), Vec<Fault>> {
@@ -153,7 +153,7 @@ fn check_carried(preset: &Preset, subject: Subject) -> Result<(), Vec<Fault>> {
     if preset.parameters.iter().any(|parameter| parameter.name == KERNEL.name) {
         return Ok(());
     }
-    Err(vec![Fault::new("/preset", StepError::Useless(carried.name()).to_string())])
+    Err(vec![Fault::new("/preset", useless(carried.name()).to_string())])
 }
 
 fn word_functions(parameters: &[(String, Literal)], _: Subject) -> Result<Spelling, Vec<Fault>> {

@@ -3,10 +3,11 @@
 use super::{Plan, Scheduled};
 use crate::fault::Fault;
 use crate::math::expression::{Expression, ExpressionError};
+use crate::math::parameter::Value;
+use crate::scheme::letter::Letter;
 use crate::scheme::local::{MAX_COMPENSATION, has_average};
 use crate::scheme::operator::Role;
-use crate::scheme::parameters::MU;
-use crate::scheme::word::Letter;
+use crate::scheme::parameters::{ARITY, MU};
 use crate::shape::tile::Tile;
 
 impl Plan {
@@ -26,7 +27,7 @@ impl Plan {
             let level = if i < prefix { 0 } else { (i - prefix) / self.word.cycle.len() + 1 };
             let level = u32::try_from(level).unwrap_or(u32::MAX);
             let operator = letter.operator;
-            let arity = letter.arity;
+            let arity = letter.settings.arity();
             let mut step = Scheduled {
                 letter,
                 level,
@@ -52,7 +53,7 @@ impl Plan {
                     upsampled = Some(i);
                 }
                 Role::Average => {
-                    step.letter.arity = last_arity.unwrap_or(arity);
+                    step.letter.settings.set(&ARITY, Value::Integer(last_arity.unwrap_or(arity).into()));
                     if let Some(place) = averages {
                         step.kernel = self.kernel_at(place, alpha, level, &step.letter)?;
                         step.first = place == 0;
@@ -67,7 +68,7 @@ impl Plan {
                 }
                 Role::Smooth => {}
             }
-            let at_alpha = step.letter.operator.at_alpha(&mut step.letter, step.alpha);
+            let at_alpha = step.letter.operator.at_alpha(&mut step.letter.settings, step.alpha);
             at_alpha.map_err(|error| {
                 Fault::new("/parameters/alpha", format!("{error} (level {level}); choose another alpha"))
             })?;
@@ -89,7 +90,9 @@ impl Plan {
                 return Err(no_average("kernel_longitude", value, alpha, level));
             }
         }
-        if letter.tile == Tile::Triangle && self.triangle_sums(value, letter).iter().any(|sum| sum.abs() < 1e-9) {
+        if letter.settings.tile() == Tile::Triangle
+            && self.triangle_sums(value, letter).iter().any(|sum| sum.abs() < 1e-9)
+        {
             let detail = format!(
                 "the kernel is {value} at level {level} (alpha = {alpha}), where the weights of some triangle add up to 0; \
                  choose another kernel or another mu than {}",

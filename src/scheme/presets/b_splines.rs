@@ -2,6 +2,8 @@
 
 use crate::math::expression::Expression;
 use crate::math::parameter::{Default, Kind, Parameter};
+use crate::scheme::letter::Letter;
+use crate::scheme::parameters::ARITY;
 use crate::scheme::preset::{Preset, Refines, Spelling, letters};
 
 const LANE_RIESENFELD: &str = "Lane and Riesenfeld, IEEE PAMI 2 (1980), 35-46";
@@ -62,22 +64,12 @@ pub(super) const D_ARY_B_SPLINE: Preset = Preset {
     doc: "The uniform B-spline of degree g by refinement of arity d: U of arity d, then g - 1 averages of d points; symbol \
           (1 + z + ... + z^(d-1))^(g+1) / d^g. The word U3 A^3 for d = 3, g = 4.",
     source: "Zhang and Wang 2002, section 4.2; Maillot and Stam, Computer Graphics Forum 20 (2001)",
-    parameters: &[
-        Parameter {
-            name: "arity",
-            kind: Kind::Integer { min: 2, max: 8 },
-            unit: "",
-            default: Default::Number(3.0),
-            doc: "New points for each old one.",
-        },
-        degree(1),
-    ],
+    parameters: &[Parameter { default: Default::Number(3.0), ..ARITY }, degree(1)],
     refines: Refines::Curves,
     spell: |values| {
-        let arity = values.integer("arity").and_then(|d| u32::try_from(d).ok()).unwrap_or(3);
         let averages = values.integer("degree").and_then(|g| usize::try_from(g - 1).ok()).unwrap_or(0);
         let mut cycle = letters(&format!("U{}", "A".repeat(averages)));
-        cycle[0].arity = arity;
+        cycle[0].settings.set(&ARITY, values.get("arity").clone());
         Ok(Spelling::of(cycle))
     },
 };
@@ -92,7 +84,7 @@ const fn degree(min: i64) -> Parameter {
     }
 }
 
-fn averaged(degree: Option<i64>) -> Vec<crate::scheme::word::Letter> {
+fn averaged(degree: Option<i64>) -> Vec<Letter> {
     let averages = degree.and_then(|g| usize::try_from(g - 1).ok()).unwrap_or(0);
     letters(&format!("U{}", "D".repeat(averages)))
 }

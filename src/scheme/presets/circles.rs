@@ -2,10 +2,11 @@
 
 use crate::fault::Fault;
 use crate::math::expression::Expression;
-use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
+use crate::scheme::letter::Letter;
 use crate::scheme::ops::{CIRCULAR_PUSH_BACK, Circle};
+use crate::scheme::parameters::{ARITY, AVERAGES};
 use crate::scheme::preset::{Preset, Refines, Spelling};
-use crate::scheme::word::Letter;
 
 pub(super) const D_ARY_CIRCLE: Preset = Preset {
     name: "d-ary-circle",
@@ -14,20 +15,8 @@ pub(super) const D_ARY_CIRCLE: Preset = Preset {
           turns regular K-gons into circles; alpha = 0 is the linear limit.",
     source: "after Zhang and Wang 2002, section 4.2",
     parameters: &[
-        Parameter {
-            name: "arity",
-            kind: Kind::Integer { min: 2, max: 8 },
-            unit: "",
-            default: Default::Number(3.0),
-            doc: "New points for each old one.",
-        },
-        Parameter {
-            name: "averages",
-            kind: Kind::Integer { min: 0, max: 12 },
-            unit: "",
-            default: Default::Number(1.0),
-            doc: "Number m of averages of d points.",
-        },
+        Parameter { default: Default::Number(3.0), ..ARITY },
+        AVERAGES,
         Parameter {
             name: "alpha",
             kind: Kind::Number { min: -1e6, max: 1e6 },
@@ -51,14 +40,15 @@ fn spell(values: &Values) -> Result<Spelling, Vec<Fault>> {
     let whole = |name: &str| values.integer(name).and_then(|n| u32::try_from(n).ok()).unwrap_or(1);
     let (arity, averages) = (whole("arity"), whole("averages"));
     let delta = values.number("delta").unwrap_or(0.0);
-    let mut cycle = vec![Letter { arity, averages, ..Letter::plain(&Circle) }];
+    let circle = Letter::plain(&Circle).with(&ARITY, Value::Integer(arity.into()));
+    let mut cycle = vec![circle.with(&AVERAGES, Value::Integer(averages.into()))];
     if delta != 0.0 {
         if averages * (arity - 1) % 2 == 1 {
             let detail = "an odd number of averages of an even arity leaves no point for the push-back; choose another \
                           number of averages, or delta 0";
             return Err(vec![Fault::new("/delta", detail)]);
         }
-        cycle.push(Letter { arity, ..Letter::plain(&CIRCULAR_PUSH_BACK) });
+        cycle.push(Letter::plain(&CIRCULAR_PUSH_BACK));
     }
     let alpha = values.number("alpha").unwrap_or(0.0);
     Ok(Spelling { alpha, delta: Expression::constant(delta), ..Spelling::of(cycle) })

@@ -3,6 +3,7 @@
 use crate::fault::Fault;
 use crate::math::mask::Mask;
 use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
+use crate::scheme::parameters;
 use crate::scheme::preset::{Preset, Refines, Spelling, masked};
 
 pub(super) const TWO_N_POINT: Preset = Preset {
@@ -59,29 +60,7 @@ pub(super) const MASK: Preset = Preset {
     doc: "Any linear scheme: q[j] = sum over i of a[j - d i] p[i] with arity d and the mask a. Schemes that converge have \
           entries that sum to 1 in each residue class modulo d.",
     source: "Dyn, Subdivision schemes in CAGD, 1992, section 2",
-    parameters: &[
-        Parameter {
-            name: "arity",
-            kind: Kind::Integer { min: 2, max: 8 },
-            unit: "",
-            default: Default::Number(2.0),
-            doc: "New points for each old one.",
-        },
-        Parameter {
-            name: "mask",
-            kind: Kind::Numbers { most: 129 },
-            unit: "",
-            default: Default::Required,
-            doc: "Entries of the mask.",
-        },
-        Parameter {
-            name: "first",
-            kind: Kind::Integer { min: -128, max: 128 },
-            unit: "",
-            default: Default::Required,
-            doc: "Index of the first entry.",
-        },
-    ],
+    parameters: &[parameters::ARITY, parameters::MASK, parameters::FIRST],
     refines: Refines::Curves,
     spell: own,
 };

@@ -1,11 +1,11 @@
 //! Classical schemes on meshes.
 
 use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::scheme::letter::Letter;
 use crate::scheme::ops::{CatmullClark, LoopSmoothing};
 use crate::scheme::preset::{Preset, Refines, Spelling, letters};
 use crate::scheme::rules::{Rules, TriangleRule};
 use crate::scheme::sharpness::Creasing;
-use crate::scheme::word::Letter;
 use crate::shape::tile::Tile;
 
 pub(super) const CATMULL_CLARK: Preset = Preset {

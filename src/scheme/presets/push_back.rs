@@ -2,10 +2,9 @@
 
 use crate::math::parameter::{Default, Kind, Parameter};
 use crate::scheme::parameters::{
-    ALPHA, COMPENSATION, COMPENSATION_ALPHA, DELTA, KERNEL, KERNEL_LONGITUDE, LATITUDE_RULE, MU, PERTURBATION, SPLIT,
-    expression, latitude_rule, perturbation, tile,
+    ALPHA, COMPENSATION, COMPENSATION_ALPHA, DEFAULT_MU, DELTA, KERNEL, KERNEL_LONGITUDE, LATITUDE_RULE, MU,
+    PERTURBATION, SPLIT, expression, latitude_rule, perturbation, tile,
 };
-use crate::scheme::plan::DEFAULT_MU;
 use crate::scheme::preset::{Preset, Refines, Spelling, letters};
 
 pub(super) const PUSH_BACK: Preset = Preset {

@@ -1,9 +1,9 @@
 //! Classical schemes on quads besides Catmull-Clark.
 
 use crate::math::parameter::{Default, Kind, Parameter};
+use crate::scheme::letter::Letter;
 use crate::scheme::ops::{DooSabin, KobbeltEdges, KobbeltFaces};
 use crate::scheme::preset::{Preset, Refines, Spelling, letters};
-use crate::scheme::word::Letter;
 
 pub(super) const DOO_SABIN: Preset = Preset {
     name: "doo-sabin",

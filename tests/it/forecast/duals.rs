@@ -8,7 +8,7 @@ use planish::scheme::forecast::{Count, ForecastError, MAX_BYTES, of_mesh};
 use planish::scheme::mesh_net::MeshNet;
 use planish::scheme::operator::Role;
 use planish::scheme::plan::{Plan, Scheduled};
-use planish::scheme::step::StepError;
+use planish::scheme::step_error::StepError;
 use planish::scheme::stepper::Stepper;
 use planish::scheme::tags::Boundary;
 use planish::watch::{Stopped, Watch};
@@ -43,8 +43,11 @@ fn built<'a>(net: &MeshNet, steps: &'a [Scheduled]) -> (Vec<Count>, &'a [Schedul
     let plan = Plan::none(Boundary::default(), Ends::default());
     for (i, step) in steps.iter().enumerate() {
         let role = step.letter.facts().role;
-        let growth =
-            if role == Role::Upsample { step.letter.pieces(net.mesh.topology().is_quads()).pow(2) as usize } else { 1 };
+        let growth = if role == Role::Upsample {
+            step.letter.settings.pieces(net.mesh.topology().is_quads()).pow(2) as usize
+        } else {
+            1
+        };
         if net.mesh.topology().n_half_edges() * growth > MOST_CORNERS {
             return (counts, &steps[..i], None);
         }

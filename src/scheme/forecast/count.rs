@@ -1,7 +1,7 @@
 //! Counts of one net, and how operators change them.
 
-use super::mesh_net::MeshNet;
-use super::word::Letter;
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::settings::Settings;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 
@@ -112,10 +112,10 @@ impl Count {
     }
 
     /// After a U on a mesh whose faces are all quads, or not.
-    pub(super) fn upsampled(self, letter: &Letter, is_quads: bool) -> Self {
-        let first = letter.pieces(is_quads) != letter.arity;
+    pub(super) fn upsampled(self, settings: &Settings, is_quads: bool) -> Self {
+        let first = settings.pieces(is_quads) != settings.arity();
         let count = if first { self.halved() } else { self };
-        count.split(letter.tile, letter.arity)
+        count.split(settings.tile(), settings.arity())
     }
 }
 

@@ -9,15 +9,16 @@
 
 use super::collar::Collar;
 use super::count::Count;
-use super::extent::Ends;
 use super::fans::Fans;
-use super::forecast::{Forecast, ForecastError, Tally};
-use super::mesh_net::MeshNet;
-use super::operator::{Children, Role};
-use super::plan::{Plan, Scheduled};
-use super::step::StepError;
-use super::stepper::Stepper;
-use super::word::Word;
+use super::tally::{Forecast, ForecastError, Tally};
+use crate::scheme::extent::Ends;
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::{Children, Role};
+use crate::scheme::ops::{cannot_carry, lost_points};
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::step_error::StepError;
+use crate::scheme::stepper::Stepper;
+use crate::scheme::word::Word;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
@@ -73,7 +74,7 @@ impl Duals<'_> {
         if let Some(tags) = net.tags.lost_by_dual
             && let Some(step) = after.iter().find(|step| is_dual(step))
         {
-            return Err(at(step, StepError::DualTags(tags)));
+            return Err(at(step, cannot_carry(tags)));
         }
         if alone(after) {
             self.by_fans(&net, after, &mut tally)?;
@@ -92,7 +93,8 @@ impl Duals<'_> {
         for step in steps {
             self.watch.check()?;
             if is_split(step) || is_dual(step) {
-                let next = if is_split(step) { count.upsampled(&step.letter, net.mesh.is_quads()) } else { count };
+                let next =
+                    if is_split(step) { count.upsampled(&step.letter.settings, net.mesh.is_quads()) } else { count };
                 self.fits(step, next.corners)?;
                 // connectivity depends on no value
                 net = stepper.next_from(&net, step, None).map_err(|error| at(step, error))?.net;
@@ -109,9 +111,9 @@ impl Duals<'_> {
         for step in steps {
             self.watch.check()?;
             if is_split(step) {
-                let halved = step.letter.pieces(fans.is_quads()) != step.letter.arity;
+                let halved = step.letter.settings.pieces(fans.is_quads()) != step.letter.settings.arity();
                 halved.then(|| fans.split(2));
-                fans.split(step.letter.arity);
+                fans.split(step.letter.settings.arity());
                 lost = false;
             } else if is_dual(step) {
                 lost |= fans.dual();
@@ -129,11 +131,11 @@ impl Duals<'_> {
             self.watch.check()?;
             if is_split(step) {
                 collar.keep(layers).map_err(|error| at(step, error))?;
-                let (tile, arity) = (step.letter.tile, step.letter.arity);
+                let (tile, arity) = (step.letter.settings.tile(), step.letter.settings.arity());
                 if tile == Tile::Triangle && !collar.are_all(3) {
                     return Err(self.other_faces(step));
                 }
-                let pieces = step.letter.pieces(collar.are_all(4));
+                let pieces = step.letter.settings.pieces(collar.are_all(4));
                 let cells = u128::from(pieces) * u128::from(pieces);
                 self.fits(step, cells.saturating_mul(collar.n_corners() as u128))?;
                 (pieces != arity).then(|| collar.split(tile, 2));
@@ -153,7 +155,7 @@ impl Duals<'_> {
             return Err(ForecastError::Cap { level: step.level, cap: self.cap });
         }
         if lost && step.letter.facts().role == Role::PushBack {
-            return Err(at(step, StepError::LostPoints("a boundary or a valence below 3")));
+            return Err(at(step, lost_points("a boundary or a valence below 3")));
         }
         tally.step(step, count);
         Ok(())
@@ -170,7 +172,7 @@ impl Duals<'_> {
     fn other_faces(&self, step: &Scheduled) -> ForecastError {
         let end = self.steps.iter().position(|other| std::ptr::eq(other, step)).map_or(self.steps.len(), |i| i + 1);
         let made = self.built(&self.steps[..end], &mut Tally::new(Count::of_mesh(self.net)));
-        made.err().unwrap_or(at(step, StepError::WrongNet("only triangles are split into triangles")))
+        made.err().unwrap_or(at(step, StepError::new("only triangles are split into triangles")))
     }
 }
 
@@ -180,7 +182,7 @@ fn alone(steps: &[Scheduled]) -> bool {
     steps.iter().all(|step| {
         if is_split(step) {
             after_split = true;
-            return step.letter.tile == Tile::Quad;
+            return step.letter.settings.tile() == Tile::Quad;
         }
         let allowed = !is_dual(step) || after_split;
         after_split &= !is_dual(step);
@@ -196,7 +198,7 @@ fn layers(steps: &[Scheduled]) -> Vec<u32> {
         if is_dual(step) {
             needed = needed.saturating_add(1);
         } else if is_split(step) {
-            needed = needed.div_ceil(step.letter.arity).max(LEAST_LAYERS);
+            needed = needed.div_ceil(step.letter.settings.arity()).max(LEAST_LAYERS);
         }
         layers.push(needed);
     }

@@ -1,0 +1,44 @@
+//! Letters: operators with the values of their parameters.
+
+use super::operator::{Facts, Operator};
+use super::settings::Settings;
+use crate::math::parameter::{Parameter, Value};
+
+/// One letter of a word: an operator and the values of the parameters that it declares.
+#[derive(Debug, Clone)]
+pub struct Letter {
+    /// The operator.
+    pub operator: &'static dyn Operator,
+    /// The values of its parameters.
+    pub settings: Settings,
+}
+
+impl Letter {
+    /// An operator with the usual values.
+    pub fn plain(operator: &'static dyn Operator) -> Self {
+        Self { operator, settings: Settings::usual(operator.facts().parameters) }
+    }
+
+    /// The same with another value of a parameter.
+    #[must_use]
+    pub fn with(mut self, parameter: &Parameter, value: Value) -> Self {
+        self.settings.set(parameter, value);
+        self
+    }
+
+    /// What holds of its operator.
+    pub fn facts(&self) -> &'static Facts {
+        self.operator.facts()
+    }
+
+    /// Whether it moves the points of a polygon by half a step.
+    pub fn shifts(&self) -> bool {
+        self.operator.window(&self.settings, 0).is_some_and(|window| window.shifts())
+    }
+}
+
+impl PartialEq for Letter {
+    fn eq(&self, other: &Self) -> bool {
+        self.facts().name == other.facts().name && self.settings == other.settings
+    }
+}

@@ -1,0 +1,90 @@
+//! Masks on the vertices of a split into quads: those that were vertices (V), and the points of edges (E) and faces (F).
+
+use crate::math::rows::Rows;
+use crate::shape::topology::{Topology, index};
+
+/// Weights of a V, of each E and of each F around it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VertexMask {
+    /// Weight of the vertex itself.
+    pub own: f64,
+    /// Weight of the point of each of its edges.
+    pub edges: f64,
+    /// Weight of the point of each of its faces.
+    pub faces: f64,
+}
+
+impl VertexMask {
+    /// All weights multiplied by `scale`.
+    #[must_use]
+    pub fn times(self, scale: f64) -> Self {
+        Self { own: scale * self.own, edges: scale * self.edges, faces: scale * self.faces }
+    }
+
+    /// Adds what lies around the interior vertex `v` of `parent`.
+    #[inline]
+    pub(in crate::scheme) fn add(self, parent: &Topology, v: usize, out: &mut Rows) {
+        let n_v = index(parent.n_vertices());
+        out.add(index(v), self.own);
+        for half_edge in parent.ring(v) {
+            out.add(n_v + parent.edge(half_edge), self.edges);
+            out.add(n_v + index(parent.n_edges() + parent.face_of(half_edge)), self.faces);
+        }
+    }
+}
+
+/// Weights of an E and of what lies around it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EdgeMask {
+    /// Weight of the edge's point itself.
+    pub own: f64,
+    /// Weight of each of its two ends, where they take part.
+    pub ends: Option<f64>,
+    /// Weight of the point of each of its two faces, where they take part.
+    pub faces: Option<f64>,
+    /// Weight of the points of the four edges next to it in its faces, where they take part.
+    pub sides: Option<f64>,
+}
+
+impl EdgeMask {
+    /// Adds what lies around edge `e` of `parent`, which is an inner one where faces or sides take part.
+    #[inline]
+    pub(in crate::scheme) fn add(self, parent: &Topology, e: usize, out: &mut Rows) {
+        let n_v = index(parent.n_vertices());
+        out.add(n_v + index(e), self.own);
+        if let Some(weight) = self.ends {
+            parent.ends(e).iter().for_each(|&v| out.add(v, weight));
+        }
+        let Some(weight) = self.faces else { return };
+        for half_edge in parent.halves(e) {
+            out.add(n_v + index(parent.n_edges() + parent.face_of(half_edge)), weight);
+            if let Some(weight) = self.sides {
+                out.add(n_v + parent.edge(parent.next(half_edge)), weight);
+                out.add(n_v + parent.edge(parent.previous(half_edge)), weight);
+            }
+        }
+    }
+}
+
+/// Weights of an F and of what lies around it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FaceMask {
+    /// Weight of the face's point itself.
+    pub own: f64,
+    /// Weight of each of its vertices.
+    pub vertices: f64,
+    /// Weight of the point of each of its edges.
+    pub edges: f64,
+}
+
+impl FaceMask {
+    /// Adds what lies around a face of `parent`.
+    pub(in crate::scheme) fn add(self, parent: &Topology, face: usize, out: &mut Rows) {
+        let n_v = index(parent.n_vertices());
+        out.add(n_v + index(parent.n_edges() + face), self.own);
+        for half_edge in parent.half_edges(face) {
+            out.add(parent.vertex(half_edge), self.vertices);
+            out.add(n_v + parent.edge(half_edge), self.edges);
+        }
+    }
+}
