@@ -306,7 +306,7 @@ fn counts(job: &Job, count: Count) -> Counts {
         faces: count.faces - count.hidden_faces,
         half_edges: count.corners - count.hidden_corners,
         largest_face: count.largest_face,
-        parted: count.parted,
+        split_vertices: count.parted,
         uvs: count.uvs,
         frame: job.frame,
         attachments: if let Input::Mesh(mesh) = &job.input { mesh.attachments.clone() } else { Arc::default() },

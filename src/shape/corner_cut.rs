@@ -27,9 +27,9 @@ impl Topology {
         if self.n_boundary() == 0 {
             return Ok(self.cut_corners());
         }
-        let rim = BoundaryRank::of(self);
+        let boundary = BoundaryRank::of(self);
         let n_c = index(self.n_half_edges());
-        let near = |corner: u32, end: u32| n_c + 2 * rim.rank(self.edge(corner)) + end;
+        let near = |corner: u32, end: u32| n_c + 2 * boundary.rank(self.edge(corner)) + end;
         let mut faces = FaceList::default();
         (0..self.n_faces()).for_each(|f| faces.push(self.half_edges(f)));
         for e in 0..self.n_edges() {
@@ -44,12 +44,12 @@ impl Topology {
             if self.twin(first) == NONE {
                 cycle.push(near(self.previous(last), 1));
                 let corner = fixed.binary_search(&index(v)).ok();
-                cycle.extend(corner.map(|place| n_c + 2 * rim.len() + index(place)));
+                cycle.extend(corner.map(|place| n_c + 2 * boundary.len() + index(place)));
                 cycle.push(near(first, 0));
             }
             faces.push(cycle);
         }
-        let n = (n_c + 2 * rim.len()) as usize + fixed.len();
+        let n = (n_c + 2 * boundary.len()) as usize + fixed.len();
         Self::of_faces(n, faces, Winding::Refuse).map(|Checked { topology, .. }| topology)
     }
 
