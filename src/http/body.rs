@@ -11,7 +11,7 @@ use super::app::App;
 use super::pace::Pace;
 use super::problem::{self, Problem};
 use super::requests::Client;
-use crate::job::limits::in_bytes;
+use crate::job::amounts::in_bytes;
 use crate::math::parameter::shortened;
 use crate::service::account::Held;
 use crate::service::peer::{Kind, Ticket};

@@ -15,6 +15,16 @@ pub enum Creasing {
     Chaikin,
 }
 
+impl Creasing {
+    /// Its name in requests.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Uniform => "uniform",
+            Self::Chaikin => "chaikin",
+        }
+    }
+}
+
 /// The sharp edges and vertices of a net; everything else is smooth, boundaries apart.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sharpness {
