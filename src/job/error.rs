@@ -4,7 +4,7 @@ use super::entry::{JobFault, JobPart};
 use crate::analysis::limit::LimitError;
 use crate::output::FormatError;
 use crate::refine::RefineError;
-use crate::scheme::step::StepError;
+use crate::scheme::step_error::{About, StepError};
 use crate::shape::attributes::Attributes;
 use crate::watch::Stopped;
 
@@ -36,8 +36,7 @@ impl RunError {
     pub(super) fn of_shape(error: RefineError, attributes: Option<&Attributes>, shape: usize) -> Self {
         let name = match &error {
             RefineError::Stopped(stopped) => return Self::Stopped(*stopped),
-            RefineError::Step { error: StepError::NoAverage { name, .. }, .. } => *name,
-            RefineError::Step { error: StepError::LargeCompensation { .. }, .. } => "compensation",
+            RefineError::Step { error: StepError { about: About::Point { name, .. }, .. }, .. } => *name,
             _ => return Self::Impossible(JobFault::new(JobPart::Plan, "", error)),
         };
         let arrays = attributes.map(Attributes::arrays).unwrap_or_default();

@@ -15,7 +15,7 @@ use crate::input::ReadLimits;
 use crate::output::{Counts, Size, surface};
 use crate::refine::{mesh_net, polygon_net, uv_net};
 use crate::scheme::forecast::{self, Count, Forecast, ForecastError};
-use crate::scheme::step::StepError;
+use crate::scheme::step_error::About;
 use crate::shape::attributes::Attributes;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
@@ -165,7 +165,7 @@ impl Limits {
 
     fn no_forecast(&self, error: &ForecastError) -> Refusal {
         match error {
-            ForecastError::Step { error: StepError::TooFewPoints(_), .. } => {
+            ForecastError::Step { error, .. } if error.about == About::Ends => {
                 Refusal::Impossible(vec![Fault::new("/plan/ends", error.to_string())])
             }
             ForecastError::Step { .. } => Refusal::Impossible(vec![Fault::new("/plan", error.to_string())]),

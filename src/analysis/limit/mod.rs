@@ -40,7 +40,7 @@ use crate::math::rows::blend;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::sharpness::Creasing;
-use crate::scheme::step::StepError;
+use crate::scheme::step_error::StepError;
 use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::watch::{Stopped, Watch};
 
