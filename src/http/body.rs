@@ -12,7 +12,7 @@ use super::pace::Pace;
 use super::problem::{self, Problem};
 use super::requests::Client;
 use crate::fault::shortened;
-use crate::job::limits::in_bytes;
+use crate::job::amounts::in_bytes;
 use crate::service::account::Held;
 use crate::service::peer::{Kind, Ticket};
 use crate::service::pool::Lane;

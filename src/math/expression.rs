@@ -42,6 +42,10 @@ macro_rules! operations {
         pub enum $type { $(#[doc = concat!("`", $name, "`.")] $variant),* }
         impl $type {
             const ALL: &'static [(&'static str, Self)] = &[$(($name, Self::$variant)),*];
+            /// Its name in expressions.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name),* }
+            }
             fn named(name: &str) -> Option<Self> {
                 Self::ALL.iter().find(|(n, _)| *n == name).map(|(_, x)| *x)
             }
