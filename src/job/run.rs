@@ -134,5 +134,5 @@ fn write(scene: &Scene<'_>, output: &Output, out: &mut dyn Write, watch: &Watch)
 
 fn control_mesh(mesh: &Mesh) -> RefinedMesh {
     let net = MeshNet::new(mesh.topology.clone(), &[], &mesh.holes, Boundary::EdgeOnly);
-    RefinedMesh::new(&net, mesh.positions.clone())
+    RefinedMesh::documented(&net, mesh.positions.clone())
 }

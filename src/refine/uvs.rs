@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::apply::{Points, advance};
 use super::error::RefineError;
 use super::start::{carried, mesh_net};
+use super::vertex_order::VertexOrder;
 use crate::scheme::letter::Letter;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::Role;
@@ -18,7 +19,6 @@ use crate::shape::creases::{INFINITE_SHARPNESS, Sharp};
 use crate::shape::directions::Directions;
 use crate::shape::mesh::Mesh;
 use crate::shape::numbering::Numbering;
-use crate::shape::order::Order;
 use crate::shape::topology::{Topology, index};
 use crate::shape::uvs::Uvs;
 use crate::watch::Watch;
@@ -26,12 +26,12 @@ use crate::watch::Watch;
 /// Refined texture coordinates: the places as vertices of a mesh with the faces of the mesh.
 #[derive(Debug)]
 pub struct RefinedUvs {
-    /// Values in the order of construction, `n_places x 2`.
+    /// Values of the places, `n_places x 2`.
     pub(super) points: Vec<f64>,
     /// The places before refinement.
     pub(super) base: Arc<Topology>,
-    /// The way to the documented order; `None` where the orders agree.
-    pub(super) order: Option<Order>,
+    /// The order in which the values are kept.
+    pub(super) order: VertexOrder,
 }
 
 /// The texture coordinates of a mesh, if it has any, refined by the steps of a plan; linear ones follow upsamplings only.
@@ -59,7 +59,7 @@ pub fn refined_uvs(
     } else {
         advance(&mut net, std::slice::from_mut(&mut points), plan, steps, watch)?;
     }
-    let order = net.mesh.order();
+    let order = VertexOrder::constructed(&net);
     Ok(Some(RefinedUvs { points: points.now, base: net.mesh.base, order }))
 }
 
