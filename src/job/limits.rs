@@ -2,17 +2,19 @@
 
 use std::sync::Arc;
 
+use super::complete::Job;
+use super::input::Input;
 use super::key::Key;
 use super::memory::{carried, compared_patches, memory};
-use super::{Input, Job, Output, time};
+use super::output::Output;
+use super::time;
 use crate::analysis::limit::{Cost, Follow, LimitRequest, ROWS_A_POINT, cost as limit_cost, followed_points};
 use crate::fault::Fault;
 use crate::input::ReadLimits;
 use crate::output::{Counts, Size, surface};
 use crate::refine::{mesh_net, polygon_net, uv_net};
 use crate::scheme::forecast::{self, Count, Forecast, ForecastError};
-use crate::scheme::plan::Scheduled;
-use crate::scheme::step::StepError;
+use crate::scheme::step_error::About;
 use crate::shape::attributes::Attributes;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
@@ -120,16 +122,17 @@ impl Limits {
     /// # Errors
     /// [`Refusal`], which is [`Refusal::Stopped`] when the watch says stop.
     pub fn estimate_under(&self, job: &Job, watch: &Watch) -> Result<Estimate, Refusal> {
-        let steps = job.plan.schedule(job.levels).map_err(|fault| Refusal::Impossible(vec![fault.under("/plan")]))?;
         let forecast = match &job.input {
             Input::Polygons(polygons) => {
                 let nets: Vec<_> = polygons.iter().map(|polygon| polygon_net(polygon, &job.plan)).collect();
-                forecast::of_polygons(&nets, &steps)
+                forecast::of_polygons(&nets, job.steps())
             }
-            Input::Mesh(mesh) => forecast::of_mesh(&mesh_net(mesh, &job.plan), &steps, self.max_vertices.into(), watch),
+            Input::Mesh(mesh) => {
+                forecast::of_mesh(&mesh_net(mesh, &job.plan), job.steps(), self.max_vertices.into(), watch)
+            }
         };
         let mut forecast = forecast.map_err(|error| self.no_forecast(&error))?;
-        self.add_uvs(job, &steps, &mut forecast, watch)?;
+        self.add_uvs(job, &mut forecast, watch)?;
         let carried = carried(job);
         // the rows are made once more for each channel
         forecast.work = forecast.work.saturating_mul(1 + carried.channels);
@@ -155,13 +158,13 @@ impl Limits {
         }
         let rows = forecast.work.saturating_add(local.points).saturating_add(time::rows(job, &counts));
         let time_ms = time::milliseconds(rows, &sizes);
-        let outputs = job.outputs.iter().zip(sizes).map(|(output, size)| (job.key(output), size)).collect();
+        let outputs = job.keys().iter().copied().zip(sizes).collect();
         Ok(Estimate { forecast, outputs, memory_bytes, time_ms })
     }
 
     fn no_forecast(&self, error: &ForecastError) -> Refusal {
         match error {
-            ForecastError::Step { error: StepError::TooFewPoints(_), .. } => {
+            ForecastError::Step { error, .. } if error.about == About::Ends => {
                 Refusal::Impossible(vec![Fault::new("/plan/ends", error.to_string())])
             }
             ForecastError::Step { .. } => Refusal::Impossible(vec![Fault::new("/plan", error.to_string())]),
@@ -186,10 +189,10 @@ impl Limits {
     }
 
     /// Counts the places with texture coordinates, which are vertices of a mesh of their own.
-    fn add_uvs(&self, job: &Job, steps: &[Scheduled], forecast: &mut Forecast, watch: &Watch) -> Result<(), Refusal> {
+    fn add_uvs(&self, job: &Job, forecast: &mut Forecast, watch: &Watch) -> Result<(), Refusal> {
         let Input::Mesh(mesh) = &job.input else { return Ok(()) };
         let Some(uvs) = &mesh.attachments.uvs else { return Ok(()) };
-        let places = forecast::of_mesh(&uv_net(mesh, uvs, &job.plan), steps, self.max_vertices.into(), watch);
+        let places = forecast::of_mesh(&uv_net(mesh, uvs, &job.plan), job.steps(), self.max_vertices.into(), watch);
         let places = places.map_err(|error| self.no_forecast(&error))?;
         for (count, places) in forecast.levels.iter_mut().zip(&places.levels) {
             count.uvs = places.vertices;
@@ -287,8 +290,8 @@ fn fewer_levels(level: u32) -> String {
 /// Whether the formats can count what there will be.
 fn check_fits(job: &Job, counts: &Counts) -> Result<(), Refusal> {
     let fits = |output: &Output| output.format.fits(counts, &output.options);
-    let fault = |(i, output)| Some(fits(output).err()?.under(&format!("/outputs/{i}")));
-    let faults: Vec<Fault> = job.outputs.iter().enumerate().filter_map(fault).collect();
+    let fault = |output| Some(Output::fault(output, fits(output).err()?));
+    let faults: Vec<Fault> = job.outputs.iter().filter_map(fault).collect();
     if faults.is_empty() { Ok(()) } else { Err(Refusal::Impossible(faults)) }
 }
 

@@ -1,7 +1,7 @@
 //! Why a refinement ends early.
 
 use crate::scheme::plan::Scheduled;
-use crate::scheme::step::StepError;
+use crate::scheme::step_error::StepError;
 use crate::watch::Stopped;
 
 /// Why a refinement ended early.

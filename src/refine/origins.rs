@@ -2,36 +2,27 @@
 
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::polygon_net::PolygonNet;
-use crate::scheme::step::StepError;
+use crate::scheme::step_error::{About, StepError};
 use crate::shape::polygon::Polygon;
 use crate::shape::topology::index;
 
-/// The error of an operator on a net of a mesh; points without an average, or of a compensation beyond its bound, with the vertices of the input that make them.
-pub(super) fn on_mesh(net: &MeshNet, error: StepError) -> StepError {
-    match error {
-        StepError::NoAverage { name, point, value, .. } => {
-            StepError::NoAverage { name, point, value, from: of_mesh(net, point) }
-        }
-        StepError::LargeCompensation { point, value, alpha, .. } => {
-            StepError::LargeCompensation { point, value, alpha, from: of_mesh(net, point) }
-        }
-        other => other,
+/// The error of an operator on a net of a mesh; one about a value of a point with the vertices of the input that make it.
+pub(super) fn on_mesh(net: &MeshNet, mut error: StepError) -> StepError {
+    if let About::Point { point, from, .. } = &mut error.about {
+        *from = of_mesh(net, *point);
     }
+    error
 }
 
-/// The same on a net of a polygon, the operator's arity given.
-pub(super) fn on_polygon(polygon: &Polygon, net: &PolygonNet, arity: u32, error: StepError) -> StepError {
-    match error {
-        StepError::NoAverage { name, point, value, .. } => {
-            StepError::NoAverage { name, point, value, from: of_polygon(polygon, net.n_control(), point) }
-        }
-        StepError::LargeCompensation { point, value, alpha, .. } => {
-            let ends = usize::from(!net.is_closed());
-            let n = (net.n_control() - ends) * arity as usize + ends;
-            StepError::LargeCompensation { point, value, alpha, from: of_polygon(polygon, n, point) }
-        }
-        other => other,
+/// The same on a net of a polygon, the operator's arity given: compensations are those of the points that it makes.
+pub(super) fn on_polygon(polygon: &Polygon, net: &PolygonNet, arity: u32, mut error: StepError) -> StepError {
+    if let About::Point { name, point, from } = &mut error.about {
+        let ends = usize::from(!net.is_closed());
+        let n =
+            if *name == "compensation" { (net.n_control() - ends) * arity as usize + ends } else { net.n_control() };
+        *from = of_polygon(polygon, n, *point);
     }
+    error
 }
 
 /// The vertices of the base around a vertex of a net, or around the point of an edge or a face of it.

@@ -18,9 +18,9 @@
 use std::mem;
 
 use super::count::Count;
-use super::ops::dual;
+use super::ops::{dual, no_interior, no_manifold};
 use super::sizes::{Sizes, is_between_two};
-use super::step::StepError;
+use super::step_error::StepError;
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::tile::Tile;
 use crate::shape::tiling::Tiling;
@@ -108,7 +108,7 @@ impl Collar {
         let at_cut: Vec<bool> = (0..net.n_faces()).map(|f| net.face(f).iter().any(|&v| is_cut(v))).collect();
         let lost = boundary + between_two + self.isolated;
         if self.count.vertices <= lost {
-            return Err(StepError::NoInterior);
+            return Err(no_interior());
         }
         let found = dual(net)?;
         let origin = |v: usize| if v < at_cut.len() { v } else { found.split_from[v - at_cut.len()] as usize };
@@ -170,8 +170,7 @@ fn near(
         }
         faces.push(left(f).map(|v| number[v]));
     }
-    let checked = Topology::of_faces(origins.len(), faces, Winding::Refuse)
-        .map_err(|faults| StepError::DualNotManifold(faults.first().map_or(String::new(), ToString::to_string)))?;
+    let checked = Topology::of_faces(origins.len(), faces, Winding::Refuse).map_err(|faults| no_manifold(&faults))?;
     origins.extend(checked.split_from.iter().map(|&v| origins[v as usize]).collect::<Vec<_>>());
     let real = origins.iter().map(|&v| real[v]).collect();
     Ok(Some((checked.topology, real)))

@@ -14,8 +14,9 @@ use super::fans::Fans;
 use super::forecast::{Forecast, ForecastError, Tally};
 use super::mesh_net::MeshNet;
 use super::operator::{Children, Role};
+use super::ops::{cannot_carry, lost_points};
 use super::plan::{Plan, Scheduled};
-use super::step::StepError;
+use super::step_error::StepError;
 use super::stepper::Stepper;
 use super::word::Word;
 use crate::shape::tile::Tile;
@@ -73,7 +74,7 @@ impl Duals<'_> {
         if let Some(tags) = net.tags.lost_by_dual
             && let Some(step) = after.iter().find(|step| is_dual(step))
         {
-            return Err(at(step, StepError::DualTags(tags)));
+            return Err(at(step, cannot_carry(tags)));
         }
         if alone(after) {
             self.by_fans(&net, after, &mut tally)?;
@@ -154,7 +155,7 @@ impl Duals<'_> {
             return Err(ForecastError::Cap { level: step.level, cap: self.cap });
         }
         if lost && step.letter.facts().role == Role::PushBack {
-            return Err(at(step, StepError::LostPoints("a boundary or a valence below 3")));
+            return Err(at(step, lost_points("a boundary or a valence below 3")));
         }
         tally.step(step, count);
         Ok(())
@@ -171,7 +172,7 @@ impl Duals<'_> {
     fn other_faces(&self, step: &Scheduled) -> ForecastError {
         let end = self.steps.iter().position(|other| std::ptr::eq(other, step)).map_or(self.steps.len(), |i| i + 1);
         let made = self.built(&self.steps[..end], &mut Tally::new(Count::of_mesh(self.net)));
-        made.err().unwrap_or(at(step, StepError::WrongNet("only triangles are split into triangles")))
+        made.err().unwrap_or(at(step, StepError::new("only triangles are split into triangles")))
     }
 }
 

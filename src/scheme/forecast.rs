@@ -11,9 +11,9 @@ use super::mesh_net::MeshNet;
 use super::operator::{Children, Role};
 use super::ops::seen_valence;
 use super::plan::{Plan, Scheduled};
-use super::polygon_net::PolygonNet;
+use super::polygon_net::{PolygonNet, too_few_points};
 use super::sharpness::Remaining;
-use super::step::StepError;
+use super::step_error::StepError;
 use crate::fault::Fault;
 use crate::shape::tile::Tile;
 use crate::shape::topology::Topology;
@@ -152,7 +152,7 @@ fn of_polygon(net: &PolygonNet, steps: &[Scheduled]) -> Result<Forecast, Forecas
         }
         duals += u32::from(step.letter.shifts());
         if n < 2 {
-            let error = StepError::TooFewPoints(usize::try_from(n).unwrap_or(0));
+            let error = too_few_points(usize::try_from(n).unwrap_or(0));
             return Err(ForecastError::Step { level: step.level, error });
         }
         tally.step(step, count(n, extent));

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::step::StepError;
+use super::step_error::{About, StepError};
 use crate::math::expression::Expression;
 use crate::shape::attributes::{Attributes, between};
 
@@ -67,13 +67,13 @@ impl Sources<'_> {
     /// The compensation of a point, computed at `alpha` if it does not come of carried ones.
     ///
     /// # Errors
-    /// [`StepError::LargeCompensation`] beyond [`MAX_COMPENSATION`] where a push-back uses it.
+    /// Beyond [`MAX_COMPENSATION`] where a push-back uses it.
     pub(super) fn bounded(&self, point: usize, value: f64, alpha: Option<f64>) -> Result<f64, StepError> {
         if !self.pushes_back || value.abs() <= MAX_COMPENSATION {
             return Ok(value);
         }
         let alpha = alpha.filter(|_| !self.compensation.is_constant());
-        Err(StepError::LargeCompensation { point, value, alpha, from: Vec::new() })
+        Err(large_compensation(point, value, alpha))
     }
 }
 
@@ -124,7 +124,7 @@ impl Local {
         });
         let kernel: Vec<f64> = kernel.collect::<Result<_, _>>()?;
         if let Some(point) = kernel.iter().position(|&f| !has_average(f)) {
-            return Err(StepError::NoAverage { name: "kernel", point, value: kernel[point], from: Vec::new() });
+            return Err(no_average("kernel", point, kernel[point]));
         }
         let (delta, compensation) = (delta.collect::<Result<_, _>>()?, compensation.collect::<Result<_, _>>()?);
         Ok(Some(Arc::new(Self { kernel, delta, compensation, arity })))
@@ -147,7 +147,25 @@ pub fn has_average(kernel: f64) -> bool {
 pub(super) fn finite<E: std::fmt::Display>(name: &str, i: usize, value: Result<f64, E>) -> Result<f64, StepError> {
     match value {
         Ok(value) if value.is_finite() => Ok(value),
-        Ok(value) => Err(StepError::Local(format!("the {name} of point {i} is {value}"))),
-        Err(error) => Err(StepError::Local(format!("{name} of point {i}: {error}"))),
+        Ok(value) => Err(StepError::new(format!("the {name} of point {i} is {value}; choose other values"))),
+        Err(error) => Err(StepError::new(format!("{name} of point {i}: {error}; choose other values"))),
     }
+}
+
+/// The refusal of a kernel of a point, in the net that entered the last upsampling or, beyond its points, that came of it,
+/// with which no average exists.
+pub(super) fn no_average(name: &'static str, point: usize, value: f64) -> StepError {
+    let why = "where no average exists, as its weights add up to 0; it is any number but -1";
+    StepError::about(About::Point { name, point, from: Vec::new() }, format!("{value}, {why}"))
+}
+
+/// The refusal of a compensation of a point, in the net that came of the last upsampling, beyond its bound; with its alpha,
+/// where it is a function of that.
+fn large_compensation(point: usize, value: f64, alpha: Option<f64>) -> StepError {
+    let (why, remedy) = match alpha {
+        Some(alpha) => (format!(" (alpha = {alpha}), a pole of the function"), "choose another alpha there"),
+        None => (String::new(), "choose smaller ones"),
+    };
+    let detail = format!("{value}{why}; at most {MAX_COMPENSATION} in size is allowed: {remedy}");
+    StepError::about(About::Point { name: "compensation", point, from: Vec::new() }, detail)
 }

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::annotations::{Annotations, mean};
-use super::local::{Sources, finite, has_average};
-use super::step::StepError;
+use super::local::{Sources, finite, has_average, no_average};
+use super::step_error::StepError;
 use crate::shape::topology::Topology;
 
 /// Values at the vertices that entered the last upsampling, and at the points made on edges and in faces.
@@ -83,5 +83,5 @@ impl MeshLocal {
 
 fn weight<E: std::fmt::Display>(name: &'static str, i: usize, value: Result<f64, E>) -> Result<f64, StepError> {
     let value = finite(name, i, value)?;
-    if has_average(value) { Ok(value) } else { Err(StepError::NoAverage { name, point: i, value, from: Vec::new() }) }
+    if has_average(value) { Ok(value) } else { Err(no_average(name, i, value)) }
 }

@@ -33,6 +33,7 @@ mod sizes;
 pub mod split_mesh;
 pub mod stencil;
 pub mod step;
+pub mod step_error;
 pub mod stepper;
 pub mod surroundings;
 pub mod tags;

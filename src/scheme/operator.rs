@@ -6,7 +6,8 @@ use super::census::Census;
 use super::mesh_net::MeshNet;
 use super::polygon_net::PolygonNet;
 use super::settings::Settings;
-use super::step::{Step, StepError, Values};
+use super::step::{Step, Values};
+use super::step_error::StepError;
 use super::window::Window;
 use crate::math::parameter::Parameter;
 
@@ -51,12 +52,16 @@ pub trait Operator: fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// When the operator cannot be applied here.
-    fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError>;
+    fn on_polygon(&self, _net: &PolygonNet, _values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
+        Err(StepError::new(self.facts().nets.not_polygons().unwrap_or_default()))
+    }
     /// The step on a mesh.
     ///
     /// # Errors
     /// When the operator cannot be applied here.
-    fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError>;
+    fn on_mesh(&self, _net: &MeshNet, _values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+        Err(StepError::new(self.facts().nets.not_meshes().unwrap_or_default()))
+    }
 }
 
 /// What holds of an operator everywhere.
@@ -71,6 +76,8 @@ pub struct Facts {
     pub doc: &'static str,
     /// Author, year, page.
     pub source: &'static str,
+    /// To which nets it can be applied.
+    pub nets: Nets,
     /// What it means for the parameters that change along a plan.
     pub role: Role,
     /// The plan parameters that it uses.
@@ -88,8 +95,8 @@ pub struct Facts {
     pub pointwise: bool,
     /// Whether its weights follow alpha.
     pub needs_alpha: bool,
-    /// Whether it makes sense only after an upsampling.
-    pub needs_upsampling: bool,
+    /// Why it makes no sense before the first upsampling, if it makes none.
+    pub needs_upsampling: Option<&'static str>,
     /// Whether it is not linear but turns tangents along with points of the plane.
     pub turns_tangents: bool,
     /// Whether it makes a connectivity of its own, whose faces lie across several old ones.
@@ -110,6 +117,7 @@ impl Facts {
         name: "",
         doc: "",
         source: "",
+        nets: Nets::Both,
         role: Role::Smooth,
         uses: &[],
         parameters: &[],
@@ -118,11 +126,34 @@ impl Facts {
         twice: None,
         pointwise: false,
         needs_alpha: false,
-        needs_upsampling: false,
+        needs_upsampling: None,
         turns_tangents: false,
         rebuilds: false,
         reaches_farther: false,
     };
+}
+
+/// To which nets an operator can be applied, and why not to others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Nets {
+    /// Polygons and meshes.
+    Both,
+    /// Polygons; why no meshes.
+    Polygons(&'static str),
+    /// Meshes; why no polygons.
+    Meshes(&'static str),
+}
+
+impl Nets {
+    /// Why it cannot be applied to polygons, if it cannot.
+    pub fn not_polygons(self) -> Option<&'static str> {
+        if let Self::Meshes(why) = self { Some(why) } else { None }
+    }
+
+    /// Why it cannot be applied to meshes, if it cannot.
+    pub fn not_meshes(self) -> Option<&'static str> {
+        if let Self::Polygons(why) = self { Some(why) } else { None }
+    }
 }
 
 /// What an operator means for the parameters that change along a plan.

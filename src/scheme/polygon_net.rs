@@ -7,7 +7,7 @@ use super::local::Local;
 use super::phase::Phase;
 use super::polygon_anchor::PolygonAnchor;
 use super::preimage::Preimages;
-use super::step::StepError;
+use super::step_error::{About, StepError};
 use super::window::{Window, steps};
 use crate::math::rows::Rows;
 use crate::shape::attributes::Attributes;
@@ -140,7 +140,7 @@ impl PolygonNet {
         let landing = window.land(self.n as u128, self.extent);
         let n = usize::try_from(landing.n).unwrap_or(usize::MAX);
         if n < 2 {
-            return Err(StepError::TooFewPoints(n));
+            return Err(too_few_points(n));
         }
         let fixed_ends = matches!(self.extent, Extent::Whole | Extent::Half);
         let first = isize::from(landing.extent == Extent::Half);
@@ -178,4 +178,10 @@ impl PolygonNet {
         }
         rows.add(index(i.cast_unsigned() + self.first()), weight);
     }
+}
+
+/// The refusal of natural ends that leave too few points.
+pub(super) fn too_few_points(n: usize) -> StepError {
+    let found = format!("natural ends leave {n} points; at least 2 must remain");
+    StepError::about(About::Ends, format!("{found}: give more points or use clamped ends"))
 }

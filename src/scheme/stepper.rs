@@ -6,7 +6,8 @@ use super::operator::Operator;
 use super::plan::{Plan, Scheduled};
 use super::polygon_net::PolygonNet;
 use super::rules::LatitudeRule;
-use super::step::{Step, StepError, Values};
+use super::step::{Step, Values};
+use super::step_error::StepError;
 
 /// A net to which operators are applied.
 pub trait Net: Sized {

@@ -4,7 +4,7 @@ use super::bounds::{
     MAX_FOLLOWED_LEVELS, MAX_FOLLOWED_POINTS, MAX_LEVEL_POINTS, MAX_PATCH_VERTICES, MAX_PATCHES, MAX_RINGS,
 };
 use crate::refine::RefineError;
-use crate::scheme::step::StepError;
+use crate::scheme::step_error::StepError;
 use crate::watch::Stopped;
 
 /// Why there is no limit.

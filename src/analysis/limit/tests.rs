@@ -25,7 +25,8 @@ fn around(sizes: &[u32]) -> MeshNet {
 /// The least of the patches of all starts, the first of several.
 fn least_of_all(whole: &WholeNet<'_>, centre: Centre, rings: Rings) -> Option<Located> {
     let walks = whole.starts(centre).enumerate();
-    let found = walks.map(|(turn, start)| Located { turn, ..whole.walk(centre, start, rings).expect("a small patch") });
+    let found =
+        walks.map(|(rotation, start)| Located { rotation, ..whole.walk(centre, start, rings).expect("a small patch") });
     found.reduce(|least, found| if found.patch < least.patch { found } else { least })
 }
 

@@ -1,13 +1,14 @@
 //! A: the window average.
 
+use super::dual::cannot_carry;
 use super::masked::apply;
 use crate::math::mask::Mask;
-use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Facts, Operator, Role};
+use crate::scheme::operator::{Facts, Nets, Operator, Role};
 use crate::scheme::parameters::ARITY;
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::settings::Settings;
-use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::StepError;
 use crate::scheme::window::Window;
 
 /// A, the window average: `q[j] = (p[j] + ... + p[j + d - 1]) / d` with the arity d of the last U, re-centred.
@@ -21,9 +22,10 @@ static FACTS: Facts = Facts {
      point itself stands in the middle; for even d the window reaches further forward the first time after a U, \
      further back the second, and so on. U3 A^(g-1) gives the B-spline of degree g.",
     source: "Zhang and Wang 2002, section 4.2; Lane and Riesenfeld, IEEE PAMI 2 (1980), 35-46",
+    nets: Nets::Polygons("A averages the points of polygons; meshes take U, D, C and P"),
     role: Role::Average,
     parameters: &[ARITY],
-    needs_upsampling: true,
+    needs_upsampling: Some("A needs a U before it: it averages as many points as the arity of the last U"),
     ..Facts::USUAL
 };
 
@@ -40,14 +42,10 @@ impl Operator for BoxAverage {
         let d = values.settings.arity();
         let window = Window::mean(d, net.duals % 2 == 1);
         if !net.corners.is_empty() && window.shifts() {
-            return Err(StepError::DualTags("corners"));
+            return Err(cannot_carry("corners"));
         }
         let mask = Mask { first: window.first, values: vec![1.0 / f64::from(d); d as usize] };
         let (landed, rows) = apply(net, window, mask)?;
         Ok(Step { net: landed.shifted(u32::from(window.shifts())), action: Action::Blend(rows) })
-    }
-
-    fn on_mesh(&self, _: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        Err(StepError::WrongNet("A averages the points of polygons; on meshes use D or C"))
     }
 }

@@ -6,10 +6,10 @@ use super::upsample::ratio;
 use crate::math::parameter::{Default, Kind, Parameter};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Facts, Operator};
-use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::operator::{Facts, Nets, Operator};
 use crate::scheme::stencil::{FourPoint, TriangleEdgeMask};
-use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::StepError;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// The edge points of the modified butterfly scheme, with `16 w` times the displacement from the middle of the edge; at
@@ -44,6 +44,7 @@ static FACTS: Facts = Facts {
      vertices) where both ends have valence 6, weights of the ring of an end of another valence, the four-point rule \
      on boundaries. Used by the preset butterfly.",
     source: "Zorin, Schroeder and Sweldens, SIGGRAPH 1996, 189-192; Dyn, Levin and Gregory, ACM TOG 9 (1990), 160-169",
+    nets: Nets::Meshes("butterfly refines meshes of triangles; for polygons use four-point"),
     parameters: &[ButterflyEdges::W],
     ..Facts::USUAL
 };
@@ -53,16 +54,12 @@ impl Operator for ButterflyEdges {
         &FACTS
     }
 
-    fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
-        Err(StepError::WrongNet("butterfly refines meshes of triangles; for polygons use four-point"))
-    }
-
     fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
         around::check("butterfly", &net.mesh.base)
     }
 
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let parent = net.mesh.halved_triangles().cloned().ok_or(StepError::NoAnchor)?;
+        let parent = net.mesh.halved_triangles().cloned().ok_or_else(around::not_upsampled)?;
         if net.mesh.pieces.len() == 1 {
             self.admits(net)?;
         }

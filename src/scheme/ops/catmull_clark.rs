@@ -1,15 +1,16 @@
 //! The smoothing half of Catmull-Clark, applied after U.
 
+use super::around;
 use super::upsample::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::creases::{Blend, Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Facts, Follows, Operator, Role, SplineStep};
-use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::operator::{Facts, Follows, Nets, Operator, Role, SplineStep};
 use crate::scheme::rules::TriangleRule;
 use crate::scheme::settings::Settings;
 use crate::scheme::stencil::{EdgeMask, RingMask, VertexMask};
-use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::StepError;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// Catmull-Clark after U, for faces of any size: `F' = F`, `E' = E/2 + (F1 + F2)/4` (which is `(V1 + V2 + F1 + F2)/4`),
@@ -24,6 +25,7 @@ static FACTS: Facts = Facts {
     doc: "The smoothing of Catmull and Clark after U: face points stay, edge points E/2 + (F1 + F2)/4, vertices of valence \
      N (N-3)/N V + 2/N^2 sum E + 1/N^2 sum F; boundaries and creases are cubic B-splines, while they are sharp. Used by the preset catmull-clark.",
     source: "Catmull and Clark, CAD 10 (1978), 350-355; boundaries as OpenSubdiv 3.5",
+    nets: Nets::Meshes("catmull-clark refines meshes; for polygons use cubic-b-spline"),
     role: Role::Smooth,
     follows: Follows::SemiSharp,
     ..Facts::USUAL
@@ -34,16 +36,12 @@ impl Operator for CatmullClark {
         &FACTS
     }
 
-    fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
-        Err(StepError::WrongNet("catmull-clark refines meshes; for polygons use cubic-b-spline"))
-    }
-
     fn spline(&self, _: &Settings, _: f64) -> Result<SplineStep, &'static str> {
         Ok(SplineStep::Mean)
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let parent = net.mesh.halved().cloned().ok_or(StepError::NoAnchor)?;
+        let parent = net.mesh.halved().cloned().ok_or_else(around::not_upsampled)?;
         let (n, n_v, n_e) = (net.mesh.n_vertices(), parent.n_vertices(), parent.n_edges());
         let old = net.clone();
         let creases = Creases::of_parent(net);

@@ -4,13 +4,13 @@ use super::masked::apply;
 use crate::math::functions::sin;
 use crate::math::mask::Mask;
 use crate::scheme::extent::Extent;
-use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Children, Facts, Operator, Role};
+use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
 use crate::scheme::parameters::{ARITY, AVERAGES, FIRST, MASK};
 use crate::scheme::polygon_anchor::PolygonAnchor;
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::settings::Settings;
-use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::StepError;
 use crate::scheme::window::Window;
 
 /// A level of the d-ary scheme with m averages that reproduces circles of angle alpha a point: the mask
@@ -52,6 +52,7 @@ static FACTS: Facts = Facts {
     name: "circle-mask",
     doc: "A level of the d-ary scheme that keeps circles of angle alpha a point. Used by the preset d-ary-circle.",
     source: "after Zhang and Wang 2002, section 4.2; space {1, ..., t^(m-1), cos t, sin t}",
+    nets: Nets::Polygons("this scheme refines polygons"),
     role: Role::Upsample,
     children: Children::Vertices,
     parameters: &[ARITY, AVERAGES, MASK, FIRST],
@@ -79,10 +80,10 @@ impl Operator for Circle {
     fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
         let settings = values.settings;
         let (Some(window), Some(mask)) = (self.window(settings, 0), settings.mask()) else {
-            return Err(StepError::WrongNet("a circle mask is scheduled before it is applied"));
+            return Err(StepError::new("a circle mask is scheduled before it is applied"));
         };
         if !net.corners.is_empty() {
-            return Err(StepError::WrongNet("corners need a word over U, C and P; this scheme is a mask and has none"));
+            return Err(StepError::new("corners need a word over U, C and P; this scheme is a mask and has none"));
         }
         let (landed, rows) = apply(net, window, mask)?;
         let lost = net.extent == Extent::Natural && settings.whole(&AVERAGES).is_some_and(|averages| averages > 0);
@@ -90,9 +91,5 @@ impl Operator for Circle {
         let phase = Some(net.phase_after(settings.arity()));
         let next = PolygonNet { duals: 0, phase, anchor: Some(anchor), ..landed };
         Ok(Step { net: next, action: Action::BlendFromAnchor(rows) })
-    }
-
-    fn on_mesh(&self, _: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        Err(StepError::WrongNet("this scheme refines polygons"))
     }
 }

@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 
 use super::around;
 use super::cosines::cosine;
+use super::dual::no_manifold;
 use super::upsample::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::census::{Census, sum};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Children, Facts, Operator, Role};
-use crate::scheme::polygon_net::PolygonNet;
-use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::StepError;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// Doo and Sabin: a new vertex for each corner of a face of n vertices, with the weights `w[0] = (n + 5)/(4n)` of the
@@ -32,6 +33,7 @@ static FACTS: Facts = Facts {
      corner and (3 + 2 cos(2 pi i/n))/(4n) for the others; a face for each face, edge and vertex. Boundaries follow \
      Chaikin, and the surface is reflected at them. Used by the preset doo-sabin.",
     source: "Doo and Sabin, CAD 10 (1978), 356-360; Doo, Proc. Interactive Techniques in CAD (1978), 157-165",
+    nets: Nets::Meshes("doo-sabin refines meshes; for polygons use chaikin"),
     role: Role::Smooth,
     children: Children::Faces,
     rebuilds: true,
@@ -43,24 +45,20 @@ impl Operator for DooSabin {
         &FACTS
     }
 
-    fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
-        Err(StepError::WrongNet("doo-sabin refines meshes; for polygons use chaikin"))
-    }
-
     fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
         let topology = &net.mesh.base;
         if !net.tags.holes.is_empty() {
-            return Err(StepError::OwnTags("doo-sabin", "holes (boundary \"none\" makes some)"));
+            return Err(around::cannot_follow("doo-sabin", "holes (boundary \"none\" makes some)"));
         }
         around::check("doo-sabin", topology)?;
         for v in 0..topology.n_vertices() {
             let n = topology.ring(v).count();
             let inner = topology.boundary_edges(v).is_none();
             if inner && n == 2 {
-                return Err(StepError::TwoFaces { scheme: "doo-sabin", vertex: v });
+                return Err(around::two_faces("doo-sabin", v));
             }
             if net.tags.is_corner(v) && (inner || n != 1) {
-                return Err(StepError::DualCorner(v));
+                return Err(inner_corner(v));
             }
         }
         Ok(())
@@ -101,9 +99,7 @@ impl Operator for DooSabin {
             });
             return Ok(Step { net: next, action: Action::Blend(Box::new(rows)) });
         }
-        let topology = old
-            .cut_corners_first(&net.tags.corners)
-            .map_err(|faults| StepError::DualNotManifold(faults.first().map_or(String::new(), ToString::to_string)))?;
+        let topology = old.cut_corners_first(&net.tags.corners).map_err(|faults| no_manifold(&faults))?;
         let boundary: Vec<u32> = (0..old.n_edges()).filter(|&e| old.is_boundary_edge(e)).map(index).collect();
         let (fixed, n_rim) = (net.tags.corners.clone(), 2 * boundary.len());
         let first_fixed = n_c + index(n_rim);
@@ -224,4 +220,10 @@ fn half_row(old: &Topology, weights: &Weights, corner: u32, rim: u32, out: &mut 
     }
     out.add(old.vertex(rim), 0.5 * centre - 0.5 * along);
     out.add(old.vertex(end), 0.5 * centre + 0.5 * along);
+}
+
+/// The refusal of a corner that has no vertex after the step.
+fn inner_corner(v: usize) -> StepError {
+    let kept = "doo-sabin, which makes faces of vertices, keeps corners only on the boundary where one face meets them";
+    StepError::new(format!("vertex {v} is tagged as a corner; {kept}: leave the tag out"))
 }

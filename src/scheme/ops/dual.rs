@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::average::Average;
 use super::upsample::ratio;
+use crate::fault::Fault;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
 use crate::scheme::mesh_net::MeshNet;
@@ -14,7 +15,8 @@ use crate::scheme::parameters::SPLIT;
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::preimage::Preimage;
 use crate::scheme::settings::Settings;
-use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::StepError;
 use crate::scheme::window::Window;
 use crate::shape::check::{Checked, FaceList, Winding};
 use crate::shape::tile::Tile;
@@ -62,7 +64,7 @@ impl Operator for Dual {
 
     fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
         if !net.corners.is_empty() {
-            return Err(StepError::DualTags("corners"));
+            return Err(cannot_carry("corners"));
         }
         let back = isize::from(net.duals % 2 == 1);
         let (landed, preimages) = net.land(Window::mean(2, back == 1))?;
@@ -82,12 +84,12 @@ impl Operator for Dual {
 
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
         if let Some(tags) = net.tags.lost_by_dual {
-            return Err(StepError::DualTags(tags));
+            return Err(cannot_carry(tags));
         }
         let ordered = Ordered::of(net);
         let (faces, kept) = dual_faces(&ordered)?;
         if faces.is_empty() {
-            return Err(StepError::NoInterior);
+            return Err(no_interior());
         }
         let n_old = net.mesh.n_vertices();
         let lost = kept.len() < n_old && !net.tags.cut;
@@ -210,6 +212,22 @@ fn cycles(explicit: &Topology) -> (FaceList, Vec<u32>) {
 }
 
 fn manifold(n_vertices: usize, faces: FaceList) -> Result<Checked, StepError> {
-    Topology::of_faces(n_vertices, faces, Winding::Refuse)
-        .map_err(|faults| StepError::DualNotManifold(faults.first().map_or(String::new(), ToString::to_string)))
+    Topology::of_faces(n_vertices, faces, Winding::Refuse).map_err(|faults| no_manifold(&faults))
+}
+
+/// The refusal of what D cannot carry.
+pub(in crate::scheme) fn cannot_carry(tags: &str) -> StepError {
+    let both = format!("D cannot carry {tags}, nor can A of an even arity");
+    StepError::new(format!("{both}: leave them out or use C, which is two D at once"))
+}
+
+/// The refusal of a mesh without interior vertices.
+pub(in crate::scheme) fn no_interior() -> StepError {
+    StepError::new("D needs a vertex all of whose faces meet in a full ring; this mesh has none")
+}
+
+/// The refusal of a mesh whose dual is no manifold, as when two faces share several edges.
+pub(in crate::scheme) fn no_manifold(faults: &[Fault]) -> StepError {
+    let first = faults.first().map_or(String::new(), ToString::to_string);
+    StepError::new(format!("D is not possible here, as the dual is no manifold ({first}); apply a U first"))
 }

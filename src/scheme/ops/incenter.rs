@@ -8,11 +8,11 @@ use crate::math::functions::sin;
 use crate::math::parameter::{Default, Kind, Parameter};
 use crate::math::planar::{Neighbours, Vector, angle, half_chord, length, rotated};
 use crate::math::vector::{direction, plus, times};
-use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Children, Facts, Operator, Role};
+use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::settings::Settings;
-use crate::scheme::step::{Action, PointMap, Step, StepError, Values};
+use crate::scheme::step::{Action, PointMap, Step, Values};
+use crate::scheme::step_error::StepError;
 use crate::scheme::window::Window;
 use crate::watch::{Stopped, Watch};
 
@@ -44,6 +44,7 @@ static FACTS: Facts = Facts {
     doc: "A level of incenter subdivision, which is not linear: it turns tangents along with points of the plane. Used by \
      the preset incenter.",
     source: "after Deng and Wang, CAGD 27 (2010), 48-59",
+    nets: Nets::Polygons("this scheme refines polygons"),
     role: Role::Upsample,
     children: Children::Vertices,
     parameters: &[Incenter::MU],
@@ -67,10 +68,6 @@ impl Operator for Incenter {
         let pinned = net.pinned.iter().map(|i| 2 * i).collect();
         let next = PolygonNet { duals: 0, phase: Some(net.phase_after(2)), anchor: None, pinned, ..landed };
         Ok(Step { net: next, action: Action::Map(Box::new(map)) })
-    }
-
-    fn on_mesh(&self, _: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        Err(StepError::WrongNet("this scheme refines polygons"))
     }
 }
 

@@ -4,10 +4,10 @@ use super::around;
 use super::upsample::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Facts, Operator, Role};
-use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::operator::{Facts, Nets, Operator, Role};
 use crate::scheme::stencil::FourPoint;
-use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::StepError;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// The rule along lines of edges.
@@ -33,6 +33,7 @@ static FACTS: Facts = Facts {
      ends: the next vertex at valence 4, a virtual point at other valences, the next vertex of the boundary on \
      boundaries, the reflected one at corners. Used by the preset kobbelt.",
     source: "Kobbelt, Computer Graphics Forum 15 (1996), 409-420, section 3; ends as of clamped polygons",
+    nets: Nets::Meshes("kobbelt refines meshes; for polygons use four-point"),
     role: Role::Smooth,
     reaches_farther: true,
     ..Facts::USUAL
@@ -43,16 +44,12 @@ impl Operator for KobbeltEdges {
         &FACTS
     }
 
-    fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
-        Err(StepError::WrongNet("kobbelt refines meshes; for polygons use four-point"))
-    }
-
     fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
         around::check("kobbelt", &net.mesh.base)
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let parent = net.mesh.parent.clone().ok_or(StepError::NoAnchor)?;
+        let parent = net.mesh.parent.clone().ok_or_else(around::not_upsampled)?;
         if net.mesh.pieces.len() == 1 {
             self.admits(net)?;
         }

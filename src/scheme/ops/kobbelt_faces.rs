@@ -1,11 +1,12 @@
 //! The face points of Kobbelt's interpolating scheme, applied after its edge points.
 
+use super::around;
 use super::upsample::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Facts, Operator, Role};
-use crate::scheme::polygon_net::PolygonNet;
-use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::operator::{Facts, Nets, Operator, Role};
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::StepError;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// The face points of Kobbelt: the four-point rule across the face, from edge points to edge points, in the mean of its
@@ -24,6 +25,7 @@ static FACTS: Facts = Facts {
      edge point E* across the neighbour at each side: in quads the four-point rule from edge points to edge points. \
      Used by the preset kobbelt.",
     source: "Kobbelt, Computer Graphics Forum 15 (1996), 409-420, section 3",
+    nets: Nets::Meshes("kobbelt refines meshes; for polygons use four-point"),
     role: Role::Smooth,
     ..Facts::USUAL
 };
@@ -33,12 +35,8 @@ impl Operator for KobbeltFaces {
         &FACTS
     }
 
-    fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
-        Err(StepError::WrongNet("kobbelt refines meshes; for polygons use four-point"))
-    }
-
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let parent = net.mesh.parent.clone().ok_or(StepError::NoAnchor)?;
+        let parent = net.mesh.parent.clone().ok_or_else(around::not_upsampled)?;
         let (n, before) = (net.mesh.n_vertices(), parent.n_vertices() + parent.n_edges());
         let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
             if row < before {

@@ -1,16 +1,17 @@
 //! The smoothing half of Loop's scheme, applied after U on triangles.
 
+use super::around;
 use super::upsample::ratio;
 use crate::math::functions::cos;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::creases::{Blend, Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Facts, Follows, Operator, Role, SplineStep};
-use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::operator::{Facts, Follows, Nets, Operator, Role, SplineStep};
 use crate::scheme::settings::Settings;
 use crate::scheme::sharpness::edges_at;
 use crate::scheme::stencil::{RingMask, TriangleEdgeMask};
-use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::StepError;
 use crate::shape::topology::index;
 
 /// Loop after U: `E' = 3/8 (V1 + V2) + 1/8 (A + B)` with the opposite vertices A and B, `V' = (1 - N beta) V + beta sum`
@@ -27,6 +28,7 @@ static FACTS: Facts = Facts {
      (1 - N beta) V + beta sum of the neighbours, beta = (5/8 - (3/8 + cos(2 pi/N)/4)^2) / N; boundaries and \
      creases are cubic B-splines, while they are sharp. Used by the preset loop.",
     source: "Loop, Smooth subdivision surfaces based on triangles, 1987; boundaries as OpenSubdiv 3.5",
+    nets: Nets::Meshes("loop refines meshes; for polygons use cubic-b-spline"),
     role: Role::Smooth,
     follows: Follows::SemiSharp,
     ..Facts::USUAL
@@ -37,16 +39,12 @@ impl Operator for LoopSmoothing {
         &FACTS
     }
 
-    fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
-        Err(StepError::WrongNet("loop refines meshes; for polygons use cubic-b-spline"))
-    }
-
     fn spline(&self, _: &Settings, _: f64) -> Result<SplineStep, &'static str> {
         Ok(SplineStep::Mean)
     }
 
     fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        let parent = net.mesh.halved_triangles().cloned().ok_or(StepError::NoAnchor)?;
+        let parent = net.mesh.halved_triangles().cloned().ok_or_else(around::not_upsampled)?;
         let (n, n_v) = (net.mesh.n_vertices(), parent.n_vertices());
         let old = net.clone();
         let creases = Creases::of_parent(net);

@@ -2,13 +2,13 @@
 
 use crate::math::mask::Mask;
 use crate::math::rows::{RowSource, Rows, RowsBy};
-use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Children, Facts, Operator, Role};
+use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
 use crate::scheme::parameters::{ARITY, FIRST, MASK};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::preimage::Preimage;
 use crate::scheme::settings::Settings;
-use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::StepError;
 use crate::scheme::window::{Window, steps};
 use crate::shape::topology::index;
 
@@ -20,6 +20,7 @@ static FACTS: Facts = Facts {
     name: "mask",
     doc: "A level of a linear curve scheme of arity d: q[j] = sum over i of a[j - d i] p[i]. Used by presets.",
     source: "Dyn, Subdivision schemes in CAGD, 1992, section 2",
+    nets: Nets::Polygons("this scheme refines polygons"),
     role: Role::Upsample,
     parameters: &[ARITY, MASK, FIRST],
     children: Children::Vertices,
@@ -39,18 +40,14 @@ impl Operator for Masked {
     fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
         let settings = values.settings;
         let (Some(window), Some(mask)) = (self.window(settings, 0), settings.mask()) else {
-            return Err(StepError::WrongNet("a mask operator has a mask"));
+            return Err(StepError::new("a mask operator has a mask"));
         };
         if !net.corners.is_empty() {
-            return Err(StepError::WrongNet("corners need a word over U, C and P; this scheme is a mask and has none"));
+            return Err(StepError::new("corners need a word over U, C and P; this scheme is a mask and has none"));
         }
         let (landed, rows) = apply(net, window, mask)?;
         let next = PolygonNet { duals: 0, phase: None, anchor: None, ..landed };
         Ok(Step { net: next, action: Action::Blend(rows) })
-    }
-
-    fn on_mesh(&self, _: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        Err(StepError::WrongNet("this scheme refines polygons"))
     }
 }
 

@@ -21,19 +21,21 @@ mod ring_average;
 mod root_three;
 mod upsample;
 
+pub(super) use around::cannot_follow;
 pub use butterfly::ButterflyEdges;
 pub use catmull_clark::CatmullClark;
 pub use circle::Circle;
 pub use doo_sabin::DooSabin;
-pub(super) use dual::dual;
+pub(super) use dual::{cannot_carry, dual, no_interior, no_manifold};
 pub use incenter::Incenter;
 pub use kobbelt_edges::KobbeltEdges;
 pub use kobbelt_faces::KobbeltFaces;
 pub use loop_smoothing::LoopSmoothing;
 pub use masked::Masked;
 pub use push_back::CIRCULAR_PUSH_BACK;
-pub(super) use push_back::seen_valence;
+pub(super) use push_back::{lost_points, no_anchor, odd_duals, seen_valence};
 pub use root_three::RootThree;
+pub(super) use upsample::not_triangles;
 
 use super::operator::Operator;
 

@@ -5,18 +5,19 @@ use std::sync::Arc;
 
 use super::latitude::Lines;
 use super::upsample::ratio;
-use crate::math::expression::Expression;
+use crate::math::expression::{Expression, ExpressionError};
 use crate::math::functions::sin;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
 use crate::scheme::creases::{Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Facts, Follows, Operator, Role, SplineStep};
+use crate::scheme::operator::{Facts, Follows, Nets, Operator, Role, SplineStep};
 use crate::scheme::polygon_anchor::PolygonAnchor;
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::rules::LatitudeRule;
 use crate::scheme::settings::Settings;
-use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::StepError;
 use crate::scheme::window::steps;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
@@ -34,7 +35,12 @@ pub const CIRCULAR_PUSH_BACK: PushBack = PushBack(Share::Circular);
 static LINEAR: Facts =
     Facts { letter: Some('P'), name: "push-back", follows: Follows::Creases, pointwise: true, ..COMMON };
 
-static CIRCULAR: Facts = Facts { name: "circular-push-back", needs_alpha: true, ..COMMON };
+static CIRCULAR: Facts = Facts {
+    name: "circular-push-back",
+    nets: Nets::Polygons("this scheme refines polygons"),
+    needs_alpha: true,
+    ..COMMON
+};
 
 /// What both have in common.
 const COMMON: Facts = Facts {
@@ -88,10 +94,10 @@ impl Operator for PushBack {
     }
 
     fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
-        let anchor = net.anchor.clone().ok_or(StepError::NoAnchor)?;
+        let anchor = net.anchor.clone().ok_or_else(no_anchor)?;
         legal(net.duals, anchor.lost, "natural ends")?;
-        let delta = values.delta.value(f64::NAN).map_err(|error| StepError::Delta { valence: 2, error })?;
-        let phase = net.phase.ok_or(StepError::NoAnchor)?;
+        let delta = values.delta.value(f64::NAN).map_err(|error| no_delta(2, &error))?;
+        let phase = net.phase.ok_or_else(no_anchor)?;
         // control point k of the net has the index j = k + start, and vertices stand at the multiples of d
         let (d, start) = (steps(phase.arity), phase.start());
         let children = children_of(&anchor, net, d, start);
@@ -121,10 +127,7 @@ impl Operator for PushBack {
     }
 
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
-        if self.0 == Share::Circular {
-            return Err(StepError::WrongNet("this scheme refines polygons"));
-        }
-        let anchor = net.since.anchor.clone().ok_or(StepError::NoAnchor)?;
+        let anchor = net.since.anchor.clone().ok_or_else(no_anchor)?;
         legal(net.since.duals, anchor.lost, "a boundary or a valence below 3")?;
         let deltas = deltas(net, &anchor, values.delta)?;
         let children = children(&anchor);
@@ -165,9 +168,9 @@ fn children_of(anchor: &PolygonAnchor, net: &PolygonNet, d: isize, start: isize)
 fn legal(duals: u32, lost: bool, to: &'static str) -> Result<(), StepError> {
     // what no other input helps against first
     if duals % 2 == 1 {
-        Err(StepError::OddDuals(duals))
+        Err(odd_duals(duals))
     } else if lost {
-        Err(StepError::LostPoints(to))
+        Err(lost_points(to))
     } else {
         Ok(())
     }
@@ -204,7 +207,7 @@ fn deltas(net: &MeshNet, anchor: &Anchor, delta: &Expression) -> Result<Vec<f64>
             value
         } else {
             let value = delta.value(ratio(valence, 1));
-            let value = value.map_err(|error| StepError::Delta { valence, error })?;
+            let value = value.map_err(|error| no_delta(valence, &error))?;
             known.insert(valence, value);
             value
         };
@@ -228,4 +231,24 @@ pub(in crate::scheme) fn seen_valence(topology: &Topology, tile: Tile, v: usize)
     } else {
         topology.ring(v).count()
     }
+}
+
+/// The refusal of a push-back without an upsampling before it.
+pub(in crate::scheme) fn no_anchor() -> StepError {
+    StepError::new("P needs a U before it: it pushes back towards what entered the last U")
+}
+
+/// The refusal of a push-back in a dual net.
+pub(in crate::scheme) fn odd_duals(duals: u32) -> StepError {
+    StepError::new(format!("P needs an even number of D since the last U; here it is {duals}"))
+}
+
+/// The refusal of a push-back where points were lost.
+pub(in crate::scheme) fn lost_points(to: &str) -> StepError {
+    StepError::new(format!("P needs a child of every point that entered the last U; here some were lost to {to}"))
+}
+
+/// The refusal of a push-back factor that has no value at some valence.
+fn no_delta(valence: usize, error: &ExpressionError) -> StepError {
+    StepError::new(format!("delta: {error} (valence {valence})"))
 }

@@ -1,16 +1,17 @@
 //! A level of sqrt 3 subdivision.
 
+use super::around;
 use super::cosines::cosine;
-use super::upsample::ratio;
+use super::upsample::{not_triangles, ratio};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::census::{Census, sum};
 use crate::scheme::creases::{Blend, Rule};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Children, Facts, Operator, Role};
-use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
 use crate::scheme::sharpness::edges_at;
 use crate::scheme::stencil::RingMask;
-use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::StepError;
 use crate::shape::root_three::Rim;
 use crate::shape::topology::{NONE, Topology, index};
 
@@ -30,6 +31,7 @@ static FACTS: Facts = Facts {
      (4 - 2 cos(2 pi/n))/9 of the way to the mean of their n neighbours. Every second level cuts boundary edges in \
      three, by the ternary cubic B-spline (1, 4, 10, 16, 19, 16, 10, 4, 1)/27. Used by the preset sqrt-3.",
     source: "Kobbelt, SIGGRAPH 2000, 103-112",
+    nets: Nets::Meshes("sqrt-3 refines meshes of triangles; for polygons use ternary-cubic"),
     role: Role::Smooth,
     children: Children::Vertices,
     rebuilds: true,
@@ -41,21 +43,17 @@ impl Operator for RootThree {
         &FACTS
     }
 
-    fn on_polygon(&self, _: &PolygonNet, _: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
-        Err(StepError::WrongNet("sqrt-3 refines meshes of triangles; for polygons use ternary-cubic"))
-    }
-
     fn admits(&self, net: &MeshNet) -> Result<(), StepError> {
         let topology = &net.mesh.base;
         if !net.tags.holes.is_empty() {
-            return Err(StepError::OwnTags("sqrt-3", "holes (boundary \"none\" makes some)"));
+            return Err(around::cannot_follow("sqrt-3", "holes (boundary \"none\" makes some)"));
         }
         if let Some(face) = topology.first_other_than_triangle() {
-            return Err(StepError::NotTriangles { face, size: topology.face(face).len() });
+            return Err(not_triangles(face, topology.face(face).len()));
         }
         let two = |&v: &usize| topology.boundary_edges(v).is_none() && topology.ring(v).count() == 2;
         match (0..topology.n_vertices()).find(two) {
-            Some(vertex) => Err(StepError::TwoFaces { scheme: "sqrt-3", vertex }),
+            Some(vertex) => Err(around::two_faces("sqrt-3", vertex)),
             None => Ok(()),
         }
     }

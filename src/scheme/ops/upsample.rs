@@ -12,7 +12,8 @@ use crate::scheme::parameters::{ARITY, SPLIT};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::preimage::Preimage;
 use crate::scheme::settings::Settings;
-use crate::scheme::step::{Action, Step, StepError, Values};
+use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step_error::{About, StepError};
 use crate::scheme::window::{Window, steps};
 use crate::shape::tile::Tile;
 use crate::shape::topology::index;
@@ -90,7 +91,7 @@ impl Operator for Upsample {
         if tile == Tile::Triangle
             && let Some(face) = entered.first_other_than_triangle()
         {
-            return Err(StepError::NotTriangles { face, size: entered.face(face).len() });
+            return Err(not_triangles(face, entered.face(face).len()));
         }
         let is_quads = || entered.is_quads() && net.surroundings.is_none_or(|all| all.quads);
         let quads = tile == Tile::Quad && pieces != 2 && !is_quads();
@@ -113,4 +114,11 @@ impl Operator for Upsample {
         });
         Ok(Step { net: next, action: Action::BlendFromAnchor(Box::new(rows)) })
     }
+}
+
+/// The refusal of a face that cannot be split into triangles.
+pub(in crate::scheme) fn not_triangles(face: usize, size: usize) -> StepError {
+    let found = format!("face {face} has {size} vertices, and only triangles are split into triangles");
+    let remedy = "send a mesh of triangles, or use a scheme for any faces, such as catmull-clark or a word with \"split\": \"quad\"";
+    StepError::about(About::Triangles, format!("{found}; {remedy}"))
 }

@@ -5,8 +5,10 @@ use crate::math::parameter::Value;
 use crate::scheme::extent::Ends;
 use crate::scheme::letter::Letter;
 use crate::scheme::operator::{Follows, Role};
+use crate::scheme::ops::{cannot_carry, cannot_follow, lost_points, no_anchor, not_triangles, odd_duals};
 use crate::scheme::parameters::{ARITY, AVERAGES, MASK};
-use crate::scheme::step::StepError;
+use crate::scheme::step_error::{About, StepError};
+use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::tile::Tile;
 
 impl Plan {
@@ -21,37 +23,37 @@ impl Plan {
             if role == Role::Average {
                 letter.settings.set(&ARITY, Value::Integer(arity.into()));
             }
-            if subject.is_mesh && letter.facts().needs_upsampling {
-                return Err(StepError::WrongNet("A averages the points of polygons; meshes take U, D, C and P"));
+            if let Some(why) = letter.facts().nets.not_meshes().filter(|_| subject.is_mesh) {
+                return Err(StepError::new(why));
             }
             let splits_input =
                 role == Role::Upsample && letter.settings.tile() == Tile::Triangle && !upsampled && duals == 0;
             if let Some((face, size)) = subject.other_face.filter(|_| splits_input) {
-                return Err(StepError::NotTriangles { face, size });
+                return Err(not_triangles(face, size));
             }
             let dual = letter.shifts();
             if let Some(carried) = subject.carried {
                 if let Some(found) = other_than_halves(&letter) {
-                    return Err(StepError::NotHalves { what: carried.name(), found });
+                    return Err(not_halves(carried.name(), &found));
                 }
                 // averages that move to the duals are refused for what they cannot carry
                 let known = letter.facts().pointwise || role == Role::Average;
                 if !known || letter.settings.tile() == Tile::Triangle {
-                    return Err(StepError::Useless(carried.name()));
+                    return Err(useless(carried.name()));
                 }
             }
             if let Some(tags) = subject.attached.filter(|_| letter.facts().rebuilds) {
-                return Err(StepError::OwnTags(letter.facts().name, tags));
+                return Err(cannot_follow(letter.facts().name, tags));
             }
             let follows = letter.facts().follows;
             most = most.max(follows);
             if subject.creased && follows == Follows::Corners && !dual {
-                return Err(StepError::Creases);
+                return Err(no_creases());
             }
             match role {
                 Role::Upsample if letter.facts().has(&MASK) => {
                     if let Some(tags) = subject.tags {
-                        return Err(StepError::MaskTags(tags));
+                        return Err(mask_tags(tags));
                     }
                     let averaged = natural && letter.settings.whole(&AVERAGES).is_some_and(|averages| averages > 0);
                     (upsampled, duals, lost, arity) =
@@ -59,20 +61,20 @@ impl Plan {
                 }
                 Role::Upsample => (upsampled, duals, lost, arity) = (true, 0, false, letter.settings.arity()),
                 Role::Average => {
-                    if letter.facts().needs_upsampling && !upsampled {
-                        return Err(StepError::NoArity);
+                    if let Some(why) = letter.facts().needs_upsampling.filter(|_| !upsampled) {
+                        return Err(StepError::new(why));
                     }
                     if let Some(tags) = subject.tags.filter(|_| dual) {
-                        return Err(StepError::DualTags(tags));
+                        return Err(cannot_carry(tags));
                     }
                     duals += u32::from(dual);
                     lost |= natural || dual && subject.is_mesh && subject.is_open;
                 }
-                Role::PushBack if !upsampled => return Err(StepError::NoAnchor),
+                Role::PushBack if !upsampled => return Err(no_anchor()),
                 // what no other input helps against first
-                Role::PushBack if duals % 2 == 1 => return Err(StepError::OddDuals(duals)),
+                Role::PushBack if duals % 2 == 1 => return Err(odd_duals(duals)),
                 Role::PushBack if lost => {
-                    return Err(StepError::LostPoints(match (natural, subject.is_mesh) {
+                    return Err(lost_points(match (natural, subject.is_mesh) {
                         (true, _) => "natural ends: use clamped ones, or a scheme without push-back",
                         (false, true) => "the boundary: close the mesh, or leave the P out",
                         (false, false) => "a scheme of its own mask: leave the P out",
@@ -82,7 +84,7 @@ impl Plan {
             }
         }
         match subject.semi_sharp {
-            Some(tags) if most < Follows::SemiSharp => Err(StepError::SemiSharp(tags)),
+            Some(tags) if most < Follows::SemiSharp => Err(semi_sharp(tags)),
             _ => Ok(()),
         }
     }
@@ -94,4 +96,35 @@ pub(super) fn other_than_halves(letter: &Letter) -> Option<String> {
     let split = || (letter.settings.tile() == Tile::Triangle).then(|| "split triangle".to_owned());
     let arity = || (letter.settings.arity() != 2).then(|| format!("U{}", letter.settings.arity()));
     if is_upsampling { split().or_else(arity) } else { None }
+}
+
+/// The refusal of what a scheme has no use for.
+pub(super) fn useless(tags: &str) -> StepError {
+    StepError::new(format!("this scheme knows no {tags}; leave them out or use a word over U, C and P"))
+}
+
+/// The refusal of tags that a scheme of its own mask cannot carry.
+fn mask_tags(tags: &str) -> StepError {
+    let detail = format!("this scheme is a mask, which knows no {tags}; leave them out or use a word over U, C and P");
+    StepError::new(detail)
+}
+
+/// The refusal of what only upsamplings that halve edges and make quads have a use for.
+fn not_halves(what: &str, found: &str) -> StepError {
+    let rule = format!("{what} act in words over U, C and P with arity 2 and split quad");
+    StepError::about(About::Halves, format!("{rule}; here stands {found}: change it or leave them out"))
+}
+
+/// The refusal of sharp edges where they are not known.
+fn no_creases() -> StepError {
+    StepError::new(
+        "this scheme knows no creases; leave them out, or use catmull-clark, push-back or a word over U, C and P",
+    )
+}
+
+/// The refusal of sharpness between smooth and infinitely sharp where it is not known.
+fn semi_sharp(tags: &str) -> StepError {
+    let most = INFINITE_SHARPNESS;
+    let rule = format!("{tags} of a sharpness between 0 and {most} belong to catmull-clark and loop");
+    StepError::new(format!("{rule}; here an edge or vertex is smooth (0) or infinitely sharp ({most} or more)"))
 }

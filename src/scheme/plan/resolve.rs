@@ -1,6 +1,6 @@
 //! From what a client wrote to a plan.
 
-use super::legal::other_than_halves;
+use super::legal::{other_than_halves, useless};
 use super::{AlphaOf, Carried, Latitude, Perturbation, Plan, PlanInput, Subject};
 use crate::fault::{Fault, under};
 use crate::math::expression::Expression;
@@ -11,7 +11,7 @@ use crate::scheme::parameters::{DEFAULT_MU, KERNEL, SPLIT, WORD_PARAMETERS, lati
 use crate::scheme::preset::{Preset, Refines, Spelling};
 use crate::scheme::presets::PRESETS;
 use crate::scheme::rules::{LatitudeRule, Rules};
-use crate::scheme::step::StepError;
+use crate::scheme::step_error::About;
 use crate::scheme::word::Word;
 use crate::shape::tile::Tile;
 
@@ -76,9 +76,9 @@ impl Plan {
             return Err(vec![Fault::new("/parameters/perturbation", detail)]);
         }
         plan.check_legal(subject).map_err(|error| {
-            let split = match &error {
-                StepError::NotTriangles { .. } => input.word.is_some(),
-                StepError::NotHalves { .. } => {
+            let split = match error.about {
+                About::Triangles => input.word.is_some(),
+                About::Halves => {
                     plan.tile() == Tile::Triangle && input.parameters.iter().any(|(name, _)| name == "split")
                 }
                 _ => false,
@@ -153,7 +153,7 @@ fn check_carried(preset: &Preset, subject: Subject) -> Result<(), Vec<Fault>> {
     if preset.parameters.iter().any(|parameter| parameter.name == KERNEL.name) {
         return Ok(());
     }
-    Err(vec![Fault::new("/preset", StepError::Useless(carried.name()).to_string())])
+    Err(vec![Fault::new("/preset", useless(carried.name()).to_string())])
 }
 
 fn word_functions(parameters: &[(String, Literal)], _: Subject) -> Result<Spelling, Vec<Fault>> {

@@ -8,7 +8,7 @@ use planish::scheme::forecast::{Count, ForecastError, MAX_BYTES, of_mesh};
 use planish::scheme::mesh_net::MeshNet;
 use planish::scheme::operator::Role;
 use planish::scheme::plan::{Plan, Scheduled};
-use planish::scheme::step::StepError;
+use planish::scheme::step_error::StepError;
 use planish::scheme::stepper::Stepper;
 use planish::scheme::tags::Boundary;
 use planish::watch::{Stopped, Watch};
