@@ -47,8 +47,8 @@ impl RefinedMesh {
     }
 
     /// The mesh of a net with its points in the documented order already, `n x 3`: nothing will be gathered. Of the
-    /// connectivity only the base and how its faces were split matters, not the topology before the last split. Channels
-    /// and normals are to be in the documented order, too.
+    /// connectivity only the base and how its faces were split matters, not the topology before the last split.
+    /// Channels and normals are to be in the documented order, too.
     pub fn documented(net: &MeshNet, points: Vec<f64>) -> Self {
         Self::ordered(net, VertexOrder::documented(net), points)
     }
@@ -136,8 +136,8 @@ impl RefinedMesh {
         self.normals.as_ref().map_or([0.0; 3], |normals| normals.of_vertices[self.order.place(v)])
     }
 
-    /// Sharp pieces of edges of the base: the edge, and the number of the piece in its direction. In the limit only those
-    /// are sharp that stay so for ever.
+    /// Sharp pieces of edges of the base: the edge, and the number of the piece in its direction. In the limit only
+    /// those are sharp that stay so for ever.
     fn sharp_pieces(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let sharp = self.sharpness.iter().flat_map(|sharpness| sharpness.edges());
         let least = if self.normals.is_some() { INFINITE_SHARPNESS } else { 0.0 };

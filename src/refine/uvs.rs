@@ -34,7 +34,8 @@ pub struct RefinedUvs {
     pub(super) order: VertexOrder,
 }
 
-/// The texture coordinates of a mesh, if it has any, refined by the steps of a plan; linear ones follow upsamplings only.
+/// The texture coordinates of a mesh, if it has any, refined by the steps of a plan; linear ones follow upsamplings
+/// only.
 ///
 /// # Errors
 /// [`RefineError`].
@@ -63,9 +64,10 @@ pub fn refined_uvs(
     Ok(Some(RefinedUvs { points: points.now, base: net.mesh.base, order }))
 }
 
-/// The net of texture coordinates before refinement. Places at vertices that keep their place keep theirs, sharp edges and
-/// vertices are as sharp as those of the mesh, and seams are boundaries. Places carry what their vertices carry, edges what
-/// those of the mesh carry, and perturbations go by the numbers in the mesh: on both sides of a seam the same.
+/// The net of texture coordinates before refinement. Places at vertices that keep their place keep theirs, sharp edges
+/// and vertices are as sharp as those of the mesh, and seams are boundaries. Places carry what their vertices carry,
+/// edges what those of the mesh carry, and perturbations go by the numbers in the mesh: on both sides of a seam the
+/// same.
 pub fn uv_net(mesh: &Mesh, uvs: &Uvs, plan: &Plan) -> MeshNet {
     let (places, vertices) = (&uvs.topology, &mesh.topology);
     let fixed = mesh_net(mesh, plan).tags.corners;
@@ -123,8 +125,8 @@ fn carrying(net: MeshNet, mesh: &Mesh, uvs: &Uvs, plan: &Plan) -> MeshNet {
     net
 }
 
-/// For the places where semi-sharp edges end, the other semi-sharp edges that end at the same vertex: on seams, and on the
-/// other side of them. Sharpness belongs to the mesh, and evens out around its vertices.
+/// For the places where semi-sharp edges end, the other semi-sharp edges that end at the same vertex: on seams, and on
+/// the other side of them. Sharpness belongs to the mesh, and evens out around its vertices.
 fn elsewhere(mesh: &Mesh, uvs: &Uvs, creases: &Sharp) -> Vec<(u32, f64)> {
     let (places, vertices) = (&uvs.topology, &mesh.topology);
     let semi_sharp = |&&(_, sharpness): &&(u32, f64)| sharpness < INFINITE_SHARPNESS;
@@ -145,9 +147,9 @@ fn elsewhere(mesh: &Mesh, uvs: &Uvs, creases: &Sharp) -> Vec<(u32, f64)> {
     sharp.into_iter().flat_map(beside).collect()
 }
 
-/// Of the pairs of places at one vertex: those that stay because an infinitely sharp edge ends at the other one, and those
-/// that are as sharp as semi-sharp edges make the other one, as they have none of their own. The latter stay wholly in the
-/// level that takes the last sharpness from the other one where the seam is semi-sharp for longer.
+/// Of the pairs of places at one vertex: those that stay because an infinitely sharp edge ends at the other one, and
+/// those that are as sharp as semi-sharp edges make the other one, as they have none of their own. The latter stay
+/// wholly in the level that takes the last sharpness from the other one where the seam is semi-sharp for longer.
 ///
 /// Source: OpenSubdiv 3.5, which calls such sharpness dependent; compared by numbers.
 fn following(uvs: &Uvs, creases: &Sharp) -> (Vec<u32>, Vec<(u32, u32)>) {
