@@ -99,8 +99,7 @@ impl Action {
     }
 
     /// The weights with which a linear step with a table makes point number `point`, given the row of the point there:
-    /// what
-    /// [`Points::act`](crate::refine::Points::act) computes for all points at once.
+    /// what [`Points::act`](crate::refine::Points::act) computes for all points at once.
     pub fn weights(&self, point: u32, (indices, weights): (&[u32], &[f64]), mut each: impl FnMut(Source, f64)) {
         let entries = indices.iter().zip(weights);
         let Self::PushBack { children, .. } = self else {

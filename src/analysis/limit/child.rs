@@ -1,9 +1,9 @@
 //! What takes the place of vertices, edges and faces in one step.
 //!
-//! Upsamplings keep vertices; the middle of an edge or a face becomes a vertex, or at odd arities the middle of a piece.
-//! A D makes a face of a vertex and a vertex of a face. A boundary vertex with m faces has no face in the dual but a path
-//! of m points on its boundary, whose middle takes its place: a vertex where m is odd, an edge where it is even. An inner
-//! vertex with two faces becomes the edge between these.
+//! Upsamplings keep vertices; the middle of an edge or a face becomes a vertex, or at odd arities the middle of a
+//! piece. A D makes a face of a vertex and a vertex of a face. A boundary vertex with m faces has no face in the dual
+//! but a path of m points on its boundary, whose middle takes its place: a vertex where m is odd, an edge where it is
+//! even. An inner vertex with two faces becomes the edge between these.
 
 use super::dual::Dual;
 use super::error::Unlimited;
