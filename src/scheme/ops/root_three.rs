@@ -2,7 +2,8 @@
 
 use super::around;
 use super::cosines::cosine;
-use super::upsample::{not_triangles, ratio};
+use super::upsample::not_triangles;
+use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::creases::{Blend, Rule};
 use crate::scheme::forecast::{Census, sum};
@@ -19,17 +20,17 @@ use crate::shape::topology::{NONE, Topology, index};
 /// inner vertices of valence n moved to `(1 - a) p + a/n sum neighbours`, `a = (4 - 2 cos(2 pi/n))/9` (order: see
 /// [`Topology::split_root_three`]).
 ///
-/// Boundaries wait every first step and are cut in three every second one, by the ternary cubic B-spline: `(4, 19, 4)/27`
-/// for the old vertices, `(1, 16, 10)/27` and `(10, 16, 1)/27` for the new ones. Corners stay, and boundary curves are
-/// reflected at them.
+/// Boundaries wait every first step and are cut in three every second one, by the ternary cubic B-spline: `(4, 19,
+/// 4)/27` for the old vertices, `(1, 16, 10)/27` and `(10, 16, 1)/27` for the new ones. Corners stay, and boundary
+/// curves are reflected at them.
 #[derive(Debug)]
 pub struct RootThree;
 
 static FACTS: Facts = Facts {
     name: "sqrt-3",
-    doc: "A level of Kobbelt's sqrt 3 scheme on triangles: centroids of the faces, flipped edges, and old vertices moved by \
-     (4 - 2 cos(2 pi/n))/9 of the way to the mean of their n neighbours. Every second level cuts boundary edges in \
-     three, by the ternary cubic B-spline (1, 4, 10, 16, 19, 16, 10, 4, 1)/27. Used by the preset sqrt-3.",
+    doc: "A level of Kobbelt's sqrt 3 scheme on triangles: centroids of the faces, flipped edges, and old vertices \
+     moved by (4 - 2 cos(2 pi/n))/9 of the way to the mean of their n neighbours. Every second level cuts boundary \
+     edges in three, by the ternary cubic B-spline (1, 4, 10, 16, 19, 16, 10, 4, 1)/27. Used by the preset sqrt-3.",
     source: "Kobbelt, SIGGRAPH 2000, 103-112",
     nets: Nets::Meshes("sqrt-3 refines meshes of triangles; for polygons use ternary-cubic"),
     role: Role::Smooth,
@@ -85,8 +86,8 @@ impl Operator for RootThree {
                 vertex_row(&before, rim, row, out);
             } else if row < n_v + n_f {
                 let face = row - n_v;
-                match old.half_edges(face).find(|&corner| rim == Rim::Thirds && old.twin(corner) == NONE) {
-                    Some(corner) => third_row(&before, old.edge(corner), Near::Start, out),
+                match old.half_edges(face).find(|&half_edge| rim == Rim::Thirds && old.twin(half_edge) == NONE) {
+                    Some(half_edge) => third_row(&before, old.edge(half_edge), Near::Start, out),
                     None => old.face(face).iter().for_each(|&v| out.add(v, ratio(1, 3))),
                 }
             } else {
