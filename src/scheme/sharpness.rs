@@ -16,6 +16,13 @@ pub enum Creasing {
     Chaikin,
 }
 
+impl Creasing {
+    /// Whether the sharpness of an edge depends on the edges at both its ends.
+    pub fn evens_out(self) -> bool {
+        self == Self::Chaikin
+    }
+}
+
 /// The sharp edges and vertices of a net; everything else is smooth, boundaries apart.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sharpness {
