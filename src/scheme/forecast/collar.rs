@@ -3,11 +3,12 @@
 //!
 //! *Why a collar suffices.* Under D vertices and faces change places, but for three kinds of vertices that get no face:
 //! those on the boundary, those between two faces, and isolated ones. With `V, E, F`, the sum `C` of the sizes of
-//! faces, `B` boundary vertices with fans of `S` faces in all, `T` vertices between two faces and `I` isolated ones `F'
-//! = V - B - T - I`, `C' = C - S - 2 T`, `V' = F +` the faces whose corners left make several fans, one for each more,
-//! and `E' = (C' + B') / 2`. All of `B, S, T`, the fans of faces and what becomes of them lie at faces that touch such
-//! vertices. The faces within some layers of them, as far as one vertex leads to the next face, are the collar. It is a
-//! net that is refined by the operators themselves; nothing about it is guessed, be it ever so narrow, pinched or torn.
+//! faces, `B` boundary vertices with fans of `S` faces in all, `T` vertices between two faces and `I` isolated ones
+//! `F' = V - B - T - I`, `C' = C - S - 2 T`, `V' = F +` the faces whose corners left make several fans, one for each
+//! more, and `E' = (C' + B') / 2`. All of `B, S, T`, the fans of faces and what becomes of them lie at faces that touch
+//! such vertices. The faces within some layers of them, as far as one vertex leads to the next face, are the collar. It
+//! is a net that is refined by the operators themselves; nothing about it is guessed, be it ever so narrow, pinched or
+//! torn.
 //!
 //! *How thick it is.* A net of `r` layers has `r - 1` after a D: vertices between the layers `j` and `j + 1` become
 //! faces of layer `j`. After a split with `d` pieces an edge it has `d r`, as a way through one face takes `d` of its

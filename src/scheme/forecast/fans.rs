@@ -12,9 +12,9 @@
 //! three of a quad. So every face becomes one vertex with one fan, and none is isolated or split:
 //! - `V' = F`; faces stand for interior vertices, but for those between two faces: `F' = V - I - B - T`, and their
 //!   sizes are the valences: `C' = C - S - 2 T`.
-//! - A boundary vertex with a fan of `n` has `n - 1` inner edges, each of which becomes one boundary edge: `B' = S -
-//!   B`. These run through each face that touches the boundary once, so there are `S - B` such faces, and their fans
-//!   are what is left of their four corners: `S' = 4 (S - B) - S`.
+//! - A boundary vertex with a fan of `n` has `n - 1` inner edges, each of which becomes one boundary edge:
+//!   `B' = S - B`. These run through each face that touches the boundary once, so there are `S - B` such faces, and
+//!   their fans are what is left of their four corners: `S' = 4 (S - B) - S`.
 //! - `E' = (C' + B') / 2`; `T' = I' = 0`, as an interior face has at most one old vertex, and so at least three
 //!   neighbours in the dual.
 

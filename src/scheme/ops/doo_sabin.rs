@@ -21,9 +21,9 @@ use crate::shape::topology::{NONE, Topology, index};
 /// The surface is reflected at its boundary, which is the quadratic B-spline of the boundary polygon. In the first step
 /// a boundary edge `(a, b)` gets the vertices `(3a + b)/4` and `(a + 3b)/4`, and the strip between them and the new
 /// vertices inside consists of half faces. From then on a half face `(a, b, c[1], ..., c[k])` stands for the face of 2k
-/// vertices `c[1], ..., c[k], 2 m[k] - c[k], ..., 2 m[1] - c[1]` with the axis `m[i] = (a + b)/2 + (b - a)/2 cos(pi (i
-/// - 1/2)/k) / cos(pi/2k)`, which the step maps to itself. Corners, which have one face, stay; the quarter face there
-/// gives the mean of its vertices, and its boundary edges their middles.
+/// vertices `c[1], ..., c[k], 2 m[k] - c[k], ..., 2 m[1] - c[1]` with the axis
+/// `m[i] = (a + b)/2 + (b - a)/2 cos(pi (i - 1/2)/k) / cos(pi/2k)`, which the step maps to itself. Corners, which have
+/// one face, stay; the quarter face there gives the mean of its vertices, and its boundary edges their middles.
 #[derive(Debug)]
 pub struct DooSabin;
 
@@ -96,9 +96,9 @@ impl Operator for DooSabin {
             let rows = RowsBy::new(next.mesh.n_vertices(), n_old, move |row, out: &mut Rows| {
                 let half_edge = index(row);
                 if is_open {
-                    later_row(&old, &weights, half_edge, out)
+                    later_row(&old, &weights, half_edge, out);
                 } else {
-                    face_row(&old, &weights, half_edge, out)
+                    face_row(&old, &weights, half_edge, out);
                 }
             });
             return Ok(Step { net: next, action: Action::Blend(Box::new(rows)) });

@@ -20,9 +20,9 @@ use crate::shape::topology::{NONE, Topology, index};
 /// inner vertices of valence n moved to `(1 - a) p + a/n sum neighbours`, `a = (4 - 2 cos(2 pi/n))/9` (order: see
 /// [`Topology::split_root_three`]).
 ///
-/// Boundaries wait every first step and are cut in three every second one, by the ternary cubic B-spline: `(4, 19,
-/// 4)/27` for the old vertices, `(1, 16, 10)/27` and `(10, 16, 1)/27` for the new ones. Corners stay, and boundary
-/// curves are reflected at them.
+/// Boundaries wait every first step and are cut in three every second one, by the ternary cubic B-spline:
+/// `(4, 19, 4)/27` for the old vertices, `(1, 16, 10)/27` and `(10, 16, 1)/27` for the new ones. Corners stay, and
+/// boundary curves are reflected at them.
 #[derive(Debug)]
 pub struct RootThree;
 
