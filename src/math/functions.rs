@@ -6,3 +6,9 @@ pub use libm::{acos, asin, atan, atan2, cos, cosh, exp, log as ln, pow, sin, sin
 pub fn sqrt(x: f64) -> f64 {
     libm::sqrt(x)
 }
+
+/// One whole number over another.
+#[expect(clippy::cast_precision_loss, reason = "counts are far below 2^52")]
+pub fn ratio(a: usize, b: usize) -> f64 {
+    a as f64 / b as f64
+}

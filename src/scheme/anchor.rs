@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::sharpness::{Creasing, Sharpness};
+use crate::math::functions::ratio;
 use crate::shape::directions::Directions;
 use crate::shape::tile::Tile;
 use crate::shape::tiling::{Ancestor, Tiling};
@@ -92,8 +93,8 @@ impl Anchor {
         }
     }
 
-    /// The weight of the vertex with this number in the first average after the U: `f^2` for V, `f` for E, 1 for F; where
-    /// triangles were split `f` for V, 1 else.
+    /// The weight of the vertex with this number in the first average after the U: `f^2` for V, `f` for E, 1 for F;
+    /// where triangles were split `f` for V, 1 else.
     pub fn weight(&self, v: usize, f: f64) -> f64 {
         match (self.tile, self.label(v)) {
             (Tile::Quad, Label::Vertex) => f * f,
@@ -107,8 +108,8 @@ impl Anchor {
     }
 
     /// Calls `add(vertex, share)` for the vertices of which the U made the vertex with this number: linearly along
-    /// edges, bilinearly in quads, by area in triangles, all alike at the centres of faces. All shares are multiplied by
-    /// the first, second or third scale if it is a V, E or F.
+    /// edges, bilinearly in quads, by area in triangles, all alike at the centres of faces. All shares are multiplied
+    /// by the first, second or third scale if it is a V, E or F.
     pub fn shares(&self, v: usize, scales: [f64; 3], mut add: impl FnMut(u32, f64)) {
         let scale = match self.label(v) {
             Label::Vertex => scales[0],
@@ -158,10 +159,4 @@ fn halved(topology: &Topology, v: usize, weight: f64, add: &mut impl FnMut(u32, 
         let share = weight / ratio(face.len(), 1);
         face.iter().for_each(|&v| add(v, share));
     }
-}
-
-/// One whole number over another.
-#[expect(clippy::cast_precision_loss, reason = "arities and face sizes are far below 2^52")]
-pub(super) fn ratio(a: usize, b: usize) -> f64 {
-    a as f64 / b as f64
 }

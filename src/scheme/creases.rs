@@ -205,8 +205,8 @@ impl Around {
         Blend { before: self.rule(0), after: self.rule(1), weight }
     }
 
-    /// The two rules of a vertex that stays while another one does, with the weight that holds there; it stays wholly where
-    /// `beside` the edges of the net others stay sharp after the level.
+    /// The two rules of a vertex that stays while another one does, with the weight that holds there; it stays wholly
+    /// where `beside` the edges of the net others stay sharp after the level.
     fn following(&self, other: &Self, beside: bool) -> Blend {
         let rule = |when| if other.rule(when) == Rule::Corner { Rule::Corner } else { self.rule(when) };
         Blend { before: rule(0), after: rule(1), weight: if beside { 1.0 } else { other.blend().weight } }

@@ -18,7 +18,8 @@ pub struct MeshLocal {
     pub delta: Option<Vec<f64>>,
     /// Compensation of the points of edges, then of those of faces.
     pub compensation: Vec<f64>,
-    /// Weight `omega / (8 (1 + f))` of the curve rule along latitude lines, of the same points; empty without such lines.
+    /// Weight `omega / (8 (1 + f))` of the curve rule along latitude lines, of the same points; empty without such
+    /// lines.
     pub curve_weight: Vec<f64>,
 }
 

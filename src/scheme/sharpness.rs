@@ -11,7 +11,8 @@ pub enum Creasing {
     /// `s - 1`.
     #[default]
     Uniform,
-    /// `3/4 s + 1/4 m - 1`, with m the mean of the other semi-sharp edges at the half's end; `s - 1` where there are none.
+    /// `3/4 s + 1/4 m - 1`, with m the mean of the other semi-sharp edges at the half's end; `s - 1` where there are
+    /// none.
     Chaikin,
 }
 
@@ -75,9 +76,9 @@ impl Sharpness {
         Self { following: following.into(), ..self }
     }
 
-    /// The same where semi-sharp edges end at vertices that are not among the edges of the net, as those on the other side
-    /// of a seam: pairs of a vertex and a sharpness, by ascending vertex. They count under [`Creasing::Chaikin`], and for
-    /// vertices that follow others.
+    /// The same where semi-sharp edges end at vertices that are not among the edges of the net, as those on the other
+    /// side of a seam: pairs of a vertex and a sharpness, by ascending vertex. They count under [`Creasing::Chaikin`],
+    /// and for vertices that follow others.
     #[must_use]
     pub fn beside(self, elsewhere: Vec<(u32, f64)>) -> Self {
         Self { elsewhere: elsewhere.into(), ..self }
@@ -218,9 +219,9 @@ fn chaikin(around: &[End]) -> impl Iterator<Item = (End, f64)> + '_ {
 /// The edges at vertex `v`, counter-clockwise; on the boundary from boundary to boundary.
 pub(super) fn edges_at(topology: &Topology, v: usize) -> impl Iterator<Item = u32> + '_ {
     let ring = topology.ring(v);
-    ring.flat_map(|corner| {
-        let before = topology.previous(corner);
+    ring.flat_map(|half_edge| {
+        let before = topology.previous(half_edge);
         let last = (topology.twin(before) == NONE).then(|| topology.edge(before));
-        std::iter::once(topology.edge(corner)).chain(last)
+        std::iter::once(topology.edge(half_edge)).chain(last)
     })
 }

@@ -1,19 +1,22 @@
-//! Counts of nets under several D in a row: what lies far from the boundary is counted, and only a collar along it built.
+//! Counts of nets under several D in a row: what lies far from the boundary is counted, and only a collar along it
+//! built.
 //!
 //! *Why a collar suffices.* Under D vertices and faces change places, but for three kinds of vertices that get no face:
-//! those on the boundary, those between two faces, and isolated ones. With `V, E, F`, the sum `C` of the sizes of faces,
-//! `B` boundary vertices with fans of `S` faces in all, `T` vertices between two faces and `I` isolated ones
-//! `F' = V - B - T - I`, `C' = C - S - 2 T`, `V' = F +` the faces whose corners left make several fans, one for each more,
-//! and `E' = (C' + B') / 2`. All of `B, S, T`, the fans of faces and what becomes of them lie at faces that touch such
-//! vertices. The faces within some layers of them, as far as one vertex leads to the next face, are the collar. It is a
-//! net that is refined by the operators themselves; nothing about it is guessed, be it ever so narrow, pinched or torn.
+//! those on the boundary, those between two faces, and isolated ones. With `V, E, F`, the sum `C` of the sizes of
+//! faces, `B` boundary vertices with fans of `S` faces in all, `T` vertices between two faces and `I` isolated ones
+//! `F' = V - B - T - I`, `C' = C - S - 2 T`, `V' = F +` the faces whose corners left make several fans, one for each
+//! more, and `E' = (C' + B') / 2`. All of `B, S, T`, the fans of faces and what becomes of them lie at faces that touch
+//! such vertices. The faces within some layers of them, as far as one vertex leads to the next face, are the collar. It
+//! is a net that is refined by the operators themselves; nothing about it is guessed, be it ever so narrow, pinched or
+//! torn.
 //!
-//! *How thick it is.* A net of `r` layers has `r - 1` after a D: vertices between the layers `j` and `j + 1` become faces
-//! of layer `j`. After a split with `d` pieces an edge it has `d r`, as a way through one face takes `d` of its pieces
-//! (two of those around its middle). So the layers needed are known from the end of the schedule backwards: two at the
-//! end, one more before each D, one part in `d` before a split and never fewer than two. With two layers no face touches
-//! both the boundary of the net and where the collar was cut off, so every vertex of the collar is known to be one or the
-//! other. What lies beyond is never reached by the boundary, so that sizes and valences that were there once stay.
+//! *How thick it is.* A net of `r` layers has `r - 1` after a D: vertices between the layers `j` and `j + 1` become
+//! faces of layer `j`. After a split with `d` pieces an edge it has `d r`, as a way through one face takes `d` of its
+//! pieces (two of those around its middle). So the layers needed are known from the end of the schedule backwards: two
+//! at the end, one more before each D, one part in `d` before a split and never fewer than two. With two layers no face
+//! touches both the boundary of the net and where the collar was cut off, so every vertex of the collar is known to be
+//! one or the other. What lies beyond is never reached by the boundary, so that sizes and valences that were there once
+//! stay.
 
 use std::mem;
 
@@ -80,7 +83,8 @@ impl Collar {
         Ok(())
     }
 
-    /// After a split with so many pieces an edge: into quads of faces of any size when it is 2, else of faces like `tile`.
+    /// After a split with so many pieces an edge: into quads of faces of any size when it is 2, else of faces like
+    /// `tile`.
     pub(super) fn split(&mut self, tile: Tile, pieces: u32) {
         let halves = tile == Tile::Quad && pieces == 2;
         let split = if halves { self.net.split() } else { Tiling::new(&self.net, tile, pieces as usize).topology() };
@@ -131,8 +135,8 @@ impl Collar {
     }
 }
 
-/// The faces within so many layers of the boundary and of vertices between two faces, and which of their vertices lie on
-/// the boundary; `None` when these are all. What is left out is added to `beyond`.
+/// The faces within so many layers of the boundary and of vertices between two faces, and which of their vertices lie
+/// on the boundary; `None` when these are all. What is left out is added to `beyond`.
 fn near(
     net: &Topology,
     real: &[bool],
@@ -144,7 +148,7 @@ fn near(
     let mut rim: Vec<usize> = (0..net.n_vertices()).filter(|&v| reached[v]).collect();
     for _ in 0..layers {
         let mut next = Vec::new();
-        for f in rim.iter().flat_map(|&v| net.ring(v)).map(|corner| net.face_of(corner)) {
+        for f in rim.iter().flat_map(|&v| net.ring(v)).map(|half_edge| net.face_of(half_edge)) {
             if !mem::replace(&mut kept[f], true) {
                 let vertices = net.face(f).iter().map(|&v| v as usize);
                 next.extend(vertices.filter(|&v| !mem::replace(&mut reached[v], true)));

@@ -26,7 +26,8 @@ pub struct Count {
     pub uvs: u128,
     /// Corners of the largest face that is shown; 0 without faces.
     pub largest_face: u128,
-    /// Corners of the largest face that a dual makes of a vertex: as many as it has faces, and two more at the boundary.
+    /// Corners of the largest face that a dual makes of a vertex: as many as it has faces, and two more at the
+    /// boundary.
     pub largest_fan: u128,
 }
 

@@ -1,8 +1,8 @@
 //! The forecast of words with D on any mesh, in three parts.
 //!
 //! Until the first U nets are never larger than the input; their duals are made. From then on, where each D comes right
-//! after a U that makes quads, there are closed forms (`fans`). Where several D follow each other or faces are split into
-//! triangles, a collar along the boundary is refined (`collar`), which grows like the boundary, not like the mesh.
+//! after a U that makes quads, there are closed forms (`fans`). Where several D follow each other or faces are split
+//! into triangles, a collar along the boundary is refined (`collar`), which grows like the boundary, not like the mesh.
 //!
 //! What is made is bounded: before anything is allocated its bytes are compared with [`MAX_BYTES`], or with what the
 //! duals of the input itself take, whichever is more. The watch is asked before each step.
@@ -22,8 +22,8 @@ use crate::scheme::word::Word;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
-/// Bytes that a forecast may hold: four layers, which UDD needs, along the four sides of a square of 20 million quads take
-/// less than half of it.
+/// Bytes that a forecast may hold: four layers, which UDD needs, along the four sides of a square of 20 million quads
+/// take less than half of it.
 pub const MAX_BYTES: u128 = 64 << 20;
 /// Bytes for each corner of a net while it is split or its dual is made: 13 of the topology, 5 of its faces, and of the
 /// dual 12 of the sides of edges, 20 of its own topology and 13 of lists on the way, which grow by doubling.

@@ -4,19 +4,19 @@
 //! boundary edges; the sum `S` of their fans, a fan being the number of faces at a boundary vertex; the number `T` of
 //! interior vertices between two faces; and `I` isolated vertices.
 //!
-//! *U* with `d` pieces an edge keeps all fans and valences of old vertices. Each boundary edge gets `d - 1` vertices with
-//! a fan of 2: `B' = d B`, `S' = S + 2 (d - 1) B`; `T` and `I` stay.
+//! *U* with `d` pieces an edge keeps all fans and valences of old vertices. Each boundary edge gets `d - 1` vertices
+//! with a fan of 2: `B' = d B`, `S' = S + 2 (d - 1) B`; `T` and `I` stay.
 //!
 //! *D right after U.* Every new vertex on an inner edge or in a face is interior, so no inner edge joins two boundary
-//! vertices, and no face has only boundary vertices. The boundary vertices of a face follow each other: one, two or three
-//! of a quad. So every face becomes one vertex with one fan, and none is isolated or split:
-//! - `V' = F`; faces stand for interior vertices, but for those between two faces: `F' = V - I - B - T`, and their sizes
-//!   are the valences: `C' = C - S - 2 T`.
-//! - A boundary vertex with a fan of `n` has `n - 1` inner edges, each of which becomes one boundary edge: `B' = S - B`.
-//!   These run through each face that touches the boundary once, so there are `S - B` such faces, and their fans are
-//!   what is left of their four corners: `S' = 4 (S - B) - S`.
-//! - `E' = (C' + B') / 2`; `T' = I' = 0`, as an interior face has at most one old vertex, and so at least three neighbours
-//!   in the dual.
+//! vertices, and no face has only boundary vertices. The boundary vertices of a face follow each other: one, two or
+//! three of a quad. So every face becomes one vertex with one fan, and none is isolated or split:
+//! - `V' = F`; faces stand for interior vertices, but for those between two faces: `F' = V - I - B - T`, and their
+//!   sizes are the valences: `C' = C - S - 2 T`.
+//! - A boundary vertex with a fan of `n` has `n - 1` inner edges, each of which becomes one boundary edge:
+//!   `B' = S - B`. These run through each face that touches the boundary once, so there are `S - B` such faces, and
+//!   their fans are what is left of their four corners: `S' = 4 (S - B) - S`.
+//! - `E' = (C' + B') / 2`; `T' = I' = 0`, as an interior face has at most one old vertex, and so at least three
+//!   neighbours in the dual.
 
 use std::collections::BTreeSet;
 

@@ -65,8 +65,8 @@ fn rebuilt(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
     Forecast { topology_bytes, ..tally.finish() }
 }
 
-/// Copies of vertices, at most, after some splits into so many pieces of an edge: one for each inner point of a sharp edge, and around its ends as many
-/// as there are faces.
+/// Copies of vertices, at most, after some splits into so many pieces of an edge: one for each inner point of a sharp
+/// edge, and around its ends as many as there are faces.
 fn parted(sharp: &[Remaining], splits: usize, pieces: u128) -> u128 {
     let remaining = sharp[splits.min(sharp.len() - 1)];
     remaining.edges.saturating_mul(pieces - 1).saturating_add(remaining.corners)

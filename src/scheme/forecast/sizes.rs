@@ -22,8 +22,8 @@ impl Sizes {
         self.valences.extend(inside.map(|v| topology.ring(v).count()));
     }
 
-    /// After a split of faces that have interior edges, or points inside them: new vertices are regular, but for those in
-    /// the middle of faces.
+    /// After a split of faces that have interior edges, or points inside them: new vertices are regular, but for those
+    /// in the middle of faces.
     pub(super) fn split(&mut self, tile: Tile, pieces: u32) {
         if self.faces.is_empty() {
             return;

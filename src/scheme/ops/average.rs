@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::local_average;
 use super::ring_average::{self, Around};
-use super::upsample::ratio;
+use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::creases::{Blend, Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;

@@ -2,7 +2,7 @@
 
 use super::around;
 use super::cosines::cosine;
-use super::upsample::ratio;
+use crate::math::functions::ratio;
 use crate::math::parameter::{Default, Kind, Parameter};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
@@ -18,8 +18,8 @@ use crate::shape::topology::{NONE, Topology, index};
 /// - both ends of valence 6: `1/2 (a + b) + 1/8 (c + d) - 1/16 (four far vertices)`, with the vertices `c`, `d`
 ///   opposite the edge and those beyond the other four edges of its two triangles;
 /// - an inner end `p` of valence n other than 6: `3/4 p + sum s[j] e[j]` over its neighbours, counted from the other
-///   end, `s[j] = (1/4 + cos(2 pi j/n) + 1/2 cos(4 pi j/n))/n`; for n = 3 `(5, -1, -1)/12`, for n = 4 `(3, 0, -1,
-///   0)/8`; the mean of both where both ends are such;
+///   end, `s[j] = (1/4 + cos(2 pi j/n) + 1/2 cos(4 pi j/n))/n`; for n = 3 `(5, -1, -1)/12`, for n = 4
+///   `(3, 0, -1, 0)/8`; the mean of both where both ends are such;
 /// - boundary edges: `9/16 (a + b) - 1/16 (a* + b*)` with the next vertices on the boundary, or the reflection
 ///   `2 a - b` at a corner;
 /// - ends on the boundary, and those with two faces all around, count as of valence 6; a far vertex beyond a boundary

@@ -1,7 +1,7 @@
 //! The smoothing half of Catmull-Clark, applied after U.
 
 use super::around;
-use super::upsample::ratio;
+use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::creases::{Blend, Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;

@@ -2,8 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::math::functions::cos;
-use crate::scheme::ops::upsample::ratio;
+use crate::math::functions::{cos, ratio};
 
 /// `cos(2 pi i / n)`, exact where it is rational.
 pub(super) fn cosine(i: usize, n: usize) -> f64 {

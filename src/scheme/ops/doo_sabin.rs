@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::around;
 use super::cosines::cosine;
 use super::dual::no_manifold;
-use super::upsample::ratio;
+use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::forecast::{Census, sum};
 use crate::scheme::mesh_net::MeshNet;
@@ -21,9 +21,9 @@ use crate::shape::topology::{NONE, Topology, index};
 /// The surface is reflected at its boundary, which is the quadratic B-spline of the boundary polygon. In the first step
 /// a boundary edge `(a, b)` gets the vertices `(3a + b)/4` and `(a + 3b)/4`, and the strip between them and the new
 /// vertices inside consists of half faces. From then on a half face `(a, b, c[1], ..., c[k])` stands for the face of 2k
-/// vertices `c[1], ..., c[k], 2 m[k] - c[k], ..., 2 m[1] - c[1]` with the axis `m[i] = (a + b)/2 + (b - a)/2
-/// cos(pi (i - 1/2)/k) / cos(pi/2k)`, which the step maps to itself. Corners, which have one face, stay; the quarter
-/// face there gives the mean of its vertices, and its boundary edges their middles.
+/// vertices `c[1], ..., c[k], 2 m[k] - c[k], ..., 2 m[1] - c[1]` with the axis
+/// `m[i] = (a + b)/2 + (b - a)/2 cos(pi (i - 1/2)/k) / cos(pi/2k)`, which the step maps to itself. Corners, which have
+/// one face, stay; the quarter face there gives the mean of its vertices, and its boundary edges their middles.
 #[derive(Debug)]
 pub struct DooSabin;
 
@@ -94,27 +94,31 @@ impl Operator for DooSabin {
             let next = net.after_rebuild(old.cut_corners(), later_corners(net));
             let is_open = old.n_boundary() > 0;
             let rows = RowsBy::new(next.mesh.n_vertices(), n_old, move |row, out: &mut Rows| {
-                let corner = index(row);
-                if is_open { later_row(&old, &weights, corner, out) } else { face_row(&old, &weights, corner, out) }
+                let half_edge = index(row);
+                if is_open {
+                    later_row(&old, &weights, half_edge, out);
+                } else {
+                    face_row(&old, &weights, half_edge, out);
+                }
             });
             return Ok(Step { net: next, action: Action::Blend(Box::new(rows)) });
         }
         let topology = old.cut_corners_first(&net.tags.corners).map_err(|faults| no_manifold(&faults))?;
         let boundary: Vec<u32> = (0..old.n_edges()).filter(|&e| old.is_boundary_edge(e)).map(index).collect();
-        let (fixed, n_rim) = (net.tags.corners.clone(), 2 * boundary.len());
-        let first_fixed = n_c + index(n_rim);
+        let (fixed, n_on_boundary) = (net.tags.corners.clone(), 2 * boundary.len());
+        let first_fixed = n_c + index(n_on_boundary);
         let next = net.after_rebuild(topology, (first_fixed..).take(fixed.len()).collect());
         let rows = RowsBy::new(next.mesh.n_vertices(), n_old, move |row, out: &mut Rows| {
             let Some(beyond) = row.checked_sub(n_c as usize) else {
                 return face_row(&old, &weights, index(row), out);
             };
-            if let Some(&edge) = boundary.get(beyond / 2).filter(|_| beyond < n_rim) {
+            if let Some(&edge) = boundary.get(beyond / 2).filter(|_| beyond < n_on_boundary) {
                 let [a, b] = old.ends(edge as usize);
                 let [near, far] = if beyond.is_multiple_of(2) { [a, b] } else { [b, a] };
                 out.add(near, CHAIKIN[0]);
                 out.add(far, CHAIKIN[1]);
             } else {
-                out.add(fixed[beyond - n_rim], 1.0);
+                out.add(fixed[beyond - n_on_boundary], 1.0);
             }
         });
         Ok(Step { net: next, action: Action::Blend(Box::new(rows)) })
@@ -166,28 +170,28 @@ fn weight(i: usize, n: usize) -> f64 {
 
 /// The new vertex at a corner of a whole face.
 #[inline]
-fn face_row(old: &Topology, weights: &Weights, corner: u32, out: &mut Rows) {
-    let range = old.half_edges(old.face_of(corner));
-    let around = (corner..range.end).chain(range.start..corner);
+fn face_row(old: &Topology, weights: &Weights, half_edge: u32, out: &mut Rows) {
+    let range = old.half_edges(old.face_of(half_edge));
+    let around = (half_edge..range.end).chain(range.start..half_edge);
     let weights = weights.of_size((range.end - range.start) as usize);
     around.zip(weights).for_each(|(other, &weight)| out.add(old.vertex(other), weight));
 }
 
 /// The new vertex at a corner after the first step of an open mesh.
-fn later_row(old: &Topology, weights: &Weights, corner: u32, out: &mut Rows) {
-    let is_rim = |corner: u32| old.twin(corner) == NONE;
-    let before = old.previous(corner);
-    match (is_rim(before), is_rim(corner)) {
-        (true, true) => out.add(old.vertex(corner), 1.0),
-        (false, true) => rim_row(old, corner, old.next(corner), is_rim(old.next(corner)), out),
-        (true, false) => rim_row(old, corner, before, is_rim(old.previous(before)), out),
+fn later_row(old: &Topology, weights: &Weights, half_edge: u32, out: &mut Rows) {
+    let is_boundary = |half_edge: u32| old.twin(half_edge) == NONE;
+    let before = old.previous(half_edge);
+    match (is_boundary(before), is_boundary(half_edge)) {
+        (true, true) => out.add(old.vertex(half_edge), 1.0),
+        (false, true) => boundary_row(old, half_edge, old.next(half_edge), is_boundary(old.next(half_edge)), out),
+        (true, false) => boundary_row(old, half_edge, before, is_boundary(old.previous(before)), out),
         (false, false) => {
-            let mut rims = old.half_edges(old.face_of(corner)).filter(|&corner| is_rim(corner));
-            match (rims.next(), rims.next()) {
-                (None, _) => face_row(old, weights, corner, out),
-                (Some(rim), None) => half_row(old, weights, corner, rim, out),
+            let mut boundaries = old.half_edges(old.face_of(half_edge)).filter(|&half_edge| is_boundary(half_edge));
+            match (boundaries.next(), boundaries.next()) {
+                (None, _) => face_row(old, weights, half_edge, out),
+                (Some(boundary), None) => half_row(old, weights, half_edge, boundary, out),
                 (Some(_), Some(_)) => {
-                    let face = old.face(old.face_of(corner));
+                    let face = old.face(old.face_of(half_edge));
                     face.iter().for_each(|&v| out.add(v, ratio(1, face.len())));
                 }
             }
@@ -196,20 +200,20 @@ fn later_row(old: &Topology, weights: &Weights, corner: u32, out: &mut Rows) {
 }
 
 /// On a boundary edge, near one end; an edge that ends in a corner is half as long as the others.
-fn rim_row(old: &Topology, near: u32, far: u32, to_corner: bool, out: &mut Rows) {
+fn boundary_row(old: &Topology, near: u32, far: u32, to_corner: bool, out: &mut Rows) {
     let share = if to_corner { 0.5 } else { CHAIKIN[1] };
     out.add(old.vertex(near), 1.0 - share);
     out.add(old.vertex(far), share);
 }
 
-/// Inside a half face with the boundary corner `rim`.
-fn half_row(old: &Topology, weights: &Weights, corner: u32, rim: u32, out: &mut Rows) {
-    let end = old.next(rim);
-    let k = old.face(old.face_of(rim)).len() - 2;
+/// Inside a half face whose boundary edge is `boundary`.
+fn half_row(old: &Topology, weights: &Weights, half_edge: u32, boundary: u32, out: &mut Rows) {
+    let end = old.next(boundary);
+    let k = old.face(old.face_of(boundary)).len() - 2;
     let weights = weights.of_size(2 * k);
     let axis = |i: usize| if k == 1 { 0.0 } else { cosine(2 * i + 1, 4 * k) / cosine(1, 4 * k) };
     let around = || std::iter::successors(Some(old.next(end)), |&other| Some(old.next(other))).take(k);
-    let own = around().position(|other| other == corner).unwrap_or(0);
+    let own = around().position(|other| other == half_edge).unwrap_or(0);
     // the axis goes to itself, half as long; what is off the axis is weighed without and with its reflection
     let (mut centre, mut along) = (1.0, axis(own) / 2.0);
     for (i, other) in around().enumerate() {
@@ -218,7 +222,7 @@ fn half_row(old: &Topology, weights: &Weights, corner: u32, rim: u32, out: &mut 
         centre -= weight;
         along -= weight * axis(i);
     }
-    out.add(old.vertex(rim), 0.5 * centre - 0.5 * along);
+    out.add(old.vertex(boundary), 0.5 * centre - 0.5 * along);
     out.add(old.vertex(end), 0.5 * centre + 0.5 * along);
 }
 

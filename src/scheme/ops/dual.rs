@@ -5,8 +5,8 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::average::Average;
-use super::upsample::ratio;
 use crate::fault::Fault;
+use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
 use crate::scheme::mesh_net::MeshNet;
@@ -191,7 +191,7 @@ fn cycles(explicit: &Topology) -> (FaceList, Vec<u32>) {
         if explicit.is_isolated(v) || explicit.boundary_edges(v).is_some() {
             return;
         }
-        let mut cycle: Vec<u32> = explicit.ring(v).map(|corner| index(explicit.face_of(corner))).collect();
+        let mut cycle: Vec<u32> = explicit.ring(v).map(|half_edge| index(explicit.face_of(half_edge))).collect();
         if cycle.len() >= 3 {
             let lowest = (0..cycle.len()).min_by_key(|&i| cycle[i]).unwrap_or(0);
             cycle.rotate_left(lowest);

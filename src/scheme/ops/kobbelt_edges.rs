@@ -1,7 +1,7 @@
 //! The edge points of Kobbelt's interpolating scheme, applied after U.
 
 use super::around;
-use super::upsample::ratio;
+use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Facts, Nets, Operator, Role};

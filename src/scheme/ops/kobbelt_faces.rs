@@ -1,7 +1,7 @@
 //! The face points of Kobbelt's interpolating scheme, applied after its edge points.
 
 use super::around;
-use super::upsample::ratio;
+use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Facts, Nets, Operator, Role};
@@ -66,13 +66,13 @@ fn face_row(parent: &Topology, face: usize, out: &mut Rows) {
 }
 
 /// What lies across its face from the edge of a corner.
-fn across(parent: &Topology, corner: u32, weight: f64, out: &mut Rows) {
+fn across(parent: &Topology, half_edge: u32, weight: f64, out: &mut Rows) {
     let n_v = index(parent.n_vertices());
-    let face = parent.face_of(corner);
+    let face = parent.face_of(half_edge);
     if parent.face(face).len() == 4 {
-        out.add(n_v + parent.edge(parent.next(parent.next(corner))), weight);
+        out.add(n_v + parent.edge(parent.next(parent.next(half_edge))), weight);
     } else {
         out.add(n_v + index(parent.n_edges() + face), 2.0 * weight);
-        out.add(n_v + parent.edge(corner), -weight);
+        out.add(n_v + parent.edge(half_edge), -weight);
     }
 }

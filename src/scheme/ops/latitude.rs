@@ -10,8 +10,9 @@
 
 use std::sync::Arc;
 
+use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy};
-use crate::scheme::anchor::{Anchor, ratio};
+use crate::scheme::anchor::Anchor;
 use crate::scheme::local_mesh::MeshLocal;
 use crate::scheme::stencil::FourPoint;
 use crate::scheme::step::Action;
@@ -44,7 +45,7 @@ impl Lines {
         let topology = anchor.topology.clone();
         let latitude = directions.latitude_pairs(&topology);
         let longitude = (0..topology.n_faces()).map(|f| {
-            let edges = topology.half_edges(f).map(|corner| topology.edge(corner));
+            let edges = topology.half_edges(f).map(|half_edge| topology.edge(half_edge));
             let mut tagged = edges.filter(|&e| directions.of(e) == Direction::Longitude);
             match (tagged.next(), tagged.next(), tagged.next()) {
                 (Some(a), Some(b), None) => Some([a, b]),

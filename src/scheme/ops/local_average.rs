@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::upsample::ratio;
+use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::creases::{Blend, Creases, Rule};
 use crate::scheme::local_mesh::MeshLocal;
@@ -49,7 +49,7 @@ pub(super) fn rows(net: &MeshNet, parent: &Arc<Topology>, local: &Arc<MeshLocal>
                 }
                 Rule::Smooth => {
                     let share = ratio(1, parent.ring(row).count());
-                    parent.ring(row).for_each(|corner| quad(&parent, corner, &gains, share, out));
+                    parent.ring(row).for_each(|half_edge| quad(&parent, half_edge, &gains, share, out));
                 }
             }
         } else if row < n_v + n_e {
@@ -61,25 +61,25 @@ pub(super) fn rows(net: &MeshNet, parent: &Arc<Topology>, local: &Arc<MeshLocal>
                     out.add(index(row), 0.5 / (1.0 + g));
                 }
             } else {
-                for corner in parent.halves(e) {
-                    quad(&parent, corner, &gains, 0.25, out);
-                    quad(&parent, parent.next(corner), &gains, 0.25, out);
+                for half_edge in parent.halves(e) {
+                    quad(&parent, half_edge, &gains, 0.25, out);
+                    quad(&parent, parent.next(half_edge), &gains, 0.25, out);
                 }
             }
         } else {
-            let corners = parent.half_edges(row - n_v - n_e);
-            let share = ratio(1, corners.len());
-            corners.for_each(|corner| quad(&parent, corner, &gains, share, out));
+            let half_edges = parent.half_edges(row - n_v - n_e);
+            let share = ratio(1, half_edges.len());
+            half_edges.for_each(|half_edge| quad(&parent, half_edge, &gains, share, out));
         }
     });
     Action::Blend(Box::new(rows))
 }
 
 /// Adds `share` times the loop centre of the child quad of a corner.
-fn quad(parent: &Topology, corner: u32, gains: &Gains, share: f64, out: &mut Rows) {
-    let [v, e1, f, e2] = parent.child_quad(corner);
-    let g = gains.of(v, parent.edge(corner));
-    let h = gains.of(v, parent.edge(parent.previous(corner)));
+fn quad(parent: &Topology, half_edge: u32, gains: &Gains, share: f64, out: &mut Rows) {
+    let [v, e1, f, e2] = parent.child_quad(half_edge);
+    let g = gains.of(v, parent.edge(half_edge));
+    let h = gains.of(v, parent.edge(parent.previous(half_edge)));
     let share = share / ((1.0 + g) * (1.0 + h));
     out.add(v, share * g * h);
     out.add(e1, share * h);

@@ -4,9 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::latitude::Lines;
-use super::upsample::ratio;
 use crate::math::expression::{Expression, ExpressionError};
-use crate::math::functions::sin;
+use crate::math::functions::{ratio, sin};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
 use crate::scheme::creases::{Creases, Rule};

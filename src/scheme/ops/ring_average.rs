@@ -1,6 +1,6 @@
 //! C on split meshes of any arity, from the faces around each vertex.
 
-use super::upsample::ratio;
+use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::{Anchor, Label};
 use crate::scheme::creases::{Blend, Creases, Rule};
@@ -71,8 +71,8 @@ fn crease_row(weights: &Weights, v: usize, [before, after]: [u32; 2], out: &mut 
 
 fn faces_row(topology: &Topology, weights: &Weights, v: usize, out: &mut Rows) {
     let valence = ratio(topology.ring(v).count(), 1);
-    for corner in topology.ring(v) {
-        let face = topology.face(topology.face_of(corner));
+    for half_edge in topology.ring(v) {
+        let face = topology.face(topology.face_of(half_edge));
         let sum: f64 = face.iter().map(|&u| weights.in_faces(u)).sum();
         face.iter().for_each(|&u| out.add(u, weights.in_faces(u) / (sum * valence)));
     }
@@ -81,8 +81,9 @@ fn faces_row(topology: &Topology, weights: &Weights, v: usize, out: &mut Rows) {
 fn neighbours_row(topology: &Topology, weights: &Weights, v: usize, mu: f64, out: &mut Rows) {
     let valence = ratio(topology.ring(v).count(), 1);
     let mut own = 0.0;
-    for corner in topology.ring(v) {
-        let [a, b] = [topology.next(corner), topology.previous(corner)].map(|corner| topology.vertex(corner));
+    for half_edge in topology.ring(v) {
+        let [a, b] =
+            [topology.next(half_edge), topology.previous(half_edge)].map(|half_edge| topology.vertex(half_edge));
         let [p, q, r] = [index(v), a, b].map(|u| weights.in_faces(u));
         let [p, q, r] = [mu * p, 0.5 * (1.0 - mu) * q, 0.5 * (1.0 - mu) * r];
         let sum = (p + q + r) * valence;

@@ -2,7 +2,8 @@
 
 use super::around;
 use super::cosines::cosine;
-use super::upsample::{not_triangles, ratio};
+use super::upsample::not_triangles;
+use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::creases::{Blend, Rule};
 use crate::scheme::forecast::{Census, sum};
@@ -19,9 +20,9 @@ use crate::shape::topology::{NONE, Topology, index};
 /// inner vertices of valence n moved to `(1 - a) p + a/n sum neighbours`, `a = (4 - 2 cos(2 pi/n))/9` (order: see
 /// [`Topology::split_root_three`]).
 ///
-/// Boundaries wait every first step and are cut in three every second one, by the ternary cubic B-spline: `(4, 19,
-/// 4)/27` for the old vertices, `(1, 16, 10)/27` and `(10, 16, 1)/27` for the new ones. Corners stay, and boundary
-/// curves are reflected at them.
+/// Boundaries wait every first step and are cut in three every second one, by the ternary cubic B-spline:
+/// `(4, 19, 4)/27` for the old vertices, `(1, 16, 10)/27` and `(10, 16, 1)/27` for the new ones. Corners stay, and
+/// boundary curves are reflected at them.
 #[derive(Debug)]
 pub struct RootThree;
 
@@ -85,9 +86,11 @@ impl Operator for RootThree {
                 vertex_row(&before, boundary, row, out);
             } else if row < n_v + n_f {
                 let face = row - n_v;
-                match old.half_edges(face).find(|&corner| boundary == BoundarySplit::Thirds && old.twin(corner) == NONE)
+                match old
+                    .half_edges(face)
+                    .find(|&half_edge| boundary == BoundarySplit::Thirds && old.twin(half_edge) == NONE)
                 {
-                    Some(corner) => third_row(&before, old.edge(corner), Near::Start, out),
+                    Some(half_edge) => third_row(&before, old.edge(half_edge), Near::Start, out),
                     None => old.face(face).iter().for_each(|&v| out.add(v, ratio(1, 3))),
                 }
             } else {

@@ -18,11 +18,10 @@ use crate::scheme::window::{Window, steps};
 use crate::shape::tile::Tile;
 use crate::shape::topology::index;
 
-pub(super) use crate::scheme::anchor::ratio;
+use crate::math::functions::ratio;
 
-/// U, upsampling of arity d: `q[d i + j] = ((d - j) p[i] + j p[i + 1]) / d` on curves; on meshes vertices stay,
-/// edges are interpolated linearly, quads bilinearly, triangles linearly, other faces through the mean of their
-/// vertices.
+/// U, upsampling of arity d: `q[d i + j] = ((d - j) p[i] + j p[i + 1]) / d` on curves; on meshes vertices stay, edges
+/// are interpolated linearly, quads bilinearly, triangles linearly, other faces through the mean of their vertices.
 #[derive(Debug)]
 pub(super) struct Upsample;
 
@@ -121,6 +120,6 @@ impl Operator for Upsample {
 pub(in crate::scheme) fn not_triangles(face: usize, size: usize) -> StepError {
     let found = format!("face {face} has {size} vertices, and only triangles are split into triangles");
     let remedy = "send a mesh of triangles, or use a scheme for any faces, such as catmull-clark or a word with \
-     \"split\": \"quad\"";
+                  \"split\": \"quad\"";
     StepError::about(About::Triangles, format!("{found}; {remedy}"))
 }

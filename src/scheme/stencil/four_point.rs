@@ -36,8 +36,8 @@ impl FourPoint {
         }
     }
 
-    /// Adds what lies along the boundary beyond one end of a boundary edge: beyond its second one if `onward`. At corners
-    /// the boundary ends.
+    /// Adds what lies along the boundary beyond one end of a boundary edge: beyond its second one if `onward`. At
+    /// corners the boundary ends.
     pub(in crate::scheme) fn add_beyond(self, old: &Topology, tags: &Tags, e: usize, onward: bool, out: &mut Rows) {
         let [a, b] = old.ends(e);
         let (end, other) = if onward { (b, a) } else { (a, b) };

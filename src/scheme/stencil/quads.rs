@@ -1,4 +1,5 @@
-//! Masks on the vertices of a split into quads: those that were vertices (V), and the points of edges (E) and faces (F).
+//! Masks on the vertices of a split into quads: those that were vertices (V), and the points of edges (E) and faces
+//! (F).
 
 use crate::math::rows::Rows;
 use crate::shape::topology::{Topology, index};
