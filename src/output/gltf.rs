@@ -6,15 +6,15 @@ use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::Counts;
 use crate::output::error::FormatError;
-use crate::output::format::{Format, FormatFacts};
+use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::gltf_amounts::{self, Amounts, Contents, with_normals};
 use crate::output::gltf_buffer::Buffer;
 use crate::output::gltf_document::{PARAMETERS, document};
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
-use crate::output::sides::Sides;
 use crate::output::size::Size;
 use crate::output::stream::holds_space;
+use crate::output::vertex_sides::Sides;
 use crate::watch::Watch;
 
 const URI: &str = "data:application/octet-stream;base64,";
@@ -27,6 +27,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     name: "gltf",
     extension: "gltf",
     media_type: "model/gltf+json",
+    content: Content::Json,
     doc: "Self-contained glTF 2.0 in JSON: as glb, with the numbers as base64",
     parameters: PARAMETERS,
     holds: |kind, _| holds_space("gltf", kind),
@@ -56,7 +57,7 @@ impl Format for Gltf {
         watch: &Watch,
     ) -> Result<(), FormatError> {
         let sides = Sides::of(scene.shape);
-        let parts = sides.parted(with_normals(options), watch)?;
+        let parts = sides.split_vertices(with_normals(options), watch)?;
         let buffer = Buffer::of(&Scene { shape: parts.shape(), ..*scene }, parts.smooth(), options, watch)?;
         let json = document(&buffer, Some(URI))?;
         let Some(start) = json.windows(URI.len()).position(|text| text == URI.as_bytes()) else {

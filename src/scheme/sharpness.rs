@@ -15,6 +15,21 @@ pub enum Creasing {
     Chaikin,
 }
 
+impl Creasing {
+    /// Its name in requests.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Uniform => "uniform",
+            Self::Chaikin => "chaikin",
+        }
+    }
+
+    /// Whether what an edge hands on depends on the other edges at its ends.
+    pub fn evens_out(self) -> bool {
+        self == Self::Chaikin
+    }
+}
+
 /// The sharp edges and vertices of a net; everything else is smooth, boundaries apart.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sharpness {

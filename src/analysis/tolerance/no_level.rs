@@ -2,6 +2,7 @@
 
 use crate::analysis::limit::Unlimited;
 use crate::refine::RefineError;
+use crate::scheme::operator::SPLINES;
 use crate::watch::Stopped;
 
 /// Most levels that are looked at.
@@ -49,10 +50,7 @@ pub enum NoLevel {
     )]
     Kernel(f64),
     /// Another scheme.
-    #[error(
-        "distances are bounded for Catmull-Clark, Loop and words over U, C and D that make splines, which this plan does not \
-         as {0}; give \"levels\" as a number"
-    )]
+    #[error("distances are bounded for {SPLINES}, which this plan does not as {0}; give \"levels\" as a number")]
     NoSpline(&'static str),
     /// Rounding is larger.
     #[error("{tolerance} is below what rounding leaves of coordinates of {size}; ask for at least {least}", least = size * LEAST)]

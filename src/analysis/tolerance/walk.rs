@@ -9,7 +9,7 @@ use super::no_level::NoLevel;
 use super::placed::Placed;
 use super::remainder::Remainders;
 use super::spline::Spline;
-use crate::analysis::limit::{self, Asked};
+use crate::analysis::limit::{self, LimitRequest};
 use crate::refine::{Points, act_on};
 use crate::scheme::mesh_net::MeshNet;
 use crate::shape::tile::Tile;
@@ -70,7 +70,7 @@ impl Walk {
         }
         let plan = &spline.plan;
         let steps = plan.schedule(limit::AHEAD).map_err(|fault| NoLevel::Level(fault.detail))?;
-        let asked = Asked { positions: true, normals: false };
+        let asked = LimitRequest { positions: true, normals: false };
         let points = [self.level.points.clone()];
         let found = limit::limits(plan, &self.level.net, &points, &steps[spline.prefix.len()..], asked, watch)?;
         Ok(found.points.and_then(|mut points| points.pop()).unwrap_or_default())

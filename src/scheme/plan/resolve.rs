@@ -147,7 +147,8 @@ fn check_subject(preset: &Preset, subject: Subject) -> Result<(), Vec<Fault>> {
     Err(vec![Fault::new("/preset", format!("{} refines {kind}; {remedy}", preset.name))])
 }
 
-/// Vertices of meshes carry values of the kernel and its like: a preset that has no such parameters has no use for them.
+/// Vertices of meshes carry values of the kernel and its like: a preset that has no such parameters has no use for
+/// them.
 fn check_carried(preset: &Preset, subject: Subject) -> Result<(), Vec<Fault>> {
     let Some(carried) = subject.carried else { return Ok(()) };
     if preset.parameters.iter().any(|parameter| parameter.name == KERNEL.name) {
