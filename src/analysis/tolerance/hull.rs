@@ -26,8 +26,8 @@ const WORK: usize = 1 << 25;
 /// 1. Where K of the face in the middle does not come to the boundary of W, seen along n, the graph can be lifted over
 ///    all of K: the limit of the face is above or below some point of W.
 /// 2. Where K of the faces beyond the boundary do not come to the face in the middle, the straight way from the
-///    boundary to its limit does not either. So the limit of W winds around each point of that face as often as W does, which is
-///    at least once: some point of it is above or below (invariance of the degree).
+///    boundary to its limit does not either. So the limit of W winds around each point of that face as often as W does,
+///    which is at least once: some point of it is above or below (invariance of the degree).
 ///
 /// In either case the two are as far from each other as points in the K that come to the face differ along n, at most.
 pub(super) struct Hulls<'a> {
