@@ -70,7 +70,7 @@ impl Profile {
             match step.letter.facts().role {
                 Role::Average if step.first => fine = averaged(&fine, along, cos(theta / 2.0)),
                 Role::Average => fine = averaged(&fine, 1.0, quarter * quarter),
-                Role::PushBack => self.push_back(&mut fine),
+                Role::PushBack => self.displace(&mut fine),
                 Role::Upsample | Role::Smooth => {}
             }
         }
@@ -80,7 +80,7 @@ impl Profile {
     }
 
     /// Pushes finer rings back towards these, with the compensation 1: what turns with a line follows it.
-    fn push_back(&self, fine: &mut [Complex]) {
+    fn displace(&self, fine: &mut [Complex]) {
         let back = |(i, ring): (usize, &Complex)| mix([(*ring, self.deltas[i]), (fine[2 * i], -self.deltas[i])]);
         let moves: Vec<Complex> = self.rings.iter().enumerate().map(back).collect();
         for (j, point) in fine.iter_mut().enumerate() {

@@ -7,6 +7,8 @@ use crate::scheme::ranges::{self, Range};
 use crate::watch::{Stopped, Watch};
 
 /// Most points for each old one of the levels that are followed.
+/// It is ten binary levels. Half of it follows nine and calls more schemes not known to converge; twice of it follows
+/// eleven, whose masks are twice as long.
 const MAX_ARITY: i64 = 1 << 10;
 
 /// Warnings about the limit of a plan on polygons, in sentences; none for plans that are no masks.

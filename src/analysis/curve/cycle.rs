@@ -9,12 +9,20 @@ use crate::scheme::polygon_net::PolygonNet;
 use crate::watch::{Stopped, Watch};
 
 /// Most points of the polygon that carries the impulse.
+/// Masks may reach about half as far. Half and twice of it halve and double the reach from which a cycle is refused,
+/// and the memory that the impulse takes.
 const MAX_POINTS: u64 = 1 << 16;
 /// Masks that differ by less count as equal.
+/// It is about 5 units in the last place of 1. At half of it rounding may keep masks apart that are equal, and more
+/// levels count as changing; at twice of it the limit may differ by 1e-15 more.
 const SAME: f64 = 1e-15;
 /// Products of weights that take as long as a row of a table, about 100 ns.
+/// It only says how much of the budget and of the progress a product takes: with half of it a search ends after half
+/// the work, with twice of it after twice.
 const PRODUCTS_A_ROW: u64 = 64;
 /// Most levels whose masks may differ from the static limit.
+/// Cosines of an angle that is halved come four times as close at each level, so that some 25 levels settle them: half
+/// and twice of it only matter to functions that settle slower.
 const MAX_CHANGING: u32 = 128;
 
 /// Why the cycle of a plan is not a mask a level.

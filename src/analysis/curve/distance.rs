@@ -17,11 +17,15 @@ use crate::scheme::plan::Plan;
 use crate::watch::{Stopped, Watch};
 
 /// Most points for each old one of the levels that are followed at once.
+/// It is eight binary levels. Half of it follows seven, which may bound less sharply; twice of it follows nine, whose
+/// masks are twice as long.
 const MAX_BLOCK: i64 = 256;
 /// Most units of work of a search, one being a row of a table or as many products of weights as take 100 ns: 13 s.
 /// Words of U and 63 C, whose masks are the longest of those in use, take a 16th of it.
 pub const MAX_WORK: u64 = 1 << 27;
 /// What rounding leaves of sums that are 0.
+/// It is relative to the weights, so that masks written with nine digits pass. Half of it refuses some of these; twice
+/// of it admits masks that miss lines by twice as much.
 const ROUNDING: f64 = 1e-9;
 /// Most levels.
 const MAX_LEVELS: usize = 64;

@@ -8,11 +8,19 @@ use crate::scheme::plan::Plan;
 use crate::watch::Watch;
 
 /// Most repetitions of a static cycle.
+/// A round divides what is wrong by its second eigenvalue: 4,000 rounds settle 0.99. Half of it settles 0.98, and calls
+/// what lies between divergent; twice of it settles 0.995 in twice the time.
 const MAX_ROUNDS: u32 = 4_000;
 /// Rows that change by less in a repetition have arrived, or by less than [`NOISE`] and no longer less and less.
+/// It is about one unit in the last place of 1. Half of it leaves the end to [`NOISE`], some rounds later; twice of it
+/// may end a round earlier, with a last digit that differs.
 const ARRIVED: f64 = 3e-16;
+/// It is 45 units in the last place of 1, as long rows go on moving by a few. Half of it leaves the longest rows less
+/// room to arrive; twice of it ends slow changes that stall once earlier.
 const NOISE: f64 = 1e-14;
 /// Tangent rows that agree so far are one.
+/// It is far above what [`NOISE`] leaves and far below the parts of 1 by which sides of a kink differ, so that half and
+/// twice of it decide alike.
 const AGREE: f64 = 1e-9;
 
 /// Weights around a place: those of the points at the offsets `(first + 2 k) / 2`.

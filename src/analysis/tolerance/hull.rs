@@ -9,6 +9,8 @@ use crate::math::vector::{Vector, cross, dot, length, mean, minus, plus, times, 
 use crate::shape::topology::NONE;
 
 /// How often the normal of a line between points is turned.
+/// Half of it misses lines that only the ninth turn and later ones find, where the bound is then larger; twice of it
+/// takes up to twice as long where there is no line.
 const TURNS: usize = 16;
 /// Most rings of faces that a limit may depend on; with more, there are too many points to look at.
 pub(super) const MAX_REACH: usize = 2;
@@ -22,13 +24,10 @@ const WORK: usize = 1 << 25;
 /// let the hull K(g) be that of the points which the limit of a face g depends on, so that both are in it.
 ///
 /// 1. Where K of the face in the middle does not come to the boundary of W, seen along n, the graph can be lifted over
-/// all of K:
-///    the limit of the face is above or below some point of W.
+///    all of K: the limit of the face is above or below some point of W.
 /// 2. Where K of the faces beyond the boundary do not come to the face in the middle, the straight way from the
-/// boundary to its
-///    limit does not either. So the limit of W winds around each point of that face as often as W does, which is at
-/// least
-///    once: some point of it is above or below (invariance of the degree).
+///    boundary to its limit does not either. So the limit of W winds around each point of that face as often as W does,
+///    which is at least once: some point of it is above or below (invariance of the degree).
 ///
 /// In either case the two are as far from each other as points in the K that come to the face differ along n, at most.
 pub(super) struct Hulls<'a> {
