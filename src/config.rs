@@ -137,15 +137,15 @@ settings! {
     max_output_bytes: u64 = Limits::default().max_output_bytes, in 1..=MOST_BYTES, "PLANISH_MAX_OUTPUT_BYTES", "bytes";
     /// Most memory one job may need.
     max_job_bytes: u64 = Limits::default().max_job_bytes, in 1..=MOST_BYTES, "PLANISH_MAX_JOB_BYTES", "bytes";
-    /// Memory of everything that is held for requests: bodies, computations, answers, caches. Who finds none left waits or is
-    /// answered 503.
+    /// Memory of everything that is held for requests: bodies, computations, answers, caches. Who finds none left waits
+    /// or is answered 503.
     max_memory_bytes: u64 = 12 << 30, in LEAST_MEMORY_BYTES..=MOST_BYTES, "PLANISH_MAX_MEMORY_BYTES", "bytes";
     /// Most bytes of a request body.
     max_body_bytes: u64 = 4 << 20, in 1..=MOST_BODY_BYTES, "PLANISH_MAX_BODY_BYTES", "bytes";
     /// Most jobs waiting in each of the two lanes; more are answered 503.
     max_queue: usize = 256, in 1..=MOST_WAITING, "PLANISH_MAX_QUEUE", "jobs";
-    /// Most jobs of one peer address that wait at once, joined ones included, and most that go on without their request;
-    /// more are answered 503.
+    /// Most jobs of one peer address that wait at once, joined ones included, and most that go on without their
+    /// request; more are answered 503.
     max_queue_per_peer: usize = 64, in 1..=MOST_WAITING, "PLANISH_MAX_QUEUE_PER_PEER", "jobs";
     /// Most connections open at once; a further one takes the place of the one that has been idle or slow for longest.
     max_connections: usize = 1024, in 1..=MOST_WAITING, "PLANISH_MAX_CONNECTIONS", "connections";

@@ -28,8 +28,8 @@ pub struct Cli {
 enum Command {
     /// Serve jobs over HTTP.
     ///
-    /// Every setting is a flag, an environment variable and a key of the TOML file; the flag wins over the variable, the
-    /// variable over the file. GET /v1/limits tells those of a running service.
+    /// Every setting is a flag, an environment variable and a key of the TOML file; the flag wins over the variable,
+    /// the variable over the file. GET /v1/limits tells those of a running service.
     Serve {
         /// Settings file (TOML); its keys are the names of the flags.
         #[arg(long, env = "PLANISH_CONFIG")]

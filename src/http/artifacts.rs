@@ -23,7 +23,8 @@ use crate::service::task::Render;
 #[utoipa::path(
     get, path = "/v1/artifacts/{file}", tag = "jobs",
     params(
-        ("file" = String, Path, description = "Key of the artifact (64 hexadecimal digits), a dot, and the extension of its format"),
+        ("file" = String, Path, description = "Key of the artifact (64 hexadecimal digits), a dot, and the extension \
+            of its format"),
         ("Range" = Option<String>, Header, description = "One range of bytes, `bytes=first-last`"),
         ("If-Range" = Option<String>, Header, description = "An ETag; where it is another, `Range` is ignored"),
         ("If-None-Match" = Option<String>, Header, description = "ETags of results that the client has"),

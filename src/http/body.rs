@@ -1,4 +1,5 @@
-//! Request bodies: bounded in length, in silence and in slowness, with their memory taken from the account as they arrive.
+//! Request bodies: bounded in length, in silence and in slowness, with their memory taken from the account as they
+//! arrive.
 
 use std::time::Duration;
 
@@ -17,8 +18,8 @@ use crate::service::account::Held;
 use crate::service::peer::{Kind, Ticket};
 use crate::service::pool::Lane;
 
-/// Bodies up to this length take nothing from the account: with one a connection they are bounded by the connections, and
-/// a small request gets in though large ones have taken all there is.
+/// Bodies up to this length take nothing from the account: with one a connection they are bounded by the connections,
+/// and a small request gets in though large ones have taken all there is.
 const SHORT_BYTES: usize = 16 << 10;
 
 /// Of a body that is refused, so much is read and forgotten at most.
@@ -59,8 +60,8 @@ struct Charge {
 }
 
 impl Charge {
-    /// Takes what a buffer of so many bytes needs in all, before it is allocated; short bodies are free, as there can only
-    /// be one a connection.
+    /// Takes what a buffer of so many bytes needs in all, before it is allocated; short bodies are free, as there can
+    /// only be one a connection.
     fn cover(&mut self, app: &App, client: &Client, bytes: usize) -> Result<(), Problem> {
         let more = (bytes as u64).saturating_sub(self.memory.as_ref().map_or(0, Held::bytes));
         if bytes <= SHORT_BYTES || more == 0 {

@@ -14,14 +14,18 @@ use crate::fault::shortened;
 use crate::wire::catalogue::{self, FormatEntry, OperatorEntry, PresetEntry, ReaderEntry};
 
 /// All presets.
-#[utoipa::path(get, path = "/v1/presets", tag = "catalogue", responses((status = 200, description = "The presets", body = Vec<PresetEntry>)))]
+#[utoipa::path(
+    get, path = "/v1/presets", tag = "catalogue",
+    responses((status = 200, description = "The presets", body = Vec<PresetEntry>))
+)]
 pub(super) async fn presets() -> Json<Vec<PresetEntry>> {
     Json(catalogue::presets())
 }
 
 /// One preset.
 #[utoipa::path(
-    get, path = "/v1/presets/{name}", tag = "catalogue", params(("name" = String, Path, description = "Name of the preset")),
+    get, path = "/v1/presets/{name}", tag = "catalogue",
+    params(("name" = String, Path, description = "Name of the preset")),
     responses((status = 200, description = "The preset", body = PresetEntry))
 )]
 pub(super) async fn preset(Segment(name): Segment) -> Response {
@@ -30,14 +34,18 @@ pub(super) async fn preset(Segment(name): Segment) -> Response {
 }
 
 /// All operators.
-#[utoipa::path(get, path = "/v1/operators", tag = "catalogue", responses((status = 200, description = "The operators", body = Vec<OperatorEntry>)))]
+#[utoipa::path(
+    get, path = "/v1/operators", tag = "catalogue",
+    responses((status = 200, description = "The operators", body = Vec<OperatorEntry>))
+)]
 pub(super) async fn operators() -> Json<Vec<OperatorEntry>> {
     Json(catalogue::operators())
 }
 
 /// One operator.
 #[utoipa::path(
-    get, path = "/v1/operators/{letter}", tag = "catalogue", params(("letter" = String, Path, description = "Letter of the operator")),
+    get, path = "/v1/operators/{letter}", tag = "catalogue",
+    params(("letter" = String, Path, description = "Letter of the operator")),
     responses((status = 200, description = "The operator", body = OperatorEntry))
 )]
 pub(super) async fn operator(Segment(letter): Segment) -> Response {
@@ -46,13 +54,19 @@ pub(super) async fn operator(Segment(letter): Segment) -> Response {
 }
 
 /// All formats.
-#[utoipa::path(get, path = "/v1/formats", tag = "catalogue", responses((status = 200, description = "The formats", body = Vec<FormatEntry>)))]
+#[utoipa::path(
+    get, path = "/v1/formats", tag = "catalogue",
+    responses((status = 200, description = "The formats", body = Vec<FormatEntry>))
+)]
 pub(super) async fn formats() -> Json<Vec<FormatEntry>> {
     Json(catalogue::formats())
 }
 
 /// All readers of mesh files.
-#[utoipa::path(get, path = "/v1/readers", tag = "catalogue", responses((status = 200, description = "The readers", body = Vec<ReaderEntry>)))]
+#[utoipa::path(
+    get, path = "/v1/readers", tag = "catalogue",
+    responses((status = 200, description = "The readers", body = Vec<ReaderEntry>))
+)]
 pub(super) async fn readers() -> Json<Vec<ReaderEntry>> {
     Json(catalogue::readers())
 }
@@ -71,7 +85,10 @@ pub(super) struct LimitEntry {
 }
 
 /// The limits of this server.
-#[utoipa::path(get, path = "/v1/limits", tag = "operations", responses((status = 200, description = "The limits", body = Vec<LimitEntry>)))]
+#[utoipa::path(
+    get, path = "/v1/limits", tag = "operations",
+    responses((status = 200, description = "The limits", body = Vec<LimitEntry>))
+)]
 pub(super) async fn limits(State(app): State<Shared>) -> Json<Vec<LimitEntry>> {
     let fixed = [
         ("max_levels", u64::from(crate::scheme::plan::MAX_LEVELS), "levels", "Most levels of any plan."),

@@ -75,9 +75,9 @@ impl Connections {
         self.table.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Lets a connection in. Where there are too many, the one that has kept the service waiting for longest is closed for
-    /// it: of the same peer when this peer has its share, else of the peer that has most. `None` when all of them wait for
-    /// the service.
+    /// Lets a connection in. Where there are too many, the one that has kept the service waiting for longest is closed
+    /// for it: of the same peer when this peer has its share, else of the peer that has most. `None` when all of them
+    /// wait for the service.
     pub(super) fn enter(self: &Arc<Self>, peer: Peer) -> Option<Open> {
         let mut table = self.table();
         let own = table.of_peer.get(&peer).copied().unwrap_or(0);

@@ -17,7 +17,8 @@ use crate::wire::answer::ProblemAnswer;
 #[openapi(
     info(
         title = "planish",
-        description = "Refines control polygons and control meshes by subdivision and answers with meshes and pictures. \
+        description = "Refines control polygons and control meshes by subdivision and answers with meshes and \
+            pictures. \
                        Whatever cannot be done is answered by a problem (RFC 9457) that says why and what to do.",
         license(name = "MIT OR Apache-2.0", identifier = "MIT OR Apache-2.0")
     ),

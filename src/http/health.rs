@@ -14,7 +14,10 @@ use super::problem::{self, Problem};
 use crate::service::account::{Share, ShareUsage};
 
 /// The process answers.
-#[utoipa::path(get, path = "/livez", tag = "operations", responses((status = 200, description = "It lives", body = String, content_type = "text/plain")))]
+#[utoipa::path(
+    get, path = "/livez", tag = "operations",
+    responses((status = 200, description = "It lives", body = String, content_type = "text/plain"))
+)]
 pub(super) async fn livez() -> &'static str {
     "alive\n"
 }

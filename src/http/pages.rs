@@ -10,14 +10,18 @@ use super::segment::Segment;
 use crate::fault::shortened;
 
 /// The OpenAPI 3.1 document of this interface.
-#[utoipa::path(get, path = "/openapi.json", tag = "operations", responses((status = 200, description = "This document", body = Object, content_type = "application/json")))]
+#[utoipa::path(
+    get, path = "/openapi.json", tag = "operations",
+    responses((status = 200, description = "This document", body = Object, content_type = "application/json"))
+)]
 pub(super) async fn openapi(State(app): State<Shared>) -> Response {
     ([(header::CONTENT_TYPE, "application/json")], app.openapi.clone()).into_response()
 }
 
 /// What a kind of problem means.
 #[utoipa::path(
-    get, path = "/docs/problems/{kind}", tag = "operations", params(("kind" = String, Path, description = "The last part of a problem's type")),
+    get, path = "/docs/problems/{kind}", tag = "operations",
+    params(("kind" = String, Path, description = "The last part of a problem's type")),
     responses((status = 200, description = "A page", body = String, content_type = "text/html"))
 )]
 pub(super) async fn problem(Segment(kind): Segment) -> Response {
@@ -30,7 +34,10 @@ pub(super) async fn problem(Segment(kind): Segment) -> Response {
 }
 
 /// A start page with the way to everything else.
-#[utoipa::path(get, path = "/", tag = "operations", responses((status = 200, description = "A page", body = String, content_type = "text/html")))]
+#[utoipa::path(
+    get, path = "/", tag = "operations",
+    responses((status = 200, description = "A page", body = String, content_type = "text/html"))
+)]
 pub(super) async fn index() -> Response {
     let links = [
         "/openapi.json",

@@ -1,5 +1,5 @@
-//! From the body of a request to a job: read, checked and completed in the lane for reading, searched for where a tolerance
-//! is asked for.
+//! From the body of a request to a job: read, checked and completed in the lane for reading, searched for where a
+//! tolerance is asked for.
 
 use std::io::Write;
 use std::sync::Arc;

@@ -46,7 +46,8 @@ pub enum StartError {
     },
     /// The data directory cannot be used.
     #[error(
-        "cannot keep the cache in {path}: {error}; choose another with --data-dir, or keep nothing on disk with --cache-bytes 0"
+        "cannot keep the cache in {path}: {error}; choose another with --data-dir, or keep nothing on disk with \
+            --cache-bytes 0"
     )]
     Store {
         /// The directory.
@@ -59,13 +60,14 @@ pub enum StartError {
     Threads(#[from] rayon::ThreadPoolBuildError),
 }
 
-/// Bytes of an answer that the system may hold for a client that does not read it. Twice as much is kept, and a write waits
-/// until a third is free: more than a round trip of a tenth of a second at 10 MB/s, and read out in about a minute at the
-/// least rate.
+/// Bytes of an answer that the system may hold for a client that does not read it. Twice as much is kept, and a write
+/// waits until a third is free: more than a round trip of a tenth of a second at 10 MB/s, and read out in about a
+/// minute at the least rate.
 const SEND_BUFFER_BYTES: u32 = 512 << 10;
 /// Connections that the system may hold until they are accepted.
 const BACKLOG: u32 = 1024;
-/// How long a computation may hold a place in the short lane: four times the prediction from which on work counts as long.
+/// How long a computation may hold a place in the short lane: four times the prediction from which on work counts as
+/// long.
 const SHORT_TIME: Duration = Duration::from_secs(1);
 
 /// Opens stores, threads and listener.
@@ -104,8 +106,8 @@ pub async fn bind(mut settings: Settings) -> Result<(TcpListener, Arc<App>), Sta
     Ok((listener, Arc::new(App { desk, settings, canary, memo, connections, openapi })))
 }
 
-/// The longest body that the memory of the service is good for: half of the share of bodies, and so long that reading it
-/// takes no more than its share and half of what resident memory may be above the whole.
+/// The longest body that the memory of the service is good for: half of the share of bodies, and so long that reading
+/// it takes no more than its share and half of what resident memory may be above the whole.
 fn longest_body(account: &Account) -> u64 {
     let room = account.reading.capacity + (256 << 20);
     (account.bodies.capacity / 2).min(room / (weight(1) - weight(0)))

@@ -1,5 +1,5 @@
-//! The stream of a connection: its client has to read answers at the least rate, and refusals that the HTTP library writes
-//! by itself leave as problems.
+//! The stream of a connection: its client has to read answers at the least rate, and refusals that the HTTP library
+//! writes by itself leave as problems.
 
 use std::io::{self, IoSlice};
 use std::pin::Pin;
@@ -54,8 +54,8 @@ impl Watched {
         }
     }
 
-    /// Whether the bytes to be written are no answer of ours, but a refusal that the library made of a request it could not
-    /// read; then a problem is prepared in their place.
+    /// Whether the bytes to be written are no answer of ours, but a refusal that the library made of a request it could
+    /// not read; then a problem is prepared in their place.
     fn is_refusal(&mut self, bytes: &[u8]) -> bool {
         if self.instead.is_none() && !self.connection.answering.load(Ordering::Relaxed) {
             self.instead = Some((problem::unreadable(bytes), 0));

@@ -18,8 +18,8 @@ pub enum InputEntry {
 }
 
 impl InputEntry {
-    /// The fault of a mesh or of the polygon number `shape`, with a pointer below the request. No pointer leads into a file:
-    /// there the sentence names the place.
+    /// The fault of a mesh or of the polygon number `shape`, with a pointer below the request. No pointer leads into a
+    /// file: there the sentence names the place.
     pub fn fault(self, shape: usize, fault: Fault) -> Fault {
         match self {
             Self::Mesh => fault.under("/input/mesh"),

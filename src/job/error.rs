@@ -31,8 +31,9 @@ impl RunError {
         }
     }
 
-    /// The error of refining a shape. A kernel without an average, or a compensation beyond its bound, stands at what it was
-    /// made of: the kernels or compensations of the points of the shape, else their alphas, else the function of the plan.
+    /// The error of refining a shape. A kernel without an average, or a compensation beyond its bound, stands at what
+    /// it was made of: the kernels or compensations of the points of the shape, else their alphas, else the function of
+    /// the plan.
     pub(super) fn of_shape(error: RefineError, attributes: Option<&Attributes>, shape: usize) -> Self {
         let name = match &error {
             RefineError::Stopped(stopped) => return Self::Stopped(*stopped),

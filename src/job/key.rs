@@ -74,9 +74,9 @@ pub fn content(bytes: &[u8]) -> Key {
     Key(*blake3::hash(bytes).as_bytes())
 }
 
-/// Keys of the outputs of a job: over the results version, the shape, the plan as far as it matters, the levels, and the
-/// output's format and options. Names of outputs, and the words in which the job was written, are not part of them. The
-/// shape is hashed once for all outputs.
+/// Keys of the outputs of a job: over the results version, the shape, the plan as far as it matters, the levels, and
+/// the output's format and options. Names of outputs, and the words in which the job was written, are not part of them.
+/// The shape is hashed once for all outputs.
 pub(super) fn artifacts(shape: &Input, refined: &Plan, levels: u32, frame: Frame, outputs: &[Output]) -> Vec<Key> {
     let Frame { unit, up } = frame;
     let shape_key = hashed(input(shape, refined)).to_string();
@@ -268,8 +268,8 @@ fn shows_limit(output: &Output) -> bool {
     output.options.unusual().any(of_limit)
 }
 
-/// Everything of a plan that can change the result, which shows so many levels or also the limit: what no operator uses is
-/// left out.
+/// Everything of a plan that can change the result, which shows so many levels or also the limit: what no operator uses
+/// is left out.
 fn plan(input: &Input, refined: &Plan, levels: u32, shows_limit: bool) -> Item<'static> {
     let Plan {
         word: Word { prefix, cycle },

@@ -179,7 +179,8 @@ impl Limits {
             ForecastError::Bytes { level, bytes, bound } => {
                 let remedy = fewer_levels(*level);
                 let detail = format!(
-                    "level {level}: to count what D leaves along the boundary takes {}; a forecast may take {}; {remedy}",
+                    "level {level}: to count what D leaves along the boundary takes {}; a forecast may take {}; \
+                        {remedy}",
                     in_bytes(*bytes),
                     in_bytes(*bound)
                 );
@@ -322,9 +323,9 @@ fn counts(job: &Job, count: Count) -> Counts {
     }
 }
 
-/// Rows that the limits of an output need at most, and bytes: the topology of the last level (48 a face), the class of a
-/// vertex and its new point (29), two tangents and a normal (72). A vertex that is followed by itself has weights of its
-/// own for the points around it (8 each); faces of such nets know their numbers and those of their edges (88).
+/// Rows that the limits of an output need at most, and bytes: the topology of the last level (48 a face), the class of
+/// a vertex and its new point (29), two tangents and a normal (72). A vertex that is followed by itself has weights of
+/// its own for the points around it (8 each); faces of such nets know their numbers and those of their edges (88).
 fn limit_surface(job: &Job, forecast: &Forecast) -> (u128, u128) {
     let count = forecast.levels.last().copied().unwrap_or_default();
     let needs = |output: &Output| {
@@ -344,8 +345,8 @@ fn limit_surface(job: &Job, forecast: &Forecast) -> (u128, u128) {
     needs.fold((0, 0), |most, need| (most.0.max(need.0), most.1.max(need.1)))
 }
 
-/// What limits need beside their rows: around vertices that are not regular, all of them where they have numbers of their
-/// own or where faces are triangles.
+/// What limits need beside their rows: around vertices that are not regular, all of them where they have numbers of
+/// their own or where faces are triangles.
 fn limit_patches(job: &Job, forecast: &Forecast) -> Cost {
     let Input::Mesh(mesh) = &job.input else { return Cost::default() };
     let vertices = forecast.levels.last().map_or(0, |count| count.vertices);

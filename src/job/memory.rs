@@ -22,7 +22,8 @@ pub(super) struct Carried {
 
 /// Old and new parameters of a vertex (4 of 8 bytes each), its values at the last upsampling (5), directions of edges.
 const LOCAL_BYTES: u128 = 8 * (4 + 4 + 5) + 4;
-/// Numbers in the mesh of a place, and of a face with its edges (24 bytes and 16 an edge), with a quarter of that before.
+/// Numbers in the mesh of a place, and of a face with its edges (24 bytes and 16 an edge), with a quarter of that
+/// before.
 const NUMBERED_BYTES: [u128; 2] = [8 + 2, (24 + 4 * 16) * 5 / 4];
 
 /// What a job refines along.
@@ -47,9 +48,10 @@ pub(super) fn carried(job: &Job) -> Carried {
 /// Numbers of a vertex: those of the last level and of the next, or the same in the documented order, with those that
 /// entered the last U; 8 bytes each, three a vertex.
 const POINT_BYTES: u128 = 3 * 24;
-/// Bytes a corner: vertex, edge, half of 8 an edge and a quarter of 4 a vertex are 13 for the topology of the last level
-/// while it is written, a quarter of that for the one before; on the way normals of faces and vertices (24 each of them,
-/// 12 a corner), triangles, and what is sorted. Measured: 28 in the largest case, which are triangles written as STL.
+/// Bytes a corner: vertex, edge, half of 8 an edge and a quarter of 4 a vertex are 13 for the topology of the last
+/// level while it is written, a quarter of that for the one before; on the way normals of faces and vertices (24 each
+/// of them, 12 a corner), triangles, and what is sorted. Measured: 28 in the largest case, which are triangles written
+/// as STL.
 const CORNER_BYTES: u128 = 32;
 /// Bytes a number of a channel: of the last level, the next, and in the documented order.
 const CHANNEL_BYTES: u128 = 3 * 8;
@@ -76,8 +78,8 @@ pub(super) fn memory(forecast: &Forecast, sizes: &[Size], carried: &Carried) -> 
     parts.iter().fold(0, |sum: u128, (n, bytes)| sum.saturating_add(n.saturating_mul(*bytes)))
 }
 
-/// Bytes of the patches around vertices that limits compare, of 16,384 vertices at a time: those near irregular vertices,
-/// within three rings, or of all where faces are triangles or where vertices or edges carry something.
+/// Bytes of the patches around vertices that limits compare, of 16,384 vertices at a time: those near irregular
+/// vertices, within three rings, or of all where faces are triangles or where vertices or edges carry something.
 pub(super) fn compared_patches(job: &Job, forecast: &Forecast) -> u128 {
     /// Measured: 160 for loop, 640 for butterfly, 980 for sqrt-3, 1,290 with latitude lines.
     const PATCH_BYTES: u128 = 1408;

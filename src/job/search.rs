@@ -114,8 +114,8 @@ fn refused(stopped: Option<Stopped>, reason: &impl ToString) -> SearchError {
     }
 }
 
-/// By what the distance of curves from their limit is less than that of outputs: points that move to their limits go as far
-/// as the bound at most, so that their polygon is within twice the bound.
+/// By what the distance of curves from their limit is less than that of outputs: points that move to their limits go as
+/// far as the bound at most, so that their polygon is within twice the bound.
 fn factor(outputs: &[Output]) -> f64 {
     if outputs.iter().any(curves::moves_points) { 2.0 } else { 1.0 }
 }

@@ -14,8 +14,8 @@ use crate::shape::polygon::Polygon;
 use crate::shape::repairs::Repair;
 use crate::shape::topology::Topology;
 
-/// Bytes of a corner of a topology: its vertex, in a list that was read and may have room for two, its edge, the two corners
-/// of that edge, as if no edge had two, and its face, where faces are of several sizes.
+/// Bytes of a corner of a topology: its vertex, in a list that was read and may have room for two, its edge, the two
+/// corners of that edge, as if no edge had two, and its face, where faces are of several sizes.
 const CORNER: usize = 2 * size_of::<u32>() + size_of::<u32>() + size_of::<[u32; 2]>();
 /// Bytes of the number of a face or vertex, in a list that may have room for two.
 const NUMBER: usize = 2 * size_of::<u32>();
@@ -35,7 +35,8 @@ impl Job {
         self.input.bytes() + size_of_val(self.steps()) as u64
     }
 
-    /// Bytes that the forecast of the job takes at most: lists over the parts of the input, and what it follows of the net.
+    /// Bytes that the forecast of the job takes at most: lists over the parts of the input, and what it follows of the
+    /// net.
     pub fn forecast_bytes(&self) -> u64 {
         let followed = match &self.input {
             Input::Polygons(_) => 0,

@@ -1,7 +1,7 @@
 //! What a job takes, made of what it does. The unit is a row of a table of weights, 100 ns.
 //!
-//! The constants are measured on one core with a release build, and rounded up: a row of a refinement with its points 100 ns,
-//! a byte of a result 10 ns (pictures are counted by their pixels), drawing as `raster::Forecast` says.
+//! The constants are measured on one core with a release build, and rounded up: a row of a refinement with its points
+//! 100 ns, a byte of a result 10 ns (pictures are counted by their pixels), drawing as `raster::Forecast` says.
 
 use super::complete::Job;
 use super::input::Input;
@@ -14,9 +14,10 @@ use crate::shape::topology::Topology;
 const ROWS_A_MS: u128 = 10_000;
 /// Bytes of a result that are made in a millisecond.
 const BYTES_A_MS: u128 = 100_000;
-/// Rows for each pair of faces around a vertex, or of corners of a face, where limits are asked for and all vertices around
-/// it have patches with all of these faces, and rows over them; or where something is sharp, so that the walks around it
-/// from all its faces differ. A vertex of a patch takes some 50 ns to be found, in each of a few levels, twice with its row.
+/// Rows for each pair of faces around a vertex, or of corners of a face, where limits are asked for and all vertices
+/// around it have patches with all of these faces, and rows over them; or where something is sharp, so that the walks
+/// around it from all its faces differ. A vertex of a patch takes some 50 ns to be found, in each of a few levels,
+/// twice with its row.
 const ROWS_A_PAIR: u128 = 3;
 
 /// Rows besides those of the refinement: drawing, and the patches of limits.

@@ -1,9 +1,9 @@
 //! The account of memory: whoever holds bytes on behalf of a request takes them here before it allocates them.
 //!
 //! The budget of the service is divided once, at the start, into shares that cannot eat each other: bodies while they
-//! arrive, requests while they are read, inputs of jobs that wait, records of jobs, answers on their way, the two lanes of
-//! computations, and the cache in memory. Whoever finds a share empty waits, or is told to come back; nobody allocates
-//! first.
+//! arrive, requests while they are read, inputs of jobs that wait, records of jobs, answers on their way, the two lanes
+//! of computations, and the cache in memory. Whoever finds a share empty waits, or is told to come back; nobody
+//! allocates first.
 
 use std::collections::VecDeque;
 use std::fmt;
@@ -35,8 +35,8 @@ pub struct Account {
 
 impl Account {
     /// Divides `total` bytes: the cache gets `cache` bytes, but at most a quarter; a sixteenth each goes to reading,
-    /// answers, and the short lane; a thirty-second each to bodies and to inputs; a sixty-fourth to records; the long lane
-    /// gets the rest, which is more than two fifths.
+    /// answers, and the short lane; a thirty-second each to bodies and to inputs; a sixty-fourth to records; the long
+    /// lane gets the rest, which is more than two fifths.
     ///
     /// The parts are chosen so that the default of 12 GiB holds a job of 8 GiB, and that 2 GiB still read a body of the
     /// default length, whose parsing may take 32 times its bytes.

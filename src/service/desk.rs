@@ -156,7 +156,8 @@ impl Desk {
         made.unwrap_or_else(|error| Phase::Failed(Failure::Internal(error.to_string())))
     }
 
-    /// Runs work on a request, which takes so much memory, when its turn comes. When the caller leaves, the work is stopped.
+    /// Runs work on a request, which takes so much memory, when its turn comes. When the caller leaves, the work is
+    /// stopped.
     ///
     /// # Errors
     /// [`Unread`].
@@ -203,8 +204,8 @@ impl Desk {
         }
     }
 
-    /// An outcome whose bytes, where no store has them, are paid for until the last answer has them: as an answer, or, where
-    /// these have no room, with the memory of their computation.
+    /// An outcome whose bytes, where no store has them, are paid for until the last answer has them: as an answer, or,
+    /// where these have no room, with the memory of their computation.
     fn lent(&self, mut outcome: Outcome, memory: Option<Memory>) -> Outcome {
         let Some(bytes) = outcome.loose.take() else { return outcome };
         let length = bytes.len() as u64;
@@ -285,8 +286,8 @@ impl Desk {
         self.tiers.persist(manifest);
     }
 
-    /// The lines that let nobody more in, and the shares of memory that refuse requests. Lanes whose memory is taken are at
-    /// work, and records leave for others.
+    /// The lines that let nobody more in, and the shares of memory that refuse requests. Lanes whose memory is taken
+    /// are at work, and records leave for others.
     pub fn full(&self) -> Vec<&'static str> {
         let Account { bodies, inputs, answers, .. } = &self.account;
         let shares = [bodies, inputs, answers].into_iter().filter(|share| share.is_full()).map(|share| share.name);

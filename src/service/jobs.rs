@@ -91,8 +91,8 @@ impl Jobs {
         table.records.get(id).map(|(_, record)| record.clone())
     }
 
-    /// Adds a record or takes the place of the one with the same id, whose attempts are added. `memory` takes bytes for it;
-    /// where it finds none, the oldest jobs that are finished are forgotten.
+    /// Adds a record or takes the place of the one with the same id, whose attempts are added. `memory` takes bytes for
+    /// it; where it finds none, the oldest jobs that are finished are forgotten.
     ///
     /// # Errors
     /// [`Full`] when there is no room beside the jobs that go on; then all is as it was, but for those.

@@ -34,8 +34,8 @@ impl<T> AsRef<[u8]> for Lent<T> {
     }
 }
 
-/// The artifacts in memory that are being answered, each paid for once: while a client reads one, it may leave the cache,
-/// but not the memory.
+/// The artifacts in memory that are being answered, each paid for once: while a client reads one, it may leave the
+/// cache, but not the memory.
 #[derive(Debug, Default)]
 pub struct InFlight {
     artifacts: Mutex<HashMap<Key, Weak<Paid>>>,

@@ -17,8 +17,8 @@ pub use super::line::{Memory, Waiting};
 /// Predicted milliseconds from which on work counts as long.
 const LONG_MS: u128 = 250;
 
-/// How far compute threads stand back: at 10 they get a tenth of the time of others while these have work, and all of it
-/// else. At 5 it would be a third; at 19, a seventieth, other processes of the machine would starve them.
+/// How far compute threads stand back: at 10 they get a tenth of the time of others while these have work, and all of
+/// it else. At 5 it would be a third; at 19, a seventieth, other processes of the machine would starve them.
 #[cfg(target_os = "linux")]
 const COMPUTE_NICENESS: i32 = 10;
 
@@ -90,8 +90,8 @@ impl Turn {
         (self.threads.install(work), memory)
     }
 
-    /// Runs work on its threads while the caller does something else. What nobody waits for any more is finished all the
-    /// same, in its place.
+    /// Runs work on its threads while the caller does something else. What nobody waits for any more is finished all
+    /// the same, in its place.
     ///
     /// # Errors
     /// [`Panicked`].
@@ -217,8 +217,8 @@ fn bytes(memory_bytes: u128) -> u64 {
     u64::try_from(memory_bytes).unwrap_or(u64::MAX)
 }
 
-/// Lets this thread compute only where those that answer requests leave time: the system may run more threads than it has
-/// cores, and a cached answer or a health check is a matter of microseconds.
+/// Lets this thread compute only where those that answer requests leave time: the system may run more threads than it
+/// has cores, and a cached answer or a health check is a matter of microseconds.
 fn stand_back() {
     // the niceness of a thread is its own on Linux alone
     #[cfg(target_os = "linux")]

@@ -126,8 +126,8 @@ impl Tiers {
         stored || matches!(self.waiting(key), Some(Waiting::Sealed(_)))
     }
 
-    /// A verified part of an artifact as it stands on disk; `None` when it is not there or was damaged, or the disk does
-    /// not answer in time.
+    /// A verified part of an artifact as it stands on disk; `None` when it is not there or was damaged, or the disk
+    /// does not answer in time.
     pub async fn part_on_disk(&self, manifest: &Arc<Manifest>, index: usize) -> Option<Bytes> {
         let disk = self.disk.as_ref()?;
         let (store, waiting, of) = (disk.store.clone(), self.waiting(&manifest.key), Arc::clone(manifest));
@@ -205,8 +205,8 @@ impl Tiers {
         self.disk.as_ref().map_or((0, 0), |disk| disk.writer.backlog())
     }
 
-    /// Whether writes to disk fail, or one of them does not end; `None` when the last one succeeded, or failed more than
-    /// a minute ago.
+    /// Whether writes to disk fail, or one of them does not end; `None` when the last one succeeded, or failed more
+    /// than a minute ago.
     pub fn disk_trouble(&self) -> Option<Trouble> {
         self.disk.as_ref()?.writer.trouble()
     }

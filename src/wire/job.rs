@@ -60,7 +60,8 @@ impl JobRequest {
         self.resolve_within(&ReadLimits::default())
     }
 
-    /// Checks the request as a whole and searches for the level of a tolerance; mesh files may be as large as `limits` say.
+    /// Checks the request as a whole and searches for the level of a tolerance; mesh files may be as large as `limits`
+    /// say.
     ///
     /// # Errors
     /// All faults found in input and outputs, or, where these are right, in the plan.

@@ -53,8 +53,8 @@ fn refusal(error: &serde_json::Error, pointer: String, bytes: &[u8]) -> ReadErro
     }
 }
 
-/// The sentence with what it repeats of the request shortened: an unknown name or a text in the wrong place may be as long
-/// as the request.
+/// The sentence with what it repeats of the request shortened: an unknown name or a text in the wrong place may be as
+/// long as the request.
 fn briefly(text: &str) -> String {
     let repeated = [
         ("unknown field `", "`, expected "),
@@ -99,12 +99,13 @@ fn pointer(path: &Path) -> String {
     path.iter().map(segment).collect()
 }
 
-/// Copies of the text of a body at worst: the text of a mesh file, what takes the escapes out of it as it grows, and the file
-/// that base64 holds.
+/// Copies of the text of a body at worst: the text of a mesh file, what takes the escapes out of it as it grows, and
+/// the file that base64 holds.
 const TEXT: u64 = 4;
 
-/// Bytes that a request of so many bytes takes at most until it is a checked job, the body itself left out: a mesh file within
-/// it takes what its reader may; lists that the body itself holds take less (27 bytes a byte at worst, polygons of one point).
+/// Bytes that a request of so many bytes takes at most until it is a checked job, the body itself left out: a mesh file
+/// within it takes what its reader may; lists that the body itself holds take less (27 bytes a byte at worst, polygons
+/// of one point).
 pub const fn weight(length: u64) -> u64 {
     crate::input::weight(length).saturating_add(TEXT.saturating_mul(length))
 }

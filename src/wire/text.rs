@@ -98,8 +98,8 @@ impl MeshFile {
     }
 }
 
-/// Faults within the file: their own pointers go into the sentences, as no pointer leads into a file, and those of faces
-/// with the line that the face has there.
+/// Faults within the file: their own pointers go into the sentences, as no pointer leads into a file, and those of
+/// faces with the line that the face has there.
 pub(super) fn within(faults: Vec<Fault>, lines: &[u32]) -> Vec<Fault> {
     let line = |pointer: &str| {
         let face = pointer.strip_prefix("/faces/")?.split('/').next()?.parse::<usize>().ok()?;

@@ -179,7 +179,8 @@ fn hold(root: &Path) -> io::Result<Vec<File>> {
             Err(TryLockError::WouldBlock) => return Err(busy()),
             // some network file systems lock files only
             Err(TryLockError::Error(error)) => {
-                tracing::warn!(dir = %root.display(), %error, "the folder cannot be locked; only its lock file protects it");
+                tracing::warn!(dir = %root.display(), %error, "the folder cannot be locked; only its lock file \
+                    protects it");
             }
         }
     }

@@ -11,7 +11,8 @@ use crate::job::key::Key;
 
 /// A place where artifacts are kept. Bounded: the least recently used ones leave when there is no room.
 ///
-/// All calls block; the service makes them off the event loop, except on stores that say they are [quick](Self::is_quick).
+/// All calls block; the service makes them off the event loop, except on stores that say they are
+/// [quick](Self::is_quick).
 pub trait Store: std::fmt::Debug + Send + Sync {
     /// Whether every call returns within microseconds, without touching a disk or a network.
     fn is_quick(&self) -> bool {
