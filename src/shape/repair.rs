@@ -13,7 +13,8 @@ use crate::fault::Fault;
 impl MeshInput {
     /// Merges vertices that are at most `distance` (model units) apart, and leaves out faces that come to nothing.
     ///
-    /// A mesh with faults that have nothing to do with it is given back as it is, for [`super::mesh::Mesh::new`] to refuse.
+    /// A mesh with faults that have nothing to do with it is given back as it is, for [`super::mesh::Mesh::new`] to
+    /// refuse.
     ///
     /// # Errors
     /// A distance that cannot be used, at `/weld`; a face that would meet a vertex twice.
