@@ -300,14 +300,14 @@ fn plan(input: &Input, plan: &Plan, levels: u32, shows_limit: bool) -> Item<'sta
 /// The rules of meshes that are not the usual ones, as far as the mesh gives them something to do.
 fn rules(input: &Input, plan: &Plan) -> impl Iterator<Item = &'static str> + use<> {
     let Rules { creasing, triangles } = plan.rules;
-    let (chaikin, smooth) = match input {
+    let (creased, smooth) = match input {
         Input::Mesh(mesh) => (
-            creasing == Creasing::Chaikin && mesh.creases.iter().any(|&(_, s)| s < INFINITE_SHARPNESS),
+            creasing != Creasing::default() && mesh.creases.iter().any(|&(_, s)| s < INFINITE_SHARPNESS),
             triangles == TriangleRule::Smooth && (0..mesh.topology.n_faces()).any(|f| mesh.topology.face(f).len() == 3),
         ),
         Input::Polygons(_) => (false, false),
     };
-    [(chaikin, "chaikin creasing"), (smooth, "smooth triangles")].into_iter().filter(|rule| rule.0).map(|rule| rule.1)
+    [(creased, creasing.name()), (smooth, "smooth triangles")].into_iter().filter(|rule| rule.0).map(|rule| rule.1)
 }
 
 fn expression(expression: &Expression) -> Item<'static> {

@@ -1,7 +1,7 @@
 //! Expressions in one variable: text to a short bytecode, bounded in length, depth and size.
 
+use crate::fault::shortened;
 use crate::math::functions as f;
-use crate::math::parameter::shortened;
 
 /// Longest text of an expression, bytes.
 pub const MAX_BYTES: usize = 1024;

@@ -53,6 +53,16 @@ impl Topology {
         Self::of_faces(n, faces, Winding::Refuse).map(|Checked { topology, .. }| topology)
     }
 
+    /// What a first step puts in the place of the boundary vertex `v`: a corner that stays, or the two new vertices beside
+    /// it on the boundary, first the one before it.
+    pub fn cut_corners_first_at(&self, v: u32, fixed: &[u32]) -> Option<Vec<u32>> {
+        let [onward, from] = self.boundary_edges(v as usize)?;
+        let rim = BoundaryRank::of(self);
+        let first = index(self.n_half_edges());
+        let corner = fixed.binary_search(&v).ok().map(|place| vec![first + 2 * rim.len() + index(place)]);
+        Some(corner.unwrap_or_else(|| vec![first + 2 * rim.rank(from) + 1, first + 2 * rim.rank(onward)]))
+    }
+
     /// The topology after a step of Doo and Sabin: each inner edge and each inner vertex gets a face. Vertices that no
     /// face has are left out; inner vertices have at least 3 faces, boundary vertices at most 2.
     #[must_use]

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::topology::{NONE, index};
 use crate::fault::Fault;
-use crate::math::parameter::shortened;
+use crate::fault::shortened;
 
 /// Most groups, and most materials, of a mesh.
 pub const MAX_LABELS: usize = 256;

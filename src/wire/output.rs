@@ -3,9 +3,9 @@
 use serde::Deserialize;
 
 use super::literal::WireFields;
-use crate::fault::{Fault, under};
+use crate::fault::{Fault, shortened, under};
 use crate::job::Output;
-use crate::math::parameter::{Literal, Values, shortened};
+use crate::math::parameter::{Literal, Values};
 use crate::output::{self, Format};
 
 /// Most outputs of one job.

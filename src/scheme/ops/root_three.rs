@@ -19,17 +19,17 @@ use crate::shape::topology::{NONE, Topology, index};
 /// inner vertices of valence n moved to `(1 - a) p + a/n sum neighbours`, `a = (4 - 2 cos(2 pi/n))/9` (order: see
 /// [`Topology::split_root_three`]).
 ///
-/// Boundaries wait every first step and are cut in three every second one, by the ternary cubic B-spline: `(4, 19, 4)/27`
-/// for the old vertices, `(1, 16, 10)/27` and `(10, 16, 1)/27` for the new ones. Corners stay, and boundary curves are
-/// reflected at them.
+/// Boundaries wait every first step and are cut in three every second one, by the ternary cubic B-spline: `(4, 19,
+/// 4)/27` for the old vertices, `(1, 16, 10)/27` and `(10, 16, 1)/27` for the new ones. Corners stay, and boundary
+/// curves are reflected at them.
 #[derive(Debug)]
 pub struct RootThree;
 
 static FACTS: Facts = Facts {
     name: "sqrt-3",
-    doc: "A level of Kobbelt's sqrt 3 scheme on triangles: centroids of the faces, flipped edges, and old vertices moved by \
-     (4 - 2 cos(2 pi/n))/9 of the way to the mean of their n neighbours. Every second level cuts boundary edges in \
-     three, by the ternary cubic B-spline (1, 4, 10, 16, 19, 16, 10, 4, 1)/27. Used by the preset sqrt-3.",
+    doc: "A level of Kobbelt's sqrt 3 scheme on triangles: centroids of the faces, flipped edges, and old vertices \
+     moved by (4 - 2 cos(2 pi/n))/9 of the way to the mean of their n neighbours. Every second level cuts boundary \
+     edges in three, by the ternary cubic B-spline (1, 4, 10, 16, 19, 16, 10, 4, 1)/27. Used by the preset sqrt-3.",
     source: "Kobbelt, SIGGRAPH 2000, 103-112",
     nets: Nets::Meshes("sqrt-3 refines meshes of triangles; for polygons use ternary-cubic"),
     role: Role::Smooth,
