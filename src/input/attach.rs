@@ -1,4 +1,5 @@
-//! What a file holds, in the form that meshes take: names without blanks, a face in one group, channels that files can tell.
+//! What a file holds, in the form that meshes take: names without blanks, a face in one group, channels that files can
+//! tell.
 
 use std::collections::BTreeMap;
 

@@ -16,11 +16,11 @@ use crate::fault::Fault;
 
 /// glTF in one text file. Buffers have to be data URIs.
 ///
-/// Read are the triangles, strips and fans of the default scene; vertices stay apart where the file has them apart (weld
-/// with 0 to merge equal places). Groups are those that primitives name (`"extras": {"group": "top"}`), else nodes;
-/// materials are materials, one without a name is none. `COLOR_0` is the channel `color`, `TEXCOORD_0` the texture
-/// coordinates, turned to count v upwards; attributes of applications (`_HEAT`) are channels (`heat`). Normals are ignored;
-/// points, lines, skins and morph targets are left out with a note.
+/// Read are the triangles, strips and fans of the default scene; vertices stay apart where the file has them apart
+/// (weld with 0 to merge equal places). Groups are those that primitives name (`"extras": {"group": "top"}`), else
+/// nodes; materials are materials, one without a name is none. `COLOR_0` is the channel `color`, `TEXCOORD_0` the
+/// texture coordinates, turned to count v upwards; attributes of applications (`_HEAT`) are channels (`heat`). Normals
+/// are ignored; points, lines, skins and morph targets are left out with a note.
 #[derive(Debug)]
 pub(super) struct Gltf;
 

@@ -1,7 +1,7 @@
 //! Wavefront OBJ: polygons of any size, with the tags of subdivision surfaces.
 //!
-//! Sources: Wavefront Technologies, Advanced Visualizer Manual (1995), appendix B1; for the tags (`t`) the shape files of
-//! OpenSubdiv, `regression/common/shape_utils`.
+//! Sources: Wavefront Technologies, Advanced Visualizer Manual (1995), appendix B1; for the tags (`t`) the shape files
+//! of OpenSubdiv, `regression/common/shape_utils`.
 
 mod corner;
 mod faces;
@@ -41,10 +41,11 @@ const FREE_FORM: &[&str] = &[
     "vp", "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv", "sp", "end", "con",
 ];
 
-/// OBJ. Faces keep their size; indices may be negative; normals are checked and ignored. Objects and groups (`o`, `g`) are
-/// groups, `usemtl` makes materials, three or four numbers after a position are a colour. `g default` is how the format
-/// says that faces are in no group, and `usemtl default` is read alike: faces after it have no material. Tags: `crease`,
-/// `corner`, `hole`, `interpolateboundary`. Points and lines are left out with a note; free-form geometry is refused.
+/// OBJ. Faces keep their size; indices may be negative; normals are checked and ignored. Objects and groups (`o`, `g`)
+/// are groups, `usemtl` makes materials, three or four numbers after a position are a colour. `g default` is how the
+/// format says that faces are in no group, and `usemtl default` is read alike: faces after it have no material. Tags:
+/// `crease`, `corner`, `hole`, `interpolateboundary`. Points and lines are left out with a note; free-form geometry is
+/// refused.
 #[derive(Debug)]
 pub(super) struct Obj;
 

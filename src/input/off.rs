@@ -12,8 +12,9 @@ use crate::shape::attachments::Channel;
 const VERTEX_BYTES: u64 = 6;
 const FACE_BYTES: u64 = 8;
 
-/// OFF with its prefixes `ST` (texture coordinates), `C` (colours), `N` (normals), each vertex and face on a line of its
-/// own, `#` before comments. Normals are ignored; colours of faces are left out with a note. `4`, `n` and `BINARY` are refused.
+/// OFF with its prefixes `ST` (texture coordinates), `C` (colours), `N` (normals), each vertex and face on a line of
+/// its own, `#` before comments. Normals are ignored; colours of faces are left out with a note. `4`, `n` and `BINARY`
+/// are refused.
 #[derive(Debug)]
 pub(super) struct Off;
 

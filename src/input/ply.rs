@@ -22,8 +22,8 @@ const MAX_CHANNELS: usize = 64;
 
 /// PLY, text and binary of either byte order, properties of any type. Elements `vertex` (`x`, `y`, `z`) and `face`
 /// (`vertex_indices` or `vertex_index`); `red`, `green`, `blue`, `alpha` are a colour, `s`, `t` (or `u`, `v`) texture
-/// coordinates, as is the list `texcoord` of faces; `weight_0`, `weight_1` one after the other are the channel `weight` of two
-/// numbers, and so on up to four; `group` and `material` of faces are numbers whose names stand in comments
+/// coordinates, as is the list `texcoord` of faces; `weight_0`, `weight_1` one after the other are the channel `weight`
+/// of two numbers, and so on up to four; `group` and `material` of faces are numbers whose names stand in comments
 /// (`comment group 0 top`); normals are ignored, other scalars of vertices are channels. Other
 /// elements and lists are left out with a note.
 #[derive(Debug)]

@@ -18,7 +18,8 @@ pub trait Reader: std::fmt::Debug + Send + Sync {
     fn media_type(&self) -> &'static str;
     /// One sentence for the catalogue.
     fn doc(&self) -> &'static str;
-    /// Reads a file. No more memory is taken than the [`weight`](super::room::weight) of the length of `bytes`, whatever counts they claim.
+    /// Reads a file. No more memory is taken than the [`weight`](super::room::weight) of the length of `bytes`,
+    /// whatever counts they claim.
     ///
     /// # Errors
     /// What is wrong, by line or byte; without pointers, as there is nothing but the file.

@@ -1,12 +1,13 @@
 //! What a reader may take of memory: in proportion to the bytes that came in.
 
-/// Bytes that may be taken whatever the length: an accessor, a few nodes and primitives need more than their text is long.
-/// With less, small scenes of a few hundred nodes would be refused; more would let a thousand tiny requests take gigabytes.
+/// Bytes that may be taken whatever the length: an accessor, a few nodes and primitives need more than their text is
+/// long. With less, small scenes of a few hundred nodes would be refused; more would let a thousand tiny requests take
+/// gigabytes.
 const LEAST: u64 = 1 << 20;
 
-/// Bytes that may be taken for each byte of a file. Lists double their room when they are full, so that an entry takes three
-/// times its size at worst. So measured, by byte: words of a long line 24, vertices of binary PLY with coordinates of a byte
-/// 24, names of groups of OBJ 31, faces in sixteen groups 24; most else is below 12. With less,
+/// Bytes that may be taken for each byte of a file. Lists double their room when they are full, so that an entry takes
+/// three times its size at worst. So measured, by byte: words of a long line 24, vertices of binary PLY with
+/// coordinates of a byte 24, names of groups of OBJ 31, faces in sixteen groups 24; most else is below 12. With less,
 /// files that are read today would be refused; glTF, whose entries take up to 300, is counted and refused beyond.
 const EACH: u64 = 32;
 

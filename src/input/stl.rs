@@ -17,9 +17,9 @@ const TRIANGLE: usize = 50;
 /// Bytes of the normal of a triangle.
 const NORMAL: usize = 12;
 
-/// STL, text or binary. Equal corners become one vertex, in the order of their first appearance; triangles with two equal
-/// corners are left out, with a note. Normals and attribute bytes are ignored, several solids are groups. A text may break
-/// its lines anywhere; only names end with their lines.
+/// STL, text or binary. Equal corners become one vertex, in the order of their first appearance; triangles with two
+/// equal corners are left out, with a note. Normals and attribute bytes are ignored, several solids are groups. A text
+/// may break its lines anywhere; only names end with their lines.
 #[derive(Debug)]
 pub(super) struct Stl;
 

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use crate::fault::Fault;
 
-/// The text of a file. Names may be in any encoding; what is no UTF-8 in them is replaced. Lines may all end in carriage
-/// returns alone.
+/// The text of a file. Names may be in any encoding; what is no UTF-8 in them is replaced. Lines may all end in
+/// carriage returns alone.
 ///
 /// # Errors
 /// Text of 16-bit units.
@@ -75,7 +75,8 @@ pub(super) struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    /// The words of `text`, whose first line has the number `line`; `comment` and what follows it in a line are left out.
+    /// The words of `text`, whose first line has the number `line`; `comment` and what follows it in a line are left
+    /// out.
     pub(super) fn new(text: &'a str, line: usize, comment: Option<char>) -> Self {
         Self { lines: text.lines().enumerate(), left: "".split_ascii_whitespace(), comment, line: line - 1 }
     }

@@ -28,15 +28,16 @@ pub(super) fn within(x: f64) -> f64 {
 
 /// The colour of a number from 0 to 1, in linear light: from dark blue over green to yellow.
 ///
-/// In CIELAB lightness grows evenly from 22 to 91, so that equal steps look equal and remain in grey prints; the hue turns
-/// from 300 to 95 degrees, at a chroma that screens can show. Formula: `L = 22 + 69 t`, `h = 300 - 205 t` degrees,
-/// `C = 44 (1 - 1.9 t (1 - t))`.
+/// In CIELAB lightness grows evenly from 22 to 91, so that equal steps look equal and remain in grey prints; the hue
+/// turns from 300 to 95 degrees, at a chroma that screens can show. Formula: `L = 22 + 69 t`, `h = 300 - 205 t`
+/// degrees, `C = 44 (1 - 1.9 t (1 - t))`.
 pub(super) fn scale(t: f64) -> [f32; 3] {
     let t = within(t);
     lab(22.0 + 69.0 * t, 44.0 * (1.0 - 1.9 * t * (1.0 - t)), 300.0 - 205.0 * t)
 }
 
-/// The colour of the thing with this number among others, in linear light: hues a golden angle apart, of two lightnesses.
+/// The colour of the thing with this number among others, in linear light: hues a golden angle apart, of two
+/// lightnesses.
 pub(super) fn mark(number: usize) -> [f32; 3] {
     #[expect(clippy::cast_precision_loss, reason = "there are few names")]
     let turned = 40.0 + GOLDEN_ANGLE_DEG * number as f64;
@@ -46,8 +47,8 @@ pub(super) fn mark(number: usize) -> [f32; 3] {
 /// The angle that divides the circle in the golden ratio, degrees: multiples of it stay apart.
 const GOLDEN_ANGLE_DEG: f64 = 137.507_764_050_037_85;
 
-/// The colour of a lightness (0 to 100), a chroma and a hue (degrees) in CIELAB under D65, in linear light of sRGB; what
-/// screens cannot show is brought within 0 to 1.
+/// The colour of a lightness (0 to 100), a chroma and a hue (degrees) in CIELAB under D65, in linear light of sRGB;
+/// what screens cannot show is brought within 0 to 1.
 ///
 /// Sources: CIE 15 (2004), section 8.2.1; IEC 61966-2-1 (1999), section 5.2.
 fn lab(lightness: f64, chroma: f64, hue_deg: f64) -> [f32; 3] {

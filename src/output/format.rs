@@ -77,14 +77,14 @@ pub trait Format: fmt::Debug + Send + Sync {
         options.flag(IDS.name).then_some(IDS.name)
     }
 
-    /// Bytes of memory that the options cost while the scene is written, besides those that every picture of such a mesh
-    /// and its bytes need.
+    /// Bytes of memory that the options cost while the scene is written, besides those that every picture of such a
+    /// mesh and its bytes need.
     fn memory(&self, _counts: &Counts, _options: &Values) -> u128 {
         0
     }
 
-    /// Work that the scene takes besides refining it and making its bytes, in rows of a table, 100 ns each; `mesh` is the
-    /// input, where that is one.
+    /// Work that the scene takes besides refining it and making its bytes, in rows of a table, 100 ns each; `mesh` is
+    /// the input, where that is one.
     fn work(&self, _mesh: Option<&Mesh>, _counts: &Counts, _options: &Values) -> u128 {
         0
     }

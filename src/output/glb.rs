@@ -23,9 +23,9 @@ const CHUNK_HEADER: u128 = 8;
 
 /// Binary glTF 2.0: triangles or line strips in f32.
 ///
-/// The JSON chunk is padded with spaces to a length that depends on the kind of the shape, the number of polygons and what
-/// a mesh carries only, so that the length of the file is known beforehand. Models far from the origin are moved there, and the node's
-/// translation moves them back.
+/// The JSON chunk is padded with spaces to a length that depends on the kind of the shape, the number of polygons and
+/// what a mesh carries only, so that the length of the file is known beforehand. Models far from the origin are moved
+/// there, and the node's translation moves them back.
 ///
 /// Source: Khronos Group, glTF 2.0 Specification, section 4.4.
 #[derive(Debug)]

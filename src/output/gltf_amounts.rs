@@ -28,8 +28,8 @@ const CELLS: usize = 1 << 24;
 pub(super) fn check_origins(cells: [usize; 3], ids: bool) -> Result<(), String> {
     match cells.iter().max() {
         Some(&most) if ids && most > CELLS => Err(format!(
-            "the input has {most} vertices, edges or faces, glTF tells the origin of vertices for at most {CELLS} of each; \
-             ask for json or ply"
+            "the input has {most} vertices, edges or faces, glTF tells the origin of vertices for at most {CELLS} of \
+             each; ask for json or ply"
         )),
         _ => Ok(()),
     }
@@ -150,8 +150,8 @@ impl<'a> Contents<'a> {
         }
     }
 
-    /// Most bytes of the document, a multiple of 4: 1,536 for a mesh, for curves 768 and 384 a polygon, and more for what
-    /// is told beyond the shape.
+    /// Most bytes of the document, a multiple of 4: 1,536 for a mesh, for curves 768 and 384 a polygon, and more for
+    /// what is told beyond the shape.
     pub(super) fn room(&self) -> u128 {
         let plain = match self.kind {
             ShapeKind::Mesh => 1_536,

@@ -242,8 +242,8 @@ fn n_triangles(mesh: &dyn MeshSource, some: &Range<usize>, watch: &Watch) -> Res
     Ok(n)
 }
 
-/// What to subtract from all positions: the middle of the box, rounded to f32, when it is far from the origin. It is the
-/// number that the node's translation says in decimals, so that who reads it as f64 puts every digit back.
+/// What to subtract from all positions: the middle of the box, rounded to f32, when it is far from the origin. It is
+/// the number that the node's translation says in decimals, so that who reads it as f64 puts every digit back.
 fn center(bounds: &Bounds<3>) -> Result<[f64; 3], FormatError> {
     let middle = bounds.center();
     let distance = middle.iter().fold(0.0, |most: f64, x| most.max(x.abs()));

@@ -79,8 +79,8 @@ fn translation(buffer: &Buffer<'_>) -> Option<[f32; 3]> {
 }
 
 /// The node, turned so that y is up and scaled to metres. A node that is moved stays as it is below another one that
-/// turns and scales, so that its translation is still told exactly. A turn is told as a matrix, whose entries are exact:
-/// the half turns of a quaternion are not, and far models would move by what they miss of length 1.
+/// turns and scales, so that its translation is still told exactly. A turn is told as a matrix, whose entries are
+/// exact: the half turns of a quaternion are not, and far models would move by what they miss of length 1.
 fn framed(mut node: Node, frame: Frame) -> Vec<Node> {
     if frame.is_default() {
         return vec![node];

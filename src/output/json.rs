@@ -49,16 +49,19 @@ const EDGES: Parameter = Parameter {
 const WARNINGS: usize = 8_192;
 const WARNINGS_FRAME: usize = 64;
 
-/// `{"positions":[...],"faces":[...]}` for meshes, with `"normals":[...]` (zero where undefined) on request, `{"points":[...],"closed":...}` for one polygon,
-/// `{"polygons":[...]}` with such objects for any other number of them.
+/// `{"positions":[...],"faces":[...]}` for meshes, with `"normals":[...]` (zero where undefined) on request,
+/// `{"points":[...],"closed":...}` for one polygon, `{"polygons":[...]}` with such objects for any other number of
+/// them.
 ///
-/// What a mesh carries follows in the notation of requests: `"corners":[...]` and `"creases":[...]` of meshes that stand as they were given, `"channels":{...}`, `"uvs":{...}`, `"groups":[...]` and `"materials":[...]` of
-/// output faces. With `ids` an entry `"ids":{"faces":[...],"vertices":[[dimension,cell],...]}` follows: the input face of
-/// each face, and for each vertex the input cell (dimension 0 a vertex, 1 an edge, 2 a face). With `isolines` an
-/// entry `"isolines":[[...],...]` follows, the vertices along each edge of the input. With `sections` an entry
+/// What a mesh carries follows in the notation of requests: `"corners":[...]` and `"creases":[...]` of meshes that
+/// stand as they were given, `"channels":{...}`, `"uvs":{...}`, `"groups":[...]` and `"materials":[...]` of output
+/// faces. With `ids` an entry `"ids":{"faces":[...],"vertices":[[dimension,cell],...]}` follows: the input face of each
+/// face, and for each vertex the input cell (dimension 0 a vertex, 1 an edge, 2 a face). With `isolines` an entry
+/// `"isolines":[[...],...]` follows, the vertices along each edge of the input. With `sections` an entry
 /// `"sections":[[{"points":[...],"closed":...},...],...]` follows, a list of polylines for each plane.
 ///
-/// With warnings, an entry `"warnings":[...]` follows. Numbers are the shortest decimals that read back as the same f64; whole ones have no point, -0 is 0.
+/// With warnings, an entry `"warnings":[...]` follows. Numbers are the shortest decimals that read back as the same
+/// f64; whole ones have no point, -0 is 0.
 #[derive(Debug)]
 pub(super) struct Json;
 

@@ -56,8 +56,8 @@ pub fn of(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Resul
     Ok(normals)
 }
 
-/// The normals of `smooth` for the vertices of `split`: a mesh with the same faces in the same order, whose vertices are
-/// those of `smooth`, some of them more than once. `positions` are those of `smooth`.
+/// The normals of `smooth` for the vertices of `split`: a mesh with the same faces in the same order, whose vertices
+/// are those of `smooth`, some of them more than once. `positions` are those of `smooth`.
 ///
 /// # Errors
 /// [`Stopped`] when the watch says so.

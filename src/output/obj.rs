@@ -32,7 +32,8 @@ fn header(frame: Frame) -> String {
 /// What faces without a group or material are said to have: the format's name for no group.
 const UNNAMED: &str = "default";
 
-/// Wavefront OBJ: `v`, `vt` where there are texture coordinates, `vn` on request, `f` for meshes; `v` and `l` for curves.
+/// Wavefront OBJ: `v`, `vt` where there are texture coordinates, `vn` on request, `f` for meshes; `v` and `l` for
+/// curves.
 ///
 /// Numbers are the shortest decimals that read back as the same f64. A closed curve repeats its first index; missing
 /// coordinates of points are 0. Unit and up axis stand in comments where they are not the defaults. The channel `color`

@@ -32,5 +32,6 @@ pub const TANGENTS: Parameter = Parameter {
     kind: Kind::Flag,
     unit: "",
     default: Default::Flag(false),
-    doc: "Whether the unit tangents of the limit curve at the points are written; null where there is none. Curves only.",
+    doc: "Whether the unit tangents of the limit curve at the points are written; null where there is none. Curves \
+          only.",
 };

@@ -26,13 +26,14 @@ use layout::{Encoding, Layout};
 
 /// PLY, binary little endian unless `ascii`: elements `vertex` and `face` for meshes, `vertex` and `edge` for curves.
 ///
-/// Unit and up axis stand in comments where they are not the defaults. The channel `color` becomes `red`, `green`, `blue`
-/// and perhaps `alpha` of one byte, others properties of their names. Groups and materials become `int` properties of
-/// faces, -1 for none, their names comments. Origins are a `uint` of faces, for vertices with the dimension of the cell.
+/// Unit and up axis stand in comments where they are not the defaults. The channel `color` becomes `red`, `green`,
+/// `blue` and perhaps `alpha` of one byte, others properties of their names. Groups and materials become `int`
+/// properties of faces, -1 for none, their names comments. Origins are a `uint` of faces, for vertices with the
+/// dimension of the cell.
 ///
-/// With texture coordinates a vertex on a seam is there once for each place at it, and every vertex has `s` and `t`: more
-/// programs read these than lists `texcoord` of faces, which would keep vertices whole. Vertices of no face are left out
-/// then. OBJ keeps both.
+/// With texture coordinates a vertex on a seam is there once for each place at it, and every vertex has `s` and `t`:
+/// more programs read these than lists `texcoord` of faces, which would keep vertices whole. Vertices of no face are
+/// left out then. OBJ keeps both.
 ///
 /// Indices are `int`, or `uint` where there are more than 2^31 vertices. The size of a face is one byte, or four with
 /// `"face_sizes": "uint"`.
@@ -226,7 +227,8 @@ fn check_face(size: u128, layout: Layout) -> Result<(), String> {
         return Ok(());
     }
     Err(format!(
-        "a face of the result has {size} corners, one byte counts at most 255; ask for \"face_sizes\": \"uint\" or for obj"
+        "a face of the result has {size} corners, one byte counts at most 255; ask for \"face_sizes\": \"uint\" or \
+         for obj"
     ))
 }
 

@@ -23,8 +23,8 @@ use crate::watch::{Stage, Watch};
 
 /// Bytes of a pixel while a picture is made: its colour, and the same once more while it is encoded.
 const PIXEL_BYTES: u128 = 8;
-/// Bytes a corner of a mesh whose edges are drawn: the sides before they are sorted (8), and half of an edge as it is drawn,
-/// with its two ends, its bounds and its place among the tiles (measured: 52).
+/// Bytes a corner of a mesh whose edges are drawn: the sides before they are sorted (8), and half of an edge as it is
+/// drawn, with its two ends, its bounds and its place among the tiles (measured: 52).
 const WIRE_BYTES: u128 = 36;
 
 /// The format "png".
@@ -40,7 +40,9 @@ const PARAMETERS: &[Parameter] = &[
         kind: Kind::Choices(&["surface", "wireframe", "isolines", "control", "points", "curve"]),
         unit: "",
         default: Default::Absent,
-        doc: "What is drawn: of a mesh its surface, its wireframe, the edges of the input on it (isolines), the control net and its points; of curves the curve, the control polygon and its points. Left out: the surface, or all of a curve.",
+        doc: "What is drawn: of a mesh its surface, its wireframe, the edges of the input on it (isolines), the \
+              control net and its points; of curves the curve, the control polygon and its points. Left out: the \
+              surface, or all of a curve.",
     },
     Parameter {
         name: "shading",
@@ -55,7 +57,8 @@ const PARAMETERS: &[Parameter] = &[
         kind: Kind::Choice(&["none", "area", "limit"]),
         unit: "",
         default: Default::Text("area"),
-        doc: "What a smooth surface is lit by: normals weighted by the area of the faces around a vertex, those of the limit surface, or none but those of its faces, as with flat shading.",
+        doc: "What a smooth surface is lit by: normals weighted by the area of the faces around a vertex, those of \
+              the limit surface, or none but those of its faces, as with flat shading.",
     },
     COLOR,
     COLOR_BY,

@@ -72,16 +72,17 @@ pub(super) fn asked(options: &Values) -> bool {
 
 /// The section of a mesh whose vertices have these positions (model units, finite).
 ///
-/// The height of a vertex v over the plane through p with the normal n is `h = n (v - p)`, as f64 has it. Every vertex is
-/// on one side: before the plane where `h >= 0`, behind it else; so the section is what it is just behind the plane. Faces
-/// are triangulated (quads by the diagonal 0-2, larger ones as fans), a triangle with vertices on both sides gives the
-/// segment between its two sides that cross, and a side crosses at `a + h_a / (h_a - h_b) (b - a)`, reckoned from the end
-/// that is nearer and so the same for both of its triangles. Segments run from the side that leads behind the plane to
-/// the one that leads before it, so that the surface is behind the polyline's left where the normal points to the viewer.
+/// The height of a vertex v over the plane through p with the normal n is `h = n (v - p)`, as f64 has it. Every vertex
+/// is on one side: before the plane where `h >= 0`, behind it else; so the section is what it is just behind the plane.
+/// Faces are triangulated (quads by the diagonal 0-2, larger ones as fans), a triangle with vertices on both sides
+/// gives the segment between its two sides that cross, and a side crosses at `a + h_a / (h_a - h_b) (b - a)`, reckoned
+/// from the end that is nearer and so the same for both of its triangles. Segments run from the side that leads behind
+/// the plane to the one that leads before it, so that the surface is behind the polyline's left where the normal points
+/// to the viewer.
 ///
 /// Open polylines come first, by the side at which they start; then closed ones, each starting at its lowest side, by
-/// these. Sides are compared by their lower vertex, then the higher one. Points equal to the one before are left out, and
-/// so are polylines of which less than a segment (closed ones: a triangle) stays: there the surface only touches.
+/// these. Sides are compared by their lower vertex, then the higher one. Points equal to the one before are left out,
+/// and so are polylines of which less than a segment (closed ones: a triangle) stays: there the surface only touches.
 ///
 /// # Errors
 /// [`Stopped`] when the watch says so.

@@ -11,8 +11,8 @@ use crate::watch::{Stopped, Watch};
 
 /// The mesh with a copy of each vertex for every sector but one between the sharp edges that meet there.
 ///
-/// The sector of the lowest face keeps the vertex; copies stand after all vertices, by vertex, then by the lowest face of
-/// their sector. A sharp edge that ends inside splits nothing. The faces are the same, in the same order.
+/// The sector of the lowest face keeps the vertex; copies stand after all vertices, by vertex, then by the lowest face
+/// of their sector. A sharp edge that ends inside splits nothing. The faces are the same, in the same order.
 #[derive(Debug)]
 pub(super) struct SplitVertices<'a> {
     mesh: &'a dyn MeshSource,
@@ -131,8 +131,8 @@ fn corners(mesh: &dyn MeshSource, sharp: &[[u32; 2]], watch: &Watch) -> Result<V
     Ok(all)
 }
 
-/// For each corner around a vertex its sector, numbered by first appearance; neighbours are in one sector unless the edge
-/// between them is sharp.
+/// For each corner around a vertex its sector, numbered by first appearance; neighbours are in one sector unless the
+/// edge between them is sharp.
 fn sectors(around: &[FaceAtVertex], is_sharp: impl Fn(u32) -> bool) -> Vec<usize> {
     let mut by_next: Vec<usize> = (0..around.len()).collect();
     by_next.sort_unstable_by_key(|&i| around[i].next);

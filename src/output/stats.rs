@@ -25,7 +25,8 @@ use crate::watch::Watch;
 /// Both kinds: `kind` (`mesh` or `curves`), `bounding_box`, `moments_of` (what the centroid and the moments belong to:
 /// `solid`, `surface`, `curve`, or null when that has no extent), `centroid`, `second_moments` (the matrix
 /// `int (x - c) (x - c)^T` about the centroid c; negative for a solid that is inside out), `euler_characteristic`
-/// (vertices - edges + faces), `positions_hash` and `shape_hash` (see [`hashes::PositionsHash`] and [`hashes::ShapeHash`]).
+/// (vertices - edges + faces), `positions_hash` and `shape_hash` (see [`hashes::PositionsHash`] and
+/// [`hashes::ShapeHash`]).
 ///
 /// Meshes: `area`, signed `volume` (null unless closed), of the faces cut into triangles as for glTF; numbers of
 /// vertices, edges, faces, boundary edges and loops, components; vertices by valence, faces by size; with normals

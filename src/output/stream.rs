@@ -87,7 +87,8 @@ impl<'a> Stream<'a> {
         })
     }
 
-    /// Writes all faces, as [`Stream::faces`] does, with their places of texture coordinates (none where there are none).
+    /// Writes all faces, as [`Stream::faces`] does, with their places of texture coordinates (none where there are
+    /// none).
     pub(super) fn faces_and_uvs(
         &mut self,
         mesh: &dyn MeshSource,
@@ -129,8 +130,8 @@ impl<'a> Stream<'a> {
         })
     }
 
-    /// Writes the numbers that all vertices carry in a channel: `encode` appends the bytes of those of one vertex, given
-    /// with its index.
+    /// Writes the numbers that all vertices carry in a channel: `encode` appends the bytes of those of one vertex,
+    /// given with its index.
     pub(super) fn channel(
         &mut self,
         mesh: &dyn MeshSource,

@@ -31,7 +31,8 @@ const PARAMETERS: &[Parameter] = &[
         kind: Kind::Choices(&["curve", "control", "points"]),
         unit: "",
         default: Default::Texts(&["curve", "control", "points"]),
-        doc: "What is drawn: the refined curve, the control polygon, the control points. Of a mesh only its sections are.",
+        doc: "What is drawn: the refined curve, the control polygon, the control points. Of a mesh only its sections \
+              are.",
     },
     COLOR,
     CAMERA,

@@ -198,8 +198,8 @@ impl<'a> BinnedModel<'a> {
         shared(piece, paint.corners(whole, self.model.triangles[whole]))
     }
 
-    /// How the normal of triangle number `id`, and its paint, vary over the tile at `origin`. In perspective, shares are weighted by
-    /// the depth stored, which is inverse to the distance.
+    /// How the normal of triangle number `id`, and its paint, vary over the tile at `origin`. In perspective, shares
+    /// are weighted by the depth stored, which is inverse to the distance.
     #[expect(clippy::cast_possible_truncation, reason = "light needs no more than the precision of f32")]
     pub(super) fn facet(&self, id: u32, origin: [i32; 2]) -> Facet {
         let corners = self.corners(id);

@@ -1,7 +1,7 @@
 //! Bins: which items touch which tile, in the order of submission.
 
-/// Side of a tile, pixels: the depths of a tile (four samples of 4 bytes a pixel, 16 KB) stay in the first-level cache. At
-/// twice the side they do not; at half of it four times as many tiles list each large triangle.
+/// Side of a tile, pixels: the depths of a tile (four samples of 4 bytes a pixel, 16 KB) stay in the first-level cache.
+/// At twice the side they do not; at half of it four times as many tiles list each large triangle.
 pub(super) const TILE: usize = 32;
 
 /// A rectangle of tiles; the bounds are included.

@@ -13,8 +13,8 @@ pub(super) struct Corner {
 }
 
 impl Camera {
-    /// Where the segment from `a` to `b` (model units) falls in the picture, pixel coordinates: the part in front of the
-    /// camera and within 2,048 pixels of the picture, if there is one.
+    /// Where the segment from `a` to `b` (model units) falls in the picture, pixel coordinates: the part in front of
+    /// the camera and within 2,048 pixels of the picture, if there is one.
     pub fn segment(&self, a: [f64; 3], b: [f64; 3]) -> Option<[[f64; 2]; 2]> {
         let ends = segment(self, [self.view(a), self.view(b)])?.map(|end| self.pixel(end));
         ends.iter().flatten().all(|x| x.is_finite()).then_some(ends)

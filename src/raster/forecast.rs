@@ -8,13 +8,14 @@ use super::camera::Camera;
 use super::project::{BEHIND, FAR_OUT, STEPS, vertex};
 use super::triangle::{CUT_PX, Done, ROW_PX};
 
-/// Pixels that are looked at in 100 ns, the time of a row of a table: 0.8 ns each, measured with a stack of 40,000 quads in a
-/// picture of 2048 x 2048, and rounded up.
+/// Pixels that are looked at in 100 ns, the time of a row of a table: 0.8 ns each, measured with a stack of 40,000
+/// quads in a picture of 2048 x 2048, and rounded up.
 const PIXELS_A_ROW: f64 = 100.0;
-/// Triangles that a tile finds not to touch it in 100 ns: three edge functions each. A face of 100,000 corners, of which every
-/// tile looks at all triangles, then is told 1.5 s.
+/// Triangles that a tile finds not to touch it in 100 ns: three edge functions each. A face of 100,000 corners, of
+/// which every tile looks at all triangles, then is told 1.5 s.
 const TRIANGLES_A_ROW: f64 = 8.0;
-/// Triangles that are projected, clipped and sorted into tiles in 100 ns: 50 ns each, measured with a million small ones.
+/// Triangles that are projected, clipped and sorted into tiles in 100 ns: 50 ns each, measured with a million small
+/// ones.
 const SORTED_A_ROW: f64 = 2.0;
 /// Tiles that a line crosses, over those beside each other along its longer side.
 const CROSSED: f64 = 1.5;
@@ -28,8 +29,8 @@ fn in_rows(pixels: f64, triangles: f64) -> f64 {
     pixels / PIXELS_A_ROW + triangles / TRIANGLES_A_ROW
 }
 
-/// A forecast of the work of drawing triangles, in rows of a table, 100 ns each. What others will hide counts in full, as
-/// it is looked at unless those are drawn before.
+/// A forecast of the work of drawing triangles, in rows of a table, 100 ns each. What others will hide counts in full,
+/// as it is looked at unless those are drawn before.
 #[derive(Debug, Clone, Copy)]
 pub struct Forecast {
     size_px: [f64; 2],

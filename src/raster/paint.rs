@@ -79,8 +79,8 @@ impl Tint {
         tint
     }
 
-    /// The value at a place in the tile, pixels; within the values of the corners, also where the triangle is too narrow
-    /// for f32.
+    /// The value at a place in the tile, pixels; within the values of the corners, also where the triangle is too
+    /// narrow for f32.
     fn at(&self, [x, y]: [f32; 2]) -> Vec3f {
         let weight = self.weights[0] + self.weights[1] * x + self.weights[2] * y;
         std::array::from_fn(|k| {

@@ -71,8 +71,8 @@ impl Lamps {
         }
     }
 
-    /// Adds the light of the waiting spots to `light`, linear and premultiplied. The loop over lanes has no branches, so
-    /// that it becomes vector code.
+    /// Adds the light of the waiting spots to `light`, linear and premultiplied. The loop over lanes has no branches,
+    /// so that it becomes vector code.
     pub(super) fn illuminate(&self, spots: &mut Spots, light: &mut [[f32; 4]]) {
         let [mut red, mut green, mut blue] = [[0.0; LANES]; 3];
         for i in 0..LANES {
@@ -90,8 +90,8 @@ impl Lamps {
     }
 
     /// Linear light that reaches the viewer from the pixel coordinates `place`. The normal need not have length one; it
-    /// points to the outside of the surface, whose colour is `outside` in linear light, and `back` is 1 where the inside
-    /// is seen and otherwise 0.
+    /// points to the outside of the surface, whose colour is `outside` in linear light, and `back` is 1 where the
+    /// inside is seen and otherwise 0.
     #[inline]
     fn light(&self, normal: Vec3f, outside: Vec3f, place: [f32; 2], back: f32) -> Vec3f {
         let grey = 0.2126 * outside[0] + 0.7152 * outside[1] + 0.0722 * outside[2];

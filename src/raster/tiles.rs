@@ -35,8 +35,8 @@ struct Desk {
 /// Largest width and height of a picture, pixels.
 pub const MAX_SIDE_PX: u32 = 8192;
 
-/// Draws the model into a picture of `width x height` pixels (1 to [`MAX_SIDE_PX`] each; the camera must have been framed
-/// for them) over `background`, straight sRGB.
+/// Draws the model into a picture of `width x height` pixels (1 to [`MAX_SIDE_PX`] each; the camera must have been
+/// framed for them) over `background`, straight sRGB.
 ///
 /// # Errors
 /// [`Stopped`] when the watch says stop; it is asked at least once a tile.

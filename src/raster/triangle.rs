@@ -23,7 +23,8 @@ pub(super) const PLACES: [[i32; 2]; SAMPLES] = [[3, 1], [7, 3], [1, 5], [5, 7]];
 /// Owner of a sample that no triangle covers.
 pub(super) const NOBODY: u32 = u32::MAX;
 
-/// Rows of at least so many pixels are cut to what a triangle may cover of them; below, that takes longer than it spares.
+/// Rows of at least so many pixels are cut to what a triangle may cover of them; below, that takes longer than it
+/// spares.
 pub(super) const CUT_PX: usize = 12;
 
 /// Pixels that are looked at in the time that it takes to cut a row.
@@ -230,7 +231,8 @@ impl Setup {
     }
 
     /// The columns of a row of `n` pixels in which a sample may lie inside; `start` are the edge functions at its first
-    /// pixel. An edge function that is negative at all samples of a pixel leaves it out, and all are linear along the row.
+    /// pixel. An edge function that is negative at all samples of a pixel leaves it out, and all are linear along the
+    /// row.
     fn span(&self, start: &[[i32; SAMPLES]; 3], n: usize) -> Range<usize> {
         let (mut first, mut end) = (0_i64, n as i64);
         for (edge, &right) in start.iter().zip(&self.right) {

@@ -85,8 +85,8 @@ pub struct Checked {
 impl Topology {
     /// Builds the topology of `faces` over `n_vertices` vertices.
     ///
-    /// Edges are numbered by first appearance when the faces are scanned in order, corner by corner. A vertex that joins
-    /// several fans of faces is split into one vertex a fan; the fan of the lowest corner keeps the number.
+    /// Edges are numbered by first appearance when the faces are scanned in order, corner by corner. A vertex that
+    /// joins several fans of faces is split into one vertex a fan; the fan of the lowest corner keeps the number.
     ///
     /// # Errors
     /// Every fault with a pointer `/faces/...`: faces of fewer than three vertices, repeated or missing vertices, edges
@@ -160,8 +160,8 @@ pub fn oriented(n_vertices: usize, faces: &mut FaceList, winding: Winding) -> Re
     orient(faces, &sides, winding)
 }
 
-/// Reports the first of some faults, and how many there are. The others are not kept: their sentences would be longer than
-/// what they speak of.
+/// Reports the first of some faults, and how many there are. The others are not kept: their sentences would be longer
+/// than what they speak of.
 fn report(mut faults: impl Iterator<Item = Fault>) -> Result<(), Vec<Fault>> {
     let first: Vec<Fault> = faults.by_ref().take(MAX_REPORTED).collect();
     let more = faults.count();
@@ -308,8 +308,8 @@ fn turns(faces: &FaceList, sides: &[Side]) -> Result<Vec<u32>, Vec<Fault>> {
                     waiting.push(g);
                 } else if turn[g] != wanted {
                     let detail = format!(
-                        "the faces cannot be oriented: around edge ({a}, {b}) they form a one-sided strip; cut the mesh \
-                         along it"
+                        "the faces cannot be oriented: around edge ({a}, {b}) they form a one-sided strip; cut the \
+                         mesh along it"
                     );
                     return Err(vec![Fault::new(format!("/faces/{g}"), detail)]);
                 }

@@ -2,10 +2,10 @@
 //! closed form and in parallel, but for the first step of an open mesh.
 //!
 //! Order. Vertices: face by face, corner by corner; the first step of an open mesh appends for each boundary edge, in
-//! their order, a vertex near its start and one near its end, then the corners that stay. Faces: first one for each face,
-//! in its order and starting at its first corner; then one for each edge in their order, starting at the start of the
-//! edge in its first face, then in its second; then one for each vertex in their order, counter-clockwise from its first
-//! corner. After the first step boundary edges and boundary vertices have no face of their own.
+//! their order, a vertex near its start and one near its end, then the corners that stay. Faces: first one for each
+//! face, in its order and starting at its first corner; then one for each edge in their order, starting at the start of
+//! the edge in its first face, then in its second; then one for each vertex in their order, counter-clockwise from its
+//! first corner. After the first step boundary edges and boundary vertices have no face of their own.
 
 use rayon::prelude::*;
 

@@ -108,7 +108,8 @@ impl Pairs {
         Self(found)
     }
 
-    /// The sharp edges of a topology. Boundary edges are infinitely sharp whatever their tag says, so they are left out.
+    /// The sharp edges of a topology. Boundary edges are infinitely sharp whatever their tag says, so they are left
+    /// out.
     ///
     /// `split_from` holds for each vertex from `n` on the one that it was split from.
     pub(super) fn edges(&self, topology: &Topology, n: usize, split_from: &[u32]) -> Result<Sharp, Vec<Fault>> {

@@ -49,7 +49,8 @@ impl Directions {
     /// (`split_from`, from vertex `n` on) all parts are meant.
     ///
     /// # Errors
-    /// Every fault, with a pointer below the mesh: vertices out of range, pairs that are no edge, edges of both directions.
+    /// Every fault, with a pointer below the mesh: vertices out of range, pairs that are no edge, edges of both
+    /// directions.
     pub fn new(
         topology: &Topology,
         latitude: &[[u64; 2]],
@@ -119,8 +120,8 @@ impl Directions {
         (0..index(self.0.len())).filter(|&e| self.of(e) == direction).collect()
     }
 
-    /// The directions after an upsampling of arity 2: halves inherit; the edge from the point of a longitude edge to the
-    /// face point is a latitude edge, and the other way round.
+    /// The directions after an upsampling of arity 2: halves inherit; the edge from the point of a longitude edge to
+    /// the face point is a latitude edge, and the other way round.
     ///
     /// Source: Zhang and Wang 2002, section 3, rules (1) to (3).
     #[must_use]
@@ -149,7 +150,8 @@ impl Directions {
         found.into_iter().map(|(count, pair)| (count == 2).then_some(pair)).collect()
     }
 
-    /// The latitude lines, each from its lowest edge on; vertices with another number of latitude edges than two end them.
+    /// The latitude lines, each from its lowest edge on; vertices with another number of latitude edges than two end
+    /// them.
     pub fn lines(&self, topology: &Topology) -> Vec<Line> {
         let pairs = self.latitude_pairs(topology);
         let mut seen = vec![false; self.0.len()];

@@ -79,7 +79,8 @@ impl Frame {
         *self == Self::default()
     }
 
-    /// What files say about it in comments: unit and axis as they are named in requests, where they are not the defaults.
+    /// What files say about it in comments: unit and axis as they are named in requests, where they are not the
+    /// defaults.
     pub fn remarks(&self) -> Vec<String> {
         let unit = (self.unit != Unit::default()).then(|| format!("unit {}", self.unit.name()));
         let up = (self.up != Up::default()).then(|| format!("up {}", self.up.name()));

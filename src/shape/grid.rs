@@ -1,10 +1,10 @@
 //! The documented order of a mesh that was split into quads: base vertices, then the points on base edges, then those
 //! inside base faces, each base face a grid. Independent of the order in which the splits were carried out.
 //!
-//! With `n` pieces an edge, the product of those of all splits (even where some face is no quad): an edge has `n - 1` inner points in the direction of its first appearance; a quad has `(n-1) x (n-1)`,
-//! row by row (origin at corner 0, first axis towards corner 1); any other face has its centre, then each spoke from the
-//! midpoint of edge 0, 1, ... to the centre, then the inside of the quad at corner 0, 1, ..., row by row. Faces stand by
-//! base face, row by row.
+//! With `n` pieces an edge, the product of those of all splits (even where some face is no quad): an edge has `n - 1`
+//! inner points in the direction of its first appearance; a quad has `(n-1) x (n-1)`, row by row (origin at corner 0,
+//! first axis towards corner 1); any other face has its centre, then each spoke from the midpoint of edge 0, 1, ... to
+//! the centre, then the inside of the quad at corner 0, 1, ..., row by row. Faces stand by base face, row by row.
 
 use std::sync::Arc;
 
@@ -46,8 +46,8 @@ enum FacePosition {
 }
 
 impl Grid {
-    /// The order of `base` after splits with so many pieces an edge each, `parent` being the topology before the last of
-    /// them. Where some face of the base is no quad, the first split has 2 pieces an edge.
+    /// The order of `base` after splits with so many pieces an edge each, `parent` being the topology before the last
+    /// of them. Where some face of the base is no quad, the first split has 2 pieces an edge.
     ///
     /// # Panics
     /// When there is no split: then the order is that of the base.

@@ -5,11 +5,11 @@ use super::topology::Topology;
 
 /// For the vertices, edges and faces of a net that is part of a larger one their numbers there, modulo 2^64.
 ///
-/// Perturbations go by these numbers. Those after an upsampling of arity 2 follow in closed form, as [`Topology::split`]
-/// numbers: with `V`, `E`, `F`, `C` vertices, edges, faces and corners of the whole net, vertex v stays v, edge e makes
-/// vertex `V + e` and the edges `2 e`, `2 e + 1` in its direction, face f makes vertex `V + E + f`, corner c makes edge
-/// `2 E + c` and a face. So a part can be followed through levels whose whole nets nobody could make; where their
-/// numbers go beyond 64 bits the definition is only continued.
+/// Perturbations go by these numbers. Those after an upsampling of arity 2 follow in closed form, as
+/// [`Topology::split`] numbers: with `V`, `E`, `F`, `C` vertices, edges, faces and corners of the whole net, vertex v
+/// stays v, edge e makes vertex `V + e` and the edges `2 e`, `2 e + 1` in its direction, face f makes vertex
+/// `V + E + f`, corner c makes edge `2 E + c` and a face. So a part can be followed through levels whose whole nets
+/// nobody could make; where their numbers go beyond 64 bits the definition is only continued.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Numbering {
     whole: Counts,

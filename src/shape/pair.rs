@@ -99,7 +99,8 @@ fn candidates(positions: &[[f64; 3]], faces: &FaceList) -> Vec<Candidate> {
     found
 }
 
-/// The quad of two triangles: it starts at the end of the shared edge and runs round the first triangle, then the other.
+/// The quad of two triangles: it starts at the end of the shared edge and runs round the first triangle, then the
+/// other.
 fn quad(faces: &FaceList, [f, g]: [u32; 2], [j, k]: [u32; 2]) -> [u32; 4] {
     let (face, other) = (faces.face(f as usize), faces.face(g as usize));
     let at = |face: &[u32], j: u32| face[j as usize % 3];

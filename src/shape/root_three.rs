@@ -1,11 +1,11 @@
-//! The connectivity of the sqrt 3 split of triangles: a vertex in each face, every inner edge flipped; in closed form and
-//! in parallel.
+//! The connectivity of the sqrt 3 split of triangles: a vertex in each face, every inner edge flipped; in closed form
+//! and in parallel.
 //!
-//! Order. Vertices: the old ones, then one for each face, in its order; where boundary edges are cut in three, the vertex
-//! of a face at the boundary is the one next to the start of its boundary edge, and those next to the ends follow, edge by
-//! edge. Faces: by old face, corner by corner: at the corner `a -> b` of the face `f` the triangle of `a`, the vertex of
-//! the face beyond, and that of `f`; at a boundary edge left whole `a`, `b` and the vertex of `f`; at one cut in three the
-//! two new vertices on it and the third vertex of `f`.
+//! Order. Vertices: the old ones, then one for each face, in its order; where boundary edges are cut in three, the
+//! vertex of a face at the boundary is the one next to the start of its boundary edge, and those next to the ends
+//! follow, edge by edge. Faces: by old face, corner by corner: at the corner `a -> b` of the face `f` the triangle of
+//! `a`, the vertex of the face beyond, and that of `f`; at a boundary edge left whole `a`, `b` and the vertex of `f`;
+//! at one cut in three the two new vertices on it and the third vertex of `f`.
 
 use rayon::prelude::*;
 
@@ -135,8 +135,8 @@ impl<'a> RootThree<'a> {
         }
     }
 
-    /// Edges of the new triangle at a corner. Those of inner old edges cross them, a boundary edge keeps its number, and
-    /// so does the middle third of one that is cut.
+    /// Edges of the new triangle at a corner. Those of inner old edges cross them, a boundary edge keeps its number,
+    /// and so does the middle third of one that is cut.
     #[inline]
     fn sides(&self, corner: u32) -> [u32; 3] {
         let old = self.old;

@@ -65,7 +65,8 @@ pub trait MeshSource: OriginSource + std::fmt::Debug + Sync {
         Attachments::none()
     }
 
-    /// Fills `out` with the numbers that the vertices in `range` carry in channel number `channel`, vertex after vertex.
+    /// Fills `out` with the numbers that the vertices in `range` carry in channel number `channel`, vertex after
+    /// vertex.
     fn channel(&self, _channel: usize, _range: Range<usize>, out: &mut Vec<f64>) {
         out.clear();
     }
@@ -86,7 +87,8 @@ pub trait NormalSource {
     /// Fills `out` with the normals of the vertices in `range`.
     fn of_vertices(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>);
 
-    /// The normal of a vertex on the side of the face in which `next` follows it, where normals differ from side to side.
+    /// The normal of a vertex on the side of the face in which `next` follows it, where normals differ from side to
+    /// side.
     fn on_side(&self, vertex: u32, next: u32) -> Option<[f64; 3]>;
 }
 
@@ -101,8 +103,8 @@ pub trait UvSource {
     /// Fills `out` with the points at the half-edges of the faces in `range`.
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk);
 
-    /// The same mesh with a vertex for each point with texture coordinates, so that these are numbered like the vertices;
-    /// `None` where they are already.
+    /// The same mesh with a vertex for each point with texture coordinates, so that these are numbered like the
+    /// vertices; `None` where they are already.
     fn unfolded(&self) -> Option<Box<dyn MeshSource + '_>>;
 }
 

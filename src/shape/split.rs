@@ -11,9 +11,9 @@ impl Topology {
     /// The topology after an upsampling of arity 2.
     ///
     /// Vertices: those of the parent, then one for each edge, then one for each face. The child quad of a corner holds
-    /// (vertex, edge point, face point, edge point before), counter-clockwise. The four quads of a quad stand row by row
-    /// (origin at corner 0, first axis towards corner 1) and keep its orientation; those of another face stand corner
-    /// by corner, each starting at its vertex.
+    /// (vertex, edge point, face point, edge point before), counter-clockwise. The four quads of a quad stand row by
+    /// row (origin at corner 0, first axis towards corner 1) and keep its orientation; those of another face stand
+    /// corner by corner, each starting at its vertex.
     #[must_use]
     pub fn split(&self) -> Self {
         let (n_v, n_e, n_c) = (self.n_vertices(), self.n_edges(), self.n_half_edges());

@@ -2,8 +2,8 @@
 //!
 //! A place is `[i, j]`: `i` steps from corner 0 towards corner 1 and `j` steps towards the last corner; of a quad
 //! `0 <= i, j <= d`, of a triangle `i + j <= d`. Rows are those of equal `j`. A triangle's row holds upward cells
-//! (`[i, j]`, `[i + 1, j]`, `[i, j + 1]`) and between them downward ones (`[i + 1, j + 1]`, `[i, j + 1]`, `[i + 1, j]`),
-//! from left to right. Cells are counter-clockwise like their face.
+//! (`[i, j]`, `[i + 1, j]`, `[i, j + 1]`) and between them downward ones (`[i + 1, j + 1]`, `[i, j + 1]`,
+//! `[i + 1, j]`), from left to right. Cells are counter-clockwise like their face.
 
 /// How the faces of a mesh are split.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -1,7 +1,8 @@
 //! Topology: which vertices, edges and faces meet, as flat arrays that are never edited. No coordinates.
 //!
 //! A *half-edge* is one side of an edge: it belongs to one face and runs from a vertex of the face to the next one. Its
-//! number also stands for the place where the face has the vertex it starts at. Half-edges are numbered face after face.
+//! number also stands for the place where the face has the vertex it starts at. Half-edges are numbered face after
+//! face.
 
 use rayon::prelude::*;
 
@@ -19,7 +20,8 @@ pub struct Topology {
     pub(super) vertices: Vec<u32>,
     /// Edge from each half-edge to the next of its face.
     pub(super) edge_of: Vec<u32>,
-    /// The half-edges whose half-edges lie on each edge; the first runs in the edge's direction, the second may be [`NONE`].
+    /// The half-edges whose half-edges lie on each edge; the first runs in the edge's direction, the second may be
+    /// [`NONE`].
     pub(super) halves: Vec<[u32; 2]>,
     /// The first outgoing half-edge of each vertex in counter-clockwise order (on the boundary the one whose edge is a
     /// boundary edge), or [`NONE`].

@@ -2,8 +2,8 @@
 //! inside base faces, row by row. Independent of the order in which the splits were carried out.
 //!
 //! With `n` pieces an edge: an edge has `n - 1` inner points in the direction of its first appearance; a triangle has
-//! `(n-1)(n-2)/2`, row by row (origin at corner 0, first axis towards corner 1). Faces stand by base face, row by row; a
-//! row holds upward and downward triangles from left to right. The upward one at `(i, j)` starts there and goes on to
+//! `(n-1)(n-2)/2`, row by row (origin at corner 0, first axis towards corner 1). Faces stand by base face, row by row;
+//! a row holds upward and downward triangles from left to right. The upward one at `(i, j)` starts there and goes on to
 //! `(i + 1, j)`, `(i, j + 1)`; the downward one beside it starts at `(i + 1, j + 1)` and goes on to `(i, j + 1)`,
 //! `(i + 1, j)`.
 

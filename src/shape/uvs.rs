@@ -92,8 +92,8 @@ impl Uvs {
     /// Checks the texture coordinates of a mesh. `turned` are faces whose vertices were reversed since they were given.
     ///
     /// # Errors
-    /// Numbers of faces and corners that differ from those of the mesh, values that do not exist or are not finite, with
-    /// pointers below the texture coordinates.
+    /// Numbers of faces and corners that differ from those of the mesh, values that do not exist or are not finite,
+    /// with pointers below the texture coordinates.
     pub fn new(input: &UvsInput, mesh: &Topology, turned: &[u32]) -> Result<Self, Vec<Fault>> {
         let corner_values = corner_values(input, mesh, turned)?;
         let fans = Fans { mesh, values: &corner_values };
@@ -228,8 +228,8 @@ impl Fans<'_> {
 
 /// The places that an interpolation keeps, and those where one value stands in two fans of a vertex.
 ///
-/// Source: OpenSubdiv 3.5, compared by numbers; but where two values take turns around a vertex it takes the second for a
-/// new one when it comes again, and so parts the value that its order of faces makes the second.
+/// Source: OpenSubdiv 3.5, compared by numbers; but where two values take turns around a vertex it takes the second for
+/// a new one when it comes again, and so parts the value that its order of faces makes the second.
 fn corners(
     topology: &Topology,
     mesh: &Topology,

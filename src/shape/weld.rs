@@ -29,11 +29,11 @@ impl Welded {
     }
 }
 
-/// Merges each vertex, in their order, into the lowest vertex that stayed and lies at most `distance` (model units, 0 or
-/// more) away; a vertex without such a neighbour stays. With 0 equal places are merged.
+/// Merges each vertex, in their order, into the lowest vertex that stayed and lies at most `distance` (model units, 0
+/// or more) away; a vertex without such a neighbour stays. With 0 equal places are merged.
 ///
-/// Vertices are sorted into a grid of cells as wide as the distance, so that only the 27 cells around a vertex are looked
-/// at. Vertices that stay are further apart than the distance, hence few in a cell.
+/// Vertices are sorted into a grid of cells as wide as the distance, so that only the 27 cells around a vertex are
+/// looked at. Vertices that stay are further apart than the distance, hence few in a cell.
 ///
 /// # Errors
 /// A distance that is no number of at least 0, or too small for the largest coordinate.

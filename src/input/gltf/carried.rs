@@ -21,8 +21,8 @@ use crate::shape::labels::FaceSet;
 /// What the attribute `_ORIGIN` of a file that tells origins is: no channel.
 const ORIGIN: &str = "origin";
 
-/// The channel that an attribute of applications is: `_HEAT` is `heat`. Its letters are small ones, as glTF has great ones
-/// only, but for a name that would then be the colour.
+/// The channel that an attribute of applications is: `_HEAT` is `heat`. Its letters are small ones, as glTF has great
+/// ones only, but for a name that would then be the colour.
 pub(super) fn name(semantic: &Checked<Semantic>) -> Option<String> {
     let Valid(Semantic::Extras(name)) = semantic else { return None };
     let small = name.to_ascii_lowercase();
@@ -43,8 +43,8 @@ pub(super) struct Channels {
 }
 
 impl Channels {
-    /// Takes the attributes of `n` vertices, the first of which has the number `start`. What there is no room for is left
-    /// out: these numbers are not what a mesh is made of, and accessors may share their bytes.
+    /// Takes the attributes of `n` vertices, the first of which has the number `start`. What there is no room for is
+    /// left out: these numbers are not what a mesh is made of, and accessors may share their bytes.
     pub(super) fn take(
         &mut self,
         document: &Document<'_>,

@@ -1,7 +1,7 @@
 //! What a glTF document will take of memory, counted in its text before anything is made of it.
 //!
-//! The reader of the document makes a structure of hundreds of bytes of each `{}`. This looks at brackets, commas and colons
-//! only: text that is no JSON is refused later, and up to the place where it is wrong the counts are right.
+//! The reader of the document makes a structure of hundreds of bytes of each `{}`. This looks at brackets, commas and
+//! colons only: text that is no JSON is refused later, and up to the place where it is wrong the counts are right.
 
 use std::mem::size_of;
 

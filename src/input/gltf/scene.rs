@@ -20,8 +20,8 @@ use crate::shape::attachments::Channel;
 use crate::shape::labels::FaceSet;
 use crate::shape::topology::index;
 
-/// A file may come to so many primitives, or to as many as it has bytes, and to three corners for each: nodes that share a
-/// mesh must not make much work of little, even where nothing is kept of it.
+/// A file may come to so many primitives, or to as many as it has bytes, and to three corners for each: nodes that
+/// share a mesh must not make much work of little, even where nothing is kept of it.
 const LEAST_PRIMITIVES: usize = 1_000_000;
 
 /// Bytes of a vertex, of the numbers that it may carry, and of a triangle, as they are kept in lists that grow.

@@ -55,8 +55,8 @@ impl Transform {
     /// The map that changes nothing.
     pub(super) const IDENTITY: Self = Self([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]]);
 
-    /// The map of a node: its matrix, or its scale, then rotation, then translation. A rotation is divided by its length,
-    /// which is near 1.
+    /// The map of a node: its matrix, or its scale, then rotation, then translation. A rotation is divided by its
+    /// length, which is near 1.
     ///
     /// # Errors
     /// A matrix that is no affine map, a rotation that is no unit quaternion.

@@ -8,8 +8,9 @@ type Run<'a> = (&'a str, usize);
 
 /// For each property the channel of several numbers that it belongs to, and its place there.
 ///
-/// Such are properties `a_0`, `a_1`, ... one after the other, up to `a_3`, of one type, as the writer splits channels. More
-/// than four are no channel, nor are those beside a property `a`, nor `color_0`, as the colour has names of its own.
+/// Such are properties `a_0`, `a_1`, ... one after the other, up to `a_3`, of one type, as the writer splits channels.
+/// More than four are no channel, nor are those beside a property `a`, nor `color_0`, as the colour has names of its
+/// own.
 pub(super) fn runs(properties: &[Property]) -> Vec<Option<(Run<'_>, usize)>> {
     let mut found = vec![None; properties.len()];
     let mut start = 0;

@@ -11,7 +11,8 @@ const MAX_FACES: usize = 1 << 18;
 /// Rows that a corner of a face takes while normals and edges are found, 50 ns.
 const CORNERS_A_ROW: u128 = 2;
 
-/// Rows of a table, 100 ns each. The refined mesh covers about what the input does, face by face, as both are framed alike.
+/// Rows of a table, 100 ns each. The refined mesh covers about what the input does, face by face, as both are framed
+/// alike.
 pub(crate) fn work(mesh: &Mesh, counts: &Counts, options: &Options<'_>) -> u128 {
     let shows = |item| options.shows(item, DEFAULT_SHOW);
     if !(shows("surface") || shows("wireframe") || shows("isolines")) {

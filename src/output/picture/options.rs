@@ -55,7 +55,8 @@ pub(crate) const CAMERA: Parameter = Parameter {
     kind: Kind::Group(CAMERA_FIELDS),
     unit: "",
     default: Default::Fields,
-    doc: "Where the picture is taken from; everything shown is framed unless an eye is given. Curves in the plane use only zoom and target.",
+    doc: "Where the picture is taken from; everything shown is framed unless an eye is given. Curves in the plane use \
+          only zoom and target.",
 };
 
 const CAMERA_FIELDS: &[Parameter] = &[

@@ -26,9 +26,9 @@ pub(super) struct Segment {
 
 /// The crossings along each chain, and whether it is closed.
 ///
-/// A segment goes on with the one that starts where it ends. Where a side has more than two triangles, as in meshes with
-/// two edges between the same vertices, the first end goes on with the first start, and so on; so everything that has as
-/// many ends as starts is closed.
+/// A segment goes on with the one that starts where it ends. Where a side has more than two triangles, as in meshes
+/// with two edges between the same vertices, the first end goes on with the first start, and so on; so everything that
+/// has as many ends as starts is closed.
 pub(super) fn chains(mut segments: Vec<Segment>, watch: &Watch) -> Result<Vec<(Vec<Crossing>, bool)>, Stopped> {
     watch.check()?;
     segments.par_sort_by_key(|segment| segment.from);

@@ -18,7 +18,8 @@ impl PositionsHash {
     }
 }
 
-/// The sum of the hashes of all parts (faces, isolated vertices, polygons), which no order of vertices or parts changes.
+/// The sum of the hashes of all parts (faces, isolated vertices, polygons), which no order of vertices or parts
+/// changes.
 ///
 /// A part is hashed with BLAKE3 over one byte for its kind and then its points in order, each coordinate an f64 in
 /// little-endian bytes, -0 as +0. Cyclic parts (faces, closed polygons) start where the sequence of points, compared
@@ -77,8 +78,8 @@ impl ShapeHash {
 
 /// Where the lexicographically smallest rotation of a cycle of records of `size` bytes starts, in linear time.
 ///
-/// Two starts race; the loser and all starts that its mismatch rules out are skipped. Source: Y. Shiloach, J. Algorithms
-/// 2 (1981), 107-121.
+/// Two starts race; the loser and all starts that its mismatch rules out are skipped. Source: Y. Shiloach, J.
+/// Algorithms 2 (1981), 107-121.
 fn least_rotation(bytes: &[u8], size: usize) -> usize {
     let n = bytes.len() / size;
     let record = |i: usize| &bytes[i % n * size..][..size];
