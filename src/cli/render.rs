@@ -73,8 +73,11 @@ fn choose(request: &mut JobRequest, target: &Path, format: Option<&str>) -> Resu
             _ => Err(CliError::new("the target has no extension; name a format with --format")),
         };
     };
-    let asked = request.outputs.iter().find(|output| output.format() == Some(wanted)).cloned();
-    request.outputs = vec![asked.unwrap_or_else(|| OutputRequest::of_format(wanted))];
+    let asked = request.outputs.iter().position(|output| output.format() == Some(wanted));
+    request.outputs = vec![match asked {
+        Some(i) => request.outputs.swap_remove(i).at(i),
+        None => OutputRequest::of_format(wanted),
+    }];
     Ok(())
 }
 
@@ -110,6 +113,7 @@ fn watched(admitted: &Admitted, output: &Output, out: &mut dyn Write) -> Result<
         report
     });
     report.map_err(|error| match error {
+        RunError::Impossible(fault) => CliError::Faults(vec![admitted.job().entries(output).fault(fault)]),
         RunError::Io(error) => CliError::new(format!("cannot write the result: {error}")),
         other => CliError::new(other),
     })

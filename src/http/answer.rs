@@ -8,39 +8,33 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use futures_util::stream;
 
-use super::App;
-use super::negotiate::Part;
+use super::app::App;
+use super::negotiate::ByteRange;
 use super::problem::{self, Problem};
-use crate::output::Format;
 use crate::service::computation::Timings;
-use crate::service::desk::Origin;
 use crate::service::lent::Lent;
 use crate::service::peer::{Kind, Paid, Peer};
 use crate::service::pool::Busy;
 use crate::service::store::{Manifest, PART_BYTES};
+use crate::service::under_way::Provenance;
 
 /// An artifact to be answered.
 #[derive(Debug)]
-pub(super) struct Found {
+pub(super) struct Artifact {
     pub(super) manifest: Arc<Manifest>,
     /// The bytes, when no store has them.
     pub(super) loose: Option<Bytes>,
-    pub(super) origin: Origin,
+    pub(super) provenance: Provenance,
     pub(super) timings: Timings,
     /// Who is answered.
     pub(super) peer: Peer,
 }
 
-impl Found {
+impl Artifact {
     /// An artifact that was there.
     pub(super) fn kept(manifest: Arc<Manifest>, peer: Peer) -> Self {
-        Self { peer, manifest, loose: None, origin: Origin::Hit, timings: Timings::default() }
+        Self { peer, manifest, loose: None, provenance: Provenance::Hit, timings: Timings::default() }
     }
-}
-
-/// Where an artifact has its address.
-pub(super) fn address(key: impl std::fmt::Display, format: &dyn Format) -> String {
-    format!("/v1/artifacts/{key}.{}", format.extension())
 }
 
 /// Why the bytes of an artifact are not answered.
@@ -65,18 +59,18 @@ impl From<Lost> for Problem {
 }
 
 /// Headers that every answer about an artifact has.
-pub(super) fn headers(found: &Found, address: &str) -> HeaderMap {
+pub(super) fn headers(found: &Artifact, address: &str) -> HeaderMap {
     let mut headers = HeaderMap::new();
     let mut put = |name: HeaderName, value: String| {
         if let Ok(value) = HeaderValue::try_from(value) {
             headers.insert(name, value);
         }
     };
-    let cache = match (found.origin, &found.loose) {
-        (Origin::Hit, _) => "planish; hit",
-        (Origin::Made, None) => "planish; fwd=miss; stored",
-        (Origin::Made, Some(_)) => "planish; fwd=miss",
-        (Origin::Joined, _) => "planish; fwd=miss; collapsed",
+    let cache = match (found.provenance, &found.loose) {
+        (Provenance::Hit, _) => "planish; hit",
+        (Provenance::Made, None) => "planish; fwd=miss; stored",
+        (Provenance::Made, Some(_)) => "planish; fwd=miss",
+        (Provenance::Joined, _) => "planish; fwd=miss; collapsed",
     };
     put(header::ETAG, format!("\"{}\"", found.manifest.key));
     put(HeaderName::from_static("cache-status"), cache.to_owned());
@@ -127,12 +121,17 @@ fn warnings(warnings: &[String]) -> String {
 ///
 /// # Errors
 /// [`Lost`], when that turns out before the answer has begun.
-pub(super) async fn bytes(app: &Arc<App>, found: Found, mut headers: HeaderMap, part: Part) -> Result<Response, Lost> {
+pub(super) async fn bytes(
+    app: &Arc<App>,
+    found: Artifact,
+    mut headers: HeaderMap,
+    range: ByteRange,
+) -> Result<Response, Lost> {
     let length = found.manifest.length;
-    let (status, first, last) = match part {
-        Part::Whole => (StatusCode::OK, 0, length.saturating_sub(1)),
-        Part::Bytes { first, last } => (StatusCode::PARTIAL_CONTENT, first, last),
-        Part::Beyond => {
+    let (status, first, last) = match range {
+        ByteRange::Whole => (StatusCode::OK, 0, length.saturating_sub(1)),
+        ByteRange::Bytes { first, last } => (StatusCode::PARTIAL_CONTENT, first, last),
+        ByteRange::Beyond => {
             let mut response = Problem::new(problem::RANGE, format!("the artifact has {length} bytes")).into_response();
             if let Ok(range) = HeaderValue::try_from(format!("bytes */{length}")) {
                 response.headers_mut().insert(header::CONTENT_RANGE, range);
@@ -152,7 +151,7 @@ pub(super) async fn bytes(app: &Arc<App>, found: Found, mut headers: HeaderMap, 
 }
 
 /// The bytes `first ..= last`: the first part at once, so that damage is found before the answer begins.
-async fn body(app: &Arc<App>, found: Found, first: u64, last: u64) -> Result<Body, Lost> {
+async fn body(app: &Arc<App>, found: Artifact, first: u64, last: u64) -> Result<Body, Lost> {
     let slice = |bytes: &Bytes, start: u64| {
         let from = usize::try_from(first.saturating_sub(start)).unwrap_or(0);
         let to = usize::try_from(last + 1 - start).unwrap_or(usize::MAX).min(bytes.len());
@@ -164,7 +163,7 @@ async fn body(app: &Arc<App>, found: Found, first: u64, last: u64) -> Result<Bod
     let part_bytes = PART_BYTES as u64;
     let index = |byte: u64| usize::try_from(byte / part_bytes).unwrap_or(usize::MAX);
     let (from, to) = (index(first), index(last));
-    let parts = Parts::of(app, found.peer, found.manifest)?;
+    let parts = PartReader::of(app, found.peer, found.manifest)?;
     let head = parts.part(from).await?;
     let head = slice(&head, from as u64 * part_bytes);
     if from == to {
@@ -189,7 +188,7 @@ async fn body(app: &Arc<App>, found: Found, first: u64, last: u64) -> Result<Bod
 const PART_PATIENCE: Duration = Duration::from_secs(10);
 
 /// The parts of an artifact, each paid for while a client has not read it.
-struct Parts {
+struct PartReader {
     app: Arc<App>,
     peer: Peer,
     manifest: Arc<Manifest>,
@@ -204,7 +203,7 @@ enum Source {
     Disk,
 }
 
-impl Parts {
+impl PartReader {
     fn of(app: &Arc<App>, peer: Peer, manifest: Arc<Manifest>) -> Result<Self, Lost> {
         let desk = &app.desk;
         let mut from = Source::Disk;

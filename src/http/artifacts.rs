@@ -6,12 +6,14 @@ use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
-use super::answer::{self, Found, Lost, address};
+use super::address::address;
+use super::answer::{self, Artifact, Lost};
+use super::app::{App, Shared};
 use super::body::Sent;
 use super::problem::{self, Problem};
 use super::requests::Client;
 use super::segment::Segment;
-use super::{App, Shared, negotiate, reading, render};
+use super::{negotiate, reading, render};
 use crate::job::key::Key;
 use crate::output::FORMATS;
 use crate::service::computation::Phase;
@@ -55,7 +57,7 @@ async fn answered(app: &Arc<App>, client: &Client, file: &str, headers: &HeaderM
     let key = Key::parse(id).ok_or_else(unknown)?;
     if let Some(manifest) = app.desk.find(key).await {
         // what turns out to be damaged has been dropped, and is made again where its job is known
-        match tell(app, &key, extension, headers, Found::kept(manifest, client.peer())).await? {
+        match tell(app, &key, extension, headers, Artifact::kept(manifest, client.peer())).await? {
             Err(Lost::Gone) => {}
             answered => return Ok(answered?),
         }
@@ -70,7 +72,7 @@ async fn tell(
     key: &Key,
     extension: &str,
     headers: &HeaderMap,
-    found: Found,
+    found: Artifact,
 ) -> Result<Result<Response, Lost>, Problem> {
     let formats = FORMATS.iter().filter(|format| format.media_type() == found.manifest.media_type);
     if !formats.clone().any(|format| format.extension() == extension) {
@@ -83,28 +85,36 @@ async fn tell(
         head.remove(header::CONTENT_TYPE);
         return Ok(Ok((StatusCode::NOT_MODIFIED, head).into_response()));
     }
-    let part = negotiate::part(headers, key, found.manifest.length);
-    Ok(answer::bytes(app, found, head, part).await)
+    let range = negotiate::range(headers, key, found.manifest.length);
+    Ok(answer::bytes(app, found, head, range).await)
 }
 
 /// An artifact that is not kept: made again where its job is known.
-async fn again(app: &Arc<App>, client: &Client, key: &Key) -> Result<Found, Problem> {
+async fn again(app: &Arc<App>, client: &Client, key: &Key) -> Result<Artifact, Problem> {
     let Some(record) = app.desk.jobs.of_artifact(key) else {
         let detail = "this artifact is not kept here; send its job to /v1/render, and it will have this address";
         return Err(Problem::new(problem::NOT_FOUND, detail));
     };
     // the format is that of the artifact, whatever the request left to be negotiated
-    let media_type = record.told.output.1.media_type();
+    let media_type = record.summary.output.1.media_type();
     let headers = HeaderMap::from_iter([(header::ACCEPT, HeaderValue::from_static(media_type))]);
-    let asked = render::read(app, client, &headers, Sent::again(record.told.request.clone())).await?;
-    let admitted = reading::admit(app, client, asked.job).await?;
-    let interest = app.desk.compute(Arc::new(Render::new(admitted, 0, Some(asked.input))), client.peer())?;
+    let read = render::read(app, client, &headers, Sent::again(record.summary.request.clone())).await?;
+    let admitted = reading::admit(app, client, read.job).await?;
+    let job = admitted.job();
+    let entries = job.entries(&job.outputs[0]);
+    let interest = app.desk.compute(Arc::new(Render::new(admitted, 0, Some(read.input))), client.peer())?;
     match interest.computation.finished().await {
         Phase::Done(outcome) => {
             let (manifest, loose) = (outcome.manifest.clone(), outcome.loose.clone());
-            Ok(Found { manifest, loose, origin: interest.origin, timings: outcome.timings, peer: client.peer() })
+            Ok(Artifact {
+                manifest,
+                loose,
+                provenance: interest.provenance,
+                timings: outcome.timings,
+                peer: client.peer(),
+            })
         }
-        Phase::Failed(failure) => Err(failure.into()),
+        Phase::Failed(failure) => Err(Problem::of_failure(failure, |fault| entries.fault(fault))),
         Phase::Queued | Phase::Running => {
             Err(Problem::new(problem::GONE, "the artifact left the cache; send its job again"))
         }

@@ -7,7 +7,7 @@ use axum::http::{HeaderMap, HeaderValue, header};
 use http_body_util::BodyExt;
 use tokio::time::Instant;
 
-use super::App;
+use super::app::App;
 use super::pace::Pace;
 use super::problem::{self, Problem};
 use super::requests::Client;

@@ -1,10 +1,11 @@
 //! The canary: a small real job, computed every ten seconds on the compute threads, which shows that work gets done.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::job::limits::{Admitted, Limits};
 use crate::job::run;
+use crate::service::desk::Desk;
 use crate::watch::Watch;
 use crate::wire::JobRequest;
 
@@ -39,12 +40,12 @@ impl Canary {
 }
 
 /// Runs the canary for as long as the service lives.
-pub(super) async fn sing(app: super::Shared) {
+pub(super) async fn sing(canary: Arc<Canary>, desk: Arc<Desk>) {
     loop {
-        let desk = app.desk.clone();
+        let desk = desk.clone();
         let sung = tokio::task::spawn_blocking(move || desk.pool.aside(once)).await;
         match sung {
-            Ok(Ok(took)) => app.canary.succeeded(took),
+            Ok(Ok(took)) => canary.succeeded(took),
             Ok(Err(error)) => tracing::error!(%error, "the canary job failed"),
             Err(error) => tracing::error!(%error, "the canary job panicked"),
         }

@@ -6,7 +6,7 @@ use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::Shared;
+use super::app::Shared;
 use super::problem::{self, Problem};
 use super::segment::Segment;
 use crate::config::Setting;

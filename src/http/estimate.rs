@@ -5,9 +5,10 @@ use axum::extract::State;
 use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 
+use super::app::Shared;
 use super::problem::Problem;
 use super::requests::Client;
-use super::{Shared, body, negotiate, reading};
+use super::{body, negotiate, reading};
 use crate::wire::JobRequest;
 use crate::wire::answer::EstimateAnswer;
 use crate::wire::output::OutputRequest;
@@ -24,14 +25,14 @@ use crate::wire::output::OutputRequest;
 pub(super) async fn estimate(State(app): State<Shared>, client: Client, headers: HeaderMap, body: Body) -> Response {
     let answer = async {
         let sent = body::collect(&app, &client, &headers, body).await?;
-        let asked = reading::job(&app, &client, sent, usize::MAX, |request| {
+        let read = reading::job(&app, &client, sent, usize::MAX, |request| {
             if request.outputs.is_empty() {
                 let format = negotiate::format(&HeaderMap::new(), request.shape_kind())?;
                 request.outputs = vec![OutputRequest::of_format(format.name())];
             }
             Ok(())
         });
-        let admitted = reading::admit(&app, &client, asked.await?.job).await?;
+        let admitted = reading::admit(&app, &client, read.await?.job).await?;
         Ok::<_, Problem>(axum::Json(EstimateAnswer::new(admitted.job(), admitted.estimate())))
     };
     answer.await.into_response()

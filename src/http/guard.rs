@@ -5,7 +5,7 @@ use axum::http::{HeaderValue, Version, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
-use super::Shared;
+use super::app::Shared;
 use super::problem::{self, Problem};
 use crate::config::authority::Authority;
 use crate::math::parameter::shortened;

@@ -9,7 +9,7 @@ use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::Shared;
+use super::app::Shared;
 use super::problem::{self, Problem};
 use crate::service::account::{Share, ShareUsage};
 

@@ -7,10 +7,10 @@ use axum::extract::State;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
-use super::answer::address;
+use super::address::address;
+use super::app::{App, Shared};
 use super::problem::{self, Problem};
 use super::segment::Segment;
-use super::{App, Shared};
 use crate::job::key::Key;
 use crate::service::computation::{Failure, Phase, Timings};
 use crate::service::jobs::{Record, State as Standing};
@@ -57,9 +57,9 @@ pub(super) async fn forget(State(app): State<Shared>, Segment(id): Segment) -> R
 /// How a job stands, if it is known.
 pub(super) fn answer(app: &Arc<App>, id: &Key) -> Option<JobAnswer> {
     let record = app.desk.jobs.get(id)?;
-    let (state, progress, timings, error) = standing(&record.state);
-    let told = &record.told;
-    let (name, format, key) = (&told.output.0, told.output.1, told.output.2);
+    let (state, progress, timings, error) = standing(&record);
+    let summary = &record.summary;
+    let (name, format, key) = (&summary.output.0, summary.output.1, summary.output.2);
     let output =
         OutputAnswer { name: name.clone(), format: format.name(), key: key.to_string(), href: address(key, format) };
     Some(JobAnswer {
@@ -68,16 +68,16 @@ pub(super) fn answer(app: &Arc<App>, id: &Key) -> Option<JobAnswer> {
         progress,
         attempts: record.attempts,
         timings_ms: timings.map(milliseconds),
-        cost: CostAnswer::new(&told.estimate),
+        cost: CostAnswer::new(&summary.estimate),
         outputs: vec![output],
         error,
         warnings: warnings(&record),
-        reached: told.reached.map(ReachedAnswer::from),
+        reached: summary.reached.map(ReachedAnswer::from),
     })
 }
 
-fn standing(state: &Standing) -> (&'static str, f64, Option<Timings>, Option<String>) {
-    match state {
+fn standing(record: &Record) -> (&'static str, f64, Option<Timings>, Option<String>) {
+    match &record.state {
         Standing::Active(interest) => {
             let computation = &interest.computation;
             let state = if matches!(computation.phase(), Phase::Queued) { "queued" } else { "running" };
@@ -85,7 +85,9 @@ fn standing(state: &Standing) -> (&'static str, f64, Option<Timings>, Option<Str
         }
         Standing::Done(_, timings) => ("done", 1.0, Some(*timings), None),
         Standing::Failed(Failure::Cancelled) => ("cancelled", 0.0, None, None),
-        Standing::Failed(Failure::Impossible(fault)) => ("failed", 0.0, None, Some(fault.to_string())),
+        Standing::Failed(Failure::Impossible(fault)) => {
+            ("failed", 0.0, None, Some(record.summary.entries.fault(fault.clone()).to_string()))
+        }
         Standing::Failed(Failure::TimedOut(limit)) => {
             ("failed", 0.0, None, Some(format!("it ran for {} s, the most this server allows", limit.as_secs())))
         }

@@ -6,9 +6,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use axum::http::{HeaderMap, header};
 
-use super::answer::address;
-use super::reading::Asked;
+use super::address::address;
 use crate::analysis::curve::Reached;
+use crate::job::Job;
 use crate::job::key::{Key, content};
 
 /// Longest request that is remembered, bytes.
@@ -16,7 +16,7 @@ const MAX_BYTES: usize = 64 << 10;
 /// Most requests remembered; when there are more, all are forgotten.
 const MAX_REQUESTS: usize = 16_384;
 
-/// Requests whose jobs were found possible.
+/// Requests whose jobs were admitted.
 #[derive(Debug, Default)]
 pub struct Memo(Mutex<HashMap<Key, Known>>);
 
@@ -32,10 +32,10 @@ pub(super) struct Known {
 }
 
 impl Known {
-    /// What is known of a request with one output.
-    pub(super) fn of(asked: &Asked) -> Self {
-        let (key, output) = (asked.keys[0], &asked.job.outputs[0]);
-        Self { key, address: address(key, output.format).into(), reached: asked.job.reached }
+    /// What is known of a job with one output.
+    pub(super) fn of(job: &Job) -> Self {
+        let (key, output) = (job.keys()[0], &job.outputs[0]);
+        Self { key, address: address(key, output.format).into(), reached: job.reached }
     }
 }
 
@@ -59,7 +59,17 @@ impl Memo {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).get(request).cloned()
     }
 
-    /// Remembers a request.
+    /// How many requests are remembered.
+    pub fn len(&self) -> usize {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).len()
+    }
+
+    /// Whether no request is remembered.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Remembers a request whose job was admitted, now or when its result was made.
     pub(super) fn put(&self, request: Key, known: Known) {
         let mut requests = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if requests.len() >= MAX_REQUESTS {

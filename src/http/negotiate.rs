@@ -105,9 +105,9 @@ fn unwanted(headers: &HeaderMap) -> impl Iterator<Item = &str> {
     values.flat_map(|value| value.split(',')).map(str::trim)
 }
 
-/// A part of an artifact.
+/// The bytes of an artifact that are asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Part {
+pub(super) enum ByteRange {
     /// All of it.
     Whole,
     /// The bytes `first ..= last`.
@@ -122,27 +122,27 @@ pub(super) enum Part {
 }
 
 /// The part that `Range` asks for; several ranges, other units and a foreign `If-Range` are answered with the whole.
-pub(super) fn part(headers: &HeaderMap, key: &Key, length: u64) -> Part {
-    let Some(range) = headers.get(header::RANGE).and_then(|value| value.to_str().ok()) else { return Part::Whole };
+pub(super) fn range(headers: &HeaderMap, key: &Key, length: u64) -> ByteRange {
+    let Some(range) = headers.get(header::RANGE).and_then(|value| value.to_str().ok()) else { return ByteRange::Whole };
     let etag = format!("\"{key}\"");
     if headers.get(header::IF_RANGE).is_some_and(|value| value != etag.as_str()) {
-        return Part::Whole;
+        return ByteRange::Whole;
     }
     // the names of units know no small and large letters
     let ranges = range.split_once('=').filter(|(unit, _)| unit.eq_ignore_ascii_case("bytes"));
-    let Some((first, last)) = ranges.and_then(|(_, range)| range.split_once('-')) else { return Part::Whole };
+    let Some((first, last)) = ranges.and_then(|(_, range)| range.split_once('-')) else { return ByteRange::Whole };
     match (position(first), position(last)) {
-        (Some(first), Some(last)) if last < first => Part::Whole,
-        (Some(first), Some(_)) if first >= length => Part::Beyond,
-        (Some(first), Some(last)) => Part::Bytes { first, last: last.min(length - 1) },
-        (Some(_), None) if !last.is_empty() => Part::Whole,
-        (Some(first), None) if first >= length => Part::Beyond,
-        (Some(first), None) => Part::Bytes { first, last: length - 1 },
-        (None, Some(suffix)) if first.is_empty() && (suffix == 0 || length == 0) => Part::Beyond,
+        (Some(first), Some(last)) if last < first => ByteRange::Whole,
+        (Some(first), Some(_)) if first >= length => ByteRange::Beyond,
+        (Some(first), Some(last)) => ByteRange::Bytes { first, last: last.min(length - 1) },
+        (Some(_), None) if !last.is_empty() => ByteRange::Whole,
+        (Some(first), None) if first >= length => ByteRange::Beyond,
+        (Some(first), None) => ByteRange::Bytes { first, last: length - 1 },
+        (None, Some(suffix)) if first.is_empty() && (suffix == 0 || length == 0) => ByteRange::Beyond,
         (None, Some(suffix)) if first.is_empty() => {
-            Part::Bytes { first: length - suffix.min(length), last: length - 1 }
+            ByteRange::Bytes { first: length - suffix.min(length), last: length - 1 }
         }
-        _ => Part::Whole,
+        _ => ByteRange::Whole,
     }
 }
 

@@ -1,19 +1,18 @@
 //! Pages for people and their tools: the OpenAPI document, the kinds of problems, a start page.
 
-use std::sync::LazyLock;
-
+use axum::extract::State;
 use axum::http::header;
 use axum::response::{Html, IntoResponse, Response};
 
+use super::app::Shared;
 use super::problem::{self, KINDS, Problem};
 use super::segment::Segment;
 use crate::math::parameter::shortened;
 
 /// The OpenAPI 3.1 document of this interface.
 #[utoipa::path(get, path = "/openapi.json", tag = "operations", responses((status = 200, description = "This document", body = Object, content_type = "application/json")))]
-pub(super) async fn openapi() -> Response {
-    static TEXT: LazyLock<String> = LazyLock::new(super::serve::document_text);
-    ([(header::CONTENT_TYPE, "application/json")], TEXT.as_str()).into_response()
+pub(super) async fn openapi(State(app): State<Shared>) -> Response {
+    ([(header::CONTENT_TYPE, "application/json")], app.openapi.clone()).into_response()
 }
 
 /// What a kind of problem means.

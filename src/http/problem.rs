@@ -8,6 +8,7 @@ use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 
 use crate::fault::{Fault, cut};
+use crate::job::JobFault;
 use crate::job::limits::Refusal;
 use crate::math::parameter::shortened;
 use crate::service::computation::Failure;
@@ -187,16 +188,22 @@ impl From<Unread> for Problem {
     fn from(unread: Unread) -> Self {
         match unread {
             Unread::Busy(busy) => busy.into(),
-            Unread::Failed(failure) => failure.into(),
+            // reading has no parts that could be at fault
+            Unread::Failed(failure) => Self::of_failure(failure, |refused| refused.fault),
         }
     }
 }
 
-impl From<Failure> for Problem {
-    fn from(failure: Failure) -> Self {
+impl Problem {
+    pub(super) fn cancelled() -> Self {
+        Self::new(CANCELLED, "the job was cancelled; send it again to have it queued again")
+    }
+
+    /// Why a computation failed; `written` says where the request has what is at fault.
+    pub(super) fn of_failure(failure: Failure, written: impl FnOnce(JobFault) -> Fault) -> Self {
         match failure {
-            Failure::Cancelled => Self::new(CANCELLED, "the job was cancelled; send it again to have it queued again"),
-            Failure::Impossible(fault) => Self::invalid(vec![fault]),
+            Failure::Cancelled => Self::cancelled(),
+            Failure::Impossible(fault) => Self::invalid(vec![written(fault)]),
             Failure::TimedOut(limit) => {
                 let seconds = limit.as_secs();
                 let remedy = "ask for fewer levels or a smaller picture";

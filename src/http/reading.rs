@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::App;
+use super::app::App;
 use super::body::Sent;
 use super::problem::{self, Problem};
 use super::requests::Client;
@@ -14,19 +14,19 @@ use crate::analysis::curve::Reached;
 use crate::fault::Fault;
 use crate::job::key::Key;
 use crate::job::limits::{Admitted, in_bytes};
-use crate::job::{Job, Report, RunError, SearchError};
-use crate::service::computation::{Failure, Outcome, Phase};
+use crate::job::{Draft, Job, Report, RunError, Search, SearchError};
+use crate::service::computation::{Outcome, Phase};
 use crate::service::peer::{Kind, Paid};
 use crate::service::pool::Lane;
 use crate::service::task::{Cost, Task};
 use crate::watch::Watch;
+use crate::wire::JobRequest;
 use crate::wire::read::{read, weight};
-use crate::wire::{JobRequest, RequestDraft};
 
 /// Media type of what a search has found, which is no result of a job.
-const FOUND_MEDIA_TYPE: &str = "application/vnd.planish.search+json";
+const SEARCH_MEDIA_TYPE: &str = "application/vnd.planish.search+json";
 /// What a search has found takes less than this.
-const FOUND_BYTES: u128 = 4 << 10;
+const SEARCH_ANSWER_BYTES: u128 = 4 << 10;
 /// Searches that cannot come to more work than this begin in the short lane: 13 s at 100 ns a unit, which curves have.
 const SHORT_SEARCH: u128 = 1 << 27;
 /// What checking a draft that was searched for takes, as a share of its input.
@@ -34,11 +34,9 @@ const COMPLETING: u64 = 2;
 
 /// A request that was read.
 #[derive(Debug)]
-pub(super) struct Asked {
+pub(super) struct ReadJob {
     /// The job.
     pub(super) job: Job,
-    /// Keys of its outputs.
-    pub(super) keys: Vec<Key>,
     /// The memory of its input.
     pub(super) input: Arc<Paid>,
     /// The request as it was sent.
@@ -47,8 +45,8 @@ pub(super) struct Asked {
 
 /// A request that is read as far as that goes without a search.
 enum Step {
-    Complete(Box<Asked>),
-    Search(Arc<RequestDraft>, Arc<Paid>, Sent),
+    Complete(Box<ReadJob>),
+    Search(Arc<Search>, Arc<Paid>, Sent),
 }
 
 /// Reads a job of so many outputs at most; `prepare` may name one where the request names none.
@@ -61,7 +59,7 @@ pub(super) async fn job(
     sent: Sent,
     most_outputs: usize,
     prepare: impl FnOnce(&mut JobRequest) -> Result<(), Problem> + Send + 'static,
-) -> Result<Asked, Problem> {
+) -> Result<ReadJob, Problem> {
     let (desk, peer, limits) = (app.desk.clone(), client.peer(), app.desk.limits.reading());
     let bytes = weight(sent.bytes.len() as u64);
     let step = app.desk.read(client.peer(), bytes, move |_| {
@@ -75,25 +73,25 @@ pub(super) async fn job(
             return Err(Problem::invalid(many.chain(draft.err().unwrap_or_default()).collect()));
         }
         let draft = draft.map_err(Problem::invalid)?;
-        let (bytes, inputs) = (draft.input_bytes(), &desk.account.inputs);
+        let (bytes, inputs) = (draft.bytes(), &desk.account.inputs);
         if bytes > inputs.capacity / 2 {
             return Err(too_large("the input takes", bytes, inputs.capacity / 2));
         }
         let input = desk.peers.charge(inputs, Kind::InputBytes, peer, bytes);
         let input = Arc::new(input.map_err(|_| desk.pool.busy(Lane::Long))?);
-        if draft.needs_search() {
-            return Ok(Step::Search(Arc::new(draft), input, sent));
-        }
-        Ok(Step::Complete(Box::new(complete(draft, None, input, sent)?)))
+        Ok(match draft {
+            Draft::Job(job) => Step::Complete(Box::new(ReadJob { job: *job, input, sent })),
+            Draft::Search(search) => Step::Search(Arc::from(search), input, sent),
+        })
     });
     match step.await?? {
         Step::Complete(asked) => Ok(*asked),
-        Step::Search(draft, input, sent) => {
-            let found = search(app, client, &draft, &input).await?;
-            let bytes = COMPLETING * draft.input_bytes();
-            let completing = app
-                .desk
-                .read(client.peer(), bytes, move |_| complete(Arc::unwrap_or_clone(draft), Some(found), input, sent));
+        Step::Search(search, input, sent) => {
+            let reached = reached(app, client, &search, &input).await?;
+            let completing = app.desk.read(client.peer(), COMPLETING * search.bytes(), move |_| {
+                let job = Arc::unwrap_or_clone(search).complete(reached).map_err(Problem::invalid)?;
+                Ok(ReadJob { job, input, sent })
+            });
             completing.await?
         }
     }
@@ -106,12 +104,6 @@ fn too_large(what: &str, needs: u64, has: u64) -> Problem {
     Problem::new(problem::TOO_LARGE, format!("{what} {needs} of memory; this server has {has} for that: {remedy}"))
 }
 
-fn complete(draft: RequestDraft, found: Option<Reached>, input: Arc<Paid>, sent: Sent) -> Result<Asked, Problem> {
-    let job = draft.complete(found).map_err(Problem::invalid)?;
-    let keys = job.outputs.iter().map(|output| job.key(output)).collect();
-    Ok(Asked { job, keys, input, sent })
-}
-
 /// Admits a job, in the lane for reading, as some forecasts count for a while.
 pub(super) async fn admit(app: &Arc<App>, client: &Client, job: Job) -> Result<Arc<Admitted>, Problem> {
     let limits = app.desk.limits;
@@ -121,27 +113,23 @@ pub(super) async fn admit(app: &Arc<App>, client: &Client, job: Job) -> Result<A
 }
 
 /// The level that a tolerance leads to: kept from an earlier search, or searched for as other computations are made.
-async fn search(
-    app: &Arc<App>,
-    client: &Client,
-    draft: &Arc<RequestDraft>,
-    input: &Arc<Paid>,
-) -> Result<Reached, Problem> {
-    let task = Arc::new(Search { draft: draft.clone(), _input: input.clone() });
+async fn reached(app: &Arc<App>, client: &Client, search: &Arc<Search>, input: &Arc<Paid>) -> Result<Reached, Problem> {
+    let task = Arc::new(SearchTask { search: search.clone(), _input: input.clone() });
     if let Some(manifest) = app.desk.find(task.key()).await
         && let Some(bytes) = app.desk.tiers.part(&manifest, 0).await
     {
-        return found(&bytes);
+        return answered(&bytes);
     }
-    let (needs, has) = (draft.search_cost().bytes, app.desk.account.long.capacity);
+    let (needs, has) = (search.cost().bytes, app.desk.account.long.capacity);
     if needs > has {
         return Err(too_large("the search for the level of this tolerance may take", needs, has));
     }
     let interest = app.desk.compute(task, client.peer())?;
     match interest.computation.finished().await {
-        Phase::Done(outcome) => found(&whole(app, &outcome).await?),
-        Phase::Failed(failure) => Err(failure.into()),
-        Phase::Queued | Phase::Running => Err(Failure::Cancelled.into()),
+        Phase::Done(outcome) => answered(&whole(app, &outcome).await?),
+        // what a search refuses is its answer
+        Phase::Failed(failure) => Err(Problem::of_failure(failure, |refused| refused.fault)),
+        Phase::Queued | Phase::Running => Err(Problem::cancelled()),
     }
 }
 
@@ -157,15 +145,15 @@ async fn whole(app: &Arc<App>, outcome: &Outcome) -> Result<axum::body::Bytes, P
 /// What a search has found, as it is kept: refusals are remembered like results.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum Found {
+enum SearchAnswer {
     Reached { level: u32, bound: f64 },
     Refused { pointer: String, detail: String },
 }
 
-fn found(bytes: &[u8]) -> Result<Reached, Problem> {
+fn answered(bytes: &[u8]) -> Result<Reached, Problem> {
     match serde_json::from_slice(bytes) {
-        Ok(Found::Reached { level, bound }) => Ok(Reached { level, bound }),
-        Ok(Found::Refused { pointer, detail }) => Err(Problem::invalid(vec![Fault::new(pointer, detail)])),
+        Ok(SearchAnswer::Reached { level, bound }) => Ok(Reached { level, bound }),
+        Ok(SearchAnswer::Refused { pointer, detail }) => Err(Problem::invalid(vec![Fault::new(pointer, detail)])),
         Err(error) => {
             tracing::error!(%error, "what a search has found cannot be read");
             Err(Problem::new(problem::INTERNAL, "the search failed; this is a fault of planish, please report it"))
@@ -175,36 +163,35 @@ fn found(bytes: &[u8]) -> Result<Reached, Problem> {
 
 /// The search for the level that meets a tolerance.
 #[derive(Debug)]
-struct Search {
-    draft: Arc<RequestDraft>,
+struct SearchTask {
+    search: Arc<Search>,
     _input: Arc<Paid>,
 }
 
-impl Task for Search {
+impl Task for SearchTask {
     fn key(&self) -> Key {
-        self.draft.search_key().expect("a search is made of drafts that need one")
+        self.search.key()
     }
 
     fn cost(&self) -> Cost {
-        let cost = self.draft.search_cost();
+        let cost = self.search.cost();
         let (work, memory_bytes) = (u128::from(cost.work), u128::from(cost.bytes));
         // searches on curves mostly end in milliseconds; what does not is moved to the long lane
         let time_ms = if work <= SHORT_SEARCH { 1 } else { work / 10_000 };
-        Cost { memory_bytes, time_ms, work, result_bytes: FOUND_BYTES }
+        Cost { memory_bytes, time_ms, work, result_bytes: SEARCH_ANSWER_BYTES }
     }
 
     fn media_type(&self) -> &str {
-        FOUND_MEDIA_TYPE
+        SEARCH_MEDIA_TYPE
     }
 
     fn run(&self, out: &mut dyn Write, watch: &Watch) -> Result<Report, RunError> {
-        let found = match self.draft.search(watch) {
-            Ok(Some(Reached { level, bound })) => Found::Reached { level, bound },
-            Ok(None) => unreachable!("drafts without a search are complete"),
-            Err(SearchError::Refused(Fault { pointer, detail, .. })) => Found::Refused { pointer, detail },
+        let answer = match self.search.run(watch) {
+            Ok(Reached { level, bound }) => SearchAnswer::Reached { level, bound },
+            Err(SearchError::Refused(Fault { pointer, detail, .. })) => SearchAnswer::Refused { pointer, detail },
             Err(SearchError::Stopped(stopped)) => return Err(RunError::Stopped(stopped)),
         };
-        let bytes = serde_json::to_vec(&found).expect("numbers and text");
+        let bytes = serde_json::to_vec(&answer).expect("numbers and text");
         out.write_all(&bytes).map_err(RunError::Io)?;
         Ok(Report::default())
     }

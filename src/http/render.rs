@@ -7,18 +7,21 @@ use axum::extract::State;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
-use super::answer::{self, Found, Lost};
+use super::answer::{self, Artifact, Lost};
+use super::app::{App, Shared};
 use super::body::Sent;
 use super::memo::Known;
-use super::negotiate::{self, Part};
+use super::negotiate::{self, ByteRange};
 use super::problem::Problem;
-use super::reading::Asked;
+use super::reading::ReadJob;
 use super::requests::Client;
-use super::{App, Shared, body, jobs, memo, reading};
+use super::{body, jobs, memo, reading};
 use crate::analysis::curve::Reached;
 use crate::job::key::Key;
+use crate::job::limits::Admitted;
 use crate::service::computation::Phase;
-use crate::service::jobs::Told;
+use crate::service::jobs::JobSummary;
+use crate::service::peer::Paid;
 use crate::service::task::Render;
 use crate::wire::JobRequest;
 use crate::wire::output::OutputRequest;
@@ -54,11 +57,8 @@ async fn rendered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bo
     if let Some(response) = again(app, client, headers, request).await {
         return Ok(response);
     }
-    let asked = read(app, client, headers, sent).await?;
-    let known = Known::of(&asked);
-    if let Some(request) = request {
-        app.memo.put(request, known.clone());
-    }
+    let read = read(app, client, headers, sent).await?;
+    let known = Known::of(&read.job);
     if negotiate::has_already(headers, &known.key) {
         return Ok(not_modified(&known));
     }
@@ -67,12 +67,25 @@ async fn rendered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bo
             return Ok(not_modified(&known));
         }
         // what turns out to be damaged has been dropped, and is made again
-        match whole(app, Found::kept(manifest, client.peer()), &known).await {
+        match whole(app, Artifact::kept(manifest, client.peer()), &known).await {
             Err(Lost::Gone) => {}
-            answered => return Ok(answered?),
+            answered => {
+                remember(app, request, &known);
+                return Ok(answered?);
+            }
         }
     }
-    made(app, client, headers, asked, known).await
+    let ReadJob { job, input, sent } = read;
+    let admitted = reading::admit(app, client, job).await?;
+    remember(app, request, &known);
+    made(app, client, headers, (admitted, input, sent), known).await
+}
+
+/// Remembers a request whose job was admitted, now or when its result was made.
+fn remember(app: &Arc<App>, request: Option<Key>, known: &Known) {
+    if let Some(request) = request {
+        app.memo.put(request, known.clone());
+    }
 }
 
 /// The answer to a request that came before and whose result is at hand.
@@ -82,7 +95,7 @@ async fn again(app: &Arc<App>, client: &Client, headers: &HeaderMap, request: Op
     if negotiate::has_already(headers, &known.key) || negotiate::wants_nothing_kept(headers) {
         return Some(not_modified(&known));
     }
-    whole(app, Found::kept(manifest, client.peer()), &known).await.ok()
+    whole(app, Artifact::kept(manifest, client.peer()), &known).await.ok()
 }
 
 /// Has the artifact made, and answers with it or, when that takes too long, with where it will be.
@@ -90,20 +103,19 @@ async fn made(
     app: &Arc<App>,
     client: &Client,
     headers: &HeaderMap,
-    asked: Asked,
+    (admitted, input, sent): (Arc<Admitted>, Arc<Paid>, Sent),
     known: Known,
 ) -> Result<Response, Problem> {
     let (patience, said) = negotiate::patience(headers);
-    let Asked { job, input, sent, .. } = asked;
-    let admitted = reading::admit(app, client, job).await?;
     // somebody else may have had it made while it was forecast
     if let Some(manifest) = app.desk.tiers.at_hand(&known.key)
-        && let Ok(response) = whole(app, Found::kept(manifest, client.peer()), &known).await
+        && let Ok(response) = whole(app, Artifact::kept(manifest, client.peer()), &known).await
     {
         return Ok(response);
     }
     let job = admitted.job();
     let (id, output, reached) = (job.id(), &job.outputs[0], job.reached);
+    let entries = job.entries(output);
     let output = (output.name.clone(), output.format, known.key);
     let estimate = admitted.estimate().clone();
     let interest = app.desk.compute(Arc::new(Render::new(admitted, 0, Some(input))), client.peer())?;
@@ -111,37 +123,42 @@ async fn made(
     match tokio::time::timeout(patience, computation.finished()).await {
         Ok(Phase::Done(outcome)) => {
             let (manifest, loose) = (outcome.manifest.clone(), outcome.loose.clone());
-            let found =
-                Found { manifest, loose, origin: interest.origin, timings: outcome.timings, peer: client.peer() };
+            let found = Artifact {
+                manifest,
+                loose,
+                provenance: interest.provenance,
+                timings: outcome.timings,
+                peer: client.peer(),
+            };
             Ok(whole(app, found, &known).await?)
         }
-        Ok(Phase::Failed(failure)) => Err(failure.into()),
+        Ok(Phase::Failed(failure)) => Err(Problem::of_failure(failure, |fault| entries.fault(fault))),
         Ok(Phase::Queued | Phase::Running) | Err(_) => {
             // a copy, so that a short request does not keep the buffer that it arrived in
             let request = Bytes::copy_from_slice(&sent.bytes);
-            app.desk.detach(id, Told { output, estimate, reached, request }, interest, client.peer())?;
+            app.desk.detach(id, JobSummary { output, entries, estimate, reached, request }, interest, client.peer())?;
             Ok(later(app, &id, said.then_some(patience.as_secs())))
         }
     }
 }
 
-async fn whole(app: &Arc<App>, found: Found, known: &Known) -> Result<Response, Lost> {
+async fn whole(app: &Arc<App>, found: Artifact, known: &Known) -> Result<Response, Lost> {
     let mut head = answer::headers(&found, &known.address);
     said(known.reached, &mut head);
-    answer::bytes(app, found, head, Part::Whole).await
+    answer::bytes(app, found, head, ByteRange::Whole).await
 }
 
 /// Reads, checks and keys the job.
-pub(super) async fn read(app: &Arc<App>, client: &Client, headers: &HeaderMap, sent: Sent) -> Result<Asked, Problem> {
+pub(super) async fn read(app: &Arc<App>, client: &Client, headers: &HeaderMap, sent: Sent) -> Result<ReadJob, Problem> {
     let headers = headers.clone();
-    let asked = reading::job(app, client, sent, 1, move |request| {
+    let read = reading::job(app, client, sent, 1, move |request| {
         if request.outputs.is_empty() {
             let format = negotiate::format(&headers, request.shape_kind())?;
             request.outputs = vec![OutputRequest::of_format(format.name())];
         }
         Ok(())
     });
-    asked.await
+    read.await
 }
 
 /// What a tolerance led to: the level, and how far from the limit the result is at most.

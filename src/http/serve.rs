@@ -4,7 +4,7 @@ use std::future::Future;
 use std::io::{self, Write};
 use std::path::Path;
 use std::pin::pin;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 use std::time::Duration;
 
 use axum::Router;
@@ -13,11 +13,15 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::graceful::GracefulShutdown;
 use tokio::net::{TcpListener, TcpSocket, TcpStream};
 
+use super::app::App;
+use super::canary::{self, Canary};
 use super::connections::{Connections, Open};
+use super::memo::Memo;
 use super::pace::Pace;
+use super::problem;
 use super::requests::Requests;
+use super::router::{document_text, router};
 use super::stream::Watched;
-use super::{App, Canary, Memo, canary, document, problem, router};
 use crate::config::Settings;
 use crate::job::limits::Limits;
 use crate::service::account::Account;
@@ -53,16 +57,6 @@ pub enum StartError {
     /// The compute threads cannot be started.
     #[error("cannot start the compute threads: {0}; try fewer with --threads")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-}
-
-/// The OpenAPI document as text, the way it is committed.
-///
-/// # Panics
-/// Never: the document is plain data.
-pub fn document_text() -> String {
-    let mut text = document().to_pretty_json().expect("the document is plain data");
-    text.push('\n');
-    text
 }
 
 /// Bytes of an answer that the system may hold for a client that does not read it. Twice as much is kept, and a write waits
@@ -105,8 +99,9 @@ pub async fn bind(mut settings: Settings) -> Result<(TcpListener, Arc<App>), Sta
     // no job is taken on that finds no memory even when it is alone
     let limits = Limits { max_job_bytes: limits.max_job_bytes.min(account.long.capacity), ..limits };
     let desk = Arc::new(Desk::new(limits, tiers, pool, account, terms, clock));
-    let (canary, memo) = (Canary::default(), Memo::default());
-    Ok((listener, Arc::new(App { desk, settings, canary, memo, connections })))
+    let (canary, memo) = (Arc::<Canary>::default(), Memo::default());
+    let openapi = LazyLock::new(document_text as fn() -> String);
+    Ok((listener, Arc::new(App { desk, settings, canary, memo, connections, openapi })))
 }
 
 /// The longest body that the memory of the service is good for: half of the share of bodies, and so long that reading it
@@ -126,7 +121,7 @@ fn listen(address: std::net::SocketAddr) -> io::Result<TcpListener> {
 
 /// Serves until `stop` comes true, then lets running requests end.
 pub async fn serve(listener: TcpListener, app: Arc<App>, stop: impl Future<Output = ()>) {
-    let canary = tokio::spawn(canary::sing(app.clone()));
+    let canary = tokio::spawn(canary::sing(app.canary.clone(), app.desk.clone()));
     let graceful = GracefulShutdown::new();
     let router = router(app.clone());
     let mut stop = pin!(stop);

@@ -8,9 +8,10 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 use utoipa::ToSchema;
 
+use super::app::Shared;
+use super::body;
 use super::problem::Problem;
 use super::requests::Client;
-use super::{Shared, body};
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
 use crate::job::Input;

@@ -1,12 +1,13 @@
 //! The polygons of a job, refined as one of its outputs wants them.
 
-use super::run::RunError;
-use super::{Job, Output};
+use super::entry::{JobFault, JobPart};
+use super::error::RunError;
+use super::output::Output;
 use crate::analysis::curve::{LimitRows, NoLimit, check, refine_to_limit};
 use crate::fault::Fault;
 use crate::math::vector::reduce;
 use crate::output::{LIMIT, POSITIONS, TANGENTS};
-use crate::refine::{RefineError, refine_polygon};
+use crate::refine::refine_polygon;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::polygon::Polygon;
 use crate::shape::source::Curve;
@@ -61,50 +62,41 @@ pub(super) fn check_wanted(polygons: &[Polygon], plan: &Plan, levels: u32, outpu
 /// # Errors
 /// [`RunError`].
 pub(super) fn refine_all(
-    job: &Job,
     polygons: &[Polygon],
-    steps: &[Scheduled],
+    (plan, levels, steps): (&Plan, u32, &[Scheduled]),
     output: &Output,
     watch: &Watch,
 ) -> Result<Vec<Curve>, RunError> {
     let wanted = Wanted::of(output);
     // a scheme that turns tangents interpolates: its points are limit points, and it has its own tangents
-    if wanted.nothing() || job.plan.turns_tangents().is_some() {
+    if wanted.nothing() || plan.turns_tangents().is_some() {
         let refine = |(i, polygon): (usize, &Polygon)| {
-            let curve = refine_polygon(polygon, &job.plan, steps, watch);
-            finished(curve.map_err(|error| of_polygon(error, polygons, i))?, polygon)
+            let curve = refine_polygon(polygon, plan, steps, watch);
+            finished(curve.map_err(|error| RunError::of_shape(error, polygon.attributes.as_ref(), i))?, polygon, i)
         };
         return polygons.iter().enumerate().map(refine).collect();
     }
-    let rows = LimitRows::of(&job.plan, job.levels);
-    let rows = rows.map_err(|error| RunError::Impossible(Fault::new("/plan", NoLimit::Plan(error).to_string())))?;
+    let rows = LimitRows::of(plan, levels);
+    let no_limit = |error| JobFault::new(JobPart::Plan, "", NoLimit::Plan(error));
+    let rows = rows.map_err(|error| RunError::Impossible(no_limit(error)))?;
     let refine = |(i, polygon): (usize, &Polygon)| {
-        let refined = refine_to_limit(polygon, &job.plan, steps, &rows, watch);
-        let (mut curve, limit) = refined.map_err(|error| of_polygon(error, polygons, i))?;
+        let refined = refine_to_limit(polygon, plan, steps, &rows, watch);
+        let (mut curve, limit) = refined.map_err(|error| RunError::of_shape(error, polygon.attributes.as_ref(), i))?;
         if wanted.tangents {
             curve.tangents = Some(tangents(polygon, &limit.points, &limit.tangents));
         }
         if wanted.points {
             curve.points = limit.points;
         }
-        finished(curve, polygon)
+        finished(curve, polygon, i)
     };
     polygons.iter().enumerate().map(refine).collect()
 }
 
-/// The error of one of the polygons, at its place; one alone stands in no list.
-fn of_polygon(error: RefineError, polygons: &[Polygon], i: usize) -> RunError {
-    let place = if polygons.len() == 1 { "/input/polygon".to_owned() } else { format!("/input/polygons/{i}") };
-    RunError::of_shape(error, polygons[i].attributes.as_ref(), &place)
-}
-
 /// A polygon as it was given, as the curve that pictures show beside its refinement.
-///
-/// # Errors
-/// When a weight is 0.
-pub(super) fn control(polygon: &Polygon) -> Result<Curve, RunError> {
+pub(super) fn control(polygon: &Polygon) -> Curve {
     let points = polygon.points.clone();
-    finished(Curve { points, dimension: polygon.dimension, closed: polygon.closed, tangents: None }, polygon)
+    divided(Curve { points, dimension: polygon.dimension, closed: polygon.closed, tangents: None }, polygon)
 }
 
 /// Unit tangents; those of rational points are tangents of the projected curve, `(x' w - x w') / |x' w - x w'|`.
@@ -124,20 +116,23 @@ fn tangents(polygon: &Polygon, points: &[f64], derivatives: &[f64]) -> Vec<f64> 
     tangents
 }
 
-/// The curve of a result: homogeneous points divided by their last coordinate.
-fn finished(curve: Curve, polygon: &Polygon) -> Result<Curve, RunError> {
-    if !polygon.rational {
+/// The curve of a result.
+fn finished(curve: Curve, polygon: &Polygon, shape: usize) -> Result<Curve, RunError> {
+    let curve = divided(curve, polygon);
+    if !polygon.rational || curve.points.iter().all(|x| x.is_finite()) {
         return Ok(curve);
+    }
+    let detail = "a weight of the refined curve is 0, a point at infinity; choose other weights";
+    Err(RunError::Impossible(JobFault::new(JobPart::Shape(shape), "", detail)))
+}
+
+/// The curve of a polygon, homogeneous points divided by their last coordinate.
+fn divided(curve: Curve, polygon: &Polygon) -> Curve {
+    if !polygon.rational {
+        return curve;
     }
     let dimension = polygon.result_dimension();
     let divided = |point: &[f64]| point[..dimension].iter().map(|x| x / point[dimension]).collect::<Vec<_>>();
-    let points: Vec<f64> = curve.points.chunks_exact(curve.dimension).flat_map(divided).collect();
-    if points.iter().all(|x| x.is_finite()) {
-        Ok(Curve { points, dimension, ..curve })
-    } else {
-        Err(RunError::Impossible(Fault::new(
-            "/input",
-            "a weight of the refined curve is 0, a point at infinity; choose other weights",
-        )))
-    }
+    let points = curve.points.chunks_exact(curve.dimension).flat_map(divided).collect();
+    Curve { points, dimension, ..curve }
 }

@@ -1,49 +1,49 @@
 //! Which kernels and compensations of single points a plan takes.
 
-use super::Input;
+use super::entry::InputEntry;
+use super::input::Input;
 use crate::fault::Fault;
 use crate::scheme::local::{MAX_COMPENSATION, has_average};
 use crate::scheme::operator::Role;
 use crate::scheme::plan::Plan;
 use crate::shape::attributes::Attributes;
 
-/// Kernels with which the first level has no average and compensations beyond their bound, with pointers below the job;
-/// polygons are counted as in a list. Perturbed kernels are another number each level.
-pub(super) fn check(input: &Input, plan: &Plan, levels: u32) -> Vec<Fault> {
+/// Kernels with which the first level has no average and compensations beyond their bound, with pointers into the
+/// request. Perturbed kernels are another number each level.
+pub(super) fn check(input: &Input, entry: InputEntry, plan: &Plan, levels: u32) -> Vec<Fault> {
     let has = |role: Role| plan.word.letters(levels).any(|letter| letter.facts().role == role);
     let perturbed = plan.perturbation.is_some_and(|perturbation| perturbation.amplitude != 0.0);
     let (averages, pushes_back) = (has(Role::Upsample) && !perturbed, has(Role::PushBack));
-    let of_shape = |attributes: Option<&Attributes>, place: &str| {
-        let kernel = attributes.filter(|_| averages).and_then(|attributes| without_average(attributes, place));
-        let compensation = attributes.filter(|_| pushes_back).and_then(|attributes| too_large(attributes, place));
-        kernel.into_iter().chain(compensation)
+    let of_shape = |shape: usize, attributes: Option<&Attributes>| {
+        let kernel = attributes.filter(|_| averages).and_then(without_average);
+        let compensation = attributes.filter(|_| pushes_back).and_then(too_large);
+        kernel.into_iter().chain(compensation).map(move |fault| entry.fault(shape, fault))
     };
     match input {
-        Input::Mesh(mesh) => of_shape(mesh.attributes.as_ref(), "/input/mesh").collect(),
+        Input::Mesh(mesh) => of_shape(0, mesh.attributes.as_ref()).collect(),
         Input::Polygons(polygons) => {
             let each = polygons.iter().enumerate();
-            each.flat_map(|(i, polygon)| of_shape(polygon.attributes.as_ref(), &format!("/input/polygons/{i}")))
-                .collect()
+            each.flat_map(|(i, polygon)| of_shape(i, polygon.attributes.as_ref())).collect()
         }
     }
 }
 
 /// The first of the kernels that points carry with which no average exists.
-fn without_average(attributes: &Attributes, place: &str) -> Option<Fault> {
+fn without_average(attributes: &Attributes) -> Option<Fault> {
     let kernel = attributes.kernel.as_ref()?;
     let i = kernel.iter().position(|&kernel| !has_average(kernel))?;
     let detail =
         format!("with the kernel {} no average exists, as its weights add up to 0; it is any number but -1", kernel[i]);
-    Some(Fault::new(format!("{place}/parameters/kernel/{i}"), detail))
+    Some(Fault::new(format!("/parameters/kernel/{i}"), detail))
 }
 
 /// The first of the compensations that points carry that is larger than any may be.
-fn too_large(attributes: &Attributes, place: &str) -> Option<Fault> {
+fn too_large(attributes: &Attributes) -> Option<Fault> {
     let compensation = attributes.compensation.as_ref()?;
     let i = compensation.iter().position(|&value| value.abs() > MAX_COMPENSATION)?;
     let detail = format!(
         "the compensation is {}; at most {MAX_COMPENSATION} in size is allowed: choose a smaller one",
         compensation[i]
     );
-    Some(Fault::new(format!("{place}/parameters/compensation/{i}"), detail))
+    Some(Fault::new(format!("/parameters/compensation/{i}"), detail))
 }

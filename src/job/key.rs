@@ -3,7 +3,8 @@
 use std::fmt;
 
 use super::codec::Item;
-use super::{Input, Job, Output};
+use super::input::Input;
+use super::output::Output;
 use crate::math::expression::{Expression, Instruction};
 use crate::math::parameter::{Value, Values};
 use crate::output::{LIMIT, TANGENTS};
@@ -16,6 +17,7 @@ use crate::shape::attachments::Attachments;
 use crate::shape::attributes::Attributes;
 use crate::shape::creases::{INFINITE_SHARPNESS, Sharp};
 use crate::shape::directions::Direction;
+use crate::shape::frame::Frame;
 use crate::shape::polygon::Polygon;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
@@ -77,31 +79,41 @@ pub fn content(bytes: &[u8]) -> Key {
     Key(*blake3::hash(bytes).as_bytes())
 }
 
-/// Key of one output of a job: over the results version, the shape, the plan as far as it matters, the levels, and the
-/// output's format and options. Names of outputs, and the words in which the job was written, are not part of it.
-pub fn artifact(job: &Job, output: &Output) -> Key {
-    let mut items = vec![
-        text("planish artifact"),
-        Item::Integer(u64::from(RESULTS_VERSION)),
-        input(&job.input, &job.plan),
-        plan(&job.input, &job.plan, job.levels, shows_limit(output)),
-        text(output.format.name()),
-        values(&output.options),
-    ];
-    if !job.frame.is_default() {
-        items.push(Item::List(vec![text(job.frame.unit.name()), text(job.frame.up.name())]));
-    }
+/// Keys of the outputs of a job: over the results version, the shape, the plan as far as it matters, the levels, and the
+/// output's format and options. Names of outputs, and the words in which the job was written, are not part of them. The
+/// shape is hashed once for all outputs.
+pub(super) fn artifacts(shape: &Input, refined: &Plan, levels: u32, frame: Frame, outputs: &[Output]) -> Vec<Key> {
+    let Frame { unit, up } = frame;
+    let shape_key = hashed(input(shape, refined)).to_string();
+    let artifact = |output: &Output| {
+        // the name is the client's affair, and so is the place among the outputs
+        let Output { name: _, format, options, index: _ } = output;
+        let mut items = vec![
+            text("planish artifact"),
+            Item::Integer(u64::from(RESULTS_VERSION)),
+            text(&shape_key),
+            plan(shape, refined, levels, shows_limit(output)),
+            text(format.name()),
+            values(options),
+        ];
+        if !frame.is_default() {
+            items.push(Item::List(vec![text(unit.name()), text(up.name())]));
+        }
+        hashed(Item::List(items))
+    };
+    outputs.iter().map(artifact).collect()
+}
+
+fn hashed(item: Item<'_>) -> Key {
     let mut bytes = Vec::new();
-    Item::List(items).encode(&mut bytes);
+    item.encode(&mut bytes);
     content(&bytes)
 }
 
 /// Key of a job: over the names and keys of its outputs, in order.
-pub fn job(outputs: &[(String, Key)]) -> Key {
-    let entry = |(name, key): &(String, Key)| Item::List(vec![text(name), text(&key.to_string())]);
-    let mut bytes = Vec::new();
-    Item::List(vec![text("planish job"), Item::List(outputs.iter().map(entry).collect())]).encode(&mut bytes);
-    content(&bytes)
+pub(super) fn job<'a>(outputs: impl Iterator<Item = (&'a str, &'a Key)>) -> Key {
+    let entry = |(name, key): (&str, &Key)| Item::List(vec![text(name), text(&key.to_string())]);
+    hashed(Item::List(vec![text("planish job"), Item::List(outputs.map(entry).collect())]))
 }
 
 /// Key of a search for the level of a tolerance: over the results version, the shape, the whole plan, the tolerance and
@@ -117,9 +129,7 @@ pub(super) fn search(shape: &Input, refined: &Plan, tolerance: f64, places: &[&s
         Item::Number(tolerance),
         Item::List(places.iter().map(|place| text(place)).collect()),
     ];
-    let mut bytes = Vec::new();
-    Item::List(items).encode(&mut bytes);
-    content(&bytes)
+    hashed(Item::List(items))
 }
 
 fn text(text: &str) -> Item<'static> {

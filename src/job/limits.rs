@@ -2,16 +2,18 @@
 
 use std::sync::Arc;
 
+use super::complete::Job;
+use super::input::Input;
 use super::key::Key;
 use super::memory::{carried, compared_patches, memory};
-use super::{Input, Job, Output, time};
-use crate::analysis::limit::{Asked, Cost, Follow, ROWS_A_POINT, cost as limit_cost, followed_points};
+use super::output::Output;
+use super::time;
+use crate::analysis::limit::{Cost, Follow, LimitRequest, ROWS_A_POINT, cost as limit_cost, followed_points};
 use crate::fault::Fault;
 use crate::input::ReadLimits;
 use crate::output::{Counts, Size, surface};
 use crate::refine::{mesh_net, polygon_net, uv_net};
 use crate::scheme::forecast::{self, Count, Forecast, ForecastError};
-use crate::scheme::plan::Scheduled;
 use crate::scheme::step_error::About;
 use crate::shape::attributes::Attributes;
 use crate::shape::tile::Tile;
@@ -120,16 +122,17 @@ impl Limits {
     /// # Errors
     /// [`Refusal`], which is [`Refusal::Stopped`] when the watch says stop.
     pub fn estimate_under(&self, job: &Job, watch: &Watch) -> Result<Estimate, Refusal> {
-        let steps = job.plan.schedule(job.levels).map_err(|fault| Refusal::Impossible(vec![fault.under("/plan")]))?;
         let forecast = match &job.input {
             Input::Polygons(polygons) => {
                 let nets: Vec<_> = polygons.iter().map(|polygon| polygon_net(polygon, &job.plan)).collect();
-                forecast::of_polygons(&nets, &steps)
+                forecast::of_polygons(&nets, job.steps())
             }
-            Input::Mesh(mesh) => forecast::of_mesh(&mesh_net(mesh, &job.plan), &steps, self.max_vertices.into(), watch),
+            Input::Mesh(mesh) => {
+                forecast::of_mesh(&mesh_net(mesh, &job.plan), job.steps(), self.max_vertices.into(), watch)
+            }
         };
         let mut forecast = forecast.map_err(|error| self.no_forecast(&error))?;
-        self.add_uvs(job, &steps, &mut forecast, watch)?;
+        self.add_uvs(job, &mut forecast, watch)?;
         let carried = carried(job);
         // the rows are made once more for each channel
         forecast.work = forecast.work.saturating_mul(1 + carried.channels);
@@ -155,7 +158,7 @@ impl Limits {
         }
         let rows = forecast.work.saturating_add(local.points).saturating_add(time::rows(job, &counts));
         let time_ms = time::milliseconds(rows, &sizes);
-        let outputs = job.outputs.iter().zip(sizes).map(|(output, size)| (job.key(output), size)).collect();
+        let outputs = job.keys().iter().copied().zip(sizes).collect();
         Ok(Estimate { forecast, outputs, memory_bytes, time_ms })
     }
 
@@ -186,10 +189,10 @@ impl Limits {
     }
 
     /// Counts the places with texture coordinates, which are vertices of a mesh of their own.
-    fn add_uvs(&self, job: &Job, steps: &[Scheduled], forecast: &mut Forecast, watch: &Watch) -> Result<(), Refusal> {
+    fn add_uvs(&self, job: &Job, forecast: &mut Forecast, watch: &Watch) -> Result<(), Refusal> {
         let Input::Mesh(mesh) = &job.input else { return Ok(()) };
         let Some(uvs) = &mesh.attachments.uvs else { return Ok(()) };
-        let places = forecast::of_mesh(&uv_net(mesh, uvs, &job.plan), steps, self.max_vertices.into(), watch);
+        let places = forecast::of_mesh(&uv_net(mesh, uvs, &job.plan), job.steps(), self.max_vertices.into(), watch);
         let places = places.map_err(|error| self.no_forecast(&error))?;
         for (count, places) in forecast.levels.iter_mut().zip(&places.levels) {
             count.uvs = places.vertices;
@@ -287,8 +290,8 @@ fn fewer_levels(level: u32) -> String {
 /// Whether the formats can count what there will be.
 fn check_fits(job: &Job, counts: &Counts) -> Result<(), Refusal> {
     let fits = |output: &Output| output.format.fits(counts, &output.options);
-    let fault = |(i, output)| Some(fits(output).err()?.under(&format!("/outputs/{i}")));
-    let faults: Vec<Fault> = job.outputs.iter().enumerate().filter_map(fault).collect();
+    let fault = |output| Some(Output::fault(output, fits(output).err()?));
+    let faults: Vec<Fault> = job.outputs.iter().filter_map(fault).collect();
     if faults.is_empty() { Ok(()) } else { Err(Refusal::Impossible(faults)) }
 }
 
@@ -328,7 +331,7 @@ fn limit_surface(job: &Job, forecast: &Forecast) -> (u128, u128) {
         if positions + normals == 0 {
             return (0, 0);
         }
-        let asked = Asked { positions: positions > 0, normals: normals > 0 };
+        let asked = LimitRequest { positions: positions > 0, normals: normals > 0 };
         let points = u128::from(followed_points(&job.plan, asked));
         let of_face = if points > 0 { 48 + 88 } else { 48 };
         let of_vertex = 29 + 72 * normals + 8 * points * (1 + 2 * normals);
@@ -366,9 +369,9 @@ fn limit_patches(job: &Job, forecast: &Forecast) -> Cost {
     let halved = [Some(plan.alpha), plan.compensation_alpha].into_iter().flatten().any(|alpha| alpha != 0.0);
     let fades = halved && plan.kernel.iter().chain([&plan.compensation]).any(|function| !function.is_constant());
     let follow = match kinds {
-        0 if fades => Follow::Numbers,
-        0 => Follow::Around,
-        _ => Follow::Own,
+        0 if fades => Follow::PlanValues,
+        0 => Follow::Connectivity,
+        _ => Follow::VertexParameters,
     };
     limit_cost(cycle, 1 << kinds, irregular, vertices, follow)
 }

@@ -1,6 +1,7 @@
 //! What a job needs in memory while it runs.
 
-use super::{Input, Job};
+use super::complete::Job;
+use super::input::Input;
 use crate::output::Size;
 use crate::scheme::forecast::Forecast;
 use crate::scheme::letter::Letter;

@@ -1,185 +1,30 @@
 //! The job: what is to be made, under which limits, by which key; pure, without I/O, clock or randomness.
 
 pub mod codec;
+mod complete;
 mod curves;
 mod draft;
+mod entry;
+mod error;
+mod input;
 mod kernels;
 pub mod key;
 mod levels;
 pub mod limits;
 mod memory;
+mod output;
 mod run;
+mod search;
 mod size;
 mod steering;
 mod time;
 
+pub use complete::Job;
 pub use draft::Draft;
-pub use levels::{Levels, SearchCost, SearchError};
-pub use run::{Report, RunError, run};
-
-use crate::analysis::curve::Reached;
-use crate::fault::Fault;
-use crate::math::parameter::Values;
-use crate::output::{Format, ShapeKind};
-use crate::scheme::plan::{AlphaOf, Carried, Plan, PlanInput, Subject};
-use crate::shape::attachments::Attachments;
-use crate::shape::attributes::Attributes;
-use crate::shape::creases::INFINITE_SHARPNESS;
-use crate::shape::frame::Frame;
-use crate::shape::mesh::Mesh;
-use crate::shape::polygon::Polygon;
-
-/// What is refined.
-#[derive(Debug, Clone, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "a job has one input")]
-pub enum Input {
-    /// Polygons, refined alike.
-    Polygons(Vec<Polygon>),
-    /// A mesh.
-    Mesh(Mesh),
-}
-
-impl Input {
-    /// Whether it is a mesh, and whether it is open (has ends or a boundary).
-    pub fn kind(&self) -> (bool, bool) {
-        match self {
-            Self::Polygons(polygons) => (false, polygons.iter().any(|polygon| !polygon.closed)),
-            Self::Mesh(mesh) => (true, mesh.topology.n_boundary() > 0),
-        }
-    }
-
-    /// Number of points or vertices.
-    pub fn n_points(&self) -> usize {
-        match self {
-            Self::Polygons(polygons) => polygons.iter().map(Polygon::len).sum(),
-            Self::Mesh(mesh) => mesh.topology.n_vertices(),
-        }
-    }
-
-    /// The kind of the result, for formats.
-    pub fn shape_kind(&self) -> ShapeKind {
-        match self {
-            Self::Polygons(polygons) => {
-                ShapeKind::Curves { dimension: polygons.iter().map(Polygon::result_dimension).max().unwrap_or(1) }
-            }
-            Self::Mesh(_) => ShapeKind::Mesh,
-        }
-    }
-
-    /// What it carries besides its shape.
-    pub fn attachments(&self) -> &Attachments {
-        match self {
-            Self::Polygons(_) => Attachments::none(),
-            Self::Mesh(mesh) => &mesh.attachments,
-        }
-    }
-
-    /// A plan for it.
-    ///
-    /// # Errors
-    /// Every fault of the plan, with pointers below it.
-    pub fn plan(&self, plan: &PlanInput) -> Result<Plan, Vec<Fault>> {
-        Plan::resolve(plan, self.subject(plan))
-    }
-
-    fn subject(&self, input: &PlanInput) -> Subject {
-        let (is_mesh, is_open) = self.kind();
-        let attached = match self {
-            Self::Mesh(mesh) if mesh.attachments.uvs.is_some() => Some("uvs"),
-            Self::Mesh(mesh) if mesh.attachments.names_faces() => Some("groups and materials"),
-            Self::Mesh(_) | Self::Polygons(_) => None,
-        };
-        let tags = match self {
-            Self::Polygons(polygons) if polygons.iter().any(|p| !p.corners.is_empty()) => Some("corners"),
-            Self::Polygons(polygons) => {
-                polygons.iter().any(|p| p.attributes.is_some()).then_some("parameters of points")
-            }
-            Self::Mesh(mesh) if !mesh.corners.is_empty() || !mesh.semi_sharp_corners.is_empty() => Some("corners"),
-            Self::Mesh(mesh) if !mesh.creases.is_empty() => Some("creases"),
-            Self::Mesh(mesh) if !mesh.holes.is_empty() => Some("holes"),
-            Self::Mesh(_) if is_open && input.boundary == crate::scheme::tags::Boundary::None => {
-                Some("the holes that boundary \"none\" makes")
-            }
-            Self::Mesh(mesh) if mesh.directions.is_some() => Some("latitude and longitude tags"),
-            Self::Mesh(mesh) if mesh.attributes.is_some() => Some("parameters of vertices"),
-            Self::Mesh(_) => attached,
-        };
-        let (creased, semi_sharp) = match self {
-            Self::Polygons(_) => (false, None),
-            Self::Mesh(mesh) if !mesh.semi_sharp_corners.is_empty() => (!mesh.creases.is_empty(), Some("corners")),
-            Self::Mesh(mesh) => {
-                let semi_sharp = mesh.creases.iter().any(|&(_, sharpness)| sharpness < INFINITE_SHARPNESS);
-                (!mesh.creases.is_empty(), semi_sharp.then_some("creases"))
-            }
-        };
-        let other_face = match self {
-            Self::Polygons(_) => None,
-            Self::Mesh(mesh) => {
-                let topology = &mesh.topology;
-                topology.first_other_than_triangle().map(|f| (f, topology.face(f).len()))
-            }
-        };
-        let carried = match self {
-            Self::Polygons(_) => None,
-            Self::Mesh(mesh) => match &mesh.directions {
-                Some(directions) if directions.any_latitude() => Some(Carried::Latitude),
-                Some(_) => Some(Carried::Longitude),
-                None => mesh.attributes.is_some().then_some(Carried::Parameters),
-            },
-        };
-        let carry_alpha = |kept: &Option<Attributes>| kept.as_ref().is_some_and(|kept| kept.alpha.is_some());
-        let carried_by_all = match self {
-            Self::Polygons(polygons) => polygons.iter().all(|polygon| carry_alpha(&polygon.attributes)),
-            Self::Mesh(mesh) => carry_alpha(&mesh.attributes),
-        };
-        let alpha = if carried_by_all { AlphaOf::Points } else { AlphaOf::Plan };
-        Subject { is_mesh, is_open, tags, attached, creased, carried, semi_sharp, alpha, other_face }
-    }
-}
-
-/// One result that is asked for.
-#[derive(Debug, Clone)]
-pub struct Output {
-    /// Name among the outputs of its job.
-    pub name: String,
-    /// The format.
-    pub format: &'static dyn Format,
-    /// The format's options.
-    pub options: Values,
-}
-
-/// A job whose parts are checked and fit each other.
-#[derive(Debug, Clone)]
-pub struct Job {
-    /// What is refined.
-    pub input: Input,
-    /// How.
-    pub plan: Plan,
-    /// How often the plan's cycle is applied.
-    pub levels: u32,
-    /// How close to the limit that comes, where a tolerance was asked for.
-    pub reached: Option<Reached>,
-    /// What is answered.
-    pub outputs: Vec<Output>,
-    /// What the coordinates of the input mean.
-    pub frame: Frame,
-}
-
-impl Job {
-    /// The same job, its coordinates meant in this frame.
-    #[must_use]
-    pub fn framed(self, frame: Frame) -> Self {
-        Self { frame, ..self }
-    }
-
-    /// The key of one of its outputs.
-    pub fn key(&self, output: &Output) -> key::Key {
-        key::artifact(self, output)
-    }
-
-    /// Its own key: over the names and keys of all outputs.
-    pub fn id(&self) -> key::Key {
-        let keys: Vec<_> = self.outputs.iter().map(|output| (output.name.clone(), self.key(output))).collect();
-        key::job(&keys)
-    }
-}
+pub use entry::{InputEntry, JobEntries, JobFault, JobPart};
+pub use error::RunError;
+pub use input::Input;
+pub use levels::Levels;
+pub use output::Output;
+pub use run::{Report, run};
+pub use search::{Search, SearchCost, SearchError};

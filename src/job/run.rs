@@ -1,22 +1,24 @@
 //! Runs an admitted job: refine, then write one output.
 
 use std::io::Write;
+use std::sync::OnceLock;
 
+use super::complete::Job;
+use super::curves;
+use super::error::RunError;
+use super::input::Input;
 use super::limits::Admitted;
-use super::{Input, Output, curves};
+use super::output::Output;
 use crate::analysis::curve;
-use crate::analysis::limit::{Asked, LimitError, refine_mesh_to_limit};
-use crate::fault::Fault;
-use crate::output::FormatError;
-use crate::output::scene::{Curve, Scene, Shape};
+use crate::analysis::limit::{LimitError, LimitRequest, refine_mesh_to_limit};
+use crate::output::scene::{Control, Curve, Scene, Shape};
 use crate::output::surface;
-use crate::refine::{RefineError, RefinedMesh, refine_mesh};
+use crate::refine::{RefinedMesh, refine_mesh};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::step_error::{About, StepError};
 use crate::scheme::tags::Boundary;
-use crate::shape::attributes::Attributes;
 use crate::shape::mesh::Mesh;
-use crate::watch::{Stage, Stopped, Watch};
+use crate::shape::polygon::Polygon;
+use crate::watch::{Stage, Watch};
 
 /// What a run has to say besides the bytes.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -25,104 +27,50 @@ pub struct Report {
     pub warnings: Vec<String>,
 }
 
-/// Why a run ended without a result.
-#[derive(Debug, thiserror::Error)]
-pub enum RunError {
-    /// It was asked to stop.
-    #[error(transparent)]
-    Stopped(Stopped),
-    /// The job turned out to be impossible: where, and why.
-    #[error("{0}")]
-    Impossible(Fault),
-    /// The bytes could not be taken.
-    #[error("writing the result failed: {0}")]
-    Io(std::io::Error),
-}
-
-impl From<RefineError> for RunError {
-    fn from(error: RefineError) -> Self {
-        match error {
-            RefineError::Stopped(stopped) => Self::Stopped(stopped),
-            other => Self::Impossible(Fault::new("/plan", other.to_string())),
-        }
-    }
-}
-
-impl RunError {
-    /// The error of a mesh at `place` below the job whose limit an output asks for.
-    fn of_limit(error: LimitError, attributes: Option<&Attributes>, place: &str) -> Self {
-        match error {
-            LimitError::Refine(error) => Self::of_shape(error, attributes, place),
-            error @ LimitError::Unlimited(_) => Self::Impossible(Fault::new("/outputs/0", error.to_string())),
-        }
-    }
-
-    /// The error of refining a shape at `place` below the job. A kernel without an average, or a compensation beyond its
-    /// bound, stands at what it was made of: the kernels or compensations of the points of the shape, else their alphas,
-    /// else the function of the plan.
-    pub(super) fn of_shape(error: RefineError, attributes: Option<&Attributes>, place: &str) -> Self {
-        let name = match &error {
-            RefineError::Step { error: StepError { about: About::Point { name, .. }, .. }, .. } => *name,
-            _ => return error.into(),
-        };
-        let arrays = attributes.map(Attributes::arrays).unwrap_or_default();
-        let given = |wanted: &str| arrays.iter().any(|(name, array)| *name == wanted && array.is_some());
-        // along longitude lines there is the kernel of the points, too
-        let carried = if name == "compensation" { name } else { "kernel" };
-        let place = match [carried, "alpha"].into_iter().find(|name| given(name)) {
-            Some(carried) => format!("{place}/parameters/{carried}"),
-            None => format!("/plan/parameters/{name}"),
-        };
-        Self::Impossible(Fault::new(place, error.to_string()))
-    }
-}
-
-impl From<FormatError> for RunError {
-    fn from(error: FormatError) -> Self {
-        match error {
-            FormatError::Stopped(stopped) => Self::Stopped(stopped),
-            FormatError::Io(error) => Self::Io(error),
-            FormatError::Unfit(detail) => Self::Impossible(Fault::new("/outputs/0", detail)),
-        }
-    }
-}
-
 /// Computes one output of a job and writes its bytes to `out`: a pure function of the job.
 ///
 /// # Errors
 /// [`RunError`].
 pub fn run(admitted: &Admitted, output: &Output, out: &mut dyn Write, watch: &Watch) -> Result<Report, RunError> {
     let job = admitted.job();
-    let steps = job.plan.schedule(job.levels).map_err(|fault| RunError::Impossible(fault.under("/plan")))?;
     watch.enter(Stage::Refine);
     match &job.input {
-        Input::Polygons(polygons) => {
-            let refined = curves::refine_all(job, polygons, &steps, output, watch)?;
-            let control: Vec<Curve> = polygons.iter().map(curves::control).collect::<Result<_, _>>()?;
-            let warnings = curve::warnings(&job.plan, job.levels, watch).map_err(RunError::Stopped)?;
-            let (shape, control) = (Shape::Curves(&refined), Shape::Curves(&control));
-            let scene = Scene { shape, control, warnings: &warnings, frame: job.frame };
-            write(&scene, output, out, watch)
-        }
-        Input::Mesh(mesh) => {
-            let [positions, normals] = surface::limit(&output.options);
-            let asked = Asked { positions, normals };
-            let refined = if asked.anything() {
-                refine_mesh_to_limit(mesh, &job.plan, job.levels, asked, watch)
-            } else {
-                refine_mesh(mesh, &job.plan, &steps, watch)
-                    .map(|refined| (refined, Vec::new()))
-                    .map_err(LimitError::from)
-            };
-            let (refined, found) =
-                refined.map_err(|error| RunError::of_limit(error, mesh.attributes.as_ref(), "/input/mesh"))?;
-            let control = control_mesh(mesh);
-            let warnings = &[mesh.warnings.clone(), found].concat();
-            let (shape, control) = (Shape::Mesh(&refined), Shape::Mesh(&control));
-            let scene = Scene { shape, control, warnings, frame: job.frame };
-            write(&scene, output, out, watch)
-        }
+        Input::Polygons(polygons) => draw(job, polygons, output, out, watch),
+        Input::Mesh(mesh) => form(job, mesh, output, out, watch),
     }
+}
+
+/// Refines and writes polygons.
+fn draw(
+    job: &Job,
+    polygons: &[Polygon],
+    output: &Output,
+    out: &mut dyn Write,
+    watch: &Watch,
+) -> Result<Report, RunError> {
+    let refined = curves::refine_all(polygons, (&job.plan, job.levels, job.steps()), output, watch)?;
+    let warnings = curve::warnings(&job.plan, job.levels, watch).map_err(RunError::Stopped)?;
+    let control = &ControlPolygons { polygons, curves: OnceLock::new() };
+    let shape = Shape::Curves(&refined);
+    write(&Scene { shape, control, warnings: &warnings, frame: job.frame }, output, out, watch)
+}
+
+/// Refines and writes a mesh.
+fn form(job: &Job, mesh: &Mesh, output: &Output, out: &mut dyn Write, watch: &Watch) -> Result<Report, RunError> {
+    let [positions, normals] = surface::limit(&output.options);
+    let asked = LimitRequest { positions, normals };
+    let refined = if asked.anything() {
+        refine_mesh_to_limit(mesh, &job.plan, job.levels, asked, watch)
+    } else {
+        let refined = refine_mesh(mesh, &job.plan, job.steps(), watch);
+        refined.map(|refined| (refined, Vec::new())).map_err(LimitError::from)
+    };
+    let option = if positions { "/positions" } else { "/normals" };
+    let (refined, found) = refined.map_err(|error| RunError::of_limit(error, mesh.attributes.as_ref(), option))?;
+    let warnings = [mesh.warnings.clone(), found].concat();
+    let control = &ControlMesh { mesh, refined: OnceLock::new() };
+    let shape = Shape::Mesh(&refined);
+    write(&Scene { shape, control, warnings: &warnings, frame: job.frame }, output, out, watch)
 }
 
 fn write(scene: &Scene<'_>, output: &Output, out: &mut dyn Write, watch: &Watch) -> Result<Report, RunError> {
@@ -131,7 +79,31 @@ fn write(scene: &Scene<'_>, output: &Output, out: &mut dyn Write, watch: &Watch)
     Ok(Report { warnings: scene.warnings.to_vec() })
 }
 
-fn control_mesh(mesh: &Mesh) -> RefinedMesh {
-    let net = MeshNet::new(mesh.topology.clone(), &[], &mesh.holes, Boundary::EdgeOnly);
-    RefinedMesh::new(&net, mesh.positions.clone())
+/// Polygons as they were given.
+#[derive(Debug)]
+struct ControlPolygons<'a> {
+    polygons: &'a [Polygon],
+    curves: OnceLock<Vec<Curve>>,
+}
+
+impl Control for ControlPolygons<'_> {
+    fn shape(&self) -> Shape<'_> {
+        Shape::Curves(self.curves.get_or_init(|| self.polygons.iter().map(curves::control).collect()))
+    }
+}
+
+/// A mesh as it was given.
+#[derive(Debug)]
+struct ControlMesh<'a> {
+    mesh: &'a Mesh,
+    refined: OnceLock<RefinedMesh>,
+}
+
+impl Control for ControlMesh<'_> {
+    fn shape(&self) -> Shape<'_> {
+        Shape::Mesh(self.refined.get_or_init(|| {
+            let net = MeshNet::new(self.mesh.topology.clone(), &[], &self.mesh.holes, Boundary::EdgeOnly);
+            RefinedMesh::new(&net, self.mesh.positions.clone())
+        }))
+    }
 }

@@ -2,8 +2,10 @@
 
 use std::mem::size_of;
 
-use super::{Input, Job};
+use super::complete::Job;
+use super::input::Input;
 use crate::scheme::forecast;
+use crate::scheme::plan::{MAX_LEVELS, Plan, Scheduled};
 use crate::shape::attachments::Attachments;
 use crate::shape::attributes::Attributes;
 use crate::shape::labels::Labels;
@@ -20,7 +22,18 @@ const NUMBER: usize = 2 * size_of::<u32>();
 /// Bytes that any forecast takes: its lists of levels, and those of the outputs.
 const FORECAST: u64 = 1 << 20;
 
+/// Bytes of the steps of a plan at most, whatever its level.
+pub(super) fn of_most_steps(plan: &Plan) -> u64 {
+    let letters = plan.word.prefix.len() + plan.word.cycle.len() * MAX_LEVELS as usize;
+    (letters * size_of::<Scheduled>()) as u64
+}
+
 impl Job {
+    /// Bytes that its input and its steps take in memory.
+    pub(super) fn bytes(&self) -> u64 {
+        self.input.bytes() + size_of_val(self.steps()) as u64
+    }
+
     /// Bytes that the forecast of the job takes at most: lists over the parts of the input, and what it follows of the net.
     pub fn forecast_bytes(&self) -> u64 {
         let followed = match &self.input {

@@ -1,14 +1,15 @@
 //! Which inputs fit plans that turn tangents, and which plans fit inputs that give tangents.
 
-use super::Input;
+use super::entry::InputEntry;
+use super::input::Input;
 use crate::fault::Fault;
 use crate::scheme::extent::Ends;
 use crate::scheme::ops::OPERATORS;
 use crate::scheme::plan::Plan;
 use crate::shape::polygon::Polygon;
 
-/// Every reason why plan and input do not fit, with pointers below the job; polygons are counted as in a list.
-pub(super) fn check(input: &Input, plan: &Plan) -> Vec<Fault> {
+/// Every reason why plan and input do not fit, with pointers into the request.
+pub(super) fn check(input: &Input, entry: InputEntry, plan: &Plan) -> Vec<Fault> {
     let Input::Polygons(polygons) = input else { return Vec::new() };
     let mut faults = Vec::new();
     let steered = plan.turns_tangents();
@@ -24,7 +25,7 @@ pub(super) fn check(input: &Input, plan: &Plan) -> Vec<Fault> {
             Some(name) => unfit(polygon, name),
             None => unused(polygon),
         };
-        faults.extend(found.into_iter().map(|fault| fault.under(&format!("/input/polygons/{i}"))));
+        faults.extend(found.into_iter().map(|fault| entry.fault(i, fault)));
     }
     faults
 }

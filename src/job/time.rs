@@ -3,7 +3,8 @@
 //! The constants are measured on one core with a release build, and rounded up: a row of a refinement with its points 100 ns,
 //! a byte of a result 10 ns (pictures are counted by their pixels), drawing as `raster::Forecast` says.
 
-use super::{Input, Job};
+use super::complete::Job;
+use super::input::Input;
 use crate::analysis::limit::sees_whole_fans;
 use crate::output::{Counts, Size, surface};
 use crate::shape::mesh::Mesh;

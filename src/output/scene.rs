@@ -1,5 +1,6 @@
 //! What the writers see of a refined net: a source of vertices and faces, chunk by chunk, in the documented order.
 
+use std::fmt;
 use std::ops::Range;
 
 pub use crate::shape::frame::Frame;
@@ -14,11 +15,23 @@ pub struct Scene<'a> {
     /// The refined shape.
     pub shape: Shape<'a>,
     /// The shape as it was given, for overlays.
-    pub control: Shape<'a>,
+    pub control: &'a dyn Control,
     /// What the client should know about the result, in sentences.
     pub warnings: &'a [String],
     /// What its coordinates mean.
     pub frame: Frame,
+}
+
+/// The shape as it was given, made when a writer asks for it.
+pub trait Control: fmt::Debug + Sync {
+    /// The shape.
+    fn shape(&self) -> Shape<'_>;
+}
+
+impl Control for Shape<'_> {
+    fn shape(&self) -> Shape<'_> {
+        *self
+    }
 }
 
 /// Curves or a mesh.

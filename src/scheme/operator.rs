@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::census::Census;
+use super::forecast::Census;
 use super::mesh_net::MeshNet;
 use super::polygon_net::PolygonNet;
 use super::settings::Settings;

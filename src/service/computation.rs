@@ -9,7 +9,7 @@ use tokio::sync::{Notify, watch};
 
 use super::clock::Clock;
 use super::store::Manifest;
-use crate::fault::Fault;
+use crate::job::JobFault;
 use crate::job::key::Key;
 use crate::watch::{Stage, Watch};
 
@@ -50,7 +50,7 @@ pub enum Failure {
     /// Nobody was interested any more, or it was cancelled.
     Cancelled,
     /// The job turned out to be impossible.
-    Impossible(Fault),
+    Impossible(JobFault),
     /// It ran longer than a computation may.
     TimedOut(Duration),
     /// It turned out to be long, and there was no place for long work; come back after so much time.

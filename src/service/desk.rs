@@ -1,22 +1,22 @@
 //! The desk: finds an artifact, joins the computation that is making it, or has it made.
 
 use std::any::Any;
-use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::Duration;
 
 use super::account::{Account, Full};
 use super::clock::Clock;
 use super::computation::{Computation, Failure, Outcome, Phase};
-use super::jobs::{Jobs, State, Told};
+use super::jobs::{JobSummary, Jobs, State};
 use super::lent::{InFlight, Lent};
 use super::peer::{Kind, Peer, Peers, Ticket};
 use super::pool::{Busy, Lane, Memory, Pool, Turn, Waiting};
-use super::result_buffer::{Kept, ResultBuffer};
+use super::result_buffer::ResultBuffer;
 use super::store::{Description, Manifest};
 use super::task::Task;
-use super::tiers::Tiers;
+use super::tiers::{Kept, Tiers};
+use super::under_way::{Interest, Provenance, UnderWay};
 use crate::job::RunError;
 use crate::job::key::Key;
 use crate::job::limits::Limits;
@@ -42,7 +42,7 @@ pub struct Desk {
     /// How much is taken on, and for how long.
     pub terms: Terms,
     clock: Arc<dyn Clock>,
-    under_way: Mutex<HashMap<Key, Arc<Computation>>>,
+    under_way: Arc<UnderWay>,
 }
 
 /// How much work a desk takes on, and for how long.
@@ -58,42 +58,6 @@ pub struct Terms {
     pub most_waiting: u64,
 }
 
-/// How an artifact came about, for `Cache-Status`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Origin {
-    /// It was there.
-    Hit,
-    /// It was made for this request.
-    Made,
-    /// It was being made for another request.
-    Joined,
-}
-
-/// An interest in a computation; when the last one is dropped the computation stops.
-#[derive(Debug)]
-pub struct Interest {
-    /// The computation.
-    pub computation: Arc<Computation>,
-    /// Whether it was under way already.
-    pub origin: Origin,
-    desk: Arc<Desk>,
-    /// Counts as one of what its peer may have.
-    ticket: Ticket,
-}
-
-impl Drop for Interest {
-    fn drop(&mut self) {
-        let mut under_way = self.desk.under_way.lock().unwrap_or_else(PoisonError::into_inner);
-        if self.computation.leave() {
-            self.computation.stop();
-            let key = self.computation.key;
-            if under_way.get(&key).is_some_and(|current| Arc::ptr_eq(current, &self.computation)) {
-                under_way.remove(&key);
-            }
-        }
-    }
-}
-
 impl Desk {
     /// A desk.
     pub fn new(
@@ -104,7 +68,7 @@ impl Desk {
         terms: Terms,
         clock: Arc<dyn Clock>,
     ) -> Self {
-        let (peers, jobs, under_way) = (Arc::default(), Jobs::default(), Mutex::default());
+        let (peers, jobs, under_way) = (Arc::default(), Jobs::default(), Arc::default());
         let in_flight = InFlight::default();
         Self { limits, tiers, pool, account, in_flight, peers, jobs, terms, clock, under_way }
     }
@@ -122,21 +86,16 @@ impl Desk {
         let (key, cost) = (task.key(), task.cost());
         let lane = self.pool.lane_of(cost.time_ms, cost.memory_bytes);
         let ticket = self.ticket(peer, Kind::Waiting).ok_or_else(|| self.pool.busy(lane))?;
-        let mut under_way = self.under_way.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(computation) = under_way.get(&key).filter(|computation| computation.join()) {
-            return Ok(Interest {
-                computation: computation.clone(),
-                origin: Origin::Joined,
-                desk: self.clone(),
-                ticket,
-            });
+        let mut place = None;
+        let begin = || {
+            place = Some(self.pool.line_up(lane, peer, cost.memory_bytes)?);
+            Ok(Arc::new(Computation::new(key, cost.work, self.clock.clone())))
+        };
+        let interest = self.under_way.join_or_begin(key, ticket, begin)?;
+        if let Some(waiting) = place {
+            tokio::spawn(self.clone().see_through(interest.computation.clone(), task, peer, lane, waiting));
         }
-        let waiting = self.pool.line_up(lane, peer, cost.memory_bytes)?;
-        let computation = Arc::new(Computation::new(key, cost.work, self.clock.clone()));
-        under_way.insert(key, computation.clone());
-        drop(under_way);
-        tokio::spawn(self.clone().see_through(computation.clone(), task, peer, lane, waiting));
-        Ok(Interest { computation, origin: Origin::Made, desk: self.clone(), ticket })
+        Ok(interest)
     }
 
     /// A ticket for one thing more that a peer holds, where it may.
@@ -223,11 +182,7 @@ impl Desk {
 
     /// Takes a finished computation off the list, then says so.
     fn finish(&self, computation: &Arc<Computation>, phase: Phase) {
-        let mut under_way = self.under_way.lock().unwrap_or_else(PoisonError::into_inner);
-        if under_way.get(&computation.key).is_some_and(|current| Arc::ptr_eq(current, computation)) {
-            under_way.remove(&computation.key);
-        }
-        drop(under_way);
+        self.under_way.remove(computation);
         computation.set(phase);
     }
 
@@ -282,11 +237,11 @@ impl Desk {
             let Kept { manifest, loose } = buffer.commit(description).map_err(|error| RunError::Io(error.into()))?;
             Ok(Outcome { manifest, loose, timings: computation.timings() })
         };
-        let mut buffer = self.tiers.buffer(key, about);
+        let mut buffer = ResultBuffer::new(&self.tiers, key, about);
         match made(&mut buffer) {
             Err(RunError::Io(error)) if buffer.has_lost_bytes() => {
                 tracing::warn!(%key, %error, "the disk lost the result; it is made again, in memory");
-                made(&mut self.tiers.buffer_in_memory(key, about))
+                made(&mut ResultBuffer::in_memory(&self.tiers, key, about))
             }
             made => made,
         }
@@ -296,17 +251,23 @@ impl Desk {
     ///
     /// # Errors
     /// [`Busy`] when the peer has too many such jobs, or there is no room for the record; then the interest is dropped.
-    pub fn detach(self: &Arc<Self>, id: Key, told: Told, mut interest: Interest, peer: Peer) -> Result<(), Busy> {
+    pub fn detach(
+        self: &Arc<Self>,
+        id: Key,
+        summary: JobSummary,
+        mut interest: Interest,
+        peer: Peer,
+    ) -> Result<(), Busy> {
         let computation = interest.computation.clone();
         if self.jobs.follows(&id, &computation) {
             return Ok(());
         }
         let busy = || self.pool.busy(Lane::Long);
         interest.ticket = self.ticket(peer, Kind::Detached).ok_or_else(busy)?;
-        let attempts = u32::from(interest.origin == Origin::Made);
+        let attempts = u32::from(interest.provenance == Provenance::Made);
         let state = State::Active(Arc::new(interest));
         let memory = |bytes| self.peers.charge(&self.account.records, Kind::RecordBytes, peer, bytes);
-        self.jobs.put(memory, id, told, attempts, state).map_err(|_| busy())?;
+        self.jobs.put(memory, id, summary, attempts, state).map_err(|_| busy())?;
         let desk = self.clone();
         tokio::spawn(async move {
             let state = match computation.finished().await {
@@ -334,28 +295,25 @@ impl Desk {
 
     /// Computations under way or waiting.
     pub fn n_under_way(&self) -> usize {
-        self.under_way.lock().unwrap_or_else(PoisonError::into_inner).len()
+        self.under_way.len()
     }
 
     /// Waits until no computation is under way or waiting.
     pub async fn idle(&self) {
         loop {
-            let some = self.under_way.lock().unwrap_or_else(PoisonError::into_inner).values().next().cloned();
-            let Some(computation) = some else { return };
+            let Some(computation) = self.under_way.any() else { return };
             computation.finished().await;
         }
     }
 
     /// Ends every computation, for the end of the service.
     pub fn stop(&self) {
-        let under_way = self.under_way.lock().unwrap_or_else(PoisonError::into_inner);
-        under_way.values().for_each(|computation| computation.stop());
+        self.under_way.stop();
     }
 
     /// Requests and jobs that wait for a computation.
     pub fn n_interests(&self) -> usize {
-        let under_way = self.under_way.lock().unwrap_or_else(PoisonError::into_inner);
-        under_way.values().map(|computation| computation.n_interests()).sum()
+        self.under_way.n_interests()
     }
 }
 

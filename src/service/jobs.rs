@@ -7,10 +7,11 @@ use bytes::Bytes;
 
 use super::account::Full;
 use super::computation::{Computation, Failure, Timings};
-use super::desk::Interest;
 use super::peer::Paid;
 use super::store::Manifest;
+use super::under_way::Interest;
 use crate::analysis::curve::Reached;
+use crate::job::JobEntries;
 use crate::job::key::Key;
 use crate::job::limits::Estimate;
 use crate::output::Format;
@@ -22,9 +23,11 @@ const RECORD_BYTES: u64 = 8 << 10;
 
 /// What is known of a job without its input.
 #[derive(Debug, Clone)]
-pub struct Told {
+pub struct JobSummary {
     /// Name, format and key of its output.
     pub output: (String, &'static dyn Format, Key),
+    /// Where its request has what may be at fault.
+    pub entries: JobEntries,
     /// What it was to come to.
     pub estimate: Estimate,
     /// How close to the limit it comes, where a tolerance was asked for.
@@ -39,7 +42,7 @@ pub struct Record {
     /// Id of the job.
     pub id: Key,
     /// What the job is.
-    pub told: Arc<Told>,
+    pub summary: Arc<JobSummary>,
     /// How often it was queued.
     pub attempts: u32,
     /// How it stands.
@@ -97,11 +100,11 @@ impl Jobs {
         &self,
         memory: impl Fn(u64) -> Result<Paid, Full>,
         id: Key,
-        told: Told,
+        summary: JobSummary,
         attempts: u32,
         state: State,
     ) -> Result<(), Full> {
-        let bytes = RECORD_BYTES + told.request.len() as u64;
+        let bytes = RECORD_BYTES + summary.request.len() as u64;
         let mut forgotten = Vec::new(); // dropped after the lock: an interest asks the desk
         let mut table = self.table();
         let memory = loop {
@@ -120,8 +123,8 @@ impl Jobs {
         let age = table.next;
         table.next += 1;
         table.by_age.insert(age, id);
-        table.by_artifact.insert((told.output.2, id));
-        let record = Record { id, told: Arc::new(told), attempts, state, _memory: Arc::new(memory) };
+        table.by_artifact.insert((summary.output.2, id));
+        let record = Record { id, summary: Arc::new(summary), attempts, state, _memory: Arc::new(memory) };
         table.records.insert(id, (age, record));
         drop(table);
         drop(forgotten);
@@ -167,7 +170,7 @@ impl Table {
     fn forget(&mut self, id: &Key) -> Option<Record> {
         let (age, record) = self.records.remove(id)?;
         self.by_age.remove(&age);
-        self.by_artifact.remove(&(record.told.output.2, *id));
+        self.by_artifact.remove(&(record.summary.output.2, *id));
         Some(record)
     }
 }

@@ -36,7 +36,7 @@ struct State {
 struct Request {
     number: u64,
     bytes: u64,
-    grant: oneshot::Sender<Place>,
+    grant: oneshot::Sender<LinePlace>,
 }
 
 /// Somebody in line; leaves it when dropped.
@@ -45,12 +45,12 @@ pub struct Waiting {
     line: Arc<Line>,
     peer: Peer,
     number: u64,
-    granted: oneshot::Receiver<Place>,
+    granted: oneshot::Receiver<LinePlace>,
 }
 
 /// A place, with the memory that goes with it.
 #[derive(Debug)]
-pub(super) struct Place {
+pub(super) struct LinePlace {
     line: Arc<Line>,
     /// Taken out by whoever needs it longer than the place.
     pub(super) memory: Option<Memory>,
@@ -142,7 +142,7 @@ impl Line {
             state.free -= 1;
             drop(state);
             // whoever left in this moment drops its place, which comes back
-            drop(request.grant.send(Place { line: Arc::clone(self), memory: Some(memory) }));
+            drop(request.grant.send(LinePlace { line: Arc::clone(self), memory: Some(memory) }));
         }
     }
 
@@ -175,7 +175,7 @@ impl Line {
 
 impl Waiting {
     /// Waits for a place.
-    pub(super) async fn place(mut self) -> Place {
+    pub(super) async fn place(mut self) -> LinePlace {
         (&mut self.granted).await.expect("a line grants each request that stays")
     }
 }
@@ -186,7 +186,7 @@ impl Drop for Waiting {
     }
 }
 
-impl Drop for Place {
+impl Drop for LinePlace {
     fn drop(&mut self) {
         drop(self.memory.take());
         self.line.state().free += 1;

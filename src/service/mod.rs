@@ -15,4 +15,5 @@ pub mod result_buffer;
 pub mod store;
 pub mod task;
 pub mod tiers;
+pub mod under_way;
 pub mod writer;

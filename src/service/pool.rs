@@ -9,7 +9,7 @@ use std::time::Duration;
 use tokio::sync::oneshot;
 
 use super::account::{Account, Share};
-use super::line::{Line, Place};
+use super::line::{Line, LinePlace};
 use super::peer::Peer;
 
 pub use super::line::{Memory, Waiting};
@@ -75,7 +75,7 @@ struct LaneState {
 #[derive(Debug)]
 pub struct Turn {
     threads: Arc<rayon::ThreadPool>,
-    place: Place,
+    place: LinePlace,
 }
 
 impl Turn {

@@ -8,7 +8,7 @@ use bytes::Bytes;
 
 use super::disk_counts::count;
 use super::store::{Description, DiskSpool, Manifest, StoreError};
-use super::tiers::Tiers;
+use super::tiers::{Kept, Tiers};
 use super::writer::Waiting;
 use crate::job::key::Key;
 
@@ -28,22 +28,18 @@ pub struct ResultBuffer<'a> {
     lost: bool,
 }
 
-/// A result that was made.
-#[derive(Debug)]
-pub struct Kept {
-    /// What is known of the bytes.
-    pub manifest: Arc<Manifest>,
-    /// The bytes themselves when no store has them.
-    pub loose: Option<Bytes>,
-}
-
 impl<'a> ResultBuffer<'a> {
-    /// A buffer for about so many bytes, in this spool or in memory. In memory it may have what the estimate of its job
-    /// says, which is an upper bound that the job's memory contains.
-    pub(super) fn new(tiers: &'a Tiers, key: Key, about_bytes: u128, spool: Option<DiskSpool>) -> Self {
+    /// A buffer for about so many bytes: in memory when they fit there well, else on the disk.
+    pub fn new(tiers: &'a Tiers, key: Key, about_bytes: u128) -> Self {
+        Self { spool: tiers.spool(key, about_bytes), ..Self::in_memory(tiers, key, about_bytes) }
+    }
+
+    /// A buffer in memory. It may have what the estimate of its job says, which is an upper bound that the job's memory
+    /// contains.
+    pub fn in_memory(tiers: &'a Tiers, key: Key, about_bytes: u128) -> Self {
         let max_bytes = about_bytes.saturating_add(about_bytes / 4).saturating_add(SLACK_BYTES);
         let max_bytes = usize::try_from(max_bytes).unwrap_or(usize::MAX);
-        Self { tiers, key, spool, bytes: Vec::new(), max_bytes, lost: false }
+        Self { tiers, key, spool: None, bytes: Vec::new(), max_bytes, lost: false }
     }
 
     /// Whether the disk lost bytes that it had taken, so that they have to be computed again.

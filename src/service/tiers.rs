@@ -9,8 +9,7 @@ use bytes::Bytes;
 use super::clock::{Clock, Monotonic};
 use super::disk_counts::DiskCounts;
 use super::reads::Reads;
-use super::result_buffer::{Kept, ResultBuffer};
-use super::store::{Description, Embedded, Manifest, Memory, Store, StoreError, Usage, part_of};
+use super::store::{Description, DiskSpool, Embedded, Manifest, Memory, Store, StoreError, Usage, part_of};
 use super::writer::{Trouble, Waiting, Writer};
 use crate::job::key::Key;
 
@@ -30,6 +29,15 @@ pub struct Tiers {
     small_bytes: u64,
     disk: Option<DiskTier>,
     counts: Arc<DiskCounts>,
+}
+
+/// A result that was made.
+#[derive(Debug)]
+pub struct Kept {
+    /// What is known of the bytes.
+    pub manifest: Arc<Manifest>,
+    /// The bytes themselves when no store has them.
+    pub loose: Option<Bytes>,
 }
 
 /// The disk, its writer and its readers.
@@ -134,16 +142,11 @@ impl Tiers {
         read.await.flatten()
     }
 
-    /// A place for a new artifact of about this size: memory when it fits there well, else the disk.
-    pub fn buffer(&self, key: Key, about_bytes: u128) -> ResultBuffer<'_> {
+    /// A place on the disk for a new artifact of about this size, where it does not fit into memory well.
+    pub(super) fn spool(&self, key: Key, about_bytes: u128) -> Option<DiskSpool> {
         let large = about_bytes > u128::from(self.small_bytes);
-        let disk = self.disk.as_ref().filter(|disk| large && disk.takes(&key));
-        ResultBuffer::new(self, key, about_bytes, disk.map(|disk| disk.store.reclaimable_spool(key)))
-    }
-
-    /// A place in memory for a new artifact of about this size.
-    pub fn buffer_in_memory(&self, key: Key, about_bytes: u128) -> ResultBuffer<'_> {
-        ResultBuffer::new(self, key, about_bytes, None)
+        let disk = self.disk.as_ref().filter(|disk| large && disk.takes(&key))?;
+        Some(disk.store.reclaimable_spool(key))
     }
 
     /// Keeps an artifact whose bytes are all there: in memory where it fits, else loose, and perhaps on disk later.

@@ -28,7 +28,7 @@ impl<'de> Visitor<'de> for ChannelsVisitor {
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
         let mut channels: Vec<Channel> = Vec::new();
-        while let Some((name, Rows { width, values })) = map.next_entry::<String, _>()? {
+        while let Some((name, ChannelRows { width, values })) = map.next_entry::<String, _>()? {
             if channels.iter().any(|known| known.name == name) {
                 return Err(A::Error::custom(format!("duplicate field \"{}\"", shortened(&name))));
             }
@@ -42,12 +42,12 @@ impl<'de> Visitor<'de> for ChannelsVisitor {
 }
 
 /// Rows of equal width, one after another; the width of none is 1.
-struct Rows {
+struct ChannelRows {
     width: usize,
     values: Vec<f64>,
 }
 
-impl<'de> Deserialize<'de> for Rows {
+impl<'de> Deserialize<'de> for ChannelRows {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_seq(RowsVisitor)
     }
@@ -56,14 +56,14 @@ impl<'de> Deserialize<'de> for Rows {
 struct RowsVisitor;
 
 impl<'de> Visitor<'de> for RowsVisitor {
-    type Value = Rows;
+    type Value = ChannelRows;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a list with an entry for each vertex")
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Rows, A::Error> {
-        let mut rows = Rows { width: 1, values: Vec::new() };
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<ChannelRows, A::Error> {
+        let mut rows = ChannelRows { width: 1, values: Vec::new() };
         while let Some(row) = list.next_element::<Row>()? {
             let n = row.n;
             if rows.values.is_empty() {

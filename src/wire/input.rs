@@ -10,7 +10,7 @@ use super::polygon::{PolygonRequest, polygons};
 use super::text::{Held, MeshFile, TextRequest, within};
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
-use crate::job::Input;
+use crate::job::{Input, InputEntry};
 use crate::scheme::tags::Boundary;
 use crate::shape::check::Winding;
 use crate::shape::frame::{Frame, Unit, Up};
@@ -89,6 +89,8 @@ choice! {
 pub struct Resolved {
     /// What is refined.
     pub input: Input,
+    /// The entry that holds it.
+    pub entry: InputEntry,
     /// The boundary rule that a mesh file asks for.
     pub boundary: Option<Boundary>,
 }
@@ -124,7 +126,8 @@ impl InputRequest {
         if let Some(mesh) = self.mesh.take() {
             let under = |found| under("/mesh", found);
             let input = mesh.input(self.winding()).map_err(under)?;
-            return Ok(self.mesh(input)?.map_err(under)?.into());
+            let input = Input::Mesh(self.mesh(input)?.map_err(under)?);
+            return Ok(Resolved { input, entry: InputEntry::Mesh, boundary: None });
         }
         let in_text = |found| under("/text", found);
         if let Some(file) = text.map(TextRequest::file).transpose().map_err(|fault| in_text(vec![fault]))?.or(file) {
@@ -132,15 +135,16 @@ impl InputRequest {
             // repairs leave faces out, or join them
             let lines = if self.weld.is_some() || self.pair_quads { Vec::new() } else { lines };
             let mesh = self.mesh(mesh)?.map_err(|found| in_text(within(found, &lines)))?;
-            return Ok(Resolved { boundary, ..mesh.into() });
+            return Ok(Resolved { input: Input::Mesh(mesh), entry: InputEntry::Text, boundary });
         }
         self.has_no_mesh()?;
         if let Some(polygon) = self.polygon {
             let polygon = polygon.resolve().map_err(|found| under("/polygon", found))?;
-            return Ok(Input::Polygons(vec![polygon]).into());
+            let input = Input::Polygons(vec![polygon]);
+            return Ok(Resolved { input, entry: InputEntry::Polygon, boundary: None });
         }
         let polygons = polygons(self.polygons.unwrap_or_default()).map_err(|found| under("/polygons", found))?;
-        Ok(Input::Polygons(polygons).into())
+        Ok(Resolved { input: Input::Polygons(polygons), entry: InputEntry::Polygons, boundary: None })
     }
 
     fn winding(&self) -> Winding {
@@ -169,17 +173,5 @@ impl InputRequest {
             faults.push(Fault::new("/pair_quads", "only meshes have triangles; leave it out"));
         }
         if faults.is_empty() { Ok(()) } else { Err(faults) }
-    }
-}
-
-impl From<Mesh> for Resolved {
-    fn from(mesh: Mesh) -> Self {
-        Input::Mesh(mesh).into()
-    }
-}
-
-impl From<Input> for Resolved {
-    fn from(input: Input) -> Self {
-        Self { input, boundary: None }
     }
 }

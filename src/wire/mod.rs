@@ -19,4 +19,4 @@ mod report;
 mod schema;
 pub mod text;
 
-pub use job::{JobRequest, RequestDraft};
+pub use job::JobRequest;

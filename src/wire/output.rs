@@ -16,12 +16,21 @@ pub(crate) const MAX_OUTPUTS: usize = 64;
 #[serde(transparent)]
 pub struct OutputRequest {
     fields: WireFields,
+    /// Its index in the request, where others were left out of the list.
+    #[serde(skip)]
+    index: Option<usize>,
 }
 
 impl OutputRequest {
     /// The output of a format with its default options.
     pub fn of_format(name: &str) -> Self {
-        Self { fields: WireFields(vec![("format".into(), Literal::Text(name.into()))]) }
+        Self { fields: WireFields(vec![("format".into(), Literal::Text(name.into()))]), index: None }
+    }
+
+    /// The same output, for a list without those before it, of which there were so many.
+    #[must_use]
+    pub fn at(self, index: usize) -> Self {
+        Self { index: Some(index), ..self }
     }
 
     /// The name of its format, where it is a text.
@@ -42,7 +51,8 @@ pub(super) fn outputs(requests: &[OutputRequest]) -> Result<Vec<Output>, Vec<Fau
     let mut faults = Vec::new();
     let mut found: Vec<Output> = Vec::with_capacity(requests.len());
     for (i, request) in requests.iter().enumerate() {
-        match output(request) {
+        let i = request.index.unwrap_or(i);
+        match output(request, i) {
             Ok(output) if found.iter().any(|known| known.name == output.name) => {
                 let detail = format!("the name \"{}\" is taken; give each output its own", shortened(&output.name));
                 faults.push(Fault::new(format!("/outputs/{i}/name"), detail));
@@ -54,7 +64,7 @@ pub(super) fn outputs(requests: &[OutputRequest]) -> Result<Vec<Output>, Vec<Fau
     if faults.is_empty() { Ok(found) } else { Err(faults) }
 }
 
-fn output(request: &OutputRequest) -> Result<Output, Vec<Fault>> {
+fn output(request: &OutputRequest, index: usize) -> Result<Output, Vec<Fault>> {
     let (mut format, mut name) = (None, None);
     let mut options = Vec::new();
     for (field, value) in &request.fields.0 {
@@ -72,7 +82,7 @@ fn output(request: &OutputRequest) -> Result<Output, Vec<Fault>> {
             |fault: Fault| Fault { detail: fault.detail.replace("unknown parameter", "unknown option"), ..fault };
         faults.into_iter().map(known).collect::<Vec<_>>()
     })?;
-    Ok(Output { name: name.unwrap_or_else(|| format.name().to_owned()), format, options })
+    Ok(Output { name: name.unwrap_or_else(|| format.name().to_owned()), format, options, index })
 }
 
 fn known_format(value: &Literal) -> Result<&'static dyn Format, Vec<Fault>> {

@@ -13,7 +13,7 @@ use crate::table::{Aim, Table, best, millions_a_second, ms};
 pub(crate) fn measure(table: &mut Table) {
     let mesh = nets::refined(25, 4);
     let scene =
-        Scene { shape: Shape::Mesh(&mesh), control: Shape::Mesh(&mesh), warnings: &[], frame: Frame::default() };
+        Scene { shape: Shape::Mesh(&mesh), control: &Shape::Mesh(&mesh), warnings: &[], frame: Frame::default() };
     for name in ["obj", "glb", "ply"] {
         let format = planish::output::named(name).expect("a format of the catalogue");
         let options = Values::resolve(format.facts().parameters, &[]).expect("defaults are allowed");

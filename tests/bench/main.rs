@@ -1,5 +1,5 @@
-//! How quick planish is, as one table: `cargo bench --bench bench`, followed by `-- refine polygons schemes pictures encode http` or some of
-//! these for some parts only.
+//! How quick planish is, as one table: `cargo bench --bench bench`, followed by `-- refine peers limits polygons schemes pictures
+//! encode http` or some of these for some parts only.
 //!
 //! Every figure is the best of a few runs on a warm heap. Absolute figures drift between machines; the column "ratio"
 //! relates each to something measured in the same run.
@@ -8,6 +8,7 @@ mod encode;
 mod http;
 mod load;
 mod nets;
+mod peers;
 mod pictures;
 mod polygons;
 mod refine;
@@ -23,6 +24,7 @@ type Part = fn(&mut Table);
 
 const PARTS: &[(&str, Part)] = &[
     ("refine", refine::measure),
+    ("peers", peers::measure),
     ("limits", refine::measure_limits),
     ("polygons", polygons::measure),
     ("schemes", schemes::measure),

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use planish::analysis::limit::{Asked, refine_mesh_to_limit};
+use planish::analysis::limit::{LimitRequest, refine_mesh_to_limit};
 use planish::refine::refine_mesh;
 use planish::shape::source::{FaceChunk, MeshSource};
 use planish::watch::Watch;
@@ -34,8 +34,8 @@ pub(crate) fn measure_limits(table: &mut Table) {
         let refined = best(|| drop(black_box(refine_mesh(&mesh, &plan, &steps, &watch))));
         let next = best(|| drop(black_box(refine_mesh(&mesh, &plan, &finer, &watch))));
         for (what, asked) in [
-            ("positions", Asked { positions: true, normals: false }),
-            ("positions and normals", Asked { positions: true, normals: true }),
+            ("positions", LimitRequest { positions: true, normals: false }),
+            ("positions and normals", LimitRequest { positions: true, normals: true }),
         ] {
             let all = best(|| drop(black_box(refine_mesh_to_limit(&mesh, &plan, levels, asked, &watch))));
             let limit = all.saturating_sub(refined);

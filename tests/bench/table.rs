@@ -34,8 +34,11 @@ impl Table {
         self.0.push(line);
     }
 
-    /// The table as text, in columns.
+    /// The table as text, in columns; nothing where nothing was added.
     pub(crate) fn text(&self) -> String {
+        if self.0.is_empty() {
+            return String::new();
+        }
         let head = HEAD.map(str::to_owned);
         let lines = || [&head].into_iter().chain(&self.0);
         let width = |column: usize| lines().map(|line| line[column].chars().count()).max().unwrap_or(0);
@@ -47,6 +50,12 @@ impl Table {
         let rule = format!("|{}|\n", widths.map(|width| "-".repeat(width + 2)).join("|"));
         lines().enumerate().map(|(i, line)| if i == 0 { row(line) + &rule } else { row(line) }).collect()
     }
+}
+
+/// Shows a line at once, which is not part of the table.
+pub(crate) fn say(line: &str) {
+    // a bench that cannot tell of its progress goes on
+    let _ = writeln!(io::stdout(), "{line}");
 }
 
 fn verdict(met: bool) -> &'static str {

@@ -113,6 +113,11 @@ fn mistakes_are_named_with_their_place_and_end_with_code_1() {
     let drawing = folder.path().join("out.svg");
     refused(&run(&["render", &saved(&folder, &mesh(1)), "-o", drawing.to_str().unwrap()]), &["/outputs/0/format"]);
     assert!(!target.exists() && !drawing.exists(), "a job that fails leaves no file");
+    let mut far = mesh(1);
+    far["input"]["mesh"]["positions"][0] = json!([1e300, 0, 0]);
+    far["outputs"] = json!([{ "format": "obj" }, { "format": "stl" }]);
+    let file = folder.path().join("out.stl");
+    refused(&run(&["render", &saved(&folder, &far), "-o", file.to_str().unwrap()]), &["/outputs/1: "]);
     refused(&run(&["render", "/nowhere/job.json", "-o", "out.glb"]), &["/nowhere/job.json"]);
     let half = folder.path().join("half.json");
     std::fs::write(&half, "{\"input\": ").unwrap();

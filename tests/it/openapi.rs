@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use planish::http::serve::document_text;
+use planish::http::document_text;
 use planish::output::FORMATS;
 use serde_json::Value;
 

@@ -1,10 +1,13 @@
 //! Refusals that a stranger met: each says what is wrong, where, and all of it.
 
+use planish::job::limits::Limits;
+use planish::job::{RunError, run};
+use planish::watch::Watch;
 use planish::wire::JobRequest;
 use planish::wire::read::{ReadError, read};
 use serde_json::{Value, json};
 
-use crate::support::render;
+use crate::support::{parsed, render};
 
 fn places(job: &Value) -> Vec<String> {
     render(job).expect_err("the job is refused").into_iter().map(|fault| fault.pointer).collect()
@@ -80,5 +83,56 @@ fn type_names_of_the_implementation_stay_inside() {
             panic!("{text} is JSON, but no job")
         };
         assert!(faults[0].detail.contains(says) && !faults[0].detail.contains("Request"), "{}", faults[0].detail);
+    }
+}
+
+/// The place of the fault that shows when an output is computed.
+fn place_of_run(job: &Value, output: usize) -> String {
+    let job = parsed(job.to_string().as_bytes()).expect("it shows late");
+    let admitted = Limits::default().admit(job).expect("it is small");
+    let output = &admitted.job().outputs[output];
+    match run(&admitted, output, &mut Vec::new(), &Watch::new()) {
+        Err(RunError::Impossible(fault)) => admitted.job().entries(output).fault(fault).pointer,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn faults_of_a_computation_point_at_the_output_that_was_computed() {
+    let mut job = triangle(&json!([{ "format": "obj" }, { "format": "stl" }, { "format": "png" }]));
+    job["input"]["mesh"]["positions"] = json!([[0, 0, 0], [1e300, 0, 0], [0, 1e300, 0]]);
+    assert_eq!(place_of_run(&job, 1), "/outputs/1");
+    assert_eq!(place_of_run(&job, 2), "/outputs/2");
+}
+
+#[test]
+fn faults_of_a_computation_point_at_the_polygon_as_it_is_written() {
+    let job = |input: Value| json!({ "input": input, "plan": { "word": "U" }, "levels": 1, "outputs": [{ "format": "json" }] });
+    let polygon =
+        |weight: f64| json!({ "points": [[0, 0, 1], [1, 0, weight], [1, 1, 1]], "closed": true, "rational": true });
+    assert_eq!(place_of_run(&job(json!({ "polygon": polygon(-1.0) })), 0), "/input/polygon");
+    assert_eq!(place_of_run(&job(json!({ "polygons": [polygon(-1.0)] })), 0), "/input/polygons/0");
+    assert_eq!(place_of_run(&job(json!({ "polygons": [polygon(1.0), polygon(-1.0)] })), 0), "/input/polygons/1");
+}
+
+#[test]
+fn faults_of_parameters_point_at_the_entry_that_carries_them() {
+    let mut job = triangle(&json!([{ "format": "obj" }]));
+    job["plan"] = json!({ "word": "UC", "parameters": { "kernel": 1 } });
+    job["input"]["mesh"]["parameters"] = json!({ "kernel": [1, -1, 1] });
+    assert_eq!(places(&job), ["/input/mesh/parameters/kernel/1"]);
+    let data = job["input"]["mesh"].to_string();
+    job["input"] = json!({ "text": { "format": "json", "data": data } });
+    let faults = render(&job).expect_err("there is no average");
+    assert_eq!(faults[0].pointer, "/input/text/data");
+    assert!(faults[0].detail.contains("/parameters/kernel/1"), "{}", faults[0].detail);
+    let polygon = json!({ "points": [[0, 0], [1, 0], [1, 1]], "parameters": { "kernel": [1, 1, -1] } });
+    for (input, place) in [
+        (json!({ "polygon": polygon }), "/input/polygon/parameters/kernel/2"),
+        (json!({ "polygons": [polygon] }), "/input/polygons/0/parameters/kernel/2"),
+    ] {
+        job["input"] = input;
+        job["outputs"] = json!([{ "format": "json" }]);
+        assert_eq!(places(&job), [place]);
     }
 }

@@ -1,9 +1,9 @@
 //! What a limit costs beside the rows of its masks: the points that operators make of patches and of the impulse, counted
 //! from the word, before anything is made.
 
-use super::cycle::{self, MAX_POINTS, made};
+use super::bounds::{MAX_LEVEL_POINTS, MAX_RINGS};
+use super::cycle::{self, made};
 use super::impulse;
-use super::probe::MAX_RINGS;
 use crate::scheme::letter::Letter;
 use crate::scheme::operator::Children;
 
@@ -15,26 +15,26 @@ const AT_A_TIME: usize = 8;
 const CHAIN: usize = 3;
 /// Levels after which numbers that are halved with every one no longer change anything, as alpha does.
 const FADING: usize = 28;
-/// Levels after which numbers of vertices agree, of which every one halves the differences.
+/// Levels after which the parameters of vertices agree, of which every one halves the differences.
 const AGREEING: usize = 50;
 
 /// What is followed until it no longer changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Follow {
     /// What is around a vertex.
-    Around,
-    /// Numbers of the plan, too.
-    Numbers,
-    /// Numbers of vertices, too.
-    Own,
+    Connectivity,
+    /// The values of the plan, too.
+    PlanValues,
+    /// The parameters of vertices, too.
+    VertexParameters,
 }
 
 impl Follow {
     fn levels(self) -> usize {
         match self {
-            Self::Around => CHAIN,
-            Self::Numbers => CHAIN + FADING,
-            Self::Own => CHAIN + AGREEING,
+            Self::Connectivity => CHAIN,
+            Self::PlanValues => CHAIN + FADING,
+            Self::VertexParameters => CHAIN + AGREEING,
         }
     }
 }
@@ -49,17 +49,17 @@ pub struct Cost {
 }
 
 /// What the limits of `n_vertices` under a cycle cost, so many impulses being looked at and so many vertices of the mesh
-/// that is refined being irregular, those with many faces counted as several.
-pub fn cost(cycle: &[Letter], impulses: usize, irregular: u128, n_vertices: u128, follow: Follow) -> Cost {
+/// that is refined being extraordinary, those with many faces counted as several.
+pub fn cost(cycle: &[Letter], impulses: usize, extraordinary: u128, n_vertices: u128, follow: Follow) -> Cost {
     let pieces = cycle::pieces(cycle.iter());
     let support = support(cycle);
     let square = |rings: usize| (2 * rings + 1) * (2 * rings + 1);
-    let patch = |rings: usize| made(square(rings + 2), &pieces, 1).min(MAX_POINTS);
+    let patch = |rings: usize| made(square(rings + 2), &pieces, 1).min(MAX_LEVEL_POINTS);
     // all numbers of rings up to the right one are tried, each on two patches, and then whether larger ones agree
     let tried = (1..=support).map(|rings| 2 * patch(rings)).sum::<usize>() + 12 * patch(support);
     let side = impulse::side(support, number(cycle, &[Children::Dual, Children::Faces]));
-    let impulse = impulse::compared(side, &pieces).map_or(MAX_POINTS, |(_, points)| points);
-    let patches = n_vertices.min(irregular.saturating_mul(square(support) as u128));
+    let impulse = impulse::compared(side, &pieces).map_or(MAX_LEVEL_POINTS, |(_, points)| points);
+    let patches = n_vertices.min(extraordinary.saturating_mul(square(support) as u128));
     let points = patches
         .saturating_mul((follow.levels() * patch(support)) as u128)
         .saturating_add((tried + impulses * impulse) as u128);
@@ -79,8 +79,8 @@ pub fn sees_whole_fans(cycle: &[Letter]) -> bool {
     number(cycle, &[Children::Same]) > 1 || number(cycle, &[Children::Dual, Children::Faces]) > 0
 }
 
-fn number(cycle: &[Letter], heirs: &[Children]) -> usize {
-    cycle.iter().filter(|letter| heirs.contains(&letter.facts().children)).count()
+fn number(cycle: &[Letter], children: &[Children]) -> usize {
+    cycle.iter().filter(|letter| children.contains(&letter.facts().children)).count()
 }
 
 /// Whether the impulse of the least support would take too many points even for one level.

@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
-use super::Unlimited;
-use super::frame::Frame;
-use super::heir::heir;
-use super::own::Own;
-use super::patch::{Found, Patch, Rings, Whole};
+use super::bounds::MAX_LEVEL_POINTS;
+use super::child::child;
+use super::error::Unlimited;
+use super::patch::{Located, Patch, Rings};
+use super::patch_rules::PatchRules;
 use super::record::{Record, Weights};
+use super::vertex_parameters::VertexParameters;
+use super::walk::WholeNet;
 use crate::math::rows::Rows;
 use crate::scheme::letter::Letter;
 use crate::scheme::mesh_net::MeshNet;
@@ -22,9 +24,6 @@ use crate::watch::Watch;
 /// Levels that are scheduled beyond the last one. An alpha that is halved as often is below 1e-18 of what it was.
 pub(in crate::analysis) const AHEAD: u32 = 62;
 
-/// Most points that the operators of one level make of a net, all together.
-pub(super) const MAX_POINTS: usize = 1 << 20;
-
 /// Numbers that differ by no more than this, relative to 1 or their size, are the same.
 const SAME: f64 = 2e-16;
 
@@ -33,7 +32,7 @@ const SAME: f64 = 2e-16;
 pub(super) struct Cycle<'a> {
     pub(super) plan: &'a Plan,
     /// What its nets have in common.
-    pub(super) frame: Frame,
+    pub(super) patch_rules: PatchRules,
     levels: Vec<&'a [Scheduled]>,
     /// The first of these levels from which on no number changes.
     pub(super) settled: usize,
@@ -51,7 +50,7 @@ pub(super) struct Child {
     /// Points of the patch that the matrix maps.
     n_columns: usize,
     /// Which face at the centre its first face there comes of: upsamplings keep the order around a vertex.
-    pub(super) turn: usize,
+    pub(super) rotation: usize,
 }
 
 impl Child {
@@ -59,10 +58,10 @@ impl Child {
     ///
     /// # Errors
     /// [`Unlimited::Reach`] where points of the child's support come of others than those of the patch's.
-    pub(super) fn new(found: &Found, record: &Record, origins: &[u32], n_columns: usize) -> Result<Self, Unlimited> {
+    pub(super) fn new(found: &Located, record: &Record, origins: &[u32], n_columns: usize) -> Result<Self, Unlimited> {
         let matrix = record.matrix(&found.vertices[..found.patch.support], origins, n_columns);
         let matrix = matrix.ok_or(Unlimited::Reach)?;
-        Ok(Self { patch: found.patch.clone(), matrix, n_columns, turn: found.turn })
+        Ok(Self { patch: found.patch.clone(), matrix, n_columns, rotation: found.rotation })
     }
 
     /// How a functional of the child's points reads the patch's.
@@ -86,7 +85,7 @@ impl<'a> Cycle<'a> {
     pub(super) fn new(
         plan: &'a Plan,
         (ahead, length): (&'a [Scheduled], usize),
-        frame: Frame,
+        patch_rules: PatchRules,
         alphas: &[f64],
         watch: &Watch,
     ) -> Self {
@@ -97,7 +96,7 @@ impl<'a> Cycle<'a> {
             same(level, last) && alphas.iter().all(|&alpha| same_at(plan, alpha, level, last))
         };
         let settled = (0..last).rev().take_while(settled).last().unwrap_or(last);
-        Self { plan, frame, levels, settled, watch: watch.clone() }
+        Self { plan, patch_rules, levels, settled, watch: watch.clone() }
     }
 
     /// The operators of a level; those beyond the settled one are like it.
@@ -113,21 +112,26 @@ impl<'a> Cycle<'a> {
 
     /// One level on the patch around a centre. Levels beyond the settled one are like it.
     pub(super) fn step(&self, level: usize, patch: &Patch, rings: Rings) -> Result<Child, Unlimited> {
-        let own = Own::default();
-        let (found, record, origins, _) = self.refined(level, patch, &own, rings, Weights::Exact)?;
+        let parameters = VertexParameters::default();
+        let (found, record, origins, _) = self.refined(level, patch, &parameters, rings, Weights::Exact)?;
         Child::new(&found, &record, &origins, patch.support)
     }
 
     /// The child's patch, and where it lies in the net after a level, whose topology this is.
-    pub(super) fn child(&self, patch: &Patch, own: &Own, rings: Rings) -> Result<(Found, Arc<Topology>), Unlimited> {
-        let refined = self.refined(self.settled, patch, own, rings, Weights::Exact);
+    pub(super) fn child(
+        &self,
+        patch: &Patch,
+        parameters: &VertexParameters,
+        rings: Rings,
+    ) -> Result<(Located, Arc<Topology>), Unlimited> {
+        let refined = self.refined(self.settled, patch, parameters, rings, Weights::Exact);
         refined.map(|(found, _, _, topology)| (found, topology))
     }
 
     /// Whether what could have a weight in the child's support lies in the support of the patch; and the child.
     pub(super) fn closes(&self, patch: &Patch, rings: Rings) -> Result<(bool, Patch), Unlimited> {
-        let own = Own::default();
-        let (found, record, origins, _) = self.refined(self.settled, patch, &own, rings, Weights::Structural)?;
+        let parameters = VertexParameters::default();
+        let (found, record, origins, _) = self.refined(self.settled, patch, &parameters, rings, Weights::Structural)?;
         let matrix = record.matrix(&found.vertices[..found.patch.support], &origins, patch.support);
         Ok((matrix.is_some(), found.patch))
     }
@@ -136,14 +140,14 @@ impl<'a> Cycle<'a> {
         &self,
         level: usize,
         patch: &Patch,
-        own: &Own,
+        parameters: &VertexParameters,
         rings: Rings,
         weights: Weights,
-    ) -> Result<(Found, Record, Vec<u32>, Arc<Topology>), Unlimited> {
-        let (mut net, origins) = patch.net(self.frame).ok_or(Unlimited::Reach)?;
-        if own.first().are_there() {
+    ) -> Result<(Located, Record, Vec<u32>, Arc<Topology>), Unlimited> {
+        let (mut net, origins) = patch.net(self.patch_rules).ok_or(Unlimited::Reach)?;
+        if parameters.first().are_there() {
             let directions = net.annotations.directions.as_deref().cloned();
-            net = net.carrying(Some(own.attributes(&origins)), directions);
+            net = net.carrying(Some(parameters.attributes(&origins)), directions);
         }
         let mut record = Record::new(weights);
         let (mut centre, mut made) = (patch.centre(), Made::default());
@@ -151,11 +155,11 @@ impl<'a> Cycle<'a> {
             let next = Stepper::new(self.plan).next(&net, step)?;
             made.add(&next.net)?;
             record.add(next.action)?;
-            centre = heir(centre, step.letter.facts().children, [&net, &next.net], &record)?;
+            centre = child(centre, step.letter.facts().children, [&net, &next.net], &record)?;
             net = next.net;
         }
         let topology = net.mesh.topology();
-        let whole = Whole::of(&net, &topology);
+        let whole = WholeNet::of(&net, &topology);
         self.watch.advance(made.0 as u64);
         let found = whole.least_patch(centre, rings, &self.watch)?.ok_or(Unlimited::Size)?;
         Ok((found, record, origins, topology))
@@ -168,7 +172,7 @@ impl<'a> Cycle<'a> {
         mut act: impl FnMut(&Action, &Scheduled) -> Result<(), Unlimited>,
     ) -> Result<MeshNet, Unlimited> {
         let (mut net, mut made) = (net, Made::default());
-        net.tags.cut = self.frame.cut;
+        net.tags.cut = self.patch_rules.cut;
         for step in self.levels[self.settled] {
             let next = Stepper::new(self.plan).next(&net, step)?;
             made.add(&next.net)?;
@@ -195,7 +199,7 @@ impl<'a> Cycle<'a> {
         self.levels[self.settled].iter().any(|step| step.letter.facts().rebuilds)
     }
 
-    /// Whether rules reach a ring farther beside irregular vertices.
+    /// Whether rules reach a ring farther beside extraordinary vertices.
     pub(super) fn reaches_farther(&self) -> bool {
         self.levels[self.settled].iter().any(|step| step.letter.facts().reaches_farther)
     }
@@ -236,10 +240,10 @@ pub(super) fn made(n: usize, pieces: &[usize], levels: usize) -> usize {
 struct Made(usize);
 
 impl Made {
-    /// Those of one net, before anything is done about each.
+    /// Counts the points of a net, before anything is done about each.
     fn add(&mut self, net: &MeshNet) -> Result<(), Unlimited> {
         self.0 += net.mesh.n_vertices();
-        if self.0 > MAX_POINTS { Err(Unlimited::Fine) } else { Ok(()) }
+        if self.0 > MAX_LEVEL_POINTS { Err(Unlimited::Fine) } else { Ok(()) }
     }
 }
 
@@ -258,9 +262,4 @@ fn same_at(plan: &Plan, alpha: f64, a: &[Scheduled], b: &[Scheduled]) -> bool {
         let at = |step: &Scheduled| function.value(alpha * step.scale).unwrap_or(f64::NAN);
         a.iter().zip(b).all(|(a, b)| close(at(a), at(b)))
     })
-}
-
-/// Whether every face is a triangle.
-pub(super) fn is_triangular(topology: &Topology) -> bool {
-    topology.n_faces() > 0 && (0..topology.n_faces()).all(|f| topology.face(f).len() == 3)
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::Unlimited;
+use super::error::Unlimited;
 use super::patch::Centre;
 use crate::refine::{Points, advance};
 use crate::scheme::mesh_net::MeshNet;
@@ -56,21 +56,22 @@ impl<'a> Dual<'a> {
     ///
     /// # Errors
     /// [`Unlimited::Lost`] where nothing is left of it, [`Unlimited::Parted`].
-    pub(super) fn heir(&self, centre: Centre) -> Result<Centre, Unlimited> {
+    pub(super) fn child(&self, centre: Centre) -> Result<Centre, Unlimited> {
         let Some(Constructed { topology: constructed, numbers }) = &self.constructed else {
             return match centre {
                 Centre::Vertex(v) => self.of_vertex(v),
-                Centre::Edge(corner) => self.of_edge(corner),
+                Centre::Edge(half_edge) => self.of_edge(half_edge),
                 Centre::Face(f) => self.of_face(f as usize),
             };
         };
         let number = |v: u32| numbers[v as usize];
         match centre {
             Centre::Vertex(v) => self.of_vertex(number(v)),
-            Centre::Edge(corner) => {
-                let [a, b] = [corner, constructed.next(corner)].map(|corner| number(constructed.vertex(corner)));
+            Centre::Edge(half_edge) => {
+                let [a, b] =
+                    [half_edge, constructed.next(half_edge)].map(|half_edge| number(constructed.vertex(half_edge)));
                 let towards = |[a, b]: [u32; 2]| {
-                    self.old.ring(a as usize).find(|&corner| self.old.vertex(self.old.next(corner)) == b)
+                    self.old.ring(a as usize).find(|&half_edge| self.old.vertex(self.old.next(half_edge)) == b)
                 };
                 self.of_edge(towards([a, b]).or_else(|| towards([b, a])).ok_or(Unlimited::Lost)?)
             }
@@ -82,7 +83,7 @@ impl<'a> Dual<'a> {
                     other.sort_unstable();
                     other == face
                 };
-                let mut around = self.old.ring(face[0] as usize).map(|corner| self.old.face_of(corner));
+                let mut around = self.old.ring(face[0] as usize).map(|half_edge| self.old.face_of(half_edge));
                 self.of_face(around.find(same).ok_or(Unlimited::Lost)?)
             }
         }
@@ -97,39 +98,39 @@ impl<'a> Dual<'a> {
         let ring: Vec<u32> = old.ring(v).collect();
         let half = ring.len() / 2;
         if old.boundary_edges(v).is_none() {
-            let between = ring.iter().find_map(|&corner| self.between(corner));
+            let between = ring.iter().find_map(|&half_edge| self.between(half_edge));
             return between.ok_or(Unlimited::Lost);
         }
         if ring.len() % 2 == 1 {
             return self.of_face(old.face_of(ring[half]));
         }
-        ring.get(half).and_then(|&corner| self.between(corner)).ok_or(Unlimited::Lost)
+        ring.get(half).and_then(|&half_edge| self.between(half_edge)).ok_or(Unlimited::Lost)
     }
 
     /// An edge becomes the one between its two faces, or the vertex of the only one.
-    fn of_edge(&self, corner: u32) -> Result<Centre, Unlimited> {
-        match self.old.twin(corner) {
-            NONE => self.of_face(self.old.face_of(corner)),
-            twin => self.between(corner).or_else(|| self.between(twin)).ok_or(Unlimited::Lost),
+    fn of_edge(&self, half_edge: u32) -> Result<Centre, Unlimited> {
+        match self.old.twin(half_edge) {
+            NONE => self.of_face(self.old.face_of(half_edge)),
+            twin => self.between(half_edge).or_else(|| self.between(twin)).ok_or(Unlimited::Lost),
         }
     }
 
-    /// The edge of the dual between the two faces beside the inner edge of a corner, in the face that the edge's end has.
-    fn between(&self, corner: u32) -> Option<Centre> {
+    /// The edge of the dual between the two faces beside the inner edge of a half-edge, in the face that the edge's end has.
+    fn between(&self, half_edge: u32) -> Option<Centre> {
         let old = &self.old;
-        let end = old.next(corner);
+        let end = old.next(half_edge);
         let face = self.faces[old.vertex(end) as usize];
         if face == NONE {
             return None;
         }
-        // counter-clockwise around the end, the face of the twin comes after that of the corner
-        let place = self.place(old.vertex(end), old.face_of(corner))?;
+        // counter-clockwise around the end, the face of the twin comes after that of the half-edge
+        let place = self.place(old.vertex(end), old.face_of(half_edge))?;
         Some(Centre::Edge(self.new.half_edges(face as usize).start + place))
     }
 
     /// The place of a face in the cycle of those around an inner vertex, which starts at the lowest.
     fn place(&self, v: u32, face: usize) -> Option<u32> {
-        let cycle: Vec<usize> = self.old.ring(v as usize).map(|corner| self.old.face_of(corner)).collect();
+        let cycle: Vec<usize> = self.old.ring(v as usize).map(|half_edge| self.old.face_of(half_edge)).collect();
         let lowest = (0..cycle.len()).min_by_key(|&i| cycle[i])?;
         let at = cycle.iter().position(|&other| other == face)?;
         Some(index((at + cycle.len() - lowest) % cycle.len()))
@@ -173,17 +174,18 @@ fn documented(net: &MeshNet) -> Result<(Arc<Topology>, Option<Constructed>), Unl
     Ok((Arc::new(old), Some(Constructed { topology, numbers })))
 }
 
-/// A net with its points, and for each vertex that it came of what took its place, if that was no vertex without faces.
-pub(super) struct Led {
+/// A net after the steps before its next upsampling, with its points, and for each vertex that it came of what took its
+/// place, if that was no vertex without faces.
+pub(super) struct Unrefined {
     /// The net.
     pub(super) net: MeshNet,
     /// Its points, channel by channel.
     pub(super) points: Vec<Points>,
-    /// For each vertex from which it came its heir; `None` where these are the vertices of the net themselves.
+    /// For each vertex from which it came its child; `None` where these are the vertices of the net themselves.
     pub(super) centres: Option<Vec<Option<Centre>>>,
 }
 
-impl Led {
+impl Unrefined {
     /// Applies steps that do not refine.
     pub(super) fn by(
         net: &MeshNet,
@@ -192,18 +194,19 @@ impl Led {
         steps: &[Scheduled],
         watch: &Watch,
     ) -> Result<Self, Unlimited> {
-        let mut led = Self { net: net.clone(), points: points.to_vec(), centres: None };
+        let mut unrefined = Self { net: net.clone(), points: points.to_vec(), centres: None };
         for step in steps {
-            let before = led.net.clone();
-            advance(&mut led.net, &mut led.points, plan, [step], watch)?;
+            let before = unrefined.net.clone();
+            advance(&mut unrefined.net, &mut unrefined.points, plan, [step], watch)?;
             if step.letter.facts().children == Children::Dual {
-                let centres = led.centres.take().unwrap_or_else(|| vertices(&before));
-                let dual = Dual::of(&before, &led.net)?;
-                let heir = |centre: Option<Centre>| centre.map(|centre| dual.heir(centre)).transpose();
-                led.centres = Some(centres.into_par_iter().with_min_len(1024).map(heir).collect::<Result<_, _>>()?);
+                let centres = unrefined.centres.take().unwrap_or_else(|| vertices(&before));
+                let dual = Dual::of(&before, &unrefined.net)?;
+                let child = |centre: Option<Centre>| centre.map(|centre| dual.child(centre)).transpose();
+                unrefined.centres =
+                    Some(centres.into_par_iter().with_min_len(1024).map(child).collect::<Result<_, _>>()?);
             }
         }
-        Ok(led)
+        Ok(unrefined)
     }
 }
 

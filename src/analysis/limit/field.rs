@@ -6,13 +6,15 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::Unlimited;
+use super::bounds::{MAX_PATCHES, VERTICES_A_ROW};
+use super::error::Unlimited;
 use super::mask::{Finder, Mask, Masks};
-use super::own::{Common, Own};
-use super::patch::{Centre, Found, Patch, Rings, VERTICES_A_ROW, Whole};
-use super::probe::Regular;
+use super::patch::{Centre, Located, Patch, Rings};
+use super::regular::Regular;
 use super::sector::Sectors;
 use super::tangent::NoTangents;
+use super::vertex_parameters::{CommonParameters, VertexParameters};
+use super::walk::WholeNet;
 use crate::math::rows::Rows;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::surroundings::Surroundings;
@@ -25,12 +27,10 @@ const CHUNK: usize = 16_384;
 /// Vertices that the patches compared at a time have in all, about: 32 MiB of patches around vertices with many faces, and
 /// enough work for all threads.
 const CHUNK_VERTICES: usize = 1 << 20;
-/// Most vertices whose surroundings carry numbers that differ: each is followed by itself.
-pub(super) const MAX_PATCHES: usize = 16_384;
 /// The class of vertices around which the net is a grid of quads.
 const REGULAR: u32 = 0;
 /// The class of vertices without faces.
-const ALONE: u32 = 1;
+const ISOLATED: u32 = 1;
 
 /// The masks of all vertices of a net, or of others that it came of.
 #[derive(Debug)]
@@ -49,7 +49,7 @@ pub(super) struct Field {
 
 /// What a row of a field is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Wish {
+pub(super) enum Functional {
     /// The limit position.
     Position,
     /// One of the two tangents.
@@ -68,13 +68,13 @@ impl Field {
     ) -> Result<Self, Unlimited> {
         let topology = net.mesh.topology();
         let surroundings = finder.cycle.surroundings(&topology);
-        let whole = Whole { surroundings, ..Whole::of(&net, &topology) };
+        let whole = WholeNet { surroundings, ..WholeNet::of(&net, &topology) };
         let near = match regular {
-            Regular::Quads if !carries(&net) => near_irregular(&whole, rings),
+            Regular::Quads if !carries(&net) => near_extraordinary(&whole, rings),
             _ => vec![true; topology.n_vertices()],
         };
         let on_grid = near.iter().any(|near| !near);
-        let plain = Masks::new(finder, Common::default());
+        let plain = Masks::new(finder, CommonParameters::default());
         let grid = if on_grid { Some(regular_mask(rings, &plain, surroundings)?) } else { None };
         if !carries(&net) {
             middles_settle(&whole, regular, rings, &plain, watch)?;
@@ -87,7 +87,7 @@ impl Field {
         let is_regular = |v: &u32| matches!(centre(*v), Some(Centre::Vertex(at)) if !near[at as usize]);
         let mut classes = vec![REGULAR; n];
         let rest: Vec<u32> = (0..index(n)).filter(|v| !is_regular(v)).collect();
-        let mut known: BTreeMap<(Patch, Own), u32> = BTreeMap::new();
+        let mut known: BTreeMap<(Patch, VertexParameters), u32> = BTreeMap::new();
         let mut left = rest.as_slice();
         let mut chunk = FIRST_CHUNK;
         while !left.is_empty() {
@@ -95,32 +95,36 @@ impl Field {
             let (now, later) = left.split_at(chunk.min(left.len()));
             left = later;
             let patch = |&v: &u32| {
-                patch(&whole, &net, centre(v), rings).map(|found| found.map(|(found, own)| (found.patch, own)))
+                patch(&whole, &net, centre(v), rings)
+                    .map(|found| found.map(|(found, parameters)| (found.patch, parameters)))
             };
-            let patches: Vec<Option<(Patch, Own)>> = now.par_iter().map(patch).collect::<Result<_, _>>()?;
+            let patches: Vec<Option<(Patch, VertexParameters)>> =
+                now.par_iter().map(patch).collect::<Result<_, _>>()?;
             let size: usize = patches.iter().flatten().map(|(patch, _)| patch.n_vertices).sum();
             watch.advance(size as u64 / VERTICES_A_ROW + now.len() as u64);
             chunk = (CHUNK_VERTICES * now.len() / size.max(1)).clamp(1, CHUNK.min(2 * chunk));
             for (&v, patch) in now.iter().zip(patches) {
-                let next = index(known.len()) + ALONE + 1;
-                classes[v as usize] = patch.map_or(ALONE, |patch| *known.entry(patch).or_insert(next));
+                let next = index(known.len()) + ISOLATED + 1;
+                classes[v as usize] = patch.map_or(ISOLATED, |patch| *known.entry(patch).or_insert(next));
             }
-            if known.len() > MAX_PATCHES && known.keys().filter(|(_, own)| !own.agree()).count() > MAX_PATCHES {
+            if known.len() > MAX_PATCHES
+                && known.keys().filter(|(_, parameters)| !parameters.agree()).count() > MAX_PATCHES
+            {
                 return Err(Unlimited::Different);
             }
         }
-        let mut patches: Vec<((Patch, Own), u32)> = known.into_iter().collect();
+        let mut patches: Vec<((Patch, VertexParameters), u32)> = known.into_iter().collect();
         patches.sort_unstable_by_key(|entry| entry.1);
-        let mut common: BTreeMap<Common, Masks<'_>> = BTreeMap::new();
-        common.insert(Common::default(), plain);
-        for ((_, own), _) in patches.iter().filter(|((_, own), _)| own.agree()) {
-            common.entry(own.first()).or_insert_with(|| Masks::new(finder, own.first()));
+        let mut common: BTreeMap<CommonParameters, Masks<'_>> = BTreeMap::new();
+        common.insert(CommonParameters::default(), plain);
+        for ((_, parameters), _) in patches.iter().filter(|((_, parameters), _)| parameters.agree()) {
+            common.entry(parameters.first()).or_insert_with(|| Masks::new(finder, parameters.first()));
         }
-        let find = |((patch, own), _): &((Patch, Own), u32)| {
+        let find = |((patch, parameters), _): &((Patch, VertexParameters), u32)| {
             watch.check().map_err(Unlimited::Stopped)?;
-            match common.get(&own.first()).filter(|_| own.agree()) {
+            match common.get(&parameters.first()).filter(|_| parameters.agree()) {
                 Some(masks) => masks.of(0, patch),
-                None => finder.varying(patch, own).map(Arc::new),
+                None => finder.varying(patch, parameters).map(Arc::new),
             }
         };
         let masks = patches.par_iter().map(find).collect::<Result<_, _>>()?;
@@ -129,10 +133,10 @@ impl Field {
 
     /// A net each of whose vertices has its own mask; `None` for those without faces.
     pub(super) fn of_masks(net: MeshNet, topology: Arc<Topology>, rings: Rings, masks: Vec<Option<Arc<Mask>>>) -> Self {
-        let mut n = ALONE;
+        let mut n = ISOLATED;
         let class = |mask: &Option<Arc<Mask>>| {
             n += u32::from(mask.is_some());
-            if mask.is_some() { n } else { ALONE }
+            if mask.is_some() { n } else { ISOLATED }
         };
         let classes = masks.iter().map(class).collect();
         Self {
@@ -159,9 +163,9 @@ impl Field {
     /// The mask of a vertex; `None` for one without faces.
     fn mask(&self, v: usize) -> Option<&Mask> {
         match self.classes[v] {
-            ALONE => None,
+            ISOLATED => None,
             REGULAR => self.regular.as_ref(),
-            class => self.masks.get((class - ALONE - 1) as usize).map(|mask| &**mask),
+            class => self.masks.get((class - ISOLATED - 1) as usize).map(|mask| &**mask),
         }
     }
 
@@ -173,8 +177,8 @@ impl Field {
         (0..n).map(|v| (index(v), 0)).chain((0..n).flat_map(beside)).collect()
     }
 
-    /// For each corner at a vertex, counter-clockwise, the next vertex of its face and its sector.
-    pub(super) fn corners(&self, v: usize) -> Vec<(u32, usize)> {
+    /// For each half-edge at a vertex, counter-clockwise, the next vertex of its face and its sector.
+    pub(super) fn sides(&self, v: usize) -> Vec<(u32, usize)> {
         let rings = Rings { support: 1, patch: 1 };
         let Some(found) = self.centre(v).and_then(|centre| self.whole().patch(centre, rings)) else {
             return Vec::new();
@@ -186,10 +190,10 @@ impl Field {
 
     /// A sector of a vertex in words; its number would be one of a net that the client never sees.
     pub(super) fn describe(&self, v: usize) -> String {
-        let parted = self.mask(v).is_some_and(|mask| mask.tangents.len() > 1);
-        let side = if parted { "one side of the sharp edges at " } else { "" };
+        let by_sector = self.mask(v).is_some_and(|mask| mask.tangents.len() > 1);
+        let side = if by_sector { "one side of the sharp edges at " } else { "" };
         let (kind, n) = match self.centre(v) {
-            Some(Centre::Edge(corner)) if self.topology.twin(corner) != NONE => ("an interior vertex", 2),
+            Some(Centre::Edge(half_edge)) if self.topology.twin(half_edge) != NONE => ("an interior vertex", 2),
             Some(Centre::Edge(_)) | None => return format!("{side}a boundary vertex"),
             Some(Centre::Face(f)) => ("an interior vertex", self.topology.face(f as usize).len()),
             Some(Centre::Vertex(v)) => {
@@ -211,7 +215,7 @@ impl Field {
     fn centre(&self, v: usize) -> Option<Centre> {
         match &self.centres {
             Some(centres) => centres[v],
-            None => (!self.is_alone(v)).then(|| Centre::Vertex(index(v))),
+            None => (!self.is_isolated(v)).then(|| Centre::Vertex(index(v))),
         }
     }
 
@@ -232,21 +236,21 @@ impl Field {
     }
 
     /// Whether a vertex has no face.
-    pub(super) fn is_alone(&self, v: usize) -> bool {
-        self.classes[v] == ALONE
+    pub(super) fn is_isolated(&self, v: usize) -> bool {
+        self.classes[v] == ISOLATED
     }
 
-    fn whole(&self) -> Whole<'_> {
-        Whole::of(&self.net, &self.topology)
+    fn whole(&self) -> WholeNet<'_> {
+        WholeNet::of(&self.net, &self.topology)
     }
 
     /// Adds the weights of a vertex for a wish in a sector.
-    pub(super) fn row(&self, v: usize, sector: usize, wish: Wish, out: &mut Rows) {
+    pub(super) fn row(&self, v: usize, sector: usize, functional: Functional, out: &mut Rows) {
         match (self.centre(v), self.classes[v], &self.regular) {
             (None, ..) if self.centres.is_some() => {}
-            (None, ..) => out.add(index(v), if wish == Wish::Position { 1.0 } else { 0.0 }),
+            (None, ..) => out.add(index(v), if functional == Functional::Position { 1.0 } else { 0.0 }),
             (Some(Centre::Vertex(at)), REGULAR, Some(mask)) => {
-                let weights = weights(mask, wish, sector);
+                let weights = weights(mask, functional, sector);
                 let mut next = 0;
                 grid(&self.topology, at as usize, self.rings.support, |vertex| {
                     out.add(vertex, weights[next]);
@@ -256,19 +260,19 @@ impl Field {
             (Some(centre), class, _) => {
                 // the vertices of the first rings come first, whatever rings follow
                 let rings = Rings { patch: self.rings.support, ..self.rings };
-                let mask = &self.masks[(class - ALONE - 1) as usize];
+                let mask = &self.masks[(class - ISOLATED - 1) as usize];
                 let vertices = self.whole().patch(centre, rings).map_or_else(Vec::new, |found| found.vertices);
-                vertices.iter().zip(weights(mask, wish, sector)).for_each(|(&u, &w)| out.add(u, w));
+                vertices.iter().zip(weights(mask, functional, sector)).for_each(|(&u, &w)| out.add(u, w));
             }
         }
     }
 }
 
 /// The weights of a mask for a wish in a sector; none where there are no tangents.
-fn weights(mask: &Mask, wish: Wish, sector: usize) -> &[f64] {
-    match wish {
-        Wish::Position => &mask.position,
-        Wish::Tangent(i) => {
+fn weights(mask: &Mask, functional: Functional, sector: usize) -> &[f64] {
+    match functional {
+        Functional::Position => &mask.position,
+        Functional::Tangent(i) => {
             mask.tangents.get(sector).and_then(|tangents| tangents.as_ref().ok()).map_or(&[], |t| &t[i])
         }
     }
@@ -279,22 +283,22 @@ pub(super) fn carries(net: &MeshNet) -> bool {
     net.annotations.attributes.is_some() || net.annotations.directions.is_some()
 }
 
-/// The patch around what took the place of a vertex, and the numbers that its vertices carry; `None` for a vertex without
+/// The patch around what took the place of a vertex, and the parameters that its vertices carry; `None` for a vertex without
 /// faces.
 pub(super) fn patch(
-    whole: &Whole<'_>,
+    whole: &WholeNet<'_>,
     net: &MeshNet,
     centre: Option<Centre>,
     rings: Rings,
-) -> Result<Option<(Found, Own)>, Unlimited> {
+) -> Result<Option<(Located, VertexParameters)>, Unlimited> {
     let Some(centre) = centre else { return Ok(None) };
     let found = whole.patch(centre, rings).ok_or(Unlimited::Size)?;
-    let own = net
+    let parameters = net
         .annotations
         .attributes
         .as_ref()
-        .map_or_else(Own::default, |attributes| Own::of(attributes, &found.vertices));
-    Ok(Some((found, own)))
+        .map_or_else(VertexParameters::default, |attributes| VertexParameters::of(attributes, &found.vertices));
+    Ok(Some((found, parameters)))
 }
 
 /// Whether points come together in the middle of faces that are not like those of a regular net, one of each size.
@@ -302,7 +306,7 @@ pub(super) fn patch(
 /// # Errors
 /// [`Unlimited::Rough`]; where the middle of a face cannot be followed, nothing is said about it.
 fn middles_settle(
-    whole: &Whole<'_>,
+    whole: &WholeNet<'_>,
     regular: Regular,
     rings: Rings,
     masks: &Masks<'_>,
@@ -323,34 +327,35 @@ fn middles_settle(
 }
 
 /// For each vertex whether one of the rings around it, but for the rim of the last, is not part of a grid of quads.
-fn near_irregular(whole: &Whole<'_>, rings: Rings) -> Vec<bool> {
+fn near_extraordinary(whole: &WholeNet<'_>, rings: Rings) -> Vec<bool> {
     let topology = whole.topology;
-    let irregular = |v: usize| {
-        let quads = || topology.ring(v).all(|corner| topology.half_edges(topology.face_of(corner)).len() == 4);
+    let extraordinary = |v: usize| {
+        let quads = || topology.ring(v).all(|half_edge| topology.half_edges(topology.face_of(half_edge)).len() == 4);
         topology.is_isolated(v)
             || topology.boundary_edges(v).is_some()
             || topology.ring(v).take(5).count() != 4
             || !quads()
             || whole.corners.binary_search(&index(v)).is_ok()
     };
-    let mut near: Vec<bool> = (0..topology.n_vertices()).into_par_iter().with_min_len(4096).map(irregular).collect();
+    let mut near: Vec<bool> =
+        (0..topology.n_vertices()).into_par_iter().with_min_len(4096).map(extraordinary).collect();
     if let Some(sharpness) = whole.sharpness {
         let ends = sharpness.edges().iter().flat_map(|&(e, _)| topology.ends(e as usize));
         ends.chain(sharpness.vertices().iter().map(|&(v, _)| v)).for_each(|v| near[v as usize] = true);
     }
-    let mut rim: Vec<usize> = (0..near.len()).filter(|&v| near[v]).collect();
+    let mut front: Vec<usize> = (0..near.len()).filter(|&v| near[v]).collect();
     for _ in 1..rings.patch {
         let mut next = Vec::new();
-        for v in rim {
-            for corner in topology.ring(v) {
-                for &u in topology.face(topology.face_of(corner)) {
+        for v in front {
+            for half_edge in topology.ring(v) {
+                for &u in topology.face(topology.face_of(half_edge)) {
                     if !std::mem::replace(&mut near[u as usize], true) {
                         next.push(u as usize);
                     }
                 }
             }
         }
-        rim = next;
+        front = next;
     }
     near
 }
@@ -382,8 +387,8 @@ fn grid(topology: &Topology, v: usize, rings: usize, mut each: impl FnMut(u32)) 
 /// The mask of a vertex of a grid, in the order of [`grid`].
 fn regular_mask(rings: Rings, masks: &Masks<'_>, surroundings: Option<Surroundings>) -> Result<Mask, Unlimited> {
     let (net, middle) = Regular::Quads.grid(rings, false);
-    let (topology, whole) = (&net.mesh.base, Whole { surroundings, ..Whole::of(&net, &net.mesh.base) });
-    let Found { patch, vertices, .. } = whole.patch(Centre::Vertex(index(middle)), rings).ok_or(Unlimited::Size)?;
+    let (topology, whole) = (&net.mesh.base, WholeNet { surroundings, ..WholeNet::of(&net, &net.mesh.base) });
+    let Located { patch, vertices, .. } = whole.patch(Centre::Vertex(index(middle)), rings).ok_or(Unlimited::Size)?;
     let mask = masks.of(0, &patch)?;
     let mut order = Vec::new();
     grid(topology, middle, rings.support, |vertex| order.push(vertices.iter().position(|&u| u == vertex)));

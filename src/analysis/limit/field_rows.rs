@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::field::{Field, Wish};
+use super::field::{Field, Functional};
 use crate::math::rows::{RowSource, Rows};
 
 /// The rows of a field.
@@ -13,7 +13,7 @@ pub(super) struct FieldRows<'a> {
     /// Vertices and sectors of them, one for each row.
     pub(super) places: &'a [(u32, usize)],
     /// What the rows are for.
-    pub(super) wish: Wish,
+    pub(super) functional: Functional,
 }
 
 impl RowSource for FieldRows<'_> {
@@ -27,7 +27,7 @@ impl RowSource for FieldRows<'_> {
 
     fn make(&self, range: Range<usize>, out: &mut Rows) {
         for &(v, sector) in &self.places[range] {
-            self.field.row(v as usize, sector, self.wish, out);
+            self.field.row(v as usize, sector, self.functional, out);
             out.end_row();
         }
     }

@@ -1,16 +1,18 @@
-//! Whether the limit of a cycle is continuous, and whether it is smooth, where nothing is irregular.
+//! Whether the limit of a cycle is continuous, and whether it is smooth, where nothing is extraordinary.
 //!
 //! An impulse on a regular net is refined, and its differences are compared at two levels. Where they do not shrink clearly
 //! between these, as they may grow at first, or later, or somewhere else, they are followed through many more levels at the
 //! places that a level or two carry back to themselves: at vertices, and in thirds of edges and faces where edges are
 //! halved. What does not vanish there does not vanish; products of other matrices grew no faster on any plan that was tried.
 
-use super::Unlimited;
-use super::cycle::{Cycle, MAX_POINTS, made};
-use super::own::{Common, Own};
-use super::patch::{Centre, Rings, Whole};
-use super::probe::Regular;
+use super::bounds::MAX_LEVEL_POINTS;
+use super::cycle::{Cycle, made};
+use super::error::Unlimited;
+use super::patch::{Centre, Rings};
+use super::regular::Regular;
 use super::tangent::starting_vectors;
+use super::vertex_parameters::{CommonParameters, VertexParameters};
+use super::walk::WholeNet;
 use crate::math::functions::{exp, ln};
 use crate::math::vector::minus;
 use crate::refine::{Points, RefineError};
@@ -44,7 +46,7 @@ pub(super) enum Smoothness {
     Smooth,
 }
 
-/// What is looked at: a cycle on regular nets, tagged or not, whose vertices all carry the same numbers.
+/// What is looked at: a cycle on regular nets, tagged or not, whose vertices all carry the same parameters.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Impulse<'a> {
     /// The cycle, as it is after its numbers have settled.
@@ -53,14 +55,14 @@ pub(super) struct Impulse<'a> {
     pub(super) regular: Regular,
     /// Whether there are latitude lines.
     pub(super) tagged: bool,
-    /// The numbers.
-    pub(super) common: Common,
+    /// The parameters that all vertices carry.
+    pub(super) common: CommonParameters,
     /// Rings that decide about a limit.
     pub(super) support: usize,
 }
 
-/// A net and its points: their places in the plane, and the heights that the impulse leads to.
-struct Heights {
+/// A net and its points: their places in the plane, and as third coordinate what the impulse leads to.
+struct ImpulseNet {
     net: MeshNet,
     points: Points,
 }
@@ -70,16 +72,16 @@ impl Impulse<'_> {
     /// for `tangents`.
     pub(super) fn smoothness(&self, tangents: bool, watch: &Watch) -> Result<Smoothness, Unlimited> {
         let side = side(self.support, self.cycle.n_duals());
-        let mut heights = self.on(self.regular.net(side, self.tagged), side);
+        let mut impulse_net = self.on(self.regular.net(side, self.tagged), side);
         let (levels, _) = compared(side, &self.cycle.pieces()).ok_or(Unlimited::Fine)?;
         let mut seen = Vec::new();
         for level in 0..=levels[1] {
             if level > 0 {
                 watch.check()?;
-                heights = self.refined(heights)?;
+                impulse_net = self.refined(impulse_net)?;
             }
             if levels.contains(&level) {
-                seen.push(Differences::of(&heights.net.mesh.topology(), &heights.points.now));
+                seen.push(Differences::of(&impulse_net.net.mesh.topology(), &impulse_net.points.now));
             }
         }
         let vanish = |measure: Measure| -> Result<bool, Unlimited> {
@@ -96,7 +98,7 @@ impl Impulse<'_> {
     }
 
     /// An impulse in the middle of a regular net of `side x side` squares.
-    fn on(&self, mut net: MeshNet, side: usize) -> Heights {
+    fn on(&self, mut net: MeshNet, side: usize) -> ImpulseNet {
         if self.common.are_there() {
             let all: Vec<u32> = (0..index(net.mesh.n_vertices())).collect();
             let directions = net.annotations.directions.as_deref().cloned();
@@ -104,11 +106,11 @@ impl Impulse<'_> {
         }
         let middle = (side / 2) * (side + 1) + side / 2;
         let place = |v: usize| [index(v % (side + 1)), index(v / (side + 1)), u32::from(v == middle)].map(f64::from);
-        Heights { points: Points::new((0..net.mesh.n_vertices()).flat_map(place).collect(), 3), net }
+        ImpulseNet { points: Points::new((0..net.mesh.n_vertices()).flat_map(place).collect(), 3), net }
     }
 
     /// One level more.
-    fn refined(&self, Heights { net, mut points }: Heights) -> Result<Heights, Unlimited> {
+    fn refined(&self, ImpulseNet { net, mut points }: ImpulseNet) -> Result<ImpulseNet, Unlimited> {
         // work that no forecast counts
         let uncounted = Watch::new();
         let net = self.cycle.applied(net, |action, step| {
@@ -117,7 +119,7 @@ impl Impulse<'_> {
                 _ => Unlimited::Unsettled,
             })
         })?;
-        Ok(Heights { net, points })
+        Ok(ImpulseNet { net, points })
     }
 
     /// Whether differences vanish at all places that are followed; `None` where too many points are around one.
@@ -135,7 +137,7 @@ impl Impulse<'_> {
     /// Whether differences vanish at a place, from heights without a pattern on.
     fn vanish_at(
         &self,
-        place: Place,
+        place: RecurrentPlace,
         measure: Measure,
         budget: &mut usize,
         watch: &Watch,
@@ -145,31 +147,32 @@ impl Impulse<'_> {
         let rings = self.support + self.support / 4 + 5;
         let rings = Rings { support: rings, patch: rings };
         let side = 2 * (rings.patch + 2);
-        let mut heights = self.on(self.regular.net(side, self.tagged), side);
-        let wild = starting_vectors(heights.net.mesh.n_vertices(), 1).concat();
-        heights.points.now.chunks_exact_mut(3).zip(wild).for_each(|(p, z)| p[2] = z);
+        let mut impulse_net = self.on(self.regular.net(side, self.tagged), side);
+        let wild = starting_vectors(impulse_net.net.mesh.n_vertices(), 1).concat();
+        impulse_net.points.now.chunks_exact_mut(3).zip(wild).for_each(|(p, z)| p[2] = z);
         let middle = (side / 2) * (side + 1) + side / 2;
-        let Some(mut heights) = heights.around(&heights.net.mesh.topology(), middle, rings, [1.0; 2], self) else {
+        let Some(mut impulse_net) = impulse_net.around(&impulse_net.net.mesh.topology(), middle, rings, [1.0; 2], self)
+        else {
             return Ok(None);
         };
         let (mut target, mut sizes, mut compared) = (place.at, vec![0.0], PLACE_LEVELS[0]);
         for level in 1..=PLACE_LEVELS[1] {
             watch.check()?;
-            let made = made(heights.net.mesh.n_vertices(), &self.cycle.pieces(), 1);
+            let made = made(impulse_net.net.mesh.n_vertices(), &self.cycle.pieces(), 1);
             let Some(left) = budget.checked_sub(made) else {
                 return Ok((level > PLACE_LEVELS[0]).then_some(false));
             };
             *budget = left;
-            heights = self.refined(heights)?;
-            let topology = heights.net.mesh.topology();
+            impulse_net = self.refined(impulse_net)?;
+            let topology = impulse_net.net.mesh.topology();
             let mut largest = Differences::default();
             let mut nearest = (f64::INFINITY, 0);
             for v in 0..topology.n_vertices() {
-                let off = [0, 1].map(|k| (heights.points.now[3 * v + k] - target[k]).abs());
+                let off = [0, 1].map(|k| (impulse_net.points.now[3 * v + k] - target[k]).abs());
                 let off = off[0].max(off[1]);
                 // within an edge of the level before
                 if off <= 1.0 {
-                    largest = largest.or(&Differences::at(&topology, &heights.points.now, v));
+                    largest = largest.or(&Differences::at(&topology, &impulse_net.points.now, v));
                 }
                 if off < nearest.0 {
                     nearest = (off, v);
@@ -190,11 +193,11 @@ impl Impulse<'_> {
                 compared *= 2;
             }
             let v = nearest.1;
-            target = [0, 1].map(|k| place.rounded((target[k] - heights.points.now[3 * v + k]) / largest.length));
-            let Some(next) = heights.around(&topology, v, rings, measure.units(&largest), self) else {
+            target = [0, 1].map(|k| place.rounded((target[k] - impulse_net.points.now[3 * v + k]) / largest.length));
+            let Some(next) = impulse_net.around(&topology, v, rings, measure.units(&largest), self) else {
                 return Ok(None);
             };
-            heights = next;
+            impulse_net = next;
         }
         Ok(Some(false))
     }
@@ -202,13 +205,13 @@ impl Impulse<'_> {
 
 /// A place in the plane, in edges from a vertex, that levels carry back to itself, or to its like at another vertex.
 #[derive(Debug, Clone, Copy)]
-struct Place {
+struct RecurrentPlace {
     at: [f64; 2],
     /// What its coordinates are whole multiples of, at all levels: one part of so many, or half of it in duals.
     parts: f64,
 }
 
-impl Place {
+impl RecurrentPlace {
     /// A coordinate of it without rounding, which would grow with every level.
     fn rounded(&self, x: f64) -> f64 {
         (x * 2.0 * self.parts).round() / (2.0 * self.parts)
@@ -217,7 +220,7 @@ impl Place {
 
 /// The places that a cut of edges in so many pieces carries back to themselves in one level or two, but for those that are
 /// mirror images of others.
-fn places(pieces: usize) -> Vec<Place> {
+fn places(pieces: usize) -> Vec<RecurrentPlace> {
     let mut places = Vec::new();
     for parts in [pieces.saturating_sub(1), pieces + 1] {
         let is_own_mirror = |p: usize| p == 0 || 2 * p == parts;
@@ -225,7 +228,7 @@ fn places(pieces: usize) -> Vec<Place> {
             // vertices once
             let direct = (j > 0 || parts == 1).then_some(j);
             let mirrored = (!is_own_mirror(i) && !is_own_mirror(j)).then_some(parts - j);
-            let place = |y: usize| Place { at: [i, y].map(|p| count(p) / count(parts)), parts: count(parts) };
+            let place = |y: usize| RecurrentPlace { at: [i, y].map(|p| count(p) / count(parts)), parts: count(parts) };
             places.extend(direct.into_iter().chain(mirrored).map(place));
         }
     }
@@ -245,10 +248,10 @@ pub(super) fn side(support: usize, n_duals: usize) -> usize {
 /// points, and how many these are. `pieces` are those of an edge after each operator of a level.
 pub(super) fn compared(side: usize, pieces: &[usize]) -> Option<([usize; 2], usize)> {
     let found = LEVELS.map(|levels| (levels, made((side + 1) * (side + 1), pieces, levels[1])));
-    found.into_iter().find(|&(_, points)| points <= MAX_POINTS)
+    found.into_iter().find(|&(_, points)| points <= MAX_LEVEL_POINTS)
 }
 
-impl Heights {
+impl ImpulseNet {
     /// What is around a vertex inside, seen from it and in other units of length and height: its place is 0, and the plane
     /// through it and two others is taken off the heights. `None` where this is too much, or not of the net.
     fn around(
@@ -259,12 +262,12 @@ impl Heights {
         units: [f64; 2],
         impulse: &Impulse<'_>,
     ) -> Option<Self> {
-        let found = Whole::of(&self.net, topology).patch(Centre::Vertex(index(v)), rings)?;
-        let (net, origins) = found.patch.net(impulse.cycle.frame)?;
+        let found = WholeNet::of(&self.net, topology).patch(Centre::Vertex(index(v)), rings)?;
+        let (net, origins) = found.patch.net(impulse.cycle.patch_rules)?;
         let at = |v: u32| [0, 1, 2].map(|k| self.points.now[3 * v as usize + k]);
         let centre = at(index(v));
         let seen = |v: u32| minus(at(v), centre);
-        let mut ring = topology.ring(v).map(|corner| seen(topology.vertex(topology.next(corner))));
+        let mut ring = topology.ring(v).map(|half_edge| seen(topology.vertex(topology.next(half_edge))));
         let ([a, b, z], [c, d, w]) = (ring.next()?, ring.next()?);
         let determinant = a * d - b * c;
         let slope = [(z * d - w * b) / determinant, (w * a - z * c) / determinant];
@@ -276,7 +279,7 @@ impl Heights {
         let net = match &self.net.annotations.attributes {
             Some(attributes) => {
                 let directions = net.annotations.directions.as_deref().cloned();
-                net.carrying(Some(Own::of(attributes, &found.vertices).attributes(&origins)), directions)
+                net.carrying(Some(VertexParameters::of(attributes, &found.vertices).attributes(&origins)), directions)
             }
             None => net,
         };
@@ -322,7 +325,8 @@ impl Differences {
         let [x, y, z] = at(index(v));
         let valence = topology.ring(v).count();
         let inside = !topology.is_isolated(v) && topology.boundary_edges(v).is_none() && valence.is_multiple_of(2);
-        let around: Vec<[f64; 3]> = topology.ring(v).map(|corner| at(topology.vertex(topology.next(corner)))).collect();
+        let around: Vec<[f64; 3]> =
+            topology.ring(v).map(|half_edge| at(topology.vertex(topology.next(half_edge)))).collect();
         let mut largest = Self::default();
         for (i, p) in around.iter().enumerate() {
             largest.first = largest.first.max((p[2] - z).abs());

@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::Unlimited;
 use super::cycle::{Child, Cycle};
-use super::own::{Common, Own};
+use super::error::Unlimited;
 use super::patch::{Centre, Patch, Rings};
-use super::sector::{Part, Sectors};
+use super::rotation;
+use super::sector::{SectorSupport, Sectors};
 use super::skeleton::{Skeletons, Traced};
 use super::tangent::{self, NoTangents, starting_vectors};
-use super::turn;
+use super::vertex_parameters::{CommonParameters, VertexParameters};
 
 /// Levels after which a neighbourhood has to look like itself: vertices that differ from their surroundings move apart
 /// with every level, and nothing else changes it.
@@ -29,7 +29,7 @@ const WITNESSES: usize = 2;
 const WARM_UP: usize = 256;
 /// Points that are no farther apart than this, of about 1 before, come together.
 const TOGETHER: f64 = 1e-6;
-/// Levels after which numbers of vertices agree: their differences are halved.
+/// Levels after which the parameters of vertices agree: their differences are halved.
 const MAX_LEVELS: usize = 1_100;
 /// Levels after which a mask has to have settled.
 const MAX_STEPS: usize = 20_000;
@@ -46,16 +46,16 @@ pub(super) struct Mask {
 impl Mask {
     /// The same limit seen from one level before, on a patch whose child it is that of.
     fn before(&self, patch: &Patch, child: &Child) -> Self {
-        let parted = || Sectors::of(patch).children(&Sectors::of(&child.patch), child.turn);
-        let sectors = if self.tangents.len() > 1 { parted() } else { vec![0; self.tangents.len()] };
+        let by_sector = || Sectors::of(patch).children(&Sectors::of(&child.patch), child.rotation);
+        let sectors = if self.tangents.len() > 1 { by_sector() } else { vec![0; self.tangents.len()] };
         let Ok(mask) = self.seen_by(&sectors, |row| Ok::<_, Infallible>(child.back(row)));
         mask
     }
 
     /// The same where the level is not made a matrix.
     fn before_traced(&self, patch: &Patch, level: &Traced) -> Result<Self, Unlimited> {
-        let parted = || Sectors::of(patch).children(&Sectors::of(level.patch()), level.turn());
-        let sectors = if self.tangents.len() > 1 { parted() } else { vec![0; self.tangents.len()] };
+        let by_sector = || Sectors::of(patch).children(&Sectors::of(level.patch()), level.rotation());
+        let sectors = if self.tangents.len() > 1 { by_sector() } else { vec![0; self.tangents.len()] };
         self.seen_by(&sectors, |row| level.times_row(row))
     }
 
@@ -89,11 +89,11 @@ pub(super) fn tangential(mut row: Vec<f64>) -> Vec<f64> {
     row
 }
 
-/// Finds masks of patches whose vertices all carry the same numbers, and remembers them.
+/// Finds masks of patches whose vertices all carry the same parameters, and remembers them.
 #[derive(Debug)]
 pub(super) struct Masks<'a> {
     finder: &'a Finder<'a>,
-    common: Common,
+    common: CommonParameters,
     known: Mutex<BTreeMap<(usize, Patch), Arc<Mask>>>,
 }
 
@@ -106,7 +106,7 @@ pub(super) struct Finder<'a> {
     pub(super) rings: Rings,
     /// Whether tangents are asked for.
     pub(super) with_tangents: bool,
-    /// Steps of patches that carry numbers.
+    /// Steps of patches whose vertices carry parameters.
     pub(super) skeletons: Skeletons<'a>,
 }
 
@@ -116,37 +116,37 @@ impl<'a> Finder<'a> {
         Self { cycle, rings, with_tangents, skeletons: Skeletons::new(cycle, rings) }
     }
 
-    /// The mask of a patch whose vertices carry numbers that differ: level after level, until they no longer do.
-    pub(super) fn varying(&self, patch: &Patch, own: &Own) -> Result<Mask, Unlimited> {
-        let (mut patch, mut own) = (patch.clone(), own.clone());
+    /// The mask of a patch whose vertices carry parameters that differ: level after level, until they no longer do.
+    pub(super) fn varying(&self, patch: &Patch, parameters: &VertexParameters) -> Result<Mask, Unlimited> {
+        let (mut patch, mut parameters) = (patch.clone(), parameters.clone());
         let mut steps = Vec::new();
-        while !own.agree() {
+        while !parameters.agree() {
             if steps.len() > MAX_LEVELS {
                 return Err(Unlimited::Unsettled);
             }
-            let (level, next) = self.skeletons.step(steps.len(), &patch, &own)?;
+            let (level, next) = self.skeletons.step(steps.len(), &patch, &parameters)?;
             let before = std::mem::replace(&mut patch, level.patch().clone());
             steps.push((before, level));
-            own = next;
+            parameters = next;
         }
         // what no other vertex has is not kept
-        let last = Masks::new(self, own.first()).of(steps.len(), &patch)?;
+        let last = Masks::new(self, parameters.first()).of(steps.len(), &patch)?;
         let back = |mask: Mask, (patch, level): &(Patch, Traced)| mask.before_traced(patch, level);
         steps.iter().rev().try_fold(Mask::clone(&last), back)
     }
 }
 
 impl<'a> Masks<'a> {
-    /// The masks where all vertices have these numbers.
-    pub(super) fn new(finder: &'a Finder<'a>, common: Common) -> Self {
+    /// The masks where all vertices have these parameters.
+    pub(super) fn new(finder: &'a Finder<'a>, common: CommonParameters) -> Self {
         Self { finder, common, known: Mutex::default() }
     }
 
     fn step(&self, level: usize, patch: &Patch) -> Result<Child, Unlimited> {
         let finder = self.finder;
         if self.common.are_there() {
-            let own = self.common.of_all(patch.n_vertices);
-            finder.skeletons.step(level, patch, &own)?.0.child()
+            let parameters = self.common.of_all(patch.n_vertices);
+            finder.skeletons.step(level, patch, &parameters)?.0.child()
         } else {
             finder.cycle.step(level, patch, finder.rings)
         }
@@ -250,14 +250,16 @@ impl<'a> Masks<'a> {
             _ if !self.finder.with_tangents => Vec::new(),
             1 => vec![self.tangents(patch, &position, back, forth)],
             // a patch that comes again is the least one there is, and so is its child
-            _ if children.iter().any(|child| child.turn > 0) => vec![Err(NoTangents::Eigenvalues); sectors.n],
-            n => (0..n).map(|sector| one_sided(&Part::of(patch, &sectors, sector), &position, back, forth)).collect(),
+            _ if children.iter().any(|child| child.rotation > 0) => vec![Err(NoTangents::Eigenvalues); sectors.n],
+            n => (0..n)
+                .map(|sector| one_sided(&SectorSupport::of(patch, &sectors, sector), &position, back, forth))
+                .collect(),
         };
         Ok(Mask { position, tangents })
     }
 
-    /// The tangents of a patch that comes again by a matrix, as it is or, where they are none then, turned back by as many
-    /// faces as the matrix turns it: a turn makes a pair of complex eigenvalues of one that is there twice.
+    /// The tangents of a patch that comes again by a matrix, as it is or, where they are none then, rotated back by as many
+    /// faces as the matrix rotates it: a rotation makes a pair of complex eigenvalues of one that is there twice.
     fn tangents(
         &self,
         patch: &Patch,
@@ -269,10 +271,10 @@ impl<'a> Masks<'a> {
         if found != Err(NoTangents::Eigenvalues) {
             return found;
         }
-        let Some(faces) = turn::by(patch, &forth).filter(|&faces| faces > 0) else { return found };
+        let Some(faces) = rotation::by(patch, &forth).filter(|&faces| faces > 0) else { return found };
         let finder = self.finder;
-        let Some(places) = turn::places(patch, finder.cycle, finder.rings, faces) else { return found };
-        // the points after the matrix, each in its place before the turn
+        let Some(places) = rotation::places(patch, finder.cycle, finder.rings, faces) else { return found };
+        // the points after the matrix, each in its place before the rotation
         let forth = |column: &[f64]| {
             let mut moved = vec![0.0; column.len()];
             forth(column).into_iter().zip(&places).for_each(|(x, &place)| moved[place as usize] = x);
@@ -310,7 +312,7 @@ fn comes_together(position: &[f64], forth: impl Fn(&[f64]) -> Vec<f64>) -> bool 
 
 /// The tangents of one sector: those of the part of the matrix that belongs to it.
 fn one_sided(
-    part: &Part,
+    part: &SectorSupport,
     position: &[f64],
     back: impl Fn(&[f64]) -> Vec<f64>,
     forth: impl Fn(&[f64]) -> Vec<f64>,

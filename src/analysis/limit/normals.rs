@@ -9,7 +9,7 @@ pub(super) fn of(field: &Field, places: &[(u32, usize)], first: &[f64], second: 
     let (first, second) = (first.as_chunks::<3>().0, second.as_chunks::<3>().0);
     let found: Vec<Option<[f64; 3]>> = first.iter().zip(second).map(|(t, u)| normal(*t, *u)).collect();
     let n = field.n_vertices();
-    let missing = |&at: &usize| found[at].is_none() && !field.is_alone(places[at].0 as usize);
+    let missing = |&at: &usize| found[at].is_none() && !field.is_isolated(places[at].0 as usize);
     let mut missing: Vec<usize> = (0..found.len()).filter(missing).collect();
     let warning = missing.first().map(|&at| {
         let (v, sector) = (places[at].0 as usize, places[at].1);
@@ -26,7 +26,7 @@ pub(super) fn of(field: &Field, places: &[(u32, usize)], first: &[f64], second: 
     for others in beside.chunk_by(|&a, &b| places[a].0 == places[b].0) {
         let v = places[others[0]].0;
         let of_sector = |sector: usize| if sector == 0 { found[v as usize] } else { found[others[sector - 1]] };
-        let corners = field.corners(v as usize);
+        let corners = field.sides(v as usize);
         sides.extend(corners.iter().map(|&(next, sector)| ([v, next], of_sector(sector).unwrap_or_default())));
         let all: Option<Vec<[f64; 3]>> = (0..=others.len()).map(of_sector).collect();
         let sum = all.and_then(|all| direction(all.into_iter().fold([0.0; 3], plus)));

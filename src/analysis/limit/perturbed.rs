@@ -9,14 +9,17 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::bounds::{MAX_FOLLOWED_LEVELS, MAX_FOLLOWED_POINTS};
 use super::cycle::Child;
+use super::error::Unlimited;
 use super::field::{Field, patch};
 use super::mask::{Finder, Mask, Masks, summing_to_one, tangential};
-use super::own::{Common, Own};
-use super::patch::{Centre, Found, Patch, Rings, Whole};
+use super::patch::{Centre, Located, Patch, Rings};
+use super::request::LimitRequest;
 use super::sector::Sectors;
 use super::tangent::starting_vectors;
-use super::{Asked, Unlimited};
+use super::vertex_parameters::{CommonParameters, VertexParameters};
+use super::walk::WholeNet;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::Role;
 use crate::scheme::plan::{Perturbation, Plan};
@@ -24,12 +27,8 @@ use crate::shape::numbering::Numbering;
 use crate::shape::topology::index;
 use crate::watch::Watch;
 
-/// Most points in the surroundings of all vertices together.
-pub(super) const MAX_POINTS: usize = 1 << 20;
 /// Rows that take as long as following one of them: measured, 50 to 200 microseconds.
 pub const ROWS_A_POINT: u64 = 1_000;
-/// Levels within which the points around a vertex have to come together.
-pub(super) const MAX_LEVELS: usize = 1_000;
 /// Perturbations below which what is still to come is left out: times the distances they act on for positions, by
 /// themselves for tangents.
 const QUIET: f64 = 1e-16;
@@ -48,9 +47,9 @@ pub(super) fn of(plan: &Plan) -> Option<Perturbation> {
 }
 
 /// About how many points are around a vertex that is followed by itself for what is asked of a mesh; 0 where none is.
-pub fn followed_points(plan: &Plan, asked: Asked) -> u64 {
-    let with_normals = |perturbation: &Perturbation| asked.normals && no_normals(perturbation).is_none();
-    if !of(plan).is_some_and(|perturbation| asked.positions || with_normals(&perturbation)) {
+pub fn followed_points(plan: &Plan, request: LimitRequest) -> u64 {
+    let with_normals = |perturbation: &Perturbation| request.normals && no_normals(perturbation).is_none();
+    if !of(plan).is_some_and(|perturbation| request.positions || with_normals(&perturbation)) {
         return 0;
     }
     let rings = plan.word.cycle.iter().filter(|letter| letter.facts().role != Role::Upsample).count() as u64;
@@ -78,17 +77,17 @@ pub(super) fn field(
     watch: &Watch,
 ) -> Result<Field, Unlimited> {
     let topology = net.mesh.topology();
-    let whole = Whole::of(&net, &topology);
+    let whole = WholeNet::of(&net, &topology);
     check_size(&whole, rings, watch)?;
     let numbering = Numbering::of(&topology);
-    let plain = Masks::new(finder, Common::default());
+    let plain = Masks::new(finder, CommonParameters::default());
     let mask = |v: u32| {
         watch.check()?;
         let centre = (!whole.topology.is_isolated(v as usize)).then_some(Centre::Vertex(v));
-        let Some((found, own)) = patch(&whole, &net, centre, rings)? else { return Ok(None) };
-        let numbering = numbering.part(&topology, &found.vertices, &found.corners);
+        let Some((found, parameters)) = patch(&whole, &net, centre, rings)? else { return Ok(None) };
+        let numbering = numbering.part(&topology, &found.vertices, &found.half_edges);
         let follower = Follower { finder, plain: &plain, perturbation, watch };
-        let mask = follower.mask(found, own, numbering)?;
+        let mask = follower.mask(found, parameters, numbering)?;
         watch.advance(rows);
         Ok(Some(Arc::new(mask)))
     };
@@ -98,7 +97,7 @@ pub(super) fn field(
 }
 
 /// Whether not too many points are around all vertices together.
-fn check_size(whole: &Whole<'_>, rings: Rings, watch: &Watch) -> Result<(), Unlimited> {
+fn check_size(whole: &WholeNet<'_>, rings: Rings, watch: &Watch) -> Result<(), Unlimited> {
     let topology = whole.topology;
     let all: Vec<u32> = (0..index(topology.n_vertices())).filter(|&v| !topology.is_isolated(v as usize)).collect();
     let mut points = 0;
@@ -107,7 +106,7 @@ fn check_size(whole: &Whole<'_>, rings: Rings, watch: &Watch) -> Result<(), Unli
         let size = |&v: &u32| whole.patch(Centre::Vertex(v), rings).map(|found| found.vertices.len());
         let sizes: Option<Vec<usize>> = chunk.par_iter().map(size).collect();
         points += sizes.ok_or(Unlimited::Size)?.iter().sum::<usize>();
-        if points > MAX_POINTS {
+        if points > MAX_FOLLOWED_POINTS {
             return Err(Unlimited::Followed);
         }
     }
@@ -132,8 +131,8 @@ struct Level {
 
 impl Follower<'_> {
     /// The mask of a patch whose parts have these numbers in the whole net.
-    fn mask(&self, found: Found, own: Own, numbering: Numbering) -> Result<Mask, Unlimited> {
-        let (mut patch, mut own, mut numbering) = (found.patch, own, numbering);
+    fn mask(&self, found: Located, parameters: VertexParameters, numbering: Numbering) -> Result<Mask, Unlimited> {
+        let (mut patch, mut parameters, mut numbering) = (found.patch, parameters, numbering);
         let mut spread = Spread::new(patch.support);
         let mut levels: Vec<Level> = Vec::new();
         let last = loop {
@@ -141,22 +140,22 @@ impl Follower<'_> {
             if !self.finder.with_tangents && spread.is_none() {
                 break Mask { position: patch.middle(), tangents: Vec::new() };
             }
-            if own.agree() && self.is_quiet(levels.len(), &spread) {
-                break self.unperturbed(levels.len(), &patch, &own)?;
+            if parameters.agree() && self.is_quiet(levels.len(), &spread) {
+                break self.unperturbed(levels.len(), &patch, &parameters)?;
             }
-            if levels.len() >= MAX_LEVELS || !spread.is_finite() {
+            if levels.len() >= MAX_FOLLOWED_LEVELS || !spread.is_finite() {
                 return Err(Unlimited::Wild);
             }
-            let parts = (&own, Some((&numbering, self.perturbation)));
+            let parts = (&parameters, Some((&numbering, self.perturbation)));
             let (level, next) = self.finder.skeletons.followed(levels.len(), &patch, parts)?;
             let child = level.child()?;
             let before = Sectors::of(&patch);
             let sectors =
-                if before.n > 1 { before.children(&Sectors::of(&child.patch), child.turn) } else { Vec::new() };
+                if before.n > 1 { before.children(&Sectors::of(&child.patch), child.rotation) } else { Vec::new() };
             spread.go_on(&child);
             patch = child.patch.clone();
             levels.push(Level { child, sectors });
-            own = next.0;
+            parameters = next.0;
             numbering = next.1.ok_or(Unlimited::Wild)?;
         };
         Ok(levels.iter().rev().fold(last, |mask, level| before(&mask, level)))
@@ -172,8 +171,8 @@ impl Follower<'_> {
     }
 
     /// The mask of the plan without perturbation.
-    fn unperturbed(&self, level: usize, patch: &Patch, own: &Own) -> Result<Mask, Unlimited> {
-        let common = own.first();
+    fn unperturbed(&self, level: usize, patch: &Patch, parameters: &VertexParameters) -> Result<Mask, Unlimited> {
+        let common = parameters.first();
         let mask = if common.are_there() {
             Masks::new(self.finder, common).of(level, patch)?
         } else {

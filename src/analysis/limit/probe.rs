@@ -1,29 +1,18 @@
-//! How far a cycle reaches where nothing is irregular.
+//! How far a cycle reaches where nothing is extraordinary.
 
-use super::Unlimited;
-use super::cycle::{Cycle, is_triangular};
-use super::patch::{Centre, Patch, Rings, Whole};
-use super::places::Starts;
-use crate::scheme::mesh_net::MeshNet;
-use crate::shape::directions::{Direction, Directions};
+use super::bounds::MAX_RINGS;
+use super::cycle::Cycle;
+use super::error::Unlimited;
+use super::patch::{Centre, Patch, Rings, is_triangular};
+use super::regular::{Regular, Starts};
+use super::walk::WholeNet;
 use crate::shape::topology::{Topology, index};
 
-/// Most rings whose vertices may decide about a limit.
-pub(super) const MAX_RINGS: usize = 16;
 /// Rings that are tried one after another before it is asked whether the most are enough: cost grows with their fourth
 /// power.
 const TRIED: usize = 8;
 /// Steps after which children of places on the boundary, of edges and of faces are like those before.
 const STEPS: usize = 3;
-/// How many sides the faces have around which a scheme is regular.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Regular {
-    /// Quads, four around a vertex.
-    Quads,
-    /// Triangles, six around a vertex.
-    Triangles,
-}
-
 impl Regular {
     /// What a cycle makes of a mesh: triangles stay triangles under triangle splits only.
     pub(super) fn of(cycle: &Cycle<'_>, topology: &Topology) -> Result<Self, Unlimited> {
@@ -34,31 +23,9 @@ impl Regular {
         Ok(if is_triangular(&refined.mesh.topology()) { Self::Triangles } else { Self::Quads })
     }
 
-    /// A regular net of `side x side` squares, each cut into two triangles where it is made of these; its rows are latitude
-    /// lines where it is tagged.
-    pub(super) fn net(self, side: usize, tagged: bool) -> MeshNet {
-        let at = |i: usize, j: usize| index(j * (side + 1) + i);
-        let squares = (0..side).flat_map(|j| (0..side).map(move |i| (i, j)));
-        let squares = squares.map(|(i, j)| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
-        let net = self.of_squares((side + 1) * (side + 1), squares);
-        let topology = &net.mesh.base;
-        let direction = |e: usize| {
-            let [a, b] = topology.ends(e).map(|v| v as usize / (side + 1));
-            if a == b { Direction::Latitude } else { Direction::Longitude }
-        };
-        let directions = tagged.then(|| Directions::of_edges((0..topology.n_edges()).map(direction).collect()));
-        net.carrying(None, directions)
-    }
-
-    /// A regular net and the vertex in its middle, which is so far from the boundary that no patch reaches it.
-    pub(super) fn grid(self, rings: Rings, tagged: bool) -> (MeshNet, usize) {
-        let side = 2 * (rings.patch + 2);
-        (self.net(side, tagged), (side / 2) * (side + 1) + side / 2)
-    }
-
     fn patch(self, rings: Rings, tagged: bool) -> Option<Patch> {
         let (net, middle) = self.grid(rings, tagged);
-        let whole = Whole::of(&net, &net.mesh.base);
+        let whole = WholeNet::of(&net, &net.mesh.base);
         whole.patch(Centre::Vertex(index(middle)), rings).map(|found| found.patch)
     }
 
@@ -88,7 +55,7 @@ impl Regular {
         // patches lose faces where their rim meets it
         let spare = usize::from(self == Self::Triangles && cycle.rebuilds());
         let support = support + spare + usize::from(cycle.reaches_farther());
-        let most = support + 2 + starts.wider(cycle);
+        let most = support + 2 + starts.wider(cycle.n_duals());
         for patch in support + spare..most {
             let rings = Rings { support, patch };
             if self.agrees(cycle, rings, tagged)? && self.agrees_elsewhere(cycle, rings, starts)? {
@@ -105,9 +72,9 @@ impl Regular {
         if !closes(cycle, patch, rings, 2)? {
             return Ok(false);
         }
-        let rings = Rings { patch: rings.patch + starts.wider(cycle), ..rings };
+        let rings = Rings { patch: rings.patch + starts.wider(cycle.n_duals()), ..rings };
         for (net, centre) in self.places(starts, cycle.n_duals(), rings.patch) {
-            let patch = Whole::of(&net, &net.mesh.base).patch(centre, rings).ok_or(Unlimited::Size)?.patch;
+            let patch = WholeNet::of(&net, &net.mesh.base).patch(centre, rings).ok_or(Unlimited::Size)?.patch;
             if !closes(cycle, patch, rings, STEPS)? {
                 return Ok(false);
             }
@@ -134,9 +101,9 @@ impl Regular {
 
     /// The same at the other places.
     fn agrees_elsewhere(self, cycle: &Cycle<'_>, rings: Rings, starts: Starts) -> Result<bool, Unlimited> {
-        let larger = Rings { patch: rings.patch + 2 + starts.wider(cycle), ..rings };
+        let larger = Rings { patch: rings.patch + 2 + starts.wider(cycle.n_duals()), ..rings };
         for (net, centre) in self.places(starts, cycle.n_duals(), larger.patch) {
-            let whole = Whole::of(&net, &net.mesh.base);
+            let whole = WholeNet::of(&net, &net.mesh.base);
             let [Some(mut small), Some(mut large)] =
                 [rings, larger].map(|rings| whole.patch(centre, rings).map(|found| found.patch))
             else {

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use super::Unlimited;
+use super::error::Unlimited;
 use crate::math::rows::{Rows, collect};
 use crate::scheme::step::{Action, Source};
 use crate::shape::topology::index;

@@ -25,11 +25,11 @@ impl Sectors {
         }
         let faces: Vec<&[u32]> = patch.central_faces().collect();
         // the edge by which the walk around the centre enters each face
-        let mut corner = 0;
+        let mut half_edge = 0;
         let mut parts = Vec::with_capacity(faces.len());
         for face in &faces {
-            parts.push(patch.is_sharp_for_ever(corner));
-            corner += face.len();
+            parts.push(patch.is_sharp_for_ever(half_edge));
+            half_edge += face.len();
         }
         let closed = faces.first().map(|face| face[1]) == faces.last().map(|face| face[face.len() - 1]);
         parts[0] &= closed;
@@ -51,17 +51,17 @@ impl Sectors {
         self.of_faces[face]
     }
 
-    /// For each sector the one it becomes in a child's patch, whose face 0 comes of face `turn` of this one.
-    pub(super) fn children(&self, child: &Self, turn: usize) -> Vec<usize> {
+    /// For each sector the one it becomes in a child's patch, whose face 0 comes of face `rotation` of this one.
+    pub(super) fn children(&self, child: &Self, rotation: usize) -> Vec<usize> {
         let faces = self.of_faces.len();
         let first = |sector| self.of_faces.iter().position(|&other| other == sector).unwrap_or(0);
-        (0..self.n).map(|sector| child.of_faces[(first(sector) + faces - turn) % faces]).collect()
+        (0..self.n).map(|sector| child.of_faces[(first(sector) + faces - rotation) % faces]).collect()
     }
 }
 
 /// A sector of a patch that is like itself from level to level: its points come of no others.
 #[derive(Debug)]
-pub(super) struct Part {
+pub(super) struct SectorSupport {
     /// The vertices of the support that belong to it, ascending.
     vertices: Vec<u32>,
     /// The faces at the centre, in the numbers of these.
@@ -69,20 +69,20 @@ pub(super) struct Part {
     n: usize,
 }
 
-impl Part {
+impl SectorSupport {
     /// One sector of a patch: what is reached from its faces at the centre without crossing an edge that stays sharp.
     pub(super) fn of(patch: &Patch, sectors: &Sectors, sector: usize) -> Self {
         let faces: Vec<&[u32]> = patch.faces().collect();
         let mut beside: BTreeMap<(u32, u32), Vec<usize>> = BTreeMap::new();
-        let mut corner = 0;
+        let mut half_edge = 0;
         for (f, face) in faces.iter().enumerate() {
             for i in 0..face.len() {
                 let (a, b) = (face[i], face[(i + 1) % face.len()]);
-                if !patch.is_sharp_for_ever(corner + i) {
+                if !patch.is_sharp_for_ever(half_edge + i) {
                     beside.entry((a.min(b), a.max(b))).or_default().push(f);
                 }
             }
-            corner += face.len();
+            half_edge += face.len();
         }
         let first = (0..sectors.of_faces.len()).filter(|&f| sectors.of_face(f) == sector);
         let mut reached: Vec<usize> = first.clone().collect();

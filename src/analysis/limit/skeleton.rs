@@ -1,13 +1,13 @@
-//! Steps of patches whose vertices carry numbers of their own: the connectivity once, the numbers again and again.
+//! Steps of patches whose vertices carry parameters of their own: the connectivity once, the parameters again and again.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::Unlimited;
 use super::cycle::{Child, Cycle};
-use super::own::Own;
-use super::patch::{Found, Patch, Rings};
+use super::error::Unlimited;
+use super::patch::{Located, Patch, Rings};
 use super::record::{Record, Weights};
+use super::vertex_parameters::VertexParameters;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::Perturbation;
 use crate::scheme::stepper::Stepper;
@@ -19,7 +19,7 @@ use crate::shape::topology::Topology;
 struct Skeleton {
     net: MeshNet,
     origins: Vec<u32>,
-    child: Found,
+    child: Located,
     /// The topology after the level.
     refined: Arc<Topology>,
 }
@@ -39,8 +39,8 @@ impl Traced {
     }
 
     /// Which face at the centre its first face there comes of.
-    pub(super) fn turn(&self) -> usize {
-        self.skeleton.child.turn
+    pub(super) fn rotation(&self) -> usize {
+        self.skeleton.child.rotation
     }
 
     /// The points of the child's support.
@@ -74,22 +74,27 @@ impl<'a> Skeletons<'a> {
         Self { cycle, rings, known: Mutex::default() }
     }
 
-    /// One level on a patch whose vertices carry these numbers; those of the child's vertices.
-    pub(super) fn step(&self, level: usize, patch: &Patch, own: &Own) -> Result<(Traced, Own), Unlimited> {
-        self.followed(level, patch, (own, None)).map(|(traced, (own, _))| (traced, own))
+    /// One level on a patch whose vertices carry these parameters, and the parameters of the child's vertices.
+    pub(super) fn step(
+        &self,
+        level: usize,
+        patch: &Patch,
+        parameters: &VertexParameters,
+    ) -> Result<(Traced, VertexParameters), Unlimited> {
+        self.followed(level, patch, (parameters, None)).map(|(traced, (parameters, _))| (traced, parameters))
     }
 
-    /// One level on a patch whose vertices carry these numbers, and are perturbed by those in the whole net; the same of
+    /// One level on a patch whose vertices carry these parameters, and are perturbed by those in the whole net; the same of
     /// the child.
     pub(super) fn followed(
         &self,
         level: usize,
         patch: &Patch,
-        (own, noise): (&Own, Option<(&Numbering, Perturbation)>),
-    ) -> Result<(Traced, (Own, Option<Numbering>)), Unlimited> {
-        let skeleton = self.skeleton(patch, own)?;
+        (parameters, noise): (&VertexParameters, Option<(&Numbering, Perturbation)>),
+    ) -> Result<(Traced, (VertexParameters, Option<Numbering>)), Unlimited> {
+        let skeleton = self.skeleton(patch, parameters)?;
         let directions = skeleton.net.annotations.directions.as_deref().cloned();
-        let attributes = own.first().are_there().then(|| own.attributes(&skeleton.origins));
+        let attributes = parameters.first().are_there().then(|| parameters.attributes(&skeleton.origins));
         let mut net = skeleton.net.clone().carrying(attributes, directions);
         net.annotations.numbering = noise.map(|(numbering, _)| Arc::new(numbering.with_origins(&skeleton.origins)));
         let mut record = Record::new(Weights::Exact);
@@ -102,20 +107,24 @@ impl<'a> Skeletons<'a> {
             record.add(next.action)?;
             net = next.net;
         }
-        let Found { vertices, corners, .. } = &skeleton.child;
-        let own =
-            net.annotations.attributes.as_ref().map_or_else(Own::default, |attributes| Own::of(attributes, vertices));
-        let numbering = net.annotations.numbering.map(|numbering| numbering.part(&skeleton.refined, vertices, corners));
-        Ok((Traced { skeleton, record, n_columns: patch.support }, (own, numbering)))
+        let Located { vertices, half_edges, .. } = &skeleton.child;
+        let parameters = net
+            .annotations
+            .attributes
+            .as_ref()
+            .map_or_else(VertexParameters::default, |attributes| VertexParameters::of(attributes, vertices));
+        let numbering =
+            net.annotations.numbering.map(|numbering| numbering.part(&skeleton.refined, vertices, half_edges));
+        Ok((Traced { skeleton, record, n_columns: patch.support }, (parameters, numbering)))
     }
 
-    fn skeleton(&self, patch: &Patch, own: &Own) -> Result<Arc<Skeleton>, Unlimited> {
+    fn skeleton(&self, patch: &Patch, parameters: &VertexParameters) -> Result<Arc<Skeleton>, Unlimited> {
         let known = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(skeleton) = known().get(patch) {
             return Ok(skeleton.clone());
         }
-        let (net, origins) = patch.net(self.cycle.frame).ok_or(Unlimited::Reach)?;
-        let (child, refined) = self.cycle.child(patch, own, self.rings)?;
+        let (net, origins) = patch.net(self.cycle.patch_rules).ok_or(Unlimited::Reach)?;
+        let (child, refined) = self.cycle.child(patch, parameters, self.rings)?;
         let skeleton = Arc::new(Skeleton { net, origins, child, refined });
         // whoever comes first, all find the same
         Ok(known().entry(patch.clone()).or_insert(skeleton).clone())

@@ -90,9 +90,9 @@ pub(super) fn of<'a>(
         (Leading::Thrice(rows, map), Leading::Thrice(columns, _)) => thrice(&rows, &map, &columns)?,
         _ => return Err(NoTangents::Eigenvalues),
     };
-    match turn(centre, faces.into_iter(), |i| [x[i as usize], y[i as usize]])? {
-        Turn::Left => Ok([t, u]),
-        Turn::Right => Ok([u, t]),
+    match orientation(centre, faces.into_iter(), |i| [x[i as usize], y[i as usize]])? {
+        Orientation::Left => Ok([t, u]),
+        Orientation::Right => Ok([u, t]),
     }
 }
 
@@ -165,21 +165,21 @@ pub(super) fn sum_to_zero(row: &mut [f64]) {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Turn {
+enum Orientation {
     Left,
     Right,
 }
 
-/// How the corners of the faces at the centre turn in the plane, where all turn the same way. A face that is alone around
+/// To which side the faces at the centre turn at their vertices in the plane, where all turn the same way. A face that is alone around
 /// a vertex may be straight there. Where points come together, as those of a boundary that shrinks faster than what is
 /// inside, there is no plane.
-fn turn<'a>(
+fn orientation<'a>(
     centre: Centre,
     faces: impl Iterator<Item = &'a [u32]>,
     place: impl Fn(u32) -> [f64; 2],
-) -> Result<Turn, NoTangents> {
+) -> Result<Orientation, NoTangents> {
     let faces: Vec<&[u32]> = faces.collect();
-    let mut turns = Vec::new();
+    let mut sines = Vec::new();
     let mut alone = 0.0;
     let extent =
         faces.iter().flat_map(|face| face.iter()).flat_map(|&v| place(v)).fold(0.0, |most: f64, x| most.max(x.abs()));
@@ -195,14 +195,14 @@ fn turn<'a>(
             if faces.len() == 1 && centre == Centre::Vertex(face[i]) {
                 alone = sine;
             } else {
-                turns.push(sine);
+                sines.push(sine);
             }
         }
     }
-    if turns.iter().all(|&sine| sine > 1e-9) && alone > -1e-9 {
-        Ok(Turn::Left)
-    } else if turns.iter().all(|&sine| sine < -1e-9) && alone < 1e-9 {
-        Ok(Turn::Right)
+    if sines.iter().all(|&sine| sine > 1e-9) && alone > -1e-9 {
+        Ok(Orientation::Left)
+    } else if sines.iter().all(|&sine| sine < -1e-9) && alone < 1e-9 {
+        Ok(Orientation::Right)
     } else {
         Err(NoTangents::Folded)
     }

@@ -1,6 +1,7 @@
 //! Patches around vertices with many faces: the least one is found without all walks.
 
-use super::patch::{Centre, Found, Rings, Whole};
+use super::patch::{Centre, Located, Rings};
+use super::walk::WholeNet;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::tags::Boundary;
 use crate::shape::check::{FaceList, Winding};
@@ -22,9 +23,10 @@ fn around(sizes: &[u32]) -> MeshNet {
 }
 
 /// The least of the patches of all starts, the first of several.
-fn least_of_all(whole: &Whole<'_>, centre: Centre, rings: Rings) -> Option<Found> {
+fn least_of_all(whole: &WholeNet<'_>, centre: Centre, rings: Rings) -> Option<Located> {
     let walks = whole.starts(centre).enumerate();
-    let found = walks.map(|(turn, start)| Found { turn, ..whole.walk(centre, start, rings).expect("a small patch") });
+    let found =
+        walks.map(|(rotation, start)| Located { rotation, ..whole.walk(centre, start, rings).expect("a small patch") });
     found.reduce(|least, found| if found.patch < least.patch { found } else { least })
 }
 
@@ -40,12 +42,12 @@ fn the_least_patch_is_that_of_all_starts_whatever_comes_again_around_a_vertex() 
                 continue;
             }
             let net = around(&sizes);
-            let whole = Whole::of(&net, &net.mesh.base);
+            let whole = WholeNet::of(&net, &net.mesh.base);
             for centre in [Centre::Vertex(0), Centre::Face(0)] {
                 let expected = least_of_all(&whole, centre, rings).expect("there is a face");
                 let found = whole.least_patch(centre, rings, &Watch::new()).expect("nobody says stop");
                 let found = found.expect("a small patch");
-                let all = |found: Found| (found.patch, found.vertices, found.corners, found.turn);
+                let all = |found: Located| (found.patch, found.vertices, found.half_edges, found.rotation);
                 assert_eq!(all(found), all(expected), "{sizes:?} around {centre:?}");
             }
         }
@@ -55,9 +57,9 @@ fn the_least_patch_is_that_of_all_starts_whatever_comes_again_around_a_vertex() 
 #[test]
 fn a_vertex_that_looks_the_same_from_all_its_faces_takes_two_walks() {
     let net = around(&[3; 500]);
-    let whole = Whole::of(&net, &net.mesh.base);
+    let whole = WholeNet::of(&net, &net.mesh.base);
     let watch = Watch::new();
     let found = whole.least_patch(Centre::Vertex(0), Rings { support: 1, patch: 1 }, &watch).expect("nobody says stop");
-    assert_eq!(found.map(|found| found.turn), Some(0));
+    assert_eq!(found.map(|found| found.rotation), Some(0));
     assert!(watch.done() <= 2 * 501, "{} rows", watch.done());
 }

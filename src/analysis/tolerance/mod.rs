@@ -21,7 +21,7 @@ mod spline;
 
 use super::curve::Reached;
 use super::limit::Unlimited;
-use super::limit::{self, Asked};
+use super::limit::{self, LimitRequest};
 use crate::refine::{Points, RefineError, act_on, mesh_net};
 use crate::scheme::operator::SPLINES;
 use crate::scheme::plan::Plan;
@@ -248,7 +248,7 @@ impl Walk {
         }
         let plan = &spline.plan;
         let steps = plan.schedule(limit::AHEAD).map_err(|fault| NoLevel::Level(fault.detail))?;
-        let asked = Asked { positions: true, normals: false };
+        let asked = LimitRequest { positions: true, normals: false };
         let points = [self.level.points.clone()];
         let found = limit::limits(plan, &self.level.net, &points, &steps[spline.prefix.len()..], asked, watch)?;
         Ok(found.points.and_then(|mut points| points.pop()).unwrap_or_default())

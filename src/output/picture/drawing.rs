@@ -62,7 +62,7 @@ const LONGEST: usize = 4096;
 impl Drawing {
     /// Draws the curves of a scene.
     pub(crate) fn of(scene: &Scene<'_>, options: &Options<'_>, watch: &Watch) -> Result<Self, FormatError> {
-        let (Shape::Curves(curves), Shape::Curves(control)) = (scene.shape, scene.control) else {
+        let (Shape::Curves(curves), Shape::Curves(control)) = (scene.shape, scene.control.shape()) else {
             return Err(FormatError::Unfit("only curves can be drawn as lines; ask for \"png\" instead".into()));
         };
         let shows = |item| options.shows(item, DEFAULT_SHOW);

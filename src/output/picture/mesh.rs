@@ -38,7 +38,7 @@ pub(crate) fn picture(
     let coat = if shows("surface") { Some(Coat::of(sides, options, options.color(SURFACE), watch)?) } else { None };
     let wires = if shows("wireframe") { edges(mesh, watch)? } else { Vec::new() };
     let isolines = if shows("isolines") { isolines(mesh, watch)? } else { Vec::new() };
-    let net = match scene.control {
+    let net = match scene.control.shape() {
         Shape::Mesh(net) if shows("control") || shows("points") => Net::of(net, watch)?,
         _ => Net::default(),
     };

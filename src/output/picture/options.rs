@@ -120,7 +120,7 @@ const CAMERA_FIELDS: &[Parameter] = &[
 /// Refuses shapes whose extent leaves no room for the arithmetic of a camera.
 pub(crate) fn check_extent(scene: &Scene<'_>) -> Result<(), FormatError> {
     let mut largest = 0.0_f64;
-    match scene.control {
+    match scene.control.shape() {
         Shape::Curves(curves) => {
             curves.iter().flat_map(|curve| &curve.points).for_each(|x| largest = largest.max(x.abs()));
         }

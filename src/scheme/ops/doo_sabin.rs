@@ -7,7 +7,7 @@ use super::cosines::cosine;
 use super::dual::no_manifold;
 use super::upsample::ratio;
 use crate::math::rows::{Rows, RowsBy};
-use crate::scheme::census::{Census, sum};
+use crate::scheme::forecast::{Census, sum};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
 use crate::scheme::step::{Action, Step, Values};

@@ -3,20 +3,20 @@
 use std::io::{self, Write};
 use std::sync::Arc;
 
-use super::embedded::Inner;
-use super::files::Tmp;
-use super::parts::{self, Parts};
+use super::disk_state::DiskState;
+use super::error::StoreError;
+use super::files::{Tmp, cost};
+use super::interface::Spool;
+use super::manifest::{Description, Manifest, PART_BYTES};
+use super::parts::Parts;
 use super::sealed::Sealed;
-use super::{Description, Manifest, PART_BYTES, Spool, StoreError, shelf};
-use crate::job::key::Key;
-
-/// Bytes of a block; each file costs whole blocks.
-const BLOCK_BYTES: u64 = 4096;
+use super::shelf;
+use crate::job::key::{Key, content};
 
 /// Spool of the embedded store.
 #[derive(Debug)]
 pub(in crate::service) struct DiskSpool {
-    store: Arc<Inner>,
+    store: Arc<DiskState>,
     key: Key,
     /// The part being filled.
     part: Vec<u8>,
@@ -27,7 +27,7 @@ pub(in crate::service) struct DiskSpool {
 }
 
 impl DiskSpool {
-    pub(super) fn new(store: Arc<Inner>, key: Key) -> Self {
+    pub(super) fn new(store: Arc<DiskState>, key: Key) -> Self {
         Self { store, key, part: Vec::new(), parts: Parts::default(), tmp: None, failed: None }
     }
 
@@ -77,7 +77,7 @@ impl DiskSpool {
         for hash in self.parts.hashes() {
             let tmp = self.tmp.as_ref().ok_or(io::ErrorKind::NotFound)?;
             let part = tmp.read(bytes.len() as u64, PART_BYTES.min(usize_of(self.parts.length()) - bytes.len()))?;
-            if parts::hash(&part) != *hash {
+            if content(&part) != *hash {
                 return Err(io::Error::new(io::ErrorKind::InvalidData, "bytes that were just written are damaged"));
             }
             bytes.extend_from_slice(&part);
@@ -117,12 +117,6 @@ impl Spool for DiskSpool {
 /// A length that fits into memory, as what it counts was there part by part.
 fn usize_of(length: u64) -> usize {
     usize::try_from(length).unwrap_or(usize::MAX)
-}
-
-/// Bytes that an artifact of this length takes on the disk, with a record of this length.
-pub(super) fn cost(length: u64, record: usize) -> u64 {
-    let blocks = |bytes: u64| bytes.max(1).div_ceil(BLOCK_BYTES).saturating_mul(BLOCK_BYTES);
-    blocks(length).saturating_add(blocks(record as u64))
 }
 
 /// The same failure, told once more.

@@ -3,45 +3,23 @@
 //! An artifact exists if and only if its manifest does: bytes and manifest are written aside, synced, then renamed into
 //! place, bytes first. All else can be rebuilt from the manifests.
 
-use std::collections::{HashMap, HashSet};
 use std::path::Path;
-use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
-use std::time::Duration;
-use std::{io, thread};
+use std::sync::Arc;
 
 use bytes::Bytes;
 
 use super::disk::{Disk, Local};
-use super::disk_spool::{self, DiskSpool};
-use super::files::{Folder, Tmp};
-use super::index::Index;
-use super::shelf::{self, Shelf};
-use super::sweep::{self, Swept};
-use super::{Manifest, Spool, Store, StoreError, Usage, lock};
+use super::disk_spool::DiskSpool;
+use super::disk_state::DiskState;
+use super::error::StoreError;
+use super::interface::{Spool, Store, Usage};
+use super::manifest::Manifest;
 use crate::job::key::Key;
-
-/// How often a computation asks whether it may evict for its bytes, and the pause between: a second at most, about as
-/// long as a disk takes for one durable write under load. After it the bytes stay in memory, and no turn is held up.
-const TRIES: u32 = 100;
-const PAUSE: Duration = Duration::from_millis(10);
 
 /// Artifacts in a folder; every byte served was verified on the way. Clones share it.
 #[derive(Debug, Clone)]
 pub struct Embedded {
-    inner: Arc<Inner>,
-}
-
-/// Shared with the open spools.
-#[derive(Debug)]
-pub(super) struct Inner {
-    pub(super) folder: Folder,
-    pub(super) capacity: u64,
-    /// What is there, with its records. Held for moments only, never while the disk works.
-    shelf: Mutex<Shelf<Arc<Manifest>>>,
-    /// Held by whoever changes the files of artifacts; taken before the shelf.
-    index: Mutex<Index>,
-    /// Keys that cannot be written, as a folder has the name of their artifact.
-    occupied: Mutex<HashSet<Key>>,
+    state: Arc<DiskState>,
 }
 
 impl Embedded {
@@ -60,22 +38,12 @@ impl Embedded {
     /// # Errors
     /// As [`open`](Self::open).
     pub fn open_on(disk: Arc<dyn Disk>, dir: &Path, capacity_bytes: u64) -> Result<Self, StoreError> {
-        let folder = Folder::open(dir, disk)?;
-        let mut swept = sweep::sweep(&folder)?;
-        if swept.damaged + swept.removed > 0 {
-            tracing::warn!(dir = %dir.display(), damaged = swept.damaged, left_over = swept.removed, "swept the store");
-        }
-        let (index, uses) = Index::open(folder.index());
-        let occupied = Mutex::new(std::mem::take(&mut swept.occupied));
-        let shelf = Mutex::new(fill(&folder, swept, &uses, capacity_bytes)?);
-        let inner = Inner { folder, capacity: capacity_bytes, shelf, index: Mutex::new(index), occupied };
-        inner.write_index(&mut lock(&inner.index));
-        Ok(Self { inner: Arc::new(inner) })
+        Ok(Self { state: Arc::new(DiskState::open(disk, dir, capacity_bytes)?) })
     }
 
     /// The manifest of an artifact, if it is here; counts as a use. Never waits for the disk.
     pub(in crate::service) fn touch(&self, key: &Key) -> Option<Arc<Manifest>> {
-        lock(&self.inner.shelf).touch(key).cloned()
+        self.state.touch(key)
     }
 
     /// Refuses what cannot be kept, before anything is written. Never waits for the disk.
@@ -83,222 +51,39 @@ impl Embedded {
     /// # Errors
     /// [`StoreError::TooLarge`] or [`StoreError::Occupied`].
     pub(in crate::service) fn admit(&self, key: &Key, length: u64) -> Result<(), StoreError> {
-        shelf::admit(length, self.inner.capacity)?;
-        if lock(&self.inner.occupied).contains(key) { Err(self.inner.occupied(key)) } else { Ok(()) }
+        self.state.admit(key, length)
     }
 
     /// A place for a new artifact whose bytes can be had back when the disk fails.
     pub(in crate::service) fn reclaimable_spool(&self, key: Key) -> DiskSpool {
-        DiskSpool::new(Arc::clone(&self.inner), key)
+        DiskSpool::new(Arc::clone(&self.state), key)
     }
 
     /// Writes the order of use and lets go of the folder; nothing is written afterwards. Blocks.
     pub(in crate::service) fn close(&self) {
-        self.inner.close();
-    }
-}
-
-/// Puts what was found on a shelf, in order of use; artifacts that the index does not know are the newest.
-fn fill(
-    folder: &Folder,
-    swept: Swept,
-    uses: &HashMap<Key, u64>,
-    capacity: u64,
-) -> Result<Shelf<Arc<Manifest>>, StoreError> {
-    let mut shelf = Shelf::new(capacity);
-    shelf.count_damaged(swept.damaged);
-    let mut found = swept.found;
-    found.sort_by_cached_key(|found| {
-        let key = found.manifest.key;
-        (uses.get(&key).copied().unwrap_or(u64::MAX), found.written, key)
-    });
-    for manifest in found.into_iter().map(|found| found.manifest) {
-        let cost = disk_spool::cost(manifest.length, manifest.encode().len());
-        if shelf::admit(cost, capacity).is_err() {
-            folder.remove(&manifest.key)?; // the capacity was larger when it was committed
-            continue;
-        }
-        while let Some((key, _)) = shelf.evict_for(cost) {
-            folder.remove(&key)?;
-        }
-        shelf.insert(manifest.key, cost, Arc::new(manifest));
-    }
-    Ok(shelf)
-}
-
-impl Inner {
-    /// The manifest of `key` if it is here with this content; counts as a use.
-    pub(super) fn held(&self, key: &Key, content: &Key) -> Option<Arc<Manifest>> {
-        lock(&self.shelf).touch(key).filter(|held| held.content == *content).cloned()
-    }
-
-    /// Makes two written and synced files an artifact: makes room, then gives them their names.
-    pub(super) fn keep(
-        &self,
-        manifest: Arc<Manifest>,
-        cost: u64,
-        bytes: &Tmp,
-        record: &Tmp,
-    ) -> Result<Arc<Manifest>, StoreError> {
-        let key = manifest.key;
-        let mut index = lock(&self.index);
-        if index.is_closed() {
-            return Err(io::Error::other("the store is closed").into());
-        }
-        if let Some(present) = self.held(&key, &manifest.content) {
-            return Ok(present);
-        }
-        if self.discard(&mut index, &key)? {
-            tracing::warn!(%key, "an artifact was made again with other bytes; the new ones replace the old");
-        }
-        while let Some((evicted, _)) = { lock(&self.shelf).evict_for(cost) } {
-            index.note_removed(evicted);
-            self.folder.remove(&evicted)?;
-        }
-        if let Err(error) = self.folder.place(&key, bytes, record) {
-            if !self.folder.is_occupied(&key) {
-                return Err(error.into());
-            }
-            lock(&self.occupied).insert(key);
-            return Err(self.occupied(&key));
-        }
-        lock(&self.shelf).insert(key, cost, Arc::clone(&manifest));
-        index.note_added();
-        if index.is_due() {
-            self.write_index(&mut index);
-        }
-        Ok(manifest)
-    }
-
-    fn occupied(&self, key: &Key) -> StoreError {
-        StoreError::Occupied { path: self.folder.bytes(key).display().to_string() }
-    }
-
-    /// Writes something; where the disk is full, evicts the least recently used artifacts until it fits. Gives up when
-    /// none is left, or when others change files for longer than a computation should wait.
-    pub(super) fn with_room<T>(
-        &self,
-        need: u64,
-        mut write: impl FnMut() -> Result<T, StoreError>,
-    ) -> Result<T, StoreError> {
-        loop {
-            match write() {
-                Err(error) if error.is_full() => {
-                    let Some(mut index) = self.index_soon() else { return Err(error) };
-                    if !self.evict(&mut index, need)? {
-                        return Err(error);
-                    }
-                }
-                done => return done,
-            }
-        }
-    }
-
-    /// The right to change files, if it can be had soon.
-    fn index_soon(&self) -> Option<MutexGuard<'_, Index>> {
-        for _ in 0..TRIES {
-            match self.index.try_lock() {
-                Ok(index) => return Some(index),
-                Err(TryLockError::Poisoned(poisoned)) => return Some(poisoned.into_inner()),
-                Err(TryLockError::WouldBlock) => thread::sleep(PAUSE),
-            }
-        }
-        None
-    }
-
-    /// Evicts the least recently used artifacts, as the disk has no room for `need` bytes; false when none is left.
-    pub(super) fn make_room(&self, need: u64) -> Result<bool, StoreError> {
-        self.evict(&mut lock(&self.index), need)
-    }
-
-    fn evict(&self, index: &mut Index, need: u64) -> Result<bool, StoreError> {
-        let mut freed = 0;
-        while freed < need {
-            let Some((key, cost, _)) = ({ lock(&self.shelf).evict_oldest() }) else { break };
-            index.note_removed(key);
-            self.folder.remove(&key)?;
-            freed += cost;
-        }
-        tracing::warn!(need, freed, "the disk is full; the least recently used artifacts leave");
-        Ok(freed > 0)
-    }
-
-    /// Removes an artifact; says whether it was here.
-    fn discard(&self, index: &mut Index, key: &Key) -> Result<bool, StoreError> {
-        let was_here = { lock(&self.shelf).remove(key) }.is_some();
-        if was_here {
-            index.note_removed(*key);
-            self.folder.remove(key)?;
-            self.folder.sync(key)?;
-        }
-        Ok(was_here)
-    }
-
-    /// Judges a part that could not be read, while no file changes: either it can be read after all, or the artifact
-    /// was evicted or replaced meanwhile, or it is damaged and goes.
-    fn part_again(&self, manifest: &Manifest, number: usize) -> Result<Option<Bytes>, StoreError> {
-        let mut index = lock(&self.index);
-        if lock(&self.shelf).peek(&manifest.key).is_none_or(|held| *held.parts != *manifest.parts) {
-            return Ok(None);
-        }
-        if let Some(bytes) = self.folder.read_part(manifest, number)? {
-            return Ok(Some(bytes));
-        }
-        tracing::warn!(key = %manifest.key, part = number, "an artifact is damaged; it is dropped");
-        lock(&self.shelf).count_damaged(1);
-        self.discard(&mut index, &manifest.key)?;
-        Ok(None)
-    }
-
-    fn write_index(&self, index: &mut Index) {
-        let pending = index.pending(&lock(&self.shelf));
-        index.write(&pending);
-    }
-}
-
-impl Inner {
-    fn close(&self) {
-        let mut index = lock(&self.index);
-        if !index.is_closed() {
-            self.write_index(&mut index);
-            index.shut();
-            self.folder.release();
-        }
-    }
-}
-
-impl Drop for Inner {
-    fn drop(&mut self) {
-        self.close();
+        self.state.close();
     }
 }
 
 impl Store for Embedded {
     fn manifest(&self, key: &Key) -> Result<Option<Arc<Manifest>>, StoreError> {
-        Ok(lock(&self.inner.shelf).touch(key).cloned())
+        Ok(self.state.touch(key))
     }
 
     fn part(&self, manifest: &Manifest, index: usize) -> Result<Option<Bytes>, StoreError> {
-        if index >= manifest.parts.len() {
-            return Ok(None);
-        }
-        match self.inner.folder.read_part(manifest, index)? {
-            Some(bytes) => Ok(Some(bytes)),
-            None => self.inner.part_again(manifest, index),
-        }
+        self.state.part(manifest, index)
     }
 
     fn spool(&self, key: Key) -> Result<Box<dyn Spool>, StoreError> {
         self.admit(&key, 0)?;
-        Ok(Box::new(DiskSpool::new(Arc::clone(&self.inner), key)))
+        Ok(Box::new(DiskSpool::new(Arc::clone(&self.state), key)))
     }
 
     fn remove(&self, key: &Key) -> Result<(), StoreError> {
-        self.inner.discard(&mut lock(&self.inner.index), key)?;
-        Ok(())
+        self.state.remove(key)
     }
 
     fn usage(&self) -> Usage {
-        lock(&self.inner.shelf).usage()
+        self.state.usage()
     }
 }

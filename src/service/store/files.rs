@@ -19,8 +19,10 @@ use std::sync::{Arc, Mutex};
 use bytes::Bytes;
 
 use super::disk::Disk;
-use super::{Manifest, lock, parts};
-use crate::job::key::Key;
+use super::lock::lock;
+use super::manifest::Manifest;
+use super::parts;
+use crate::job::key::{Key, content};
 
 /// What follows the key in the name of a manifest.
 pub(super) const MANIFEST_SUFFIX: &str = ".manifest";
@@ -155,7 +157,7 @@ fn read_part(disk: &dyn Disk, path: &Path, manifest: &Manifest, index: usize) ->
         Err(error) if error.kind() == io::ErrorKind::NotFound || path.is_dir() => return Ok(None),
         Err(error) => return Err(at("read", path)(error)),
     };
-    let sound = manifest.parts.get(index) == Some(&parts::hash(&bytes));
+    let sound = manifest.parts.get(index) == Some(&content(&bytes));
     Ok(sound.then(|| Bytes::from(bytes)))
 }
 
@@ -260,4 +262,13 @@ fn in_use(root: &Path) -> String {
 /// Says what was being done and where when `error` came.
 pub(super) fn at(doing: &str, path: &Path) -> impl FnOnce(io::Error) -> io::Error {
     move |error| io::Error::new(error.kind(), format!("cannot {doing} {}: {error}", path.display()))
+}
+
+/// Bytes of a block; each file costs whole blocks.
+const BLOCK_BYTES: u64 = 4096;
+
+/// Bytes that an artifact of this length takes on the disk, with a record of this length.
+pub(super) fn cost(length: u64, record: usize) -> u64 {
+    let blocks = |bytes: u64| bytes.max(1).div_ceil(BLOCK_BYTES).saturating_mul(BLOCK_BYTES);
+    blocks(length).saturating_add(blocks(record as u64))
 }

@@ -3,8 +3,47 @@
 //! `magic, version` then for each field, in fixed order, `tag: u8, length: u64, bytes`, then `BLAKE3: 32 bytes`.
 //! Numbers are little-endian.
 
-use super::{Manifest, PART_BYTES, parts};
-use crate::job::key::Key;
+use crate::job::key::{Key, content};
+
+/// Bytes of one part; the last part of an artifact may be shorter.
+pub const PART_BYTES: usize = 1 << 20;
+
+/// What is known of a stored artifact; its own record, from which the index can be rebuilt.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Manifest {
+    /// Key of the artifact.
+    pub key: Key,
+    /// Media type of the bytes.
+    pub media_type: String,
+    /// Length in bytes.
+    pub length: u64,
+    /// BLAKE3 of all bytes.
+    pub content: Key,
+    /// BLAKE3 of each part of [`PART_BYTES`].
+    pub parts: Vec<Key>,
+    /// Warnings of the computation, repeated with every answer.
+    pub warnings: Vec<String>,
+    /// Build that made the bytes; recorded, never hashed.
+    pub build: String,
+    /// Results version under which they were made.
+    pub results_version: u32,
+}
+
+/// What the maker of an artifact says of it when it commits the bytes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Description {
+    /// Media type of the bytes.
+    pub media_type: String,
+    /// Warnings of the computation.
+    pub warnings: Vec<String>,
+}
+
+impl Description {
+    /// What was said of an artifact.
+    pub fn of(manifest: &Manifest) -> Self {
+        Self { media_type: manifest.media_type.clone(), warnings: manifest.warnings.clone() }
+    }
+}
 
 const MAGIC: &[u8; 8] = b"plnshman";
 const VERSION: u32 = 1;
@@ -39,7 +78,7 @@ impl Manifest {
         for warning in &self.warnings {
             field(&mut out, tag::WARNING, warning.as_bytes());
         }
-        let checksum = parts::hash(&out);
+        let checksum = content(&out);
         out.extend_from_slice(checksum.as_bytes());
         out
     }
@@ -47,7 +86,7 @@ impl Manifest {
     /// Reads the binary form back; `None` when it is damaged, of another version, or contradicts itself.
     pub fn decode(bytes: &[u8]) -> Option<Self> {
         let (record, checksum) = bytes.split_last_chunk::<HASH_BYTES>()?;
-        if parts::hash(record).as_bytes() != checksum {
+        if content(record).as_bytes() != checksum {
             return None;
         }
         let mut fields = Fields(record.strip_prefix(MAGIC)?.strip_prefix(&VERSION.to_le_bytes())?);

@@ -6,9 +6,12 @@ use std::sync::{Arc, Mutex};
 
 use bytes::Bytes;
 
+use super::error::StoreError;
+use super::interface::{Spool, Store, Usage};
+use super::lock::lock;
+use super::manifest::{Description, Manifest};
 use super::parts::{self, Parts};
 use super::shelf::{self, Shelf};
-use super::{Description, Manifest, Spool, Store, StoreError, Usage, lock};
 use crate::job::key::Key;
 
 /// Charged for an entry besides its bytes: the record, its strings, the places in the maps.

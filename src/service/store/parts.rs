@@ -3,8 +3,11 @@
 use blake3::Hasher;
 use bytes::Bytes;
 
-use super::{BUILD, Description, Manifest, PART_BYTES};
-use crate::job::key::{Key, RESULTS_VERSION};
+use super::manifest::{Description, Manifest, PART_BYTES};
+use crate::job::key::{Key, RESULTS_VERSION, content};
+
+/// Recorded in every manifest.
+const BUILD: &str = concat!("planish ", env!("CARGO_PKG_VERSION"));
 
 /// The hashes and the length of the parts seen so far.
 #[derive(Debug, Clone, Default)]
@@ -24,9 +27,10 @@ impl Parts {
 
     /// Takes the next part: exactly [`PART_BYTES`], except for the last one.
     pub(super) fn push(&mut self, part: &[u8]) {
-        debug_assert!(self.length.is_multiple_of(PART_BYTES as u64), "only the last part may be short");
+        // a part after a short one would be looked for at another place: a fault of the caller, before anything is kept
+        assert!(self.length.is_multiple_of(PART_BYTES as u64), "only the last part may be short");
         self.whole.update(part);
-        self.hashes.push(hash(part));
+        self.hashes.push(content(part));
         self.length += part.len() as u64;
     }
 
@@ -60,9 +64,11 @@ impl Parts {
     }
 }
 
-/// BLAKE3 of `bytes`.
-pub(super) fn hash(bytes: &[u8]) -> Key {
-    Key::from_bytes(*blake3::hash(bytes).as_bytes())
+impl Manifest {
+    /// What is known of bytes that are all there.
+    pub fn of(key: Key, bytes: &[u8], description: Description) -> Self {
+        Parts::of(bytes).manifest(key, description)
+    }
 }
 
 /// Where part `index` starts and how many bytes it has; `None` when there is no such part.

@@ -1,25 +1,24 @@
 //! An artifact whose bytes are all in a temporary file: readable, and on its way to its name.
 
-use std::io::Write;
 use std::sync::Arc;
 
 use bytes::Bytes;
 
-use super::disk_spool::{self, DiskSpool};
-use super::embedded::Inner;
-use super::files::Tmp;
-use super::{Description, Manifest, StoreError};
+use super::disk_state::DiskState;
+use super::error::StoreError;
+use super::files::{Tmp, cost};
+use super::manifest::{Manifest, PART_BYTES};
 
 /// A finished spool of the embedded store; dropped before it [settles](Self::settle), it leaves nothing.
 #[derive(Debug)]
 pub(in crate::service) struct Sealed {
-    store: Arc<Inner>,
+    store: Arc<DiskState>,
     manifest: Arc<Manifest>,
     bytes: Tmp,
 }
 
 impl Sealed {
-    pub(super) fn new(store: Arc<Inner>, manifest: Arc<Manifest>, bytes: Tmp) -> Self {
+    pub(super) fn new(store: Arc<DiskState>, manifest: Arc<Manifest>, bytes: Tmp) -> Self {
         Self { store, manifest, bytes }
     }
 
@@ -73,15 +72,19 @@ impl Sealed {
     }
 
     fn cost(&self) -> u64 {
-        disk_spool::cost(self.manifest.length, self.manifest.encode().len())
+        cost(self.manifest.length, self.manifest.encode().len())
     }
 
     fn copied(&self) -> Result<Self, StoreError> {
-        let mut spool = DiskSpool::new(Arc::clone(&self.store), self.manifest.key);
+        let (store, key) = (&self.store, &self.manifest.key);
+        let mut copy = store.with_room(PART_BYTES as u64, || Ok(store.folder.create_tmp(key)?))?;
+        let mut offset = 0;
         for index in 0..self.manifest.parts.len() {
-            spool.write_all(&self.sound_part(index)?)?;
+            let part = self.sound_part(index)?;
+            store.with_room(part.len() as u64, || Ok(copy.write(offset, &part)?))?;
+            offset += part.len() as u64;
         }
-        spool.seal(Description::of(&self.manifest))
+        Ok(Self::new(Arc::clone(store), Arc::clone(&self.manifest), copy))
     }
 
     fn place(&self) -> Result<Arc<Manifest>, StoreError> {

@@ -2,8 +2,12 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::{MAX_ARTIFACTS, StoreError, Usage};
+use super::error::StoreError;
+use super::interface::Usage;
 use crate::job::key::Key;
+
+/// Most entries one store holds, whatever its capacity: their records stay in memory, at about 500 bytes each.
+pub const MAX_ARTIFACTS: usize = 1 << 19;
 
 /// A bounded map that knows the order of use. Looking up, inserting and evicting cost `O(log n)`.
 #[derive(Debug)]

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::time::SystemTime;
 
 use super::files::{self, Folder, MANIFEST_SUFFIX, at};
-use super::{Manifest, PART_BYTES};
+use super::manifest::{Manifest, PART_BYTES};
 use crate::job::key::{Key, RESULTS_VERSION};
 
 /// Most bytes of a manifest file; enough for the parts of a terabyte.
@@ -17,7 +17,7 @@ const MANIFEST_BYTES: u64 = 64 << 20;
 #[derive(Debug, Default)]
 pub(super) struct Swept {
     /// The whole artifacts, in no order.
-    pub(super) found: Vec<Found>,
+    pub(super) found: Vec<WholeArtifact>,
     /// Artifacts removed because their record or their length was wrong.
     pub(super) damaged: u64,
     /// Left-overs and artifacts of another results version that were removed.
@@ -28,7 +28,7 @@ pub(super) struct Swept {
 
 /// A whole artifact.
 #[derive(Debug)]
-pub(super) struct Found {
+pub(super) struct WholeArtifact {
     /// Its record.
     pub(super) manifest: Manifest,
     /// When the record was written.
@@ -76,7 +76,7 @@ fn sweep_shard(folder: &Folder, shard: &str, swept: &mut Swept) -> io::Result<()
         match judge(folder, &key, lengths.get(&key).copied()) {
             Verdict::Whole(manifest) => {
                 lengths.remove(&key);
-                swept.found.push(Found { manifest, written });
+                swept.found.push(WholeArtifact { manifest, written });
                 continue;
             }
             Verdict::Damaged => swept.damaged += 1,

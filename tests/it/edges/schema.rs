@@ -1,6 +1,6 @@
 //! As much of JSON Schema as the schemas of requests use.
 
-use planish::http::serve::document_text;
+use planish::http::document_text;
 use serde_json::Value;
 
 /// The OpenAPI document, and a walk through its schemas.

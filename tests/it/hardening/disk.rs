@@ -6,9 +6,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use planish::http::App;
 use planish::http::serve::{bind, serve};
-use planish::service::result_buffer::Kept;
+use planish::service::result_buffer::ResultBuffer;
 use planish::service::store::Store;
-use planish::service::tiers::Tiers;
+use planish::service::tiers::{Kept, Tiers};
 use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
 use tokio::sync::oneshot;
@@ -62,7 +62,7 @@ pub(super) async fn served<T>(tiers: Tiers, tell: impl AsyncFnOnce(&Server) -> T
 
 /// Keeps an artifact as the desk does.
 pub(super) fn make(tiers: &Tiers, number: u64, length: usize) -> Kept {
-    let mut buffer = tiers.buffer(key(number), length as u128);
+    let mut buffer = ResultBuffer::new(&tiers, key(number), length as u128);
     buffer.write_all(&noise(number, length)).unwrap();
     let kept = buffer.commit(description()).unwrap();
     if kept.loose.is_none() {

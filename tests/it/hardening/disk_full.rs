@@ -8,9 +8,9 @@ use planish::job::limits::Limits;
 use planish::service::clock::Manual;
 use planish::service::computation::Phase;
 use planish::service::peer::Peer;
-use planish::service::result_buffer::Kept;
 use planish::service::store::PART_BYTES;
 use planish::service::task::Render;
+use planish::service::tiers::Kept;
 use planish::service::tiers::Tiers;
 use serde_json::Value;
 

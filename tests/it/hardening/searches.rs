@@ -1,9 +1,9 @@
 //! Searches for the level of a tolerance: counted, stopped where they are, bounded, and apart from reading a job.
 
 use planish::input::ReadLimits;
-use planish::job::SearchError;
+use planish::job::{Draft, Search, SearchError};
 use planish::watch::{Stopped, Watch};
-use planish::wire::{JobRequest, RequestDraft};
+use planish::wire::JobRequest;
 use serde_json::{Value, json};
 
 use crate::support::nets::control;
@@ -15,12 +15,15 @@ fn far_corner() -> Value {
     input
 }
 
-fn draft(input: &Value, plan: &Value, tolerance: f64) -> RequestDraft {
+fn search(input: &Value, plan: &Value, tolerance: f64) -> Search {
     let job = json!({
         "input": input, "plan": plan, "levels": { "tolerance": tolerance }, "outputs": [{ "format": "json" }]
     });
     let request: JobRequest = serde_json::from_value(job).unwrap();
-    request.draft_within(&ReadLimits::default()).unwrap()
+    let Draft::Search(search) = request.draft_within(&ReadLimits::default()).unwrap() else {
+        panic!("a tolerance was asked for")
+    };
+    *search
 }
 
 fn catmull_clark() -> Value {
@@ -30,19 +33,19 @@ fn catmull_clark() -> Value {
 #[test]
 fn h5_a_search_counts_its_work_and_stays_within_what_it_says() {
     for (input, plan, tolerance) in [(control("cube"), catmull_clark(), 0.05), (far_corner(), catmull_clark(), 3e4)] {
-        let draft = draft(&input, &plan, tolerance);
+        let search = search(&input, &plan, tolerance);
         let watch = Watch::new();
-        let found = draft.search(&watch).unwrap().expect("a tolerance was asked for");
+        let found = search.run(&watch).unwrap();
         assert!(found.bound <= tolerance);
-        assert!(watch.done() > 1000 && watch.done() <= draft.search_cost().work, "{} units", watch.done());
-        let job = draft.complete(Some(found)).unwrap();
+        assert!(watch.done() > 1000 && watch.done() <= search.cost().work, "{} units", watch.done());
+        let job = search.complete(found).unwrap();
         assert_eq!((job.levels, job.reached), (found.level, Some(found)));
     }
 }
 
 #[test]
 fn h5_a_search_stops_when_it_is_told_to() {
-    let draft = draft(&far_corner(), &catmull_clark(), 0.05);
+    let far = search(&far_corner(), &catmull_clark(), 0.05);
     let watch = Watch::new();
     let stopped = std::thread::scope(|scope| {
         scope.spawn(|| {
@@ -51,16 +54,16 @@ fn h5_a_search_stops_when_it_is_told_to() {
             }
             watch.stop();
         });
-        draft.search(&watch)
+        far.run(&watch)
     });
     assert_eq!(stopped, Err(SearchError::Stopped(Stopped)));
 
     let polygon = json!({ "polygon": { "points": [[0, 0], [1, 0], [1, 1], [0, 3]], "closed": true } });
     let watch = Watch::new();
     watch.stop();
-    let curve = self::draft(&polygon, &json!({ "preset": "cubic-b-spline" }), 1e-3);
-    assert_eq!(curve.search(&watch), Err(SearchError::Stopped(Stopped)));
-    assert!(curve.search(&Watch::new()).is_ok());
+    let curve = search(&polygon, &json!({ "preset": "cubic-b-spline" }), 1e-3);
+    assert_eq!(curve.run(&watch), Err(SearchError::Stopped(Stopped)));
+    assert!(curve.run(&Watch::new()).is_ok());
 }
 
 #[test]
@@ -76,7 +79,7 @@ fn h5_a_search_is_refused_without_one_where_that_can_be_told_at_once() {
 
 #[test]
 fn h5_searches_with_one_answer_have_one_key() {
-    let key = |input: &Value, plan: &Value, tolerance| draft(input, plan, tolerance).search_key().unwrap();
+    let key = |input: &Value, plan: &Value, tolerance| search(input, plan, tolerance).key();
     let plain = key(&control("cube"), &catmull_clark(), 0.5);
     assert_eq!(plain, key(&control("cube"), &catmull_clark(), 0.5));
     for other in [
@@ -91,6 +94,5 @@ fn h5_searches_with_one_answer_have_one_key() {
     }))
     .unwrap();
     let counted = counted.draft_within(&ReadLimits::default()).unwrap();
-    assert!(!counted.needs_search() && counted.search_key().is_none());
-    assert_eq!(counted.search(&Watch::new()), Ok(None));
+    assert!(matches!(counted, Draft::Job(_)), "a number of levels needs no search");
 }

@@ -1,7 +1,7 @@
 //! Hits and misses, and what a client that keeps results is told.
 
 use axum::http::Method;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::jobs::{mesh, polygon, with};
 use super::server::{settings, story, until};
@@ -180,5 +180,50 @@ fn an_artifact_answers_to_its_own_extension_alone() {
         let problem = server.get(&other).await.problem(404, "not-found");
         assert!(problem["detail"].as_str().unwrap().contains(place), "{problem}");
         server.get(place.trim_end_matches(".obj")).await.problem(404, "not-found");
+    });
+}
+
+#[test]
+fn only_requests_whose_jobs_are_admitted_are_remembered() {
+    story(settings(), async |server| {
+        server.render(&mesh(40)).await.problem(422, "too-large");
+        assert!(server.app.memo.is_empty(), "a refused job leaves no trace");
+        server.render(&mesh(2)).await.ok();
+        assert_eq!(server.app.memo.len(), 1);
+        let named = json!({ "outputs": [{ "name": "other", "format": "glb" }] });
+        let mut other = mesh(2);
+        other["outputs"] = named["outputs"].clone();
+        assert_eq!(server.render(&other).await.ok().header("cache-status"), "planish; hit");
+        assert_eq!(server.app.memo.len(), 2, "its result was there, so that its job was admitted before");
+    });
+}
+
+/// The job with its polygon in a list.
+fn in_a_list(mut job: Value) -> Value {
+    let polygon = job["input"]["polygon"].take();
+    job["input"] = json!({ "polygons": [polygon] });
+    job
+}
+
+#[test]
+fn requests_that_share_a_computation_are_each_told_of_their_own_entries() {
+    story(settings(), async |server| {
+        let held = server.hold().await;
+        let mut alone = with(polygon(1), "json");
+        // the first midpoint has the weight 0
+        alone["input"]["polygon"] = json!({ "points": [[0, 0, 1], [1, 0, -1], [1, 1, 1]], "closed": true,
+            "rational": true });
+        alone["plan"] = json!({ "word": "U" });
+        let listed = in_a_list(alone.clone());
+        let both = async { tokio::join!(server.render(&alone), server.render(&listed)) };
+        let freed = async {
+            until("both wait", || server.app.desk.n_interests() == 2).await;
+            assert_eq!(server.app.desk.n_under_way(), 1);
+            drop(held);
+        };
+        let ((alone, listed), ()) = tokio::join!(both, freed);
+        let pointer =
+            |answer: super::server::Answer| answer.problem(422, "invalid-job")["errors"][0]["pointer"].clone();
+        assert_eq!([pointer(alone), pointer(listed)], ["/input/polygon", "/input/polygons/0"]);
     });
 }

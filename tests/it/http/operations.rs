@@ -59,6 +59,6 @@ fn the_document_that_is_served_is_the_one_that_is_committed() {
     story(settings(), async |server| {
         let answer = server.get("/openapi.json").await.ok();
         assert_eq!(answer.header("content-type"), "application/json");
-        assert_eq!(answer.text(), planish::http::serve::document_text());
+        assert_eq!(answer.text(), planish::http::document_text());
     });
 }

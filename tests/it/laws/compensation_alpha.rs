@@ -21,7 +21,7 @@ fn apart(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
 
 fn key(job: &Value) -> String {
     let job = support::parsed(job.to_string().as_bytes()).unwrap_or_else(|faults| panic!("{faults:?}"));
-    job.key(&job.outputs[0]).to_string()
+    job.keys()[0].to_string()
 }
 
 /// On latitude lines, and beside them where nothing is tagged, the compensation of a level is that of its own alpha.

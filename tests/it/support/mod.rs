@@ -34,7 +34,7 @@ pub(crate) fn render(job: &serde_json::Value) -> Result<(Vec<u8>, Report), Vec<F
     let output = admitted.job().outputs[0].clone();
     let mut bytes = Vec::new();
     let report = run(&admitted, &output, &mut bytes, &Watch::new()).map_err(|error| match error {
-        RunError::Impossible(fault) => vec![fault],
+        RunError::Impossible(fault) => vec![admitted.job().entries(&output).fault(fault)],
         other => vec![Fault::new("", other.to_string())],
     })?;
     Ok((bytes, report))

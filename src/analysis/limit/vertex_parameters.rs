@@ -1,26 +1,26 @@
-//! Numbers that the vertices of a patch carry: their own alpha, kernel, compensation and delta.
+//! Parameters that the vertices of a patch carry: their own alpha, kernel, compensation and delta.
 
 use crate::shape::attributes::Attributes;
 
-/// Numbers that differ by no more than this, relative to 1 or their size, are the same.
+/// Parameters that differ by no more than this, relative to 1 or their size, are the same.
 const SAME: f64 = 1e-15;
 
-/// The bits of the numbers that the vertices of a patch carry, where they carry any.
+/// The bits of the parameters that the vertices of a patch carry, where they carry any.
 #[derive(Debug, Clone, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Own([Option<Vec<u64>>; 4]);
+pub(super) struct VertexParameters([Option<Vec<u64>>; 4]);
 
-/// The bits of numbers that all vertices of a patch have in common.
+/// The bits of parameters that all vertices of a patch have in common.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Common([Option<u64>; 4]);
+pub(super) struct CommonParameters([Option<u64>; 4]);
 
-impl Own {
-    /// Those of the vertices with these numbers.
+impl VertexParameters {
+    /// The parameters that `attributes` give to the vertices of a patch.
     pub(super) fn of(attributes: &Attributes, vertices: &[u32]) -> Self {
         let bits = |array: &[f64]| vertices.iter().map(|&v| array[v as usize].to_bits()).collect();
         Self(attributes.arrays().map(|(_, array)| array.map(bits)))
     }
 
-    /// The same as numbers, those of `origins`.
+    /// The parameters as attributes of the vertices that have these `origins` in the patch.
     pub(super) fn attributes(&self, origins: &[u32]) -> Attributes {
         let numbers = |bits: &Option<Vec<u64>>| {
             bits.as_ref().map(|bits| origins.iter().map(|&v| f64::from_bits(bits[v as usize])).collect())
@@ -29,12 +29,12 @@ impl Own {
         Attributes { alpha, kernel, compensation, delta }
     }
 
-    /// Those of the first vertex.
-    pub(super) fn first(&self) -> Common {
-        Common(self.0.each_ref().map(|bits| bits.as_ref().and_then(|bits| bits.first().copied())))
+    /// The parameters of the first vertex.
+    pub(super) fn first(&self) -> CommonParameters {
+        CommonParameters(self.0.each_ref().map(|bits| bits.as_ref().and_then(|bits| bits.first().copied())))
     }
 
-    /// Whether all vertices have the numbers of the first, but for rounding.
+    /// Whether all vertices have the parameters of the first, but for rounding.
     pub(super) fn agree(&self) -> bool {
         self.0.iter().flatten().all(|bits| {
             let first = bits.first().map_or(0.0, |&bits| f64::from_bits(bits));
@@ -43,10 +43,10 @@ impl Own {
     }
 }
 
-impl Common {
-    /// Those of `n` vertices.
-    pub(super) fn of_all(self, n: usize) -> Own {
-        Own(self.0.map(|bits| bits.map(|bits| vec![bits; n])))
+impl CommonParameters {
+    /// The parameters of `n` vertices.
+    pub(super) fn of_all(self, n: usize) -> VertexParameters {
+        VertexParameters(self.0.map(|bits| bits.map(|bits| vec![bits; n])))
     }
 
     /// The alpha.
@@ -60,16 +60,16 @@ impl Common {
     }
 }
 
-/// All numbers that are made of the least and the largest of each kind.
-pub(super) fn extremes(attributes: &Attributes) -> Vec<Common> {
-    let mut all = vec![Common::default()];
+/// All parameters that are made of the least and the largest of each kind.
+pub(super) fn extremes(attributes: &Attributes) -> Vec<CommonParameters> {
+    let mut all = vec![CommonParameters::default()];
     for (place, (_, array)) in attributes.arrays().into_iter().enumerate() {
         let Some(array) = array else { continue };
         let ends = [f64::min, f64::max].map(|pick| array.iter().copied().reduce(pick).unwrap_or_default());
-        let with = |common: &Common, x: f64| {
+        let with = |common: &CommonParameters, x: f64| {
             let mut bits = common.0;
             bits[place] = Some(x.to_bits());
-            Common(bits)
+            CommonParameters(bits)
         };
         all = all.iter().flat_map(|common| ends.map(|x| with(common, x))).collect();
         all.dedup();

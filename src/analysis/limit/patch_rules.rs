@@ -7,7 +7,7 @@ use crate::shape::topology::Topology;
 
 /// What holds of all patches of a net.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Frame {
+pub(super) struct PatchRules {
     /// Rules of the scheme.
     pub(super) rules: Rules,
     /// Where a D makes new vertices with one face: whether they keep their place.
@@ -16,7 +16,7 @@ pub(super) struct Frame {
     pub(super) cut: bool,
 }
 
-impl Frame {
+impl PatchRules {
     /// Of the nets that a plan makes of a mesh.
     pub(super) fn of(plan: &Plan, topology: &Topology) -> Self {
         let is_open = topology.n_boundary() > 0;

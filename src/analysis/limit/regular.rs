@@ -1,18 +1,27 @@
-//! Places of regular nets at which a cycle shows how far it reaches: inside, and where D takes rings away, on the boundary.
+//! Regular nets, and the places there at which a cycle shows how far it reaches: inside, and where D takes rings away, on
+//! the boundary.
 
 use std::sync::Arc;
 
-use super::cycle::Cycle;
-use super::patch::Centre;
-use super::probe::Regular;
+use super::patch::{Centre, Rings};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::tags::Boundary;
 use crate::shape::check::{FaceList, Winding};
+use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{Topology, index};
 
 /// Boundary vertices with so many faces and fewer are looked at: a path of points has its middle at a vertex or an edge,
 /// beside its ends or not.
 const MOST_SECTORS: usize = 4;
+
+/// How many sides the faces have around which a scheme is regular.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Regular {
+    /// Quads, four around a vertex.
+    Quads,
+    /// Triangles, six around a vertex.
+    Triangles,
+}
 
 /// Where limits are looked for besides the vertices of a closed mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,12 +34,34 @@ pub(super) struct Starts {
 
 impl Starts {
     /// Rings by which patches are wider where D takes some away on the boundary, half a ring each.
-    pub(super) fn wider(self, cycle: &Cycle<'_>) -> usize {
-        if self.is_open { cycle.n_duals().div_ceil(2) } else { 0 }
+    pub(super) fn wider(self, n_duals: usize) -> usize {
+        if self.is_open { n_duals.div_ceil(2) } else { 0 }
     }
 }
 
 impl Regular {
+    /// A regular net of `side x side` squares, each cut into two triangles where it is made of these; its rows are latitude
+    /// lines where it is tagged.
+    pub(super) fn net(self, side: usize, tagged: bool) -> MeshNet {
+        let at = |i: usize, j: usize| index(j * (side + 1) + i);
+        let squares = (0..side).flat_map(|j| (0..side).map(move |i| (i, j)));
+        let squares = squares.map(|(i, j)| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+        let net = self.of_squares((side + 1) * (side + 1), squares);
+        let topology = &net.mesh.base;
+        let direction = |e: usize| {
+            let [a, b] = topology.ends(e).map(|v| v as usize / (side + 1));
+            if a == b { Direction::Latitude } else { Direction::Longitude }
+        };
+        let directions = tagged.then(|| Directions::of_edges((0..topology.n_edges()).map(direction).collect()));
+        net.carrying(None, directions)
+    }
+
+    /// A regular net and the vertex in its middle, which is so far from the boundary that no patch reaches it.
+    pub(super) fn grid(self, rings: Rings, tagged: bool) -> (MeshNet, usize) {
+        let side = 2 * (rings.patch + 2);
+        (self.net(side, tagged), (side / 2) * (side + 1) + side / 2)
+    }
+
     /// Regular nets with a place at their middle from which it is `reach` rings to anywhere else, besides an inner vertex
     /// of a net without tags.
     pub(super) fn places(self, starts: Starts, n_duals: usize, reach: usize) -> Vec<(MeshNet, Centre)> {
@@ -46,8 +77,8 @@ impl Regular {
             let net = self.net(side, false);
             let face = (side / 2 * side + side / 2) * per_square;
             if boundaries {
-                let rim = net.mesh.base.half_edges(side / 2 * per_square).start;
-                places.push((net.clone(), Centre::Edge(rim)));
+                let half_edge = net.mesh.base.half_edges(side / 2 * per_square).start;
+                places.push((net.clone(), Centre::Edge(half_edge)));
             }
             places.push((net, Centre::Face(index(face))));
         }
@@ -69,7 +100,7 @@ impl Regular {
     }
 
     /// The net of squares, each cut into two triangles where it is made of these.
-    pub(super) fn of_squares(self, n_vertices: usize, squares: impl Iterator<Item = [u32; 4]>) -> MeshNet {
+    fn of_squares(self, n_vertices: usize, squares: impl Iterator<Item = [u32; 4]>) -> MeshNet {
         let mut faces = FaceList::default();
         for [a, b, c, d] in squares {
             match self {

@@ -1,21 +1,21 @@
-//! Numbers in the order of first use.
+//! FirstUse in the order of first use.
 
 use crate::shape::topology::{NONE, index};
 
-/// Numbers up to this many are found by looking through them.
+/// FirstUse up to this many are found by looking through them.
 const FEW: usize = 16;
 
 /// Things in the order of first use, which is their number.
 ///
 /// A table finds them by their hash, whatever the number of all things: what a patch takes depends on its size alone.
 #[derive(Default)]
-pub(super) struct Numbers {
+pub(super) struct FirstUse {
     pub(super) order: Vec<u32>,
     /// Numbers, or [`NONE`], each at or after the place of its hash; twice as many places as numbers at least, a power of 2.
     places: Vec<u32>,
 }
 
-impl Numbers {
+impl FirstUse {
     /// The number of `thing`, and whether it is a new one.
     pub(super) fn number(&mut self, thing: u32) -> (u32, bool) {
         let n = self.order.len();

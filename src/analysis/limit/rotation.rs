@@ -1,13 +1,14 @@
-//! Turns of what is around a vertex from level to level.
+//! Rotations of what is around a vertex from level to level.
 //!
-//! A step of sqrt 3 puts the middles of faces around a vertex, between its neighbours, so that two steps lead from the
-//! place of a neighbour to that of the next one. Where neighbours stand at the corners of a regular n-gon, as the complex
-//! numbers `exp(2 pi i j/n)`, a matrix that turns by k faces multiplies them by `a exp(2 pi i k/n)`, with a positive a.
+//! A step that puts the middles of faces around a vertex, between its neighbours, rotates what is there: two such steps lead
+//! from the place of a neighbour to that of the next one. Where neighbours stand at the corners of a regular n-gon, as the complex
+//! numbers `exp(2 pi i j/n)`, a matrix that rotates by k faces multiplies them by `a exp(2 pi i k/n)`, with a positive a.
 //!
-//! Source: L. Kobbelt, SIGGRAPH 2000, 103-112, section 4, where the matrix of two steps is turned back.
+//! Source: SIGGRAPH 2000, 103-112, section 4, where the matrix of two steps is turned back.
 
 use super::cycle::Cycle;
-use super::patch::{Centre, Patch, Rings, Whole};
+use super::patch::{Centre, Patch, Rings};
+use super::walk::WholeNet;
 use crate::math::functions::{cos, sin};
 use crate::shape::topology::index;
 
@@ -41,8 +42,8 @@ pub(super) fn by(patch: &Patch, forth: impl Fn(&[f64]) -> Vec<f64>) -> Option<us
 /// For each vertex of the support of a patch the one in whose place it comes when the patch is turned by so many faces;
 /// `None` where it does not look the same then.
 pub(super) fn places(patch: &Patch, cycle: &Cycle<'_>, rings: Rings, faces: usize) -> Option<Vec<u32>> {
-    let (net, origins) = patch.net(cycle.frame)?;
-    let (centre, whole) = (patch.centre(), Whole::of(&net, &net.mesh.base));
+    let (net, origins) = patch.net(cycle.patch_rules)?;
+    let (centre, whole) = (patch.centre(), WholeNet::of(&net, &net.mesh.base));
     let [here, there] = [0, faces].map(|start| whole.walk(centre, whole.starts(centre).nth(start)?, rings));
     let (here, there) = (here?, there?);
     let place = |i: usize| {

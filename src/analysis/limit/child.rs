@@ -5,8 +5,8 @@
 //! of m points on its boundary, whose middle takes its place: a vertex where m is odd, an edge where it is even. An inner
 //! vertex with two faces becomes the edge between these.
 
-use super::Unlimited;
 use super::dual::Dual;
+use super::error::Unlimited;
 use super::patch::Centre;
 use super::record::Record;
 use crate::math::rows::Rows;
@@ -21,19 +21,19 @@ const SAME: f64 = 1e-9;
 ///
 /// # Errors
 /// [`Unlimited::Lost`] and [`Unlimited::Parted`].
-pub(super) fn heir(
+pub(super) fn child(
     centre: Centre,
-    heirs: Children,
+    children: Children,
     [before, after]: [&MeshNet; 2],
     record: &Record,
 ) -> Result<Centre, Unlimited> {
-    match (heirs, centre) {
+    match (children, centre) {
         (Children::Same, _) | (Children::Vertices, Centre::Vertex(_)) => Ok(centre),
         (Children::Vertices, _) => {
             let (topology, finer) = (before.mesh.topology(), after.mesh.topology());
             record.last().and_then(|rows| middle(centre, &topology, &finer, &rows)).ok_or(Unlimited::Lost)
         }
-        (Children::Dual, _) => Dual::of(before, after)?.heir(centre),
+        (Children::Dual, _) => Dual::of(before, after)?.child(centre),
         (Children::Faces, _) => cut(centre, before, after),
     }
 }
@@ -42,7 +42,7 @@ pub(super) fn heir(
 fn cell(centre: Centre, topology: &Topology) -> Vec<u32> {
     match centre {
         Centre::Vertex(v) => vec![v],
-        Centre::Edge(corner) => vec![topology.vertex(corner), topology.vertex(topology.next(corner))],
+        Centre::Edge(half_edge) => vec![topology.vertex(half_edge), topology.vertex(topology.next(half_edge))],
         Centre::Face(f) => topology.face(f as usize).to_vec(),
     }
 }
@@ -91,12 +91,12 @@ fn cut(centre: Centre, before: &MeshNet, after: &MeshNet) -> Result<Centre, Unli
         found.map(|f| Centre::Face(index(f))).ok_or(Unlimited::Lost)
     };
     let edge_of = |[a, b]: [u32; 2]| {
-        let towards = |a: u32, b: u32| new.ring(a as usize).find(|&corner| new.vertex(new.next(corner)) == b);
+        let towards = |a: u32, b: u32| new.ring(a as usize).find(|&half_edge| new.vertex(new.next(half_edge)) == b);
         towards(a, b).or_else(|| towards(b, a)).map(Centre::Edge).ok_or(Unlimited::Lost)
     };
     match centre {
         Centre::Face(f) => face_of(&old.half_edges(f as usize).collect::<Vec<_>>()),
-        Centre::Edge(corner) => edge_of([corner, old.next(corner)]),
+        Centre::Edge(half_edge) => edge_of([half_edge, old.next(half_edge)]),
         Centre::Vertex(v) => {
             let ring: Vec<u32> = old.ring(v as usize).collect();
             let first = || old.cut_corners_first_at(v, &before.tags.corners);

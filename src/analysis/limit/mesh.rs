@@ -1,0 +1,36 @@
+//! Meshes refined to their limits.
+
+use super::cycle::AHEAD;
+use super::error::{LimitError, Unlimited};
+use super::limits::{Limits, limits};
+use super::request::LimitRequest;
+use crate::fault::Fault;
+use crate::refine::{RefinedMesh, act_on, assembled, mesh_net, numbers, refined_uvs};
+use crate::scheme::plan::Plan;
+use crate::shape::mesh::Mesh;
+use crate::watch::Watch;
+
+/// Refines a mesh by `levels` levels and finds what is asked for of its limit; the warnings say what has none.
+///
+/// # Errors
+/// [`LimitError`], also where there is no limit.
+pub fn refine_mesh_to_limit(
+    mesh: &Mesh,
+    plan: &Plan,
+    levels: u32,
+    request: LimitRequest,
+    watch: &Watch,
+) -> Result<(RefinedMesh, Vec<String>), LimitError> {
+    let later = |fault: Fault| Unlimited::Later(fault.detail);
+    let steps = plan.schedule(levels + AHEAD).map_err(later)?;
+    let (steps, ahead) = steps.split_at(plan.word.prefix.len() + levels as usize * plan.word.cycle.len());
+    let (net, points) = act_on(mesh_net(mesh, plan), numbers(mesh), plan, steps, watch)?;
+    let found = match limits(plan, &net, &points, ahead, request, watch) {
+        Err(error) if !request.positions && !matches!(error, Unlimited::Stopped(_)) => Limits::without_normals(&error),
+        found => found?,
+    };
+    let refined = || points.into_iter().map(|points| points.now).collect();
+    let uvs = refined_uvs(mesh, plan, steps, watch)?;
+    let mesh = assembled(mesh, &net, found.points.unwrap_or_else(refined), uvs).with_normals(found.normals);
+    Ok((mesh, found.warning.into_iter().collect()))
+}

@@ -1,0 +1,29 @@
+//! What every handler knows.
+
+use std::sync::{Arc, LazyLock};
+
+use super::canary::Canary;
+use super::connections::Connections;
+use super::memo::Memo;
+use crate::config::Settings;
+use crate::service::desk::Desk;
+
+/// What every handler knows.
+#[derive(Debug)]
+pub struct App {
+    /// Finds and makes artifacts.
+    pub desk: Arc<Desk>,
+    /// The settings of this service.
+    pub settings: Settings,
+    /// The job that shows whether the service works.
+    pub canary: Arc<Canary>,
+    /// What was asked lately.
+    pub memo: Memo,
+    /// The connections that are open.
+    pub connections: Arc<Connections>,
+    /// The OpenAPI document, written when it is first asked for.
+    pub openapi: LazyLock<String>,
+}
+
+/// The state of the router.
+pub(super) type Shared = Arc<App>;

@@ -1,0 +1,81 @@
+//! The router of a service: its routes, and what all answers have in common.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::Router;
+use axum::extract::DefaultBodyLimit;
+use axum::http::{HeaderName, Method, header};
+use axum::middleware;
+use tower_http::catch_panic::CatchPanicLayer;
+use tower_http::cors::{AllowOrigin, CorsLayer};
+use utoipa::{OpenApi, openapi};
+use utoipa_axum::router::OpenApiRouter;
+
+use super::app::App;
+use super::document::{Document, completed};
+use super::{guard, problem, routes};
+use crate::config::{CorsOrigins, Settings};
+
+/// The OpenAPI document of the interface.
+pub fn document() -> openapi::OpenApi {
+    let described = OpenApiRouter::with_openapi(Document::openapi()).merge(routes::all());
+    completed(described.into_openapi())
+}
+
+/// The OpenAPI document as text, the way it is committed.
+///
+/// # Panics
+/// Never: the document is plain data.
+pub fn document_text() -> String {
+    let mut text = document().to_pretty_json().expect("the document is plain data");
+    text.push('\n');
+    text
+}
+
+/// The router of a service.
+pub fn router(app: Arc<App>) -> Router {
+    let (router, _) = routes::all().split_for_parts();
+    router
+        .fallback(problem::no_such_page)
+        .method_not_allowed_fallback(problem::method_not_allowed)
+        .layer(DefaultBodyLimit::disable())
+        .layer(CatchPanicLayer::custom(problem::panicked))
+        .layer(middleware::from_fn_with_state(app.clone(), guard::check_host))
+        .layer(cors(&app.settings))
+        .layer(middleware::from_fn(guard::headers))
+        .with_state(app)
+}
+
+/// Pages of the origins that the settings name may ask; no cookies are involved.
+fn cors(settings: &Settings) -> CorsLayer {
+    let (origins, address) = (settings.cors_origins.clone(), settings.listen.ip());
+    let origin = match origins {
+        CorsOrigins::Any => AllowOrigin::any(),
+        origins => {
+            AllowOrigin::predicate(move |origin, _| origin.to_str().is_ok_and(|origin| origins.allows(origin, address)))
+        }
+    };
+    let exposed = ["etag", "location", "content-location", "cache-status", "server-timing", "retry-after"];
+    let exposed = exposed.into_iter().chain([
+        "planish-warnings",
+        "planish-level",
+        "planish-bound",
+        "preference-applied",
+        "accept-ranges",
+        "content-range",
+    ]);
+    CorsLayer::new()
+        .allow_origin(origin)
+        .allow_methods([Method::GET, Method::HEAD, Method::POST, Method::DELETE, Method::OPTIONS])
+        .allow_headers([
+            header::CONTENT_TYPE,
+            header::ACCEPT,
+            header::IF_NONE_MATCH,
+            header::RANGE,
+            header::IF_RANGE,
+            HeaderName::from_static("prefer"),
+        ])
+        .expose_headers(exposed.map(HeaderName::from_static).collect::<Vec<_>>())
+        .max_age(Duration::from_hours(24))
+}

@@ -1,0 +1,89 @@
+//! Jobs whose level is known.
+
+use super::entry::{InputEntry, JobEntries};
+use super::input::Input;
+use super::key::{self, Key};
+use super::output::Output;
+use super::{curves, kernels};
+use crate::analysis::curve::Reached;
+use crate::fault::Fault;
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::shape::frame::Frame;
+
+/// What is checked of a job before it is known how often its plan is applied.
+#[derive(Debug, Clone)]
+pub(super) struct Checked {
+    pub(super) input: Input,
+    pub(super) entry: InputEntry,
+    pub(super) plan: Plan,
+    pub(super) outputs: Vec<Output>,
+    pub(super) frame: Frame,
+}
+
+/// A job whose parts are checked and fit each other.
+#[derive(Debug, Clone)]
+pub struct Job {
+    /// What is refined.
+    pub input: Input,
+    /// The entry of the request that holds it.
+    pub entry: InputEntry,
+    /// How.
+    pub plan: Plan,
+    /// How often the plan's cycle is applied.
+    pub levels: u32,
+    /// How close to the limit that comes, where a tolerance was asked for.
+    pub reached: Option<Reached>,
+    /// What is answered.
+    pub outputs: Vec<Output>,
+    /// What the coordinates of the input mean.
+    pub frame: Frame,
+    steps: Box<[Scheduled]>,
+    keys: Vec<Key>,
+}
+
+impl Job {
+    /// The job at a level, or all its faults after those that were found before.
+    pub(super) fn new(
+        checked: Checked,
+        levels: u32,
+        reached: Option<Reached>,
+        mut faults: Vec<Fault>,
+    ) -> Result<Self, Vec<Fault>> {
+        let Checked { input, entry, plan, outputs, frame } = checked;
+        let steps = plan.schedule(levels).unwrap_or_else(|fault| {
+            faults.push(fault.under("/plan"));
+            Vec::new()
+        });
+        faults.extend(kernels::check(&input, entry, &plan, levels));
+        // limits of curves take a search for eigenvectors, which is made where nothing else is wrong
+        if let (Input::Polygons(polygons), true) = (&input, faults.is_empty()) {
+            let check = |output: &Output| curves::check_wanted(polygons, &plan, levels, output).err();
+            faults.extend(outputs.iter().filter_map(|output| Some(output.fault(check(output)?))));
+        }
+        if !faults.is_empty() {
+            return Err(faults);
+        }
+        let keys = key::artifacts(&input, &plan, levels, frame, &outputs);
+        Ok(Self { input, entry, plan, levels, reached, outputs, frame, steps: steps.into(), keys })
+    }
+
+    /// The operators in the order in which they are applied, each with the numbers of its place.
+    pub fn steps(&self) -> &[Scheduled] {
+        &self.steps
+    }
+
+    /// The keys of its outputs.
+    pub fn keys(&self) -> &[Key] {
+        &self.keys
+    }
+
+    /// Its own key: over the names and keys of all outputs.
+    pub fn id(&self) -> Key {
+        key::job(self.outputs.iter().map(|output| output.name.as_str()).zip(&self.keys))
+    }
+
+    /// Where its request has its parts, for the computation of one output.
+    pub fn entries(&self, output: &Output) -> JobEntries {
+        JobEntries { input: self.entry, output: output.index }
+    }
+}

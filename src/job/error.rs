@@ -1,0 +1,62 @@
+//! Why a computation of a job ends without a result.
+
+use super::entry::{JobFault, JobPart};
+use crate::analysis::limit::LimitError;
+use crate::output::FormatError;
+use crate::refine::RefineError;
+use crate::scheme::step_error::{About, StepError};
+use crate::shape::attributes::Attributes;
+use crate::watch::Stopped;
+
+/// Why a run ended without a result.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// It was asked to stop.
+    #[error(transparent)]
+    Stopped(Stopped),
+    /// The job turned out to be impossible: where, and why.
+    #[error("{0}")]
+    Impossible(JobFault),
+    /// The bytes could not be taken.
+    #[error("writing the result failed: {0}")]
+    Io(std::io::Error),
+}
+
+impl RunError {
+    /// The error of a mesh whose limit an output asks for, by the option `wanted`.
+    pub(super) fn of_limit(error: LimitError, attributes: Option<&Attributes>, wanted: &str) -> Self {
+        match error {
+            LimitError::Refine(error) => Self::of_shape(error, attributes, 0),
+            error @ LimitError::Unlimited(_) => Self::Impossible(JobFault::new(JobPart::Output, wanted, error)),
+        }
+    }
+
+    /// The error of refining a shape. A kernel without an average, or a compensation beyond its bound, stands at what it was
+    /// made of: the kernels or compensations of the points of the shape, else their alphas, else the function of the plan.
+    pub(super) fn of_shape(error: RefineError, attributes: Option<&Attributes>, shape: usize) -> Self {
+        let name = match &error {
+            RefineError::Stopped(stopped) => return Self::Stopped(*stopped),
+            RefineError::Step { error: StepError { about: About::Point { name, .. }, .. }, .. } => *name,
+            _ => return Self::Impossible(JobFault::new(JobPart::Plan, "", error)),
+        };
+        let arrays = attributes.map(Attributes::arrays).unwrap_or_default();
+        let given = |wanted: &str| arrays.iter().any(|(name, array)| *name == wanted && array.is_some());
+        // along longitude lines there is the kernel of the points, too
+        let carried = if name == "compensation" { name } else { "kernel" };
+        let (part, name) = match [carried, "alpha"].into_iter().find(|name| given(name)) {
+            Some(carried) => (JobPart::Shape(shape), carried),
+            None => (JobPart::Plan, name),
+        };
+        Self::Impossible(JobFault::new(part, format!("/parameters/{name}"), error))
+    }
+}
+
+impl From<FormatError> for RunError {
+    fn from(error: FormatError) -> Self {
+        match error {
+            FormatError::Stopped(stopped) => Self::Stopped(stopped),
+            FormatError::Io(error) => Self::Io(error),
+            FormatError::Unfit(detail) => Self::Impossible(JobFault::new(JobPart::Output, "", detail)),
+        }
+    }
+}

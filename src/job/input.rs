@@ -1,0 +1,120 @@
+//! The input of a job.
+
+use crate::fault::Fault;
+use crate::output::ShapeKind;
+use crate::scheme::plan::{AlphaOf, Carried, Plan, PlanInput, Subject};
+use crate::scheme::tags::Boundary;
+use crate::shape::attachments::Attachments;
+use crate::shape::attributes::Attributes;
+use crate::shape::creases::INFINITE_SHARPNESS;
+use crate::shape::mesh::Mesh;
+use crate::shape::polygon::Polygon;
+
+/// What is refined.
+#[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a job has one input")]
+pub enum Input {
+    /// Polygons, refined alike.
+    Polygons(Vec<Polygon>),
+    /// A mesh.
+    Mesh(Mesh),
+}
+
+impl Input {
+    /// Whether it is a mesh, and whether it is open (has ends or a boundary).
+    pub fn kind(&self) -> (bool, bool) {
+        match self {
+            Self::Polygons(polygons) => (false, polygons.iter().any(|polygon| !polygon.closed)),
+            Self::Mesh(mesh) => (true, mesh.topology.n_boundary() > 0),
+        }
+    }
+
+    /// Number of points or vertices.
+    pub fn n_points(&self) -> usize {
+        match self {
+            Self::Polygons(polygons) => polygons.iter().map(Polygon::len).sum(),
+            Self::Mesh(mesh) => mesh.topology.n_vertices(),
+        }
+    }
+
+    /// The kind of the result, for formats.
+    pub fn shape_kind(&self) -> ShapeKind {
+        match self {
+            Self::Polygons(polygons) => {
+                ShapeKind::Curves { dimension: polygons.iter().map(Polygon::result_dimension).max().unwrap_or(1) }
+            }
+            Self::Mesh(_) => ShapeKind::Mesh,
+        }
+    }
+
+    /// What it carries besides its shape.
+    pub fn attachments(&self) -> &Attachments {
+        match self {
+            Self::Polygons(_) => Attachments::none(),
+            Self::Mesh(mesh) => &mesh.attachments,
+        }
+    }
+
+    /// A plan for it.
+    ///
+    /// # Errors
+    /// Every fault of the plan, with pointers below it.
+    pub fn plan(&self, plan: &PlanInput) -> Result<Plan, Vec<Fault>> {
+        Plan::resolve(plan, self.subject(plan))
+    }
+
+    /// What a plan has to know of it.
+    pub(super) fn subject(&self, input: &PlanInput) -> Subject {
+        let (is_mesh, is_open) = self.kind();
+        let attached = match self {
+            Self::Mesh(mesh) if mesh.attachments.uvs.is_some() => Some("uvs"),
+            Self::Mesh(mesh) if mesh.attachments.names_faces() => Some("groups and materials"),
+            Self::Mesh(_) | Self::Polygons(_) => None,
+        };
+        let tags = match self {
+            Self::Polygons(polygons) if polygons.iter().any(|p| !p.corners.is_empty()) => Some("corners"),
+            Self::Polygons(polygons) => {
+                polygons.iter().any(|p| p.attributes.is_some()).then_some("parameters of points")
+            }
+            Self::Mesh(mesh) if !mesh.corners.is_empty() || !mesh.semi_sharp_corners.is_empty() => Some("corners"),
+            Self::Mesh(mesh) if !mesh.creases.is_empty() => Some("creases"),
+            Self::Mesh(mesh) if !mesh.holes.is_empty() => Some("holes"),
+            Self::Mesh(_) if is_open && input.boundary == Boundary::None => {
+                Some("the holes that boundary \"none\" makes")
+            }
+            Self::Mesh(mesh) if mesh.directions.is_some() => Some("latitude and longitude tags"),
+            Self::Mesh(mesh) if mesh.attributes.is_some() => Some("parameters of vertices"),
+            Self::Mesh(_) => attached,
+        };
+        let (creased, semi_sharp) = match self {
+            Self::Polygons(_) => (false, None),
+            Self::Mesh(mesh) if !mesh.semi_sharp_corners.is_empty() => (!mesh.creases.is_empty(), Some("corners")),
+            Self::Mesh(mesh) => {
+                let semi_sharp = mesh.creases.iter().any(|&(_, sharpness)| sharpness < INFINITE_SHARPNESS);
+                (!mesh.creases.is_empty(), semi_sharp.then_some("creases"))
+            }
+        };
+        let other_face = match self {
+            Self::Polygons(_) => None,
+            Self::Mesh(mesh) => {
+                let topology = &mesh.topology;
+                topology.first_other_than_triangle().map(|f| (f, topology.face(f).len()))
+            }
+        };
+        let carried = match self {
+            Self::Polygons(_) => None,
+            Self::Mesh(mesh) => match &mesh.directions {
+                Some(directions) if directions.any_latitude() => Some(Carried::Latitude),
+                Some(_) => Some(Carried::Longitude),
+                None => mesh.attributes.is_some().then_some(Carried::Parameters),
+            },
+        };
+        let carry_alpha = |kept: &Option<Attributes>| kept.as_ref().is_some_and(|kept| kept.alpha.is_some());
+        let carried_by_all = match self {
+            Self::Polygons(polygons) => polygons.iter().all(|polygon| carry_alpha(&polygon.attributes)),
+            Self::Mesh(mesh) => carry_alpha(&mesh.attributes),
+        };
+        let alpha = if carried_by_all { AlphaOf::Points } else { AlphaOf::Plan };
+        Subject { is_mesh, is_open, tags, attached, creased, carried, semi_sharp, alpha, other_face }
+    }
+}

@@ -1,0 +1,25 @@
+//! The outputs of a job.
+
+use crate::fault::Fault;
+use crate::math::parameter::Values;
+use crate::output::Format;
+
+/// One result that is asked for.
+#[derive(Debug, Clone)]
+pub struct Output {
+    /// Name among the outputs of its job.
+    pub name: String,
+    /// The format.
+    pub format: &'static dyn Format,
+    /// The format's options.
+    pub options: Values,
+    /// Its index among the outputs of the request.
+    pub index: usize,
+}
+
+impl Output {
+    /// A fault of this output, with a pointer below the request.
+    pub(super) fn fault(&self, fault: Fault) -> Fault {
+        fault.under(&format!("/outputs/{}", self.index))
+    }
+}
