@@ -25,7 +25,7 @@ impl Creasing {
         }
     }
 
-    /// Whether what an edge hands on depends on the other edges at its ends.
+    /// Whether the sharpness of an edge depends on the edges at both its ends.
     pub fn evens_out(self) -> bool {
         self == Self::Chaikin
     }
