@@ -90,8 +90,8 @@ pub struct Local {
 }
 
 impl Local {
-    /// The local values at an upsampling of a polygon with `n` control points and so many edges that carry these parameters; `None` when
-    /// all points have the plan's.
+    /// The local values at an upsampling of a polygon with `n` control points and so many edges that carry these
+    /// parameters; `None` when all points have the plan's.
     pub(super) fn of(
         [n, edges]: [usize; 2],
         attributes: Option<&Attributes>,
@@ -152,15 +152,15 @@ pub(super) fn finite<E: std::fmt::Display>(name: &str, i: usize, value: Result<f
     }
 }
 
-/// The refusal of a kernel of a point, in the net that entered the last upsampling or, beyond its points, that came of it,
-/// with which no average exists.
+/// The refusal of a kernel of a point, in the net that entered the last upsampling or, beyond its points, that came of
+/// it, with which no average exists.
 pub(super) fn no_average(name: &'static str, point: usize, value: f64) -> StepError {
     let why = "where no average exists, as its weights add up to 0; it is any number but -1";
     StepError::about(About::Point { name, point, from: Vec::new() }, format!("{value}, {why}"))
 }
 
-/// The refusal of a compensation of a point, in the net that came of the last upsampling, beyond its bound; with its alpha,
-/// where it is a function of that.
+/// The refusal of a compensation of a point, in the net that came of the last upsampling, beyond its bound; with its
+/// alpha, where it is a function of that.
 fn large_compensation(point: usize, value: f64, alpha: Option<f64>) -> StepError {
     let (why, remedy) = match alpha {
         Some(alpha) => (format!(" (alpha = {alpha}), a pole of the function"), "choose another alpha there"),

@@ -3,13 +3,8 @@
 
 pub mod anchor;
 pub mod annotations;
-pub mod census;
-mod collar;
-mod count;
 pub mod creases;
-mod duals;
 pub mod extent;
-mod fans;
 pub mod forecast;
 pub mod letter;
 pub mod local;
@@ -29,7 +24,6 @@ pub mod ranges;
 pub mod rules;
 pub mod settings;
 pub mod sharpness;
-mod sizes;
 pub mod split_mesh;
 pub mod stencil;
 pub mod step;

@@ -27,11 +27,11 @@ pub(super) struct Average;
 static FACTS: Facts = Facts {
     letter: Some('C'),
     name: "average",
-    doc: "The convolution average: D twice, re-centred. Curves after U: vertices (1, 2f, 1), edge points (f, 2, f), each over \
-     2(1 + f), with the kernel f in the first average after a U and 1 else. Meshes: the mean of the loop centres \
-     (f^2 V + f (E1 + E2) + F) / (1 + f)^2 of the quads around a vertex, after U3 and higher with f^2 for V, f for \
-     points of edges, 1 for points inside faces; with split triangle mu P + (1 - mu) times the mean of the neighbours, \
-     where V has the weight f. Boundaries and creases follow the curve rule, corners stay.",
+    doc: "The convolution average: D twice, re-centred. Curves after U: vertices (1, 2f, 1), edge points (f, 2, f), \
+     each over 2(1 + f), with the kernel f in the first average after a U and 1 else. Meshes: the mean of the loop \
+     centres (f^2 V + f (E1 + E2) + F) / (1 + f)^2 of the quads around a vertex, after U3 and higher with f^2 for V, f \
+     for points of edges, 1 for points inside faces; with split triangle mu P + (1 - mu) times the mean of the \
+     neighbours, where V has the weight f. Boundaries and creases follow the curve rule, corners stay.",
     source: "Zhang and Wang 2002, formulas (2) and (5); Zorin and Schroeder, CAGD 18 (2001), 429-454",
     role: Role::Average,
     uses: &["kernel", "mu"],

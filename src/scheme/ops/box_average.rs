@@ -18,8 +18,8 @@ pub(super) struct BoxAverage;
 static FACTS: Facts = Facts {
     letter: Some('A'),
     name: "window-average",
-    doc: "The mean of d neighbouring points of a curve, d being the arity of the last U; equals D when d is 2. For odd d the \
-     point itself stands in the middle; for even d the window reaches further forward the first time after a U, \
+    doc: "The mean of d neighbouring points of a curve, d being the arity of the last U; equals D when d is 2. For odd \
+     d the point itself stands in the middle; for even d the window reaches further forward the first time after a U, \
      further back the second, and so on. U3 A^(g-1) gives the B-spline of degree g.",
     source: "Zhang and Wang 2002, section 4.2; Lane and Riesenfeld, IEEE PAMI 2 (1980), 35-46",
     nets: Nets::Polygons("A averages the points of polygons; meshes take U, D, C and P"),

@@ -15,15 +15,15 @@ use crate::shape::topology::{NONE, Topology, index};
 /// The edge points of the modified butterfly scheme, with `16 w` times the displacement from the middle of the edge; at
 /// `w = 1/16`:
 ///
-/// - both ends of valence 6: `1/2 (a + b) + 1/8 (c + d) - 1/16 (four far vertices)`, with the vertices `c`, `d` opposite
-///   the edge and those beyond the other four edges of its two triangles;
-/// - an inner end `p` of valence n other than 6: `3/4 p + sum s[j] e[j]` over its neighbours, counted from the other end,
-///   `s[j] = (1/4 + cos(2 pi j/n) + 1/2 cos(4 pi j/n))/n`; for n = 3 `(5, -1, -1)/12`, for n = 4 `(3, 0, -1, 0)/8`; the
-///   mean of both where both ends are such;
+/// - both ends of valence 6: `1/2 (a + b) + 1/8 (c + d) - 1/16 (four far vertices)`, with the vertices `c`, `d`
+///   opposite the edge and those beyond the other four edges of its two triangles;
+/// - an inner end `p` of valence n other than 6: `3/4 p + sum s[j] e[j]` over its neighbours, counted from the other
+///   end, `s[j] = (1/4 + cos(2 pi j/n) + 1/2 cos(4 pi j/n))/n`; for n = 3 `(5, -1, -1)/12`, for n = 4 `(3, 0, -1,
+///   0)/8`; the mean of both where both ends are such;
 /// - boundary edges: `9/16 (a + b) - 1/16 (a* + b*)` with the next vertices on the boundary, or the reflection
 ///   `2 a - b` at a corner;
-/// - ends on the boundary, and those with two faces all around, count as of valence 6; a far vertex beyond a boundary edge `(a, c)` of the triangle `(a, b, c)`
-///   is `a + c - b`.
+/// - ends on the boundary, and those with two faces all around, count as of valence 6; a far vertex beyond a boundary
+///   edge `(a, c)` of the triangle `(a, b, c)` is `a + c - b`.
 #[derive(Debug)]
 pub struct ButterflyEdges;
 
@@ -40,9 +40,9 @@ impl ButterflyEdges {
 
 static FACTS: Facts = Facts {
     name: "butterfly-edges",
-    doc: "The edge points of the modified butterfly scheme after U on triangles: 1/2 (a + b) + 2w (c + d) - w (four far \
-     vertices) where both ends have valence 6, weights of the ring of an end of another valence, the four-point rule \
-     on boundaries. Used by the preset butterfly.",
+    doc: "The edge points of the modified butterfly scheme after U on triangles: 1/2 (a + b) + 2w (c + d) - w (four \
+     far vertices) where both ends have valence 6, weights of the ring of an end of another valence, the four-point \
+     rule on boundaries. Used by the preset butterfly.",
     source: "Zorin, Schroeder and Sweldens, SIGGRAPH 1996, 189-192; Dyn, Levin and Gregory, ACM TOG 9 (1990), 160-169",
     nets: Nets::Meshes("butterfly refines meshes of triangles; for polygons use four-point"),
     parameters: &[ButterflyEdges::W],

@@ -15,15 +15,16 @@ use crate::shape::topology::{NONE, Topology, index};
 
 /// Catmull-Clark after U, for faces of any size: `F' = F`, `E' = E/2 + (F1 + F2)/4` (which is `(V1 + V2 + F1 + F2)/4`),
 /// `V' = (N-3)/N V + 2/N^2 sum E + 1/N^2 sum F`; boundaries and creases: `E' = E`, `V' = V/2 + (E1 + E2)/4`; corners
-/// stay. An edge of sharpness below 1 is that much of a crease, but wholly one where both its halves stay sharp; a vertex
-/// whose rule changes in a level is a mean of both.
+/// stay. An edge of sharpness below 1 is that much of a crease, but wholly one where both its halves stay sharp; a
+/// vertex whose rule changes in a level is a mean of both.
 #[derive(Debug)]
 pub struct CatmullClark;
 
 static FACTS: Facts = Facts {
     name: "catmull-clark-smoothing",
-    doc: "The smoothing of Catmull and Clark after U: face points stay, edge points E/2 + (F1 + F2)/4, vertices of valence \
-     N (N-3)/N V + 2/N^2 sum E + 1/N^2 sum F; boundaries and creases are cubic B-splines, while they are sharp. Used by the preset catmull-clark.",
+    doc: "The smoothing of Catmull and Clark after U: face points stay, edge points E/2 + (F1 + F2)/4, vertices of \
+     valence N (N-3)/N V + 2/N^2 sum E + 1/N^2 sum F; boundaries and creases are cubic B-splines, while they are \
+     sharp. Used by the preset catmull-clark.",
     source: "Catmull and Clark, CAD 10 (1978), 350-355; boundaries as OpenSubdiv 3.5",
     nets: Nets::Meshes("catmull-clark refines meshes; for polygons use cubic-b-spline"),
     role: Role::Smooth,

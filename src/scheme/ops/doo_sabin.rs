@@ -7,7 +7,7 @@ use super::cosines::cosine;
 use super::dual::no_manifold;
 use super::upsample::ratio;
 use crate::math::rows::{Rows, RowsBy};
-use crate::scheme::census::{Census, sum};
+use crate::scheme::forecast::{Census, sum};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
 use crate::scheme::step::{Action, Step, Values};
@@ -22,16 +22,16 @@ use crate::shape::topology::{NONE, Topology, index};
 /// a boundary edge `(a, b)` gets the vertices `(3a + b)/4` and `(a + 3b)/4`, and the strip between them and the new
 /// vertices inside consists of half faces. From then on a half face `(a, b, c[1], ..., c[k])` stands for the face of 2k
 /// vertices `c[1], ..., c[k], 2 m[k] - c[k], ..., 2 m[1] - c[1]` with the axis `m[i] = (a + b)/2 + (b - a)/2
-/// cos(pi (i - 1/2)/k) / cos(pi/2k)`, which the step maps to itself. Corners, which have one face, stay; the quarter face
-/// there gives the mean of its vertices, and its boundary edges their middles.
+/// cos(pi (i - 1/2)/k) / cos(pi/2k)`, which the step maps to itself. Corners, which have one face, stay; the quarter
+/// face there gives the mean of its vertices, and its boundary edges their middles.
 #[derive(Debug)]
 pub struct DooSabin;
 
 static FACTS: Facts = Facts {
     name: "doo-sabin",
-    doc: "A level of Doo and Sabin: a new vertex for each corner of a face of n vertices, with weights (n + 5)/(4n) for the \
-     corner and (3 + 2 cos(2 pi i/n))/(4n) for the others; a face for each face, edge and vertex. Boundaries follow \
-     Chaikin, and the surface is reflected at them. Used by the preset doo-sabin.",
+    doc: "A level of Doo and Sabin: a new vertex for each corner of a face of n vertices, with weights (n + 5)/(4n) \
+     for the corner and (3 + 2 cos(2 pi i/n))/(4n) for the others; a face for each face, edge and vertex. Boundaries \
+     follow Chaikin, and the surface is reflected at them. Used by the preset doo-sabin.",
     source: "Doo and Sabin, CAD 10 (1978), 356-360; Doo, Proc. Interactive Techniques in CAD (1978), 157-165",
     nets: Nets::Meshes("doo-sabin refines meshes; for polygons use chaikin"),
     role: Role::Smooth,

@@ -32,9 +32,9 @@ pub(super) struct Dual;
 static FACTS: Facts = Facts {
     letter: Some('D'),
     name: "dual",
-    doc: "The dual average. Curves: q[j] = (w[j] p[j] + w[j+1] p[j+1]) / (w[j] + w[j+1]), with the kernel f as weight of \
-     vertices and 1 of edge points for the first average after a U, all 1 else. Meshes: one vertex for each face, at \
-     the mean of its vertices (weights f^2 for V, f for E, 1 for F in the first average after a U); one face for \
+    doc: "The dual average. Curves: q[j] = (w[j] p[j] + w[j+1] p[j+1]) / (w[j] + w[j+1]), with the kernel f as weight \
+     of vertices and 1 of edge points for the first average after a U, all 1 else. Meshes: one vertex for each face, \
+     at the mean of its vertices (weights f^2 for V, f for E, 1 for F in the first average after a U); one face for \
      each interior vertex.",
     source: "Lane and Riesenfeld, IEEE PAMI 2 (1980), 35-46; Zhang and Wang 2002, formula (2)",
     role: Role::Average,
@@ -151,8 +151,8 @@ impl Ordered {
 }
 
 /// The numbers at the last U of the vertices after a D or, where it puts faces in their place, of these. Numbers of the
-/// vertices or faces before are `known`; the dual has faces for the vertices `kept`, and `split_from` are the faces whose
-/// vertex there is one more.
+/// vertices or faces before are `known`; the dual has faces for the vertices `kept`, and `split_from` are the faces
+/// whose vertex there is one more.
 fn order_after(net: &MeshNet, known: &Arc<[u32]>, kept: &[u32], split_from: &[u32]) -> Arc<[u32]> {
     if net.since.duals.is_multiple_of(2) {
         if kept.len() == known.len() {
@@ -175,7 +175,8 @@ fn dual_faces(ordered: &Ordered) -> Result<(FaceList, Vec<u32>), StepError> {
     })
 }
 
-/// The connectivity of the dual, with one vertex for each face and more where one joins several fans; it may have no faces.
+/// The connectivity of the dual, with one vertex for each face and more where one joins several fans; it may have no
+/// faces.
 ///
 /// # Errors
 /// When the dual is no manifold.
@@ -183,7 +184,8 @@ pub(in crate::scheme) fn dual(topology: &Topology) -> Result<Checked, StepError>
     manifold(topology.n_faces(), cycles(topology).0)
 }
 
-/// For each interior vertex in order the cycle of its faces, counter-clockwise, starting at the lowest; and these vertices.
+/// For each interior vertex in order the cycle of its faces, counter-clockwise, starting at the lowest; and these
+/// vertices.
 fn cycles(explicit: &Topology) -> (FaceList, Vec<u32>) {
     let dual = |v: usize, (faces, kept): &mut (FaceList, Vec<u32>)| {
         if explicit.is_isolated(v) || explicit.boundary_edges(v).is_some() {

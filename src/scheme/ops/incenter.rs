@@ -35,14 +35,15 @@ impl Incenter {
         kind: Kind::Number { min: 0.0, max: 1.0 },
         unit: "",
         default: Default::Number(0.25),
-        doc: "How far tangents follow the circle through three points: 0 keeps those of the biarcs, 1 takes the circle's.",
+        doc: "How far tangents follow the circle through three points: 0 keeps those of the biarcs, 1 takes the \
+              circle's.",
     };
 }
 
 static FACTS: Facts = Facts {
     name: "incenter",
-    doc: "A level of incenter subdivision, which is not linear: it turns tangents along with points of the plane. Used by \
-     the preset incenter.",
+    doc: "A level of incenter subdivision, which is not linear: it turns tangents along with points of the plane. Used \
+     by the preset incenter.",
     source: "after Deng and Wang, CAGD 27 (2010), 48-59",
     nets: Nets::Polygons("this scheme refines polygons"),
     role: Role::Upsample,

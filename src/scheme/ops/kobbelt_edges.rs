@@ -16,11 +16,11 @@ const RULE: FourPoint = FourPoint::CUBIC;
 /// The edge points of Kobbelt: `E' = 9/16 (a + b) - 1/16 (a* + b*)` with the points `a*`, `b*` that continue the edge
 /// beyond its ends `a` and `b`.
 ///
-/// Beyond an interior vertex `p` of valence 4 this is the end of the opposite edge. At valence n it is the virtual point
-/// `4/n sum l - (l[i-1] + l[i] + l[i+1]) + 1/9 (k[i-2] + k[i-1] + k[i] + k[i+1]) - 4/(9n) sum k` for the edge to `l[i]`,
-/// with the neighbours `l` around `p` and the vertices `k[i]` opposite `p` in the face between `l[i]` and `l[i+1]`: the
-/// one choice, symmetric in the neighbours, for which both directions across a face give the same face point. Where a
-/// face is no quad, twice its centroid less `p` stands for `k`.
+/// Beyond an interior vertex `p` of valence 4 this is the end of the opposite edge. At valence n it is the virtual
+/// point `4/n sum l - (l[i-1] + l[i] + l[i+1]) + 1/9 (k[i-2] + k[i-1] + k[i] + k[i+1]) - 4/(9n) sum k` for the edge to
+/// `l[i]`, with the neighbours `l` around `p` and the vertices `k[i]` opposite `p` in the face between `l[i]` and
+/// `l[i+1]`: the one choice, symmetric in the neighbours, for which both directions across a face give the same face
+/// point. Where a face is no quad, twice its centroid less `p` stands for `k`.
 ///
 /// A boundary edge goes on along the boundary; an inner edge that ends on the boundary, and any edge at a corner, is
 /// reflected: `a* = 2 a - b`.
@@ -29,8 +29,8 @@ pub struct KobbeltEdges;
 
 static FACTS: Facts = Facts {
     name: "kobbelt-edges",
-    doc: "The edge points of Kobbelt after U: 9/16 (a + b) - 1/16 (a* + b*), where a* and b* continue the edge beyond its \
-     ends: the next vertex at valence 4, a virtual point at other valences, the next vertex of the boundary on \
+    doc: "The edge points of Kobbelt after U: 9/16 (a + b) - 1/16 (a* + b*), where a* and b* continue the edge beyond \
+     its ends: the next vertex at valence 4, a virtual point at other valences, the next vertex of the boundary on \
      boundaries, the reflected one at corners. Used by the preset kobbelt.",
     source: "Kobbelt, Computer Graphics Forum 15 (1996), 409-420, section 3; ends as of clamped polygons",
     nets: Nets::Meshes("kobbelt refines meshes; for polygons use four-point"),
@@ -105,8 +105,8 @@ fn beyond(parent: &Topology, outgoing: u32, out: &mut Rows) {
     }
 }
 
-/// The weights of neighbour `i` around a vertex of valence `n`, counted from the other end of the edge, and of the vertex
-/// opposite in the face after it, in the virtual point beyond that vertex.
+/// The weights of neighbour `i` around a vertex of valence `n`, counted from the other end of the edge, and of the
+/// vertex opposite in the face after it, in the virtual point beyond that vertex.
 fn virtual_point(i: usize, n: usize) -> [f64; 2] {
     let taken = f64::from(i == 0 || i == 1 || i == n - 1);
     let neighbour = ratio(4, n) - taken;

@@ -10,20 +10,20 @@ use crate::scheme::step_error::StepError;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// The face points of Kobbelt: the four-point rule across the face, from edge points to edge points, in the mean of its
-/// directions: `F' = 1/n sum (E[j] + (E[j] - E*[j]) / 8)`, where `E*[j]` is the edge point that lies across the neighbour
-/// at side j.
+/// directions: `F' = 1/n sum (E[j] + (E[j] - E*[j]) / 8)`, where `E*[j]` is the edge point that lies across the
+/// neighbour at side j.
 ///
 /// In a quad this is the mean of `9/16 (E[0] + E[2]) - 1/16 (E*[0] + E*[2])` and the same with 1 and 3, which agree
-/// wherever the mesh is regular or has one extraordinary vertex. Across a face that is no quad lies `2 c - E[j]` with its
-/// centroid `c`; across a boundary edge the reflection of what lies on this side of it.
+/// wherever the mesh is regular or has one extraordinary vertex. Across a face that is no quad lies `2 c - E[j]` with
+/// its centroid `c`; across a boundary edge the reflection of what lies on this side of it.
 #[derive(Debug)]
 pub struct KobbeltFaces;
 
 static FACTS: Facts = Facts {
     name: "kobbelt-faces",
-    doc: "The face points of Kobbelt after his edge points: 1/n sum (E + (E - E*) / 8) over the sides of the face, with the \
-     edge point E* across the neighbour at each side: in quads the four-point rule from edge points to edge points. \
-     Used by the preset kobbelt.",
+    doc: "The face points of Kobbelt after his edge points: 1/n sum (E + (E - E*) / 8) over the sides of the face, \
+     with the edge point E* across the neighbour at each side: in quads the four-point rule from edge points to edge \
+     points. Used by the preset kobbelt.",
     source: "Kobbelt, Computer Graphics Forum 15 (1996), 409-420, section 3",
     nets: Nets::Meshes("kobbelt refines meshes; for polygons use four-point"),
     role: Role::Smooth,

@@ -51,8 +51,8 @@ impl Operator for Masked {
     }
 }
 
-/// The net and the rows after a mask. Clamped ends stay where they are; where the mask is its own mirror image, they would
-/// do so of themselves.
+/// The net and the rows after a mask. Clamped ends stay where they are; where the mask is its own mirror image, they
+/// would do so of themselves.
 pub(super) fn apply(
     net: &PolygonNet,
     window: Window,

@@ -191,8 +191,8 @@ fn children(anchor: &Anchor) -> Arc<[u32]> {
     children.into()
 }
 
-/// The push-back factor of each anchor vertex: 0 at corners, else the expression at its valence, as [`seen_valence`] has
-/// it; that of regular vertices on creases.
+/// The push-back factor of each anchor vertex: 0 at corners, else the expression at its valence, as [`seen_valence`]
+/// has it; that of regular vertices on creases.
 fn deltas(net: &MeshNet, anchor: &Anchor, delta: &Expression) -> Result<Vec<f64>, StepError> {
     let creases = Creases::of_parent(net);
     let mut known: BTreeMap<usize, f64> = BTreeMap::new();

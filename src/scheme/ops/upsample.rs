@@ -21,17 +21,18 @@ use crate::shape::topology::index;
 pub(super) use crate::scheme::anchor::ratio;
 
 /// U, upsampling of arity d: `q[d i + j] = ((d - j) p[i] + j p[i + 1]) / d` on curves; on meshes vertices stay,
-/// edges are interpolated linearly, quads bilinearly, triangles linearly, other faces through the mean of their vertices.
+/// edges are interpolated linearly, quads bilinearly, triangles linearly, other faces through the mean of their
+/// vertices.
 #[derive(Debug)]
 pub(super) struct Upsample;
 
 static FACTS: Facts = Facts {
     letter: Some('U'),
     name: "upsample",
-    doc: "Upsamples by linear interpolation. Curves, arity d (U is U2): q[di+j] = ((d-j) p[i] + j p[i+1]) / d. Meshes: vertices stay, \
-     every edge gets its midpoint and every face the mean of its vertices, so that an n-gon becomes n quads; arity d \
-     splits quads into d x d bilinearly, after a U where a mesh has other faces. With split triangle every triangle \
-     becomes d x d triangles.",
+    doc: "Upsamples by linear interpolation. Curves, arity d (U is U2): q[di+j] = ((d-j) p[i] + j p[i+1]) / d. Meshes: \
+     vertices stay, every edge gets its midpoint and every face the mean of its vertices, so that an n-gon becomes n \
+     quads; arity d splits quads into d x d bilinearly, after a U where a mesh has other faces. With split triangle \
+     every triangle becomes d x d triangles.",
     source: "Zhang and Wang 2002, formulas (1) and (4); Zorin and Schroeder, CAGD 18 (2001), 429-454",
     role: Role::Upsample,
     uses: &["alpha", "split"],
@@ -119,6 +120,7 @@ impl Operator for Upsample {
 /// The refusal of a face that cannot be split into triangles.
 pub(in crate::scheme) fn not_triangles(face: usize, size: usize) -> StepError {
     let found = format!("face {face} has {size} vertices, and only triangles are split into triangles");
-    let remedy = "send a mesh of triangles, or use a scheme for any faces, such as catmull-clark or a word with \"split\": \"quad\"";
+    let remedy = "send a mesh of triangles, or use a scheme for any faces, such as catmull-clark or a word with \
+     \"split\": \"quad\"";
     StepError::about(About::Triangles, format!("{found}; {remedy}"))
 }

@@ -1,7 +1,7 @@
 //! Counts of one net, and how operators change them.
 
-use super::mesh_net::MeshNet;
-use super::settings::Settings;
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::settings::Settings;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 

@@ -1,7 +1,7 @@
 //! Counts of a mesh and of what decides how they grow, for schemes that make a connectivity of their own.
 
 use super::count::{Count, largest_face, largest_fan};
-use super::mesh_net::MeshNet;
+use crate::scheme::mesh_net::MeshNet;
 
 /// Counts of one mesh. Numbers saturate; nothing is allocated for them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,6 +58,6 @@ impl Census {
 }
 
 /// A sum of products of counts with small factors.
-pub(super) fn sum(terms: &[(u128, u128)]) -> u128 {
+pub(in crate::scheme) fn sum(terms: &[(u128, u128)]) -> u128 {
     terms.iter().fold(0, |sum: u128, (factor, n)| sum.saturating_add(factor.saturating_mul(*n)))
 }

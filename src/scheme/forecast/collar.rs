@@ -18,9 +18,9 @@
 use std::mem;
 
 use super::count::Count;
-use super::ops::{dual, no_interior, no_manifold};
 use super::sizes::{Sizes, is_between_two};
-use super::step_error::StepError;
+use crate::scheme::ops::{dual, no_interior, no_manifold};
+use crate::scheme::step_error::StepError;
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::tile::Tile;
 use crate::shape::tiling::Tiling;

@@ -9,16 +9,16 @@
 
 use super::collar::Collar;
 use super::count::Count;
-use super::extent::Ends;
 use super::fans::Fans;
-use super::forecast::{Forecast, ForecastError, Tally};
-use super::mesh_net::MeshNet;
-use super::operator::{Children, Role};
-use super::ops::{cannot_carry, lost_points};
-use super::plan::{Plan, Scheduled};
-use super::step_error::StepError;
-use super::stepper::Stepper;
-use super::word::Word;
+use super::tally::{Forecast, ForecastError, Tally};
+use crate::scheme::extent::Ends;
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::{Children, Role};
+use crate::scheme::ops::{cannot_carry, lost_points};
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::step_error::StepError;
+use crate::scheme::stepper::Stepper;
+use crate::scheme::word::Word;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
 

@@ -1,0 +1,73 @@
+//! The forecast of meshes.
+
+use super::census::Census;
+use super::count::Count;
+use super::duals::Duals;
+use super::tally::{Forecast, ForecastError, Tally};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::{Children, Role};
+use crate::scheme::plan::Scheduled;
+use crate::scheme::sharpness::Remaining;
+use crate::watch::Watch;
+
+/// The forecast of a mesh. Nets with duals are counted up to `cap` vertices.
+///
+/// # Errors
+/// When an operator cannot be applied, the cap is passed, what has to be made of the net to count it takes more than
+/// [`MAX_BYTES`], or the watch says stop.
+pub fn of_mesh(net: &MeshNet, steps: &[Scheduled], cap: u128, watch: &Watch) -> Result<Forecast, ForecastError> {
+    for (i, step) in steps.iter().enumerate() {
+        let operator = step.letter.operator;
+        if steps[..i].iter().all(|before| before.letter.facts().name != operator.facts().name) {
+            operator.admits(net).map_err(|error| ForecastError::Step { level: step.level, error })?;
+        }
+    }
+    if steps.iter().any(|step| step.letter.facts().rebuilds) {
+        return Ok(rebuilt(net, steps));
+    }
+    if steps.iter().any(|step| step.letter.facts().children == Children::Dual) {
+        return Duals { net, steps, cap, watch }.forecast();
+    }
+    Ok(counted(net, steps))
+}
+
+fn counted(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
+    let mut count = Count::of_mesh(net);
+    let sharp = net.sharpness.as_ref().map(|sharpness| sharpness.remaining(&net.mesh.base, net.rules.creasing));
+    let parted = |splits, pieces| sharp.as_ref().map_or(0, |sharp| parted(sharp, splits, pieces));
+    let (mut splits, mut pieces) = (0, 1_u128);
+    count.parted = parted(splits, pieces);
+    let mut tally = Tally::new(count);
+    let mut is_quads = net.mesh.base.is_quads();
+    for step in steps {
+        if step.letter.facts().role == Role::Upsample {
+            splits += 1;
+            pieces = pieces.saturating_mul(step.letter.settings.pieces(is_quads).into());
+            count = Count { parted: parted(splits, pieces), ..count.upsampled(&step.letter.settings, is_quads) };
+            is_quads = true;
+        }
+        tally.step(step, count);
+    }
+    tally.finish()
+}
+
+/// The forecast of a scheme that makes a connectivity of its own.
+fn rebuilt(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
+    let mut census = Census::of(net);
+    let mut tally = Tally::new(census.count);
+    let mut topology_bytes = 0;
+    for step in steps {
+        let before = census;
+        census = step.letter.operator.census(&census);
+        topology_bytes = topology_bytes.max(census.bytes().saturating_add(before.bytes()));
+        tally.step(step, census.count);
+    }
+    Forecast { topology_bytes, ..tally.finish() }
+}
+
+/// Copies of vertices, at most, after some splits into so many pieces of an edge: one for each inner point of a sharp edge, and around its ends as many
+/// as there are faces.
+fn parted(sharp: &[Remaining], splits: usize, pieces: u128) -> u128 {
+    let remaining = sharp[splits.min(sharp.len() - 1)];
+    remaining.edges.saturating_mul(pieces - 1).saturating_add(remaining.corners)
+}
