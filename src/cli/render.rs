@@ -115,7 +115,7 @@ fn watched(admitted: &Admitted, output: &Output, out: &mut dyn Write) -> Result<
     report.map_err(|error| match error {
         RunError::Impossible(fault) => CliError::Faults(vec![admitted.job().entries(output).fault(fault)]),
         RunError::Io(error) => CliError::new(format!("cannot write the result: {error}")),
-        other => CliError::new(other),
+        RunError::Stopped(stopped) => CliError::new(stopped),
     })
 }
 

@@ -79,7 +79,7 @@ pub fn content(bytes: &[u8]) -> Key {
 /// The shape is hashed once for all outputs.
 pub(super) fn artifacts(shape: &Input, refined: &Plan, levels: u32, frame: Frame, outputs: &[Output]) -> Vec<Key> {
     let Frame { unit, up } = frame;
-    let shape_key = hashed(input(shape, refined)).to_string();
+    let shape_key = hashed(&input(shape, refined)).to_string();
     let artifact = |output: &Output| {
         // the name is the client's affair, and so is the place among the outputs
         let Output { name: _, format, options, index: _ } = output;
@@ -94,12 +94,12 @@ pub(super) fn artifacts(shape: &Input, refined: &Plan, levels: u32, frame: Frame
         if !frame.is_default() {
             items.push(Item::List(vec![text(unit.name()), text(up.name())]));
         }
-        hashed(Item::List(items))
+        hashed(&Item::List(items))
     };
     outputs.iter().map(artifact).collect()
 }
 
-fn hashed(item: Item<'_>) -> Key {
+fn hashed(item: &Item<'_>) -> Key {
     let mut bytes = Vec::new();
     item.encode(&mut bytes);
     content(&bytes)
@@ -108,7 +108,7 @@ fn hashed(item: Item<'_>) -> Key {
 /// Key of a job: over the names and keys of its outputs, in order.
 pub(super) fn job<'a>(outputs: impl Iterator<Item = (&'a str, &'a Key)>) -> Key {
     let entry = |(name, key): (&str, &Key)| Item::List(vec![text(name), text(&key.to_string())]);
-    hashed(Item::List(vec![text("planish job"), Item::List(outputs.map(entry).collect())]))
+    hashed(&Item::List(vec![text("planish job"), Item::List(outputs.map(entry).collect())]))
 }
 
 /// Key of a search for the level of a tolerance: over the results version, the shape, the whole plan, the tolerance and
@@ -124,7 +124,7 @@ pub(super) fn search(shape: &Input, refined: &Plan, tolerance: f64, places: &[&s
         Item::Number(tolerance),
         Item::List(places.iter().map(|place| text(place)).collect()),
     ];
-    hashed(Item::List(items))
+    hashed(&Item::List(items))
 }
 
 fn text(text: &str) -> Item<'static> {

@@ -46,7 +46,7 @@ impl Search {
         match &checked.input {
             Input::Polygons(_) => {}
             Input::Mesh(mesh) => {
-                tolerance::check(mesh, &checked.plan, tolerance).map_err(|reason| at_tolerance(&reason))?
+                tolerance::check(mesh, &checked.plan, tolerance).map_err(|reason| at_tolerance(&reason))?;
             }
         }
         Ok(Self { checked, tolerance })

@@ -60,13 +60,13 @@ impl UnderWay {
         begin: impl FnOnce() -> Result<Arc<Computation>, E>,
     ) -> Result<Interest, E> {
         let mut computations = self.computations();
-        let (computation, provenance) = match computations.get(&key).filter(|computation| computation.join()) {
-            Some(computation) => (computation.clone(), Provenance::Joined),
-            None => {
-                let computation = begin()?;
-                computations.insert(key, computation.clone());
-                (computation, Provenance::Made)
-            }
+        let running = computations.get(&key).filter(|computation| computation.join()).cloned();
+        let (computation, provenance) = if let Some(computation) = running {
+            (computation, Provenance::Joined)
+        } else {
+            let computation = begin()?;
+            computations.insert(key, computation.clone());
+            (computation, Provenance::Made)
         };
         drop(computations);
         Ok(Interest { computation, provenance, under_way: self.clone(), ticket })
