@@ -1,17 +1,8 @@
 //! Readers: from what a client wrote to a value of its kind, or a sentence that says what is wrong.
 
-use super::{Kind, Literal, Parameter, Value, Values};
+use super::{Kind, Literal, MAX_NAME, Parameter, Value, Values, range};
 use crate::fault::{Fault, shortened, under};
 use crate::math::expression::Expression;
-
-pub(super) fn range(min: f64, max: f64) -> String {
-    match (min.is_finite(), max.is_finite()) {
-        (true, true) => format!("from {min} to {max}"),
-        (true, false) => format!("of at least {min}"),
-        (false, true) => format!("of at most {max}"),
-        (false, false) => "of any size".into(),
-    }
-}
 
 pub(super) fn constant(literal: &Literal) -> Result<f64, String> {
     match literal {
@@ -46,9 +37,6 @@ pub(super) fn chosen(names: &'static [&'static str], text: &str) -> Result<&'sta
     let found = names.iter().copied().find(|name| *name == text);
     found.ok_or_else(|| format!("\"{}\" is not one of {}", shortened(text), names.join(", ")))
 }
-
-/// Longest name, characters.
-pub(super) const MAX_NAME: usize = 64;
 
 pub(super) fn named(text: &str) -> Result<String, String> {
     let n = text.chars().count();

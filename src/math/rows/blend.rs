@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::{RowSource, Rows, weighted};
+use super::source::RowSource;
+use super::table::{Rows, weighted};
 use crate::watch::{Stopped, Watch};
 
 /// Rows made and applied at a time: small enough for the cache, large enough to share among threads.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Rows, weighted};
+use super::table::{Rows, weighted};
 
 /// Periods from which on rows that repeat themselves are worth looking for.
 const MIN_PERIODS: usize = 64;

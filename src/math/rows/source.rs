@@ -1,0 +1,79 @@
+//! Tables of which rows are made when they are asked for.
+
+use std::fmt;
+use std::ops::Range;
+
+use super::pattern::Pattern;
+use super::table::Rows;
+
+/// Makes rows on demand, so that a table of a large net never has to be held as a whole.
+pub trait RowSource: fmt::Debug + Send + Sync {
+    /// Number of new points.
+    fn n_rows(&self) -> usize;
+    /// Number of old points.
+    fn n_columns(&self) -> usize;
+    /// Appends the rows of `range` to `out`.
+    fn make(&self, range: Range<usize>, out: &mut Rows);
+    /// Those of its rows that repeat themselves, if that is known.
+    fn pattern(&self) -> Option<&Pattern> {
+        None
+    }
+}
+
+/// The rows that `make(row, table)` adds, one call a row.
+pub struct RowsBy<F> {
+    n_rows: usize,
+    n_columns: usize,
+    pattern: Option<Pattern>,
+    make: F,
+}
+
+impl<F: Fn(usize, &mut Rows) + Send + Sync> RowsBy<F> {
+    /// A source of `n_rows` rows over `n_columns` old points.
+    pub fn new(n_rows: usize, n_columns: usize, make: F) -> Self {
+        Self { n_rows, n_columns, pattern: None, make }
+    }
+
+    /// The same source, which knows that all rows but `margin` at each end repeat themselves every `period` rows, the
+    /// indices higher by one number each time. Rows so few that it would not pay, or that do otherwise at either end of these, are made
+    /// one by one.
+    #[must_use]
+    pub fn repeating(self, period: usize, margin: usize) -> Self {
+        let pattern = Pattern::find(self.n_rows, period, margin, &self.make);
+        Self { pattern, ..self }
+    }
+}
+
+impl<F> fmt::Debug for RowsBy<F> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "RowsBy({} x {})", self.n_rows, self.n_columns)
+    }
+}
+
+impl<F: Fn(usize, &mut Rows) + Send + Sync> RowSource for RowsBy<F> {
+    fn n_rows(&self) -> usize {
+        self.n_rows
+    }
+
+    fn n_columns(&self) -> usize {
+        self.n_columns
+    }
+
+    fn make(&self, range: Range<usize>, out: &mut Rows) {
+        for row in range {
+            (self.make)(row, out);
+            out.end_row();
+        }
+    }
+
+    fn pattern(&self) -> Option<&Pattern> {
+        self.pattern.as_ref()
+    }
+}
+
+/// The whole table of a source.
+pub fn collect(source: &dyn RowSource) -> Rows {
+    let mut rows = Rows::default();
+    source.make(0..source.n_rows(), &mut rows);
+    rows
+}
