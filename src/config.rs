@@ -1,6 +1,7 @@
 //! Every setting: unit, default, range; read once at start from flags, environment, and a TOML file, in this order.
 
 pub mod authority;
+mod error;
 mod file;
 mod origins;
 
@@ -8,8 +9,9 @@ use std::net::SocketAddr;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use crate::job::limits::{Limits, thousands};
+use crate::job::limits::Limits;
 
+pub use error::ConfigError;
 pub use origins::CorsOrigins;
 
 /// Most bytes that a setting may name, 1 PiB: beyond the memory and the disks of one machine, and so small that sums
@@ -166,46 +168,6 @@ settings! {
     shutdown_timeout_s: u64 = 20, in 0..=MOST_SECONDS, "PLANISH_SHUTDOWN_TIMEOUT_S", "seconds";
     /// Write logs as JSON lines.
     log_json: bool = false, "PLANISH_LOG_JSON", "";
-}
-
-/// Why there are no settings.
-#[derive(Debug, thiserror::Error)]
-pub enum ConfigError {
-    /// The file could not be read.
-    #[error("the settings file {path}: {error}", path = .path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        error: std::io::Error,
-    },
-    /// The file is not what it should be.
-    #[error("the settings file {path}: {error}", path = .path.display())]
-    Unfit {
-        /// The file.
-        path: PathBuf,
-        /// Where and why.
-        error: Box<toml::de::Error>,
-    },
-    /// A value outside its range.
-    #[error(
-        "{name} is {value}, and may be {least} to {most}{unit}; change the flag --{flag}, the variable {variable} or \
-         the key {flag} of the settings file",
-        value = thousands((*.value).into()), least = thousands((*.range.start()).into()),
-        most = thousands((*.range.end()).into()), unit = .unit, flag = .name.replace('_', "-")
-    )]
-    OutOfRange {
-        /// The setting.
-        name: &'static str,
-        /// Its value.
-        value: u64,
-        /// The smallest and the largest value.
-        range: RangeInclusive<u64>,
-        /// What it counts, after a blank; empty where it counts nothing.
-        unit: String,
-        /// Its variable.
-        variable: &'static str,
-    },
 }
 
 fn in_range(

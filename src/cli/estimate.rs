@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::job::MeshOptions;
-use super::{CliError, job};
+use super::error::CliError;
+use super::job::{self, MeshOptions};
 use crate::job::limits::Limits;
 use crate::output::ShapeKind;
 use crate::wire::answer::EstimateAnswer;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::CliError;
+use super::error::CliError;
 
 /// Asks `GET /readyz`.
 pub(super) fn health(url: &str) -> Result<(), CliError> {

@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::path::Path;
 
-use super::CliError;
+use super::error::CliError;
 use crate::fault::Fault;
 use crate::input;
 use crate::job::Levels;
@@ -84,7 +84,7 @@ fn of_file(file: MeshFile, options: &MeshOptions) -> JobRequest {
         ..InputRequest::default()
     };
     let levels = options.levels.map(|levels| LevelsRequest(Levels::Count(levels)));
-    JobRequest { spec: None, input, plan, levels, outputs: Vec::new() }
+    JobRequest { spec: None, input, plan, levels, outputs: Vec::new(), left_out: 0 }
 }
 
 fn refused(error: ReadError) -> CliError {

@@ -1,5 +1,6 @@
 //! The command line: the same jobs as over HTTP, by the same path, to the same bytes.
 
+mod error;
 mod estimate;
 mod health;
 mod job;
@@ -8,14 +9,12 @@ mod presets;
 mod render;
 mod serve;
 
-use std::fmt;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::config::{Given, Setting, Settings};
-use crate::fault::Fault;
 
 /// Refines control polygons and control meshes by subdivision.
 #[derive(Debug, Parser)]
@@ -89,33 +88,6 @@ impl Cli {
         };
         let command = Self::command().mut_subcommand("serve", with_defaults);
         Self::from_arg_matches(&command.get_matches()).unwrap_or_else(|error| error.exit())
-    }
-}
-
-/// Why a command failed.
-#[derive(Debug)]
-pub(crate) enum CliError {
-    /// One sentence.
-    Plain(String),
-    /// Faults of a job.
-    Faults(Vec<Fault>),
-}
-
-impl fmt::Display for CliError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Plain(text) => f.write_str(text),
-            Self::Faults(faults) => {
-                write!(f, "the job cannot be done:")?;
-                faults.iter().try_for_each(|fault| write!(f, "\n  {fault}"))
-            }
-        }
-    }
-}
-
-impl CliError {
-    fn new(text: impl fmt::Display) -> Self {
-        Self::Plain(text.to_string())
     }
 }
 

@@ -1,6 +1,6 @@
 //! `planish presets`: the schemes by name.
 
-use super::CliError;
+use super::error::CliError;
 use crate::wire::catalogue::{ParameterEntry, PresetEntry, presets as all};
 
 /// Prints all presets, or one.

@@ -9,8 +9,8 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::job::MeshOptions;
-use super::{CliError, job};
+use super::error::CliError;
+use super::job::{self, MeshOptions};
 use crate::job::limits::{Admitted, Limits};
 use crate::job::{Output, Report, RunError, run};
 use crate::output::{self, Format};
@@ -74,10 +74,10 @@ fn choose(request: &mut JobRequest, target: &Path, format: Option<&str>) -> Resu
         };
     };
     let asked = request.outputs.iter().position(|output| output.format() == Some(wanted));
-    request.outputs = vec![match asked {
-        Some(i) => request.outputs.swap_remove(i).at(i),
-        None => OutputRequest::of_format(wanted),
-    }];
+    (request.outputs, request.left_out) = match asked {
+        Some(i) => (vec![request.outputs.swap_remove(i)], i),
+        None => (vec![OutputRequest::of_format(wanted)], 0),
+    };
     Ok(())
 }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-use super::CliError;
+use super::error::CliError;
 use super::log::Log;
 use crate::config::{Given, Settings};
 use crate::http::serve::{bind, serve as serve_http};

@@ -4,13 +4,15 @@ use std::fs::{File, metadata};
 use std::io::{self, Read};
 use std::path::Path;
 
-use super::{ConfigError, Given};
+use serde::de::DeserializeOwned;
+
+use super::error::ConfigError;
 
 /// Longest settings file, bytes: every setting with a page of comment stays far below.
 const MOST_BYTES: u64 = 1 << 20;
 
 /// Reads the settings file.
-pub(super) fn read(path: &Path) -> Result<Given, ConfigError> {
+pub(super) fn read<T: DeserializeOwned>(path: &Path) -> Result<T, ConfigError> {
     let text = text(path).map_err(|error| ConfigError::Unreadable { path: path.to_owned(), error })?;
     toml::from_str(&text).map_err(|error| ConfigError::Unfit { path: path.to_owned(), error: Box::new(error) })
 }

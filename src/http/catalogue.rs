@@ -10,7 +10,7 @@ use super::app::Shared;
 use super::problem::{self, Problem};
 use super::segment::Segment;
 use crate::config::Setting;
-use crate::math::parameter::shortened;
+use crate::fault::shortened;
 use crate::wire::catalogue::{self, FormatEntry, OperatorEntry, PresetEntry, ReaderEntry};
 
 /// All presets.

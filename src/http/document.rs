@@ -9,7 +9,7 @@ use utoipa::openapi::{
 };
 
 use super::problem::{self, Kind};
-use crate::output::FORMATS;
+use crate::output::{self, FORMATS};
 use crate::wire::answer::ProblemAnswer;
 
 /// The document but for its paths.
@@ -138,19 +138,17 @@ fn bytes(operation: &mut Operation, status: &str, names: &[&str]) {
     headers(operation, status, names);
     let Some(response) = answer(operation, status) else { return };
     for format in FORMATS {
-        response.content.insert(format.media_type().to_owned(), RefOr::T(content(format.media_type())));
+        response.content.insert(format.media_type().to_owned(), RefOr::T(content(format.facts().content)));
     }
 }
 
-/// JSON is any value, text a string; of other bytes OpenAPI 3.1 says nothing.
-fn content(media_type: &str) -> Content {
-    let text = ObjectBuilder::new().schema_type(SchemaType::new(Type::String));
-    match media_type {
-        "application/json" | "model/gltf+json" => {
-            ContentBuilder::new().schema(Some(ObjectBuilder::new().schema_type(SchemaType::new(Type::Object)))).build()
-        }
-        "model/obj" | "image/svg+xml" => ContentBuilder::new().schema(Some(text)).build(),
-        _ => ContentBuilder::new().build(),
+/// JSON is an object, text a string; of other bytes OpenAPI 3.1 says nothing.
+fn content(bytes: output::Content) -> Content {
+    let of = |kind| ObjectBuilder::new().schema_type(SchemaType::new(kind));
+    match bytes {
+        output::Content::Json => ContentBuilder::new().schema(Some(of(Type::Object))).build(),
+        output::Content::Text => ContentBuilder::new().schema(Some(of(Type::String))).build(),
+        output::Content::Binary => ContentBuilder::new().build(),
     }
 }
 

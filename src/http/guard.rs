@@ -8,7 +8,7 @@ use axum::response::{IntoResponse, Response};
 use super::app::Shared;
 use super::problem::{self, Problem};
 use crate::config::authority::Authority;
-use crate::math::parameter::shortened;
+use crate::fault::shortened;
 
 /// Every request names one host; on a loopback address only loopback names are answered, against DNS rebinding.
 pub(super) async fn check_host(State(app): State<Shared>, request: Request, next: Next) -> Response {

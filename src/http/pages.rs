@@ -7,7 +7,7 @@ use axum::response::{Html, IntoResponse, Response};
 use super::app::Shared;
 use super::problem::{self, KINDS, Problem};
 use super::segment::Segment;
-use crate::math::parameter::shortened;
+use crate::fault::shortened;
 
 /// The OpenAPI 3.1 document of this interface.
 #[utoipa::path(get, path = "/openapi.json", tag = "operations", responses((status = 200, description = "This document", body = Object, content_type = "application/json")))]

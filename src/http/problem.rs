@@ -7,10 +7,10 @@ use std::time::{Duration, SystemTime};
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 
+use crate::fault::shortened;
 use crate::fault::{Fault, cut};
 use crate::job::JobFault;
 use crate::job::limits::Refusal;
-use crate::math::parameter::shortened;
 use crate::service::computation::Failure;
 use crate::service::desk::Unread;
 use crate::service::pool::Busy;

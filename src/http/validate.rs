@@ -73,7 +73,7 @@ fn report(input: InputRequest, plan: Option<PlanRequest>, limits: &ReadLimits) -
             let input = Input::Mesh(mesh.clone());
             let plan = judge(&input, plan);
             let report = Some(MeshReport::new(&mesh, plan.as_ref().map_err(String::as_str)));
-            ValidateAnswer { valid: true, errors: Vec::new(), warnings: mesh.warnings, report }
+            ValidateAnswer { valid: true, errors: Vec::new(), warnings: mesh.warnings(), report }
         }
         Ok(Input::Polygons(_)) => {
             ValidateAnswer { valid: true, errors: Vec::new(), warnings: Vec::new(), report: None }

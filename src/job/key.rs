@@ -1,4 +1,5 @@
-//! The only place where anything is hashed.
+//! Keys: what of a job enters them, and how they are written. Whatever has a field that is not hashed says so here, as
+//! it is taken apart exhaustively; enums enter by their names.
 
 use std::fmt;
 
@@ -10,17 +11,22 @@ use crate::math::parameter::{Value, Values};
 use crate::output::{LIMIT, TANGENTS};
 use crate::scheme::letter::Letter;
 use crate::scheme::operator::Role;
-use crate::scheme::plan::{Latitude, Plan};
+use crate::scheme::plan::{Latitude, Perturbation, Plan};
 use crate::scheme::rules::{Rules, TriangleRule};
 use crate::scheme::sharpness::Creasing;
-use crate::shape::attachments::Attachments;
+use crate::scheme::word::Word;
+use crate::shape::attachments::{Attachments, Channel};
 use crate::shape::attributes::Attributes;
 use crate::shape::creases::{INFINITE_SHARPNESS, Sharp};
 use crate::shape::directions::Direction;
 use crate::shape::frame::Frame;
+use crate::shape::labels::Labels;
+use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
+use crate::shape::repairs::{Faces, Repair};
 use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
+use crate::shape::uvs::Uvs;
 
 /// Version of the results: raised whenever any artifact's bytes change.
 pub const RESULTS_VERSION: u32 = 6;
@@ -45,26 +51,15 @@ impl Key {
 
     /// Reads 64 lowercase hexadecimal digits; anything else is no key.
     pub fn parse(text: &str) -> Option<Self> {
-        let digits: &[u8; 64] = text.as_bytes().try_into().ok()?;
+        let is_written = text.bytes().all(|digit| matches!(digit, b'0'..=b'9' | b'a'..=b'f'));
         let mut bytes = [0; 32];
-        for (byte, pair) in bytes.iter_mut().zip(digits.chunks_exact(2)) {
-            *byte = nibble(pair[0])? << 4 | nibble(pair[1])?;
-        }
-        Some(Self(bytes))
-    }
-}
-
-fn nibble(digit: u8) -> Option<u8> {
-    match digit {
-        b'0'..=b'9' => Some(digit - b'0'),
-        b'a'..=b'f' => Some(digit - b'a' + 10),
-        _ => None,
+        hex::decode_to_slice(text, &mut bytes).ok().filter(|()| is_written).map(|()| Self(bytes))
     }
 }
 
 impl fmt::Display for Key {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+        f.write_str(&hex::encode(self.0))
     }
 }
 
@@ -141,52 +136,89 @@ fn input<'a>(input: &'a Input, plan: &Plan) -> Item<'a> {
         Input::Polygons(polygons) => {
             Item::List(vec![text("polygons"), Item::List(polygons.iter().map(polygon).collect())])
         }
-        Input::Mesh(mesh) => {
-            let lines = mesh.directions.as_ref().filter(|_| plan.latitude.is_some());
-            let mut items = vec![
-                text("mesh"),
-                Item::Numbers((&mesh.positions).into()),
-                faces(&mesh.topology),
-                Item::Indices((&mesh.corners).into()),
-                Item::Indices((&mesh.holes).into()),
-                // repairs are reported with the result, so that they belong to it
-                Item::List(mesh.warnings.iter().map(|warning| text(warning)).collect()),
-            ];
-            items.extend(sharp("creases", &mesh.creases));
-            items.extend(sharp("semi-sharp corners", &mesh.semi_sharp_corners));
-            items.extend(attachments(&mesh.attachments, !mesh.creases.is_empty()));
-            items.extend(lines.map(|lines| {
-                let edges = |direction| Item::Indices(lines.edges(direction).into());
-                Item::List(vec![text("lines"), edges(Direction::Latitude), edges(Direction::Longitude)])
-            }));
-            items.extend(mesh.attributes.as_ref().map(|kept| Item::List(attributes(kept))));
-            Item::List(items)
-        }
+        Input::Mesh(mesh) => self::mesh(mesh, plan),
     }
+}
+
+fn mesh<'a>(mesh: &'a Mesh, plan: &Plan) -> Item<'a> {
+    let Mesh {
+        positions,
+        topology,
+        corners,
+        semi_sharp_corners,
+        creases,
+        holes,
+        attributes,
+        directions,
+        attachments,
+        // follows from the other vertices and the repairs
+        split_from: _,
+        repairs,
+    } = mesh;
+    let mut items = vec![
+        text("mesh"),
+        Item::Numbers(positions.into()),
+        faces(topology),
+        Item::Indices(corners.into()),
+        Item::Indices(holes.into()),
+        // repairs are reported with the result, so that they belong to it
+        Item::List(repairs.iter().map(repair).collect()),
+    ];
+    items.extend(sharp("creases", creases));
+    items.extend(sharp("semi-sharp corners", semi_sharp_corners));
+    items.extend(self::attachments(attachments, !creases.is_empty()));
+    items.extend(directions.as_ref().filter(|_| plan.latitude.is_some()).map(|lines| {
+        let edges = |direction| Item::Indices(lines.edges(direction).into());
+        Item::List(vec![text("lines"), edges(Direction::Latitude), edges(Direction::Longitude)])
+    }));
+    items.extend(attributes.as_ref().map(|kept| Item::List(self::attributes(kept))));
+    Item::List(items)
+}
+
+/// A repair by its kind and its numbers, whatever the sentence that tells of it.
+fn repair(repair: &Repair) -> Item<'_> {
+    let count = |n: usize| Item::Integer(n as u64);
+    let some = |Faces { count, first }: &Faces| [Item::Integer(*count as u64), Item::Indices(first.clone().into())];
+    Item::List(match repair {
+        Repair::Read(note) => vec![text("read"), text(note)],
+        Repair::Welded { merged, pairs } => {
+            vec![text("welded"), count(*merged), Item::Indices(pairs.concat().into())]
+        }
+        Repair::LostParameters(lost) => {
+            let one =
+                |(name, [from, into]): &(&str, [usize; 2])| Item::List(vec![text(name), count(*from), count(*into)]);
+            [text("lost parameters")].into_iter().chain(lost.iter().map(one)).collect()
+        }
+        Repair::LeftOut(faces) => [text("left out")].into_iter().chain(some(faces)).collect(),
+        Repair::Turned(faces) => [text("turned")].into_iter().chain(some(faces)).collect(),
+        Repair::Paired { pairs, left } => vec![text("paired"), count(*pairs), count(*left)],
+        Repair::Split { from, added } => vec![text("split"), Item::Integer(u64::from(*from)), count(*added)],
+    })
 }
 
 /// What a mesh carries, where there is any: a list for each kind that is given. Pairs of places count beside creases.
 fn attachments(attachments: &Attachments, creased: bool) -> Option<Item<'_>> {
+    let Attachments { channels, groups, materials, uvs } = attachments;
     let mut kinds = Vec::new();
-    if !attachments.channels.is_empty() {
+    if !channels.is_empty() {
         kinds.push(text("channels"));
-        kinds.extend(attachments.channels.iter().map(|channel| {
-            let width = Item::Integer(channel.width as u64);
-            Item::List(vec![text(&channel.name), width, Item::Numbers((&channel.values).into())])
+        kinds.extend(channels.iter().map(|Channel { name, width, values }| {
+            Item::List(vec![text(name), Item::Integer(*width as u64), Item::Numbers(values.into())])
         }));
     }
-    for (kind, labels) in [("groups", &attachments.groups), ("materials", &attachments.materials)] {
+    for (kind, labels) in [("groups", groups), ("materials", materials)] {
         if !labels.is_empty() {
-            let names = labels.names.iter().map(|name| text(name)).collect();
-            kinds.push(Item::List(vec![text(kind), Item::List(names), Item::Indices((&labels.of_faces).into())]));
+            let Labels { names, of_faces } = labels;
+            let names = names.iter().map(|name| text(name)).collect();
+            kinds.push(Item::List(vec![text(kind), Item::List(names), Item::Indices(of_faces.into())]));
         }
     }
-    if let Some(uvs) = &attachments.uvs {
-        let linear = Item::Integer(u64::from(uvs.linear));
-        let corners = Item::Indices((&uvs.corners).into());
-        let mut items = vec![text("uvs"), linear, corners, faces(&uvs.topology), Item::Numbers((&uvs.values).into())];
-        if creased && !uvs.pairs.is_empty() {
-            items.push(Item::Indices(uvs.pairs.iter().flatten().copied().collect::<Vec<u32>>().into()));
+    if let Some(Uvs { values, topology, corners, pairs, linear }) = uvs {
+        let linear = Item::Integer(u64::from(*linear));
+        let corners = Item::Indices(corners.into());
+        let mut items = vec![text("uvs"), linear, corners, faces(topology), Item::Numbers(values.into())];
+        if creased && !pairs.is_empty() {
+            items.push(Item::Indices(pairs.concat().into()));
         }
         kinds.push(Item::List(items));
     }
@@ -201,23 +233,26 @@ fn sharp(name: &str, sharp: &Sharp) -> Option<Item<'static>> {
 }
 
 fn polygon(polygon: &Polygon) -> Item<'_> {
+    let Polygon { points, dimension, closed, corners, rational, tangents, pinned, attributes } = polygon;
     let mut items = vec![
-        Item::Integer(polygon.dimension as u64),
-        Item::Integer(u64::from(polygon.closed)),
-        Item::Integer(u64::from(polygon.rational)),
-        Item::List(polygon.attributes.as_ref().map(attributes).unwrap_or_default()),
-        Item::Numbers((&polygon.points).into()),
-        Item::Indices((&polygon.corners).into()),
+        Item::Integer(*dimension as u64),
+        Item::Integer(u64::from(*closed)),
+        Item::Integer(u64::from(*rational)),
+        Item::List(attributes.as_ref().map(self::attributes).unwrap_or_default()),
+        Item::Numbers(points.into()),
+        Item::Indices(corners.into()),
     ];
-    items.extend(polygon.tangents.as_ref().map(|tangents| Item::Numbers(tangents.into())));
-    if !polygon.pinned.is_empty() {
-        items.push(Item::Indices((&polygon.pinned).into()));
+    items.extend(tangents.as_ref().map(|tangents| Item::Numbers(tangents.into())));
+    if !pinned.is_empty() {
+        items.push(Item::Indices(pinned.into()));
     }
     Item::List(items)
 }
 
 fn attributes(attributes: &Attributes) -> Vec<Item<'_>> {
-    let given = attributes.arrays().into_iter().filter_map(|(name, array)| Some((name, array?)));
+    let Attributes { alpha, kernel, compensation, delta } = attributes;
+    let arrays = [("alpha", alpha), ("kernel", kernel), ("compensation", compensation), ("delta", delta)];
+    let given = arrays.into_iter().filter_map(|(name, array)| Some((name, array.as_ref()?)));
     given.map(|(name, array)| Item::List(vec![text(name), Item::Numbers(array.into())])).collect()
 }
 
@@ -235,7 +270,21 @@ fn shows_limit(output: &Output) -> bool {
 
 /// Everything of a plan that can change the result, which shows so many levels or also the limit: what no operator uses is
 /// left out.
-fn plan(input: &Input, plan: &Plan, levels: u32, shows_limit: bool) -> Item<'static> {
+fn plan(input: &Input, refined: &Plan, levels: u32, shows_limit: bool) -> Item<'static> {
+    let Plan {
+        word: Word { prefix, cycle },
+        alpha,
+        compensation_alpha,
+        kernel,
+        mu,
+        compensation,
+        delta,
+        boundary,
+        rules,
+        ends,
+        perturbation,
+        latitude,
+    } = refined;
     let letters = |letters: &[Letter]| {
         let letter = |letter: &Letter| {
             let Letter { operator, settings } = letter;
@@ -243,79 +292,77 @@ fn plan(input: &Input, plan: &Plan, levels: u32, shows_limit: bool) -> Item<'sta
         };
         Item::List(letters.iter().map(letter).collect())
     };
-    let cycle: &[Letter] = if levels == 0 && !shows_limit { &[] } else { &plan.word.cycle };
-    let has = |role: Role| plan.word.prefix.iter().chain(cycle).any(|l| l.facts().role == role);
+    let cycle: &[Letter] = if levels == 0 && !shows_limit { &[] } else { cycle };
+    let has = |role: Role| prefix.iter().chain(cycle).any(|l| l.facts().role == role);
     let mut functions = Vec::new();
     if has(Role::Average) {
-        functions.push(("kernel", Item::List(plan.kernel.iter().map(expression).collect())));
+        functions.push(("kernel", Item::List(kernel.iter().map(expression).collect())));
     }
     let averages = |l: &Letter| l.settings.tile() == Tile::Triangle && l.facts().uses.contains(&"mu");
-    if plan.word.prefix.iter().chain(cycle).any(averages) {
-        functions.push(("mu", Item::Number(plan.mu)));
+    if prefix.iter().chain(cycle).any(averages) {
+        functions.push(("mu", Item::Number(*mu)));
     }
     if has(Role::PushBack) {
-        functions.push(("compensation", expression(&plan.compensation)));
-        functions.push(("delta", expression(&plan.delta)));
+        functions.push(("compensation", expression(compensation)));
+        functions.push(("delta", expression(delta)));
     }
     let follows = |l: &Letter| l.facts().needs_alpha;
-    let compensated = has(Role::PushBack) && !plan.compensation.is_constant();
-    let other = plan.compensation_alpha.filter(|_| compensated);
-    let in_alpha = has(Role::Average) && plan.kernel.iter().any(|k| !k.is_constant())
+    let compensated = has(Role::PushBack) && !compensation.is_constant();
+    let other = compensation_alpha.filter(|_| compensated);
+    let in_alpha = has(Role::Average) && kernel.iter().any(|k| !k.is_constant())
         || compensated && other.is_none()
-        || plan.word.prefix.iter().chain(cycle).any(follows);
+        || prefix.iter().chain(cycle).any(follows);
     if in_alpha {
-        functions.push(("alpha", Item::Number(plan.alpha)));
+        functions.push(("alpha", Item::Number(*alpha)));
     }
     functions.extend(other.map(|other| ("compensation_alpha", Item::Number(other))));
-    if let Some(perturbation) = plan.perturbation.filter(|_| has(Role::Average) || has(Role::PushBack)) {
-        let numbers = vec![perturbation.amplitude, perturbation.decay];
-        let seed = Item::Integer(perturbation.seed);
-        functions.push(("perturbation", Item::List(vec![Item::Numbers(numbers.into()), seed])));
+    if let Some(perturbation) = perturbation.filter(|_| has(Role::Average) || has(Role::PushBack)) {
+        let Perturbation { amplitude, decay, seed } = perturbation;
+        let numbers = Item::Numbers(vec![amplitude, decay].into());
+        functions.push(("perturbation", Item::List(vec![numbers, Item::Integer(seed)])));
     }
-    if let Some(Latitude { rule, kernel_longitude, own_alpha }) = &plan.latitude {
-        let head = [Item::Integer(*rule as u64), Item::Integer(u64::from(*own_alpha))];
+    if let Some(Latitude { rule, kernel_longitude, own_alpha }) = latitude {
+        let head = [text(rule.name()), Item::Integer(u64::from(*own_alpha))];
         functions.push((
             "latitude",
             Item::List(head.into_iter().chain(kernel_longitude.as_ref().map(expression)).collect()),
         ));
     }
     if levels > 0 || shows_limit {
-        functions.extend(rules(input, plan).map(|rule| (rule, text("yes"))));
+        functions.extend(self::rules(input, *rules));
     }
     let (is_mesh, is_open) = input.kind();
     if is_open && is_mesh {
-        functions.push(("boundary", Item::Integer(plan.boundary as u64)));
+        functions.push(("boundary", text(boundary.name())));
     } else if is_open {
-        functions.push(("ends", Item::Integer(plan.ends as u64)));
+        functions.push(("ends", text(ends.name())));
     }
     let functions = functions.into_iter().map(|(name, item)| Item::List(vec![text(name), item])).collect();
-    Item::List(vec![
-        letters(&plan.word.prefix),
-        letters(cycle),
-        Item::Integer(u64::from(levels)),
-        Item::List(functions),
-    ])
+    Item::List(vec![letters(prefix), letters(cycle), Item::Integer(u64::from(levels)), Item::List(functions)])
 }
 
 /// The rules of meshes that are not the usual ones, as far as the mesh gives them something to do.
-fn rules(input: &Input, plan: &Plan) -> impl Iterator<Item = &'static str> + use<> {
-    let Rules { creasing, triangles } = plan.rules;
-    let (chaikin, smooth) = match input {
-        Input::Mesh(mesh) => (
-            creasing == Creasing::Chaikin && mesh.creases.iter().any(|&(_, s)| s < INFINITE_SHARPNESS),
-            triangles == TriangleRule::Smooth && (0..mesh.topology.n_faces()).any(|f| mesh.topology.face(f).len() == 3),
-        ),
-        Input::Polygons(_) => (false, false),
-    };
-    [(chaikin, "chaikin creasing"), (smooth, "smooth triangles")].into_iter().filter(|rule| rule.0).map(|rule| rule.1)
+fn rules(input: &Input, rules: Rules) -> Vec<(&'static str, Item<'static>)> {
+    let Rules { creasing, triangles } = rules;
+    let Input::Mesh(mesh) = input else { return Vec::new() };
+    let semi_sharp = || mesh.creases.iter().any(|&(_, sharpness)| sharpness < INFINITE_SHARPNESS);
+    let has_triangle = || (0..mesh.topology.n_faces()).any(|f| mesh.topology.face(f).len() == 3);
+    let mut said = Vec::new();
+    if creasing != Creasing::default() && semi_sharp() {
+        said.push(("creasing", text(creasing.name())));
+    }
+    if triangles != TriangleRule::default() && has_triangle() {
+        said.push(("triangles", text(triangles.name())));
+    }
+    said
 }
 
 fn expression(expression: &Expression) -> Item<'static> {
     let instruction = |instruction: &Instruction| match instruction {
         Instruction::Constant(x) => Item::Number(*x),
         Instruction::Variable => text("variable"),
-        Instruction::Unary(op) => text(&format!("unary {op:?}")),
-        Instruction::Binary(op) => text(&format!("binary {op:?}")),
+        Instruction::Unary(op) => Item::List(vec![text("unary"), text(op.name())]),
+        Instruction::Binary(op) => Item::List(vec![text("binary"), text(op.name())]),
     };
     Item::List(expression.code().iter().map(instruction).collect())
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::amounts::{in_bytes, thousands};
 use super::complete::Job;
 use super::input::Input;
 use super::key::Key;
@@ -306,7 +307,7 @@ fn counts(job: &Job, count: Count) -> Counts {
         faces: count.faces - count.hidden_faces,
         half_edges: count.corners - count.hidden_corners,
         largest_face: count.largest_face,
-        parted: count.parted,
+        split_vertices: count.parted,
         uvs: count.uvs,
         frame: job.frame,
         attachments: if let Input::Mesh(mesh) = &job.input { mesh.attachments.clone() } else { Arc::default() },
@@ -374,28 +375,4 @@ fn limit_patches(job: &Job, forecast: &Forecast) -> Cost {
         _ => Follow::VertexParameters,
     };
     limit_cost(cycle, 1 << kinds, irregular, vertices, follow)
-}
-
-/// A number with its digits in groups of three.
-pub fn thousands(n: u128) -> String {
-    let digits = n.to_string();
-    let mut grouped = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            grouped.push(',');
-        }
-        grouped.push(digit);
-    }
-    grouped
-}
-
-/// A number of bytes in the unit that suits it.
-pub fn in_bytes(n: u128) -> String {
-    const UNITS: [&str; 6] = ["bytes", "KiB", "MiB", "GiB", "TiB", "PiB"];
-    let unit = (0..UNITS.len() - 1).find(|&unit| n >> (10 * (unit + 1)) == 0).unwrap_or(UNITS.len() - 1);
-    if unit == 0 {
-        return format!("{n} bytes");
-    }
-    let tenths = n.saturating_mul(10) >> (10 * unit);
-    format!("{}.{} {}", thousands(tenths / 10), tenths % 10, UNITS[unit])
 }

@@ -1,5 +1,6 @@
 //! The job: what is to be made, under which limits, by which key; pure, without I/O, clock or randomness.
 
+pub mod amounts;
 pub mod codec;
 mod complete;
 mod curves;

@@ -67,7 +67,7 @@ fn form(job: &Job, mesh: &Mesh, output: &Output, out: &mut dyn Write, watch: &Wa
     };
     let option = if positions { "/positions" } else { "/normals" };
     let (refined, found) = refined.map_err(|error| RunError::of_limit(error, mesh.attributes.as_ref(), option))?;
-    let warnings = [mesh.warnings.clone(), found].concat();
+    let warnings = [mesh.warnings(), found].concat();
     let control = &ControlMesh { mesh, refined: OnceLock::new() };
     let shape = Shape::Mesh(&refined);
     write(&Scene { shape, control, warnings: &warnings, frame: job.frame }, output, out, watch)
@@ -103,7 +103,7 @@ impl Control for ControlMesh<'_> {
     fn shape(&self) -> Shape<'_> {
         Shape::Mesh(self.refined.get_or_init(|| {
             let net = MeshNet::new(self.mesh.topology.clone(), &[], &self.mesh.holes, Boundary::EdgeOnly);
-            RefinedMesh::new(&net, self.mesh.positions.clone())
+            RefinedMesh::documented(&net, self.mesh.positions.clone())
         }))
     }
 }

@@ -11,6 +11,7 @@ use crate::shape::attributes::Attributes;
 use crate::shape::labels::Labels;
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
+use crate::shape::repairs::Repair;
 use crate::shape::topology::Topology;
 
 /// Bytes of a corner of a topology: its vertex, in a list that was read and may have room for two, its edge, the two corners
@@ -85,16 +86,26 @@ fn of_mesh(mesh: &Mesh) -> usize {
         directions,
         attachments,
         split_from,
-        warnings,
+        repairs,
     } = mesh;
     let tags = list(corners) + list(semi_sharp_corners) + list(creases) + list(holes);
     // a byte an edge and no more
     let directions = directions.as_ref().map_or(0, |_| topology.n_edges());
-    let warnings = list(warnings) + warnings.iter().map(String::capacity).sum::<usize>();
+    let repairs = list(repairs) + repairs.iter().map(of_repair).sum::<usize>();
     let attributes = attributes.as_ref().map_or(0, of_attributes);
     let carried = size_of::<Attachments>() + of_attachments(attachments);
     let parts = size_of_val::<[u32]>(split_from);
-    list(positions) + of_topology(topology) + tags + directions + warnings + attributes + carried + parts
+    list(positions) + of_topology(topology) + tags + directions + repairs + attributes + carried + parts
+}
+
+fn of_repair(repair: &Repair) -> usize {
+    match repair {
+        Repair::Read(note) => note.capacity(),
+        Repair::Welded { merged: _, pairs } => list(pairs),
+        Repair::LostParameters(lost) => list(lost),
+        Repair::LeftOut(faces) | Repair::Turned(faces) => list(&faces.first),
+        Repair::Paired { pairs: _, left: _ } | Repair::Split { from: _, added: _ } => 0,
+    }
 }
 
 fn of_topology(topology: &Topology) -> usize {

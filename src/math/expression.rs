@@ -1,7 +1,7 @@
 //! Expressions in one variable: text to a short bytecode, bounded in length, depth and size.
 
+use crate::fault::shortened;
 use crate::math::functions as f;
-use crate::math::parameter::shortened;
 
 /// Longest text of an expression, bytes.
 pub const MAX_BYTES: usize = 1024;
@@ -42,6 +42,10 @@ macro_rules! operations {
         pub enum $type { $(#[doc = concat!("`", $name, "`.")] $variant),* }
         impl $type {
             const ALL: &'static [(&'static str, Self)] = &[$(($name, Self::$variant)),*];
+            /// Its name in expressions.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name),* }
+            }
             fn named(name: &str) -> Option<Self> {
                 Self::ALL.iter().find(|(n, _)| *n == name).map(|(_, x)| *x)
             }

@@ -2,8 +2,7 @@
 
 mod read;
 
-pub use crate::fault::shortened;
-use crate::fault::{Fault, token, under};
+use crate::fault::{Fault, shortened, token, under};
 use crate::math::expression::Expression;
 
 use read::{

@@ -35,7 +35,8 @@ pub fn rotated(v: Vector, angle: f64) -> Vector {
 }
 
 /// The tangent, at the middle one of three points, of the circle through them: the direction of `u/|u|^2 + v/|v|^2` for
-/// the chords `u` to it and `v` from it. Chords that cancel each other turn by +pi, so that the tangent is `u` turned left.
+/// the chords `u` to it and `v` from it. Chords that cancel each other turn by +pi, so that the tangent is `u` turned
+/// left.
 pub fn circle_tangent(u: Vector, v: Vector) -> Option<Vector> {
     let (of_u, of_v) = (direction(u)?, direction(v)?);
     let (long_u, long_v) = (length(u), length(v));

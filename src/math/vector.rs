@@ -1,4 +1,5 @@
-//! Vectors of a fixed number of coordinates. Sums run from the first coordinate to the last, so the bits are always the same.
+//! Vectors of a fixed number of coordinates. Sums run from the first coordinate to the last, so the bits are always the
+//! same.
 
 use super::functions::sqrt;
 

@@ -35,7 +35,7 @@ pub struct Counts {
     /// Vertices of the largest shown face (0 for curves).
     pub largest_face: u128,
     /// Vertices that are added, at most, where normals differ across sharp edges; 0 where no edge is sharp.
-    pub parted: u128,
+    pub split_vertices: u128,
     /// Places with texture coordinates, where there are some.
     pub uvs: u128,
     /// What the coordinates mean.

@@ -23,6 +23,8 @@ pub struct FormatFacts {
     pub extension: &'static str,
     /// Media type of the bytes.
     pub media_type: &'static str,
+    /// What the bytes are, for the description of the service.
+    pub content: Content,
     /// One sentence for the catalogue.
     pub doc: &'static str,
     /// Options that the format knows.
@@ -32,6 +34,17 @@ pub struct FormatFacts {
     pub holds: fn(ShapeKind, &Values) -> Result<(), String>,
     /// Whether the format reads the shape as it was given, besides the refined one.
     pub shows_control: bool,
+}
+
+/// What the bytes of a format are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Content {
+    /// A JSON object.
+    Json,
+    /// Text that is no JSON, whatever the options.
+    Text,
+    /// Other bytes.
+    Binary,
 }
 
 /// A way to write a scene as bytes.

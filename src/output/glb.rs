@@ -6,15 +6,15 @@ use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::Counts;
 use crate::output::error::FormatError;
-use crate::output::format::{Format, FormatFacts};
-use crate::output::gltf_amounts::{self, Amounts, Contents, parted, with_normals};
+use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::gltf_amounts::{self, Amounts, Contents, split_vertices, with_normals};
 use crate::output::gltf_buffer::Buffer;
 use crate::output::gltf_document::{PARAMETERS, document};
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
-use crate::output::sides::Sides;
 use crate::output::size::Size;
 use crate::output::stream::holds_space;
+use crate::output::vertex_sides::Sides;
 use crate::watch::Watch;
 
 /// Bytes before the first chunk, and before the content of each chunk.
@@ -35,6 +35,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     name: "glb",
     extension: "glb",
     media_type: "model/gltf-binary",
+    content: Content::Binary,
     doc: "Binary glTF 2.0: triangles with normals, or line strips, in f32",
     parameters: PARAMETERS,
     holds: |kind, _| holds_space("glb", kind),
@@ -55,8 +56,8 @@ impl Format for Glb {
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         let binary = Amounts::of(counts, options).bytes();
         let bytes = file(Contents::of(counts, options).room(), binary);
-        // how many vertices are parted depends on what becomes of their edges
-        if parted(counts, options) > 0 { Size::AtMost(bytes) } else { Size::Exact(bytes) }
+        // how many vertices are split depends on what becomes of their edges
+        if split_vertices(counts, options) > 0 { Size::AtMost(bytes) } else { Size::Exact(bytes) }
     }
 
     fn write(
@@ -67,7 +68,7 @@ impl Format for Glb {
         watch: &Watch,
     ) -> Result<(), FormatError> {
         let sides = Sides::of(scene.shape);
-        let parts = sides.parted(with_normals(options), watch)?;
+        let parts = sides.split_vertices(with_normals(options), watch)?;
         let buffer = Buffer::of(&Scene { shape: parts.shape(), ..*scene }, parts.smooth(), options, watch)?;
         let room = buffer.contents().room();
         let binary = buffer.amounts.bytes();

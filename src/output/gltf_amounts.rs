@@ -7,7 +7,7 @@ use crate::output::numbers::total;
 use crate::output::options::IDS;
 use crate::output::scene::{Frame, Shape};
 use crate::shape::attachments::Attachments;
-use crate::shape::labels::parts;
+use crate::shape::labels::by_labels;
 
 /// Bytes of a position or a normal.
 pub(super) const VECTOR: u128 = 12;
@@ -48,8 +48,8 @@ pub(super) fn with_normals(options: &Values) -> bool {
 }
 
 /// Copies of vertices, at most, that have a normal of their own.
-pub(super) fn parted(counts: &Counts, options: &Values) -> u128 {
-    if with_normals(options) { counts.parted } else { 0 }
+pub(super) fn split_vertices(counts: &Counts, options: &Values) -> u128 {
+    if with_normals(options) { counts.split_vertices } else { 0 }
 }
 
 /// Numbers of rows in the buffer.
@@ -75,7 +75,8 @@ impl Amounts {
         let mesh = counts.kind == ShapeKind::Mesh;
         let faces = if mesh { counts.faces } else { 0 };
         Self {
-            vertices: if counts.uvs > 0 { counts.uvs } else { counts.vertices }.saturating_add(parted(counts, options)),
+            vertices: if counts.uvs > 0 { counts.uvs } else { counts.vertices }
+                .saturating_add(split_vertices(counts, options)),
             normals: with_normals(options) && faces > 0,
             numbers: counts.attachments.width() as u128,
             uvs: counts.uvs > 0,
@@ -163,7 +164,7 @@ impl<'a> Contents<'a> {
         let Attachments { channels, groups, materials, uvs } = self.attachments;
         let name_bytes: usize = channels.iter().map(|channel| channel.name.len()).sum();
         let (channels, names) = (channels.len() as u128 + u128::from(uvs.is_some()), name_bytes as u128);
-        let parts = parts(groups, materials, self.input_faces).len() as u128;
+        let parts = by_labels(groups, materials, self.input_faces).len() as u128;
         // every name of a group and of a material may need a backslash for each byte
         let longest = |names: &[String]| names.iter().map(|name| 2 * name.len() as u128).max().unwrap_or(0);
         let labels = longest(&groups.names) + longest(&materials.names);

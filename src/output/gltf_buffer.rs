@@ -14,7 +14,7 @@ use crate::output::numbers::{as_written, rounded};
 use crate::output::scene::{FaceChunk, Frame, MeshSource, Scene, Shape, in_chunks, triangles};
 use crate::output::stream::{Positions, Stream, channels_within_f32};
 use crate::shape::attachments::Attachments;
-use crate::shape::labels::{Part as Faces, parts};
+use crate::shape::labels::{LabelledFaces, by_labels};
 use crate::watch::{Stopped, Watch};
 
 /// The middle of the model is moved to the origin when it is farther away than this many times half its longest side.
@@ -26,9 +26,9 @@ pub(super) struct Buffer<'a> {
     /// The mesh whose vertices those of `mesh` are, some of them more than once; its normals are theirs.
     smooth: Option<&'a dyn MeshSource>,
     /// One for the mesh or for each polygon.
-    pub(super) parts: Vec<Part<'a>>,
-    /// Faces of the mesh by group and material, those without triangles left out.
-    pub(super) faces: Vec<Section>,
+    pub(super) parts: Vec<PrimitiveVertices<'a>>,
+    /// LabelledFaces of the mesh by group and material, those without triangles left out.
+    pub(super) faces: Vec<PrimitiveFaces>,
     /// What was subtracted from all positions (model units); each coordinate is an f32, so that it can be added again
     /// without a loss.
     pub(super) center: [f64; 3],
@@ -39,7 +39,7 @@ pub(super) struct Buffer<'a> {
 }
 
 /// The vertices of one primitive.
-pub(super) struct Part<'a> {
+pub(super) struct PrimitiveVertices<'a> {
     positions: Positions<'a>,
     /// Where they are, in model units.
     pub(super) bounds: Bounds<3>,
@@ -47,7 +47,7 @@ pub(super) struct Part<'a> {
     pub(super) closed: Option<bool>,
 }
 
-impl Part<'_> {
+impl PrimitiveVertices<'_> {
     /// Number of vertices.
     pub(super) fn len(&self) -> usize {
         self.positions.len()
@@ -55,7 +55,7 @@ impl Part<'_> {
 }
 
 /// The faces of one primitive.
-pub(super) struct Section {
+pub(super) struct PrimitiveFaces {
     /// Number of the group, if any.
     pub(super) group: Option<usize>,
     /// Number of the material, if any.
@@ -67,7 +67,7 @@ pub(super) struct Section {
 }
 
 impl<'a> Buffer<'a> {
-    /// Measures a scene; `smooth` is the mesh with whole vertices where those of the scene are parted.
+    /// Measures a scene; `smooth` is the mesh with whole vertices where those of the scene are split.
     ///
     /// # Errors
     /// Coordinates that f32 cannot hold, more vertices than 32-bit indices reach, or a stopped watch.
@@ -96,7 +96,7 @@ impl<'a> Buffer<'a> {
                 bounds.add(rows);
                 Ok(())
             })?;
-            parts.push(Part { positions, bounds, closed });
+            parts.push(PrimitiveVertices { positions, bounds, closed });
         }
         let center = center(&parts.iter().fold(Bounds::EMPTY, |all, part| all.joined(&part.bounds)))?;
         let faces = match mesh {
@@ -149,7 +149,7 @@ impl<'a> Buffer<'a> {
                 None => normals::of(mesh, part.positions.rows(), watch)?,
                 Some(smooth) => {
                     let positions = Positions::of_mesh(smooth).held(watch)?;
-                    normals::parted(mesh, smooth, positions.rows(), watch)?
+                    normals::split_vertices(mesh, smooth, positions.rows(), watch)?
                 }
             };
             stream.rows(0, &normals, |_, rows, out| {
@@ -202,20 +202,20 @@ impl<'a> Buffer<'a> {
 }
 
 /// The faces of a mesh by group and material, in the order in which these first appear.
-fn sections(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<Section>, FormatError> {
+fn sections(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<PrimitiveFaces>, FormatError> {
     let attachments = mesh.attachments();
     let parts = if attachments.names_faces() {
-        parts(&attachments.groups, &attachments.materials, mesh.input_cells()[2])
+        by_labels(&attachments.groups, &attachments.materials, mesh.input_cells()[2])
     } else {
         let triangles = mesh.n_half_edges() as u128 - 2 * mesh.n_faces() as u128;
         let ranges = std::iter::once(0..mesh.n_faces()).collect();
         return Ok(if triangles > 0 {
-            vec![Section { group: None, material: None, triangles, ranges }]
+            vec![PrimitiveFaces { group: None, material: None, triangles, ranges }]
         } else {
             vec![]
         });
     };
-    let section = |Faces { group, material, runs }: Faces| {
+    let section = |LabelledFaces { group, material, runs }: LabelledFaces| {
         let shown = |f: u32| mesh.faces_of(f as usize);
         let ranges = runs.iter().map(|run| shown(run.start).start..shown(run.end - 1).end);
         let ranges: Vec<_> = ranges.filter(|range| !range.is_empty()).collect();
@@ -223,7 +223,7 @@ fn sections(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<Section>, Format
         for range in &ranges {
             triangles += n_triangles(mesh, range, watch)?;
         }
-        Ok(Section { group, material, triangles, ranges })
+        Ok(PrimitiveFaces { group, material, triangles, ranges })
     };
     let sections: Result<Vec<_>, FormatError> = parts.into_iter().map(section).collect();
     Ok(sections?.into_iter().filter(|section| section.triangles > 0).collect())

@@ -13,7 +13,7 @@ use serde_json::{Map, Value, json};
 use crate::math::parameter::{Default as Otherwise, Kind, Parameter};
 use crate::output::error::FormatError;
 use crate::output::gltf_amounts::{NUMBER, ORIGIN, TRIANGLE, VECTOR};
-use crate::output::gltf_buffer::{Buffer, Part, Section};
+use crate::output::gltf_buffer::{Buffer, PrimitiveFaces, PrimitiveVertices};
 use crate::output::gltf_views::{Views, accessor, length};
 use crate::output::numbers::rounded;
 use crate::output::options::{IDS, POSITIONS};
@@ -178,7 +178,7 @@ fn surface(buffer: &Buffer<'_>, root: &mut Root) -> Result<Vec<Primitive>, Forma
 /// What a primitive says beyond glTF: its group, and the accessor with the input face of each triangle.
 fn extras(
     buffer: &Buffer<'_>,
-    section: &Section,
+    section: &PrimitiveFaces,
     faces: Option<Index<Accessor>>,
 ) -> Result<Option<Box<RawValue>>, FormatError> {
     let mut told = Map::new();
@@ -197,7 +197,7 @@ fn extras(
 type Attributes = BTreeMap<Checked<Semantic>, Index<Accessor>>;
 
 /// What each vertex of a mesh has.
-fn attributes(buffer: &Buffer<'_>, part: &Part<'_>, root: &mut Root) -> Attributes {
+fn attributes(buffer: &Buffer<'_>, part: &PrimitiveVertices<'_>, root: &mut Root) -> Attributes {
     let n = buffer.amounts.vertices;
     let view = Views::of(root).vertices(n, VECTOR);
     let mut attributes = BTreeMap::from([(Valid(Semantic::Positions), root.push(positions(buffer, part, view, 0)))]);
@@ -222,7 +222,7 @@ fn attributes(buffer: &Buffer<'_>, part: &Part<'_>, root: &mut Root) -> Attribut
     attributes
 }
 
-fn positions(buffer: &Buffer<'_>, part: &Part<'_>, view: u32, start: u128) -> Accessor {
+fn positions(buffer: &Buffer<'_>, part: &PrimitiveVertices<'_>, view: u32, start: u128) -> Accessor {
     let mut positions = accessor(view, start, part.len() as u128, ComponentType::F32, Type::Vec3);
     positions.min = Some(json!(buffer.local(part.bounds.min).map(|x| x + 0.0)));
     positions.max = Some(json!(buffer.local(part.bounds.max).map(|x| x + 0.0)));

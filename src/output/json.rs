@@ -13,7 +13,7 @@ use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::curvature;
 use crate::output::error::FormatError;
-use crate::output::format::{Format, FormatFacts};
+use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::normals;
 use crate::output::numbers::{REAL, digits, real, reals, total, whole};
 use crate::output::options::{IDS, ISOLINES, POSITIONS, TANGENTS};
@@ -66,6 +66,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     name: "json",
     extension: "json",
     media_type: "application/json",
+    content: Content::Json,
     doc: "JSON as in requests: all coordinates at full precision, polygons as they are",
     parameters: &[POSITIONS, NORMALS, TANGENTS, CURVATURE, IDS, EDGES, SECTIONS],
     holds: |_, _| Ok(()),

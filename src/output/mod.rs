@@ -20,21 +20,21 @@ mod json;
 mod numbers;
 mod obj;
 mod options;
-mod parted;
 mod picture;
 mod ply;
 mod png;
 mod sections;
-mod sides;
 mod size;
+mod split_vertices;
 mod stats;
 mod stl;
 mod stream;
 mod svg;
+mod vertex_sides;
 
 pub use counts::{Counts, ShapeKind};
 pub use error::FormatError;
-pub use format::{Format, FormatFacts};
+pub use format::{Content, Format, FormatFacts};
 pub use options::{LIMIT, POSITIONS, TANGENTS};
 pub use size::Size;
 

@@ -56,23 +56,23 @@ pub fn of(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Resul
     Ok(normals)
 }
 
-/// The normals of `smooth` for the vertices of `parted`: a mesh with the same faces in the same order, whose vertices are
+/// The normals of `smooth` for the vertices of `split`: a mesh with the same faces in the same order, whose vertices are
 /// those of `smooth`, some of them more than once. `positions` are those of `smooth`.
 ///
 /// # Errors
 /// [`Stopped`] when the watch says so.
-pub fn parted(
-    parted: &dyn MeshSource,
+pub fn split_vertices(
+    split_vertices: &dyn MeshSource,
     smooth: &dyn MeshSource,
     positions: &[[f64; 3]],
     watch: &Watch,
 ) -> Result<Vec<[f64; 3]>, Stopped> {
     let normals = of(smooth, positions, watch)?;
-    let mut found = vec![[0.0; 3]; parted.n_vertices()];
+    let mut found = vec![[0.0; 3]; split_vertices.n_vertices()];
     let (mut here, mut there) = (FaceChunk::default(), FaceChunk::default());
-    in_chunks(parted.n_faces(), |range| {
+    in_chunks(split_vertices.n_faces(), |range| {
         watch.check()?;
-        parted.faces(range.clone(), &mut here);
+        split_vertices.faces(range.clone(), &mut here);
         smooth.faces(range, &mut there);
         for (&v, &from) in here.vertices.iter().zip(&there.vertices) {
             found[v as usize] = normals[from as usize];

@@ -6,13 +6,13 @@ use crate::math::parameter::Values;
 use crate::output::colors::within;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Format, FormatFacts};
+use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::normals;
 use crate::output::numbers::{REAL, digits, real, reals, total, whole};
 use crate::output::options::{IDS, POSITIONS};
-use crate::output::parted::Parted;
 use crate::output::scene::{Curve, Frame, MeshSource, Scene, Shape};
 use crate::output::size::Size;
+use crate::output::split_vertices::SplitVertices;
 use crate::output::stream::{Positions, Stream, holds_space};
 use crate::output::surface::{NORMALS, with_normals};
 use crate::shape::creases::Tags;
@@ -47,6 +47,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     name: "obj",
     extension: "obj",
     media_type: "model/obj",
+    content: Content::Text,
     doc: "Wavefront OBJ: polygons as they are, shortest decimals that read back exactly",
     parameters: &[POSITIONS, NORMALS, IDS],
     holds: |kind, _| holds_space("obj", kind),
@@ -70,7 +71,7 @@ impl Format for Obj {
                 (counts.polygons, 2),
             ]),
             ShapeKind::Mesh => {
-                let n_normals = counts.vertices.saturating_add(counts.parted);
+                let n_normals = counts.vertices.saturating_add(counts.split_vertices);
                 let (n_normals, corner) =
                     if with_normals(options) { (n_normals, 3 + index + digits(n_normals)) } else { (0, 1 + index) };
                 let told = told(counts, options.flag("ids"));
@@ -153,12 +154,12 @@ fn write_with_normals(told: &Told<'_>, stream: &mut Stream<'_>, watch: &Watch) -
     let positions = Positions::of_mesh(mesh).held(watch)?;
     told.vertices(&positions, stream)?;
     told.uvs(stream)?;
-    let parted = Parted::of(Shape::Mesh(mesh), watch)?;
-    let sides = parted.as_ref().map_or(mesh, |parted| parted);
-    let positions = if parted.is_some() { Positions::of_mesh(sides).held(watch)? } else { positions };
+    let split_vertices = SplitVertices::of(Shape::Mesh(mesh), watch)?;
+    let sides = split_vertices.as_ref().map_or(mesh, |split_vertices| split_vertices);
+    let positions = if split_vertices.is_some() { Positions::of_mesh(sides).held(watch)? } else { positions };
     let normals = normals::of(sides, positions.rows(), watch)?;
     drop(positions);
-    let origin = |v: u32| parted.as_ref().map_or(v, |parted| parted.origin(v));
+    let origin = |v: u32| split_vertices.as_ref().map_or(v, |split_vertices| split_vertices.origin(v));
     stream.rows(0, &normals, |_, rows, out| {
         for &normal in rows {
             out.extend_from_slice(b"vn ");

@@ -10,15 +10,15 @@ use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Format, FormatFacts};
+use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::normals;
 use crate::output::numbers::{digits, total};
 use crate::output::options::{IDS, POSITIONS};
 use crate::output::scene::{Curve, Frame, MeshSource, Scene, Shape};
-use crate::output::sides::Sides;
 use crate::output::size::Size;
 use crate::output::stream::{Positions, Stream, channels_within_f32, holds_space};
 use crate::output::surface::NORMALS;
+use crate::output::vertex_sides::Sides;
 use crate::shape::attachments::Attachments;
 use crate::watch::Watch;
 use carried::Carried;
@@ -43,6 +43,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     name: "ply",
     extension: "ply",
     media_type: "model/ply",
+    content: Content::Binary,
     doc: "Stanford PLY: polygons as they are, f64 or f32 coordinates, binary little endian or text",
     parameters: PARAMETERS,
     holds: |kind, _| holds_space("ply", kind),
@@ -111,8 +112,8 @@ const PARAMETERS: &[Parameter] = &[
 fn mesh_size(counts: &Counts, layout: Layout) -> Size {
     let vertices = if counts.uvs > 0 { counts.uvs } else { counts.vertices };
     let attachments = &counts.attachments;
-    let parted = if layout.normals { counts.parted } else { 0 };
-    let vertices = vertices.saturating_add(parted);
+    let split_vertices = if layout.normals { counts.split_vertices } else { 0 };
+    let vertices = vertices.saturating_add(split_vertices);
     let header = mesh_header(vertices, counts.faces, counts.frame, attachments, layout).len() as u128;
     let (carried, of_face) =
         carried::bytes(attachments, layout, counts.half_edges.max(vertices).max(counts.input_faces as u128));
@@ -123,7 +124,7 @@ fn mesh_size(counts: &Counts, layout: Layout) -> Size {
     };
     let (vertex, face) = (layout.vertex_bytes() + carried, face + of_face);
     let bytes = total(&[(1, header), (vertices, vertex), (counts.faces, face), (counts.half_edges, corner)]);
-    if layout.encoding == Encoding::Ascii || parted > 0 { Size::AtMost(bytes) } else { Size::Exact(bytes) }
+    if layout.encoding == Encoding::Ascii || split_vertices > 0 { Size::AtMost(bytes) } else { Size::Exact(bytes) }
 }
 
 fn curves_size(counts: &Counts, layout: Layout) -> u128 {
@@ -173,7 +174,7 @@ fn write_mesh(
     watch: &Watch,
 ) -> Result<(), FormatError> {
     let sides = Sides::of(Shape::Mesh(whole));
-    let parts = sides.parted(layout.normals, watch)?;
+    let parts = sides.split_vertices(layout.normals, watch)?;
     let mesh = if let Shape::Mesh(mesh) = parts.shape() { mesh } else { whole };
     if layout.float {
         channels_within_f32(mesh, watch)?;
@@ -185,7 +186,9 @@ fn write_mesh(
         let positions = positions.held(watch)?;
         let normals = match parts.smooth() {
             None => normals::of(mesh, positions.rows(), watch)?,
-            Some(smooth) => normals::parted(mesh, smooth, Positions::of_mesh(smooth).held(watch)?.rows(), watch)?,
+            Some(smooth) => {
+                normals::split_vertices(mesh, smooth, Positions::of_mesh(smooth).held(watch)?.rows(), watch)?
+            }
         };
         (positions, normals)
     } else {

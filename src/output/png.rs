@@ -9,7 +9,7 @@ use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Format, FormatFacts};
+use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::options::{ISOLINES, POSITIONS};
 use crate::output::picture::coat::{self, CHANNEL, COLOR_BY};
 use crate::output::picture::drawing::Drawing;
@@ -67,6 +67,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     name: "png",
     extension: "png",
     media_type: "image/png",
+    content: Content::Binary,
     doc: "A picture in pixels: a lit mesh with hidden lines removed, or curves with their control polygons.",
     parameters: PARAMETERS,
     holds: |kind, _| options::drawable(kind),
@@ -101,7 +102,7 @@ impl Format for Png {
     }
 
     fn memory(&self, counts: &Counts, options: &Values) -> u128 {
-        let vertices = counts.vertices.saturating_add(counts.parted);
+        let vertices = counts.vertices.saturating_add(counts.split_vertices);
         let colors = coat::memory(options, vertices, counts.triangles(), counts.uvs);
         let pieces = counts.vertices.saturating_add(counts.input_edges as u128);
         let isolines = if options.has("show", ISOLINES) { pieces.saturating_mul(8) } else { 0 };

@@ -12,7 +12,7 @@ use std::io::Write;
 use crate::math::parameter::Values;
 use crate::output::counts::Counts;
 use crate::output::error::FormatError;
-use crate::output::format::{Format, FormatFacts};
+use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::numbers::total;
 use crate::output::options::POSITIONS;
 use crate::output::scene::{Scene, Shape};
@@ -40,6 +40,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     name: "stats",
     extension: "json",
     media_type: "application/json",
+    content: Content::Json,
     doc: "Statistics in JSON: counts, bounding box, measures, moments, valences, hashes",
     parameters: &[POSITIONS, NORMALS],
     holds: |_, _| Ok(()),

@@ -6,13 +6,13 @@ use crate::math::parameter::{Default, Parameter, Values};
 use crate::math::vector::{plus, unit};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Format, FormatFacts};
+use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::normals;
 use crate::output::numbers::{rounded, total};
 use crate::output::options::{LIMIT, POSITIONS};
-use crate::output::parted::Parted;
 use crate::output::scene::{MeshSource, Scene, Shape, triangles};
 use crate::output::size::Size;
+use crate::output::split_vertices::SplitVertices;
 use crate::output::stream::{Positions, Stream};
 use crate::output::surface::NORMALS;
 use crate::watch::Watch;
@@ -37,6 +37,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     name: "stl",
     extension: "stl",
     media_type: "model/stl",
+    content: Content::Binary,
     doc: "Binary STL: loose triangles with facet normals, f32",
     parameters: &[POSITIONS, FACETS],
     holds: |kind, _| match kind {
@@ -84,8 +85,8 @@ fn write_mesh(
         )));
     };
     let at_limit = normals == Some(LIMIT);
-    let parted = if at_limit { Parted::of(Shape::Mesh(mesh), watch)? } else { None };
-    let mesh = parted.as_ref().map_or(mesh, |parted| parted);
+    let split_vertices = if at_limit { SplitVertices::of(Shape::Mesh(mesh), watch)? } else { None };
+    let mesh = split_vertices.as_ref().map_or(mesh, |split_vertices| split_vertices);
     let positions = Positions::of_mesh(mesh).within_f32().held(watch)?;
     let rows = positions.rows();
     let corners = if at_limit { normals::of(mesh, rows, watch)? } else { Vec::new() };

@@ -6,7 +6,7 @@ use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Format, FormatFacts};
+use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::options::POSITIONS;
 use crate::output::picture::drawing::{Drawing, Item};
 use crate::output::picture::options::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH};
@@ -59,6 +59,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     name: "svg",
     extension: "svg",
     media_type: "image/svg+xml",
+    content: Content::Text,
     doc: "A drawing of curves with their control polygons, or of plane sections of a mesh, in paths that scale.",
     parameters: PARAMETERS,
     holds,

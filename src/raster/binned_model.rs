@@ -16,7 +16,7 @@ use crate::watch::{Stopped, Watch};
 
 /// A piece of a clipped triangle.
 #[derive(Debug, Clone, Copy)]
-struct Piece {
+struct ClippedPiece {
     corners: [Vertex; 3],
     /// For each corner, the shares of the corners of the whole triangle.
     shares: [[f64; 3]; 3],
@@ -30,7 +30,7 @@ pub(super) struct BinnedModel<'a> {
     pub(super) camera: &'a Camera,
     pub(super) grid: Grid,
     vertices: Vec<Vertex>,
-    pieces: Vec<Piece>,
+    pieces: Vec<ClippedPiece>,
     runs: Vec<Bins>,
     pub(super) layers: Vec<Layer>,
     /// `None` when the surface is not seen.
@@ -65,7 +65,7 @@ const STEP: f64 = STEPS as f64;
 /// Found in one run of triangles.
 struct Run {
     found: Vec<(u32, TileRect)>,
-    pieces: Vec<Piece>,
+    pieces: Vec<ClippedPiece>,
 }
 
 impl<'a> BinnedModel<'a> {
@@ -92,7 +92,7 @@ impl<'a> BinnedModel<'a> {
     fn sort(&mut self, watch: &Watch) -> Result<(), Stopped> {
         let triangles = self.model.triangles;
         let run = triangles.len().div_ceil(64).max(8192);
-        let runs: Vec<(Bins, Vec<Piece>)> = triangles
+        let runs: Vec<(Bins, Vec<ClippedPiece>)> = triangles
             .par_chunks(run)
             .enumerate()
             .map(|(i, list)| {
@@ -144,7 +144,7 @@ impl<'a> BinnedModel<'a> {
             if let Some(rect) = self.touched(&corners) {
                 let local = self.model.triangles.len() + run.pieces.len();
                 run.found.push((u32::try_from(local).expect("fewer than 2^32 pieces"), rect));
-                run.pieces.push(Piece { corners, shares: piece.map(|i| polygon[i].shares), whole: id });
+                run.pieces.push(ClippedPiece { corners, shares: piece.map(|i| polygon[i].shares), whole: id });
             }
         }
     }
@@ -158,7 +158,7 @@ impl<'a> BinnedModel<'a> {
         [self.vertices[a as usize], self.vertices[b as usize], self.vertices[c as usize]]
     }
 
-    fn piece(&self, id: u32) -> Option<&Piece> {
+    fn piece(&self, id: u32) -> Option<&ClippedPiece> {
         (id as usize).checked_sub(self.model.triangles.len()).map(|i| &self.pieces[i])
     }
 
@@ -235,7 +235,7 @@ impl<'a> BinnedModel<'a> {
 }
 
 /// What the corners of a piece have, given what those of its whole triangle have.
-fn shared(piece: Option<&Piece>, whole: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
+fn shared(piece: Option<&ClippedPiece>, whole: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
     match piece {
         None => whole,
         Some(piece) => piece

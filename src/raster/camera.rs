@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::math::functions::{cos, sin, tan};
+use crate::math::sharing::is_small;
 use crate::math::vector::{Vector, cross, dot, minus, plus, reduce, times};
 
 /// How depth shrinks what is seen.
@@ -76,22 +77,31 @@ pub struct Camera {
     pub(super) radius: f64,
 }
 
+/// What `one` finds of each of some points, joined, `none` being what there is of no point.
+fn joined<T: Copy + Send + Sync>(
+    points: &[&[Vector]],
+    none: T,
+    one: impl Fn(&Vector) -> T + Sync,
+    join: impl Fn(T, T) -> T + Sync + Send + Copy,
+) -> T {
+    let add = |sum: T, point: &Vector| join(sum, one(point));
+    if is_small(points.iter().map(|list| list.len()).sum()) {
+        return points.iter().copied().flatten().fold(none, add);
+    }
+    points
+        .par_iter()
+        .map(|list| list.par_iter().with_min_len(4096).fold(|| none, add).reduce(|| none, join))
+        .reduce(|| none, join)
+}
+
 /// Centre and half the largest side of the bounding box of finite points; `([0, 0, 0], 1)` when there is none.
 fn bounds(points: &[&[Vector]]) -> (Vector, f64) {
     let none = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     let join = |(a, b): (Vector, Vector), (c, d): (Vector, Vector)| {
         ([0, 1, 2].map(|i| a[i].min(c[i])), [0, 1, 2].map(|i| b[i].max(d[i])))
     };
-    let (low, high) = points
-        .par_iter()
-        .map(|list| {
-            list.par_iter()
-                .with_min_len(4096)
-                .filter(|p| p.iter().all(|x| x.is_finite()))
-                .fold(|| none, |acc, &p| join(acc, (p, p)))
-                .reduce(|| none, join)
-        })
-        .reduce(|| none, join);
+    let one = |&p: &Vector| if p.iter().all(|x| x.is_finite()) { (p, p) } else { none };
+    let (low, high) = joined(points, none, one, join);
     if low[0] > high[0] {
         return ([0.0; 3], 1.0);
     }
@@ -147,10 +157,7 @@ fn reach(points: &[&[Vector]], centre: Vector, [right, up, forward]: [Vector; 3]
         let (x, y, z) = (dot(r, right), dot(r, up), dot(r, forward));
         [x - tangent[0] * z, -x - tangent[0] * z, y - tangent[1] * z, -y - tangent[1] * z, z, -z]
     };
-    let found = points
-        .par_iter()
-        .map(|list| list.par_iter().with_min_len(4096).fold(|| none, |acc, p| join(acc, one(p))).reduce(|| none, join))
-        .reduce(|| none, join);
+    let found = joined(points, none, one, join);
     if found.iter().all(|x| x.is_finite()) { found } else { [0.0; 6] }
 }
 

@@ -15,8 +15,8 @@ use crate::watch::{Stopped, Watch};
 /// Numbers that one thread takes at a time.
 const CHUNK: usize = 1 << 16;
 
-/// Takes steps of a plan with a net and all points that belong to it. After an error of an operator the net is the one to
-/// which it could not be applied.
+/// Takes steps of a plan with a net and all points that belong to it. After an error of an operator the net is the one
+/// to which it could not be applied.
 ///
 /// # Errors
 /// [`RefineError`].
@@ -75,8 +75,8 @@ impl Points {
         ensure(finite(&self.now) && self.tangents.as_deref().is_none_or(finite), level)
     }
 
-    /// All actions of one level. Blends of rows that repeat themselves are made in one sweep, without the points between
-    /// them.
+    /// All actions of one level. Blends of rows that repeat themselves are made in one sweep, without the points
+    /// between them.
     pub(super) fn act_all(&mut self, actions: &[Action], level: u32, watch: &Watch) -> Result<(), RefineError> {
         let repeat = |action: &Action| action.rows().is_some_and(|rows| rows.pattern().is_some());
         let runs = actions.chunk_by(|a, b| repeat(a) && repeat(b) && matches!(b, Action::Blend(_)));
@@ -89,7 +89,8 @@ impl Points {
         })
     }
 
-    /// `points <- rows x points` for the rows of a run, one after another; on request what was there becomes the anchor.
+    /// `points <- rows x points` for the rows of a run, one after another; on request what was there becomes the
+    /// anchor.
     fn blend(&mut self, anchor: bool, run: &[&dyn RowSource], level: u32, watch: &Watch) -> Result<(), RefineError> {
         let next = blend_run(run, &self.now, self.width, watch)?;
         let before = std::mem::replace(&mut self.now, next.points);

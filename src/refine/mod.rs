@@ -7,9 +7,11 @@ mod normals;
 mod origins;
 mod polygon;
 mod refined;
+mod shown;
 mod start;
 mod unfolded;
 mod uvs;
+mod vertex_order;
 
 pub use apply::{Points, advance};
 pub use error::RefineError;

@@ -5,7 +5,8 @@
 pub struct Normals {
     /// For each vertex its normal, or the direction of the sum of those of its sectors, or zero where one has none.
     pub of_vertices: Vec<[f64; 3]>,
-    /// At vertices with several sectors: the vertex, the next one of a face there, and the normal on that side; ascending.
+    /// At vertices with several sectors: the vertex, the next one of a face there, and the normal on that side;
+    /// ascending.
     pub sides: Vec<([u32; 2], [f64; 3])>,
 }
 

@@ -6,7 +6,8 @@ use crate::scheme::step_error::{About, StepError};
 use crate::shape::polygon::Polygon;
 use crate::shape::topology::index;
 
-/// The error of an operator on a net of a mesh; one about a value of a point with the vertices of the input that make it.
+/// The error of an operator on a net of a mesh; one about a value of a point with the vertices of the input that make
+/// it.
 pub(super) fn on_mesh(net: &MeshNet, mut error: StepError) -> StepError {
     if let About::Point { point, from, .. } = &mut error.about {
         *from = of_mesh(net, *point);
@@ -45,8 +46,8 @@ fn of_mesh(net: &MeshNet, point: usize) -> Vec<u32> {
     sorted(vertices.collect())
 }
 
-/// The ends of the edge of a polygon on which point `point` of `n` stands, or the point of the polygon there; none where
-/// points were lost on the way.
+/// The ends of the edge of a polygon on which point `point` of `n` stands, or the point of the polygon there; none
+/// where points were lost on the way.
 fn of_polygon(polygon: &Polygon, n: usize, point: usize) -> Vec<u32> {
     let (edges, now) = if polygon.closed { (polygon.len(), n) } else { (polygon.len() - 1, n.saturating_sub(1)) };
     if edges == 0 || now < edges || now % edges != 0 {

@@ -6,8 +6,9 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::normals::Normals;
-use super::unfolded::Unfolded;
+use super::shown::Shown;
 use super::uvs::RefinedUvs;
+use super::vertex_order::VertexOrder;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::sharpness::Sharpness;
 use crate::shape::attachments::Attachments;
@@ -16,20 +17,19 @@ use crate::shape::order::Order;
 use crate::shape::source::{FaceChunk, MeshSource, NormalSource, Origin, OriginSource, UvSource};
 use crate::shape::topology::{NONE, Topology, index};
 
-/// A refined mesh: positions in the order of construction, and the way from there to the documented order.
+/// A refined mesh: the values of its vertices, and the way from the order in which they are kept to the documented one.
 #[derive(Debug)]
 pub struct RefinedMesh {
     points: Vec<f64>,
     /// Normals of the limit, if there are any, in the same order.
     normals: Option<Normals>,
     base: Arc<Topology>,
-    /// `None` when the mesh was not split since its base: then the orders agree.
-    order: Option<Order>,
+    order: VertexOrder,
     shown: Shown,
     attachments: Arc<Attachments>,
-    /// The numbers of each channel, in the order of construction.
+    /// The values of each channel, in the same order.
     channels: Vec<Vec<f64>>,
-    uvs: Option<RefinedUvs>,
+    pub(super) uvs: Option<RefinedUvs>,
     /// Edges that are still sharp, numbered in the order of construction.
     sharpness: Option<Arc<Sharpness>>,
     /// What is tagged of it, as long as it is the input.
@@ -40,20 +40,21 @@ pub struct RefinedMesh {
     pieces: usize,
 }
 
-/// The faces that are shown: runs of consecutive ones.
-#[derive(Debug)]
-struct Shown {
-    /// For each run its first number among the shown faces and its first face.
-    runs: Vec<(usize, usize)>,
-    n: usize,
-    n_half_edges: usize,
-}
-
 impl RefinedMesh {
     /// The mesh of a net with its points in the order of construction, `n x 3`.
     pub fn new(net: &MeshNet, points: Vec<f64>) -> Self {
-        let order = net.mesh.order();
-        let shown = Shown::new(&net.mesh.base, order.as_ref(), &net.tags.holes);
+        Self::ordered(net, VertexOrder::constructed(net), points)
+    }
+
+    /// The mesh of a net with its points in the documented order already, `n x 3`: nothing will be gathered. Of the
+    /// connectivity only the base and how its faces were split matters, not the topology before the last split.
+    /// Channels and normals are to be in the documented order, too.
+    pub fn documented(net: &MeshNet, points: Vec<f64>) -> Self {
+        Self::ordered(net, VertexOrder::documented(net), points)
+    }
+
+    fn ordered(net: &MeshNet, order: VertexOrder, points: Vec<f64>) -> Self {
+        let shown = Shown::new(&net.mesh.base, order.order(), &net.tags.holes);
         let pieces = net.mesh.pieces.iter().map(|&pieces| pieces as usize).product();
         Self {
             points,
@@ -71,7 +72,7 @@ impl RefinedMesh {
         }
     }
 
-    /// The same mesh with what it carries: for each channel its numbers in the order of construction, and the texture
+    /// The same mesh with what it carries: for each channel its values in the order of the points, and the texture
     /// coordinates.
     pub(super) fn carrying(
         self,
@@ -96,17 +97,13 @@ impl RefinedMesh {
 
     /// Position of vertex `v`, numbered in the documented order.
     pub(super) fn position(&self, v: usize) -> [f64; 3] {
-        self.points.as_chunks().0[self.constructed(v)]
+        self.points.as_chunks().0[self.order.place(v)]
     }
 
     /// The numbers that vertex `v` carries in a channel.
     pub(super) fn numbers(&self, channel: usize, v: usize) -> &[f64] {
-        let (width, at) = (self.attachments.channels[channel].width, self.constructed(v));
+        let (width, at) = (self.attachments.channels[channel].width, self.order.place(v));
         &self.channels[channel][width * at..width * (at + 1)]
-    }
-
-    fn constructed(&self, v: usize) -> usize {
-        self.order.as_ref().map_or(v, |order| order.constructed(v) as usize)
     }
 
     /// The vertex at a place with texture coordinates, both numbered in the documented order: bases, inner points of
@@ -116,14 +113,14 @@ impl RefinedMesh {
         let (places, inner) = (&uvs.base, self.pieces - 1);
         let on_edges = places.n_vertices();
         if place < on_edges {
-            return places.ring(place).next().map_or(0, |corner| self.base.vertex(corner) as usize);
+            return places.ring(place).next().map_or(0, |half_edge| self.base.vertex(half_edge) as usize);
         }
         let first = self.base.n_vertices();
         let Some(inside) = (place - on_edges).checked_sub(places.n_edges() * inner) else {
             let (edge, at) = ((place - on_edges) / inner, (place - on_edges) % inner);
-            let corner = places.halves(edge)[0];
-            let edge = self.base.edge(corner) as usize;
-            let forward = self.base.halves(edge)[0] == corner;
+            let half_edge = places.halves(edge)[0];
+            let edge = self.base.edge(half_edge) as usize;
+            let forward = self.base.halves(edge)[0] == half_edge;
             return first + edge * inner + if forward { at } else { inner - 1 - at };
         };
         first + self.base.n_edges() * inner + inside
@@ -136,11 +133,11 @@ impl RefinedMesh {
 
     /// The normal of vertex `v`, zero where there is none.
     pub(super) fn normal(&self, v: usize) -> [f64; 3] {
-        self.normals.as_ref().map_or([0.0; 3], |normals| normals.of_vertices[self.constructed(v)])
+        self.normals.as_ref().map_or([0.0; 3], |normals| normals.of_vertices[self.order.place(v)])
     }
 
-    /// Sharp pieces of edges of the base: the edge, and the number of the piece in its direction. In the limit only those
-    /// are sharp that stay so for ever.
+    /// Sharp pieces of edges of the base: the edge, and the number of the piece in its direction. In the limit only
+    /// those are sharp that stay so for ever.
     fn sharp_pieces(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let sharp = self.sharpness.iter().flat_map(|sharpness| sharpness.edges());
         let least = if self.normals.is_some() { INFINITE_SHARPNESS } else { 0.0 };
@@ -168,9 +165,9 @@ impl RefinedMesh {
     pub(super) fn sharp_places(&self) -> Vec<[u32; 2]> {
         let Some(uvs) = &self.uvs else { return Vec::new() };
         let ends = |(edge, piece): (usize, usize)| {
-            let corner = self.base.halves(edge)[0];
-            let place = uvs.base.edge(corner) as usize;
-            let forward = uvs.base.halves(place)[0] == corner;
+            let half_edge = self.base.halves(edge)[0];
+            let place = uvs.base.edge(half_edge) as usize;
+            let forward = uvs.base.halves(place)[0] == half_edge;
             let piece = if forward { piece } else { self.pieces - 1 - piece };
             (!uvs.base.is_boundary_edge(place)).then(|| self.piece(&uvs.base, place, piece))
         };
@@ -178,7 +175,7 @@ impl RefinedMesh {
     }
 
     /// The shown faces in `range` of one of the meshes with these faces.
-    fn list(&self, base: &Topology, order: Option<&Order>, range: Range<usize>, out: &mut FaceChunk) {
+    pub(super) fn list(&self, base: &Topology, order: Option<&Order>, range: Range<usize>, out: &mut FaceChunk) {
         out.clear();
         match order {
             None => range.for_each(|f| out.push(base.face(self.shown.face(f)))),
@@ -195,7 +192,7 @@ impl RefinedMesh {
         }
     }
 
-    /// The same mesh with normals in the order of construction, if there are any.
+    /// The same mesh with normals in the order of the points, if there are any.
     #[must_use]
     pub fn with_normals(self, normals: Option<Normals>) -> Self {
         Self { normals, ..self }
@@ -206,58 +203,6 @@ impl RefinedMesh {
         let mut positions = Vec::new();
         self.positions(0..self.n_vertices(), &mut positions);
         positions
-    }
-}
-
-impl Shown {
-    fn new(base: &Topology, order: Option<&Order>, holes: &[u32]) -> Self {
-        let all = order.map_or(base.n_faces(), Order::n_faces);
-        let first = |f: usize| if f == base.n_faces() { all } else { order.map_or(f, |order| order.first_face(f)) };
-        let corners = |f: usize| base.face(f).len();
-        let mut runs = Vec::new();
-        let (mut n, mut n_half_edges, mut from) = (0, 0, 0);
-        let hidden = holes.iter().map(|&f| f as usize).chain([base.n_faces()]);
-        for hole in hidden {
-            if hole > from {
-                runs.push((n, first(from)));
-                n += first(hole) - first(from);
-                n_half_edges += (from..hole).map(corners).sum::<usize>();
-            }
-            from = hole + 1;
-        }
-        let n_half_edges = order.map_or(n_half_edges, |order| order.face_size() * n);
-        Self { runs, n, n_half_edges }
-    }
-
-    /// The number that face `face` has among the shown ones, or that of the first shown one after it.
-    fn number(&self, face: usize) -> usize {
-        let run = self.runs.partition_point(|(_, first)| *first <= face);
-        let end = self.runs.get(run).map_or(self.n, |(number, _)| *number);
-        let number = run.checked_sub(1).map_or(0, |run| self.runs[run].0 + face - self.runs[run].1);
-        number.min(end)
-    }
-
-    fn face(&self, shown: usize) -> usize {
-        let run = self.runs.partition_point(|(first, _)| *first <= shown) - 1;
-        let (first_shown, first) = self.runs[run];
-        first + shown - first_shown
-    }
-}
-
-/// The points in `range` in the documented order.
-fn ordered<const W: usize>(points: &[[f64; W]], order: Option<&Order>, range: Range<usize>, out: &mut Vec<[f64; W]>) {
-    match order {
-        None => {
-            out.clear();
-            out.extend_from_slice(&points[range]);
-        }
-        Some(grid) => {
-            range
-                .into_par_iter()
-                .with_min_len(4096)
-                .map(|v| points[grid.constructed(v) as usize])
-                .collect_into_vec(out);
-        }
     }
 }
 
@@ -275,7 +220,7 @@ impl MeshSource for RefinedMesh {
     }
 
     fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
-        ordered(self.points.as_chunks::<3>().0, self.order.as_ref(), range, out);
+        self.order.points(self.points.as_chunks().0, range, out);
     }
 
     fn sharp_edges(&self) -> Vec<[u32; 2]> {
@@ -287,7 +232,7 @@ impl MeshSource for RefinedMesh {
     }
 
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
-        self.list(&self.base, self.order.as_ref(), range, out);
+        self.list(&self.base, self.order.order(), range, out);
     }
 
     fn normals(&self) -> Option<&dyn NormalSource> {
@@ -303,18 +248,7 @@ impl MeshSource for RefinedMesh {
     }
 
     fn channel(&self, channel: usize, range: Range<usize>, out: &mut Vec<f64>) {
-        out.clear();
-        let (values, width) = (&self.channels[channel], self.attachments.channels[channel].width);
-        let Some(order) = &self.order else {
-            out.extend_from_slice(&values[width * range.start..width * range.end]);
-            return;
-        };
-        out.resize(width * range.len(), 0.0);
-        let rows = out.par_chunks_exact_mut(width).with_min_len(4096);
-        rows.zip(range).for_each(|(row, v)| {
-            let at = order.constructed(v) as usize * width;
-            row.copy_from_slice(&values[at..at + width]);
-        });
+        self.order.values(&self.channels[channel], self.attachments.channels[channel].width, range, out);
     }
 }
 
@@ -322,37 +256,13 @@ impl NormalSource for RefinedMesh {
     fn of_vertices(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
         out.clear();
         if let Some(normals) = &self.normals {
-            ordered(&normals.of_vertices, self.order.as_ref(), range, out);
+            self.order.points(&normals.of_vertices, range, out);
         }
     }
 
     fn on_side(&self, vertex: u32, next: u32) -> Option<[f64; 3]> {
-        let [vertex, next] = [vertex, next].map(|v| index(self.constructed(v as usize)));
+        let [vertex, next] = [vertex, next].map(|v| index(self.order.place(v as usize)));
         self.normals.as_ref()?.on_side(vertex, next)
-    }
-}
-
-impl UvSource for RefinedMesh {
-    fn n_points(&self) -> usize {
-        self.uvs.as_ref().map_or(0, |uvs| uvs.points.len() / 2)
-    }
-
-    fn values(&self, range: Range<usize>, out: &mut Vec<[f64; 2]>) {
-        out.clear();
-        if let Some(uvs) = &self.uvs {
-            ordered(uvs.points.as_chunks().0, uvs.order.as_ref(), range, out);
-        }
-    }
-
-    fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
-        out.clear();
-        if let Some(uvs) = &self.uvs {
-            self.list(&uvs.base, uvs.order.as_ref(), range, out);
-        }
-    }
-
-    fn unfolded(&self) -> Option<Box<dyn MeshSource + '_>> {
-        Some(Box::new(Unfolded(self)))
     }
 }
 
@@ -362,7 +272,7 @@ impl OriginSource for RefinedMesh {
     }
 
     fn vertex_origin(&self, vertex: usize) -> Origin {
-        let origin = match &self.order {
+        let origin = match self.order.order() {
             None => Origin { dimension: 0, cell: index(vertex) },
             Some(order) => order.origin(vertex),
         };
@@ -374,11 +284,11 @@ impl OriginSource for RefinedMesh {
 
     fn face_origin(&self, face: usize) -> u32 {
         let face = self.shown.face(face);
-        index(self.order.as_ref().map_or(face, |order| order.base_face(face)))
+        index(self.order.order().map_or(face, |order| order.base_face(face)))
     }
 
     fn faces_of(&self, face: usize) -> Range<usize> {
-        let first = |f: usize| match &self.order {
+        let first = |f: usize| match self.order.order() {
             None => f,
             Some(order) if f == self.base.n_faces() => order.n_faces(),
             Some(order) => order.first_face(f),
@@ -389,7 +299,7 @@ impl OriginSource for RefinedMesh {
     fn isoline(&self, edge: usize, out: &mut Vec<u32>) -> bool {
         out.clear();
         out.extend((0..=self.pieces).map(|at| self.along(&self.base, edge, at)));
-        let corners = self.base.halves(edge).into_iter().filter(|&corner| corner != NONE);
-        corners.map(|corner| self.base.face_of(corner)).any(|face| !self.faces_of(face).is_empty())
+        let half_edges = self.base.halves(edge).into_iter().filter(|&half_edge| half_edge != NONE);
+        half_edges.map(|half_edge| self.base.face_of(half_edge)).any(|face| !self.faces_of(face).is_empty())
     }
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::RefinedMesh;
+use super::refined::RefinedMesh;
 use crate::shape::attachments::Attachments;
 use crate::shape::source::{FaceChunk, MeshSource, NormalSource, Origin, OriginSource, UvSource};
 use crate::shape::topology::index;
@@ -111,5 +111,29 @@ impl OriginSource for Unfolded<'_> {
 
     fn faces_of(&self, face: usize) -> Range<usize> {
         self.0.faces_of(face)
+    }
+}
+
+impl UvSource for RefinedMesh {
+    fn n_points(&self) -> usize {
+        self.uvs.as_ref().map_or(0, |uvs| uvs.points.len() / 2)
+    }
+
+    fn values(&self, range: Range<usize>, out: &mut Vec<[f64; 2]>) {
+        out.clear();
+        if let Some(uvs) = &self.uvs {
+            uvs.order.points(uvs.points.as_chunks().0, range, out);
+        }
+    }
+
+    fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
+        out.clear();
+        if let Some(uvs) = &self.uvs {
+            self.list(&uvs.base, uvs.order.order(), range, out);
+        }
+    }
+
+    fn unfolded(&self) -> Option<Box<dyn MeshSource + '_>> {
+        Some(Box::new(Unfolded(self)))
     }
 }

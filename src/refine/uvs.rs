@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::apply::{Points, advance};
 use super::error::RefineError;
 use super::start::{carried, mesh_net};
+use super::vertex_order::VertexOrder;
 use crate::scheme::letter::Letter;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::Role;
@@ -18,7 +19,6 @@ use crate::shape::creases::{INFINITE_SHARPNESS, Sharp};
 use crate::shape::directions::Directions;
 use crate::shape::mesh::Mesh;
 use crate::shape::numbering::Numbering;
-use crate::shape::order::Order;
 use crate::shape::topology::{Topology, index};
 use crate::shape::uvs::Uvs;
 use crate::watch::Watch;
@@ -26,15 +26,16 @@ use crate::watch::Watch;
 /// Refined texture coordinates: the places as vertices of a mesh with the faces of the mesh.
 #[derive(Debug)]
 pub struct RefinedUvs {
-    /// Values in the order of construction, `n_places x 2`.
+    /// Values of the places, `n_places x 2`.
     pub(super) points: Vec<f64>,
     /// The places before refinement.
     pub(super) base: Arc<Topology>,
-    /// The way to the documented order; `None` where the orders agree.
-    pub(super) order: Option<Order>,
+    /// The order in which the values are kept.
+    pub(super) order: VertexOrder,
 }
 
-/// The texture coordinates of a mesh, if it has any, refined by the steps of a plan; linear ones follow upsamplings only.
+/// The texture coordinates of a mesh, if it has any, refined by the steps of a plan; linear ones follow upsamplings
+/// only.
 ///
 /// # Errors
 /// [`RefineError`].
@@ -59,13 +60,14 @@ pub fn refined_uvs(
     } else {
         advance(&mut net, std::slice::from_mut(&mut points), plan, steps, watch)?;
     }
-    let order = net.mesh.order();
+    let order = VertexOrder::constructed(&net);
     Ok(Some(RefinedUvs { points: points.now, base: net.mesh.base, order }))
 }
 
-/// The net of texture coordinates before refinement. Places at vertices that keep their place keep theirs, sharp edges and
-/// vertices are as sharp as those of the mesh, and seams are boundaries. Places carry what their vertices carry, edges what
-/// those of the mesh carry, and perturbations go by the numbers in the mesh: on both sides of a seam the same.
+/// The net of texture coordinates before refinement. Places at vertices that keep their place keep theirs, sharp edges
+/// and vertices are as sharp as those of the mesh, and seams are boundaries. Places carry what their vertices carry,
+/// edges what those of the mesh carry, and perturbations go by the numbers in the mesh: on both sides of a seam the
+/// same.
 pub fn uv_net(mesh: &Mesh, uvs: &Uvs, plan: &Plan) -> MeshNet {
     let (places, vertices) = (&uvs.topology, &mesh.topology);
     let fixed = mesh_net(mesh, plan).tags.corners;
@@ -123,8 +125,8 @@ fn carrying(net: MeshNet, mesh: &Mesh, uvs: &Uvs, plan: &Plan) -> MeshNet {
     net
 }
 
-/// For the places where semi-sharp edges end, the other semi-sharp edges that end at the same vertex: on seams, and on the
-/// other side of them. Sharpness belongs to the mesh, and evens out around its vertices.
+/// For the places where semi-sharp edges end, the other semi-sharp edges that end at the same vertex: on seams, and on
+/// the other side of them. Sharpness belongs to the mesh, and evens out around its vertices.
 fn elsewhere(mesh: &Mesh, uvs: &Uvs, creases: &Sharp) -> Vec<(u32, f64)> {
     let (places, vertices) = (&uvs.topology, &mesh.topology);
     let semi_sharp = |&&(_, sharpness): &&(u32, f64)| sharpness < INFINITE_SHARPNESS;
@@ -145,9 +147,9 @@ fn elsewhere(mesh: &Mesh, uvs: &Uvs, creases: &Sharp) -> Vec<(u32, f64)> {
     sharp.into_iter().flat_map(beside).collect()
 }
 
-/// Of the pairs of places at one vertex: those that stay because an infinitely sharp edge ends at the other one, and those
-/// that are as sharp as semi-sharp edges make the other one, as they have none of their own. The latter stay wholly in the
-/// level that takes the last sharpness from the other one where the seam is semi-sharp for longer.
+/// Of the pairs of places at one vertex: those that stay because an infinitely sharp edge ends at the other one, and
+/// those that are as sharp as semi-sharp edges make the other one, as they have none of their own. The latter stay
+/// wholly in the level that takes the last sharpness from the other one where the seam is semi-sharp for longer.
 ///
 /// Source: OpenSubdiv 3.5, which calls such sharpness dependent; compared by numbers.
 fn following(uvs: &Uvs, creases: &Sharp) -> (Vec<u32>, Vec<(u32, u32)>) {

@@ -10,6 +10,16 @@ pub enum Ends {
     Natural,
 }
 
+impl Ends {
+    /// Its name in requests.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Clamped => "clamped",
+            Self::Natural => "natural",
+        }
+    }
+}
+
 /// How a polygon goes on beyond its stored points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extent {

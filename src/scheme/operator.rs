@@ -11,7 +11,8 @@ use super::step_error::StepError;
 use super::window::Window;
 use crate::math::parameter::Parameter;
 
-/// An operator: weights and connectivity; coordinates are seen only by those that are not linear, in an [`Action::Map`].
+/// An operator: weights and connectivity; coordinates are seen only by those that are not linear, in an
+/// [`Action::Map`].
 ///
 /// [`Action::Map`]: super::step::Action::Map
 pub trait Operator: fmt::Debug + Send + Sync {
@@ -178,8 +179,8 @@ pub enum Children {
     Vertices,
     /// Vertices become faces and faces vertices.
     Dual,
-    /// The mesh gets finer; vertices become faces, faces stay faces, and new vertices stand in the corners of old faces,
-    /// in their order.
+    /// The mesh gets finer; vertices become faces, faces stay faces, and new vertices stand in the corners of old
+    /// faces, in their order.
     Faces,
 }
 
@@ -189,6 +190,9 @@ impl Children {
         matches!(self, Self::Vertices | Self::Faces)
     }
 }
+
+/// The schemes whose steps make splines, for sentences.
+pub const SPLINES: &str = "Catmull-Clark, Loop and words over U, C and D that make splines";
 
 /// What an operator is among the steps that make splines of regular nets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

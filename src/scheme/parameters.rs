@@ -81,7 +81,8 @@ pub const DELTA: Parameter = Parameter {
     kind: Kind::Expression { variable: "valence" },
     unit: "",
     default: Default::Number(1.0),
-    doc: "Push-back factor: 0 approximates, 1 interpolates; on meshes it may depend on the valence (on boundaries 4, with split triangle 6).",
+    doc: "Push-back factor: 0 approximates, 1 interpolates; on meshes it may depend on the valence (on boundaries 4, \
+          with split triangle 6).",
 };
 
 /// The alpha of the compensation, where it differs.
@@ -90,7 +91,8 @@ pub const COMPENSATION_ALPHA: Parameter = Parameter {
     kind: Kind::Number { min: -1e6, max: 1e6 },
     unit: "radians",
     default: Default::Absent,
-    doc: "The alpha that the compensation sees at the first U, divided like alpha; when left out alpha itself, which on closed latitude lines is 2 pi / n. An alpha that points carry beats both.",
+    doc: "The alpha that the compensation sees at the first U, divided like alpha; when left out alpha itself, which \
+          on closed latitude lines is 2 pi / n. An alpha that points carry beats both.",
 };
 
 /// Into what the faces of a mesh are split.
@@ -99,7 +101,8 @@ pub const SPLIT: Parameter = Parameter {
     kind: Kind::Choice(&["quad", "triangle"]),
     unit: "",
     default: Default::Text("quad"),
-    doc: "Into what U splits the faces of a mesh: quads, or triangles if all faces are triangles. Without effect on polygons.",
+    doc: "Into what U splits the faces of a mesh: quads, or triangles if all faces are triangles. Without effect on \
+          polygons.",
 };
 
 /// The weight of a vertex in averages of triangles.
@@ -108,8 +111,8 @@ pub const MU: Parameter = Parameter {
     kind: Kind::Number { min: 0.0, max: 1.0 },
     unit: "",
     default: Default::Number(DEFAULT_MU),
-    doc: "Weight of a vertex itself in averages with split triangle; 1/4 makes UC Loop's scheme at regular vertices, 1/3 \
-          averages the centroids. Without effect with split quad.",
+    doc: "Weight of a vertex itself in averages with split triangle; 1/4 makes UC Loop's scheme at regular vertices, \
+          1/3 averages the centroids. Without effect with split quad.",
 };
 
 /// The random perturbation.
@@ -133,8 +136,8 @@ pub const PERTURBATION: Parameter = Parameter {
     ]),
     unit: "",
     default: Default::Absent,
-    doc: "Random perturbation of kernel and compensation by c gamma^h xi at the h-th U, from the plan's seed; on meshes in \
-          words over U, C and P with split quad.",
+    doc: "Random perturbation of kernel and compensation by c gamma^h xi at the h-th U, from the plan's seed; on \
+          meshes in words over U, C and P with split quad.",
 };
 
 /// Into what the faces of a mesh are split.
@@ -158,8 +161,8 @@ pub const KERNEL_LONGITUDE: Parameter = Parameter {
     kind: Kind::Expression { variable: "alpha" },
     unit: "",
     default: Default::Absent,
-    doc: "Weight of vertices in the first average after a U along longitude edges; the kernel when left out. Meshes with \
-          latitude tags only.",
+    doc: "Weight of vertices in the first average after a U along longitude edges; the kernel when left out. Meshes \
+          with latitude tags only.",
 };
 
 /// What latitude tags do.

@@ -12,6 +12,16 @@ pub enum TriangleRule {
     Smooth,
 }
 
+impl TriangleRule {
+    /// Its name in requests.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Catmark => "catmark",
+            Self::Smooth => "smooth",
+        }
+    }
+}
+
 /// Rules that a preset chooses for meshes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Rules {
@@ -31,4 +41,15 @@ pub enum LatitudeRule {
     Position,
     /// Nothing: the tags are not looked at.
     Isotropic,
+}
+
+impl LatitudeRule {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Difference => "difference",
+            Self::Position => "position",
+            Self::Isotropic => "isotropic",
+        }
+    }
 }

@@ -17,7 +17,15 @@ pub enum Creasing {
 }
 
 impl Creasing {
-    /// Whether the sharpness of an edge depends on the edges at both its ends.
+    /// Its name in requests.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Uniform => "uniform",
+            Self::Chaikin => "chaikin",
+        }
+    }
+
+    /// Whether what an edge hands on depends on the other edges at its ends.
     pub fn evens_out(self) -> bool {
         self == Self::Chaikin
     }

@@ -55,8 +55,8 @@ pub enum Action {
     PushBack {
         /// One row for each point, over the anchor's points.
         rows: Box<dyn RowSource>,
-        /// For each anchor point its child; [`NONE`](crate::shape::topology::NONE) where a net was cut out of a closed mesh and D lost it at the cut, so
-        /// that the difference is not known.
+        /// For each anchor point its child; [`NONE`](crate::shape::topology::NONE) where a net was cut out of a closed
+        /// mesh and D lost it at the cut, so that the difference is not known.
         children: Arc<[u32]>,
     },
     /// Points and tangents are turned into the next ones, by a step that is not linear.
@@ -98,8 +98,8 @@ impl Action {
         matches!(self, Self::BlendFromAnchor(_))
     }
 
-    /// The weights with which a linear step with a table makes point number `point`, given the row of the point there: what
-    /// [`Points::act`](crate::refine::Points::act) computes for all points at once.
+    /// The weights with which a linear step with a table makes point number `point`, given the row of the point there:
+    /// what [`Points::act`](crate::refine::Points::act) computes for all points at once.
     pub fn weights(&self, point: u32, (indices, weights): (&[u32], &[f64]), mut each: impl FnMut(Source, f64)) {
         let entries = indices.iter().zip(weights);
         let Self::PushBack { children, .. } = self else {

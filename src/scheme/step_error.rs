@@ -1,4 +1,5 @@
-//! Why an operator cannot be applied: a sentence, which stands where the operator or the rule does, and what it is about.
+//! Why an operator cannot be applied: a sentence, which stands where the operator or the rule does, and what it is
+//! about.
 
 use std::borrow::Cow;
 use std::fmt;

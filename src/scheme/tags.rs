@@ -16,6 +16,17 @@ pub enum Boundary {
     None,
 }
 
+impl Boundary {
+    /// Its name in requests.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::EdgeAndCorner => "edge-and-corner",
+            Self::EdgeOnly => "edge-only",
+            Self::None => "none",
+        }
+    }
+}
+
 /// The tags of a net.
 #[derive(Debug, Clone)]
 pub struct Tags {

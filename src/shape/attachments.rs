@@ -172,7 +172,7 @@ fn check_name(name: &str) -> Option<String> {
     let starts = name.starts_with(|c: char| c.is_ascii_alphabetic());
     let sound = starts && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') && name.len() <= MAX_NAME;
     let rule = format!("a letter, then letters, digits and underscores, {MAX_NAME} at most");
-    (!sound).then(|| format!("\"{}\" is no name of a channel; it is {rule}", crate::math::parameter::shortened(name)))
+    (!sound).then(|| format!("\"{}\" is no name of a channel; it is {rule}", crate::fault::shortened(name)))
 }
 
 fn check_clash(channel: &Channel, before: &[Channel]) -> Option<String> {

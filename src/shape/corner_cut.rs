@@ -27,9 +27,9 @@ impl Topology {
         if self.n_boundary() == 0 {
             return Ok(self.cut_corners());
         }
-        let rim = BoundaryRank::of(self);
+        let boundary = BoundaryRank::of(self);
         let n_c = index(self.n_half_edges());
-        let near = |corner: u32, end: u32| n_c + 2 * rim.rank(self.edge(corner)) + end;
+        let near = |corner: u32, end: u32| n_c + 2 * boundary.rank(self.edge(corner)) + end;
         let mut faces = FaceList::default();
         (0..self.n_faces()).for_each(|f| faces.push(self.half_edges(f)));
         for e in 0..self.n_edges() {
@@ -44,13 +44,23 @@ impl Topology {
             if self.twin(first) == NONE {
                 cycle.push(near(self.previous(last), 1));
                 let corner = fixed.binary_search(&index(v)).ok();
-                cycle.extend(corner.map(|place| n_c + 2 * rim.len() + index(place)));
+                cycle.extend(corner.map(|place| n_c + 2 * boundary.len() + index(place)));
                 cycle.push(near(first, 0));
             }
             faces.push(cycle);
         }
-        let n = (n_c + 2 * rim.len()) as usize + fixed.len();
+        let n = (n_c + 2 * boundary.len()) as usize + fixed.len();
         Self::of_faces(n, faces, Winding::Refuse).map(|Checked { topology, .. }| topology)
+    }
+
+    /// What a first step puts in the place of the boundary vertex `v`: a corner that stays, or the two new vertices beside
+    /// it on the boundary, first the one before it.
+    pub fn cut_corners_first_at(&self, v: u32, fixed: &[u32]) -> Option<Vec<u32>> {
+        let [onward, from] = self.boundary_edges(v as usize)?;
+        let rim = BoundaryRank::of(self);
+        let first = index(self.n_half_edges());
+        let corner = fixed.binary_search(&v).ok().map(|place| vec![first + 2 * rim.len() + index(place)]);
+        Some(corner.unwrap_or_else(|| vec![first + 2 * rim.rank(from) + 1, first + 2 * rim.rank(onward)]))
     }
 
     /// The topology after a step of Doo and Sabin: each inner edge and each inner vertex gets a face. Vertices that no

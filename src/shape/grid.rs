@@ -34,11 +34,11 @@ pub struct Grid {
 
 /// A place inside a base face.
 #[derive(Debug, Clone, Copy)]
-enum Place {
+enum FacePosition {
     /// Of a quad: `(i, j)`, `0 <= i, j <= n`.
     Quad(usize, usize),
     /// Of the quad at one corner of another face: corner, `(i, j)`, `0 <= i, j <= n / 2`.
-    Part(usize, usize, usize),
+    Sector(usize, usize, usize),
     /// On the spoke from the midpoint of an edge (0) to the centre (`n / 2`).
     Spoke(usize, usize),
     /// The centre of a face that is no quad.
@@ -226,40 +226,42 @@ impl Grid {
         v
     }
 
-    fn place(&self, f: usize, inner: usize) -> Place {
+    fn place(&self, f: usize, inner: usize) -> FacePosition {
         let (n, half) = (self.n(), self.half());
         let size = self.base.face(f).len();
         if size == 4 {
-            return Place::Quad(inner % (n - 1) + 1, inner / (n - 1) + 1);
+            return FacePosition::Quad(inner % (n - 1) + 1, inner / (n - 1) + 1);
         }
         if inner == 0 {
-            return Place::Centre;
+            return FacePosition::Centre;
         }
         let (rest, spoke) = (inner - 1, half - 1);
         if rest < size * spoke {
-            return Place::Spoke(rest / spoke, rest % spoke + 1);
+            return FacePosition::Spoke(rest / spoke, rest % spoke + 1);
         }
         let rest = rest - size * spoke;
         let (part, rest) = (rest / (spoke * spoke), rest % (spoke * spoke));
-        Place::Part(part, rest % spoke + 1, rest / spoke + 1)
+        FacePosition::Sector(part, rest % spoke + 1, rest / spoke + 1)
     }
 
-    fn constructed_inside(&self, f: usize, place: Place) -> u32 {
-        if self.splits() == 1 || matches!(place, Place::Centre) {
+    fn constructed_inside(&self, f: usize, place: FacePosition) -> u32 {
+        if self.splits() == 1 || matches!(place, FacePosition::Centre) {
             return index(self.base.n_vertices() + self.base.n_edges() + f);
         }
         let first = self.base.half_edges(f).start as usize;
         let quarter = 1_usize << (2 * (self.splits() - 2));
         let edge_points = index(self.parent.n_vertices());
         match place {
-            Place::Quad(i, j) => self.constructed_at(first * quarter + morton(i / 2, j / 2), i, j),
-            Place::Part(part, i, j) => self.constructed_at((first + part) * quarter + morton(i / 2, j / 2), i, j),
-            Place::Spoke(part, at) => {
+            FacePosition::Quad(i, j) => self.constructed_at(first * quarter + morton(i / 2, j / 2), i, j),
+            FacePosition::Sector(part, i, j) => {
+                self.constructed_at((first + part) * quarter + morton(i / 2, j / 2), i, j)
+            }
+            FacePosition::Spoke(part, at) => {
                 let cell = (first + part) * quarter + morton(self.half() / 2 - 1, at / 2);
                 let corner = index(4 * cell + 1);
                 if at % 2 == 0 { self.parent.vertex(corner) } else { edge_points + self.parent.edge(corner) }
             }
-            Place::Centre => unreachable!("handled above"),
+            FacePosition::Centre => unreachable!("handled above"),
         }
     }
 
@@ -276,32 +278,32 @@ impl Grid {
     }
 
     /// The first face of a base edge and the place there of the edge's inner point `at`.
-    fn beside(&self, edge: usize, at: usize) -> (usize, Place) {
+    fn beside(&self, edge: usize, at: usize) -> (usize, FacePosition) {
         let corner = self.base.halves(edge)[0];
         let f = self.base.face_of(corner);
         let (side, size) = (corner - self.base.half_edges(f).start, self.base.face(f).len());
         if size == 4 {
             let [i, j] = Tile::Quad.along(self.n, side, at);
-            (f, Place::Quad(i, j))
+            (f, FacePosition::Quad(i, j))
         } else if at <= self.half() {
-            (f, Place::Part(side as usize, at, 0))
+            (f, FacePosition::Sector(side as usize, at, 0))
         } else {
-            (f, Place::Part((side as usize + 1) % size, 0, self.n - at))
+            (f, FacePosition::Sector((side as usize + 1) % size, 0, self.n - at))
         }
     }
 
     /// The number of a place of a base face after splits of any arity.
-    fn descended(&self, f: usize, place: Place) -> u32 {
+    fn descended(&self, f: usize, place: FacePosition) -> u32 {
         let (n, half, first) = (self.n, self.half(), self.base.half_edges(f).start as usize);
         let (pieces, n, face, place) = match place {
-            Place::Quad(i, j) if self.is_quads => (&self.pieces[..], n, f, [i, j]),
-            Place::Quad(i, j) => {
+            FacePosition::Quad(i, j) if self.is_quads => (&self.pieces[..], n, f, [i, j]),
+            FacePosition::Quad(i, j) => {
                 let (cell, place) = Tile::Quad.enter(2, half, [i, j]);
                 (&self.pieces[1..], half, first + Tile::Quad.number(2, cell), place)
             }
-            Place::Part(part, i, j) => (&self.pieces[1..], half, first + part, [i, j]),
-            Place::Spoke(part, at) => (&self.pieces[1..], half, first + part, [half, at]),
-            Place::Centre => (&self.pieces[1..], half, first, [half, half]),
+            FacePosition::Sector(part, i, j) => (&self.pieces[1..], half, first + part, [i, j]),
+            FacePosition::Spoke(part, at) => (&self.pieces[1..], half, first + part, [half, at]),
+            FacePosition::Centre => (&self.pieces[1..], half, first, [half, half]),
         };
         let (face, place) = descended(Tile::Quad, pieces, n, face, place);
         Tiling::new(&self.parent, Tile::Quad, self.pieces[self.splits() - 1] as usize).vertex(face, place)

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::topology::{NONE, index};
 use crate::fault::Fault;
-use crate::math::parameter::shortened;
+use crate::fault::shortened;
 
 /// Most groups, and most materials, of a mesh.
 pub const MAX_LABELS: usize = 256;
@@ -109,7 +109,7 @@ fn check_name(name: &str, again: bool) -> Option<String> {
 
 /// Input faces of one group and one material.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Part {
+pub struct LabelledFaces {
     /// Number of the group, if any.
     pub group: Option<usize>,
     /// Number of the material, if any.
@@ -119,14 +119,14 @@ pub struct Part {
 }
 
 /// The parts of a mesh with `n_faces` input faces, by first appearance; without names one part with all faces.
-pub fn parts(groups: &Labels, materials: &Labels, n_faces: usize) -> Vec<Part> {
-    let mut parts: Vec<Part> = Vec::new();
+pub fn by_labels(groups: &Labels, materials: &Labels, n_faces: usize) -> Vec<LabelledFaces> {
+    let mut parts: Vec<LabelledFaces> = Vec::new();
     let mut numbers = std::collections::BTreeMap::new();
     for f in 0..index(n_faces) {
         let kind = (groups.number(f), materials.number(f));
         let number = *numbers.entry(kind).or_insert(parts.len());
         if number == parts.len() {
-            parts.push(Part { group: kind.0, material: kind.1, runs: Vec::new() });
+            parts.push(LabelledFaces { group: kind.0, material: kind.1, runs: Vec::new() });
         }
         match parts[number].runs.last_mut() {
             Some(run) if run.end == f => run.end += 1,

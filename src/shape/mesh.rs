@@ -8,6 +8,7 @@ use super::attributes::Attributes;
 use super::check::{FaceList, MAX_REPORTED, Winding};
 use super::creases::{INFINITE_SHARPNESS, Pairs, Sharp, Tags, check_corners};
 use super::directions::Directions;
+use super::repairs::{Faces, Repair};
 use super::topology::{Topology, index};
 use crate::fault::{Fault, under};
 
@@ -34,8 +35,8 @@ pub struct Mesh {
     pub attachments: Arc<Attachments>,
     /// For each of its last vertices, which were not in the input: the vertex of the input it was split from.
     pub split_from: Arc<[u32]>,
-    /// What was changed or is worth knowing, in sentences.
-    pub warnings: Vec<String>,
+    /// What was changed or is worth knowing.
+    pub repairs: Vec<Repair>,
 }
 
 /// What a client gives of a mesh, unchecked.
@@ -61,11 +62,18 @@ pub struct MeshInput {
     pub winding: Winding,
     /// What it carries besides its shape.
     pub attachments: AttachmentsInput,
-    /// What was done to it before, in sentences.
+    /// What its reader says of it, in sentences.
     pub notes: Vec<String>,
+    /// What was repaired before.
+    pub repairs: Vec<Repair>,
 }
 
 impl Mesh {
+    /// What was changed or is worth knowing, in sentences.
+    pub fn warnings(&self) -> Vec<String> {
+        self.repairs.iter().map(Repair::to_string).collect()
+    }
+
     /// What is sharp of it.
     pub fn tags(&self) -> Tags {
         let creases = self.creases.iter().map(|&(e, sharpness)| (self.topology.ends(e as usize), sharpness));
@@ -114,12 +122,12 @@ impl Mesh {
             return Err(faults);
         }
         let mut positions: Vec<f64> = input.positions.into_iter().flatten().map(|x| x + 0.0).collect();
-        let mut warnings = input.notes;
+        let mut repairs: Vec<Repair> = input.notes.into_iter().map(Repair::Read).chain(input.repairs).collect();
         for (added, &from) in (n..).zip(&checked.split_from) {
             positions.extend_from_within(3 * from as usize..3 * from as usize + 3);
-            warnings.push(format!("vertex {from} joined several fans of faces; vertex {added} was split from it"));
+            repairs.push(Repair::Split { from, added });
         }
-        warnings.extend(turned(&checked.turned));
+        repairs.extend(Faces::some(&checked.turned).map(Repair::Turned));
         let (fixed, semi_sharp_corners): (Sharp, Sharp) = on_all_parts(corners, n, &checked.split_from)
             .into_iter()
             .partition(|&(_, sharpness)| sharpness >= INFINITE_SHARPNESS);
@@ -137,21 +145,9 @@ impl Mesh {
             directions,
             attachments,
             split_from: checked.split_from.into(),
-            warnings,
+            repairs,
         })
     }
-}
-
-/// What is said of faces that were turned.
-pub(super) fn turned(faces: &[u32]) -> Option<String> {
-    (!faces.is_empty()).then(|| format!("faces turned to agree with their neighbours: {}", listed(faces)))
-}
-
-/// The first numbers of a list.
-pub(super) fn listed(numbers: &[u32]) -> String {
-    let list: Vec<String> = numbers.iter().take(20).map(u32::to_string).collect();
-    let more = if numbers.len() > list.len() { ", ..." } else { "" };
-    format!("{}{more}", list.join(", "))
 }
 
 /// The sharpness of vertices, of which those that were split have theirs in all parts, those from `n` on included.

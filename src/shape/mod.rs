@@ -15,6 +15,7 @@ pub mod order;
 pub mod pair;
 pub mod polygon;
 mod repair;
+pub mod repairs;
 pub mod root_three;
 pub mod source;
 mod split;

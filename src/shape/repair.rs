@@ -1,11 +1,12 @@
-//! Repairs of a mesh before it is checked: merged vertices, triangles paired into quads. Each leaves a note.
+//! Repairs of a mesh before it is checked: merged vertices, triangles paired into quads. Each is recorded.
 
 use std::collections::BTreeSet;
 
 use super::attributes::Attributes;
 use super::check::{FaceList, oriented};
-use super::mesh::{MeshInput, listed, turned};
+use super::mesh::MeshInput;
 use super::pair::{Diagonal, pair};
+use super::repairs::{Faces, Repair};
 use super::topology::NONE;
 use super::weld::{Welded, weld, weld_faces};
 use crate::fault::Fault;
@@ -31,16 +32,11 @@ impl MeshInput {
             Fault::new("/weld", detail)
         })?;
         if welded.merged() > 0 {
-            let pairs: Vec<String> = welded.pairs.iter().map(|[from, into]| format!("{from} into {into}")).collect();
-            let more = if welded.merged() > pairs.len() { ", ..." } else { "" };
-            let n = welded.merged();
-            let vertices = if n == 1 { "vertex" } else { "vertices" };
-            self.notes.push(format!("welding merged {n} {vertices}: {}{more}", pairs.join(", ")));
-            self.notes.extend(self.attributes.as_ref().and_then(|attributes| lost_parameters(attributes, &welded)));
+            self.repairs.push(Repair::Welded { merged: welded.merged(), pairs: welded.pairs.clone() });
+            let lost = self.attributes.as_ref().and_then(|attributes| lost_parameters(attributes, &welded));
+            self.repairs.extend(lost);
         }
-        if !result.gone.is_empty() {
-            self.notes.push(format!("faces left out because welding left them no area: {}", listed(&result.gone)));
-        }
+        self.repairs.extend(Faces::some(&result.gone).map(Repair::LeftOut));
         self.positions = welded.kept.iter().map(|&v| self.positions[v as usize]).collect();
         let image =
             |vertex: u64| usize::try_from(vertex).ok().and_then(|v| welded.image.get(v)).map_or(vertex, |&v| v.into());
@@ -76,7 +72,7 @@ impl MeshInput {
         if self.positions.iter().flatten().any(|x| !x.is_finite()) {
             return self;
         }
-        self.notes.extend(turned(&changed));
+        self.repairs.extend(Faces::some(&changed).map(Repair::Turned));
         if let Some(uvs) = &mut self.attachments.uvs {
             uvs.turn(&faces, &changed);
         }
@@ -98,8 +94,7 @@ impl MeshInput {
         };
         let paired = pair(&self.positions, &self.faces, may_join);
         let left = (0..paired.faces.len()).filter(|&f| paired.faces.face(f).len() == 3).count();
-        self.notes
-            .push(format!("{} pairs of triangles were joined into quads; {left} triangles are left", paired.made));
+        self.repairs.push(Repair::Paired { pairs: paired.made, left });
         self.refaced(paired.faces, &paired.kept, &paired.corners);
         self
     }
@@ -140,19 +135,18 @@ impl MeshInput {
     }
 }
 
-/// A note of the parameters in which merged vertices differ from those that stayed, each with the first such pair.
-fn lost_parameters(attributes: &Attributes, welded: &Welded) -> Option<String> {
+/// The parameters in which merged vertices differ from those that stayed, each with the first such pair.
+fn lost_parameters(attributes: &Attributes, welded: &Welded) -> Option<Repair> {
     let image = welded.image.iter().enumerate();
     let merged = image.map(|(v, &new)| (v, welded.kept[new as usize] as usize));
     // both zeros are the same parameter
     let differ =
         |array: &[f64], from: usize, into: usize| (array[from] + 0.0).to_bits() != (array[into] + 0.0).to_bits();
-    let first = |(name, array): (&str, Option<&[f64]>)| {
+    let first = |(name, array): (&'static str, Option<&[f64]>)| {
         let array = array.filter(|array| array.len() == welded.image.len())?;
         let (from, into) = merged.clone().find(|&(from, into)| differ(array, from, into))?;
-        Some(format!("{name} ({from} into {into})"))
+        Some((name, [from, into]))
     };
-    let found: Vec<String> = attributes.arrays().into_iter().filter_map(first).collect();
-    let note = "merged vertices differ in parameters, and those that stayed keep theirs";
-    (!found.is_empty()).then(|| format!("{note}: {}", found.join(", ")))
+    let lost: Vec<_> = attributes.arrays().into_iter().filter_map(first).collect();
+    (!lost.is_empty()).then_some(Repair::LostParameters(lost))
 }

@@ -16,7 +16,7 @@ const GRAIN: usize = 1024;
 
 /// What a sqrt 3 split does to boundary edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Rim {
+pub enum BoundarySplit {
     /// They stay whole: the first of two steps.
     Whole,
     /// They are cut in three: the second of two steps. Every face has at most one boundary edge then.
@@ -26,8 +26,8 @@ pub enum Rim {
 impl Topology {
     /// The topology after a sqrt 3 split of triangles; see the order above.
     #[must_use]
-    pub fn split_root_three(&self, rim: Rim) -> Self {
-        let split = RootThree::of(self, rim);
+    pub fn split_root_three(&self, boundary: BoundarySplit) -> Self {
+        let split = RootThree::of(self, boundary);
         let n_c = self.n_half_edges();
         let mut vertices = vec![0; 3 * n_c];
         let mut edge_of = vec![0; 3 * n_c];
@@ -50,21 +50,21 @@ impl Topology {
 /// One split: the net before, and the boundary corners whose edges are cut.
 struct RootThree<'a> {
     old: &'a Topology,
-    rim: Rim,
+    boundary: BoundarySplit,
     /// Corners on the boundary edges that are cut, by edge.
     cut: Vec<u32>,
 }
 
 impl<'a> RootThree<'a> {
-    fn of(old: &'a Topology, rim: Rim) -> Self {
-        let cut = match rim {
-            Rim::Whole => Vec::new(),
-            Rim::Thirds => {
+    fn of(old: &'a Topology, boundary: BoundarySplit) -> Self {
+        let cut = match boundary {
+            BoundarySplit::Whole => Vec::new(),
+            BoundarySplit::Thirds => {
                 let boundary = (0..old.n_edges()).filter(|&e| old.is_boundary_edge(e));
                 boundary.map(|e| old.halves(e)[0]).collect()
             }
         };
-        Self { old, rim, cut }
+        Self { old, boundary, cut }
     }
 
     /// The boundary corner of the face of a corner, if its edge is cut.
@@ -108,10 +108,10 @@ impl<'a> RootThree<'a> {
     fn triangle(&self, corner: u32) -> [u32; 3] {
         let old = self.old;
         let twin = old.twin(corner);
-        match self.rim {
+        match self.boundary {
             _ if twin != NONE => [old.vertex(corner), self.centre(twin), self.centre(corner)],
-            Rim::Whole => [old.vertex(corner), old.vertex(old.next(corner)), self.vertex_of(corner)],
-            Rim::Thirds => [self.vertex_of(corner), self.second(corner), old.vertex(old.previous(corner))],
+            BoundarySplit::Whole => [old.vertex(corner), old.vertex(old.next(corner)), self.vertex_of(corner)],
+            BoundarySplit::Thirds => [self.vertex_of(corner), self.second(corner), old.vertex(old.previous(corner))],
         }
     }
 
@@ -141,10 +141,10 @@ impl<'a> RootThree<'a> {
     fn sides(&self, corner: u32) -> [u32; 3] {
         let old = self.old;
         let (edge, twin) = (old.edge(corner), old.twin(corner));
-        match self.rim {
+        match self.boundary {
             _ if twin != NONE => [self.spoke_seen(old.next(twin), twin), edge, self.spoke_seen(corner, corner)],
-            Rim::Whole => [edge, self.spoke(old.next(corner)), self.spoke(corner)],
-            Rim::Thirds => [edge, self.extra_spoke(corner), self.spoke(old.previous(corner))],
+            BoundarySplit::Whole => [edge, self.spoke(old.next(corner)), self.spoke(corner)],
+            BoundarySplit::Thirds => [edge, self.extra_spoke(corner), self.spoke(old.previous(corner))],
         }
     }
 
@@ -191,7 +191,7 @@ impl<'a> RootThree<'a> {
             if corner == NONE {
                 return NONE;
             }
-            if self.rim == Rim::Whole || old.twin(corner) != NONE {
+            if self.boundary == BoundarySplit::Whole || old.twin(corner) != NONE {
                 return 3 * corner;
             }
             // the boundary goes on to the first new vertex: the triangle beyond the edge before has that edge

@@ -22,10 +22,10 @@ impl Topology {
         let quads = vertices.par_chunks_exact_mut(4).zip(edge_of.par_chunks_exact_mut(4));
         quads.enumerate().with_min_len(1024).for_each(|(child, (vertices, edges))| {
             let corner = self.parent_half_edge(index(child));
-            let turn = self.child(corner, 0) & 3;
+            let rotation = self.child(corner, 0) & 3;
             let (quad, sides) = (self.child_quad(corner), self.child_edges(corner));
             for i in 0..4 {
-                let at = (i + turn as usize) & 3;
+                let at = (i + rotation as usize) & 3;
                 vertices[at] = quad[i];
                 edges[at] = sides[i];
             }

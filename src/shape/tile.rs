@@ -31,7 +31,7 @@ impl Cell {
 
 /// Where a place of a face lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Place {
+pub(super) enum TilePosition {
     /// At this corner of the face.
     Corner(u32),
     /// On the side from this corner to the next, so many steps from the corner.
@@ -138,27 +138,27 @@ impl Tile {
     }
 
     /// Where a place lies.
-    pub(super) const fn place(self, d: usize, [i, j]: [usize; 2]) -> Place {
+    pub(super) const fn place(self, d: usize, [i, j]: [usize; 2]) -> TilePosition {
         match self {
             Self::Quad => match (i, j) {
-                (0, 0) => Place::Corner(0),
-                (i, 0) if i == d => Place::Corner(1),
-                (i, j) if i == d && j == d => Place::Corner(2),
-                (0, j) if j == d => Place::Corner(3),
-                (i, 0) => Place::Side(0, i),
-                (i, j) if i == d => Place::Side(1, j),
-                (i, j) if j == d => Place::Side(2, d - i),
-                (0, j) => Place::Side(3, d - j),
-                _ => Place::Inside((j - 1) * (d - 1) + i - 1),
+                (0, 0) => TilePosition::Corner(0),
+                (i, 0) if i == d => TilePosition::Corner(1),
+                (i, j) if i == d && j == d => TilePosition::Corner(2),
+                (0, j) if j == d => TilePosition::Corner(3),
+                (i, 0) => TilePosition::Side(0, i),
+                (i, j) if i == d => TilePosition::Side(1, j),
+                (i, j) if j == d => TilePosition::Side(2, d - i),
+                (0, j) => TilePosition::Side(3, d - j),
+                _ => TilePosition::Inside((j - 1) * (d - 1) + i - 1),
             },
             Self::Triangle => match (i, j) {
-                (0, 0) => Place::Corner(0),
-                (i, 0) if i == d => Place::Corner(1),
-                (0, j) if j == d => Place::Corner(2),
-                (i, 0) => Place::Side(0, i),
-                (i, j) if i + j == d => Place::Side(1, j),
-                (0, j) => Place::Side(2, d - j),
-                _ => Place::Inside(Stairs(d - 2).first(j - 1) + i - 1),
+                (0, 0) => TilePosition::Corner(0),
+                (i, 0) if i == d => TilePosition::Corner(1),
+                (0, j) if j == d => TilePosition::Corner(2),
+                (i, 0) => TilePosition::Side(0, i),
+                (i, j) if i + j == d => TilePosition::Side(1, j),
+                (0, j) => TilePosition::Side(2, d - j),
+                _ => TilePosition::Inside(Stairs(d - 2).first(j - 1) + i - 1),
             },
         }
     }
@@ -304,7 +304,7 @@ mod tests {
             for d in 2..9 {
                 let places: Vec<_> = (0..tile.inner_vertices(d)).map(|number| tile.inside(d, number)).collect();
                 for (number, &place) in places.iter().enumerate() {
-                    assert_eq!(tile.place(d, place), Place::Inside(number), "{tile:?} {d}");
+                    assert_eq!(tile.place(d, place), TilePosition::Inside(number), "{tile:?} {d}");
                 }
                 assert!(places.is_sorted_by_key(|place| (place[1], place[0])));
             }
@@ -347,10 +347,10 @@ mod tests {
         for tile in TILES {
             for d in 2..6 {
                 for side in 0..tile.sides() {
-                    assert_eq!(tile.place(d, tile.along(d, side, 0)), Place::Corner(side));
-                    assert_eq!(tile.place(d, tile.along(d, side, d)), Place::Corner((side + 1) % tile.sides()));
+                    assert_eq!(tile.place(d, tile.along(d, side, 0)), TilePosition::Corner(side));
+                    assert_eq!(tile.place(d, tile.along(d, side, d)), TilePosition::Corner((side + 1) % tile.sides()));
                     for at in 1..d {
-                        assert_eq!(tile.place(d, tile.along(d, side, at)), Place::Side(side, at));
+                        assert_eq!(tile.place(d, tile.along(d, side, at)), TilePosition::Side(side, at));
                     }
                 }
             }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::tile::{Cell, Piece, Place, Tile};
+use super::tile::{Cell, Piece, Tile, TilePosition};
 use super::topology::{Faces, NONE, Topology, index};
 
 /// The split of a topology in closed form: numbers of vertices, edges and faces after it, and where they came from.
@@ -68,14 +68,16 @@ impl<'a> Tiling<'a> {
     pub fn vertex(&self, face: usize, place: [usize; 2]) -> u32 {
         let first = self.parent.half_edges(face).start;
         match self.tile.place(self.pieces, place) {
-            Place::Corner(corner) => self.parent.vertex(first + corner),
-            Place::Side(side, at) => {
+            TilePosition::Corner(corner) => self.parent.vertex(first + corner),
+            TilePosition::Side(side, at) => {
                 let edge = self.parent.edge(first + side) as usize;
                 let forward = self.parent.halves(edge)[0] == first + side;
                 let at = if forward { at } else { self.pieces - at };
                 index(self.parent.n_vertices() + edge * (self.pieces - 1) + at - 1)
             }
-            Place::Inside(number) => index(self.first_inner() + face * self.tile.inner_vertices(self.pieces) + number),
+            TilePosition::Inside(number) => {
+                index(self.first_inner() + face * self.tile.inner_vertices(self.pieces) + number)
+            }
         }
     }
 

@@ -34,6 +34,9 @@ pub struct JobRequest {
     #[serde(default)]
     #[schema(max_items = 64)]
     pub outputs: Vec<OutputRequest>,
+    /// How many outputs were left out before these.
+    #[serde(skip)]
+    pub left_out: usize,
 }
 
 impl JobRequest {
@@ -84,7 +87,7 @@ impl JobRequest {
         }
         let frame = self.input.frame();
         let input = keep(self.input.resolve(limits).map_err(|found| under("/input", found)), &mut faults);
-        let outputs = keep(outputs(&self.outputs), &mut faults);
+        let outputs = keep(outputs(&self.outputs, self.left_out), &mut faults);
         let says_boundary = self.plan.as_ref().is_some_and(|plan| plan.boundary.is_some());
         let mut plan = self.plan.map(PlanRequest::resolve);
         let Some(Resolved { input, entry, boundary }) = input else { return Err(faults) };

@@ -199,6 +199,7 @@ impl MeshRequest {
             winding,
             attachments,
             notes: Vec::new(),
+            repairs: Vec::new(),
         })
     }
 }

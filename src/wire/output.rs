@@ -3,9 +3,9 @@
 use serde::Deserialize;
 
 use super::literal::WireFields;
-use crate::fault::{Fault, under};
+use crate::fault::{Fault, shortened, under};
 use crate::job::Output;
-use crate::math::parameter::{Literal, Values, shortened};
+use crate::math::parameter::{Literal, Values};
 use crate::output::{self, Format};
 
 /// Most outputs of one job.
@@ -16,21 +16,12 @@ pub(crate) const MAX_OUTPUTS: usize = 64;
 #[serde(transparent)]
 pub struct OutputRequest {
     fields: WireFields,
-    /// Its index in the request, where others were left out of the list.
-    #[serde(skip)]
-    index: Option<usize>,
 }
 
 impl OutputRequest {
     /// The output of a format with its default options.
     pub fn of_format(name: &str) -> Self {
-        Self { fields: WireFields(vec![("format".into(), Literal::Text(name.into()))]), index: None }
-    }
-
-    /// The same output, for a list without those before it, of which there were so many.
-    #[must_use]
-    pub fn at(self, index: usize) -> Self {
-        Self { index: Some(index), ..self }
+        Self { fields: WireFields(vec![("format".into(), Literal::Text(name.into()))]) }
     }
 
     /// The name of its format, where it is a text.
@@ -42,16 +33,15 @@ impl OutputRequest {
     }
 }
 
-/// Checks what is asked for.
-pub(super) fn outputs(requests: &[OutputRequest]) -> Result<Vec<Output>, Vec<Fault>> {
+/// Checks what is asked for; `before` outputs of the request were left out.
+pub(super) fn outputs(requests: &[OutputRequest], before: usize) -> Result<Vec<Output>, Vec<Fault>> {
     if requests.is_empty() || requests.len() > MAX_OUTPUTS {
         let detail = format!("{} outputs; ask for 1 to {MAX_OUTPUTS}", requests.len());
         return Err(vec![Fault::new("/outputs", detail)]);
     }
     let mut faults = Vec::new();
     let mut found: Vec<Output> = Vec::with_capacity(requests.len());
-    for (i, request) in requests.iter().enumerate() {
-        let i = request.index.unwrap_or(i);
+    for (i, request) in (before..).zip(requests) {
         match output(request, i) {
             Ok(output) if found.iter().any(|known| known.name == output.name) => {
                 let detail = format!("the name \"{}\" is taken; give each output its own", shortened(&output.name));

@@ -5,6 +5,7 @@ use utoipa::openapi::{ArrayBuilder, Object, ObjectBuilder, OneOfBuilder, RefOr, 
 use utoipa::{PartialSchema, ToSchema};
 
 use super::output::OutputRequest;
+use crate::input::READERS;
 use crate::output::FORMATS;
 
 fn of(kind: Type) -> ObjectBuilder {
@@ -22,6 +23,14 @@ fn lists(item: Object, least: usize, most: Option<usize>, doc: &str) -> RefOr<Sc
 fn listed(item: Object, least: usize, most: Option<usize>, doc: &str) -> ArrayBuilder {
     let inner = ArrayBuilder::new().items(item).min_items(Some(least)).max_items(most);
     ArrayBuilder::new().items(inner).description(Some(doc))
+}
+
+/// The format of a mesh file.
+pub(super) fn file_format() -> RefOr<Schema> {
+    let names: Vec<&str> = READERS.iter().map(|reader| reader.name()).collect();
+    let doc = format!("Its format: `{}`, or `json` for a mesh as `input.mesh` has it.", names.join("`, `"));
+    let pattern = format!("^({}|json)$", names.join("|"));
+    of(Type::String).description(Some(doc)).pattern(Some(pattern)).into()
 }
 
 /// Positions in space.

@@ -6,6 +6,7 @@ use utoipa::ToSchema;
 use super::choice::choice;
 use super::mesh::MeshRequest;
 use super::read::{ReadError, read};
+use super::schema;
 use crate::fault::{Fault, shortened};
 use crate::input::{self, ReadLimits};
 use crate::scheme::tags::Boundary;
@@ -16,8 +17,8 @@ use crate::shape::mesh::MeshInput;
 #[derive(Debug, Clone, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TextRequest {
-    /// Its format: `obj`, `ply`, `stl`, `off`, `gltf`, `glb`, or `json` for a mesh as `input.mesh` has it.
-    #[schema(pattern = "^(obj|ply|stl|off|gltf|glb|json)$")]
+    /// Its format, see [`input::READERS`], or `json` for a mesh as `input.mesh` has it.
+    #[schema(schema_with = schema::file_format)]
     pub format: String,
     /// What it holds.
     pub data: String,

@@ -89,8 +89,8 @@ impl Profile {
     }
 }
 
-/// An average of rings: even ones count `f` along the axis, and all become smaller by `factor`. The first and the last ring
-/// are averaged around the axis alone, as on boundaries.
+/// An average of rings: even ones count `f` along the axis, and all become smaller by `factor`. The first and the last
+/// ring are averaged around the axis alone, as on boundaries.
 fn averaged(fine: &[Complex], f: f64, factor: f64) -> Vec<Complex> {
     let weight = |j: usize| if j.is_multiple_of(2) { f } else { 1.0 };
     let average = |j: usize| {

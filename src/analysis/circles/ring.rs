@@ -36,8 +36,8 @@ impl Ring {
         if radius <= ROUNDING * far {
             return Some(Self { centre, axis: None, winding: 1.0, first: [0.0; 3], irregularity: radius });
         }
-        let turn = (0..n).map(|i| cross(arms[i], arms[(i + 1) % n])).fold([0.0; 3], plus);
-        let axis = times(1.0 / length(turn), turn);
+        let area = (0..n).map(|i| cross(arms[i], arms[(i + 1) % n])).fold([0.0; 3], plus);
+        let axis = times(1.0 / length(area), area);
         let first = atan2(dot(axis, cross(arms[0], arms[1])), dot(arms[0], arms[1]));
         let winding = (first * real(n) / std::f64::consts::TAU).round();
         let angle = std::f64::consts::TAU * winding * inverse;

@@ -16,9 +16,9 @@ pub(super) struct Reach {
 }
 
 impl Reach {
-    /// The reach of these steps, followed backwards from the ring of the line alone: an average depends on one finer ring
-    /// more; a push-back on the displacements of the coarser rings beside, so on the finer rings that these have become;
-    /// and of the finer rings every other one is a coarser one. Push-backs count where rings are `pushed`.
+    /// The reach of these steps, followed backwards from the ring of the line alone: an average depends on one finer
+    /// ring more; a push-back on the displacements of the coarser rings beside, so on the finer rings that these have
+    /// become; and of the finer rings every other one is a coarser one. Push-backs count where rings are `pushed`.
     ///
     /// The displacement of the last ring that counts does not, where an average comes before each push-back: its
     /// displacement would depend on the ring beyond it.
@@ -66,8 +66,9 @@ pub(super) fn pushes(word: &Word) -> bool {
     parts(word).any(|block| averaged(block, role).iter().any(|letter| role(letter) == Role::PushBack))
 }
 
-/// Whether each U halves edges and is followed by averages and push-backs, of which a C is the first to change anything,
-/// and nothing stands before the first U. By places a P changes the odd points even where no vertex has moved.
+/// Whether each U halves edges and is followed by averages and push-backs, of which a C is the first to change
+/// anything, and nothing stands before the first U. By places a P changes the odd points even where no vertex has
+/// moved.
 pub(super) fn keeps_circles(word: &Word, rule: LatitudeRule) -> bool {
     let keeps = |block: &[Letter]| {
         let letters: Vec<Option<char>> = block.iter().map(|letter| letter.facts().letter).collect();

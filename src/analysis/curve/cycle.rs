@@ -212,7 +212,7 @@ fn response(plan: &Plan, steps: &[Scheduled], n: usize, watch: &Watch) -> Result
     advance(&mut net, std::slice::from_mut(&mut points), plan, steps, watch).map_err(|error| match error {
         RefineError::Stopped(stopped) => NoMask::Stopped(stopped),
         RefineError::Step { error, .. } => NoMask::NoValue(error.to_string()),
-        error => NoMask::NoValue(error.to_string()),
+        error @ RefineError::NotFinite { .. } => NoMask::NoValue(error.to_string()),
     })?;
     Ok(points.now)
 }

@@ -1,10 +1,11 @@
 //! How far a polygon is from its limit curve at most, by its second differences.
 //!
-//! A scheme that reproduces linear functions moves a polygon only by what bends it. With the polygon `p` after some levels,
-//! its piecewise linear curve `f`, the limit curve `F` in the same parameter and `D = max |p[i-1] - 2 p[i] + p[i+1]|`:
-//! `F - f = sum over i of w[i] (p[i-1] - 2 p[i] + p[i+1])`, so that `|F - f| <= max sum |w| D`. The sum is taken exactly
-//! where `n` more levels put their points, and for what follows by `B D' / (1 - N)` with the second differences `D'` then,
-//! the greatest sum of one level `B` and the norm `N < 1` by which a block of levels multiplies second differences.
+//! A scheme that reproduces linear functions moves a polygon only by what bends it. With the polygon `p` after some
+//! levels, its piecewise linear curve `f`, the limit curve `F` in the same parameter and `D = max |p[i-1] - 2 p[i] +
+//! p[i+1]|`: `F - f = sum over i of w[i] (p[i-1] - 2 p[i] + p[i+1])`, so that `|F - f| <= max sum |w| D`. The sum is
+//! taken exactly where `n` more levels put their points, and for what follows by `B D' / (1 - N)` with the second
+//! differences `D'` then, the greatest sum of one level `B` and the norm `N < 1` by which a block of levels multiplies
+//! second differences.
 //!
 //! Source: Dyn and Levin, Acta Numerica 11 (2002), section 3, on difference schemes; Nairn, Peters and Lutterkort,
 //! CAGD 16 (1999), 613-631, on second differences as a measure of the distance.
@@ -17,8 +18,8 @@ use crate::watch::{Stopped, Watch};
 
 /// Most points for each old one of the levels that are followed at once.
 const MAX_BLOCK: i64 = 256;
-/// Most units of work of a search, one being a row of a table or as many products of weights as take 100 ns: 13 s. Words of U
-/// and 63 C, whose masks are the longest of those in use, take a 16th of it.
+/// Most units of work of a search, one being a row of a table or as many products of weights as take 100 ns: 13 s.
+/// Words of U and 63 C, whose masks are the longest of those in use, take a 16th of it.
 pub const MAX_WORK: u64 = 1 << 27;
 /// What rounding leaves of sums that are 0.
 const ROUNDING: f64 = 1e-9;
@@ -158,7 +159,8 @@ impl Distances {
     }
 
     /// The first level at which the distance is known to be at most `tolerance`, and that distance, where
-    /// `second_differences[l]` is the greatest second difference after `l` levels, as far as known (at least one entry).
+    /// `second_differences[l]` is the greatest second difference after `l` levels, as far as known (at least one
+    /// entry).
     ///
     /// # Errors
     /// [`NoBound`]; `Ok(None)` when no level does.
@@ -266,7 +268,7 @@ impl Combination {
             sum += f64::abs(twice);
         }
         // what neither sums to 0 nor is balanced is no combination of second differences
-        let rest = f64::abs(once).max(f64::abs(twice));
-        if rest <= ROUNDING * size.max(1.0) { Ok(sum) } else { Err(NoBound::NotLinear) }
+        let remainder = f64::abs(once).max(f64::abs(twice));
+        if remainder <= ROUNDING * size.max(1.0) { Ok(sum) } else { Err(NoBound::NotLinear) }
     }
 }

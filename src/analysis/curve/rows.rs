@@ -1,7 +1,7 @@
 //! Limit rows: the weights of the points around a place that give the limit point and the tangent there.
 //!
-//! A place is a point or the middle between two points. A cycle of arity d and centre c takes the place x of a polygon to
-//! `d x + c` of the next, so that the limit row of a place is that of its image times the matrix of the cycle.
+//! A place is a point or the middle between two points. A cycle of arity d and centre c takes the place x of a polygon
+//! to `d x + c` of the next, so that the limit row of a place is that of its image times the matrix of the cycle.
 
 use super::cycle::{Cycle, NoMask, real};
 use crate::scheme::plan::Plan;

@@ -17,7 +17,8 @@ const MEASURED_LEVELS: u32 = 16;
 /// The least tolerance, over the greatest coordinate: below it, rounding is not negligible.
 const LEAST: f64 = 1e-12;
 
-/// What a search takes for each point that it may look at, bytes: new and old points of up to 4 numbers, and their rows.
+/// What a search takes for each point that it may look at, bytes: new and old points of up to 4 numbers, and their
+/// rows.
 const BYTES_A_POINT: u64 = 128;
 /// Points that a search may look at whatever the polygons are: those of impulses and of products of masks.
 const OTHER_POINTS: u64 = 1 << 18;

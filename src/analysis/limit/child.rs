@@ -1,9 +1,9 @@
 //! What takes the place of vertices, edges and faces in one step.
 //!
-//! Upsamplings keep vertices; the middle of an edge or a face becomes a vertex, or at odd arities the middle of a piece.
-//! A D makes a face of a vertex and a vertex of a face. A boundary vertex with m faces has no face in the dual but a path
-//! of m points on its boundary, whose middle takes its place: a vertex where m is odd, an edge where it is even. An inner
-//! vertex with two faces becomes the edge between these.
+//! Upsamplings keep vertices; the middle of an edge or a face becomes a vertex, or at odd arities the middle of a
+//! piece. A D makes a face of a vertex and a vertex of a face. A boundary vertex with m faces has no face in the dual
+//! but a path of m points on its boundary, whose middle takes its place: a vertex where m is odd, an edge where it is
+//! even. An inner vertex with two faces becomes the edge between these.
 
 use super::dual::Dual;
 use super::error::Unlimited;
@@ -99,22 +99,13 @@ fn cut(centre: Centre, before: &MeshNet, after: &MeshNet) -> Result<Centre, Unli
         Centre::Edge(half_edge) => edge_of([half_edge, old.next(half_edge)]),
         Centre::Vertex(v) => {
             let ring: Vec<u32> = old.ring(v as usize).collect();
-            let Some([onward, from]) = old.boundary_edges(v as usize) else { return face_of(&ring) };
-            match ring[..] {
-                // the first step puts two new vertices on each boundary edge, after those in corners
-                _ if before.mesh.rounds == 0 => {
-                    let boundary: Vec<usize> = (0..old.n_edges()).filter(|&e| old.is_boundary_edge(e)).collect();
-                    let first = old.n_half_edges();
-                    if let Ok(place) = before.tags.corners.binary_search(&v) {
-                        return Ok(Centre::Vertex(index(first + 2 * boundary.len() + place)));
-                    }
-                    let near =
-                        |e: u32, end: usize| index(first + 2 * boundary.partition_point(|&r| r < e as usize) + end);
-                    edge_of([near(from, 1), near(onward, 0)])
-                }
-                [half_edge] => Ok(Centre::Vertex(half_edge)),
-                [a, b] => edge_of([a, b]),
-                _ => Err(Unlimited::Lost),
+            let first = || old.cut_corners_first_at(v, &before.tags.corners);
+            let on_boundary = if before.mesh.rounds == 0 { first() } else { Some(ring.clone()) };
+            match on_boundary.filter(|_| old.boundary_edges(v as usize).is_some()).as_deref() {
+                None => face_of(&ring),
+                Some(&[only]) => Ok(Centre::Vertex(only)),
+                Some(&[a, b]) => edge_of([a, b]),
+                Some(_) => Err(Unlimited::Lost),
             }
         }
     }

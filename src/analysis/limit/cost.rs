@@ -1,5 +1,5 @@
-//! What a limit costs beside the rows of its masks: the points that operators make of patches and of the impulse, counted
-//! from the word, before anything is made.
+//! What a limit costs beside the rows of its masks: the points that operators make of patches and of the impulse,
+//! counted from the word, before anything is made.
 
 use super::bounds::{MAX_LEVEL_POINTS, MAX_RINGS};
 use super::cycle::{self, made};
@@ -48,8 +48,8 @@ pub struct Cost {
     pub bytes: u128,
 }
 
-/// What the limits of `n_vertices` under a cycle cost, so many impulses being looked at and so many vertices of the mesh
-/// that is refined being extraordinary, those with many faces counted as several.
+/// What the limits of `n_vertices` under a cycle cost, so many impulses being looked at and so many vertices of the
+/// mesh that is refined being extraordinary, those with many faces counted as several.
 pub fn cost(cycle: &[Letter], impulses: usize, extraordinary: u128, n_vertices: u128, follow: Follow) -> Cost {
     let pieces = cycle::pieces(cycle.iter());
     let support = support(cycle);
@@ -73,8 +73,8 @@ pub(super) fn support(cycle: &[Letter]) -> usize {
     MAX_RINGS.min(1 + number(cycle, &[Children::Same]))
 }
 
-/// Whether the patches of all vertices around one have all faces around that, so that those of n vertices have n times as
-/// many faces: where more than the faces at a vertex decide about its limit.
+/// Whether the patches of all vertices around one have all faces around that, so that those of n vertices have n times
+/// as many faces: where more than the faces at a vertex decide about its limit.
 pub fn sees_whole_fans(cycle: &[Letter]) -> bool {
     number(cycle, &[Children::Same]) > 1 || number(cycle, &[Children::Dual, Children::Faces]) > 0
 }

@@ -187,8 +187,8 @@ impl<'a> Cycle<'a> {
         pieces(self.levels[self.settled].iter().map(|step| &step.letter))
     }
 
-    /// What has to be known of a mesh beyond a patch of it: something where arities above 2 split quads into fewer pieces
-    /// than other faces.
+    /// What has to be known of a mesh beyond a patch of it: something where arities above 2 split quads into fewer
+    /// pieces than other faces.
     pub(super) fn surroundings(&self, topology: &Topology) -> Option<Surroundings> {
         let matters = |step: &Scheduled| step.letter.settings.pieces(false) != step.letter.settings.pieces(true);
         self.levels[self.settled].iter().any(matters).then(|| Surroundings::of(topology))
@@ -221,8 +221,8 @@ pub(super) fn pieces<'a>(letters: impl Iterator<Item = &'a Letter>) -> Vec<usize
     letters.scan(1, after).collect()
 }
 
-/// The points that all operators of so many levels make of `n`, about; `pieces` are those of an edge after each operator of
-/// a level.
+/// The points that all operators of so many levels make of `n`, about; `pieces` are those of an edge after each
+/// operator of a level.
 pub(super) fn made(n: usize, pieces: &[usize], levels: usize) -> usize {
     let of_one = |pieces: usize| pieces.saturating_mul(pieces);
     let each = pieces.iter().fold(0, |sum: usize, &pieces| sum.saturating_add(of_one(pieces)));

@@ -115,7 +115,8 @@ impl<'a> Dual<'a> {
         }
     }
 
-    /// The edge of the dual between the two faces beside the inner edge of a half-edge, in the face that the edge's end has.
+    /// The edge of the dual between the two faces beside the inner edge of a half-edge, in the face that the edge's end
+    /// has.
     fn between(&self, half_edge: u32) -> Option<Centre> {
         let old = &self.old;
         let end = old.next(half_edge);
@@ -136,8 +137,8 @@ impl<'a> Dual<'a> {
         Some(index((at + cycle.len() - lowest) % cycle.len()))
     }
 
-    /// A face becomes its vertex in the dual. Where the inner vertices of the face are apart from each other, so are the
-    /// faces of the dual there: then it is that with the most faces.
+    /// A face becomes its vertex in the dual. Where the inner vertices of the face are apart from each other, so are
+    /// the faces of the dual there: then it is that with the most faces.
     fn of_face(&self, f: usize) -> Result<Centre, Unlimited> {
         let mut found: Vec<(u32, usize)> = Vec::new();
         for &v in self.old.face(f) {

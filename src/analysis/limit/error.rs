@@ -21,14 +21,14 @@ pub enum Unlimited {
     NoUpsampling,
     /// A D that leaves nothing of a vertex.
     #[error(
-        "a vertex has no limit, as D leaves no faces near it, where all vertices lie on the boundary; widen the mesh there, \
-         or close it"
+        "a vertex has no limit, as D leaves no faces near it, where all vertices lie on the boundary; widen the mesh \
+         there, or close it"
     )]
     Lost,
     /// A D that leaves several things of a vertex.
     #[error(
-        "a vertex has no limit, as D parts the faces near it, where the mesh is one face wide; widen it there, or refine \
-         once more"
+        "a vertex has no limit, as D parts the faces near it, where the mesh is one face wide; widen it there, or \
+         refine once more"
     )]
     Parted,
     /// New points are no weighted means of old ones.
@@ -36,22 +36,22 @@ pub enum Unlimited {
     NotLinear,
     /// More perturbed points than are followed.
     #[error(
-        "the vertices of a perturbed plan have more than {} points around them in all, with which each is followed by itself, \
-             beyond which no limit is computed; ask for fewer levels",
+        "the vertices of a perturbed plan have more than {} points around them in all, with which each is followed by \
+             itself, beyond which no limit is computed; ask for fewer levels",
         MAX_FOLLOWED_POINTS
     )]
     Followed,
     /// Perturbations that do not fade.
     #[error(
-        "the perturbation keeps the points around a vertex apart for more than {} levels, beyond which no limit is computed; \
-             choose a smaller amplitude or decay",
+        "the perturbation keeps the points around a vertex apart for more than {} levels, beyond which no limit is \
+             computed; choose a smaller amplitude or decay",
         MAX_FOLLOWED_LEVELS
     )]
     Wild,
     /// More vertices with different parameters than are followed.
     #[error(
-        "the parameters around more than {} vertices differ, each of which is followed by itself, beyond which no limit is \
-             computed; ask for fewer levels",
+        "the parameters around more than {} vertices differ, each of which is followed by itself, beyond which no \
+             limit is computed; ask for fewer levels",
         MAX_PATCHES
     )]
     Different,
@@ -66,8 +66,8 @@ pub enum Unlimited {
     Size,
     /// More points than are followed.
     #[error(
-        "a level of the plan makes more than {} points of those near a vertex, beyond which no limit is computed; write a \
-         cycle with fewer or smaller upsamplings",
+        "a level of the plan makes more than {} points of those near a vertex, beyond which no limit is computed; \
+         write a cycle with fewer or smaller upsamplings",
         MAX_LEVEL_POINTS
     )]
     Fine,
@@ -100,7 +100,7 @@ impl From<RefineError> for Unlimited {
         match error {
             RefineError::Stopped(stopped) => Self::Stopped(stopped),
             RefineError::Step { error, .. } => error.into(),
-            other => Self::Later(other.to_string()),
+            other @ RefineError::NotFinite { .. } => Self::Later(other.to_string()),
         }
     }
 }

@@ -24,8 +24,8 @@ use crate::watch::Watch;
 /// Vertices whose patches are compared at a time, at first and at most.
 const FIRST_CHUNK: usize = 64;
 const CHUNK: usize = 16_384;
-/// Vertices that the patches compared at a time have in all, about: 32 MiB of patches around vertices with many faces, and
-/// enough work for all threads.
+/// Vertices that the patches compared at a time have in all, about: 32 MiB of patches around vertices with many faces,
+/// and enough work for all threads.
 const CHUNK_VERTICES: usize = 1 << 20;
 /// The class of vertices around which the net is a grid of quads.
 const REGULAR: u32 = 0;
@@ -283,8 +283,8 @@ pub(super) fn carries(net: &MeshNet) -> bool {
     net.annotations.attributes.is_some() || net.annotations.directions.is_some()
 }
 
-/// The patch around what took the place of a vertex, and the parameters that its vertices carry; `None` for a vertex without
-/// faces.
+/// The patch around what took the place of a vertex, and the parameters that its vertices carry; `None` for a vertex
+/// without faces.
 pub(super) fn patch(
     whole: &WholeNet<'_>,
     net: &MeshNet,

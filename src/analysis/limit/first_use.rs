@@ -1,8 +1,8 @@
-//! FirstUse in the order of first use.
+//! Numbers in the order of first use.
 
 use crate::shape::topology::{NONE, index};
 
-/// FirstUse up to this many are found by looking through them.
+/// Numbers up to this many are found by looking through them.
 const FEW: usize = 16;
 
 /// Things in the order of first use, which is their number.
@@ -11,7 +11,8 @@ const FEW: usize = 16;
 #[derive(Default)]
 pub(super) struct FirstUse {
     pub(super) order: Vec<u32>,
-    /// Numbers, or [`NONE`], each at or after the place of its hash; twice as many places as numbers at least, a power of 2.
+    /// Numbers, or [`NONE`], each at or after the place of its hash; twice as many places as numbers at least, a power
+    /// of 2.
     places: Vec<u32>,
 }
 

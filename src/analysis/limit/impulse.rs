@@ -1,9 +1,10 @@
 //! Whether the limit of a cycle is continuous, and whether it is smooth, where nothing is extraordinary.
 //!
-//! An impulse on a regular net is refined, and its differences are compared at two levels. Where they do not shrink clearly
-//! between these, as they may grow at first, or later, or somewhere else, they are followed through many more levels at the
-//! places that a level or two carry back to themselves: at vertices, and in thirds of edges and faces where edges are
-//! halved. What does not vanish there does not vanish; products of other matrices grew no faster on any plan that was tried.
+//! An impulse on a regular net is refined, and its differences are compared at two levels. Where they do not shrink
+//! clearly between these, as they may grow at first, or later, or somewhere else, they are followed through many more
+//! levels at the places that a level or two carry back to themselves: at vertices, and in thirds of edges and faces
+//! where edges are halved. What does not vanish there does not vanish; products of other matrices grew no faster on any
+//! plan that was tried.
 
 use super::bounds::MAX_LEVEL_POINTS;
 use super::cycle::{Cycle, made};
@@ -68,8 +69,8 @@ struct ImpulseNet {
 }
 
 impl Impulse<'_> {
-    /// Refines an impulse, and compares how its differences shrink. What is continuous counts as smooth where nobody asks
-    /// for `tangents`.
+    /// Refines an impulse, and compares how its differences shrink. What is continuous counts as smooth where nobody
+    /// asks for `tangents`.
     pub(super) fn smoothness(&self, tangents: bool, watch: &Watch) -> Result<Smoothness, Unlimited> {
         let side = side(self.support, self.cycle.n_duals());
         let mut impulse_net = self.on(self.regular.net(side, self.tagged), side);
@@ -218,8 +219,8 @@ impl RecurrentPlace {
     }
 }
 
-/// The places that a cut of edges in so many pieces carries back to themselves in one level or two, but for those that are
-/// mirror images of others.
+/// The places that a cut of edges in so many pieces carries back to themselves in one level or two, but for those that
+/// are mirror images of others.
 fn places(pieces: usize) -> Vec<RecurrentPlace> {
     let mut places = Vec::new();
     for parts in [pieces.saturating_sub(1), pieces + 1] {
@@ -252,8 +253,8 @@ pub(super) fn compared(side: usize, pieces: &[usize]) -> Option<([usize; 2], usi
 }
 
 impl ImpulseNet {
-    /// What is around a vertex inside, seen from it and in other units of length and height: its place is 0, and the plane
-    /// through it and two others is taken off the heights. `None` where this is too much, or not of the net.
+    /// What is around a vertex inside, seen from it and in other units of length and height: its place is 0, and the
+    /// plane through it and two others is taken off the heights. `None` where this is too much, or not of the net.
     fn around(
         &self,
         topology: &Topology,

@@ -22,8 +22,8 @@ use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::watch::{Stopped, Watch};
 
-/// Rings by which patches are wider at most where regular nets need fewer than a mesh: where it is narrow at its boundary,
-/// or has vertices between two faces.
+/// Rings by which patches are wider at most where regular nets need fewer than a mesh: where it is narrow at its
+/// boundary, or has vertices between two faces.
 const MOST_WIDER: usize = 3;
 
 /// The limit of each vertex of a net, in the order of construction.
@@ -45,8 +45,8 @@ impl Limits {
     }
 }
 
-/// Whether edges of a net hand on sharpness that depends on the edges at both their ends. Then a patch has all faces around
-/// the vertices that decide about the limit.
+/// Whether edges of a net hand on sharpness that depends on the edges at both their ends. Then a patch has all faces
+/// around the vertices that decide about the limit.
 fn evens_out(net: &MeshNet) -> bool {
     let semi_sharp = |&(_, sharpness): &(u32, f64)| sharpness < INFINITE_SHARPNESS;
     let any = net.sharpness.as_ref().is_some_and(|sharpness| sharpness.edges().iter().any(semi_sharp));

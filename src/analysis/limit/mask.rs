@@ -18,8 +18,8 @@ use super::vertex_parameters::{CommonParameters, VertexParameters};
 const MAX_CHAIN: usize = 16;
 /// A mask that changes by less than this has settled.
 const SETTLED: f64 = 1e-15;
-/// Rounding changes a wide mask by up to this for ever: it has settled, too, once its changes are below this and have not
-/// become smaller for [`PATIENCE`] steps.
+/// Rounding changes a wide mask by up to this for ever: it has settled, too, once its changes are below this and have
+/// not become smaller for [`PATIENCE`] steps.
 const ROUNDING: f64 = 1e-13;
 /// Steps without a smaller change than before.
 const PATIENCE: usize = 32;
@@ -39,7 +39,8 @@ const MAX_STEPS: usize = 20_000;
 pub(super) struct Mask {
     /// Of the limit position; they sum to 1.
     pub(super) position: Vec<f64>,
-    /// For each sector those of two tangents whose cross product is the normal, where they exist; empty where nobody asked.
+    /// For each sector those of two tangents whose cross product is the normal, where they exist; empty where nobody
+    /// asked.
     pub(super) tangents: Vec<Result<[Vec<f64>; 2], NoTangents>>,
 }
 
@@ -210,8 +211,8 @@ impl<'a> Masks<'a> {
         Ok(mask)
     }
 
-    /// The mask of a patch that comes again after some levels, the last of `children` being it: `middle M^k` for growing
-    /// k, with the product M of the matrices.
+    /// The mask of a patch that comes again after some levels, the last of `children` being it: `middle M^k` for
+    /// growing k, with the product M of the matrices.
     ///
     /// This is the left eigenvector of the eigenvalue 1, reached as the limit of the centre itself, so that a plan
     /// without a limit is found out.
@@ -258,8 +259,8 @@ impl<'a> Masks<'a> {
         Ok(Mask { position, tangents })
     }
 
-    /// The tangents of a patch that comes again by a matrix, as it is or, where they are none then, rotated back by as many
-    /// faces as the matrix rotates it: a rotation makes a pair of complex eigenvalues of one that is there twice.
+    /// The tangents of a patch that comes again by a matrix, as it is or, where they are none then, rotated back by as
+    /// many faces as the matrix rotates it: a rotation makes a pair of complex eigenvalues of one that is there twice.
     fn tangents(
         &self,
         patch: &Patch,
@@ -288,8 +289,8 @@ impl<'a> Masks<'a> {
     }
 }
 
-/// Whether all points of a patch that comes again come to the limit of its centre: whether columns that the limit mask maps
-/// to 0 vanish under more and more steps of the matrix.
+/// Whether all points of a patch that comes again come to the limit of its centre: whether columns that the limit mask
+/// maps to 0 vanish under more and more steps of the matrix.
 fn comes_together(position: &[f64], forth: impl Fn(&[f64]) -> Vec<f64>) -> bool {
     starting_vectors(position.len(), WITNESSES).into_iter().all(|mut column| {
         let (mut size, mut early) = (1.0, f64::INFINITY);

@@ -147,8 +147,9 @@ impl Patch {
     }
 }
 
-/// The faces without those that have two edges on the boundary, if there are any: where a scheme that makes
-/// a connectivity of its own cuts boundary edges in three, it cuts one of a face at most, and where a patch ends at the boundary of its mesh it may have such faces.
+/// The faces without those that have two edges on the boundary, if there are any: where a scheme that makes a
+/// connectivity of its own cuts boundary edges in three, it cuts one of a face at most, and where a patch ends at the
+/// boundary of its mesh it may have such faces.
 fn without_ears(topology: &Topology) -> Option<FaceList> {
     let is_ear = |&f: &usize| topology.half_edges(f).filter(|&half_edge| topology.twin(half_edge) == NONE).count() > 1;
     (0..topology.n_faces()).find(is_ear)?;

@@ -1,9 +1,9 @@
 //! Limits under perturbations that decay: each vertex is followed through the levels with its surroundings.
 //!
-//! The perturbation of a point at a later level goes by its number in the whole net there, so that no two vertices share
-//! a mask. The numbers of the points around a vertex follow from level to level (see [`Numbering`]), and with them the
-//! matrices. The product of these ends where what is left of the perturbation no longer matters, or where the points
-//! around the vertex are together. The rest is a mask of the plan without perturbation.
+//! The perturbation of a point at a later level goes by its number in the whole net there, so that no two vertices
+//! share a mask. The numbers of the points around a vertex follow from level to level (see [`Numbering`]), and with
+//! them the matrices. The product of these ends where what is left of the perturbation no longer matters, or where the
+//! points around the vertex are together. The rest is a mask of the plan without perturbation.
 
 use std::sync::Arc;
 
@@ -61,8 +61,8 @@ pub(super) fn no_normals(perturbation: &Perturbation) -> Option<String> {
     let decay = perturbation.decay;
     (decay >= 0.5).then(|| {
         format!(
-            "the normals are weighted by area, as limits of perturbed plans are known to have normals where \"decay\" is \
-             below 1/2; here it is {decay}"
+            "the normals are weighted by area, as limits of perturbed plans are known to have normals where \"decay\" \
+             is below 1/2; here it is {decay}"
         )
     })
 }

@@ -32,8 +32,8 @@ impl Regular {
     /// The fewest rings that decide about a limit.
     ///
     /// The support is the least number of rings such that the points of as many rings around the child come of no
-    /// others. But for those that say so, the operators' rules reach as many rings at every valence, so that what holds here
-    /// holds everywhere. The patch is larger where points of its rim would take their connectivity from beyond it.
+    /// others. But for those that say so, the operators' rules reach as many rings at every valence, so that what holds
+    /// here holds everywhere. The patch is larger where points of its rim would take their connectivity from beyond it.
     pub(super) fn rings(self, cycle: &Cycle<'_>, tagged: bool, starts: Starts) -> Result<Rings, Unlimited> {
         let mut failed = Unlimited::Reach;
         let mut closed = |support: usize| match self.closed(cycle, support, tagged, starts) {

@@ -73,8 +73,8 @@ impl Record {
         self.actions.last()?.action.rows().map(collect)
     }
 
-    /// The product of a row with the matrix of the `wanted` points after the last action over the points before the first,
-    /// those of `origins` taken together; `n_columns` of them are kept. `None` where another one has a weight.
+    /// The product of a row with the matrix of the `wanted` points after the last action over the points before the
+    /// first, those of `origins` taken together; `n_columns` of them are kept. `None` where another one has a weight.
     pub(super) fn times_row(&self, row: &[f64], wanted: &[u32], origins: &[u32], n_columns: usize) -> Option<Vec<f64>> {
         let mut trace = Trace::default();
         wanted.iter().zip(row).for_each(|(&point, &factor)| trace.now.add(point, factor));

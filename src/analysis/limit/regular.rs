@@ -1,5 +1,5 @@
-//! Regular nets, and the places there at which a cycle shows how far it reaches: inside, and where D takes rings away, on
-//! the boundary.
+//! Regular nets, and the places there at which a cycle shows how far it reaches: inside, and where D takes rings away,
+//! on the boundary.
 
 use std::sync::Arc;
 
@@ -10,8 +10,8 @@ use crate::shape::check::{FaceList, Winding};
 use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{Topology, index};
 
-/// Boundary vertices with so many faces and fewer are looked at: a path of points has its middle at a vertex or an edge,
-/// beside its ends or not.
+/// Boundary vertices with so many faces and fewer are looked at: a path of points has its middle at a vertex or an
+/// edge, beside its ends or not.
 const MOST_SECTORS: usize = 4;
 
 /// How many sides the faces have around which a scheme is regular.
@@ -40,8 +40,8 @@ impl Starts {
 }
 
 impl Regular {
-    /// A regular net of `side x side` squares, each cut into two triangles where it is made of these; its rows are latitude
-    /// lines where it is tagged.
+    /// A regular net of `side x side` squares, each cut into two triangles where it is made of these; its rows are
+    /// latitude lines where it is tagged.
     pub(super) fn net(self, side: usize, tagged: bool) -> MeshNet {
         let at = |i: usize, j: usize| index(j * (side + 1) + i);
         let squares = (0..side).flat_map(|j| (0..side).map(move |i| (i, j)));
@@ -62,8 +62,8 @@ impl Regular {
         (self.net(side, tagged), (side / 2) * (side + 1) + side / 2)
     }
 
-    /// Regular nets with a place at their middle from which it is `reach` rings to anywhere else, besides an inner vertex
-    /// of a net without tags.
+    /// Regular nets with a place at their middle from which it is `reach` rings to anywhere else, besides an inner
+    /// vertex of a net without tags.
     pub(super) fn places(self, starts: Starts, n_duals: usize, reach: usize) -> Vec<(MeshNet, Centre)> {
         let mut places = Vec::new();
         let side = 2 * (reach + 2);
@@ -85,7 +85,8 @@ impl Regular {
         places
     }
 
-    /// `n` sectors of `side x side` squares around a boundary vertex, number 0, each square cut where it is made of triangles.
+    /// `n` sectors of `side x side` squares around a boundary vertex, number 0, each square cut where it is made of
+    /// triangles.
     fn fan(self, n: usize, side: usize) -> MeshNet {
         let inner = 1 + (n + 1) * side;
         let at = |sector: usize, i: usize, j: usize| match (i, j) {

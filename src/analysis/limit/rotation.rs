@@ -1,8 +1,9 @@
 //! Rotations of what is around a vertex from level to level.
 //!
-//! A step that puts the middles of faces around a vertex, between its neighbours, rotates what is there: two such steps lead
-//! from the place of a neighbour to that of the next one. Where neighbours stand at the corners of a regular n-gon, as the complex
-//! numbers `exp(2 pi i j/n)`, a matrix that rotates by k faces multiplies them by `a exp(2 pi i k/n)`, with a positive a.
+//! A step that puts the middles of faces around a vertex, between its neighbours, rotates what is there: two such steps
+//! lead from the place of a neighbour to that of the next one. Where neighbours stand at the corners of a regular
+//! n-gon, as the complex numbers `exp(2 pi i j/n)`, a matrix that rotates by k faces multiplies them by
+//! `a exp(2 pi i k/n)`, with a positive a.
 //!
 //! Source: SIGGRAPH 2000, 103-112, section 4, where the matrix of two steps is turned back.
 
@@ -12,8 +13,8 @@ use super::walk::WholeNet;
 use crate::math::functions::{cos, sin};
 use crate::shape::topology::index;
 
-/// By how many faces `forth`, a matrix that maps the support of a patch to itself, turns the neighbours of the vertex inside
-/// at its centre; `None` for other patches.
+/// By how many faces `forth`, a matrix that maps the support of a patch to itself, turns the neighbours of the vertex
+/// inside at its centre; `None` for other patches.
 pub(super) fn by(patch: &Patch, forth: impl Fn(&[f64]) -> Vec<f64>) -> Option<usize> {
     let faces: Vec<&[u32]> = patch.central_faces().collect();
     let closed = faces.first()?.get(1) == faces.last()?.last();

@@ -1,7 +1,7 @@
 //! Sectors: the runs of faces around a vertex between edges that stay sharp for ever.
 //!
-//! Such an edge is a boundary seen from both sides, so that the surface has a tangent plane on each side of it. A single
-//! sharp edge that ends at the vertex parts nothing.
+//! Such an edge is a boundary seen from both sides, so that the surface has a tangent plane on each side of it. A
+//! single sharp edge that ends at the vertex parts nothing.
 
 use std::collections::BTreeMap;
 

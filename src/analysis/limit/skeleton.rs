@@ -1,4 +1,5 @@
-//! Steps of patches whose vertices carry parameters of their own: the connectivity once, the parameters again and again.
+//! Steps of patches whose vertices carry parameters of their own: the connectivity once, the parameters again and
+//! again.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -48,7 +49,8 @@ impl Traced {
         &self.skeleton.child.vertices[..self.patch().support]
     }
 
-    /// How a functional of the child's points reads the patch's: what multiplying with the matrix gives, without making it.
+    /// How a functional of the child's points reads the patch's: what multiplying with the matrix gives, without making
+    /// it.
     pub(super) fn times_row(&self, row: &[f64]) -> Result<Vec<f64>, Unlimited> {
         let product = self.record.times_row(row, self.wanted(), &self.skeleton.origins, self.n_columns);
         product.ok_or(Unlimited::Reach)
@@ -84,8 +86,8 @@ impl<'a> Skeletons<'a> {
         self.followed(level, patch, (parameters, None)).map(|(traced, (parameters, _))| (traced, parameters))
     }
 
-    /// One level on a patch whose vertices carry these parameters, and are perturbed by those in the whole net; the same of
-    /// the child.
+    /// One level on a patch whose vertices carry these parameters, and are perturbed by those in the whole net; the
+    /// same of the child.
     pub(super) fn followed(
         &self,
         level: usize,

@@ -18,8 +18,8 @@ pub(super) fn leading_block<const K: usize>(h: &[Vec<f64>]) -> Option<(Vectors<K
     Some((block, spectral_radius(rest)))
 }
 
-/// The combinations of rows that span the space of the K largest eigenvalues of a small matrix, and what completes them to
-/// an orthonormal basis: `u -> u H`, iterated until the first no longer mix with the others.
+/// The combinations of rows that span the space of the K largest eigenvalues of a small matrix, and what completes them
+/// to an orthonormal basis: `u -> u H`, iterated until the first no longer mix with the others.
 pub(super) fn leading_basis<const K: usize>(h: &[Vec<f64>]) -> Option<(Vectors<K>, Vec<Vec<f64>>)> {
     let width = h.len();
     let mut power = h.to_vec();

@@ -1,14 +1,14 @@
 //! Tangents of the limit: left eigenvectors of the two eigenvalues after 1 of a local subdivision matrix.
 //!
-//! With right eigenvectors `1, x, y, ...` and left ones `l, t, u, ...` of the eigenvalues `1 > a >= b > ...`, the points
-//! around a centre are `1 (l p) + a^k x (t p) + b^k y (u p) + ...` after `k` levels: `(x, y)` is the characteristic map,
-//! `t p` and `u p` span the tangent plane. Source: U. Reif, CAGD 12 (1995), 153-174; D. Zorin, Constructive
-//! Approximation 16 (2000), 359-397.
+//! With right eigenvectors `1, x, y, ...` and left ones `l, t, u, ...` of the eigenvalues `1 > a >= b > ...`, the
+//! points around a centre are `1 (l p) + a^k x (t p) + b^k y (u p) + ...` after `k` levels: `(x, y)` is the
+//! characteristic map, `t p` and `u p` span the tangent plane. Source: U. Reif, CAGD 12 (1995), 153-174; D. Zorin,
+//! Constructive Approximation 16 (2000), 359-397.
 //!
 //! The eigenvectors come from orthogonal iteration with a few vectors more than needed and a Rayleigh-Ritz step: plain
 //! sums and products in a fixed order, so that every machine finds the same bits. (A general eigensolver would bring a
-//! dependency, and its answer within a double eigenvalue would depend on rounding.) Constants are split off exactly: rows
-//! that sum to 0 stay so under M, columns that the limit mask maps to 0 too.
+//! dependency, and its answer within a double eigenvalue would depend on rounding.) Constants are split off exactly:
+//! rows that sum to 0 stay so under M, columns that the limit mask maps to 0 too.
 
 use super::patch::Centre;
 use super::small::{Vectors, dot, leading_basis, leading_block, mixed, orthonormalise, times};
@@ -23,13 +23,13 @@ const FIRST_LOOK: usize = 40;
 const MAX_LOOKS: usize = 8;
 /// How far below the second eigenvalue the third has to be, relative to it.
 const GAP: f64 = 1e-5;
-/// Most faces around a vertex, or corners of a face, with which tangents are looked for. Around n faces the eigenvalues of
-/// waves that go around once and four times differ by about `100/n^2` of them, so that from some 300 faces on the steps of all
-/// looks do not part their vectors to [`RESIDUAL`], and each step takes as long as there are faces: beyond this many it is
-/// known that none are found.
+/// Most faces around a vertex, or corners of a face, with which tangents are looked for. Around n faces the eigenvalues
+/// of waves that go around once and four times differ by about `100/n^2` of them, so that from some 300 faces on the
+/// steps of all looks do not part their vectors to [`RESIDUAL`], and each step takes as long as there are faces: beyond
+/// this many it is known that none are found.
 const MAX_AROUND: usize = 2048;
-/// The part of the last vector of a chain in the characteristic map, small as after many levels: where the others vanish,
-/// as on a boundary that is refined by itself, it alone tells the points apart.
+/// The part of the last vector of a chain in the characteristic map, small as after many levels: where the others
+/// vanish, as on a boundary that is refined by itself, it alone tells the points apart.
 const LATE: f64 = 1e-6;
 /// What two vectors may leave behind beside their span, relative to their eigenvalues.
 const RESIDUAL: f64 = 1e-11;
@@ -74,7 +74,8 @@ pub(super) fn of<'a>(
     };
     let [[t, u], [x, y]] = match (leading(n, &back, sum_to_zero)?, leading(n, &forth, off_limit)?) {
         (Leading::Plane([t, u]), Leading::Plane([x, y])) => {
-            // the coordinates in which t and u are the derivatives: (x, y) times the inverse of ((t x, t y), (u x, u y))
+            // the coordinates in which t and u are the derivatives: (x, y) times the inverse of ((t x, t y), (u x, u
+            // y))
             let [[a, b], [c, d]] = [[dot(&t, &x), dot(&t, &y)], [dot(&u, &x), dot(&u, &y)]];
             let determinant = a * d - b * c;
             if determinant.abs() < 1e-9 {
@@ -122,9 +123,9 @@ fn chained(rows: Chain, columns: Chain) -> Result<[[Vec<f64>; 2]; 2], NoTangents
     Ok([[t, u], [x, y]])
 }
 
-/// The tangents and the characteristic map where the second eigenvalue a is there three times, with `R M = a (I + N) R` for
-/// three rows R, `N = p q`, `q p = 0`: after k levels the points are `1 (l p) + a^k Y (I + k N) (R p) + ...` with the
-/// columns Y for which `R Y = I`. What is orthogonal to p, which q is, too, spans the tangent plane.
+/// The tangents and the characteristic map where the second eigenvalue a is there three times, with `R M = a (I + N) R`
+/// for three rows R, `N = p q`, `q p = 0`: after k levels the points are `1 (l p) + a^k Y (I + k N) (R p) + ...` with
+/// the columns Y for which `R Y = I`. What is orthogonal to p, which q is, too, spans the tangent plane.
 fn thrice(rows: &Vectors<3>, map: &[[f64; 3]; 3], columns: &Vectors<3>) -> Result<[[Vec<f64>; 2]; 2], NoTangents> {
     let a = (map[0][0] + map[1][1] + map[2][2]) / 3.0;
     let n: [[f64; 3]; 3] =
@@ -170,9 +171,9 @@ enum Orientation {
     Right,
 }
 
-/// To which side the faces at the centre turn at their vertices in the plane, where all turn the same way. A face that is alone around
-/// a vertex may be straight there. Where points come together, as those of a boundary that shrinks faster than what is
-/// inside, there is no plane.
+/// To which side the faces at the centre turn at their vertices in the plane, where all turn the same way. A face that
+/// is alone around a vertex may be straight there. Where points come together, as those of a boundary that shrinks
+/// faster than what is inside, there is no plane.
 fn orientation<'a>(
     centre: Centre,
     faces: impl Iterator<Item = &'a [u32]>,

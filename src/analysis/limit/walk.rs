@@ -58,9 +58,9 @@ impl WholeNet<'_> {
     /// The least of all patches around a centre that differ by where the walk starts: the same for nets that differ by
     /// a turn, and of several starts the first.
     ///
-    /// Where a walk finds what one k starts before it found, a turn by k faces maps the surroundings to themselves. So does
-    /// one by the greatest divisor d that k and the number of starts have in common, and all later walks find what those
-    /// from the first d starts do: around a vertex that looks the same from all its faces, two walks are enough.
+    /// Where a walk finds what one k starts before it found, a turn by k faces maps the surroundings to themselves. So
+    /// does one by the greatest divisor d that k and the number of starts have in common, and all later walks find what
+    /// those from the first d starts do: around a vertex that looks the same from all its faces, two walks are enough.
     ///
     /// # Errors
     /// [`Stopped`].

@@ -65,7 +65,7 @@ impl Bending<'_> {
         }
         let open = topology.boundary_edges(v).is_some();
         let Some(sharp) = self.sharp(v, &ring) else { return Bend::UNBOUNDED };
-        let end = |corner: u32| topology.vertex(topology.next(corner)) as usize;
+        let end = |half_edge: u32| topology.vertex(topology.next(half_edge)) as usize;
         let lines: Vec<[usize; 2]> = match (open, ring.len(), sharp.as_slice()) {
             // a fixed corner of one quad: where two boundary lines end
             (true, 1, []) if self.net.tags.is_corner(v) && sides == 4 => return Bend::NONE,
@@ -89,14 +89,14 @@ impl Bending<'_> {
             return along;
         }
         let inner = ring.iter().enumerate().filter(|(i, _)| !sharp.contains(i));
-        inner.filter_map(|(_, &corner)| self.rhombus(corner).map(bend)).fold(along, Bend::or)
+        inner.filter_map(|(_, &half_edge)| self.rhombus(half_edge).map(bend)).fold(along, Bend::or)
     }
 
     /// Places in the ring of the edges that are sharp for ever; `None` where something is sharp for a while.
     fn sharp(&self, v: usize, ring: &[u32]) -> Option<Vec<usize>> {
         let Some(sharpness) = &self.net.sharpness else { return Some(Vec::new()) };
-        let all = ring.iter().map(|&corner| sharpness.edge(self.topology.edge(corner) as usize));
-        let last = ring.last().map(|&corner| self.topology.edge(self.topology.previous(corner)));
+        let all = ring.iter().map(|&half_edge| sharpness.edge(self.topology.edge(half_edge) as usize));
+        let last = ring.last().map(|&half_edge| self.topology.edge(self.topology.previous(half_edge)));
         let last = last.map_or(0.0, |e| sharpness.edge(e as usize));
         let fading = |s: f64| s > 0.0 && s < INFINITE_SHARPNESS;
         if sharpness.vertex(v) > 0.0 || all.clone().any(fading) || fading(last) {
@@ -105,16 +105,16 @@ impl Bending<'_> {
         Some(all.enumerate().filter(|&(_, s)| s > 0.0).map(|(i, _)| i).collect())
     }
 
-    /// `c + d - a - b` for the edge of a corner; `None` on the boundary.
-    fn rhombus(&self, corner: u32) -> Option<Vector> {
+    /// `c + d - a - b` for the edge of a half-edge; `None` on the boundary.
+    fn rhombus(&self, half_edge: u32) -> Option<Vector> {
         let topology = self.topology;
-        let twin = topology.twin(corner);
+        let twin = topology.twin(half_edge);
         if twin == NONE {
             return None;
         }
-        let point = |corner: u32| self.points[topology.vertex(corner) as usize];
-        let edge = plus(point(corner), point(twin));
-        let across = plus(point(topology.previous(corner)), point(topology.previous(twin)));
+        let point = |half_edge: u32| self.points[topology.vertex(half_edge) as usize];
+        let edge = plus(point(half_edge), point(twin));
+        let across = plus(point(topology.previous(half_edge)), point(topology.previous(twin)));
         Some(minus(across, edge))
     }
 }

@@ -2,19 +2,20 @@
 
 use rayon::prelude::*;
 
-use super::NoLevel;
 use super::budget::Budget;
 use super::cut::twist;
 use super::level::Level;
 use super::nearest::{Faces, Surface, farthest};
-use super::rest::Rests;
+use super::no_level::NoLevel;
+use super::remainder::Remainders;
 use super::spline::Spline;
 use crate::math::vector::{Vector, length, minus};
 
 /// Faces of a net up to which it is refined further, and those of a part of it.
 pub(super) const FOLLOWED_FACES: usize = 1 << 16;
 const PART_FACES: usize = 1 << 17;
-/// Levels that are measured at all faces, where they are not too many: what is bounded after them is a 16th of the whole.
+/// Levels that are measured at all faces, where they are not too many: what is bounded after them is a 16th of the
+/// whole.
 const WHOLE: usize = 2;
 /// Most levels that are measured around vertices where the net is not regular.
 const AHEAD: usize = 40;
@@ -25,8 +26,8 @@ const SLACK: f64 = 0.2;
 const FEW: usize = 64;
 /// Faces whose distances are measured at a time, those first that may be farthest.
 const CHUNK: usize = 256;
-/// How often pieces of surfaces are cut into quarters, until all of a part is near one face: at first, one piece at most,
-/// and all together.
+/// How often pieces of surfaces are cut into quarters, until all of a part is near one face: at first, one piece at
+/// most, and all together.
 const FIRST_CUTS: usize = 1 << 4;
 const CUTS: usize = 1 << 12;
 const ALL_CUTS: usize = 1 << 16;
@@ -35,7 +36,7 @@ const ALL_CUTS: usize = 1 << 16;
 struct Known {
     face: u32,
     /// How far its limit is from the net, and the face from the limit, at most.
-    rest: f64,
+    remainder: f64,
 }
 
 /// What is known of a level.
@@ -86,34 +87,34 @@ impl Comparison<'_> {
         if self.greatest > most {
             return Ok(None);
         }
-        let rests = Rests::of(level, self.spline, self.budget)?;
+        let remainders = Remainders::of(level, self.spline, self.budget)?;
         let (there, cuts) = self.there_at_most(&pieces, moved)?;
         self.cuts -= cuts;
         let little = self.little();
-        let found = rests.distances(&level.live, little, belongs)?;
+        let found = remainders.distances(&level.live, little, belongs)?;
         if let Some(displaced) = displaced {
             // at first all faces that are shown are live
-            let plain = |(piece, &face): (&Piece, &u32)| piece.moved + rests.plain(face);
+            let plain = |(piece, &face): (&Piece, &u32)| piece.moved + remainders.plain(face);
             let known = pieces.par_iter().zip(&level.live).with_min_len(64);
             let known = known.map(|of| plain(of).min(displaced.back(output, of.0, &found))).collect();
             self.first = Some((pieces, known));
         }
-        let faces = level.live.iter().zip(found).map(|(&face, rest)| Known { face, rest }).collect();
+        let faces = level.live.iter().zip(found).map(|(&face, remainder)| Known { face, remainder }).collect();
         Ok(Some(Seen { faces, there }))
     }
 
     /// Some faces of a level, in the limit's place.
-    fn near(level: &Level, faces: &[u32], rests: Vec<f64>) -> Faces {
-        Faces::of(&level.topology, level.points.now.as_chunks().0, faces, rests, false)
+    fn near(level: &Level, faces: &[u32], remainders: Vec<f64>) -> Faces {
+        Faces::of(&level.topology, level.points.now.as_chunks().0, faces, remainders, false)
     }
 
     /// Those of a level that are followed no longer; how far the limit of these faces is from the output, at most.
     fn leave(&mut self, level: &Level, seen: &Seen, left: impl Fn(&Known) -> bool) -> f64 {
         let left: Vec<&Known> = seen.faces.iter().filter(|face| left(face)).collect();
         let faces: Vec<u32> = left.iter().map(|face| face.face).collect();
-        let rests: Vec<f64> = left.iter().map(|face| face.rest).collect();
-        let most = rests.iter().fold(0.0, |most: f64, &rest| most.max(seen.there + rest));
-        self.limit.push(Self::near(level, &faces, rests));
+        let remainders: Vec<f64> = left.iter().map(|face| face.remainder).collect();
+        let most = remainders.iter().fold(0.0, |most: f64, &remainder| most.max(seen.there + remainder));
+        self.limit.push(Self::near(level, &faces, remainders));
         most
     }
 
@@ -127,8 +128,8 @@ impl Comparison<'_> {
         (SLACK * self.greatest).max(self.rounding)
     }
 
-    /// The greatest distance of pieces, but for a part that does not matter, looked for where `moved` is great, which it is
-    /// at most; with `briefly` only as long as it grows, and never beyond `most`.
+    /// The greatest distance of pieces, but for a part that does not matter, looked for where `moved` is great, which
+    /// it is at most; with `briefly` only as long as it grows, and never beyond `most`.
     fn measured(
         &self,
         pieces: &[Piece],
@@ -186,8 +187,8 @@ impl Comparison<'_> {
         Ok(self.cut(&pieces, known, self.enough() + self.little(), cut)?.0)
     }
 
-    /// The greatest distance of pieces, at most, and how many cuts that took. They are cut where more than `enough` is known;
-    /// those for which some cuts do not suffice have more of them, as long as there are some left.
+    /// The greatest distance of pieces, at most, and how many cuts that took. They are cut where more than `enough` is
+    /// known; those for which some cuts do not suffice have more of them, as long as there are some left.
     fn cut(
         &self,
         pieces: &[Piece],
@@ -246,16 +247,16 @@ impl Displaced {
         piece.home.map_or(f64::INFINITY, |slot| self.moved[slot])
     }
 
-    /// How far the face of the output that a piece is part of is from the limit; `rests` are those of the pieces.
-    fn back(&self, output: &Faces, piece: &Piece, rests: &[f64]) -> f64 {
+    /// How far the face of the output that a piece is part of is from the limit; `remainders` are those of the pieces.
+    fn back(&self, output: &Faces, piece: &Piece, remainders: &[f64]) -> f64 {
         if self.moved(piece).is_infinite() {
             return f64::INFINITY;
         }
-        let rest = |slot| {
+        let remainder = |slot| {
             let around = output.around(slot)?.into_iter().flat_map(|slot| &self.pieces[slot]);
-            Some(around.map(|&i| rests[i]).fold(0.0, f64::max))
+            Some(around.map(|&i| remainders[i]).fold(0.0, f64::max))
         };
-        self.moved(piece) + piece.home.and_then(rest).unwrap_or(f64::INFINITY)
+        self.moved(piece) + piece.home.and_then(remainder).unwrap_or(f64::INFINITY)
     }
 }
 
@@ -303,8 +304,8 @@ impl Piece {
     }
 }
 
-/// The distance between the limit of the live faces of a net and the surface that the net is compared with, which has the
-/// same faces, at most; either from the other. Infinite where it is soon seen to be above the tolerance.
+/// The distance between the limit of the live faces of a net and the surface that the net is compared with, which has
+/// the same faces, at most; either from the other. Infinite where it is soon seen to be above the tolerance.
 ///
 /// # Errors
 /// [`NoLevel`], when a level cannot be computed.
@@ -334,14 +335,16 @@ pub(super) fn bound(
         let Some(seen) = comparison.seen(&level, (1.0 + SLACK) * tolerance)? else { return Ok(f64::INFINITY) };
         let little = comparison.little();
         let part = |least: f64| {
-            let kept: Vec<u32> = seen.faces.iter().filter(|face| face.rest > least).map(|face| face.face).collect();
+            let kept: Vec<u32> =
+                seen.faces.iter().filter(|face| face.remainder > least).map(|face| face.face).collect();
             let few = ahead < AHEAD && (1..=PART_FACES / 4).contains(&kept.len());
             let part = few.then(|| level.focused(&kept, spline.margin()))?;
             (part.faces_after(1) <= PART_FACES).then_some((part, least))
         };
-        // where too many faces are farther from their limit than what is little, those that are farthest are followed, as
-        // long as that makes a difference
-        let mut far: Vec<f64> = seen.faces.iter().map(|face| face.rest).filter(|&rest| rest > little).collect();
+        // where too many faces are farther from their limit than what is little, those that are farthest are followed,
+        // as long as that makes a difference
+        let mut far: Vec<f64> =
+            seen.faces.iter().map(|face| face.remainder).filter(|&remainder| remainder > little).collect();
         far.sort_by(|a, b| b.total_cmp(a));
         let least = |n: usize| far.get(n).copied().unwrap_or(little);
         let fewer = std::iter::successors(Some(far.len()), |&n| (n > FEW).then_some(n / 2)).map(least);
@@ -350,7 +353,7 @@ pub(super) fn bound(
             bound = comparison.leave(&level, &seen, |_| true).max(bound);
             break;
         };
-        bound = comparison.leave(&level, &seen, |face| face.rest <= least).max(bound);
+        bound = comparison.leave(&level, &seen, |face| face.remainder <= least).max(bound);
         level = next(&part)?;
     }
     Ok(bound.max(comparison.back_at_most()?))
@@ -359,7 +362,7 @@ pub(super) fn bound(
 /// The same of nets of too many faces to be measured.
 fn plain(base: &Level, spline: &Spline, budget: &Budget) -> Result<f64, NoLevel> {
     let (points, flat) = (base.points.now.as_chunks::<3>().0, base.flat.now.as_chunks::<3>().0);
-    let rests = Rests::of(base, spline, budget)?;
+    let remainders = Remainders::of(base, spline, budget)?;
     let live: Vec<usize> = base.live.iter().map(|&f| f as usize).collect();
     let of_face = |&face: &u32| {
         let corners = base.topology.face(face as usize);
@@ -369,8 +372,10 @@ fn plain(base: &Level, spline: &Spline, budget: &Budget) -> Result<f64, NoLevel>
     };
     let moved: Vec<f64> = base.live.iter().map(of_face).collect();
     let most = moved.iter().copied().fold(0.0, f64::max);
-    let distances = rests.distances(&base.live, 0.0, |f| live.binary_search(&f).is_ok())?;
+    let distances = remainders.distances(&base.live, 0.0, |f| live.binary_search(&f).is_ok())?;
     // point by point, or from the faces around, which may have moved farther
     let each = base.live.iter().zip(moved).zip(distances);
-    Ok(each.map(|((&face, moved), rest)| (moved + rests.plain(face)).min(most + rest)).fold(0.0, f64::max))
+    Ok(each
+        .map(|((&face, moved), remainder)| (moved + remainders.plain(face)).min(most + remainder))
+        .fold(0.0, f64::max))
 }

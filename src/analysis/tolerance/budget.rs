@@ -1,16 +1,13 @@
 //! What a search may still do: until it is stopped, or its work is used up.
 
-use super::NoLevel;
+use super::no_level::NoLevel;
 use crate::watch::Watch;
-
-/// Most units of work of a search, of about 100 ns each: 3.5 minutes, ten times what those take that look at all the levels
-/// and faces they may.
-pub const MAX_WORK: u64 = 1 << 31;
 
 /// A watch, and the work that it counts at most.
 ///
-/// Once either says no, distances that are asked for are not found any more, and whoever asked finds that out before using
-/// them. What was counted by then is more than the most in any case, so that it makes no difference which thread came first.
+/// Once either says no, distances that are asked for are not found any more, and whoever asked finds that out before
+/// using them. What was counted by then is more than the most in any case, so that it makes no difference which thread
+/// came first.
 #[derive(Debug, Clone)]
 pub(super) struct Budget {
     pub(super) watch: Watch,

@@ -15,15 +15,16 @@ pub(super) fn twist(topology: &Topology, face: usize, points: &[Vector]) -> f64 
     }
 }
 
-/// The same for a quad with these corners: a quarter of `a - b + c - d` point by point, or its height where that is less.
+/// The same for a quad with these corners: a quarter of `a - b + c - d` point by point, or its height where that is
+/// less.
 fn twisted(p: [Vector; 4]) -> f64 {
     let [a, b, c, d] = p;
     let quarter = length(minus(plus(a, c), plus(b, d))) / 4.0;
     height(&p).map_or(quarter, |height| height.min(quarter))
 }
 
-/// How far the faces of a surface, split into quads around their centres, are from the same faces cut into triangles, at
-/// most.
+/// How far the faces of a surface, split into quads around their centres, are from the same faces cut into triangles,
+/// at most.
 pub(super) fn cut(base: &Level) -> f64 {
     let points = base.flat.now.as_chunks::<3>().0;
     let of_face = |&f: &u32| {
@@ -31,22 +32,22 @@ pub(super) fn cut(base: &Level) -> f64 {
         if let &[a, b, c, d] = p.as_slice() {
             return twisted([a, b, c, d]);
         }
-        let apart = irregular(&p);
+        let apart = irregularity(&p);
         height(&p).map_or(apart, |height| height.min(apart))
     };
     base.live.iter().map(of_face).fold(0.0, f64::max)
 }
 
-/// The height of a face seen along its area vector n, where all its corners and its triangles at corner 0 turn to the left
-/// there: then it is convex, and however it is cut, it is a graph over it between the least and the greatest n p of a
-/// corner.
+/// The height of a face seen along its area vector n, where all its corners and its triangles at corner 0 turn to the
+/// left there: then it is convex, and however it is cut, it is a graph over it between the least and the greatest n p
+/// of a corner.
 fn height(p: &[Vector]) -> Option<f64> {
     let n = p.len();
     let area = |[a, b, c]: [usize; 3]| cross(minus(p[b % n], p[a % n]), minus(p[c % n], p[a % n]));
     let fan: Vec<Vector> = (1..n - 1).map(|i| area([0, i, i + 1])).collect();
     let whole = fan.iter().copied().fold([0.0; 3], plus);
-    let mut turns = (0..n).map(|i| area([i, i + 1, i + 2])).chain(fan);
-    if !turns.all(|x| dot(whole, x) > 0.0) {
+    let mut areas = (0..n).map(|i| area([i, i + 1, i + 2])).chain(fan);
+    if !areas.all(|x| dot(whole, x) > 0.0) {
         return None;
     }
     let heights = p.iter().map(|&x| dot(whole, minus(x, p[0])) / length(whole));
@@ -54,9 +55,9 @@ fn height(p: &[Vector]) -> Option<f64> {
     Some(high - low)
 }
 
-/// Twice the distance of the corners of a face from those of a regular polygon under an affine map, `c + a cos(2 pi i/n) +
-/// b sin(2 pi i/n)`: that polygon is flat, and either surface is once the distance from it at most.
-fn irregular(p: &[Vector]) -> f64 {
+/// Twice the distance of the corners of a face from those of a regular polygon under an affine map, `c + a cos(2 pi
+/// i/n) + b sin(2 pi i/n)`: that polygon is flat, and either surface is once the distance from it at most.
+fn irregularity(p: &[Vector]) -> f64 {
     let n = real(p.len());
     let turned = |i: usize| [cos, sin].map(|of| of(TAU * real(i) / n));
     let sum =

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use super::level::Level;
-use super::sheet::{flat, turns};
+use super::sheet::{flat, windings};
 use crate::math::functions::sqrt;
 use crate::math::vector::{Vector, cross, dot, length, mean, minus, plus, times, unit};
 use crate::shape::topology::NONE;
@@ -18,13 +18,16 @@ const WORK: usize = 1 << 25;
 /// The points that the limits of faces depend on.
 ///
 /// Let W be the faces within one ring more around a face than its limit depends on, all of which look to the side of a
-/// direction n and wind around no vertex more than once, so that they are locally a graph over the plane across n; and let
-/// the hull K(g) be that of the points which the limit of a face g depends on, so that both are in it.
+/// direction n and wind around no vertex more than once, so that they are locally a graph over the plane across n; and
+/// let the hull K(g) be that of the points which the limit of a face g depends on, so that both are in it.
 ///
-/// 1. Where K of the face in the middle does not come to the rim of W, seen along n, the graph can be lifted over all of K:
+/// 1. Where K of the face in the middle does not come to the boundary of W, seen along n, the graph can be lifted over
+/// all of K:
 ///    the limit of the face is above or below some point of W.
-/// 2. Where K of the faces beyond the rim do not come to the face in the middle, the straight way from the rim to its
-///    limit does not either. So the limit of W winds around each point of that face as often as W does, which is at least
+/// 2. Where K of the faces beyond the boundary do not come to the face in the middle, the straight way from the
+/// boundary to its
+///    limit does not either. So the limit of W winds around each point of that face as often as W does, which is at
+/// least
 ///    once: some point of it is above or below (invariance of the degree).
 ///
 /// In either case the two are as far from each other as points in the K that come to the face differ along n, at most.
@@ -61,46 +64,47 @@ impl<'a> Hulls<'a> {
         if !around.iter().all(|&f| belongs(f)) {
             return None;
         }
-        let at = |corner: u32| points[topology.vertex(corner) as usize];
-        let end = |corner: u32| at(topology.next(corner));
-        let area =
-            |corner: u32| cross(minus(end(corner), at(corner)), minus(at(topology.previous(corner)), at(corner)));
-        let corners = || around.iter().flat_map(|&f| topology.half_edges(f));
-        let sum = corners().map(area).fold([0.0; 3], plus);
+        let at = |half_edge: u32| points[topology.vertex(half_edge) as usize];
+        let end = |half_edge: u32| at(topology.next(half_edge));
+        let area = |half_edge: u32| {
+            cross(minus(end(half_edge), at(half_edge)), minus(at(topology.previous(half_edge)), at(half_edge)))
+        };
+        let half_edges = || around.iter().flat_map(|&f| topology.half_edges(f));
+        let sum = half_edges().map(area).fold([0.0; 3], plus);
         let size = length(sum);
         if size.is_nan() || size <= 0.0 {
             return None;
         }
         let n = times(1.0 / size, sum);
-        if !corners().all(|corner| dot(n, area(corner)) > 0.0) {
+        if !half_edges().all(|half_edge| dot(n, area(half_edge)) > 0.0) {
             return None;
         }
-        let plane = Plane::of(n, corners().map(at))?;
+        let plane = Plane::of(n, half_edges().map(at))?;
         let of_near = |face: usize| self.near(face).iter().map(|&v| points[v as usize]);
-        let seen = |face: usize| -> Vec<Point> { of_near(face).map(|p| plane.place(p)).collect() };
-        let own: Vec<Point> = topology.face(face).iter().map(|&v| plane.place(points[v as usize])).collect();
+        let seen = |face: usize| -> Vec<Point> { of_near(face).map(|p| plane.project(p)).collect() };
+        let face_points: Vec<Point> = topology.face(face).iter().map(|&v| plane.project(points[v as usize])).collect();
         let hull = seen(face);
-        for corner in corners() {
-            let twin = topology.twin(corner);
+        for half_edge in half_edges() {
+            let twin = topology.twin(half_edge);
             let across = if twin == NONE { return None } else { topology.face_of(twin) };
-            let is_rim = around.binary_search(&across).is_err();
-            let edge = [at(corner), end(corner)].map(|p| plane.place(p));
-            if is_rim && !(are_apart(&hull, &edge) && are_apart(&own, &seen(across))) {
+            let is_boundary = around.binary_search(&across).is_err();
+            let edge = [at(half_edge), end(half_edge)].map(|p| plane.project(p));
+            if is_boundary && !(are_apart(&hull, &edge) && are_apart(&face_points, &seen(across))) {
                 return None;
             }
         }
-        let ends = |corner: u32| minus(end(corner), at(corner));
+        let ends = |half_edge: u32| minus(end(half_edge), at(half_edge));
         let is_inside = |v: u32| topology.ring(v as usize).all(|c| around.binary_search(&topology.face_of(c)).is_ok());
         let mut inner: Vec<u32> = around.iter().flat_map(|&f| topology.face(f)).copied().collect();
         inner.sort_unstable();
         inner.dedup();
-        if inner.iter().any(|&v| is_inside(v) && turns(n, topology.ring(v as usize).map(ends)) > 1) {
+        if inner.iter().any(|&v| is_inside(v) && windings(n, topology.ring(v as usize).map(ends)) > 1) {
             return None;
         }
         let start = points[topology.face(face)[0] as usize];
-        let heights = |p: Vector| dot(n, minus(p, start));
-        let reaching = around.iter().filter(|&&g| !are_apart(&own, &seen(g)));
-        let all = reaching.flat_map(|&g| of_near(g)).chain(corners().map(at)).map(heights);
+        let height = |p: Vector| dot(n, minus(p, start));
+        let reaching = around.iter().filter(|&&g| !are_apart(&face_points, &seen(g)));
+        let all = reaching.flat_map(|&g| of_near(g)).chain(half_edges().map(at)).map(height);
         let (low, high) = all.fold((0.0_f64, 0.0_f64), |(low, high), h| (low.min(h), high.max(h)));
         Some(high - low)
     }
@@ -120,16 +124,16 @@ impl<'a> Hulls<'a> {
     fn around(&self, face: usize, rings: usize) -> Vec<usize> {
         let topology = &self.level.topology;
         let mut all = vec![face];
-        let mut rim = vec![face];
+        let mut outermost = vec![face];
         for _ in 0..rings {
-            let corners = rim.iter().flat_map(|&f| topology.face(f)).flat_map(|&v| topology.ring(v as usize));
-            let mut next: Vec<usize> = corners.map(|corner| topology.face_of(corner)).collect();
+            let half_edges = outermost.iter().flat_map(|&f| topology.face(f)).flat_map(|&v| topology.ring(v as usize));
+            let mut next: Vec<usize> = half_edges.map(|half_edge| topology.face_of(half_edge)).collect();
             next.sort_unstable();
             next.dedup();
             next.retain(|f| all.binary_search(f).is_err());
             all.extend(&next);
             all.sort_unstable();
-            rim = next;
+            outermost = next;
         }
         all
     }
@@ -138,8 +142,8 @@ impl<'a> Hulls<'a> {
 /// A point of a plane.
 type Point = [f64; 2];
 
-/// A plane across a direction, with coordinates in which some points are about as far from each other to all sides; whether
-/// lines are between points does not depend on them.
+/// A plane across a direction, with coordinates in which some points are about as far from each other to all sides;
+/// whether lines are between points does not depend on them.
 struct Plane {
     origin: Vector,
     axes: [Vector; 2],
@@ -171,13 +175,13 @@ impl Plane {
         (length(along).is_finite() && length(across).is_finite()).then_some(Self { origin, axes: [along, across] })
     }
 
-    fn place(&self, p: Vector) -> Point {
+    fn project(&self, p: Vector) -> Point {
         self.axes.map(|axis| dot(axis, minus(p, self.origin)))
     }
 }
 
-/// Whether a line is found between two sets of points: again and again its normal is turned to those points that it fails
-/// at most (Rosenblatt, 1958).
+/// Whether a line is found between two sets of points: again and again its normal is turned to those points that it
+/// fails at most (Rosenblatt, 1958).
 fn are_apart(a: &[Point], b: &[Point]) -> bool {
     let mean_of = |points: &[Point]| {
         let sum = points.iter().copied().fold([0.0; 2], plus);

@@ -82,8 +82,8 @@ impl Level {
         Ok(Self { net, topology, points, flat, home, live })
     }
 
-    /// The net split into quads, and the surface with it, which stays what it is: a quad is four quarters, another face as
-    /// many quads as corners.
+    /// The net split into quads, and the surface with it, which stays what it is: a quad is four quarters, another face
+    /// as many quads as corners.
     ///
     /// # Errors
     /// [`RefineError`].
@@ -97,9 +97,9 @@ impl Level {
     /// The net after the averages of a round, of which the last is half a one, and the upsampling after them; of the
     /// surface that it is compared with, other points.
     ///
-    /// Half an average puts vertices at the centres of faces, and the upsampling adds the means of the centres beside an
-    /// edge and those around a vertex: in all a split of each quad, in which the children of vertices, edges and faces are
-    /// means of the centres of the faces around them.
+    /// Half an average puts vertices at the centres of faces, and the upsampling adds the means of the centres beside
+    /// an edge and those around a vertex: in all a split of each quad, in which the children of vertices, edges and
+    /// faces are means of the centres of the faces around them.
     ///
     /// # Errors
     /// [`RefineError`].
@@ -118,10 +118,10 @@ impl Level {
         let (topology, points) = (&self.topology, self.points.now.as_chunks::<3>().0);
         let centres: Vec<Vector> =
             (0..topology.n_faces()).map(|f| mean(topology.face(f).iter().map(|&v| points[v as usize]))).collect();
-        let centre = |corner: u32| centres[topology.face_of(corner)];
+        let centre = |half_edge: u32| centres[topology.face_of(half_edge)];
         let vertices = (0..topology.n_vertices())
             .map(|v| if topology.is_isolated(v) { points[v] } else { mean(topology.ring(v).map(centre)) });
-        let sides = |e: usize| topology.halves(e).into_iter().filter(|&corner| corner != NONE);
+        let sides = |e: usize| topology.halves(e).into_iter().filter(|&half_edge| half_edge != NONE);
         let edges = (0..topology.n_edges()).map(|e| mean(sides(e).map(centre)));
         vertices.chain(edges).chain(centres.iter().copied()).flatten().collect()
     }
@@ -164,20 +164,20 @@ impl Level {
         let mut kept = vec![false; topology.n_faces()];
         let mut reached = vec![false; topology.n_vertices()];
         on.iter().for_each(|&f| kept[f as usize] = true);
-        let mut rim = on.to_vec();
+        let mut outermost = on.to_vec();
         for _ in 0..rings {
             let mut next = Vec::new();
-            for v in rim.iter().flat_map(|&f| topology.face(f as usize)) {
+            for v in outermost.iter().flat_map(|&f| topology.face(f as usize)) {
                 if std::mem::replace(&mut reached[*v as usize], true) {
                     continue;
                 }
-                for f in topology.ring(*v as usize).map(|corner| topology.face_of(corner)) {
+                for f in topology.ring(*v as usize).map(|half_edge| topology.face_of(half_edge)) {
                     if !std::mem::replace(&mut kept[f], true) {
                         next.push(index(f));
                     }
                 }
             }
-            rim = next;
+            outermost = next;
         }
         (0..kept.len()).filter(|&f| kept[f]).map(index).collect()
     }
@@ -190,10 +190,10 @@ impl Level {
         vertices: &[u32],
         topology: &Topology,
     ) -> Option<Sharpness> {
-        let corners = kept.iter().flat_map(|&f| self.topology.half_edges(f as usize));
+        let half_edges = kept.iter().flat_map(|&f| self.topology.half_edges(f as usize));
         let mut edges: Vec<(u32, f64)> = (0..)
-            .zip(corners)
-            .map(|(corner, old)| (topology.edge(corner), sharpness.edge(self.topology.edge(old) as usize)))
+            .zip(half_edges)
+            .map(|(half_edge, old)| (topology.edge(half_edge), sharpness.edge(self.topology.edge(old) as usize)))
             .filter(|&(_, s)| s > 0.0)
             .collect();
         edges.sort_unstable_by_key(|&(e, _)| e);

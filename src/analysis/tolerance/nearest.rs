@@ -38,8 +38,8 @@ pub(super) struct Faces {
 
 /// Faces of several nets, in one tree of boxes.
 pub(super) struct Surface {
-    parts: Vec<Faces>,
-    /// Parts and slots, leaf after leaf.
+    nets: Vec<Faces>,
+    /// Nets and slots, leaf after leaf.
     order: Vec<(usize, usize)>,
     /// Their boxes.
     boxes: Vec<Box3>,
@@ -66,7 +66,7 @@ enum Inside {
 struct Hit {
     /// Of the distance.
     square: f64,
-    part: usize,
+    net: usize,
     slot: usize,
     corners: [usize; 3],
 }
@@ -86,8 +86,8 @@ impl Away {
 }
 
 impl Faces {
-    /// The faces `shown` of a net, ascending. With `cuttable` the distance is that from quads however they are cut; else
-    /// that from bilinear ones, which what is looked for is within `beyond` of, face by face.
+    /// The faces `shown` of a net, ascending. With `cuttable` the distance is that from quads however they are cut;
+    /// else that from bilinear ones, which what is looked for is within `beyond` of, face by face.
     pub(super) fn of(
         topology: &Arc<Topology>,
         points: &[Vector],
@@ -160,10 +160,10 @@ impl Faces {
 
 impl Surface {
     /// The tree of some nets. Whoever asks it for distances asks the budget before they are used.
-    pub(super) fn of(parts: Vec<Faces>, budget: &Budget) -> Self {
-        let slots = |(part, faces): (usize, &Faces)| (0..faces.len()).map(move |slot| (part, slot));
-        let all: Vec<(usize, usize)> = parts.iter().enumerate().flat_map(slots).collect();
-        let boxed = |&(part, slot): &(usize, usize)| parts[part].boxed(slot);
+    pub(super) fn of(nets: Vec<Faces>, budget: &Budget) -> Self {
+        let slots = |(net, faces): (usize, &Faces)| (0..faces.len()).map(move |slot| (net, slot));
+        let all: Vec<(usize, usize)> = nets.iter().enumerate().flat_map(slots).collect();
+        let boxed = |&(net, slot): &(usize, usize)| nets[net].boxed(slot);
         let boxes: Vec<Box3> = all.par_iter().with_min_len(1024).map(boxed).collect();
         let mut tree = Tree { nodes: Vec::new(), boxes: &boxes };
         let mut order: Vec<usize> = (0..all.len()).collect();
@@ -174,12 +174,12 @@ impl Surface {
         budget.advance(all.len() as u64);
         let boxes = order.iter().map(|&i| boxes[i]).collect();
         let order = order.into_iter().map(|i| all[i]).collect();
-        Self { parts, order, boxes, nodes, budget: budget.clone() }
+        Self { nets, order, boxes, nodes, budget: budget.clone() }
     }
 
     /// The faces of the first net.
     pub(super) fn first(&self) -> &Faces {
-        &self.parts[0]
+        &self.nets[0]
     }
 
     /// How far a point is; `near` is a slot of the first net that is near.
@@ -193,27 +193,28 @@ impl Surface {
     /// Both the distance from a triangle and what a [`Sheet`] knows of it are convex: they are greatest at a corner.
     pub(super) fn over(&self, corners: &[Vector], near: Option<usize>) -> Away {
         let Some(hits) = self.nearest(mean(corners.iter().copied()), near) else { return Away::UNKNOWN };
-        let beyond = |hit: &Hit| self.parts[hit.part].beyond[hit.slot];
+        let beyond = |hit: &Hit| self.nets[hit.net].beyond[hit.slot];
         let middle = self.joined(hits.map(|hit| (hit, sqrt(hit.square))), beyond);
-        let most = self.joined(hits.map(|hit| (hit, self.parts[hit.part].most(&hit, corners))), beyond);
+        let most = self.joined(hits.map(|hit| (hit, self.nets[hit.net].most(&hit, corners))), beyond);
         Away { most, middle }
     }
 
     /// The worst of what may be taken for the surface: cut along either diagonal, or bilinear.
     fn joined(&self, hits: [(Hit, f64); 2], beyond: impl Fn(&Hit) -> f64) -> f64 {
-        let bilinear = |(hit, distance): (Hit, f64)| distance + self.parts[hit.part].twist(hit.slot) + beyond(&hit);
+        let bilinear = |(hit, distance): (Hit, f64)| distance + self.nets[hit.net].twist(hit.slot) + beyond(&hit);
         let bilinear = hits.map(bilinear).into_iter().fold(f64::INFINITY, f64::min);
-        let cuttable = hits.iter().filter(|(hit, _)| self.parts[hit.part].cuttable);
+        let cuttable = hits.iter().filter(|(hit, _)| self.nets[hit.net].cuttable);
         cuttable.fold(bilinear, |most, &(_, distance)| most.max(distance))
     }
 
-    /// The nearest triangles of faces cut along either diagonal, beginning with a slot that is near; `None` without faces.
+    /// The nearest triangles of faces cut along either diagonal, beginning with a slot that is near; `None` without
+    /// faces.
     fn nearest(&self, point: Vector, near: Option<usize>) -> Option<[Hit; 2]> {
         if self.budget.is_over() {
             return None;
         }
         let mut visited = 0;
-        let mut best = [Hit { square: f64::INFINITY, part: 0, slot: usize::MAX, corners: [0, 1, 2] }; 2];
+        let mut best = [Hit { square: f64::INFINITY, net: 0, slot: usize::MAX, corners: [0, 1, 2] }; 2];
         if let Some(slot) = near {
             self.compare((0, slot), point, &mut best);
         }
@@ -251,12 +252,12 @@ impl Surface {
         }
     }
 
-    fn compare(&self, (part, slot): (usize, usize), point: Vector, best: &mut [Hit; 2]) {
-        let faces = &self.parts[part];
+    fn compare(&self, (net, slot): (usize, usize), point: Vector, best: &mut [Hit; 2]) {
+        let faces = &self.nets[net];
         for &(cut, corners) in faces.triangles(slot) {
             let square = to_triangle(point, faces.triangle(slot, corners));
             if square < best[cut].square {
-                best[cut] = Hit { square, part, slot, corners };
+                best[cut] = Hit { square, net, slot, corners };
             }
         }
     }
@@ -292,13 +293,13 @@ impl Tree<'_> {
 
 /// A part of a piece of surface, all of it a mean of its corners.
 #[derive(Clone, Copy)]
-struct Part {
+struct Fragment {
     sides: usize,
     corners: [Vector; 4],
     away: Away,
 }
 
-impl Part {
+impl Fragment {
     fn of(corners: &[Vector], away: &impl Fn(&[Vector]) -> Away) -> Self {
         let mut four = [[0.0; 3]; 4];
         four.iter_mut().zip(corners).for_each(|(p, &corner)| *p = corner);
@@ -328,18 +329,20 @@ pub(super) fn farthest(
     enough: f64,
     away: &impl Fn(&[Vector]) -> Away,
 ) -> (f64, usize) {
-    let mut parts = vec![Part::of(corners, away)];
-    let first = parts[0].away.most;
-    let most = |part: &Part| part.away.most;
+    let mut fragments = vec![Fragment::of(corners, away)];
+    let first = fragments[0].away.most;
+    let most = |fragment: &Fragment| fragment.away.most;
     for cut in 0..=cuts {
-        let farthest = (1..parts.len()).fold(0, |far, i| if most(&parts[i]) > most(&parts[far]) { i } else { far });
-        let part = parts[farthest];
-        if cut == cuts || most(&part) <= enough || part.away.middle > enough {
-            return (most(&part).min(first), cut);
+        let farthest =
+            (1..fragments.len()).fold(0, |far, i| if most(&fragments[i]) > most(&fragments[far]) { i } else { far });
+        let fragment = fragments[farthest];
+        if cut == cuts || most(&fragment) <= enough || fragment.away.middle > enough {
+            return (most(&fragment).min(first), cut);
         }
-        let mut quarters = part.quarters().into_iter().map(|quarter| Part::of(&quarter[..part.sides], away));
-        parts[farthest] = quarters.next().unwrap_or(part);
-        parts.extend(quarters);
+        let mut quarters =
+            fragment.quarters().into_iter().map(|quarter| Fragment::of(&quarter[..fragment.sides], away));
+        fragments[farthest] = quarters.next().unwrap_or(fragment);
+        fragments.extend(quarters);
     }
     (first, cuts)
 }

@@ -8,10 +8,10 @@ use crate::shape::topology::{NONE, Topology};
 /// The surface of the faces is made of bilinear quads and triangles, or of quads cut along either diagonal. Where all
 /// normals at corners of faces have positive products with n, so do the normals everywhere, which are sums of them with
 /// positive weights; then the projection along n is open, and straight paths in the plane can be lifted to the surface
-/// as long as they do not come to the rim. No vertex of the face is a branch point, around which the faces would wind more
-/// than once, so that discs inside have one lift. A path as long as r climbs by `slope r` at most, and so does the plane of a
-/// triangle of the surface. So a point that is h above or below the plane of a triangle, along n, and r beside the
-/// triangle, seen along n, is within `h + 2 slope r` of the surface.
+/// as long as they do not come to the boundary. No vertex of the face is a branch point, around which the faces would
+/// wind more than once, so that discs inside have one lift. A path as long as r climbs by `slope r` at most, and so
+/// does the plane of a triangle of the surface. So a point that is h above or below the plane of a triangle, along n,
+/// and r beside the triangle, seen along n, is within `h + 2 slope r` of the surface.
 #[derive(Debug, Clone)]
 pub(super) struct Sheet {
     /// Unit vector.
@@ -19,7 +19,7 @@ pub(super) struct Sheet {
     /// The greatest tangent of the angle between a normal and it.
     slope: f64,
     /// The edges at which the faces end, seen along the normal.
-    rim: Vec<[Vector; 2]>,
+    boundary: Vec<[Vector; 2]>,
     /// The faces.
     faces: Vec<usize>,
     /// The corners of the face in the middle, seen along the normal.
@@ -37,15 +37,15 @@ impl Sheet {
         belongs: impl Fn(usize) -> bool,
     ) -> Option<Self> {
         let mut faces: Vec<usize> = vec![face];
-        for corner in topology.face(face).iter().flat_map(|&v| topology.ring(v as usize)) {
-            let f = topology.face_of(corner);
+        for half_edge in topology.face(face).iter().flat_map(|&v| topology.ring(v as usize)) {
+            let f = topology.face_of(half_edge);
             if !faces.contains(&f) && belongs(f) {
                 faces.push(f);
             }
         }
-        let at = |corner: u32| points[topology.vertex(corner) as usize];
-        let normal = |corner: u32| {
-            let (here, next, before) = (at(corner), at(topology.next(corner)), at(topology.previous(corner)));
+        let at = |half_edge: u32| points[topology.vertex(half_edge) as usize];
+        let normal = |half_edge: u32| {
+            let (here, next, before) = (at(half_edge), at(topology.next(half_edge)), at(topology.previous(half_edge)));
             cross(minus(next, here), minus(before, here))
         };
         let corners = topology.face(face);
@@ -55,28 +55,28 @@ impl Sheet {
             return None;
         }
         let n = times(1.0 / size, sum);
-        let (mut slope, mut rim) = (0.0_f64, Vec::new());
-        for corner in faces.iter().flat_map(|&f| topology.half_edges(f)) {
-            let here = normal(corner);
+        let (mut slope, mut boundary) = (0.0_f64, Vec::new());
+        for half_edge in faces.iter().flat_map(|&f| topology.half_edges(f)) {
+            let here = normal(half_edge);
             let up = dot(n, here);
             if up.is_nan() || up <= 0.0 {
                 return None;
             }
             slope = slope.max(length(flat(n, here)) / up);
-            let twin = topology.twin(corner);
+            let twin = topology.twin(half_edge);
             if twin == NONE || !faces.contains(&topology.face_of(twin)) {
-                rim.push([corner, topology.next(corner)].map(|c| flat(n, at(c))));
+                boundary.push([half_edge, topology.next(half_edge)].map(|c| flat(n, at(c))));
             }
         }
-        let ends = |corner: u32| minus(at(topology.next(corner)), at(corner));
+        let ends = |half_edge: u32| minus(at(topology.next(half_edge)), at(half_edge));
         if corners.iter().any(|&v| {
-            topology.boundary_edges(v as usize).is_none() && turns(n, topology.ring(v as usize).map(ends)) > 1
+            topology.boundary_edges(v as usize).is_none() && windings(n, topology.ring(v as usize).map(ends)) > 1
         }) {
             return None;
         }
         let mut outline = [[0.0; 3]; 4];
         outline.iter_mut().zip(corners).for_each(|(p, &v)| *p = flat(n, points[v as usize]));
-        Some(Self { normal: n, slope, rim, faces, outline, sides: corners.len().min(4) })
+        Some(Self { normal: n, slope, boundary, faces, outline, sides: corners.len().min(4) })
     }
 
     /// The faces, first the one in the middle.
@@ -87,10 +87,10 @@ impl Sheet {
     /// How far the surface, and what it is displaced to, are from each other near the face in the middle, where all its
     /// faces are displaced by means of these vectors; `None` where that could lead out of the sheet.
     ///
-    /// Let v be the greatest length of a displacement across the normal, less than the way to the rim. A point y of the
-    /// face lifts the disc of the radius v around it; the map that takes a point q of the disc to itself less the
-    /// displacement across the normal of the surface over q has a fixed point in it, moved by y's place (Brouwer), so
-    /// that some point of the disc is displaced to a place over y.
+    /// Let v be the greatest length of a displacement across the normal, less than the way to the boundary. A point y
+    /// of the face lifts the disc of the radius v around it; the map that takes a point q of the disc to itself less
+    /// the displacement across the normal of the surface over q has a fixed point in it, moved by y's place (Brouwer),
+    /// so that some point of the disc is displaced to a place over y.
     pub(super) fn displaced(&self, displacements: impl Iterator<Item = Vector>) -> Option<f64> {
         let (mut rise, mut along) = (0.0_f64, 0.0_f64);
         for x in displacements {
@@ -105,17 +105,17 @@ impl Sheet {
         self.slope
     }
 
-    /// The length of the shortest way in the plane from the face to the rim.
+    /// The length of the shortest way in the plane from the face to the boundary.
     pub(super) fn exit(&self) -> f64 {
         let [a, b, c, d] = self.outline;
         let halves = [[a, b, c], [a, c, d]];
         let halves = &halves[..self.sides - 2];
         let apart = |&edge: &[Vector; 2]| halves.iter().map(move |&half| self.apart(half, edge));
-        self.rim.iter().flat_map(apart).fold(f64::INFINITY, f64::min)
+        self.boundary.iter().flat_map(apart).fold(f64::INFINITY, f64::min)
     }
 
-    /// How far any mean of some points is from the surface, at most, seen from a triangle of the face; `None` where the way
-    /// there could lead out of the sheet.
+    /// How far any mean of some points is from the surface, at most, seen from a triangle of the face; `None` where the
+    /// way there could lead out of the sheet.
     pub(super) fn distance(&self, triangle: [Vector; 3], points: &[Vector]) -> Option<f64> {
         let n = self.normal;
         let [a, b, c] = triangle;
@@ -138,7 +138,7 @@ impl Sheet {
             let inside = outline.iter().chain(&*below).all(|&p| self.left(*edge, p) >= 0.0);
             inside || self.apart(outline, *edge) > farthest
         };
-        (farthest <= 0.0 || self.rim.iter().all(harmless)).then_some(most)
+        (farthest <= 0.0 || self.boundary.iter().all(harmless)).then_some(most)
     }
 
     /// The distance in the plane of a point from a triangle.
@@ -173,15 +173,15 @@ fn sides([a, b, c]: [Vector; 3]) -> [[Vector; 2]; 3] {
 }
 
 /// How often vectors that follow each other to the left turn around, seen along the normal.
-pub(super) fn turns(n: Vector, mut around: impl Iterator<Item = Vector>) -> usize {
+pub(super) fn windings(n: Vector, mut around: impl Iterator<Item = Vector>) -> usize {
     let Some(first) = around.next() else { return 0 };
     let mut is_left = true;
-    let mut turns = 0;
+    let mut windings = 0;
     for x in around.chain([first]) {
         let was_left = std::mem::replace(&mut is_left, dot(n, cross(first, x)) >= 0.0);
-        turns += usize::from(is_left && !was_left);
+        windings += usize::from(is_left && !was_left);
     }
-    turns
+    windings
 }
 
 /// What is across a unit vector.

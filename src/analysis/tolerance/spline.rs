@@ -1,7 +1,7 @@
 //! Which plans refine splines, so that second differences bound the distance from the limit.
 
-use super::NoLevel;
 use super::hull::MAX_REACH;
+use super::no_level::NoLevel;
 use crate::scheme::letter::Letter;
 use crate::scheme::operator::SplineStep;
 use crate::scheme::plan::{Plan, Scheduled};
@@ -27,9 +27,9 @@ pub(super) struct Spline {
     pub(super) factor: f64,
     /// Into what faces are split.
     pub(super) tile: Tile,
-    /// Whether each upsampling is followed by half an average more, which puts vertices in the place of faces. Then nets are
-    /// looked at after the upsampling: the next one is that after half an average and the upsampling that follows, whose
-    /// faces are quarters of the faces before.
+    /// Whether each upsampling is followed by half an average more, which puts vertices in the place of faces. Then
+    /// nets are looked at after the upsampling: the next one is that after half an average and the upsampling that
+    /// follows, whose faces are quarters of the faces before.
     pub(super) halved: bool,
 }
 
@@ -100,8 +100,8 @@ impl Spline {
     }
 
     /// Rings of faces that are kept around those that are followed. A level makes twice as many of them, of which a cut
-    /// changes as many as the limit depends on; what is left has to hold all that the limits of the faces that are compared,
-    /// and of those beside them, depend on.
+    /// changes as many as the limit depends on; what is left has to hold all that the limits of the faces that are
+    /// compared, and of those beside them, depend on.
     pub(super) fn margin(&self) -> usize {
         (self.reach + 2).max((2 * self.reach + self.rings() + 1).div_ceil(2))
     }

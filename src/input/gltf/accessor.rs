@@ -13,12 +13,12 @@ const NUMBER: usize = size_of::<f64>();
 
 /// Numbers in rows of `width`.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Rows {
+pub(super) struct AccessorRows {
     pub(super) width: usize,
     pub(super) values: Vec<f64>,
 }
 
-impl Rows {
+impl AccessorRows {
     /// Bytes of the numbers, which whoever drops them gives back.
     pub(super) fn bytes(&self) -> usize {
         self.values.len() * NUMBER
@@ -46,7 +46,7 @@ impl Document<'_> {
     }
 
     /// Vectors or scalars of an accessor. Normalized whole numbers come to -1..1 or 0..1.
-    pub(super) fn rows(&self, index: Index<Accessor>, room: &mut Room) -> Result<Rows, String> {
+    pub(super) fn rows(&self, index: Index<Accessor>, room: &mut Room) -> Result<AccessorRows, String> {
         let accessor = self.accessor(index)?;
         let place = |detail: String| format!("accessor {}: {detail}", index.value());
         let (component, width) = kind(accessor).map_err(place)?;
@@ -86,7 +86,7 @@ impl Document<'_> {
             }
             room.give(count * (1 + width) * NUMBER);
         }
-        Ok(Rows { width, values })
+        Ok(AccessorRows { width, values })
     }
 
     /// Whole numbers of an accessor, for indices; they are taken from the room.

@@ -9,7 +9,7 @@ use gltf::json::mesh::{Primitive, Semantic};
 use gltf::json::validation::Checked::{self, Valid};
 use serde_json::Value;
 
-use super::accessor::Rows;
+use super::accessor::AccessorRows;
 use super::buffers::Document;
 use crate::input::reader::ReadMesh;
 use crate::input::room::{GROWN, Room};
@@ -39,7 +39,7 @@ pub(super) fn group(primitive: &Primitive) -> Option<String> {
 /// Numbers of vertices by the names of attributes, as long as all vertices have them.
 #[derive(Debug, Default)]
 pub(super) struct Channels {
-    found: BTreeMap<String, Rows>,
+    found: BTreeMap<String, AccessorRows>,
 }
 
 impl Channels {
@@ -74,7 +74,7 @@ impl Channels {
     /// Hands the channels over that all vertices have, and names the others.
     pub(super) fn finish(self, mesh: &mut ReadMesh) {
         let n = mesh.positions.len();
-        for (name, Rows { width, values }) in self.found {
+        for (name, AccessorRows { width, values }) in self.found {
             if width > 0 && values.len() == n * width {
                 mesh.channels.push(Channel { name, width, values });
             } else {

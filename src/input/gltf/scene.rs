@@ -8,7 +8,7 @@ use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked::Valid;
 use gltf::json::{Index, Node};
 
-use super::accessor::Rows;
+use super::accessor::AccessorRows;
 use super::buffers::Document;
 use super::carried::{Channels, Groups, group, name};
 use super::transform::Transform;
@@ -313,12 +313,12 @@ impl Reading<'_> {
             (None, _) if places.is_empty() => {}
             _ => self.colors = None,
         }
-        self.room.give(rows.bytes() + [&uvs, &colors].into_iter().flatten().map(Rows::bytes).sum::<usize>());
+        self.room.give(rows.bytes() + [&uvs, &colors].into_iter().flatten().map(AccessorRows::bytes).sum::<usize>());
         Ok((start, n))
     }
 
     /// The finite numbers of an accessor that `n` vertices have besides their places.
-    fn others(&mut self, accessor: Option<Index<Accessor>>, n: usize) -> Result<Option<Rows>, String> {
+    fn others(&mut self, accessor: Option<Index<Accessor>>, n: usize) -> Result<Option<AccessorRows>, String> {
         let Some(accessor) = accessor else { return Ok(None) };
         let found = self.document.rows(accessor, &mut self.room)?;
         if found.len() != n || found.values.iter().any(|x| !x.is_finite()) {

@@ -1,7 +1,7 @@
 //! Readers: from what a client wrote to a value of its kind, or a sentence that says what is wrong.
 
-use super::{Kind, Literal, Parameter, Value, Values, shortened};
-use crate::fault::{Fault, under};
+use super::{Kind, Literal, Parameter, Value, Values};
+use crate::fault::{Fault, shortened, under};
 use crate::math::expression::Expression;
 
 pub(super) fn range(min: f64, max: f64) -> String {

@@ -7,8 +7,8 @@ use super::options::Options;
 use crate::math::vector::unit;
 use crate::output::error::FormatError;
 use crate::output::normals;
-use crate::output::parted::Parted;
 use crate::output::scene::{FaceChunk, MeshSource, Scene, Shape, in_chunks, triangles};
+use crate::output::split_vertices::SplitVertices;
 use crate::raster::{Camera, Crowding, Model, Normals, Strokes, Surface, render};
 use crate::watch::{Stopped, Watch};
 
@@ -28,9 +28,9 @@ pub(crate) fn picture(
     let shows = |item| options.shows(item, DEFAULT_SHOW);
     let body = shows("surface") || shows("wireframe") || shows("isolines");
     let shaded = shows("surface") && !options.flat();
-    let parted = if shaded { Parted::of(Shape::Mesh(mesh), watch)? } else { None };
+    let split_vertices = if shaded { SplitVertices::of(Shape::Mesh(mesh), watch)? } else { None };
     // copies of vertices stand after all others, so that the edges of the mesh are the same ones
-    let sides = parted.as_ref().map_or(mesh, |parted| parted);
+    let sides = split_vertices.as_ref().map_or(mesh, |split_vertices| split_vertices);
     let positions = if body { positions(sides, watch)? } else { Vec::new() };
     let triangles = if body { triangulated(sides, watch)? } else { Vec::new() };
     let smooth = if shaded { normals::of(sides, &positions, watch)? } else { Vec::new() };

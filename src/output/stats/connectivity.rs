@@ -40,7 +40,7 @@ impl Connectivity {
         watch.check()?;
         let mut valences = vec![0_u32; n];
         let mut on_boundary = vec![false; n];
-        let (mut pieces, mut rim) = (Pieces::new(n), Pieces::new(n));
+        let (mut pieces, mut boundary) = (Pieces::new(n), Pieces::new(n));
         let (mut edges, mut boundary_edges, mut closed) = (0, 0, !keys.is_empty());
         for run in keys.chunk_by(|a, b| a == b) {
             let [a, b] = ends(run[0]);
@@ -53,17 +53,17 @@ impl Connectivity {
                 boundary_edges += 1;
                 on_boundary[a] = true;
                 on_boundary[b] = true;
-                rim.join(a, b);
+                boundary.join(a, b);
             }
         }
         let (mut interior_valences, mut boundary_valences) = (BTreeMap::new(), BTreeMap::new());
-        for (&valence, &rim) in valences.iter().zip(&on_boundary).filter(|(valence, _)| **valence > 0) {
-            *if rim { &mut boundary_valences } else { &mut interior_valences }.entry(valence).or_default() += 1;
+        for (&valence, &boundary) in valences.iter().zip(&on_boundary).filter(|(valence, _)| **valence > 0) {
+            *if boundary { &mut boundary_valences } else { &mut interior_valences }.entry(valence).or_default() += 1;
         }
         let isolated = (0_u32..).zip(&valences).filter(|(_, valence)| **valence == 0).map(|(vertex, _)| vertex);
         let isolated = isolated.collect();
         // Off the boundary every vertex is a piece of its own there.
-        let boundary_loops = rim.n - on_boundary.iter().filter(|rim| !**rim).count();
+        let boundary_loops = boundary.n - on_boundary.iter().filter(|boundary| !**boundary).count();
         Ok(Self {
             edges,
             boundary_edges,

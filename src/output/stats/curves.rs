@@ -9,7 +9,7 @@ use crate::output::stream::unfit;
 use crate::watch::{Stopped, Watch};
 
 use super::entries::{add_moments, bounding_box, euler, seen_from};
-use super::hashes::{Part, PositionsHash, ShapeHash};
+use super::hashes::{HashedItem, PositionsHash, ShapeHash};
 use super::moments::Moments;
 
 /// The statistics of polygons whose points have `D` coordinates.
@@ -25,7 +25,7 @@ pub(super) fn report<const D: usize>(curves: &[Curve], watch: &Watch) -> Result<
         }
         bounds.add(points::<D>(curve));
         positions_hash.add(&curve.points);
-        let part = if curve.closed { Part::Closed } else { Part::Open };
+        let part = if curve.closed { HashedItem::Closed } else { HashedItem::Open };
         shape_hash.add(part, points::<D>(curve).iter().map(<[f64; D]>::as_slice), &mut bytes);
     }
     let origin = bounds.center();

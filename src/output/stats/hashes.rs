@@ -29,7 +29,7 @@ pub(super) struct ShapeHash([u64; 4]);
 
 /// Kinds of parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Part {
+pub(super) enum HashedItem {
     /// A vertex without faces.
     Vertex = 0,
     /// A face.
@@ -45,7 +45,7 @@ impl ShapeHash {
     pub(super) const ZERO: Self = Self([0; 4]);
 
     /// Adds a part with these points; `bytes` is room for them.
-    pub(super) fn add<'a>(&mut self, part: Part, points: impl Iterator<Item = &'a [f64]>, bytes: &mut Vec<u8>) {
+    pub(super) fn add<'a>(&mut self, part: HashedItem, points: impl Iterator<Item = &'a [f64]>, bytes: &mut Vec<u8>) {
         bytes.clear();
         let mut size = 0;
         for point in points {
@@ -53,7 +53,7 @@ impl ShapeHash {
             size = size_of_val(point);
         }
         let start = match part {
-            Part::Face | Part::Closed if size > 0 => size * least_rotation(bytes, size),
+            HashedItem::Face | HashedItem::Closed if size > 0 => size * least_rotation(bytes, size),
             _ => 0,
         };
         let mut hasher = blake3::Hasher::new();

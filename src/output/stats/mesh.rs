@@ -12,7 +12,7 @@ use crate::watch::{Stopped, Watch};
 
 use super::connectivity::Connectivity;
 use super::entries::{add_moments, bounding_box, euler, histogram, seen_from};
-use super::hashes::{Part, PositionsHash, ShapeHash};
+use super::hashes::{HashedItem, PositionsHash, ShapeHash};
 use super::moments::Moments;
 
 /// The statistics of a mesh, on request with a hash of its normals.
@@ -31,7 +31,7 @@ pub(super) fn report(mesh: &dyn MeshSource, with_normals: bool, watch: &Watch) -
     let mut sums = sums(mesh, rows, origin, watch)?;
     let mut bytes = Vec::new();
     for &vertex in &connectivity.isolated {
-        sums.hash.add(Part::Vertex, std::iter::once(rows[vertex as usize].as_slice()), &mut bytes);
+        sums.hash.add(HashedItem::Vertex, std::iter::once(rows[vertex as usize].as_slice()), &mut bytes);
     }
     let closed = connectivity.closed;
     let solid = closed && sums.solid.measure != 0.0;
@@ -88,7 +88,7 @@ impl Sums {
         let mut sums = Self::ZERO;
         let mut bytes = Vec::new();
         for face in block.iter() {
-            sums.hash.add(Part::Face, face.iter().map(|&v| rows[v as usize].as_slice()), &mut bytes);
+            sums.hash.add(HashedItem::Face, face.iter().map(|&v| rows[v as usize].as_slice()), &mut bytes);
             for triangle in triangles(face) {
                 let corners = triangle.map(|v| seen_from(origin, &rows[v as usize]));
                 sums.surface.add_triangle(&corners);

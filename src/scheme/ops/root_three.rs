@@ -13,7 +13,7 @@ use crate::scheme::sharpness::edges_at;
 use crate::scheme::stencil::RingMask;
 use crate::scheme::step::{Action, Step, Values};
 use crate::scheme::step_error::StepError;
-use crate::shape::root_three::Rim;
+use crate::shape::root_three::BoundarySplit;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// Kobbelt's sqrt 3 scheme for triangles: a vertex at the centroid of each face, every inner edge flipped, and the old
@@ -62,9 +62,9 @@ impl Operator for RootThree {
     fn census(&self, before: &Census) -> Census {
         let (v, f, b) = (before.count.vertices, before.count.faces, before.boundary);
         let (faces, corners) = (sum(&[(3, f)]), sum(&[(9, f)]));
-        let (vertices, boundary) = match rim(before.rounds) {
-            Rim::Whole => (sum(&[(1, v), (1, f)]), b),
-            Rim::Thirds => (sum(&[(1, v), (1, f), (1, b)]), sum(&[(3, b)])),
+        let (vertices, boundary) = match boundary(before.rounds) {
+            BoundarySplit::Whole => (sum(&[(1, v), (1, f)]), b),
+            BoundarySplit::Thirds => (sum(&[(1, v), (1, f), (1, b)]), sum(&[(3, b)])),
         };
         before.after([vertices, faces, corners, 3], boundary)
     }
@@ -73,20 +73,23 @@ impl Operator for RootThree {
         if net.mesh.rounds == 0 {
             self.admits(net)?;
         }
-        let (old, rim) = (net.mesh.base.clone(), rim(net.mesh.rounds));
-        let next = net.after_rebuild(old.split_root_three(rim), net.tags.corners.to_vec());
+        let (old, boundary) = (net.mesh.base.clone(), boundary(net.mesh.rounds));
+        let next = net.after_rebuild(old.split_root_three(boundary), net.tags.corners.to_vec());
         let (n_v, n_f) = (old.n_vertices(), old.n_faces());
-        let cut: Vec<u32> = match rim {
-            Rim::Whole => Vec::new(),
-            Rim::Thirds => (0..old.n_edges()).filter(|&e| old.is_boundary_edge(e)).map(index).collect(),
+        let cut: Vec<u32> = match boundary {
+            BoundarySplit::Whole => Vec::new(),
+            BoundarySplit::Thirds => (0..old.n_edges()).filter(|&e| old.is_boundary_edge(e)).map(index).collect(),
         };
         let before = net.clone();
         let rows = RowsBy::new(next.mesh.n_vertices(), n_v, move |row, out: &mut Rows| {
             if row < n_v {
-                vertex_row(&before, rim, row, out);
+                vertex_row(&before, boundary, row, out);
             } else if row < n_v + n_f {
                 let face = row - n_v;
-                match old.half_edges(face).find(|&half_edge| rim == Rim::Thirds && old.twin(half_edge) == NONE) {
+                match old
+                    .half_edges(face)
+                    .find(|&half_edge| boundary == BoundarySplit::Thirds && old.twin(half_edge) == NONE)
+                {
                     Some(half_edge) => third_row(&before, old.edge(half_edge), Near::Start, out),
                     None => old.face(face).iter().for_each(|&v| out.add(v, ratio(1, 3))),
                 }
@@ -99,8 +102,8 @@ impl Operator for RootThree {
 }
 
 /// Boundaries are cut in every second step.
-fn rim(rounds: u32) -> Rim {
-    if rounds.is_multiple_of(2) { Rim::Whole } else { Rim::Thirds }
+fn boundary(rounds: u32) -> BoundarySplit {
+    if rounds.is_multiple_of(2) { BoundarySplit::Whole } else { BoundarySplit::Thirds }
 }
 
 /// `(1 - a) p + a/n sum neighbours` with `a = (4 - 2 cos(2 pi/n))/9`.
@@ -114,11 +117,11 @@ fn curve_mask() -> RingMask {
     RingMask { own: ratio(19, 27), neighbours: ratio(4, 27) }
 }
 
-fn vertex_row(net: &MeshNet, rim: Rim, v: usize, out: &mut Rows) {
+fn vertex_row(net: &MeshNet, boundary: BoundarySplit, v: usize, out: &mut Rows) {
     let old = &net.mesh.base;
-    match (Blend::of(v, old, &net.tags, None).before, rim) {
-        (Rule::Corner, _) | (Rule::Crease(_), Rim::Whole) => out.add(index(v), 1.0),
-        (Rule::Crease(edges), Rim::Thirds) => curve_mask().add_ends(old, v, edges.into_iter(), out),
+    match (Blend::of(v, old, &net.tags, None).before, boundary) {
+        (Rule::Corner, _) | (Rule::Crease(_), BoundarySplit::Whole) => out.add(index(v), 1.0),
+        (Rule::Crease(edges), BoundarySplit::Thirds) => curve_mask().add_ends(old, v, edges.into_iter(), out),
         (Rule::Smooth, _) => vertex_mask(old.ring(v).count()).add_ends(old, v, edges_at(old, v), out),
     }
 }

@@ -2,10 +2,10 @@
 
 use super::legal::{other_than_halves, useless};
 use super::{AlphaOf, Carried, Latitude, Perturbation, Plan, PlanInput, Subject};
-use crate::fault::{Fault, under};
+use crate::fault::{Fault, shortened, under};
 use crate::math::expression::Expression;
 use crate::math::functions::ratio;
-use crate::math::parameter::{Literal, Value, Values, shortened};
+use crate::math::parameter::{Literal, Value, Values};
 use crate::scheme::letter::Letter;
 use crate::scheme::parameters::{DEFAULT_MU, KERNEL, SPLIT, WORD_PARAMETERS, latitude_rule, perturbation, tile};
 use crate::scheme::preset::{Preset, Refines, Spelling};
@@ -147,7 +147,8 @@ fn check_subject(preset: &Preset, subject: Subject) -> Result<(), Vec<Fault>> {
     Err(vec![Fault::new("/preset", format!("{} refines {kind}; {remedy}", preset.name))])
 }
 
-/// Vertices of meshes carry values of the kernel and its like: a preset that has no such parameters has no use for them.
+/// Vertices of meshes carry values of the kernel and its like: a preset that has no such parameters has no use for
+/// them.
 fn check_carried(preset: &Preset, subject: Subject) -> Result<(), Vec<Fault>> {
     let Some(carried) = subject.carried else { return Ok(()) };
     if preset.parameters.iter().any(|parameter| parameter.name == KERNEL.name) {

@@ -94,8 +94,8 @@ impl Plan {
             && self.triangle_sums(value, letter).iter().any(|sum| sum.abs() < 1e-9)
         {
             let detail = format!(
-                "the kernel is {value} at level {level} (alpha = {alpha}), where the weights of some triangle add up to 0; \
-                 choose another kernel or another mu than {}",
+                "the kernel is {value} at level {level} (alpha = {alpha}), where the weights of some triangle add up \
+                 to 0; choose another kernel or another mu than {}",
                 self.mu
             );
             return Err(Fault::new("/parameters/kernel", detail));
@@ -134,8 +134,8 @@ impl Plan {
 
 fn no_average(name: &str, value: f64, alpha: f64, level: u32) -> Fault {
     let detail = format!(
-        "the {name} is {value} at level {level} (alpha = {alpha}), where no average exists, as its weights add up to 0; it is \
-         any number but -1"
+        "the {name} is {value} at level {level} (alpha = {alpha}), where no average exists, as its weights add up to \
+         0; it is any number but -1"
     );
     Fault::new(format!("/parameters/{name}"), detail)
 }
@@ -147,9 +147,9 @@ fn at(function: &Expression, alpha: f64, level: u32, name: &str) -> Result<f64, 
             format!("the {name} is {value}; it must be finite: change the expression")
         } else {
             format!(
-                "the {name} is {value} at level {level} (alpha = {alpha}); it must be finite at every level for the alpha of \
-                 the plan, even where points or latitude lines have their own: give another \"alpha\" in the plan, or \
-                 change the expression"
+                "the {name} is {value} at level {level} (alpha = {alpha}); it must be finite at every level for the \
+                 alpha of the plan, even where points or latitude lines have their own: give another \"alpha\" in the \
+                 plan, or change the expression"
             )
         };
         Fault::new(format!("/parameters/{name}"), detail)

@@ -61,8 +61,8 @@ pub(super) const C_B_SPLINE: Preset = Preset {
 
 pub(super) const D_ARY_B_SPLINE: Preset = Preset {
     name: "d-ary-b-spline",
-    doc: "The uniform B-spline of degree g by refinement of arity d: U of arity d, then g - 1 averages of d points; symbol \
-          (1 + z + ... + z^(d-1))^(g+1) / d^g. The word U3 A^3 for d = 3, g = 4.",
+    doc: "The uniform B-spline of degree g by refinement of arity d: U of arity d, then g - 1 averages of d points; \
+          symbol (1 + z + ... + z^(d-1))^(g+1) / d^g. The word U3 A^3 for d = 3, g = 4.",
     source: "Zhang and Wang 2002, section 4.2; Maillot and Stam, Computer Graphics Forum 20 (2001)",
     parameters: &[Parameter { default: Default::Number(3.0), ..ARITY }, degree(1)],
     refines: Refines::Curves,

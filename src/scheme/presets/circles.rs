@@ -10,9 +10,9 @@ use crate::scheme::preset::{Preset, Refines, Spelling};
 
 pub(super) const D_ARY_CIRCLE: Preset = Preset {
     name: "d-ary-circle",
-    doc: "The d-ary scheme with m averages that keeps circles of angle alpha a point, with mask d sigma^m E / (sigma(1)^m \
-          E(1)), e[j] = sin((j+1) alpha/d) / sin(alpha/d), followed by a push-back that keeps them, too. alpha = 2 pi / K \
-          turns regular K-gons into circles; alpha = 0 is the linear limit.",
+    doc: "The d-ary scheme with m averages that keeps circles of angle alpha a point, with mask d sigma^m E / \
+          (sigma(1)^m E(1)), e[j] = sin((j+1) alpha/d) / sin(alpha/d), followed by a push-back that keeps them, too. \
+          alpha = 2 pi / K turns regular K-gons into circles; alpha = 0 is the linear limit.",
     source: "after Zhang and Wang 2002, section 4.2",
     parameters: &[
         Parameter { default: Default::Number(3.0), ..ARITY },

@@ -9,7 +9,8 @@ use crate::scheme::preset::{Preset, Refines, Spelling, masked};
 pub(super) const TWO_N_POINT: Preset = Preset {
     name: "two-n-point",
     doc: "The interpolating 2n-point scheme: odd points by the polynomial of degree 2n - 1 through the 2n neighbours, \
-          a[+-(2j-1)] = (-1)^(j-1) ((2n-1)!!)^2 / (2^(2n-1) (n+j-1)! (n-j)! (2j-1)). C1 for n = 2, then C2, C3, C4, C4.",
+          a[+-(2j-1)] = (-1)^(j-1) ((2n-1)!!)^2 / (2^(2n-1) (n+j-1)! (n-j)! (2j-1)). C1 for n = 2, then C2, C3, C4, \
+          C4.",
     source: "Deslauriers and Dubuc, Constructive Approximation 5 (1989), 49-68",
     parameters: &[Parameter {
         name: "n",
@@ -57,8 +58,8 @@ fn gcd(a: u128, b: u128) -> u128 {
 
 pub(super) const MASK: Preset = Preset {
     name: "mask",
-    doc: "Any linear scheme: q[j] = sum over i of a[j - d i] p[i] with arity d and the mask a. Schemes that converge have \
-          entries that sum to 1 in each residue class modulo d.",
+    doc: "Any linear scheme: q[j] = sum over i of a[j - d i] p[i] with arity d and the mask a. Schemes that converge \
+          have entries that sum to 1 in each residue class modulo d.",
     source: "Dyn, Subdivision schemes in CAGD, 1992, section 2",
     parameters: &[parameters::ARITY, parameters::MASK, parameters::FIRST],
     refines: Refines::Curves,

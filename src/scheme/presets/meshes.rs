@@ -26,8 +26,9 @@ pub(super) const CATMULL_CLARK: Preset = Preset {
 
 pub(super) const LOOP: Preset = Preset {
     name: "loop",
-    doc: "Loop's scheme for meshes of triangles: a box spline, C2, in regular regions (valence 6), C1 at other vertices. \
-          Boundaries by the plan's `boundary`, sharp edges and corners by the input's `creases` and `corners`.",
+    doc: "Loop's scheme for meshes of triangles: a box spline, C2, in regular regions (valence 6), C1 at other \
+          vertices. Boundaries by the plan's `boundary`, sharp edges and corners by the input's `creases` and \
+          `corners`.",
     source: "Loop, Smooth subdivision surfaces based on triangles, 1987; boundaries as OpenSubdiv 3.5",
     parameters: &[CREASING],
     refines: Refines::Meshes,
@@ -50,11 +51,11 @@ pub(super) const BILINEAR: Preset = Preset {
 
 const CREASING: Parameter = Parameter {
     name: "creasing",
-    kind: Kind::Choice(&["uniform", "chaikin"]),
+    kind: Kind::Choice(&[Creasing::Uniform.name(), Creasing::Chaikin.name()]),
     unit: "",
-    default: Default::Text("uniform"),
-    doc: "How much of its sharpness s an edge hands on to its halves: s - 1, or 3/4 s + 1/4 m - 1 with m the mean of the \
-          other semi-sharp edges at the half's end.",
+    default: Default::Text(Creasing::Uniform.name()),
+    doc: "How much of its sharpness s an edge hands on to its halves: s - 1, or 3/4 s + 1/4 m - 1 with m the mean of \
+          the other semi-sharp edges at the half's end.",
 };
 
 const TRIANGLE_RULE: Parameter = Parameter {
@@ -62,10 +63,10 @@ const TRIANGLE_RULE: Parameter = Parameter {
     kind: Kind::Choice(&["catmark", "smooth"]),
     unit: "",
     default: Default::Text("catmark"),
-    doc: "Edge points beside triangles: the usual (V1 + V2 + F1 + F2)/4, or (1/2 - w)(V1 + V2) + w (F1 + F2), with w the \
-          mean of 0.47 for a triangle and 1/4 for any other face.",
+    doc: "Edge points beside triangles: the usual (V1 + V2 + F1 + F2)/4, or (1/2 - w)(V1 + V2) + w (F1 + F2), with w \
+          the mean of 0.47 for a triangle and 1/4 for any other face.",
 };
 
 fn creasing(values: &Values) -> Creasing {
-    if values.choice("creasing") == Some("chaikin") { Creasing::Chaikin } else { Creasing::Uniform }
+    if values.choice("creasing") == Some(Creasing::Chaikin.name()) { Creasing::Chaikin } else { Creasing::Uniform }
 }

@@ -7,9 +7,9 @@ use crate::scheme::preset::{Preset, Refines, Spelling, letters};
 
 pub(super) const DOO_SABIN: Preset = Preset {
     name: "doo-sabin",
-    doc: "Doo-Sabin with the original weights (n + 5)/(4n) and (3 + 2 cos(2 pi i/n))/(4n) for faces of any size: biquadratic \
-          B-splines in regular regions, C1 everywhere. Boundaries are the quadratic B-splines of their polygons, corners \
-          by the plan's `boundary`.",
+    doc: "Doo-Sabin with the original weights (n + 5)/(4n) and (3 + 2 cos(2 pi i/n))/(4n) for faces of any size: \
+          biquadratic B-splines in regular regions, C1 everywhere. Boundaries are the quadratic B-splines of their \
+          polygons, corners by the plan's `boundary`.",
     source: "Doo and Sabin, CAD 10 (1978), 356-360",
     parameters: &[],
     refines: Refines::Meshes,
@@ -38,9 +38,9 @@ pub(super) const REPEATED_AVERAGING: Preset = Preset {
 
 pub(super) const KOBBELT: Preset = Preset {
     name: "kobbelt",
-    doc: "Kobbelt's interpolating scheme: the tensor product of the four-point scheme in regular regions, with a virtual \
-          point beyond extraordinary vertices. Boundaries are four-point curves of their polygons; the surface inside is \
-          reflected at them. A first step turns faces of any size into quads.",
+    doc: "Kobbelt's interpolating scheme: the tensor product of the four-point scheme in regular regions, with a \
+          virtual point beyond extraordinary vertices. Boundaries are four-point curves of their polygons; the surface \
+          inside is reflected at them. A first step turns faces of any size into quads.",
     source: "Kobbelt, Computer Graphics Forum 15 (1996), 409-420",
     parameters: &[],
     refines: Refines::Meshes,

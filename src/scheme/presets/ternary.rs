@@ -20,7 +20,8 @@ struct Blend {
 
 /// Rule (8) with the products that stay finite where delta or lambda do not:
 /// `p[3i] <- (eta, theta - 2 eta, 1 + 2 eta - 2 theta, ...)`,
-/// `p[3i+1] <- (-omega delta, lambda (1+omega), (1-lambda)(1+omega), -omega (1-delta))` on `i-1 .. i+2`, `p[3i+2]` mirrored.
+/// `p[3i+1] <- (-omega delta, lambda (1+omega), (1-lambda)(1+omega), -omega (1-delta))` on `i-1 .. i+2`, `p[3i+2]`
+/// mirrored.
 fn blend(rule: &Blend) -> Result<Spelling, Vec<Fault>> {
     let Blend { eta, theta, omega_delta, omega, lambda } = *rule;
     let outwards = [lambda, 1.0 + omega - lambda, theta - 2.0 * eta, -omega_delta, omega_delta - omega, eta];
@@ -37,8 +38,8 @@ fn number(values: &Values, name: &str) -> f64 {
 
 pub(super) const BLENDING: Preset = Preset {
     name: "ternary-blending",
-    doc: "Rule (8): five parameters that contain interpolating and approximating ternary schemes. Interpolates when eta \
-          and theta are 0.",
+    doc: "Rule (8): five parameters that contain interpolating and approximating ternary schemes. Interpolates when \
+          eta and theta are 0.",
     source: HUANG_TAN,
     parameters: &[
         real("eta", Default::Required, "Weight of the second neighbours of a vertex."),
@@ -62,8 +63,8 @@ pub(super) const BLENDING: Preset = Preset {
 
 pub(super) const C4: Preset = Preset {
     name: "ternary-c4",
-    doc: "Rule (9): the five-point ternary scheme with symbol (1+z+z^2)^5 (eta + (1/81 - 2 eta) z + eta z^2), C4 exactly \
-          for 0 < eta < 1/81; eta = 1/243 is the quintic B-spline.",
+    doc: "Rule (9): the five-point ternary scheme with symbol (1+z+z^2)^5 (eta + (1/81 - 2 eta) z + eta z^2), C4 \
+          exactly for 0 < eta < 1/81; eta = 1/243 is the quintic B-spline.",
     source: HUANG_TAN,
     parameters: &[real("eta", Default::Number(1.0 / 243.0), "Shape; C4 for 0 < eta < 1/81.")],
     refines: Refines::Curves,
@@ -153,7 +154,8 @@ pub(super) const REHAN: Preset = Preset {
     name: "ternary-combined-rehan",
     doc: "The combined scheme with p[3i] = (-alpha, 4 alpha, 1 - 6 alpha, 4 alpha, -alpha); C3 only for beta = 0 and \
           4/243 < alpha < 7/405.",
-    source: "Rehan and Sabri, Applied Mathematics and Computation 276 (2016), 278-283, as row [13] of Huang and Tan 2021",
+    source: "Rehan and Sabri, Applied Mathematics and Computation 276 (2016), 278-283, as row [13] of Huang and Tan \
+          2021",
     parameters: &[real("alpha", Default::Required, "Shape."), real("beta", Default::Required, "Shape.")],
     refines: Refines::Curves,
     spell: |values| {
@@ -171,8 +173,8 @@ pub(super) const REHAN: Preset = Preset {
 
 pub(super) const NOVARA: Preset = Preset {
     name: "ternary-combined-novara",
-    doc: "The combined four-point scheme with mask (gamma, beta, 1/9 - alpha, ...); three sum rules exactly when alpha + \
-          beta + gamma = 0, up to C3.",
+    doc: "The combined four-point scheme with mask (gamma, beta, 1/9 - alpha, ...); three sum rules exactly when alpha \
+          + beta + gamma = 0, up to C3.",
     source: "Novara and Romani, Applied Mathematics Letters 62 (2016), 84-91, as row [14] of Huang and Tan 2021",
     parameters: &[
         real("alpha", Default::Required, "Pull of the vertices."),

@@ -8,9 +8,9 @@ use crate::shape::tile::Tile;
 
 pub(super) const BUTTERFLY: Preset = Preset {
     name: "butterfly",
-    doc: "The modified butterfly scheme for triangles: interpolates, C1; at w = 1/16 regular regions reproduce cubics. Edge \
-          points 1/2 (a + b) + 2w (c + d) - w (four far vertices) between vertices of valence 6, weights of the ring at \
-          others, four-point curves on boundaries.",
+    doc: "The modified butterfly scheme for triangles: interpolates, C1; at w = 1/16 regular regions reproduce cubics. \
+          Edge points 1/2 (a + b) + 2w (c + d) - w (four far vertices) between vertices of valence 6, weights of the \
+          ring at others, four-point curves on boundaries.",
     source: "Zorin, Schroeder and Sweldens, SIGGRAPH 1996, 189-192; Dyn, Levin and Gregory, ACM TOG 9 (1990), 160-169",
     parameters: &[ButterflyEdges::W],
     refines: Refines::Meshes,

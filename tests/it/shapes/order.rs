@@ -8,7 +8,11 @@
 
 use std::collections::BTreeSet;
 
+use planish::job::Input;
 use planish::math::functions::sqrt;
+use planish::refine::{Points, RefinedMesh, act_on, mesh_net};
+use planish::shape::source::{FaceChunk, MeshSource, OriginSource};
+use planish::watch::Watch;
 use serde_json::json;
 
 use crate::support;
@@ -217,5 +221,31 @@ fn all_schemes_that_split_share_the_order() {
                 assert_eq!(other.positions.len(), bilinear.positions.len(), "{plan}");
             }
         }
+    }
+}
+
+#[test]
+fn a_mesh_handed_over_in_the_documented_order_is_the_one_that_would_be_gathered() {
+    for plan in [json!({ "preset": "catmull-clark" }), json!({ "word": "UU3C" })] {
+        let text =
+            json!({ "input": nets::prism(5).input(), "plan": plan, "levels": 2, "outputs": [{ "format": "json" }] });
+        let job = support::parsed(text.to_string().as_bytes()).expect("a valid job");
+        let Input::Mesh(mesh) = &job.input else { unreachable!("the input is a mesh") };
+        let (steps, points) = (job.plan.schedule(2).expect("no functions"), Points::new(mesh.positions.clone(), 3));
+        let refined = act_on(mesh_net(mesh, &job.plan), vec![points], &job.plan, &steps, &Watch::new());
+        let (mut net, points) = refined.expect("a plan for any mesh");
+        let gathered = RefinedMesh::new(&net, points[0].now.clone());
+        // whoever knows the documented order has no need of the topology before the last split
+        net.mesh.parent = Some(net.mesh.base.clone());
+        let documented = RefinedMesh::documented(&net, gathered.all_positions().into_flattened());
+        assert_eq!(documented.all_positions(), gathered.all_positions());
+        let faces = |mesh: &RefinedMesh| {
+            let mut faces = FaceChunk::default();
+            mesh.faces(0..mesh.n_faces(), &mut faces);
+            faces
+        };
+        assert_eq!(faces(&documented), faces(&gathered));
+        let origins = |mesh: &RefinedMesh| (0..mesh.n_vertices()).map(|v| mesh.vertex_origin(v)).collect::<Vec<_>>();
+        assert_eq!(origins(&documented), origins(&gathered));
     }
 }

@@ -50,7 +50,7 @@ pub(crate) fn nothing(kind: ShapeKind) -> Counts {
         faces: 0,
         half_edges: 0,
         largest_face: 0,
-        parted: 0,
+        split_vertices: 0,
         uvs: 0,
         frame: Frame::default(),
         attachments: Arc::default(),

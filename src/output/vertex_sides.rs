@@ -1,8 +1,8 @@
-//! A mesh for formats that know one normal and one pair of texture coordinates a vertex: vertices are parted on seams,
+//! A mesh for formats that know one normal and one pair of texture coordinates a vertex: vertices are split on seams,
 //! and on sharp edges where there are normals.
 
-use crate::output::parted::Parted;
 use crate::output::scene::{MeshSource, Shape};
+use crate::output::split_vertices::SplitVertices;
 use crate::shape::source::UvSource;
 use crate::watch::{Stopped, Watch};
 
@@ -12,12 +12,12 @@ pub(super) struct Sides<'a> {
     unfolded: Option<Box<dyn MeshSource + 'a>>,
 }
 
-/// The same, parted on sharp edges too.
-pub(super) struct Parts<'a> {
+/// The same, split on sharp edges too.
+pub(super) struct SplitSides<'a> {
     sides: &'a Sides<'a>,
-    parted: Option<Parted<'a>>,
-    /// The mesh with whole vertices, parted on sharp edges only.
-    smooth: Option<Parted<'a>>,
+    split_vertices: Option<SplitVertices<'a>>,
+    /// The mesh with whole vertices, split on sharp edges only.
+    smooth: Option<SplitVertices<'a>>,
 }
 
 impl<'a> Sides<'a> {
@@ -35,25 +35,25 @@ impl<'a> Sides<'a> {
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.
-    pub(super) fn parted(&'a self, normals: bool, watch: &Watch) -> Result<Parts<'a>, Stopped> {
-        let of = |shape, wanted: bool| if wanted { Parted::of(shape, watch) } else { Ok(None) };
-        Ok(Parts {
+    pub(super) fn split_vertices(&'a self, normals: bool, watch: &Watch) -> Result<SplitSides<'a>, Stopped> {
+        let of = |shape, wanted: bool| if wanted { SplitVertices::of(shape, watch) } else { Ok(None) };
+        Ok(SplitSides {
             sides: self,
-            parted: of(self.shape(), normals)?,
+            split_vertices: of(self.shape(), normals)?,
             smooth: of(self.whole, normals && self.unfolded.is_some())?,
         })
     }
 }
 
-impl Parts<'_> {
+impl SplitSides<'_> {
     /// The shape to be written.
     pub(super) fn shape(&self) -> Shape<'_> {
-        self.parted.as_ref().map_or(self.sides.shape(), |parted| Shape::Mesh(parted))
+        self.split_vertices.as_ref().map_or(self.sides.shape(), |split_vertices| Shape::Mesh(split_vertices))
     }
 
-    /// Where the shape is parted on seams, the mesh that is not, from which its normals come.
+    /// Where the shape is split on seams, the mesh that is not, from which its normals come.
     pub(super) fn smooth(&self) -> Option<&dyn MeshSource> {
         let (Some(_), Shape::Mesh(whole)) = (&self.sides.unfolded, self.sides.whole) else { return None };
-        Some(self.smooth.as_ref().map_or(whole, |parted| parted))
+        Some(self.smooth.as_ref().map_or(whole, |split_vertices| split_vertices))
     }
 }

@@ -2,11 +2,11 @@
 
 use rayon::prelude::*;
 
-use super::NoLevel;
 use super::bend::{Bend, Box3, around, bends, spread};
 use super::budget::Budget;
 use super::hull::Hulls;
 use super::level::Level;
+use super::no_level::NoLevel;
 use super::sheet::Sheet;
 use super::spline::Spline;
 use crate::math::vector::{Vector, cross, length, minus, plus, times};
@@ -39,7 +39,7 @@ impl Near {
 }
 
 /// The distances of the limit from the faces of a net.
-pub(super) struct Rests<'a> {
+pub(super) struct Remainders<'a> {
     level: &'a Level,
     spline: &'a Spline,
     /// For each vertex what the limit of the faces around it depends on.
@@ -51,7 +51,7 @@ pub(super) struct Rests<'a> {
     budget: &'a Budget,
 }
 
-impl<'a> Rests<'a> {
+impl<'a> Remainders<'a> {
     /// Those of a level.
     ///
     /// # Errors
@@ -61,7 +61,7 @@ impl<'a> Rests<'a> {
         let (topology, points) = (&level.topology, level.points.now.as_chunks::<3>().0);
         let areas: Vec<Vector> =
             (0..topology.n_faces()).into_par_iter().with_min_len(1024).map(|f| area(level, f)).collect();
-        let around_vertex = |v: usize| topology.ring(v).map(|corner| areas[topology.face_of(corner)]);
+        let around_vertex = |v: usize| topology.ring(v).map(|half_edge| areas[topology.face_of(half_edge)]);
         let normal = |v: usize| at_unit_length(around_vertex(v).fold([0.0; 3], plus));
         let normals: Vec<Vector> = (0..topology.n_vertices()).into_par_iter().with_min_len(1024).map(normal).collect();
         budget.check()?;
@@ -91,8 +91,8 @@ impl<'a> Rests<'a> {
         self.joined(&self.near, face).map_or(0.0, |near| self.spline.factor * near.bend.most)
     }
 
-    /// By second differences, or by the box around the points that the limit depends on. A point of the limit is as far from
-    /// its place on the face.
+    /// By second differences, or by the box around the points that the limit depends on. A point of the limit is as far
+    /// from its place on the face.
     pub(super) fn plain(&self, face: u32) -> f64 {
         if self.spline.reach == 0 {
             return 0.0;
@@ -101,9 +101,9 @@ impl<'a> Rests<'a> {
         self.bend(face).min(hull)
     }
 
-    /// For each of these faces the distance of its limit from the faces up to `Spline::rings` around it, and of the face from
-    /// the limit of those; as soon as it is known to be `little`, it is not looked into. Faces belong to the surface that
-    /// `belongs` says.
+    /// For each of these faces the distance of its limit from the faces up to `Spline::rings` around it, and of the
+    /// face from the limit of those; as soon as it is known to be `little`, it is not looked into. Faces belong to the
+    /// surface that `belongs` says.
     ///
     /// # Errors
     /// [`NoLevel`].
@@ -134,11 +134,11 @@ impl<'a> Rests<'a> {
         Ok(distances)
     }
 
-    /// The distance of the limit from the face and those around it, and of the face from the limit, where points move along
-    /// their sheet; `None` where that is not known. Faces belong to the sheet that `belongs` says.
+    /// The distance of the limit from the face and those around it, and of the face from the limit, where points move
+    /// along their sheet; `None` where that is not known. Faces belong to the sheet that `belongs` says.
     ///
-    /// Second differences d of vertices with the normals m move points by `n d <= |m d| + |n - m| |d|` along the normal n
-    /// of the sheet.
+    /// Second differences d of vertices with the normals m move points by `n d <= |m d| + |n - m| |d|` along the normal
+    /// n of the sheet.
     fn on_sheet(&self, face: u32, belongs: impl Fn(usize) -> bool) -> Option<f64> {
         let near = self.joined(&self.beside, face).filter(|near| near.bend.most.is_finite())?;
         let level = self.level;
@@ -153,10 +153,10 @@ impl<'a> Rests<'a> {
 /// The sum of the normals at the corners of a face.
 fn area(level: &Level, face: usize) -> Vector {
     let (topology, points) = (&level.topology, level.points.now.as_chunks::<3>().0);
-    let at = |corner: u32| points[topology.vertex(corner) as usize];
-    let normal = |corner: u32| {
-        let here = at(corner);
-        cross(minus(at(topology.next(corner)), here), minus(at(topology.previous(corner)), here))
+    let at = |half_edge: u32| points[topology.vertex(half_edge) as usize];
+    let normal = |half_edge: u32| {
+        let here = at(half_edge);
+        cross(minus(at(topology.next(half_edge)), here), minus(at(topology.previous(half_edge)), here))
     };
     topology.half_edges(face).map(normal).fold([0.0; 3], plus)
 }

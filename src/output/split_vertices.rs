@@ -1,4 +1,4 @@
-//! A mesh whose vertices on sharp edges are parted, so that each side can have a normal of its own.
+//! A mesh whose vertices on sharp edges are split into copies, so that each side can have a normal of its own.
 
 use std::ops::Range;
 
@@ -12,15 +12,15 @@ use crate::watch::{Stopped, Watch};
 /// The mesh with a copy of each vertex for every sector but one between the sharp edges that meet there.
 ///
 /// The sector of the lowest face keeps the vertex; copies stand after all vertices, by vertex, then by the lowest face of
-/// their sector. A sharp edge that ends inside parts nothing. The faces are the same, in the same order.
+/// their sector. A sharp edge that ends inside splits nothing. The faces are the same, in the same order.
 #[derive(Debug)]
-pub(super) struct Parted<'a> {
+pub(super) struct SplitVertices<'a> {
     mesh: &'a dyn MeshSource,
     /// The vertex of each copy.
     origins: Vec<u32>,
     /// Where faces have a copy: face, vertex, copy; ascending.
     moved: Vec<(usize, u32, u32)>,
-    /// The normal of each copy, and those of the parted vertices, ascending, where the mesh brings normals.
+    /// The normal of each copy, and those of the split vertices, ascending, where the mesh brings normals.
     normals: Vec<[f64; 3]>,
     kept: Vec<(u32, [f64; 3])>,
 }
@@ -30,17 +30,17 @@ fn is_unfolded(uvs: &dyn UvSource) -> bool {
     uvs.unfolded().is_none()
 }
 
-/// A face at a vertex, with its neighbours there: counter-clockwise from `next` to `before`.
+/// A face at a vertex, with the vertices before and after it in the face: counter-clockwise from `next` to `before`.
 #[derive(Debug, Clone, Copy)]
-struct Corner {
+struct FaceAtVertex {
     vertex: u32,
     face: usize,
     next: u32,
     before: u32,
 }
 
-impl<'a> Parted<'a> {
-    /// The parted mesh of a shape, where anything is to be parted.
+impl<'a> SplitVertices<'a> {
+    /// The split mesh of a shape, where anything is to be split.
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.
@@ -52,12 +52,12 @@ impl<'a> Parted<'a> {
         }
         sharp.par_sort_unstable();
         let corners = corners(mesh, &sharp, watch)?;
-        let mut parted = Self { mesh, origins: Vec::new(), moved: Vec::new(), normals: Vec::new(), kept: Vec::new() };
+        let mut split = Self { mesh, origins: Vec::new(), moved: Vec::new(), normals: Vec::new(), kept: Vec::new() };
         for around in corners.chunk_by(|a, b| a.vertex == b.vertex) {
-            parted.part(around, &sharp);
+            split.split(around, &sharp);
         }
-        parted.moved.par_sort_unstable();
-        Ok((!parted.origins.is_empty()).then_some(parted))
+        split.moved.par_sort_unstable();
+        Ok((!split.origins.is_empty()).then_some(split))
     }
 
     /// The vertex of the mesh that vertex `v` is, or is a copy of.
@@ -78,8 +78,8 @@ impl<'a> Parted<'a> {
         }
     }
 
-    /// Parts one vertex, given its corners by face.
-    fn part(&mut self, around: &[Corner], sharp: &[[u32; 2]]) {
+    /// Splits one vertex, given its corners by face.
+    fn split(&mut self, around: &[FaceAtVertex], sharp: &[[u32; 2]]) {
         let vertex = around[0].vertex;
         let sectors = sectors(around, |other| sharp.binary_search(&[vertex.min(other), vertex.max(other)]).is_ok());
         let first = self.mesh.n_vertices() + self.origins.len();
@@ -105,7 +105,7 @@ impl<'a> Parted<'a> {
 }
 
 /// The corners at the ends of sharp edges, by vertex, then by face.
-fn corners(mesh: &dyn MeshSource, sharp: &[[u32; 2]], watch: &Watch) -> Result<Vec<Corner>, Stopped> {
+fn corners(mesh: &dyn MeshSource, sharp: &[[u32; 2]], watch: &Watch) -> Result<Vec<FaceAtVertex>, Stopped> {
     let mut ends = vec![false; mesh.n_vertices()];
     sharp.iter().flatten().for_each(|&v| ends[v as usize] = true);
     let mut all = Vec::new();
@@ -117,7 +117,7 @@ fn corners(mesh: &dyn MeshSource, sharp: &[[u32; 2]], watch: &Watch) -> Result<V
         let found = faces.par_iter().zip(range).flat_map_iter(|(&face, f)| {
             let n = face.len();
             let here = (0..n).filter(|&j| ends[face[j] as usize]);
-            here.map(move |j| Corner {
+            here.map(move |j| FaceAtVertex {
                 vertex: face[j],
                 face: f,
                 next: face[(j + 1) % n],
@@ -127,18 +127,18 @@ fn corners(mesh: &dyn MeshSource, sharp: &[[u32; 2]], watch: &Watch) -> Result<V
         all.par_extend(found);
         Ok(())
     })?;
-    all.par_sort_unstable_by_key(|corner: &Corner| (corner.vertex, corner.face));
+    all.par_sort_unstable_by_key(|corner: &FaceAtVertex| (corner.vertex, corner.face));
     Ok(all)
 }
 
 /// For each corner around a vertex its sector, numbered by first appearance; neighbours are in one sector unless the edge
 /// between them is sharp.
-fn sectors(around: &[Corner], is_sharp: impl Fn(u32) -> bool) -> Vec<usize> {
+fn sectors(around: &[FaceAtVertex], is_sharp: impl Fn(u32) -> bool) -> Vec<usize> {
     let mut by_next: Vec<usize> = (0..around.len()).collect();
     by_next.sort_unstable_by_key(|&i| around[i].next);
     let mut by_before: Vec<usize> = (0..around.len()).collect();
     by_before.sort_unstable_by_key(|&i| around[i].before);
-    let find = |order: &[usize], key: &dyn Fn(&Corner) -> u32, other: u32| {
+    let find = |order: &[usize], key: &dyn Fn(&FaceAtVertex) -> u32, other: u32| {
         let at = order.binary_search_by_key(&other, |&i| key(&around[i])).ok()?;
         (!is_sharp(other)).then_some(order[at])
     };
@@ -151,9 +151,9 @@ fn sectors(around: &[Corner], is_sharp: impl Fn(u32) -> bool) -> Vec<usize> {
             continue;
         }
         sectors[start] = n;
-        for turn in [&clockwise as &dyn Fn(usize) -> Option<usize>, &counter_clockwise] {
+        for step in [&clockwise as &dyn Fn(usize) -> Option<usize>, &counter_clockwise] {
             let mut at = start;
-            while let Some(i) = turn(at).filter(|&i| sectors[i] == usize::MAX) {
+            while let Some(i) = step(at).filter(|&i| sectors[i] == usize::MAX) {
                 sectors[i] = n;
                 at = i;
             }
@@ -163,7 +163,7 @@ fn sectors(around: &[Corner], is_sharp: impl Fn(u32) -> bool) -> Vec<usize> {
     sectors
 }
 
-impl MeshSource for Parted<'_> {
+impl MeshSource for SplitVertices<'_> {
     fn n_vertices(&self) -> usize {
         self.mesh.n_vertices() + self.origins.len()
     }
@@ -216,7 +216,7 @@ impl MeshSource for Parted<'_> {
     }
 }
 
-impl NormalSource for Parted<'_> {
+impl NormalSource for SplitVertices<'_> {
     fn of_vertices(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
         let n = self.mesh.n_vertices();
         out.clear();
@@ -236,7 +236,7 @@ impl NormalSource for Parted<'_> {
 }
 
 /// Those of a mesh whose texture coordinates are numbered like its vertices.
-impl UvSource for Parted<'_> {
+impl UvSource for SplitVertices<'_> {
     fn n_points(&self) -> usize {
         self.n_vertices()
     }
@@ -256,7 +256,7 @@ impl UvSource for Parted<'_> {
     }
 }
 
-impl OriginSource for Parted<'_> {
+impl OriginSource for SplitVertices<'_> {
     fn input_cells(&self) -> [usize; 3] {
         self.mesh.input_cells()
     }

@@ -1,0 +1,51 @@
+//! Where the rings that a line depends on end: at boundaries and creases all around a tube.
+
+use crate::shape::mesh::Mesh;
+
+/// What a ring of a tube is to the rings beyond it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Beyond {
+    /// Smooth: they count, too.
+    Smooth,
+    /// A boundary or a crease all around: the curve rule alone holds on it, and nothing beyond it counts.
+    End,
+}
+
+/// What lies beyond a ring of a mesh; an error where the ring is disturbed. `on_line` tells of each vertex whether it
+/// has exactly two latitude edges.
+pub(super) fn beyond(mesh: &Mesh, on_line: &[bool], ring: &[u32]) -> Result<Beyond, String> {
+    if ring.iter().any(|v| mesh.corners.binary_search(v).is_ok()) {
+        return Err("a vertex is a corner".into());
+    }
+    if ring.iter().any(|&v| !on_line[v as usize]) {
+        return Err("a vertex has more than two latitude edges".into());
+    }
+    let n = ring.len();
+    let kinds = (0..n).map(|i| {
+        let neighbours = [ring[(i + n - 1) % n], ring[(i + 1) % n]];
+        let mut sharp = sharp_neighbours(mesh, ring[i]);
+        sharp.sort_unstable();
+        sharp.dedup();
+        match sharp.as_slice() {
+            [] => Some(Beyond::Smooth),
+            [a, b] if [[*a, *b], [*b, *a]].contains(&neighbours) => Some(Beyond::End),
+            _ => None,
+        }
+    });
+    let mut kinds = kinds.collect::<Vec<_>>().into_iter();
+    let first = kinds.next().flatten();
+    let common = first.filter(|_| kinds.all(|kind| kind == first));
+    common.ok_or("an edge is sharp, or on the boundary, and not all around the tube".into())
+}
+
+/// The vertices at the other ends of the sharp edges and boundary edges of `v`, perhaps several times.
+fn sharp_neighbours(mesh: &Mesh, v: u32) -> Vec<u32> {
+    let topology = &mesh.topology;
+    let edges = topology.ring(v as usize).flat_map(|c| [topology.edge(c), topology.edge(topology.previous(c))]);
+    let sharp = edges.filter(|&e| {
+        let tagged = mesh.creases.binary_search_by_key(&e, |&(edge, _)| edge).is_ok();
+        tagged || topology.is_boundary_edge(e as usize)
+    });
+    let ends = sharp.map(|e| topology.ends(e as usize));
+    ends.map(|[a, b]| if a == v { b } else { a }).collect()
+}

@@ -1,0 +1,308 @@
+//! Tubes: the rings around a latitude line, as far as the scheme reaches, and the circle that the line becomes.
+
+use super::boundary::{Beyond, beyond};
+use super::outlook::{Circle, Outlook};
+use super::profile::Profile;
+use super::ring::{self, ROUNDING, Ring, tilt};
+use super::words::{self, Reach};
+use crate::analysis::limit::{Unlimited, check_continuous};
+use crate::math::expression::Expression;
+use crate::math::vector::Vector;
+use crate::refine::{carried, mesh_net};
+use crate::scheme::operator::Role;
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::rules::LatitudeRule;
+use crate::shape::attributes::Attributes;
+use crate::shape::directions::{Direction, Directions, Line};
+use crate::shape::mesh::Mesh;
+use crate::shape::topology::Topology;
+
+/// Levels after which radii have settled.
+const LEVELS: u32 = 64;
+
+/// Which side of a directed line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Left,
+    Right,
+}
+
+/// The rings on one side of a line, the nearest first.
+#[derive(Default)]
+struct Rings {
+    nearest_first: Vec<Ring>,
+    /// Push-back factor of each.
+    deltas: Vec<f64>,
+    /// By how much they miss the axis of the line.
+    tilt: f64,
+}
+
+/// What becomes of every latitude line of a mesh under a plan, or under none, as it does not fit the mesh for that
+/// reason.
+pub fn outlooks(mesh: &Mesh, plan: Result<&Plan, &str>) -> Vec<Outlook> {
+    let Some(directions) = &mesh.directions else { return Vec::new() };
+    let lines = directions.lines(&mesh.topology).into_iter();
+    let tube = plan.map_err(|reason| format!("the plan does not fit the mesh: {reason}"));
+    let tube = tube.and_then(|plan| Tube::of(mesh, directions, plan));
+    let circle = |line: &Line| {
+        if !line.closed {
+            return Err("the line is open".into());
+        }
+        tube.as_ref().map_err(Clone::clone)?.circle(line)
+    };
+    lines.map(|line| Outlook { circle: circle(&line), line }).collect()
+}
+
+struct Tube<'a> {
+    mesh: &'a Mesh,
+    directions: &'a Directions,
+    plan: &'a Plan,
+    rule: LatitudeRule,
+    /// Whether the plan pushes anything back.
+    pushes: bool,
+    /// What vertices carry under the plan, as far as it uses it.
+    attributes: Attributes,
+    /// Whether a vertex has exactly two latitude edges.
+    on_line: Vec<bool>,
+    steps: Vec<Scheduled>,
+}
+
+impl<'a> Tube<'a> {
+    /// What the lines of a mesh have in common; an error where no line becomes a circle.
+    fn of(mesh: &'a Mesh, directions: &'a Directions, plan: &'a Plan) -> Result<Self, String> {
+        let rule = plan.latitude.as_ref().map_or(LatitudeRule::Isotropic, |latitude| latitude.rule);
+        if plan.perturbation.is_some_and(|perturbation| perturbation.amplitude != 0.0) {
+            return Err("the plan perturbs kernel and compensation at random".into());
+        }
+        if !words::keeps_circles(&plan.word, rule) {
+            return Err("only words in which a C follows each U, as U C^k and U C^k P, keep circles".into());
+        }
+        let pushes = words::pushes(&plan.word);
+        let mut attributes = carried(mesh, plan).0.unwrap_or_default();
+        attributes.delta = attributes.delta.filter(|_| pushes);
+        attributes.compensation = attributes.compensation.filter(|_| pushes);
+        if attributes.kernel.is_some() || attributes.compensation.is_some() {
+            return Err("vertices carry a kernel or a compensation, which stay the same at all levels; circles need \
+                        cos(alpha/2) and 1/cos(alpha/2)"
+                .into());
+        }
+        let on_line = directions.latitude_pairs(&mesh.topology).iter().map(Option::is_some).collect();
+        let steps = plan.schedule(LEVELS).map_err(|fault| fault.detail)?;
+        if let Err(reason @ (Unlimited::Rough | Unlimited::Unsettled)) = check_continuous(plan, &mesh_net(mesh, plan)) {
+            return Err(reason.to_string());
+        }
+        let tube = Self { mesh, directions, plan, rule, pushes, attributes, on_line, steps };
+        if rule == LatitudeRule::Isotropic && tube.is_pushed() {
+            return Err("the plan does not look at latitude tags, and pushes vertices back".into());
+        }
+        Ok(tube)
+    }
+
+    fn topology(&self) -> &Topology {
+        &self.mesh.topology
+    }
+
+    fn circle(&self, line: &Line) -> Result<Circle, String> {
+        let reach = Reach::of(&self.steps, self.is_pushed());
+        let (ring, delta) = (self.ring(&line.vertices)?, self.delta(&line.vertices)?);
+        let alpha = self.alpha(&line.vertices)?;
+        let mut like = ring;
+        let sides = match self.beyond_ring(&line.vertices)? {
+            Beyond::End => [Side::Left, Side::Right].map(|_| Rings::default()),
+            Beyond::Smooth => [
+                self.side(line, &mut like, Side::Left, reach.given)?,
+                self.side(line, &mut like, Side::Right, reach.given)?,
+            ],
+        };
+        let [left, right] = sides;
+        let place = left.nearest_first.len();
+        let rings: Vec<Ring> = left.nearest_first.into_iter().rev().chain([ring]).chain(right.nearest_first).collect();
+        let deltas: Vec<f64> = left.deltas.into_iter().rev().chain([delta]).chain(right.deltas).collect();
+        let irregularity = rings.iter().map(|ring| ring.irregularity).fold(left.tilt.max(right.tilt), f64::max);
+        let profile = Profile::of(&rings, deltas, place, reach.widest);
+        // rings without extent go round as often as the others
+        Ok(Circle { radius: self.limit(line.vertices.len(), like.winding, alpha, &profile)?, irregularity })
+    }
+
+    /// Whether vertices of four edges are pushed back.
+    fn is_pushed(&self) -> bool {
+        match &self.attributes.delta {
+            Some(delta) => delta.iter().any(|&delta| delta != 0.0),
+            None => self.pushes && self.plan.delta.value(4.0) != Ok(0.0),
+        }
+    }
+
+    /// The rings on one side of a line, as far as the scheme reaches or the tube goes; all are `like` one of them, the
+    /// first that has an extent.
+    fn side(&self, line: &Line, like: &mut Ring, side: Side, reach: usize) -> Result<Rings, String> {
+        let mut rings = Rings::default();
+        let mut vertices = line.vertices.clone();
+        let alpha = self.alpha(&line.vertices)?;
+        for away in 1..=reach {
+            let place = if away == 1 { "next to it".to_owned() } else { format!("{away} rings away") };
+            let at = |what: String| format!("{place}, {what}");
+            vertices = self.beyond(&vertices, side).map_err(|what| at(what.into()))?;
+            let found = self.ring(&vertices).map_err(at)?;
+            rings.tilt = rings.tilt.max(tilt(like, &found).map_err(at)?);
+            if like.axis.is_none() {
+                *like = found;
+            }
+            if self.alpha(&vertices).map_err(at)?.map(f64::to_bits) != alpha.map(f64::to_bits) {
+                return Err(at("vertices have another alpha".into()));
+            }
+            rings.nearest_first.push(found);
+            if away == reach {
+                // of the last ring nothing but places counts, as long as it stays where it is
+                self.check_pushed_alike(&vertices).map_err(at)?;
+                rings.deltas.push(0.0);
+                break;
+            }
+            rings.deltas.push(self.delta(&vertices).map_err(at)?);
+            if self.beyond_ring(&vertices).map_err(at)? == Beyond::End {
+                break;
+            }
+        }
+        Ok(rings)
+    }
+
+    /// The vertices beyond a line on one side, in its order.
+    fn beyond(&self, line: &[u32], side: Side) -> Result<Vec<u32>, &'static str> {
+        let topology = self.topology();
+        let mut sides = Vec::with_capacity(line.len());
+        for (i, &v) in line.iter().enumerate() {
+            let w = line[(i + 1) % line.len()];
+            let (from, to) = if side == Side::Left { (v, w) } else { (w, v) };
+            let half_edge = topology.ring(from as usize).find(|&c| topology.vertex(topology.next(c)) == to);
+            let half_edge = half_edge.ok_or("the boundary cuts the tube")?;
+            let (after, before) = (topology.next(half_edge), topology.previous(half_edge));
+            let along = [after, before].map(|c| self.directions.of(topology.edge(c)));
+            if topology.face(topology.face_of(half_edge)).len() != 4 || along != [Direction::Longitude; 2] {
+                return Err("a face is no quad between two longitude edges");
+            }
+            if self.directions.of(topology.edge(topology.next(after))) != Direction::Latitude {
+                return Err("the tube is not tagged");
+            }
+            let ends = [topology.vertex(before), topology.vertex(topology.next(after))];
+            sides.push(if side == Side::Left { ends } else { [ends[1], ends[0]] });
+        }
+        let joined = (0..sides.len()).all(|i| sides[i][1] == sides[(i + 1) % sides.len()][0]);
+        if joined { Ok(sides.iter().map(|ends| ends[0]).collect()) } else { Err("a vertex has more than four edges") }
+    }
+
+    /// What lies beyond the ring of these vertices.
+    fn beyond_ring(&self, ring: &[u32]) -> Result<Beyond, String> {
+        beyond(self.mesh, &self.on_line, ring)
+    }
+
+    /// The regular polygon of these vertices.
+    fn ring(&self, vertices: &[u32]) -> Result<Ring, String> {
+        let point = |v: &u32| -> Vector { std::array::from_fn(|k| self.mesh.positions[3 * *v as usize + k]) };
+        Ring::of(&vertices.iter().map(point).collect::<Vec<_>>()).ok_or("the ring is no regular polygon".into())
+    }
+
+    /// The alpha that all these vertices carry; `None` where they have the plan's.
+    fn alpha(&self, vertices: &[u32]) -> Result<Option<f64>, String> {
+        let Some(alpha) = &self.attributes.alpha else { return Ok(None) };
+        same(alpha, vertices).map(Some).ok_or("alpha differs from vertex to vertex".into())
+    }
+
+    /// The push-back factor of all these vertices.
+    fn delta(&self, vertices: &[u32]) -> Result<f64, String> {
+        match &self.attributes.delta {
+            Some(delta) => same(delta, vertices).ok_or("delta differs from vertex to vertex".into()),
+            None if !self.pushes => Ok(0.0),
+            None => self.plan.delta.value(4.0).map_err(|error| error.to_string()),
+        }
+    }
+
+    /// An error where the plan pushes vertices of this ring back, because of their valence, but not those of tubes:
+    /// then rings farther away count, and beyond such vertices there is no tube.
+    fn check_pushed_alike(&self, ring: &[u32]) -> Result<(), String> {
+        if !self.pushes
+            || self.attributes.delta.is_some()
+            || self.is_pushed()
+            || self.beyond_ring(ring) == Ok(Beyond::End)
+        {
+            return Ok(());
+        }
+        let is_pushed = |&&v: &&u32| {
+            let topology = self.topology();
+            let inside = topology.boundary_edges(v as usize).is_none();
+            inside && self.plan.delta.value(ring::real(topology.ring(v as usize).count())) != Ok(0.0)
+        };
+        let pushed = ring.iter().find(is_pushed);
+        let valence = |&v: &u32| self.topology().ring(v as usize).count();
+        pushed.map(valence).map_or(Ok(()), |n| Err(format!("a vertex has {n} edges, where delta is not 0")))
+    }
+
+    /// The radius of a line in the limit: of `n` vertices, which go round so often and carry this `alpha`.
+    ///
+    /// Going round `p` times one way and `n - p` times the other are the same, so that the alpha of either is right.
+    fn limit(&self, n: usize, winding: f64, alpha: Option<f64>, profile: &Profile) -> Result<f64, String> {
+        let other = ring::real(n) - winding;
+        let radius_at = |winding: f64| self.radius_at(std::f64::consts::TAU * winding / ring::real(n), alpha, profile);
+        radius_at(winding).or_else(|said| radius_at(other).map_err(|_| said)).map_err(|said| {
+            let or = if winding > 1.0 { format!(" or {} pi / {n}", 2.0 * other) } else { String::new() };
+            said.unwrap_or_else(|| {
+                format!(
+                    "circles need the kernel cos(alpha/2), 1 in later averages, and the compensation 1/cos(alpha/2) with \
+                     alpha = {} pi / {n}{or}",
+                    2.0 * winding
+                )
+            })
+        })
+    }
+
+    /// The radius in the limit of a line whose vertices `theta` parts; an error, with the reason where it is another
+    /// one than the plan's numbers, where it is no circle.
+    fn radius_at(&self, mut theta: f64, alpha: Option<f64>, profile: &Profile) -> Result<f64, Option<String>> {
+        let mut profile = profile.clone();
+        let compensated = profile.is_pushed() || self.rule == LatitudeRule::Position;
+        for level in self.steps.chunk_by(|a, b| a.level == b.level) {
+            let before = profile.here();
+            for block in level.chunk_by(|_, b| b.letter.facts().role != Role::Upsample) {
+                profile = profile.refined(block, self.along(block, theta, alpha, compensated)?, theta);
+                theta /= 2.0;
+            }
+            if level[0].level > 0 && profile.has_settled(before) {
+                break;
+            }
+        }
+        Ok(profile.radius())
+    }
+
+    /// The kernel along the axis at an upsampling, if circles stay circles there.
+    fn along(
+        &self,
+        block: &[Scheduled],
+        theta: f64,
+        alpha: Option<f64>,
+        compensated: bool,
+    ) -> Result<f64, Option<String>> {
+        let upsampling = &block[0];
+        let alpha_of = |plan: f64| alpha.map_or(plan, |alpha| alpha * upsampling.scale);
+        let value = |function: &Expression, alpha: f64| function.value(alpha).map_err(|error| Some(error.to_string()));
+        let c = crate::math::functions::cos(theta / 2.0);
+        let kernel = value(self.plan.kernel.first().ok_or(None)?, alpha_of(upsampling.alpha))?;
+        let pushed = words::pushes_back(block) && compensated;
+        let seen = match self.plan.compensation_alpha {
+            Some(_) => upsampling.compensation_alpha,
+            None => alpha_of(upsampling.compensation_alpha),
+        };
+        let omega = value(&self.plan.compensation, seen)?;
+        let later = block.iter().filter(|step| step.letter.facts().role == Role::Average && !step.first);
+        let others = later.map(|step| (step.kernel - 1.0).abs()).fold(0.0, f64::max);
+        if (kernel - c).abs() > ROUNDING || pushed && (omega * c - 1.0).abs() > ROUNDING || others > ROUNDING {
+            return Err(None);
+        }
+        let longitude = self.plan.latitude.as_ref().and_then(|latitude| latitude.kernel_longitude.as_ref());
+        longitude.map_or(Ok(c), |kernel| value(kernel, alpha_of(upsampling.alpha)))
+    }
+}
+
+/// The number that all these vertices have.
+fn same(numbers: &[f64], vertices: &[u32]) -> Option<f64> {
+    let mut of = vertices.iter().map(|&v| numbers[v as usize]);
+    let first = of.next()?;
+    of.all(|other| other.to_bits() == first.to_bits()).then_some(first)
+}

@@ -1,0 +1,73 @@
+//! The search for the first level that is within a tolerance.
+
+use super::budget::Budget;
+use super::no_level::{LEAST, MAX_FACES, MAX_LEVEL, MAX_WORK, NoLevel};
+use super::placed::Placed;
+use super::spline::Spline;
+use super::walk::Walk;
+use crate::analysis::curve::Reached;
+use crate::refine::{Points, act_on, mesh_net};
+use crate::scheme::plan::Plan;
+use crate::shape::mesh::Mesh;
+use crate::watch::Watch;
+
+/// What a search takes for each face of the net that is looked at, bytes: measured with a cube one corner of which is a
+/// million times as far as the others, which takes 550 MiB at [`MAX_FACES`].
+const BYTES_A_FACE: u64 = 3 << 10;
+/// What rounding adds to a bound, over the greatest coordinate.
+const ROUNDING: f64 = 1e-14;
+
+/// Whether a level could be searched for, as far as that can be told at once.
+///
+/// # Errors
+/// [`NoLevel`].
+pub fn check(mesh: &Mesh, plan: &Plan, tolerance: f64) -> Result<(), NoLevel> {
+    Spline::of(plan, mesh)?;
+    check_size(mesh, tolerance).map(|_| ())
+}
+
+/// The greatest coordinate.
+fn check_size(mesh: &Mesh, tolerance: f64) -> Result<f64, NoLevel> {
+    let size = mesh.positions.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    if tolerance < LEAST * size { Err(NoLevel::TooFine { tolerance, size }) } else { Ok(size) }
+}
+
+/// Bytes that a search takes at most.
+pub fn search_bytes(mesh: &Mesh) -> u64 {
+    let faces = mesh.topology.n_half_edges().max(mesh.topology.n_faces()).max(MAX_FACES);
+    BYTES_A_FACE.saturating_mul(faces as u64)
+}
+
+/// The first level at which a mesh is known to be within `tolerance` of its limit surface, with its vertices at each of
+/// these places.
+///
+/// # Errors
+/// [`NoLevel`], also when `watch` says stop.
+pub fn reach(mesh: &Mesh, plan: &Plan, placed: &[Placed], tolerance: f64, watch: &Watch) -> Result<Reached, NoLevel> {
+    let spline = Spline::of(plan, mesh)?;
+    let size = check_size(mesh, tolerance)?;
+    let budget = &Budget::of(watch, MAX_WORK);
+    let points = vec![Points::new(mesh.positions.clone(), 3)];
+    let (net, mut points) = act_on(mesh_net(mesh, plan), points, &spline.plan, &spline.prefix, watch)?;
+    let mut walk = Walk::new(net, points.remove(0));
+    for level in 0..=MAX_LEVEL {
+        if walk.is_ready(&spline) {
+            let mut most = 0.0;
+            for &placed in placed {
+                most = walk.bound(&spline, placed, tolerance, ROUNDING * size, budget)?.max(most);
+            }
+            let bound = most + ROUNDING * size;
+            if bound <= tolerance {
+                return Ok(Reached { level, bound });
+            }
+        }
+        budget.check()?;
+        walk.leave(&spline, tolerance, budget)?;
+        let faces = walk.level.faces_after(spline.rounds.len() + usize::from(spline.halved));
+        if faces > MAX_FACES {
+            return Err(NoLevel::TooLarge { level: level + 1, faces });
+        }
+        walk.on(&spline, watch)?;
+    }
+    Err(NoLevel::Never(tolerance))
+}

@@ -1,0 +1,52 @@
+//! Which faces of a refined mesh are shown.
+
+use crate::shape::order::Order;
+use crate::shape::topology::Topology;
+
+/// The faces that are shown: runs of consecutive ones.
+#[derive(Debug)]
+pub(super) struct Shown {
+    /// For each run its first number among the shown faces and its first face.
+    runs: Vec<(usize, usize)>,
+    /// Number of shown faces.
+    pub(super) n: usize,
+    /// Sum of the sizes of the shown faces.
+    pub(super) n_half_edges: usize,
+}
+
+impl Shown {
+    /// The faces of a mesh with this base and order but those of hidden faces of the base, which are ascending.
+    pub(super) fn new(base: &Topology, order: Option<&Order>, holes: &[u32]) -> Self {
+        let all = order.map_or(base.n_faces(), Order::n_faces);
+        let first = |f: usize| if f == base.n_faces() { all } else { order.map_or(f, |order| order.first_face(f)) };
+        let size = |f: usize| base.face(f).len();
+        let mut runs = Vec::new();
+        let (mut n, mut n_half_edges, mut from) = (0, 0, 0);
+        let hidden = holes.iter().map(|&f| f as usize).chain([base.n_faces()]);
+        for hole in hidden {
+            if hole > from {
+                runs.push((n, first(from)));
+                n += first(hole) - first(from);
+                n_half_edges += (from..hole).map(size).sum::<usize>();
+            }
+            from = hole + 1;
+        }
+        let n_half_edges = order.map_or(n_half_edges, |order| order.face_size() * n);
+        Self { runs, n, n_half_edges }
+    }
+
+    /// The number that face `face` has among the shown ones, or that of the first shown one after it.
+    pub(super) fn number(&self, face: usize) -> usize {
+        let run = self.runs.partition_point(|(_, first)| *first <= face);
+        let end = self.runs.get(run).map_or(self.n, |(number, _)| *number);
+        let number = run.checked_sub(1).map_or(0, |run| self.runs[run].0 + face - self.runs[run].1);
+        number.min(end)
+    }
+
+    /// The shown face of a number.
+    pub(super) fn face(&self, shown: usize) -> usize {
+        let run = self.runs.partition_point(|(first, _)| *first <= shown) - 1;
+        let (first_shown, first) = self.runs[run];
+        first + shown - first_shown
+    }
+}
