@@ -19,7 +19,6 @@ use crate::scheme::window::{Window, steps};
 use crate::shape::tile::Tile;
 use crate::shape::topology::index;
 
-=======
 /// U, upsampling of arity d: `q[d i + j] = ((d - j) p[i] + j p[i + 1]) / d` on curves; on meshes vertices stay, edges
 /// are interpolated linearly, quads bilinearly, triangles linearly, other faces through the mean of their vertices.
 #[derive(Debug)]
