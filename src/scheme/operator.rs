@@ -102,6 +102,8 @@ pub struct Facts {
     pub turns_tangents: bool,
     /// Whether it makes a connectivity of its own, whose faces lie across several old ones.
     pub rebuilds: bool,
+    /// Boundaries are cut in every so many-th step, where it makes a connectivity of its own.
+    pub boundary_every: u32,
     /// Whether its rules reach a ring farther beside extraordinary vertices than in regular nets.
     pub reaches_farther: bool,
 }
@@ -130,6 +132,7 @@ impl Facts {
         needs_upsampling: None,
         turns_tangents: false,
         rebuilds: false,
+        boundary_every: 1,
         reaches_farther: false,
     };
 }

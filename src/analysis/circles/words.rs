@@ -66,18 +66,17 @@ pub(super) fn pushes(word: &Word) -> bool {
     parts(word).any(|block| averaged(block, role).iter().any(|letter| role(letter) == Role::PushBack))
 }
 
-/// Whether each U halves edges and is followed by averages and push-backs, of which a C is the first to change
-/// anything, and nothing stands before the first U. By places a P changes the odd points even where no vertex has
-/// moved.
+/// Whether each upsampling halves edges and is followed by averages and push-backs that act on single vertices, of
+/// which an average is the first to change anything, and nothing stands before the first upsampling. By places a
+/// push-back changes the odd points even where no vertex has moved.
 pub(super) fn keeps_circles(word: &Word, rule: LatitudeRule) -> bool {
     let keeps = |block: &[Letter]| {
-        let letters: Vec<Option<char>> = block.iter().map(|letter| letter.facts().letter).collect();
-        let Some((Some('U'), rest)) = letters.split_first() else { return false };
-        let idle = rest.iter().take_while(|&&letter| letter == Some('P')).count();
+        let roles: Vec<Role> = block.iter().map(|letter| letter.facts().role).collect();
+        let Some((Role::Upsample, after)) = roles.split_first() else { return false };
+        let idle = after.iter().take_while(|&&role| role == Role::PushBack).count();
         (idle == 0 || rule != LatitudeRule::Position)
-            && rest.get(idle) == Some(&Some('C'))
-            && rest.iter().all(|letter| matches!(letter, Some('C' | 'P')))
-            && block.iter().all(|letter| letter.settings.halves())
+            && after.get(idle) == Some(&Role::Average)
+            && block.iter().all(|letter| letter.facts().pointwise && letter.settings.halves())
     };
     !word.cycle.is_empty() && parts(word).all(keeps)
 }

@@ -2,6 +2,7 @@
 
 use super::cycle::{Cycle, NoMask};
 use crate::scheme::letter::Letter;
+use crate::scheme::operator::Role;
 use crate::scheme::plan::Plan;
 use crate::scheme::ranges::{self, Range};
 use crate::watch::{Stopped, Watch};
@@ -40,7 +41,7 @@ pub fn warnings(plan: &Plan, levels: u32, watch: &Watch) -> Result<Vec<String>, 
         let mut sentence = "the scheme is not known to converge: its differences do not shrink within the levels that \
                             were looked at"
             .to_owned();
-        if plan.word.cycle.iter().any(|letter| letter.facts().letter == Some('P')) {
+        if plan.word.cycle.iter().any(|letter| letter.facts().role == Role::PushBack) {
             sentence += "; with one average and a push-back it converges for kernel > 0, -2 < compensation < 2 and \
                          0 <= delta <= 1 in the limit alpha = 0";
         }

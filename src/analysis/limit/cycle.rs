@@ -194,11 +194,6 @@ impl<'a> Cycle<'a> {
         self.levels[self.settled].iter().any(matters).then(|| Surroundings::of(topology))
     }
 
-    /// Whether it makes a connectivity of its own.
-    pub(super) fn rebuilds(&self) -> bool {
-        self.levels[self.settled].iter().any(|step| step.letter.facts().rebuilds)
-    }
-
     /// Whether rules reach a ring farther beside extraordinary vertices.
     pub(super) fn reaches_farther(&self) -> bool {
         self.levels[self.settled].iter().any(|step| step.letter.facts().reaches_farther)

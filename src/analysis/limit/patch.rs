@@ -114,11 +114,12 @@ impl Patch {
     }
 
     /// The patch as a net of its own, with the origin of each of its vertices in the patch.
-    pub(super) fn net(&self, PatchRules { rules, boundary, cut }: PatchRules) -> Option<(MeshNet, Vec<u32>)> {
+    pub(super) fn net(&self, patch_rules: PatchRules) -> Option<(MeshNet, Vec<u32>)> {
+        let PatchRules { rules, boundary, cut, boundary_every } = patch_rules;
         let mut faces = FaceList::default();
         self.faces().for_each(|face| faces.push(face.iter().copied()));
         let mut checked = Topology::of_faces(self.n_vertices, faces, Winding::Refuse).ok()?;
-        if self.rounds % 2 == 1 && is_triangular(&checked.topology) {
+        if boundary_every > 1 && (self.rounds + 1).is_multiple_of(boundary_every) {
             while let Some(faces) = without_ears(&checked.topology) {
                 checked = Topology::of_faces(self.n_vertices, faces, Winding::Refuse).ok()?;
             }
@@ -147,9 +148,9 @@ impl Patch {
     }
 }
 
-/// The faces without those that have two edges on the boundary, if there are any: where a scheme that makes a
-/// connectivity of its own cuts boundary edges in three, it cuts one of a face at most, and where a patch ends at the
-/// boundary of its mesh it may have such faces.
+/// The faces without those that have two edges on the boundary, if there are any: a scheme that cuts boundary
+/// edges in some steps only cuts one of a face at most, and where a patch ends at the boundary of its mesh it may have
+/// such faces.
 fn without_ears(topology: &Topology) -> Option<FaceList> {
     let is_ear = |&f: &usize| topology.half_edges(f).filter(|&half_edge| topology.twin(half_edge) == NONE).count() > 1;
     (0..topology.n_faces()).find(is_ear)?;

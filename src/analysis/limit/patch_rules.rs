@@ -14,6 +14,8 @@ pub(super) struct PatchRules {
     pub(super) boundary: Boundary,
     /// Whether the net has all vertices that D needs, so that a patch loses some where it was cut out only.
     pub(super) cut: bool,
+    /// Boundaries are cut in every so many-th step.
+    pub(super) boundary_every: u32,
 }
 
 impl PatchRules {
@@ -22,6 +24,7 @@ impl PatchRules {
         let is_open = topology.n_boundary() > 0;
         let cut = !is_open && (0..topology.n_vertices()).all(|v| topology.ring(v).nth(2).is_some());
         let boundary = if is_open { plan.boundary } else { Boundary::EdgeOnly };
-        Self { rules: plan.rules, boundary, cut }
+        let boundary_every = plan.word.cycle.iter().map(|letter| letter.facts().boundary_every).max().unwrap_or(1);
+        Self { rules: plan.rules, boundary, cut, boundary_every }
     }
 }

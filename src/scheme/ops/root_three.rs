@@ -36,6 +36,7 @@ static FACTS: Facts = Facts {
     role: Role::Smooth,
     children: Children::Vertices,
     rebuilds: true,
+    boundary_every: 2,
     ..Facts::USUAL
 };
 
@@ -101,9 +102,9 @@ impl Operator for RootThree {
     }
 }
 
-/// Boundaries are cut in every second step.
+/// Boundaries are cut in the last of every [`Facts::boundary_every`] steps.
 fn boundary(rounds: u32) -> BoundarySplit {
-    if rounds.is_multiple_of(2) { BoundarySplit::Whole } else { BoundarySplit::Thirds }
+    if (rounds + 1).is_multiple_of(FACTS.boundary_every) { BoundarySplit::Thirds } else { BoundarySplit::Whole }
 }
 
 /// `(1 - a) p + a/n sum neighbours` with `a = (4 - 2 cos(2 pi/n))/9`.
