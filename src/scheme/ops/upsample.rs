@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
 use crate::scheme::local::Local;
@@ -17,8 +18,6 @@ use crate::scheme::step_error::{About, StepError};
 use crate::scheme::window::{Window, steps};
 use crate::shape::tile::Tile;
 use crate::shape::topology::index;
-
-use crate::math::functions::ratio;
 
 /// U, upsampling of arity d: `q[d i + j] = ((d - j) p[i] + j p[i + 1]) / d` on curves; on meshes vertices stay, edges
 /// are interpolated linearly, quads bilinearly, triangles linearly, other faces through the mean of their vertices.
