@@ -51,8 +51,8 @@ impl Regular {
                 return Err(failed);
             }
         }
-        // where boundary edges are cut in some steps only, rules reach one vertex farther along the boundary than inside, and
-        // patches lose faces where their rim meets it
+        // where boundary edges are cut in some steps only, rules reach one vertex farther along the boundary than
+        // inside, and patches lose faces where their rim meets it
         let spare = usize::from(cycle.patch_rules.boundary_every > 1);
         let support = support + spare + usize::from(cycle.reaches_farther());
         let most = support + 2 + starts.wider(cycle.n_duals());
