@@ -30,6 +30,8 @@ pub const MAX_BYTES: u128 = 64 << 20;
 /// dual 12 of the sides of edges, 20 of its own topology and 13 of lists on the way, which grow by doubling.
 const CORNER_BYTES: u128 = 96;
 /// Layers that are kept at the end, so that no face touches both the boundary and the cut.
+/// One layer, half of it, would have faces that touch both; twice of it keeps four and takes more bytes for the same
+/// counts.
 const LEAST_LAYERS: u32 = 2;
 
 /// Bytes that the forecast of a plan holds at most, for a mesh with so many corners of faces.
