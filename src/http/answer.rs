@@ -185,6 +185,8 @@ async fn body(app: &Arc<App>, found: Artifact, first: u64, last: u64) -> Result<
 }
 
 /// How long an answer waits for memory for its next part.
+/// Half of it cuts more answers under load; twice of it lets a client wait twice as long for an answer that is cut
+/// after all.
 const PART_PATIENCE: Duration = Duration::from_secs(10);
 
 /// The parts of an artifact, each paid for while a client has not read it.

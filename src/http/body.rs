@@ -20,9 +20,13 @@ use crate::service::pool::Lane;
 
 /// Bodies up to this length take nothing from the account: with one a connection they are bounded by the connections,
 /// and a small request gets in though large ones have taken all there is.
+/// Twice of it may hold twice as much beside the account for each connection; half of it lets more small requests wait
+/// for the account.
 const SHORT_BYTES: usize = 16 << 10;
 
 /// Of a body that is refused, so much is read and forgotten at most.
+/// A client that is still sending reads no answer before it has sent all. Half of it cuts off more such clients; twice
+/// of it reads twice as much for nothing.
 const DRAINED_BYTES: u64 = 64 << 20;
 
 /// The body of a request, with the memory it takes.

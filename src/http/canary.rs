@@ -10,8 +10,12 @@ use crate::watch::Watch;
 use crate::wire::JobRequest;
 
 /// Time between two runs.
+/// Half of it takes twice the computing for the same answer; twice of it leaves one run within [`STALE`], so that one
+/// late run makes the service not ready.
 const INTERVAL: Duration = Duration::from_secs(10);
 /// Age of the last success from which on the service is not ready.
+/// It is three intervals, so that two runs may fail or be late. Half of it allows none to be; twice of it notices a
+/// service that hangs after a minute.
 pub(super) const STALE: Duration = Duration::from_secs(30);
 
 /// A cube, refined twice and drawn: it passes through operators, rasteriser and encoder.

@@ -12,8 +12,11 @@ use crate::job::Job;
 use crate::job::key::{Key, content};
 
 /// Longest request that is remembered, bytes.
+/// Twice of it compares and hashes longer requests for answers that take longer anyway; half of it reads more of the
+/// small ones again.
 const MAX_BYTES: usize = 64 << 10;
 /// Most requests remembered; when there are more, all are forgotten.
+/// Half of it forgets twice as often; twice of it may hold twice the memory.
 const MAX_REQUESTS: usize = 16_384;
 
 /// Requests whose jobs were admitted.

@@ -9,8 +9,12 @@ use crate::job::key::Key;
 use crate::output::{FORMATS, Format, ShapeKind};
 
 /// Longest wait that is granted.
+/// It is a promise of the interface. Half of it sends more clients to ask again; twice of it holds connections for ten
+/// minutes.
 pub(super) const MAX_WAIT: Duration = Duration::from_mins(5);
 /// Wait when none is named.
+/// It is a promise of the interface. Half of it answers 202 to more clients that would have had their result; twice of
+/// it is longer than many clients wait.
 const DEFAULT_WAIT: Duration = Duration::from_secs(30);
 
 /// The format that `Accept` asks for: of the highest quality, and among equals the first in the catalogue; without a

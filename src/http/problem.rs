@@ -19,8 +19,10 @@ use crate::wire::read::ReadError;
 
 /// Most bytes of the faults that one answer lists: some hundred of them, more than a reader mends at once. With its
 /// detail, in which every character may be escaped by six, the whole answer stays below 64 KiB.
+/// Half and twice of it halve and double the faults that are listed; twice of it passes 64 KiB.
 const MOST_FAULT_BYTES: usize = 32 << 10;
 /// Most characters of a detail: a place and a sentence at their longest.
+/// Half of it may cut a sentence; twice of it, escaped, would pass 64 KiB with the faults.
 const MOST_DETAIL: usize = 4000;
 
 /// A kind of problem: its slug, title and status, and a page's worth of explanation.

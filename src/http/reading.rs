@@ -29,6 +29,7 @@ const SEARCH_MEDIA_TYPE: &str = "application/vnd.planish.search+json";
 /// What a search has found takes less than this.
 const SEARCH_ANSWER_BYTES: u128 = 4 << 10;
 /// Searches that cannot come to more work than this begin in the short lane: 13 s at 100 ns a unit, which curves have.
+/// Half of it sends the searches of curves to the long lane; twice of it lets some of surfaces begin in the short one.
 const SHORT_SEARCH: u128 = 1 << 27;
 /// What checking a draft that was searched for takes, as a share of its input.
 const COMPLETING: u64 = 2;

@@ -65,6 +65,7 @@ pub enum StartError {
 /// minute at the least rate.
 const SEND_BUFFER_BYTES: u32 = 512 << 10;
 /// Connections that the system may hold until they are accepted.
+/// The system may set a lower limit. Half of it refuses bursts half as large; twice of it lets as many more wait.
 const BACKLOG: u32 = 1024;
 /// How long a computation may hold a place in the short lane: four times the prediction from which on work counts as
 /// long.

@@ -56,6 +56,7 @@ impl Grid {
 }
 
 /// Items that touch more tiles than this are kept in one list for all, so that memory stays in proportion to the items.
+/// Half of it puts more items on the list that every tile reads; twice of it may take twice as many entries.
 pub(super) const FEW_TILES: usize = 16;
 
 /// The items of one run of the submission, sorted by tile.

@@ -18,6 +18,8 @@ const TRIANGLES_A_ROW: f64 = 8.0;
 /// ones.
 const SORTED_A_ROW: f64 = 2.0;
 /// Tiles that a line crosses, over those beside each other along its longer side.
+/// A diagonal crosses up to 2, a level line 1. Half of it tells steep lines too short; twice of it tells all lines
+/// twice as long as they may be.
 const CROSSED: f64 = 1.5;
 
 /// What was done, in rows.

@@ -44,6 +44,7 @@ const RIM_LIGHT: Vec3f = [0.30, 0.32, 0.36];
 const SKY_LIGHT: Vec3f = [0.25, 0.275, 0.315];
 const GROUND_LIGHT: Vec3f = [0.115, 0.105, 0.10];
 /// Share of the light that mirrors at the surface, straight on.
+/// It is a choice of looks: half of it is duller, twice of it brightens the spots of light.
 const GLEAM: f32 = 0.36;
 
 impl Lamps {
@@ -143,6 +144,8 @@ fn shoulder(light: f32) -> f32 {
 }
 
 /// Spots lit at once.
+/// Eight 32-bit numbers fill a vector register of 256 bits. Half of it leaves half of that empty; twice of it needs two
+/// registers for each number. Colours are the same.
 const LANES: usize = 8;
 
 /// Places of a tile that wait for light.

@@ -19,6 +19,8 @@ use crate::watch::{Stopped, Watch};
 const SIDE: u32 = TILE as u32;
 
 /// Lines on a surface are lifted toward the viewer by this share of the radius of the scene.
+/// Half of it lets lines sink into coarse triangles beside them; twice of it lets lines behind an edge show through
+/// sooner.
 const LIFT: f64 = 1e-3;
 /// On steep surfaces they are lifted by at most this share.
 const STEEP_LIFT: f64 = 1e-2;

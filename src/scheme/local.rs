@@ -7,6 +7,7 @@ use crate::math::expression::Expression;
 use crate::shape::attributes::{Attributes, between};
 
 /// Largest size of a compensation: beyond it lies a pole of the function, and coordinates lose all digits.
+/// At 1e12 four of the 16 digits of a coordinate are left. Half and twice of it leave a bit more or less.
 pub const MAX_COMPENSATION: f64 = 1e12;
 
 /// A decaying perturbation at one upsampling.

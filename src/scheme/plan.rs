@@ -16,6 +16,8 @@ use crate::math::parameter::Literal;
 use crate::shape::tile::Tile;
 
 /// Most levels of any plan.
+/// Sizes are refused long before for schemes that multiply points; a word without upsampling takes a level as one pass.
+/// Half and twice of it halve and double what such a word may cost.
 pub const MAX_LEVELS: u32 = 64;
 /// What a client writes as a plan.
 #[derive(Debug, Clone, Default, PartialEq)]

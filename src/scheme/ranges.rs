@@ -3,6 +3,8 @@
 use crate::math::mask::Mask;
 
 /// Entries that differ by less count as equal.
+/// It is 4,500 times the rounding of 1 and far below the digits with which ranges are known. Half and twice of it
+/// decide otherwise only within that of an end.
 const SAME: f64 = 1e-12;
 /// Where the four-point scheme ceases to be C1: the real root of `32 w^3 + 4 w - 1`.
 ///

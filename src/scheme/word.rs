@@ -7,10 +7,15 @@ use super::parameters::{ARITIES, ARITY};
 use crate::math::parameter::Value;
 
 /// Longest text of a word, bytes.
+/// It has room for [`MAX_LETTERS`] letters of four bytes. Half of it refuses long words written out; twice of it admits
+/// none that are not too long anyway, but for spelling.
 pub const MAX_BYTES: usize = 256;
 /// Most letters of a word after its powers are written out.
+/// Each average is a pass over the mesh at every level, so that twice of it takes twice as long; half of it refuses
+/// words of more than 32 letters.
 pub const MAX_LETTERS: usize = 64;
 /// Deepest nesting of groups.
+/// Half of it refuses groups nested five deep; twice of it holds no more letters, and only uses more of the stack.
 pub const MAX_DEPTH: usize = 8;
 
 /// The operator of a letter.

@@ -17,6 +17,7 @@ use crate::job::limits::Estimate;
 use crate::output::Format;
 
 /// Most records held.
+/// With [`RECORD_BYTES`] each they take 80 MiB. Half of it forgets jobs sooner; twice of it may take twice that.
 const MAX_RECORDS: usize = 10_000;
 /// Charged for a record besides its request: its counts a level, its names, its places in the maps.
 const RECORD_BYTES: u64 = 8 << 10;

@@ -11,6 +11,8 @@ use super::store::Manifest;
 use crate::job::key::Key;
 
 /// Answers up to this length take nothing: with one a connection they are bounded by the connections.
+/// Twice of it may hold twice as much beside the account for each connection; half of it takes more small answers from
+/// the account.
 const FREE_BYTES: u64 = 64 << 10;
 
 /// Bytes together with whatever pays for their memory.

@@ -15,6 +15,8 @@ use super::peer::Peer;
 pub use super::line::{Memory, Waiting};
 
 /// Predicted milliseconds from which on work counts as long.
+/// Half of it sends more to the long lane, which may wait behind large jobs; twice of it makes requests in the short
+/// lane wait for each other up to twice as long.
 const LONG_MS: u128 = 250;
 
 /// How far compute threads stand back: at 10 they get a tenth of the time of others while these have work, and all of

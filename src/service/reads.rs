@@ -9,6 +9,7 @@ use super::disk_counts::{DiskCounts, count};
 use super::store::StoreError;
 
 /// Most reads at a time. A solid disk gains little beyond four requests of a mebibyte each, and a turning one loses.
+/// Half of it leaves a solid disk idle; twice of it gains little and holds twice as many parts.
 const PLACES: usize = 4;
 
 /// The places of one disk.

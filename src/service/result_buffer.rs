@@ -13,6 +13,7 @@ use super::writer::Waiting;
 use crate::job::key::Key;
 
 /// Bytes that a result may have in memory beyond what its estimate says.
+/// Half of it breaks off results whose estimate is short by more; twice of it lets each exceed its promise by 2 MiB.
 const SLACK_BYTES: u128 = 1 << 20;
 
 /// A result being made.

@@ -14,11 +14,15 @@ use super::writer::{Trouble, Waiting, Writer};
 use crate::job::key::Key;
 
 /// Artifacts up to this size are brought from disk into memory when they are asked for.
+/// Half of it reads more artifacts from the disk each time; twice of it lets one artifact evict twice as many small
+/// ones.
 const PROMOTED_BYTES: u64 = 4 << 20;
 /// How long looking an artifact up may wait for the disk; after it the artifact is computed instead. A disk under load
 /// reads four mebibytes in this time.
+/// Half of it computes again what a busy disk has; twice of it waits longer than many results take to compute.
 const LOOKUP_PATIENCE: Duration = Duration::from_secs(2);
 /// How long an answer waits for its next part; after it the answer is cut. Less than most clients wait.
+/// Half of it cuts more answers under load; twice of it is longer than some clients wait.
 const PART_PATIENCE: Duration = Duration::from_secs(10);
 
 /// Memory before disk.

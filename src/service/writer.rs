@@ -16,17 +16,24 @@ use super::store::{Description, Embedded, Manifest, Sealed, Store, StoreError};
 use crate::job::key::Key;
 
 /// Threads that write. Two, so that one long artifact does not hold up all small ones.
+/// One would let small artifacts wait behind a long one; four would share the same disk.
 const THREADS: usize = 2;
 /// Most artifacts waiting: what two threads write in a minute at a quarter of a second a sync and two syncs each.
+/// Half of it leaves artifacts of bursts unwritten sooner; twice of it lets them wait for two minutes.
 const MAX_WAITING: usize = 256;
 /// Most of them in temporary files, whose bytes do not count towards the capacity of the disk store.
+/// Half of it leaves more artifacts unwritten; twice of it lets twice as much stand on the disk beyond the capacity.
 const MAX_SEALED: usize = 16;
 /// A disk that works for so long on one artifact counts as stuck: at 33 megabytes a second this is a gigabyte.
+/// Half of it calls disks stuck that write a gigabyte at less than 67 megabytes a second; twice of it notices after a
+/// minute.
 const STUCK: Duration = Duration::from_secs(30);
 /// How long after its last failure a disk counts as failing when nothing more is written: without traffic, which a
 /// service that is not ready may not get, no write could show that it has recovered.
+/// Half of it sends traffic back to a disk that may still fail; twice of it keeps a service out of use for longer.
 const MEMORY: Duration = Duration::from_mins(1);
 /// How long a writer that is dropped lets its threads go on: half of the service's own time to end.
+/// Twice of it leaves nothing of that time for the rest; half of it loses more writes.
 const LAST_WAIT: Duration = Duration::from_secs(10);
 
 /// An artifact on its way to the disk.

@@ -220,7 +220,8 @@ const SCHEMES: &[&str] = &[
     "fourpoint",
     "repeatedaveraging",
 ];
-/// Where a name of a scheme stands outside `scheme/`: in jobs that serve as examples, and in what the document says of them.
+/// Where a name of a scheme stands outside `scheme/`: in jobs that serve as examples, and in what the document says of
+/// them.
 const NAMED: &[(&str, &[&str])] =
     &[("http/canary.rs", &["catmull"]), ("http/render.rs", &["chaikin"]), ("wire/schema.rs", &["incenter"])];
 

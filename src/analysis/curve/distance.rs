@@ -22,12 +22,15 @@ use crate::watch::{Stopped, Watch};
 const MAX_BLOCK: i64 = 256;
 /// Most units of work of a search, one being a row of a table or as many products of weights as take 100 ns: 13 s.
 /// Words of U and 63 C, whose masks are the longest of those in use, take a 16th of it.
+/// Half and twice of it halve and double the time after which a search is refused.
 pub const MAX_WORK: u64 = 1 << 27;
 /// What rounding leaves of sums that are 0.
 /// It is relative to the weights, so that masks written with nine digits pass. Half of it refuses some of these; twice
 /// of it admits masks that miss lines by twice as much.
 const ROUNDING: f64 = 1e-9;
-/// Most levels.
+/// Most levels that are looked at.
+/// A plan has no more. Half of it would refuse tolerances that schemes of slow contraction meet later; twice of it
+/// finds levels that no plan may have.
 const MAX_LEVELS: usize = 64;
 
 /// Why second differences bound no distance.

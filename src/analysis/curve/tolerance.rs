@@ -25,8 +25,12 @@ const LEAST: f64 = 1e-12;
 
 /// What a search takes for each point that it may look at, bytes: new and old points of up to 4 numbers, and their
 /// rows.
+/// Old and new points take 64 of it. Half of it leaves nothing for rows; twice of it lets half as many searches run at
+/// once.
 const BYTES_A_POINT: u64 = 128;
 /// Points that a search may look at whatever the polygons are: those of impulses and of products of masks.
+/// It is four times the points of an impulse, and 32 MiB. Half of it promises less than wide masks may take; twice of
+/// it lets half as many small searches run at once.
 const OTHER_POINTS: u64 = 1 << 18;
 
 /// Bytes that a search for polygons of so many points takes at most.

@@ -5,6 +5,8 @@
 pub(super) const MAX_PATCH_VERTICES: usize = 20_000;
 
 /// Vertices of patches that are found in the time of a row of a table, 100 ns.
+/// It only says how much of the progress a patch takes: with half of it twice as much is told for the same patches,
+/// with twice of it half as much.
 pub(super) const VERTICES_A_ROW: u64 = 2;
 
 /// Most points that the operators of one level make of a net, all together. At 160 bytes a point they take 160 MiB:
@@ -25,4 +27,19 @@ pub(super) const MAX_RINGS: usize = 16;
 pub(super) const MAX_FOLLOWED_POINTS: usize = 1 << 20;
 
 /// Levels within which the points around a vertex have to come together.
+/// Points that come 0.96 as close at each level are together after 1,000. Half of it asks for 0.92, twice of it for
+/// 0.98, and follows points that never come together for twice as long.
 pub(super) const MAX_FOLLOWED_LEVELS: usize = 1_000;
+
+/// Vertices whose patches are compared at a time at first; the number doubles up to [`CHUNK`].
+/// Half and twice of it only shift the first doubling: a mesh whose first patches are beyond what is allowed is refused
+/// after that many.
+pub(super) const FIRST_CHUNK: usize = 64;
+/// Vertices whose patches are compared at a time, at most.
+/// Half of it waits for all threads, and looks at the watch, twice as often; twice of it holds twice as many patches at
+/// once.
+pub(super) const CHUNK: usize = 16_384;
+/// Vertices that the patches compared at a time have in all, about: 32 MiB of patches around vertices with many faces,
+/// and enough work for all threads.
+/// Half and twice of it halve and double these bytes; at half of it threads wait for each other twice as often.
+pub(super) const CHUNK_VERTICES: usize = 1 << 20;

@@ -15,6 +15,8 @@ use crate::scheme::operator::Children;
 use crate::shape::topology::{Topology, index};
 
 /// Weights that differ by no more than this are the same.
+/// It is relative to a weight of a middle, whose own rounding is a few times 2e-16, and far below the differences
+/// between the weights of different rules, so that half and twice of it decide alike.
 const SAME: f64 = 1e-9;
 
 /// What becomes of a centre of the net `before` a step in the one `after`. The step is the last one on `record`.

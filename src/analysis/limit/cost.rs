@@ -8,14 +8,23 @@ use crate::scheme::letter::Letter;
 use crate::scheme::operator::Children;
 
 /// Bytes a point: its topology, its place among the rows that were made, the numbers of an impulse before and after.
+/// With half of it less is promised than is taken; with twice of it half as many limits run at once.
 const BYTES_A_POINT: usize = 160;
 /// Patches that are worked on at a time, at most as far as this is counted.
+/// Half of it promises half the bytes of patches, less than eight threads take; twice of it promises twice as many,
+/// which eight threads do not take.
 const AT_A_TIME: usize = 8;
 /// Levels after which a patch usually is its own child.
+/// It only scales the predicted cost of patches: a patch whose chain is twice as long takes twice as long as told, up
+/// to MAX_CHAIN of the masks.
 const CHAIN: usize = 3;
 /// Levels after which numbers that are halved with every one no longer change anything, as alpha does.
+/// The kernel is a cosine, whose distance from 1 falls to a quarter with each halving: 4^-26 is the rounding of 1. Half
+/// and twice of it halve and double the predicted cost of plans with an alpha; results do not depend on it.
 const FADING: usize = 28;
 /// Levels after which the parameters of vertices agree, of which every one halves the differences.
+/// 2^-50 is the difference that counts as none, 1e-15. Half and twice of it halve and double the predicted cost of
+/// meshes that carry parameters; results do not depend on it.
 const AGREEING: usize = 50;
 
 /// What is followed until it no longer changes.

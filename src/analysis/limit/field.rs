@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::bounds::{MAX_PATCHES, VERTICES_A_ROW};
+use super::bounds::{CHUNK, CHUNK_VERTICES, FIRST_CHUNK, MAX_PATCHES, VERTICES_A_ROW};
 use super::error::Unlimited;
 use super::grid::regular_mask;
 use super::mask::{Finder, Mask, Masks};
@@ -20,12 +20,6 @@ use crate::math::rows::Rows;
 use crate::shape::topology::index;
 use crate::watch::Watch;
 
-/// Vertices whose patches are compared at a time, at first and at most.
-const FIRST_CHUNK: usize = 64;
-const CHUNK: usize = 16_384;
-/// Vertices that the patches compared at a time have in all, about: 32 MiB of patches around vertices with many faces,
-/// and enough work for all threads.
-const CHUNK_VERTICES: usize = 1 << 20;
 /// The class of vertices around which the net is a grid of quads.
 const REGULAR: u32 = 0;
 /// The class of vertices without faces.

@@ -3,6 +3,8 @@
 use crate::shape::topology::{NONE, index};
 
 /// Numbers up to this many are found by looking through them.
+/// It only decides which way is taken: with half of it neighbourhoods of faces are hashed sooner, with twice of it more
+/// numbers are compared one by one. The order is the same.
 const FEW: usize = 16;
 
 /// Things in the order of first use, which is their number.

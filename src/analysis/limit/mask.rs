@@ -15,23 +15,41 @@ use super::vertex_parameters::{CommonParameters, VertexParameters};
 
 /// Levels after which a neighbourhood has to look like itself: vertices that differ from their surroundings move apart
 /// with every level, and nothing else changes it.
+/// Extraordinary vertices are about twice as far apart after each level, so that 16 levels clear any patch. Half of it
+/// clears 2^8 rings, still more than the 16 that may decide about a limit; twice of it only takes longer to refuse.
 const MAX_CHAIN: usize = 16;
 /// A mask that changes by less than this has settled.
+/// It is about 5 units in the last place of 1, the sum of the weights. Half of it may leave short masks to
+/// [`ROUNDING`], which takes [`PATIENCE`] steps more; twice of it stops earlier, and the last digits differ.
 const SETTLED: f64 = 1e-15;
 /// Rounding changes a wide mask by up to this for ever: it has settled, too, once its changes are below this and have
 /// not become smaller for [`PATIENCE`] steps.
+/// It is 450 units in the last place of 1, for the sum of up to some thousand weights. Half of it refuses wide masks
+/// that go on moving by more; twice of it accepts them with a digit less.
 const ROUNDING: f64 = 1e-13;
 /// Steps without a smaller change than before.
+/// Rounding makes no new least change for many steps, convergence makes one at every step or, where it oscillates,
+/// every few. Half of it may stop an oscillation too early; twice of it takes 32 steps more a mask.
 const PATIENCE: usize = 32;
 /// Columns of which it is seen whether points come together.
+/// A column without a pattern contains the direction that does not vanish; a second one guards against a chance. One
+/// would do almost always; four take twice the time.
 const WITNESSES: usize = 2;
 /// Steps after which only the largest eigenvalue is seen; what shrinks from there on, in as many steps again, vanishes.
+/// After it, an eigenvalue that is 0.9 of the largest has left 0.9^256, 2e-12. Half of it leaves 1e-6, and what grows
+/// at first may be mistaken; twice of it takes twice as long where points come together slowly.
 const WARM_UP: usize = 256;
 /// Points that are no farther apart than this, of about 1 before, come together.
+/// Columns that shrink to it go on shrinking under the same matrix, unless some part of them is below it, which a start
+/// without a pattern excludes. Half and twice of it take a step more or less.
 const TOGETHER: f64 = 1e-6;
 /// Levels after which the parameters of vertices agree: their differences are halved.
+/// The largest numbers, 2^1024, differ by less than 1e-15 after 1,074 halvings, so that parameters that halve their
+/// differences never meet it. Half of it refuses differences above 2^500; twice of it changes nothing.
 const MAX_LEVELS: usize = 1_100;
 /// Levels after which a mask has to have settled.
+/// A mask settles at a rate b within 36 / (1 - b) steps, so that 0.998 is the slowest. Half of it ends at 0.996 and
+/// calls what is between unsettled; twice of it takes up to twice as long to refuse.
 const MAX_STEPS: usize = 20_000;
 
 /// The weights of one patch, over the points of its support.

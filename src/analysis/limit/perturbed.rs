@@ -27,15 +27,24 @@ use crate::shape::topology::index;
 use crate::watch::Watch;
 
 /// Rows that take as long as following one of them: measured, 50 to 200 microseconds.
+/// It only says how much of the budget a point takes: with half of it limits are told half as long as they take, at
+/// twice of it twice as long.
 pub const ROWS_A_POINT: u64 = 1_000;
 /// Perturbations below which what is still to come is left out: times the distances they act on for positions, by
 /// themselves for tangents.
+/// It is half of the rounding of 1, so that what is left out would be lost in sums with coordinates of size 1. Half and
+/// twice of it follow about one level more or less for a decay of 1/2.
 const QUIET: f64 = 1e-16;
 /// Points that are no further apart, of 1 at the beginning, are together.
+/// It is a 200th of the rounding of coordinates of size 1. Half and twice of it follow about one level more or less.
 const TOGETHER: f64 = 1e-18;
 /// Vectors of coordinates that tell how far the points around a vertex are apart.
+/// The largest of them is what counts, which random columns underestimate by less the more there are. With half of it
+/// points may be called together a level early; with twice of it each level takes longer.
 const WITNESSES: usize = 8;
 /// Vertices whose surroundings are counted at a time.
+/// Half of it waits for all threads, and looks at the watch, twice as often; with twice of it a refusal comes later by
+/// as much.
 const CHUNK: usize = 4_096;
 
 /// The perturbation of a plan, if it has any say in the cycle.

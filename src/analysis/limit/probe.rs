@@ -10,8 +10,13 @@ use crate::shape::topology::{Topology, index};
 
 /// Rings that are tried one after another before it is asked whether the most are enough: cost grows with their fourth
 /// power.
+/// Words of up to 7 averages need up to 8 rings. Half of it asks about the most rings from 4 averages on, where one
+/// large patch takes longer than all the small ones; twice of it is all of [`MAX_RINGS`], where what fails takes
+/// longest.
 const TRIED: usize = 8;
 /// Steps after which children of places on the boundary, of edges and of faces are like those before.
+/// A first step leaves the start, a second gives the children of children, and a third repeats them. One step would not
+/// show that they repeat; twice of it takes twice as long.
 const STEPS: usize = 3;
 impl Regular {
     /// What a cycle makes of a mesh: triangles stay triangles under triangle splits only.

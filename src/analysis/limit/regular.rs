@@ -12,6 +12,8 @@ use crate::shape::topology::{Topology, index};
 
 /// Boundary vertices with so many faces and fewer are looked at: a path of points has its middle at a vertex or an
 /// edge, beside its ends or not.
+/// Fans of one and two faces are the ends, those of three and four the two kinds of middle. Half of it would leave out
+/// the middles; twice of it repeats what is known.
 const MOST_SECTORS: usize = 4;
 
 /// How many sides the faces have around which a scheme is regular.

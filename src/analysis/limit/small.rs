@@ -3,8 +3,12 @@
 use crate::math::functions::{exp, ln, sqrt};
 
 /// Squarings before a step of the inner iteration, on matrices of a few rows: it applies their 32nd power.
+/// Half of it applies the 4th power, which takes 8 times as many steps; twice of it the 1,024th, in which eigenvalues
+/// below 0.96 of the largest are lost to rounding.
 const SQUARINGS: usize = 5;
 /// Most of these steps.
+/// With 32nd powers these are 25,600 steps, which part eigenvalues whose quotient is 0.9988. Half of it parts 0.9977,
+/// twice of it 0.9994, and takes twice as long where they are equal.
 const MAX_INNER: usize = 800;
 /// K vectors.
 pub(super) type Vectors<const K: usize> = [Vec<f64>; K];

@@ -16,22 +16,36 @@ use crate::math::functions::{exp, ln, sqrt};
 use crate::math::vector::cross;
 
 /// Vectors iterated at once.
+/// Vectors of the five largest eigenvalues are taken out of it at most, so that three are left to tell how large the
+/// next ones are. With half of it chains are not found, and convergence is slower; with twice of it each step takes
+/// four times as long to make orthogonal.
 const WIDTH: usize = 8;
 /// Steps before the first look at the outcome; each look comes after twice as many.
+/// It parts eigenvalues whose quotient is 0.53 to [`RESIDUAL`]. With half of it most masks need a second look, with
+/// twice of it all take 80 steps.
 const FIRST_LOOK: usize = 40;
 /// Looks before an eigenvalue after the second counts as equally large.
+/// These are 40 (2^8 - 1) = 10,200 steps, which part eigenvalues whose quotient is 0.9975 to [`RESIDUAL`]. With one
+/// less half of the steps are left and with one more twice as many, for quotients of 0.995 and 0.9988; the time to
+/// refuse follows.
 const MAX_LOOKS: usize = 8;
 /// How far below the second eigenvalue the third has to be, relative to it.
+/// It is well above the root of the rounding of 1, 1.5e-8, by which rounding splits equal eigenvalues of a chain. Half
+/// of it comes closer to that; twice of it refuses surfaces whose third eigenvalue is less than 2e-5 below the second.
 const GAP: f64 = 1e-5;
 /// Most faces around a vertex, or corners of a face, with which tangents are looked for. Around n faces the eigenvalues
 /// of waves that go around once and four times differ by about `100/n^2` of them, so that from some 300 faces on the
 /// steps of all looks do not part their vectors to [`RESIDUAL`], and each step takes as long as there are faces: beyond
 /// this many it is known that none are found.
+/// Half of it would refuse without a try what already fails; twice of it tries twice as long to fail.
 const MAX_AROUND: usize = 2048;
 /// The part of the last vector of a chain in the characteristic map, small as after many levels: where the others
 /// vanish, as on a boundary that is refined by itself, it alone tells the points apart.
+/// Sides and sines below 1e-9 count as none: half and twice of it leave three digits between.
 const LATE: f64 = 1e-6;
 /// What two vectors may leave behind beside their span, relative to their eigenvalues.
+/// It is 45,000 times the rounding of 1, for sums over wide patches, and a hundredth of the least sine that counts.
+/// Half of it may take another look; twice of it may spare one, and the last digits are less sure.
 const RESIDUAL: f64 = 1e-11;
 
 /// Why there are no tangents.

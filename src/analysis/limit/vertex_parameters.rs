@@ -3,6 +3,8 @@
 use crate::shape::attributes::Attributes;
 
 /// Parameters that differ by no more than this, relative to 1 or their size, are the same.
+/// It is about 5 units in the last place of 1. With half of it one level more is followed, as each halves differences;
+/// with twice of it one less, and the limit may differ by as much.
 const SAME: f64 = 1e-15;
 
 /// The bits of the parameters that the vertices of a patch carry, where they carry any.

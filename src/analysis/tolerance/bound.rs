@@ -11,8 +11,11 @@ use super::remainder::Remainders;
 use super::spline::Spline;
 use crate::math::vector::{Vector, length, minus};
 
-/// Faces of a net up to which it is refined further, and those of a part of it.
+/// Faces of a net up to which it is refined further.
+/// Half and twice of it halve and double the time, and shift by half a level where the whole net is followed.
 pub(super) const FOLLOWED_FACES: usize = 1 << 16;
+/// Faces of a part of a net up to which it is refined further.
+/// Half and twice of it halve and double the memory of the part, and shift bounds of the faces left out.
 const PART_FACES: usize = 1 << 17;
 /// Levels that are measured at all faces, where they are not too many: what is bounded after them is a 16th of the
 /// whole.
@@ -35,10 +38,14 @@ const FEW: usize = 64;
 /// Half of it looks at the greatest distance twice as often, where threads wait for each other; with twice of it up to
 /// 256 faces more are measured than needed.
 const CHUNK: usize = 256;
-/// How often pieces of surfaces are cut into quarters, until all of a part is near one face: at first, one piece at
-/// most, and all together.
+/// How often a piece of a surface is cut into quarters at first, until all of a part is near one face.
+/// Half and twice of it only shift where cutting begins.
 const FIRST_CUTS: usize = 1 << 4;
+/// How often one piece is cut at most.
+/// Half of it gives up sooner, and the bound is larger there; twice of it may take twice as long for a piece.
 const CUTS: usize = 1 << 12;
+/// How often all pieces together are cut at most.
+/// Half and twice of it halve and double the time of bounds that stay open.
 const ALL_CUTS: usize = 1 << 16;
 
 /// What is known of one face.

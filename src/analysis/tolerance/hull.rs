@@ -13,8 +13,12 @@ use crate::shape::topology::NONE;
 /// takes up to twice as long where there is no line.
 const TURNS: usize = 16;
 /// Most rings of faces that a limit may depend on; with more, there are too many points to look at.
+/// Points grow with its fourth power, 1,764 a face at 2. Half of it leaves out limits that depend on two rings; twice
+/// of it looks at 12,100 points a face.
 pub(super) const MAX_REACH: usize = 2;
 /// Most points that are looked at for all faces of a level.
+/// At about 25 ns a point it is a second. Half and twice of it halve and double that and the faces to which it applies;
+/// others are bounded by second differences.
 const WORK: usize = 1 << 25;
 
 /// The points that the limits of faces depend on.

@@ -19,6 +19,8 @@ pub(super) const MAX_FACES: usize = 1 << 18;
 pub(super) const LEAST: f64 = 1e-12;
 /// Most units of work of a search, of about 100 ns each: 3.5 minutes, ten times what those take that look at all the
 /// levels and faces they may.
+/// Half of it leaves five times what those take, and refuses the slowest others after half the time; twice of it holds
+/// a thread for 7 minutes.
 pub const MAX_WORK: u64 = 1 << 31;
 
 /// Why no level can be given for a tolerance.

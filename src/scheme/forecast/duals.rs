@@ -24,11 +24,14 @@ use crate::watch::Watch;
 
 /// Bytes that a forecast may hold: four layers, which UDD needs, along the four sides of a square of 20 million quads
 /// take less than half of it.
+/// Half of it promises just about what these take; twice of it takes twice as much of the memory beside the jobs.
 pub const MAX_BYTES: u128 = 64 << 20;
 /// Bytes for each corner of a net while it is split or its dual is made: 13 of the topology, 5 of its faces, and of the
 /// dual 12 of the sides of edges, 20 of its own topology and 13 of lists on the way, which grow by doubling.
 const CORNER_BYTES: u128 = 96;
 /// Layers that are kept at the end, so that no face touches both the boundary and the cut.
+/// One layer, half of it, would have faces that touch both; twice of it keeps four and takes more bytes for the same
+/// counts.
 const LEAST_LAYERS: u32 = 2;
 
 /// Bytes that the forecast of a plan holds at most, for a mesh with so many corners of faces.

@@ -17,8 +17,12 @@ use crate::scheme::window::Window;
 use crate::watch::{Stopped, Watch};
 
 /// Edges that one thread takes at a time.
+/// Half of it has twice as many blocks to join; twice of it leaves threads of small polygons without work. Results are
+/// the same.
 const BLOCK: usize = 4096;
 /// Turnings below this, radians, are what rounding leaves of none; their signs and their quotient would be noise.
+/// It is far above the rounding of a direction, 2e-16, and far below a turning that is seen. Half and twice of it
+/// decide otherwise only about turnings of a billionth.
 const STRAIGHT: f64 = 1e-9;
 
 /// A level of incenter subdivision: points and unit tangents give points and unit tangents. On an edge of direction `e`

@@ -17,9 +17,11 @@ use crate::job::key::Key;
 const USES: TableDefinition<'_, &[u8; 32], u64> = TableDefinition::new("last-use-1");
 
 /// Changes after which the order is written again.
+/// Half of it writes twice as often; twice of it loses the order of twice as many uses in a crash.
 const CHANGES_A_WRITE: u32 = 256;
 
 /// Page cache of the database; its default would be a gigabyte.
+/// Half of it reads pages from the disk more often; twice of it takes 4 MiB more from results.
 const CACHE_BYTES: usize = 4 << 20;
 
 /// The file and what of it is out of date.

@@ -7,6 +7,7 @@ use super::interface::Usage;
 use crate::job::key::Key;
 
 /// Most entries one store holds, whatever its capacity: their records stay in memory, at about 500 bytes each.
+/// These are 256 MiB. Half and twice of it halve and double them, and the number of small artifacts that are kept.
 pub const MAX_ARTIFACTS: usize = 1 << 19;
 
 /// A bounded map that knows the order of use. Looking up, inserting and evicting cost `O(log n)`.
