@@ -29,7 +29,7 @@ use crate::service::clock::{Clock, Monotonic};
 use crate::service::desk::{Desk, Terms};
 use crate::service::peer::Peer;
 use crate::service::pool::{Bounds, Pool};
-use crate::service::store::Embedded;
+use crate::service::store::{Embedded, Store};
 use crate::service::tiers::Tiers;
 use crate::wire::read::weight;
 
@@ -81,7 +81,8 @@ pub async fn bind(mut settings: Settings) -> Result<(TcpListener, Arc<App>), Sta
     } else {
         let path = settings.data_dir.display().to_string();
         let open = Embedded::open(&settings.data_dir, settings.cache_bytes);
-        Some(open.map_err(|error| StartError::Store { path, error })?)
+        let store = open.map_err(|error| StartError::Store { path, error })?;
+        Some(Arc::new(store) as Arc<dyn Store>)
     };
     let account = Account::new(settings.max_memory_bytes, settings.memory_cache_bytes);
     settings.max_body_bytes = settings.max_body_bytes.min(longest_body(&account));

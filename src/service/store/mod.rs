@@ -17,12 +17,10 @@ mod shelf;
 mod sweep;
 
 pub use disk::{Disk, Local};
-pub(super) use disk_spool::DiskSpool;
 pub use embedded::Embedded;
 pub use error::StoreError;
-pub use interface::{Spool, Store, Usage};
+pub use interface::{LargeSpool, Sealed, Spool, Store, Usage};
 pub use manifest::{Description, Manifest, PART_BYTES};
 pub use memory::Memory;
 pub(super) use parts::part_of;
-pub(super) use sealed::Sealed;
 pub use shelf::MAX_ARTIFACTS;
