@@ -12,9 +12,13 @@ use super::disk::{Disk, Local};
 use super::disk_spool::DiskSpool;
 use super::disk_state::DiskState;
 use super::error::StoreError;
-use super::interface::{LargeSpool, Spool, Store, Usage};
+use super::interface::{LargeSpool, Spool, Store, StoreKind, Usage};
 use super::manifest::Manifest;
 use crate::job::key::Key;
+
+/// The store as the settings name it.
+pub(super) const KIND: StoreKind =
+    StoreKind { name: "folder", open: |dir, capacity_bytes| Ok(Arc::new(Embedded::open(dir, capacity_bytes)?)) };
 
 /// Artifacts in a folder; every byte served was verified on the way. Clones share it.
 #[derive(Debug, Clone)]

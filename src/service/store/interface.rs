@@ -1,6 +1,7 @@
 //! What every store can do.
 
 use std::io::{self, Write};
+use std::path::Path;
 use std::sync::Arc;
 
 use bytes::Bytes;
@@ -140,4 +141,13 @@ pub struct Usage {
     pub evicted: u64,
     /// Artifacts found damaged and dropped.
     pub damaged: u64,
+}
+
+/// A kind of store.
+#[derive(Debug)]
+pub struct StoreKind {
+    /// Its name in the settings.
+    pub name: &'static str,
+    /// Opens it in a folder, with so many bytes of room.
+    pub open: fn(&Path, u64) -> Result<Arc<dyn Store>, StoreError>,
 }
