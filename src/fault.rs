@@ -20,7 +20,8 @@ impl Fault {
         Self { pointer: pointer.into(), detail: detail.into(), other: None }
     }
 
-    /// A fault at `pointer` whose sentence names another place, too: what comes before it, its pointer, what comes after.
+    /// A fault at `pointer` whose sentence names another place, too: what comes before it, its pointer, what comes
+    /// after.
     pub fn with_other(pointer: impl Into<String>, [before, other, after]: [&str; 3]) -> Self {
         Self { other: Some(before.len()), ..Self::new(pointer, [before, other, after].concat()) }
     }

@@ -50,13 +50,15 @@ pub(super) async fn index() -> Response {
         "/readyz",
     ];
     let links: String = links.map(|link| format!("<li><a href=\"{link}\">{link}</a></li>")).concat();
-    let text = "<p>Refines control polygons and control meshes by subdivision. Send a job to <code>POST /v1/render</code>.</p>";
+    let text = "<p>Refines control polygons and control meshes by subdivision. Send a job to \
+                <code>POST /v1/render</code>.</p>";
     page("planish", &format!("{text}<ul>{links}</ul>")).into_response()
 }
 
 fn page(title: &str, content: &str) -> Html<String> {
     Html(format!(
         "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>{title}</title><style>body{{font:16px/1.5 \
-         system-ui,sans-serif;max-width:40rem;margin:3rem auto;padding:0 1rem}}</style><h1>{title}</h1>{content}</html>\n"
+         system-ui,sans-serif;max-width:40rem;margin:3rem auto;padding:0 1rem}}</style>\
+         <h1>{title}</h1>{content}</html>\n"
     ))
 }

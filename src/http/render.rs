@@ -33,7 +33,8 @@ use crate::wire::output::OutputRequest;
 #[utoipa::path(
     post, path = "/v1/render", tag = "jobs",
     params(
-        ("Prefer" = Option<String>, Header, description = "`wait=N` waits N seconds at most, `respond-async` not at all"),
+        ("Prefer" = Option<String>, Header,
+            description = "`wait=N` waits N seconds at most, `respond-async` not at all"),
         ("If-None-Match" = Option<String>, Header, description = "ETags of results that the client has"),
     ),
     request_body(content = JobRequest, example = json!({
@@ -41,9 +42,10 @@ use crate::wire::output::OutputRequest;
         "plan": { "preset": "chaikin" }, "levels": 4, "outputs": [{ "format": "svg" }]
     })),
     responses(
-        (status = 200, description = "The bytes of the result, in the format that `outputs` or `Accept` asks for; where \
-            `levels` is a tolerance, `Planish-Level` and `Planish-Bound` say what it led to"),
-        (status = 202, description = "Not finished in time; `Location` has the job", body = crate::wire::answer::JobAnswer),
+        (status = 200, description = "The bytes of the result, in the format that `outputs` or `Accept` asks for; \
+            where `levels` is a tolerance, `Planish-Level` and `Planish-Bound` say what it led to"),
+        (status = 202, description = "Not finished in time; `Location` has the job",
+            body = crate::wire::answer::JobAnswer),
         (status = 304, description = "The client has it already (`If-None-Match`)"),
     )
 )]

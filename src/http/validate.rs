@@ -51,7 +51,8 @@ pub(super) struct ValidateRequest {
 #[utoipa::path(
     post, path = "/v1/validate", tag = "questions", request_body = ValidateRequest,
     responses(
-        (status = 200, description = "The report; `valid` tells whether a job would take the input", body = ValidateAnswer),
+        (status = 200, description = "The report; `valid` tells whether a job would take the input",
+            body = ValidateAnswer),
     )
 )]
 pub(super) async fn validate(State(app): State<Shared>, client: Client, headers: HeaderMap, body: Body) -> Response {

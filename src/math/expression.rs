@@ -137,7 +137,10 @@ pub enum ExpressionError {
         known: String,
     },
     /// A value that is not finite.
-    #[error("the expression is not finite ({value}){}; change the expression or the parameter", if .variable.is_empty() { String::new() } else { format!(" at {variable} = {at}") })]
+    #[error(
+        "the expression is not finite ({value}){}; change the expression or the parameter",
+        if .variable.is_empty() { String::new() } else { format!(" at {variable} = {at}") }
+    )]
     NotFinite {
         /// Infinity or NaN.
         value: f64,

@@ -32,8 +32,6 @@ pub struct FormatFacts {
     /// Whether the format can hold what these options make of a shape of this kind; else a sentence that says why not,
     /// and which formats can.
     pub holds: fn(ShapeKind, &Values) -> Result<(), String>,
-    /// Whether the format reads the shape as it was given, besides the refined one.
-    pub shows_control: bool,
 }
 
 /// What the bytes of a format are.

@@ -39,7 +39,6 @@ const FACTS: &FormatFacts = &FormatFacts {
     doc: "Binary glTF 2.0: triangles with normals, or line strips, in f32",
     parameters: PARAMETERS,
     holds: |kind, _| holds_space("glb", kind),
-    shows_control: false,
 };
 
 impl Format for Glb {

@@ -34,7 +34,6 @@ const FACTS: &FormatFacts = &FormatFacts {
     doc: "Self-contained glTF 2.0 in JSON: as glb, with the numbers as base64",
     parameters: PARAMETERS,
     holds: |kind, _| holds_space("gltf", kind),
-    shows_control: false,
 };
 
 impl Format for Gltf {

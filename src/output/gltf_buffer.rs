@@ -27,7 +27,7 @@ pub(super) struct Buffer<'a> {
     smooth: Option<&'a dyn MeshSource>,
     /// One for the mesh or for each polygon.
     pub(super) parts: Vec<PrimitiveVertices<'a>>,
-    /// LabelledFaces of the mesh by group and material, those without triangles left out.
+    /// The faces of the mesh by group and material, those without triangles left out.
     pub(super) faces: Vec<PrimitiveFaces>,
     /// What was subtracted from all positions (model units); each coordinate is an f32, so that it can be added again
     /// without a loss.

@@ -73,7 +73,6 @@ const FACTS: &FormatFacts = &FormatFacts {
     doc: "JSON as in requests: all coordinates at full precision, polygons as they are",
     parameters: &[POSITIONS, NORMALS, TANGENTS, CURVATURE, IDS, EDGES, SECTIONS],
     holds: |_, _| Ok(()),
-    shows_control: false,
 };
 
 impl Format for Json {

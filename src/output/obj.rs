@@ -52,7 +52,6 @@ const FACTS: &FormatFacts = &FormatFacts {
     doc: "Wavefront OBJ: polygons as they are, shortest decimals that read back exactly",
     parameters: &[POSITIONS, NORMALS, IDS],
     holds: |kind, _| holds_space("obj", kind),
-    shows_control: false,
 };
 
 impl Format for Obj {

@@ -48,7 +48,6 @@ const FACTS: &FormatFacts = &FormatFacts {
     doc: "Stanford PLY: polygons as they are, f64 or f32 coordinates, binary little endian or text",
     parameters: PARAMETERS,
     holds: |kind, _| holds_space("ply", kind),
-    shows_control: false,
 };
 
 impl Format for Ply {

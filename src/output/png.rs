@@ -74,7 +74,6 @@ const FACTS: &FormatFacts = &FormatFacts {
     doc: "A picture in pixels: a lit mesh with hidden lines removed, or curves with their control polygons.",
     parameters: PARAMETERS,
     holds: |kind, _| options::drawable(kind),
-    shows_control: true,
 };
 
 impl Format for Png {

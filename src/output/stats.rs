@@ -45,7 +45,6 @@ const FACTS: &FormatFacts = &FormatFacts {
     doc: "Statistics in JSON: counts, bounding box, measures, moments, valences, hashes",
     parameters: &[POSITIONS, NORMALS],
     holds: |_, _| Ok(()),
-    shows_control: false,
 };
 
 impl Format for Stats {

@@ -44,7 +44,6 @@ const FACTS: &FormatFacts = &FormatFacts {
         ShapeKind::Mesh => Ok(()),
         ShapeKind::Curves { .. } => Err("stl holds triangles only, these are curves; ask for json or obj".into()),
     },
-    shows_control: false,
 };
 
 impl Format for Stl {

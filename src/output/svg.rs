@@ -64,7 +64,6 @@ const FACTS: &FormatFacts = &FormatFacts {
     doc: "A drawing of curves with their control polygons, or of plane sections of a mesh, in paths that scale.",
     parameters: PARAMETERS,
     holds,
-    shows_control: true,
 };
 
 impl Format for Svg {

@@ -53,8 +53,8 @@ impl Topology {
         Self::of_faces(n, faces, Winding::Refuse).map(|Checked { topology, .. }| topology)
     }
 
-    /// What a first step puts in the place of the boundary vertex `v`: a corner that stays, or the two new vertices beside
-    /// it on the boundary, first the one before it.
+    /// What a first step puts in the place of the boundary vertex `v`: a corner that stays, or the two new vertices
+    /// beside it on the boundary, first the one before it.
     pub fn cut_corners_first_at(&self, v: u32, fixed: &[u32]) -> Option<Vec<u32>> {
         let [onward, from] = self.boundary_edges(v as usize)?;
         let rim = BoundaryRank::of(self);

@@ -71,8 +71,8 @@ pub struct UvsRequest {
     #[serde(deserialize_with = "fixed::list")]
     #[schema(schema_with = schema::uv_values)]
     pub values: Vec<[f64; 2]>,
-    /// For each face of the mesh the values at its corners, in their order. Neighbours are joined where both have the same
-    /// values at both ends of their edge; all other edges are seams.
+    /// For each face of the mesh the values at its corners, in their order. Neighbours are joined where both have the
+    /// same values at both ends of their edge; all other edges are seams.
     #[schema(schema_with = schema::uv_faces)]
     pub faces: Vec<Vec<u64>>,
     /// Where values are interpolated linearly; `all` when left out.

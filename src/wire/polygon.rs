@@ -30,8 +30,8 @@ pub struct PolygonRequest {
     /// Whether points are homogeneous: the last coordinate is a weight, by which the others are divided after refining.
     #[serde(default)]
     pub rational: bool,
-    /// Tangents of the points, of any length but 0, for presets that use them (`incenter`); without them each is that of
-    /// the circle through the point and its neighbours.
+    /// Tangents of the points, of any length but 0, for presets that use them (`incenter`); without them each is that
+    /// of the circle through the point and its neighbours.
     #[schema(schema_with = schema::tangents)]
     pub tangents: Option<Vec<Vec<f64>>>,
     /// Indices of points whose tangents stay as they are.

@@ -45,8 +45,8 @@ pub(super) fn points() -> RefOr<Schema> {
 
 /// Tangents of a polygon.
 pub(super) fn tangents() -> RefOr<Schema> {
-    let doc = "Tangents of the points, one a point, of any length but 0, for presets that use them (`incenter`); without \
-               them each is that of the circle through the point and its neighbours.";
+    let doc = "Tangents of the points, one a point, of any length but 0, for presets that use them (`incenter`); \
+               without them each is that of the circle through the point and its neighbours.";
     let nullable = SchemaType::Array(vec![Type::Array, Type::Null]);
     listed(of(Type::Number).build(), 1, Some(4), doc).schema_type(nullable).into()
 }
@@ -58,8 +58,8 @@ pub(super) fn uv_values() -> RefOr<Schema> {
 
 /// Texture coordinates at the corners of faces.
 pub(super) fn uv_faces() -> RefOr<Schema> {
-    let doc = "For each face of the mesh the values at its corners, in their order. Neighbours are joined where both have \
-               the same values at both ends of their edge; all other edges are seams.";
+    let doc = "For each face of the mesh the values at its corners, in their order. Neighbours are joined where both \
+               have the same values at both ends of their edge; all other edges are seams.";
     lists(index(), 3, None, doc)
 }
 

@@ -1,4 +1,5 @@
-//! Cached answers over loopback, beside a bare axum handler that answers the same bytes: same load, same cores, same run.
+//! Cached answers over loopback, beside a bare axum handler that answers the same bytes: same load, same cores, same
+//! run.
 
 use std::error::Error;
 use std::net::SocketAddr;
@@ -22,10 +23,18 @@ use crate::table::{Aim, Table, figure};
 const ROUNDS: usize = 7;
 
 /// Ten quads once halved are 80 triangles: 4084 bytes of STL.
-const MESH: &str = r#"{"input":{"mesh":{"positions":[[0,0,0],[1,0,0],[2,0,1],[3,0,0],[4,0,0],[5,0,0],[0,1,0],[1,1,0],[2,1,1],[3,1,0],[4,1,0],[5,1,0],[0,2,0],[1,2,0],[2,2,1],[3,2,0],[4,2,0],[5,2,0]],"faces":[[0,1,7,6],[1,2,8,7],[2,3,9,8],[3,4,10,9],[4,5,11,10],[6,7,13,12],[7,8,14,13],[8,9,15,14],[9,10,16,15],[10,11,17,16]]}},"plan":{"preset":"bilinear"},"levels":1,"outputs":[{"format":"stl"}]}"#;
+const MESH: &str = concat!(
+    r#"{"input":{"mesh":{"positions":[[0,0,0],[1,0,0],[2,0,1],[3,0,0],[4,0,0],[5,0,0],[0,1,0],[1,1,0],"#,
+    r#"[2,1,1],[3,1,0],[4,1,0],[5,1,0],[0,2,0],[1,2,0],[2,2,1],[3,2,0],[4,2,0],[5,2,0]],"#,
+    r#""faces":[[0,1,7,6],[1,2,8,7],[2,3,9,8],[3,4,10,9],[4,5,11,10],[6,7,13,12],[7,8,14,13],[8,9,15,14],"#,
+    r#"[9,10,16,15],[10,11,17,16]]}},"plan":{"preset":"bilinear"},"levels":1,"outputs":[{"format":"stl"}]}"#,
+);
 
 /// Four points five times doubled: 128 points and 128 edges of 32 bytes together, behind the header of a PLY.
-const POLYGON: &str = r#"{"input":{"polygon":{"points":[[0,0,0],[4,0,1],[4,3,0],[0,3,1]],"closed":true}},"plan":{"preset":"cubic-b-spline"},"levels":5,"outputs":[{"format":"ply"}]}"#;
+const POLYGON: &str = concat!(
+    r#"{"input":{"polygon":{"points":[[0,0,0],[4,0,1],[4,3,0],[0,3,1]],"closed":true}},"#,
+    r#""plan":{"preset":"cubic-b-spline"},"levels":5,"outputs":[{"format":"ply"}]}"#,
+);
 
 pub(crate) fn measure(table: &mut Table) {
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().expect("threads can be started");
@@ -75,7 +84,8 @@ fn get_from(address: SocketAddr, path: &str) -> String {
 fn post(address: SocketAddr, path: &str, job: &str) -> String {
     let length = job.len();
     format!(
-        "POST {path} HTTP/1.1\r\nhost: {address}\r\ncontent-type: application/json\r\ncontent-length: {length}\r\n\r\n{job}"
+        "POST {path} HTTP/1.1\r\nhost: {address}\r\ncontent-type: application/json\r\n\
+         content-length: {length}\r\n\r\n{job}"
     )
 }
 

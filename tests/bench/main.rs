@@ -1,5 +1,5 @@
-//! How quick planish is, as one table: `cargo bench --bench bench`, followed by `-- refine peers limits polygons schemes pictures
-//! encode http` or some of these for some parts only.
+//! How quick planish is, as one table: `cargo bench --bench bench`, followed by `-- refine peers limits polygons
+//! schemes pictures encode http` or some of these for some parts only.
 //!
 //! Every figure is the best of a few runs on a warm heap. Absolute figures drift between machines; the column "ratio"
 //! relates each to something measured in the same run.

@@ -44,8 +44,8 @@ pub(crate) fn triangles(n: u32) -> Mesh {
     Mesh::new(MeshInput { positions: positions.to_vec(), faces, ..MeshInput::default() }).expect("a sound mesh")
 }
 
-/// The sphere of quads with some cut into triangles, so that a third of all vertices are extraordinary, and with creases
-/// along the edges of the cube, every other one for two and a half levels.
+/// The sphere of quads with some cut into triangles, so that a third of all vertices are extraordinary, and with
+/// creases along the edges of the cube, every other one for two and a half levels.
 pub(crate) fn mixed(n: usize) -> Mesh {
     let quads = sphere(u32::try_from(n).expect("a coarse mesh"));
     let (topology, (positions, _)) = (&quads.topology, quads.positions.as_chunks::<3>());

@@ -1,5 +1,6 @@
 //! Refinement beside OpenSubdiv: a program of our own against its library is built, and both refine the same meshes in
-//! turns, from the coarse arrays to positions and faces in memory. Needs a C++ compiler and the Debian package `libosd-dev`.
+//! turns, from the coarse arrays to positions and faces in memory. Needs a C++ compiler and the Debian package
+//! `libosd-dev`.
 //!
 //! OpenSubdiv runs on one thread, as its uniform refinement does; planish on as many as the machine has.
 

@@ -68,8 +68,8 @@ pub(crate) fn figure(value: f64) -> String {
     format!("{value:.decimals$}")
 }
 
-/// Best time of `work`, after one run that does not count: three runs at least, more while they fit into a second. Where
-/// one run takes seconds, two count. Whatever else a machine does only ever makes a run longer.
+/// Best time of `work`, after one run that does not count: three runs at least, more while they fit into a second.
+/// Where one run takes seconds, two count. Whatever else a machine does only ever makes a run longer.
 pub(crate) fn best(mut work: impl FnMut()) -> Duration {
     let mut timed = || {
         let start = Instant::now();

@@ -299,7 +299,8 @@ fn post(host: &str, job: &Value, headers: &str) -> String {
     exchanged(
         host,
         &format!(
-            "POST /v1/render HTTP/1.1\r\nhost: {host}\r\nconnection: close\r\ncontent-type: application/json\r\ncontent-length: {length}\r\n{headers}\r\n{job}"
+            "POST /v1/render HTTP/1.1\r\nhost: {host}\r\nconnection: close\r\ncontent-type: application/json\r\n\
+             content-length: {length}\r\n{headers}\r\n{job}"
         ),
     )
 }

@@ -261,7 +261,9 @@ proptest! {
         };
         let expected = tree.value(x) + 0.0;
         match expression.value(x) {
-            Ok(value) => prop_assert_eq!(value.to_bits(), expected.to_bits(), "{}: {} is not {}", text, value, expected),
+            Ok(value) => {
+                prop_assert_eq!(value.to_bits(), expected.to_bits(), "{}: {} is not {}", text, value, expected);
+            }
             Err(_) => prop_assert!(!expected.is_finite(), "{} is {}", text, expected),
         }
     }

@@ -1,4 +1,5 @@
-//! Mesh files: what is written is read again, what is broken is refused by line or byte, and no bytes make a reader fail.
+//! Mesh files: what is written is read again, what is broken is refused by line or byte, and no bytes make a reader
+//! fail.
 
 mod broken;
 mod bytes;

@@ -107,7 +107,11 @@ fn faults_of_a_computation_point_at_the_output_that_was_computed() {
 
 #[test]
 fn faults_of_a_computation_point_at_the_polygon_as_it_is_written() {
-    let job = |input: Value| json!({ "input": input, "plan": { "word": "U" }, "levels": 1, "outputs": [{ "format": "json" }] });
+    let job = |input: Value| {
+        json!({
+            "input": input, "plan": { "word": "U" }, "levels": 1, "outputs": [{ "format": "json" }]
+        })
+    };
     let polygon =
         |weight: f64| json!({ "points": [[0, 0, 1], [1, 0, weight], [1, 1, 1]], "closed": true, "rational": true });
     assert_eq!(place_of_run(&job(json!({ "polygon": polygon(-1.0) })), 0), "/input/polygon");

@@ -163,7 +163,11 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn measures_follow_motions_and_scalings(net in nets::manifold(), angle in -3.0..3.0_f64, shift in proptest::array::uniform3(-5.0..5.0_f64)) {
+    fn measures_follow_motions_and_scalings(
+        net in nets::manifold(),
+        angle in -3.0..3.0_f64,
+        shift in proptest::array::uniform3(-5.0..5.0_f64),
+    ) {
         let turn = |[x, y, z]: [f64; 3]| [cos(angle) * x - sin(angle) * y, sin(angle) * x + cos(angle) * y, z];
         let there = moved(&net, |p| [0, 1, 2].map(|k| 2.0 * turn(p)[k] + shift[k]));
         let (here, there) = (stats(&net), stats(&there));
@@ -176,7 +180,8 @@ proptest! {
         if here["closed"] == true {
             prop_assert!(close(number(&there["volume"]), 8.0 * number(&here["volume"])));
         }
-        // folded ones have hardly any volume, so that rounding decides whether they are solids, and where their middle is
+        // folded ones have hardly any volume, so that rounding decides whether they are solids, and where their middle
+        // is
         if here["moments_of"].is_null() || here["closed"] == true && number(&here["volume"]).abs() < 1e-3 {
             return Ok(());
         }

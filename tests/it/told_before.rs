@@ -140,8 +140,14 @@ proptest! {
 
     /// Schemes with faces of their own; words are tried beside their other counts.
     #[test]
-    fn largest_faces_are_as_forecast(net in nets::manifold(), triangles in nets::triangle_manifold(), levels in 0..3_u32) {
-        for (net, preset) in [(&net, "doo-sabin"), (&triangles, "sqrt-3"), (&triangles, "loop"), (&net, "catmull-clark")] {
+    fn largest_faces_are_as_forecast(
+        net in nets::manifold(),
+        triangles in nets::triangle_manifold(),
+        levels in 0..3_u32,
+    ) {
+        for (net, preset) in
+            [(&net, "doo-sabin"), (&triangles, "sqrt-3"), (&triangles, "loop"), (&net, "catmull-clark")]
+        {
             let job = json!({ "input": net.input(), "plan": { "preset": preset }, "levels": levels,
                 "outputs": [{ "format": "json" }] });
             if let Ok(told) = estimate(&job, &Limits::default()) {

@@ -313,7 +313,9 @@ fn surface(vector: &Value) -> usize {
     (mesh["latitude"], mesh["longitude"]) = (json!(along("lat")), json!(along("lon")));
     let mut push_back = push_back(&if params["f"].is_number() {
         let constant = |x: &Value| json!({ "type": "const", "value": x });
-        json!({ "f": constant(&params["f"]), "omega": constant(&params["omega"]), "delta": params["delta"], "k": params["k"] })
+        json!({
+            "f": constant(&params["f"]), "omega": constant(&params["omega"]), "delta": params["delta"], "k": params["k"]
+        })
     } else {
         params.clone()
     });

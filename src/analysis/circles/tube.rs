@@ -247,8 +247,8 @@ impl<'a> Tube<'a> {
             let or = if winding > 1.0 { format!(" or {} pi / {n}", 2.0 * other) } else { String::new() };
             said.unwrap_or_else(|| {
                 format!(
-                    "circles need the kernel cos(alpha/2), 1 in later averages, and the compensation 1/cos(alpha/2) with \
-                     alpha = {} pi / {n}{or}",
+                    "circles need the kernel cos(alpha/2), 1 in later averages, and the compensation 1/cos(alpha/2) \
+                     with alpha = {} pi / {n}{or}",
                     2.0 * winding
                 )
             })

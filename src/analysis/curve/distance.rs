@@ -44,8 +44,8 @@ pub enum NoBound {
     NotContractive,
     /// The masks of several levels are too long.
     #[error(
-        "the distance to the limit takes more than {MAX_WORK} steps to bound, which is the most that is done; give \"levels\" \
-         as a number, or a shorter word"
+        "the distance to the limit takes more than {MAX_WORK} steps to bound, which is the most that is done; give \
+         \"levels\" as a number, or a shorter word"
     )]
     TooLong,
     /// It was asked to stop.

@@ -28,7 +28,8 @@ pub enum NoLimit {
     NaturalEnds,
     /// The two sides of a point count differently.
     #[error(
-        "at clamped ends the points of a mask that is not its own mirror image have no common limit mask; close the polygon"
+        "at clamped ends the points of a mask that is not its own mirror image have no common limit mask; close the \
+         polygon"
     )]
     OneSided,
     /// Rules reach across corners.

@@ -55,11 +55,15 @@ pub enum NoLevel {
     Bound(#[from] NoBound),
     /// Distances are not kept by the projection.
     #[error(
-        "rational points are divided by their weights at the end, which distances do not survive; give \"levels\" as a number"
+        "rational points are divided by their weights at the end, which distances do not survive; give \"levels\" as \
+         a number"
     )]
     Rational,
     /// Rounding is larger.
-    #[error("{tolerance:?} is below what rounding leaves of coordinates of {size:?}; ask for at least {least:?}", least = size * LEAST)]
+    #[error(
+        "{tolerance:?} is below what rounding leaves of coordinates of {size:?}; ask for at least {least:?}",
+        least = size * LEAST
+    )]
     TooFine {
         /// What was asked for.
         tolerance: f64,
@@ -67,7 +71,10 @@ pub enum NoLevel {
         size: f64,
     },
     /// Not within any number of levels.
-    #[error("no level up to {max} is known to be within {0:?} of the limit; ask for a coarser tolerance", max = crate::scheme::plan::MAX_LEVELS)]
+    #[error(
+        "no level up to {max} is known to be within {0:?} of the limit; ask for a coarser tolerance",
+        max = crate::scheme::plan::MAX_LEVELS
+    )]
     Never(f64),
     /// A level cannot be computed.
     #[error("{0}")]

@@ -1,24 +1,23 @@
 //! The masks of all vertices, or of what took their place in a net: regular ones by walking a grid, the others by their
 //! patches.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
 use super::bounds::{MAX_PATCHES, VERTICES_A_ROW};
 use super::error::Unlimited;
+use super::grid::regular_mask;
 use super::mask::{Finder, Mask, Masks};
-use super::patch::{Centre, Located, Patch, Rings};
+use super::neighbourhoods::Neighbourhoods;
+use super::patch::{Centre, Patch, Rings};
 use super::regular::Regular;
 use super::sector::Sectors;
 use super::tangent::NoTangents;
 use super::vertex_parameters::{CommonParameters, VertexParameters};
-use super::walk::WholeNet;
 use crate::math::rows::Rows;
-use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::surroundings::Surroundings;
-use crate::shape::topology::{NONE, Topology, index};
+use crate::shape::topology::index;
 use crate::watch::Watch;
 
 /// Vertices whose patches are compared at a time, at first and at most.
@@ -34,12 +33,8 @@ const ISOLATED: u32 = 1;
 
 /// The masks of all vertices of a net, or of others that it came of.
 #[derive(Debug)]
-pub(super) struct Field {
-    net: MeshNet,
-    /// For each vertex what took its place, if that was no vertex without faces; `None` where these are the net's own.
-    centres: Option<Vec<Option<Centre>>>,
-    /// Its topology made explicit.
-    topology: Arc<Topology>,
+pub(super) struct Field<'a> {
+    around: &'a dyn Neighbourhoods,
     rings: Rings,
     classes: Vec<u32>,
     masks: Vec<Arc<Mask>>,
@@ -56,35 +51,27 @@ pub(super) enum Functional {
     Tangent(usize),
 }
 
-impl Field {
-    /// Finds the masks of all vertices of the net, or of these.
+impl<'a> Field<'a> {
+    /// Finds the masks of all vertices.
     pub(super) fn new(
-        net: MeshNet,
-        centres: Option<Vec<Option<Centre>>>,
+        around: &'a dyn Neighbourhoods,
         regular: Regular,
         rings: Rings,
         finder: &Finder<'_>,
         watch: &Watch,
     ) -> Result<Self, Unlimited> {
-        let topology = net.mesh.topology();
-        let surroundings = finder.cycle.surroundings(&topology);
-        let whole = WholeNet { surroundings, ..WholeNet::of(&net, &topology) };
         let near = match regular {
-            Regular::Quads if !carries(&net) => near_extraordinary(&whole, rings),
-            _ => vec![true; topology.n_vertices()],
+            Regular::Quads if !around.carries() => around.near_extraordinary(rings),
+            _ => vec![true; around.n_points()],
         };
         let on_grid = near.iter().any(|near| !near);
         let plain = Masks::new(finder, CommonParameters::default());
-        let grid = if on_grid { Some(regular_mask(rings, &plain, surroundings)?) } else { None };
-        if !carries(&net) {
-            middles_settle(&whole, regular, rings, &plain, watch)?;
+        let grid = if on_grid { Some(regular_mask(rings, &plain, around.surroundings())?) } else { None };
+        if !around.carries() {
+            middles_settle(around, regular, rings, &plain, watch)?;
         }
-        let n = centres.as_ref().map_or(topology.n_vertices(), Vec::len);
-        let centre = |v: u32| match &centres {
-            Some(centres) => centres[v as usize],
-            None => (!topology.is_isolated(v as usize)).then_some(Centre::Vertex(v)),
-        };
-        let is_regular = |v: &u32| matches!(centre(*v), Some(Centre::Vertex(at)) if !near[at as usize]);
+        let n = around.n_vertices();
+        let is_regular = |v: &u32| matches!(around.centre(*v as usize), Some(Centre::Vertex(at)) if !near[at as usize]);
         let mut classes = vec![REGULAR; n];
         let rest: Vec<u32> = (0..index(n)).filter(|v| !is_regular(v)).collect();
         let mut known: BTreeMap<(Patch, VertexParameters), u32> = BTreeMap::new();
@@ -95,8 +82,7 @@ impl Field {
             let (now, later) = left.split_at(chunk.min(left.len()));
             left = later;
             let patch = |&v: &u32| {
-                patch(&whole, &net, centre(v), rings)
-                    .map(|found| found.map(|(found, parameters)| (found.patch, parameters)))
+                around.patch_of(v, rings).map(|found| found.map(|(found, parameters)| (found.patch, parameters)))
             };
             let patches: Vec<Option<(Patch, VertexParameters)>> =
                 now.par_iter().map(patch).collect::<Result<_, _>>()?;
@@ -128,26 +114,18 @@ impl Field {
             }
         };
         let masks = patches.par_iter().map(find).collect::<Result<_, _>>()?;
-        Ok(Self { net, centres, topology, rings, classes, masks, regular: grid })
+        Ok(Self { around, rings, classes, masks, regular: grid })
     }
 
     /// A net each of whose vertices has its own mask; `None` for those without faces.
-    pub(super) fn of_masks(net: MeshNet, topology: Arc<Topology>, rings: Rings, masks: Vec<Option<Arc<Mask>>>) -> Self {
+    pub(super) fn of_masks(around: &'a dyn Neighbourhoods, rings: Rings, masks: Vec<Option<Arc<Mask>>>) -> Self {
         let mut n = ISOLATED;
         let class = |mask: &Option<Arc<Mask>>| {
             n += u32::from(mask.is_some());
             if mask.is_some() { n } else { ISOLATED }
         };
         let classes = masks.iter().map(class).collect();
-        Self {
-            net,
-            centres: None,
-            topology,
-            rings,
-            classes,
-            masks: masks.into_iter().flatten().collect(),
-            regular: None,
-        }
+        Self { around, rings, classes, masks: masks.into_iter().flatten().collect(), regular: None }
     }
 
     /// Why a regular vertex has no tangents, if it has none: then the scheme has none.
@@ -180,7 +158,7 @@ impl Field {
     /// For each half-edge at a vertex, counter-clockwise, the next vertex of its face and its sector.
     pub(super) fn sides(&self, v: usize) -> Vec<(u32, usize)> {
         let rings = Rings { support: 1, patch: 1 };
-        let Some(found) = self.centre(v).and_then(|centre| self.whole().patch(centre, rings)) else {
+        let Some(found) = self.around.centre(v).and_then(|centre| self.around.patch(centre, rings)) else {
             return Vec::new();
         };
         let sectors = Sectors::of(&found.patch);
@@ -188,41 +166,16 @@ impl Field {
         faces.map(|(i, face)| (found.vertices[face[1] as usize], sectors.of_face(i))).collect()
     }
 
-    /// A sector of a vertex in words; its number would be one of a net that the client never sees.
+    /// A sector of a vertex in words.
     pub(super) fn describe(&self, v: usize) -> String {
         let by_sector = self.mask(v).is_some_and(|mask| mask.tangents.len() > 1);
-        let side = if by_sector { "one side of the sharp edges at " } else { "" };
-        let (kind, n) = match self.centre(v) {
-            Some(Centre::Edge(half_edge)) if self.topology.twin(half_edge) != NONE => ("an interior vertex", 2),
-            Some(Centre::Edge(_)) | None => return format!("{side}a boundary vertex"),
-            Some(Centre::Face(f)) => ("an interior vertex", self.topology.face(f as usize).len()),
-            Some(Centre::Vertex(v)) => {
-                let v = v as usize;
-                let kind = if self.net.tags.is_corner(v) {
-                    "a corner"
-                } else if self.topology.boundary_edges(v).is_some() {
-                    "a boundary vertex"
-                } else {
-                    "an interior vertex"
-                };
-                (kind, self.topology.ring(v).count())
-            }
-        };
-        format!("{side}{kind} with {n} {}", if n == 1 { "face" } else { "faces" })
+        format!("{}{}", if by_sector { "one side of the sharp edges at " } else { "" }, self.around.describe(v))
     }
 
-    /// What took the place of a vertex; `None` for one without faces.
-    fn centre(&self, v: usize) -> Option<Centre> {
-        match &self.centres {
-            Some(centres) => centres[v],
-            None => (!self.is_isolated(v)).then(|| Centre::Vertex(index(v))),
-        }
-    }
-
-    /// Vertices without faces that are not in the net.
+    /// Vertices without faces that are not among the points.
     pub(super) fn left_out(&self) -> impl Iterator<Item = usize> {
-        let centres = self.centres.as_deref().unwrap_or_default();
-        centres.iter().enumerate().filter(|(_, centre)| centre.is_none()).map(|(v, _)| v)
+        let n = if self.around.leaves_out() { self.n_vertices() } else { 0 };
+        (0..n).filter(|&v| self.around.centre(v).is_none())
     }
 
     /// Number of vertices.
@@ -232,7 +185,7 @@ impl Field {
 
     /// Number of points that rows are made of.
     pub(super) fn n_points(&self) -> usize {
-        self.topology.n_vertices()
+        self.around.n_points()
     }
 
     /// Whether a vertex has no face.
@@ -240,35 +193,26 @@ impl Field {
         self.classes[v] == ISOLATED
     }
 
-    fn whole(&self) -> WholeNet<'_> {
-        WholeNet::of(&self.net, &self.topology)
-    }
-
-    /// Adds the weights of a vertex for a wish in a sector.
+    /// Adds the weights of a vertex for a functional in a sector.
     pub(super) fn row(&self, v: usize, sector: usize, functional: Functional, out: &mut Rows) {
-        match (self.centre(v), self.classes[v], &self.regular) {
-            (None, ..) if self.centres.is_some() => {}
+        match (self.around.centre(v), self.classes[v], &self.regular) {
+            (None, ..) if self.around.leaves_out() => {}
             (None, ..) => out.add(index(v), if functional == Functional::Position { 1.0 } else { 0.0 }),
             (Some(Centre::Vertex(at)), REGULAR, Some(mask)) => {
-                let weights = weights(mask, functional, sector);
-                let mut next = 0;
-                grid(&self.topology, at as usize, self.rings.support, |vertex| {
-                    out.add(vertex, weights[next]);
-                    next += 1;
-                });
+                self.around.add_on_grid(at, self.rings.support, weights(mask, functional, sector), out);
             }
             (Some(centre), class, _) => {
                 // the vertices of the first rings come first, whatever rings follow
                 let rings = Rings { patch: self.rings.support, ..self.rings };
                 let mask = &self.masks[(class - ISOLATED - 1) as usize];
-                let vertices = self.whole().patch(centre, rings).map_or_else(Vec::new, |found| found.vertices);
+                let vertices = self.around.patch(centre, rings).map_or_else(Vec::new, |found| found.vertices);
                 vertices.iter().zip(weights(mask, functional, sector)).for_each(|(&u, &w)| out.add(u, w));
             }
         }
     }
 }
 
-/// The weights of a mask for a wish in a sector; none where there are no tangents.
+/// The weights of a mask for a functional in a sector; none where there are no tangents.
 fn weights(mask: &Mask, functional: Functional, sector: usize) -> &[f64] {
     match functional {
         Functional::Position => &mask.position,
@@ -278,123 +222,23 @@ fn weights(mask: &Mask, functional: Functional, sector: usize) -> &[f64] {
     }
 }
 
-/// Whether vertices or edges of a net carry what others do not.
-pub(super) fn carries(net: &MeshNet) -> bool {
-    net.annotations.attributes.is_some() || net.annotations.directions.is_some()
-}
-
-/// The patch around what took the place of a vertex, and the parameters that its vertices carry; `None` for a vertex
-/// without faces.
-pub(super) fn patch(
-    whole: &WholeNet<'_>,
-    net: &MeshNet,
-    centre: Option<Centre>,
-    rings: Rings,
-) -> Result<Option<(Located, VertexParameters)>, Unlimited> {
-    let Some(centre) = centre else { return Ok(None) };
-    let found = whole.patch(centre, rings).ok_or(Unlimited::Size)?;
-    let parameters = net
-        .annotations
-        .attributes
-        .as_ref()
-        .map_or_else(VertexParameters::default, |attributes| VertexParameters::of(attributes, &found.vertices));
-    Ok(Some((found, parameters)))
-}
-
 /// Whether points come together in the middle of faces that are not like those of a regular net, one of each size.
 ///
 /// # Errors
 /// [`Unlimited::Rough`]; where the middle of a face cannot be followed, nothing is said about it.
 fn middles_settle(
-    whole: &WholeNet<'_>,
+    around: &dyn Neighbourhoods,
     regular: Regular,
     rings: Rings,
     masks: &Masks<'_>,
     watch: &Watch,
 ) -> Result<(), Unlimited> {
-    let topology = whole.topology;
-    let mut seen = BTreeSet::from([if regular == Regular::Quads { 4 } else { 3 }]);
-    for f in 0..topology.n_faces() {
-        if seen.insert(topology.face(f).len()) {
-            let found = whole.least_patch(Centre::Face(index(f)), rings, watch)?;
-            let mask = found.map(|found| masks.of(0, &found.patch));
-            if let Some(Err(error @ (Unlimited::Rough | Unlimited::Stopped(_)))) = mask {
-                return Err(error);
-            }
+    for middle in around.middles(if regular == Regular::Quads { 4 } else { 3 }) {
+        let found = around.least_patch(middle, rings, watch)?;
+        let mask = found.map(|found| masks.of(0, &found.patch));
+        if let Some(Err(error @ (Unlimited::Rough | Unlimited::Stopped(_)))) = mask {
+            return Err(error);
         }
     }
     Ok(())
-}
-
-/// For each vertex whether one of the rings around it, but for the rim of the last, is not part of a grid of quads.
-fn near_extraordinary(whole: &WholeNet<'_>, rings: Rings) -> Vec<bool> {
-    let topology = whole.topology;
-    let extraordinary = |v: usize| {
-        let quads = || topology.ring(v).all(|half_edge| topology.half_edges(topology.face_of(half_edge)).len() == 4);
-        topology.is_isolated(v)
-            || topology.boundary_edges(v).is_some()
-            || topology.ring(v).take(5).count() != 4
-            || !quads()
-            || whole.corners.binary_search(&index(v)).is_ok()
-    };
-    let mut near: Vec<bool> =
-        (0..topology.n_vertices()).into_par_iter().with_min_len(4096).map(extraordinary).collect();
-    if let Some(sharpness) = whole.sharpness {
-        let ends = sharpness.edges().iter().flat_map(|&(e, _)| topology.ends(e as usize));
-        ends.chain(sharpness.vertices().iter().map(|&(v, _)| v)).for_each(|v| near[v as usize] = true);
-    }
-    let mut front: Vec<usize> = (0..near.len()).filter(|&v| near[v]).collect();
-    for _ in 1..rings.patch {
-        let mut next = Vec::new();
-        for v in front {
-            for half_edge in topology.ring(v) {
-                for &u in topology.face(topology.face_of(half_edge)) {
-                    if !std::mem::replace(&mut near[u as usize], true) {
-                        next.push(u as usize);
-                    }
-                }
-            }
-        }
-        front = next;
-    }
-    near
-}
-
-/// The vertices within some rings of vertex `v` of a grid of quads: itself, then sector by sector those `i` steps along
-/// the sector's first side and `j` to the left of it, `1 <= i <= rings`, `0 <= j <= rings`.
-fn grid(topology: &Topology, v: usize, rings: usize, mut each: impl FnMut(u32)) {
-    each(index(v));
-    for first in topology.ring(v) {
-        let mut along = first;
-        for i in 1..=rings {
-            let mut side = along;
-            for j in 1..=rings {
-                each(topology.vertex(topology.next(side)));
-                let opposite = topology.next(topology.next(side));
-                if j < rings {
-                    side = topology.twin(opposite);
-                } else {
-                    each(topology.vertex(opposite));
-                }
-            }
-            if i < rings {
-                along = topology.next(topology.twin(topology.next(along)));
-            }
-        }
-    }
-}
-
-/// The mask of a vertex of a grid, in the order of [`grid`].
-fn regular_mask(rings: Rings, masks: &Masks<'_>, surroundings: Option<Surroundings>) -> Result<Mask, Unlimited> {
-    let (net, middle) = Regular::Quads.grid(rings, false);
-    let (topology, whole) = (&net.mesh.base, WholeNet { surroundings, ..WholeNet::of(&net, &net.mesh.base) });
-    let Located { patch, vertices, .. } = whole.patch(Centre::Vertex(index(middle)), rings).ok_or(Unlimited::Size)?;
-    let mask = masks.of(0, &patch)?;
-    let mut order = Vec::new();
-    grid(topology, middle, rings.support, |vertex| order.push(vertices.iter().position(|&u| u == vertex)));
-    let sorted = |weights: &Vec<f64>| order.iter().map(|at| at.map_or(0.0, |at| weights[at])).collect::<Vec<_>>();
-    let both = |tangents: &Result<[Vec<f64>; 2], _>| {
-        tangents.as_ref().map(|[t, u]| [sorted(t), sorted(u)]).map_err(|why| *why)
-    };
-    Ok(Mask { position: sorted(&mask.position), tangents: mask.tangents.iter().map(both).collect() })
 }

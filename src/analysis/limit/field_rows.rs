@@ -9,7 +9,7 @@ use crate::math::rows::{RowSource, Rows};
 #[derive(Debug)]
 pub(super) struct FieldRows<'a> {
     /// The field.
-    pub(super) field: &'a Field,
+    pub(super) field: &'a Field<'a>,
     /// Vertices and sectors of them, one for each row.
     pub(super) places: &'a [(u32, usize)],
     /// What the rows are for.

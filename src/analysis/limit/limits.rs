@@ -4,7 +4,7 @@ use super::continuity::{check, smoothness};
 use super::cycle::Cycle;
 use super::dual::Unrefined;
 use super::error::Unlimited;
-use super::field::{self, Field, Functional};
+use super::field::{Field, Functional};
 use super::field_rows::FieldRows;
 use super::impulse::{Impulse, Smoothness};
 use super::mask::Finder;
@@ -12,6 +12,7 @@ use super::normals;
 use super::patch::Rings;
 use super::patch_rules::PatchRules;
 use super::perturbed::{self, ROWS_A_POINT, followed_points};
+use super::refined_net::{RefinedNet, carries};
 use super::regular::{Regular, Starts};
 use super::request::LimitRequest;
 use super::vertex_parameters::{self, CommonParameters};
@@ -74,9 +75,10 @@ pub(in crate::analysis) fn limits(
     let alphas: Vec<f64> = parameters.iter().filter_map(CommonParameters::alpha).chain([plan.alpha]).collect();
     let length = plan.word.cycle.len();
     let patch_rules = PatchRules::of(plan, &net.mesh.base);
-    let alphas = if field::carries(&net) { &alphas[..] } else { &[] };
+    let alphas = if carries(&net) { &alphas[..] } else { &[] };
     let cycle = Cycle::new(plan, (&ahead[before..], length), patch_rules, alphas, watch);
-    let regular = Regular::of(&cycle, &net.mesh.topology())?;
+    let topology = net.mesh.topology();
+    let regular = Regular::of(&cycle, &topology)?;
     let tagged = net.annotations.directions.is_some();
     let rings = regular.rings(&cycle, tagged, Starts { is_open, others: centres.is_some() })?;
     let rings = if evens_out(&net) { Rings { patch: rings.patch.max(rings.support + 1), ..rings } } else { rings };
@@ -88,18 +90,20 @@ pub(in crate::analysis) fn limits(
         return Ok(Limits { warning: kinked, ..Limits::default() });
     }
     let with_tangents = request.normals && smoothness == Smoothness::Smooth && kinked.is_none();
+    let surroundings = cycle.surroundings(&topology);
+    let around = RefinedNet::new(net, topology, centres, surroundings);
     let field = |wider: usize| {
         let rings = Rings { support: rings.support + wider, patch: rings.patch + wider };
         let finder = Finder::new(&cycle, rings, with_tangents);
         match perturbation {
-            Some(perturbation) => perturbed::field(net.clone(), rings, &finder, perturbation, rows, watch),
-            None => Field::new(net.clone(), centres.clone(), regular, rings, &finder, watch),
+            Some(perturbation) => perturbed::field(&around, rings, &finder, perturbation, rows, watch),
+            None => Field::new(&around, regular, rings, &finder, watch),
         }
     };
     let field = field(0).or_else(|error| {
         let more = if error.may_be_of_the_patch() { MOST_WIDER } else { 0 };
         let mut found = (1..=more).map(&field);
-        let done = |found: &Result<Field, Unlimited>| matches!(found, Ok(_) | Err(Unlimited::Stopped(_)));
+        let done = |found: &Result<Field<'_>, Unlimited>| matches!(found, Ok(_) | Err(Unlimited::Stopped(_)));
         found.find(done).unwrap_or(Err(error))
     })?;
     let places = field.sectors();

@@ -6,7 +6,12 @@ use crate::refine::Normals;
 
 /// The normals of all vertices, given the sectors of the field with two tangents each; and what is missing, in a
 /// sentence.
-pub(super) fn of(field: &Field, places: &[(u32, usize)], first: &[f64], second: &[f64]) -> (Normals, Option<String>) {
+pub(super) fn of(
+    field: &Field<'_>,
+    places: &[(u32, usize)],
+    first: &[f64],
+    second: &[f64],
+) -> (Normals, Option<String>) {
     let (first, second) = (first.as_chunks::<3>().0, second.as_chunks::<3>().0);
     let found: Vec<Option<[f64; 3]>> = first.iter().zip(second).map(|(t, u)| normal(*t, *u)).collect();
     let n = field.n_vertices();

@@ -12,15 +12,14 @@ use rayon::prelude::*;
 use super::bounds::{MAX_FOLLOWED_LEVELS, MAX_FOLLOWED_POINTS};
 use super::cycle::Child;
 use super::error::Unlimited;
-use super::field::{Field, patch};
+use super::field::Field;
 use super::mask::{Finder, Mask, Masks, summing_to_one, tangential};
+use super::neighbourhoods::Neighbourhoods;
 use super::patch::{Centre, Located, Patch, Rings};
 use super::request::LimitRequest;
 use super::sector::Sectors;
 use super::tangent::starting_vectors;
 use super::vertex_parameters::{CommonParameters, VertexParameters};
-use super::walk::WholeNet;
-use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::Role;
 use crate::scheme::plan::{Perturbation, Plan};
 use crate::shape::numbering::Numbering;
@@ -68,42 +67,37 @@ pub(super) fn no_normals(perturbation: &Perturbation) -> Option<String> {
 }
 
 /// The masks of all vertices of a net; each counts as work of so many rows.
-pub(super) fn field(
-    net: MeshNet,
+pub(super) fn field<'a>(
+    around: &'a dyn Neighbourhoods,
     rings: Rings,
     finder: &Finder<'_>,
     perturbation: Perturbation,
     rows: u64,
     watch: &Watch,
-) -> Result<Field, Unlimited> {
-    let topology = net.mesh.topology();
-    let whole = WholeNet::of(&net, &topology);
-    check_size(&whole, rings, watch)?;
-    let numbering = Numbering::of(&topology);
+) -> Result<Field<'a>, Unlimited> {
+    check_size(around, rings, watch)?;
     let plain = Masks::new(finder, CommonParameters::default());
     let mask = |v: u32| {
         watch.check()?;
-        let centre = (!whole.topology.is_isolated(v as usize)).then_some(Centre::Vertex(v));
-        let Some((found, parameters)) = patch(&whole, &net, centre, rings)? else { return Ok(None) };
-        let numbering = numbering.part(&topology, &found.vertices, &found.half_edges);
+        let Some((found, parameters)) = around.patch_of(v, rings)? else { return Ok(None) };
+        let numbering = around.numbering(&found);
         let follower = Follower { finder, plain: &plain, perturbation, watch };
         let mask = follower.mask(found, parameters, numbering)?;
         watch.advance(rows);
         Ok(Some(Arc::new(mask)))
     };
-    let all = 0..index(topology.n_vertices());
+    let all = 0..index(around.n_vertices());
     let masks = all.into_par_iter().map(mask).collect::<Result<Vec<_>, Unlimited>>()?;
-    Ok(Field::of_masks(net, topology, rings, masks))
+    Ok(Field::of_masks(around, rings, masks))
 }
 
 /// Whether not too many points are around all vertices together.
-fn check_size(whole: &WholeNet<'_>, rings: Rings, watch: &Watch) -> Result<(), Unlimited> {
-    let topology = whole.topology;
-    let all: Vec<u32> = (0..index(topology.n_vertices())).filter(|&v| !topology.is_isolated(v as usize)).collect();
+fn check_size(around: &dyn Neighbourhoods, rings: Rings, watch: &Watch) -> Result<(), Unlimited> {
+    let all: Vec<Centre> = (0..around.n_vertices()).filter_map(|v| around.centre(v)).collect();
     let mut points = 0;
     for chunk in all.chunks(CHUNK) {
         watch.check()?;
-        let size = |&v: &u32| whole.patch(Centre::Vertex(v), rings).map(|found| found.vertices.len());
+        let size = |&centre: &Centre| around.patch(centre, rings).map(|found| found.vertices.len());
         let sizes: Option<Vec<usize>> = chunk.par_iter().map(size).collect();
         points += sizes.ok_or(Unlimited::Size)?.iter().sum::<usize>();
         if points > MAX_FOLLOWED_POINTS {

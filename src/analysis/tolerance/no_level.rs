@@ -34,26 +34,30 @@ pub enum NoLevel {
     NotLinear,
     /// A dual scheme on an open mesh.
     #[error(
-        "a dual scheme loses the boundary, which the limit is not near to; close the mesh, or give \"levels\" as a number"
+        "a dual scheme loses the boundary, which the limit is not near to; close the mesh, or give \"levels\" as a \
+         number"
     )]
     LostBoundary,
     /// Single D in some places.
     #[error(
-        "distances are bounded where each U of the cycle is followed by C and pairs of D, or each by one D more, which comes \
-         last; use C instead, or give \"levels\" as a number"
+        "distances are bounded where each U of the cycle is followed by C and pairs of D, or each by one D more, \
+         which comes last; use C instead, or give \"levels\" as a number"
     )]
     Dual,
     /// A kernel other than 1.
     #[error(
-        "the kernel is {0} at some level; distances are bounded for splines, whose kernel is 1 at all levels: leave it out, or \
-         give \"levels\" as a number"
+        "the kernel is {0} at some level; distances are bounded for splines, whose kernel is 1 at all levels: leave \
+         it out, or give \"levels\" as a number"
     )]
     Kernel(f64),
     /// Another scheme.
     #[error("distances are bounded for {SPLINES}, which this plan does not as {0}; give \"levels\" as a number")]
     NoSpline(&'static str),
     /// Rounding is larger.
-    #[error("{tolerance} is below what rounding leaves of coordinates of {size}; ask for at least {least}", least = size * LEAST)]
+    #[error(
+        "{tolerance} is below what rounding leaves of coordinates of {size}; ask for at least {least}",
+        least = size * LEAST
+    )]
     TooFine {
         /// What was asked for.
         tolerance: f64,
@@ -62,8 +66,8 @@ pub enum NoLevel {
     },
     /// Too large a net.
     #[error(
-        "level {level} has {faces} faces near which distances are not bounded in advance; up to {MAX_FACES} are looked at: \
-         ask for a coarser tolerance, or give \"levels\" as a number"
+        "level {level} has {faces} faces near which distances are not bounded in advance; up to {MAX_FACES} are \
+         looked at: ask for a coarser tolerance, or give \"levels\" as a number"
     )]
     TooLarge {
         /// Its level.
@@ -76,8 +80,8 @@ pub enum NoLevel {
     Never(f64),
     /// Too long a search.
     #[error(
-        "the search for a level this close to the limit has taken more than {MAX_WORK} steps, which is the most that is done; \
-         ask for a coarser tolerance, or give \"levels\" as a number"
+        "the search for a level this close to the limit has taken more than {MAX_WORK} steps, which is the most that \
+         is done; ask for a coarser tolerance, or give \"levels\" as a number"
     )]
     TooLong,
     /// A level cannot be computed.

@@ -7,8 +7,8 @@ use super::table::{Rows, weighted};
 /// Periods from which on rows that repeat themselves are worth looking for.
 const MIN_PERIODS: usize = 64;
 
-/// Rows that repeat themselves: row `first + period q + r` has the weights of residue `r` on consecutive old points, from
-/// `start + stride q` on.
+/// Rows that repeat themselves: row `first + period q + r` has the weights of residue `r` on consecutive old points,
+/// from `start + stride q` on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pattern {
     rows: Range<usize>,
@@ -25,8 +25,8 @@ struct Residue {
 }
 
 impl Residue {
-    /// What the row `first` and the row `last`, which is `n` periods later, have in common, and by how much the old points
-    /// move on from period to period; none where they are not alike.
+    /// What the row `first` and the row `last`, which is `n` periods later, have in common, and by how much the old
+    /// points move on from period to period; none where they are not alike.
     fn of(first: (&[u32], &[f64]), last: (&[u32], &[f64]), n: usize) -> Option<(Self, usize)> {
         let ((indices, weights), (last_indices, last_weights)) = (first, last);
         let (&start, &last_start) = (indices.first()?, last_indices.first()?);
@@ -41,8 +41,8 @@ impl Residue {
 }
 
 impl Pattern {
-    /// The rows of `make` from `margin` on, as far as `margin` before the end, if they repeat themselves with the period
-    /// and each has consecutive points. Both ends of the range are looked at.
+    /// The rows of `make` from `margin` on, as far as `margin` before the end, if they repeat themselves with the
+    /// period and each has consecutive points. Both ends of the range are looked at.
     pub(super) fn find(n_rows: usize, period: usize, margin: usize, make: impl Fn(usize, &mut Rows)) -> Option<Self> {
         let periods = n_rows.checked_sub(2 * margin)? / period;
         if periods < MIN_PERIODS {

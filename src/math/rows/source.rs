@@ -35,8 +35,8 @@ impl<F: Fn(usize, &mut Rows) + Send + Sync> RowsBy<F> {
     }
 
     /// The same source, which knows that all rows but `margin` at each end repeat themselves every `period` rows, the
-    /// indices higher by one number each time. Rows so few that it would not pay, or that do otherwise at either end of these, are made
-    /// one by one.
+    /// indices higher by one number each time. Rows so few that it would not pay, or that do otherwise at either end of
+    /// these, are made one by one.
     #[must_use]
     pub fn repeating(self, period: usize, margin: usize) -> Self {
         let pattern = Pattern::find(self.n_rows, period, margin, &self.make);

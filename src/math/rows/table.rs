@@ -54,7 +54,8 @@ impl Rows {
         (&self.indices[range.clone()], &self.weights[range])
     }
 
-    /// `x R` for a row `x`: the weights of the `n` old points in a functional that has the weights `x` over the new ones.
+    /// `x R` for a row `x`: the weights of the `n` old points in a functional that has the weights `x` over the new
+    /// ones.
     pub fn times_row(&self, x: &[f64], n: usize) -> Vec<f64> {
         let mut product = vec![0.0; n];
         for (r, &factor) in x.iter().enumerate() {

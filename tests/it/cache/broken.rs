@@ -30,7 +30,7 @@ impl Task for Broken {
     }
 
     fn run(&self, out: &mut dyn Write, _watch: &Watch) -> Result<Report, RunError> {
-        out.write_all(&[b'x'; 1 << 16]).map_err(RunError::Io)?;
+        out.write_all(&vec![b'x'; 1 << 16]).map_err(RunError::Io)?;
         Err(RunError::Io(std::io::Error::other("the document takes 9 bytes, 8 were forecast")))
     }
 }

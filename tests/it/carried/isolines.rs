@@ -82,7 +82,9 @@ fn schemes_with_faces_of_their_own_have_none() {
         let found = render(&job).expect_err("it is refused");
         assert!(found[0].detail.contains("cannot carry isolines"), "{found:?}");
     }
-    let line = json!({ "input": { "polygon": { "points": [[0], [1]] } }, "outputs": [{ "format": "json", "isolines": true }] });
+    let line = json!({
+        "input": { "polygon": { "points": [[0], [1]] } }, "outputs": [{ "format": "json", "isolines": true }]
+    });
     assert_eq!(render(&line).expect_err("it is refused")[0].pointer, "/outputs/0/isolines");
 }
 

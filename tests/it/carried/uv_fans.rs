@@ -11,8 +11,8 @@ const FIRST: [f64; 2] = [1.1, 1.2];
 /// That of the two others.
 const SECOND: [f64; 2] = [0.9, 1.4];
 
-/// The values on a sheet of 2 x 2 quads after one level. Opposite faces have one value in the middle, the faces come in an
-/// order; `split` gives the second value twice, once for each of its faces.
+/// The values on a sheet of 2 x 2 quads after one level. Opposite faces have one value in the middle, the faces come in
+/// an order; `split` gives the second value twice, once for each of its faces.
 fn sheet(order: [usize; 4], interpolation: &str, split: bool) -> Vec<[f64; 2]> {
     let square = nets::grid(2, 2);
     let mut values: Vec<[f64; 2]> = (0..3u8).flat_map(|y| (0..3u8).map(move |x| [x.into(), y.into()])).collect();
@@ -53,8 +53,8 @@ fn values_in_two_fans_stay_in_any_order_of_the_faces() {
     }
 }
 
-/// OpenSubdiv 3.5 takes the second of two values that take turns for a new one when it comes again, counted from the first
-/// face of the vertex. Its numbers, on this sheet (1.05, 1.175) and (0.8, 1.425) for the faces in their order and
+/// OpenSubdiv 3.5 takes the second of two values that take turns for a new one when it comes again, counted from the
+/// first face of the vertex. Its numbers, on this sheet (1.05, 1.175) and (0.8, 1.425) for the faces in their order and
 /// (1.2, 1.275) and (0.95, 1.025) where the second face comes first, are ours where that value is given twice.
 #[test]
 fn opensubdiv_parts_the_second_of_two_values_that_take_turns() {

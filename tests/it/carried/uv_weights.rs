@@ -1,5 +1,5 @@
-//! Texture coordinates have the weights of their vertices: what vertices and edges carry and perturbations go with them,
-//! on both sides of seams.
+//! Texture coordinates have the weights of their vertices: what vertices and edges carry and perturbations go with
+//! them, on both sides of seams.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -59,8 +59,8 @@ fn perturbed(n: usize) -> Vec<Case> {
     extras.into_iter().map(|extra| Case { plan: plan.clone(), extra }).collect()
 }
 
-/// The tags of latitude lines of a net of `k` times some vertices, closed, under both rules: with the alpha of the lines, one
-/// of the plan, and numbers of the vertices.
+/// The tags of latitude lines of a net of `k` times some vertices, closed, under both rules: with the alpha of the
+/// lines, one of the plan, and numbers of the vertices.
 fn lines(k: usize, net: &Net) -> Vec<Case> {
     let n = net.positions.len();
     let tags = |along: bool| -> Vec<(usize, usize)> {
@@ -76,7 +76,9 @@ fn lines(k: usize, net: &Net) -> Vec<Case> {
             (json!({}), alpha.clone()),
             (json!({}), delta.clone()),
         ] {
-            let mut plan = json!({ "preset": "push-back", "boundary": "edge-only", "parameters": { "delta": 0.6, "latitude_rule": rule } });
+            let mut plan = json!({
+                "preset": "push-back", "boundary": "edge-only", "parameters": { "delta": 0.6, "latitude_rule": rule }
+            });
             for (name, value) in more.as_object().expect("parameters") {
                 plan["parameters"][name] = value.clone();
             }

@@ -205,8 +205,8 @@ fn linear_ones_are_bilinear_on_each_face() {
     check_at_vertices(&unfolded(&nets::mixed(), &seamless(&nets::mixed(), "all"), &json!({ "word": "U" }), 2), 0.0);
 }
 
-/// Where a crease ends on a seam, both values there are as sharp as the crease makes one of them. The numbers are those of
-/// OpenSubdiv 3.5.
+/// Where a crease ends on a seam, both values there are as sharp as the crease makes one of them. The numbers are those
+/// of OpenSubdiv 3.5.
 #[test]
 fn creases_that_end_on_a_seam_sharpen_both_sides() {
     let square = nets::grid(2, 2);
@@ -430,7 +430,9 @@ proptest! {
     fn any_numbering_of_places_is_refined_and_forecast(
         net in nets::manifold(),
         picks in prop::collection::vec(0..6_usize, 64),
-        interpolation in prop::sample::select(vec!["none", "corners-only", "corners-plus1", "corners-plus2", "boundaries", "all"]),
+        interpolation in prop::sample::select(
+            vec!["none", "corners-only", "corners-plus1", "corners-plus2", "boundaries", "all"],
+        ),
         levels in 0..3_u32,
     ) {
         let values: Vec<[f64; 2]> = (0..6_u8).map(|i| [f64::from(i), f64::from(i * i) / 8.0]).collect();

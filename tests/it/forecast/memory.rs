@@ -17,7 +17,8 @@ const LARGE: u128 = 4 << 20;
 /// The same of limits: the impulses that they are found with are counted as 10 MiB where a word has many operators.
 const LARGE_LIMIT: u128 = 16 << 20;
 
-/// Compares the bytes that are forecast with those taken by the first output of a job, which counts as long as it may be.
+/// Compares the bytes that are forecast with those taken by the first output of a job, which counts as long as it may
+/// be.
 fn holds(name: &str, job: &Value) {
     holds_from(LARGE, name, job);
 }

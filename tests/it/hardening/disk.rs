@@ -62,7 +62,7 @@ pub(super) async fn served<T>(tiers: Tiers, tell: impl AsyncFnOnce(&Server) -> T
 
 /// Keeps an artifact as the desk does.
 pub(super) fn make(tiers: &Tiers, number: u64, length: usize) -> Kept {
-    let mut buffer = ResultBuffer::new(&tiers, key(number), length as u128);
+    let mut buffer = ResultBuffer::new(tiers, key(number), length as u128);
     buffer.write_all(&noise(number, length)).unwrap();
     let kept = buffer.commit(description()).unwrap();
     if kept.loose.is_none() {

@@ -217,9 +217,8 @@ fn c3_bytes_take_no_more_than_their_weight() {
 fn c2_numbers_without_bytes_are_refused() {
     let file = |rest: &str| {
         let mesh = r#""meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"nodes":[{"mesh":0}]"#;
-        format!(
-            r#"{{"asset":{{"version":"2.0"}},"accessors":[{{"componentType":5126,"count":999999,"type":"VEC3"{rest}}}],{mesh}}}"#
-        )
+        let accessor = format!(r#"{{"componentType":5126,"count":999999,"type":"VEC3"{rest}}}"#);
+        format!(r#"{{"asset":{{"version":"2.0"}},"accessors":[{accessor}],{mesh}}}"#)
     };
     let place = "mesh 0, primitive 0: accessor 0: it has 999999 elements and no bufferView: it takes 23999976 bytes";
     let sparse = r#","sparse":{"count":1,"indices":{"bufferView":0,"componentType":5121},"values":{"bufferView":0}}"#;

@@ -1,4 +1,5 @@
-//! The threads of a service: each has a name that says what it is for, and their number does not grow with the requests.
+//! The threads of a service: each has a name that says what it is for, and their number does not grow with the
+//! requests.
 #![cfg(target_os = "linux")]
 
 use std::collections::BTreeMap;

@@ -1,5 +1,8 @@
 //! Renders that outlast their request.
 
+use axum::http::Method;
+use planish::config::Settings;
+
 use super::jobs::{mesh, with};
 use super::server::{settings, story, until};
 
@@ -99,5 +102,35 @@ fn a_computation_that_runs_too_long_is_stopped_and_says_so() {
             server.post_with("/v1/render", &with(super::jobs::endless(), "stats"), &[("prefer", "wait=0")]).await;
         assert_eq!(again.json()["attempts"], 2, "a failed job that is posted again is queued again");
         server.settled(again.header("location")).await;
+    });
+}
+
+#[test]
+fn forgetting_one_job_leaves_the_artifact_of_another_with_the_same_bytes() {
+    let nothing_is_kept = Settings { memory_cache_bytes: 0, cache_bytes: 0, ..settings() };
+    story(nothing_is_kept, async |server| {
+        let named = |name: &str| {
+            let mut job = with(mesh(2), "obj");
+            job["outputs"][0]["name"] = name.into();
+            job
+        };
+        let mut jobs = Vec::new();
+        for name in ["one", "other"] {
+            let held = server.hold().await;
+            let later = server.post_with("/v1/render", &named(name), &[("prefer", "wait=0")]).await;
+            assert_eq!(later.status, 202, "{}", later.text());
+            drop(held);
+            let location = later.header("location").to_owned();
+            let done = server.settled(&location).await;
+            jobs.push((location, done["outputs"][0]["href"].as_str().unwrap().to_owned()));
+        }
+        let [(one, href), (other, same)] = &jobs[..] else { unreachable!("there are two jobs") };
+        assert!(one != other && href == same, "two jobs with one artifact");
+        let forgotten = server.ask(Method::DELETE, one, &[], Vec::new()).await;
+        assert!(forgotten.status < 300, "{}", forgotten.text());
+        server.get(other).await.ok();
+        server.get(href).await.ok();
+        server.ask(Method::DELETE, other, &[], Vec::new()).await;
+        server.get(href).await.problem(404, "not-found");
     });
 }

@@ -158,8 +158,13 @@ proptest! {
     }
 
     #[test]
-    fn refinement_commutes_with_affine_maps(net in nets::triangles(), boundary in prop::sample::select(vec!["edge-only", "edge-and-corner"])) {
-        let moved = |p: &[f64; 3]| [0.6 * p[0] - 0.8 * p[1] + 3.0, 1.6 * p[0] + 1.2 * p[1] - 1.0, 0.5 * p[2] + 0.25 * p[0]];
+    fn refinement_commutes_with_affine_maps(
+        net in nets::triangles(),
+        boundary in prop::sample::select(vec!["edge-only", "edge-and-corner"]),
+    ) {
+        let moved = |p: &[f64; 3]| {
+            [0.6 * p[0] - 0.8 * p[1] + 3.0, 1.6 * p[0] + 1.2 * p[1] - 1.0, 0.5 * p[2] + 0.25 * p[0]]
+        };
         let image = Net { positions: net.positions.iter().map(moved).collect(), ..net.clone() };
         let [there, here] = [&image, &net].map(|net| refined_mesh(net, &butterfly(boundary), 2));
         prop_assert_eq!(&there.faces, &here.faces);

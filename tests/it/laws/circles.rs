@@ -113,7 +113,8 @@ fn the_compensation_may_have_an_alpha_of_its_own() {
     }
 }
 
-/// The radius after the levels: `prod_h (g + delta (1 - g))`, `g = cos(a/2) cos(a/4)^(2(k-1))`, with a halved each time.
+/// The radius after the levels: `prod_h (g + delta (1 - g))`, `g = cos(a/2) cos(a/4)^(2(k-1))`, with a halved each
+/// time.
 fn radius(alpha: f64, averages: u32, delta: f64, levels: u32) -> f64 {
     let mut alpha = alpha;
     (0..levels).fold(1.0, |radius, _| {

@@ -292,8 +292,8 @@ proptest! {
     }
 }
 
-/// Sharpness belongs to the mesh: under Chaikin's rule it evens out around a vertex on a seam as if there were none, so that
-/// texture coordinates that are places stay places beside an edge inside their region.
+/// Sharpness belongs to the mesh: under Chaikin's rule it evens out around a vertex on a seam as if there were none, so
+/// that texture coordinates that are places stay places beside an edge inside their region.
 #[test]
 fn seams_do_not_change_how_sharp_edges_are() {
     let n = 8;

@@ -232,7 +232,9 @@ fn equal_parameters_of_points_are_those_of_the_plan() {
 fn parameters_of_points_are_refused_where_nothing_uses_them() {
     for (plan, says) in [("UD", "D cannot carry parameters of points"), ("U3A", "")] {
         let job = json!({
-            "input": { "polygon": { "points": [[0], [1], [2]], "closed": true, "parameters": { "kernel": [1, 1, 1] } } },
+            "input": { "polygon": {
+                "points": [[0], [1], [2]], "closed": true, "parameters": { "kernel": [1, 1, 1] },
+            } },
             "plan": { "word": plan }, "levels": 1, "outputs": [{ "format": "json" }],
         });
         let refused = crate::support::render(&job).err();

@@ -1,5 +1,5 @@
-//! What is told of latitude lines is what is measured in the limit: those told exact are circles of the radius told, and
-//! the others are none.
+//! What is told of latitude lines is what is measured in the limit: those told exact are circles of the radius told,
+//! and the others are none.
 
 use planish::analysis::circles::Outlook;
 use planish::math::functions::{cos, sin, sqrt};
@@ -77,8 +77,8 @@ fn tilted([x, y, z]: Point, angle: f64) -> Point {
     [x, c * y - s * z, s * y + c * z]
 }
 
-/// Rings in parallel planes that do not lie on one axis have circles in the limit, too: the rule that is told by asks for
-/// more than they need.
+/// Rings in parallel planes that do not lie on one axis have circles in the limit, too: the rule that is told by asks
+/// for more than they need.
 #[test]
 fn oblique_tubes_have_circles_that_are_not_told() {
     for (letters, rule) in [("UC", "difference"), ("UCP", "difference"), ("UCP", "position"), ("UCCPC", "difference")] {

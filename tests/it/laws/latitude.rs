@@ -67,7 +67,8 @@ fn latitude_lines_of_uneven_tubes_are_circles() {
 #[test]
 fn without_the_rule_uneven_rings_are_not_plane() {
     let plan = json!({ "preset": "push-back", "boundary": "edge-only", "parameters": {
-        "latitude_rule": "isotropic", "alpha": "2*pi/5", "kernel": "cos(alpha/2)", "compensation": "1/cos(alpha/2)" } });
+        "latitude_rule": "isotropic", "alpha": "2*pi/5", "kernel": "cos(alpha/2)",
+        "compensation": "1/cos(alpha/2)" } });
     let (_, height) = spreads(&refined(&tube(5, &UNEVEN, 0.0), &plan, 2), 5 * 4 + 1);
     assert!(height > 1e-3, "{height}");
 }
@@ -188,7 +189,8 @@ fn tags_that_cannot_be_are_refused_at_their_place() {
         (job(tube(4, &UNEVEN, 0.0), json!({ "preset": "catmull-clark" })), "knows no latitude"),
         (
             job(tube(4, &UNEVEN, 0.0), json!({ "word": "U3CP" })),
-            "/plan/word: latitude and longitude tags act in words over U, C and P with arity 2 and split quad; here stands U3",
+            "/plan/word: latitude and longitude tags act in words over U, C and P with arity 2 and split quad; here \
+             stands U3",
         ),
         (
             job(tube(4, &UNEVEN, 0.0), json!({ "word": "UCP", "parameters": { "kernel_longitude": -1 } })),

@@ -170,7 +170,10 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn where_a_face_starts_does_not_matter(net in distinct_manifold(), turns in proptest::collection::vec(0..7_usize, 64)) {
+    fn where_a_face_starts_does_not_matter(
+        net in distinct_manifold(),
+        turns in proptest::collection::vec(0..7_usize, 64),
+    ) {
         let mut turned = net.clone();
         for (face, turn) in turned.faces.iter_mut().zip(turns.iter().cycle()) {
             let by = turn % face.len();

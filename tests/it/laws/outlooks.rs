@@ -116,8 +116,8 @@ fn cycles_of_several_steps_have_radii() {
     }
 }
 
-/// The limit of a line is that of the rings within reach: where a mesh diverges elsewhere, here at vertices of three edges
-/// around a cap, its other lines are circles still.
+/// The limit of a line is that of the rings within reach: where a mesh diverges elsewhere, here at vertices of three
+/// edges around a cap, its other lines are circles still.
 #[test]
 fn what_diverges_elsewhere_leaves_lines_exact() {
     let (k, n) = (8, 6);
@@ -128,7 +128,9 @@ fn what_diverges_elsewhere_leaves_lines_exact() {
     let cap = (0..k / 2).map(|i| json!([first + 2 * i, first + 2 * i + 1, first + (2 * i + 2) % k, centre]));
     mesh["faces"].as_array_mut().expect("faces").extend(cap);
     let plan = json!({ "preset": "push-back", "boundary": "edge-only", "parameters": { "delta": "60*(valence-4)" } });
-    let limit = json!({ "input": { "mesh": mesh }, "plan": plan, "levels": 1, "outputs": [{ "format": "json", "positions": "limit" }] });
+    let limit = json!({
+        "input": { "mesh": mesh }, "plan": plan, "levels": 1, "outputs": [{ "format": "json", "positions": "limit" }]
+    });
     let refused = format!("{:?}", support::render(&limit).expect_err("there is no limit"));
     assert!(refused.contains("no continuous limit"), "{refused}");
     let mut lines = told(&mesh, &plan);

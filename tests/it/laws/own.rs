@@ -91,7 +91,8 @@ proptest! {
         prop_assume!(has_rings(&net));
         for preset in ["doo-sabin", "sqrt-3"] {
             let image = Net { positions: net.positions.iter().map(|p| moved(*p)).collect(), ..net.clone() };
-            let (there, here) = (refined_mesh(&image, &plan(preset, boundary), 3), refined_mesh(&net, &plan(preset, boundary), 3));
+            let there = refined_mesh(&image, &plan(preset, boundary), 3);
+            let here = refined_mesh(&net, &plan(preset, boundary), 3);
             prop_assert_eq!(&there.faces, &here.faces);
             for (p, q) in there.positions.iter().zip(&here.positions) {
                 prop_assert!(distance(p, &moved(*q)) <= TOLERANCE, "{}: {:?}", preset, p);
@@ -114,7 +115,8 @@ proptest! {
         turned.faces.iter_mut().zip(turns.iter().cycle()).for_each(|(face, &turn)| face.rotate_left(turn));
         for preset in ["doo-sabin", "sqrt-3"] {
             let [a, b] = [&net, &turned].map(|net| refined_mesh(net, &plan(preset, boundary), 2));
-            let distinct = (0..a.positions.len()).all(|i| a.positions[..i].iter().all(|p| distance(p, &a.positions[i]) > 1e-6));
+            let distinct = (0..a.positions.len())
+                .all(|i| a.positions[..i].iter().all(|p| distance(p, &a.positions[i]) > 1e-6));
             if distinct {
                 prop_assert_eq!(same_surface(&a, &b, 1e-9), Ok(()), "{}", preset);
             }

@@ -52,8 +52,8 @@ fn poles_at_the_alpha_of_points_are_told_with_these_points() {
         for closed in [true, false] {
             let input = square(closed, &json!({ "alpha": [0, 0, 0, 2.0 * PI] }));
             let said = told(&input, &secant("UCP"), 1, false);
-            let expected = "/input/polygon/parameters/alpha: level 1: the compensation of point 5 (between the points 2, 3 of the \
-                 input) is 1";
+            let expected = "/input/polygon/parameters/alpha: level 1: the compensation of point 5 (between the points \
+                            2, 3 of the input) is 1";
             assert!(said.starts_with(expected) && said.ends_with(bound), "{said}");
         }
     }
@@ -66,7 +66,8 @@ fn poles_at_the_alpha_of_points_are_told_with_these_points() {
 #[test]
 fn poles_within_edges_of_higher_arity_are_told() {
     let said = told(&square(true, &json!({ "alpha": [0, 3.0 * PI, 0, 0] })), &secant("U3CP"), 1, false);
-    let expected = "/input/polygon/parameters/alpha: level 1: the compensation of point 1 (between the points 0, 1 of the input) is ";
+    let expected = "/input/polygon/parameters/alpha: level 1: the compensation of point 1 (between the points 0, 1 of \
+                    the input) is ";
     assert!(said.starts_with(expected), "{said}");
 }
 

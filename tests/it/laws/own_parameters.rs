@@ -71,7 +71,11 @@ fn parameters_of_vertices_commute_with_scaling() {
 #[test]
 fn perturbations_of_meshes_have_a_seed_and_end() {
     let net = nets::prism(5);
-    let plan = |amplitude: f64, seed: u64| json!({ "word": "UCP", "seed": seed, "parameters": { "perturbation": { "amplitude": amplitude, "decay": 0.25 } } });
+    let plan = |amplitude: f64, seed: u64| {
+        json!({
+            "word": "UCP", "seed": seed, "parameters": { "perturbation": { "amplitude": amplitude, "decay": 0.25 } }
+        })
+    };
     let bare = refined(&net, &Value::Null, &json!({ "word": "UCP" }), 3);
     let [one, again, other] = [1, 1, 2].map(|seed| refined(&net, &Value::Null, &plan(0.2, seed), 3));
     assert_eq!(one, again, "a seed gives one surface");
@@ -103,7 +107,8 @@ fn parameters_that_cannot_be_are_refused_at_their_place() {
         (job(json!({ "delta": vec![1; 8] }), json!({ "preset": "catmull-clark" })), "knows no parameters of vertices"),
         (
             job(json!({ "delta": vec![1; 8] }), json!({ "word": "U3C" })),
-            "/plan/word: parameters of vertices act in words over U, C and P with arity 2 and split quad; here stands U3",
+            "/plan/word: parameters of vertices act in words over U, C and P with arity 2 and split quad; here stands \
+             U3",
         ),
     ];
     for (said, expected) in cases {
@@ -141,14 +146,14 @@ fn what_single_points_cannot_have_is_told_at_its_place() {
         ),
         (
             first(triangles.clone(), word("UCP", json!({ "split": "triangle" }))),
-            "/plan/parameters/split: parameters of vertices act in words over U, C and P with arity 2 and split quad; here \
-             stands split triangle",
+            "/plan/parameters/split: parameters of vertices act in words over U, C and P with arity 2 and split quad; \
+             here stands split triangle",
         ),
         (first(triangles, json!({ "preset": "loop" })), "/plan/preset: "),
         (
             first(nets::cube().input(), word("U3C", noise.clone())),
-            "/plan/parameters/perturbation: on meshes, perturbation acts in words over U, C and P with arity 2 and split \
-             quad; here stands U3",
+            "/plan/parameters/perturbation: on meshes, perturbation acts in words over U, C and P with arity 2 and \
+             split quad; here stands U3",
         ),
         (first(nets::cube().input(), word("UD", noise)), "split quad; leave it out"),
         (

@@ -70,7 +70,9 @@ proptest! {
         let watch = Watch::new();
         let together = blend_run(&run, &points, width, &watch).expect("not stopped");
         let counted = watch.done();
-        let one_by_one = tables.iter().fold(points, |points, table| blend(table, &points, width, &watch).expect("not stopped"));
+        let one_by_one = tables
+            .iter()
+            .fold(points, |points, table| blend(table, &points, width, &watch).expect("not stopped"));
         prop_assert!(same_bits(&together.points, &one_by_one));
         prop_assert!(together.finite);
         prop_assert_eq!(watch.done(), 2 * counted, "both count each row");

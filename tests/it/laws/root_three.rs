@@ -46,8 +46,9 @@ fn a_step_has_the_weights_of_the_paper() {
     }
 }
 
-/// Around a vertex of valence n a step turns the ring by pi/n and shrinks it by 2/3 cos(pi/n), at valence 6 by 1/sqrt(3),
-/// which is 1/3 in two steps; the height over the ring shrinks by the square of that (Kobbelt 2000, section 4).
+/// Around a vertex of valence n a step turns the ring by pi/n and shrinks it by 2/3 cos(pi/n), at valence 6 by
+/// 1/sqrt(3), which is 1/3 in two steps; the height over the ring shrinks by the square of that (Kobbelt 2000, section
+/// 4).
 #[test]
 fn eigenvalues_are_those_of_the_paper() {
     for n in 3..=9 {

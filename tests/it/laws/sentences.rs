@@ -16,8 +16,9 @@ fn functions_without_a_value_at_the_alpha_of_the_plan_are_told_so() {
     alpha["mesh"]["parameters"] = json!({ "alpha": vec![1; 8] });
     let plan = |alpha: f64| json!({ "word": "UCP", "parameters": { "kernel": "sin(alpha)/alpha", "alpha": alpha } });
     let said = told(&alpha, &plan(0.0));
-    let expected = "/plan/parameters/kernel: the kernel is NaN at level 1 (alpha = 0); it must be finite at every level for the alpha \
-         of the plan, even where points or latitude lines have their own: give another \"alpha\" in the plan";
+    let expected = "/plan/parameters/kernel: the kernel is NaN at level 1 (alpha = 0); it must be finite at every \
+                    level for the alpha of the plan, even where points or latitude lines have their own: give another \
+                    \"alpha\" in the plan";
     assert!(said.starts_with(expected), "{said}");
     let [one, two] = [1.0, 2.0].map(|other| support::json(json!({ "input": alpha, "plan": plan(other), "levels": 1 })));
     assert_eq!(one, two);
@@ -30,7 +31,8 @@ fn functions_without_a_value_name_their_variable() {
     let said = told(&nets::torus(4, 3).input(), &delta);
     assert_eq!(
         said,
-        "/plan/parameters/delta: the expression is not finite (inf) at valence = 4; change the expression or the parameter"
+        "/plan/parameters/delta: the expression is not finite (inf) at valence = 4; change the expression or the \
+         parameter"
     );
     let tube = nets::torus(4, 3);
     let mut input = tube.input();

@@ -32,8 +32,8 @@ fn at_level(input: &Value, plan: &Value, levels: u32, positions: &str) -> Net {
     Net::of(&serde_json::from_slice(&bytes).expect("json output"))
 }
 
-/// The greatest distance between a level, its quads cut along either diagonal, and points of the limit, those of further
-/// levels; of either from the other.
+/// The greatest distance between a level, its quads cut along either diagonal, and points of the limit, those of
+/// further levels; of either from the other.
 fn deviation(input: &Value, plan: &Value, level: u32, positions: &str) -> f64 {
     let coarse = at_level(input, plan, level, positions);
     let more = if coarse.faces.len() > 500 { 1 } else { 2 };
@@ -216,7 +216,9 @@ fn the_level_is_part_of_the_key_and_the_tolerance_is_not() {
 #[test]
 fn the_output_that_is_farther_decides() {
     let outputs = json!([{ "format": "obj" }, { "format": "ply", "positions": "limit" }]);
-    let both = json!({ "input": control("cube"), "plan": preset("catmull-clark"), "levels": { "tolerance": 0.05 }, "outputs": outputs });
+    let both = json!({
+        "input": control("cube"), "plan": preset("catmull-clark"), "levels": { "tolerance": 0.05 }, "outputs": outputs
+    });
     let both = parsed(both.to_string().as_bytes()).expect("a job").reached.expect("a level");
     let each =
         ["refined", "limit"].map(|positions| within(&control("cube"), &preset("catmull-clark"), 0.05, positions));

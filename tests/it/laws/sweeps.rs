@@ -43,8 +43,8 @@ fn push_back(delta: f64, k: u32, rule: &str) -> Value {
         "parameters": { "delta": delta, "k": k, "latitude_rule": rule } })
 }
 
-/// The latitude lines after some levels, but for the last of an open tube: faces come row by row, the first axis of each
-/// along the line.
+/// The latitude lines after some levels, but for the last of an open tube: faces come row by row, the first axis of
+/// each along the line.
 fn lines(n: usize, mesh: &Value, plan: &Value, levels: u32, positions: &str) -> Vec<Vec<Point>> {
     let job = json!({ "input": { "mesh": mesh }, "plan": plan, "levels": levels });
     let net = Net::of(&json_with(job, &json!({ "positions": positions })));

@@ -166,7 +166,11 @@ fn limit_points_are_within_the_tolerance_too() {
 fn what_has_no_bound_is_refused_with_the_reason() {
     let square = json!({ "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "closed": true });
     let rational = json!({ "points": [[0, 0, 1], [1, 0, 1], [1, 1, 2]], "closed": true, "rational": true });
-    let job = |polygon: &Value, plan: Value, tolerance: f64| json!({ "input": { "polygon": polygon }, "plan": plan, "levels": { "tolerance": tolerance } });
+    let job = |polygon: &Value, plan: Value, tolerance: f64| {
+        json!({
+            "input": { "polygon": polygon }, "plan": plan, "levels": { "tolerance": tolerance }
+        })
+    };
     let zigzag = json!({ "points": (0..8000).map(|i| [i, i % 2]).collect::<Vec<_>>() });
     let cubic = json!({ "preset": "cubic-b-spline" });
     let cases = [
@@ -208,8 +212,8 @@ proptest! {
         closed in any::<bool>(),
         which in 0..3_usize,
     ) {
-        let plan = [json!({ "preset": "cubic-b-spline" }), json!({ "preset": "four-point" }), json!({ "preset": "chaikin" })]
-            [which].clone();
+        let preset = ["cubic-b-spline", "four-point", "chaikin"][which];
+        let plan = json!({ "preset": preset });
         let polygon = json!({ "points": points, "closed": closed });
         let (level, bound, coarse) = within(&polygon, &plan, 0.05);
         let truth = deviation(&coarse, &at_level(&polygon, &plan, 14), closed);

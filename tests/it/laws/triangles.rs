@@ -170,7 +170,8 @@ fn boundaries_follow_the_curve_scheme() {
     }
 }
 
-/// A crease from boundary to boundary is the curve that the curve scheme makes of its vertices, with corners at its ends.
+/// A crease from boundary to boundary is the curve that the curve scheme makes of its vertices, with corners at its
+/// ends.
 #[test]
 fn creases_follow_the_curve_scheme() {
     let path = [1, 6, 11, 16];

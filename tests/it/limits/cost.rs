@@ -90,7 +90,9 @@ fn estimates_count_what_limits_take() {
     } // numbers of vertices are followed for fifty levels, those of the plan for thirty
     let mut net = nets::torus(5, 6).input();
     let time = |net: &Value, parameters: &Value| {
-        let job = json!({ "input": net, "plan": { "word": "UC", "parameters": parameters }, "levels": 3, "outputs": [limit] });
+        let job = json!({
+            "input": net, "plan": { "word": "UC", "parameters": parameters }, "levels": 3, "outputs": [limit]
+        });
         let job = parsed(job.to_string().as_bytes()).expect("a job");
         Limits::default().admit(job).expect("it is small enough").estimate().time_ms
     };

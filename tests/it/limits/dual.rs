@@ -25,7 +25,8 @@ fn around(net: &Net, cell: &BTreeSet<usize>) -> Vec<usize> {
     (0..net.faces.len()).filter(|&f| cell.iter().all(|v| net.faces[f].contains(v))).collect()
 }
 
-/// The faces around a vertex from one to the next, from boundary to boundary where there is one; and whether it is closed.
+/// The faces around a vertex from one to the next, from boundary to boundary where there is one; and whether it is
+/// closed.
 fn fan(net: &Net, v: usize) -> (Vec<usize>, bool) {
     // for each face the vertices after and before v
     let sides: BTreeMap<usize, (usize, usize)> = around(net, &BTreeSet::from([v]))
@@ -65,8 +66,8 @@ fn cut(net: &Net, cell: &BTreeSet<usize>, rings: usize) -> (Net, BTreeSet<usize>
     )
 }
 
-/// One letter, and what takes the place of a vertex, an edge or a face, all as the set of its vertices: D numbers the new
-/// points as the faces; the middle of an upsampled cell is found by its place.
+/// One letter, and what takes the place of a vertex, an edge or a face, all as the set of its vertices: D numbers the
+/// new points as the faces; the middle of an upsampled cell is found by its place.
 fn step(net: &Net, cell: &BTreeSet<usize>, letter: &str) -> (Net, BTreeSet<usize>) {
     let next = applied(net, letter);
     let heir = heir(net, &next, cell, letter);
@@ -242,7 +243,8 @@ fn limits_are_where_levels_lead() {
     }
 }
 
-/// The same for one point of a line: `UD` is the quadratic B-spline, whose ends are the middles of the first and last leg.
+/// The same for one point of a line: `UD` is the quadratic B-spline, whose ends are the middles of the first and last
+/// leg.
 fn quadratic(i: usize, n: usize) -> Vec<(usize, f64)> {
     match i {
         0 => vec![(0, 0.5), (1, 0.5)],
@@ -322,8 +324,8 @@ fn boundaries_of_doo_sabin_have_limits() {
     }
 }
 
-/// Points of a plane in a line with their parameters keep to them: regular grids, also at their sides, up to what D draws
-/// in.
+/// Points of a plane in a line with their parameters keep to them: regular grids, also at their sides, up to what D
+/// draws in.
 #[test]
 fn limits_of_flat_nets_are_flat_and_turn_with_them() {
     for letters in PLANS.into_iter().filter(|letters| letters[0] != "U3") {
@@ -365,7 +367,8 @@ fn vertices_without_faces_stay() {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
-    /// Random words on random meshes have limits or say why not; with them the middle of the mesh stays among its points.
+    /// Random words on random meshes have limits or say why not; with them the middle of the mesh stays among its
+    /// points.
     #[test]
     fn dual_words_have_limits_or_say_why_not(
         net in nets::manifold(),
@@ -387,7 +390,8 @@ proptest! {
                 prop_assert!(told.iter().any(|text| faults[0].detail.contains(text)), "{:?}", faults);
             }
             (Ok((refined, _)), Ok((limit, _))) => {
-                let [refined, limit] = [refined, limit].map(|bytes| Net::of(&serde_json::from_slice(&bytes).expect("json")));
+                let [refined, limit] =
+                    [refined, limit].map(|bytes| Net::of(&serde_json::from_slice(&bytes).expect("json")));
                 prop_assert_eq!(refined.positions.len(), limit.positions.len());
                 // all weights are positive
                 let most = extent(&refined);

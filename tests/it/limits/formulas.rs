@@ -99,8 +99,8 @@ fn high_valences_have_limits() {
     assert!(distance(&normals[0], &[0.0, 0.0, 1.0]) <= 1e-9, "{:?}", normals[0]);
 }
 
-/// Wide words: on a torus `UC^k` is the tensor product of B-splines of degree 2k + 1, at whose knots stand the values of
-/// the B-spline of that degree, by the recursion of Cox and de Boor at the whole numbers.
+/// Wide words: on a torus `UC^k` is the tensor product of B-splines of degree 2k + 1, at whose knots stand the values
+/// of the B-spline of that degree, by the recursion of Cox and de Boor at the whole numbers.
 #[test]
 fn wide_words_have_limits() {
     let (k, n) = (10_u32, 3_usize);

@@ -17,10 +17,14 @@ fn with(text: &str, parameters: &Value) -> Value {
     json!({ "word": text, "parameters": parameters })
 }
 
-/// Plans with a limit: static ones, ones that change from level to level, with two averages, with a prefix, with a cycle
-/// that starts after its U, and dual ones for closed meshes.
+/// Plans with a limit: static ones, ones that change from level to level, with two averages, with a prefix, with a
+/// cycle that starts after its U, and dual ones for closed meshes.
 fn plans() -> Vec<Value> {
-    let circle = |delta: f64| json!({ "alpha": "pi/3", "kernel": "cos(alpha/2)", "compensation": "1/cos(alpha/2)", "delta": delta });
+    let circle = |delta: f64| {
+        json!({
+            "alpha": "pi/3", "kernel": "cos(alpha/2)", "compensation": "1/cos(alpha/2)", "delta": delta
+        })
+    };
     vec![
         json!({ "preset": "catmull-clark" }),
         json!({ "preset": "catmull-clark", "parameters": { "triangle_rule": "smooth" } }),
@@ -338,7 +342,9 @@ fn all_writers_take_the_limit() {
             if name == "svg" {
                 output["sections"] = json!([{ "point": [0, 0, 0.1], "normal": [0, 0, 1] }]);
             }
-            let job = json!({ "input": nets::cube().input(), "plan": { "preset": "catmull-clark" }, "levels": 2, "outputs": [output] });
+            let job = json!({
+                "input": nets::cube().input(), "plan": { "preset": "catmull-clark" }, "levels": 2, "outputs": [output]
+            });
             render(&job).unwrap_or_else(|faults| panic!("{faults:?} for {job}")).0
         };
         assert_ne!(bytes("refined", "none"), bytes("limit", "none"), "{name}");
@@ -359,7 +365,10 @@ fn triangles_of_stl_have_the_normals_of_their_corners() {
     input["mesh"]["creases"] = edges.map(|edge| json!({ "edge": edge, "sharpness": 10 })).collect();
     let plan = json!({ "preset": "catmull-clark" });
     let output = |format: &str| {
-        let job = json!({ "input": input, "plan": plan, "levels": 2, "outputs": [{ "format": format, "normals": "limit", "positions": "limit" }] });
+        let job = json!({
+            "input": input, "plan": plan, "levels": 2,
+            "outputs": [{ "format": format, "normals": "limit", "positions": "limit" }]
+        });
         render(&job).unwrap_or_else(|faults| panic!("{faults:?}")).0
     };
     let obj = String::from_utf8(output("obj")).expect("text");

@@ -9,7 +9,8 @@ use super::limit;
 use crate::support::json;
 use crate::support::nets::{self, Net, distance};
 
-/// Rings of faces that are kept around the vertex. The boundary that a cut makes spoils less than half of them in a level.
+/// Rings of faces that are kept around the vertex. The boundary that a cut makes spoils less than half of them in a
+/// level.
 const RINGS: usize = 5;
 const LEVELS: u32 = 30;
 

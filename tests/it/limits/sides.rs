@@ -207,8 +207,9 @@ fn beside_first(net: &Net) -> [usize; 2] {
     near.map(|(_, b)| b).collect::<Vec<_>>().try_into().expect("two on the boundary")
 }
 
-/// Where the eigenvalue 1/2 of the boundary comes again inside, in a chain, normals turn to the one of the tangent along the
-/// boundary and the other tangent inside. At a single face under `UCP` with delta 1 the eigenvalue 1/4 has a chain of three.
+/// Where the eigenvalue 1/2 of the boundary comes again inside, in a chain, normals turn to the one of the tangent
+/// along the boundary and the other tangent inside. At a single face under `UCP` with delta 1 the eigenvalue 1/4 has a
+/// chain of three.
 #[test]
 fn vertices_on_the_boundary_have_limit_normals_where_eigenvalues_have_chains() {
     for (net, plan, reach) in [
@@ -314,8 +315,8 @@ fn only_sectors_without_a_tangent_plane_have_area_normals() {
     assert!(warnings[0].contains("one side of the sharp edges at a corner with 6 faces"), "{warnings:?}");
 }
 
-/// Where an eigenvalue is there three times, at corners with two quads or three triangles, points turn to the plane of the
-/// two edges that stay.
+/// Where an eigenvalue is there three times, at corners with two quads or three triangles, points turn to the plane of
+/// the two edges that stay.
 #[test]
 fn corners_of_two_quads_or_three_triangles_touch_the_plane_of_their_edges() {
     let rim = [[1.0, 0.0, 0.0], [1.0, 1.2, 0.3], [-0.2, 1.0, 0.1], [-1.0, 0.4, 0.5]];

@@ -1,4 +1,5 @@
-//! Plans whose differences grow for some levels before they shrink, or shrink before they grow, or grow between vertices.
+//! Plans whose differences grow for some levels before they shrink, or shrink before they grow, or grow between
+//! vertices.
 
 use serde_json::{Value, json};
 
@@ -50,13 +51,18 @@ fn second_differences_that_shrink_late_vanish() {
     }
 }
 
-/// Differences may grow in thirds of edges and faces while they vanish around vertices: with compensations above 1 under
-/// two levels of `UCP`, whose matrices there have spectral radii of 1.22 for delta 2 and compensation 2. Bounds of the
-/// compensation from such radii: 2.669 for a limit and 1.658 for tangents where delta is 1, 1.889 and 1.288 where it is 2.
+/// Differences may grow in thirds of edges and faces while they vanish around vertices: with compensations above 1
+/// under two levels of `UCP`, whose matrices there have spectral radii of 1.22 for delta 2 and compensation 2. Bounds
+/// of the compensation from such radii: 2.669 for a limit and 1.658 for tangents where delta is 1, 1.889 and 1.288
+/// where it is 2.
 #[test]
 fn what_grows_between_vertices_is_seen() {
     let net = nets::torus(4, 5);
-    let with = |delta: f64, compensation: f64| json!({ "word": "UCP", "parameters": { "delta": delta, "compensation": compensation } });
+    let with = |delta: f64, compensation: f64| {
+        json!({
+            "word": "UCP", "parameters": { "delta": delta, "compensation": compensation }
+        })
+    };
     for (delta, continuous, smooth) in [(1.0, 2.669, 1.658), (2.0, 1.889, 1.288)] {
         assert!(has_no_limit(&net, &with(delta, 1.01 * continuous)), "delta {delta}");
         let warnings = |compensation: f64| warnings(&net, &with(delta, compensation), 0);

@@ -289,8 +289,8 @@ fn glb() {
     check(&file(20, &json), "byte 12: a chunk of 9 bytes; the file has 0 more");
 }
 
-/// In a job the fault stands at the text, and faults of the mesh inside say where in the mesh they are, with the line where
-/// there is one.
+/// In a job the fault stands at the text, and faults of the mesh inside say where in the mesh they are, with the line
+/// where there is one.
 #[test]
 fn a_job_points_to_its_text() {
     let check = |text: serde_json::Value, pointer: &str, detail: &str| {
@@ -298,8 +298,8 @@ fn a_job_points_to_its_text() {
         assert_eq!((found[0].pointer.as_str(), found[0].detail.as_str()), (pointer, detail));
     };
     let data = "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\nf 1 2 3\n";
-    let twice = "line 5, in the mesh, /faces/1: faces 0 and 1 run along edge (0, 1) in the same direction; turn one of them, or set \
-                 \"orient\": \"repair\"";
+    let twice = "line 5, in the mesh, /faces/1: faces 0 and 1 run along edge (0, 1) in the same direction; turn one \
+                 of them, or set \"orient\": \"repair\"";
     check(json!({ "format": "obj", "data": data }), "/input/text/data", twice);
     let repeated = "line 7, in the mesh, /faces/1: ";
     let face = "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n\n# the next goes on\nf 1 2 \\\n 2\n";

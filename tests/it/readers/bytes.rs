@@ -18,7 +18,8 @@ fn files() -> Vec<(&'static str, Vec<u8>)> {
                f 1/1/1 2/2/1 \\\n 3/-1/-1\nl 1 2\nt crease 2/1/0 0 1 3\nt corner 1/1/0 2 10\n\
                t interpolateboundary 1/0/0 1\nt hole 1/0/0 0\n";
     let off = "COFF\n3 1 3\n0 0 0 255 0 0\n1 0 0 0 255 0\n0 1 0 0 0 255\n3 0 1 2 1 0 0\n";
-    let stl = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
+    let stl = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n\
+               endloop\nendfacet\nendsolid\n";
     let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
                property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float s\nproperty float t\n\
                element face 1\nproperty list uchar int vertex_indices\nelement edge 1\nproperty int a\nend_header\n\
@@ -40,7 +41,8 @@ fn files() -> Vec<(&'static str, Vec<u8>)> {
 }
 
 fn big_endian() -> Vec<u8> {
-    let header = "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty double x\nproperty float y\nproperty short z\n\
+    let header = "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty double x\nproperty float y\n\
+                  property short z\n\
                   element face 1\nproperty list uchar ushort vertex_indices\nend_header\n";
     let body = (0..3 * 14).map(|i| u8::try_from(i).unwrap_or(0)).chain([3, 0, 0, 0, 1, 0, 2]);
     header.bytes().chain(body).collect()

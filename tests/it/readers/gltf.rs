@@ -34,7 +34,8 @@ fn document(sections: &[Vec<u8>], rest: &Value) -> Value {
         })
         .collect();
     let mut document = json!({
-        "asset": { "version": "2.0" }, "buffers": [{ "byteLength": bytes.len(), "uri": uri(&bytes) }], "bufferViews": views,
+        "asset": { "version": "2.0" },
+        "buffers": [{ "byteLength": bytes.len(), "uri": uri(&bytes) }], "bufferViews": views,
     });
     let fields = rest.as_object().cloned().unwrap_or_default();
     fields.into_iter().for_each(|(name, value)| document[name] = value);
@@ -143,7 +144,8 @@ pub(super) fn every_feature() -> String {
             "extensionsRequired": ["KHR_mesh_quantization"],
             "accessors": [
                 { "bufferView": 0, "componentType": 5120, "count": 4, "type": "VEC3", "sparse": {
-                    "count": 1, "indices": { "bufferView": 1, "componentType": 5121 }, "values": { "bufferView": 2 } } },
+                    "count": 1, "indices": { "bufferView": 1, "componentType": 5121 },
+                    "values": { "bufferView": 2 } } },
                 { "bufferView": 3, "componentType": 5121, "count": 4, "type": "VEC4", "normalized": true },
                 { "bufferView": 4, "componentType": 5126, "count": 4, "type": "VEC2" },
                 { "bufferView": 5, "componentType": 5123, "count": 3, "type": "SCALAR" },

@@ -133,13 +133,15 @@ fn ply_takes_any_types_and_orders_and_keeps_further_numbers() {
 fn ply_texture_coordinates_belong_to_vertices_or_corners() {
     let start = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
     let of_vertices = format!(
-        "{start}property float s\nproperty float t\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+        "{start}property float s\nproperty float t\nelement face 1\nproperty list uchar int vertex_indices\n\
+         end_header\n\
          0 0 0 0 .25\n1 0 0 1 .5\n0 1 0 0 1\n3 2 0 1\n"
     );
     let uvs = mesh("ply", of_vertices.as_bytes()).uvs.expect("it has them");
     assert_eq!((uvs.values, uvs.corners), (vec![[0.0, 0.25], [1.0, 0.5], [0.0, 1.0]], vec![2, 0, 1]));
     let of_corners = format!(
-        "{start}element face 1\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n\
+        "{start}element face 1\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\n\
+         end_header\n\
          0 0 0\n1 0 0\n0 1 0\n3 2 0 1 6 0 .5 1 .5 1 1\n"
     );
     let uvs = mesh("ply", of_corners.as_bytes()).uvs.expect("it has them");

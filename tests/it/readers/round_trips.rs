@@ -1,5 +1,5 @@
-//! read(write(x)) = x for every format that can hold it: bit for bit where numbers are f64 or shortest text, rounded once
-//! where they are f32.
+//! read(write(x)) = x for every format that can hold it: bit for bit where numbers are f64 or shortest text, rounded
+//! once where they are f32.
 
 use proptest::prelude::*;
 use serde_json::{Value, json};

@@ -1,5 +1,5 @@
-//! Sharp edges and corners of every kind, on every kind of mesh: results of the size that was promised, or refusals that
-//! say where sharpness has no place.
+//! Sharp edges and corners of every kind, on every kind of mesh: results of the size that was promised, or refusals
+//! that say where sharpness has no place.
 
 use planish::job::limits::Limits;
 use planish::output::{FORMATS, ShapeKind, Size};

@@ -265,9 +265,8 @@ fn duplicate_and_unknown_fields_are_refused_at_their_place() {
     check(r#"{"input":{"mesh":{"positions":[],"faces":[[-1]]}}}"#, "/input/mesh/faces/0/0", "whole number");
     check(r#"{"input":{"mesh":{"positions":[],"faces":[[0.5]]}}}"#, "/input/mesh/faces/0/0", "whole number");
     let job = |plan: &str| {
-        format!(
-            r#"{{"input":{{"polygon":{{"points":[[0],[1]]}}}},"levels":1,"outputs":[{{"format":"json"}}],"plan":{plan}}}"#
-        )
+        let input = r#"{"polygon":{"points":[[0],[1]]}}"#;
+        format!(r#"{{"input":{input},"levels":1,"outputs":[{{"format":"json"}}],"plan":{plan}}}"#)
     };
     check(&job(r#"{"word":"UC","parameters":{"delta":1,"delta":2}}"#), "/plan/parameters", "duplicate field");
     check(&job(r#"{"word":"UC","parameters":{"dleta":1}}"#), "/plan/parameters/dleta", "unknown parameter");
@@ -280,9 +279,9 @@ fn duplicate_and_unknown_fields_are_refused_at_their_place() {
 #[test]
 fn levels_are_whole_and_bounded() {
     let check = |levels: &str, pointer: &str, detail: &str| {
-        let text = format!(
-            r#"{{"input":{{"polygon":{{"points":[[0],[1]]}}}},"plan":{{"word":"U"}},"outputs":[{{"format":"json"}}],"levels":{levels}}}"#
-        );
+        let input = r#"{"polygon":{"points":[[0],[1]]}}"#;
+        let text =
+            format!(r#"{{"input":{input},"plan":{{"word":"U"}},"outputs":[{{"format":"json"}}],"levels":{levels}}}"#);
         let found = parsed(text.as_bytes()).expect_err("it is refused");
         assert_eq!(found[0].pointer, pointer, "{levels}: {found:?}");
         assert!(found[0].detail.contains(detail), "{levels}: {found:?}");

@@ -11,7 +11,8 @@ use crate::support::{self, render};
 
 fn stats(net: &Net, levels: u32) -> Value {
     let job = json!({
-        "input": net.input(), "plan": { "preset": "catmull-clark" }, "levels": levels, "outputs": [{ "format": "stats" }],
+        "input": net.input(), "plan": { "preset": "catmull-clark" }, "levels": levels,
+        "outputs": [{ "format": "stats" }],
     });
     let (bytes, _) = render(&job).unwrap_or_else(|faults| panic!("{faults:?}"));
     serde_json::from_slice(&bytes).expect("stats are JSON")
@@ -91,7 +92,11 @@ fn slab(genus: usize) -> Net {
 #[test]
 fn schemes_that_weigh_whole_rings_name_the_vertex_that_is_too_large() {
     for preset in ["butterfly", "kobbelt", "doo-sabin"] {
-        let job = |n: usize| json!({ "input": cone(n).input(), "plan": { "preset": preset }, "levels": 1, "outputs": [{ "format": "stats" }] });
+        let job = |n: usize| {
+            json!({
+                "input": cone(n).input(), "plan": { "preset": preset }, "levels": 1, "outputs": [{ "format": "stats" }]
+            })
+        };
         let refusal = render(&job(1025)).expect_err("one face too many");
         let expected = format!("vertex 0 has 1025 faces; {preset} takes at most 1024 around a vertex");
         assert!(refusal[0].detail.contains(&expected), "{refusal:?}");

@@ -128,8 +128,8 @@ proptest! {
         }
     }
 
-    /// Not through vertices and with no two sides on one line, so that rounding decides nothing: every side with ends on both sides of the plane is crossed
-    /// once, by one polyline.
+    /// Not through vertices and with no two sides on one line, so that rounding decides nothing: every side with ends
+    /// on both sides of the plane is crossed once, by one polyline.
     #[test]
     fn every_crossing_side_is_met_once(net in bent(), normal in [-1.0..1.0_f64, -1.0..1.0, 0.5..1.0]) {
         let point = [0.613, 0.287, 0.459];
@@ -147,7 +147,11 @@ proptest! {
     }
 
     #[test]
-    fn sections_move_with_the_mesh(net in bent(), angle in -3.0..3.0_f64, shift in [-5.0..5.0_f64, -5.0..5.0, -5.0..5.0]) {
+    fn sections_move_with_the_mesh(
+        net in bent(),
+        angle in -3.0..3.0_f64,
+        shift in [-5.0..5.0_f64, -5.0..5.0, -5.0..5.0],
+    ) {
         let turn = |[x, y, z]: [f64; 3]| {
             let (s, c) = (sin(angle), cos(angle));
             // about z, then the axes in another order

@@ -67,7 +67,8 @@ fn neighbours_run_along_their_edge_in_opposite_directions() {
         json!({ "faces": [[0, 1, 2], [0, 2, 3], [1, 2, 4]] }),
         &[(
             "/faces/2",
-            "faces 0 and 2 run along edge (1, 2) in the same direction; turn one of them, or set \"orient\": \"repair\"",
+            "faces 0 and 2 run along edge (1, 2) in the same direction; turn one of them, or set \"orient\": \
+             \"repair\"",
         )],
     );
 }

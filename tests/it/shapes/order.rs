@@ -1,10 +1,10 @@
-//! The documented order of refined meshes, on the preset bilinear and words over U, where every point is known in closed
-//! form.
+//! The documented order of refined meshes, on the preset bilinear and words over U, where every point is known in
+//! closed form.
 //!
-//! With n pieces an edge, 2^levels for bilinear: the input's vertices; then by input edge (numbered by first appearance) its n - 1 inner points in
-//! the direction of that appearance; then by input face its inside: of a quad the grid row by row, origin at corner 0,
-//! first axis towards corner 1; of another face the centre, the spokes from each edge's midpoint to the centre, and the
-//! grids of the quads at its corners. Faces by input face, row by row.
+//! With n pieces an edge, 2^levels for bilinear: the input's vertices; then by input edge (numbered by first
+//! appearance) its n - 1 inner points in the direction of that appearance; then by input face its inside: of a quad the
+//! grid row by row, origin at corner 0, first axis towards corner 1; of another face the centre, the spokes from each
+//! edge's midpoint to the centre, and the grids of the quads at its corners. Faces by input face, row by row.
 
 use std::collections::BTreeSet;
 

@@ -26,7 +26,11 @@ fn jobs() -> Vec<Value> {
         json!({ "text": { "format": "obj", "data": OBJ } }),
     ];
     let outputs = |positions| json!([{ "format": "json", "positions": positions }, { "format": "png" }]);
-    let job = |input: &Value, preset, positions| json!({ "input": input, "plan": { "preset": preset }, "levels": 2, "outputs": outputs(positions) });
+    let job = |input: &Value, preset, positions| {
+        json!({
+            "input": input, "plan": { "preset": preset }, "levels": 2, "outputs": outputs(positions)
+        })
+    };
     let of_input = |input| presets.into_iter().map(move |preset| ["refined", "limit"].map(|at| job(input, preset, at)));
     inputs.iter().flat_map(of_input).flatten().collect()
 }

@@ -1,9 +1,10 @@
 //! The documented order of split triangle meshes, on words over U with `split: triangle`, where every point is known in
 //! closed form.
 //!
-//! With n pieces an edge: the input's vertices; then by input edge (numbered by first appearance) its n - 1 inner points
-//! in the direction of that appearance; then by input face its (n - 1)(n - 2)/2 inner points, row by row, origin at
-//! corner 0, first axis towards corner 1. Faces by input face, row by row, upward and downward ones from left to right.
+//! With n pieces an edge: the input's vertices; then by input edge (numbered by first appearance) its n - 1 inner
+//! points in the direction of that appearance; then by input face its (n - 1)(n - 2)/2 inner points, row by row, origin
+//! at corner 0, first axis towards corner 1. Faces by input face, row by row, upward and downward ones from left to
+//! right.
 
 use serde_json::json;
 

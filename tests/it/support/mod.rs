@@ -83,7 +83,8 @@ pub(crate) fn faults(mut job: serde_json::Value) -> Vec<Fault> {
     }
 }
 
-/// What a computation gives, and the most bytes that it held at once. It has one thread, as bytes are counted by thread.
+/// What a computation gives, and the most bytes that it held at once. It has one thread, as bytes are counted by
+/// thread.
 pub(crate) fn peak<T: Send>(run: impl FnOnce() -> T + Send) -> (T, u64) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be started");
     pool.install(|| {

@@ -204,8 +204,8 @@ pub(crate) fn sectors_of_quads(n: usize, rings: usize) -> (Net, Vec<Option<[usiz
     (Net { positions, faces: faces.collect() }, places)
 }
 
-/// A random manifold: one of the families, some faces taken away, some split into triangles, some pairs merged, vertices
-/// renumbered, and some isolated ones added.
+/// A random manifold: one of the families, some faces taken away, some split into triangles, some pairs merged,
+/// vertices renumbered, and some isolated ones added.
 pub(crate) fn manifold() -> impl Strategy<Value = Net> {
     let family = prop_oneof![
         Just(cube()),
@@ -234,8 +234,8 @@ pub(crate) fn manifold() -> impl Strategy<Value = Net> {
     })
 }
 
-/// A random manifold of triangles, with or without boundary, with or without isolated vertices: larger faces get a vertex
-/// in their middle, as a diagonal may already be an edge elsewhere.
+/// A random manifold of triangles, with or without boundary, with or without isolated vertices: larger faces get a
+/// vertex in their middle, as a diagonal may already be an edge elsewhere.
 pub(crate) fn triangle_manifold() -> impl Strategy<Value = Net> {
     manifold().prop_map(|Net { mut positions, faces }| {
         let mut triangles = Vec::new();

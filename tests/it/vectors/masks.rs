@@ -10,7 +10,11 @@ use crate::support::nets::sectors_of_quads;
 pub(super) fn limits(vector: &Value) -> usize {
     let mut compared = 0;
     for (name, valences) in vector["schemes"].as_object().expect("schemes by name") {
-        let word = |word: &str, kernel: f64, compensation: f64, delta: f64| json!({ "word": word, "parameters": { "kernel": kernel, "compensation": compensation, "delta": delta } });
+        let word = |word: &str, kernel: f64, compensation: f64, delta: f64| {
+            json!({
+                "word": word, "parameters": { "kernel": kernel, "compensation": compensation, "delta": delta }
+            })
+        };
         let plan = match name.split(' ').next() {
             Some("catmull_clark") => json!({ "preset": "catmull-clark" }),
             Some("CU") => word("UC", 1.0, 1.0, 0.0),

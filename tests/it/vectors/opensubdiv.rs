@@ -155,9 +155,9 @@ fn list<'a>(input: &'a Value, name: &str) -> &'a [Value] {
     input[name].as_array().expect("tags are a list")
 }
 
-/// Vertices of the input where OpenSubdiv takes masks of other rules than it refines by: ends of single creases, where it
-/// takes the smooth mask; and where there is no normal to compare: boundary vertices with more than two faces, where it
-/// takes tangents of other weights, and corners, where it takes those of some faces.
+/// Vertices of the input where OpenSubdiv takes masks of other rules than it refines by: ends of single creases, where
+/// it takes the smooth mask; and where there is no normal to compare: boundary vertices with more than two faces, where
+/// it takes tangents of other weights, and corners, where it takes those of some faces.
 fn special_vertices(input: &Value) -> (Vec<usize>, Vec<usize>) {
     let faces: Vec<Vec<usize>> = points(&input["faces"]);
     let creases: Vec<(usize, usize, f64)> = points(&input["creases"]);

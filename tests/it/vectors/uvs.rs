@@ -1,5 +1,5 @@
-//! What OpenSubdiv 3.5 makes of texture coordinates: with values in several fans of a vertex, values of several vertices,
-//! seams that meet and seams that end inside, under all interpolations.
+//! What OpenSubdiv 3.5 makes of texture coordinates: with values in several fans of a vertex, values of several
+//! vertices, seams that meet and seams that end inside, under all interpolations.
 
 use serde_json::{Value, json};
 

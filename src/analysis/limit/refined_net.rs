@@ -1,0 +1,168 @@
+//! The neighbourhoods of a net as operators construct it.
+
+use std::collections::BTreeSet;
+use std::sync::{Arc, OnceLock};
+
+use rayon::prelude::*;
+
+use super::grid::grid;
+use super::neighbourhoods::Neighbourhoods;
+use super::patch::{Centre, Located, Rings};
+use super::vertex_parameters::VertexParameters;
+use super::walk::WholeNet;
+use crate::math::rows::Rows;
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::surroundings::Surroundings;
+use crate::shape::numbering::Numbering;
+use crate::shape::topology::{NONE, Topology, index};
+use crate::watch::{Stopped, Watch};
+
+/// A net whose vertices and points are in the order of construction.
+#[derive(Debug)]
+pub(super) struct RefinedNet {
+    net: MeshNet,
+    /// Its topology made explicit.
+    topology: Arc<Topology>,
+    /// For each vertex what took its place, if that was no vertex without faces; `None` where these are the net's own.
+    centres: Option<Vec<Option<Centre>>>,
+    /// What has to be known of the net beyond a patch, where it has a say.
+    surroundings: Option<Surroundings>,
+    numbering: OnceLock<Numbering>,
+}
+
+impl RefinedNet {
+    /// A net with its topology, what took the place of the vertices that it came of, and its surroundings.
+    pub(super) fn new(
+        net: MeshNet,
+        topology: Arc<Topology>,
+        centres: Option<Vec<Option<Centre>>>,
+        surroundings: Option<Surroundings>,
+    ) -> Self {
+        Self { net, topology, centres, surroundings, numbering: OnceLock::new() }
+    }
+
+    fn whole(&self) -> WholeNet<'_> {
+        WholeNet { surroundings: self.surroundings, ..WholeNet::of(&self.net, &self.topology) }
+    }
+}
+
+impl Neighbourhoods for RefinedNet {
+    fn n_vertices(&self) -> usize {
+        self.centres.as_ref().map_or(self.n_points(), Vec::len)
+    }
+
+    fn n_points(&self) -> usize {
+        self.topology.n_vertices()
+    }
+
+    fn centre(&self, v: usize) -> Option<Centre> {
+        match &self.centres {
+            Some(centres) => centres[v],
+            None => (!self.topology.is_isolated(v)).then(|| Centre::Vertex(index(v))),
+        }
+    }
+
+    fn leaves_out(&self) -> bool {
+        self.centres.is_some()
+    }
+
+    fn surroundings(&self) -> Option<Surroundings> {
+        self.surroundings
+    }
+
+    fn patch(&self, centre: Centre, rings: Rings) -> Option<Located> {
+        self.whole().patch(centre, rings)
+    }
+
+    fn least_patch(&self, centre: Centre, rings: Rings, watch: &Watch) -> Result<Option<Located>, Stopped> {
+        self.whole().least_patch(centre, rings, watch)
+    }
+
+    fn parameters(&self, points: &[u32]) -> VertexParameters {
+        let attributes = self.net.annotations.attributes.as_ref();
+        attributes.map_or_else(VertexParameters::default, |attributes| VertexParameters::of(attributes, points))
+    }
+
+    fn numbering(&self, found: &Located) -> Numbering {
+        let whole = self.numbering.get_or_init(|| Numbering::of(&self.topology));
+        whole.part(&self.topology, &found.vertices, &found.half_edges)
+    }
+
+    fn carries(&self) -> bool {
+        carries(&self.net)
+    }
+
+    fn middles(&self, but: usize) -> Vec<Centre> {
+        let mut seen = BTreeSet::from([but]);
+        let first = |f: &usize| seen.insert(self.topology.face(*f).len());
+        (0..self.topology.n_faces()).filter(first).map(|f| Centre::Face(index(f))).collect()
+    }
+
+    fn near_extraordinary(&self, rings: Rings) -> Vec<bool> {
+        near_extraordinary(&self.whole(), rings)
+    }
+
+    fn add_on_grid(&self, point: u32, rings: usize, weights: &[f64], out: &mut Rows) {
+        let mut weights = weights.iter();
+        grid(&self.topology, point as usize, rings, |u| weights.next().into_iter().for_each(|&w| out.add(u, w)));
+    }
+
+    fn describe(&self, v: usize) -> String {
+        let (kind, n) = match self.centre(v) {
+            Some(Centre::Edge(half_edge)) if self.topology.twin(half_edge) != NONE => ("an interior vertex", 2),
+            Some(Centre::Edge(_)) | None => return "a boundary vertex".to_owned(),
+            Some(Centre::Face(f)) => ("an interior vertex", self.topology.face(f as usize).len()),
+            Some(Centre::Vertex(v)) => {
+                let v = v as usize;
+                let kind = if self.net.tags.is_corner(v) {
+                    "a corner"
+                } else if self.topology.boundary_edges(v).is_some() {
+                    "a boundary vertex"
+                } else {
+                    "an interior vertex"
+                };
+                (kind, self.topology.ring(v).count())
+            }
+        };
+        format!("{kind} with {n} {}", if n == 1 { "face" } else { "faces" })
+    }
+}
+
+/// Whether vertices or edges of a net carry what others do not.
+pub(super) fn carries(net: &MeshNet) -> bool {
+    net.annotations.attributes.is_some() || net.annotations.directions.is_some()
+}
+
+/// For each vertex whether one of the rings around it, but for the rim of the last, is not part of a grid of quads.
+fn near_extraordinary(whole: &WholeNet<'_>, rings: Rings) -> Vec<bool> {
+    let topology = whole.topology;
+    let extraordinary = |v: usize| {
+        let quads = || topology.ring(v).all(|half_edge| topology.half_edges(topology.face_of(half_edge)).len() == 4);
+        topology.is_isolated(v)
+            || topology.boundary_edges(v).is_some()
+            || topology.ring(v).take(5).count() != 4
+            || !quads()
+            || whole.corners.binary_search(&index(v)).is_ok()
+    };
+    let mut near: Vec<bool> =
+        (0..topology.n_vertices()).into_par_iter().with_min_len(4096).map(extraordinary).collect();
+    if let Some(sharpness) = whole.sharpness {
+        let ends = sharpness.edges().iter().flat_map(|&(e, _)| topology.ends(e as usize));
+        ends.chain(sharpness.vertices().iter().map(|&(v, _)| v)).for_each(|v| near[v as usize] = true);
+    }
+    let mut front: Vec<usize> = (0..near.len()).filter(|&v| near[v]).collect();
+    for _ in 1..rings.patch {
+        let mut next = Vec::new();
+        for v in front {
+            for half_edge in topology.ring(v) {
+                for &u in topology.face(topology.face_of(half_edge)) {
+                    if !std::mem::replace(&mut near[u as usize], true) {
+                        next.push(u as usize);
+                    }
+                }
+            }
+        }
+        front = next;
+    }
+    near
+}
