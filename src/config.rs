@@ -155,6 +155,8 @@ settings! {
     memory_cache_bytes: u64 = 512 << 20, in 0..=MOST_BYTES, "PLANISH_MEMORY_CACHE_BYTES", "bytes";
     /// Disk space for cached results; 0 keeps nothing on disk.
     cache_bytes: u64 = 8 << 30, in 0..=MOST_BYTES, "PLANISH_CACHE_BYTES", "bytes";
+    /// How cached results are kept on disk: `folder`.
+    cache_store: String = "folder".to_owned(), "PLANISH_CACHE_STORE", "";
     /// Longest time one computation may run.
     run_timeout_s: u64 = 300, in 1..=MOST_SECONDS, "PLANISH_RUN_TIMEOUT_S", "seconds";
     /// Longest time a client may take for its request headers, or stay silent between requests.

@@ -23,13 +23,14 @@ use super::requests::Requests;
 use super::router::{document_text, router};
 use super::stream::Watched;
 use crate::config::Settings;
+use crate::fault::shortened;
 use crate::job::limits::Limits;
 use crate::service::account::Account;
 use crate::service::clock::{Clock, Monotonic};
 use crate::service::desk::{Desk, Terms};
 use crate::service::peer::Peer;
 use crate::service::pool::{Bounds, Pool};
-use crate::service::store::Embedded;
+use crate::service::store::STORES;
 use crate::service::tiers::Tiers;
 use crate::wire::read::weight;
 
@@ -54,6 +55,15 @@ pub enum StartError {
         path: String,
         /// Why.
         error: crate::service::store::StoreError,
+    },
+    /// No store has this name.
+    #[error(
+        "there is no cache store \"{name}\"; give one of these with --cache-store: {}",
+        STORES.iter().map(|kind| kind.name).collect::<Vec<_>>().join(", ")
+    )]
+    NoSuchStore {
+        /// The name.
+        name: String,
     },
     /// The compute threads cannot be started.
     #[error("cannot start the compute threads: {0}; try fewer with --threads")]
@@ -81,7 +91,10 @@ pub async fn bind(mut settings: Settings) -> Result<(TcpListener, Arc<App>), Sta
         None
     } else {
         let path = settings.data_dir.display().to_string();
-        let open = Embedded::open(&settings.data_dir, settings.cache_bytes);
+        let name = &settings.cache_store;
+        let kind = STORES.iter().find(|kind| kind.name == name);
+        let kind = kind.ok_or_else(|| StartError::NoSuchStore { name: shortened(name) })?;
+        let open = (kind.open)(&settings.data_dir, settings.cache_bytes);
         Some(open.map_err(|error| StartError::Store { path, error })?)
     };
     let account = Account::new(settings.max_memory_bytes, settings.memory_cache_bytes);

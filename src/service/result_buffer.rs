@@ -7,7 +7,7 @@ use std::sync::Arc;
 use bytes::Bytes;
 
 use super::disk_counts::count;
-use super::store::{Description, DiskSpool, Manifest, StoreError};
+use super::store::{Description, LargeSpool, Manifest, StoreError};
 use super::tiers::{Kept, Tiers};
 use super::writer::Waiting;
 use crate::job::key::Key;
@@ -22,7 +22,7 @@ pub struct ResultBuffer<'a> {
     tiers: &'a Tiers,
     key: Key,
     /// Where the bytes go, as long as that works.
-    spool: Option<DiskSpool>,
+    spool: Option<Box<dyn LargeSpool>>,
     /// All bytes, where there is no spool.
     bytes: Vec<u8>,
     max_bytes: usize,
@@ -56,7 +56,6 @@ impl<'a> ResultBuffer<'a> {
         if let Some(mut spool) = self.spool.take() {
             match spool.seal(description.clone()) {
                 Ok(sealed) => {
-                    let sealed = Arc::new(sealed);
                     if self.tiers.offer(&Waiting::Sealed(Arc::clone(&sealed))) {
                         return Ok(Kept { manifest: Arc::clone(sealed.manifest()), loose: None });
                     }
@@ -70,7 +69,7 @@ impl<'a> ResultBuffer<'a> {
     }
 
     /// Takes what the disk has into memory, as it takes no more.
-    fn take_back(&mut self, spool: DiskSpool, error: &StoreError) -> Result<(), StoreError> {
+    fn take_back(&mut self, spool: Box<dyn LargeSpool>, error: &StoreError) -> Result<(), StoreError> {
         tracing::warn!(key = %self.key, %error, "the disk does not take the result; it stays in memory");
         self.tiers.failed(error);
         self.bytes = self.taken_back(spool.reclaim().map_err(StoreError::from))?;

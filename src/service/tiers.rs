@@ -9,7 +9,7 @@ use bytes::Bytes;
 use super::clock::{Clock, Monotonic};
 use super::disk_counts::DiskCounts;
 use super::reads::Reads;
-use super::store::{Description, DiskSpool, Embedded, Manifest, Memory, Store, StoreError, Usage, part_of};
+use super::store::{Description, LargeSpool, Manifest, Memory, Store, StoreError, Usage, part_of};
 use super::writer::{Trouble, Waiting, Writer};
 use crate::job::key::Key;
 
@@ -47,19 +47,19 @@ pub struct Kept {
 /// The disk, its writer and its readers.
 #[derive(Debug)]
 struct DiskTier {
-    store: Embedded,
+    store: Arc<dyn Store>,
     writer: Writer,
     reads: Reads,
 }
 
 impl Tiers {
     /// The stores of a service.
-    pub fn new(memory_bytes: u64, disk: Option<Embedded>) -> Self {
+    pub fn new(memory_bytes: u64, disk: Option<Arc<dyn Store>>) -> Self {
         Self::with_clock(memory_bytes, disk, Arc::new(Monotonic::default()))
     }
 
     /// The stores of a service, with a clock that times the disk.
-    pub fn with_clock(memory_bytes: u64, disk: Option<Embedded>, clock: Arc<dyn Clock>) -> Self {
+    pub fn with_clock(memory_bytes: u64, disk: Option<Arc<dyn Store>>, clock: Arc<dyn Clock>) -> Self {
         let counts = Arc::<DiskCounts>::default();
         let small_bytes = memory_bytes / 8;
         let disk = disk.map(|store| {
@@ -73,7 +73,7 @@ impl Tiers {
     /// The manifest of an artifact that is in memory: never blocks. A use here is a use on disk, too.
     pub fn at_hand(&self, key: &Key) -> Option<Arc<Manifest>> {
         if let Some(manifest) = self.memory.manifest(key).ok().flatten() {
-            self.disk.as_ref().and_then(|disk| disk.store.touch(key));
+            self.disk.as_ref().and_then(|disk| disk.touch(key));
             return Some(manifest);
         }
         match self.waiting(key)? {
@@ -96,12 +96,12 @@ impl Tiers {
             return Some(Arc::clone(waiting.manifest()));
         }
         let disk = self.disk.as_ref()?;
-        let manifest = disk.store.touch(key)?;
+        let manifest = disk.touch(key)?;
         if manifest.length > PROMOTED_BYTES.min(self.small_bytes) {
             return Some(manifest);
         }
         let (memory, store, of) = (self.memory.clone(), disk.store.clone(), Arc::clone(&manifest));
-        let promoted = disk.reads.read(LOOKUP_PATIENCE, move || promote(&memory, &store, &of)).await?;
+        let promoted = disk.reads.read(LOOKUP_PATIENCE, move || promote(&memory, &*store, &of)).await?;
         promoted.then_some(manifest)
     }
 
@@ -126,7 +126,7 @@ impl Tiers {
 
     /// Whether an artifact is on disk, or is about to be without memory of its own.
     pub fn is_on_disk(&self, key: &Key) -> bool {
-        let stored = self.disk.as_ref().is_some_and(|disk| disk.store.touch(key).is_some());
+        let stored = self.disk.as_ref().is_some_and(|disk| disk.touch(key).is_some());
         stored || matches!(self.waiting(key), Some(Waiting::Sealed(_)))
     }
 
@@ -147,10 +147,10 @@ impl Tiers {
     }
 
     /// A place on the disk for a new artifact of about this size, where it does not fit into memory well.
-    pub(super) fn spool(&self, key: Key, about_bytes: u128) -> Option<DiskSpool> {
+    pub(super) fn spool(&self, key: Key, about_bytes: u128) -> Option<Box<dyn LargeSpool>> {
         let large = about_bytes > u128::from(self.small_bytes);
         let disk = self.disk.as_ref().filter(|disk| large && disk.takes(&key))?;
-        Some(disk.store.reclaimable_spool(key))
+        disk.store.large_spool(key)
     }
 
     /// Keeps an artifact whose bytes are all there: in memory where it fits, else loose, and perhaps on disk later.
@@ -223,6 +223,11 @@ impl Tiers {
 }
 
 impl DiskTier {
+    /// The manifest of an artifact, if it is there; counts as a use and never waits.
+    fn touch(&self, key: &Key) -> Option<Arc<Manifest>> {
+        self.store.manifest(key).ok().flatten()
+    }
+
     /// Whether a computation may write to it.
     fn takes(&self, key: &Key) -> bool {
         self.store.admit(key, 0).is_ok() && !self.writer.is_stuck()
@@ -230,7 +235,7 @@ impl DiskTier {
 }
 
 /// Copies an artifact into memory; false when its bytes turned out to be damaged.
-fn promote(memory: &Memory, disk: &Embedded, manifest: &Manifest) -> Result<bool, StoreError> {
+fn promote(memory: &Memory, disk: &dyn Store, manifest: &Manifest) -> Result<bool, StoreError> {
     let mut spool = memory.spool(manifest.key)?;
     for index in 0..manifest.parts.len() {
         let Some(part) = disk.part(manifest, index)? else { return Ok(false) };

@@ -12,7 +12,7 @@ use bytes::Bytes;
 
 use super::clock::Clock;
 use super::disk_counts::{DiskCounts, count};
-use super::store::{Description, Embedded, Manifest, Sealed, Store, StoreError};
+use super::store::{Description, Manifest, Sealed, Store, StoreError};
 use crate::job::key::Key;
 
 /// Threads that write. Two, so that one long artifact does not hold up all small ones.
@@ -42,7 +42,7 @@ pub(super) enum Waiting {
     /// Its bytes are in memory.
     Held(Arc<Manifest>, Bytes),
     /// Its bytes are in a temporary file.
-    Sealed(Arc<Sealed>),
+    Sealed(Arc<dyn Sealed>),
 }
 
 impl Waiting {
@@ -61,7 +61,7 @@ impl Waiting {
         }
     }
 
-    fn write(&self, store: &Embedded) -> Result<(), StoreError> {
+    fn write(&self, store: &dyn Store) -> Result<(), StoreError> {
         match self {
             Self::Sealed(sealed) => sealed.settle().map(drop),
             Self::Held(manifest, bytes) => {
@@ -90,7 +90,7 @@ pub(super) struct Writer(Arc<Shared>);
 
 #[derive(Debug)]
 struct Shared {
-    store: Embedded,
+    store: Arc<dyn Store>,
     max_bytes: u64,
     counts: Arc<DiskCounts>,
     clock: Arc<dyn Clock>,
@@ -109,7 +109,7 @@ struct Backlog {
     /// Since when each artifact is being written.
     under_way: HashMap<Key, Duration>,
     /// The last large artifact that could not be written: answers may still be reading it.
-    given_up: Option<Arc<Sealed>>,
+    given_up: Option<Arc<dyn Sealed>>,
     failing: Option<Failing>,
     threads: usize,
     closed: bool,
@@ -127,7 +127,7 @@ struct Failing {
 
 impl Writer {
     /// Starts the threads. No more than `max_bytes` of memory wait for the disk.
-    pub(super) fn new(store: Embedded, max_bytes: u64, counts: Arc<DiskCounts>, clock: Arc<dyn Clock>) -> Self {
+    pub(super) fn new(store: Arc<dyn Store>, max_bytes: u64, counts: Arc<DiskCounts>, clock: Arc<dyn Clock>) -> Self {
         let (backlog, changed) = (Mutex::new(Backlog { threads: THREADS, ..Backlog::default() }), Condvar::new());
         let shared = Arc::new(Shared { store, max_bytes, counts, clock, backlog, changed });
         for number in 0..THREADS {
@@ -265,7 +265,7 @@ impl Shared {
     /// Writes what comes until the writer is closed.
     fn work(&self) {
         while let Some((key, waiting)) = self.next() {
-            let written = catch_unwind(AssertUnwindSafe(|| waiting.write(&self.store)));
+            let written = catch_unwind(AssertUnwindSafe(|| waiting.write(&*self.store)));
             let written = written.unwrap_or_else(|_| Err(std::io::Error::other("writing panicked").into()));
             self.finish(&key, waiting, written);
         }

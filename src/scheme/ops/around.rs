@@ -12,7 +12,7 @@ const MOST: usize = 1024;
 ///
 /// # Errors
 /// The first face or vertex that is too large.
-pub(super) fn check(scheme: &'static str, topology: &Topology) -> Result<(), StepError> {
+pub(in crate::scheme) fn check(scheme: &'static str, topology: &Topology) -> Result<(), StepError> {
     let size = |f: usize| topology.face(f).len();
     if let Some(face) = (0..topology.n_faces()).find(|&f| size(f) > MOST) {
         let size = size(face);
@@ -30,7 +30,7 @@ pub(super) fn check(scheme: &'static str, topology: &Topology) -> Result<(), Ste
 }
 
 /// The refusal of a vertex that has two faces all around.
-pub(super) fn two_faces(scheme: &str, vertex: usize) -> StepError {
+pub(in crate::scheme) fn two_faces(scheme: &str, vertex: usize) -> StepError {
     let found = format!("all around vertex {vertex} there are only two faces; {scheme} needs at least three there");
     StepError::new(format!("{found}: remove the vertex or split the faces"))
 }
@@ -41,6 +41,6 @@ pub(in crate::scheme) fn cannot_follow(scheme: &str, tags: &str) -> StepError {
 }
 
 /// The refusal of rules for a net that was just upsampled where it was not.
-pub(super) fn not_upsampled() -> StepError {
+pub(in crate::scheme) fn not_upsampled() -> StepError {
     StepError::new("these rules are for the points of an upsampling that halved all edges")
 }

@@ -6,16 +6,16 @@ use std::sync::Arc;
 use super::disk_state::DiskState;
 use super::error::StoreError;
 use super::files::{Tmp, cost};
-use super::interface::Spool;
+use super::interface::{LargeSpool, Sealed, Spool};
 use super::manifest::{Description, Manifest, PART_BYTES};
 use super::parts::Parts;
-use super::sealed::Sealed;
+use super::sealed::SealedFile;
 use super::shelf;
 use crate::job::key::{Key, content};
 
 /// Spool of the embedded store.
 #[derive(Debug)]
-pub(in crate::service) struct DiskSpool {
+pub(super) struct DiskSpool {
     store: Arc<DiskState>,
     key: Key,
     /// The part being filled.
@@ -29,18 +29,6 @@ pub(in crate::service) struct DiskSpool {
 impl DiskSpool {
     pub(super) fn new(store: Arc<DiskState>, key: Key) -> Self {
         Self { store, key, part: Vec::new(), parts: Parts::default(), tmp: None, failed: None }
-    }
-
-    /// Takes some of these bytes; says how many. On failure it has taken none of them, and still has all before.
-    pub(in crate::service) fn take(&mut self, bytes: &[u8]) -> Result<usize, StoreError> {
-        let before = self.part.len();
-        let taken = bytes.len().min(PART_BYTES - before);
-        shelf::admit(self.parts.length() + (before + taken) as u64, self.store.capacity)?;
-        self.part.extend_from_slice(&bytes[..taken]);
-        if self.part.len() == PART_BYTES {
-            self.spill().inspect_err(|_| self.part.truncate(before))?;
-        }
-        Ok(taken)
     }
 
     /// Writes the waiting part to the file, making room for it where the disk is full, and hashes it.
@@ -60,19 +48,29 @@ impl DiskSpool {
         self.part.clear();
         Ok(())
     }
+}
 
-    /// Ends the writing: the bytes can be read from now on, but are not durable yet. On failure the spool still has
-    /// all that it took.
-    pub(in crate::service) fn seal(&mut self, description: Description) -> Result<Sealed, StoreError> {
+impl LargeSpool for DiskSpool {
+    fn take(&mut self, bytes: &[u8]) -> Result<usize, StoreError> {
+        let before = self.part.len();
+        let taken = bytes.len().min(PART_BYTES - before);
+        shelf::admit(self.parts.length() + (before + taken) as u64, self.store.capacity)?;
+        self.part.extend_from_slice(&bytes[..taken]);
+        if self.part.len() == PART_BYTES {
+            self.spill().inspect_err(|_| self.part.truncate(before))?;
+        }
+        Ok(taken)
+    }
+
+    fn seal(&mut self, description: Description) -> Result<Arc<dyn Sealed>, StoreError> {
         self.spill()?;
         let manifest = self.parts.clone().manifest(self.key, description);
         shelf::admit(cost(manifest.length, manifest.encode().len()), self.store.capacity)?;
         let tmp = self.tmp.take().map_or_else(|| self.store.folder.create_tmp(&self.key), Ok)?;
-        Ok(Sealed::new(Arc::clone(&self.store), Arc::new(manifest), tmp))
+        Ok(Arc::new(SealedFile::new(Arc::clone(&self.store), Arc::new(manifest), tmp)))
     }
 
-    /// Gives back all bytes that it took, each part verified, and leaves nothing on the disk.
-    pub(in crate::service) fn reclaim(mut self) -> io::Result<Vec<u8>> {
+    fn reclaim(mut self: Box<Self>) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
         for hash in self.parts.hashes() {
             let tmp = self.tmp.as_ref().ok_or(io::ErrorKind::NotFound)?;

@@ -12,9 +12,13 @@ use super::disk::{Disk, Local};
 use super::disk_spool::DiskSpool;
 use super::disk_state::DiskState;
 use super::error::StoreError;
-use super::interface::{Spool, Store, Usage};
+use super::interface::{LargeSpool, Spool, Store, StoreKind, Usage};
 use super::manifest::Manifest;
 use crate::job::key::Key;
+
+/// The store as the settings name it.
+pub(super) const KIND: StoreKind =
+    StoreKind { name: "folder", open: |dir, capacity_bytes| Ok(Arc::new(Embedded::open(dir, capacity_bytes)?)) };
 
 /// Artifacts in a folder; every byte served was verified on the way. Clones share it.
 #[derive(Debug, Clone)]
@@ -40,29 +44,6 @@ impl Embedded {
     pub fn open_on(disk: Arc<dyn Disk>, dir: &Path, capacity_bytes: u64) -> Result<Self, StoreError> {
         Ok(Self { state: Arc::new(DiskState::open(disk, dir, capacity_bytes)?) })
     }
-
-    /// The manifest of an artifact, if it is here; counts as a use. Never waits for the disk.
-    pub(in crate::service) fn touch(&self, key: &Key) -> Option<Arc<Manifest>> {
-        self.state.touch(key)
-    }
-
-    /// Refuses what cannot be kept, before anything is written. Never waits for the disk.
-    ///
-    /// # Errors
-    /// [`StoreError::TooLarge`] or [`StoreError::Occupied`].
-    pub(in crate::service) fn admit(&self, key: &Key, length: u64) -> Result<(), StoreError> {
-        self.state.admit(key, length)
-    }
-
-    /// A place for a new artifact whose bytes can be had back when the disk fails.
-    pub(in crate::service) fn reclaimable_spool(&self, key: Key) -> DiskSpool {
-        DiskSpool::new(Arc::clone(&self.state), key)
-    }
-
-    /// Writes the order of use and lets go of the folder; nothing is written afterwards. Blocks.
-    pub(in crate::service) fn close(&self) {
-        self.state.close();
-    }
 }
 
 impl Store for Embedded {
@@ -85,5 +66,18 @@ impl Store for Embedded {
 
     fn usage(&self) -> Usage {
         self.state.usage()
+    }
+
+    fn admit(&self, key: &Key, length: u64) -> Result<(), StoreError> {
+        self.state.admit(key, length)
+    }
+
+    fn large_spool(&self, key: Key) -> Option<Box<dyn LargeSpool>> {
+        Some(Box::new(DiskSpool::new(Arc::clone(&self.state), key)))
+    }
+
+    /// Writes the order of use and lets go of the folder.
+    fn close(&self) {
+        self.state.close();
     }
 }

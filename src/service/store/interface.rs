@@ -1,6 +1,7 @@
 //! What every store can do.
 
-use std::io::Write;
+use std::io::{self, Write};
+use std::path::Path;
 use std::sync::Arc;
 
 use bytes::Bytes;
@@ -11,15 +12,10 @@ use crate::job::key::Key;
 
 /// A place where artifacts are kept. Bounded: the least recently used ones leave when there is no room.
 ///
-/// All calls block; the service makes them off the event loop, except on stores that say they are
-/// [quick](Self::is_quick).
+/// Calls may block, and the service makes them off the event loop, except those that say that they never wait.
 pub trait Store: std::fmt::Debug + Send + Sync {
-    /// Whether every call returns within microseconds, without touching a disk or a network.
-    fn is_quick(&self) -> bool {
-        false
-    }
-
-    /// The manifest of an artifact, if it is here. Counts as a use.
+    /// The manifest of an artifact, if it is here. Counts as a use. Never waits for a disk or a network: a store keeps
+    /// its manifests in memory.
     ///
     /// # Errors
     /// When the store itself fails. A damaged record is not an error: it is dropped and counted. A record of another
@@ -50,6 +46,23 @@ pub trait Store: std::fmt::Debug + Send + Sync {
 
     /// What the store holds and has seen.
     fn usage(&self) -> Usage;
+
+    /// Refuses what cannot be kept, before anything is written. Never waits for a disk or a network.
+    ///
+    /// # Errors
+    /// [`StoreError::TooLarge`] or [`StoreError::Occupied`].
+    fn admit(&self, _key: &Key, _length: u64) -> Result<(), StoreError> {
+        Ok(())
+    }
+
+    /// A place for an artifact that does not fit into memory well, whose bytes can be had back when the store fails.
+    /// Without one the artifact is made in memory all the same, and kept only while it fits there.
+    fn large_spool(&self, _key: Key) -> Option<Box<dyn LargeSpool>> {
+        None
+    }
+
+    /// Writes what has to outlast the process and lets go of the place; nothing is written afterwards.
+    fn close(&self) {}
 }
 
 /// An artifact being written.
@@ -67,6 +80,54 @@ pub trait Spool: Write + Send + std::fmt::Debug {
     fn commit(self: Box<Self>, description: Description) -> Result<Arc<Manifest>, StoreError>;
 }
 
+/// A large artifact being written, whose bytes are not lost when the store takes no more.
+pub trait LargeSpool: Send + std::fmt::Debug {
+    /// Takes some of these bytes; says how many. On failure it has taken none of them, and still has all before.
+    ///
+    /// # Errors
+    /// When the bytes cannot be kept.
+    fn take(&mut self, bytes: &[u8]) -> Result<usize, StoreError>;
+
+    /// Ends the writing: the bytes can be read from now on, but are not durable yet.
+    ///
+    /// # Errors
+    /// When the bytes cannot be kept; the spool still has all that it took.
+    fn seal(&mut self, description: Description) -> Result<Arc<dyn Sealed>, StoreError>;
+
+    /// Gives back all bytes that it took, verified, and leaves nothing in the store.
+    ///
+    /// # Errors
+    /// When bytes are lost.
+    fn reclaim(self: Box<Self>) -> io::Result<Vec<u8>>;
+}
+
+/// A finished large artifact; dropped before it [settles](Self::settle), it leaves nothing.
+pub trait Sealed: Send + Sync + std::fmt::Debug {
+    /// What is known of the bytes. Never waits.
+    fn manifest(&self) -> &Arc<Manifest>;
+
+    /// A verified part, as long as the artifact has not settled: then the store has it.
+    ///
+    /// # Errors
+    /// When the store fails.
+    fn part(&self, index: usize) -> Result<Option<Bytes>, StoreError>;
+
+    /// All bytes, verified.
+    ///
+    /// # Errors
+    /// When the store fails or the bytes are damaged.
+    fn whole(&self) -> Result<Vec<u8>, StoreError>;
+
+    /// Makes the bytes the artifact, durably. Where the store is full, the least recently used artifacts leave until
+    /// the bytes fit or none is left.
+    ///
+    /// When the same bytes are here already, those are kept; other bytes under the same key are replaced.
+    ///
+    /// # Errors
+    /// When the bytes cannot be kept.
+    fn settle(&self) -> Result<Arc<Manifest>, StoreError>;
+}
+
 /// What a store holds and has seen.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Usage {
@@ -80,4 +141,13 @@ pub struct Usage {
     pub evicted: u64,
     /// Artifacts found damaged and dropped.
     pub damaged: u64,
+}
+
+/// A kind of store.
+#[derive(Debug)]
+pub struct StoreKind {
+    /// Its name in the settings.
+    pub name: &'static str,
+    /// Opens it in a folder, with so many bytes of room.
+    pub open: fn(&Path, u64) -> Result<Arc<dyn Store>, StoreError>,
 }

@@ -73,10 +73,6 @@ impl Memory {
 }
 
 impl Store for Memory {
-    fn is_quick(&self) -> bool {
-        true
-    }
-
     fn manifest(&self, key: &Key) -> Result<Option<Arc<Manifest>>, StoreError> {
         Ok(lock(&self.shelf).touch(key).map(|held| Arc::clone(&held.manifest)))
     }

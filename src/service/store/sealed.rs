@@ -7,68 +7,26 @@ use bytes::Bytes;
 use super::disk_state::DiskState;
 use super::error::StoreError;
 use super::files::{Tmp, cost};
+use super::interface::Sealed;
 use super::manifest::{Manifest, PART_BYTES};
 
-/// A finished spool of the embedded store; dropped before it [settles](Self::settle), it leaves nothing.
+/// A finished spool of the embedded store.
 #[derive(Debug)]
-pub(in crate::service) struct Sealed {
+pub(super) struct SealedFile {
     store: Arc<DiskState>,
     manifest: Arc<Manifest>,
     bytes: Tmp,
 }
 
-impl Sealed {
+impl SealedFile {
     pub(super) fn new(store: Arc<DiskState>, manifest: Arc<Manifest>, bytes: Tmp) -> Self {
         Self { store, manifest, bytes }
-    }
-
-    /// What is known of the bytes.
-    pub(in crate::service) fn manifest(&self) -> &Arc<Manifest> {
-        &self.manifest
-    }
-
-    /// A verified part, as long as the file has not got its name: then the store has it. Blocks.
-    ///
-    /// # Errors
-    /// When the disk fails.
-    pub(in crate::service) fn part(&self, index: usize) -> Result<Option<Bytes>, StoreError> {
-        Ok(self.bytes.read_part(&self.manifest, index)?)
-    }
-
-    /// All bytes, verified. Blocks.
-    ///
-    /// # Errors
-    /// When the disk fails or the bytes are damaged.
-    pub(in crate::service) fn whole(&self) -> Result<Vec<u8>, StoreError> {
-        let mut bytes = Vec::new();
-        for index in 0..self.manifest.parts.len() {
-            bytes.extend_from_slice(&self.sound_part(index)?);
-        }
-        Ok(bytes)
     }
 
     fn sound_part(&self, index: usize) -> Result<Bytes, StoreError> {
         let damaged =
             || std::io::Error::new(std::io::ErrorKind::InvalidData, "bytes that were just written are damaged");
         Ok(self.part(index)?.ok_or_else(damaged)?)
-    }
-
-    /// Makes the bytes the artifact, durably. Where the disk is full, the least recently used artifacts leave until the
-    /// bytes fit or none is left. Blocks.
-    ///
-    /// When the same bytes are here already, those are kept; other bytes under the same key are replaced.
-    ///
-    /// # Errors
-    /// When the bytes cannot be kept.
-    pub(in crate::service) fn settle(&self) -> Result<Arc<Manifest>, StoreError> {
-        let mut copy: Option<Self> = None;
-        loop {
-            match copy.as_ref().unwrap_or(self).place() {
-                // after a failed sync the system may take lost bytes for written ones: only a new file is sound
-                Err(error) if error.is_full() && self.store.make_room(self.cost())? => copy = Some(self.copied()?),
-                placed => return placed,
-            }
-        }
     }
 
     fn cost(&self) -> u64 {
@@ -97,5 +55,34 @@ impl Sealed {
         record.write(0, &self.manifest.encode())?;
         record.sync()?;
         store.keep(Arc::clone(&self.manifest), self.cost(), &self.bytes, &record)
+    }
+}
+
+impl Sealed for SealedFile {
+    fn manifest(&self) -> &Arc<Manifest> {
+        &self.manifest
+    }
+
+    fn part(&self, index: usize) -> Result<Option<Bytes>, StoreError> {
+        Ok(self.bytes.read_part(&self.manifest, index)?)
+    }
+
+    fn whole(&self) -> Result<Vec<u8>, StoreError> {
+        let mut bytes = Vec::new();
+        for index in 0..self.manifest.parts.len() {
+            bytes.extend_from_slice(&self.sound_part(index)?);
+        }
+        Ok(bytes)
+    }
+
+    fn settle(&self) -> Result<Arc<Manifest>, StoreError> {
+        let mut copy: Option<Self> = None;
+        loop {
+            match copy.as_ref().unwrap_or(self).place() {
+                // after a failed sync the system may take lost bytes for written ones: only a new file is sound
+                Err(error) if error.is_full() && self.store.make_room(self.cost())? => copy = Some(self.copied()?),
+                placed => return placed,
+            }
+        }
     }
 }

@@ -97,7 +97,7 @@ fn m7_uses_in_memory_keep_an_artifact_on_disk() {
     let scratch = Scratch::new();
     run(async {
         // four artifacts of 20,000 bytes fit on the disk, with their records, in whole blocks
-        let tiers = Tiers::new(1 << 20, Some(scratch.open(100_000)));
+        let tiers = Tiers::new(1 << 20, Some(Arc::new(scratch.open(100_000))));
         for number in 0..4 {
             make(&tiers, number, 20_000);
             written(&tiers).await;
@@ -122,7 +122,7 @@ fn l_a_result_whose_place_on_disk_is_occupied_is_answered_and_counted() {
     let name = key(1).to_string();
     std::fs::create_dir_all(scratch.0.join("artifacts").join(&name[..2]).join(&name)).unwrap();
     run(async {
-        let tiers = Tiers::new(64 << 10, Some(disk.store(&scratch.0, ROOMY)));
+        let tiers = Tiers::new(64 << 10, Some(Arc::new(disk.store(&scratch.0, ROOMY))));
         for (times, length) in [(1, 1_000), (2, 10_000)] {
             let kept = make(&tiers, 1, length);
             assert_eq!(bytes(&tiers, &kept).await.unwrap(), noise(1, length));

@@ -63,7 +63,7 @@ fn m5_a_result_is_computed_once_though_the_disk_fails_within_it() {
     for (full, capacity) in [(room, ROOMY), (ROOMY, 2 * room)] {
         let (scratch, disk) = (Scratch::new(), Faulty::new());
         disk.limit(&scratch.0, full);
-        let (again, bytes, counts) = computed(Tiers::new(8 << 10, Some(disk.store(&scratch.0, capacity))));
+        let (again, bytes, counts) = computed(Tiers::new(8 << 10, Some(Arc::new(disk.store(&scratch.0, capacity)))));
         assert_eq!((again, value(&counts, "taken_back"), value(&counts, "lost")), (rows, 1, 0));
         assert!(bytes == expected);
     }
@@ -75,7 +75,7 @@ fn m5_only_what_the_disk_has_lost_is_computed_again() {
     let (scratch, disk) = (Scratch::new(), Faulty::new());
     disk.limit(&scratch.0, PART_BYTES as u64 * 3 / 2);
     disk.broken_reads.store(1, Ordering::Relaxed);
-    let (again, bytes, counts) = computed(Tiers::new(8 << 10, Some(disk.store(&scratch.0, ROOMY))));
+    let (again, bytes, counts) = computed(Tiers::new(8 << 10, Some(Arc::new(disk.store(&scratch.0, ROOMY)))));
     assert_eq!((again, value(&counts, "taken_back"), value(&counts, "lost")), (2 * rows, 0, 1));
     assert!(bytes == expected);
 }
@@ -84,7 +84,7 @@ fn m5_only_what_the_disk_has_lost_is_computed_again() {
 fn m6_a_full_disk_is_told_until_a_write_succeeds() {
     let (scratch, disk) = (Scratch::new(), Faulty::new());
     let clock = Arc::new(Manual::default());
-    let tiers = Tiers::with_clock(1 << 20, Some(disk.store(&scratch.0, ROOMY)), clock.clone());
+    let tiers = Tiers::with_clock(1 << 20, Some(Arc::new(disk.store(&scratch.0, ROOMY))), clock.clone());
     run(async {
         make(&tiers, 0, 1000);
         written(&tiers).await;
@@ -120,7 +120,7 @@ fn m6_a_full_disk_is_told_until_a_write_succeeds() {
 #[test]
 fn m6_large_results_evict_from_a_full_disk_while_they_are_made() {
     let (scratch, disk) = (Scratch::new(), Faulty::new());
-    let tiers = Tiers::new(8 << 10, Some(disk.store(&scratch.0, ROOMY)));
+    let tiers = Tiers::new(8 << 10, Some(Arc::new(disk.store(&scratch.0, ROOMY))));
     run(async {
         for number in 0..4 {
             make(&tiers, number, PART_BYTES);

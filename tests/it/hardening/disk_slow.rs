@@ -20,7 +20,7 @@ use crate::support;
 #[test]
 fn h4_a_disk_that_hangs_holds_two_threads_and_a_bounded_number_of_artifacts() {
     let (scratch, disk) = (Scratch::new(), Faulty::new());
-    let tiers = Tiers::new(64 << 20, Some(disk.store(&scratch.0, ROOMY)));
+    let tiers = Tiers::new(64 << 20, Some(Arc::new(disk.store(&scratch.0, ROOMY))));
     disk.syncs.close();
     run(async {
         for number in 0..1000 {
@@ -41,7 +41,7 @@ fn h4_a_disk_that_hangs_holds_two_threads_and_a_bounded_number_of_artifacts() {
 #[test]
 fn h4_what_waits_for_the_disk_holds_no_more_memory_than_an_eighth_of_the_cache() {
     let (scratch, disk) = (Scratch::new(), Faulty::new());
-    let tiers = Tiers::new(8 << 20, Some(disk.store(&scratch.0, ROOMY)));
+    let tiers = Tiers::new(8 << 20, Some(Arc::new(disk.store(&scratch.0, ROOMY))));
     disk.syncs.close();
     run(async {
         for number in 0..100 {
@@ -61,7 +61,7 @@ fn h4_what_waits_for_the_disk_holds_no_more_memory_than_an_eighth_of_the_cache()
 #[test]
 fn h4_large_results_beyond_the_backlog_come_back_into_memory() {
     let (scratch, disk) = (Scratch::new(), Faulty::new());
-    let tiers = Tiers::new(64 << 10, Some(disk.store(&scratch.0, ROOMY)));
+    let tiers = Tiers::new(64 << 10, Some(Arc::new(disk.store(&scratch.0, ROOMY))));
     disk.syncs.close();
     run(async {
         let kept: Vec<_> = (0..20).map(|number| make(&tiers, number, 10_000)).collect();
@@ -80,7 +80,7 @@ fn h4_large_results_beyond_the_backlog_come_back_into_memory() {
 fn h4_results_of_any_size_are_answered_though_no_sync_ends() {
     let (scratch, disk) = (Scratch::new(), Faulty::new());
     // all but the smallest results go to disk at once
-    let tiers = Tiers::new(8 << 10, Some(disk.store(&scratch.0, ROOMY)));
+    let tiers = Tiers::new(8 << 10, Some(Arc::new(disk.store(&scratch.0, ROOMY))));
     disk.syncs.close();
     run(served(tiers, async |server| {
         for levels in 1..6 {
@@ -104,11 +104,11 @@ fn h4_results_of_any_size_are_answered_though_no_sync_ends() {
 #[test]
 fn h4_the_service_ends_though_the_disk_hangs() {
     let (scratch, disk) = (Scratch::new(), Faulty::new());
-    let tiers = Tiers::new(1 << 20, Some(disk.store(&scratch.0, ROOMY)));
+    let tiers = Tiers::new(1 << 20, Some(Arc::new(disk.store(&scratch.0, ROOMY))));
     make(&tiers, 0, 1000);
     assert!(tiers.close(PATIENCE));
     drop(tiers);
-    let tiers = Tiers::new(1 << 20, Some(disk.store(&scratch.0, ROOMY)));
+    let tiers = Tiers::new(1 << 20, Some(Arc::new(disk.store(&scratch.0, ROOMY))));
     let (syncs, reads) = (&disk.syncs, &disk.reads);
     syncs.close();
     run(async {
@@ -134,11 +134,11 @@ fn h4_the_service_ends_though_the_disk_hangs() {
 #[test]
 fn h4_reads_of_a_disk_that_hangs_hold_four_threads_and_count_as_misses() {
     let (scratch, disk) = (Scratch::new(), Faulty::new());
-    let tiers = Tiers::new(1 << 20, Some(disk.store(&scratch.0, ROOMY)));
+    let tiers = Tiers::new(1 << 20, Some(Arc::new(disk.store(&scratch.0, ROOMY))));
     (0..12).for_each(|number| drop(make(&tiers, number, 1000)));
     assert!(tiers.close(PATIENCE));
     drop(tiers);
-    let tiers = Tiers::new(1 << 20, Some(disk.store(&scratch.0, ROOMY)));
+    let tiers = Tiers::new(1 << 20, Some(Arc::new(disk.store(&scratch.0, ROOMY))));
     disk.reads.close();
     run(async {
         let keys: Vec<_> = (0..12).map(key).collect();
@@ -158,7 +158,7 @@ fn h4_reads_of_a_disk_that_hangs_hold_four_threads_and_count_as_misses() {
 fn h4_a_disk_that_does_not_end_a_write_is_in_trouble_and_left_alone() {
     let (scratch, disk) = (Scratch::new(), Faulty::new());
     let clock = Arc::new(Manual::default());
-    let tiers = Tiers::with_clock(64 << 10, Some(disk.store(&scratch.0, ROOMY)), clock.clone());
+    let tiers = Tiers::with_clock(64 << 10, Some(Arc::new(disk.store(&scratch.0, ROOMY))), clock.clone());
     disk.syncs.close();
     run(async {
         make(&tiers, 0, 1000);
@@ -182,7 +182,7 @@ fn h4_a_disk_that_does_not_end_a_write_is_in_trouble_and_left_alone() {
 fn what_waits_is_written_before_an_orderly_end() {
     let scratch = Scratch::new();
     run(async {
-        let (_, app) = app(Tiers::new(1 << 20, Some(scratch.open(ROOMY)))).await;
+        let (_, app) = app(Tiers::new(1 << 20, Some(Arc::new(scratch.open(ROOMY))))).await;
         (0..40).for_each(|number| drop(make(&app.desk.tiers, number, 1000)));
         drop(app);
     });
