@@ -185,14 +185,12 @@ pub enum Children {
     /// The mesh gets finer; vertices become faces, faces stay faces, and new vertices stand in the corners of old
     /// faces, in their order.
     Faces,
-    /// The mesh gets finer, and it is not said what becomes of vertices and faces: limits are refused.
-    Unsaid,
 }
 
 impl Children {
     /// Whether the mesh gets finer.
     pub fn refine(self) -> bool {
-        matches!(self, Self::Vertices | Self::Faces | Self::Unsaid)
+        matches!(self, Self::Vertices | Self::Faces)
     }
 }
 

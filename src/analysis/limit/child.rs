@@ -37,7 +37,6 @@ pub(super) fn child(
         }
         (Children::Dual, _) => Dual::of(before, after)?.child(centre),
         (Children::Faces, _) => cut(centre, before, after),
-        (Children::Unsaid, _) => Err(Unlimited::Lost),
     }
 }
 
