@@ -16,7 +16,7 @@ const BYTES_A_POINT: usize = 160;
 const AT_A_TIME: usize = 8;
 /// Levels after which a patch usually is its own child.
 /// It only scales the predicted cost of patches: a patch whose chain is twice as long takes twice as long as told, up
-/// to MAX_CHAIN of the masks.
+/// to `MAX_CHAIN` of the masks.
 const CHAIN: usize = 3;
 /// Levels after which numbers that are halved with every one no longer change anything, as alpha does.
 /// The kernel is a cosine, whose distance from 1 falls to a quarter with each halving: 4^-26 is the rounding of 1. Half

@@ -5,7 +5,7 @@
 //! n-gon, as the complex numbers `exp(2 pi i j/n)`, a matrix that rotates by k faces multiplies them by
 //! `a exp(2 pi i k/n)`, with a positive a.
 //!
-//! Source: SIGGRAPH 2000, 103-112, section 4, where the matrix of two steps is turned back.
+//! Source: L. Kobbelt, SIGGRAPH 2000, 103-112, section 4, where the matrix of two steps is turned back.
 
 use super::cycle::Cycle;
 use super::patch::{Centre, Patch, Rings};

@@ -143,11 +143,14 @@ pub struct Usage {
     pub damaged: u64,
 }
 
+/// Opens a store in a folder, with so many bytes of room.
+pub(super) type Open = fn(&Path, u64) -> Result<Arc<dyn Store>, StoreError>;
+
 /// A kind of store.
 #[derive(Debug)]
 pub struct StoreKind {
     /// Its name in the settings.
     pub name: &'static str,
-    /// Opens it in a folder, with so many bytes of room.
-    pub open: fn(&Path, u64) -> Result<Arc<dyn Store>, StoreError>,
+    /// Opens it.
+    pub open: Open,
 }
