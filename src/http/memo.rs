@@ -49,8 +49,8 @@ pub(super) fn identity(headers: &HeaderMap, body: &[u8]) -> Option<Key> {
     }
     let mut bytes = (body.len() as u64).to_le_bytes().to_vec();
     bytes.extend_from_slice(body);
-    for wish in headers.get_all(header::ACCEPT) {
-        bytes.extend_from_slice(wish.as_bytes());
+    for value in headers.get_all(header::ACCEPT) {
+        bytes.extend_from_slice(value.as_bytes());
         bytes.push(b',');
     }
     Some(content(&bytes))

@@ -18,17 +18,17 @@ pub(super) const MAX_WAIT: Duration = Duration::from_mins(5);
 const DEFAULT_WAIT: Duration = Duration::from_secs(30);
 
 /// The format that `Accept` asks for: of the highest quality, and among equals the first in the catalogue; without a
-/// wish glb for meshes and json for polygons.
+/// header glb for meshes and json for polygons.
 pub(super) fn format(headers: &HeaderMap, kind: ShapeKind) -> Result<&'static dyn Format, Problem> {
     let default = if kind == ShapeKind::Mesh { "glb" } else { "json" };
     let default = crate::output::named(default).expect("the default formats are in the registry");
-    let wishes: Vec<&str> = headers.get_all(header::ACCEPT).iter().filter_map(|value| value.to_str().ok()).collect();
-    let wishes = wishes.join(",");
-    if wishes.trim().is_empty() {
+    let accepted: Vec<&str> = headers.get_all(header::ACCEPT).iter().filter_map(|value| value.to_str().ok()).collect();
+    let accepted = accepted.join(",");
+    if accepted.trim().is_empty() {
         return Ok(default);
     }
     let quality = |format: &&dyn Format| {
-        let matching = wishes.split(',').filter_map(|wish| accepts(wish, format.media_type()));
+        let matching = accepted.split(',').filter_map(|entry| accepts(entry, format.media_type()));
         matching.max_by_key(|(precision, _)| *precision).map_or(0, |(_, quality)| quality)
     };
     let holding = FORMATS.iter().copied().filter(|format| format.holds(kind).is_ok());
@@ -47,10 +47,11 @@ pub(super) fn format(headers: &HeaderMap, kind: ShapeKind) -> Result<&'static dy
     Ok(candidates.next().expect("some format has the best quality"))
 }
 
-/// How precisely one wish names a media type (2 exactly, 1 its family, 0 anything), and its quality in thousandths.
-fn accepts(wish: &str, media_type: &str) -> Option<(u8, u32)> {
-    let wish = wish.to_ascii_lowercase();
-    let mut parts = wish.split(';').map(str::trim);
+/// How precisely one entry of `Accept` names a media type (2 exactly, 1 its family, 0 anything), and its quality in
+/// thousandths.
+fn accepts(entry: &str, media_type: &str) -> Option<(u8, u32)> {
+    let entry = entry.to_ascii_lowercase();
+    let mut parts = entry.split(';').map(str::trim);
     let range = parts.next()?;
     let precision = if range == media_type {
         2

@@ -27,11 +27,14 @@ use crate::wire::read::{read, weight};
 /// Media type of what a search has found, which is no result of a job.
 const SEARCH_MEDIA_TYPE: &str = "application/vnd.planish.search+json";
 /// What a search has found takes less than this.
+/// It only bounds what is booked beforehand: half of it is still far more than a level and a number need.
 const SEARCH_ANSWER_BYTES: u128 = 4 << 10;
 /// Searches that cannot come to more work than this begin in the short lane: 13 s at 100 ns a unit, which curves have.
 /// Half of it sends the searches of curves to the long lane; twice of it lets some of surfaces begin in the short one.
 const SHORT_SEARCH: u128 = 1 << 27;
 /// What checking a draft that was searched for takes, as a share of its input.
+/// It is charged while keys and schedules are made; one part of two books more than that takes, one of four less than
+/// hashing a large input needs.
 const COMPLETING: u64 = 2;
 
 /// A request that was read.

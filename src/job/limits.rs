@@ -308,7 +308,7 @@ fn counts(job: &Job, count: Count) -> Counts {
         faces: count.faces - count.hidden_faces,
         half_edges: count.corners - count.hidden_corners,
         largest_face: count.largest_face,
-        split_vertices: count.parted,
+        split_vertices: count.split_vertices,
         uvs: count.uvs,
         frame: job.frame,
         attachments: if let Input::Mesh(mesh) = &job.input { mesh.attachments.clone() } else { Arc::default() },

@@ -58,7 +58,7 @@ const CHANNEL_BYTES: u128 = 3 * 8;
 /// Bytes of a place with texture coordinates: two numbers as often as of channels, and the topology of places.
 const UV_BYTES: u128 = 60;
 /// Bytes of a vertex that is there once more where normals differ across a sharp edge, with the faces around it.
-const PARTED_BYTES: u128 = 160;
+const SPLIT_VERTEX_BYTES: u128 = 160;
 
 /// Bytes without those of limit positions: points, topologies, what is refined along and its topologies, copies of
 /// vertices on sharp edges, and the largest result. Each counts as if all were held at once with the largest net.
@@ -72,7 +72,7 @@ pub(super) fn memory(forecast: &Forecast, sizes: &[Size], carried: &Carried) -> 
         (count.faces, of_face),
         (forecast.topology_bytes, 1),
         (count.uvs, UV_BYTES + of_place),
-        (last.parted, PARTED_BYTES),
+        (last.split_vertices, SPLIT_VERTEX_BYTES),
         (sizes.iter().map(|size| size.bytes()).max().unwrap_or(0), 1),
     ];
     parts.iter().fold(0, |sum: u128, (n, bytes)| sum.saturating_add(n.saturating_mul(*bytes)))

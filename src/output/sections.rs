@@ -72,8 +72,9 @@ pub(super) fn asked(options: &Values) -> bool {
 
 /// The section of a mesh whose vertices have these positions (model units, finite).
 ///
-/// The height of a vertex v over the plane through p with the normal n is `h = n (v - p)`, as f64 has it. Every vertex
-/// is on one side: before the plane where `h >= 0`, behind it else; so the section is what it is just behind the plane.
+/// The signed distance of a vertex v from the plane through p with the normal n is `h = n (v - p)`, as f64 has it.
+/// Every vertex is on one side: before the plane where `h >= 0`, behind it else; so the section is what it is just
+/// behind the plane.
 /// Faces are triangulated (quads by the diagonal 0-2, larger ones as fans), a triangle with vertices on both sides
 /// gives the segment between its two sides that cross, and a side crosses at `a + h_a / (h_a - h_b) (b - a)`, reckoned
 /// from the end that is nearer and so the same for both of its triangles. Segments run from the side that leads behind
@@ -92,19 +93,19 @@ pub(super) fn section(
     plane: &Plane,
     watch: &Watch,
 ) -> Result<Vec<Polyline>, Stopped> {
-    let heights = Heights::new(plane, positions);
+    let distances = PlaneDistances::new(plane, positions);
     let mut segments: Vec<Segment> = Vec::new();
     let mut chunk = FaceChunk::default();
     in_chunks(mesh.n_faces(), |range| {
         watch.check()?;
         mesh.faces(range.clone(), &mut chunk);
         let faces: Vec<(u32, &[u32])> = (index(range.start)..).zip(chunk.iter()).collect();
-        let found = faces.par_iter().with_min_len(1024).flat_map_iter(|&(f, face)| heights.segments(f, face));
+        let found = faces.par_iter().with_min_len(1024).flat_map_iter(|&(f, face)| distances.segments(f, face));
         segments.par_extend(found);
         Ok(())
     })?;
     let polyline = |(crossings, closed): (Vec<Crossing>, bool)| {
-        let mut points: Vec<[f64; 3]> = crossings.iter().map(|crossing| heights.point(*crossing)).collect();
+        let mut points: Vec<[f64; 3]> = crossings.iter().map(|crossing| distances.point(*crossing)).collect();
         points.dedup();
         while closed && points.len() > 1 && points.first() == points.last() {
             points.pop();
@@ -114,22 +115,22 @@ pub(super) fn section(
     Ok(chains(segments, watch)?.into_iter().filter_map(polyline).collect())
 }
 
-/// The heights of vertices over a plane.
-struct Heights<'a> {
+/// The signed distances of vertices from a plane.
+struct PlaneDistances<'a> {
     positions: &'a [[f64; 3]],
     plane: &'a Plane,
-    /// A power of two that keeps heights within f64.
+    /// A power of two that keeps distances within f64.
     scale: f64,
 }
 
-impl<'a> Heights<'a> {
+impl<'a> PlaneDistances<'a> {
     fn new(plane: &'a Plane, positions: &'a [[f64; 3]]) -> Self {
         let largest = |points: &[[f64; 3]]| points.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
         let far = largest(positions).max(largest(&[plane.point])) > 1e300;
         Self { positions, plane, scale: if far { 1.0 / 1024.0 } else { 1.0 } }
     }
 
-    /// The height of a vertex, times the scale.
+    /// The signed distance of a vertex, times the scale.
     fn of(&self, v: u32) -> f64 {
         let (v, p, n) = (self.positions[v as usize], self.plane.point, self.plane.normal);
         let along = |k: usize| n[k] * (v[k] * self.scale - p[k] * self.scale);

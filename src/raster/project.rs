@@ -7,10 +7,12 @@ use rayon::prelude::*;
 use super::camera::{Camera, Projection};
 
 /// Sub-pixel steps a pixel. Exact whole-number coverage needs coordinates on this lattice.
+/// Half of it moves vertices by up to 1/256 of a pixel; twice of it takes a bit from the range of edge functions.
 pub(super) const STEPS: i32 = 256;
 
 /// How far beyond the picture coordinates stay exact, pixels. With pictures of at most 8,192 pixels a side, this keeps
 /// edge functions inside a tile below 2^31.
+/// Half of it clips more triangles than need be; twice of it would overflow edge functions of the largest pictures.
 pub(super) const GUARD: f64 = 2048.0;
 
 /// Left of the picture.

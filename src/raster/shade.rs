@@ -138,6 +138,7 @@ fn polished(x: f32) -> f32 {
 /// Bends bright light softly below 1, so that highlights keep their shape.
 #[inline]
 fn shoulder(light: f32) -> f32 {
+    // from here on light is bent: at half of it greys become pale, close to 1 highlights lose their shape
     const KNEE: f32 = 0.75;
     let over = positive(light - KNEE);
     light - over + over / (1.0 + over / (1.0 - KNEE))

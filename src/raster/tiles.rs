@@ -23,6 +23,7 @@ const SIDE: u32 = TILE as u32;
 /// sooner.
 const LIFT: f64 = 1e-3;
 /// On steep surfaces they are lifted by at most this share.
+/// Half of it breaks lines on surfaces seen along their plane; twice of it lets lines behind a silhouette show through.
 const STEEP_LIFT: f64 = 1e-2;
 
 /// Scratch memory of one thread.
@@ -35,6 +36,7 @@ struct Desk {
 }
 
 /// Largest width and height of a picture, pixels.
+/// With the guard beyond it, edge functions stay whole numbers below 2^31; twice of it would need wider ones.
 pub const MAX_SIDE_PX: u32 = 8192;
 
 /// Draws the model into a picture of `width x height` pixels (1 to [`MAX_SIDE_PX`] each; the camera must have been

@@ -161,7 +161,7 @@ impl RefinedMesh {
         }
     }
 
-    /// The ends of sharp edges as places with texture coordinates; what is parted on seams needs no other parting.
+    /// The ends of sharp edges as places with texture coordinates; what seams split is not split again.
     pub(super) fn sharp_places(&self) -> Vec<[u32; 2]> {
         let Some(uvs) = &self.uvs else { return Vec::new() };
         let ends = |(edge, piece): (usize, usize)| {

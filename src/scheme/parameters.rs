@@ -8,6 +8,7 @@ use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::shape::tile::Tile;
 
 /// The weight of a vertex in averages of triangles with which `UC` is Loop's scheme at regular vertices.
+/// Any other value is another scheme, which is no box spline.
 pub const DEFAULT_MU: f64 = 0.25;
 /// Arities that are offered.
 pub const ARITIES: RangeInclusive<i64> = 2..=8;

@@ -52,6 +52,7 @@ pub struct Remaining {
 }
 
 /// Levels after which no semi-sharp edge is left.
+/// It is the largest finite sharpness, of which each level takes at least one; fewer would forget sharp edges.
 const LAST: usize = 10;
 
 fn lookup(sharp: &Sharp, i: usize) -> f64 {

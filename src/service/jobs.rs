@@ -20,6 +20,7 @@ use crate::output::Format;
 /// With [`RECORD_BYTES`] each they take 80 MiB. Half of it forgets jobs sooner; twice of it may take twice that.
 const MAX_RECORDS: usize = 10_000;
 /// Charged for a record besides its request: its counts a level, its names, its places in the maps.
+/// Half of it is less than a job of many levels takes; twice of it holds half as many records in their share.
 const RECORD_BYTES: u64 = 8 << 10;
 
 /// What is known of a job without its input.

@@ -130,13 +130,13 @@ impl Uvs {
         self.topology.ring(place as usize).next().map(|corner| mesh.vertex(corner))
     }
 
-    /// Edges of the mesh along which the texture coordinates are parted, ascending.
+    /// Edges of the mesh on whose sides the texture coordinates differ, ascending.
     pub fn seams(&self, mesh: &Topology) -> Vec<u32> {
-        let parted = |&e: &usize| {
+        let differs = |&e: &usize| {
             let [first, second] = mesh.halves(e);
             second != NONE && self.topology.is_boundary_edge(self.topology.edge(first) as usize)
         };
-        (0..mesh.n_edges()).filter(parted).map(index).collect()
+        (0..mesh.n_edges()).filter(differs).map(index).collect()
     }
 }
 

@@ -22,7 +22,7 @@ const SAME: f64 = 1e-9;
 /// What becomes of a centre of the net `before` a step in the one `after`. The step is the last one on `record`.
 ///
 /// # Errors
-/// [`Unlimited::Lost`] and [`Unlimited::Parted`].
+/// [`Unlimited::Lost`] and [`Unlimited::Separated`].
 pub(super) fn child(
     centre: Centre,
     children: Children,

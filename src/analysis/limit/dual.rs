@@ -55,7 +55,7 @@ impl<'a> Dual<'a> {
     /// What takes the place of a centre of the net before.
     ///
     /// # Errors
-    /// [`Unlimited::Lost`] where nothing is left of it, [`Unlimited::Parted`].
+    /// [`Unlimited::Lost`] where nothing is left of it, [`Unlimited::Separated`].
     pub(super) fn child(&self, centre: Centre) -> Result<Centre, Unlimited> {
         let Some(Constructed { topology: constructed, numbers }) = &self.constructed else {
             return match centre {
@@ -154,7 +154,7 @@ impl<'a> Dual<'a> {
         let mut largest = found.iter().filter(|&&(_, n)| n == most);
         match (largest.next(), largest.next()) {
             (Some(&(vertex, _)), None) => Ok(Centre::Vertex(vertex)),
-            _ => Err(Unlimited::Parted),
+            _ => Err(Unlimited::Separated),
         }
     }
 }

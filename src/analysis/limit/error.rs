@@ -30,7 +30,7 @@ pub enum Unlimited {
         "a vertex has no limit, as D parts the faces near it, where the mesh is one face wide; widen it there, or \
          refine once more"
     )]
-    Parted,
+    Separated,
     /// New points are no weighted means of old ones.
     #[error("limits are known for linear schemes only")]
     NotLinear,
@@ -85,7 +85,7 @@ pub enum Unlimited {
 impl Unlimited {
     /// Whether a wider patch may have what this one lacks.
     pub(super) fn may_be_of_the_patch(&self) -> bool {
-        matches!(self, Self::Reach | Self::Later(_) | Self::Lost | Self::Parted)
+        matches!(self, Self::Reach | Self::Later(_) | Self::Lost | Self::Separated)
     }
 }
 

@@ -43,7 +43,7 @@ impl Regular {
         let mut failed = Unlimited::Reach;
         let mut closed = |support: usize| match self.closed(cycle, support, tagged, starts) {
             // of so few rings nothing may be left
-            Err(error @ (Unlimited::Later(_) | Unlimited::Lost | Unlimited::Parted)) => {
+            Err(error @ (Unlimited::Later(_) | Unlimited::Lost | Unlimited::Separated)) => {
                 failed = error;
                 Ok(false)
             }

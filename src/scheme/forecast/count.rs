@@ -21,7 +21,7 @@ pub struct Count {
     /// Sum of the sizes of the hidden faces.
     pub hidden_corners: u128,
     /// Vertices that are added, at most, where normals differ across sharp edges.
-    pub parted: u128,
+    pub split_vertices: u128,
     /// Places with texture coordinates, where there are some.
     pub uvs: u128,
     /// Corners of the largest face that is shown; 0 without faces.
@@ -41,7 +41,7 @@ impl Count {
             corners: self.corners.saturating_add(other.corners),
             hidden_faces: self.hidden_faces.saturating_add(other.hidden_faces),
             hidden_corners: self.hidden_corners.saturating_add(other.hidden_corners),
-            parted: self.parted.saturating_add(other.parted),
+            split_vertices: self.split_vertices.saturating_add(other.split_vertices),
             uvs: self.uvs.saturating_add(other.uvs),
             largest_face: self.largest_face.max(other.largest_face),
             largest_fan: self.largest_fan.max(other.largest_fan),

@@ -28,6 +28,7 @@ use crate::watch::Watch;
 pub const MAX_BYTES: u128 = 64 << 20;
 /// Bytes for each corner of a net while it is split or its dual is made: 13 of the topology, 5 of its faces, and of the
 /// dual 12 of the sides of edges, 20 of its own topology and 13 of lists on the way, which grow by doubling.
+/// Half of it counts beyond [`MAX_BYTES`]; twice of it refuses forecasts of nets half as large as could be counted.
 const CORNER_BYTES: u128 = 96;
 /// Layers that are kept at the end, so that no face touches both the boundary and the cut.
 /// One layer, half of it, would have faces that touch both; twice of it keeps four and takes more bytes for the same

@@ -34,16 +34,19 @@ pub fn of_mesh(net: &MeshNet, steps: &[Scheduled], cap: u128, watch: &Watch) -> 
 fn counted(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
     let mut count = Count::of_mesh(net);
     let sharp = net.sharpness.as_ref().map(|sharpness| sharpness.remaining(&net.mesh.base, net.rules.creasing));
-    let parted = |splits, pieces| sharp.as_ref().map_or(0, |sharp| parted(sharp, splits, pieces));
+    let split_vertices = |splits, pieces| sharp.as_ref().map_or(0, |sharp| split_vertices(sharp, splits, pieces));
     let (mut splits, mut pieces) = (0, 1_u128);
-    count.parted = parted(splits, pieces);
+    count.split_vertices = split_vertices(splits, pieces);
     let mut tally = Tally::new(count);
     let mut is_quads = net.mesh.base.is_quads();
     for step in steps {
         if step.letter.facts().role == Role::Upsample {
             splits += 1;
             pieces = pieces.saturating_mul(step.letter.settings.pieces(is_quads).into());
-            count = Count { parted: parted(splits, pieces), ..count.upsampled(&step.letter.settings, is_quads) };
+            count = Count {
+                split_vertices: split_vertices(splits, pieces),
+                ..count.upsampled(&step.letter.settings, is_quads)
+            };
             is_quads = true;
         }
         tally.step(step, count);
@@ -67,7 +70,7 @@ fn rebuilt(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
 
 /// Copies of vertices, at most, after some splits into so many pieces of an edge: one for each inner point of a sharp
 /// edge, and around its ends as many as there are faces.
-fn parted(sharp: &[Remaining], splits: usize, pieces: u128) -> u128 {
+fn split_vertices(sharp: &[Remaining], splits: usize, pieces: u128) -> u128 {
     let remaining = sharp[splits.min(sharp.len() - 1)];
     remaining.edges.saturating_mul(pieces - 1).saturating_add(remaining.corners)
 }

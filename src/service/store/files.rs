@@ -266,6 +266,7 @@ pub(super) fn at(doing: &str, path: &Path) -> impl FnOnce(io::Error) -> io::Erro
 }
 
 /// Bytes of a block; each file costs whole blocks.
+/// Where a file system has other blocks, usage is told wrong by at most one of them a file.
 const BLOCK_BYTES: u64 = 4096;
 
 /// Bytes that an artifact of this length takes on the disk, with a record of this length.

@@ -6,6 +6,8 @@
 use crate::job::key::{Key, content};
 
 /// Bytes of one part; the last part of an artifact may be shorter.
+/// Half of it doubles the hashes of a manifest; twice of it doubles what is read and verified for a byte of a range.
+/// All manifests on disk have it: a change is a new format of the store.
 pub const PART_BYTES: usize = 1 << 20;
 
 /// What is known of a stored artifact; its own record, from which the index can be rebuilt.

@@ -15,6 +15,7 @@ use super::shelf::{self, Shelf};
 use crate::job::key::Key;
 
 /// Charged for an entry besides its bytes: the record, its strings, the places in the maps.
+/// Half of it lets many tiny artifacts take more than the cache may; twice of it holds fewer of them.
 const ENTRY_BYTES: u64 = 512;
 
 /// Artifacts in memory, each one stretch of bytes; reads share them and copy nothing.

@@ -11,6 +11,7 @@ use super::manifest::{Manifest, PART_BYTES};
 use crate::job::key::{Key, RESULTS_VERSION};
 
 /// Most bytes of a manifest file; enough for the parts of a terabyte.
+/// Larger files are damaged or foreign; half of it still has the parts of half a terabyte.
 const MANIFEST_BYTES: u64 = 64 << 20;
 
 /// What a sweep found.
