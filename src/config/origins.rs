@@ -23,7 +23,7 @@ pub enum CorsOrigins {
     Loopback,
     /// All.
     Any,
-    /// Those of these origins.
+    /// Pages of the origins in this list.
     Listed(Vec<String>),
 }
 

@@ -24,7 +24,7 @@ use crate::fault::Fault;
 #[derive(Debug)]
 pub(super) struct Gltf;
 
-/// The same in one binary file.
+/// GLB: glTF in one binary file.
 #[derive(Debug)]
 pub(super) struct Glb;
 

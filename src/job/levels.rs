@@ -12,7 +12,7 @@ pub enum Levels {
     Tolerance(f64),
 }
 
-/// The same, checked as far as that goes without the plan.
+/// Levels that are checked as far as that goes without the plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum CheckedLevels {
     Count(u32),

@@ -48,7 +48,7 @@ pub enum Refusal {
     TooLarge {
         /// The whole story: place, value, bound, remedy.
         detail: String,
-        /// The same at its place.
+        /// The fault at its place in the request.
         faults: Vec<Fault>,
     },
     /// Its forecast was stopped.
@@ -88,7 +88,7 @@ impl Admitted {
 }
 
 impl Limits {
-    /// The same bounds for mesh files.
+    /// Returns these bounds as they hold for mesh files.
     pub fn reading(&self) -> ReadLimits {
         ReadLimits { max_vertices: self.max_vertices, max_faces: self.max_faces }
     }

@@ -16,7 +16,7 @@ pub(super) struct Carried {
     numbers: u128,
     /// Bytes a vertex for parameters and values of its own.
     local_bytes: u128,
-    /// The same of a place with texture coordinates, and bytes a face, where these are numbered by the mesh.
+    /// Bytes of a place with texture coordinates, and of a face, where these are numbered by the mesh.
     uv_bytes: [u128; 2],
 }
 

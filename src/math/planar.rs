@@ -57,7 +57,7 @@ pub struct Neighbours {
 const NONE: u32 = u32::MAX;
 
 impl Neighbours {
-    /// Those of a polygon, in time proportional to its points.
+    /// Finds the neighbours of the points of a polygon, in time proportional to its points.
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.

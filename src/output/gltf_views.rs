@@ -9,7 +9,7 @@ use gltf::json::{Accessor, Extras, Index, Root};
 pub(super) struct Views<'a>(&'a mut Root);
 
 impl<'a> Views<'a> {
-    /// Those of a document.
+    /// Takes the buffer views of a document.
     pub(super) fn of(root: &'a mut Root) -> Self {
         Self(root)
     }

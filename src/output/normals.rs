@@ -82,7 +82,7 @@ pub fn split_vertices(
     Ok(found)
 }
 
-/// The same normal, or +z for one that is undefined: what formats take that know unit vectors only.
+/// Returns a normal, or +z for one that is undefined, for formats that know unit vectors only.
 pub fn or_up(normal: [f64; 3]) -> [f64; 3] {
     if normal.iter().all(|&x| x == 0.0) { [0.0, 0.0, 1.0] } else { normal }
 }

@@ -235,7 +235,7 @@ impl NormalSource for SplitVertices<'_> {
     }
 }
 
-/// Those of a mesh whose texture coordinates are numbered like its vertices.
+/// Texture coordinates that are numbered like the vertices.
 impl UvSource for SplitVertices<'_> {
     fn n_points(&self) -> usize {
         self.n_vertices()

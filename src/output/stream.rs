@@ -237,12 +237,12 @@ impl<'a> Positions<'a> {
         Self { source: Source::Curve(curve), largest: f64::MAX }
     }
 
-    /// The same ones, refused where a coordinate is beyond the range of f32.
+    /// Refuses positions with a coordinate beyond the range of f32.
     pub(super) fn within_f32(self) -> Self {
         Self { largest: f64::from(f32::MAX), ..self }
     }
 
-    /// The same ones, in memory.
+    /// Holds the positions in memory.
     pub(super) fn held(self, watch: &Watch) -> Result<Self, FormatError> {
         if let Source::Held(_) = self.source {
             return Ok(self);

@@ -12,7 +12,7 @@ pub(super) struct Sides<'a> {
     unfolded: Option<Box<dyn MeshSource + 'a>>,
 }
 
-/// The same, split on sharp edges too.
+/// The sides of vertices, which sharp edges split too.
 pub(super) struct SplitSides<'a> {
     sides: &'a Sides<'a>,
     split_vertices: Option<SplitVertices<'a>>,

@@ -24,7 +24,7 @@ pub enum Normals<'a> {
     Vertices(&'a [[f64; 3]]),
     /// One a triangle.
     Triangles(&'a [[f64; 3]]),
-    /// Those of the planes of the triangles.
+    /// Normals of the planes of the triangles.
     Planes,
 }
 

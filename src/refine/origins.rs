@@ -15,7 +15,8 @@ pub(super) fn on_mesh(net: &MeshNet, mut error: StepError) -> StepError {
     error
 }
 
-/// The same on a net of a polygon, the operator's arity given: compensations are those of the points that it makes.
+/// Names the points of the input in an error of an operator of this arity on the net of a polygon; compensations belong
+/// to the points that it makes.
 pub(super) fn on_polygon(polygon: &Polygon, net: &PolygonNet, arity: u32, mut error: StepError) -> StepError {
     if let About::Point { name, point, from } = &mut error.about {
         let ends = usize::from(!net.is_closed());

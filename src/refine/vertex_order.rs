@@ -60,7 +60,7 @@ impl VertexOrder {
         }
     }
 
-    /// The same for points of any `width`.
+    /// Gathers values of any `width` in the documented order.
     pub(super) fn values(&self, all: &[f64], width: usize, range: Range<usize>, out: &mut Vec<f64>) {
         out.clear();
         let Some(order) = self.way() else {

@@ -19,7 +19,7 @@ impl Letter {
         Self { operator, settings: Settings::usual(operator.facts().parameters) }
     }
 
-    /// The same with another value of a parameter.
+    /// Returns the letter with another value of a parameter.
     #[must_use]
     pub fn with(mut self, parameter: &Parameter, value: Value) -> Self {
         self.settings.set(parameter, value);

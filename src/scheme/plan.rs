@@ -97,8 +97,8 @@ pub struct Plan {
     pub word: Word,
     /// Parameter spacing that enters the first U, radians.
     pub alpha: f64,
-    /// The same for the compensation, where it differs: then latitude lines have it, too. Points that carry an alpha of
-    /// their own have that.
+    /// Parameter spacing of the compensation, where it differs: then latitude lines have it, too. Points that carry an
+    /// alpha of their own have that.
     pub compensation_alpha: Option<f64>,
     /// Kernels of the first, second, ... average after a U, in alpha.
     pub kernel: Vec<Expression>,
@@ -151,7 +151,7 @@ pub struct Scheduled {
     pub level: u32,
     /// Parameter spacing that entered the last upsampling, radians.
     pub alpha: f64,
-    /// The same for the compensation.
+    /// Parameter spacing of the compensation at this step, radians.
     pub compensation_alpha: f64,
     /// By what the upsamplings before divided alpha: the factor of the alphas that points carry.
     pub scale: f64,

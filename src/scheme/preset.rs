@@ -47,7 +47,7 @@ pub struct Spelling {
     pub cycle: Vec<Letter>,
     /// Parameter spacing that enters the first U.
     pub alpha: f64,
-    /// The same for the compensation, where it differs.
+    /// Parameter spacing of the compensation, where it differs.
     pub compensation_alpha: Option<f64>,
     /// Kernels of the first, second, ... average after a U, in alpha.
     pub kernel: Vec<Expression>,

@@ -70,16 +70,16 @@ impl Sharpness {
         any.then(|| Self { edges: edges.clone(), vertices: vertices.clone(), ..Self::default() })
     }
 
-    /// The same with vertices on the boundary that stay, fully or in part, while the sharp edges that end there keep
-    /// another such vertex.
+    /// Adds vertices on the boundary that stay, fully or in part, while the sharp edges that end there keep another
+    /// such vertex.
     #[must_use]
     pub fn following(self, following: Vec<(u32, u32)>) -> Self {
         Self { following: following.into(), ..self }
     }
 
-    /// The same where semi-sharp edges end at vertices that are not among the edges of the net, as those on the other
-    /// side of a seam: pairs of a vertex and a sharpness, by ascending vertex. They count under [`Creasing::Chaikin`],
-    /// and for vertices that follow others.
+    /// Adds semi-sharp edges that end at vertices and are not among the edges of the net, as those on the other side of
+    /// a seam: pairs of a vertex and a sharpness, by ascending vertex. They count under [`Creasing::Chaikin`], and for
+    /// vertices that follow others.
     #[must_use]
     pub fn beside(self, elsewhere: Vec<(u32, f64)>) -> Self {
         Self { elsewhere: elsewhere.into(), ..self }

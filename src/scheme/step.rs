@@ -55,7 +55,7 @@ pub enum Action {
     PushBack {
         /// One row for each point, over the anchor's points.
         rows: Box<dyn RowSource>,
-        /// For each anchor point its child; [`NONE`](crate::shape::topology::NONE) where a net was cut out of a closed
+        /// For each anchor point its child; [`NONE`] where a net was cut out of a closed
         /// mesh and D lost it at the cut, so that the difference is not known.
         children: Arc<[u32]>,
     },

@@ -46,7 +46,7 @@ impl StepError {
         Self { about: About::Plan, sentence: sentence.into() }
     }
 
-    /// The same about something else.
+    /// An error that is about something else than the plan.
     pub(super) fn about(about: About, sentence: impl Into<Cow<'static, str>>) -> Self {
         Self { about, sentence: sentence.into() }
     }

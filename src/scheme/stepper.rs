@@ -50,8 +50,8 @@ impl<'a> Stepper<'a> {
         self.next_from(net, step, self.plan.sources(step))
     }
 
-    /// The same, where upsamplings compute the values of single points from `sources`; from none, all points have the
-    /// values of the plan.
+    /// Takes a step in which upsamplings compute the values of single points from `sources`; from none, all points have
+    /// the values of the plan.
     ///
     /// # Errors
     /// When the operator cannot be applied to this net.

@@ -12,7 +12,7 @@ pub struct Surroundings {
 }
 
 impl Surroundings {
-    /// Those in a mesh.
+    /// Returns what a whole mesh has.
     pub fn of(topology: &Topology) -> Self {
         let regular = |v: usize| {
             let n = topology.ring(v).take(5).count();

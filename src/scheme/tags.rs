@@ -56,7 +56,7 @@ impl Tags {
         Self { corners: fixed(topology, corners, boundary), holes, boundary, cut: false, lost_by_dual }
     }
 
-    /// The same where something else was tagged, if it was.
+    /// Adds that something else was tagged, if it was.
     pub(super) fn and(self, any: bool, what: &'static str) -> Self {
         Self { lost_by_dual: self.lost_by_dual.or(any.then_some(what)), ..self }
     }

@@ -23,7 +23,7 @@ pub struct Lent<T> {
 }
 
 impl<T: Send + 'static> Lent<T> {
-    /// The same bytes; what pays for them is dropped with their last part, wherever that is.
+    /// Lends bytes; what pays for them is dropped with their last part, wherever that is.
     #[expect(clippy::new_ret_no_self, reason = "it is only ever an owner of bytes")]
     pub fn new(bytes: Bytes, paid: T) -> Bytes {
         Bytes::from_owner(Self { bytes, _paid: paid })

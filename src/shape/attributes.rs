@@ -49,7 +49,7 @@ impl Attributes {
         })
     }
 
-    /// Those of the points `start .. start + n`.
+    /// Returns the parameters of the points `start .. start + n`.
     #[must_use]
     pub fn part(&self, start: usize, n: usize) -> Self {
         self.changed(|array| array.iter().skip(start).take(n).copied().collect())

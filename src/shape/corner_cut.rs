@@ -22,7 +22,7 @@ impl Topology {
     /// that stays, which has one face, one of 4.
     ///
     /// # Errors
-    /// Those of [`Topology::of_faces`].
+    /// As [`Topology::of_faces`], which builds the result.
     pub fn cut_corners_first(&self, fixed: &[u32]) -> Result<Self, Vec<Fault>> {
         if self.n_boundary() == 0 {
             return Ok(self.cut_corners());

@@ -99,7 +99,7 @@ impl Directions {
         if faults.is_empty() { Ok(Some(Self(directions))) } else { Err(faults) }
     }
 
-    /// Those of edges in the order of their numbers.
+    /// Takes the directions of edges in the order of their numbers.
     pub fn of_edges(directions: Vec<Direction>) -> Self {
         Self(directions)
     }

@@ -78,7 +78,8 @@ impl Numbering {
         self.faces[f].number
     }
 
-    /// Those of a part of the part, whose topology is given: of these vertices, and of the faces from these corners on.
+    /// Returns the numbering of a part of this part, whose topology is given: of these vertices, and of the faces
+    /// from these half-edges on.
     #[must_use]
     pub fn part(&self, topology: &Topology, vertices: &[u32], corners: &[u32]) -> Self {
         let mut part = Self {
@@ -107,13 +108,13 @@ impl Numbering {
         Self { vertices: vertices.iter().map(|&v| of.vertices[v as usize]).collect(), ..self }
     }
 
-    /// The same for a net with the same faces whose vertices are these ones of the part.
+    /// Returns the numbering of a net with the same faces whose vertices are these vertices of the part.
     #[must_use]
     pub fn with_origins(&self, origins: &[u32]) -> Self {
         self.clone().with_vertices(self, origins)
     }
 
-    /// Those of the part after an upsampling of arity 2; its topology before that is given.
+    /// Returns the numbering after an upsampling of arity 2 of the part, whose topology before that is given.
     #[must_use]
     pub fn split(&self, topology: &Topology) -> Self {
         let whole = self.whole;

@@ -159,7 +159,7 @@ impl MeshRequest {
     /// The mesh, unchecked but for indices that are beyond every mesh.
     ///
     /// # Errors
-    /// Those indices, with pointers below the mesh.
+    /// Indices that are out of range, with pointers below the mesh.
     pub fn input(self, winding: Winding) -> Result<MeshInput, Vec<Fault>> {
         let mut faces = FaceList::default();
         for face in &self.faces {

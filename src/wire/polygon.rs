@@ -76,7 +76,7 @@ pub(super) fn polygons(requests: Vec<PolygonRequest>) -> Result<Vec<Polygon>, Ve
 }
 
 impl PointParameters {
-    /// The same as what points and vertices carry.
+    /// Returns the parameters as points and vertices carry them.
     pub(super) fn attributes(self) -> Attributes {
         let Self { alpha, kernel, compensation, delta } = self;
         Attributes { alpha, kernel, compensation, delta }

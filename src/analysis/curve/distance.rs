@@ -81,7 +81,7 @@ struct Block {
 }
 
 impl Distances {
-    /// Those of a plan.
+    /// Bounds the distances of a plan.
     ///
     /// # Errors
     /// [`NoBound`].

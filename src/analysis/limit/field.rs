@@ -32,7 +32,7 @@ pub(super) struct Field<'a> {
     rings: Rings,
     classes: Vec<u32>,
     masks: Vec<Arc<Mask>>,
-    /// The mask on a grid, in the order of [`grid`].
+    /// The mask on a grid, in the order of [`grid`](super::grid::grid).
     regular: Option<Mask>,
 }
 

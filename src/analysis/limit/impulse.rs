@@ -329,7 +329,7 @@ struct Differences {
 }
 
 impl Differences {
-    /// Those around a vertex.
+    /// Returns the differences around a vertex.
     fn at(topology: &Topology, points: &[f64], v: usize) -> Self {
         let at = |v: u32| [0, 1, 2].map(|k| points[3 * v as usize + k]);
         let [x, y, z] = at(index(v));
@@ -349,7 +349,7 @@ impl Differences {
         largest
     }
 
-    /// Those around all vertices.
+    /// Returns the differences around all vertices, each the greatest.
     fn of(topology: &Topology, points: &[f64]) -> Self {
         (0..topology.n_vertices()).map(|v| Self::at(topology, points, v)).fold(Self::default(), |a, b| a.or(&b))
     }

@@ -63,7 +63,7 @@ pub(super) struct Mask {
 }
 
 impl Mask {
-    /// The same limit seen from one level before, on a patch whose child it is that of.
+    /// Returns the limit as it is seen from one level before, on the parent of its patch.
     fn before(&self, patch: &Patch, child: &Child) -> Self {
         let by_sector = || Sectors::of(patch).children(&Sectors::of(&child.patch), child.rotation);
         let sectors = if self.tangents.len() > 1 { by_sector() } else { vec![0; self.tangents.len()] };
@@ -71,7 +71,7 @@ impl Mask {
         mask
     }
 
-    /// The same where the level is not made a matrix.
+    /// Returns the limit as it is seen from one level before, without making the level a matrix.
     fn before_traced(&self, patch: &Patch, level: &Traced) -> Result<Self, Unlimited> {
         let by_sector = || Sectors::of(patch).children(&Sectors::of(level.patch()), level.rotation());
         let sectors = if self.tangents.len() > 1 { by_sector() } else { vec![0; self.tangents.len()] };

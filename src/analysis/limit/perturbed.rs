@@ -185,7 +185,7 @@ impl Follower<'_> {
     }
 }
 
-/// The same limit seen from one level before.
+/// Returns a limit as it is seen from one level before.
 ///
 /// Of two tangents the second is cleared of the first, which changes no normal: where the first grows faster backwards
 /// the second would drown in it.

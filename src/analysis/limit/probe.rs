@@ -104,7 +104,7 @@ impl Regular {
         Ok(true)
     }
 
-    /// The same at the other places.
+    /// Whether the other places agree, too.
     fn agrees_elsewhere(self, cycle: &Cycle<'_>, rings: Rings, starts: Starts) -> Result<bool, Unlimited> {
         let larger = Rings { patch: rings.patch + 2 + starts.wider(cycle.n_duals()), ..rings };
         for (net, centre) in self.places(starts, cycle.n_duals(), larger.patch) {

@@ -18,7 +18,7 @@ pub(super) struct Sectors {
 }
 
 impl Sectors {
-    /// Those of a patch; one for a patch around a face.
+    /// Returns the sectors of a patch; a patch around a face has one.
     pub(super) fn of(patch: &Patch) -> Self {
         if patch.centre() != Centre::Vertex(0) {
             return Self { of_faces: vec![0], n: 1 };

@@ -58,7 +58,7 @@ pub(super) enum NoTangents {
 }
 
 impl NoTangents {
-    /// The same as a sentence about a place.
+    /// Says the reason in a sentence about a place.
     pub(super) fn at(self, place: &str) -> String {
         match self {
             Self::Folded => format!("the surface folds over at {place}"),

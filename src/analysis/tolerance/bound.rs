@@ -124,7 +124,7 @@ impl Comparison<'_> {
         Faces::of(&level.topology, level.points.now.as_chunks().0, faces, remainders, false)
     }
 
-    /// Those of a level that are followed no longer; how far the limit of these faces is from the output, at most.
+    /// Leaves the faces of a level that are followed no longer; returns how far their limit is from the output at most.
     fn leave(&mut self, level: &Level, seen: &Seen, left: impl Fn(&Known) -> bool) -> f64 {
         let left: Vec<&Known> = seen.faces.iter().filter(|face| left(face)).collect();
         let faces: Vec<u32> = left.iter().map(|face| face.face).collect();
@@ -375,7 +375,7 @@ pub(super) fn bound(
     Ok(bound.max(comparison.back_at_most()?))
 }
 
-/// The same of nets of too many faces to be measured.
+/// Bounds the distance of nets of too many faces to be measured.
 fn plain(base: &Level, spline: &Spline, budget: &Budget) -> Result<f64, NoLevel> {
     let (points, flat) = (base.points.now.as_chunks::<3>().0, base.flat.now.as_chunks::<3>().0);
     let remainders = Remainders::of(base, spline, budget)?;

@@ -15,8 +15,8 @@ pub(super) fn twist(topology: &Topology, face: usize, points: &[Vector]) -> f64 
     }
 }
 
-/// The same for a quad with these corners: a quarter of `a - b + c - d` point by point, or its height where that is
-/// less.
+/// Bounds the twist of a quad with these corners: a quarter of `a - b + c - d` point by point, or its height where
+/// that is less.
 fn twisted(p: [Vector; 4]) -> f64 {
     let [a, b, c, d] = p;
     let quarter = length(minus(plus(a, c), plus(b, d))) / 4.0;

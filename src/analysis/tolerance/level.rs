@@ -40,7 +40,7 @@ impl Level {
         Self { flat: points.clone(), home: (0..n).collect(), live, net, topology, points }
     }
 
-    /// The same net as the surface that later ones are compared with, its vertices being at `places`.
+    /// Returns the net as the surface that later ones are compared with, its vertices being at `places`.
     pub(super) fn compared(&self, places: Vec<f64>) -> Self {
         let home = (0..index(self.topology.n_faces())).collect();
         Self { flat: Points::new(places, 3), home, ..self.clone() }

@@ -45,7 +45,7 @@ pub(super) struct Remainders<'a> {
     spline: &'a Spline,
     /// For each vertex what the limit of the faces around it depends on.
     near: Vec<Near>,
-    /// The same with a ring of faces more.
+    /// What is near each face with a ring of faces more.
     beside: Vec<Near>,
     hulls: Hulls<'a>,
     /// Once it is over, nothing more is looked into.
@@ -53,7 +53,7 @@ pub(super) struct Remainders<'a> {
 }
 
 impl<'a> Remainders<'a> {
-    /// Those of a level.
+    /// Bounds the remainders of a level.
     ///
     /// # Errors
     /// [`NoLevel`].

@@ -14,7 +14,7 @@ pub trait RowSource: fmt::Debug + Send + Sync {
     fn n_columns(&self) -> usize;
     /// Appends the rows of `range` to `out`.
     fn make(&self, range: Range<usize>, out: &mut Rows);
-    /// Those of its rows that repeat themselves, if that is known.
+    /// Returns the rows of the source that repeat themselves, if that is known.
     fn pattern(&self) -> Option<&Pattern> {
         None
     }

@@ -36,7 +36,7 @@ impl Layout {
         }
     }
 
-    /// The same layout for curves, which have no normals and no origins.
+    /// The layout of curves, which have no normals and no origins.
     pub(super) fn of_curves(options: &Values) -> Self {
         Self { normals: false, ids: false, ..Self::of(options) }
     }

@@ -75,7 +75,7 @@ impl Collar {
         self.beyond.are_all(size) && (0..self.net.n_faces()).all(|f| self.net.face(f).len() == size)
     }
 
-    /// The same with only so many layers of faces.
+    /// Keeps only so many layers of faces.
     pub(super) fn keep(&mut self, layers: u32) -> Result<(), StepError> {
         if let Some((net, real)) = near(&self.net, &self.real, layers, &mut self.beyond)? {
             (self.net, self.real) = (net, real);

@@ -36,12 +36,12 @@ pub(super) struct Fans {
     sizes: Sizes,
     /// The fans that there are.
     present: BTreeSet<usize>,
-    /// The same before the last U, and its pieces.
+    /// The fans before the last U, and its pieces.
     before: (BTreeSet<usize>, u32),
 }
 
 impl Fans {
-    /// Those of a net whose counts are known.
+    /// Counts the fans of a net whose counts are known.
     pub(super) fn of(topology: &Topology, count: Count) -> Self {
         let on_boundary = (0..topology.n_vertices()).filter(|&v| topology.boundary_edges(v).is_some());
         let (mut present, mut fan_sum, mut boundary) = (BTreeSet::new(), 0, 0);

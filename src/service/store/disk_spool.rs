@@ -117,7 +117,7 @@ fn usize_of(length: u64) -> usize {
     usize::try_from(length).unwrap_or(usize::MAX)
 }
 
-/// The same failure, told once more.
+/// Copies a failure, so that it can be told once more.
 fn again(error: &StoreError) -> StoreError {
     match error {
         StoreError::TooLarge { capacity } => StoreError::TooLarge { capacity: *capacity },
