@@ -41,7 +41,9 @@ pub fn warnings(plan: &Plan, levels: u32, watch: &Watch) -> Result<Vec<String>, 
         let mut sentence = "the scheme is not known to converge: its differences do not shrink within the levels that \
                             were looked at"
             .to_owned();
-        if plan.word.cycle.iter().any(|letter| letter.facts().role == Role::PushBack) {
+        // operators without a letter are those of presets, which have other parameters than words
+        let of_words = |letter: &Letter| letter.facts().role == Role::PushBack && letter.facts().letter.is_some();
+        if plan.word.cycle.iter().any(of_words) {
             sentence += "; with one average and a push-back it converges for kernel > 0, -2 < compensation < 2 and \
                          0 <= delta <= 1 in the limit alpha = 0";
         }
