@@ -75,8 +75,7 @@ fn compare(
     }
     let best = |of: usize| figure(rounds.iter().map(|rates| rates[of]).fold(0.0, f64::max) / 1e3);
     let (bytes, headers) = (made.body.len(), headers(&ours));
-    let detail =
-        format!("at best {} k/s, bare axum {} k/s, {bytes} bytes and {headers} headers", best(0), best(1));
+    let detail = format!("at best {} k/s, bare axum {} k/s, {bytes} bytes and {headers} headers", best(0), best(1));
     let mut ratios: Vec<f64> = rounds.iter().map(|[ours, theirs]| ours / theirs).collect();
     ratios.sort_unstable_by(f64::total_cmp);
     table.add(what, (ratios[ROUNDS / 2], "of bare axum"), "", Aim::AtLeast(0.85), &detail);
