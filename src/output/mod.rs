@@ -34,6 +34,7 @@ mod stream;
 mod svg;
 mod text;
 mod vertex_sides;
+mod vertex_sums;
 
 pub use counts::{Counts, ShapeKind};
 pub use error::FormatError;
