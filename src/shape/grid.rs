@@ -8,6 +8,7 @@
 
 use std::sync::Arc;
 
+use super::line::{Line, quads};
 use super::source::Origin;
 use super::tile::Tile;
 use super::tiling::Tiling;
@@ -109,6 +110,25 @@ impl Grid {
             let part = local / (half * half);
             let (i, j) = (local % half, local / half % half);
             around.map(|(di, dj)| self.part_vertex(base_face, part, i + di, j + dj))
+        }
+    }
+
+    /// Writes the vertices of consecutive faces from face `f` on, as many as `out` holds.
+    pub fn faces(&self, mut f: usize, mut out: &mut [[u32; 4]]) {
+        while !out.is_empty() {
+            let base_face = self.base_face(f);
+            let local = f - self.first_face(base_face);
+            let is_quad = self.base.face(base_face).len() == 4;
+            let n = if is_quad { self.n } else { self.half() };
+            let (part, local) = if is_quad { (0, local) } else { (local / (n * n), local % (n * n)) };
+            let patch;
+            (patch, out) = out.split_at_mut((n * n - local).min(out.len()));
+            f += patch.len();
+            if is_quad {
+                quads(n, local, patch, |j| Line::new(n, |i| self.quad_vertex(base_face, i, j)));
+            } else {
+                quads(n, local, patch, |j| Line::new(n, |i| self.part_vertex(base_face, part, i, j)));
+            }
         }
     }
 
