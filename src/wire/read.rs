@@ -23,7 +23,7 @@ pub enum ReadError {
 /// # Errors
 /// [`ReadError`].
 pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ReadError> {
-    // the place of what does not fit is only looked for where something does not: keeping it takes half of the time
+    // the place of what does not fit is only looked for where something does not: it costs time at every number
     if let Ok(Object(value)) = serde_json::from_slice(bytes) {
         return Ok(value);
     }
