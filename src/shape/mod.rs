@@ -9,6 +9,7 @@ pub mod directions;
 pub mod frame;
 pub mod grid;
 pub mod labels;
+mod line;
 pub mod mesh;
 pub mod numbering;
 pub mod order;
