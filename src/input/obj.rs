@@ -46,51 +46,41 @@ const FREE_FORM: &[&str] = &[
 /// format says that faces are in no group, and `usemtl default` is read alike: faces after it have no material. Tags:
 /// `crease`, `corner`, `hole`, `interpolateboundary`. Points and lines are left out with a note; free-form geometry is
 /// refused.
-#[derive(Debug)]
-pub(super) struct Obj;
+pub(super) const OBJ: Reader = Reader {
+    name: "obj",
+    media_type: "model/obj",
+    doc: "Wavefront OBJ: polygons, with crease, corner, hole and boundary tags",
+    read,
+};
 
-impl Reader for Obj {
-    fn name(&self) -> &'static str {
-        "obj"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "model/obj"
-    }
-
-    fn doc(&self) -> &'static str {
-        "Wavefront OBJ: polygons, with crease, corner, hole and boundary tags"
-    }
-
-    fn read(&self, bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
-        let text = text(bytes).map_err(|fault| vec![fault])?;
-        let mut state = State::new(limits);
-        let mut lines = text.lines().enumerate();
-        let mut joined = String::new();
-        while let Some((i, line)) = lines.next() {
-            let mut line = line;
-            if line.trim_end().ends_with('\\') {
-                joined.clear();
-                let mut part = Some(line);
-                while let Some(more) = part {
-                    let piece = more.trim_end();
-                    joined.push_str(piece.strip_suffix('\\').unwrap_or(piece));
-                    joined.push(' ');
-                    part = if piece.ends_with('\\') { lines.next().map(|(_, next)| next) } else { None };
-                }
-                line = &joined;
+fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
+    let text = text(bytes).map_err(|fault| vec![fault])?;
+    let mut state = State::new(limits);
+    let mut lines = text.lines().enumerate();
+    let mut joined = String::new();
+    while let Some((i, line)) = lines.next() {
+        let mut line = line;
+        if line.trim_end().ends_with('\\') {
+            joined.clear();
+            let mut part = Some(line);
+            while let Some(more) = part {
+                let piece = more.trim_end();
+                joined.push_str(piece.strip_suffix('\\').unwrap_or(piece));
+                joined.push(' ');
+                part = if piece.ends_with('\\') { lines.next().map(|(_, next)| next) } else { None };
             }
-            let line = without_comment(line);
-            if let Err(detail) = state.line(i + 1, line) {
-                state.faults.push(at_line(i + 1, detail));
-                if state.faults.len() == MAX_FAULTS {
-                    state.faults.push(Fault::new("", "there may be more faults behind these"));
-                    return Err(state.faults);
-                }
+            line = &joined;
+        }
+        let line = without_comment(line);
+        if let Err(detail) = state.line(i + 1, line) {
+            state.faults.push(at_line(i + 1, detail));
+            if state.faults.len() == MAX_FAULTS {
+                state.faults.push(Fault::new("", "there may be more faults behind these"));
+                return Err(state.faults);
             }
         }
-        state.finish()
     }
+    state.finish()
 }
 
 /// What has been read so far.

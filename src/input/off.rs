@@ -15,26 +15,12 @@ const FACE_BYTES: u64 = 8;
 /// OFF with its prefixes `ST` (texture coordinates), `C` (colours), `N` (normals), each vertex and face on a line of
 /// its own, `#` before comments. Normals are ignored; colours of faces are left out with a note. `4`, `n` and `BINARY`
 /// are refused.
-#[derive(Debug)]
-pub(super) struct Off;
-
-impl Reader for Off {
-    fn name(&self) -> &'static str {
-        "off"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "model/off"
-    }
-
-    fn doc(&self) -> &'static str {
-        "Geomview OFF, COFF, NOFF, STOFF: polygons as text"
-    }
-
-    fn read(&self, bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
-        read(bytes, limits).map_err(|fault| vec![fault])
-    }
-}
+pub(super) const OFF: Reader = Reader {
+    name: "off",
+    media_type: "model/off",
+    doc: "Geomview OFF, COFF, NOFF, STOFF: polygons as text",
+    read: |bytes, limits| read(bytes, limits).map_err(|fault| vec![fault]),
+};
 
 /// What the prefix says of vertices.
 #[derive(Debug, Clone, Copy, Default)]

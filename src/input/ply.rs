@@ -26,26 +26,12 @@ const MAX_CHANNELS: usize = 64;
 /// of two numbers, and so on up to four; `group` and `material` of faces are numbers whose names stand in comments
 /// (`comment group 0 top`); normals are ignored, other scalars of vertices are channels. Other
 /// elements and lists are left out with a note.
-#[derive(Debug)]
-pub(super) struct Ply;
-
-impl Reader for Ply {
-    fn name(&self) -> &'static str {
-        "ply"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "model/ply"
-    }
-
-    fn doc(&self) -> &'static str {
-        "Stanford PLY, text or binary: polygons, further numbers of vertices as channels"
-    }
-
-    fn read(&self, bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
-        read(bytes, limits).map_err(|fault| vec![fault])
-    }
-}
+pub(super) const PLY: Reader = Reader {
+    name: "ply",
+    media_type: "model/ply",
+    doc: "Stanford PLY, text or binary: polygons, further numbers of vertices as channels",
+    read: |bytes, limits| read(bytes, limits).map_err(|fault| vec![fault]),
+};
 
 fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Fault> {
     let header = header::read(bytes)?;

@@ -20,48 +20,38 @@ const NORMAL: usize = 12;
 /// STL, text or binary. Equal corners become one vertex, in the order of their first appearance; triangles with two
 /// equal corners are left out, with a note. Normals and attribute bytes are ignored, several solids are groups. A text
 /// may break its lines anywhere; only names end with their lines.
-#[derive(Debug)]
-pub(super) struct Stl;
+pub(super) const STL: Reader = Reader {
+    name: "stl",
+    media_type: "model/stl",
+    doc: "STL, text or binary; equal corners are joined",
+    read,
+};
 
-impl Reader for Stl {
-    fn name(&self) -> &'static str {
-        "stl"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "model/stl"
-    }
-
-    fn doc(&self) -> &'static str {
-        "STL, text or binary; equal corners are joined"
-    }
-
-    fn read(&self, bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
-        let mut soup = Soup { mesh: Collected::new(limits), solids: Vec::new() };
-        // a binary file may start with "solid", too, but its number of triangles has bytes that no text has
-        let is_text = bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
-            && !bytes.get(HEADER..START).is_some_and(|n| n.contains(&0));
-        let announced = bytes.get(HEADER..START).and_then(|n| n.try_into().ok()).map(u32::from_le_bytes);
-        let length = announced.and_then(|n| (n as usize).checked_mul(TRIANGLE)?.checked_add(START));
-        let read = match (announced, length) {
-            (Some(_), Some(length)) if length == bytes.len() => soup.read_binary(&bytes[START..]),
-            _ if is_text => soup.read_text(bytes),
-            (Some(n), Some(length)) => Err(Fault::new(
-                "",
-                format!(
-                    "byte {HEADER}: {n} triangles take {length} bytes, the file has {}; send it whole, or as text that \
-                     starts with \"solid\"",
-                    bytes.len()
-                ),
-            )),
-            _ => Err(Fault::new(
-                "",
-                format!("{} bytes; a binary STL has at least {START}, a text starts with \"solid\"", bytes.len()),
-            )),
-        };
-        read.map_err(|fault| vec![fault])?;
-        soup.joined().map_err(|detail| vec![Fault::new("", detail)])
-    }
+fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
+    let mut soup = Soup { mesh: Collected::new(limits), solids: Vec::new() };
+    // a binary file may start with "solid", too, but its number of triangles has bytes that no text has
+    let is_text = bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
+        && !bytes.get(HEADER..START).is_some_and(|n| n.contains(&0));
+    let announced = bytes.get(HEADER..START).and_then(|n| n.try_into().ok()).map(u32::from_le_bytes);
+    let length = announced.and_then(|n| (n as usize).checked_mul(TRIANGLE)?.checked_add(START));
+    let read = match (announced, length) {
+        (Some(_), Some(length)) if length == bytes.len() => soup.read_binary(&bytes[START..]),
+        _ if is_text => soup.read_text(bytes),
+        (Some(n), Some(length)) => Err(Fault::new(
+            "",
+            format!(
+                "byte {HEADER}: {n} triangles take {length} bytes, the file has {}; send it whole, or as text that \
+                 starts with \"solid\"",
+                bytes.len()
+            ),
+        )),
+        _ => Err(Fault::new(
+            "",
+            format!("{} bytes; a binary STL has at least {START}, a text starts with \"solid\"", bytes.len()),
+        )),
+    };
+    read.map_err(|fault| vec![fault])?;
+    soup.joined().map_err(|detail| vec![Fault::new("", detail)])
 }
 
 /// Triangles whose corners are vertices of their own.

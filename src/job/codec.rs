@@ -19,9 +19,6 @@ pub enum Item<'a> {
     List(Vec<Item<'a>>),
 }
 
-/// Deepest nesting that [`Item::decode`] follows.
-const MAX_DEPTH: usize = 16;
-
 impl Item<'_> {
     /// Appends the encoding: tag (1 byte), length (8 bytes little endian) where it varies, content little endian.
     pub fn encode(&self, out: &mut Vec<u8>) {
@@ -56,49 +53,5 @@ impl Item<'_> {
                 items.iter().for_each(|item| item.encode(out));
             }
         }
-    }
-
-    /// Reads one item back; `None` when the bytes are no encoding or something follows.
-    pub fn decode(bytes: &[u8]) -> Option<Item<'static>> {
-        let mut reader = Reader(bytes);
-        let item = reader.item(MAX_DEPTH)?;
-        reader.0.is_empty().then_some(item)
-    }
-}
-
-struct Reader<'a>(&'a [u8]);
-
-impl<'a> Reader<'a> {
-    fn take(&mut self, n: usize) -> Option<&'a [u8]> {
-        let (head, tail) = self.0.split_at_checked(n)?;
-        self.0 = tail;
-        Some(head)
-    }
-
-    fn eight(&mut self) -> Option<[u8; 8]> {
-        self.take(8)?.try_into().ok()
-    }
-
-    /// A length, and that many units of `size` bytes.
-    fn many(&mut self, size: usize) -> Option<&'a [u8]> {
-        let n = usize::try_from(u64::from_le_bytes(self.eight()?)).ok()?;
-        self.take(n.checked_mul(size)?)
-    }
-
-    fn item(&mut self, depth: usize) -> Option<Item<'static>> {
-        Some(match self.take(1)?[0] {
-            1 => Item::Integer(u64::from_le_bytes(self.eight()?)),
-            2 => Item::Number(f64::from_le_bytes(self.eight()?)),
-            3 => Item::Text(String::from_utf8(self.many(1)?.to_vec()).ok()?.into()),
-            4 => Item::Numbers(self.many(8)?.as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect()),
-            5 => Item::Indices(self.many(4)?.as_chunks().0.iter().map(|b| u32::from_le_bytes(*b)).collect()),
-            6 => {
-                let n = u64::from_le_bytes(self.eight()?);
-                let depth = depth.checked_sub(1)?;
-                // an item takes a byte at least, so a lying length ends soon
-                Item::List((0..n).map(|_| self.item(depth)).collect::<Option<_>>()?)
-            }
-            _ => return None,
-        })
     }
 }

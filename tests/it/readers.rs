@@ -17,7 +17,7 @@ use crate::support::nets::Net;
 
 /// Reads bytes in a format.
 fn read(format: &str, bytes: &[u8]) -> Result<ReadMesh, Vec<Fault>> {
-    named(format).expect("the reader exists").read(bytes, &ReadLimits::default())
+    (named(format).expect("the reader exists").read)(bytes, &ReadLimits::default())
 }
 
 /// Reads what is right.

@@ -148,11 +148,8 @@ impl<'a> Cycle<'a> {
         rings: Rings,
         weights: Weights,
     ) -> Result<(Located, Record, Vec<u32>, Arc<Topology>), Unlimited> {
-        let (mut net, origins) = patch.net(self.patch_rules).ok_or(Unlimited::Reach)?;
-        if parameters.first().are_there() {
-            let directions = net.annotations.directions.as_deref().cloned();
-            net = net.carrying(Some(parameters.attributes(&origins)), directions);
-        }
+        let (net, origins) = patch.net(self.patch_rules).ok_or(Unlimited::Reach)?;
+        let mut net = parameters.carried_by(net, &origins);
         let mut record = Record::new(weights);
         let (mut centre, mut made) = (patch.centre(), Made::default());
         for step in self.level(level) {

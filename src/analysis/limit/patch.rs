@@ -107,6 +107,26 @@ impl Patch {
         self.faces().enumerate().take_while(at_centre).map(|(_, face)| face)
     }
 
+    /// Whether faces lie all around the vertex at the centre.
+    pub(super) fn is_closed(&self) -> bool {
+        let mut faces = self.central_faces();
+        let first = faces.next().unwrap_or_default();
+        first.get(1) == faces.last().unwrap_or(first).last()
+    }
+
+    /// What the centre is, in words: its number would be one of a net that the client never sees.
+    pub(super) fn describe(&self) -> String {
+        let has_edge = |face: &&[u32]| face.contains(&0) && face.contains(&1);
+        let (kind, n) = match self.central as usize {
+            0 if self.fixed.first() == Some(&0) => ("a corner", self.central_faces().count()),
+            0 if !self.is_closed() => ("a boundary vertex", self.central_faces().count()),
+            0 => ("an interior vertex", self.central_faces().count()),
+            2 if self.faces().filter(has_edge).count() < 2 => return "a boundary vertex".to_owned(),
+            n => ("an interior vertex", n),
+        };
+        format!("{kind} with {n} {}", if n == 1 { "face" } else { "faces" })
+    }
+
     /// Whether the edge of a half-edge, counted over all faces, stays sharp for ever.
     pub(super) fn is_sharp_for_ever(&self, half_edge: usize) -> bool {
         let found = self.sharp_edges.binary_search_by_key(&index(half_edge), |&(half_edge, _)| half_edge);

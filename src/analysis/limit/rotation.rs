@@ -17,8 +17,7 @@ use crate::shape::topology::index;
 /// inside at its centre; `None` for other patches.
 pub(super) fn by(patch: &Patch, forth: impl Fn(&[f64]) -> Vec<f64>) -> Option<usize> {
     let faces: Vec<&[u32]> = patch.central_faces().collect();
-    let closed = faces.first()?.get(1) == faces.last()?.last();
-    if patch.centre() != Centre::Vertex(0) || !closed {
+    if patch.centre() != Centre::Vertex(0) || !patch.is_closed() {
         return None;
     }
     let n = faces.len();
