@@ -153,8 +153,7 @@ impl Reading {
             mesh.channels.push(Channel { name: "color".to_owned(), width: 4, values: self.colors });
         }
         if self.kind.uvs {
-            let corners = (0..mesh.faces.len()).flat_map(|f| mesh.faces.face(f)).copied().collect();
-            mesh.uvs = Some(Uvs { values: self.uvs, corners });
+            mesh.uvs = Some(Uvs { values: self.uvs, corners: mesh.faces.vertices().to_vec() });
         }
         if self.face_colors > 0 {
             mesh.notes.push(format!("colours of faces are left out: {}", self.face_colors));

@@ -284,8 +284,7 @@ impl Reading {
             let corners = (0..).take(self.corner_uvs.len()).collect();
             mesh.uvs = Some(Uvs { values: self.corner_uvs, corners });
         } else if !self.uvs.is_empty() {
-            let corners = (0..mesh.faces.len()).flat_map(|f| mesh.faces.face(f)).copied().collect();
-            mesh.uvs = Some(Uvs { values: self.uvs, corners });
+            mesh.uvs = Some(Uvs { values: self.uvs, corners: mesh.faces.vertices().to_vec() });
         }
         mesh
     }

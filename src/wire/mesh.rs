@@ -99,11 +99,6 @@ choice! {
 
 impl UvsRequest {
     fn resolve(self) -> UvsInput {
-        let mut faces = FaceList::default();
-        for face in &self.faces {
-            // an index beyond 32 bits is beyond every list, too
-            faces.push(face.iter().map(|&value| u32::try_from(value).unwrap_or(u32::MAX)));
-        }
         let interpolation = match self.interpolation {
             Some(InterpolationRequest::None) => Interpolation::None,
             Some(InterpolationRequest::CornersOnly) => Interpolation::CornersOnly,
@@ -112,8 +107,13 @@ impl UvsRequest {
             Some(InterpolationRequest::Boundaries) => Interpolation::Boundaries,
             None | Some(InterpolationRequest::All) => Interpolation::All,
         };
-        UvsInput { values: self.values, faces, interpolation }
+        UvsInput { values: self.values, faces: face_list(&self.faces), interpolation }
     }
+}
+
+/// Faces of 32-bit indices; one beyond them is beyond every mesh and every list of values, too.
+fn face_list(faces: &[Vec<u64>]) -> FaceList {
+    faces.iter().map(|face| face.iter().map(|&v| u32::try_from(v).unwrap_or(u32::MAX))).collect()
 }
 
 /// Some faces under one name.
@@ -161,11 +161,6 @@ impl MeshRequest {
     /// # Errors
     /// Indices that are out of range, with pointers below the mesh.
     pub fn input(self, winding: Winding) -> Result<MeshInput, Vec<Fault>> {
-        let mut faces = FaceList::default();
-        for face in &self.faces {
-            // an index beyond 32 bits is beyond every mesh, too
-            faces.push(face.iter().map(|&v| u32::try_from(v).unwrap_or(u32::MAX)));
-        }
         let beyond = |(f, face): (usize, &Vec<u64>)| {
             let j = face.iter().position(|&v| v >= u64::from(u32::MAX))?;
             let detail =
@@ -184,22 +179,18 @@ impl MeshRequest {
             materials: face_sets(self.materials),
             uvs: self.uvs.map(UvsRequest::resolve),
         };
-        let (positions, holes) = (self.positions, self.holes);
-        let attributes = self.parameters.map(PointParameters::attributes);
-        let (latitude, longitude) = (self.latitude, self.longitude);
         Ok(MeshInput {
-            positions,
-            faces,
+            positions: self.positions,
+            faces: face_list(&self.faces),
             corners,
             creases,
-            holes,
-            attributes,
-            latitude,
-            longitude,
+            holes: self.holes,
+            attributes: self.parameters.map(PointParameters::attributes),
+            latitude: self.latitude,
+            longitude: self.longitude,
             winding,
             attachments,
-            notes: Vec::new(),
-            repairs: Vec::new(),
+            ..MeshInput::default()
         })
     }
 }

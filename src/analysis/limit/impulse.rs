@@ -14,7 +14,7 @@ use super::patch::{Centre, Rings};
 use super::tangent::starting_vectors;
 use super::vertex_parameters::{CommonParameters, VertexParameters};
 use super::walk::WholeNet;
-use crate::math::functions::{exp, ln};
+use crate::math::functions::{exp, ln, real};
 use crate::math::vector::minus;
 use crate::refine::{Points, RefineError};
 use crate::scheme::mesh_net::MeshNet;
@@ -231,15 +231,11 @@ fn places(pieces: usize) -> Vec<RecurrentPlace> {
             // vertices once
             let direct = (j > 0 || parts == 1).then_some(j);
             let mirrored = (!is_own_mirror(i) && !is_own_mirror(j)).then_some(parts - j);
-            let place = |y: usize| RecurrentPlace { at: [i, y].map(|p| count(p) / count(parts)), parts: count(parts) };
+            let place = |y: usize| RecurrentPlace { at: [i, y].map(|p| real(p) / real(parts)), parts: real(parts) };
             places.extend(direct.into_iter().chain(mirrored).map(place));
         }
     }
     places
-}
-
-fn count(n: usize) -> f64 {
-    f64::from(index(n))
 }
 
 /// Squares along a side of the net under an impulse whose limit reaches so many rings.

@@ -136,8 +136,7 @@ impl Patch {
     /// The patch as a net of its own, with the origin of each of its vertices in the patch.
     pub(super) fn net(&self, patch_rules: PatchRules) -> Option<(MeshNet, Vec<u32>)> {
         let PatchRules { rules, boundary, cut, boundary_every } = patch_rules;
-        let mut faces = FaceList::default();
-        self.faces().for_each(|face| faces.push(face.iter().copied()));
+        let faces = self.faces().map(|face| face.iter().copied()).collect();
         let mut checked = Topology::of_faces(self.n_vertices, faces, Winding::Refuse).ok()?;
         if boundary_every > 1 && (self.rounds + 1).is_multiple_of(boundary_every) {
             while let Some(faces) = without_ears(&checked.topology) {
@@ -174,9 +173,7 @@ impl Patch {
 fn without_ears(topology: &Topology) -> Option<FaceList> {
     let is_ear = |&f: &usize| topology.half_edges(f).filter(|&half_edge| topology.twin(half_edge) == NONE).count() > 1;
     (0..topology.n_faces()).find(is_ear)?;
-    let mut faces = FaceList::default();
-    (0..topology.n_faces()).filter(|f| !is_ear(f)).for_each(|f| faces.push(topology.face(f).iter().copied()));
-    Some(faces)
+    Some((0..topology.n_faces()).filter(|f| !is_ear(f)).map(|f| topology.face(f).iter().copied()).collect())
 }
 
 /// Whether every face is a triangle.

@@ -10,7 +10,7 @@
 use super::cycle::Cycle;
 use super::patch::{Centre, Patch, Rings};
 use super::walk::WholeNet;
-use crate::math::functions::{cos, sin};
+use crate::math::functions::{cos, real, sin};
 use crate::shape::topology::index;
 
 /// By how many faces `forth`, a matrix that maps the support of a patch to itself, turns the neighbours of the vertex
@@ -21,7 +21,7 @@ pub(super) fn by(patch: &Patch, forth: impl Fn(&[f64]) -> Vec<f64>) -> Option<us
         return None;
     }
     let n = faces.len();
-    let angle = |j: usize| std::f64::consts::TAU * count(j % n) / count(n);
+    let angle = |j: usize| std::f64::consts::TAU * real(j % n) / real(n);
     let mut corners = [0, 1].map(|_| vec![0.0; patch.support]);
     for (j, face) in faces.iter().enumerate() {
         let place = *face.get(1)? as usize;
@@ -55,9 +55,4 @@ pub(super) fn places(patch: &Patch, cycle: &Cycle<'_>, rings: Rings, faces: usiz
     let complete = places.iter().map(|&(from, _)| from).eq(0..index(patch.support));
     let inside = places.iter().all(|&(_, to)| (to as usize) < patch.support);
     (here.patch == there.patch && complete && inside).then(|| places.into_iter().map(|(_, to)| to).collect())
-}
-
-#[expect(clippy::cast_precision_loss, reason = "patches have few faces")]
-fn count(n: usize) -> f64 {
-    n as f64
 }

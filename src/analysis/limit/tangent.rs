@@ -12,7 +12,7 @@
 
 use super::patch::Centre;
 use super::small::{Vectors, dot, leading_basis, leading_block, mixed, orthonormalise, times};
-use crate::math::functions::{exp, ln, sqrt};
+use crate::math::functions::{exp, ln, real, sqrt};
 use crate::math::vector::cross;
 
 /// Vectors iterated at once.
@@ -125,12 +125,12 @@ fn chained(rows: Chain, columns: Chain) -> Result<[[Vec<f64>; 2]; 2], NoTangents
         return Err(NoTangents::Eigenvalues);
     }
     x.iter_mut().for_each(|x| *x /= along);
-    let late = exp(ln(LATE) / count(length - 1));
+    let late = exp(ln(LATE) / real(length - 1));
     let mut y = vec![0.0; x.len()];
     let mut factor = 1.0 / step;
     for (i, column) in columns.steps.iter().enumerate() {
         y.iter_mut().zip(column).for_each(|(y, column)| *y += factor * column);
-        factor *= count(length - 1 - i) * late;
+        factor *= real(length - 1 - i) * late;
     }
     let back = dot(&t, &y);
     y.iter_mut().zip(&x).for_each(|(y, x)| *y -= back * x);
@@ -175,7 +175,7 @@ fn thrice(rows: &Vectors<3>, map: &[[f64; 3]; 3], columns: &Vectors<3>) -> Resul
 
 /// Subtracts the mean.
 pub(super) fn sum_to_zero(row: &mut [f64]) {
-    let mean = row.iter().sum::<f64>() / count(row.len());
+    let mean = row.iter().sum::<f64>() / real(row.len());
     row.iter_mut().for_each(|x| *x -= mean);
 }
 
@@ -321,7 +321,7 @@ fn chain<const K: usize>(h: &[Vec<f64>], vectors: &[Vec<f64>], images: &[Vec<f64
     let image = |u: &[f64]| times(u, &small);
     let largest = dot(&image(&first), &first);
     let rest: Vec<Vec<f64>> = others.iter().map(|u| others.iter().map(|v| dot(&image(u), v)).collect()).collect();
-    let repeated = (0..K - 1).map(|i| rest[i][i]).sum::<f64>() / count(K - 1);
+    let repeated = (0..K - 1).map(|i| rest[i][i]).sum::<f64>() / real(K - 1);
     let ahead = after < (1.0 - GAP) * repeated && repeated < (1.0 - GAP) * largest;
     if left_over > RESIDUAL * size || !ahead {
         return None;
@@ -374,9 +374,4 @@ pub(super) fn starting_vectors(n: usize, width: usize) -> Vec<Vec<f64>> {
         unit - 0.5
     };
     (0..width).map(|_| (0..n).map(|_| next()).collect()).collect()
-}
-
-#[expect(clippy::cast_precision_loss, reason = "patches have few vertices")]
-fn count(n: usize) -> f64 {
-    n as f64
 }

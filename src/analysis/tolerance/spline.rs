@@ -2,6 +2,7 @@
 
 use super::hull::MAX_REACH;
 use super::no_level::NoLevel;
+use crate::math::functions::real;
 use crate::scheme::letter::Letter;
 use crate::scheme::operator::SplineStep;
 use crate::scheme::plan::{Plan, Scheduled};
@@ -141,7 +142,7 @@ fn paired(plan: &Plan) -> Result<Vec<Letter>, NoLevel> {
 /// The same where half an average is the last of so many, for quads after the upsampling: each moves by half of the
 /// greatest second difference at most, and half an average and the next upsampling by no more.
 fn halved_factor(averages: usize) -> f64 {
-    4.0 / 3.0 * 0.5 * f64::from(u32::try_from(averages).unwrap_or(u32::MAX))
+    4.0 / 3.0 * 0.5 * real(averages)
 }
 
 /// The sum of what all averages of all levels move, over the greatest second difference before them, at most: the first
@@ -152,6 +153,5 @@ fn factor(tile: Tile, averages: usize) -> f64 {
         Tile::Quad => (1.0 / 4.0, 1.0 / 8.0),
         Tile::Triangle => (3.0 / 16.0, 3.0 / 32.0),
     };
-    let others = f64::from(u32::try_from(others).unwrap_or(u32::MAX));
-    4.0 / 3.0 * (first + each * others)
+    4.0 / 3.0 * (first + each * real(others))
 }
