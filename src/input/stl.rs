@@ -20,12 +20,8 @@ const NORMAL: usize = 12;
 /// STL, text or binary. Equal corners become one vertex, in the order of their first appearance; triangles with two
 /// equal corners are left out, with a note. Normals and attribute bytes are ignored, several solids are groups. A text
 /// may break its lines anywhere; only names end with their lines.
-pub(super) const STL: Reader = Reader {
-    name: "stl",
-    media_type: "model/stl",
-    doc: "STL, text or binary; equal corners are joined",
-    read,
-};
+pub(super) const STL: Reader =
+    Reader { name: "stl", media_type: "model/stl", doc: "STL, text or binary; equal corners are joined", read };
 
 fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
     let mut soup = Soup { mesh: Collected::new(limits), solids: Vec::new() };

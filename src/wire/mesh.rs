@@ -81,7 +81,7 @@ pub struct UvsRequest {
 
 choice! {
     /// Where texture coordinates are interpolated linearly.
-    pub enum InterpolationRequest {
+    pub enum InterpolationRequest means Interpolation {
         /// Nowhere: boundaries and seams are smooth curves.
         None = "none",
         /// Corners, where a region has one face, keep their values.
@@ -99,14 +99,7 @@ choice! {
 
 impl UvsRequest {
     fn resolve(self) -> UvsInput {
-        let interpolation = match self.interpolation {
-            Some(InterpolationRequest::None) => Interpolation::None,
-            Some(InterpolationRequest::CornersOnly) => Interpolation::CornersOnly,
-            Some(InterpolationRequest::CornersPlus1) => Interpolation::CornersPlus1,
-            Some(InterpolationRequest::CornersPlus2) => Interpolation::CornersPlus2,
-            Some(InterpolationRequest::Boundaries) => Interpolation::Boundaries,
-            None | Some(InterpolationRequest::All) => Interpolation::All,
-        };
+        let interpolation = self.interpolation.map(Into::into).unwrap_or_default();
         UvsInput { values: self.values, faces: face_list(&self.faces), interpolation }
     }
 }
