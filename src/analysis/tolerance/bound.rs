@@ -6,9 +6,9 @@ use super::budget::Budget;
 use super::cut::twist;
 use super::level::Level;
 use super::nearest::{Faces, Surface, farthest};
-use super::no_level::NoLevel;
 use super::remainder::Remainders;
 use super::spline::Spline;
+use crate::analysis::no_level::NoLevel;
 use crate::math::vector::{Vector, length, minus};
 
 /// Faces of a net up to which it is refined further.

@@ -6,9 +6,9 @@ use super::bend::{Bend, Box3, around, bends, spread};
 use super::budget::Budget;
 use super::hull::Hulls;
 use super::level::Level;
-use super::no_level::NoLevel;
 use super::sheet::Sheet;
 use super::spline::Spline;
+use crate::analysis::no_level::NoLevel;
 use crate::math::vector::{Vector, cross, length, minus, plus, times};
 
 /// A vector at length 1; zero for zero.
