@@ -2,12 +2,10 @@
 
 use rayon::prelude::*;
 
+use super::indices::MAX_REPORTED;
 use super::topology::{Faces, NONE, Topology, index};
 use crate::fault::Fault;
 use crate::math::sharing::is_small;
-
-/// Most faults of a kind reported one by one; the rest are counted, or left out.
-pub(super) const MAX_REPORTED: usize = 20;
 
 /// A face list: face `f` has the vertices `vertices[starts[f]..starts[f + 1]]`.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -188,32 +186,6 @@ pub fn oriented(n_vertices: usize, faces: &mut FaceList, winding: Winding) -> Re
     let sides = sides(n_vertices, faces);
     check_edges(faces, &sides)?;
     orient(faces, &sides, winding)
-}
-
-/// Indices of points or faces, as `what` says, that a shape has so many of, ascending and each once. The list is at
-/// `place`.
-pub(super) fn check_indices(
-    place: &str,
-    what: &str,
-    indices: &[u64],
-    (shape, n): (&str, usize),
-    faults: &mut Vec<Fault>,
-) -> Vec<u32> {
-    let mut found = Vec::with_capacity(indices.len());
-    let most = faults.len() + MAX_REPORTED;
-    for (i, &given) in indices.iter().enumerate() {
-        match u32::try_from(given) {
-            Ok(index) if (index as usize) < n => found.push(index),
-            _ if faults.len() == most => {}
-            _ => {
-                let detail = format!("there is no {what} {given}; the {shape} has {n}, counted from 0");
-                faults.push(Fault::new(format!("{place}/{i}"), detail));
-            }
-        }
-    }
-    found.sort_unstable();
-    found.dedup();
-    found
 }
 
 /// Reports the first of some faults, and how many there are. The others are not kept: their sentences would be longer

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::indices::MAX_REPORTED;
 use super::topology::{Topology, index};
 use crate::fault::Fault;
 
@@ -22,9 +23,6 @@ pub struct Tags {
     /// Sharp vertices.
     pub corners: Sharp,
 }
-
-/// Most faults reported one by one.
-const MAX_REPORTED: usize = 20;
 
 /// The sharpness of what a client tags, with the place of its first tag.
 type Tagged<K> = BTreeMap<K, (usize, f64)>;

@@ -2,11 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use super::indices::MAX_REPORTED;
 use super::topology::{NONE, Topology, index};
 use crate::fault::Fault;
-
-/// Most faults reported one by one.
-const MAX_REPORTED: usize = 20;
 
 /// The direction of an edge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]

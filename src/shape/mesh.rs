@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use super::attachments::{Attachments, AttachmentsInput};
 use super::attributes::Attributes;
-use super::check::{FaceList, Winding, check_indices};
+use super::check::{FaceList, Winding};
 use super::creases::{INFINITE_SHARPNESS, Pairs, Sharp, Tags, check_corners};
 use super::directions::Directions;
+use super::indices::check_indices;
 use super::repairs::{Faces, Repair};
 use super::topology::{Topology, index};
 use crate::fault::{Fault, under};

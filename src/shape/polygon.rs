@@ -1,7 +1,7 @@
 //! Control polygons.
 
 use super::attributes::Attributes;
-use super::check::{MAX_REPORTED, check_indices};
+use super::indices::{MAX_REPORTED, check_indices};
 use crate::fault::{Fault, under};
 use crate::math::functions::sqrt;
 
