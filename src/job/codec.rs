@@ -23,33 +23,28 @@ impl Item<'_> {
     /// Appends the encoding: tag (1 byte), length (8 bytes little endian) where it varies, content little endian.
     pub fn encode(&self, out: &mut Vec<u8>) {
         let number = |x: &f64| (x + 0.0).to_bits().to_le_bytes();
+        let mut start = |tag: u8, head: [u8; 8]| {
+            out.push(tag);
+            out.extend(head);
+        };
+        let length = |n: usize| (n as u64).to_le_bytes();
         match self {
-            Self::Integer(x) => {
-                out.push(1);
-                out.extend(x.to_le_bytes());
-            }
-            Self::Number(x) => {
-                out.push(2);
-                out.extend(number(x));
-            }
+            Self::Integer(x) => start(1, x.to_le_bytes()),
+            Self::Number(x) => start(2, number(x)),
             Self::Text(text) => {
-                out.push(3);
-                out.extend((text.len() as u64).to_le_bytes());
+                start(3, length(text.len()));
                 out.extend(text.as_bytes());
             }
             Self::Numbers(xs) => {
-                out.push(4);
-                out.extend((xs.len() as u64).to_le_bytes());
+                start(4, length(xs.len()));
                 xs.iter().for_each(|x| out.extend(number(x)));
             }
             Self::Indices(xs) => {
-                out.push(5);
-                out.extend((xs.len() as u64).to_le_bytes());
+                start(5, length(xs.len()));
                 xs.iter().for_each(|x| out.extend(x.to_le_bytes()));
             }
             Self::List(items) => {
-                out.push(6);
-                out.extend((items.len() as u64).to_le_bytes());
+                start(6, length(items.len()));
                 items.iter().for_each(|item| item.encode(out));
             }
         }

@@ -105,10 +105,8 @@ pub(super) fn of<'a>(
         (Leading::Thrice(rows, map), Leading::Thrice(columns, _)) => thrice(&rows, &map, &columns)?,
         _ => return Err(NoTangents::Eigenvalues),
     };
-    match orientation(centre, faces.into_iter(), |i| [x[i as usize], y[i as usize]])? {
-        Orientation::Left => Ok([t, u]),
-        Orientation::Right => Ok([u, t]),
-    }
+    let is_left = turns_left(centre, &faces, |i| [x[i as usize], y[i as usize]])?;
+    Ok(if is_left { [t, u] } else { [u, t] })
 }
 
 /// The tangents and the characteristic map where the second eigenvalue b has a chain `M y_1 = b y_1`,
@@ -179,26 +177,15 @@ pub(super) fn sum_to_zero(row: &mut [f64]) {
     row.iter_mut().for_each(|x| *x -= mean);
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Orientation {
-    Left,
-    Right,
-}
-
-/// To which side the faces at the centre turn at their vertices in the plane, where all turn the same way. A face that
-/// is alone around a vertex may be straight there. Where points come together, as those of a boundary that shrinks
-/// faster than what is inside, there is no plane.
-fn orientation<'a>(
-    centre: Centre,
-    faces: impl Iterator<Item = &'a [u32]>,
-    place: impl Fn(u32) -> [f64; 2],
-) -> Result<Orientation, NoTangents> {
-    let faces: Vec<&[u32]> = faces.collect();
+/// Whether the faces at the centre turn to the left at their vertices in the plane, or all to the right. A face that is
+/// alone around a vertex may be straight there. Where points come together, as those of a boundary that shrinks faster
+/// than what is inside, there is no plane.
+fn turns_left(centre: Centre, faces: &[&[u32]], place: impl Fn(u32) -> [f64; 2]) -> Result<bool, NoTangents> {
     let mut sines = Vec::new();
     let mut alone = 0.0;
     let extent =
         faces.iter().flat_map(|face| face.iter()).flat_map(|&v| place(v)).fold(0.0, |most: f64, x| most.max(x.abs()));
-    for face in &faces {
+    for face in faces {
         for i in 0..face.len() {
             let [p, q, r] = [i + face.len() - 1, i, i + 1].map(|k| place(face[k % face.len()]));
             let (a, b) = ([r[0] - q[0], r[1] - q[1]], [p[0] - q[0], p[1] - q[1]]);
@@ -215,9 +202,9 @@ fn orientation<'a>(
         }
     }
     if sines.iter().all(|&sine| sine > 1e-9) && alone > -1e-9 {
-        Ok(Orientation::Left)
+        Ok(true)
     } else if sines.iter().all(|&sine| sine < -1e-9) && alone < 1e-9 {
-        Ok(Orientation::Right)
+        Ok(false)
     } else {
         Err(NoTangents::Folded)
     }
