@@ -3,7 +3,7 @@
 use super::attributes::Attributes;
 use super::indices::{MAX_REPORTED, check_indices};
 use crate::fault::{Fault, under};
-use crate::math::functions::sqrt;
+use crate::math::vector::reduce;
 
 /// Most coordinates a point may have.
 pub const MAX_DIMENSION: usize = 4;
@@ -115,20 +115,17 @@ impl Polygon {
             if faults.len() == most_faults {
                 break;
             }
-            let most = tangent.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+            let mut direction: Vec<f64> = tangent.iter().map(|x| x + 0.0).collect();
             if tangent.len() != self.dimension {
                 let detail =
                     format!("{} coordinates; points have {}, and so have tangents", tangent.len(), self.dimension);
                 faults.push(Fault::new(place, detail));
             } else if let Some(j) = tangent.iter().position(|x| !x.is_finite()) {
                 faults.push(Fault::new(format!("{place}/{j}"), format!("{} is not a finite number", tangent[j])));
-            } else if most == 0.0 {
-                faults.push(Fault::new(place, "the vector 0 has no direction; give a tangent of any other length"));
+            } else if let Some(length) = reduce(&mut direction) {
+                directions.extend(direction.iter().map(|x| x / length + 0.0));
             } else {
-                // divided by the largest coordinate first, so that no square overflows
-                let scaled = tangent.iter().map(|x| x / most + 0.0);
-                let norm = sqrt(scaled.clone().map(|x| x * x).sum());
-                directions.extend(scaled.map(|x| x / norm));
+                faults.push(Fault::new(place, "the vector 0 has no direction; give a tangent of any other length"));
             }
         }
         directions
