@@ -14,15 +14,12 @@ pub enum NoLevel {
     Stopped(#[from] Stopped),
 }
 
-impl NoLevel {
-    /// The refusal with this sentence.
-    pub(super) fn new(why: impl ToString) -> Self {
-        Self::Refused(why.to_string())
-    }
-}
-
 impl From<RefineError> for NoLevel {
     fn from(error: RefineError) -> Self {
-        if let RefineError::Stopped(stopped) = error { Self::Stopped(stopped) } else { Self::new(error) }
+        if let RefineError::Stopped(stopped) = error {
+            Self::Stopped(stopped)
+        } else {
+            Self::Refused(error.to_string())
+        }
     }
 }

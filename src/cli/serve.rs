@@ -44,7 +44,7 @@ async fn stopped() {
         if let Ok(mut terminate) = tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate()) {
             terminate.recv().await;
         } else {
-            std::future::pending().await
+            std::future::pending::<()>().await;
         }
     };
     #[cfg(not(unix))]

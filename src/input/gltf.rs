@@ -12,7 +12,6 @@ mod transform;
 use self::buffers::Document;
 use super::reader::{ReadLimits, ReadMesh, Reader};
 use super::room::Room;
-use crate::fault::Fault;
 
 /// glTF in one text file. Buffers have to be data URIs.
 ///
@@ -27,7 +26,7 @@ pub(super) const GLTF: Reader = Reader {
     doc: "glTF 2.0 in JSON with data URIs: the triangles of its scene",
     read: |bytes, limits| {
         if bytes.starts_with(b"glTF") {
-            return Err(vec![Fault::new("", "the file is binary; read it as glb")]);
+            return Err(vec!["the file is binary; read it as glb".to_owned()]);
         }
         read(bytes, limits, |room| Document::of_json(bytes, None, room))
     },
@@ -45,8 +44,8 @@ fn read<'a>(
     bytes: &[u8],
     limits: &ReadLimits,
     document: impl FnOnce(&mut Room) -> Result<Document<'a>, String>,
-) -> Result<ReadMesh, Vec<Fault>> {
+) -> Result<ReadMesh, Vec<String>> {
     let mut room = Room::new(bytes.len());
     let mesh = document(&mut room).and_then(|document| scene::read(&document, bytes.len(), room, limits));
-    mesh.map_err(|detail| vec![Fault::new("", detail)])
+    mesh.map_err(|detail| vec![detail])
 }

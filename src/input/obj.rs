@@ -13,7 +13,6 @@ use self::faces::Faces;
 use super::collect::Collected;
 use super::reader::{ReadLimits, ReadMesh, Reader};
 use super::text::{at_line, number, numbers, quoted, text};
-use crate::fault::Fault;
 use crate::shape::attachments::Channel;
 
 /// Faults that are told one by one.
@@ -53,8 +52,8 @@ pub(super) const OBJ: Reader = Reader {
     read,
 };
 
-fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
-    let text = text(bytes).map_err(|fault| vec![fault])?;
+fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<String>> {
+    let text = text(bytes).map_err(|detail| vec![detail])?;
     let mut state = State::new(limits);
     let mut lines = text.lines().enumerate();
     let mut joined = String::new();
@@ -75,7 +74,7 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
         if let Err(detail) = state.line(i + 1, line) {
             state.faults.push(at_line(i + 1, detail));
             if state.faults.len() == MAX_FAULTS {
-                state.faults.push(Fault::new("", "there may be more faults behind these"));
+                state.faults.push("there may be more faults behind these".to_owned());
                 return Err(state.faults);
             }
         }
@@ -96,7 +95,7 @@ struct State {
     tags: tags::Tags,
     /// How many elements of a kind were left out.
     left_out: BTreeMap<String, usize>,
-    faults: Vec<Fault>,
+    faults: Vec<String>,
 }
 
 impl State {
@@ -173,7 +172,7 @@ impl State {
         Ok(())
     }
 
-    fn finish(mut self) -> Result<ReadMesh, Vec<Fault>> {
+    fn finish(mut self) -> Result<ReadMesh, Vec<String>> {
         let counts = [self.mesh.mesh.positions.len(), self.uvs.len(), self.n_normals];
         self.faults.extend(self.faces.beyond(counts, &self.mesh.mesh.faces));
         if !self.faults.is_empty() {
@@ -189,7 +188,7 @@ impl State {
             mesh.notes.push(format!("colours are left out: {} of {n} vertices have one", self.colors.len() / 4));
         }
         self.faces.finish(self.uvs, &mut mesh);
-        self.tags.finish(&mut mesh).map_err(|fault| vec![fault])?;
+        self.tags.finish(&mut mesh).map_err(|detail| vec![detail])?;
         mesh.notes.extend(self.left_out.iter().map(|(what, n)| format!("{what} are left out: {n}")));
         Ok(mesh)
     }

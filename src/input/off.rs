@@ -5,7 +5,6 @@
 use super::collect::{Collected, vertex_index};
 use super::reader::{ReadLimits, ReadMesh, Reader, Uvs};
 use super::text::{Words, at_line, count, number, quoted, text};
-use crate::fault::Fault;
 use crate::shape::attachments::Channel;
 
 /// Least bytes of a vertex ("0 0 0" and a line break) and of a face ("3 0 1 2").
@@ -19,7 +18,7 @@ pub(super) const OFF: Reader = Reader {
     name: "off",
     media_type: "model/off",
     doc: "Geomview OFF, COFF, NOFF, STOFF: polygons as text",
-    read: |bytes, limits| read(bytes, limits).map_err(|fault| vec![fault]),
+    read: |bytes, limits| read(bytes, limits).map_err(|detail| vec![detail]),
 };
 
 /// What the prefix says of vertices.
@@ -45,7 +44,7 @@ impl Kind {
     }
 }
 
-fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Fault> {
+fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     let text = text(bytes)?;
     let mut words = Words::new(&text, 1, Some('#'));
     let mut line = words.expect_line("\"OFF\"")?;

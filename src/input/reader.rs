@@ -1,6 +1,5 @@
 //! What every reader does, and what it hands over.
 
-use crate::fault::Fault;
 use crate::scheme::tags::Boundary;
 use crate::shape::attachments::Channel;
 use crate::shape::check::FaceList;
@@ -16,9 +15,8 @@ pub struct Reader {
     /// One sentence for the catalogue.
     pub doc: &'static str,
     /// Reads a file. No more memory is taken than the [`weight`](super::room::weight) of the length of the bytes,
-    /// whatever counts they claim. Refusals name what is wrong by line or byte; they have no pointers, as there is
-    /// nothing but the file.
-    pub read: fn(&[u8], &ReadLimits) -> Result<ReadMesh, Vec<Fault>>,
+    /// whatever counts they claim. Refusals are sentences that name what is wrong by line or byte.
+    pub read: fn(&[u8], &ReadLimits) -> Result<ReadMesh, Vec<String>>,
 }
 
 /// Bounds on one file.

@@ -2,24 +2,22 @@
 
 use std::borrow::Cow;
 
-use crate::fault::Fault;
-
 /// The text of a file. Names may be in any encoding; what is no UTF-8 in them is replaced. Lines may all end in
 /// carriage returns alone.
 ///
 /// # Errors
 /// Text of 16-bit units.
-pub(super) fn text(bytes: &[u8]) -> Result<Cow<'_, str>, Fault> {
+pub(super) fn text(bytes: &[u8]) -> Result<Cow<'_, str>, String> {
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
-        return Err(Fault::new("", "the text is UTF-16; save it as UTF-8"));
+        return Err("the text is UTF-16; save it as UTF-8".to_owned());
     }
     let text = String::from_utf8_lossy(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes));
     Ok(if text.contains('\r') && !text.contains('\n') { Cow::Owned(text.replace('\r', "\n")) } else { text })
 }
 
 /// A fault in a line, counted from 1.
-pub(super) fn at_line(line: usize, detail: impl std::fmt::Display) -> Fault {
-    Fault::new("", format!("line {line}: {detail}"))
+pub(super) fn at_line(line: usize, detail: impl std::fmt::Display) -> String {
+    format!("line {line}: {detail}")
 }
 
 /// A word for a message: shortened, with marks around it.
@@ -85,7 +83,7 @@ impl<'a> Words<'a> {
     ///
     /// # Errors
     /// The text is at its end; `what` was expected.
-    pub(super) fn expect(&mut self, what: &str) -> Result<&'a str, Fault> {
+    pub(super) fn expect(&mut self, what: &str) -> Result<&'a str, String> {
         self.next().ok_or_else(|| at_line(self.line.max(1), format!("the file ends where {what} should follow")))
     }
 
@@ -93,7 +91,7 @@ impl<'a> Words<'a> {
     ///
     /// # Errors
     /// The text is at its end; `what` was expected.
-    pub(super) fn expect_line(&mut self, what: &str) -> Result<std::str::SplitAsciiWhitespace<'a>, Fault> {
+    pub(super) fn expect_line(&mut self, what: &str) -> Result<std::str::SplitAsciiWhitespace<'a>, String> {
         loop {
             let Some(line) = self.next_line() else {
                 return Err(at_line(self.line.max(1), format!("the file ends where {what} should follow")));

@@ -92,7 +92,8 @@ impl MeshFile {
             let detail = format!("there is no reader \"{}\"; known are {}", shortened(&self.format), known.join(", "));
             return Err(vec![Fault::new("/format", detail)]);
         };
-        let mut mesh = (reader.read)(&self.bytes, limits).map_err(at_data)?;
+        let refused = |details: Vec<String>| details.into_iter().map(|detail| Fault::new("/data", detail)).collect();
+        let mut mesh = (reader.read)(&self.bytes, limits).map_err::<Vec<Fault>, _>(refused)?;
         let (boundary, lines) = (mesh.boundary, std::mem::take(&mut mesh.lines));
         Ok(Held { mesh: mesh.into_input(winding), boundary, lines })
     }

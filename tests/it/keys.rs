@@ -435,29 +435,29 @@ fn encoded(item: &Item<'_>) -> Vec<u8> {
     bytes
 }
 
+/// Takes so many bytes off an encoding.
+fn take<'a>(bytes: &mut &'a [u8], n: usize) -> &'a [u8] {
+    bytes.split_off(..n).expect("an encoding is whole")
+}
+
+fn eight(bytes: &mut &[u8]) -> [u8; 8] {
+    take(bytes, 8).try_into().expect("there are eight")
+}
+
 /// Takes the first item of an encoding off it.
 fn decoded(bytes: &mut &[u8]) -> Item<'static> {
-    fn take<'a>(bytes: &mut &'a [u8], n: u64) -> &'a [u8] {
-        bytes.split_off(..n as usize).expect("an encoding is whole")
-    }
-    fn eight(bytes: &mut &[u8]) -> [u8; 8] {
-        take(bytes, 8).try_into().unwrap()
-    }
-    fn length(bytes: &mut &[u8]) -> u64 {
-        u64::from_le_bytes(eight(bytes))
-    }
+    let length = |bytes: &mut &[u8]| usize::try_from(u64::from_le_bytes(eight(bytes))).expect("it is short");
     match take(bytes, 1)[0] {
         1 => Item::Integer(u64::from_le_bytes(eight(bytes))),
         2 => Item::Number(f64::from_le_bytes(eight(bytes))),
         3 => {
             let n = length(bytes);
-            Item::Text(String::from_utf8(take(bytes, n).to_vec()).unwrap().into())
+            Item::Text(String::from_utf8(take(bytes, n).to_vec()).expect("it was a text").into())
         }
         4 => Item::Numbers((0..length(bytes)).map(|_| f64::from_le_bytes(eight(bytes))).collect()),
         5 => {
             let n = length(bytes);
-            let number = |b: &[u8; 4]| u32::from_le_bytes(*b);
-            Item::Indices(take(bytes, 4 * n).as_chunks().0.iter().map(number).collect())
+            Item::Indices(take(bytes, 4 * n).as_chunks().0.iter().map(|b| u32::from_le_bytes(*b)).collect())
         }
         6 => Item::List((0..length(bytes)).map(|_| decoded(bytes)).collect()),
         tag => panic!("{tag} is no tag"),

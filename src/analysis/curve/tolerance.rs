@@ -51,7 +51,7 @@ pub struct Reached {
 
 impl From<NoBound> for NoLevel {
     fn from(error: NoBound) -> Self {
-        if let NoBound::Stopped(stopped) = error { Self::Stopped(stopped) } else { Self::new(error) }
+        if let NoBound::Stopped(stopped) = error { Self::Stopped(stopped) } else { Self::Refused(error.to_string()) }
     }
 }
 
@@ -62,15 +62,15 @@ impl From<NoBound> for NoLevel {
 pub fn reach(polygons: &[Polygon], plan: &Plan, tolerance: f64, watch: &Watch) -> Result<Reached, NoLevel> {
     let distances = Distances::of(plan, watch)?;
     for polygon in polygons {
-        check(polygon, plan).map_err(NoLevel::new)?;
+        check(polygon, plan).map_err(|error| NoLevel::Refused(error.to_string()))?;
         if polygon.rational {
             let why = "rational points are divided by their weights at the end, which distances do not survive";
-            return Err(NoLevel::new(format!("{why}; give \"levels\" as a number")));
+            return Err(NoLevel::Refused(format!("{why}; give \"levels\" as a number")));
         }
         let size = polygon.points.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         if tolerance < LEAST * size {
             let least = size * LEAST;
-            return Err(NoLevel::new(format!(
+            return Err(NoLevel::Refused(format!(
                 "{tolerance:?} is below what rounding leaves of coordinates of {size:?}; ask for at least {least:?}"
             )));
         }
@@ -79,7 +79,7 @@ pub fn reach(polygons: &[Polygon], plan: &Plan, tolerance: f64, watch: &Watch) -
     let found = distances.level(&bends, tolerance)?;
     let (level, bound) = found.ok_or_else(|| {
         let never = format!("no level up to {MAX_LEVELS} is known to be within {tolerance:?} of the limit");
-        NoLevel::new(format!("{never}; ask for a coarser tolerance"))
+        NoLevel::Refused(format!("{never}; ask for a coarser tolerance"))
     })?;
     Ok(Reached { level, bound })
 }

@@ -108,7 +108,7 @@ impl From<RefineError> for Unlimited {
 
 impl From<Unlimited> for NoLevel {
     fn from(error: Unlimited) -> Self {
-        if let Unlimited::Stopped(stopped) = error { Self::Stopped(stopped) } else { Self::new(error) }
+        if let Unlimited::Stopped(stopped) = error { Self::Stopped(stopped) } else { Self::Refused(error.to_string()) }
     }
 }
 

@@ -36,7 +36,7 @@ impl Budget {
         if self.watch.done() <= self.most {
             return Ok(());
         }
-        Err(NoLevel::new(format!(
+        Err(NoLevel::Refused(format!(
             "the search for a level this close to the limit has taken more than {MAX_WORK} steps, which is the most \
              that is done; ask for a coarser tolerance, or give \"levels\" as a number"
         )))

@@ -38,7 +38,7 @@ fn check_size(mesh: &Mesh, tolerance: f64) -> Result<f64, NoLevel> {
         return Ok(size);
     }
     let least = size * LEAST;
-    Err(NoLevel::new(format!(
+    Err(NoLevel::Refused(format!(
         "{tolerance} is below what rounding leaves of coordinates of {size}; ask for at least {least}"
     )))
 }
@@ -76,7 +76,7 @@ pub fn reach(mesh: &Mesh, plan: &Plan, placed: &[Placed], tolerance: f64, watch:
         walk.leave(&spline, tolerance, budget)?;
         let faces = walk.level.faces_after(spline.rounds.len() + usize::from(spline.halved));
         if faces > MAX_FACES {
-            return Err(NoLevel::new(format!(
+            return Err(NoLevel::Refused(format!(
                 "level {} has {faces} faces near which distances are not bounded in advance; up to {MAX_FACES} are \
                  looked at: ask for a coarser tolerance, or give \"levels\" as a number",
                 level + 1
@@ -84,7 +84,7 @@ pub fn reach(mesh: &Mesh, plan: &Plan, placed: &[Placed], tolerance: f64, watch:
         }
         walk.on(&spline, watch)?;
     }
-    Err(NoLevel::new(format!(
+    Err(NoLevel::Refused(format!(
         "no level up to {MAX_LEVEL} is known to be within {tolerance} of the limit; ask for a coarser tolerance"
     )))
 }

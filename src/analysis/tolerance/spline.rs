@@ -55,9 +55,10 @@ impl Spline {
         }
         let dual = plan.word.cycle.iter().any(|letter| step(plan, letter) == Ok(SplineStep::HalfMean));
         if dual && mesh.topology.n_boundary() > 0 {
-            return Err(NoLevel::new(
+            return Err(NoLevel::Refused(
                 "a dual scheme loses the boundary, which the limit is not near to; close the mesh, or give \"levels\" \
-                 as a number",
+                 as a number"
+                    .to_owned(),
             ));
         }
         let plan = Plan { word: Word { cycle: paired(plan)?, ..plan.word.clone() }, ..plan.clone() };
@@ -66,7 +67,7 @@ impl Spline {
         for later in &scheduled(LOOKED_AT)?[prefix.len()..] {
             #[expect(clippy::float_cmp, reason = "a kernel that is 1 is computed without rounding")]
             if later.kernel != 1.0 {
-                return Err(NoLevel::new(format!(
+                return Err(NoLevel::Refused(format!(
                     "the kernel is {} at some level; distances are bounded for splines, whose kernel is 1 at all \
                      levels: leave it out, or give \"levels\" as a number",
                     later.kernel
@@ -118,21 +119,22 @@ impl Spline {
 
 /// The refusal of what lets no distance be known.
 fn unknown(why: &str) -> NoLevel {
-    NoLevel::new(format!("{why} no distance to the limit is known in advance; give \"levels\" as a number"))
+    NoLevel::Refused(format!("{why} no distance to the limit is known in advance; give \"levels\" as a number"))
 }
 
 /// The refusal of another scheme, which makes no splines for a reason.
 fn no_spline(why: &str) -> NoLevel {
-    NoLevel::new(format!(
+    NoLevel::Refused(format!(
         "distances are bounded for {SPLINES}, which this plan does not as {why}; give \"levels\" as a number"
     ))
 }
 
 /// The refusal of D that stand alone in other places than the last before an upsampling.
 fn single_dual() -> NoLevel {
-    NoLevel::new(
+    NoLevel::Refused(
         "distances are bounded where each U of the cycle is followed by C and pairs of D, or each by one D more, \
-         which comes last; use C instead, or give \"levels\" as a number",
+         which comes last; use C instead, or give \"levels\" as a number"
+            .to_owned(),
     )
 }
 

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use crate::fault::Fault;
 use crate::input::reader::ReadMesh;
 use crate::input::text::{at_line, count, number, quoted};
 use crate::scheme::tags::Boundary;
@@ -92,7 +91,7 @@ impl Tags {
     }
 
     /// Hands over what names vertices and faces that exist.
-    pub(super) fn finish(self, mesh: &mut ReadMesh) -> Result<(), Fault> {
+    pub(super) fn finish(self, mesh: &mut ReadMesh) -> Result<(), String> {
         let vertices = mesh.positions.len() as u64;
         let faces = mesh.faces.len() as u64;
         let beyond = |line: usize, what: &str, i: u64, n: u64| {

@@ -50,7 +50,9 @@ impl Plan {
             most = most.max(follows);
             if subject.creased && follows == Follows::Corners && !dual {
                 let rule = "this scheme knows no creases; leave them out";
-                return Err(StepError::new(format!("{rule}, or use catmull-clark, push-back or a word over U, C and P")));
+                return Err(StepError::new(format!(
+                    "{rule}, or use catmull-clark, push-back or a word over U, C and P"
+                )));
             }
             match role {
                 Role::Upsample if letter.facts().has(&MASK) => {

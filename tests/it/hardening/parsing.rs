@@ -17,7 +17,7 @@ fn peak(format: &str, file: &[u8]) -> u64 {
 /// The first sentence of a refusal.
 fn refusal(format: &str, file: &str) -> String {
     let reader = input::named(format).unwrap();
-    (reader.read)(file.as_bytes(), &ReadLimits::default()).unwrap_err().swap_remove(0).detail
+    (reader.read)(file.as_bytes(), &ReadLimits::default()).unwrap_err().swap_remove(0)
 }
 
 fn many(start: &str, part: &str, end: &str) -> Vec<u8> {
