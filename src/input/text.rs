@@ -84,7 +84,11 @@ impl<'a> Words<'a> {
     /// # Errors
     /// The text is at its end; `what` was expected.
     pub(super) fn expect(&mut self, what: &str) -> Result<&'a str, String> {
-        self.next().ok_or_else(|| at_line(self.line.max(1), format!("the file ends where {what} should follow")))
+        self.next().ok_or_else(|| self.ends(what))
+    }
+
+    fn ends(&self, what: &str) -> String {
+        at_line(self.line.max(1), format!("the file ends where {what} should follow"))
     }
 
     /// The words of the next line that has any.
@@ -93,9 +97,7 @@ impl<'a> Words<'a> {
     /// The text is at its end; `what` was expected.
     pub(super) fn expect_line(&mut self, what: &str) -> Result<std::str::SplitAsciiWhitespace<'a>, String> {
         loop {
-            let Some(line) = self.next_line() else {
-                return Err(at_line(self.line.max(1), format!("the file ends where {what} should follow")));
-            };
+            let line = self.next_line().ok_or_else(|| self.ends(what))?;
             if line.clone().next().is_some() {
                 return Ok(line);
             }
@@ -109,9 +111,7 @@ impl<'a> Words<'a> {
 
     /// Passes over so many of them.
     pub(super) fn pass(&mut self, n: usize) {
-        (0..n).for_each(|_| {
-            self.left.next();
-        });
+        self.left.by_ref().take(n).for_each(drop);
     }
 
     fn next_line(&mut self) -> Option<std::str::SplitAsciiWhitespace<'a>> {

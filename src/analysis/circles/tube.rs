@@ -4,7 +4,7 @@ use super::boundary::{Beyond, beyond};
 use super::outlook::{Circle, Outlook};
 use super::profile::Profile;
 use super::ring::{ROUNDING, Ring, tilt};
-use super::words::{self, Reach};
+use super::words;
 use crate::analysis::limit::{Unlimited, check_continuous};
 use crate::math::expression::Expression;
 use crate::math::functions::{cos, real};
@@ -106,23 +106,22 @@ impl<'a> Tube<'a> {
     }
 
     fn circle(&self, line: &Line) -> Result<Circle, String> {
-        let reach = Reach::of(&self.steps, self.is_pushed());
+        let [given, widest] = words::reach(&self.steps, self.is_pushed());
         let (ring, delta) = (self.ring(&line.vertices)?, self.delta(&line.vertices)?);
         let alpha = self.alpha(&line.vertices)?;
         let mut like = ring;
         let sides = match self.beyond_ring(&line.vertices)? {
             Beyond::End => [Side::Left, Side::Right].map(|_| Rings::default()),
-            Beyond::Smooth => [
-                self.side(line, &mut like, Side::Left, reach.given)?,
-                self.side(line, &mut like, Side::Right, reach.given)?,
-            ],
+            Beyond::Smooth => {
+                [self.side(line, &mut like, Side::Left, given)?, self.side(line, &mut like, Side::Right, given)?]
+            }
         };
         let [left, right] = sides;
         let place = left.nearest_first.len();
         let rings: Vec<Ring> = left.nearest_first.into_iter().rev().chain([ring]).chain(right.nearest_first).collect();
         let deltas: Vec<f64> = left.deltas.into_iter().rev().chain([delta]).chain(right.deltas).collect();
         let irregularity = rings.iter().map(|ring| ring.irregularity).fold(left.tilt.max(right.tilt), f64::max);
-        let profile = Profile::of(&rings, deltas, place, reach.widest);
+        let profile = Profile::of(&rings, deltas, place, widest);
         // rings without extent go round as often as the others
         Ok(Circle { radius: self.limit(line.vertices.len(), like.winding, alpha, &profile)?, irregularity })
     }

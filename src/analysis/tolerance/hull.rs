@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use super::level::Level;
-use super::sheet::{flat, windings};
+use super::sheet::{flat, normal, windings};
 use crate::math::functions::{real, sqrt};
 use crate::math::vector::{Vector, cross, dot, length, mean, minus, plus, times, unit};
 use crate::shape::topology::NONE;
@@ -69,9 +69,7 @@ impl<'a> Hulls<'a> {
         }
         let at = |half_edge: u32| points[topology.vertex(half_edge) as usize];
         let end = |half_edge: u32| at(topology.next(half_edge));
-        let area = |half_edge: u32| {
-            cross(minus(end(half_edge), at(half_edge)), minus(at(topology.previous(half_edge)), at(half_edge)))
-        };
+        let area = |half_edge: u32| normal(topology, points, half_edge);
         let half_edges = || around.iter().flat_map(|&f| topology.half_edges(f));
         let sum = half_edges().map(area).fold([0.0; 3], plus);
         let size = length(sum);
