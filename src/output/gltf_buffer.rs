@@ -4,15 +4,18 @@ use std::io::Write;
 use std::ops::Range;
 
 use crate::math::parameter::Values;
+use crate::math::vector::minus;
 use crate::output::bounds::Bounds;
 use crate::output::colors::linear;
 use crate::output::counts::ShapeKind;
 use crate::output::error::FormatError;
-use crate::output::gltf_amounts::{Amounts, Contents, VECTOR, check_origins};
+use crate::output::bytes::Bytes;
+use crate::output::gltf_amounts::{Amounts, Contents, check_origins};
 use crate::output::normals;
-use crate::output::numbers::{as_written, rounded};
+use crate::output::numbers::{as_written, f32_bytes, index_bytes, rounded};
+use crate::output::positions::{Positions, channels_within_f32};
 use crate::output::scene::{FaceChunk, Frame, MeshSource, Scene, Shape, in_chunks, triangles};
-use crate::output::stream::{Positions, Stream, channels_within_f32};
+use crate::output::stream::Stream;
 use crate::shape::attachments::Attachments;
 use crate::shape::labels::{LabelledFaces, by_labels};
 use crate::watch::{Stopped, Watch};
@@ -91,11 +94,7 @@ impl<'a> Buffer<'a> {
         };
         let mut parts = Vec::with_capacity(sources.len());
         for (positions, closed) in sources {
-            let mut bounds = Bounds::EMPTY;
-            positions.each_chunk(watch, |_, rows| {
-                bounds.add(rows);
-                Ok(())
-            })?;
+            let bounds = positions.bounds(watch)?;
             parts.push(PrimitiveVertices { positions, bounds, closed });
         }
         let center = center(&parts.iter().fold(Bounds::EMPTY, |all, part| all.joined(&part.bounds)))?;
@@ -141,7 +140,7 @@ impl<'a> Buffer<'a> {
     pub(super) fn write(&self, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
         let mut stream = Stream::new(out, watch);
         for part in &self.parts {
-            stream.positions(&part.positions, |_, rows, out| vectors(rows, out, |row| self.local(row)))?;
+            stream.positions(&part.positions, |_, rows, out| vectors(rows, out, |row| minus(row, self.center)))?;
         }
         let (Some(mesh), Some(part)) = (self.mesh, self.parts.first()) else { return Ok(()) };
         if self.amounts.normals {
@@ -152,23 +151,21 @@ impl<'a> Buffer<'a> {
                     normals::split_vertices(mesh, smooth, positions.rows(), watch)?
                 }
             };
-            stream.rows(0, &normals, |_, rows, out| {
-                vectors(rows, out, |normal| normals::or_up(normal).map(rounded));
-            })?;
+            stream.rows(&normals, |_, rows, out| vectors(rows, out, normals::or_up))?;
         }
         self.write_carried(mesh, &mut stream)?;
         for range in self.faces.iter().flat_map(|section| &section.ranges) {
-            stream.faces_in(mesh, range.clone(), |_, face, out| {
-                for triangle in triangles(face) {
-                    out.extend_from_slice(triangle.map(u32::to_le_bytes).as_flattened());
-                }
-            })?;
+            stream.faces_in(mesh, range.clone(), |_, faces, out| indices(faces, out))?;
         }
         if self.amounts.ids {
             for range in self.faces.iter().flat_map(|section| &section.ranges) {
-                stream.faces_in(mesh, range.clone(), |index, face, out| {
-                    let origin = mesh.face_origin(index).to_le_bytes();
-                    triangles(face).for_each(|_| out.extend_from_slice(&origin));
+                stream.faces_in(mesh, range.clone(), |start, faces, out| {
+                    let origins = (start..).zip(faces.iter()).flat_map(|(index, face)| {
+                        let origin = mesh.face_origin(index).to_le_bytes();
+                        triangles(face).map(move |_| origin)
+                    });
+                    let slots = out.rows(faces.vertices.len() - 2 * faces.len());
+                    slots.iter_mut().zip(origins).for_each(|(slot, origin)| *slot = origin);
                 })?;
             }
         }
@@ -178,17 +175,22 @@ impl<'a> Buffer<'a> {
     /// Channels, texture coordinates, and the origins of vertices where they are asked for.
     fn write_carried(&self, mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), FormatError> {
         for (i, channel) in mesh.attachments().channels.iter().enumerate() {
-            let color = channel.is_color();
-            stream.channel(mesh, i, |_, row, out| {
-                for (k, &x) in row.iter().enumerate() {
-                    let x = if color { linear(k, x) } else { x };
-                    out.extend_from_slice(&(rounded(x) + 0.0).to_le_bytes());
+            let bytes = |x: f64| (rounded(x) + 0.0).to_le_bytes();
+            stream.channel(mesh, i, |_, numbers, out| {
+                let slots = out.rows(numbers.len()).iter_mut().zip(numbers);
+                if channel.is_color() {
+                    let components = (0..channel.width).cycle();
+                    slots.zip(components).for_each(|((slot, &x), k)| *slot = bytes(linear(k, x)));
+                } else {
+                    slots.for_each(|(slot, &x)| *slot = bytes(x));
                 }
             })?;
         }
-        stream.uvs(mesh, |_, [u, v], out| {
-            // glTF counts from the upper edge of the picture downwards
-            out.extend_from_slice([u, 1.0 - v].map(|x| (rounded(x) + 0.0).to_le_bytes()).as_flattened());
+        stream.uvs(mesh, |_, values, out| {
+            for (slot, &[u, v]) in out.rows::<8>(values.len()).iter_mut().zip(values) {
+                // glTF counts from the upper edge of the picture downwards
+                slot.copy_from_slice([u, 1.0 - v].map(|x| (rounded(x) + 0.0).to_le_bytes()).as_flattened());
+            }
         })?;
         if self.amounts.ids {
             stream.each(0..mesh.n_vertices(), |vertex, out| {
@@ -236,7 +238,7 @@ fn n_triangles(mesh: &dyn MeshSource, some: &Range<usize>, watch: &Watch) -> Res
     in_chunks(some.len(), |range| {
         watch.check()?;
         mesh.faces(some.start + range.start..some.start + range.end, &mut chunk);
-        n += chunk.vertices.len() as u128 - 2 * chunk.sizes.len() as u128;
+        n += chunk.vertices.len() as u128 - 2 * chunk.len() as u128;
         Ok(())
     })?;
     Ok(n)
@@ -261,9 +263,17 @@ fn local(position: [f64; 3], center: [f64; 3]) -> [f32; 3] {
     [0, 1, 2].map(|k| rounded(position[k] - center[k]))
 }
 
-fn vectors(rows: &[[f64; 3]], out: &mut Vec<u8>, as_f32: impl Fn([f64; 3]) -> [f32; 3]) {
-    out.resize(rows.len() * VECTOR as usize, 0);
-    for (row, slot) in rows.iter().zip(out.as_chunks_mut::<{ VECTOR as usize }>().0) {
-        slot.copy_from_slice(as_f32(*row).map(f32::to_le_bytes).as_flattened());
+fn vectors(rows: &[[f64; 3]], out: &mut Bytes, changed: impl Fn([f64; 3]) -> [f64; 3]) {
+    out.rows(rows.len()).iter_mut().zip(rows).for_each(|(slot, &row)| *slot = f32_bytes(changed(row)));
+}
+
+/// The indices of the triangles of some faces.
+fn indices(faces: &FaceChunk, out: &mut Bytes) {
+    if let Some(quads) = faces.rows() {
+        let slots = out.rows::<24>(quads.len()).iter_mut().zip(quads);
+        slots.for_each(|(slot, &[a, b, c, d])| *slot = index_bytes([a, b, c, a, c, d]));
+    } else {
+        let slots = out.rows::<12>(faces.vertices.len() - 2 * faces.len()).iter_mut();
+        slots.zip(faces.iter().flat_map(triangles)).for_each(|(slot, triangle)| *slot = index_bytes(triangle));
     }
 }

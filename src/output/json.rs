@@ -15,16 +15,17 @@ use crate::output::curvature;
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::normals;
-use crate::output::numbers::{REAL, digits, real, reals, total, whole};
+use crate::output::numbers::{REAL, digits, real, reals, total};
 use crate::output::options::{IDS, ISOLINES, POSITIONS, TANGENTS};
 use crate::output::scene::{Curve, MeshSource, Scene, Shape};
 use crate::output::sections::{SECTIONS, asked};
 use crate::output::size::Size;
-use crate::output::stream::{Positions, Stream, unfit};
+use crate::output::positions::{Positions, unfit};
+use crate::output::stream::Stream;
 use crate::output::surface::{NORMALS, with_normals};
 use crate::shape::attachments::Attachments;
 use crate::watch::Watch;
-use row::row;
+use row::{faces, row, vectors};
 
 /// The option of discrete curvature.
 const CURVATURE: Parameter = Parameter {
@@ -185,22 +186,9 @@ fn warnings(warnings: &[String]) -> Vec<u8> {
 
 fn write_mesh(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     stream.bytes(br#""positions":["#)?;
-    stream.positions(&Positions::of_mesh(mesh), |start, rows, out| {
-        for (i, position) in rows.iter().enumerate() {
-            row(start + i, out, |out| reals(out, position, b','));
-        }
-    })?;
+    stream.positions(&Positions::of_mesh(mesh), vectors)?;
     stream.bytes(br#"],"faces":["#)?;
-    stream.faces(mesh, |index, face, out| {
-        row(index, out, |out| {
-            for (i, &vertex) in face.iter().enumerate() {
-                if i > 0 {
-                    out.push(b',');
-                }
-                whole(out, u64::from(vertex));
-            }
-        });
-    })?;
+    stream.faces(mesh, faces)?;
     stream.bytes(b"]")
 }
 
@@ -209,11 +197,7 @@ fn write_normals(mesh: &dyn MeshSource, stream: &mut Stream<'_>, watch: &Watch) 
     let normals = normals::of(mesh, positions.rows(), watch)?;
     drop(positions);
     stream.bytes(br#","normals":["#)?;
-    stream.rows(0, &normals, |start, rows, out| {
-        for (i, normal) in rows.iter().enumerate() {
-            row(start + i, out, |out| reals(out, normal, b','));
-        }
-    })?;
+    stream.rows(&normals, vectors)?;
     stream.bytes(b"]")
 }
 
@@ -233,11 +217,7 @@ fn write_curve(curve: &Curve, options: &Values, stream: &mut Stream<'_>) -> Resu
     }
     stream.bytes(br#""points":["#)?;
     let points: Vec<&[f64]> = curve.points.chunks_exact(curve.dimension).collect();
-    stream.rows(0, &points, |start, rows, out| {
-        for (i, point) in rows.iter().enumerate() {
-            row(start + i, out, |out| reals(out, point, b','));
-        }
-    })?;
+    stream.rows(&points, vectors)?;
     stream.bytes(format!(r#"],"closed":{}"#, curve.closed).as_bytes())?;
     if let Some(tangents) = curve.tangents.as_ref().filter(|_| options.flag(TANGENTS.name)) {
         write_tangents(tangents, curve.dimension, stream)?;
@@ -248,13 +228,11 @@ fn write_curve(curve: &Curve, options: &Values, stream: &mut Stream<'_>) -> Resu
 fn write_tangents(tangents: &[f64], dimension: usize, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     stream.bytes(br#","tangents":["#)?;
     let tangents: Vec<&[f64]> = tangents.chunks_exact(dimension).collect();
-    stream.rows(0, &tangents, |start, rows, out| {
-        for (i, tangent) in rows.iter().enumerate() {
-            if tangent.iter().any(|x| *x != 0.0) {
-                row(start + i, out, |out| reals(out, tangent, b','));
-            } else {
-                out.extend_from_slice(if start + i > 0 { b",null" } else { b"null" });
-            }
+    stream.each(0..tangents.len(), |i, out| {
+        if tangents[i].iter().any(|x| *x != 0.0) {
+            row(i, out, |out| reals(out, tangents[i], b','));
+        } else {
+            out.extend_from_slice(if i > 0 { b",null" } else { b"null" });
         }
     })?;
     stream.bytes(b"]")
@@ -262,16 +240,13 @@ fn write_tangents(tangents: &[f64], dimension: usize, stream: &mut Stream<'_>) -
 
 fn write_curvatures(curve: &Curve, n: usize, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     stream.bytes(br#","discrete_curvature":["#)?;
-    let indices: Vec<usize> = (0..n).collect();
-    stream.rows(0, &indices, |_, rows, out| {
-        for &i in rows {
-            if i > 0 {
-                out.push(b',');
-            }
-            match curvature::discrete(curve, i) {
-                Some(value) => real(out, value),
-                None => out.extend_from_slice(b"null"),
-            }
+    stream.each(0..n, |i, out| {
+        if i > 0 {
+            out.push(b',');
+        }
+        match curvature::discrete(curve, i) {
+            Some(value) => real(out, value),
+            None => out.extend_from_slice(b"null"),
         }
     })?;
     stream.bytes(b"]")

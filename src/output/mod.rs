@@ -5,6 +5,7 @@ pub mod scene;
 pub mod surface;
 
 mod bounds;
+mod bytes;
 mod colors;
 mod counts;
 mod curvature;
@@ -23,6 +24,7 @@ mod options;
 mod picture;
 mod ply;
 mod png;
+mod positions;
 mod sections;
 mod size;
 mod split_vertices;
@@ -30,7 +32,9 @@ mod stats;
 mod stl;
 mod stream;
 mod svg;
+mod text;
 mod vertex_sides;
+mod vertex_sums;
 
 pub use counts::{Counts, ShapeKind};
 pub use error::FormatError;

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use crate::math::vector::{cross, minus, plus, times, unit};
 use crate::output::bounds::Bounds;
 use crate::output::scene::{CHUNK, FaceChunk, MeshSource, in_chunks};
+use crate::output::vertex_sums::sums;
 use crate::watch::{Stopped, Watch};
 
 /// Unit normals, `n_vertices x 3`: at each vertex the sum of the area vectors of its faces, scaled to length one.
@@ -20,22 +21,7 @@ use crate::watch::{Stopped, Watch};
 /// [`Stopped`] when the watch says so.
 pub fn area(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Vec<[f64; 3]>, Stopped> {
     let scale = scale(positions);
-    let mut sums = vec![[0.0; 3]; positions.len()];
-    let mut chunk = FaceChunk::default();
-    let mut vectors = Vec::new();
-    in_chunks(mesh.n_faces(), |range| {
-        watch.check()?;
-        mesh.faces(range, &mut chunk);
-        let faces: Vec<&[u32]> = chunk.iter().collect();
-        faces.par_iter().map(|face| area_vector(face, positions, scale)).collect_into_vec(&mut vectors);
-        for (face, vector) in faces.iter().zip(&vectors) {
-            for &vertex in *face {
-                let sum = &mut sums[vertex as usize];
-                *sum = plus(*sum, *vector);
-            }
-        }
-        Ok(())
-    })?;
+    let mut sums = sums(mesh, |face| area_vector(face, positions, scale), watch)?;
     sums.par_iter_mut().for_each(|sum| *sum = unit(*sum));
     Ok(sums)
 }

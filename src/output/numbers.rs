@@ -40,6 +40,27 @@ pub(super) fn rounded(x: f64) -> f32 {
     x as f32
 }
 
+/// A vector as f32, little endian.
+pub(super) fn f32_bytes(row: [f64; 3]) -> [u8; 12] {
+    let mut bytes = [0; 12];
+    bytes.as_chunks_mut().0.iter_mut().zip(row).for_each(|(slot, x)| *slot = rounded(x).to_le_bytes());
+    bytes
+}
+
+/// A vector as f64, little endian.
+pub(super) fn f64_bytes(row: [f64; 3]) -> [u8; 24] {
+    let mut bytes = [0; 24];
+    bytes.as_chunks_mut().0.iter_mut().zip(row).for_each(|(slot, x)| *slot = x.to_le_bytes());
+    bytes
+}
+
+/// Indices, little endian; `B` is four times `N`.
+pub(super) fn index_bytes<const N: usize, const B: usize>(row: [u32; N]) -> [u8; B] {
+    let mut bytes = [0; B];
+    bytes.as_chunks_mut().0.iter_mut().zip(row).for_each(|(slot, n)| *slot = n.to_le_bytes());
+    bytes
+}
+
 /// The number that the shortest decimal of an f32 says, which is close to it but seldom the same.
 pub(super) fn as_written(x: f32) -> f64 {
     zmij::Buffer::new().format_finite(x).parse().unwrap_or(f64::from(x))

@@ -8,13 +8,15 @@ use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::normals;
-use crate::output::numbers::{REAL, digits, real, reals, total, whole};
+use crate::output::numbers::{REAL, digits, real, total, whole};
 use crate::output::options::{IDS, POSITIONS};
-use crate::output::scene::{Curve, Frame, MeshSource, Scene, Shape};
+use crate::output::positions::Positions;
+use crate::output::scene::{Curve, FaceChunk, Frame, MeshSource, Scene, Shape};
 use crate::output::size::Size;
 use crate::output::split_vertices::SplitVertices;
-use crate::output::stream::{Positions, Stream, holds_space};
+use crate::output::stream::{Stream, holds_space};
 use crate::output::surface::{NORMALS, with_normals};
+use crate::output::text::RowStyle;
 use crate::shape::creases::Tags;
 use crate::shape::labels::Labels;
 use crate::watch::Watch;
@@ -27,6 +29,16 @@ fn header(frame: Frame) -> String {
         .map(|remark| format!("# {remark}\n"))
         .collect::<Vec<_>>()
         .concat()
+}
+
+/// The lines of vertices, texture coordinates, normals and faces.
+const VERTEX: RowStyle = line(b"v");
+const UV: RowStyle = line(b"vt");
+const NORMAL: RowStyle = line(b"vn");
+const FACE: RowStyle = line(b"f");
+
+const fn line(keyword: &'static [u8]) -> RowStyle {
+    RowStyle { start: keyword, open: b' ', between: b' ', end: b"\n" }
 }
 
 /// What faces without a group or material are said to have: the format's name for no group.
@@ -105,18 +117,18 @@ impl Format for Obj {
                 }
                 told.vertices(&Positions::of_mesh(mesh), &mut stream)?;
                 told.uvs(&mut stream)?;
-                stream.faces_and_uvs(mesh, |index, face, uvs, out| {
-                    told.before_face(index, out);
-                    out.push(b'f');
-                    for (j, &vertex) in face.iter().enumerate() {
-                        corner(vertex, out);
-                        if let Some(&place) = uvs.get(j) {
-                            out.push(b'/');
-                            whole(out, u64::from(place) + 1);
-                        }
-                    }
-                    out.push(b'\n');
-                })?;
+                if mesh.uvs().is_none() && !told.tells_of_faces() {
+                    stream.faces(mesh, |_, faces, out| FACE.faces(faces, 1, out))?;
+                } else {
+                    stream.faces_and_uvs(mesh, |start, chunks, out| {
+                        out.append(|out| {
+                            told.faces(start, chunks, out, |vertex, place, out| {
+                                number(b' ', vertex, out);
+                                place.into_iter().for_each(|place| number(b'/', place, out));
+                            });
+                        });
+                    })?;
+                }
                 write_tags(&mesh.tags(), &mut stream)
             }
         }
@@ -125,15 +137,13 @@ impl Format for Obj {
 
 /// Writes what is sharp; in tags vertices are counted from 0.
 fn write_tags(tags: &Tags, stream: &mut Stream<'_>) -> Result<(), FormatError> {
-    stream.rows(0, &tags.creases, |_, rows, out| {
-        for &(ends, sharpness) in rows {
-            tag("crease 2/1/0", &ends, sharpness, out);
-        }
+    stream.each(0..tags.creases.len(), |i, out| {
+        let (ends, sharpness) = tags.creases[i];
+        tag("crease 2/1/0", &ends, sharpness, out);
     })?;
-    stream.rows(0, &tags.corners, |_, rows, out| {
-        for &(vertex, sharpness) in rows {
-            tag("corner 1/1/0", &[vertex], sharpness, out);
-        }
+    stream.each(0..tags.corners.len(), |i, out| {
+        let (vertex, sharpness) = tags.corners[i];
+        tag("corner 1/1/0", &[vertex], sharpness, out);
     })
 }
 
@@ -160,26 +170,20 @@ fn write_with_normals(told: &Told<'_>, stream: &mut Stream<'_>, watch: &Watch) -
     let normals = normals::of(sides, positions.rows(), watch)?;
     drop(positions);
     let origin = |v: u32| split_vertices.as_ref().map_or(v, |split_vertices| split_vertices.origin(v));
-    stream.rows(0, &normals, |_, rows, out| {
-        for &normal in rows {
-            out.extend_from_slice(b"vn ");
-            reals(out, &normals::or_up(normal), b' ');
-            out.push(b'\n');
-        }
+    stream.rows(&normals, |_, rows, out| {
+        out.append(|out| rows.iter().for_each(|&normal| NORMAL.reals(&normals::or_up(normal), out)));
     })?;
-    stream.faces_and_uvs(sides, |index, face, uvs, out| {
-        told.before_face(index, out);
-        out.push(b'f');
-        for (j, &vertex) in face.iter().enumerate() {
-            corner(origin(vertex), out);
-            out.push(b'/');
-            if let Some(&place) = uvs.get(j) {
-                whole(out, u64::from(place) + 1);
-            }
-            out.push(b'/');
-            whole(out, u64::from(vertex) + 1);
-        }
-        out.push(b'\n');
+    stream.faces_and_uvs(sides, |start, chunks, out| {
+        out.append(|out| {
+            told.faces(start, chunks, out, |vertex, place, out| {
+                number(b' ', origin(vertex), out);
+                match place {
+                    Some(place) => number(b'/', place, out),
+                    None => out.push(b'/'),
+                }
+                number(b'/', vertex, out);
+            });
+        });
     })
 }
 
@@ -189,21 +193,18 @@ fn write_curves(curves: &[Curve], stream: &mut Stream<'_>) -> Result<(), FormatE
     }
     let mut start = 1;
     for curve in curves {
-        let indices: Vec<u64> = (start..).take(curve.len()).collect();
         let first = start;
-        start += indices.len() as u64;
-        match indices.len() {
+        start += curve.len();
+        match curve.len() {
             0 => continue,
             1 => stream.bytes(b"p")?,
             _ => stream.bytes(b"l")?,
         }
-        stream.rows(0, &indices, |_, rows, out| {
-            for &index in rows {
-                out.push(b' ');
-                whole(out, index);
-            }
+        stream.each(first..start, |index, out| {
+            out.push(b' ');
+            whole(out, index as u64);
         })?;
-        if curve.closed && indices.len() > 1 {
+        if curve.closed && curve.len() > 1 {
             stream.bytes(format!(" {first}").as_bytes())?;
         }
         stream.bytes(b"\n")?;
@@ -213,16 +214,14 @@ fn write_curves(curves: &[Curve], stream: &mut Stream<'_>) -> Result<(), FormatE
 
 fn vertices(positions: &Positions<'_>, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     stream.positions(positions, |_, rows, out| {
-        for position in rows {
-            vertex(position, out);
-            out.push(b'\n');
-        }
+        out.append(|out| rows.iter().for_each(|position| VERTEX.reals(position, out)));
     })
 }
 
-fn corner(vertex: u32, out: &mut Vec<u8>) {
-    out.push(b' ');
-    whole(out, u64::from(vertex) + 1);
+/// Appends the number of a vertex or a place, counted from 1, after a byte.
+fn number(before: u8, index: u32, out: &mut Vec<u8>) {
+    out.push(before);
+    whole(out, u64::from(index) + 1);
 }
 
 /// What is told of a mesh besides its shape.
@@ -240,34 +239,51 @@ impl Told<'_> {
                 return vertices(positions, stream);
             }
             return stream.positions(positions, |start, rows, out| {
-                for (i, position) in rows.iter().enumerate() {
-                    self.before_vertex(start + i, out);
-                    vertex(position, out);
-                    out.push(b'\n');
-                }
+                out.append(|out| {
+                    for (vertex, position) in (start..).zip(rows) {
+                        self.before_vertex(vertex, out);
+                        VERTEX.reals(position, out);
+                    }
+                });
             });
         };
         stream.positions(positions, |start, rows, out| {
             let mut colors = Vec::new();
             self.mesh.channel(channel, start..start + rows.len(), &mut colors);
-            for (i, (position, color)) in rows.iter().zip(colors.chunks_exact(color)).enumerate() {
-                self.before_vertex(start + i, out);
-                vertex(position, out);
-                for &x in &color[..3] {
-                    out.push(b' ');
-                    real(out, within(x));
+            out.append(|out| {
+                for ((vertex, &[x, y, z]), color) in (start..).zip(rows).zip(colors.chunks_exact(color)) {
+                    self.before_vertex(vertex, out);
+                    VERTEX.reals(&[x, y, z, within(color[0]), within(color[1]), within(color[2])], out);
                 }
-                out.push(b'\n');
-            }
+            });
         })
+    }
+
+    /// Appends some consecutive faces, the first of which has this index, given with their places of texture
+    /// coordinates if there are any; `corner` appends one corner with its vertex and its place.
+    fn faces(
+        &self,
+        start: usize,
+        [faces, places]: [&FaceChunk; 2],
+        out: &mut Vec<u8>,
+        corner: impl Fn(u32, Option<u32>, &mut Vec<u8>),
+    ) {
+        let mut places = places.iter();
+        for (index, face) in (start..).zip(faces.iter()) {
+            self.before_face(index, out);
+            out.push(b'f');
+            let places = places.next().unwrap_or_default();
+            for (j, &vertex) in face.iter().enumerate() {
+                corner(vertex, places.get(j).copied(), out);
+            }
+            out.push(b'\n');
+        }
     }
 
     /// Writes the texture coordinates.
     fn uvs(&self, stream: &mut Stream<'_>) -> Result<(), FormatError> {
-        stream.uvs(self.mesh, |_, value, out| {
-            out.extend_from_slice(b"vt ");
-            reals(out, &value, b' ');
-            out.push(b'\n');
+        stream.uvs(self.mesh, |_, values, out| {
+            out.append(|out| values.iter().for_each(|value| UV.reals(value, out)));
         })
     }
 
@@ -283,10 +299,15 @@ impl Told<'_> {
         }
     }
 
+    /// Whether anything may stand before a face.
+    fn tells_of_faces(&self) -> bool {
+        self.ids || self.mesh.attachments().names_faces()
+    }
+
     /// Appends origin, group and material of a face where they differ from those of the face before.
     fn before_face(&self, face: usize, out: &mut Vec<u8>) {
         let attachments = self.mesh.attachments();
-        if !self.ids && !attachments.names_faces() {
+        if !self.tells_of_faces() {
             return;
         }
         let origin = self.mesh.face_origin(face);
@@ -313,11 +334,6 @@ fn comment(cell: &str, number: u32, out: &mut Vec<u8>) {
     out.push(b' ');
     whole(out, number.into());
     out.push(b'\n');
-}
-
-fn vertex(position: &[f64; 3], out: &mut Vec<u8>) {
-    out.extend_from_slice(b"v ");
-    reals(out, position, b' ');
 }
 
 /// Most bytes of the lines that tell of origins, groups and materials.

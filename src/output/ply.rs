@@ -1,5 +1,6 @@
 //! Stanford PLY: polygons and f64 coordinates in few bytes.
 
+mod bulk;
 mod carried;
 mod layout;
 
@@ -14,9 +15,10 @@ use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::normals;
 use crate::output::numbers::{digits, total};
 use crate::output::options::{IDS, POSITIONS};
+use crate::output::positions::{Positions, channels_within_f32};
 use crate::output::scene::{Curve, Frame, MeshSource, Scene, Shape};
 use crate::output::size::Size;
-use crate::output::stream::{Positions, Stream, channels_within_f32, holds_space};
+use crate::output::stream::{Stream, holds_space};
 use crate::output::surface::NORMALS;
 use crate::output::vertex_sides::Sides;
 use crate::shape::attachments::Attachments;
@@ -195,27 +197,40 @@ fn write_mesh(
         (positions, Vec::new())
     };
     stream.positions(&positions, |start, rows, out| {
-        let carried = Carried::of(mesh, layout, start, rows.len());
-        for (i, position) in rows.iter().enumerate() {
-            layout.vertex(position, out);
-            if let Some(&normal) = normals.get(start + i) {
-                layout.separate(out);
-                layout.vertex(&normals::or_up(normal), out);
-            }
-            carried.vertex(i, out);
-            layout.end_row(out);
+        let normals = if layout.normals { &normals[start..start + rows.len()] } else { &[] };
+        if layout.encoding != Encoding::Ascii && !carried::any_of_vertices(mesh, layout) {
+            return bulk::vertices(rows, normals, layout, out);
         }
+        let carried = Carried::of(mesh, layout, start, rows.len());
+        out.append(|out| {
+            for (i, position) in rows.iter().enumerate() {
+                layout.vertex(position, out);
+                if let Some(&normal) = normals.get(i) {
+                    layout.separate(out);
+                    layout.vertex(&normals::or_up(normal), out);
+                }
+                carried.vertex(i, out);
+                layout.end_row(out);
+            }
+        });
     })?;
     write_faces(mesh, layout, stream)
 }
 
 fn write_faces(mesh: &dyn MeshSource, layout: Layout, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     let largest = AtomicUsize::new(0);
-    stream.faces(mesh, |index, face, out| {
-        largest.fetch_max(face.len(), Ordering::Relaxed);
-        layout.face(face, out);
-        carried::face(mesh, layout, index, out);
-        layout.end_row(out);
+    stream.faces(mesh, |start, faces, out| {
+        largest.fetch_max(faces.largest(), Ordering::Relaxed);
+        if !carried::any_of_faces(mesh, layout) && bulk::faces(faces, layout, out) {
+            return;
+        }
+        out.append(|out| {
+            for (index, face) in (start..).zip(faces.iter()) {
+                layout.face(face, out);
+                carried::face(mesh, layout, index, out);
+                layout.end_row(out);
+            }
+        });
     })?;
     check_face(largest.into_inner() as u128, layout).map_err(FormatError::Unfit)
 }
@@ -241,10 +256,12 @@ fn write_curves(curves: &[Curve], frame: Frame, layout: Layout, stream: &mut Str
     for curve in curves {
         let positions = within(Positions::of_curve(curve), layout);
         stream.positions(&positions, |_, rows, out| {
-            for point in rows {
-                layout.vertex(point, out);
-                layout.end_row(out);
-            }
+            out.append(|out| {
+                for point in rows {
+                    layout.vertex(point, out);
+                    layout.end_row(out);
+                }
+            });
         })?;
     }
     let mut start = 0;
@@ -252,7 +269,7 @@ fn write_curves(curves: &[Curve], frame: Frame, layout: Layout, stream: &mut Str
         let end = start + u32::try_from(curve.len()).expect("fewer points than all together");
         let edges: Vec<[u32; 2]> =
             (start..end).map(|a| [a, if a + 1 < end { a + 1 } else { start }]).take(edges_of(curve)).collect();
-        stream.rows(0, &edges, |_, rows, out| rows.iter().for_each(|&edge| layout.edge(edge, out)))?;
+        stream.each(0..edges.len(), |i, out| layout.edge(edges[i], out))?;
         start = end;
     }
     Ok(())

@@ -186,11 +186,11 @@ impl MeshSource for SplitVertices<'_> {
         let last = self.moved.partition_point(|&(face, ..)| face < range.end);
         let mut moved = self.moved[first..last].iter().peekable();
         let mut start = 0;
-        for (face, &size) in range.zip(&out.sizes) {
+        for (i, face) in range.enumerate() {
             if moved.peek().is_none() {
                 break;
             }
-            let end = start + size as usize;
+            let end = start + out.size(i);
             while let Some(&(_, vertex, copy)) = moved.next_if(|&&(f, ..)| f == face) {
                 out.vertices[start..end].iter_mut().filter(|v| **v == vertex).for_each(|v| *v = copy);
             }

@@ -8,12 +8,13 @@ use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::normals;
-use crate::output::numbers::{rounded, total};
+use crate::output::numbers::{f32_bytes, total};
 use crate::output::options::{LIMIT, POSITIONS};
+use crate::output::positions::Positions;
 use crate::output::scene::{MeshSource, Scene, Shape, triangles};
 use crate::output::size::Size;
 use crate::output::split_vertices::SplitVertices;
-use crate::output::stream::{Positions, Stream};
+use crate::output::stream::Stream;
 use crate::output::surface::NORMALS;
 use crate::watch::Watch;
 
@@ -93,20 +94,26 @@ fn write_mesh(
     let mut stream = Stream::new(out, watch);
     stream.bytes(HEADER)?;
     stream.bytes(&n.to_le_bytes())?;
-    stream.faces(mesh, |_, face, out| {
-        for triangle in triangles(face) {
-            let own = || unit(normals::area_vector(&triangle, rows, scale));
-            let normal = match normals {
-                Some("none") => [0.0; 3],
-                _ if at_limit => mean(triangle.map(|v| corners[v as usize])).unwrap_or_else(own),
-                _ => own(),
-            };
-            let mut record = [0; TRIANGLE as usize];
-            let numbers = normal.into_iter().chain(triangle.iter().flat_map(|&v| rows[v as usize]));
-            for (slot, x) in record.as_chunks_mut::<4>().0.iter_mut().zip(numbers) {
-                *slot = rounded(x).to_le_bytes();
-            }
-            out.extend_from_slice(&record);
+    let facet = |triangle: [u32; 3]| {
+        let own = || unit(normals::area_vector(&triangle, rows, scale));
+        let normal = match normals {
+            Some("none") => [0.0; 3],
+            _ if at_limit => mean(triangle.map(|v| corners[v as usize])).unwrap_or_else(own),
+            _ => own(),
+        };
+        let [a, b, c] = triangle.map(|v| rows[v as usize]);
+        let mut record = [0; TRIANGLE as usize];
+        record.as_chunks_mut().0.iter_mut().zip([normal, a, b, c]).for_each(|(slot, row)| *slot = f32_bytes(row));
+        record
+    };
+    stream.faces(mesh, |_, faces, out| {
+        if let Some(quads) = faces.rows::<4>() {
+            let pairs = out.rows(2 * quads.len()).as_chunks_mut::<2>().0;
+            pairs.iter_mut().zip(quads).for_each(|(pair, &[a, b, c, d])| *pair = [[a, b, c], [a, c, d]].map(facet));
+        } else {
+            let records = out.rows(faces.vertices.len() - 2 * faces.len());
+            let triangles = faces.iter().flat_map(triangles);
+            records.iter_mut().zip(triangles).for_each(|(record, triangle)| *record = facet(triangle));
         }
     })
 }

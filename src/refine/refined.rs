@@ -3,8 +3,6 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use super::normals::Normals;
 use super::shown::Shown;
 use super::uvs::RefinedUvs;
@@ -176,18 +174,12 @@ impl RefinedMesh {
 
     /// The shown faces in `range` of one of the meshes with these faces.
     pub(super) fn list(&self, base: &Topology, order: Option<&Order>, range: Range<usize>, out: &mut FaceChunk) {
-        out.clear();
+        let runs = self.shown.runs(range);
         match order {
-            None => range.for_each(|f| out.push(base.face(self.shown.face(f)))),
-            Some(order) => {
-                let size = order.face_size();
-                out.sizes.resize(range.len(), index(size));
-                out.vertices.resize(size * range.len(), 0);
-                let faces = out.vertices.par_chunks_exact_mut(size);
-                let start = range.start;
-                faces.with_min_len(4096).enumerate().for_each(|(i, face)| {
-                    order.face(self.shown.face(start + i), face);
-                });
+            Some(order) => order.faces(runs, out),
+            None => {
+                out.clear();
+                runs.flatten().for_each(|f| out.push(base.face(f)));
             }
         }
     }
@@ -221,6 +213,10 @@ impl MeshSource for RefinedMesh {
 
     fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
         self.order.points(self.points.as_chunks().0, range, out);
+    }
+
+    fn held_positions(&self) -> Option<&[[f64; 3]]> {
+        self.order.is_documented().then_some(self.points.as_chunks().0)
     }
 
     fn sharp_edges(&self) -> Vec<[u32; 2]> {

@@ -1,5 +1,7 @@
 //! Which faces of a refined mesh are shown.
 
+use std::ops::Range;
+
 use crate::shape::order::Order;
 use crate::shape::topology::Topology;
 
@@ -41,6 +43,17 @@ impl Shown {
         let end = self.runs.get(run).map_or(self.n, |(number, _)| *number);
         let number = run.checked_sub(1).map_or(0, |run| self.runs[run].0 + face - self.runs[run].1);
         number.min(end)
+    }
+
+    /// The faces that the shown ones in `range` are, in runs of consecutive ones.
+    pub(super) fn runs(&self, range: Range<usize>) -> impl Iterator<Item = Range<usize>> + Clone {
+        let first = self.runs.partition_point(|(number, _)| *number <= range.start).saturating_sub(1);
+        let ends = self.runs.iter().skip(first + 1).map(|(number, _)| *number).chain([self.n]);
+        let runs = self.runs[first..].iter().zip(ends);
+        runs.take_while(move |((number, _), _)| *number < range.end).map(move |(&(number, face), end)| {
+            let of = |shown: usize| face + shown - number;
+            of(range.start.max(number))..of(range.end.min(end))
+        })
     }
 
     /// The shown face of a number.

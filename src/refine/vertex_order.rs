@@ -31,6 +31,11 @@ impl VertexOrder {
         Self { documented: net.mesh.order(), constructed: false }
     }
 
+    /// Whether values are kept in the documented order.
+    pub(super) fn is_documented(&self) -> bool {
+        !self.constructed
+    }
+
     /// The documented order of vertices and faces; `None` when it is that of the base.
     pub(super) fn order(&self) -> Option<&Order> {
         self.documented.as_ref()

@@ -10,6 +10,7 @@ pub mod frame;
 pub mod grid;
 mod indices;
 pub mod labels;
+mod line;
 pub mod mesh;
 pub mod numbering;
 pub mod order;

@@ -1,9 +1,10 @@
 //! The documented order of a split mesh, whatever the split.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::grid::Grid;
-use super::source::Origin;
+use super::source::{FaceChunk, Origin};
 use super::tile::Tile;
 use super::topology::Topology;
 use super::triangle_grid::TriangleGrid;
@@ -83,6 +84,20 @@ impl Order {
         match self {
             Self::Quads(grid) => out.copy_from_slice(&grid.face(f)),
             Self::Triangles(grid) => out.copy_from_slice(&grid.face(f)),
+        }
+    }
+
+    /// Fills `out` with the faces in these ranges, one range after another.
+    pub fn faces(&self, ranges: impl Iterator<Item = Range<usize>> + Clone, out: &mut FaceChunk) {
+        let n = ranges.clone().map(|range| range.len()).sum();
+        let mut places = out.places(self.face_size(), n);
+        for range in ranges {
+            let here;
+            (here, places) = places.split_at_mut(self.face_size() * range.len());
+            match self {
+                Self::Quads(grid) => grid.faces(range.start, here.as_chunks_mut().0),
+                Self::Triangles(grid) => grid.faces(range.start, here.as_chunks_mut().0),
+            }
         }
     }
 

@@ -47,6 +47,11 @@ pub trait MeshSource: OriginSource + std::fmt::Debug + Sync {
     /// Fills `out` with the positions (model units) of the vertices in `range`.
     fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>);
 
+    /// The positions of all vertices, where they are in memory in this order: then nothing has to be copied.
+    fn held_positions(&self) -> Option<&[[f64; 3]]> {
+        None
+    }
+
     /// Fills `out` with the faces in `range`, counter-clockwise seen from outside.
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk);
 
@@ -93,7 +98,7 @@ pub trait NormalSource {
 }
 
 /// Texture coordinates: they stand at points of their own, as a vertex on a seam has several.
-pub trait UvSource {
+pub trait UvSource: Sync {
     /// Number of points with texture coordinates.
     fn n_points(&self) -> usize;
 
@@ -146,35 +151,81 @@ pub struct Origin {
     pub cell: u32,
 }
 
-/// Some consecutive faces: `sizes[i]` vertex indices each, one face after another in `vertices`.
+/// Some consecutive faces, one after another in `vertices`. Where all have equally many vertices, as after every split,
+/// nothing is kept for each of them besides these.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FaceChunk {
-    /// Vertices of each face, 3 or more.
-    pub sizes: Vec<u32>,
+    /// Vertices of every face, as long as all have equally many; 0 where they have not, or where there is none.
+    size: u32,
+    /// Vertices of each face, where they have not equally many.
+    sizes: Vec<u32>,
     /// Vertex indices, face after face.
     pub vertices: Vec<u32>,
 }
 
 impl FaceChunk {
+    /// Number of faces.
+    pub fn len(&self) -> usize {
+        if self.size > 0 { self.vertices.len() / self.size as usize } else { self.sizes.len() }
+    }
+
+    /// Whether there are no faces.
+    pub fn is_empty(&self) -> bool {
+        self.vertices.is_empty()
+    }
+
+    /// Number of vertices of face `i` of these.
+    pub fn size(&self, i: usize) -> usize {
+        self.sizes.get(i).copied().unwrap_or(self.size) as usize
+    }
+
+    /// Vertices of the largest face, 0 where there is none.
+    pub fn largest(&self) -> usize {
+        self.sizes.iter().copied().max().unwrap_or(self.size) as usize
+    }
+
     /// Drops all faces, keeps the memory.
     pub fn clear(&mut self) {
+        self.size = 0;
         self.sizes.clear();
         self.vertices.clear();
     }
 
     /// Appends one face.
     pub fn push(&mut self, vertices: &[u32]) {
-        self.sizes.push(u32::try_from(vertices.len()).expect("a face has fewer than 2^32 vertices"));
+        let size = u32::try_from(vertices.len()).expect("a face has fewer than 2^32 vertices");
+        if self.is_empty() {
+            self.size = size;
+        } else if self.size != size {
+            self.sizes.resize(self.len(), self.size);
+            self.sizes.push(size);
+            self.size = 0;
+        }
         self.vertices.extend_from_slice(vertices);
     }
 
+    /// Makes it `n` faces of `size` vertices each and gives their places, which are to be written: what stands there is
+    /// of no meaning.
+    pub fn places(&mut self, size: usize, n: usize) -> &mut [u32] {
+        self.sizes.clear();
+        self.size = if n == 0 { 0 } else { u32::try_from(size).expect("a face has fewer than 2^32 vertices") };
+        // only what was never there is filled with zeros
+        self.vertices.resize(size * n, 0);
+        &mut self.vertices
+    }
+
     /// The faces, one slice each.
-    pub fn iter(&self) -> impl Iterator<Item = &[u32]> {
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &[u32]> {
         let mut rest = self.vertices.as_slice();
-        self.sizes.iter().map(move |&size| {
-            let (face, after) = rest.split_at(size as usize);
+        (0..self.len()).map(move |i| {
+            let (face, after) = rest.split_at(self.size(i));
             rest = after;
             face
         })
+    }
+
+    /// The faces as rows of `N` vertices, where all have so many.
+    pub fn rows<const N: usize>(&self) -> Option<&[[u32; N]]> {
+        (self.size as usize == N).then(|| self.vertices.as_chunks().0)
     }
 }

@@ -110,10 +110,20 @@ impl Tile {
         match self {
             Self::Quad => Cell { at: [number % d, number / d], down: false },
             Self::Triangle => {
+                let [row, along] = self.row(d, number);
+                Cell { at: [along / 2, row], down: along % 2 == 1 }
+            }
+        }
+    }
+
+    /// The row of the cell with this number, and which of its row it is.
+    pub(super) const fn row(self, d: usize, number: usize) -> [usize; 2] {
+        match self {
+            Self::Quad => [number / d, number % d],
+            Self::Triangle => {
                 // the rows from the top hold 1, 4, 9, ... cells in all
                 let row = d - (d * d - number - 1).isqrt() - 1;
-                let along = number - (d * d - (d - row) * (d - row));
-                Cell { at: [along / 2, row], down: along % 2 == 1 }
+                [row, number - (d * d - (d - row) * (d - row))]
             }
         }
     }

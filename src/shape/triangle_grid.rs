@@ -9,6 +9,7 @@
 
 use std::sync::Arc;
 
+use super::line::{Line, triangles};
 use super::source::Origin;
 use super::tile::Tile;
 use super::tiling::{Ancestor, Tiling};
@@ -57,6 +58,19 @@ impl TriangleGrid {
     pub fn face(&self, f: usize) -> [u32; 3] {
         let [a, b, c, _] = self.whole().face(f);
         [a, b, c]
+    }
+
+    /// Writes the vertices of consecutive faces from face `f` on, as many as `out` holds.
+    pub fn faces(&self, mut f: usize, mut out: &mut [[u32; 3]]) {
+        let (n, whole) = (self.n, self.whole());
+        while !out.is_empty() {
+            let (base_face, local) = (f / (n * n), f % (n * n));
+            let patch;
+            (patch, out) = out.split_at_mut((n * n - local).min(out.len()));
+            f += patch.len();
+            let line = |j: usize| Line::new(n - j, |i| whole.vertex(base_face, [i, j]));
+            triangles(n, Tile::Triangle.row(n, local), patch, line);
+        }
     }
 
     /// The base face that face `f` came from.

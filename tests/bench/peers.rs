@@ -76,7 +76,7 @@ fn compare(program: &str, contest: &Contest<'_>, level: u32, aim: f64) {
     for run in 0.. {
         let (time, theirs) = (ours.run(), peer.run());
         if run == 0 {
-            assert_eq!(theirs.n_faces, ours.faces.sizes.len(), "{}: both make as many faces", contest.name);
+            assert_eq!(theirs.n_faces, ours.faces.len(), "{}: both make as many faces", contest.name);
             let same = (theirs.sum - ours.sum()).abs() <= 1e-3 * real(ours.positions.len()).sqrt();
             assert!(same || contest.plan.starts_with('U'), "{}: both make the same points", contest.name);
         }
@@ -90,7 +90,7 @@ fn compare(program: &str, contest: &Contest<'_>, level: u32, aim: f64) {
     }
     ratios.sort_by(f64::total_cmp);
     times.sort_by(f64::total_cmp);
-    let n = real(ours.faces.sizes.len());
+    let n = real(ours.faces.len());
     let (middle, rate) = (ratios[ratios.len() / 2], n / times[times.len() / 2] / 1e6);
     let verdict = match aim {
         0.0 => String::new(),

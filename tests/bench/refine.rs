@@ -61,7 +61,7 @@ fn scheme(table: &mut Table, preset: &str, parameters: &[(&str, &str)], levels: 
         refined.faces(0..refined.n_faces(), &mut faces);
         black_box((&positions, &faces));
     });
-    let n = faces.sizes.len();
+    let n = faces.len();
     let limit = best(|| touch(&mut positions, &mut faces.vertices));
     let what = format!("refine {preset}, level {levels}");
     let ratio = format!("{:.3} of filling memory", limit.as_secs_f64() / all.as_secs_f64());

@@ -5,6 +5,7 @@ mod faults;
 mod numbering;
 mod order;
 mod own_connectivity;
+mod ranges;
 mod repairs;
 mod small;
 mod triangle_order;

@@ -2,11 +2,11 @@
 
 use serde_json::Value;
 
-use super::row::row;
+use super::row::{faces, row, vectors};
 use crate::math::parameter::Values;
 use crate::output::counts::Counts;
 use crate::output::error::FormatError;
-use crate::output::numbers::{REAL, digits, real, reals, total, whole};
+use crate::output::numbers::{REAL, digits, real, total, whole};
 use crate::output::options::{IDS, ISOLINES};
 use crate::output::scene::MeshSource;
 use crate::output::stream::Stream;
@@ -92,19 +92,9 @@ fn write_isolines(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), 
 
 fn write_uvs(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     stream.bytes(br#","uvs":{"values":["#)?;
-    stream.uvs(mesh, |place, value, out| {
-        out.extend_from_slice(if place == 0 { b"[" } else { b",[" });
-        reals(out, &value, b',');
-        out.push(b']');
-    })?;
+    stream.uvs(mesh, vectors)?;
     stream.bytes(br#"],"faces":["#)?;
-    stream.faces_and_uvs(mesh, |index, _, uvs, out| {
-        out.extend_from_slice(if index == 0 { b"[" } else { b",[" });
-        for (i, &place) in uvs.iter().enumerate() {
-            listed(place.into(), i == 0, out);
-        }
-        out.push(b']');
-    })?;
+    stream.uv_faces(mesh, faces)?;
     stream.bytes(b"]}")
 }
 
@@ -136,32 +126,33 @@ fn write_sharp<T: Sync>(
         return Ok(());
     }
     stream.bytes(format!(r#","{name}":["#).as_bytes())?;
-    stream.rows(0, entries, |start, rows, out| {
-        for (i, entry) in rows.iter().enumerate() {
-            if start + i > 0 {
-                out.push(b',');
-            }
-            let sharpness = place(entry, out);
-            out.extend_from_slice(br#","sharpness":"#);
-            real(out, sharpness);
-            out.push(b'}');
+    stream.each(0..entries.len(), |i, out| {
+        if i > 0 {
+            out.push(b',');
         }
+        let sharpness = place(&entries[i], out);
+        out.extend_from_slice(br#","sharpness":"#);
+        real(out, sharpness);
+        out.push(b'}');
     })?;
     stream.bytes(b"]")
 }
 
 fn write_channel(mesh: &dyn MeshSource, i: usize, stream: &mut Stream<'_>) -> Result<(), FormatError> {
-    stream.channel(mesh, i, |vertex, row, out| {
-        if vertex > 0 {
-            out.push(b',');
+    let width = mesh.attachments().channels[i].width;
+    stream.channel(mesh, i, |start, numbers, out| {
+        if width > 1 {
+            let rows: Vec<&[f64]> = numbers.chunks_exact(width).collect();
+            return vectors(start, &rows, out);
         }
-        if let [x] = row {
-            real(out, *x);
-        } else {
-            out.push(b'[');
-            reals(out, row, b',');
-            out.push(b']');
-        }
+        out.append(|out| {
+            for (vertex, &x) in (start..).zip(numbers) {
+                if vertex > 0 {
+                    out.push(b',');
+                }
+                real(out, x);
+            }
+        });
     })
 }
 

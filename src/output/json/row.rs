@@ -1,4 +1,11 @@
-//! A list in a list of lists.
+//! Lists in a list of lists.
+
+use crate::output::bytes::Bytes;
+use crate::output::scene::FaceChunk;
+use crate::output::text::RowStyle;
+
+/// One list after a comma, which the first one is to lose.
+const ROW: RowStyle = RowStyle { start: b",", open: b'[', between: b',', end: b"]" };
 
 /// One list in a list of lists, with a comma before all but the first.
 pub(super) fn row(index: usize, out: &mut Vec<u8>, items: impl FnOnce(&mut Vec<u8>)) {
@@ -8,4 +15,20 @@ pub(super) fn row(index: usize, out: &mut Vec<u8>, items: impl FnOnce(&mut Vec<u
     out.push(b'[');
     items(out);
     out.push(b']');
+}
+
+/// Some lists of numbers in a list of lists, the first of which has this index.
+pub(super) fn vectors(start: usize, rows: &[impl AsRef<[f64]>], out: &mut Bytes) {
+    out.append(|out| rows.iter().for_each(|row| ROW.reals(row.as_ref(), out)));
+    if start == 0 {
+        out.drop_first();
+    }
+}
+
+/// Some lists of indices in a list of lists, the first of which has this index.
+pub(super) fn faces(start: usize, faces: &FaceChunk, out: &mut Bytes) {
+    ROW.faces(faces, 0, out);
+    if start == 0 {
+        out.drop_first();
+    }
 }

@@ -1,13 +1,14 @@
 //! Sections of a mesh, a list of polylines for each plane.
 
-use super::row::row;
+use super::row::vectors;
 use crate::math::parameter::Values;
 use crate::output::counts::Counts;
 use crate::output::error::FormatError;
-use crate::output::numbers::{REAL, reals, total};
+use crate::output::numbers::{REAL, total};
+use crate::output::positions::Positions;
 use crate::output::scene::MeshSource;
 use crate::output::sections::{Polyline, planes, section};
-use crate::output::stream::{Positions, Stream};
+use crate::output::stream::Stream;
 use crate::watch::Watch;
 
 /// Most bytes of the entry: each triangle gives a segment at most, and each segment may be a polyline of its own.
@@ -46,10 +47,6 @@ pub(super) fn write(
 
 fn write_polyline(polyline: &Polyline, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     stream.bytes(br#"{"points":["#)?;
-    stream.rows(0, &polyline.points, |start, rows, out| {
-        for (i, point) in rows.iter().enumerate() {
-            row(start + i, out, |out| reals(out, point, b','));
-        }
-    })?;
+    stream.rows(&polyline.points, vectors)?;
     stream.bytes(format!(r#"],"closed":{}}}"#, polyline.closed).as_bytes())
 }

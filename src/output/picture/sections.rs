@@ -4,9 +4,9 @@ use super::drawing::{CURVE, Drawing, Easel};
 use super::options::Options;
 use crate::math::vector::{cross, dot, minus, unit};
 use crate::output::error::FormatError;
+use crate::output::positions::Positions;
 use crate::output::scene::{Curve, MeshSource};
 use crate::output::sections::{Plane, Polyline, section};
-use crate::output::stream::Positions;
 use crate::raster::View;
 use crate::watch::Watch;
 

@@ -82,6 +82,16 @@ pub(super) fn bytes(attachments: &Attachments, layout: Layout, cells: u128) -> (
     (attachments.channels.iter().map(of_channel).sum::<u128>() + uvs + vertex_origin, names * LABEL + face_origin)
 }
 
+/// Whether vertices have anything besides places and normals.
+pub(super) fn any_of_vertices(mesh: &dyn MeshSource, layout: Layout) -> bool {
+    layout.ids || !mesh.attachments().channels.is_empty() || mesh.uvs().is_some()
+}
+
+/// Whether faces have anything besides their corners.
+pub(super) fn any_of_faces(mesh: &dyn MeshSource, layout: Layout) -> bool {
+    layout.ids || mesh.attachments().names_faces()
+}
+
 /// Rows of some consecutive vertices as they are appended to their places.
 pub(super) struct Carried<'a> {
     mesh: &'a dyn MeshSource,
@@ -131,12 +141,11 @@ impl<'a> Carried<'a> {
 
 /// Appends what face number `index` has.
 pub(super) fn face(mesh: &dyn MeshSource, layout: Layout, index: usize, out: &mut Vec<u8>) {
-    let attachments = mesh.attachments();
-    if !layout.ids && !attachments.names_faces() {
+    if !any_of_faces(mesh, layout) {
         return;
     }
     let origin = mesh.face_origin(index);
-    for (_, labels) in kinds(attachments) {
+    for (_, labels) in kinds(mesh.attachments()) {
         layout.separate(out);
         let label = labels.number(origin).and_then(|label| i32::try_from(label).ok());
         match (layout.encoding, label) {

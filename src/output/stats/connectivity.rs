@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use crate::output::scene::{FaceChunk, MeshSource, in_chunks};
+use crate::shape::topology::index;
 use crate::watch::{Stopped, Watch};
 
 /// What follows from the faces alone.
@@ -86,8 +87,8 @@ fn keys(mesh: &dyn MeshSource, watch: &Watch) -> Result<(Vec<u64>, BTreeMap<u32,
     in_chunks(mesh.n_faces(), |range| {
         watch.check()?;
         mesh.faces(range, &mut chunk);
-        for sizes in chunk.sizes.chunk_by(|a, b| a == b) {
-            *face_sizes.entry(sizes[0]).or_default() += sizes.len() as u64;
+        for face in chunk.iter() {
+            *face_sizes.entry(index(face.len())).or_default() += 1;
         }
         for face in chunk.iter() {
             let after = face.iter().skip(1).chain(face.first());

@@ -4,8 +4,8 @@ use serde_json::{Value, json};
 
 use crate::output::bounds::Bounds;
 use crate::output::error::FormatError;
+use crate::output::positions::unfit;
 use crate::output::scene::{CHUNK, Curve};
-use crate::output::stream::unfit;
 use crate::watch::{Stopped, Watch};
 
 use super::entries::{add_moments, bounding_box, euler, seen_from};

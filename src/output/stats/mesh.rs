@@ -6,8 +6,8 @@ use serde_json::{Value, json};
 use crate::output::bounds::Bounds;
 use crate::output::error::FormatError;
 use crate::output::normals;
+use crate::output::positions::Positions;
 use crate::output::scene::{FaceChunk, MeshSource, in_chunks, triangles};
-use crate::output::stream::{FaceBlock, Positions, face_blocks};
 use crate::watch::{Stopped, Watch};
 
 use super::connectivity::Connectivity;
@@ -21,10 +21,11 @@ pub(super) fn report(mesh: &dyn MeshSource, with_normals: bool, watch: &Watch) -
     let rows = positions.rows();
     let mut bounds = Bounds::EMPTY;
     let mut positions_hash = PositionsHash::default();
-    positions.each_chunk(watch, |_, rows| {
-        bounds.add(rows);
-        positions_hash.add(rows.as_flattened());
-        Ok(())
+    in_chunks(rows.len(), |range| {
+        watch.check()?;
+        bounds.add(&rows[range.clone()]);
+        positions_hash.add(rows[range].as_flattened());
+        Ok::<_, Stopped>(())
     })?;
     let connectivity = Connectivity::of(mesh, watch)?;
     let origin = bounds.center();
@@ -73,6 +74,9 @@ fn counts(mesh: &dyn MeshSource, connectivity: &Connectivity) -> Value {
     })
 }
 
+/// Faces that are summed up before their sums are: another number would round otherwise.
+const BLOCK: usize = 4_096;
+
 /// What is summed over faces.
 struct Sums {
     surface: Moments<3>,
@@ -83,11 +87,11 @@ struct Sums {
 impl Sums {
     const ZERO: Self = Self { surface: Moments::ZERO, solid: Moments::ZERO, hash: ShapeHash::ZERO };
 
-    /// The sums over the faces of a block, positions seen from `origin`.
-    fn of(block: &FaceBlock<'_>, rows: &[[f64; 3]], origin: [f64; 3]) -> Self {
+    /// The sums over some faces, positions seen from `origin`.
+    fn of(faces: &FaceChunk, rows: &[[f64; 3]], origin: [f64; 3]) -> Self {
         let mut sums = Self::ZERO;
         let mut bytes = Vec::new();
-        for face in block.iter() {
+        for face in faces.iter() {
             sums.hash.add(HashedItem::Face, face.iter().map(|&v| rows[v as usize].as_slice()), &mut bytes);
             for triangle in triangles(face) {
                 let corners = triangle.map(|v| seen_from(origin, &rows[v as usize]));
@@ -109,11 +113,15 @@ impl Sums {
 
 fn sums(mesh: &dyn MeshSource, rows: &[[f64; 3]], origin: [f64; 3], watch: &Watch) -> Result<Sums, Stopped> {
     let mut sums = Sums::ZERO;
-    let mut chunk = FaceChunk::default();
     in_chunks(mesh.n_faces(), |range| {
         watch.check()?;
-        mesh.faces(range, &mut chunk);
-        let blocks: Vec<Sums> = face_blocks(&chunk).par_iter().map(|block| Sums::of(block, rows, origin)).collect();
+        let starts: Vec<usize> = range.clone().step_by(BLOCK).collect();
+        let block = |faces: &mut FaceChunk, start: usize| {
+            mesh.faces(start..range.end.min(start + BLOCK), faces);
+            Sums::of(faces, rows, origin)
+        };
+        let blocks: Vec<Sums> =
+            starts.into_par_iter().map_init(FaceChunk::default, |faces, start| block(faces, start)).collect();
         sums = blocks.iter().fold(Sums::ZERO, |all, block| all.plus(block)).plus(&sums);
         Ok(())
     })?;

@@ -1,0 +1,162 @@
+//! Positions of vertices as writers read them: block by block, each coordinate known to fit the format.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::output::bounds::Bounds;
+use crate::output::error::FormatError;
+use crate::output::scene::{CHUNK, Curve, MeshSource, in_chunks};
+use crate::watch::Watch;
+
+/// Where the positions of vertices come from, and how large a coordinate may be.
+pub(super) struct Positions<'a> {
+    source: Source<'a>,
+    largest: f64,
+}
+
+enum Source<'a> {
+    Mesh(&'a dyn MeshSource),
+    Curve(&'a Curve),
+    Held(Cow<'a, [[f64; 3]]>),
+}
+
+impl<'a> Positions<'a> {
+    /// The vertices of a mesh, asked for whenever they are needed where the mesh does not hold them in their order.
+    pub(super) fn of_mesh(mesh: &'a dyn MeshSource) -> Self {
+        let held = mesh.held_positions().map(|rows| Source::Held(rows.into()));
+        Self { source: held.unwrap_or(Source::Mesh(mesh)), largest: f64::MAX }
+    }
+
+    /// The points of a polygon with at most three coordinates, the missing ones being zero.
+    pub(super) fn of_curve(curve: &'a Curve) -> Self {
+        Self { source: Source::Curve(curve), largest: f64::MAX }
+    }
+
+    /// Refuses positions with a coordinate beyond the range of f32.
+    pub(super) fn within_f32(self) -> Self {
+        Self { largest: f64::from(f32::MAX), ..self }
+    }
+
+    /// Holds the positions in memory, and refuses those with a coordinate that does not fit.
+    pub(super) fn held(self, watch: &Watch) -> Result<Self, FormatError> {
+        if let Source::Held(rows) = &self.source {
+            in_chunks(rows.len(), |range| {
+                watch.check()?;
+                self.check(range.start, &rows[range])
+            })?;
+            return Ok(self);
+        }
+        let (mut rows, mut buffer) = (Vec::with_capacity(self.len()), Vec::new());
+        in_chunks(self.len(), |range| {
+            watch.check()?;
+            rows.extend_from_slice(self.rows_in(range, &mut buffer)?);
+            Ok::<_, FormatError>(())
+        })?;
+        Ok(Self { source: Source::Held(rows.into()), largest: self.largest })
+    }
+
+    /// The positions in memory: all after [`Positions::held`].
+    pub(super) fn rows(&self) -> &[[f64; 3]] {
+        if let Source::Held(rows) = &self.source { rows } else { &[] }
+    }
+
+    /// Number of vertices.
+    pub(super) fn len(&self) -> usize {
+        match &self.source {
+            Source::Mesh(mesh) => mesh.n_vertices(),
+            Source::Curve(curve) => curve.len(),
+            Source::Held(rows) => rows.len(),
+        }
+    }
+
+    /// The box around all positions.
+    pub(super) fn bounds(&self, watch: &Watch) -> Result<Bounds<3>, FormatError> {
+        let starts: Vec<usize> = (0..self.len()).step_by(CHUNK).collect();
+        let chunk = |buffer: &mut Vec<[f64; 3]>, start: usize| {
+            watch.check()?;
+            let mut bounds = Bounds::EMPTY;
+            bounds.add(self.rows_in(start..self.len().min(start + CHUNK), buffer)?);
+            Ok(bounds)
+        };
+        // collected in order, so that the first position that does not fit is the one that is named
+        let chunks: Vec<Result<_, FormatError>> =
+            starts.into_par_iter().map_init(Vec::new, |buffer, start| chunk(buffer, start)).collect();
+        chunks.into_iter().try_fold(Bounds::EMPTY, |all, chunk| Ok(all.joined(&chunk?)))
+    }
+
+    /// The positions in `range`, none of which has a coordinate that does not fit; `buffer` is room for them.
+    pub(super) fn rows_in<'b>(
+        &'b self,
+        range: Range<usize>,
+        buffer: &'b mut Vec<[f64; 3]>,
+    ) -> Result<&'b [[f64; 3]], FormatError> {
+        let rows = self.fetch(range.clone(), buffer);
+        self.check(range.start, rows)?;
+        Ok(rows)
+    }
+
+    fn fetch<'b>(&'b self, range: Range<usize>, buffer: &'b mut Vec<[f64; 3]>) -> &'b [[f64; 3]] {
+        match &self.source {
+            Source::Held(rows) => return &rows[range],
+            Source::Mesh(mesh) => mesh.positions(range, buffer),
+            Source::Curve(curve) => {
+                let d = curve.dimension;
+                let point = |p: &[f64]| [0, 1, 2].map(|k| p.get(k).copied().unwrap_or(0.0));
+                buffer.clear();
+                buffer.extend(curve.points[range.start * d..range.end * d].chunks_exact(d).map(point));
+            }
+        }
+        buffer
+    }
+
+    fn check(&self, start: usize, rows: &[[f64; 3]]) -> Result<(), FormatError> {
+        let fits = |x: f64| x.abs() <= self.largest;
+        // without a way out of the loop, which lets it take several numbers at a time
+        if rows.as_flattened().iter().fold(true, |all, &x| all & fits(x)) {
+            return Ok(());
+        }
+        let (i, x) = (0..).zip(rows.as_flattened()).find(|(_, x)| !fits(**x)).map_or((0, f64::NAN), |(i, &x)| (i, x));
+        Err(unfit(start + i / 3, x))
+    }
+}
+
+/// Refuses meshes with channels or texture coordinates beyond the range of f32.
+pub(super) fn channels_within_f32(mesh: &dyn MeshSource, watch: &Watch) -> Result<(), FormatError> {
+    let mut values = Vec::new();
+    for (i, channel) in mesh.attachments().channels.iter().enumerate() {
+        in_chunks(mesh.n_vertices(), |range| {
+            watch.check()?;
+            mesh.channel(i, range.clone(), &mut values);
+            let Some(k) = values.iter().position(|x| x.abs() > f64::from(f32::MAX)) else { return Ok(()) };
+            let (name, vertex, x) = (&channel.name, range.start + k / channel.width, values[k]);
+            let most = f32::MAX;
+            let detail = format!(
+                "vertex {vertex} has {x:e} in the channel \"{name}\", this format holds at most {most:e}; ask for json"
+            );
+            Err(FormatError::Unfit(detail))
+        })?;
+    }
+    let Some(source) = mesh.uvs() else { return Ok(()) };
+    let mut uvs = Vec::new();
+    in_chunks(source.n_points(), |range| {
+        watch.check()?;
+        source.values(range, &mut uvs);
+        let Some(x) = uvs.iter().flatten().find(|x| x.abs() > f64::from(f32::MAX)) else { return Ok(()) };
+        let most = f32::MAX;
+        let detail =
+            format!("{x:e} is among the texture coordinates, this format holds at most {most:e}; ask for json");
+        Err(FormatError::Unfit(detail))
+    })
+}
+
+/// The refusal of a coordinate `x` that the format cannot hold.
+pub(super) fn unfit(vertex: usize, x: f64) -> FormatError {
+    FormatError::Unfit(if x.is_finite() {
+        let most = f32::MAX;
+        format!("vertex {vertex} has the coordinate {x:e}, this format holds at most {most:e}; ask for obj or json")
+    } else {
+        format!("vertex {vertex} has the coordinate {x}, only finite numbers can be written; ask for fewer levels")
+    })
+}

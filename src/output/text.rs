@@ -1,0 +1,143 @@
+//! Rows of numbers as text.
+
+use crate::output::bytes::Bytes;
+use crate::output::numbers::{real, whole};
+use crate::output::scene::FaceChunk;
+
+/// Bytes that are written at once for a row of indices, of which those that count are at most
+/// [`RowStyle::MOST`] and four times [`Index::MOST`]: an index writes 16 bytes, whatever its length.
+const WINDOW: usize = 64;
+
+/// What stands around the numbers of a row.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RowStyle {
+    /// What a row starts with, at most two bytes.
+    pub(super) start: &'static [u8],
+    /// What stands before the first number.
+    pub(super) open: u8,
+    /// What stands between two numbers.
+    pub(super) between: u8,
+    /// What a row ends with, at most two bytes.
+    pub(super) end: &'static [u8],
+}
+
+impl RowStyle {
+    /// Most bytes at the start and at the end of a row together.
+    const MOST: usize = 4;
+
+    /// Appends a row.
+    pub(super) fn reals(&self, row: &[f64], out: &mut Vec<u8>) {
+        out.extend_from_slice(self.start);
+        for (k, &x) in row.iter().enumerate() {
+            out.push(if k > 0 { self.between } else { self.open });
+            real(out, x);
+        }
+        out.extend_from_slice(self.end);
+    }
+
+    /// Appends a row of whole numbers, counted from `origin`.
+    pub(super) fn indices(&self, row: &[u32], origin: u64, out: &mut Vec<u8>) {
+        out.extend_from_slice(self.start);
+        for (k, &n) in row.iter().enumerate() {
+            out.push(if k > 0 { self.between } else { self.open });
+            whole(out, u64::from(n) + origin);
+        }
+        out.extend_from_slice(self.end);
+    }
+
+    /// Makes a row for each face, with its indices counted from `origin`.
+    pub(super) fn faces(&self, faces: &FaceChunk, origin: u64, out: &mut Bytes) {
+        if let Some(quads) = faces.rows::<4>() {
+            self.rows_of_indices(quads, origin, out);
+        } else if let Some(triangles) = faces.rows::<3>() {
+            self.rows_of_indices(triangles, origin, out);
+        } else {
+            out.append(|out| faces.iter().for_each(|face| self.indices(face, origin, out)));
+        }
+    }
+
+    fn rows_of_indices<const N: usize>(&self, rows: &[[u32; N]], origin: u64, out: &mut Bytes) {
+        let mut columns: [Index; N] =
+            std::array::from_fn(|k| Index::new(if k > 0 { self.between } else { self.open }, origin));
+        out.text(rows.len() * (Self::MOST + N * Index::MOST) + WINDOW, |text| {
+            let mut at = 0;
+            for row in rows {
+                let Some(window) = text[at..].first_chunk_mut::<WINDOW>() else { break };
+                let mut end = self.start.len();
+                window[..end].copy_from_slice(self.start);
+                for (column, &n) in columns.iter_mut().zip(row) {
+                    column.show(u64::from(n) + origin);
+                    window[end..end + 16].copy_from_slice(&column.text.to_le_bytes());
+                    end += column.len;
+                }
+                window[end..end + self.end.len()].copy_from_slice(self.end);
+                at += end + self.end.len();
+            }
+            at
+        });
+    }
+}
+
+/// A number of a column of indices as text, after one byte. In most rows it is that of the row before plus one, so that
+/// only its last digit changes. The bytes are kept as one number: what was stored byte by byte is slow to load at once.
+struct Index {
+    n: u64,
+    text: u128,
+    len: usize,
+}
+
+impl Index {
+    /// Most bytes: the one before, and ten digits of a number up to 2^32.
+    const MOST: usize = 11;
+
+    /// That of this number, after this byte.
+    fn new(before: u8, n: u64) -> Self {
+        let mut index = Self { n, text: before.into(), len: 1 };
+        index.spell(n);
+        index
+    }
+
+    fn spell(&mut self, n: u64) {
+        let mut digits = itoa::Buffer::new();
+        let digits = digits.format(n).bytes();
+        (self.n, self.text, self.len) = (n, self.text & 0xff, 1);
+        for digit in digits {
+            self.text |= u128::from(digit) << (8 * self.len);
+            self.len += 1;
+        }
+    }
+
+    fn show(&mut self, n: u64) {
+        let last = 8 * (self.len - 1);
+        if self.n + 1 == n && self.text >> last != u128::from(b'9') {
+            self.text += 1 << last;
+            self.n = n;
+        } else if self.n != n {
+            self.spell(n);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn indices_are_written_alike_whether_they_follow_each_other_or_not() {
+        let style = RowStyle { start: b"f", open: b' ', between: b' ', end: b"\n" };
+        let rows = [[0, 8, 9, 7], [1, 9, 10, 7], [2, 10, 11, 99], [u32::MAX, 11, 12, 100], [0, 0, 0, 101]];
+        let (mut faces, mut expected) = (FaceChunk::default(), String::new());
+        for row in rows {
+            faces.push(&row);
+            let [a, b, c, d] = row.map(|v| u64::from(v) + 1);
+            expected += &format!("f {a} {b} {c} {d}\n");
+        }
+        let mut out = Bytes::default();
+        style.faces(&faces, 1, &mut out);
+        assert_eq!(String::from_utf8_lossy(out.made()), expected);
+        // a larger face among them takes the other way
+        faces.push(&[0, 1, 2, 3, 4]);
+        style.faces(&faces, 1, &mut out);
+        assert_eq!(String::from_utf8_lossy(out.made()), expected + "f 1 2 3 4 5\n");
+    }
+}

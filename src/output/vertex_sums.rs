@@ -1,0 +1,139 @@
+//! Sums over the faces around each vertex, made by all threads, with the bits that one thread would give them.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::math::vector::plus;
+use crate::output::scene::{FaceChunk, MeshSource};
+use crate::shape::topology::index;
+use crate::watch::{Stopped, Watch};
+
+/// Faces of a part, which one thread sums up at a time.
+const PART: usize = 4_096;
+
+/// Parts that are summed up before what they share is added, at most: each holds 60 bytes a face.
+const AT_ONCE: usize = 16;
+
+/// For each vertex the sum of what its faces give, added in the order of the faces.
+///
+/// Vertices inside faces of the input are mostly those of one part of all faces; each part adds these itself. What is
+/// given to the others is kept, and added part after part.
+///
+/// # Errors
+/// [`Stopped`] when the watch says so.
+pub(super) fn sums(
+    mesh: &dyn MeshSource,
+    of_face: impl Fn(&[u32]) -> [f64; 3] + Sync,
+    watch: &Watch,
+) -> Result<Vec<[f64; 3]>, Stopped> {
+    let mut sums = vec![[0.0; 3]; mesh.n_vertices()];
+    let own = own_vertices(mesh, watch)?;
+    let mut parts: Vec<Part> = Vec::new();
+    parts.resize_with(AT_ONCE.min(own.len()), Part::default);
+    for (round, own) in own.chunks(AT_ONCE).enumerate() {
+        watch.check()?;
+        let (mut rest, mut start) = (sums.as_mut_slice(), 0);
+        let mut work = Vec::with_capacity(own.len());
+        for (i, (part, own)) in parts.iter_mut().zip(own).enumerate() {
+            let mut slice: &mut [[f64; 3]] = &mut [];
+            if !own.is_empty() {
+                rest = &mut rest[own.start as usize - start..];
+                (slice, rest) = rest.split_at_mut(own.len());
+                start = own.end as usize;
+            }
+            work.push((faces_of(mesh, round * AT_ONCE + i), part, own.start, slice));
+        }
+        work.into_par_iter().with_max_len(1).for_each(|(faces, part, first, own)| {
+            mesh.faces(faces, &mut part.faces);
+            part.add(&of_face, first, own);
+        });
+        parts[..own.len()].iter().for_each(|part| part.add_shared(&mut sums));
+    }
+    Ok(sums)
+}
+
+/// The faces of a part.
+fn faces_of(mesh: &dyn MeshSource, part: usize) -> Range<usize> {
+    part * PART..mesh.n_faces().min((part + 1) * PART)
+}
+
+/// For each part vertices that no other one has, in ascending ranges: of those inside faces of the input the ones beyond
+/// all of the parts before and below all of the parts after it.
+fn own_vertices(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<Range<u32>>, Stopped> {
+    let n = mesh.n_vertices();
+    let is_inside = |v: usize| mesh.vertex_origin(v).dimension == 2;
+    let first = partition_point(0..n, |v| !is_inside(v));
+    let inside = index(first)..index(partition_point(first..n, is_inside));
+    let range = |faces: &mut FaceChunk, part| {
+        watch.check()?;
+        mesh.faces(faces_of(mesh, part), faces);
+        let [low, high] = faces.vertices.iter().fold([inside.end, 0], |[low, high], &v| {
+            if inside.contains(&v) { [low.min(v), high.max(v + 1)] } else { [low, high] }
+        });
+        Ok(low..high)
+    };
+    let parts = 0..mesh.n_faces().div_ceil(PART);
+    let ranges: Result<Vec<Range<u32>>, Stopped> = parts.into_par_iter().map_init(FaceChunk::default, range).collect();
+    let mut ranges = ranges?;
+    let (mut before, mut after) = (inside.start, inside.end);
+    let lows: Vec<u32> = ranges.iter().map(|range| range.start).collect();
+    for range in &mut ranges {
+        let end = range.end;
+        range.start = range.start.max(before);
+        before = before.max(end);
+    }
+    for (range, low) in ranges.iter_mut().zip(lows).rev() {
+        range.end = range.end.min(after);
+        after = after.min(low);
+    }
+    Ok(ranges)
+}
+
+/// The first number in a range that is not as all before it are.
+fn partition_point(range: Range<usize>, is_before: impl Fn(usize) -> bool) -> usize {
+    let (mut low, mut high) = (range.start, range.end);
+    while low < high {
+        let middle = low.midpoint(high);
+        if is_before(middle) { low = middle + 1 } else { high = middle }
+    }
+    low
+}
+
+/// Some consecutive faces, and the memory for what they give.
+#[derive(Default)]
+struct Part {
+    faces: FaceChunk,
+    /// What each face gives.
+    vectors: Vec<[f64; 3]>,
+    /// Vertices that other parts have too, each with the face here that gives to it.
+    shared: Vec<(u32, u32)>,
+}
+
+impl Part {
+    /// Adds up what the faces give to their own vertices, of which the first is `start`.
+    fn add(&mut self, of_face: impl Fn(&[u32]) -> [f64; 3], start: u32, own: &mut [[f64; 3]]) {
+        let Self { faces, vectors, shared } = self;
+        (vectors.clear(), shared.clear());
+        match faces.rows::<4>() {
+            Some(quads) => vectors.extend(quads.iter().map(|quad| of_face(quad))),
+            None => vectors.extend(faces.iter().map(of_face)),
+        }
+        for ((i, vector), face) in (0..).zip(&*vectors).zip(faces.iter()) {
+            for &v in face {
+                match own.get_mut(v.wrapping_sub(start) as usize) {
+                    Some(sum) => *sum = plus(*sum, *vector),
+                    None => shared.push((v, i)),
+                }
+            }
+        }
+    }
+
+    /// Adds what they give to others.
+    fn add_shared(&self, sums: &mut [[f64; 3]]) {
+        for &(v, i) in &self.shared {
+            let sum = &mut sums[v as usize];
+            *sum = plus(*sum, self.vectors[i as usize]);
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! Lines of a grid: rows of vertices whose numbers are evenly spaced but for the two at the ends.
+
+use super::topology::index;
+
+/// The numbers of the `n + 1` vertices along a line of a grid.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Line {
+    n: usize,
+    first: u32,
+    last: u32,
+    /// The number of the vertex after the first.
+    second: u32,
+    /// How much is added from one to the next between the ends, modulo 2^32.
+    step: u32,
+}
+
+impl Line {
+    /// The line with `n` pieces whose vertices have these numbers by their place, 0 to `n`. Those at 1 to `n - 1` are
+    /// evenly spaced.
+    pub(super) fn new(n: usize, vertex: impl Fn(usize) -> u32) -> Self {
+        let second = if n > 1 { vertex(1) } else { 0 };
+        let step = if n > 2 { vertex(2).wrapping_sub(second) } else { 0 };
+        Self { n, first: vertex(0), last: vertex(n), second, step }
+    }
+
+    fn at(&self, i: usize) -> u32 {
+        match i {
+            0 => self.first,
+            i if i == self.n => self.last,
+            i => self.between(i),
+        }
+    }
+
+    /// The vertex at a place that is neither the first nor the last.
+    fn between(&self, i: usize) -> u32 {
+        self.second.wrapping_add(self.step.wrapping_mul(index(i - 1)))
+    }
+}
+
+/// Writes the quads between a line and the next of `n` lines with `n` pieces each, row by row, from quad `first` on, as
+/// many as `out` holds. They start at the lower line, and are counter-clockwise.
+pub(super) fn quads(n: usize, first: usize, mut out: &mut [[u32; 4]], line: impl Fn(usize) -> Line) {
+    let (mut j, mut from) = (first / n, first % n);
+    let mut lower = line(j);
+    while !out.is_empty() {
+        let upper = line(j + 1);
+        let row;
+        (row, out) = out.split_at_mut((n - from).min(out.len()));
+        row_of_quads(&lower, &upper, from, row);
+        (lower, j, from) = (upper, j + 1, 0);
+    }
+}
+
+fn row_of_quads(lower: &Line, upper: &Line, from: usize, row: &mut [[u32; 4]]) {
+    let quad = |i: usize| [lower.at(i), lower.at(i + 1), upper.at(i + 1), upper.at(i)];
+    let to = from + row.len();
+    let between = from.max(1)..to.min(lower.n - 1);
+    if between.is_empty() {
+        (from..to).zip(row).for_each(|(i, out)| *out = quad(i));
+        return;
+    }
+    let [mut a, mut d] = [lower, upper].map(|line| line.between(between.start));
+    for out in &mut row[between.start - from..between.end - from] {
+        let (b, c) = (a.wrapping_add(lower.step), d.wrapping_add(upper.step));
+        *out = [a, b, c, d];
+        (a, d) = (b, c);
+    }
+    if from == 0 {
+        row[0] = quad(0);
+    }
+    if to == lower.n {
+        row[to - 1 - from] = quad(to - 1);
+    }
+}
+
+/// Writes the triangles between a line and the next of `n` lines, of which line `j` has `n - j` pieces, row by row, from
+/// triangle `first` of row `row` on, as many as `out` holds: upward and downward ones in turn.
+pub(super) fn triangles(
+    n: usize,
+    [row, first]: [usize; 2],
+    mut out: &mut [[u32; 3]],
+    line: impl Fn(usize) -> Line,
+) {
+    let (mut j, mut from) = (row, first);
+    let mut lower = line(j);
+    while !out.is_empty() {
+        let upper = line(j + 1);
+        let row;
+        (row, out) = out.split_at_mut((2 * (n - j) - 1 - from).min(out.len()));
+        row_of_triangles(&lower, &upper, from, row);
+        (lower, j, from) = (upper, j + 1, 0);
+    }
+}
+
+fn row_of_triangles(lower: &Line, upper: &Line, from: usize, row: &mut [[u32; 3]]) {
+    let triangle = |k: usize| {
+        let i = k / 2;
+        if k.is_multiple_of(2) {
+            [lower.at(i), lower.at(i + 1), upper.at(i)]
+        } else {
+            [upper.at(i + 1), upper.at(i), lower.at(i + 1)]
+        }
+    };
+    let to = from + row.len();
+    // pairs of an upward and a downward triangle with no vertex at an end of a line
+    let pairs = from.div_ceil(2).max(1)..(to / 2).min(upper.n.saturating_sub(1));
+    if pairs.is_empty() {
+        (from..to).zip(row).for_each(|(k, out)| *out = triangle(k));
+        return;
+    }
+    let (before, rest) = row.split_at_mut(2 * pairs.start - from);
+    let (between, after) = rest.split_at_mut(2 * pairs.len());
+    (from..).zip(before).for_each(|(k, out)| *out = triangle(k));
+    (2 * pairs.end..).zip(after).for_each(|(k, out)| *out = triangle(k));
+    let [mut a, mut c] = [lower, upper].map(|line| line.between(pairs.start));
+    for pair in between.as_chunks_mut().0 {
+        let (b, d) = (a.wrapping_add(lower.step), c.wrapping_add(upper.step));
+        *pair = [[a, b, c], [d, c, b]];
+        (a, c) = (b, d);
+    }
+}
