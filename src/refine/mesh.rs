@@ -7,6 +7,7 @@ use super::error::RefineError;
 use super::origins;
 use super::refined::RefinedMesh;
 use super::start::mesh_net;
+use super::sweep::Outline;
 use super::swept::swept;
 use super::uvs::{RefinedUvs, refine_uvs_by_rows, refined_uvs};
 use crate::kept::Numbers;
@@ -31,6 +32,11 @@ pub fn refine_mesh(mesh: &Mesh, plan: &Plan, steps: &[Scheduled], watch: &Watch)
         None => refine_by_rows(mesh, plan, steps, watch)?,
     };
     Ok(if steps.is_empty() { refined.with_tags(mesh.tags()) } else { refined })
+}
+
+/// Whether a mesh is refined patch by patch.
+pub fn is_swept(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> bool {
+    Outline::of(&mesh_net(mesh, plan), plan, steps).is_some()
 }
 
 /// The same by rows of whole nets: the definition of what every other path makes.

@@ -17,10 +17,9 @@ mod vertex_order;
 
 pub use apply::{Points, advance};
 pub use error::RefineError;
-pub use mesh::{act_on, assembled, numbers, refine_by_rows, refine_mesh};
+pub use mesh::{act_on, assembled, is_swept, numbers, refine_by_rows, refine_mesh};
 pub use normals::Normals;
 pub use polygon::{refine_polygon, refined_points};
 pub use refined::RefinedMesh;
 pub use start::{carried, mesh_net, polygon_net};
-pub use sweep::{Sweep, Swept};
 pub use uvs::{refined_uvs, uv_net};

@@ -8,7 +8,7 @@ use super::vertex_order::VertexOrder;
 use crate::kept::Numbers;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::{Plan, Scheduled};
-use crate::watch::Watch;
+use crate::watch::{Stage, Watch};
 
 /// The net after all steps, as far as it is carried along (see [`MeshNet::after_splits`]), and all points in the
 /// documented order. `None` where the steps cannot be swept, and where a coordinate is no longer finite, so that the rows
@@ -24,6 +24,7 @@ pub(super) fn swept(
     watch: &Watch,
 ) -> Result<Option<(MeshNet, Vec<Numbers>)>, RefineError> {
     let Some(sweep) = Sweep::of(net, plan, steps) else { return Ok(None) };
+    watch.enter(Stage::Sweep);
     let (net, points) = act_on(net.clone(), points.to_vec(), plan, &steps[..sweep.steps_before()], watch)?;
     let order = VertexOrder::constructed(&net);
     let mut numbers = Vec::with_capacity(points.len());

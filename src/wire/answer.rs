@@ -146,6 +146,8 @@ pub struct EstimateAnswer {
     pub time_ms: u64,
     /// Predicted memory, bytes.
     pub memory_bytes: u64,
+    /// How it is refined: `sweep`, patch by patch, or `rows`, by rows of whole nets. The bytes do not depend on it.
+    pub path: &'static str,
     /// What a tolerance led to.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reached: Option<ReachedAnswer>,
@@ -311,6 +313,7 @@ impl EstimateAnswer {
             outputs: job.outputs.iter().zip(&estimate.outputs).map(output).collect(),
             time_ms: count(estimate.time_ms),
             memory_bytes: count(estimate.memory_bytes),
+            path: if job.is_swept() { "sweep" } else { "rows" },
             reached: job.reached.map(ReachedAnswer::from),
         }
     }

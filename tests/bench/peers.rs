@@ -144,11 +144,13 @@ impl Ours<'_> {
 
     /// Bytes that are held at most during a run which keeps its result, on one thread, whose allocations are counted.
     fn peak(&mut self) -> f64 {
-        let pool = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().expect("it is this thread");
+        let pool = ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be started");
         (self.refined, self.faces) = (None, FaceChunk::default());
         keep_at_most(0);
-        let counted = allocation_counter::measure(|| {
-            pool.install(|| self.run());
+        let counted = pool.install(|| {
+            allocation_counter::measure(|| {
+                self.run();
+            })
         });
         keep_at_most(KEPT);
         real(usize::try_from(counted.bytes_max).expect("it fits into memory"))

@@ -14,5 +14,4 @@ mod program;
 mod star;
 mod surface;
 
-pub use patches::Swept;
-pub use program::Sweep;
+pub(super) use program::{Outline, Sweep};

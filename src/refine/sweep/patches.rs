@@ -19,11 +19,11 @@ const TASK: usize = 1 << 14;
 
 /// Points in the documented order.
 #[derive(Debug)]
-pub struct Swept {
+pub(crate) struct Swept {
     /// Their numbers, point after point.
-    pub points: Numbers,
+    pub(crate) points: Numbers,
     /// Whether all are finite.
-    pub finite: bool,
+    pub(crate) finite: bool,
 }
 
 impl Sweep {
@@ -34,7 +34,7 @@ impl Sweep {
     ///
     /// # Panics
     /// When the points are not as many as those of the net where the sweep begins.
-    pub fn refine(&self, start: &[f64], width: usize, watch: &Watch) -> Result<Swept, Stopped> {
+    pub(crate) fn refine(&self, start: &[f64], width: usize, watch: &Watch) -> Result<Swept, Stopped> {
         assert_eq!(start.len(), self.orders[0].n_vertices() * width, "the points belong to another net");
         match width {
             1 => self.refine_points::<1>(start, watch),
@@ -58,9 +58,8 @@ impl Sweep {
             for patch in task.patches.clone() {
                 run.patch(patch, worker, &mut task);
             }
-            let made = task.edges.iter().chain(task.inner.iter()).chain(task.vertices.iter().map(|(_, point)| point));
-            // a sum of numbers times zero is NaN as soon as one of them is not finite
-            if made.flatten().fold(0.0, |sum, x| sum + 0.0 * x) != 0.0 {
+            let vertices = task.vertices.iter().all(|(_, point)| all_finite(point));
+            if !(vertices && all_finite(task.edges.as_flattened()) && all_finite(task.inner.as_flattened())) {
                 finite.store(false, Ordering::Relaxed);
             }
             watch.advance((task.edges.len() + task.inner.len()) as u64);
@@ -102,6 +101,16 @@ impl Sweep {
         }
         tasks
     }
+}
+
+/// Whether all numbers are finite: a sum of them times zero is NaN as soon as one is not.
+fn all_finite(numbers: &[f64]) -> bool {
+    let (lines, rest) = numbers.as_chunks::<16>();
+    let mut sums = [0.0; 16];
+    for line in lines {
+        sums.iter_mut().zip(line).for_each(|(sum, x)| *sum += 0.0 * x);
+    }
+    sums.iter().all(|&sum| sum == 0.0) && rest.iter().all(|x| x.is_finite())
 }
 
 /// Consecutive patches and where their points go.
@@ -324,25 +333,29 @@ impl<const W: usize> Run<'_, W> {
                 continue;
             }
             let first = at[side % 2];
-            let put = |steps: usize| {
-                // counted along the axis of the side
-                let across = if matches!(side, 1 | 2) { n } else { 0 };
-                let [i, j] = if side % 2 == 0 { [steps, across] } else { [across, steps] };
-                let v = order.patch_vertex(block.patch, [i, j]);
-                (v, Row::new(&worker.planes, size, j - at[1]).point(i - at[0]))
+            // counted along the axis of the side
+            let across = if matches!(side, 1 | 2) { n } else { 0 };
+            let place = |steps: usize| if side % 2 == 0 { [steps, across] } else { [across, steps] };
+            let vertex = |steps: usize| order.patch_vertex(block.patch, place(steps));
+            let point = |steps: usize| {
+                let [i, j] = place(steps);
+                Row::new(&worker.planes, size, j - at[1]).point(i - at[0])
             };
-            for steps in first.max(1)..(first + cells + 1).min(n) {
-                let (v, point) = put(steps);
-                task.put(v as usize, point);
+            // the numbers of the points of a side go up or down by the same everywhere
+            let along = first.max(1)..(first + cells + 1).min(n);
+            let v = vertex(along.start) as usize;
+            let forward = along.len() < 2 || vertex(along.start + 1) as usize > v;
+            let stride = if along.len() < 2 { 0 } else { v.abs_diff(vertex(along.start + 1) as usize) };
+            for (k, steps) in along.enumerate() {
+                task.put(if forward { v + k * stride } else { v - k * stride }, point(steps));
             }
             let start = if matches!(side, 0 | 1) { 0 } else { n };
             if (first..=first + cells).contains(&start) {
-                let (v, point) = put(start);
-                let v_patch = patches.vertex(half_edge) as usize;
+                let (v, corner) = (vertex(start), patches.vertex(half_edge) as usize);
                 if (v as usize) >= self.sweep.surface.base.n_vertices() {
-                    task.put(v as usize, point);
-                } else if patches.ring(v_patch).next() == Some(half_edge) {
-                    task.vertices.push((v, point));
+                    task.put(v as usize, point(start));
+                } else if patches.ring(corner).next() == Some(half_edge) {
+                    task.vertices.push((v, point(start)));
                 }
             }
         }

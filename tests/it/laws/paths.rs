@@ -1,7 +1,7 @@
 //! Meshes are refined along two paths, by rows of whole nets and patch by patch: every point has the same bits.
 
 use planish::job::Input;
-use planish::refine::{RefinedMesh, Sweep, mesh_net, refine_by_rows, refine_mesh};
+use planish::refine::{RefinedMesh, is_swept, refine_by_rows, refine_mesh};
 use planish::shape::source::{FaceChunk, MeshSource};
 use planish::watch::Watch;
 use proptest::prelude::*;
@@ -50,7 +50,7 @@ fn both(job: &Value) -> (RefinedMesh, RefinedMesh, bool) {
     let (plan, steps, watch) = (&job.plan, job.steps(), Watch::new());
     let swept = refine_mesh(mesh, plan, steps, &watch).expect("a step for every net");
     let whole = refine_by_rows(mesh, plan, steps, &watch).expect("a step for every net");
-    (swept, whole, Sweep::of(&mesh_net(mesh, plan), plan, steps).is_some())
+    (swept, whole, is_swept(mesh, plan, steps))
 }
 
 fn assert_same(found: &RefinedMesh, expected: &RefinedMesh, what: &Value) {
