@@ -1,11 +1,13 @@
 //! Weights as rows: which old points make each new one, and in what proportion. No coordinate is ever seen here.
 
 mod blend;
+mod group;
 mod pattern;
 mod source;
 mod table;
 
 pub use blend::{Blended, MAX_RUN, blend, blend_run};
+pub use group::symmetric_sum;
 pub use pattern::Pattern;
 pub use source::{RowSource, RowsBy, collect};
-pub use table::Rows;
+pub use table::{Rows, Term};

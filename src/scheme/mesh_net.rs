@@ -87,6 +87,16 @@ impl MeshNet {
         }
     }
 
+    /// The net after so many more splits of its quads, all edges halved, of which only what is carried along is known:
+    /// the base and how its faces were split, tags, and sharp edges, all of which are infinitely sharp.
+    #[must_use]
+    pub fn after_splits(&self, splits: usize) -> Self {
+        let sharpness = self.sharpness.as_ref().and_then(|sharpness| sharpness.pieces(1 << splits)).map(Arc::new);
+        let mesh = self.mesh.after_splits(splits);
+        let (annotations, since) = (Annotations::default(), SinceUpsampling::default());
+        Self { mesh, tags: self.tags.clone(), sharpness, rules: self.rules, annotations, since, surroundings: None }
+    }
+
     /// The net of a topology that came of a D, with what entered the last U.
     pub(super) fn after_dual(&self, topology: Topology, anchor: Option<Anchor>) -> Self {
         Self {

@@ -38,6 +38,13 @@ impl SplitMesh {
         Self { base: self.base.clone(), rounds: self.rounds, tile: anchor.tile, pieces, parent }
     }
 
+    /// After so many more splits into quads with two pieces an edge, without the topology before the last of them: in
+    /// its place stands that of the base.
+    pub(super) fn after_splits(&self, splits: usize) -> Self {
+        let pieces = self.pieces.iter().copied().chain(std::iter::repeat_n(2, splits)).collect();
+        Self { pieces, parent: Some(self.base.clone()), tile: Tile::Quad, ..self.clone() }
+    }
+
     /// The last split, if it was not one into quads with two pieces an edge.
     fn tiling(&self) -> Option<Tiling<'_>> {
         let (parent, &pieces) = (self.parent.as_ref()?, self.pieces.last()?);

@@ -51,15 +51,18 @@ impl Grid {
     /// The order of `base` after splits with so many pieces an edge each, `parent` being the topology before the last
     /// of them. Where some face of the base is no quad, the first split has 2 pieces an edge.
     ///
-    /// # Panics
-    /// When there is no split: then the order is that of the base.
+    /// With no split, which a base of quads may have, the order is that of the base.
     pub fn new(base: Arc<Topology>, parent: Arc<Topology>, pieces: Arc<[u32]>) -> Self {
-        assert!(!pieces.is_empty(), "an unsplit mesh is in its own order");
         let n = pieces.iter().map(|&d| d as usize).product();
         let sizes = (0..base.n_faces()).map(|f| inner_vertices(base.face(f).len(), n));
         let inner = sizes.scan(0, |sum, size| Some(std::mem::replace(sum, *sum + index(size)))).collect();
         let (is_binary, is_quads) = (pieces.iter().all(|&d| d == 2), base.is_quads());
         Self { base, parent, pieces, n, is_binary, is_quads, inner }
+    }
+
+    /// Pieces of a base edge.
+    pub fn pieces(&self) -> usize {
+        self.n
     }
 
     fn n(&self) -> usize {
@@ -167,8 +170,8 @@ impl Grid {
         index(self.base.n_vertices() + edge * (n - 1) + at - 1)
     }
 
-    /// Points inside base face `f`.
-    fn inner_of(&self, f: usize) -> usize {
+    /// Number of points inside base face `f`.
+    pub fn inner_of(&self, f: usize) -> usize {
         inner_vertices(self.base.face(f).len(), self.n)
     }
 
@@ -203,6 +206,21 @@ impl Grid {
                 let parts = 1 + size * (half - 1) + part * (half - 1) * (half - 1);
                 self.inner_vertex(f, parts + (j - 1) * (half - 1) + i - 1)
             }
+        }
+    }
+
+    /// The vertex at `[i, j]` of a patch, from 0 to its pieces in both directions: where all base faces are quads, of
+    /// that face, else of that face of the base's first split.
+    pub fn patch_vertex(&self, patch: usize, [i, j]: [usize; 2]) -> u32 {
+        if self.is_quads {
+            return self.quad_vertex(patch, i, j);
+        }
+        let f = self.base.face_of(index(patch));
+        let part = patch - self.base.half_edges(f).start as usize;
+        if self.base.face(f).len() == 4 {
+            self.quad_vertex(f, i + part % 2 * self.half(), j + part / 2 * self.half())
+        } else {
+            self.part_vertex(f, part, i, j)
         }
     }
 

@@ -19,6 +19,7 @@ mod outlooks;
 mod own;
 mod own_compensation;
 mod own_parameters;
+mod paths;
 mod polynomials;
 mod repetition;
 mod root_three;

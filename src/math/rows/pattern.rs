@@ -134,7 +134,7 @@ fn sweep<'a, const K: usize, const W: usize>(
     targets: impl Iterator<Item = &'a mut [f64; W]>,
 ) {
     // a loop of known length for each coordinate stays in registers
-    let sum = |points: &[[f64; W]; K], c: usize| (0..K).fold(0.0, |sum, k| sum + weights[k] * points[k][c]);
+    let sum = |points: &[[f64; W]; K], c: usize| (0..K).fold(-0.0, |sum, k| sum + weights[k] * points[k][c]);
     let fill = |(points, target): (&[[f64; W]; K], &mut [f64; W])| *target = std::array::from_fn(|c| sum(points, c));
     let windows = points.array_windows::<K>();
     // a step that is known to be 1 makes the loop a simple one

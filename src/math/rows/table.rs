@@ -1,18 +1,45 @@
 //! The table of weights.
 
+use super::group::symmetric_sum;
+
 /// A table of weights in flat sparse form: row `r` has the entries `starts[r]..starts[r + 1]`.
 ///
-/// Entries of one row are summed in the order they were added; an index may occur more than once.
+/// Entries of one row are summed in the order they were added, those of a [group](Rows::group) as one term that does
+/// not depend on where the group begins; an index may occur more than once.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rows {
     starts: Vec<usize>,
     indices: Vec<u32>,
     weights: Vec<f64>,
+    /// The groups of more than one entry, ascending.
+    groups: Vec<Group>,
+}
+
+/// Entries of a row that are summed as one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Group {
+    /// Its first entry.
+    start: usize,
+    /// Number of entries.
+    len: usize,
+    /// Whether all have the same weight.
+    alike: bool,
+}
+
+/// One term of a row: a single entry or a group.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Term<'a> {
+    /// The old points.
+    pub indices: &'a [u32],
+    /// The weight of each.
+    pub weights: &'a [f64],
+    /// Whether all weights are the same, so that the sum of the points is multiplied by it.
+    pub alike: bool,
 }
 
 impl Default for Rows {
     fn default() -> Self {
-        Self { starts: vec![0], indices: Vec::new(), weights: Vec::new() }
+        Self { starts: vec![0], indices: Vec::new(), weights: Vec::new(), groups: Vec::new() }
     }
 }
 
@@ -32,6 +59,7 @@ impl Rows {
         self.starts.truncate(1);
         self.indices.clear();
         self.weights.clear();
+        self.groups.clear();
     }
 
     /// Adds an entry to the row being made.
@@ -39,6 +67,20 @@ impl Rows {
     pub fn add(&mut self, index: u32, weight: f64) {
         self.indices.push(index);
         self.weights.push(weight);
+    }
+
+    /// Makes one group of the entries that `fill` adds to the row being made: with one weight w the term
+    /// `w x symmetric sum of the points`, with several the symmetric sum of `weight x point`. A symmetric sum of 2, 4 or
+    /// 6 members around a centre has the same bits wherever the walk around the centre begins; others are made in order.
+    #[inline]
+    pub fn group(&mut self, fill: impl FnOnce(&mut Self)) {
+        let start = self.indices.len();
+        fill(self);
+        let weights = &self.weights[start..];
+        let alike = weights.array_windows().all(|[a, b]| a.to_bits() == b.to_bits());
+        if weights.len() > 1 {
+            self.groups.push(Group { start, len: weights.len(), alike });
+        }
     }
 
     /// Completes the row being made.
@@ -74,19 +116,56 @@ impl Rows {
         (0..self.len()).map(value).collect()
     }
 
+    /// The terms of row `r`, in the order in which they are summed.
+    pub fn terms(&self, r: usize) -> impl Iterator<Item = Term<'_>> {
+        let groups = &self.groups[self.groups.partition_point(|group| group.start < self.starts[r])..];
+        let (mut at, end, mut groups) = (self.starts[r], self.starts[r + 1], groups.iter().peekable());
+        std::iter::from_fn(move || {
+            if at == end {
+                return None;
+            }
+            let group = groups.next_if(|group| group.start == at);
+            let (len, alike) = group.map_or((1, true), |group| (group.len, group.alike));
+            let range = at..at + len;
+            at += len;
+            Some(Term { indices: &self.indices[range.clone()], weights: &self.weights[range], alike })
+        })
+    }
+
     /// `out[r] = sum of weight x points[index]`, for points of `W` coordinates each.
-    pub(super) fn apply<const W: usize>(&self, points: &[[f64; W]], out: &mut [[f64; W]]) {
-        for (r, target) in out.iter_mut().enumerate() {
-            let (indices, weights) = self.row(r);
-            *target = weighted(weights.iter().zip(indices.iter().map(|&index| &points[index as usize])));
+    pub fn apply<const W: usize>(&self, points: &[[f64; W]], out: &mut [[f64; W]]) {
+        let mut groups = self.groups.iter();
+        let mut group = groups.next();
+        for (target, range) in out.iter_mut().zip(self.starts.array_windows()) {
+            let [mut at, end] = *range;
+            let mut sum = [-0.0; W];
+            while at < end {
+                let next = group.filter(|group| group.start == at);
+                let len = next.map_or(1, |group| group.len);
+                let (indices, weights) = (&self.indices[at..at + len], &self.weights[at..at + len]);
+                at += len;
+                let term: [f64; W] = match next {
+                    None => points[indices[0] as usize].map(|x| weights[0] * x),
+                    Some(group_here) => {
+                        group = groups.next();
+                        if group_here.alike {
+                            symmetric_sum(len, |k| points[indices[k] as usize]).map(|x| weights[0] * x)
+                        } else {
+                            symmetric_sum(len, |k| points[indices[k] as usize].map(|x| weights[k] * x))
+                        }
+                    }
+                };
+                sum = std::array::from_fn(|c| sum[c] + term[c]);
+            }
+            *target = sum;
         }
     }
 }
 
-/// `sum of weight x point`, in order.
+/// `sum of weight x point`, in order. The sum begins with -0, which changes no number that is added to it.
 #[inline]
 pub(super) fn weighted<'a, const W: usize>(pairs: impl Iterator<Item = (&'a f64, &'a [f64; W])>) -> [f64; W] {
-    let mut sum = [0.0; W];
+    let mut sum = [-0.0; W];
     for (weight, point) in pairs {
         sum = std::array::from_fn(|c| sum[c] + weight * point[c]);
     }

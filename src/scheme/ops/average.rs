@@ -38,6 +38,7 @@ static FACTS: Facts = Facts {
     parameters: &[SPLIT],
     follows: Follows::Creases,
     pointwise: true,
+    symmetric: true,
     ..Facts::USUAL
 };
 

@@ -29,6 +29,7 @@ static FACTS: Facts = Facts {
     nets: Nets::Meshes("catmull-clark refines meshes; for polygons use cubic-b-spline"),
     role: Role::Smooth,
     follows: Follows::SemiSharp,
+    symmetric: true,
     ..Facts::USUAL
 };
 

@@ -51,7 +51,7 @@ impl Operator for LoopSmoothing {
             if let Some(e) = row.checked_sub(n_v) {
                 let sharpness = creases.as_ref().map_or(0.0, |creases| creases.edge(e));
                 if parent.is_boundary_edge(e) || sharpness >= 1.0 {
-                    parent.ends(e).iter().for_each(|&v| out.add(v, 0.5));
+                    out.group(|out| parent.ends(e).iter().for_each(|&v| out.add(v, 0.5)));
                 } else {
                     edge_mask(sharpness).add(&parent, e, out);
                 }

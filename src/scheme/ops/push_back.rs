@@ -31,8 +31,14 @@ pub(super) const PUSH_BACK: PushBack = PushBack(Share::Linear);
 /// The push-back of circle schemes.
 pub const CIRCULAR_PUSH_BACK: PushBack = PushBack(Share::Circular);
 
-static LINEAR: Facts =
-    Facts { letter: Some('P'), name: "push-back", follows: Follows::Creases, pointwise: true, ..COMMON };
+static LINEAR: Facts = Facts {
+    letter: Some('P'),
+    name: "push-back",
+    follows: Follows::Creases,
+    pointwise: true,
+    symmetric: true,
+    ..COMMON
+};
 
 static CIRCULAR: Facts = Facts {
     name: "circular-push-back",
@@ -147,7 +153,7 @@ impl Operator for PushBack {
             let place = anchor.order.as_ref().map_or(row, |order| order[row] as usize);
             let omega = omega(place);
             let scales = [1.0, omega, omega * omega];
-            anchor.shares(place, scales, |v, share| out.add(v, share * deltas[v as usize]));
+            out.group(|out| anchor.shares(place, scales, |v, share| out.add(v, share * deltas[v as usize])));
         });
         Ok(Step { net: net.clone(), action: Action::PushBack { rows: Box::new(rows), children } })
     }

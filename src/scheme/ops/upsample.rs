@@ -38,6 +38,7 @@ static FACTS: Facts = Facts {
     children: Children::Vertices,
     follows: Follows::Creases,
     pointwise: true,
+    symmetric: true,
     ..Facts::USUAL
 };
 
@@ -109,7 +110,7 @@ impl Operator for Upsample {
             values.sources.as_ref().map_or(Ok(None), |sources| MeshLocal::of(&net.annotations, &entered, sources))?;
         let next = net.after_split(anchor.clone(), local);
         let rows = RowsBy::new(next.mesh.n_vertices(), entered.n_vertices(), move |row, out: &mut Rows| {
-            anchor.shares(row, [1.0; 3], |v, weight| out.add(v, weight));
+            out.group(|out| anchor.shares(row, [1.0; 3], |v, weight| out.add(v, weight)));
         });
         Ok(Step { net: next, action: Action::BlendFromAnchor(Box::new(rows)) })
     }

@@ -26,11 +26,11 @@ impl VertexMask {
     #[inline]
     pub(in crate::scheme) fn add(self, parent: &Topology, v: usize, out: &mut Rows) {
         let n_v = index(parent.n_vertices());
+        let first_face = n_v + index(parent.n_edges());
+        let face = |half_edge| first_face + index(parent.face_of(half_edge));
         out.add(index(v), self.own);
-        for half_edge in parent.ring(v) {
-            out.add(n_v + parent.edge(half_edge), self.edges);
-            out.add(n_v + index(parent.n_edges() + parent.face_of(half_edge)), self.faces);
-        }
+        out.group(|out| parent.ring(v).for_each(|half_edge| out.add(n_v + parent.edge(half_edge), self.edges)));
+        out.group(|out| parent.ring(v).for_each(|half_edge| out.add(face(half_edge), self.faces)));
     }
 }
 
@@ -54,15 +54,16 @@ impl EdgeMask {
         let n_v = index(parent.n_vertices());
         out.add(n_v + index(e), self.own);
         if let Some(weight) = self.ends {
-            parent.ends(e).iter().for_each(|&v| out.add(v, weight));
+            out.group(|out| parent.ends(e).iter().for_each(|&v| out.add(v, weight)));
         }
-        let Some(weight) = self.faces else { return };
-        for half_edge in parent.halves(e) {
-            out.add(n_v + index(parent.n_edges() + parent.face_of(half_edge)), weight);
-            if let Some(weight) = self.sides {
-                out.add(n_v + parent.edge(parent.next(half_edge)), weight);
-                out.add(n_v + parent.edge(parent.previous(half_edge)), weight);
-            }
+        let halves = parent.halves(e);
+        if let Some(weight) = self.faces {
+            let face = |half_edge| n_v + index(parent.n_edges() + parent.face_of(half_edge));
+            out.group(|out| halves.iter().for_each(|&half_edge| out.add(face(half_edge), weight)));
+        }
+        if let Some(weight) = self.sides {
+            let sides = halves.into_iter().flat_map(|half| [parent.next(half), parent.previous(half)]);
+            out.group(|out| sides.for_each(|side| out.add(n_v + parent.edge(side), weight)));
         }
     }
 }
@@ -83,9 +84,8 @@ impl FaceMask {
     pub(in crate::scheme) fn add(self, parent: &Topology, face: usize, out: &mut Rows) {
         let n_v = index(parent.n_vertices());
         out.add(n_v + index(parent.n_edges() + face), self.own);
-        for half_edge in parent.half_edges(face) {
-            out.add(parent.vertex(half_edge), self.vertices);
-            out.add(n_v + parent.edge(half_edge), self.edges);
-        }
+        let around = parent.half_edges(face);
+        out.group(|out| around.clone().for_each(|half_edge| out.add(parent.vertex(half_edge), self.vertices)));
+        out.group(|out| around.for_each(|half_edge| out.add(n_v + parent.edge(half_edge), self.edges)));
     }
 }

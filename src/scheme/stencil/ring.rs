@@ -31,7 +31,7 @@ impl RingMask {
         out: &mut Rows,
     ) {
         out.add(index(v), self.own);
-        edges.for_each(|e| out.add(old.other_end(e as usize, v), self.neighbours));
+        out.group(|out| edges.for_each(|e| out.add(old.other_end(e as usize, v), self.neighbours)));
     }
 
     /// Adds vertex `v` and the points of these edges after a split into quads of `parent`.
@@ -39,6 +39,6 @@ impl RingMask {
     pub(in crate::scheme) fn add_edge_points(self, parent: &Topology, v: usize, edges: [u32; 2], out: &mut Rows) {
         let n_v = index(parent.n_vertices());
         out.add(index(v), self.own);
-        edges.iter().for_each(|&e| out.add(n_v + e, self.neighbours));
+        out.group(|out| edges.iter().for_each(|&e| out.add(n_v + e, self.neighbours)));
     }
 }

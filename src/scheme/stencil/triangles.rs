@@ -17,23 +17,29 @@ pub struct TriangleEdgeMask {
 impl TriangleEdgeMask {
     /// Adds what lies around edge `e`; a far vertex that is missing is reflected.
     pub(in crate::scheme) fn add(self, old: &Topology, e: usize, out: &mut Rows) {
-        old.ends(e).iter().for_each(|&v| out.add(v, self.ends));
-        for half_edge in old.halves(e) {
-            let (onward, back) = (old.next(half_edge), old.previous(half_edge));
-            let opposite = old.vertex(back);
-            out.add(opposite, self.opposite);
-            let Some(weight) = self.far else { continue };
-            for (side, near, far) in [(onward, onward, half_edge), (back, half_edge, onward)] {
-                let beyond = old.twin(side);
-                if beyond == NONE {
-                    // across the side from `near` to the opposite vertex lies near + opposite - far
-                    out.add(old.vertex(near), weight);
-                    out.add(opposite, weight);
-                    out.add(old.vertex(far), -weight);
-                } else {
-                    out.add(old.vertex(old.previous(beyond)), weight);
-                }
-            }
+        let halves = old.halves(e);
+        let opposite = |half_edge| old.vertex(old.previous(half_edge));
+        out.group(|out| old.ends(e).iter().for_each(|&v| out.add(v, self.ends)));
+        out.group(|out| halves.iter().for_each(|&half_edge| out.add(opposite(half_edge), self.opposite)));
+        if let Some(weight) = self.far {
+            out.group(|out| halves.iter().for_each(|&half_edge| add_far(old, half_edge, weight, out)));
+        }
+    }
+}
+
+/// Adds the two far vertices on the side of a half-edge, opposite the other sides of its triangle.
+fn add_far(old: &Topology, half_edge: u32, weight: f64, out: &mut Rows) {
+    let (onward, back) = (old.next(half_edge), old.previous(half_edge));
+    let opposite = old.vertex(back);
+    for (side, near, far) in [(onward, onward, half_edge), (back, half_edge, onward)] {
+        let beyond = old.twin(side);
+        if beyond == NONE {
+            // across the side from `near` to the opposite vertex lies near + opposite - far
+            out.add(old.vertex(near), weight);
+            out.add(opposite, weight);
+            out.add(old.vertex(far), -weight);
+        } else {
+            out.add(old.vertex(old.previous(beyond)), weight);
         }
     }
 }

@@ -1,0 +1,162 @@
+//! Flat loops: `out[k] = sum over groups of weight x symmetric sum of the members at k`.
+//!
+//! The sums are those of [`Rows`](crate::math::rows::Rows), bit for bit: the loops are compiled for several instruction
+//! sets, but never with fused multiplication and addition.
+
+use std::ops::Range;
+
+use multiversion::multiversion;
+
+use crate::math::rows::symmetric_sum;
+
+/// One group of a mask over a grid: a weight, and for each member the plane it lies in and its distance there.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FlatGroup {
+    pub(super) weight: f64,
+    /// Plane and distance, in numbers.
+    pub(super) members: Vec<(u8, isize)>,
+}
+
+/// A mask over the planes of a grid of one size.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct FlatMask {
+    pub(super) groups: Vec<FlatGroup>,
+    /// Members of each group.
+    sizes: Vec<usize>,
+    /// Where sums are made: as far as they matter and all members lie in the planes.
+    range: Range<usize>,
+}
+
+impl FlatMask {
+    /// A mask over planes of `len` numbers, of which the sums in `wanted` matter.
+    pub(super) fn new(groups: Vec<FlatGroup>, len: usize, wanted: Range<usize>) -> Self {
+        let distances = || groups.iter().flat_map(|group| &group.members).map(|&(_, distance)| distance);
+        let low = distances().min().unwrap_or(0).min(0).unsigned_abs();
+        let high = distances().max().unwrap_or(0).max(0).unsigned_abs();
+        let start = wanted.start.max(low);
+        let range = start..wanted.end.min(len - high).max(start);
+        Self { sizes: groups.iter().map(|group| group.members.len()).collect(), groups, range }
+    }
+
+    /// Sets `out[k]` to the sum over the groups for each k that matters, or adds it where `adds`.
+    pub(super) fn combine(&self, source: &[&[f64]; 4], out: &mut [f64], adds: bool) {
+        let out = &mut out[self.range.clone()];
+        let slice = |group: usize, member: usize| -> &[f64] {
+            let (plane, distance) = self.groups[group].members[member];
+            let start = self.range.start.wrapping_add_signed(distance);
+            &source[plane as usize][start..start + self.range.len()]
+        };
+        let w = |group: usize| self.groups[group].weight;
+        let two = |g: usize| [slice(g, 0), slice(g, 1)];
+        let four = |g: usize| [slice(g, 0), slice(g, 1), slice(g, 2), slice(g, 3)];
+        match (self.sizes.as_slice(), adds) {
+            ([1], false) => one(out, w(0), slice(0, 0)),
+            ([1], true) => add_one(out, w(0), slice(0, 0)),
+            ([2], false) => pair(out, w(0), two(0)),
+            ([2], true) => add_pair(out, w(0), two(0)),
+            ([4], false) => quad(out, w(0), four(0)),
+            ([4], true) => add_quad(out, w(0), four(0)),
+            ([1, 2], false) => one_pair(out, [w(0), w(1)], slice(0, 0), two(1)),
+            ([1, 4, 4], false) => one_quads(out, [w(0), w(1), w(2)], slice(0, 0), [four(1), four(2)]),
+            ([1, 2, 2, 4], false) => {
+                one_pairs_quad(out, [w(0), w(1), w(2), w(3)], slice(0, 0), [two(1), two(2)], four(3));
+            }
+            _ => any(out, &self.groups, source, self.range.start, adds),
+        }
+    }
+}
+
+#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+fn one(out: &mut [f64], w: f64, a: &[f64]) {
+    out.iter_mut().zip(a).for_each(|(x, a)| *x = w * a);
+}
+
+#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+fn add_one(out: &mut [f64], w: f64, a: &[f64]) {
+    out.iter_mut().zip(a).for_each(|(x, a)| *x += w * a);
+}
+
+#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+fn pair(out: &mut [f64], w: f64, [a, b]: [&[f64]; 2]) {
+    let n = out.len();
+    let (a, b) = (&a[..n], &b[..n]);
+    for k in 0..n {
+        out[k] = w * (a[k] + b[k]);
+    }
+}
+
+#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+fn add_pair(out: &mut [f64], w: f64, [a, b]: [&[f64]; 2]) {
+    let n = out.len();
+    let (a, b) = (&a[..n], &b[..n]);
+    for k in 0..n {
+        out[k] += w * (a[k] + b[k]);
+    }
+}
+
+#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+fn quad(out: &mut [f64], w: f64, quad: [&[f64]; 4]) {
+    let n = out.len();
+    let [a, b, c, d] = quad.map(|x| &x[..n]);
+    for k in 0..n {
+        out[k] = w * ((a[k] + c[k]) + (b[k] + d[k]));
+    }
+}
+
+#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+fn add_quad(out: &mut [f64], w: f64, quad: [&[f64]; 4]) {
+    let n = out.len();
+    let [a, b, c, d] = quad.map(|x| &x[..n]);
+    for k in 0..n {
+        out[k] += w * ((a[k] + c[k]) + (b[k] + d[k]));
+    }
+}
+
+#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+fn one_pair(out: &mut [f64], w: [f64; 2], a: &[f64], [b, c]: [&[f64]; 2]) {
+    let n = out.len();
+    let (a, b, c) = (&a[..n], &b[..n], &c[..n]);
+    for k in 0..n {
+        out[k] = w[0] * a[k] + w[1] * (b[k] + c[k]);
+    }
+}
+
+#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+fn one_quads(out: &mut [f64], w: [f64; 3], a: &[f64], quads: [[&[f64]; 4]; 2]) {
+    let n = out.len();
+    let a = &a[..n];
+    let [[b, c, d, e], [f, g, h, i]] = quads.map(|quad| quad.map(|x| &x[..n]));
+    for k in 0..n {
+        let first = (b[k] + d[k]) + (c[k] + e[k]);
+        let second = (f[k] + h[k]) + (g[k] + i[k]);
+        out[k] = w[0] * a[k] + w[1] * first + w[2] * second;
+    }
+}
+
+#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+fn one_pairs_quad(out: &mut [f64], w: [f64; 4], a: &[f64], pairs: [[&[f64]; 2]; 2], quad: [&[f64]; 4]) {
+    let n = out.len();
+    let a = &a[..n];
+    let [[b, c], [d, e]] = pairs.map(|pair| pair.map(|x| &x[..n]));
+    let [f, g, h, i] = quad.map(|x| &x[..n]);
+    for k in 0..n {
+        let last = (f[k] + h[k]) + (g[k] + i[k]);
+        out[k] = w[0] * a[k] + w[1] * (b[k] + c[k]) + w[2] * (d[k] + e[k]) + w[3] * last;
+    }
+}
+
+/// Groups of any number and size, one group after another.
+fn any(out: &mut [f64], groups: &[FlatGroup], source: &[&[f64]; 4], low: usize, adds: bool) {
+    for (at, group) in groups.iter().enumerate() {
+        let member = |k: usize, m: usize| {
+            let (plane, distance) = group.members[m];
+            let place = (low + k).checked_add_signed(distance).expect("the reach is inside");
+            [source[plane as usize][place]]
+        };
+        for (k, x) in out.iter_mut().enumerate() {
+            let [term] = symmetric_sum(group.members.len(), |m| member(k, m));
+            let before = if at == 0 && !adds { -0.0 } else { *x };
+            *x = before + group.weight * term;
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! Refinement of quads patch by patch, straight into the documented order: the fast path.
+//!
+//! A patch is a grid of quads with a halo of cells around it. A round (a U and the steps up to the next one) is a few
+//! flat loops over its planes of points; around vertices where the grid is not regular, small tables overwrite what the
+//! loops made there, and along boundaries and creases masks of curves do. All masks and tables are read off the rows of
+//! the operators. As symmetric sums do not depend on where a walk begins, every point has the bits that the rows of the
+//! whole net give it.
+
+mod grid;
+mod kernel;
+mod mask;
+mod patches;
+mod program;
+mod star;
+mod surface;
+
+pub use patches::Swept;
+pub use program::Sweep;

@@ -1,0 +1,285 @@
+//! The faces around a vertex where a grid is not regular, refined by tables of their own.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::mask::{Use, steps};
+use crate::math::rows::{RowSource, Rows};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::sharpness::Sharpness;
+use crate::scheme::tags::Boundary;
+use crate::shape::check::{FaceList, Winding};
+use crate::shape::creases::INFINITE_SHARPNESS;
+use crate::shape::topology::{Topology, index};
+
+/// What of a vertex decides how the faces around it are refined.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(super) struct StarKind {
+    /// Number of faces around it.
+    pub(super) faces: usize,
+    /// Whether they lie all around it.
+    pub(super) closed: bool,
+    /// The infinitely sharp edges among those at the vertex, counted from the first of its ring.
+    pub(super) sharp: Vec<usize>,
+    /// Whether it keeps its place.
+    pub(super) corner: bool,
+}
+
+/// How the points of a star are numbered: the vertex, then for each face of its ring `reach x (reach + 1)` points, `a`
+/// steps along the face's first edge and `b` along its last one, `1 <= a <= reach`, `0 <= b <= reach`, at last the
+/// points of the last edge where the faces do not close.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct StarShape {
+    pub(super) faces: usize,
+    pub(super) closed: bool,
+    /// Cells around the vertex.
+    pub(super) reach: usize,
+}
+
+impl StarShape {
+    /// Number of points.
+    pub(super) fn len(self) -> usize {
+        let last = if self.closed { 0 } else { self.reach };
+        1 + self.faces * self.reach * (self.reach + 1) + last
+    }
+
+    /// The next face of the ring counter-clockwise, or the one before; none beyond a boundary.
+    pub(super) fn neighbour(self, face: usize, next: bool) -> Option<usize> {
+        match next {
+            true if face + 1 < self.faces => Some(face + 1),
+            true => self.closed.then_some(0),
+            false if face > 0 => Some(face - 1),
+            false => self.closed.then(|| self.faces - 1),
+        }
+    }
+
+    /// The number of the point `[a, b]` of a face of the ring.
+    pub(super) fn point(self, face: usize, [a, b]: [usize; 2]) -> usize {
+        let on_edge_before =
+            |face: usize, a: usize, b: usize| 1 + face * self.reach * (self.reach + 1) + (a - 1) * (self.reach + 1) + b;
+        match (a, b) {
+            (0, 0) => 0,
+            (0, b) if face + 1 < self.faces => on_edge_before(face + 1, b, 0),
+            (0, b) if self.closed => on_edge_before(0, b, 0),
+            (0, b) => 1 + self.faces * self.reach * (self.reach + 1) + b - 1,
+            (a, b) => on_edge_before(face, a, b),
+        }
+    }
+
+    /// All points in order: the vertex, then face and `[a, b]`.
+    pub(super) fn points(self) -> impl Iterator<Item = (usize, [usize; 2])> {
+        let inside = (0..self.faces)
+            .flat_map(move |face| (1..=self.reach).flat_map(move |a| (0..=self.reach).map(move |b| (face, [a, b]))));
+        let last = if self.closed { 0 } else { self.reach };
+        let on_last = (1..=last).map(move |b| (self.faces - 1, [0, b]));
+        std::iter::once((0, [0, 0])).chain(inside).chain(on_last)
+    }
+}
+
+/// What a round does to the points of a star.
+#[derive(Debug)]
+pub(super) struct StarRound {
+    stages: Vec<Stage>,
+}
+
+/// One step, with the points numbered anew that still matter after it.
+#[derive(Debug)]
+enum Stage {
+    /// From the points of the star.
+    Up(Rows),
+    /// From the points before.
+    Blend(Rows),
+    /// Each point is one before, to which rows of differences are added.
+    Push {
+        /// The point before.
+        own: Vec<u32>,
+        /// Pairs of a point of the star and of its child before the step.
+        differences: Vec<[u32; 2]>,
+        rows: Rows,
+    },
+}
+
+impl StarRound {
+    /// The tables of a round around a vertex of this kind; none where the operators cannot be applied there.
+    pub(super) fn of(kind: &StarKind, reach: usize, plan: &Plan, round: &[Scheduled]) -> Option<Self> {
+        let disc = Disc::new(kind, reach)?;
+        let tables = steps(disc.net(kind, plan), plan, round)?;
+        let mut needed = Needed::of(disc.next());
+        let mut stages = Vec::new();
+        for (is, rows) in tables.iter().rev() {
+            let rows = &**rows;
+            let (stage, before) = match is {
+                Use::Up => (Stage::Up(needed.rows(rows, |i| i)), Needed::default()),
+                Use::Blend => {
+                    let mut before = Needed::default();
+                    (Stage::Blend(needed.rows(rows, |i| before.number(i))), before)
+                }
+                Use::Push => {
+                    let (mut before, mut anchors) = (Needed::of(needed.order.clone()), Needed::default());
+                    let made = needed.rows(rows, |i| anchors.number(i));
+                    // vertices keep their numbers, so that a vertex is its own child
+                    let differences = anchors.order.iter().map(|&v| [v, before.number(v)]).collect();
+                    let own = (0..index(needed.order.len())).collect();
+                    (Stage::Push { own, differences, rows: made }, before)
+                }
+            };
+            stages.push(stage);
+            needed = before;
+        }
+        stages.reverse();
+        Some(Self { stages })
+    }
+
+    /// The points of the star after the round, from those before it.
+    pub(super) fn apply<const W: usize>(&self, star: &[[f64; W]], work: &mut StarWork<W>) {
+        let StarWork { now, next, differences } = work;
+        for stage in &self.stages {
+            match stage {
+                Stage::Up(rows) => fill(rows, star, next),
+                Stage::Blend(rows) => fill(rows, now, next),
+                Stage::Push { own, differences: pairs, rows } => {
+                    differences.clear();
+                    differences.extend(pairs.iter().map(|&[anchor, child]| -> [f64; W] {
+                        std::array::from_fn(|c| star[anchor as usize][c] - now[child as usize][c])
+                    }));
+                    fill(rows, differences, next);
+                    for (x, &own) in next.iter_mut().zip(own) {
+                        let before = now[own as usize];
+                        *x = std::array::from_fn(|c| before[c] + x[c]);
+                    }
+                }
+            }
+            std::mem::swap(now, next);
+        }
+    }
+}
+
+/// Buffers for stars.
+#[derive(Debug, Default)]
+pub(super) struct StarWork<const W: usize> {
+    /// The points after the last step.
+    pub(super) now: Vec<[f64; W]>,
+    next: Vec<[f64; W]>,
+    differences: Vec<[f64; W]>,
+}
+
+fn fill<const W: usize>(rows: &Rows, from: &[[f64; W]], to: &mut Vec<[f64; W]>) {
+    to.resize(rows.len(), [0.0; W]);
+    rows.apply(from, to);
+}
+
+/// Points of a net that matter, numbered in the order in which they were asked for.
+#[derive(Default)]
+struct Needed {
+    order: Vec<u32>,
+    numbers: HashMap<u32, u32>,
+}
+
+impl Needed {
+    fn of(order: Vec<u32>) -> Self {
+        let numbers = order.iter().zip(0..).map(|(&i, number)| (i, number)).collect();
+        Self { order, numbers }
+    }
+
+    fn number(&mut self, i: u32) -> u32 {
+        *self.numbers.entry(i).or_insert_with(|| {
+            self.order.push(i);
+            index(self.order.len() - 1)
+        })
+    }
+
+    /// The rows of these points, over points that `number` numbers anew.
+    fn rows(&self, source: &dyn RowSource, mut number: impl FnMut(u32) -> u32) -> Rows {
+        let (mut made, mut row) = (Rows::default(), Rows::default());
+        for &i in &self.order {
+            row.clear();
+            source.make(i as usize..i as usize + 1, &mut row);
+            for term in row.terms(0) {
+                made.group(|made| {
+                    let entries = term.indices.iter().zip(term.weights);
+                    entries.for_each(|(&i, &weight)| made.add(number(i), weight));
+                });
+            }
+            made.end_row();
+        }
+        made
+    }
+}
+
+/// The faces around a vertex as a mesh of their own, whose vertices are numbered as the points of the star.
+struct Disc {
+    shape: StarShape,
+    topology: Arc<Topology>,
+    /// Ring face and cell of each face.
+    cells: HashMap<(usize, [usize; 2]), usize>,
+}
+
+impl Disc {
+    fn new(kind: &StarKind, reach: usize) -> Option<Self> {
+        let shape = StarShape { faces: kind.faces, closed: kind.closed, reach };
+        let mut faces = FaceList::default();
+        let mut cells = HashMap::new();
+        let around = [[0, 0], [1, 0], [1, 1], [0, 1]];
+        for face in 0..kind.faces {
+            for (b, a) in (0..reach).flat_map(|b| (0..reach).map(move |a| (b, a))) {
+                cells.insert((face, [a, b]), cells.len());
+                faces.push(around.map(|[i, j]| index(shape.point(face, [a + i, b + j]))));
+            }
+        }
+        let checked = Topology::of_faces(shape.len(), faces, Winding::Refuse).ok()?;
+        checked.split_from.is_empty().then(|| Self { shape, topology: Arc::new(checked.topology), cells })
+    }
+
+    fn net(&self, kind: &StarKind, plan: &Plan) -> MeshNet {
+        let on_edge = |edge: usize, at: usize| -> u32 {
+            let (face, place) = if edge < kind.faces { (edge, [at, 0]) } else { (edge - 1, [0, at]) };
+            index(self.shape.point(face, place))
+        };
+        let edges = self.edges();
+        let pieces = kind.sharp.iter().flat_map(|&edge| (0..self.shape.reach).map(move |at| (edge, at)));
+        let mut sharp: Vec<(u32, f64)> = pieces
+            .map(|(edge, at)| (index(edges[&[on_edge(edge, at), on_edge(edge, at + 1)]]), INFINITE_SHARPNESS))
+            .collect();
+        sharp.sort_unstable_by_key(|&(e, _)| e);
+        let corners: &[u32] = if kind.corner { &[0] } else { &[] };
+        let net = MeshNet::new(self.topology.clone(), corners, &[], Boundary::EdgeOnly);
+        net.with_sharpness(Sharpness::of(&sharp, &Vec::new()), plan.rules)
+    }
+
+    fn edges(&self) -> HashMap<[u32; 2], usize> {
+        let ends = (0..self.topology.n_edges()).map(|e| (e, self.topology.ends(e)));
+        ends.flat_map(|(e, [a, b])| [([a, b], e), ([b, a], e)]).collect()
+    }
+
+    /// The points of the refined disc that are the points of the star after the round.
+    fn next(&self) -> Vec<u32> {
+        let (n_v, n_e) = (self.topology.n_vertices(), self.topology.n_edges());
+        let edges = self.edges();
+        let fine = |(face, [a, b]): (usize, [usize; 2])| {
+            let vertex = |i, j| index(self.shape.point(face, [i, j]));
+            let (i, j) = (a / 2, b / 2);
+            match (a % 2, b % 2) {
+                (0, 0) => vertex(i, j),
+                (1, 0) => index(n_v + edges[&[vertex(i, j), vertex(i + 1, j)]]),
+                (0, _) => index(n_v + edges[&[vertex(i, j), vertex(i, j + 1)]]),
+                _ => index(n_v + n_e + self.cells[&(face, [i, j])]),
+            }
+        };
+        self.shape.points().map(fine).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_points_of_a_star_are_numbered_in_their_order() {
+        for (faces, closed, reach) in [(3, true, 1), (5, true, 2), (1, false, 1), (3, false, 3)] {
+            let shape = StarShape { faces, closed, reach };
+            let numbers: Vec<usize> = shape.points().map(|(face, place)| shape.point(face, place)).collect();
+            assert!(numbers.iter().copied().eq(0..shape.len()), "{shape:?}: {numbers:?}");
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! Meshes are refined along two paths, by rows of whole nets and patch by patch: every point has the same bits.
+
+use planish::job::Input;
+use planish::refine::{RefinedMesh, Sweep, act_on, assembled, mesh_net, numbers, refine_mesh, refined_uvs};
+use planish::shape::source::{FaceChunk, MeshSource};
+use planish::watch::Watch;
+use proptest::prelude::*;
+use serde_json::{Value, json};
+
+use super::{semi_stationary, static_word, word};
+use crate::support::nets::{self, Net};
+use crate::support::parsed;
+
+/// Plans that are swept where nothing but the mesh stands against it.
+fn plans() -> Vec<Value> {
+    let mut plans = vec![
+        json!({ "preset": "catmull-clark" }),
+        json!({ "preset": "catmull-clark", "parameters": { "creasing": "chaikin" } }),
+        json!({ "preset": "bilinear" }),
+        static_word("UP"),
+        word("UC"),
+        word("UCC"),
+        word("UCCC"),
+        word("UCCCC"),
+        static_word("UCCP"),
+        static_word("UCPC"),
+        semi_stationary("UCP", "pi/3", 0.5),
+        semi_stationary("UCCP", "1/2", 0.4),
+        json!({ "word": "UCCP", "parameters": { "delta": "1/valence", "compensation": 0.7 } }),
+    ];
+    for plan in &mut plans {
+        plan["boundary"] = json!("edge-only");
+    }
+    plans
+}
+
+/// A job as a request has it: a net, its sharp edges and corners, a plan and its levels.
+fn job(net: &Net, extras: &Value, plan: &Value, levels: usize) -> Value {
+    let mut mesh = net.to_json();
+    for (name, value) in extras.as_object().expect("an object") {
+        mesh[name] = value.clone();
+    }
+    json!({ "input": { "mesh": mesh }, "plan": plan, "levels": levels, "outputs": [{ "format": "json" }] })
+}
+
+/// The mesh that each path makes, and whether the first one is swept.
+fn both(job: &Value) -> (RefinedMesh, RefinedMesh, bool) {
+    let job = parsed(&serde_json::to_vec(job).expect("JSON")).unwrap_or_else(|faults| panic!("{faults:?} for {job}"));
+    let Input::Mesh(mesh) = &job.input else { panic!("it is a mesh") };
+    let (plan, steps, watch) = (&job.plan, job.steps(), Watch::new());
+    let swept = refine_mesh(mesh, plan, steps, &watch).expect("a step for every net");
+    let (net, points) = act_on(mesh_net(mesh, plan), numbers(mesh), plan, steps, &watch).expect("a step for every net");
+    let uvs = refined_uvs(mesh, plan, steps, &watch).expect("a step for every net");
+    let whole = assembled(mesh, &net, points.into_iter().map(|points| points.now).collect(), uvs);
+    (swept, whole, Sweep::of(&mesh_net(mesh, plan), plan, steps).is_some())
+}
+
+fn assert_same(found: &RefinedMesh, expected: &RefinedMesh, what: &Value) {
+    assert_eq!((found.n_vertices(), found.n_faces()), (expected.n_vertices(), expected.n_faces()), "{what}");
+    let bits = |mesh: &RefinedMesh| mesh.all_positions().into_iter().map(|p| p.map(f64::to_bits)).collect::<Vec<_>>();
+    let (mine, theirs) = (bits(found), bits(expected));
+    let differing: Vec<usize> = (0..mine.len()).filter(|&v| mine[v] != theirs[v]).collect();
+    let first = differing.first().map(|&v| (found.all_positions()[v], expected.all_positions()[v]));
+    assert!(differing.is_empty(), "{} points such as {:?} are {first:?} in {what}", differing.len(), differing.first());
+    let faces = |mesh: &RefinedMesh| {
+        let mut faces = FaceChunk::default();
+        mesh.faces(0..mesh.n_faces(), &mut faces);
+        faces.iter().map(<[u32]>::to_vec).collect::<Vec<_>>()
+    };
+    assert_eq!(faces(found), faces(expected), "{what}");
+    assert_eq!(found.sharp_edges(), expected.sharp_edges(), "{what}");
+    for channel in 0..expected.attachments().channels.len() {
+        let (mut mine, mut theirs) = (Vec::new(), Vec::new());
+        found.channel(channel, 0..found.n_vertices(), &mut mine);
+        expected.channel(channel, 0..expected.n_vertices(), &mut theirs);
+        assert_eq!(mine, theirs, "{what}");
+    }
+}
+
+fn compare(net: &Net, extras: &Value, plan: &Value, levels: usize) -> bool {
+    let job = job(net, extras, plan, levels);
+    let (swept, whole, is_swept) = both(&job);
+    assert_same(&swept, &whole, &job);
+    is_swept
+}
+
+#[test]
+fn closed_nets_of_quads_are_swept_to_the_bits_of_whole_nets() {
+    for (net, levels) in [(nets::torus(3, 4), 3), (nets::cube(), 4), (nets::prism(5), 4), (nets::tetrahedron(), 4)] {
+        for plan in plans() {
+            assert!(compare(&net, &json!({}), &plan, levels), "{plan} is not swept");
+        }
+    }
+}
+
+#[test]
+fn boundaries_and_creases_are_swept_to_the_bits_of_whole_nets() {
+    for boundary in ["edge-only", "edge-and-corner", "none"] {
+        for mut plan in plans() {
+            plan["boundary"] = json!(boundary);
+            for net in [nets::grid(3, 2), nets::cylinder(4, 4), nets::mixed()] {
+                assert!(compare(&net, &json!({}), &plan, 4), "{plan} is not swept");
+            }
+        }
+    }
+    let creases = [[0, 1], [1, 3], [3, 2]].map(|edge| json!({ "edge": edge, "sharpness": 10 }));
+    for plan in plans() {
+        assert!(
+            compare(
+                &nets::cube(),
+                &json!({ "creases": creases, "corners": [{ "vertex": 5, "sharpness": 10 }] }),
+                &plan,
+                4
+            ),
+            "{plan}"
+        );
+    }
+}
+
+#[test]
+fn large_patches_are_swept_block_by_block_to_the_same_bits() {
+    let creases = [json!({ "edge": [1, 4], "sharpness": 10 })];
+    for plan in [json!({ "preset": "catmull-clark", "boundary": "edge-only" }), static_word("UCCP")] {
+        assert!(compare(&nets::grid(2, 1), &json!({ "creases": creases }), &plan, 8));
+    }
+}
+
+/// Sharpness of creases, infinite for every third.
+fn sharpness() -> impl Strategy<Value = f64> {
+    prop_oneof![Just(10.0), 0.0..2.0_f64]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_net_is_swept_to_the_bits_of_whole_nets(
+        net in nets::manifold(), sharp in proptest::collection::vec((any::<bool>(), sharpness()), 40),
+        corner in 0..40_usize, plan in 0..plans().len(), semi_sharp in any::<bool>(),
+        boundary in 0..3_usize, channel in proptest::collection::vec(-1e3..1e3_f64, 64),
+    ) {
+        let plans = plans();
+        let mut plan = if semi_sharp { plans[plan % 2].clone() } else { plans[plan].clone() };
+        plan["boundary"] = json!(["edge-only", "edge-and-corner", "none"][boundary]);
+        let creases = net.edges().into_iter().zip(sharp).filter(|(_, (is_sharp, _))| *is_sharp);
+        let creases: Vec<Value> = creases
+            .map(|((a, b), (_, s))| json!({ "edge": [a, b], "sharpness": if semi_sharp { s } else { 10.0 } }))
+            .collect();
+        let corner = (corner < net.positions.len()).then(|| json!({ "vertex": corner, "sharpness": 10 }));
+        let corners: Vec<Value> = corner.into_iter().collect();
+        let values: Vec<f64> = channel.iter().copied().cycle().take(net.positions.len()).collect();
+        let extras = json!({ "creases": creases, "corners": corners, "channels": { "heat": values } });
+        compare(&net, &extras, &plan, 4);
+    }
+}
