@@ -101,7 +101,8 @@ impl<'a> Stream<'a> {
         })
     }
 
-    /// Writes all faces, as [`Stream::faces`] does, with their places of texture coordinates (none where there are none).
+    /// Writes all faces, as [`Stream::faces`] does, with their places of texture coordinates: none where there are
+    /// none.
     pub(super) fn faces_and_uvs(
         &mut self,
         mesh: &dyn MeshSource,

@@ -60,8 +60,8 @@ fn faces_of(mesh: &dyn MeshSource, part: usize) -> Range<usize> {
     part * PART..mesh.n_faces().min((part + 1) * PART)
 }
 
-/// For each part vertices that no other one has, in ascending ranges: of those inside faces of the input the ones beyond
-/// all of the parts before and below all of the parts after it.
+/// For each part vertices that no other one has, in ascending ranges: of those inside faces of the input the ones
+/// beyond all of the parts before and below all of the parts after it.
 fn own_vertices(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<Range<u32>>, Stopped> {
     let n = mesh.n_vertices();
     let is_inside = |v: usize| mesh.vertex_origin(v).dimension == 2;

@@ -157,13 +157,7 @@ impl Samples {
 /// Gives triangle number `id` the samples of a pixel that it covers (`outside` is not negative there) and where it is
 /// the nearest. There are no branches, so that all samples are one vector.
 #[inline]
-fn cover(
-    outside: [i32; SAMPLES],
-    z: [f32; SAMPLES],
-    id: u32,
-    depth: &mut [f32; SAMPLES],
-    owner: &mut [u32; SAMPLES],
-) {
+fn cover(outside: [i32; SAMPLES], z: [f32; SAMPLES], id: u32, depth: &mut [f32; SAMPLES], owner: &mut [u32; SAMPLES]) {
     let mask = |is: bool| u32::from(is).wrapping_neg();
     let seen: [u32; SAMPLES] = std::array::from_fn(|s| {
         mask(outside[s] >= 0) & (mask(z[s] > depth[s]) | (mask(z[s] >= depth[s]) & mask(id < owner[s])))
