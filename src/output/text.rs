@@ -107,6 +107,7 @@ impl Index {
         }
     }
 
+    #[inline]
     fn show(&mut self, n: u64) {
         let last = 8 * (self.len - 1);
         if self.n + 1 == n && self.text >> last != u128::from(b'9') {
