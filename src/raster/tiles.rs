@@ -5,9 +5,9 @@
 use rayon::prelude::*;
 
 use super::binned_model::BinnedModel;
-use super::facets::Facets;
 use super::bins::{Grid, TILE};
 use super::camera::Camera;
+use super::facets::Facets;
 use super::forecast;
 use super::line::Layer;
 use super::model::Model;
@@ -68,22 +68,25 @@ pub fn render(
             line.chunks_mut(TILE * 4).zip(&mut tiles).for_each(|(part, tile)| tile.push(part));
         }
         let n_columns = tiles.len();
-        tiles.par_iter_mut().enumerate().try_for_each_init(|| Desk::new(model), |desk, (column, lines)| {
-            watch.check()?;
-            let tile = row * n_columns + column;
-            let origin = [column, row].map(|i| i32::try_from(i * TILE).expect("pictures are bounded"));
-            if desk.draw(model, tile, origin, paper, watch)? {
-                for (y, line) in lines.iter_mut().enumerate() {
-                    for (pixel, light) in line.chunks_exact_mut(4).zip(&desk.light[y * TILE..]) {
-                        pixel.copy_from_slice(&encoding.pixel(*light));
+        tiles.par_iter_mut().enumerate().try_for_each_init(
+            || Desk::new(model),
+            |desk, (column, lines)| {
+                watch.check()?;
+                let tile = row * n_columns + column;
+                let origin = [column, row].map(|i| i32::try_from(i * TILE).expect("pictures are bounded"));
+                if desk.draw(model, tile, origin, paper, watch)? {
+                    for (y, line) in lines.iter_mut().enumerate() {
+                        for (pixel, light) in line.chunks_exact_mut(4).zip(&desk.light[y * TILE..]) {
+                            pixel.copy_from_slice(&encoding.pixel(*light));
+                        }
                     }
+                } else {
+                    let pixels = lines.iter_mut().flat_map(|line| line.chunks_exact_mut(4));
+                    pixels.for_each(|pixel| pixel.copy_from_slice(&background));
                 }
-            } else {
-                let pixels = lines.iter_mut().flat_map(|line| line.chunks_exact_mut(4));
-                pixels.for_each(|pixel| pixel.copy_from_slice(&background));
-            }
-            Ok(())
-        })
+                Ok(())
+            },
+        )
     })?;
     Ok(Pixmap { width, height, bytes })
 }
@@ -109,18 +112,20 @@ impl Desk {
         paper: [f32; 4],
         watch: &Watch,
     ) -> Result<bool, Stopped> {
-        let mut ids = model.tile(tile).peekable();
-        let surface = ids.peek().is_some();
+        let surface = model.touches(tile);
         if !surface && model.layers.iter().all(|layer| layer.tile(tile).next().is_none()) {
             return Ok(false);
         }
         self.samples.clear();
-        for (n, id) in ids.enumerate() {
-            if n % 4096 == 4095 {
-                watch.check()?;
-                watch.advance(forecast::rows(self.samples.done()));
+        // outsides mostly hide the insides behind them
+        for is_back in [false, true] {
+            for (n, id) in model.tile(tile, is_back, self.samples.farthest()).enumerate() {
+                if n % 4096 == 4095 {
+                    watch.check()?;
+                    watch.advance(forecast::rows(self.samples.done()));
+                }
+                self.samples.draw(model.corners(id), id, origin);
             }
-            self.samples.draw(model.corners(id), id, origin);
         }
         watch.advance(forecast::rows(self.samples.done()));
         match &model.lamps {
