@@ -7,8 +7,13 @@ pub fn sqrt(x: f64) -> f64 {
     libm::sqrt(x)
 }
 
-/// One whole number over another.
+/// A count as a number.
 #[expect(clippy::cast_precision_loss, reason = "counts are far below 2^52")]
+pub const fn real(n: usize) -> f64 {
+    n as f64
+}
+
+/// One whole number over another.
 pub fn ratio(a: usize, b: usize) -> f64 {
-    a as f64 / b as f64
+    real(a) / real(b)
 }

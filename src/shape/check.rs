@@ -2,12 +2,10 @@
 
 use rayon::prelude::*;
 
+use super::indices::MAX_REPORTED;
 use super::topology::{Faces, NONE, Topology, index};
 use crate::fault::Fault;
 use crate::math::sharing::is_small;
-
-/// Most faults of a kind reported one by one; the rest are counted, or left out.
-pub(super) const MAX_REPORTED: usize = 20;
 
 /// A face list: face `f` has the vertices `vertices[starts[f]..starts[f + 1]]`.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -19,6 +17,14 @@ pub struct FaceList {
 impl Default for FaceList {
     fn default() -> Self {
         Self { starts: vec![0], vertices: Vec::new() }
+    }
+}
+
+impl<F: IntoIterator<Item = u32>> FromIterator<F> for FaceList {
+    fn from_iter<I: IntoIterator<Item = F>>(faces: I) -> Self {
+        let mut list = Self::default();
+        faces.into_iter().for_each(|face| list.push(face));
+        list
     }
 }
 
@@ -54,6 +60,11 @@ impl FaceList {
     /// The vertices of face `f`.
     pub fn face(&self, f: usize) -> &[u32] {
         &self.vertices[self.starts[f] as usize..self.starts[f + 1] as usize]
+    }
+
+    /// The vertices of all faces, face after face.
+    pub fn vertices(&self) -> &[u32] {
+        &self.vertices
     }
 
     pub(super) fn reverse(&mut self, f: usize) {
@@ -102,6 +113,23 @@ impl Topology {
         let mut topology = connect(n_vertices, faces, &sides);
         let split_from = topology.part_fans();
         Ok(Checked { topology, split_from, turned })
+    }
+
+    /// The topology of some of its faces, in this order, and for each vertex there the one that it is here; ascending,
+    /// but for those that are added where fans are split apart.
+    ///
+    /// # Errors
+    /// None are known, as a part of an oriented manifold is one.
+    pub fn part(&self, faces: &[u32]) -> Result<(Self, Vec<u32>), Vec<Fault>> {
+        let mut vertices: Vec<u32> = faces.iter().flat_map(|&f| self.face(f as usize)).copied().collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let number = |v: &u32| vertices.binary_search(v).map_or(NONE, index);
+        let faces = faces.iter().map(|&f| self.face(f as usize).iter().map(number)).collect();
+        let Checked { topology, split_from, .. } = Self::of_faces(vertices.len(), faces, Winding::Refuse)?;
+        let copies: Vec<u32> = split_from.iter().map(|&v| vertices[v as usize]).collect();
+        vertices.extend(copies);
+        Ok((topology, vertices))
     }
 
     /// Finds each vertex's first corner; splits vertices with several fans. Returns the origins of the added vertices.

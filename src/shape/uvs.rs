@@ -56,12 +56,8 @@ impl UvsInput {
         if !self.fits(before) {
             return;
         }
-        let old: Vec<u32> = (0..self.faces.len()).flat_map(|f| self.faces.face(f)).copied().collect();
-        let mut new = corners.iter().map(|&corner| old[corner as usize]);
-        self.faces = FaceList::default();
-        for f in 0..after.len() {
-            self.faces.push(new.by_ref().take(after.face(f).len()));
-        }
+        let mut new = corners.iter().map(|&corner| self.faces.vertices()[corner as usize]);
+        self.faces = (0..after.len()).map(|f| new.by_ref().take(after.face(f).len()).collect::<Vec<_>>()).collect();
     }
 
     /// Whether two faces have the same values at both ends of the edge between them.
@@ -98,10 +94,8 @@ impl Uvs {
         let corner_values = corner_values(input, mesh, turned)?;
         let fans = Fans { mesh, values: &corner_values };
         let (place_of_corner, n_places) = fans.places();
-        let mut faces = FaceList::default();
-        for f in 0..mesh.n_faces() {
-            faces.push(mesh.half_edges(f).map(|corner| place_of_corner[corner as usize]));
-        }
+        let places = |f: usize| mesh.half_edges(f).map(|half_edge| place_of_corner[half_edge as usize]);
+        let faces = (0..mesh.n_faces()).map(places).collect();
         let checked = Topology::of_faces(n_places, faces, Winding::Refuse)?;
         let mut values = vec![0.0; 2 * n_places];
         let (mut vertex_of, mut value_of) = (vec![0; n_places], vec![0; n_places]);

@@ -213,13 +213,8 @@ pub fn formats() -> Vec<FormatEntry> {
 
 /// All readers of mesh files; the JSON of a mesh is read by the request itself.
 pub fn readers() -> Vec<ReaderEntry> {
-    let of = |reader: &dyn Reader| ReaderEntry {
-        name: reader.name(),
-        media_type: reader.media_type(),
-        extension: reader.extension(),
-        doc: reader.doc(),
-    };
+    let of = |&Reader { name, media_type, doc, .. }: &Reader| ReaderEntry { name, media_type, extension: name, doc };
     let doc = "A mesh as input.mesh has it, with all that belongs to it";
     let json = ReaderEntry { name: "json", media_type: "application/json", extension: "json", doc };
-    READERS.iter().map(|reader| of(*reader)).chain([json]).collect()
+    READERS.iter().map(of).chain([json]).collect()
 }

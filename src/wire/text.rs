@@ -88,11 +88,12 @@ impl MeshFile {
             return Ok(Held { mesh, boundary: None, lines: Vec::new() });
         }
         let Some(reader) = input::named(&self.format) else {
-            let known: Vec<&str> = input::READERS.iter().map(|reader| reader.name()).chain(["json"]).collect();
+            let known: Vec<&str> = input::READERS.iter().map(|reader| reader.name).chain(["json"]).collect();
             let detail = format!("there is no reader \"{}\"; known are {}", shortened(&self.format), known.join(", "));
             return Err(vec![Fault::new("/format", detail)]);
         };
-        let mut mesh = reader.read(&self.bytes, limits).map_err(at_data)?;
+        let refused = |details: Vec<String>| details.into_iter().map(|detail| Fault::new("/data", detail)).collect();
+        let mut mesh = (reader.read)(&self.bytes, limits).map_err::<Vec<Fault>, _>(refused)?;
         let (boundary, lines) = (mesh.boundary, std::mem::take(&mut mesh.lines));
         Ok(Held { mesh: mesh.into_input(winding), boundary, lines })
     }

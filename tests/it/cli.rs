@@ -111,7 +111,7 @@ fn mistakes_are_named_with_their_place_and_end_with_code_1() {
     refused(&render(&index), &["/input/mesh/faces/2/0", "80"]);
     refused(&render(&mesh(40)), &["at most"]);
     let drawing = folder.path().join("out.svg");
-    refused(&run(&["render", &saved(&folder, &mesh(1)), "-o", drawing.to_str().unwrap()]), &["/outputs/0/format"]);
+    refused(&run(&["render", &saved(&folder, &mesh(1)), "-o", drawing.to_str().unwrap()]), &["/outputs: "]);
     assert!(!target.exists() && !drawing.exists(), "a job that fails leaves no file");
     let mut far = mesh(1);
     far["input"]["mesh"]["positions"][0] = json!([1e300, 0, 0]);

@@ -97,17 +97,17 @@ pub fn refine_to_limit(
 fn limit(net: &PolygonNet, points: &[f64], width: usize, rows: &LimitRows, watch: &Watch) -> Result<Limit, Stopped> {
     let pieces = Pieces { net };
     let positions = RowsBy::new(net.n, net.n, |stored, out: &mut Rows| match pieces.kind(stored) {
-        PointKind::Fixed(_) => out.add(index(stored), 1.0),
         PointKind::Inner(i) => pieces.add(i, &rows.position[0], out),
+        _ => out.add(index(stored), 1.0),
     });
     let positions = blend(&positions, points, width, watch)?;
     let tangents = match &rows.tangent {
         None => Vec::new(),
         Some(pair) => {
             let rows = RowsBy::new(net.n, net.n, |stored, out: &mut Rows| match pieces.kind(stored) {
-                PointKind::Inner(i) | PointKind::Fixed(End::Point(i)) => pieces.add(i, &pair[0], out),
-                PointKind::Fixed(End::Corner) => {}
-                PointKind::Fixed(End::Middle(i)) => pieces.add(i, &pair[1], out),
+                PointKind::Inner(i) | PointKind::End(i) => pieces.add(i, &pair[0], out),
+                PointKind::Corner => {}
+                PointKind::Middle(i) => pieces.add(i, &pair[1], out),
             });
             blend(&rows, points, width, watch)?
         }
@@ -120,20 +120,14 @@ struct Pieces<'a> {
     net: &'a PolygonNet,
 }
 
-/// A stored point.
+/// A stored point; all but inner ones stay where they are.
 enum PointKind {
-    /// It stays where it is.
-    Fixed(End),
     /// Control point with rules from both sides.
     Inner(isize),
-}
-
-/// A point that stays where it is.
-enum End {
     /// A corner between two pieces, without a tangent.
     Corner,
     /// Control point at an end.
-    Point(isize),
+    End(isize),
     /// An end half a step before this control point.
     Middle(isize),
 }
@@ -144,10 +138,10 @@ impl Pieces<'_> {
         let i = stored.cast_signed() - net.first().cast_signed();
         let n = net.n_control().cast_signed();
         match net.extent {
-            Extent::Half if i < 0 => PointKind::Fixed(End::Middle(0)),
-            Extent::Half if i >= n => PointKind::Fixed(End::Middle(n)),
-            Extent::Whole if i == 0 || i + 1 == n => PointKind::Fixed(End::Point(i)),
-            _ if net.is_corner(i.unsigned_abs()) => PointKind::Fixed(End::Corner),
+            Extent::Half if i < 0 => PointKind::Middle(0),
+            Extent::Half if i >= n => PointKind::Middle(n),
+            Extent::Whole if i == 0 || i + 1 == n => PointKind::End(i),
+            _ if net.is_corner(i.unsigned_abs()) => PointKind::Corner,
             _ => PointKind::Inner(i),
         }
     }

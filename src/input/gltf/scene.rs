@@ -341,9 +341,7 @@ impl Reading<'_> {
             mesh.notes.push("skins and morph targets are not applied".to_owned());
         }
         if let Some(uvs) = self.uvs.filter(|uvs| !uvs.is_empty()) {
-            let mut corners = Vec::with_capacity(mesh.faces.n_half_edges());
-            corners.extend((0..mesh.faces.len()).flat_map(|f| mesh.faces.face(f)));
-            mesh.uvs = Some(Uvs { values: uvs, corners });
+            mesh.uvs = Some(Uvs { values: uvs, corners: mesh.faces.vertices().to_vec() });
         }
         if let Some(colors) = self.colors.filter(|colors| !colors.is_empty()) {
             let mut values = Vec::with_capacity(colors.len() / 4 * self.color_width);
