@@ -119,14 +119,14 @@ impl Lamps {
 /// give the same bits.
 #[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
 fn lit(lamps: &Lamps, spots: &Spots) -> [[f32; LANES]; 3] {
-    let mut colors = [[0.0; LANES]; 3];
+    let [mut red, mut green, mut blue] = [[0.0; LANES]; 3];
     for i in 0..LANES {
         let normal = [spots.normal[0][i], spots.normal[1][i], spots.normal[2][i]];
         let color = [spots.color[0][i], spots.color[1][i], spots.color[2][i]];
-        let light = lamps.light(normal, color, [spots.place[0][i], spots.place[1][i]], spots.back[i]);
-        (0..3).for_each(|k| colors[k][i] = light[k]);
+        let place = [spots.place[0][i], spots.place[1][i]];
+        [red[i], green[i], blue[i]] = lamps.light(normal, color, place, spots.back[i]);
     }
-    colors
+    [red, green, blue]
 }
 
 /// `x`, or 0 when it is negative or not a number.
