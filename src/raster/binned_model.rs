@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::bins::{Bins, Grid, TileRect};
+use super::bins::{Bins, Found, Grid, TileRect};
 use super::camera::{Camera, Projection, unit};
 use super::clip;
 use super::line::Layer;
@@ -64,7 +64,7 @@ const STEP: f64 = STEPS as f64;
 /// Found in one run of triangles.
 struct Run {
     /// Those that show their outside, and those that show their inside.
-    found: [Vec<(u32, TileRect)>; 2],
+    found: [Vec<Found>; 2],
     pieces: Vec<ClippedPiece>,
 }
 
@@ -131,7 +131,8 @@ impl<'a> BinnedModel<'a> {
     fn admit_corners(&self, id: u32, corners: &[Vertex; 3], run: &mut Run) -> bool {
         let area = area(corners);
         let rect = TileRect::of(self.grid, pixel_box(corners)).filter(|_| area != 0);
-        run.found[usize::from(area > 0)].extend(rect.map(|rect| (id, rect)));
+        let nearest = corners[0].depth.max(corners[1].depth).max(corners[2].depth);
+        run.found[usize::from(area > 0)].extend(rect.map(|rect| (id, rect, nearest)));
         rect.is_some()
     }
 
@@ -152,10 +153,15 @@ impl<'a> BinnedModel<'a> {
         }
     }
 
-    /// Numbers of the triangles that may touch a tile: first those that show their outside, which mostly hide the
-    /// others.
-    pub(super) fn tile(&self, tile: usize) -> impl Iterator<Item = u32> + '_ {
-        [0, 1].into_iter().flat_map(move |side| self.runs.iter().flat_map(move |bins| bins[side].tile(tile)))
+    /// Whether a triangle may touch a tile.
+    pub(super) fn touches(&self, tile: usize) -> bool {
+        self.runs.iter().flatten().any(|bins| bins.tile(tile).next().is_some())
+    }
+
+    /// Numbers of the triangles that may touch a tile and that show their outside, or of those that show their inside,
+    /// without some that are farther than `depth`.
+    pub(super) fn tile(&self, tile: usize, is_back: bool, depth: f32) -> impl Iterator<Item = u32> + '_ {
+        self.runs.iter().flat_map(move |bins| bins[usize::from(is_back)].tile_from(tile, depth))
     }
 
     fn placed(&self, [a, b, c]: [u32; 3]) -> [Vertex; 3] {

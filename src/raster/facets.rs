@@ -13,14 +13,14 @@ const KEPT: usize = 1024;
 #[derive(Debug)]
 pub(super) struct Facets {
     owners: Vec<u32>,
-    facets: Vec<Facet>,
+    known: Vec<Facet>,
     /// Of painted surfaces only.
     tints: Vec<Tint>,
 }
 
 impl Default for Facets {
     fn default() -> Self {
-        Self { owners: vec![NOBODY; KEPT], facets: vec![Facet::default(); KEPT], tints: Vec::new() }
+        Self { owners: vec![NOBODY; KEPT], known: vec![Facet::default(); KEPT], tints: Vec::new() }
     }
 }
 
@@ -35,12 +35,12 @@ impl Facets {
         let place = owner as usize % KEPT;
         if self.owners[place] != owner {
             let (facet, tint) = model.facet(owner, origin);
-            (self.owners[place], self.facets[place]) = (owner, facet);
+            (self.owners[place], self.known[place]) = (owner, facet);
             if let Some(tint) = tint {
                 self.tints.resize(KEPT, Tint::default());
                 self.tints[place] = tint;
             }
         }
-        (&self.facets[place], self.tints.get(place))
+        (&self.known[place], self.tints.get(place))
     }
 }

@@ -112,18 +112,20 @@ impl Desk {
         paper: [f32; 4],
         watch: &Watch,
     ) -> Result<bool, Stopped> {
-        let mut ids = model.tile(tile).peekable();
-        let surface = ids.peek().is_some();
+        let surface = model.touches(tile);
         if !surface && model.layers.iter().all(|layer| layer.tile(tile).next().is_none()) {
             return Ok(false);
         }
         self.samples.clear();
-        for (n, id) in ids.enumerate() {
-            if n % 4096 == 4095 {
-                watch.check()?;
-                watch.advance(forecast::rows(self.samples.done()));
+        // outsides mostly hide the insides behind them
+        for is_back in [false, true] {
+            for (n, id) in model.tile(tile, is_back, self.samples.farthest()).enumerate() {
+                if n % 4096 == 4095 {
+                    watch.check()?;
+                    watch.advance(forecast::rows(self.samples.done()));
+                }
+                self.samples.draw(model.corners(id), id, origin);
             }
-            self.samples.draw(model.corners(id), id, origin);
         }
         watch.advance(forecast::rows(self.samples.done()));
         match &model.lamps {

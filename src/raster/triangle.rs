@@ -114,9 +114,20 @@ impl Samples {
         self.visited += ((right - left + 1) * (bottom - top + 1)) as usize;
         self.fill(&setup, id);
         if self.visited > 4 * TILE * TILE {
-            self.visited = 0;
-            self.farthest = self.depth.iter().flatten().fold(f32::INFINITY, |far, &d| far.min(d));
+            self.farthest();
         }
+    }
+
+    /// The smallest depth of a sample.
+    pub(super) fn farthest(&mut self) -> f32 {
+        if self.visited > 0 {
+            let least =
+                |a: [f32; SAMPLES], b: &[f32; SAMPLES]| std::array::from_fn(|s| if b[s] < a[s] { b[s] } else { a[s] });
+            self.visited = 0;
+            self.farthest =
+                self.depth.iter().fold([f32::INFINITY; SAMPLES], least).into_iter().fold(f32::INFINITY, f32::min);
+        }
+        self.farthest
     }
 
     /// Whether every sample of these pixels (left, top, right, bottom, bounds included) is nearer than `nearest`.
@@ -193,6 +204,18 @@ enum Edge {
     Crossing(i32, i32, i32),
 }
 
+/// How far from the origin of a tile corners may lie whose edge functions have 31 bits before they are divided.
+/// Half of it leaves some triangles of a few pixels to the general way; twice of it overflows.
+const NEAR: i32 = 1 << 14;
+
+/// The same as [`edge`], for corners near the tile: the edge is taken to cross it.
+fn near_edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> Edge {
+    let (dx, dy) = (b.x - a.x, b.y - a.y);
+    let counts = dy > 0 || (dy == 0 && dx > 0);
+    let value = dx * (origin[1] * STEPS - a.y) - dy * (origin[0] * STEPS - a.x) - i32::from(!counts);
+    Edge::Crossing(value >> EIGHTH.trailing_zeros(), -dy, dx)
+}
+
 fn edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> Edge {
     let (dx, dy) = (i64::from(b.x - a.x), i64::from(b.y - a.y));
     let counts = dy > 0 || (dy == 0 && dx > 0);
@@ -230,8 +253,11 @@ impl Setup {
             slope: [0.0; 2],
             range: [0.0; 2],
         };
+        let near = |v: &Vertex| [v.x - STEPS * origin[0], v.y - STEPS * origin[1]].iter().all(|&u| u.abs() < NEAR);
+        let is_near = corners.iter().all(near);
         for k in 0..3 {
-            match edge(corners[k], corners[(k + 1) % 3], origin) {
+            let (a, b) = (corners[k], corners[(k + 1) % 3]);
+            match if is_near { near_edge(a, b, origin) } else { edge(a, b, origin) } {
                 Edge::Outside => return None,
                 Edge::Inside => {}
                 Edge::Crossing(value, right, down) => {
