@@ -4,6 +4,7 @@
 //! which all may use: `fault` and `watch`. One import goes between neighbours: `cli` starts `http`.
 
 pub mod fault;
+pub mod kept;
 pub mod watch;
 
 pub mod math;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use axum::body::{Body, Bytes};
+use axum::http::header::InvalidHeaderValue;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use futures_util::stream;
@@ -11,8 +12,9 @@ use futures_util::stream;
 use super::app::App;
 use super::negotiate::ByteRange;
 use super::problem::{self, Problem};
+use super::short::Plain;
 use crate::service::computation::Timings;
-use crate::service::lent::Lent;
+use crate::service::lent::{Lent, is_free};
 use crate::service::peer::{Kind, Paid, Peer};
 use crate::service::pool::Busy;
 use crate::service::store::{Manifest, PART_BYTES};
@@ -60,30 +62,31 @@ impl From<Lost> for Problem {
 
 /// Headers that every answer about an artifact has.
 pub(super) fn headers(found: &Artifact, address: &str) -> HeaderMap {
-    let mut headers = HeaderMap::new();
-    let mut put = |name: HeaderName, value: String| {
-        if let Ok(value) = HeaderValue::try_from(value) {
-            headers.insert(name, value);
-        }
-    };
     let cache = match (found.provenance, &found.loose) {
         (Provenance::Hit, _) => "planish; hit",
         (Provenance::Made, None) => "planish; fwd=miss; stored",
         (Provenance::Made, Some(_)) => "planish; fwd=miss",
         (Provenance::Joined, _) => "planish; fwd=miss; collapsed",
     };
-    put(header::ETAG, format!("\"{}\"", found.manifest.key));
-    put(HeaderName::from_static("cache-status"), cache.to_owned());
-    put(HeaderName::from_static("server-timing"), server_timing(&found.timings));
-    put(header::CONTENT_LOCATION, address.to_owned());
-    put(header::CONTENT_TYPE, found.manifest.media_type.clone());
-    put(header::VARY, "accept".to_owned());
-    put(header::ACCEPT_RANGES, "bytes".to_owned());
-    put(header::CONTENT_SECURITY_POLICY, "default-src 'none'; style-src 'unsafe-inline'; sandbox".to_owned());
-    put(HeaderName::from_static("cross-origin-resource-policy"), "cross-origin".to_owned());
-    put(HeaderName::from_static("timing-allow-origin"), "*".to_owned());
+    let mut headers = HeaderMap::with_capacity(16);
+    let mut put = |name: HeaderName, value: Result<HeaderValue, InvalidHeaderValue>| {
+        if let Ok(value) = value {
+            headers.insert(name, value);
+        }
+    };
+    let fixed = |text| Ok(HeaderValue::from_static(text));
+    put(header::ETAG, format!("\"{}\"", found.manifest.key).try_into());
+    put(HeaderName::from_static("cache-status"), fixed(cache));
+    put(HeaderName::from_static("server-timing"), server_timing(&found.timings).try_into());
+    put(header::CONTENT_LOCATION, address.try_into());
+    put(header::CONTENT_TYPE, found.manifest.media_type.as_str().try_into());
+    put(header::VARY, fixed("accept"));
+    put(header::ACCEPT_RANGES, fixed("bytes"));
+    put(header::CONTENT_SECURITY_POLICY, fixed("default-src 'none'; style-src 'unsafe-inline'; sandbox"));
+    put(HeaderName::from_static("cross-origin-resource-policy"), fixed("cross-origin"));
+    put(HeaderName::from_static("timing-allow-origin"), fixed("*"));
     if !found.manifest.warnings.is_empty() {
-        put(HeaderName::from_static("planish-warnings"), warnings(&found.manifest.warnings));
+        put(HeaderName::from_static("planish-warnings"), warnings(&found.manifest.warnings).try_into());
     }
     headers
 }
@@ -146,8 +149,14 @@ pub(super) async fn bytes(
     {
         headers.insert(header::CONTENT_RANGE, range);
     }
+    let plain = Plain(found.manifest.clone());
+    let is_plain = range == ByteRange::Whole && found.provenance == Provenance::Hit && is_free(&plain.0);
     let body = if content == 0 { Body::empty() } else { body(app, found, first, last).await? };
-    Ok((status, headers, body).into_response())
+    let mut response = (status, headers, body).into_response();
+    if is_plain {
+        response.extensions_mut().insert(plain);
+    }
+    Ok(response)
 }
 
 /// The bytes `first ..= last`: the first part at once, so that damage is found before the answer begins.

@@ -1,17 +1,19 @@
 //! Request bodies: bounded in length, in silence and in slowness, with their memory taken from the account as they
 //! arrive.
 
+use std::sync::Arc;
 use std::time::Duration;
 
-use axum::body::{Body, Bytes};
+use axum::body::Bytes;
 use axum::http::{HeaderMap, HeaderValue, header};
+use http_body::Body;
 use http_body_util::BodyExt;
 use tokio::time::Instant;
 
 use super::app::App;
+use super::client::Client;
 use super::pace::Pace;
 use super::problem::{self, Problem};
-use super::requests::Client;
 use crate::fault::shortened;
 use crate::job::amounts::in_bytes;
 use crate::service::account::Held;
@@ -30,22 +32,25 @@ const SHORT_BYTES: usize = 16 << 10;
 const DRAINED_BYTES: u64 = 64 << 20;
 
 /// The body of a request, with the memory it takes.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Sent {
     /// The body.
     pub(super) bytes: Bytes,
-    _charge: Charge,
+    _charge: Option<Arc<Charge>>,
 }
 
 impl Sent {
     /// A request that was sent before; whoever kept it has its memory.
     pub(super) fn again(bytes: Bytes) -> Self {
-        Self { bytes, _charge: Charge::default() }
+        Self { bytes, _charge: None }
     }
 }
 
 /// The bytes of a body that says it is JSON.
-pub(super) async fn collect(app: &App, client: &Client, headers: &HeaderMap, mut body: Body) -> Result<Sent, Problem> {
+pub(super) async fn collect<B>(app: &App, client: &Client, headers: &HeaderMap, mut body: B) -> Result<Sent, Problem>
+where
+    B: Body<Data = Bytes> + Unpin,
+{
     let collected = collected(app, client, headers, &mut body).await;
     let is_coming =
         collected.as_ref().is_err_and(|problem| !problem.is(problem::SLOW) && !problem.is(problem::NOT_JSON));
@@ -92,7 +97,7 @@ impl Charge {
 }
 
 /// Reads the rest of a refused body and forgets it: most clients read no answer before they have sent everything.
-async fn drain(mut body: Body, most: Duration) {
+async fn drain(mut body: impl Body<Data = Bytes> + Unpin, most: Duration) {
     let mut left = DRAINED_BYTES;
     let reading = async {
         while let Some(Ok(frame)) = body.frame().await {
@@ -110,7 +115,10 @@ fn announced(headers: &HeaderMap) -> Option<u64> {
     headers.get(header::CONTENT_LENGTH)?.to_str().ok()?.parse().ok()
 }
 
-async fn collected(app: &App, client: &Client, headers: &HeaderMap, body: &mut Body) -> Result<Sent, Problem> {
+async fn collected<B>(app: &App, client: &Client, headers: &HeaderMap, body: &mut B) -> Result<Sent, Problem>
+where
+    B: Body<Data = Bytes> + Unpin,
+{
     check_media_type(headers)?;
     let limit = app.settings.max_body_bytes;
     let too_long = |length: u64| {
@@ -132,7 +140,7 @@ async fn collected(app: &App, client: &Client, headers: &HeaderMap, body: &mut B
         let slow = start + pace.allows(bytes.len() as u64);
         let frame = tokio::time::timeout_at(late.min(slow), body.frame()).await;
         let Some(frame) = frame.map_err(|_| too_slow(pace, late < slow))? else {
-            return Ok(Sent { bytes: bytes.into(), _charge: charge });
+            return Ok(Sent { bytes: bytes.into(), _charge: Some(Arc::new(charge)) });
         };
         let frame = frame.map_err(|_| Problem::new(problem::NOT_JSON, "the body broke off; send it again"))?;
         let Ok(data) = frame.into_data() else { continue };

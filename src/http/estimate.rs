@@ -7,8 +7,8 @@ use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 
 use super::app::Shared;
+use super::client::Client;
 use super::problem::Problem;
-use super::requests::Client;
 use super::{body, negotiate, reading};
 use crate::wire::JobRequest;
 use crate::wire::answer::EstimateAnswer;

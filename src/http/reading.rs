@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use super::app::App;
 use super::body::Sent;
+use super::client::Client;
 use super::problem::{self, Problem};
-use super::requests::Client;
 use crate::analysis::curve::Reached;
 use crate::fault::Fault;
 use crate::job::amounts::in_bytes;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use axum::body::{Body, Bytes};
+use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -10,12 +10,13 @@ use axum::response::{IntoResponse, Response};
 use super::answer::{self, Artifact, Lost};
 use super::app::{App, Shared};
 use super::body::Sent;
+use super::client::Client;
+use super::early::Early;
 use super::memo::Known;
 use super::negotiate::{self, ByteRange};
 use super::problem::Problem;
 use super::reading::ReadJob;
-use super::requests::Client;
-use super::{body, jobs, memo, reading};
+use super::{jobs, reading};
 use crate::analysis::curve::Reached;
 use crate::job::key::Key;
 use crate::job::limits::Admitted;
@@ -49,13 +50,12 @@ use crate::wire::output::OutputRequest;
         (status = 304, description = "The client has it already (`If-None-Match`)"),
     )
 )]
-pub(super) async fn render(State(app): State<Shared>, client: Client, headers: HeaderMap, body: Body) -> Response {
-    rendered(&app, &client, &headers, body).await.unwrap_or_else(IntoResponse::into_response)
+pub(super) async fn render(State(app): State<Shared>, client: Client, headers: HeaderMap, early: Early) -> Response {
+    rendered(&app, &client, &headers, early).await.unwrap_or_else(IntoResponse::into_response)
 }
 
-async fn rendered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
-    let sent = body::collect(app, client, headers, body).await?;
-    let request = memo::identity(headers, &sent.bytes);
+async fn rendered(app: &Arc<App>, client: &Client, headers: &HeaderMap, early: Early) -> Result<Response, Problem> {
+    let (sent, request) = (early.sent?, early.identity);
     if let Some(response) = again(app, client, headers, request).await {
         return Ok(response);
     }

@@ -1,7 +1,8 @@
-//! The requests of one connection: handed to the router together with the connection they came by.
+//! The requests of one connection: answered the short way, or handed to the router together with the connection they
+//! came by.
 
 use std::convert::Infallible;
-use std::future::Future;
+use std::future::{Future, Ready, ready};
 use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -9,35 +10,78 @@ use std::task::{Context, Poll};
 
 use axum::Router;
 use axum::body::{Body, Bytes};
-use axum::extract::FromRequestParts;
-use axum::http::{Request, Response, request};
+use axum::http::{Method, Request, Response, header, request};
+use futures_util::future::Either;
 use http_body::{Body as _, Frame, SizeHint};
+use http_body_util::Full;
 use hyper::body::Incoming;
 use hyper::service::Service;
 use tower::ServiceExt;
 
+use super::app::App;
+use super::client::Client;
 use super::connections::{Connection, Phase};
-use crate::service::peer::Peer;
+use super::early::Early;
+use super::guard;
+use super::short::Asked;
 
-/// Hands requests on, and keeps the state of their connection.
+/// The address whose requests carry jobs that may have been asked before.
+const RENDER: &str = "/v1/render";
+
+/// Answers requests or hands them on, and keeps the state of their connection.
 #[derive(Debug, Clone)]
 pub(super) struct Requests {
+    app: Arc<App>,
     router: Router,
     connection: Arc<Connection>,
 }
 
 impl Requests {
-    pub(super) fn new(router: Router, connection: Arc<Connection>) -> Self {
-        Self { router, connection }
+    pub(super) fn new(app: Arc<App>, router: Router, connection: Arc<Connection>) -> Self {
+        Self { app, router, connection }
+    }
+
+    /// The answer that was given before to what a plain request asks for.
+    fn again(&self, asked: Option<Asked>, parts: &request::Parts) -> Option<Response<Content>> {
+        let answer = self.app.short.answer(&self.app.desk.tiers, &asked?, parts)?;
+        Some(answer.map(|bytes| Content::Whole(Full::new(bytes))))
+    }
+
+    /// The answer to a request whose body is not read yet.
+    async fn answer(self, mut parts: request::Parts, body: Incoming, artifact: Option<Asked>) -> Response<Content> {
+        let (client, mut asked) = (Client(self.connection.clone()), artifact);
+        let is_job = parts.method == Method::POST && parts.uri.path() == RENDER;
+        let body = if is_job && guard::hosts(&parts, &self.app.settings).is_ok() {
+            let early = Early::read(&self.app, &client, &parts.headers, body).await;
+            asked = Asked::render(&parts, early.identity);
+            if let Some(answer) = self.again(asked, &parts) {
+                return answer;
+            }
+            parts.extensions.insert(early);
+            Body::empty()
+        } else {
+            Body::new(body)
+        };
+        parts.extensions.insert(client);
+        let origin = parts.headers.get(header::ORIGIN).cloned();
+        let routed = self.router.oneshot(Request::from_parts(parts, body)).await;
+        let mut response = routed.unwrap_or_else(|never| match never {});
+        if let Some(asked) = asked {
+            self.app.short.remember(asked, origin, &mut response);
+        }
+        response.map(Content::Routed)
     }
 }
 
 impl Service<Request<Incoming>> for Requests {
     type Response = Response<Ending>;
     type Error = Infallible;
-    type Future = Pin<Box<dyn Future<Output = Result<Self::Response, Infallible>> + Send>>;
+    type Future = Either<
+        Ready<Result<Self::Response, Infallible>>,
+        Pin<Box<dyn Future<Output = Result<Self::Response, Infallible>> + Send>>,
+    >;
 
-    fn call(&self, mut request: Request<Incoming>) -> Self::Future {
+    fn call(&self, request: Request<Incoming>) -> Self::Future {
         let connection = self.connection.clone();
         connection.serving.store(true, Ordering::Relaxed);
         connection.answering.store(true, Ordering::Relaxed);
@@ -46,20 +90,33 @@ impl Service<Request<Incoming>> for Requests {
         if request.body().is_end_stream() {
             connection.enter(Phase::Working);
         }
-        request.extensions_mut().insert(Client(connection.clone()));
-        let answer = self.router.clone().oneshot(request.map(Body::new));
-        Box::pin(async move {
-            let response = answer.await.unwrap_or_else(|never| match never {});
+        let (parts, body) = request.into_parts();
+        let artifact = Asked::artifact(&parts).filter(|_| guard::hosts(&parts, &self.app.settings).is_ok());
+        if let Some(response) = self.again(artifact, &parts) {
+            return Either::Left(ready(Ok(response.map(|content| Ending { content, connection }))));
+        }
+        let answer = self.clone().answer(parts, body, artifact);
+        Either::Right(Box::pin(async move {
+            let response = answer.await;
             connection.enter(Phase::Working);
-            Ok(response.map(|body| Ending { body, connection }))
-        })
+            Ok(response.map(|content| Ending { content, connection }))
+        }))
     }
+}
+
+/// What an answer contains.
+#[derive(Debug)]
+enum Content {
+    /// Bytes that are all there.
+    Whole(Full<Bytes>),
+    /// What the router answers.
+    Routed(Body),
 }
 
 /// The body of an answer; when it ends, so does the answer.
 #[derive(Debug)]
 pub(super) struct Ending {
-    body: Body,
+    content: Content,
     connection: Arc<Connection>,
 }
 
@@ -68,44 +125,29 @@ impl http_body::Body for Ending {
     type Error = axum::Error;
 
     fn poll_frame(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
-        Pin::new(&mut self.body).poll_frame(cx)
+        match &mut self.content {
+            Content::Whole(bytes) => Pin::new(bytes).poll_frame(cx).map_err(|never| match never {}),
+            Content::Routed(body) => Pin::new(body).poll_frame(cx),
+        }
     }
 
     fn is_end_stream(&self) -> bool {
-        self.body.is_end_stream()
+        match &self.content {
+            Content::Whole(bytes) => bytes.is_end_stream(),
+            Content::Routed(body) => body.is_end_stream(),
+        }
     }
 
     fn size_hint(&self) -> SizeHint {
-        self.body.size_hint()
+        match &self.content {
+            Content::Whole(bytes) => bytes.size_hint(),
+            Content::Routed(body) => body.size_hint(),
+        }
     }
 }
 
 impl Drop for Ending {
     fn drop(&mut self) {
         self.connection.serving.store(false, Ordering::Relaxed);
-    }
-}
-
-/// The client that sent a request.
-#[derive(Debug, Clone)]
-pub(super) struct Client(Arc<Connection>);
-
-impl Client {
-    /// Who it is.
-    pub(super) fn peer(&self) -> Peer {
-        self.0.peer
-    }
-
-    /// Says that the request has arrived whole.
-    pub(super) fn has_sent(&self) {
-        self.0.enter(Phase::Working);
-    }
-}
-
-impl<S: Sync> FromRequestParts<S> for Client {
-    type Rejection = Infallible;
-
-    async fn from_request_parts(parts: &mut request::Parts, _: &S) -> Result<Self, Infallible> {
-        Ok(parts.extensions.get::<Self>().cloned().expect("every connection hands its requests on with itself"))
     }
 }

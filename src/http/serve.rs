@@ -21,6 +21,7 @@ use super::pace::Pace;
 use super::problem;
 use super::requests::Requests;
 use super::router::{document_text, router};
+use super::short::Short;
 use super::stream::Watched;
 use crate::config::Settings;
 use crate::fault::shortened;
@@ -115,9 +116,9 @@ pub async fn bind(mut settings: Settings) -> Result<(TcpListener, Arc<App>), Sta
     // no job is taken on that finds no memory even when it is alone
     let limits = Limits { max_job_bytes: limits.max_job_bytes.min(account.long.capacity), ..limits };
     let desk = Arc::new(Desk::new(limits, tiers, pool, account, terms, clock));
-    let (canary, memo) = (Arc::<Canary>::default(), Memo::default());
+    let (canary, memo, short) = (Arc::<Canary>::default(), Memo::default(), Short::default());
     let openapi = LazyLock::new(document_text as fn() -> String);
-    Ok((listener, Arc::new(App { desk, settings, canary, memo, connections, openapi })))
+    Ok((listener, Arc::new(App { desk, settings, canary, memo, short, connections, openapi })))
 }
 
 /// The longest body that the memory of the service is good for: half of the share of bodies, and so long that reading
@@ -148,7 +149,7 @@ pub async fn serve(listener: TcpListener, app: Arc<App>, stop: impl Future<Outpu
         };
         match accepted {
             Ok((stream, address)) => match app.connections.enter(Peer::new(address.ip())) {
-                Some(open) => attend(stream, open, &app.settings, router.clone(), &graceful),
+                Some(open) => attend(stream, open, &app, router.clone(), &graceful),
                 None => turn_away(stream),
             },
             Err(error) => {
@@ -179,19 +180,19 @@ fn turn_away(stream: TcpStream) {
 }
 
 /// Answers the requests of a connection until either side closes it.
-fn attend(stream: TcpStream, open: Open, settings: &Settings, router: Router, graceful: &GracefulShutdown) {
+fn attend(stream: TcpStream, open: Open, app: &Arc<App>, router: Router, graceful: &GracefulShutdown) {
     // answers are written at once or in large parts; waiting for more would only delay them
     if let Err(error) = stream.set_nodelay(true) {
         tracing::debug!(%error, "TCP_NODELAY was not set");
     }
-    let connection = open.connection.clone();
+    let (connection, settings) = (open.connection.clone(), &app.settings);
     let pace = Pace { grace: Duration::from_secs(settings.body_timeout_s), least_rate: settings.least_rate_bytes_s };
     let stream = Watched::new(stream, connection.clone(), pace);
     let served = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(Duration::from_secs(settings.header_timeout_s))
         .max_buf_size(64 << 10)
-        .serve_connection(TokioIo::new(stream), Requests::new(router, connection.clone()));
+        .serve_connection(TokioIo::new(stream), Requests::new(app.clone(), router, connection.clone()));
     let served = graceful.watch(served);
     tokio::spawn(async move {
         let _open = open;

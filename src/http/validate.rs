@@ -10,8 +10,8 @@ use utoipa::ToSchema;
 
 use super::app::Shared;
 use super::body;
+use super::client::Client;
 use super::problem::Problem;
-use super::requests::Client;
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
 use crate::job::Input;

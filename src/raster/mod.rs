@@ -9,6 +9,7 @@ mod binned_model;
 mod bins;
 mod camera;
 mod clip;
+mod facets;
 mod forecast;
 
 mod line;

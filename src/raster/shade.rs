@@ -150,7 +150,7 @@ fn shoulder(light: f32) -> f32 {
 const LANES: usize = 8;
 
 /// Places of a tile that wait for light.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Spots {
     normal: [[f32; LANES]; 3],
     color: [[f32; LANES]; 3],
@@ -162,21 +162,26 @@ pub(super) struct Spots {
 }
 
 impl Spots {
-    /// Adds a spot of this normal and colour at pixel coordinates `place` that gives `share` of the light of `pixel`,
-    /// counted within the tile. There must be room.
-    pub(super) fn push(
-        &mut self,
-        (pixel, share): (u32, f32),
-        normal: Vec3f,
-        color: Vec3f,
-        place: [f32; 2],
-        back: bool,
-    ) {
+    /// No spots; all that come are of this colour unless another is set.
+    pub(super) fn new(color: Vec3f) -> Self {
+        let none = [0.0; LANES];
+        let color = color.map(|c| [c; LANES]);
+        Self { normal: [none; 3], color, place: [none; 2], back: none, share: none, pixel: [0; LANES], waiting: 0 }
+    }
+
+    /// Sets the colour of the next spot.
+    pub(super) fn color(&mut self, color: Vec3f) {
+        let i = self.waiting % LANES;
+        (0..3).for_each(|k| self.color[k][i] = color[k]);
+    }
+
+    /// Adds a spot of this normal at pixel coordinates `place` that gives `share` of the light of `pixel`, counted
+    /// within the tile; `back` is 1 where the inside is seen and else 0. There must be room.
+    pub(super) fn push(&mut self, (pixel, share): (u32, f32), normal: Vec3f, place: [f32; 2], back: f32) {
         let i = self.waiting % LANES;
         (0..3).for_each(|k| self.normal[k][i] = normal[k]);
-        (0..3).for_each(|k| self.color[k][i] = color[k]);
         (0..2).for_each(|k| self.place[k][i] = place[k]);
-        self.back[i] = if back { 1.0 } else { 0.0 };
+        self.back[i] = back;
         self.share[i] = share;
         self.pixel[i] = pixel;
         self.waiting = i + 1;

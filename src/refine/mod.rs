@@ -10,13 +10,14 @@ mod refined;
 mod shown;
 mod start;
 mod sweep;
+mod swept;
 mod unfolded;
 mod uvs;
 mod vertex_order;
 
 pub use apply::{Points, advance};
 pub use error::RefineError;
-pub use mesh::{act_on, assembled, numbers, refine_mesh};
+pub use mesh::{act_on, assembled, numbers, refine_by_rows, refine_mesh};
 pub use normals::Normals;
 pub use polygon::{refine_polygon, refined_points};
 pub use refined::RefinedMesh;

@@ -15,6 +15,11 @@ use crate::job::key::Key;
 /// the account.
 const FREE_BYTES: u64 = 64 << 10;
 
+/// Whether answers with an artifact in memory take nothing from the account.
+pub fn is_free(manifest: &Manifest) -> bool {
+    manifest.length <= FREE_BYTES
+}
+
 /// Bytes together with whatever pays for their memory.
 #[derive(Debug)]
 pub struct Lent<T> {
@@ -53,7 +58,7 @@ impl InFlight {
         manifest: &Manifest,
         pay: impl FnOnce(u64) -> Result<Paid, Full>,
     ) -> Result<Option<Arc<Paid>>, Full> {
-        if manifest.length <= FREE_BYTES {
+        if is_free(manifest) {
             return Ok(None);
         }
         let mut artifacts = self.artifacts.lock().unwrap_or_else(PoisonError::into_inner);

@@ -82,6 +82,13 @@ impl Tiers {
         }
     }
 
+    /// All bytes of this very artifact, if it is in memory: never blocks. A use here is a use on disk, too.
+    pub fn whole_at_hand(&self, manifest: &Arc<Manifest>) -> Option<Bytes> {
+        let bytes = self.memory.take(manifest)?;
+        self.disk.as_ref().and_then(|disk| disk.touch(&manifest.key));
+        Some(bytes)
+    }
+
     fn waiting(&self, key: &Key) -> Option<Waiting> {
         self.disk.as_ref()?.writer.get(key)
     }

@@ -17,6 +17,7 @@ const CONNECTIONS: usize = 8;
 const ROUND: Duration = Duration::from_millis(1500);
 
 /// One answer.
+#[derive(Debug)]
 pub(crate) struct Answer {
     head: String,
     pub(crate) body: Vec<u8>,
@@ -25,8 +26,12 @@ pub(crate) struct Answer {
 impl Answer {
     /// The value of a header.
     pub(crate) fn header(&self, name: &str) -> Option<&str> {
-        let lines = self.head.lines().filter_map(|line| line.split_once(": "));
-        lines.into_iter().find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|(_, value)| value)
+        self.headers().find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|(_, value)| value)
+    }
+
+    /// All headers, each with its value.
+    pub(crate) fn headers(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.head.lines().filter_map(|line| line.split_once(": "))
     }
 }
 
@@ -61,7 +66,8 @@ pub(crate) fn ask(address: SocketAddr, request: &str) -> Result<Answer, Box<dyn 
 pub(crate) struct Asked {
     address: SocketAddr,
     request: String,
-    answer_bytes: usize,
+    /// The answer.
+    pub(crate) answer: Answer,
 }
 
 impl Asked {
@@ -69,8 +75,7 @@ impl Asked {
     pub(crate) fn new(address: SocketAddr, request: String) -> Result<Self, Box<dyn Error>> {
         ask(address, &request)?;
         let answer = ask(address, &request)?;
-        let answer_bytes = answer.head.len() + 4 + answer.body.len();
-        Ok(Self { address, request, answer_bytes })
+        Ok(Self { address, request, answer })
     }
 }
 
@@ -97,7 +102,7 @@ fn on_thread(asked: &Asked, end: Instant) -> Result<u32, String> {
 async fn on_connection(asked: &Asked, end: Instant) -> std::io::Result<u32> {
     let mut stream = TcpStream::connect(asked.address).await?;
     stream.set_nodelay(true)?;
-    let mut answer = vec![0; asked.answer_bytes];
+    let mut answer = vec![0; asked.answer.head.len() + 4 + asked.answer.body.len()];
     let mut count = 0;
     while Instant::now() < end {
         stream.write_all(asked.request.as_bytes()).await?;

@@ -163,5 +163,5 @@ pub(crate) fn refined(n: u32, levels: u32) -> RefinedMesh {
     let refined = act_on(mesh_net(&sphere, &plan), points, &plan, &steps, &Watch::new());
     let (net, points) = refined.expect("nobody stops it");
     let points = RefinedMesh::new(&net, points[0].now.clone()).all_positions();
-    RefinedMesh::documented(&net, points.into_flattened())
+    RefinedMesh::documented(&net, points.into_flattened().into())
 }

@@ -13,4 +13,5 @@ mod operations;
 mod questions;
 mod ranges;
 pub(crate) mod server;
+mod short;
 mod waiting;

@@ -9,6 +9,7 @@ use super::grid::{FlatPass, Planes, SharpSide, Size, at_least};
 use super::program::Sweep;
 use super::star::StarWork;
 use super::surface::along;
+use crate::kept::Numbers;
 use crate::shape::topology::{NONE, index};
 use crate::watch::{Stopped, Watch};
 
@@ -20,7 +21,7 @@ const TASK: usize = 1 << 14;
 #[derive(Debug)]
 pub struct Swept {
     /// Their numbers, point after point.
-    pub points: Vec<f64>,
+    pub points: Numbers,
     /// Whether all are finite.
     pub finite: bool,
 }
@@ -45,7 +46,7 @@ impl Sweep {
 
     fn refine_points<const W: usize>(&self, start: &[f64], watch: &Watch) -> Result<Swept, Stopped> {
         let start = start.as_chunks::<W>().0;
-        let mut all = vec![0.0; self.n_points() * W];
+        let mut all = Numbers::to_overwrite(self.n_points() * W);
         let finite = AtomicBool::new(true);
         let base = &self.surface.base;
         let run = Run { sweep: self, flat: self.flat(W), start };

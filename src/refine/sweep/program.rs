@@ -118,7 +118,7 @@ impl Sweep {
 /// Rounds after which all that is sharp is infinitely sharp; none where that is not known beforehand.
 fn softening(net: &MeshNet) -> Option<usize> {
     let Some(sharpness) = &net.sharpness else { return Some(0) };
-    let unusual = !sharpness.followers().is_empty();
+    let unusual = !sharpness.is_of_the_net_alone();
     let all = sharpness.edges().iter().chain(sharpness.vertices()).map(|&(_, sharpness)| sharpness);
     let most = all.filter(|&sharpness| sharpness < INFINITE_SHARPNESS).fold(0.0, f64::max);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "finite sharpness is at most 10")]

@@ -45,6 +45,13 @@ impl Memory {
         held.map(|held| held.bytes.clone())
     }
 
+    /// All bytes of this very artifact, if it is here; a use.
+    pub(in crate::service) fn take(&self, manifest: &Arc<Manifest>) -> Option<Bytes> {
+        let mut shelf = lock(&self.shelf);
+        let held = shelf.touch(&manifest.key).filter(|held| Arc::ptr_eq(&held.manifest, manifest));
+        held.map(|held| held.bytes.clone())
+    }
+
     /// Keeps an artifact whose bytes are all there. Where the same bytes are here already, those stay.
     ///
     /// # Errors

@@ -1,0 +1,42 @@
+//! Bodies that are read before their requests go to the router, so that the answer to a request that comes again needs
+//! none.
+
+use std::convert::Infallible;
+
+use axum::body::Bytes;
+use axum::extract::{FromRequest, Request};
+use axum::http::HeaderMap;
+
+use super::app::{App, Shared};
+use super::body::{self, Sent};
+use super::client::Client;
+use super::memo;
+use super::problem::Problem;
+use crate::job::key::Key;
+
+/// What came of reading a body, and the identity of its request.
+#[derive(Debug, Clone)]
+pub(super) struct Early {
+    pub(super) sent: Result<Sent, Problem>,
+    pub(super) identity: Option<Key>,
+}
+
+impl Early {
+    /// Reads the body of a request.
+    pub(super) async fn read<B>(app: &App, client: &Client, headers: &HeaderMap, body: B) -> Self
+    where
+        B: http_body::Body<Data = Bytes> + Unpin,
+    {
+        let sent = body::collect(app, client, headers, body).await;
+        let identity = sent.as_ref().ok().and_then(|sent| memo::identity(headers, &sent.bytes));
+        Self { sent, identity }
+    }
+}
+
+impl FromRequest<Shared> for Early {
+    type Rejection = Infallible;
+
+    async fn from_request(mut request: Request, _: &Shared) -> Result<Self, Infallible> {
+        Ok(request.extensions_mut().remove().expect("every connection reads the bodies of jobs to be rendered"))
+    }
+}

@@ -1,0 +1,105 @@
+//! The short way: a plain request whose answer the router has given before is answered again without it, with the same
+//! headers and bytes, as long as the very same artifact is in memory.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use axum::body::Bytes;
+use axum::http::{HeaderMap, HeaderValue, Method, Response, StatusCode, header, request};
+
+use crate::job::key::Key;
+use crate::service::store::Manifest;
+use crate::service::tiers::Tiers;
+
+/// Most answers whose headers are remembered; when there are more, all are forgotten.
+/// Each takes about 2 KiB, and 6 KiB at most, with its warnings. Twice of it may hold 24 MiB; half of it forgets twice
+/// as often, and what is forgotten takes the long way once.
+const MAX_ANSWERS: usize = 2048;
+
+/// Where artifacts have their addresses.
+const ARTIFACTS: &str = "/v1/artifacts/";
+/// Digits of a key.
+const KEY_DIGITS: usize = 64;
+
+/// What a plain request asks for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Asked {
+    /// The artifact of a key, by its address.
+    Artifact(Key),
+    /// The result of a request of this [identity](super::memo::identity).
+    Render(Key),
+}
+
+/// The answers that the router has given to plain requests.
+#[derive(Debug, Default)]
+pub struct Short(Mutex<HashMap<Asked, Arc<Head>>>);
+
+/// Says of an answer that it is the whole of this artifact, which was there, and owes nothing for its memory.
+#[derive(Debug, Clone)]
+pub(super) struct Plain(pub(super) Arc<Manifest>);
+
+/// The headers of an answer, the artifact they are about, and the origin of the page that asked.
+#[derive(Debug)]
+struct Head {
+    manifest: Arc<Manifest>,
+    origin: Option<HeaderValue>,
+    headers: HeaderMap,
+}
+
+impl Asked {
+    /// The artifact that a request asks for.
+    pub(super) fn artifact(request: &request::Parts) -> Option<Self> {
+        let key = request.uri.path().strip_prefix(ARTIFACTS)?.get(..KEY_DIGITS)?;
+        (request.method == Method::GET && is_plain(&request.headers)).then_some(Self::Artifact(Key::parse(key)?))
+    }
+
+    /// The result that a request asks for whose body and `Accept` have this identity.
+    pub(super) fn render(request: &request::Parts, identity: Option<Key>) -> Option<Self> {
+        identity.filter(|_| is_plain(&request.headers)).map(Self::Render)
+    }
+}
+
+/// Whether none of the headers is there that the way through the router heeds when the result is at hand, but for those
+/// of a request's identity, `Host`, and `Origin`.
+fn is_plain(headers: &HeaderMap) -> bool {
+    ![header::IF_NONE_MATCH, header::RANGE].iter().any(|name| headers.contains_key(name))
+}
+
+impl Short {
+    /// How many answers are remembered.
+    pub fn len(&self) -> usize {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).len()
+    }
+
+    /// Whether no answer is remembered.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The answer to a request that names a host of ours, where the router has given it before.
+    pub(super) fn answer(&self, tiers: &Tiers, asked: &Asked, request: &request::Parts) -> Option<Response<Bytes>> {
+        let head = self.0.lock().unwrap_or_else(PoisonError::into_inner).get(asked).cloned()?;
+        let address = head.headers.get(header::CONTENT_LOCATION);
+        let is_there = matches!(asked, Asked::Render(_)) || address.is_some_and(|known| known == request.uri.path());
+        if !is_there || head.origin.as_ref() != request.headers.get(header::ORIGIN) {
+            return None;
+        }
+        let mut response = Response::new(tiers.whole_at_hand(&head.manifest)?);
+        *response.headers_mut() = head.headers.clone();
+        Some(response)
+    }
+
+    /// Remembers the answer that the router gave to a page of this origin, where it can be given again.
+    pub(super) fn remember<B>(&self, asked: Asked, origin: Option<HeaderValue>, response: &mut Response<B>) {
+        let Some(Plain(manifest)) = response.extensions_mut().remove() else { return };
+        if response.status() != StatusCode::OK {
+            return;
+        }
+        let head = Arc::new(Head { manifest, origin, headers: response.headers().clone() });
+        let mut answers = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if answers.len() >= MAX_ANSWERS {
+            answers.clear();
+        }
+        answers.insert(asked, head);
+    }
+}
