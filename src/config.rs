@@ -37,15 +37,15 @@ const MOST_INDEXED: u64 = u32::MAX as u64 / 5;
 /// One setting as it is listed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setting {
-    /// Its name; flags and keys of the file have dashes in place of underscores.
+    /// The name; flags and keys of the file have dashes in place of underscores.
     pub name: &'static str,
-    /// Its value.
+    /// The value, as it would be written.
     pub value: String,
     /// The smallest and the largest value, where it is a number.
     pub range: Option<RangeInclusive<u64>>,
-    /// What it counts.
+    /// What the number counts.
     pub unit: &'static str,
-    /// What it does.
+    /// What the setting does.
     pub doc: String,
 }
 

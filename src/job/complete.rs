@@ -86,7 +86,7 @@ impl Job {
         &self.keys
     }
 
-    /// Its own key: over the names and keys of all outputs.
+    /// The key of the whole job: over the names and keys of all outputs.
     pub fn id(&self) -> Key {
         key::job(self.outputs.iter().map(|output| output.name.as_str()).zip(&self.keys))
     }

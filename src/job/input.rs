@@ -47,7 +47,7 @@ impl Input {
         }
     }
 
-    /// What it carries besides its shape.
+    /// The attachments of a mesh; polygons carry none.
     pub fn attachments(&self) -> &Attachments {
         self.mesh().map_or(Attachments::none(), |mesh| &mesh.attachments)
     }

@@ -52,7 +52,7 @@ pub enum Refusal {
         /// The fault at its place in the request.
         faults: Vec<Fault>,
     },
-    /// Its forecast was stopped.
+    /// The forecast of the job was stopped.
     Stopped,
 }
 
@@ -82,7 +82,7 @@ impl Admitted {
         &self.job
     }
 
-    /// What it will come to.
+    /// The counts and the predicted cost of the job.
     pub fn estimate(&self) -> &Estimate {
         &self.estimate
     }

@@ -14,7 +14,7 @@ pub struct Output {
     pub format: &'static dyn Format,
     /// The format's options.
     pub options: Values,
-    /// Its index among the outputs of the request; `None` where that names none.
+    /// The index of the output in the request; `None` where the request names no outputs.
     pub index: Option<usize>,
 }
 

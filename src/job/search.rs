@@ -58,13 +58,13 @@ impl Search {
         self.checked.input.bytes().saturating_add(size::of_most_steps(&self.checked.plan))
     }
 
-    /// Its key, for whoever remembers answers and refusals.
+    /// The key of the search, for whoever remembers answers and refusals.
     pub fn key(&self) -> Key {
         let Checked { input, plan, outputs, .. } = &self.checked;
         key::search(input, plan, self.tolerance, &place_names(input, outputs))
     }
 
-    /// What it takes at most.
+    /// The work and memory of the search, at most.
     pub fn cost(&self) -> SearchCost {
         match &self.checked.input {
             input @ Input::Polygons(_) => {

@@ -43,7 +43,7 @@ macro_rules! operations {
         pub enum $type { $(#[doc = concat!("`", $name, "`.")] $variant),* }
         impl $type {
             const ALL: &'static [(&'static str, Self)] = &[$(($name, Self::$variant)),*];
-            /// Its name in expressions.
+            /// The name of the operation in expressions.
             pub fn name(self) -> &'static str {
                 match self { $(Self::$variant => $name),* }
             }
@@ -118,7 +118,7 @@ pub enum ExpressionError {
         value: f64,
         /// The variable's name.
         variable: &'static str,
-        /// Its value.
+        /// The value of the variable.
         at: f64,
     },
 }

@@ -136,16 +136,16 @@ impl Topology {
     fn part_fans(&mut self) -> Vec<u32> {
         let mut seen = vec![false; self.n_half_edges()];
         let mut split_from = Vec::new();
-        for corner in 0..index(self.n_half_edges()) {
-            if seen[corner as usize] {
+        for half_edge in 0..index(self.n_half_edges()) {
+            if seen[half_edge as usize] {
                 continue;
             }
-            let start = self.fan_start(corner);
+            let start = self.fan_start(half_edge);
             let fan: Vec<u32> = super::topology::Ring::from(self, start).collect();
             for &c in &fan {
                 seen[c as usize] = true;
             }
-            let vertex = self.vertex(corner);
+            let vertex = self.vertex(half_edge);
             if self.outgoing[vertex as usize] == NONE {
                 self.outgoing[vertex as usize] = start;
             } else {
@@ -161,17 +161,17 @@ impl Topology {
         split_from
     }
 
-    /// The first corner, counter-clockwise, of the fan that holds `corner`: at the boundary, or `corner` itself.
-    fn fan_start(&self, corner: u32) -> u32 {
-        let mut at = corner;
+    /// The first corner, counter-clockwise, of the fan that holds `half_edge`: at the boundary, or `half_edge` itself.
+    fn fan_start(&self, half_edge: u32) -> u32 {
+        let mut at = half_edge;
         loop {
             let twin = self.twin(at);
             if twin == NONE {
                 return at;
             }
             at = self.next(twin);
-            if at == corner {
-                return corner;
+            if at == half_edge {
+                return half_edge;
             }
         }
     }
@@ -268,16 +268,16 @@ fn groups(sides: &[Side]) -> impl Iterator<Item = &[Side]> {
     sides.chunk_by(|a, b| a.0 == b.0)
 }
 
-fn face_of(faces: &FaceList, corner: u32) -> usize {
-    faces.starts.partition_point(|&start| start <= corner) - 1
+fn face_of(faces: &FaceList, half_edge: u32) -> usize {
+    faces.starts.partition_point(|&start| start <= half_edge) - 1
 }
 
 fn check_edges(faces: &FaceList, sides: &[Side]) -> Result<(), Vec<Fault>> {
     let crowded = groups(sides).filter(|group| group.len() > 2).map(|group| {
-        let ((a, b), corner) = group[2];
+        let ((a, b), half_edge) = group[2];
         let all: Vec<String> = group.iter().take(8).map(|side| face_of(faces, side.1).to_string()).collect();
         let detail = format!("edge ({a}, {b}) has {} faces ({}); at most 2 are allowed", group.len(), all.join(", "));
-        Fault::new(format!("/faces/{}", face_of(faces, corner)), detail)
+        Fault::new(format!("/faces/{}", face_of(faces, half_edge)), detail)
     });
     report(crowded)
 }
@@ -293,8 +293,8 @@ fn orient(faces: &mut FaceList, sides: &[Side], winding: Winding) -> Result<Vec<
     let turned = turns(faces, sides)?;
     if winding == Winding::Refuse {
         let faults = wrong.iter().map(|group| {
-            let ((a, b), corner) = group[1];
-            let (f, g) = (face_of(faces, group[0].1), face_of(faces, corner));
+            let ((a, b), half_edge) = group[1];
+            let (f, g) = (face_of(faces, group[0].1), face_of(faces, half_edge));
             let detail = format!(
                 "faces {f} and {g} run along edge ({a}, {b}) in the same direction; turn one of them, or set \
                  \"orient\": \"repair\""
@@ -357,13 +357,13 @@ fn connect(n_vertices: usize, faces: FaceList, sides: &[Side]) -> Topology {
     }
     let mut edge_of = vec![NONE; n_half_edges];
     let mut halves = Vec::with_capacity(sides.len());
-    for corner in 0..n_half_edges {
-        let other = opposite[corner];
-        if other == NONE || (other as usize) > corner {
-            edge_of[corner] = index(halves.len());
-            halves.push([index(corner), other]);
+    for half_edge in 0..n_half_edges {
+        let other = opposite[half_edge];
+        if other == NONE || (other as usize) > half_edge {
+            edge_of[half_edge] = index(halves.len());
+            halves.push([index(half_edge), other]);
         } else {
-            edge_of[corner] = edge_of[other as usize];
+            edge_of[half_edge] = edge_of[other as usize];
         }
     }
     let all = |size: u32| faces.starts.windows(2).all(|pair| pair[1] - pair[0] == size);

@@ -36,7 +36,7 @@ pub struct Directions(Vec<Direction>);
 /// A latitude line: vertices one after another along latitude edges.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Line {
-    /// Its vertices, in order.
+    /// The vertices of the line, in order.
     pub vertices: Vec<u32>,
     /// Whether the last one is joined to the first.
     pub closed: bool,
@@ -125,7 +125,7 @@ impl Directions {
     #[must_use]
     pub fn split(&self, topology: &Topology) -> Self {
         let halves = self.0.iter().flat_map(|&direction| [direction; 2]);
-        let spokes = (0..index(topology.n_half_edges())).map(|corner| match self.of(topology.edge(corner)) {
+        let spokes = (0..index(topology.n_half_edges())).map(|half_edge| match self.of(topology.edge(half_edge)) {
             Direction::Untagged => Direction::Untagged,
             Direction::Latitude => Direction::Longitude,
             Direction::Longitude => Direction::Latitude,

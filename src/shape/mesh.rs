@@ -32,7 +32,7 @@ pub struct Mesh {
     pub attributes: Option<Attributes>,
     /// Directions of its edges along latitude and longitude lines.
     pub directions: Option<Directions>,
-    /// What it carries besides its shape.
+    /// What the mesh carries besides its shape.
     pub attachments: Arc<Attachments>,
     /// For each of its last vertices, which were not in the input: the vertex of the input it was split from.
     pub split_from: Arc<[u32]>,
@@ -61,7 +61,7 @@ pub struct MeshInput {
     pub longitude: Vec<[u64; 2]>,
     /// What to do with inconsistent winding.
     pub winding: Winding,
-    /// What it carries besides its shape.
+    /// What the mesh carries besides its shape.
     pub attachments: AttachmentsInput,
     /// What its reader says of it, in sentences.
     pub notes: Vec<String>,

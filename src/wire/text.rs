@@ -17,10 +17,10 @@ use crate::shape::mesh::MeshInput;
 #[derive(Debug, Clone, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TextRequest {
-    /// Its format, see [`input::READERS`], or `json` for a mesh as `input.mesh` has it.
+    /// The format of the file, see [`input::READERS`], or `json` for a mesh as `input.mesh` has it.
     #[schema(schema_with = schema::file_format)]
     pub format: String,
-    /// What it holds.
+    /// What the file holds.
     pub data: String,
     /// How `data` holds it: `text` (default), or `base64` for files that are no text.
     pub encoding: Option<EncodingRequest>,
@@ -39,9 +39,9 @@ choice! {
 /// A mesh file that came by itself.
 #[derive(Debug, Clone)]
 pub struct MeshFile {
-    /// Its format, by name.
+    /// The format of the file, by name.
     pub format: String,
-    /// What it holds.
+    /// What the file holds.
     pub bytes: Vec<u8>,
 }
 

@@ -72,6 +72,27 @@ fn the_extension_chooses_the_format_and_the_bytes_are_those_of_the_library() {
     assert!(left.iter().all(|name| !name.to_string_lossy().contains("part")), "{left:?}");
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_small_job_starts_no_threads() {
+    let mut child = planish()
+        .args(["render", "-", "-o", "-", "--format", "obj"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    child.stdin.take().unwrap().write_all(mesh(4).to_string().as_bytes()).unwrap();
+    let mut out = child.stdout.take().unwrap();
+    out.read_exact(&mut [0]).unwrap();
+    // what follows is more than a pipe holds: the program waits for its reader
+    let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
+    let mut rest = Vec::new();
+    out.read_to_end(&mut rest).unwrap();
+    assert!(child.wait().unwrap().success());
+    assert!(rest.len() > 1 << 16, "{}", rest.len());
+    assert!(status.contains("Threads:\t1\n"), "{status}");
+}
+
 #[test]
 fn a_dash_is_a_standard_stream() {
     for format in FORMATS.iter().filter(|format| formats(true).iter().any(|held| held.name() == format.name())) {

@@ -109,7 +109,7 @@ impl Row {
         Self { first: self.first, weights: self.weights.iter().map(|w| w * factor).collect() }
     }
 
-    /// What it gives for points that stand at their offsets.
+    /// The value of the row for points that stand at their offsets.
     fn slope(&self) -> f64 {
         self.entries().map(|(o, w)| real(o) / 2.0 * w).sum()
     }

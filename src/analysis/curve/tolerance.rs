@@ -45,7 +45,7 @@ pub fn search_bytes(points: usize) -> u64 {
 pub struct Reached {
     /// The level.
     pub level: u32,
-    /// Its distance from the limit is at most this, model units.
+    /// The distance of the level from the limit is at most this, model units.
     pub bound: f64,
 }
 

@@ -48,11 +48,11 @@ const SHRINKS: f64 = 0.98;
 /// What an impulse shows of a scheme.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Smoothness {
-    /// Its differences do not vanish: there is no continuous limit.
+    /// The differences of an impulse do not vanish: there is no continuous limit.
     Rough,
-    /// Its differences vanish, its divided second differences do not.
+    /// The differences of an impulse vanish, the divided second differences do not.
     Continuous,
-    /// Its divided second differences vanish: the limit has a continuous tangent.
+    /// The divided second differences of an impulse vanish: the limit has a continuous tangent.
     Smooth,
 }
 

@@ -21,7 +21,7 @@ use crate::watch::{Stopped, Watch};
 #[derive(Debug)]
 pub(super) struct RefinedNet {
     net: MeshNet,
-    /// Its topology made explicit.
+    /// The topology of the net made explicit.
     topology: Arc<Topology>,
     /// For each vertex what took its place, if that was no vertex without faces; `None` where these are the net's own.
     centres: Option<Vec<Option<Centre>>>,

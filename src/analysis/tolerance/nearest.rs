@@ -81,7 +81,7 @@ struct Hit {
 pub(super) struct Away {
     /// All of it, at most.
     pub(super) most: f64,
-    /// Its middle.
+    /// The middle of the piece.
     pub(super) middle: f64,
 }
 
@@ -311,7 +311,7 @@ impl Fragment {
         Self { sides: corners.len().min(4), corners: four, away: away(corners) }
     }
 
-    /// Its quarters.
+    /// The four quarters of the piece.
     fn quarters(&self) -> [[Vector; 4]; 4] {
         let middle = |a: Vector, b: Vector| times(0.5, plus(a, b));
         let [a, b, c, d] = self.corners;

@@ -91,7 +91,7 @@ pub(super) struct Header {
     pub(super) elements: Vec<Element>,
     /// Names that comments give to the numbers of groups and materials: `comment group 0 top`.
     pub(super) names: BTreeMap<(String, u64), String>,
-    /// Its bytes, the last line break included, and its lines.
+    /// The bytes of the header, the last line break included, and its lines.
     pub(super) length: usize,
     pub(super) lines: usize,
 }
