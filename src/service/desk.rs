@@ -1,7 +1,7 @@
 //! The desk: finds an artifact, joins the computation that is making it, or has it made.
 
-use std::any::Any;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::future::Future;
+use std::pin::pin;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ use super::computation::{Computation, Failure, Outcome, Phase};
 use super::jobs::{JobSummary, Jobs, State};
 use super::lent::{InFlight, Lent};
 use super::peer::{Kind, Peer, Peers, Ticket};
-use super::pool::{Busy, Lane, Memory, Pool, Turn, Waiting};
+use super::pool::{Busy, Lane, Memory, Panicked, Pool, Turn, Waiting};
 use super::result_buffer::ResultBuffer;
 use super::store::{Description, Manifest};
 use super::task::Task;
@@ -148,12 +148,21 @@ impl Desk {
         turn: Turn,
     ) -> Phase {
         let Terms { run_timeout, short_time, .. } = self.terms;
-        let run_out = stop_later(computation.clone(), (lane == Lane::Short).then_some(short_time), run_timeout);
-        let stopper = tokio::spawn(run_out);
-        let (desk, computation, task) = (self, computation.clone(), task.clone());
-        let made = tokio::task::spawn_blocking(move || desk.make(&computation, &*task, lane, turn)).await;
-        stopper.abort();
-        made.unwrap_or_else(|error| Phase::Failed(Failure::Internal(error.to_string())))
+        if computation.watch.check().is_err() {
+            return Phase::Failed(Failure::Cancelled);
+        }
+        computation.set(Phase::Running);
+        let start = self.clock.now();
+        let (desk, made, of_task) = (self.clone(), computation.clone(), task.clone());
+        let making = turn.spawn_keeping(move || desk.make_stored(&made, &*of_task));
+        let aside = (lane == Lane::Short).then_some(short_time);
+        let made = until_overdue(making, computation, aside, run_timeout).await;
+        self.pool.finished(lane, self.clock.now().saturating_sub(start));
+        match made {
+            Ok((Ok(outcome), memory)) => Phase::Done(Arc::new(self.lent(outcome, memory))),
+            Ok((Err(error), _)) => Phase::Failed(self.failure(computation, error)),
+            Err(Panicked(message)) => Phase::Failed(Failure::Internal(format!("a computation panicked: {message}"))),
+        }
     }
 
     /// Runs work on a request, which takes so much memory, when its turn comes. When the caller leaves, the work is
@@ -185,23 +194,6 @@ impl Desk {
     fn finish(&self, computation: &Arc<Computation>, phase: Phase) {
         self.under_way.remove(computation);
         computation.set(phase);
-    }
-
-    /// Computes on this thread and the pool's.
-    fn make(&self, computation: &Computation, task: &dyn Task, lane: Lane, turn: Turn) -> Phase {
-        if computation.watch.check().is_err() {
-            return Phase::Failed(Failure::Cancelled);
-        }
-        computation.set(Phase::Running);
-        let start = self.clock.now();
-        let made = catch_unwind(AssertUnwindSafe(|| turn.run_keeping(|| self.make_stored(computation, task))));
-        let took = self.clock.now().saturating_sub(start);
-        self.pool.finished(lane, took);
-        match made {
-            Ok((Ok(outcome), memory)) => Phase::Done(Arc::new(self.lent(outcome, memory))),
-            Ok((Err(error), _)) => Phase::Failed(self.failure(computation, error)),
-            Err(panic) => Phase::Failed(Failure::Internal(message(&*panic))),
-        }
     }
 
     /// An outcome whose bytes, where no store has them, are paid for until the last answer has them: as an answer, or,
@@ -318,15 +310,24 @@ impl Desk {
     }
 }
 
-/// Sets a computation aside that runs too long for its lane, and stops one that runs too long for any.
-async fn stop_later(computation: Arc<Computation>, aside: Option<Duration>, timeout: Duration) {
-    if let Some(aside) = aside.filter(|aside| *aside < timeout) {
-        tokio::time::sleep(aside).await;
+/// Waits for a computation, sets it aside when it runs too long for its lane, and stops it when it runs too long for any.
+async fn until_overdue<T>(
+    making: impl Future<Output = T>,
+    computation: &Computation,
+    aside: Option<Duration>,
+    timeout: Duration,
+) -> T {
+    let mut making = pin!(making);
+    let aside = aside.filter(|aside| *aside < timeout);
+    if let Ok(made) = tokio::time::timeout(aside.unwrap_or(timeout), &mut making).await {
+        return made;
+    }
+    if aside.is_some() {
         computation.watch.set_aside();
     } else {
-        tokio::time::sleep(timeout).await;
         computation.run_out();
     }
+    making.await
 }
 
 /// Stops work when whoever waits for it leaves.
@@ -345,10 +346,4 @@ pub enum Unread {
     Busy(Busy),
     /// The work on it failed.
     Failed(Failure),
-}
-
-fn message(panic: &(dyn Any + Send)) -> String {
-    let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
-    let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
-    format!("a computation panicked: {}", text.unwrap_or_else(|| "no message".to_owned()))
 }

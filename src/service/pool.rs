@@ -1,6 +1,7 @@
 //! The compute threads: lanes, so that short work never waits behind long work, each with its places, its memory, and a
 //! line in which peers take turns.
 
+use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -42,9 +43,9 @@ pub struct Busy {
     pub retry_after: Duration,
 }
 
-/// Work on a request panicked; the message is in the log.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Panicked;
+/// Work panicked, with this message.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Panicked(pub String);
 
 /// How many may wait.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -86,26 +87,32 @@ impl Turn {
         self.threads.install(work)
     }
 
-    /// As [`Turn::run`], but the memory stays with the caller when the place is free again.
-    pub fn run_keeping<T: Send>(mut self, work: impl FnOnce() -> T + Send) -> (T, Option<Memory>) {
-        let memory = self.place.memory.take();
-        (self.threads.install(work), memory)
-    }
-
     /// Runs work on its threads while the caller does something else. What nobody waits for any more is finished all
     /// the same, in its place.
     ///
     /// # Errors
     /// [`Panicked`].
     pub async fn spawn<T: Send + 'static>(self, work: impl FnOnce() -> T + Send + 'static) -> Result<T, Panicked> {
+        self.spawn_keeping(work).await.map(|(outcome, _)| outcome)
+    }
+
+    /// As [`Turn::spawn`], but the memory stays with the caller when the place is free again.
+    ///
+    /// # Errors
+    /// [`Panicked`].
+    pub async fn spawn_keeping<T: Send + 'static>(
+        mut self,
+        work: impl FnOnce() -> T + Send + 'static,
+    ) -> Result<(T, Option<Memory>), Panicked> {
         let (done, result) = oneshot::channel();
         let threads = Arc::clone(&self.threads);
         threads.spawn(move || {
+            let memory = self.place.memory.take();
             let outcome = catch_unwind(AssertUnwindSafe(work));
             drop(self);
-            let _ = done.send(outcome.map_err(|_| Panicked));
+            let _ = done.send(outcome.map(|outcome| (outcome, memory)).map_err(|panic| Panicked(message(&*panic))));
         });
-        result.await.unwrap_or(Err(Panicked))
+        result.await.unwrap_or_else(|_| Err(Panicked("the compute threads ended".to_owned())))
     }
 }
 
@@ -213,6 +220,13 @@ impl LaneState {
             average_us: AtomicU64::new(100_000),
         })
     }
+}
+
+/// What a panic said.
+fn message(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
+    let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
+    text.unwrap_or_else(|| "no message".to_owned())
 }
 
 fn bytes(memory_bytes: u128) -> u64 {

@@ -25,6 +25,7 @@ pub struct ResultBuffer<'a> {
     spool: Option<Box<dyn LargeSpool>>,
     /// All bytes, where there is no spool.
     bytes: Vec<u8>,
+    about_bytes: u128,
     max_bytes: usize,
     lost: bool,
 }
@@ -40,7 +41,7 @@ impl<'a> ResultBuffer<'a> {
     pub fn in_memory(tiers: &'a Tiers, key: Key, about_bytes: u128) -> Self {
         let max_bytes = about_bytes.saturating_add(about_bytes / 4).saturating_add(SLACK_BYTES);
         let max_bytes = usize::try_from(max_bytes).unwrap_or(usize::MAX);
-        Self { tiers, key, spool: None, bytes: Vec::new(), max_bytes, lost: false }
+        Self { tiers, key, spool: None, bytes: Vec::new(), about_bytes, max_bytes, lost: false }
     }
 
     /// Whether the disk lost bytes that it had taken, so that they have to be computed again.
@@ -98,6 +99,11 @@ impl Write for ResultBuffer<'_> {
         if self.lost || self.bytes.len().saturating_add(bytes.len()) > self.max_bytes {
             let detail = format!("the result has more than the {} bytes that its estimate allows", self.max_bytes);
             return Err(io::Error::new(io::ErrorKind::FileTooLarge, detail));
+        }
+        if self.bytes.capacity() == 0 {
+            // a buffer that grows would be copied, and its pages touched, again and again
+            let room = usize::try_from(self.about_bytes).unwrap_or(0).clamp(bytes.len(), self.max_bytes);
+            let _ = self.bytes.try_reserve_exact(room); // where that fails, it grows all the same
         }
         self.bytes.extend_from_slice(bytes);
         Ok(bytes.len())

@@ -2,6 +2,7 @@
 
 use blake3::Hasher;
 use bytes::Bytes;
+use rayon::prelude::*;
 
 use super::manifest::{Description, Manifest, PART_BYTES};
 use crate::job::key::{Key, RESULTS_VERSION, content};
@@ -51,24 +52,30 @@ impl Parts {
 
     /// The record of these bytes under `key`.
     pub(super) fn manifest(self, key: Key, description: Description) -> Manifest {
-        Manifest {
-            key,
-            media_type: description.media_type,
-            length: self.length,
-            content: self.content(),
-            parts: self.hashes,
-            warnings: description.warnings,
-            build: BUILD.to_owned(),
-            results_version: RESULTS_VERSION,
-        }
+        let content = self.content();
+        record(key, self.length, content, self.hashes, description)
     }
 }
 
 impl Manifest {
-    /// What is known of bytes that are all there.
+    /// What is known of bytes that are all there; called on a compute thread, whose neighbours hash as well.
     pub fn of(key: Key, bytes: &[u8], description: Description) -> Self {
-        Parts::of(bytes).manifest(key, description)
+        let whole = || content(bytes);
+        let (content, hashes) = if bytes.len() <= PART_BYTES {
+            // the only part is the whole
+            let only = whole();
+            (only, vec![only; bytes.len().min(1)])
+        } else {
+            rayon::join(whole, || bytes.par_chunks(PART_BYTES).map(content).collect())
+        };
+        record(key, bytes.len() as u64, content, hashes, description)
     }
+}
+
+fn record(key: Key, length: u64, content: Key, parts: Vec<Key>, description: Description) -> Manifest {
+    let Description { media_type, warnings } = description;
+    let (build, results_version) = (BUILD.to_owned(), RESULTS_VERSION);
+    Manifest { key, media_type, length, content, parts, warnings, build, results_version }
 }
 
 /// Where part `index` starts and how many bytes it has; `None` when there is no such part.
