@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::apply::{Points, advance};
+use super::act::act_on;
+use super::apply::Points;
 use super::error::RefineError;
-use super::origins;
 use super::refined::RefinedMesh;
 use super::start::mesh_net;
 use super::sweep::Outline;
@@ -78,22 +78,4 @@ fn carrying(
     // a connectivity of its own tells no origins in the input
     let stays = Arc::ptr_eq(&net.mesh.base, &mesh.topology);
     if stays { refined.split_from(mesh.split_from.clone()) } else { refined }
-}
-
-/// Applies steps to a net and its points; errors name the vertices of the input.
-///
-/// # Errors
-/// [`RefineError`].
-pub fn act_on(
-    mut net: MeshNet,
-    mut points: Vec<Points>,
-    plan: &Plan,
-    steps: &[Scheduled],
-    watch: &Watch,
-) -> Result<(MeshNet, Vec<Points>), RefineError> {
-    advance(&mut net, &mut points, plan, steps, watch).map_err(|error| match error {
-        RefineError::Step { level, error } => RefineError::Step { level, error: origins::on_mesh(&net, error) },
-        error => error,
-    })?;
-    Ok((net, points))
 }

@@ -1,5 +1,6 @@
 //! Refinement: applies a plan's steps to points. Nothing outside knows how a net is stored.
 
+mod act;
 mod apply;
 mod error;
 mod mesh;
@@ -15,9 +16,10 @@ mod unfolded;
 mod uvs;
 mod vertex_order;
 
+pub use act::act_on;
 pub use apply::{Points, advance};
 pub use error::RefineError;
-pub use mesh::{act_on, assembled, is_swept, numbers, refine_by_rows, refine_mesh};
+pub use mesh::{assembled, is_swept, numbers, refine_by_rows, refine_mesh};
 pub use normals::Normals;
 pub use polygon::{refine_polygon, refined_points};
 pub use refined::RefinedMesh;

@@ -1,8 +1,8 @@
 //! Points of a net by a sweep, where its plan can be swept.
 
+use super::act::act_on;
 use super::apply::Points;
 use super::error::RefineError;
-use super::mesh::act_on;
 use super::sweep::Sweep;
 use super::vertex_order::VertexOrder;
 use crate::kept::Numbers;
@@ -11,8 +11,8 @@ use crate::scheme::plan::{Plan, Scheduled};
 use crate::watch::{Stage, Watch};
 
 /// The net after all steps, as far as it is carried along (see [`MeshNet::after_splits`]), and all points in the
-/// documented order. `None` where the steps cannot be swept, and where a coordinate is no longer finite, so that the rows
-/// of whole nets tell the level.
+/// documented order. `None` where the steps cannot be swept, and where a coordinate is no longer finite, so that the
+/// rows of whole nets tell the level.
 ///
 /// # Errors
 /// [`RefineError`].

@@ -13,5 +13,6 @@ mod patches;
 mod program;
 mod star;
 mod surface;
+mod weave;
 
 pub(super) use program::{Outline, Sweep};

@@ -12,8 +12,8 @@ use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::grid::Grid;
 
-/// Most cells of a grid in each direction: the planes of three coordinates take 1 MB with it, what a core has as its own
-/// cache. Half of it makes a tenth more points twice, in halos; twice of it leaves that cache.
+/// Most cells of a grid in each direction: the planes of three coordinates take 1 MB with it, what a core has as its
+/// own cache. Half of it makes a tenth more points twice, in halos; twice of it leaves that cache.
 const MOST_CELLS: usize = 64;
 
 /// The sweep of a net through the rounds of a plan.
