@@ -310,7 +310,8 @@ impl Desk {
     }
 }
 
-/// Waits for a computation, sets it aside when it runs too long for its lane, and stops it when it runs too long for any.
+/// Waits for a computation, sets it aside when it runs too long for its lane, and stops it when it runs too long for
+/// any.
 async fn until_overdue<T>(
     making: impl Future<Output = T>,
     computation: &Computation,
