@@ -73,15 +73,9 @@ pub(super) fn read(
 
 fn roots(document: &Document<'_>) -> Result<Vec<usize>, String> {
     let root = &document.root;
-    let scene = match root.scene {
-        Some(scene) => {
-            let i = scene.value();
-            Some(
-                root.scenes
-                    .get(i)
-                    .ok_or_else(|| format!("there is no scene {i}; the file has {}", root.scenes.len()))?,
-            )
-        }
+    let missing = |i: usize| format!("there is no scene {i}; the file has {}", root.scenes.len());
+    let scene = match root.scene.map(|scene| scene.value()) {
+        Some(i) => Some(root.scenes.get(i).ok_or_else(|| missing(i))?),
         None => root.scenes.first(),
     };
     if let Some(scene) = scene {
