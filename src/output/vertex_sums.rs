@@ -119,7 +119,8 @@ impl Part {
     /// Adds up what the faces give to their own vertices, of which the first is `start`.
     fn add(&mut self, of_face: impl Fn(&[u32]) -> [f64; 3], start: u32, own: &mut [[f64; 3]]) {
         let Self { faces, vectors, shared } = self;
-        (vectors.clear(), shared.clear());
+        vectors.clear();
+        shared.clear();
         match faces.rows::<4>() {
             Some(quads) => vectors.extend(quads.iter().map(|quad| of_face(quad))),
             None => vectors.extend(faces.iter().map(of_face)),
