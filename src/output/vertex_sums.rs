@@ -70,10 +70,13 @@ fn own_vertices(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<Range<u32>>,
     let range = |faces: &mut FaceChunk, part| {
         watch.check()?;
         mesh.faces(faces_of(mesh, part), faces);
-        let [low, high] = faces.vertices.iter().fold([inside.end, 0], |[low, high], &v| {
-            if inside.contains(&v) { [low.min(v), high.max(v + 1)] } else { [low, high] }
+        // without branches, so that several are compared at a time; what is outside wraps around to large numbers
+        let n = inside.end - inside.start;
+        let [low, high] = faces.vertices.iter().fold([n, 0], |[low, high], &v| {
+            let v = v.wrapping_sub(inside.start);
+            [low.min(v), high.max(if v < n { v + 1 } else { 0 })]
         });
-        Ok(low..high)
+        Ok(inside.start + low..inside.start + high)
     };
     let parts = 0..mesh.n_faces().div_ceil(PART);
     let ranges: Result<Vec<Range<u32>>, Stopped> = parts.into_par_iter().map_init(FaceChunk::default, range).collect();
@@ -116,7 +119,8 @@ impl Part {
     /// Adds up what the faces give to their own vertices, of which the first is `start`.
     fn add(&mut self, of_face: impl Fn(&[u32]) -> [f64; 3], start: u32, own: &mut [[f64; 3]]) {
         let Self { faces, vectors, shared } = self;
-        (vectors.clear(), shared.clear());
+        vectors.clear();
+        shared.clear();
         match faces.rows::<4>() {
             Some(quads) => vectors.extend(quads.iter().map(|quad| of_face(quad))),
             None => vectors.extend(faces.iter().map(of_face)),

@@ -176,13 +176,11 @@ impl RefinedMesh {
     /// The shown faces in `range` of one of the meshes with these faces.
     pub(super) fn list(&self, base: &Topology, order: Option<&Order>, range: Range<usize>, out: &mut FaceChunk) {
         let runs = self.shown.runs(range);
-        match order {
-            Some(order) => order.faces(runs, out),
-            None => {
-                out.clear();
-                runs.flatten().for_each(|f| out.push(base.face(f)));
-            }
+        if let Some(order) = order {
+            return order.faces(runs, out);
         }
+        out.clear();
+        runs.flatten().for_each(|f| out.push(base.face(f)));
     }
 
     /// The same mesh with normals in the order of the points, if there are any.
