@@ -115,7 +115,7 @@ impl Bins {
         self.tile_from(tile, 0.0)
     }
 
-    /// The same, without some whose depths are all below `depth`.
+    /// The items of [`Bins::tile`], or only the large ones where none of the others has a depth of `depth` or more.
     pub(super) fn tile_from(&self, tile: usize, depth: f32) -> impl Iterator<Item = u32> + '_ {
         let own = if self.starts.is_empty() || self.nearest[tile] < depth {
             0..0

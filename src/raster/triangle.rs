@@ -93,8 +93,8 @@ impl Samples {
         (self.farthest, self.visited) = (0.0, 0);
     }
 
-    /// Draws one triangle into the tile whose first pixel is `origin`. Of triangles with equal depth at a sample the
-    /// one with the lower number is seen, so that the order of drawing does not matter.
+    /// Draws one triangle into the tile whose first pixel is `origin`. Of triangles with equal depth at a sample that
+    /// with the lower number is seen, so that the order of drawing does not matter.
     pub(super) fn draw(&mut self, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
         self.done.triangles += 1;
         let nearest = corners[0].depth.max(corners[1].depth).max(corners[2].depth);
