@@ -37,33 +37,16 @@ const MOST_INDEXED: u64 = u32::MAX as u64 / 5;
 /// One setting as it is listed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setting {
-    /// Its name; flags and keys of the file have dashes in place of underscores.
+    /// The name; flags and keys of the file have dashes in place of underscores.
     pub name: &'static str,
-    /// Its value.
+    /// The value, as it would be written.
     pub value: String,
     /// The smallest and the largest value, where it is a number.
     pub range: Option<RangeInclusive<u64>>,
-    /// What it counts.
+    /// What the number counts.
     pub unit: &'static str,
-    /// What it does.
+    /// What the setting does.
     pub doc: String,
-}
-
-/// A setting that is a number, which is what ranges are for.
-trait Number: Copy {
-    fn number(self) -> u64;
-}
-
-impl Number for u64 {
-    fn number(self) -> u64 {
-        self
-    }
-}
-
-impl Number for usize {
-    fn number(self) -> u64 {
-        self as u64
-    }
 }
 
 // Each entry is `name: type = default, in range, "VARIABLE", "unit";`, where only numbers have a range.
@@ -113,7 +96,7 @@ macro_rules! settings {
 
             /// Checks every number against its range.
             fn checked(self) -> Result<Self, ConfigError> {
-                $($(in_range(stringify!($name), self.$name.number(), $range, $env, $unit)?;)?)*
+                $($(in_range(stringify!($name), self.$name, $range, $env, $unit)?;)?)*
                 Ok(self)
             }
         }
@@ -174,11 +157,12 @@ settings! {
 
 fn in_range(
     name: &'static str,
-    value: u64,
+    value: impl TryInto<u64>,
     range: RangeInclusive<u64>,
     variable: &'static str,
     unit: &str,
 ) -> Result<(), ConfigError> {
+    let value = value.try_into().unwrap_or(u64::MAX);
     if range.contains(&value) {
         return Ok(());
     }

@@ -1,9 +1,10 @@
 //! planish refines control polygons and control meshes by subdivision, analyses the schemes, and draws the results.
 //!
-//! The modules are floors, divided by blank lines: each imports only from floors above it in this list. Two are leaves,
-//! which all may use: `fault` and `watch`. One import goes between neighbours: `cli` starts `http`.
+//! The modules are floors, divided by blank lines: each imports only from floors above it in this list. Three are
+//! leaves, which all may use: `fault`, `kept` and `watch`. One import goes between neighbours: `cli` starts `http`.
 
 pub mod fault;
+pub mod kept;
 pub mod watch;
 
 pub mod math;

@@ -35,6 +35,8 @@ impl fmt::Debug for State {
 pub enum Stage {
     /// Applying operators.
     Refine,
+    /// Applying operators patch by patch.
+    Sweep,
     /// Drawing pixels.
     Render,
     /// Writing bytes.

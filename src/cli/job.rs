@@ -47,13 +47,13 @@ pub(super) fn load(path: &Path, options: &MeshOptions) -> Result<JobRequest, Cli
     let bytes = bytes.map_err(|error| CliError::new(format!("cannot read {}: {error}", path.display())))?;
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     let file = match input::of_extension(extension) {
-        Some(reader) => Some(MeshFile { format: reader.name().to_owned(), bytes }),
+        Some(reader) => Some(MeshFile { format: reader.name.to_owned(), bytes }),
         None if is_mesh(&bytes) => Some(MeshFile { format: "json".to_owned(), bytes }),
         None if *options == MeshOptions::default() => return read(&bytes).map_err(refused),
         None => None,
     };
     let file = file.ok_or_else(|| {
-        let known: Vec<&str> = input::READERS.iter().map(|reader| reader.extension()).collect();
+        let known: Vec<&str> = input::READERS.iter().map(|reader| reader.name).collect();
         CliError::new(format!(
             "{} is a job, which says preset, levels, weld, orient and pair_quads itself; the flags are for mesh files \
              (.{}, or the JSON of a mesh)",

@@ -34,13 +34,13 @@ pub enum ConfigError {
     OutOfRange {
         /// The setting.
         name: &'static str,
-        /// Its value.
+        /// The value of the setting.
         value: u64,
         /// The smallest and the largest value.
         range: RangeInclusive<u64>,
-        /// What it counts, after a blank; empty where it counts nothing.
+        /// What the setting counts, after a blank; empty where it counts nothing.
         unit: String,
-        /// Its variable.
+        /// The environment variable of the setting.
         variable: &'static str,
     },
 }

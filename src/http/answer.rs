@@ -93,8 +93,9 @@ pub(super) fn headers(found: &Artifact, address: &str) -> HeaderMap {
 
 fn server_timing(timings: &Timings) -> String {
     let ms = |duration: Duration| duration.as_secs_f64() * 1000.0;
+    let path = if timings.swept { ";desc=\"sweep\"" } else { "" };
     format!(
-        "queue;dur={:.3}, refine;dur={:.3}, render;dur={:.3}, encode;dur={:.3}",
+        "queue;dur={:.3}, refine;dur={:.3}{path}, render;dur={:.3}, encode;dur={:.3}",
         ms(timings.queue),
         ms(timings.refine),
         ms(timings.render),

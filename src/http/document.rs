@@ -37,7 +37,10 @@ const HEADERS: &[(&str, &str)] = &[
     ("ETag", "The artifact's key in quotes: a strong validator"),
     ("Content-Location", "The artifact's address, for GET"),
     ("Cache-Status", "`planish; hit`, `planish; fwd=miss; stored` or `planish; fwd=miss; collapsed` (RFC 9211)"),
-    ("Server-Timing", "Milliseconds by stage: queue, refine, render, encode"),
+    (
+        "Server-Timing",
+        "Milliseconds by stage: queue, refine (described as `sweep` where patches were refined), render, encode",
+    ),
     ("Planish-Warnings", "What was repaired or is worth knowing, as quoted texts"),
     ("Cache-Control", "Artifacts never change"),
     ("Accept-Ranges", "`bytes`"),

@@ -24,11 +24,7 @@ impl Collected {
     /// # Errors
     /// They may not.
     pub(super) fn expect_vertices(&self, n: u64) -> Result<(), String> {
-        let bound = self.limits.max_vertices;
-        if n > bound {
-            return Err(format!("the file has {n} vertices or more; {bound} are allowed; send a smaller mesh"));
-        }
-        Ok(())
+        at_most(self.limits.max_vertices, n, "vertices")
     }
 
     /// Whether so many faces may come.
@@ -36,11 +32,7 @@ impl Collected {
     /// # Errors
     /// They may not.
     pub(super) fn expect_faces(&self, n: u64) -> Result<(), String> {
-        let bound = self.limits.max_faces;
-        if n > bound {
-            return Err(format!("the file has {n} faces or more; {bound} are allowed; send a smaller mesh"));
-        }
-        Ok(())
+        at_most(self.limits.max_faces, n, "faces")
     }
 
     /// Takes a vertex.
@@ -71,6 +63,11 @@ impl Collected {
         self.mesh.faces.push(vertices.iter().copied());
         Ok(())
     }
+}
+
+fn at_most(bound: u64, n: u64, what: &str) -> Result<(), String> {
+    let refusal = || format!("the file has {n} {what} or more; {bound} are allowed; send a smaller mesh");
+    if n <= bound { Ok(()) } else { Err(refusal()) }
 }
 
 /// A number among `n` as an index.

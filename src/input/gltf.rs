@@ -12,7 +12,6 @@ mod transform;
 use self::buffers::Document;
 use super::reader::{ReadLimits, ReadMesh, Reader};
 use super::room::Room;
-use crate::fault::Fault;
 
 /// glTF in one text file. Buffers have to be data URIs.
 ///
@@ -21,63 +20,32 @@ use crate::fault::Fault;
 /// nodes; materials are materials, one without a name is none. `COLOR_0` is the channel `color`, `TEXCOORD_0` the
 /// texture coordinates, turned to count v upwards; attributes of applications (`_HEAT`) are channels (`heat`). Normals
 /// are ignored; points, lines, skins and morph targets are left out with a note.
-#[derive(Debug)]
-pub(super) struct Gltf;
+pub(super) const GLTF: Reader = Reader {
+    name: "gltf",
+    media_type: "model/gltf+json",
+    doc: "glTF 2.0 in JSON with data URIs: the triangles of its scene",
+    read: |bytes, limits| {
+        if bytes.starts_with(b"glTF") {
+            return Err(vec!["the file is binary; read it as glb".to_owned()]);
+        }
+        read(bytes, limits, |room| Document::of_json(bytes, None, room))
+    },
+};
 
 /// GLB: glTF in one binary file.
-#[derive(Debug)]
-pub(super) struct Glb;
+pub(super) const GLB: Reader = Reader {
+    name: "glb",
+    media_type: "model/gltf-binary",
+    doc: "Binary glTF 2.0: the triangles of its scene",
+    read: |bytes, limits| read(bytes, limits, |room| Document::of_glb(bytes, room)),
+};
 
-impl Reader for Gltf {
-    fn name(&self) -> &'static str {
-        "gltf"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "model/gltf+json"
-    }
-
-    fn doc(&self) -> &'static str {
-        "glTF 2.0 in JSON with data URIs: the triangles of its scene"
-    }
-
-    fn read(&self, bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
-        let mut room = Room::new(bytes.len());
-        let document = if bytes.starts_with(b"glTF") {
-            Err("the file is binary; read it as glb".to_owned())
-        } else {
-            Document::of_json(bytes, None, &mut room)
-        };
-        read(document, bytes.len(), room, limits)
-    }
-}
-
-impl Reader for Glb {
-    fn name(&self) -> &'static str {
-        "glb"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "model/gltf-binary"
-    }
-
-    fn doc(&self) -> &'static str {
-        "Binary glTF 2.0: the triangles of its scene"
-    }
-
-    fn read(&self, bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
-        let mut room = Room::new(bytes.len());
-        let document = Document::of_glb(bytes, &mut room);
-        read(document, bytes.len(), room, limits)
-    }
-}
-
-fn read(
-    document: Result<Document<'_>, String>,
-    length: usize,
-    room: Room,
+fn read<'a>(
+    bytes: &[u8],
     limits: &ReadLimits,
-) -> Result<ReadMesh, Vec<Fault>> {
-    let mesh = document.and_then(|document| scene::read(&document, length, room, limits));
-    mesh.map_err(|detail| vec![Fault::new("", detail)])
+    document: impl FnOnce(&mut Room) -> Result<Document<'a>, String>,
+) -> Result<ReadMesh, Vec<String>> {
+    let mut room = Room::new(bytes.len());
+    let mesh = document(&mut room).and_then(|document| scene::read(&document, bytes.len(), room, limits));
+    mesh.map_err(|detail| vec![detail])
 }

@@ -19,14 +19,14 @@ pub use reader::{ReadLimits, ReadMesh, Reader, Uvs};
 pub use room::weight;
 
 /// Every reader, in the order of the documentation.
-pub const READERS: &[&dyn Reader] = &[&obj::Obj, &ply::Ply, &stl::Stl, &off::Off, &gltf::Gltf, &gltf::Glb];
+pub const READERS: &[Reader] = &[obj::OBJ, ply::PLY, stl::STL, off::OFF, gltf::GLTF, gltf::GLB];
 
 /// The reader of a name.
-pub fn named(name: &str) -> Option<&'static dyn Reader> {
-    READERS.iter().copied().find(|reader| reader.name() == name)
+pub fn named(name: &str) -> Option<&'static Reader> {
+    READERS.iter().find(|reader| reader.name == name)
 }
 
 /// The reader of files with an extension, given without the dot, in any case.
-pub fn of_extension(extension: &str) -> Option<&'static dyn Reader> {
-    READERS.iter().copied().find(|reader| reader.extension().eq_ignore_ascii_case(extension))
+pub fn of_extension(extension: &str) -> Option<&'static Reader> {
+    READERS.iter().find(|reader| reader.name.eq_ignore_ascii_case(extension))
 }

@@ -13,7 +13,6 @@ use self::faces::Faces;
 use super::collect::Collected;
 use super::reader::{ReadLimits, ReadMesh, Reader};
 use super::text::{at_line, number, numbers, quoted, text};
-use crate::fault::Fault;
 use crate::shape::attachments::Channel;
 
 /// Faults that are told one by one.
@@ -46,51 +45,41 @@ const FREE_FORM: &[&str] = &[
 /// format says that faces are in no group, and `usemtl default` is read alike: faces after it have no material. Tags:
 /// `crease`, `corner`, `hole`, `interpolateboundary`. Points and lines are left out with a note; free-form geometry is
 /// refused.
-#[derive(Debug)]
-pub(super) struct Obj;
+pub(super) const OBJ: Reader = Reader {
+    name: "obj",
+    media_type: "model/obj",
+    doc: "Wavefront OBJ: polygons, with crease, corner, hole and boundary tags",
+    read,
+};
 
-impl Reader for Obj {
-    fn name(&self) -> &'static str {
-        "obj"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "model/obj"
-    }
-
-    fn doc(&self) -> &'static str {
-        "Wavefront OBJ: polygons, with crease, corner, hole and boundary tags"
-    }
-
-    fn read(&self, bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
-        let text = text(bytes).map_err(|fault| vec![fault])?;
-        let mut state = State::new(limits);
-        let mut lines = text.lines().enumerate();
-        let mut joined = String::new();
-        while let Some((i, line)) = lines.next() {
-            let mut line = line;
-            if line.trim_end().ends_with('\\') {
-                joined.clear();
-                let mut part = Some(line);
-                while let Some(more) = part {
-                    let piece = more.trim_end();
-                    joined.push_str(piece.strip_suffix('\\').unwrap_or(piece));
-                    joined.push(' ');
-                    part = if piece.ends_with('\\') { lines.next().map(|(_, next)| next) } else { None };
-                }
-                line = &joined;
+fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<String>> {
+    let text = text(bytes).map_err(|detail| vec![detail])?;
+    let mut state = State::new(limits);
+    let mut lines = text.lines().enumerate();
+    let mut joined = String::new();
+    while let Some((i, line)) = lines.next() {
+        let mut line = line;
+        if line.trim_end().ends_with('\\') {
+            joined.clear();
+            let mut part = Some(line);
+            while let Some(more) = part {
+                let piece = more.trim_end();
+                joined.push_str(piece.strip_suffix('\\').unwrap_or(piece));
+                joined.push(' ');
+                part = if piece.ends_with('\\') { lines.next().map(|(_, next)| next) } else { None };
             }
-            let line = without_comment(line);
-            if let Err(detail) = state.line(i + 1, line) {
-                state.faults.push(at_line(i + 1, detail));
-                if state.faults.len() == MAX_FAULTS {
-                    state.faults.push(Fault::new("", "there may be more faults behind these"));
-                    return Err(state.faults);
-                }
+            line = &joined;
+        }
+        let line = without_comment(line);
+        if let Err(detail) = state.line(i + 1, line) {
+            state.faults.push(at_line(i + 1, detail));
+            if state.faults.len() == MAX_FAULTS {
+                state.faults.push("there may be more faults behind these".to_owned());
+                return Err(state.faults);
             }
         }
-        state.finish()
     }
+    state.finish()
 }
 
 /// What has been read so far.
@@ -106,7 +95,7 @@ struct State {
     tags: tags::Tags,
     /// How many elements of a kind were left out.
     left_out: BTreeMap<String, usize>,
-    faults: Vec<Fault>,
+    faults: Vec<String>,
 }
 
 impl State {
@@ -183,7 +172,7 @@ impl State {
         Ok(())
     }
 
-    fn finish(mut self) -> Result<ReadMesh, Vec<Fault>> {
+    fn finish(mut self) -> Result<ReadMesh, Vec<String>> {
         let counts = [self.mesh.mesh.positions.len(), self.uvs.len(), self.n_normals];
         self.faults.extend(self.faces.beyond(counts, &self.mesh.mesh.faces));
         if !self.faults.is_empty() {
@@ -199,7 +188,7 @@ impl State {
             mesh.notes.push(format!("colours are left out: {} of {n} vertices have one", self.colors.len() / 4));
         }
         self.faces.finish(self.uvs, &mut mesh);
-        self.tags.finish(&mut mesh).map_err(|fault| vec![fault])?;
+        self.tags.finish(&mut mesh).map_err(|detail| vec![detail])?;
         mesh.notes.extend(self.left_out.iter().map(|(what, n)| format!("{what} are left out: {n}")));
         Ok(mesh)
     }

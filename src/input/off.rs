@@ -5,7 +5,6 @@
 use super::collect::{Collected, vertex_index};
 use super::reader::{ReadLimits, ReadMesh, Reader, Uvs};
 use super::text::{Words, at_line, count, number, quoted, text};
-use crate::fault::Fault;
 use crate::shape::attachments::Channel;
 
 /// Least bytes of a vertex ("0 0 0" and a line break) and of a face ("3 0 1 2").
@@ -15,26 +14,12 @@ const FACE_BYTES: u64 = 8;
 /// OFF with its prefixes `ST` (texture coordinates), `C` (colours), `N` (normals), each vertex and face on a line of
 /// its own, `#` before comments. Normals are ignored; colours of faces are left out with a note. `4`, `n` and `BINARY`
 /// are refused.
-#[derive(Debug)]
-pub(super) struct Off;
-
-impl Reader for Off {
-    fn name(&self) -> &'static str {
-        "off"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "model/off"
-    }
-
-    fn doc(&self) -> &'static str {
-        "Geomview OFF, COFF, NOFF, STOFF: polygons as text"
-    }
-
-    fn read(&self, bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
-        read(bytes, limits).map_err(|fault| vec![fault])
-    }
-}
+pub(super) const OFF: Reader = Reader {
+    name: "off",
+    media_type: "model/off",
+    doc: "Geomview OFF, COFF, NOFF, STOFF: polygons as text",
+    read: |bytes, limits| read(bytes, limits).map_err(|detail| vec![detail]),
+};
 
 /// What the prefix says of vertices.
 #[derive(Debug, Clone, Copy, Default)]
@@ -59,7 +44,7 @@ impl Kind {
     }
 }
 
-fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Fault> {
+fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     let text = text(bytes)?;
     let mut words = Words::new(&text, 1, Some('#'));
     let mut line = words.expect_line("\"OFF\"")?;
@@ -167,8 +152,7 @@ impl Reading {
             mesh.channels.push(Channel { name: "color".to_owned(), width: 4, values: self.colors });
         }
         if self.kind.uvs {
-            let corners = (0..mesh.faces.len()).flat_map(|f| mesh.faces.face(f)).copied().collect();
-            mesh.uvs = Some(Uvs { values: self.uvs, corners });
+            mesh.uvs = Some(Uvs { values: self.uvs, corners: mesh.faces.vertices().to_vec() });
         }
         if self.face_colors > 0 {
             mesh.notes.push(format!("colours of faces are left out: {}", self.face_colors));

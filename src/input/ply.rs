@@ -13,7 +13,6 @@ use self::header::{Element, Encoding, Header, NAMED, Property, Scalar};
 use super::collect::{Collected, vertex_index};
 use super::reader::{ReadLimits, ReadMesh, Reader, Uvs};
 use super::text::quoted;
-use crate::fault::Fault;
 use crate::shape::attachments::Channel;
 use crate::shape::labels::FaceSet;
 
@@ -26,28 +25,14 @@ const MAX_CHANNELS: usize = 64;
 /// of two numbers, and so on up to four; `group` and `material` of faces are numbers whose names stand in comments
 /// (`comment group 0 top`); normals are ignored, other scalars of vertices are channels. Other
 /// elements and lists are left out with a note.
-#[derive(Debug)]
-pub(super) struct Ply;
+pub(super) const PLY: Reader = Reader {
+    name: "ply",
+    media_type: "model/ply",
+    doc: "Stanford PLY, text or binary: polygons, further numbers of vertices as channels",
+    read: |bytes, limits| read(bytes, limits).map_err(|detail| vec![detail]),
+};
 
-impl Reader for Ply {
-    fn name(&self) -> &'static str {
-        "ply"
-    }
-
-    fn media_type(&self) -> &'static str {
-        "model/ply"
-    }
-
-    fn doc(&self) -> &'static str {
-        "Stanford PLY, text or binary: polygons, further numbers of vertices as channels"
-    }
-
-    fn read(&self, bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
-        read(bytes, limits).map_err(|fault| vec![fault])
-    }
-}
-
-fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Fault> {
+fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     let header = header::read(bytes)?;
     let body = &bytes[header.length..];
     match header.encoding {
@@ -60,7 +45,7 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Fault> {
     }
 }
 
-fn elements(header: &Header, mut body: impl Body, limits: &ReadLimits) -> Result<ReadMesh, Fault> {
+fn elements(header: &Header, mut body: impl Body, limits: &ReadLimits) -> Result<ReadMesh, String> {
     let mut reading = Reading {
         mesh: Collected::new(limits),
         channels: Vec::new(),
@@ -74,7 +59,7 @@ fn elements(header: &Header, mut body: impl Body, limits: &ReadLimits) -> Result
     for name in ["vertex", "face"] {
         if named(name) != 1 {
             let detail = format!("the header has {} elements \"{name}\"; a mesh has one", named(name));
-            return Err(Fault::new("", detail));
+            return Err(detail);
         }
     }
     for element in &header.elements {
@@ -124,9 +109,9 @@ impl Reading {
         self.mesh.mesh.notes.push(note);
     }
 
-    fn vertices(&mut self, element: &Element, body: &mut impl Body) -> Result<(), Fault> {
+    fn vertices(&mut self, element: &Element, body: &mut impl Body) -> Result<(), String> {
         let uses = self.uses(element)?;
-        self.mesh.expect_vertices(element.count).map_err(|detail| Fault::new("", detail))?;
+        self.mesh.expect_vertices(element.count)?;
         let has_uvs = uses.iter().any(|what| matches!(what, Use::Uv(_)));
         for i in 0..element.count {
             let (mut position, mut uv) = ([0.0; 3], [0.0; 2]);
@@ -137,8 +122,7 @@ impl Reading {
                 }
                 let x = body.scalar(property.kind)?;
                 if !x.is_finite() && what != Use::Ignored {
-                    let detail = format!("{}: {} of vertex {i} is not finite", body.place(), property.name);
-                    return Err(Fault::new("", detail));
+                    return Err(format!("{}: {} of vertex {i} is not finite", body.place(), property.name));
                 }
                 match what {
                     Use::Position(k) => position[k] = x,
@@ -147,7 +131,7 @@ impl Reading {
                     Use::Ignored => {}
                 }
             }
-            self.mesh.vertex(position).map_err(|detail| Fault::new("", detail))?;
+            self.mesh.vertex(position)?;
             if has_uvs {
                 self.uvs.push(uv);
             }
@@ -157,11 +141,11 @@ impl Reading {
     }
 
     /// What each property of a vertex is for; makes the channels.
-    fn uses(&mut self, element: &Element) -> Result<Vec<Use>, Fault> {
+    fn uses(&mut self, element: &Element) -> Result<Vec<Use>, String> {
         let has = |name: &str| element.properties.iter().any(|p| p.name == name && p.list.is_none());
         if let Some(missing) = ["x", "y", "z"].iter().find(|name| !has(name)) {
             let detail = format!("the vertices have no property \"{missing}\"; they need x, y and z");
-            return Err(Fault::new("", detail));
+            return Err(detail);
         }
         let pairs = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]];
         let uv = pairs.iter().find(|pair| pair.iter().all(|name| has(name)));
@@ -193,7 +177,7 @@ impl Reading {
                 Use::Channel(self.channels.len() - 1, place, 1.0)
             } else if self.channels.len() == MAX_CHANNELS {
                 let detail = format!("the vertices have more than {MAX_CHANNELS} further properties; send fewer");
-                return Err(Fault::new("", detail));
+                return Err(detail);
             } else {
                 let (name, width) = joined.map_or((name, 1), |(run, _)| run);
                 self.channels.push(Channel { name: name.to_owned(), width, values: Vec::new() });
@@ -219,13 +203,12 @@ impl Reading {
         }
     }
 
-    fn faces(&mut self, element: &Element, body: &mut impl Body) -> Result<(), Fault> {
+    fn faces(&mut self, element: &Element, body: &mut impl Body) -> Result<(), String> {
         let is_indices = |p: &&Property| p.list.is_some() && (p.name == "vertex_indices" || p.name == "vertex_index");
         if element.properties.iter().filter(is_indices).count() != 1 {
-            let detail = "the faces need one list \"vertex_indices\" (or \"vertex_index\")";
-            return Err(Fault::new("", detail));
+            return Err("the faces need one list \"vertex_indices\" (or \"vertex_index\")".to_owned());
         }
-        self.mesh.expect_faces(element.count).map_err(|detail| Fault::new("", detail))?;
+        self.mesh.expect_faces(element.count)?;
         let is_name = |p: &Property| p.list.is_none() && p.kind.is_whole() && NAMED.contains(&p.name.as_str());
         let is_uvs = |p: &Property| p.list.is_some() && p.name == "texcoord";
         for property in element.properties.iter().filter(|p| !is_indices(p) && !is_uvs(p) && !is_name(p)) {
@@ -234,8 +217,7 @@ impl Reading {
         let (mut face, mut uvs): (Vec<u32>, Vec<f64>) = (Vec::new(), Vec::new());
         let n = usize::try_from(self.n_vertices).unwrap_or(usize::MAX);
         for i in 0..element.count {
-            let wrong =
-                |body: &dyn Body, detail: String| Fault::new("", format!("{}: face {i}: {detail}", body.place()));
+            let wrong = |body: &dyn Body, detail: String| format!("{}: face {i}: {detail}", body.place());
             uvs.clear();
             for property in &element.properties {
                 if is_name(property) {
@@ -298,8 +280,7 @@ impl Reading {
             let corners = (0..).take(self.corner_uvs.len()).collect();
             mesh.uvs = Some(Uvs { values: self.corner_uvs, corners });
         } else if !self.uvs.is_empty() {
-            let corners = (0..mesh.faces.len()).flat_map(|f| mesh.faces.face(f)).copied().collect();
-            mesh.uvs = Some(Uvs { values: self.uvs, corners });
+            mesh.uvs = Some(Uvs { values: self.uvs, corners: mesh.faces.vertices().to_vec() });
         }
         mesh
     }

@@ -1,29 +1,22 @@
 //! What every reader does, and what it hands over.
 
-use crate::fault::Fault;
 use crate::scheme::tags::Boundary;
 use crate::shape::attachments::Channel;
 use crate::shape::check::FaceList;
 use crate::shape::labels::FaceSet;
 
 /// A way to read a mesh from the bytes of a file.
-pub trait Reader: std::fmt::Debug + Send + Sync {
-    /// Name in requests.
-    fn name(&self) -> &'static str;
-    /// File extension without the dot.
-    fn extension(&self) -> &'static str {
-        self.name()
-    }
+#[derive(Debug)]
+pub struct Reader {
+    /// Name in requests, and file extension without the dot.
+    pub name: &'static str,
     /// Media type of the bytes.
-    fn media_type(&self) -> &'static str;
+    pub media_type: &'static str,
     /// One sentence for the catalogue.
-    fn doc(&self) -> &'static str;
-    /// Reads a file. No more memory is taken than the [`weight`](super::room::weight) of the length of `bytes`,
-    /// whatever counts they claim.
-    ///
-    /// # Errors
-    /// What is wrong, by line or byte; without pointers, as there is nothing but the file.
-    fn read(&self, bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>>;
+    pub doc: &'static str,
+    /// Reads a file. No more memory is taken than the [`weight`](super::room::weight) of the length of the bytes,
+    /// whatever counts they claim. Refusals are sentences that name what is wrong by line or byte.
+    pub read: fn(&[u8], &ReadLimits) -> Result<ReadMesh, Vec<String>>,
 }
 
 /// Bounds on one file.

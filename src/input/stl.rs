@@ -5,7 +5,6 @@
 use super::collect::Collected;
 use super::reader::{ReadLimits, ReadMesh, Reader};
 use super::text::{Words, at_line, number, quoted, text};
-use crate::fault::Fault;
 use crate::shape::labels::FaceSet;
 use crate::shape::topology::index;
 use crate::shape::weld::{weld, weld_faces};
@@ -20,48 +19,35 @@ const NORMAL: usize = 12;
 /// STL, text or binary. Equal corners become one vertex, in the order of their first appearance; triangles with two
 /// equal corners are left out, with a note. Normals and attribute bytes are ignored, several solids are groups. A text
 /// may break its lines anywhere; only names end with their lines.
-#[derive(Debug)]
-pub(super) struct Stl;
+pub(super) const STL: Reader = Reader {
+    name: "stl",
+    media_type: "model/stl",
+    doc: "STL, text or binary; equal corners are joined",
+    read: |bytes, limits| read(bytes, limits).map_err(|detail| vec![detail]),
+};
 
-impl Reader for Stl {
-    fn name(&self) -> &'static str {
-        "stl"
+fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
+    let mut soup = Soup { mesh: Collected::new(limits), solids: Vec::new() };
+    // a binary file may start with "solid", too, but its number of triangles has bytes that no text has
+    let is_text = bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
+        && !bytes.get(HEADER..START).is_some_and(|n| n.contains(&0));
+    let announced = bytes.get(HEADER..START).and_then(|n| n.try_into().ok()).map(u32::from_le_bytes);
+    let length = announced.and_then(|n| (n as usize).checked_mul(TRIANGLE)?.checked_add(START));
+    let n_bytes = bytes.len();
+    match (announced, length) {
+        (Some(_), Some(length)) if length == n_bytes => soup.read_binary(&bytes[START..])?,
+        _ if is_text => soup.read_text(bytes)?,
+        (Some(n), Some(length)) => {
+            return Err(format!(
+                "byte {HEADER}: {n} triangles take {length} bytes, the file has {n_bytes}; send it whole, or as text \
+                 that starts with \"solid\""
+            ));
+        }
+        _ => {
+            return Err(format!("{n_bytes} bytes; a binary STL has at least {START}, a text starts with \"solid\""));
+        }
     }
-
-    fn media_type(&self) -> &'static str {
-        "model/stl"
-    }
-
-    fn doc(&self) -> &'static str {
-        "STL, text or binary; equal corners are joined"
-    }
-
-    fn read(&self, bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<Fault>> {
-        let mut soup = Soup { mesh: Collected::new(limits), solids: Vec::new() };
-        // a binary file may start with "solid", too, but its number of triangles has bytes that no text has
-        let is_text = bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
-            && !bytes.get(HEADER..START).is_some_and(|n| n.contains(&0));
-        let announced = bytes.get(HEADER..START).and_then(|n| n.try_into().ok()).map(u32::from_le_bytes);
-        let length = announced.and_then(|n| (n as usize).checked_mul(TRIANGLE)?.checked_add(START));
-        let read = match (announced, length) {
-            (Some(_), Some(length)) if length == bytes.len() => soup.read_binary(&bytes[START..]),
-            _ if is_text => soup.read_text(bytes),
-            (Some(n), Some(length)) => Err(Fault::new(
-                "",
-                format!(
-                    "byte {HEADER}: {n} triangles take {length} bytes, the file has {}; send it whole, or as text that \
-                     starts with \"solid\"",
-                    bytes.len()
-                ),
-            )),
-            _ => Err(Fault::new(
-                "",
-                format!("{} bytes; a binary STL has at least {START}, a text starts with \"solid\"", bytes.len()),
-            )),
-        };
-        read.map_err(|fault| vec![fault])?;
-        soup.joined().map_err(|detail| vec![Fault::new("", detail)])
-    }
+    soup.joined()
 }
 
 /// Triangles whose corners are vertices of their own.
@@ -78,9 +64,9 @@ impl Soup {
         self.mesh.face(&[first, first + 1, first + 2])
     }
 
-    fn read_binary(&mut self, triangles: &[u8]) -> Result<(), Fault> {
+    fn read_binary(&mut self, triangles: &[u8]) -> Result<(), String> {
         let (triangles, _) = triangles.as_chunks::<TRIANGLE>();
-        self.mesh.expect_faces(triangles.len() as u64).map_err(|detail| Fault::new("", detail))?;
+        self.mesh.expect_faces(triangles.len() as u64)?;
         for (i, triangle) in triangles.iter().enumerate() {
             let (numbers, _) = triangle[NORMAL..].as_chunks::<4>();
             let number = |k: usize| f64::from(f32::from_le_bytes(numbers[k]));
@@ -88,14 +74,14 @@ impl Soup {
             let wrong = corners.as_flattened().iter().position(|x| !x.is_finite());
             if let Some(k) = wrong {
                 let at = START + i * TRIANGLE + NORMAL + 4 * k;
-                return Err(Fault::new("", format!("byte {at}: a coordinate of triangle {i} is not finite")));
+                return Err(format!("byte {at}: a coordinate of triangle {i} is not finite"));
             }
-            self.triangle(corners).map_err(|detail| Fault::new("", format!("triangle {i}: {detail}")))?;
+            self.triangle(corners).map_err(|detail| format!("triangle {i}: {detail}"))?;
         }
         Ok(())
     }
 
-    fn read_text(&mut self, bytes: &[u8]) -> Result<(), Fault> {
+    fn read_text(&mut self, bytes: &[u8]) -> Result<(), String> {
         let text = text(bytes)?;
         let mut words = Words::new(&text, 1, None);
         while let Some(word) = words.next() {
@@ -111,7 +97,7 @@ impl Soup {
     }
 
     /// Reads a facet, or the end of the solid.
-    fn facet(&mut self, words: &mut Words<'_>) -> Result<bool, Fault> {
+    fn facet(&mut self, words: &mut Words<'_>) -> Result<bool, String> {
         const WHAT: &str = "\"facet\" or \"endsolid\"";
         let word = words.expect(WHAT)?;
         if is(word, "endsolid") {
@@ -193,7 +179,7 @@ fn is_normal(word: &str) -> bool {
 }
 
 /// Coordinate number `n` of a vertex.
-fn coordinate(words: &mut Words<'_>, n: usize) -> Result<f64, Fault> {
+fn coordinate(words: &mut Words<'_>, n: usize) -> Result<f64, String> {
     let line = words.line;
     let short = || at_line(line, format!("a vertex has {n} numbers; it needs 3"));
     let word = words.next().ok_or_else(short)?;
@@ -204,7 +190,7 @@ fn coordinate(words: &mut Words<'_>, n: usize) -> Result<f64, Fault> {
 }
 
 /// Passes over a word that has to be this one.
-fn keyword(words: &mut Words<'_>, expected: &str) -> Result<(), Fault> {
+fn keyword(words: &mut Words<'_>, expected: &str) -> Result<(), String> {
     match words.next() {
         Some(word) if is(word, expected) => Ok(()),
         Some(word) => Err(instead(word, words, &format!("\"{expected}\""))),
@@ -213,7 +199,7 @@ fn keyword(words: &mut Words<'_>, expected: &str) -> Result<(), Fault> {
 }
 
 /// A word stands where another should.
-fn instead(word: &str, words: &Words<'_>, what: &str) -> Fault {
+fn instead(word: &str, words: &Words<'_>, what: &str) -> String {
     at_line(words.line, format!("{} stands where {what} should", quoted(word)))
 }
 

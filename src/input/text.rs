@@ -2,24 +2,22 @@
 
 use std::borrow::Cow;
 
-use crate::fault::Fault;
-
 /// The text of a file. Names may be in any encoding; what is no UTF-8 in them is replaced. Lines may all end in
 /// carriage returns alone.
 ///
 /// # Errors
 /// Text of 16-bit units.
-pub(super) fn text(bytes: &[u8]) -> Result<Cow<'_, str>, Fault> {
+pub(super) fn text(bytes: &[u8]) -> Result<Cow<'_, str>, String> {
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
-        return Err(Fault::new("", "the text is UTF-16; save it as UTF-8"));
+        return Err("the text is UTF-16; save it as UTF-8".to_owned());
     }
     let text = String::from_utf8_lossy(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes));
     Ok(if text.contains('\r') && !text.contains('\n') { Cow::Owned(text.replace('\r', "\n")) } else { text })
 }
 
 /// A fault in a line, counted from 1.
-pub(super) fn at_line(line: usize, detail: impl std::fmt::Display) -> Fault {
-    Fault::new("", format!("line {line}: {detail}"))
+pub(super) fn at_line(line: usize, detail: impl std::fmt::Display) -> String {
+    format!("line {line}: {detail}")
 }
 
 /// A word for a message: shortened, with marks around it.
@@ -85,19 +83,21 @@ impl<'a> Words<'a> {
     ///
     /// # Errors
     /// The text is at its end; `what` was expected.
-    pub(super) fn expect(&mut self, what: &str) -> Result<&'a str, Fault> {
-        self.next().ok_or_else(|| at_line(self.line.max(1), format!("the file ends where {what} should follow")))
+    pub(super) fn expect(&mut self, what: &str) -> Result<&'a str, String> {
+        self.next().ok_or_else(|| self.ends(what))
+    }
+
+    fn ends(&self, what: &str) -> String {
+        at_line(self.line.max(1), format!("the file ends where {what} should follow"))
     }
 
     /// The words of the next line that has any.
     ///
     /// # Errors
     /// The text is at its end; `what` was expected.
-    pub(super) fn expect_line(&mut self, what: &str) -> Result<std::str::SplitAsciiWhitespace<'a>, Fault> {
+    pub(super) fn expect_line(&mut self, what: &str) -> Result<std::str::SplitAsciiWhitespace<'a>, String> {
         loop {
-            let Some(line) = self.next_line() else {
-                return Err(at_line(self.line.max(1), format!("the file ends where {what} should follow")));
-            };
+            let line = self.next_line().ok_or_else(|| self.ends(what))?;
             if line.clone().next().is_some() {
                 return Ok(line);
             }
@@ -111,9 +111,7 @@ impl<'a> Words<'a> {
 
     /// Passes over so many of them.
     pub(super) fn pass(&mut self, n: usize) {
-        (0..n).for_each(|_| {
-            self.left.next();
-        });
+        self.left.by_ref().take(n).for_each(drop);
     }
 
     fn next_line(&mut self) -> Option<std::str::SplitAsciiWhitespace<'a>> {

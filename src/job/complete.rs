@@ -7,6 +7,8 @@ use super::output::Output;
 use super::{curves, kernels};
 use crate::analysis::curve::Reached;
 use crate::fault::Fault;
+use crate::output::surface;
+use crate::refine::is_swept;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::frame::Frame;
 
@@ -42,6 +44,13 @@ pub struct Job {
 }
 
 impl Job {
+    /// Whether its mesh is refined patch by patch, for some output at least: not where all show limits.
+    pub fn is_swept(&self) -> bool {
+        let as_refined = |output: &Output| surface::limit(&output.options) == [false; 2];
+        let Input::Mesh(mesh) = &self.input else { return false };
+        self.outputs.iter().any(as_refined) && is_swept(mesh, &self.plan, &self.steps)
+    }
+
     /// The job at a level, or all its faults after those that were found before.
     pub(super) fn new(
         checked: Checked,
@@ -77,7 +86,7 @@ impl Job {
         &self.keys
     }
 
-    /// Its own key: over the names and keys of all outputs.
+    /// The key of the whole job: over the names and keys of all outputs.
     pub fn id(&self) -> Key {
         key::job(self.outputs.iter().map(|output| output.name.as_str()).zip(&self.keys))
     }

@@ -13,29 +13,14 @@ use crate::shape::polygon::Polygon;
 use crate::shape::source::Curve;
 use crate::watch::Watch;
 
-/// What of the limit curve an output wants.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Wanted {
-    points: bool,
-    tangents: bool,
-}
-
-impl Wanted {
-    fn of(output: &Output) -> Self {
-        Self {
-            points: output.options.choice(POSITIONS.name) == Some(LIMIT),
-            tangents: output.options.flag(TANGENTS.name),
-        }
-    }
-
-    fn nothing(self) -> bool {
-        !self.points && !self.tangents
-    }
+/// Whether an output wants points of the limit curve, and whether tangents.
+fn wanted(output: &Output) -> [bool; 2] {
+    [output.options.choice(POSITIONS.name) == Some(LIMIT), output.options.flag(TANGENTS.name)]
 }
 
 /// Whether an output wants limit points.
 pub(super) fn moves_points(output: &Output) -> bool {
-    Wanted::of(output).points
+    wanted(output)[0]
 }
 
 /// Checks that the plan has for these polygons what an output wants of their limit.
@@ -43,15 +28,15 @@ pub(super) fn moves_points(output: &Output) -> bool {
 /// # Errors
 /// A fault below the output.
 pub(super) fn check_wanted(polygons: &[Polygon], plan: &Plan, levels: u32, output: &Output) -> Result<(), Fault> {
-    let wanted = Wanted::of(output);
-    if wanted.nothing() || plan.turns_tangents().is_some() {
+    let [points, tangents] = wanted(output);
+    if !points && !tangents || plan.turns_tangents().is_some() {
         return Ok(());
     }
-    let place = if wanted.points { "/positions" } else { "/tangents" };
+    let place = if points { "/positions" } else { "/tangents" };
     let fault = |error: NoLimit| Fault::new(place, error.to_string());
     polygons.iter().try_for_each(|polygon| check(polygon, plan)).map_err(fault)?;
     let rows = LimitRows::of(plan, levels).map_err(|error| fault(error.into()))?;
-    if wanted.tangents && rows.tangent.is_none() {
+    if tangents && rows.tangent.is_none() {
         return Err(Fault::new("/tangents", NoLimit::NoTangent.to_string()));
     }
     Ok(())
@@ -67,9 +52,9 @@ pub(super) fn refine_all(
     output: &Output,
     watch: &Watch,
 ) -> Result<Vec<Curve>, RunError> {
-    let wanted = Wanted::of(output);
+    let [wants_points, wants_tangents] = wanted(output);
     // a scheme that turns tangents interpolates: its points are limit points, and it has its own tangents
-    if wanted.nothing() || plan.turns_tangents().is_some() {
+    if !wants_points && !wants_tangents || plan.turns_tangents().is_some() {
         let refine = |(i, polygon): (usize, &Polygon)| {
             let curve = refine_polygon(polygon, plan, steps, watch);
             finished(curve.map_err(|error| RunError::of_shape(error, polygon.attributes.as_ref(), i))?, polygon, i)
@@ -82,10 +67,10 @@ pub(super) fn refine_all(
     let refine = |(i, polygon): (usize, &Polygon)| {
         let refined = refine_to_limit(polygon, plan, steps, &rows, watch);
         let (mut curve, limit) = refined.map_err(|error| RunError::of_shape(error, polygon.attributes.as_ref(), i))?;
-        if wanted.tangents {
+        if wants_tangents {
             curve.tangents = Some(tangents(polygon, &limit.points, &limit.tangents));
         }
-        if wanted.points {
+        if wants_points {
             curve.points = limit.points;
         }
         finished(curve, polygon, i)

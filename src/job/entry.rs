@@ -33,6 +33,15 @@ impl InputEntry {
     }
 }
 
+/// The fault of the output with an index among the outputs of a request. Where the request names none, as the format
+/// was chosen otherwise, it stands where they are missing.
+pub(super) fn output_fault(index: Option<usize>, fault: Fault) -> Fault {
+    match index {
+        Some(index) => fault.under(&format!("/outputs/{index}")),
+        None => Fault::new("/outputs", fault.detail),
+    }
+}
+
 /// A part of a job that can be at fault while it is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JobPart {
@@ -71,8 +80,8 @@ impl fmt::Display for JobFault {
 pub struct JobEntries {
     /// The entry of the input.
     pub input: InputEntry,
-    /// The index of the output.
-    pub output: usize,
+    /// The index of the output; `None` where the request names no outputs.
+    pub output: Option<usize>,
 }
 
 impl JobEntries {
@@ -81,7 +90,7 @@ impl JobEntries {
         match part {
             JobPart::Plan => fault.under("/plan"),
             JobPart::Shape(shape) => self.input.fault(shape, fault),
-            JobPart::Output => fault.under(&format!("/outputs/{}", self.output)),
+            JobPart::Output => output_fault(self.output, fault),
         }
     }
 }

@@ -47,12 +47,9 @@ impl Input {
         }
     }
 
-    /// What it carries besides its shape.
+    /// The attachments of a mesh; polygons carry none.
     pub fn attachments(&self) -> &Attachments {
-        match self {
-            Self::Polygons(_) => Attachments::none(),
-            Self::Mesh(mesh) => &mesh.attachments,
-        }
+        self.mesh().map_or(Attachments::none(), |mesh| &mesh.attachments)
     }
 
     /// A plan for it.
@@ -63,13 +60,19 @@ impl Input {
         Plan::resolve(plan, self.subject(plan))
     }
 
+    /// The mesh, if it is one.
+    pub fn mesh(&self) -> Option<&Mesh> {
+        if let Self::Mesh(mesh) = self { Some(mesh) } else { None }
+    }
+
     /// What a plan has to know of it.
     pub(super) fn subject(&self, input: &PlanInput) -> Subject {
         let (is_mesh, is_open) = self.kind();
-        let attached = match self {
-            Self::Mesh(mesh) if mesh.attachments.uvs.is_some() => Some("uvs"),
-            Self::Mesh(mesh) if mesh.attachments.names_faces() => Some("groups and materials"),
-            Self::Mesh(_) | Self::Polygons(_) => None,
+        let mesh = self.mesh();
+        let attached = match mesh {
+            Some(mesh) if mesh.attachments.uvs.is_some() => Some("uvs"),
+            Some(mesh) if mesh.attachments.names_faces() => Some("groups and materials"),
+            _ => None,
         };
         let tags = match self {
             Self::Polygons(polygons) if polygons.iter().any(|p| !p.corners.is_empty()) => Some("corners"),
@@ -86,35 +89,28 @@ impl Input {
             Self::Mesh(mesh) if mesh.attributes.is_some() => Some("parameters of vertices"),
             Self::Mesh(_) => attached,
         };
-        let (creased, semi_sharp) = match self {
-            Self::Polygons(_) => (false, None),
-            Self::Mesh(mesh) if !mesh.semi_sharp_corners.is_empty() => (!mesh.creases.is_empty(), Some("corners")),
-            Self::Mesh(mesh) => {
-                let semi_sharp = mesh.creases.iter().any(|&(_, sharpness)| sharpness < INFINITE_SHARPNESS);
-                (!mesh.creases.is_empty(), semi_sharp.then_some("creases"))
-            }
+        let semi_sharp_edge = |mesh: &Mesh| mesh.creases.iter().any(|&(_, sharpness)| sharpness < INFINITE_SHARPNESS);
+        let semi_sharp = match mesh {
+            Some(mesh) if !mesh.semi_sharp_corners.is_empty() => Some("corners"),
+            Some(mesh) if semi_sharp_edge(mesh) => Some("creases"),
+            _ => None,
         };
-        let other_face = match self {
-            Self::Polygons(_) => None,
-            Self::Mesh(mesh) => {
-                let topology = &mesh.topology;
-                topology.first_other_than_triangle().map(|f| (f, topology.face(f).len()))
-            }
-        };
-        let carried = match self {
-            Self::Polygons(_) => None,
-            Self::Mesh(mesh) => match &mesh.directions {
-                Some(directions) if directions.any_latitude() => Some(Carried::Latitude),
-                Some(_) => Some(Carried::Longitude),
-                None => mesh.attributes.is_some().then_some(Carried::Parameters),
-            },
-        };
+        let other_face = mesh.and_then(|mesh| {
+            let face = mesh.topology.first_other_than_triangle()?;
+            Some((face, mesh.topology.face(face).len()))
+        });
+        let carried = mesh.and_then(|mesh| match &mesh.directions {
+            Some(directions) if directions.any_latitude() => Some(Carried::Latitude),
+            Some(_) => Some(Carried::Longitude),
+            None => mesh.attributes.is_some().then_some(Carried::Parameters),
+        });
         let carry_alpha = |kept: &Option<Attributes>| kept.as_ref().is_some_and(|kept| kept.alpha.is_some());
         let carried_by_all = match self {
             Self::Polygons(polygons) => polygons.iter().all(|polygon| carry_alpha(&polygon.attributes)),
             Self::Mesh(mesh) => carry_alpha(&mesh.attributes),
         };
         let alpha = if carried_by_all { AlphaOf::Points } else { AlphaOf::Plan };
+        let creased = mesh.is_some_and(|mesh| !mesh.creases.is_empty());
         Subject { is_mesh, is_open, tags, attached, creased, carried, semi_sharp, alpha, other_face }
     }
 }

@@ -44,7 +44,7 @@ impl Key {
         Self(bytes)
     }
 
-    /// Its bytes.
+    /// The 32 bytes of the key.
     pub const fn as_bytes(&self) -> &[u8; 32] {
         &self.0
     }

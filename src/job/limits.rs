@@ -17,6 +17,7 @@ use crate::refine::{mesh_net, polygon_net, uv_net};
 use crate::scheme::forecast::{self, Count, Forecast, ForecastError};
 use crate::scheme::step_error::About;
 use crate::shape::attributes::Attributes;
+use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
@@ -51,7 +52,7 @@ pub enum Refusal {
         /// The fault at its place in the request.
         faults: Vec<Fault>,
     },
-    /// Its forecast was stopped.
+    /// The forecast of the job was stopped.
     Stopped,
 }
 
@@ -81,7 +82,7 @@ impl Admitted {
         &self.job
     }
 
-    /// What it will come to.
+    /// The counts and the predicted cost of the job.
     pub fn estimate(&self) -> &Estimate {
         &self.estimate
     }
@@ -300,6 +301,8 @@ fn check_fits(job: &Job, counts: &Counts) -> Result<(), Refusal> {
 /// Counts of a net as the writers see it: hidden faces left out.
 fn counts(job: &Job, count: Count) -> Counts {
     let polygons = if let Input::Polygons(polygons) = &job.input { polygons.len() as u128 } else { 1 };
+    let mesh = job.input.mesh();
+    let tags = |mesh: &Mesh| mesh.creases.len() + mesh.corners.len() + mesh.semi_sharp_corners.len();
     Counts {
         kind: job.input.shape_kind(),
         polygons,
@@ -311,15 +314,10 @@ fn counts(job: &Job, count: Count) -> Counts {
         split_vertices: count.split_vertices,
         uvs: count.uvs,
         frame: job.frame,
-        attachments: if let Input::Mesh(mesh) = &job.input { mesh.attachments.clone() } else { Arc::default() },
-        input_faces: if let Input::Mesh(mesh) = &job.input { mesh.topology.n_faces() } else { 0 },
-        input_edges: if let Input::Mesh(mesh) = &job.input { mesh.topology.n_edges() } else { 0 },
-        tags: match &job.input {
-            Input::Mesh(mesh) if job.levels == 0 => {
-                mesh.creases.len() + mesh.corners.len() + mesh.semi_sharp_corners.len()
-            }
-            _ => 0,
-        },
+        attachments: mesh.map_or_else(Arc::default, |mesh| mesh.attachments.clone()),
+        input_faces: mesh.map_or(0, |mesh| mesh.topology.n_faces()),
+        input_edges: mesh.map_or(0, |mesh| mesh.topology.n_edges()),
+        tags: mesh.filter(|_| job.levels == 0).map_or(0, tags),
     }
 }
 

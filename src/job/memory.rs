@@ -1,7 +1,6 @@
 //! What a job needs in memory while it runs.
 
 use super::complete::Job;
-use super::input::Input;
 use crate::output::Size;
 use crate::scheme::forecast::Forecast;
 use crate::scheme::letter::Letter;
@@ -9,6 +8,7 @@ use crate::scheme::operator::Children;
 use crate::shape::tile::Tile;
 
 /// What is refined along with the positions.
+#[derive(Default)]
 pub(super) struct Carried {
     /// Channels of vertices.
     pub(super) channels: u128,
@@ -28,20 +28,16 @@ const NUMBERED_BYTES: [u128; 2] = [8 + 2, (24 + 4 * 16) * 5 / 4];
 
 /// What a job refines along.
 pub(super) fn carried(job: &Job) -> Carried {
-    match &job.input {
-        Input::Mesh(mesh) => {
-            let own = mesh.attributes.is_some() || job.plan.latitude.is_some() || job.plan.perturbation.is_some();
-            let local_bytes = if own { LOCAL_BYTES } else { 0 };
-            let smooth_uvs = mesh.attachments.uvs.as_ref().is_some_and(|uvs| !uvs.linear);
-            let [place, face] = if job.plan.perturbation.is_some() { NUMBERED_BYTES } else { [0, 0] };
-            Carried {
-                channels: mesh.attachments.channels.len() as u128,
-                numbers: mesh.attachments.width() as u128,
-                local_bytes,
-                uv_bytes: if smooth_uvs { [local_bytes + place, face] } else { [0, 0] },
-            }
-        }
-        Input::Polygons(_) => Carried { channels: 0, numbers: 0, local_bytes: 0, uv_bytes: [0, 0] },
+    let Some(mesh) = job.input.mesh() else { return Carried::default() };
+    let own = mesh.attributes.is_some() || job.plan.latitude.is_some() || job.plan.perturbation.is_some();
+    let local_bytes = if own { LOCAL_BYTES } else { 0 };
+    let smooth_uvs = mesh.attachments.uvs.as_ref().is_some_and(|uvs| !uvs.linear);
+    let [place, face] = if job.plan.perturbation.is_some() { NUMBERED_BYTES } else { [0, 0] };
+    Carried {
+        channels: mesh.attachments.channels.len() as u128,
+        numbers: mesh.attachments.width() as u128,
+        local_bytes,
+        uv_bytes: if smooth_uvs { [local_bytes + place, face] } else { [0, 0] },
     }
 }
 
@@ -85,7 +81,7 @@ pub(super) fn compared_patches(job: &Job, forecast: &Forecast) -> u128 {
     const PATCH_BYTES: u128 = 1408;
     const AT_A_TIME: u128 = 16_384;
     const NEAR: u128 = 49;
-    let Input::Mesh(mesh) = &job.input else { return 0 };
+    let Some(mesh) = job.input.mesh() else { return 0 };
     if job.plan.perturbation.is_some() {
         return 0;
     }

@@ -1,5 +1,6 @@
 //! The outputs of a job.
 
+use super::entry::output_fault;
 use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::Format;
@@ -13,13 +14,13 @@ pub struct Output {
     pub format: &'static dyn Format,
     /// The format's options.
     pub options: Values,
-    /// Its index among the outputs of the request.
-    pub index: usize,
+    /// The index of the output in the request; `None` where the request names no outputs.
+    pub index: Option<usize>,
 }
 
 impl Output {
     /// A fault of this output, with a pointer below the request.
     pub(super) fn fault(&self, fault: Fault) -> Fault {
-        fault.under(&format!("/outputs/{}", self.index))
+        output_fault(self.index, fault)
     }
 }

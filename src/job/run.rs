@@ -103,7 +103,7 @@ impl Control for ControlMesh<'_> {
     fn shape(&self) -> Shape<'_> {
         Shape::Mesh(self.refined.get_or_init(|| {
             let net = MeshNet::new(self.mesh.topology.clone(), &[], &self.mesh.holes, Boundary::EdgeOnly);
-            RefinedMesh::documented(&net, self.mesh.positions.clone())
+            RefinedMesh::documented(&net, self.mesh.positions.clone().into())
         }))
     }
 }

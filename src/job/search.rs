@@ -5,6 +5,7 @@ use super::input::Input;
 use super::key::{self, Key};
 use super::output::Output;
 use super::{curves, size};
+use crate::analysis::NoLevel;
 use crate::analysis::curve::{self, Reached, reach};
 use crate::analysis::tolerance::{self, Placed};
 use crate::fault::Fault;
@@ -57,13 +58,13 @@ impl Search {
         self.checked.input.bytes().saturating_add(size::of_most_steps(&self.checked.plan))
     }
 
-    /// Its key, for whoever remembers answers and refusals.
+    /// The key of the search, for whoever remembers answers and refusals.
     pub fn key(&self) -> Key {
         let Checked { input, plan, outputs, .. } = &self.checked;
         key::search(input, plan, self.tolerance, &place_names(input, outputs))
     }
 
-    /// What it takes at most.
+    /// The work and memory of the search, at most.
     pub fn cost(&self) -> SearchCost {
         match &self.checked.input {
             input @ Input::Polygons(_) => {
@@ -82,14 +83,10 @@ impl Search {
         match input {
             Input::Polygons(polygons) => {
                 let factor = factor(outputs);
-                let reached = reach(polygons, plan, self.tolerance / factor, watch);
-                let reached = reached.map_err(|error| refused(error.stopped(), &error))?;
+                let reached = reach(polygons, plan, self.tolerance / factor, watch)?;
                 Ok(Reached { bound: factor * reached.bound, ..reached })
             }
-            Input::Mesh(mesh) => {
-                let reached = tolerance::reach(mesh, plan, &placed(outputs), self.tolerance, watch);
-                reached.map_err(|error| refused(error.stopped(), &error))
-            }
+            Input::Mesh(mesh) => Ok(tolerance::reach(mesh, plan, &placed(outputs), self.tolerance, watch)?),
         }
     }
 
@@ -106,11 +103,12 @@ fn at_tolerance(reason: &impl ToString) -> Fault {
     Fault::new("/levels/tolerance", reason.to_string())
 }
 
-/// The error of a search that has a reason of its own, or was stopped.
-fn refused(stopped: Option<Stopped>, reason: &impl ToString) -> SearchError {
-    match stopped {
-        Some(stopped) => SearchError::Stopped(stopped),
-        None => SearchError::Refused(at_tolerance(reason)),
+impl From<NoLevel> for SearchError {
+    fn from(error: NoLevel) -> Self {
+        match error {
+            NoLevel::Stopped(stopped) => Self::Stopped(stopped),
+            NoLevel::Refused(why) => Self::Refused(at_tolerance(&why)),
+        }
     }
 }
 

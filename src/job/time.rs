@@ -4,7 +4,6 @@
 //! 100 ns, a byte of a result 10 ns (pictures are counted by their pixels), drawing as `raster::Forecast` says.
 
 use super::complete::Job;
-use super::input::Input;
 use crate::analysis::limit::sees_whole_fans;
 use crate::output::{Counts, Size, surface};
 use crate::shape::mesh::Mesh;
@@ -22,7 +21,7 @@ const ROWS_A_PAIR: u128 = 3;
 
 /// Rows besides those of the refinement: drawing, and the patches of limits.
 pub(super) fn rows(job: &Job, counts: &Counts) -> u128 {
-    let mesh = if let Input::Mesh(mesh) = &job.input { Some(mesh) } else { None };
+    let mesh = job.input.mesh();
     let drawn = job.outputs.iter().map(|output| output.format.work(mesh, counts, &output.options));
     let limits = job.outputs.iter().filter(|output| surface::limit(&output.options) != [false; 2]).count() as u128;
     let far = sees_whole_fans(&job.plan.word.cycle);

@@ -35,19 +35,23 @@ pub enum Instruction {
     Binary(Binary),
 }
 
+// Each entry is `Variant = "name" => value of the operands`.
 macro_rules! operations {
-    ($(#[$doc:meta])* $type:ident { $($variant:ident = $name:literal),* $(,)? }) => {
+    ($(#[$doc:meta])* $type:ident($($operand:ident),+) { $($variant:ident = $name:literal => $value:expr,)* }) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub enum $type { $(#[doc = concat!("`", $name, "`.")] $variant),* }
         impl $type {
             const ALL: &'static [(&'static str, Self)] = &[$(($name, Self::$variant)),*];
-            /// Its name in expressions.
+            /// The name of the operation in expressions.
             pub fn name(self) -> &'static str {
                 match self { $(Self::$variant => $name),* }
             }
             fn named(name: &str) -> Option<Self> {
                 Self::ALL.iter().find(|(n, _)| *n == name).map(|(_, x)| *x)
+            }
+            fn apply(self, $($operand: f64),+) -> f64 {
+                match self { $(Self::$variant => $value),* }
             }
         }
     };
@@ -55,54 +59,22 @@ macro_rules! operations {
 
 operations! {
     /// Functions of one number.
-    Unary {
-        Negate = "negate", Sin = "sin", Cos = "cos", Tan = "tan", Asin = "asin", Acos = "acos", Atan = "atan",
-        Sinh = "sinh", Cosh = "cosh", Tanh = "tanh", Exp = "exp", Ln = "ln", Sqrt = "sqrt", Abs = "abs",
+    Unary(x) {
+        Negate = "negate" => -x,
+        Sin = "sin" => f::sin(x), Cos = "cos" => f::cos(x), Tan = "tan" => f::tan(x),
+        Asin = "asin" => f::asin(x), Acos = "acos" => f::acos(x), Atan = "atan" => f::atan(x),
+        Sinh = "sinh" => f::sinh(x), Cosh = "cosh" => f::cosh(x), Tanh = "tanh" => f::tanh(x),
+        Exp = "exp" => f::exp(x), Ln = "ln" => f::ln(x), Sqrt = "sqrt" => f::sqrt(x), Abs = "abs" => x.abs(),
     }
 }
 
 operations! {
-    /// Functions of two numbers.
-    Binary {
-        Add = "+", Subtract = "-", Multiply = "*", Divide = "/", Power = "pow", Min = "min", Max = "max",
-    }
-}
-
-impl Unary {
-    fn apply(self, x: f64) -> f64 {
-        match self {
-            Self::Negate => -x,
-            Self::Sin => f::sin(x),
-            Self::Cos => f::cos(x),
-            Self::Tan => f::tan(x),
-            Self::Asin => f::asin(x),
-            Self::Acos => f::acos(x),
-            Self::Atan => f::atan(x),
-            Self::Sinh => f::sinh(x),
-            Self::Cosh => f::cosh(x),
-            Self::Tanh => f::tanh(x),
-            Self::Exp => f::exp(x),
-            Self::Ln => f::ln(x),
-            Self::Sqrt => f::sqrt(x),
-            Self::Abs => x.abs(),
-        }
-    }
-}
-
-impl Binary {
-    fn apply(self, x: f64, y: f64) -> f64 {
-        match self {
-            Self::Add => x + y,
-            Self::Subtract => x - y,
-            Self::Multiply => x * y,
-            Self::Divide => x / y,
-            Self::Power => f::pow(x, y),
-            // NaN must not vanish in a comparison
-            Self::Min | Self::Max if x.is_nan() => x,
-            Self::Min if y.is_nan() || y <= x => y,
-            Self::Max if y.is_nan() || y >= x => y,
-            Self::Min | Self::Max => x,
-        }
+    /// Functions of two numbers. A number that is none does not vanish in a comparison.
+    Binary(x, y) {
+        Add = "+" => x + y, Subtract = "-" => x - y, Multiply = "*" => x * y, Divide = "/" => x / y,
+        Power = "pow" => f::pow(x, y),
+        Min = "min" => if !x.is_nan() && (y.is_nan() || y <= x) { y } else { x },
+        Max = "max" => if !x.is_nan() && (y.is_nan() || y >= x) { y } else { x },
     }
 }
 
@@ -146,7 +118,7 @@ pub enum ExpressionError {
         value: f64,
         /// The variable's name.
         variable: &'static str,
-        /// Its value.
+        /// The value of the variable.
         at: f64,
     },
 }

@@ -53,6 +53,23 @@ pub struct Parameter {
     pub doc: &'static str,
 }
 
+impl Parameter {
+    /// A number in `[min, max]`, without a unit.
+    pub const fn number(name: &'static str, [min, max]: [f64; 2], default: Default, doc: &'static str) -> Self {
+        Self { name, kind: Kind::Number { min, max }, unit: "", default, doc }
+    }
+
+    /// One of some names, the first when it is left out.
+    pub const fn choice(name: &'static str, names: &'static [&'static str], doc: &'static str) -> Self {
+        Self { name, kind: Kind::Choice(names), unit: "", default: Default::Text(names[0]), doc }
+    }
+
+    /// A whole number in `[min, max]`, without a unit.
+    pub const fn integer(name: &'static str, [min, max]: [i64; 2], default: f64, doc: &'static str) -> Self {
+        Self { name, kind: Kind::Integer { min, max }, unit: "", default: Default::Number(default), doc }
+    }
+}
+
 /// What may be written for a parameter.
 #[derive(Debug, Clone, Copy)]
 pub enum Kind {

@@ -32,6 +32,7 @@ pub fn dot<const N: usize>(a: [f64; N], b: [f64; N]) -> f64 {
 
 /// The vector product of two vectors.
 #[must_use]
+#[inline]
 pub fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
@@ -87,6 +88,7 @@ const SAFE: std::ops::RangeInclusive<f64> = 1e-200..=1e200;
 
 /// A vector at length 1, whatever its length; zero for one without a direction.
 #[must_use]
+#[inline]
 pub fn unit<const N: usize>(v: [f64; N]) -> [f64; N] {
     let square = dot(v, v);
     if SAFE.contains(&square) {

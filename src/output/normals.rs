@@ -69,11 +69,13 @@ pub fn split_vertices(
 }
 
 /// Returns a normal, or +z for one that is undefined, for formats that know unit vectors only.
+#[inline]
 pub fn or_up(normal: [f64; 3]) -> [f64; 3] {
     if normal.iter().all(|&x| x == 0.0) { [0.0, 0.0, 1.0] } else { normal }
 }
 
 /// Twice Newell's area vector of a face, of positions multiplied by `scale`.
+#[inline]
 pub fn area_vector(face: &[u32], positions: &[[f64; 3]], scale: f64) -> [f64; 3] {
     let at = |vertex: u32| times(scale, positions[vertex as usize]);
     let origin = at(face[0]);

@@ -4,6 +4,7 @@
 pub(super) const REAL: u128 = 24;
 
 /// Appends the shortest decimal that reads back as `x`, whole numbers without a point, and -0 as 0.
+#[inline]
 pub(super) fn real(out: &mut Vec<u8>, x: f64) {
     shortest(out, x + 0.0);
 }
@@ -13,6 +14,7 @@ pub(super) fn real_f32(out: &mut Vec<u8>, x: f64) {
     shortest(out, rounded(x) + 0.0);
 }
 
+#[inline]
 fn shortest(out: &mut Vec<u8>, x: impl zmij::Float) {
     let mut buffer = zmij::Buffer::new();
     let text = buffer.format_finite(x);
@@ -36,11 +38,13 @@ pub(super) fn whole(out: &mut Vec<u8>, n: u64) {
 
 /// The f32 nearest to `x`.
 #[expect(clippy::cast_possible_truncation, reason = "rounding once, to nearest, is what the f32 formats promise")]
+#[inline]
 pub(super) fn rounded(x: f64) -> f32 {
     x as f32
 }
 
 /// A vector as f32, little endian.
+#[inline]
 pub(super) fn f32_bytes(row: [f64; 3]) -> [u8; 12] {
     let mut bytes = [0; 12];
     bytes.as_chunks_mut().0.iter_mut().zip(row).for_each(|(slot, x)| *slot = rounded(x).to_le_bytes());
@@ -48,6 +52,7 @@ pub(super) fn f32_bytes(row: [f64; 3]) -> [u8; 12] {
 }
 
 /// A vector as f64, little endian.
+#[inline]
 pub(super) fn f64_bytes(row: [f64; 3]) -> [u8; 24] {
     let mut bytes = [0; 24];
     bytes.as_chunks_mut().0.iter_mut().zip(row).for_each(|(slot, x)| *slot = x.to_le_bytes());

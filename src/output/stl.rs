@@ -8,7 +8,7 @@ use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::normals;
-use crate::output::numbers::{f32_bytes, total};
+use crate::output::numbers::{rounded, total};
 use crate::output::options::{LIMIT, POSITIONS};
 use crate::output::positions::Positions;
 use crate::output::scene::{MeshSource, Scene, Shape, triangles};
@@ -94,7 +94,7 @@ fn write_mesh(
     let mut stream = Stream::new(out, watch);
     stream.bytes(HEADER)?;
     stream.bytes(&n.to_le_bytes())?;
-    let facet = |triangle: [u32; 3]| {
+    let write = |record: &mut [u8; TRIANGLE as usize], triangle: [u32; 3]| {
         let own = || unit(normals::area_vector(&triangle, rows, scale));
         let normal = match normals {
             Some("none") => [0.0; 3],
@@ -102,18 +102,21 @@ fn write_mesh(
             _ => own(),
         };
         let [a, b, c] = triangle.map(|v| rows[v as usize]);
-        let mut record = [0; TRIANGLE as usize];
-        record.as_chunks_mut().0.iter_mut().zip([normal, a, b, c]).for_each(|(slot, row)| *slot = f32_bytes(row));
-        record
+        let (slots, nothing) = record.as_chunks_mut();
+        slots.iter_mut().zip([normal, a, b, c].as_flattened()).for_each(|(slot, &x)| *slot = rounded(x).to_le_bytes());
+        nothing.fill(0);
     };
     stream.faces(mesh, |_, faces, out| {
         if let Some(quads) = faces.rows::<4>() {
             let pairs = out.rows(2 * quads.len()).as_chunks_mut::<2>().0;
-            pairs.iter_mut().zip(quads).for_each(|(pair, &[a, b, c, d])| *pair = [[a, b, c], [a, c, d]].map(facet));
+            for ([first, second], &[a, b, c, d]) in pairs.iter_mut().zip(quads) {
+                write(first, [a, b, c]);
+                write(second, [a, c, d]);
+            }
         } else {
             let records = out.rows(faces.vertices.len() - 2 * faces.len());
             let triangles = faces.iter().flat_map(triangles);
-            records.iter_mut().zip(triangles).for_each(|(record, triangle)| *record = facet(triangle));
+            records.iter_mut().zip(triangles).for_each(|(record, triangle)| write(record, triangle));
         }
     })
 }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::bins::{Bins, Grid, TileRect};
+use super::bins::{Bins, Found, Grid, TileRect};
 use super::camera::{Camera, Projection, unit};
 use super::clip;
 use super::line::Layer;
@@ -31,7 +31,8 @@ pub(super) struct BinnedModel<'a> {
     pub(super) grid: Grid,
     vertices: Vec<Vertex>,
     pieces: Vec<ClippedPiece>,
-    runs: Vec<Bins>,
+    /// Of each run the triangles that show their outside, and those that show their inside.
+    runs: Vec<[Bins; 2]>,
     pub(super) layers: Vec<Layer>,
     /// `None` when the surface is not seen.
     pub(super) lamps: Option<Lamps>,
@@ -39,17 +40,15 @@ pub(super) struct BinnedModel<'a> {
     pub(super) paint: Option<Paint<'a>>,
 }
 
-/// Blends the normals of a triangle, and its paint, over its place in the picture.
+/// Blends the normals of a triangle over its place in the picture.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Facet {
     /// Unnormalised normal at pixel (0, 0) of the tile, and its growth to the right and down.
     base: Vec3f,
     right: Vec3f,
     down: Vec3f,
-    /// Whether its inside is seen.
-    pub(super) back: bool,
-    /// Of a painted surface.
-    pub(super) tint: Tint,
+    /// 1 where its inside is seen, else 0.
+    pub(super) back: f32,
 }
 
 impl Facet {
@@ -64,7 +63,8 @@ const STEP: f64 = STEPS as f64;
 
 /// Found in one run of triangles.
 struct Run {
-    found: Vec<(u32, TileRect)>,
+    /// Those that show their outside, and those that show their inside.
+    found: [Vec<Found>; 2],
     pieces: Vec<ClippedPiece>,
 }
 
@@ -92,21 +92,22 @@ impl<'a> BinnedModel<'a> {
     fn sort(&mut self, watch: &Watch) -> Result<(), Stopped> {
         let triangles = self.model.triangles;
         let run = triangles.len().div_ceil(64).max(8192);
-        let runs: Vec<(Bins, Vec<ClippedPiece>)> = triangles
+        let runs: Vec<([Bins; 2], Vec<ClippedPiece>)> = triangles
             .par_chunks(run)
             .enumerate()
             .map(|(i, list)| {
                 watch.check()?;
-                let mut run_of = Run { found: Vec::with_capacity(list.len()), pieces: Vec::new() };
+                let mut run_of = Run { found: Default::default(), pieces: Vec::new() };
                 for (id, &triangle) in (i * run..).zip(list) {
                     self.admit(u32::try_from(id).expect("fewer than 2^32 triangles"), triangle, &mut run_of);
                 }
-                Ok((Bins::sort(self.grid, &run_of.found), run_of.pieces))
+                Ok((run_of.found.map(|found| Bins::sort(self.grid, &found)), run_of.pieces))
             })
             .collect::<Result<_, Stopped>>()?;
         let first = u32::try_from(triangles.len()).expect("fewer than 2^32 triangles");
         for (mut bins, pieces) in runs {
-            bins.shift_from(first, u32::try_from(self.pieces.len()).expect("fewer than 2^32 pieces"));
+            let shift = u32::try_from(self.pieces.len()).expect("fewer than 2^32 pieces");
+            bins.iter_mut().for_each(|bins| bins.shift_from(first, shift));
             self.pieces.extend(pieces);
             self.runs.push(bins);
         }
@@ -121,14 +122,18 @@ impl<'a> BinnedModel<'a> {
         }
         if (a | b | c) & (BEHIND | FAR_OUT) != 0 {
             self.admit_pieces(id, triangle, run);
-        } else if let Some(rect) = self.touched(&corners) {
-            run.found.push((id, rect));
+        } else {
+            self.admit_corners(id, &corners, run);
         }
     }
 
-    fn touched(&self, corners: &[Vertex; 3]) -> Option<TileRect> {
-        let rect = TileRect::of(self.grid, pixel_box(corners))?;
-        (area(corners) != 0).then_some(rect)
+    /// Lists a triangle where it touches tiles, and says whether it does.
+    fn admit_corners(&self, id: u32, corners: &[Vertex; 3], run: &mut Run) -> bool {
+        let area = area(corners);
+        let rect = TileRect::of(self.grid, pixel_box(corners)).filter(|_| area != 0);
+        let nearest = corners[0].depth.max(corners[1].depth).max(corners[2].depth);
+        run.found[usize::from(area > 0)].extend(rect.map(|rect| (id, rect, nearest)));
+        rect.is_some()
     }
 
     fn admit_pieces(&self, id: u32, triangle: [u32; 3], run: &mut Run) {
@@ -141,17 +146,22 @@ impl<'a> BinnedModel<'a> {
         for k in 2..corners.len() {
             let piece = [0, k - 1, k];
             let corners = piece.map(|i| corners[i]);
-            if let Some(rect) = self.touched(&corners) {
-                let local = self.model.triangles.len() + run.pieces.len();
-                run.found.push((u32::try_from(local).expect("fewer than 2^32 pieces"), rect));
+            let local = self.model.triangles.len() + run.pieces.len();
+            if self.admit_corners(u32::try_from(local).expect("fewer than 2^32 pieces"), &corners, run) {
                 run.pieces.push(ClippedPiece { corners, shares: piece.map(|i| polygon[i].shares), whole: id });
             }
         }
     }
 
-    /// Numbers of the triangles that may touch a tile.
-    pub(super) fn tile(&self, tile: usize) -> impl Iterator<Item = u32> + '_ {
-        self.runs.iter().flat_map(move |bins| bins.tile(tile))
+    /// Whether a triangle may touch a tile.
+    pub(super) fn touches(&self, tile: usize) -> bool {
+        self.runs.iter().flatten().any(|bins| bins.tile(tile).next().is_some())
+    }
+
+    /// Numbers of the triangles that may touch a tile and that show their outside, or of those that show their inside,
+    /// without some that are farther than `depth`.
+    pub(super) fn tile(&self, tile: usize, is_back: bool, depth: f32) -> impl Iterator<Item = u32> + '_ {
+        self.runs.iter().flat_map(move |bins| bins[usize::from(is_back)].tile_from(tile, depth))
     }
 
     fn placed(&self, [a, b, c]: [u32; 3]) -> [Vertex; 3] {
@@ -201,7 +211,7 @@ impl<'a> BinnedModel<'a> {
     /// How the normal of triangle number `id`, and its paint, vary over the tile at `origin`. In perspective, shares
     /// are weighted by the depth stored, which is inverse to the distance.
     #[expect(clippy::cast_possible_truncation, reason = "light needs no more than the precision of f32")]
-    pub(super) fn facet(&self, id: u32, origin: [i32; 2]) -> Facet {
+    pub(super) fn facet(&self, id: u32, origin: [i32; 2]) -> (Facet, Option<Tint>) {
         let corners = self.corners(id);
         let normals = self.normals(id);
         let perspective = self.camera.projection == Projection::Perspective;
@@ -209,7 +219,7 @@ impl<'a> BinnedModel<'a> {
         let local: [[f64; 2]; 3] =
             std::array::from_fn(|k| [f64::from(corners[k].x) / STEP - left, f64::from(corners[k].y) / STEP - top]);
         let back = area(&corners) > 0;
-        let mut facet = Facet { back, ..Facet::default() };
+        let mut facet = Facet { back: if back { 1.0 } else { 0.0 }, ..Facet::default() };
         let unit = if back { 1.0 } else { -1.0 };
         let nearness = unit / f64::from(corners[0].depth);
         let mut weights = [[0.0; 3]; 3];
@@ -220,17 +230,13 @@ impl<'a> BinnedModel<'a> {
             let down = ((b[0] - a[0]) * weight) as f32;
             let base = ((a[0] * b[1] - a[1] * b[0]) * weight) as f32;
             weights[k] = [base, right, down];
-            let [x, y, z] = normals[k];
-            for (axis, along) in [x as f32, y as f32, z as f32].into_iter().enumerate() {
-                facet.base[axis] += base * along;
-                facet.right[axis] += right * along;
-                facet.down[axis] += down * along;
+            for (axis, along) in normals[k].into_iter().enumerate() {
+                facet.base[axis] += base * along as f32;
+                facet.right[axis] += right * along as f32;
+                facet.down[axis] += down * along as f32;
             }
         }
-        if let Some(paint) = &self.paint {
-            facet.tint = Tint::new(&self.painted(paint, id), &weights);
-        }
-        facet
+        (facet, self.paint.as_ref().map(|paint| Tint::new(&self.painted(paint, id), &weights)))
     }
 }
 

@@ -59,17 +59,25 @@ impl Grid {
 /// Half of it puts more items on the list that every tile reads; twice of it may take twice as many entries.
 pub(super) const FEW_TILES: usize = 16;
 
+/// An item, the tiles that it touches, and its largest depth.
+pub(super) type Found = (u32, TileRect, f32);
+
 /// The items of one run of the submission, sorted by tile.
 #[derive(Debug, Default)]
 pub(super) struct Bins {
     starts: Vec<u32>,
     items: Vec<u32>,
     large: Vec<u32>,
+    /// The largest depth of the items of each tile, without the large ones.
+    nearest: Vec<f32>,
 }
 
 impl Bins {
-    /// Sorts `found`, pairs of an item and the tiles it touches, by tile; the order within a tile is kept.
-    pub(super) fn sort(grid: Grid, found: &[(u32, TileRect)]) -> Self {
+    /// Sorts what was found by tile; the order within a tile is kept.
+    pub(super) fn sort(grid: Grid, found: &[Found]) -> Self {
+        if found.is_empty() {
+            return Self::default();
+        }
         let columns = usize::from(grid.columns);
         let each = |rect: TileRect, at: &mut dyn FnMut(usize)| {
             for row in rect.top..=rect.bottom {
@@ -77,31 +85,43 @@ impl Bins {
             }
         };
         let mut starts = vec![0_u32; grid.len() + 2];
+        let mut nearest = vec![0.0_f32; grid.len()];
         let mut large = Vec::new();
-        for &(item, rect) in found {
+        for &(item, rect, depth) in found {
             if rect.tiles() > FEW_TILES {
                 large.push(item);
             } else {
-                each(rect, &mut |tile| starts[tile + 2] += 1);
+                each(rect, &mut |tile| {
+                    starts[tile + 2] += 1;
+                    nearest[tile] = nearest[tile].max(depth);
+                });
             }
         }
         for tile in 2..starts.len() {
             starts[tile] += starts[tile - 1];
         }
         let mut items = vec![0; starts[starts.len() - 1] as usize];
-        for &(item, rect) in found.iter().filter(|(_, rect)| rect.tiles() <= FEW_TILES) {
+        for &(item, rect, _) in found.iter().filter(|(_, rect, _)| rect.tiles() <= FEW_TILES) {
             each(rect, &mut |tile| {
                 items[starts[tile + 1] as usize] = item;
                 starts[tile + 1] += 1;
             });
         }
-        Self { starts, items, large }
+        Self { starts, items, large, nearest }
     }
 
     /// Every item that may touch tile number `tile` (rows of tiles from the top).
     pub(super) fn tile(&self, tile: usize) -> impl Iterator<Item = u32> + '_ {
-        let own =
-            if self.starts.is_empty() { 0..0 } else { self.starts[tile] as usize..self.starts[tile + 1] as usize };
+        self.tile_from(tile, 0.0)
+    }
+
+    /// The items of [`Bins::tile`], or only the large ones where none of the others has a depth of `depth` or more.
+    pub(super) fn tile_from(&self, tile: usize, depth: f32) -> impl Iterator<Item = u32> + '_ {
+        let own = if self.starts.is_empty() || self.nearest[tile] < depth {
+            0..0
+        } else {
+            self.starts[tile] as usize..self.starts[tile + 1] as usize
+        };
         self.large.iter().chain(&self.items[own]).copied()
     }
 

@@ -70,7 +70,7 @@ impl Layer {
                 let mut found = Vec::with_capacity(list.len());
                 for segment in list.iter().filter_map(|&pair| projected(camera, strokes, pair)) {
                     if let Some(rect) = segment.touches(grid, half_px) {
-                        found.push((u32::try_from(segments.len()).expect("a run is short"), rect));
+                        found.push((u32::try_from(segments.len()).expect("a run is short"), rect, 0.0));
                         segments.push(segment);
                     }
                 }

@@ -1,14 +1,17 @@
 //! Pictures of triangles and lines: a tiled software rasteriser that knows no meshes and no shapes.
 //!
-//! Vertices are projected in parallel, triangles and lines are sorted into tiles of 32 x 32 pixels in the order of
-//! submission, and tiles are drawn in parallel. A tile keeps depth and triangle number of four samples a pixel; light
-//! is computed once for each triangle seen in a pixel, after everything hidden has fallen away. Threads divide tiles,
-//! never a sum: the bytes are the same for any number of threads.
+//! Vertices are projected in parallel, triangles and lines are sorted into tiles of 32 x 32 pixels, and tiles are drawn
+//! in parallel: first the triangles that show their outside, then those that show their inside, most of which are found
+//! hidden before they are set up. A tile keeps depth and triangle number of four samples a pixel; of equal depths the
+//! lower number is seen, so the order of drawing does not matter. Light is computed once for each triangle seen in a
+//! pixel, after everything hidden has fallen away. Threads divide tiles, never a sum: the bytes are the same for any
+//! number of threads.
 
 mod binned_model;
 mod bins;
 mod camera;
 mod clip;
+mod facets;
 mod forecast;
 
 mod line;

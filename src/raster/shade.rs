@@ -5,6 +5,8 @@
 
 #![expect(clippy::cast_possible_truncation, reason = "colours and directions need no more than the precision of f32")]
 
+use multiversion::multiversion;
+
 use super::camera::{Camera, Projection, unit};
 use super::pixmap::linear;
 use crate::math::vector::{plus, times};
@@ -72,16 +74,9 @@ impl Lamps {
         }
     }
 
-    /// Adds the light of the waiting spots to `light`, linear and premultiplied. The loop over lanes has no branches,
-    /// so that it becomes vector code.
+    /// Adds the light of the waiting spots to `light`, linear and premultiplied.
     pub(super) fn illuminate(&self, spots: &mut Spots, light: &mut [[f32; 4]]) {
-        let [mut red, mut green, mut blue] = [[0.0; LANES]; 3];
-        for i in 0..LANES {
-            let normal = [spots.normal[0][i], spots.normal[1][i], spots.normal[2][i]];
-            let color = [spots.color[0][i], spots.color[1][i], spots.color[2][i]];
-            let lit = self.light(normal, color, [spots.place[0][i], spots.place[1][i]], spots.back[i]);
-            [red[i], green[i], blue[i]] = lit;
-        }
+        let [red, green, blue] = lit(self, spots);
         for i in 0..spots.waiting {
             let share = spots.share[i];
             let sum = &mut light[spots.pixel[i] as usize];
@@ -93,7 +88,8 @@ impl Lamps {
     /// Linear light that reaches the viewer from the pixel coordinates `place`. The normal need not have length one; it
     /// points to the outside of the surface, whose colour is `outside` in linear light, and `back` is 1 where the
     /// inside is seen and otherwise 0.
-    #[inline]
+    #[expect(clippy::inline_always, reason = "only code inside of `lit` uses its wider vectors")]
+    #[inline(always)]
     fn light(&self, normal: Vec3f, outside: Vec3f, place: [f32; 2], back: f32) -> Vec3f {
         let grey = 0.2126 * outside[0] + 0.7152 * outside[1] + 0.0722 * outside[2];
         let inside = outside.map(|c| 0.45 * c + 0.3 * grey);
@@ -117,6 +113,20 @@ impl Lamps {
             matt + gleam * (1.0 - matt)
         })
     }
+}
+
+/// Red, green and blue of all spots. The loop over lanes has no branches, so that it becomes vector code; wider vectors
+/// give the same bits.
+#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+fn lit(lamps: &Lamps, spots: &Spots) -> [[f32; LANES]; 3] {
+    let [mut red, mut green, mut blue] = [[0.0; LANES]; 3];
+    for i in 0..LANES {
+        let normal = [spots.normal[0][i], spots.normal[1][i], spots.normal[2][i]];
+        let color = [spots.color[0][i], spots.color[1][i], spots.color[2][i]];
+        let place = [spots.place[0][i], spots.place[1][i]];
+        [red[i], green[i], blue[i]] = lamps.light(normal, color, place, spots.back[i]);
+    }
+    [red, green, blue]
 }
 
 /// `x`, or 0 when it is negative or not a number.
@@ -150,7 +160,7 @@ fn shoulder(light: f32) -> f32 {
 const LANES: usize = 8;
 
 /// Places of a tile that wait for light.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Spots {
     normal: [[f32; LANES]; 3],
     color: [[f32; LANES]; 3],
@@ -162,21 +172,26 @@ pub(super) struct Spots {
 }
 
 impl Spots {
-    /// Adds a spot of this normal and colour at pixel coordinates `place` that gives `share` of the light of `pixel`,
-    /// counted within the tile. There must be room.
-    pub(super) fn push(
-        &mut self,
-        (pixel, share): (u32, f32),
-        normal: Vec3f,
-        color: Vec3f,
-        place: [f32; 2],
-        back: bool,
-    ) {
+    /// No spots; all that come are of this colour unless another is set.
+    pub(super) fn new(color: Vec3f) -> Self {
+        let none = [0.0; LANES];
+        let color = color.map(|c| [c; LANES]);
+        Self { normal: [none; 3], color, place: [none; 2], back: none, share: none, pixel: [0; LANES], waiting: 0 }
+    }
+
+    /// Sets the colour of the next spot.
+    pub(super) fn color(&mut self, color: Vec3f) {
+        let i = self.waiting % LANES;
+        (0..3).for_each(|k| self.color[k][i] = color[k]);
+    }
+
+    /// Adds a spot of this normal at pixel coordinates `place` that gives `share` of the light of `pixel`, counted
+    /// within the tile; `back` is 1 where the inside is seen and else 0. There must be room.
+    pub(super) fn push(&mut self, (pixel, share): (u32, f32), normal: Vec3f, place: [f32; 2], back: f32) {
         let i = self.waiting % LANES;
         (0..3).for_each(|k| self.normal[k][i] = normal[k]);
-        (0..3).for_each(|k| self.color[k][i] = color[k]);
         (0..2).for_each(|k| self.place[k][i] = place[k]);
-        self.back[i] = if back { 1.0 } else { 0.0 };
+        self.back[i] = back;
         self.share[i] = share;
         self.pixel[i] = pixel;
         self.waiting = i + 1;

@@ -46,6 +46,24 @@ fn triangles_that_share_edges_leave_no_gap_and_hit_no_sample_twice() {
     }
 }
 
+#[test]
+fn the_order_of_drawing_does_not_matter_and_of_equal_depths_the_lower_number_is_seen() {
+    let deep = |depth: f32, corners: [Vertex; 3]| corners.map(|corner| Vertex { depth, ..corner });
+    let fans = [([16.0, 16.0], 7, 0.5), ([5.3, 6.7], 64, 0.5), ([10.375, 7.125], 4, 0.25)];
+    let triangles: Vec<[Vertex; 3]> = fans
+        .into_iter()
+        .flat_map(|(centre, n, depth)| fan(centre, n).into_iter().map(move |t| deep(depth, t)))
+        .collect();
+    let drawn = |order: &mut dyn Iterator<Item = usize>| {
+        let mut samples = Samples::new();
+        order.for_each(|i| samples.draw(triangles[i], u32::try_from(i).expect("a few triangles"), [0, 0]));
+        samples.owner
+    };
+    let forward = drawn(&mut (0..triangles.len()));
+    assert!(forward.iter().flatten().all(|&owner| owner < 7), "the first fan covers all");
+    assert_eq!(forward, drawn(&mut (0..triangles.len()).rev()));
+}
+
 /// A waved sheet of `n x n` squares.
 fn sheet(n: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let step = 1.0 / f64::from(n);

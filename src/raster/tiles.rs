@@ -4,9 +4,10 @@
 
 use rayon::prelude::*;
 
-use super::binned_model::{BinnedModel, Facet};
+use super::binned_model::BinnedModel;
 use super::bins::{Grid, TILE};
 use super::camera::Camera;
+use super::facets::Facets;
 use super::forecast;
 use super::line::Layer;
 use super::model::Model;
@@ -32,6 +33,7 @@ struct Desk {
     /// Linear, premultiplied light of each pixel.
     light: Vec<[f32; 4]>,
     coverage: Vec<f32>,
+    facets: Facets,
     spots: Spots,
 }
 
@@ -66,30 +68,39 @@ pub fn render(
             line.chunks_mut(TILE * 4).zip(&mut tiles).for_each(|(part, tile)| tile.push(part));
         }
         let n_columns = tiles.len();
-        tiles.par_iter_mut().enumerate().try_for_each_init(Desk::new, |desk, (column, lines)| {
-            watch.check()?;
-            let tile = row * n_columns + column;
-            let origin = [column, row].map(|i| i32::try_from(i * TILE).expect("pictures are bounded"));
-            if desk.draw(model, tile, origin, paper, watch)? {
-                for (y, line) in lines.iter_mut().enumerate() {
-                    for (pixel, light) in line.chunks_exact_mut(4).zip(&desk.light[y * TILE..]) {
-                        pixel.copy_from_slice(&encoding.pixel(*light));
+        tiles.par_iter_mut().enumerate().try_for_each_init(
+            || Desk::new(model),
+            |desk, (column, lines)| {
+                watch.check()?;
+                let tile = row * n_columns + column;
+                let origin = [column, row].map(|i| i32::try_from(i * TILE).expect("pictures are bounded"));
+                if desk.draw(model, tile, origin, paper, watch)? {
+                    for (y, line) in lines.iter_mut().enumerate() {
+                        for (pixel, light) in line.chunks_exact_mut(4).zip(&desk.light[y * TILE..]) {
+                            pixel.copy_from_slice(&encoding.pixel(*light));
+                        }
                     }
+                } else {
+                    let pixels = lines.iter_mut().flat_map(|line| line.chunks_exact_mut(4));
+                    pixels.for_each(|pixel| pixel.copy_from_slice(&background));
                 }
-            } else {
-                let pixels = lines.iter_mut().flat_map(|line| line.chunks_exact_mut(4));
-                pixels.for_each(|pixel| pixel.copy_from_slice(&background));
-            }
-            Ok(())
-        })
+                Ok(())
+            },
+        )
     })?;
     Ok(Pixmap { width, height, bytes })
 }
 
 impl Desk {
-    fn new() -> Self {
+    fn new(model: &BinnedModel<'_>) -> Self {
         let n = TILE * TILE;
-        Self { samples: Samples::new(), light: vec![[0.0; 4]; n], coverage: vec![0.0; n], spots: Spots::default() }
+        Self {
+            samples: Samples::new(),
+            light: vec![[0.0; 4]; n],
+            coverage: vec![0.0; n],
+            facets: Facets::default(),
+            spots: Spots::new(model.lamps.as_ref().map_or([0.0; 3], |lamps| lamps.outside)),
+        }
     }
 
     /// Draws one tile into `self.light`; `false` when nothing touches it.
@@ -101,18 +112,20 @@ impl Desk {
         paper: [f32; 4],
         watch: &Watch,
     ) -> Result<bool, Stopped> {
-        let mut ids = model.tile(tile).peekable();
-        let surface = ids.peek().is_some();
+        let surface = model.touches(tile);
         if !surface && model.layers.iter().all(|layer| layer.tile(tile).next().is_none()) {
             return Ok(false);
         }
         self.samples.clear();
-        for (n, id) in ids.enumerate() {
-            if n % 4096 == 4095 {
-                watch.check()?;
-                watch.advance(forecast::rows(self.samples.done()));
+        // outsides mostly hide the insides behind them
+        for is_back in [false, true] {
+            for (n, id) in model.tile(tile, is_back, self.samples.farthest()).enumerate() {
+                if n % 4096 == 4095 {
+                    watch.check()?;
+                    watch.advance(forecast::rows(self.samples.done()));
+                }
+                self.samples.draw(model.corners(id), id, origin);
             }
-            self.samples.draw(model.corners(id), id, origin);
         }
         watch.advance(forecast::rows(self.samples.done()));
         match &model.lamps {
@@ -128,25 +141,24 @@ impl Desk {
     /// Lights what is seen of the surface, once for each triangle in a pixel, at the centre of its samples there; what
     /// is left of the pixel shows the paper.
     fn illuminate(&mut self, model: &BinnedModel<'_>, lamps: &Lamps, paper: [f32; 4], origin: [i32; 2]) {
+        self.facets.clear();
         let corner = origin.map(|o| o as f32);
-        let mut known = NOBODY;
-        let mut facet = Facet::default();
         for (pixel, owners) in (0_u32..).zip(&self.samples.owner) {
-            let (x, y) = ((pixel % SIDE) as f32, (pixel / SIDE) as f32);
+            let [x, y] = [(pixel % SIDE) as f32, (pixel / SIDE) as f32];
             let mut rest = held_by(owners, NOBODY);
             self.light[pixel as usize] = paper.map(|c| c * CENTRES[rest][2]);
             while rest != ALL {
                 let owner = owners[rest.trailing_ones() as usize];
                 let held = held_by(owners, owner);
                 rest |= held;
-                if owner != known {
-                    (known, facet) = (owner, model.facet(owner, origin));
-                }
+                let (facet, tint) = self.facets.of(model, owner, origin);
                 let [right, down, share] = CENTRES[held];
                 let place = [x + right, y + down];
+                if let (Some(paint), Some(tint)) = (&model.paint, tint) {
+                    self.spots.color(paint.color(tint, place));
+                }
                 let global = [corner[0] + place[0], corner[1] + place[1]];
-                let color = model.paint.map_or(lamps.outside, |paint| paint.color(&facet.tint, place));
-                self.spots.push((pixel, share), facet.normal(place), color, global, facet.back);
+                self.spots.push((pixel, share), facet.normal(place), global, facet.back);
                 if self.spots.full() {
                     lamps.illuminate(&mut self.spots, &mut self.light);
                 }

@@ -62,8 +62,9 @@ pub(super) struct Done {
 
 /// A triangle prepared for a tile; values are those of the first pixel of its bounding box.
 struct Setup {
-    /// At each sample of the pixel; not negative inside.
-    edges: [[i32; SAMPLES]; 3],
+    /// The edge functions at the corner of the pixel, and what is to be added at each sample; not negative inside.
+    edges: [i32; 3],
+    samples: [[i32; SAMPLES]; 3],
     /// Steps to the next pixel.
     right: [i32; 3],
     down: [i32; 3],
@@ -92,21 +93,49 @@ impl Samples {
         (self.farthest, self.visited) = (0.0, 0);
     }
 
-    /// Draws one triangle into the tile whose first pixel is `origin`.
+    /// Draws one triangle into the tile whose first pixel is `origin`. Of triangles with equal depth at a sample that
+    /// with the lower number is seen, so that the order of drawing does not matter.
     pub(super) fn draw(&mut self, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
         self.done.triangles += 1;
         let nearest = corners[0].depth.max(corners[1].depth).max(corners[2].depth);
-        if nearest <= self.farthest {
+        // an equal depth may still win by its number
+        if nearest < self.farthest {
             return;
         }
-        let Some(setup) = Setup::new(corners, origin) else { return };
-        let [left, top, right, bottom] = setup.pixels;
+        let last = SIDE - 1;
+        let [left, top, right, bottom] = pixel_box(&corners);
+        let (left, right) = ((left - origin[0]).max(0), (right - origin[0]).min(last));
+        let (top, bottom) = ((top - origin[1]).max(0), (bottom - origin[1]).min(last));
+        let pixels = [left, top, right, bottom];
+        if left > right || top > bottom || self.is_hidden(pixels, nearest) {
+            return;
+        }
+        let Some(setup) = Setup::new(corners, pixels, origin) else { return };
         self.visited += ((right - left + 1) * (bottom - top + 1)) as usize;
         self.fill(&setup, id);
         if self.visited > 4 * TILE * TILE {
-            self.visited = 0;
-            self.farthest = self.depth.iter().flatten().fold(f32::INFINITY, |far, &d| far.min(d));
+            self.farthest();
         }
+    }
+
+    /// The smallest depth of a sample.
+    pub(super) fn farthest(&mut self) -> f32 {
+        if self.visited > 0 {
+            let least =
+                |a: [f32; SAMPLES], b: &[f32; SAMPLES]| std::array::from_fn(|s| if b[s] < a[s] { b[s] } else { a[s] });
+            self.visited = 0;
+            self.farthest =
+                self.depth.iter().fold([f32::INFINITY; SAMPLES], least).into_iter().fold(f32::INFINITY, f32::min);
+        }
+        self.farthest
+    }
+
+    /// Whether every sample of these pixels (left, top, right, bottom, bounds included) is nearer than `nearest`.
+    fn is_hidden(&self, [left, top, right, bottom]: [i32; 4], nearest: f32) -> bool {
+        (top..=bottom).all(|y| {
+            let row = (y * SIDE + left) as usize..=(y * SIDE + right) as usize;
+            self.depth[row].iter().all(|depth| depth.iter().all(|&depth| depth > nearest))
+        })
     }
 
     fn fill(&mut self, setup: &Setup, id: u32) {
@@ -120,25 +149,15 @@ impl Samples {
             let lift = row as f32 * setup.slope[1];
             let base: [f32; SAMPLES] = std::array::from_fn(|s| setup.depth[s] + lift);
             let mut edges = start;
-            if span.start > 0 {
-                step(&mut edges, setup.right.map(|right| right.wrapping_mul(span.start as i32)));
-            }
+            step(&mut edges, setup.right.map(|right| right.wrapping_mul(span.start as i32)));
             let depths = &mut self.depth[first + span.start..first + span.end];
             let owners = &mut self.owner[first + span.start..first + span.end];
             for (column, (depth, owner)) in span.zip(depths.iter_mut().zip(owners)) {
-                let outside: [i32; SAMPLES] = std::array::from_fn(|s| edges[0][s] | edges[1][s] | edges[2][s]);
-                if outside[0] & outside[1] & outside[2] & outside[3] >= 0 {
-                    let shift = column as f32 * setup.slope[0];
-                    for s in 0..SAMPLES {
-                        let z = base[s] + shift;
-                        let z = if z > setup.range[0] { z } else { setup.range[0] };
-                        let z = if z < setup.range[1] { z } else { setup.range[1] };
-                        let z = if outside[s] >= 0 { z } else { 0.0 };
-                        let seen = z > depth[s];
-                        depth[s] = if seen { z } else { depth[s] };
-                        owner[s] = if seen { id } else { owner[s] };
-                    }
-                }
+                let at = |k: usize, s: usize| edges[k].wrapping_add(setup.samples[k][s]);
+                let outside: [i32; SAMPLES] = std::array::from_fn(|s| at(0, s) | at(1, s) | at(2, s));
+                let shift = column as f32 * setup.slope[0];
+                let z = base.map(|z| setup.within(z + shift));
+                cover(outside, z, id, depth, owner);
                 step(&mut edges, setup.right);
             }
             step(&mut start, setup.down);
@@ -146,13 +165,21 @@ impl Samples {
     }
 }
 
+/// Gives triangle number `id` the samples of a pixel that it covers (`outside` is not negative there) and where it is
+/// the nearest. There are no branches, so that all samples are one vector.
+#[inline]
+fn cover(outside: [i32; SAMPLES], z: [f32; SAMPLES], id: u32, depth: &mut [f32; SAMPLES], owner: &mut [u32; SAMPLES]) {
+    let mask = |is: bool| u32::from(is).wrapping_neg();
+    let seen: [u32; SAMPLES] = std::array::from_fn(|s| {
+        mask(outside[s] >= 0) & (mask(z[s] > depth[s]) | (mask(z[s] >= depth[s]) & mask(id < owner[s])))
+    });
+    *depth = std::array::from_fn(|s| f32::from_bits(z[s].to_bits() & seen[s] | depth[s].to_bits() & !seen[s]));
+    *owner = std::array::from_fn(|s| id & seen[s] | owner[s] & !seen[s]);
+}
+
 /// Moves the edge functions on.
-fn step(edges: &mut [[i32; SAMPLES]; 3], by: [i32; 3]) {
-    for (edge, by) in edges.iter_mut().zip(by) {
-        for e in edge {
-            *e = e.wrapping_add(by);
-        }
-    }
+fn step(edges: &mut [i32; 3], by: [i32; 3]) {
+    edges.iter_mut().zip(by).for_each(|(edge, by)| *edge = edge.wrapping_add(by));
 }
 
 /// Twice the signed area in square steps.
@@ -177,6 +204,18 @@ enum Edge {
     Crossing(i32, i32, i32),
 }
 
+/// How far from the origin of a tile corners may lie whose edge functions have 31 bits before they are divided.
+/// Half of it leaves some triangles of a few pixels to the general way; twice of it overflows.
+const NEAR: i32 = 1 << 14;
+
+/// The same as [`edge`], for corners near the tile: the edge is taken to cross it.
+fn near_edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> Edge {
+    let (dx, dy) = (b.x - a.x, b.y - a.y);
+    let counts = dy > 0 || (dy == 0 && dx > 0);
+    let value = dx * (origin[1] * STEPS - a.y) - dy * (origin[0] * STEPS - a.x) - i32::from(!counts);
+    Edge::Crossing(value >> EIGHTH.trailing_zeros(), -dy, dx)
+}
+
 fn edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> Edge {
     let (dx, dy) = (i64::from(b.x - a.x), i64::from(b.y - a.y));
     let counts = dy > 0 || (dy == 0 && dx > 0);
@@ -194,21 +233,19 @@ fn edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> Edge {
 }
 
 impl Setup {
-    fn new(mut corners: [Vertex; 3], origin: [i32; 2]) -> Option<Self> {
+    /// The triangle over these pixels of the tile: left, top, right, bottom, bounds included.
+    fn new(mut corners: [Vertex; 3], pixels: [i32; 4], origin: [i32; 2]) -> Option<Self> {
         let area = area(&corners);
+        if area == 0 {
+            return None;
+        }
         if area < 0 {
             corners.swap(1, 2);
         }
-        let [x0, y0, x1, y1] = pixel_box(&corners);
-        let last = SIDE - 1;
-        let left = (x0 - origin[0]).max(0);
-        let top = (y0 - origin[1]).max(0);
-        let pixels = [left, top, (x1 - origin[0]).min(last), (y1 - origin[1]).min(last)];
-        if left > pixels[2] || top > pixels[3] || area == 0 {
-            return None;
-        }
+        let [left, top, ..] = pixels;
         let mut setup = Self {
-            edges: [[0; SAMPLES]; 3],
+            edges: [0; 3],
+            samples: [[0; SAMPLES]; 3],
             right: [0; 3],
             down: [0; 3],
             pixels,
@@ -216,16 +253,17 @@ impl Setup {
             slope: [0.0; 2],
             range: [0.0; 2],
         };
+        let near = |v: &Vertex| [v.x - STEPS * origin[0], v.y - STEPS * origin[1]].iter().all(|&u| u.abs() < NEAR);
+        let is_near = corners.iter().all(near);
         for k in 0..3 {
-            match edge(corners[k], corners[(k + 1) % 3], origin) {
+            let (a, b) = (corners[k], corners[(k + 1) % 3]);
+            match if is_near { near_edge(a, b, origin) } else { edge(a, b, origin) } {
                 Edge::Outside => return None,
                 Edge::Inside => {}
                 Edge::Crossing(value, right, down) => {
                     (setup.right[k], setup.down[k]) = (8 * right, 8 * down);
-                    let first = value.wrapping_add(8 * right * left).wrapping_add(8 * down * top);
-                    for (value, [x, y]) in setup.edges[k].iter_mut().zip(PLACES) {
-                        *value = first.wrapping_add(right * x + down * y);
-                    }
+                    setup.edges[k] = value.wrapping_add(8 * right * left).wrapping_add(8 * down * top);
+                    setup.samples[k] = PLACES.map(|[x, y]| right * x + down * y);
                 }
             }
         }
@@ -233,13 +271,20 @@ impl Setup {
         Some(setup)
     }
 
+    /// A depth, brought between those of the corners.
+    fn within(&self, z: f32) -> f32 {
+        let z = if z > self.range[0] { z } else { self.range[0] };
+        if z < self.range[1] { z } else { self.range[1] }
+    }
+
     /// The columns of a row of `n` pixels in which a sample may lie inside; `start` are the edge functions at its first
     /// pixel. An edge function that is negative at all samples of a pixel leaves it out, and all are linear along the
     /// row.
-    fn span(&self, start: &[[i32; SAMPLES]; 3], n: usize) -> Range<usize> {
+    fn span(&self, start: &[i32; 3], n: usize) -> Range<usize> {
         let (mut first, mut end) = (0_i64, n as i64);
-        for (edge, &right) in start.iter().zip(&self.right) {
-            let most = i64::from(edge[0].max(edge[1]).max(edge[2]).max(edge[3]));
+        for ((edge, samples), &right) in start.iter().zip(&self.samples).zip(&self.right) {
+            let most = samples[0].max(samples[1]).max(samples[2]).max(samples[3]);
+            let most = i64::from(edge.wrapping_add(most));
             let right = i64::from(right);
             if right > 0 && most < 0 {
                 // most + right column >= 0

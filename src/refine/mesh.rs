@@ -2,14 +2,15 @@
 
 use std::sync::Arc;
 
-use super::apply::{Points, advance};
+use super::act::act_on;
+use super::apply::Points;
 use super::error::RefineError;
-use super::origins;
 use super::refined::RefinedMesh;
 use super::start::mesh_net;
-use super::sweep::Sweep;
-use super::uvs::{RefinedUvs, refined_uvs};
-use super::vertex_order::VertexOrder;
+use super::sweep::Outline;
+use super::swept::swept;
+use super::uvs::{RefinedUvs, refine_uvs_by_rows, refined_uvs};
+use crate::kept::Numbers;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::mesh::Mesh;
@@ -20,45 +21,37 @@ use crate::watch::Watch;
 /// # Errors
 /// [`RefineError`].
 pub fn refine_mesh(mesh: &Mesh, plan: &Plan, steps: &[Scheduled], watch: &Watch) -> Result<RefinedMesh, RefineError> {
-    let net = mesh_net(mesh, plan);
-    if let Some(sweep) = Sweep::of(&net, plan, steps)
-        && let Some(refined) = swept(mesh, net.clone(), &sweep, plan, steps, watch)?
-    {
-        return Ok(refined);
-    }
-    let (net, points) = act_on(net, numbers(mesh), plan, steps, watch)?;
-    let uvs = refined_uvs(mesh, plan, steps, watch)?;
-    let refined = assembled(mesh, &net, points.into_iter().map(|points| points.now).collect(), uvs);
+    let (net, points) = (mesh_net(mesh, plan), numbers(mesh));
+    let refined = match swept(&net, &points, plan, steps, watch)? {
+        Some((net, numbers)) => {
+            let mut numbers = numbers.into_iter();
+            let refined = RefinedMesh::documented(&net, numbers.next().unwrap_or_default());
+            let uvs = refined_uvs(mesh, plan, steps, watch)?;
+            carrying(mesh, &net, refined, numbers.collect(), uvs)
+        }
+        None => refine_by_rows(mesh, plan, steps, watch)?,
+    };
     Ok(if steps.is_empty() { refined.with_tags(mesh.tags()) } else { refined })
 }
 
-/// The same by a sweep; none where a coordinate is no longer finite, so that the other path finds the level.
-fn swept(
+/// Whether a mesh is refined patch by patch.
+pub fn is_swept(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> bool {
+    Outline::of(&mesh_net(mesh, plan), plan, steps).is_some()
+}
+
+/// The same by rows of whole nets: the definition of what every other path makes.
+///
+/// # Errors
+/// [`RefineError`].
+pub fn refine_by_rows(
     mesh: &Mesh,
-    net: MeshNet,
-    sweep: &Sweep,
     plan: &Plan,
     steps: &[Scheduled],
     watch: &Watch,
-) -> Result<Option<RefinedMesh>, RefineError> {
-    let (net, points) = act_on(net, numbers(mesh), plan, &steps[..sweep.steps_before()], watch)?;
-    let order = VertexOrder::constructed(&net);
-    let mut numbers = Vec::with_capacity(points.len());
-    for points in points {
-        let mut start = Vec::new();
-        order.values(&points.now, points.width, 0..points.now.len() / points.width, &mut start);
-        let swept = sweep.refine(&start, points.width, watch)?;
-        if !swept.finite {
-            return Ok(None);
-        }
-        numbers.push(swept.points);
-    }
-    let net = net.after_splits(sweep.splits() - net.mesh.pieces.len());
-    let mut numbers = numbers.into_iter();
-    let refined = RefinedMesh::documented(&net, numbers.next().unwrap_or_default());
-    let uvs = refined_uvs(mesh, plan, steps, watch)?;
-    let refined = refined.carrying(mesh.attachments.clone(), numbers.collect(), uvs);
-    Ok(Some(refined.split_from(mesh.split_from.clone())))
+) -> Result<RefinedMesh, RefineError> {
+    let (net, points) = act_on(mesh_net(mesh, plan), numbers(mesh), plan, steps, watch)?;
+    let uvs = refine_uvs_by_rows(mesh, plan, steps, watch)?;
+    Ok(assembled(mesh, &net, points.into_iter().map(|points| points.now).collect(), uvs))
 }
 
 /// What is refined of a mesh: its positions, then its channels.
@@ -71,26 +64,18 @@ pub fn numbers(mesh: &Mesh) -> Vec<Points> {
 pub fn assembled(mesh: &Mesh, net: &MeshNet, numbers: Vec<Vec<f64>>, uvs: Option<RefinedUvs>) -> RefinedMesh {
     let mut numbers = numbers.into_iter();
     let points = numbers.next().unwrap_or_default();
-    let refined = RefinedMesh::new(net, points).carrying(mesh.attachments.clone(), numbers.collect(), uvs);
+    carrying(mesh, net, RefinedMesh::new(net, points), numbers.map(Into::into).collect(), uvs)
+}
+
+fn carrying(
+    mesh: &Mesh,
+    net: &MeshNet,
+    refined: RefinedMesh,
+    channels: Vec<Numbers>,
+    uvs: Option<RefinedUvs>,
+) -> RefinedMesh {
+    let refined = refined.carrying(mesh.attachments.clone(), channels, uvs);
     // a connectivity of its own tells no origins in the input
     let stays = Arc::ptr_eq(&net.mesh.base, &mesh.topology);
     if stays { refined.split_from(mesh.split_from.clone()) } else { refined }
-}
-
-/// Applies steps to a net and its points; errors name the vertices of the input.
-///
-/// # Errors
-/// [`RefineError`].
-pub fn act_on(
-    mut net: MeshNet,
-    mut points: Vec<Points>,
-    plan: &Plan,
-    steps: &[Scheduled],
-    watch: &Watch,
-) -> Result<(MeshNet, Vec<Points>), RefineError> {
-    advance(&mut net, &mut points, plan, steps, watch).map_err(|error| match error {
-        RefineError::Step { level, error } => RefineError::Step { level, error: origins::on_mesh(&net, error) },
-        error => error,
-    })?;
-    Ok((net, points))
 }

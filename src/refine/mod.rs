@@ -1,5 +1,6 @@
 //! Refinement: applies a plan's steps to points. Nothing outside knows how a net is stored.
 
+mod act;
 mod apply;
 mod error;
 mod mesh;
@@ -10,16 +11,17 @@ mod refined;
 mod shown;
 mod start;
 mod sweep;
+mod swept;
 mod unfolded;
 mod uvs;
 mod vertex_order;
 
+pub use act::act_on;
 pub use apply::{Points, advance};
 pub use error::RefineError;
-pub use mesh::{act_on, assembled, numbers, refine_mesh};
+pub use mesh::{assembled, is_swept, numbers, refine_by_rows, refine_mesh};
 pub use normals::Normals;
 pub use polygon::{refine_polygon, refined_points};
 pub use refined::RefinedMesh;
 pub use start::{carried, mesh_net, polygon_net};
-pub use sweep::{Sweep, Swept};
 pub use uvs::{refined_uvs, uv_net};

@@ -7,6 +7,7 @@ use super::normals::Normals;
 use super::shown::Shown;
 use super::uvs::RefinedUvs;
 use super::vertex_order::VertexOrder;
+use crate::kept::Numbers;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::sharpness::Sharpness;
 use crate::shape::attachments::Attachments;
@@ -18,7 +19,7 @@ use crate::shape::topology::{NONE, Topology, index};
 /// A refined mesh: the values of its vertices, and the way from the order in which they are kept to the documented one.
 #[derive(Debug)]
 pub struct RefinedMesh {
-    points: Vec<f64>,
+    points: Numbers,
     /// Normals of the limit, if there are any, in the same order.
     normals: Option<Normals>,
     base: Arc<Topology>,
@@ -26,7 +27,7 @@ pub struct RefinedMesh {
     shown: Shown,
     attachments: Arc<Attachments>,
     /// The values of each channel, in the same order.
-    channels: Vec<Vec<f64>>,
+    channels: Vec<Numbers>,
     pub(super) uvs: Option<RefinedUvs>,
     /// Edges that are still sharp, numbered in the order of construction.
     sharpness: Option<Arc<Sharpness>>,
@@ -41,17 +42,17 @@ pub struct RefinedMesh {
 impl RefinedMesh {
     /// The mesh of a net with its points in the order of construction, `n x 3`.
     pub fn new(net: &MeshNet, points: Vec<f64>) -> Self {
-        Self::ordered(net, VertexOrder::constructed(net), points)
+        Self::ordered(net, VertexOrder::constructed(net), points.into())
     }
 
     /// The mesh of a net with its points in the documented order already, `n x 3`: nothing will be gathered. Of the
     /// connectivity only the base and how its faces were split matters, not the topology before the last split.
     /// Channels and normals are to be in the documented order, too.
-    pub fn documented(net: &MeshNet, points: Vec<f64>) -> Self {
+    pub fn documented(net: &MeshNet, points: Numbers) -> Self {
         Self::ordered(net, VertexOrder::documented(net), points)
     }
 
-    fn ordered(net: &MeshNet, order: VertexOrder, points: Vec<f64>) -> Self {
+    fn ordered(net: &MeshNet, order: VertexOrder, points: Numbers) -> Self {
         let shown = Shown::new(&net.mesh.base, order.order(), &net.tags.holes);
         let pieces = net.mesh.pieces.iter().map(|&pieces| pieces as usize).product();
         Self {
@@ -75,7 +76,7 @@ impl RefinedMesh {
     pub(super) fn carrying(
         self,
         attachments: Arc<Attachments>,
-        channels: Vec<Vec<f64>>,
+        channels: Vec<Numbers>,
         uvs: Option<RefinedUvs>,
     ) -> Self {
         Self { attachments, channels, uvs, ..self }
@@ -175,13 +176,11 @@ impl RefinedMesh {
     /// The shown faces in `range` of one of the meshes with these faces.
     pub(super) fn list(&self, base: &Topology, order: Option<&Order>, range: Range<usize>, out: &mut FaceChunk) {
         let runs = self.shown.runs(range);
-        match order {
-            Some(order) => order.faces(runs, out),
-            None => {
-                out.clear();
-                runs.flatten().for_each(|f| out.push(base.face(f)));
-            }
+        if let Some(order) = order {
+            return order.faces(runs, out);
         }
+        out.clear();
+        runs.flatten().for_each(|f| out.push(base.face(f)));
     }
 
     /// The same mesh with normals in the order of the points, if there are any.

@@ -6,7 +6,9 @@ use std::sync::Arc;
 use super::apply::{Points, advance};
 use super::error::RefineError;
 use super::start::{carried, mesh_net};
+use super::swept::swept;
 use super::vertex_order::VertexOrder;
+use crate::kept::Numbers;
 use crate::scheme::letter::Letter;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::Role;
@@ -27,7 +29,7 @@ use crate::watch::Watch;
 #[derive(Debug)]
 pub struct RefinedUvs {
     /// Values of the places, `n_places x 2`.
-    pub(super) points: Vec<f64>,
+    pub(super) points: Numbers,
     /// The places before refinement.
     pub(super) base: Arc<Topology>,
     /// The order in which the values are kept.
@@ -46,12 +48,32 @@ pub fn refined_uvs(
     watch: &Watch,
 ) -> Result<Option<RefinedUvs>, RefineError> {
     let Some(uvs) = &mesh.attachments.uvs else { return Ok(None) };
+    let (net, points) = (uv_net(mesh, uvs, plan), Points::new(uvs.values.clone(), 2));
+    let found = if uvs.linear {
+        swept(&net, &[points], plan, &upsamplings(steps), watch)?
+    } else {
+        swept(&net, &[points], plan, steps, watch)?
+    };
+    let Some((net, numbers)) = found else { return refine_uvs_by_rows(mesh, plan, steps, watch) };
+    let order = VertexOrder::documented(&net);
+    let points = numbers.into_iter().next().unwrap_or_default();
+    Ok(Some(RefinedUvs { points, base: net.mesh.base, order }))
+}
+
+/// The same by rows of the whole net.
+///
+/// # Errors
+/// [`RefineError`].
+pub(super) fn refine_uvs_by_rows(
+    mesh: &Mesh,
+    plan: &Plan,
+    steps: &[Scheduled],
+    watch: &Watch,
+) -> Result<Option<RefinedUvs>, RefineError> {
+    let Some(uvs) = &mesh.attachments.uvs else { return Ok(None) };
     let (mut net, mut points) = (uv_net(mesh, uvs, plan), Points::new(uvs.values.clone(), 2));
     if uvs.linear {
-        let operator = lettered('U').expect("U is an operator");
-        for step in steps.iter().filter(|step| step.letter.facts().role == Role::Upsample) {
-            let letter = Letter { operator, ..step.letter.clone() };
-            let step = Scheduled { letter, ..step.clone() };
+        for step in upsamplings(steps) {
             // linear ones have no use for values of single vertices
             let next = Stepper::new(plan).next_from(&net, &step, None).map_err(RefineError::at(&step))?;
             points.act(&next.action, step.level, watch)?;
@@ -61,7 +83,14 @@ pub fn refined_uvs(
         advance(&mut net, std::slice::from_mut(&mut points), plan, steps, watch)?;
     }
     let order = VertexOrder::constructed(&net);
-    Ok(Some(RefinedUvs { points: points.now, base: net.mesh.base, order }))
+    Ok(Some(RefinedUvs { points: points.now.into(), base: net.mesh.base, order }))
+}
+
+/// Each upsampling of a plan as a linear one.
+fn upsamplings(steps: &[Scheduled]) -> Vec<Scheduled> {
+    let operator = lettered('U').expect("U is an operator");
+    let upsampling = steps.iter().filter(|step| step.letter.facts().role == Role::Upsample);
+    upsampling.map(|step| Scheduled { letter: Letter { operator, ..step.letter.clone() }, ..step.clone() }).collect()
 }
 
 /// The net of texture coordinates before refinement. Places at vertices that keep their place keep theirs, sharp edges

@@ -53,30 +53,34 @@ impl VertexOrder {
 
     /// The points of the vertices in `range`, numbered in the documented order.
     pub(super) fn points<const W: usize>(&self, all: &[[f64; W]], range: Range<usize>, out: &mut Vec<[f64; W]>) {
-        match self.way() {
-            None => {
-                out.clear();
-                out.extend_from_slice(&all[range]);
-            }
-            Some(order) => {
-                let vertices = range.into_par_iter().with_min_len(CHUNK);
-                vertices.map(|v| all[order.constructed(v) as usize]).collect_into_vec(out);
-            }
-        }
+        let Some(order) = self.way() else {
+            out.clear();
+            out.extend_from_slice(&all[range]);
+            return;
+        };
+        out.resize(range.len(), [0.0; W]);
+        out.par_chunks_mut(CHUNK).enumerate().for_each(|(i, rows)| {
+            let start = range.start + i * CHUNK;
+            let (range, mut rows) = (start..start + rows.len(), rows.iter_mut());
+            order.each_constructed(range, |at| rows.next().into_iter().for_each(|row| *row = all[at as usize]));
+        });
     }
 
     /// Gathers values of any `width` in the documented order.
     pub(super) fn values(&self, all: &[f64], width: usize, range: Range<usize>, out: &mut Vec<f64>) {
-        out.clear();
         let Some(order) = self.way() else {
+            out.clear();
             out.extend_from_slice(&all[width * range.start..width * range.end]);
             return;
         };
         out.resize(width * range.len(), 0.0);
-        let rows = out.par_chunks_exact_mut(width).with_min_len(CHUNK);
-        rows.zip(range).for_each(|(row, v)| {
-            let at = order.constructed(v) as usize * width;
-            row.copy_from_slice(&all[at..at + width]);
+        out.par_chunks_mut(width * CHUNK).enumerate().for_each(|(i, rows)| {
+            let start = range.start + i * CHUNK;
+            let (range, mut rows) = (start..start + rows.len() / width, rows.chunks_exact_mut(width));
+            order.each_constructed(range, |at| {
+                let at = at as usize * width;
+                rows.next().into_iter().for_each(|row| row.copy_from_slice(&all[at..at + width]));
+            });
         });
     }
 }

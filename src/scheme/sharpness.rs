@@ -90,6 +90,11 @@ impl Sharpness {
         &self.following
     }
 
+    /// Whether vertices follow no others, and no sharp edges beside the net count.
+    pub fn is_of_the_net_alone(&self) -> bool {
+        self.following.is_empty() && self.elsewhere.is_empty()
+    }
+
     /// Whether semi-sharp edges end at vertex `v` that are not among the edges of the net.
     pub fn is_sharp_beside(&self, v: u32) -> bool {
         self.elsewhere.binary_search_by_key(&v, |&(v, _)| v).is_ok()

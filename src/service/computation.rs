@@ -66,6 +66,8 @@ pub struct Timings {
     pub queue: Duration,
     /// Refining.
     pub refine: Duration,
+    /// Whether that was done by a sweep.
+    pub swept: bool,
     /// Drawing.
     pub render: Duration,
     /// Writing bytes.
@@ -194,6 +196,10 @@ impl Computation {
             match stage {
                 None => timings.queue += took,
                 Some(Stage::Refine) => timings.refine += took,
+                Some(Stage::Sweep) => {
+                    timings.refine += took;
+                    timings.swept = true;
+                }
                 Some(Stage::Render) => timings.render += took,
                 Some(Stage::Encode) => timings.encode += took,
             }

@@ -310,8 +310,8 @@ impl Desk {
     }
 }
 
-/// Waits for a computation that is being made. Where it runs too long for its lane, it is set aside; where that is the
-/// last one, it is stopped.
+/// Waits for a computation, sets it aside when it runs too long for its lane, and stops it when it runs too long for
+/// any.
 async fn until_overdue<T>(
     making: impl Future<Output = T>,
     computation: &Computation,

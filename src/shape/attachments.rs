@@ -30,7 +30,7 @@ const ORIGIN: &str = "origin";
 /// Numbers on vertices that are refined like positions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
-    /// Its name: a letter, then letters, digits and underscores.
+    /// The name: a letter, then letters, digits and underscores.
     pub name: String,
     /// Numbers a vertex, 1 to 4.
     pub width: usize,

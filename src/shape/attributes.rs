@@ -26,7 +26,7 @@ impl Attributes {
         ]
     }
 
-    /// The same parameters with other numbers: each array changed alike.
+    /// These parameters with other numbers: each array changed alike.
     #[must_use]
     pub fn changed(&self, change: impl Fn(&[f64]) -> Vec<f64>) -> Self {
         let change = |array: &Option<Vec<f64>>| array.as_deref().map(&change);

@@ -2,12 +2,10 @@
 
 use rayon::prelude::*;
 
+use super::indices::MAX_REPORTED;
 use super::topology::{Faces, NONE, Topology, index};
 use crate::fault::Fault;
 use crate::math::sharing::is_small;
-
-/// Most faults of a kind reported one by one; the rest are counted, or left out.
-pub(super) const MAX_REPORTED: usize = 20;
 
 /// A face list: face `f` has the vertices `vertices[starts[f]..starts[f + 1]]`.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -19,6 +17,14 @@ pub struct FaceList {
 impl Default for FaceList {
     fn default() -> Self {
         Self { starts: vec![0], vertices: Vec::new() }
+    }
+}
+
+impl<F: IntoIterator<Item = u32>> FromIterator<F> for FaceList {
+    fn from_iter<I: IntoIterator<Item = F>>(faces: I) -> Self {
+        let mut list = Self::default();
+        faces.into_iter().for_each(|face| list.push(face));
+        list
     }
 }
 
@@ -54,6 +60,11 @@ impl FaceList {
     /// The vertices of face `f`.
     pub fn face(&self, f: usize) -> &[u32] {
         &self.vertices[self.starts[f] as usize..self.starts[f + 1] as usize]
+    }
+
+    /// The vertices of all faces, face after face.
+    pub fn vertices(&self) -> &[u32] {
+        &self.vertices
     }
 
     pub(super) fn reverse(&mut self, f: usize) {
@@ -104,20 +115,37 @@ impl Topology {
         Ok(Checked { topology, split_from, turned })
     }
 
+    /// The topology of some of its faces, in this order, and for each vertex there the one that it is here; ascending,
+    /// but for those that are added where fans are split apart.
+    ///
+    /// # Errors
+    /// None are known, as a part of an oriented manifold is one.
+    pub fn part(&self, faces: &[u32]) -> Result<(Self, Vec<u32>), Vec<Fault>> {
+        let mut vertices: Vec<u32> = faces.iter().flat_map(|&f| self.face(f as usize)).copied().collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let number = |v: &u32| vertices.binary_search(v).map_or(NONE, index);
+        let faces = faces.iter().map(|&f| self.face(f as usize).iter().map(number)).collect();
+        let Checked { topology, split_from, .. } = Self::of_faces(vertices.len(), faces, Winding::Refuse)?;
+        let copies: Vec<u32> = split_from.iter().map(|&v| vertices[v as usize]).collect();
+        vertices.extend(copies);
+        Ok((topology, vertices))
+    }
+
     /// Finds each vertex's first corner; splits vertices with several fans. Returns the origins of the added vertices.
     fn part_fans(&mut self) -> Vec<u32> {
         let mut seen = vec![false; self.n_half_edges()];
         let mut split_from = Vec::new();
-        for corner in 0..index(self.n_half_edges()) {
-            if seen[corner as usize] {
+        for half_edge in 0..index(self.n_half_edges()) {
+            if seen[half_edge as usize] {
                 continue;
             }
-            let start = self.fan_start(corner);
+            let start = self.fan_start(half_edge);
             let fan: Vec<u32> = super::topology::Ring::from(self, start).collect();
             for &c in &fan {
                 seen[c as usize] = true;
             }
-            let vertex = self.vertex(corner);
+            let vertex = self.vertex(half_edge);
             if self.outgoing[vertex as usize] == NONE {
                 self.outgoing[vertex as usize] = start;
             } else {
@@ -133,17 +161,17 @@ impl Topology {
         split_from
     }
 
-    /// The first corner, counter-clockwise, of the fan that holds `corner`: at the boundary, or `corner` itself.
-    fn fan_start(&self, corner: u32) -> u32 {
-        let mut at = corner;
+    /// The first corner, counter-clockwise, of the fan that holds `half_edge`: at the boundary, or `half_edge` itself.
+    fn fan_start(&self, half_edge: u32) -> u32 {
+        let mut at = half_edge;
         loop {
             let twin = self.twin(at);
             if twin == NONE {
                 return at;
             }
             at = self.next(twin);
-            if at == corner {
-                return corner;
+            if at == half_edge {
+                return half_edge;
             }
         }
     }
@@ -240,16 +268,16 @@ fn groups(sides: &[Side]) -> impl Iterator<Item = &[Side]> {
     sides.chunk_by(|a, b| a.0 == b.0)
 }
 
-fn face_of(faces: &FaceList, corner: u32) -> usize {
-    faces.starts.partition_point(|&start| start <= corner) - 1
+fn face_of(faces: &FaceList, half_edge: u32) -> usize {
+    faces.starts.partition_point(|&start| start <= half_edge) - 1
 }
 
 fn check_edges(faces: &FaceList, sides: &[Side]) -> Result<(), Vec<Fault>> {
     let crowded = groups(sides).filter(|group| group.len() > 2).map(|group| {
-        let ((a, b), corner) = group[2];
+        let ((a, b), half_edge) = group[2];
         let all: Vec<String> = group.iter().take(8).map(|side| face_of(faces, side.1).to_string()).collect();
         let detail = format!("edge ({a}, {b}) has {} faces ({}); at most 2 are allowed", group.len(), all.join(", "));
-        Fault::new(format!("/faces/{}", face_of(faces, corner)), detail)
+        Fault::new(format!("/faces/{}", face_of(faces, half_edge)), detail)
     });
     report(crowded)
 }
@@ -265,8 +293,8 @@ fn orient(faces: &mut FaceList, sides: &[Side], winding: Winding) -> Result<Vec<
     let turned = turns(faces, sides)?;
     if winding == Winding::Refuse {
         let faults = wrong.iter().map(|group| {
-            let ((a, b), corner) = group[1];
-            let (f, g) = (face_of(faces, group[0].1), face_of(faces, corner));
+            let ((a, b), half_edge) = group[1];
+            let (f, g) = (face_of(faces, group[0].1), face_of(faces, half_edge));
             let detail = format!(
                 "faces {f} and {g} run along edge ({a}, {b}) in the same direction; turn one of them, or set \
                  \"orient\": \"repair\""
@@ -329,13 +357,13 @@ fn connect(n_vertices: usize, faces: FaceList, sides: &[Side]) -> Topology {
     }
     let mut edge_of = vec![NONE; n_half_edges];
     let mut halves = Vec::with_capacity(sides.len());
-    for corner in 0..n_half_edges {
-        let other = opposite[corner];
-        if other == NONE || (other as usize) > corner {
-            edge_of[corner] = index(halves.len());
-            halves.push([index(corner), other]);
+    for half_edge in 0..n_half_edges {
+        let other = opposite[half_edge];
+        if other == NONE || (other as usize) > half_edge {
+            edge_of[half_edge] = index(halves.len());
+            halves.push([index(half_edge), other]);
         } else {
-            edge_of[corner] = edge_of[other as usize];
+            edge_of[half_edge] = edge_of[other as usize];
         }
     }
     let all = |size: u32| faces.starts.windows(2).all(|pair| pair[1] - pair[0] == size);

@@ -29,7 +29,7 @@ impl Topology {
         }
         let boundary = BoundaryRank::of(self);
         let n_c = index(self.n_half_edges());
-        let near = |corner: u32, end: u32| n_c + 2 * boundary.rank(self.edge(corner)) + end;
+        let near = |half_edge: u32, end: u32| n_c + 2 * boundary.rank(self.edge(half_edge)) + end;
         let mut faces = FaceList::default();
         (0..self.n_faces()).for_each(|f| faces.push(self.half_edges(f)));
         for e in 0..self.n_edges() {
@@ -186,7 +186,7 @@ impl<'a> CornerCut<'a> {
             let shown = self.starts[v + 1] > self.starts[v];
             let ring = shown.then(|| old.ring(v)).into_iter().flatten();
             // the edge onward crosses the one to the predecessor, which is left by the next corner of the ring
-            ring.map(|corner| (corner, self.crossing(old.twin(old.previous(corner)))))
+            ring.map(|half_edge| (half_edge, self.crossing(old.twin(old.previous(half_edge)))))
         };
         let of_vertices: Vec<(u32, u32)> =
             (0..old.n_vertices()).into_par_iter().with_min_len(GRAIN).flat_map_iter(of_vertex).collect();
@@ -202,10 +202,10 @@ impl<'a> CornerCut<'a> {
     /// Corners on each edge: along the sides of the old faces, then across both ends of each inner edge.
     fn edges(&self) -> Vec<[u32; 2]> {
         let old = self.old;
-        let along = (0..index(old.n_half_edges())).into_par_iter().with_min_len(GRAIN).map(|corner| {
-            let [first, second] = old.halves(old.edge(corner) as usize);
-            let side = if first == corner { 3 } else { 1 };
-            [corner, if second == NONE { NONE } else { self.edge_face(old.edge(corner)) + side }]
+        let along = (0..index(old.n_half_edges())).into_par_iter().with_min_len(GRAIN).map(|half_edge| {
+            let [first, second] = old.halves(old.edge(half_edge) as usize);
+            let side = if first == half_edge { 3 } else { 1 };
+            [half_edge, if second == NONE { NONE } else { self.edge_face(old.edge(half_edge)) + side }]
         });
         let across = (0..index(old.n_edges())).into_par_iter().with_min_len(GRAIN).flat_map_iter(|e| {
             let [first, second] = old.halves(e as usize);
@@ -224,20 +224,20 @@ impl<'a> CornerCut<'a> {
         if self.starts[v + 1] == self.starts[v] {
             return NONE;
         }
-        let place = self.old.ring(v).position(|corner| corner == outgoing).unwrap_or(0);
+        let place = self.old.ring(v).position(|half_edge| half_edge == outgoing).unwrap_or(0);
         self.first_vertex_face() + self.starts[v] + index(place)
     }
 
     /// First outgoing corner of each new vertex: in its face, or on the boundary over the edge between its two faces.
     fn outgoing(&self) -> Vec<u32> {
         let old = self.old;
-        let first = |corner: u32| {
-            let on_edge = self.rank.is_some() && old.boundary_edges(old.vertex(corner) as usize).is_some();
-            if !on_edge || old.twin(corner) == NONE {
-                return corner;
+        let first = |half_edge: u32| {
+            let on_edge = self.rank.is_some() && old.boundary_edges(old.vertex(half_edge) as usize).is_some();
+            if !on_edge || old.twin(half_edge) == NONE {
+                return half_edge;
             }
-            let e = old.edge(corner);
-            self.edge_face(e) + if old.halves(e as usize)[0] == corner { 0 } else { 2 }
+            let e = old.edge(half_edge);
+            self.edge_face(e) + if old.halves(e as usize)[0] == half_edge { 0 } else { 2 }
         };
         (0..index(old.n_half_edges())).into_par_iter().with_min_len(GRAIN).map(first).collect()
     }

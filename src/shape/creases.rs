@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::indices::MAX_REPORTED;
 use super::topology::{Topology, index};
 use crate::fault::Fault;
 
@@ -23,12 +24,12 @@ pub struct Tags {
     pub corners: Sharp,
 }
 
-/// Most faults reported one by one.
-const MAX_REPORTED: usize = 20;
+/// The sharpness of what a client tags, with the place of its first tag.
+type Tagged<K> = BTreeMap<K, (usize, f64)>;
 
 /// Sharp edges as pairs of vertices, checked as far as that needs no faces.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Pairs(BTreeMap<(u32, u32), (usize, f64)>);
+pub(super) struct Pairs(Tagged<(u32, u32)>);
 
 /// The sharpness of a request as it is meant, or why it is none.
 fn sharpness(value: f64) -> Result<f64, String> {
@@ -48,64 +49,58 @@ fn vertex(v: u64, n: usize, place: &str, faults: &mut Vec<Fault>) -> Option<u32>
     found
 }
 
-/// Two sharpnesses of one vertex or edge: the first with its place, the second at `place`.
-fn two_values(place: &str, what: &str, (known, first): (f64, &str), value: f64) -> Fault {
-    let [before, after] = [format!("{what} has sharpness {known} at "), format!(" and {value} here; give it one")];
-    Fault::with_other(format!("{place}/sharpness"), [&before, first, &after])
-}
-
-/// Checks the sharpness of vertices.
-pub(super) fn check_corners(corners: &[(u64, f64)], n: usize, faults: &mut Vec<Fault>) -> Sharp {
-    let mut found: BTreeMap<u32, (usize, f64)> = BTreeMap::new();
+/// Checks the sharpness of vertices or edges, which stand in the list `list`: `known` finds what a tag means, at this
+/// place, or adds faults, and names it.
+fn check<T, K: Ord + Copy>(
+    list: &str,
+    tags: &[(T, f64)],
+    known: impl Fn(&T, &str, &mut Vec<Fault>) -> Option<(K, String)>,
+    faults: &mut Vec<Fault>,
+) -> Tagged<K> {
+    let mut found = Tagged::new();
     let mut wrong = Vec::new();
-    for (i, &(v, value)) in corners.iter().enumerate() {
+    for (i, (what, value)) in tags.iter().enumerate() {
         if wrong.len() >= MAX_REPORTED {
             break;
         }
-        let place = format!("/corners/{i}");
-        let v = vertex(v, n, &format!("{place}/vertex"), &mut wrong);
-        match (v, sharpness(value)) {
+        let place = format!("{list}/{i}");
+        let what = known(what, &place, &mut wrong);
+        match (what, sharpness(*value)) {
             (_, Err(detail)) => wrong.push(Fault::new(format!("{place}/sharpness"), detail)),
             (None, Ok(_)) => {}
-            (Some(v), Ok(value)) => {
-                let (first, known) = *found.entry(v).or_insert((i, value));
+            (Some((key, name)), Ok(value)) => {
+                let (first, known) = *found.entry(key).or_insert((i, value));
                 if known.to_bits() != value.to_bits() {
-                    let what = format!("vertex {v}");
-                    wrong.push(two_values(&place, &what, (known, &format!("/corners/{first}")), value));
+                    let before = format!("{name} has sharpness {known} at ");
+                    let detail = [&before, &format!("{list}/{first}"), &format!(" and {value} here; give it one")];
+                    wrong.push(Fault::with_other(format!("{place}/sharpness"), detail.map(String::as_str)));
                 }
             }
         }
     }
     faults.extend(wrong.into_iter().take(MAX_REPORTED));
+    found
+}
+
+/// Checks the sharpness of vertices.
+pub(super) fn check_corners(corners: &[(u64, f64)], n: usize, faults: &mut Vec<Fault>) -> Sharp {
+    let known = |&v: &u64, place: &str, faults: &mut Vec<Fault>| {
+        let v = vertex(v, n, &format!("{place}/vertex"), faults)?;
+        Some((v, format!("vertex {v}")))
+    };
+    let found = check("/corners", corners, known, faults);
     found.into_iter().map(|(v, (_, value))| (v, value)).filter(|&(_, value)| value > 0.0).collect()
 }
 
 impl Pairs {
     /// Checks the sharpness of edges, except whether the edges exist.
     pub(super) fn check(creases: &[([u64; 2], f64)], n: usize, faults: &mut Vec<Fault>) -> Self {
-        let mut found: BTreeMap<(u32, u32), (usize, f64)> = BTreeMap::new();
-        let mut wrong = Vec::new();
-        for (i, &(ends, value)) in creases.iter().enumerate() {
-            if wrong.len() >= MAX_REPORTED {
-                break;
-            }
-            let place = format!("/creases/{i}");
-            let [a, b] = [0, 1].map(|j| vertex(ends[j], n, &format!("{place}/edge/{j}"), &mut wrong));
-            let value = sharpness(value).map_err(|detail| Fault::new(format!("{place}/sharpness"), detail));
-            match (a, b, value) {
-                (_, _, Err(fault)) => wrong.push(fault),
-                (Some(a), Some(b), Ok(value)) => {
-                    let (first, known) = *found.entry((a.min(b), a.max(b))).or_insert((i, value));
-                    if known.to_bits() != value.to_bits() {
-                        let what = format!("edge ({a}, {b})");
-                        wrong.push(two_values(&place, &what, (known, &format!("/creases/{first}")), value));
-                    }
-                }
-                _ => {}
-            }
-        }
-        faults.extend(wrong.into_iter().take(MAX_REPORTED));
-        Self(found)
+        let known = |ends: &[u64; 2], place: &str, faults: &mut Vec<Fault>| {
+            let [a, b] = [0, 1].map(|j| vertex(ends[j], n, &format!("{place}/edge/{j}"), faults));
+            let (a, b) = a.zip(b)?;
+            Some(((a.min(b), a.max(b)), format!("edge ({a}, {b})")))
+        };
+        Self(check("/creases", creases, known, faults))
     }
 
     /// The sharp edges of a topology. Boundary edges are infinitely sharp whatever their tag says, so they are left

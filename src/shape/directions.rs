@@ -2,11 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use super::indices::MAX_REPORTED;
 use super::topology::{NONE, Topology, index};
 use crate::fault::Fault;
-
-/// Most faults reported one by one.
-const MAX_REPORTED: usize = 20;
 
 /// The direction of an edge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
@@ -38,7 +36,7 @@ pub struct Directions(Vec<Direction>);
 /// A latitude line: vertices one after another along latitude edges.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Line {
-    /// Its vertices, in order.
+    /// The vertices of the line, in order.
     pub vertices: Vec<u32>,
     /// Whether the last one is joined to the first.
     pub closed: bool,
@@ -127,7 +125,7 @@ impl Directions {
     #[must_use]
     pub fn split(&self, topology: &Topology) -> Self {
         let halves = self.0.iter().flat_map(|&direction| [direction; 2]);
-        let spokes = (0..index(topology.n_half_edges())).map(|corner| match self.of(topology.edge(corner)) {
+        let spokes = (0..index(topology.n_half_edges())).map(|half_edge| match self.of(topology.edge(half_edge)) {
             Direction::Untagged => Direction::Untagged,
             Direction::Latitude => Direction::Longitude,
             Direction::Longitude => Direction::Latitude,
@@ -161,41 +159,36 @@ impl Directions {
             let [a, b] = topology.ends(next as usize);
             Some((next, if a == v { b } else { a }))
         };
-        let mut lines = Vec::new();
-        for start in self.edges(Direction::Latitude) {
-            if seen[start as usize] {
-                continue;
-            }
-            seen[start as usize] = true;
-            let [first, second] = topology.ends(start as usize);
-            let mut vertices = vec![first, second];
-            let mut closed = false;
-            let mut at = (start, second);
+        // the vertices that follow edge `start` beyond its end `v`, and whether the walk came back to that edge
+        let walk = |seen: &mut [bool], start: u32, v: u32| {
+            let (mut vertices, mut at) = (Vec::new(), (start, v));
             while let Some((edge, v)) = onward(at.0, at.1) {
-                if seen[edge as usize] {
-                    closed = edge == start;
-                    break;
+                if std::mem::replace(&mut seen[edge as usize], true) {
+                    return (vertices, edge == start);
                 }
-                seen[edge as usize] = true;
                 vertices.push(v);
                 at = (edge, v);
             }
+            (vertices, false)
+        };
+        let mut lines = Vec::new();
+        for start in self.edges(Direction::Latitude) {
+            if std::mem::replace(&mut seen[start as usize], true) {
+                continue;
+            }
+            let [first, second] = topology.ends(start as usize);
+            let (mut after, closed) = walk(&mut seen, start, second);
+            let mut before = Vec::new();
             if closed {
                 // the walk came back to the first vertex before it met the first edge again
-                vertices.pop();
+                after.pop();
             } else {
-                let mut before = Vec::new();
-                at = (start, first);
-                while let Some((edge, v)) = onward(at.0, at.1).filter(|(edge, _)| !seen[*edge as usize]) {
-                    seen[edge as usize] = true;
-                    before.push(v);
-                    at = (edge, v);
-                }
-                before.reverse();
-                before.append(&mut vertices);
-                vertices = before;
+                before = walk(&mut seen, start, first).0;
             }
-            lines.push(Line { vertices, closed });
+            lines.push(Line {
+                vertices: before.into_iter().rev().chain([first, second]).chain(after).collect(),
+                closed,
+            });
         }
         lines
     }

@@ -15,7 +15,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// Its length in metres.
+    /// The length of the unit in metres.
     pub fn metres(self) -> f64 {
         match self {
             Self::Metre => 1.0,
@@ -25,7 +25,7 @@ impl Unit {
         }
     }
 
-    /// Its name in requests and in comments of files.
+    /// The name of the unit in requests and in comments of files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Metre => "m",
@@ -55,7 +55,7 @@ impl Up {
         }
     }
 
-    /// Its name in requests and in comments of files.
+    /// The name of the axis in requests and in comments of files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Y => "y",

@@ -6,6 +6,7 @@
 //! first axis towards corner 1); any other face has its centre, then each spoke from the midpoint of edge 0, 1, ... to
 //! the centre, then the inside of the quad at corner 0, 1, ..., row by row. Faces stand by base face, row by row.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::line::{Line, quads};
@@ -146,8 +147,7 @@ impl Grid {
         if v < self.first_inner() {
             return Origin { dimension: 1, cell: index((v - on_edges) / (self.n() - 1)) };
         }
-        let inner = index(v - self.first_inner());
-        Origin { dimension: 2, cell: index(self.inner.partition_point(|&first| first <= inner) - 1) }
+        Origin { dimension: 2, cell: index(self.face_around(v)) }
     }
 
     /// First face of base face `f`.
@@ -239,9 +239,33 @@ impl Grid {
                 self.descended(f, place)
             };
         }
+        let f = self.face_around(v);
+        self.constructed_in_face(f, v - self.first_inner() - self.inner[f] as usize)
+    }
+
+    /// Calls `each` with the number of each vertex in `range` in the order of construction.
+    pub fn each_constructed(&self, range: Range<usize>, mut each: impl FnMut(u32)) {
+        let inside = self.first_inner();
+        (range.start..range.end.min(inside)).for_each(|v| each(self.constructed(v)));
+        let mut v = range.start.max(inside);
+        while v < range.end {
+            let f = self.face_around(v);
+            let first = inside + self.inner[f] as usize;
+            let end = range.end.min(first + self.inner_of(f));
+            (v - first..end - first).for_each(|inner| each(self.constructed_in_face(f, inner)));
+            v = end;
+        }
+    }
+
+    /// The base face inside which vertex `v` lies.
+    fn face_around(&self, v: usize) -> usize {
         let inner = index(v - self.first_inner());
-        let f = self.inner.partition_point(|&first| first <= inner) - 1;
-        let place = self.place(f, (inner - self.inner[f]) as usize);
+        self.inner.partition_point(|&first| first <= inner) - 1
+    }
+
+    /// The number of inner vertex `inner` of a base face.
+    fn constructed_in_face(&self, f: usize, inner: usize) -> u32 {
+        let place = self.place(f, inner);
         if self.is_binary { self.constructed_inside(f, place) } else { self.descended(f, place) }
     }
 

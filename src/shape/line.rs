@@ -73,14 +73,9 @@ fn row_of_quads(lower: &Line, upper: &Line, from: usize, row: &mut [[u32; 4]]) {
     }
 }
 
-/// Writes the triangles between a line and the next of `n` lines, of which line `j` has `n - j` pieces, row by row, from
-/// triangle `first` of row `row` on, as many as `out` holds: upward and downward ones in turn.
-pub(super) fn triangles(
-    n: usize,
-    [row, first]: [usize; 2],
-    mut out: &mut [[u32; 3]],
-    line: impl Fn(usize) -> Line,
-) {
+/// Writes the triangles between a line and the next of `n` lines, of which line `j` has `n - j` pieces, row by row,
+/// from triangle `first` of row `row` on, as many as `out` holds: upward and downward ones in turn.
+pub(super) fn triangles(n: usize, [row, first]: [usize; 2], mut out: &mut [[u32; 3]], line: impl Fn(usize) -> Line) {
     let (mut j, mut from) = (row, first);
     let mut lower = line(j);
     while !out.is_empty() {

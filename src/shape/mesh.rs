@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use super::attachments::{Attachments, AttachmentsInput};
 use super::attributes::Attributes;
-use super::check::{FaceList, MAX_REPORTED, Winding};
+use super::check::{FaceList, Winding};
 use super::creases::{INFINITE_SHARPNESS, Pairs, Sharp, Tags, check_corners};
 use super::directions::Directions;
+use super::indices::check_indices;
 use super::repairs::{Faces, Repair};
 use super::topology::{Topology, index};
 use crate::fault::{Fault, under};
@@ -31,7 +32,7 @@ pub struct Mesh {
     pub attributes: Option<Attributes>,
     /// Directions of its edges along latitude and longitude lines.
     pub directions: Option<Directions>,
-    /// What it carries besides its shape.
+    /// What the mesh carries besides its shape.
     pub attachments: Arc<Attachments>,
     /// For each of its last vertices, which were not in the input: the vertex of the input it was split from.
     pub split_from: Arc<[u32]>,
@@ -60,7 +61,7 @@ pub struct MeshInput {
     pub longitude: Vec<[u64; 2]>,
     /// What to do with inconsistent winding.
     pub winding: Winding,
-    /// What it carries besides its shape.
+    /// What the mesh carries besides its shape.
     pub attachments: AttachmentsInput,
     /// What its reader says of it, in sentences.
     pub notes: Vec<String>,
@@ -96,7 +97,7 @@ impl Mesh {
         }
         let corners = check_corners(&input.corners, n, &mut faults);
         let pairs = Pairs::check(&input.creases, n, &mut faults);
-        let holes = check_holes(&input.holes, n_faces, &mut faults);
+        let holes = check_indices("/holes", "face", &input.holes, ("mesh", n_faces), &mut faults);
         let checked = match Topology::of_faces(n, input.faces, input.winding) {
             Ok(checked) => checked,
             Err(found) => {
@@ -171,22 +172,4 @@ fn check_positions(positions: &[[f64; 3]]) -> Vec<Fault> {
     let wrong = positions.iter().enumerate().filter_map(|(i, p)| Some((i, p.iter().position(|x| !x.is_finite())?, p)));
     let faults = wrong.map(|(i, j, p)| Fault::new(format!("/{i}/{j}"), format!("{} is not a finite number", p[j])));
     under("/positions", faults.take(20).collect())
-}
-
-fn check_holes(holes: &[u64], n_faces: usize, faults: &mut Vec<Fault>) -> Vec<u32> {
-    let mut found = Vec::new();
-    let most = faults.len() + MAX_REPORTED;
-    for (i, &hole) in holes.iter().enumerate() {
-        match u32::try_from(hole) {
-            Ok(face) if (face as usize) < n_faces => found.push(face),
-            _ if faults.len() == most => {}
-            _ => {
-                let detail = format!("there is no face {hole}; the mesh has {n_faces}, counted from 0");
-                faults.push(Fault::new(format!("/holes/{i}"), detail));
-            }
-        }
-    }
-    found.sort_unstable();
-    found.dedup();
-    found
 }

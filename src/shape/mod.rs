@@ -8,6 +8,7 @@ pub mod creases;
 pub mod directions;
 pub mod frame;
 pub mod grid;
+mod indices;
 pub mod labels;
 mod line;
 pub mod mesh;

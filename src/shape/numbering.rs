@@ -54,9 +54,9 @@ impl Numbering {
             corners: topology.n_half_edges() as u64,
         };
         let faces = 0..topology.n_faces();
-        let sides = faces.clone().flat_map(|f| topology.half_edges(f)).map(|corner| {
-            let edge = topology.edge(corner);
-            Side { edge: edge.into(), forward: topology.halves(edge as usize)[0] == corner }
+        let sides = faces.clone().flat_map(|f| topology.half_edges(f)).map(|half_edge| {
+            let edge = topology.edge(half_edge);
+            Side { edge: edge.into(), forward: topology.halves(edge as usize)[0] == half_edge }
         });
         let sides = sides.collect();
         let face = |f: usize| Face { number: f as u64, start: topology.half_edges(f).start.into(), turn: 0 };
@@ -94,16 +94,16 @@ impl Numbering {
             let face = self.faces[f];
             let turn = (face.turn + first - range.start) % (range.end - range.start);
             part.faces.push(Face { turn, ..face });
-            let mut corner = first;
+            let mut half_edge = first;
             for _ in range {
-                part.sides.push(self.sides[corner as usize]);
-                corner = topology.next(corner);
+                part.sides.push(self.sides[half_edge as usize]);
+                half_edge = topology.next(half_edge);
             }
         }
         part.with_vertices(self, vertices)
     }
 
-    /// The same part with other vertices: for each its number in `of`.
+    /// This part with other vertices: each has its number in `of`.
     fn with_vertices(self, of: &Self, vertices: &[u32]) -> Self {
         Self { vertices: vertices.iter().map(|&v| of.vertices[v as usize]).collect(), ..self }
     }
@@ -138,10 +138,10 @@ impl Numbering {
         };
         for f in 0..topology.n_faces() {
             for child in topology.half_edges(f) {
-                let corner = topology.parent_half_edge(child);
-                let before = topology.previous(corner);
-                let [along, back] = [corner, before].map(|corner| self.sides[corner as usize]);
-                let [here, there] = [corner, before].map(|corner| self.corner(topology, f, corner));
+                let half_edge = topology.parent_half_edge(child);
+                let before = topology.previous(half_edge);
+                let [along, back] = [half_edge, before].map(|half_edge| self.sides[half_edge as usize]);
+                let [here, there] = [half_edge, before].map(|half_edge| self.corner(topology, f, half_edge));
                 let half = |side: Side, second: bool| {
                     let number = side.edge.wrapping_mul(2).wrapping_add(u64::from(second == side.forward));
                     Side { edge: number, forward: side.forward }
@@ -153,7 +153,7 @@ impl Numbering {
                 let sides = [half(along, false), spoke(here, true), spoke(there, false), half(back, true)];
                 let is_quad = topology.half_edges(f).len() == 4;
                 // the quads of a quad keep its orientation, those of other faces start at their vertex
-                let first = if is_quad { corner - topology.half_edges(f).start } else { 0 };
+                let first = if is_quad { half_edge - topology.half_edges(f).start } else { 0 };
                 split.sides.extend((0..4).map(|at| sides[((at + 4 - first) % 4) as usize]));
                 let (start, j) = here;
                 let (place, turn) = if is_quad { (ROW_BY_ROW[j as usize], (j + 4 - first) % 4) } else { (j, 0) };
@@ -165,8 +165,8 @@ impl Numbering {
     }
 
     /// A corner of face `f` in the whole net: the first corner of the face, and how many follow up to this one.
-    fn corner(&self, topology: &Topology, f: usize, corner: u32) -> (u64, u32) {
+    fn corner(&self, topology: &Topology, f: usize, half_edge: u32) -> (u64, u32) {
         let (face, range) = (self.faces[f], topology.half_edges(f));
-        (face.start, (corner - range.start + face.turn) % (range.end - range.start))
+        (face.start, (half_edge - range.start + face.turn) % (range.end - range.start))
     }
 }

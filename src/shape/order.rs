@@ -101,6 +101,14 @@ impl Order {
         }
     }
 
+    /// Calls `each` with the number of each vertex in `range` in the order of construction.
+    pub fn each_constructed(&self, range: Range<usize>, each: impl FnMut(u32)) {
+        match self {
+            Self::Quads(grid) => grid.each_constructed(range, each),
+            Self::Triangles(grid) => range.map(|v| grid.constructed(v)).for_each(each),
+        }
+    }
+
     /// The number of vertex `v` in the order of construction.
     pub fn constructed(&self, v: usize) -> u32 {
         match self {

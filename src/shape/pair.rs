@@ -52,13 +52,13 @@ pub fn pair(positions: &[[f64; 3]], faces: &FaceList, may_join: impl Fn(Diagonal
 /// The edge that would vanish.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Diagonal {
-    /// Its two faces, the lower first.
+    /// The two faces at the edge, the lower first.
     pub faces: [u32; 2],
     /// The places of its two ends in the lower face.
     pub lower: [u32; 2],
     /// The places of the same two ends in the higher face.
     pub higher: [u32; 2],
-    /// Its two ends.
+    /// The two ends of the edge.
     pub ends: [u32; 2],
 }
 

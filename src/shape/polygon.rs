@@ -1,9 +1,9 @@
 //! Control polygons.
 
 use super::attributes::Attributes;
-use super::check::MAX_REPORTED;
+use super::indices::{MAX_REPORTED, check_indices};
 use crate::fault::{Fault, under};
-use crate::math::functions::sqrt;
+use crate::math::vector::reduce;
 
 /// Most coordinates a point may have.
 pub const MAX_DIMENSION: usize = 4;
@@ -46,7 +46,7 @@ impl Polygon {
         let dimension = points.first().map_or(1, Vec::len);
         let wrong = points.iter().enumerate().filter_map(|(i, point)| check_point(i, point, dimension));
         faults.extend(wrong.take(MAX_REPORTED));
-        let corners = check_indices("/corners", corners, points.len(), &mut faults);
+        let corners = check_indices("/corners", "point", corners, ("polygon", points.len()), &mut faults);
         if !faults.is_empty() {
             return Err(faults);
         }
@@ -95,7 +95,7 @@ impl Polygon {
     /// point does not exist.
     pub fn steered(self, tangents: Option<&[Vec<f64>]>, pinned: &[u64]) -> Result<Self, Vec<Fault>> {
         let mut faults = Vec::new();
-        let mut pinned = check_indices("/pinned", pinned, self.len(), &mut faults);
+        let mut pinned = check_indices("/pinned", "point", pinned, ("polygon", self.len()), &mut faults);
         // at the ends of an open polygon tangents stay in any case
         pinned.retain(|&i| self.closed || i > 0 && i as usize + 1 < self.len());
         let tangents = tangents.map(|tangents| self.directions(tangents, &mut faults));
@@ -115,20 +115,17 @@ impl Polygon {
             if faults.len() == most_faults {
                 break;
             }
-            let most = tangent.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+            let mut direction: Vec<f64> = tangent.iter().map(|x| x + 0.0).collect();
             if tangent.len() != self.dimension {
                 let detail =
                     format!("{} coordinates; points have {}, and so have tangents", tangent.len(), self.dimension);
                 faults.push(Fault::new(place, detail));
             } else if let Some(j) = tangent.iter().position(|x| !x.is_finite()) {
                 faults.push(Fault::new(format!("{place}/{j}"), format!("{} is not a finite number", tangent[j])));
-            } else if most == 0.0 {
-                faults.push(Fault::new(place, "the vector 0 has no direction; give a tangent of any other length"));
+            } else if let Some(length) = reduce(&mut direction) {
+                directions.extend(direction.iter().map(|x| x / length + 0.0));
             } else {
-                // divided by the largest coordinate first, so that no square overflows
-                let scaled = tangent.iter().map(|x| x / most + 0.0);
-                let norm = sqrt(scaled.clone().map(|x| x * x).sum());
-                directions.extend(scaled.map(|x| x / norm));
+                faults.push(Fault::new(place, "the vector 0 has no direction; give a tangent of any other length"));
             }
         }
         directions
@@ -161,23 +158,4 @@ fn check_point(i: usize, point: &[f64], dimension: usize) -> Option<Fault> {
     }
     let j = point.iter().position(|x| !x.is_finite())?;
     Some(Fault::new(format!("{}/{j}", place()), format!("{} is not a finite number", point[j])))
-}
-
-/// Indices of points in ascending order.
-fn check_indices(place: &str, indices: &[u64], n: usize, faults: &mut Vec<Fault>) -> Vec<u32> {
-    let mut found = Vec::with_capacity(indices.len());
-    let most = faults.len() + MAX_REPORTED;
-    for (i, &given) in indices.iter().enumerate() {
-        match u32::try_from(given) {
-            Ok(index) if (index as usize) < n => found.push(index),
-            _ if faults.len() == most => {}
-            _ => {
-                let detail = format!("there is no point {given}; the polygon has {n}, counted from 0");
-                faults.push(Fault::new(format!("{place}/{i}"), detail));
-            }
-        }
-    }
-    found.sort_unstable();
-    found.dedup();
-    found
 }

@@ -32,9 +32,9 @@ impl Topology {
         let mut vertices = vec![0; 3 * n_c];
         let mut edge_of = vec![0; 3 * n_c];
         let triangles = vertices.par_chunks_exact_mut(3).zip(edge_of.par_chunks_exact_mut(3));
-        triangles.enumerate().with_min_len(GRAIN).for_each(|(corner, (vertices, edges))| {
-            vertices.copy_from_slice(&split.triangle(index(corner)));
-            edges.copy_from_slice(&split.sides(index(corner)));
+        triangles.enumerate().with_min_len(GRAIN).for_each(|(half_edge, (vertices, edges))| {
+            vertices.copy_from_slice(&split.triangle(index(half_edge)));
+            edges.copy_from_slice(&split.sides(index(half_edge)));
         });
         Self {
             n_vertices: self.n_vertices() + self.n_faces() + split.cut.len(),
@@ -69,24 +69,24 @@ impl<'a> RootThree<'a> {
 
     /// The boundary corner of the face of a corner, if its edge is cut.
     #[inline]
-    fn cut_in(&self, corner: u32) -> Option<u32> {
+    fn cut_in(&self, half_edge: u32) -> Option<u32> {
         if self.cut.is_empty() {
             return None;
         }
-        let mut corners = self.old.half_edges(self.old.face_of(corner));
-        corners.find(|&corner| self.old.twin(corner) == NONE)
+        let mut corners = self.old.half_edges(self.old.face_of(half_edge));
+        corners.find(|&half_edge| self.old.twin(half_edge) == NONE)
     }
 
     /// Place of a boundary corner among those that are cut.
-    fn rank(&self, corner: u32) -> u32 {
-        let edge = self.old.edge(corner);
+    fn rank(&self, half_edge: u32) -> u32 {
+        let edge = self.old.edge(half_edge);
         index(self.cut.partition_point(|&other| self.old.edge(other) < edge))
     }
 
     /// The vertex next to the start of the cut edge of a face, or the vertex of a face without one.
     #[inline]
-    fn vertex_of(&self, corner: u32) -> u32 {
-        index(self.old.n_vertices() + self.old.face_of(corner))
+    fn vertex_of(&self, half_edge: u32) -> u32 {
+        index(self.old.n_vertices() + self.old.face_of(half_edge))
     }
 
     /// The vertex next to the end of a cut edge.
@@ -96,29 +96,31 @@ impl<'a> RootThree<'a> {
 
     /// The vertex of a face as it is seen from one of its inner edges.
     #[inline]
-    fn centre(&self, corner: u32) -> u32 {
-        match self.cut_in(corner) {
-            Some(cut) if self.old.next(cut) == corner => self.second(cut),
-            _ => self.vertex_of(corner),
+    fn centre(&self, half_edge: u32) -> u32 {
+        match self.cut_in(half_edge) {
+            Some(cut) if self.old.next(cut) == half_edge => self.second(cut),
+            _ => self.vertex_of(half_edge),
         }
     }
 
     /// The new triangle at a corner.
     #[inline]
-    fn triangle(&self, corner: u32) -> [u32; 3] {
+    fn triangle(&self, half_edge: u32) -> [u32; 3] {
         let old = self.old;
-        let twin = old.twin(corner);
+        let twin = old.twin(half_edge);
         match self.boundary {
-            _ if twin != NONE => [old.vertex(corner), self.centre(twin), self.centre(corner)],
-            BoundarySplit::Whole => [old.vertex(corner), old.vertex(old.next(corner)), self.vertex_of(corner)],
-            BoundarySplit::Thirds => [self.vertex_of(corner), self.second(corner), old.vertex(old.previous(corner))],
+            _ if twin != NONE => [old.vertex(half_edge), self.centre(twin), self.centre(half_edge)],
+            BoundarySplit::Whole => [old.vertex(half_edge), old.vertex(old.next(half_edge)), self.vertex_of(half_edge)],
+            BoundarySplit::Thirds => {
+                [self.vertex_of(half_edge), self.second(half_edge), old.vertex(old.previous(half_edge))]
+            }
         }
     }
 
     /// The edge between a corner's vertex and the vertex of its face, as the triangle across the edge before it has it.
     #[inline]
-    fn spoke(&self, corner: u32) -> u32 {
-        index(self.old.n_edges()) + corner
+    fn spoke(&self, half_edge: u32) -> u32 {
+        index(self.old.n_edges()) + half_edge
     }
 
     /// The second spoke at the vertex opposite a cut edge, to the new vertex next to the edge's end.
@@ -128,23 +130,23 @@ impl<'a> RootThree<'a> {
 
     /// The spoke at a corner to the centre that the inner edge of `from`, of the same face, sees.
     #[inline]
-    fn spoke_seen(&self, corner: u32, from: u32) -> u32 {
-        match self.cut_in(corner) {
-            Some(cut) if self.old.next(cut) == from && self.old.previous(cut) == corner => self.extra_spoke(cut),
-            _ => self.spoke(corner),
+    fn spoke_seen(&self, half_edge: u32, from: u32) -> u32 {
+        match self.cut_in(half_edge) {
+            Some(cut) if self.old.next(cut) == from && self.old.previous(cut) == half_edge => self.extra_spoke(cut),
+            _ => self.spoke(half_edge),
         }
     }
 
     /// Edges of the new triangle at a corner. Those of inner old edges cross them, a boundary edge keeps its number,
     /// and so does the middle third of one that is cut.
     #[inline]
-    fn sides(&self, corner: u32) -> [u32; 3] {
+    fn sides(&self, half_edge: u32) -> [u32; 3] {
         let old = self.old;
-        let (edge, twin) = (old.edge(corner), old.twin(corner));
+        let (edge, twin) = (old.edge(half_edge), old.twin(half_edge));
         match self.boundary {
-            _ if twin != NONE => [self.spoke_seen(old.next(twin), twin), edge, self.spoke_seen(corner, corner)],
-            BoundarySplit::Whole => [edge, self.spoke(old.next(corner)), self.spoke(corner)],
-            BoundarySplit::Thirds => [edge, self.extra_spoke(corner), self.spoke(old.previous(corner))],
+            _ if twin != NONE => [self.spoke_seen(old.next(twin), twin), edge, self.spoke_seen(half_edge, half_edge)],
+            BoundarySplit::Whole => [edge, self.spoke(old.next(half_edge)), self.spoke(half_edge)],
+            BoundarySplit::Thirds => [edge, self.extra_spoke(half_edge), self.spoke(old.previous(half_edge))],
         }
     }
 
@@ -155,8 +157,10 @@ impl<'a> RootThree<'a> {
             let [first, second] = old.halves(e);
             if second == NONE { [3 * first, NONE] } else { [3 * first + 1, 3 * second + 1] }
         });
-        let spokes =
-            (0..index(old.n_half_edges())).into_par_iter().with_min_len(GRAIN).map(|corner| self.on_spoke(corner));
+        let spokes = (0..index(old.n_half_edges()))
+            .into_par_iter()
+            .with_min_len(GRAIN)
+            .map(|half_edge| self.on_spoke(half_edge));
         let extra = self.cut.par_iter().map(|&cut| {
             // from the vertex opposite to the second new vertex: seen from across, and from the middle triangle
             [3 * old.twin(old.next(cut)), 3 * cut + 1]
@@ -166,19 +170,19 @@ impl<'a> RootThree<'a> {
 
     /// Corners on a spoke; the first runs towards the vertex of the face unless there is only the other.
     #[inline]
-    fn on_spoke(&self, corner: u32) -> [u32; 2] {
+    fn on_spoke(&self, half_edge: u32) -> [u32; 2] {
         let old = self.old;
-        let before = old.previous(corner);
-        match self.cut_in(corner) {
+        let before = old.previous(half_edge);
+        match self.cut_in(half_edge) {
             // at the start of a cut edge: a boundary edge now
-            Some(cut) if cut == corner => [3 * old.twin(before), NONE],
+            Some(cut) if cut == half_edge => [3 * old.twin(before), NONE],
             // at its end: a boundary edge towards the end
-            Some(cut) if old.next(cut) == corner => [3 * corner + 2, NONE],
+            Some(cut) if old.next(cut) == half_edge => [3 * half_edge + 2, NONE],
             // at the third vertex, to the first new vertex: the middle triangle has it, too
-            Some(cut) => [3 * cut + 2, 3 * corner + 2],
+            Some(cut) => [3 * cut + 2, 3 * half_edge + 2],
             None => {
                 let towards = if old.twin(before) == NONE { 3 * before + 1 } else { 3 * old.twin(before) };
-                [towards, 3 * corner + 2]
+                [towards, 3 * half_edge + 2]
             }
         }
     }
@@ -187,15 +191,15 @@ impl<'a> RootThree<'a> {
     fn outgoing(&self) -> Vec<u32> {
         let old = self.old;
         let kept = |v: usize| {
-            let corner = old.outgoing[v];
-            if corner == NONE {
+            let half_edge = old.outgoing[v];
+            if half_edge == NONE {
                 return NONE;
             }
-            if self.boundary == BoundarySplit::Whole || old.twin(corner) != NONE {
-                return 3 * corner;
+            if self.boundary == BoundarySplit::Whole || old.twin(half_edge) != NONE {
+                return 3 * half_edge;
             }
             // the boundary goes on to the first new vertex: the triangle beyond the edge before has that edge
-            3 * old.twin(old.previous(corner))
+            3 * old.twin(old.previous(half_edge))
         };
         let of_face = |f: usize| {
             let first = old.half_edges(f).start;

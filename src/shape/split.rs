@@ -21,9 +21,9 @@ impl Topology {
         let mut edge_of = vec![0; 4 * n_c];
         let quads = vertices.par_chunks_exact_mut(4).zip(edge_of.par_chunks_exact_mut(4));
         quads.enumerate().with_min_len(1024).for_each(|(child, (vertices, edges))| {
-            let corner = self.parent_half_edge(index(child));
-            let rotation = self.child(corner, 0) & 3;
-            let (quad, sides) = (self.child_quad(corner), self.child_edges(corner));
+            let half_edge = self.parent_half_edge(index(child));
+            let rotation = self.child(half_edge, 0) & 3;
+            let (quad, sides) = (self.child_quad(half_edge), self.child_edges(half_edge));
             for i in 0..4 {
                 let at = (i + rotation as usize) & 3;
                 vertices[at] = quad[i];
@@ -31,9 +31,9 @@ impl Topology {
             }
         });
         let halves = (0..2 * n_e).into_par_iter().with_min_len(1024).map(|half| self.half_corners(half));
-        let spokes = (0..n_c).into_par_iter().with_min_len(1024).map(|corner| {
-            let corner = index(corner);
-            [self.child(corner, 1), self.child(self.next(corner), 2)]
+        let spokes = (0..n_c).into_par_iter().with_min_len(1024).map(|half_edge| {
+            let half_edge = index(half_edge);
+            [self.child(half_edge, 1), self.child(self.next(half_edge), 2)]
         });
         let kept = self.outgoing.par_iter().map(|&c| if c == NONE { NONE } else { self.child(c, 0) });
         let on_edges = self.halves.par_iter().map(|corners| self.child(self.next(corners[0]), 3));
@@ -50,22 +50,22 @@ impl Topology {
 
     /// The vertices of the child quad of a corner: its vertex, edge point, face point, edge point before.
     #[inline]
-    pub fn child_quad(&self, corner: u32) -> [u32; 4] {
+    pub fn child_quad(&self, half_edge: u32) -> [u32; 4] {
         let (n_v, n_e) = (index(self.n_vertices()), index(self.n_edges()));
-        let face = index(self.face_of(corner));
-        let before = self.edge(self.previous(corner));
-        [self.vertex(corner), n_v + self.edge(corner), n_v + n_e + face, n_v + before]
+        let face = index(self.face_of(half_edge));
+        let before = self.edge(self.previous(half_edge));
+        [self.vertex(half_edge), n_v + self.edge(half_edge), n_v + n_e + face, n_v + before]
     }
 
-    /// Child corner `i` (0 to 3, counted from the vertex) in the child quad of `corner`.
+    /// Child corner `i` (0 to 3, counted from the vertex) in the child quad of `half_edge`.
     #[inline]
-    fn child(&self, corner: u32, i: u32) -> u32 {
-        let range = self.half_edges(self.face_of(corner));
-        let j = corner - range.start;
+    fn child(&self, half_edge: u32, i: u32) -> u32 {
+        let range = self.half_edges(self.face_of(half_edge));
+        let j = half_edge - range.start;
         if range.end - range.start == 4 {
             4 * (range.start + ROW_BY_ROW[j as usize]) + ((j + i) & 3)
         } else {
-            4 * corner + i
+            4 * half_edge + i
         }
     }
 
@@ -78,15 +78,15 @@ impl Topology {
 
     /// Edges of the child quad of a corner, in the order of [`Topology::child_quad`].
     #[inline]
-    fn child_edges(&self, corner: u32) -> [u32; 4] {
+    fn child_edges(&self, half_edge: u32) -> [u32; 4] {
         let n_e = index(self.n_edges());
-        let before = self.previous(corner);
-        let (edge, edge_before) = (self.edge(corner), self.edge(before));
-        let forward = self.halves[edge as usize][0] == corner;
+        let before = self.previous(half_edge);
+        let (edge, edge_before) = (self.edge(half_edge), self.edge(before));
+        let forward = self.halves[edge as usize][0] == half_edge;
         let forward_before = self.halves[edge_before as usize][0] == before;
         [
             2 * edge + u32::from(!forward),
-            2 * n_e + corner,
+            2 * n_e + half_edge,
             2 * n_e + before,
             2 * edge_before + u32::from(forward_before),
         ]

@@ -91,9 +91,9 @@ impl<'a> Tiling<'a> {
 
     /// A corner of the parent's face, its side, and a place so many steps along an edge of the parent.
     pub(super) fn along(&self, edge: usize, at: usize) -> (usize, [usize; 2]) {
-        let corner = self.parent.halves(edge)[0];
-        let face = self.parent.face_of(corner);
-        let side = corner - self.parent.half_edges(face).start;
+        let half_edge = self.parent.halves(edge)[0];
+        let face = self.parent.face_of(half_edge);
+        let side = half_edge - self.parent.half_edges(face).start;
         (face, self.tile.along(self.pieces, side, at))
     }
 
@@ -104,9 +104,9 @@ impl<'a> Tiling<'a> {
     }
 
     /// The corner whose half-edge is this piece, counted along the half-edge of a corner of the parent.
-    fn piece(&self, corner: u32, piece: usize) -> u32 {
-        let face = self.parent.face_of(corner);
-        let side = corner - self.parent.half_edges(face).start;
+    fn piece(&self, half_edge: u32, piece: usize) -> u32 {
+        let face = self.parent.face_of(half_edge);
+        let side = half_edge - self.parent.half_edges(face).start;
         self.corner(face, self.tile.at_side(self.pieces, side, piece), side)
     }
 
@@ -115,9 +115,9 @@ impl<'a> Tiling<'a> {
         let d = self.pieces;
         match self.tile.side(d, cell, side) {
             Piece::Outer(side, piece) => {
-                let corner = self.parent.half_edges(face).start + side;
-                let edge = self.parent.edge(corner) as usize;
-                let forward = self.parent.halves(edge)[0] == corner;
+                let half_edge = self.parent.half_edges(face).start + side;
+                let edge = self.parent.edge(half_edge) as usize;
+                let forward = self.parent.halves(edge)[0] == half_edge;
                 index(edge * d + if forward { piece } else { d - 1 - piece })
             }
             Piece::Inner(number) => index(self.parent.n_edges() * d + face * self.tile.inner_edges(d) + number),

@@ -4,6 +4,8 @@
 //! number also stands for the place where the face has the vertex it starts at. Half-edges are numbered face after
 //! face.
 
+use std::mem;
+
 use rayon::prelude::*;
 
 use crate::math::sharing::is_small;
@@ -223,6 +225,23 @@ impl Topology {
     /// Number of edges at vertex `v`.
     pub fn valence(&self, v: usize) -> usize {
         self.ring(v).count() + usize::from(self.boundary_edges(v).is_some())
+    }
+
+    /// The faces within so many rings of the vertices that are `reached`, which those of these faces are then, too.
+    pub fn faces_within(&self, rings: usize, reached: &mut [bool]) -> Vec<bool> {
+        let mut found = vec![false; self.n_faces()];
+        let mut front: Vec<usize> = (0..reached.len()).filter(|&v| reached[v]).collect();
+        for _ in 0..rings {
+            let mut next = Vec::new();
+            for f in front.iter().flat_map(|&v| self.ring(v)).map(|half_edge| self.face_of(half_edge)) {
+                if !mem::replace(&mut found[f], true) {
+                    let vertices = self.face(f).iter().map(|&v| v as usize);
+                    next.extend(vertices.filter(|&v| !mem::replace(&mut reached[v], true)));
+                }
+            }
+            front = next;
+        }
+        found
     }
 
     /// Number of boundary edges, which is also the number of boundary vertices.

@@ -56,12 +56,8 @@ impl UvsInput {
         if !self.fits(before) {
             return;
         }
-        let old: Vec<u32> = (0..self.faces.len()).flat_map(|f| self.faces.face(f)).copied().collect();
-        let mut new = corners.iter().map(|&corner| old[corner as usize]);
-        self.faces = FaceList::default();
-        for f in 0..after.len() {
-            self.faces.push(new.by_ref().take(after.face(f).len()));
-        }
+        let mut new = corners.iter().map(|&half_edge| self.faces.vertices()[half_edge as usize]);
+        self.faces = (0..after.len()).map(|f| new.by_ref().take(after.face(f).len()).collect::<Vec<_>>()).collect();
     }
 
     /// Whether two faces have the same values at both ends of the edge between them.
@@ -98,19 +94,17 @@ impl Uvs {
         let corner_values = corner_values(input, mesh, turned)?;
         let fans = Fans { mesh, values: &corner_values };
         let (place_of_corner, n_places) = fans.places();
-        let mut faces = FaceList::default();
-        for f in 0..mesh.n_faces() {
-            faces.push(mesh.half_edges(f).map(|corner| place_of_corner[corner as usize]));
-        }
+        let places = |f: usize| mesh.half_edges(f).map(|half_edge| place_of_corner[half_edge as usize]);
+        let faces = (0..mesh.n_faces()).map(places).collect();
         let checked = Topology::of_faces(n_places, faces, Winding::Refuse)?;
         let mut values = vec![0.0; 2 * n_places];
         let (mut vertex_of, mut value_of) = (vec![0; n_places], vec![0; n_places]);
-        for (corner, &place) in (0..).zip(&place_of_corner) {
-            let value = input.values[corner_values[corner as usize] as usize];
+        for (half_edge, &place) in (0..).zip(&place_of_corner) {
+            let value = input.values[corner_values[half_edge as usize] as usize];
             let place = place as usize;
             values[2 * place] = value[0] + 0.0;
             values[2 * place + 1] = value[1] + 0.0;
-            (vertex_of[place], value_of[place]) = (mesh.vertex(corner), corner_values[corner as usize]);
+            (vertex_of[place], value_of[place]) = (mesh.vertex(half_edge), corner_values[half_edge as usize]);
         }
         let topology = Arc::new(checked.topology);
         let linear = input.interpolation == Interpolation::All;
@@ -127,7 +121,7 @@ impl Uvs {
 
     /// The vertex of the mesh at a place.
     pub fn vertex(&self, place: u32, mesh: &Topology) -> Option<u32> {
-        self.topology.ring(place as usize).next().map(|corner| mesh.vertex(corner))
+        self.topology.ring(place as usize).next().map(|half_edge| mesh.vertex(half_edge))
     }
 
     /// Edges of the mesh on whose sides the texture coordinates differ, ascending.
@@ -185,10 +179,12 @@ struct Fans<'a> {
 
 impl Fans<'_> {
     /// Whether both faces at the edge of a corner have the same values at its ends.
-    fn joined(&self, corner: u32) -> bool {
-        let twin = self.mesh.twin(corner);
-        let value = |corner: u32| self.values[corner as usize];
-        twin != NONE && value(corner) == value(self.mesh.next(twin)) && value(self.mesh.next(corner)) == value(twin)
+    fn joined(&self, half_edge: u32) -> bool {
+        let twin = self.mesh.twin(half_edge);
+        let value = |half_edge: u32| self.values[half_edge as usize];
+        twin != NONE
+            && value(half_edge) == value(self.mesh.next(twin))
+            && value(self.mesh.next(half_edge)) == value(twin)
     }
 
     /// The place of each corner, and how many there are: numbered vertex by vertex, at a vertex by first appearance, so
@@ -196,16 +192,16 @@ impl Fans<'_> {
     fn places(&self) -> (Vec<u32>, usize) {
         let mut places = vec![NONE; self.values.len()];
         let mut order: Vec<u32> = (0..index(places.len())).collect();
-        order.sort_by_key(|&corner| self.mesh.vertex(corner));
+        order.sort_by_key(|&half_edge| self.mesh.vertex(half_edge));
         let mut n = 0;
-        for corner in order {
-            if places[corner as usize] != NONE {
+        for half_edge in order {
+            if places[half_edge as usize] != NONE {
                 continue;
             }
-            let mut at = corner;
+            let mut at = half_edge;
             while self.joined(at) {
                 at = self.mesh.next(self.mesh.twin(at));
-                if at == corner {
+                if at == half_edge {
                     break;
                 }
             }

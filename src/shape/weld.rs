@@ -77,12 +77,9 @@ fn cell(place: [f64; 3], distance: f64) -> [i64; 3] {
 }
 
 fn neighbours(cell: [i64; 3], distance: f64) -> impl Iterator<Item = [i64; 3]> {
-    let reach = if distance > 0.0 { -1..=1 } else { 0..=0 };
-    let plane = move |x: i64| {
-        let reach = if distance > 0.0 { -1..=1 } else { 0..=0 };
-        reach.clone().flat_map(move |y| reach.clone().map(move |z| [x, y, z]))
-    };
-    reach.flat_map(plane).map(move |by| std::array::from_fn(|k| cell[k].saturating_add(by[k])))
+    let reach = move || if distance > 0.0 { -1..=1 } else { 0..=0 };
+    let plane = move |x: i64| reach().flat_map(move |y| reach().map(move |z| [x, y, z]));
+    reach().flat_map(plane).map(move |by| std::array::from_fn(|k| cell[k].saturating_add(by[k])))
 }
 
 /// Whether two places of neighbouring cells are at most `distance` apart.
@@ -92,19 +89,12 @@ fn is_near(a: [f64; 3], b: [f64; 3], distance: f64) -> bool {
     (0..3).map(|k| part(k) * part(k)).sum::<f64>() <= 1.0
 }
 
-/// What becomes of a face whose vertices were merged.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Collapsed {
-    /// The places of the old face that stay, ascending.
-    Kept(Vec<usize>),
-    /// Fewer than three different vertices are left.
-    Gone,
-    /// It meets this vertex twice, with others between: not one face any more.
-    Pinched(u32),
-}
-
-/// Drops repeated neighbours from a face of merged vertices.
-pub fn collapse(face: &[u32]) -> Collapsed {
+/// The places of a face of merged vertices that stay without repeated neighbours, ascending; `None` where fewer than
+/// three different vertices are left.
+///
+/// # Errors
+/// The vertex that the face meets twice, with others between: it is not one face any more.
+fn collapse(face: &[u32]) -> Result<Option<Vec<usize>>, u32> {
     let mut places: Vec<usize> = Vec::with_capacity(face.len());
     for (j, &v) in face.iter().enumerate() {
         if places.last().is_none_or(|&last| face[last] != v) {
@@ -115,13 +105,13 @@ pub fn collapse(face: &[u32]) -> Collapsed {
         places.pop();
     }
     if places.len() < 3 {
-        return Collapsed::Gone;
+        return Ok(None);
     }
     let mut sorted: Vec<u32> = places.iter().map(|&j| face[j]).collect();
     sorted.sort_unstable();
     match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
-        Some(pair) => Collapsed::Pinched(pair[0]),
-        None => Collapsed::Kept(places),
+        Some(pair) => Err(pair[0]),
+        None => Ok(Some(places)),
     }
 }
 
@@ -148,14 +138,14 @@ pub fn weld_faces(faces: &FaceList, welded: &Welded) -> Result<WeldedFaces, (usi
     for f in 0..faces.len() {
         let face = faces.face(f);
         let image: Vec<u32> = face.iter().map(|&v| welded.image[v as usize]).collect();
-        match if face.len() < 3 { Collapsed::Kept((0..face.len()).collect()) } else { collapse(&image) } {
-            Collapsed::Kept(places) => {
-                result.faces.push(places.iter().map(|&j| image[j]));
-                result.kept.push(index(f));
-                result.corners.extend(places.iter().map(|&j| index(first_corner + j)));
-            }
-            Collapsed::Gone => result.gone.push(index(f)),
-            Collapsed::Pinched(vertex) => return Err((f, welded.kept[vertex as usize])),
+        let all = || Ok(Some((0..face.len()).collect()));
+        let places = if face.len() < 3 { all() } else { collapse(&image) };
+        if let Some(places) = places.map_err(|vertex| (f, welded.kept[vertex as usize]))? {
+            result.faces.push(places.iter().map(|&j| image[j]));
+            result.kept.push(index(f));
+            result.corners.extend(places.iter().map(|&j| index(first_corner + j)));
+        } else {
+            result.gone.push(index(f));
         }
         first_corner += face.len();
     }

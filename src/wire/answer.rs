@@ -67,7 +67,7 @@ pub struct JobAnswer {
     pub timings_ms: Option<TimingsAnswer>,
     /// Counts and predicted cost.
     pub cost: CostAnswer,
-    /// Its outputs.
+    /// The outputs of the job.
     pub outputs: Vec<OutputAnswer>,
     /// Why it failed.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -123,11 +123,11 @@ pub struct CostAnswer {
 /// One output of a job.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct OutputAnswer {
-    /// Its name.
+    /// The name of the output.
     pub name: String,
-    /// Its format.
+    /// The format of the output.
     pub format: &'static str,
-    /// Its key: id of the artifact and strong ETag.
+    /// The key of the output: id of the artifact and strong ETag.
     pub key: String,
     /// Where its bytes are, or will be.
     pub href: String,
@@ -146,6 +146,8 @@ pub struct EstimateAnswer {
     pub time_ms: u64,
     /// Predicted memory, bytes.
     pub memory_bytes: u64,
+    /// How it is refined: `sweep`, patch by patch, or `rows`, by rows of whole nets. The bytes do not depend on it.
+    pub path: &'static str,
     /// What a tolerance led to.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reached: Option<ReachedAnswer>,
@@ -167,13 +169,13 @@ pub struct LevelAnswer {
 /// Key and size of one output.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct OutputEstimate {
-    /// Its name.
+    /// The name of the output.
     pub name: String,
-    /// Its format.
+    /// The format of the output.
     pub format: &'static str,
-    /// Its key.
+    /// The key of the output.
     pub key: String,
-    /// Its size.
+    /// The size of the output.
     pub bytes: SizeAnswer,
 }
 
@@ -196,7 +198,7 @@ pub struct ValidateAnswer {
     pub errors: Vec<FaultAnswer>,
     /// What was repaired or is worth knowing.
     pub warnings: Vec<String>,
-    /// What it is like, when it is valid.
+    /// What the mesh is like, when it is valid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub report: Option<MeshReport>,
 }
@@ -245,7 +247,7 @@ pub struct MeshReport {
 /// What becomes of a latitude line under the plan of the question (push-back with delta 1 when it names none).
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct LatitudeLineAnswer {
-    /// Its vertices, in order.
+    /// The vertices of the line, in order.
     pub vertices: Vec<u32>,
     /// Whether it is closed.
     pub closed: bool,
@@ -311,6 +313,7 @@ impl EstimateAnswer {
             outputs: job.outputs.iter().zip(&estimate.outputs).map(output).collect(),
             time_ms: count(estimate.time_ms),
             memory_bytes: count(estimate.memory_bytes),
+            path: if job.is_swept() { "sweep" } else { "rows" },
             reached: job.reached.map(ReachedAnswer::from),
         }
     }

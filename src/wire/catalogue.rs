@@ -16,35 +16,35 @@ use crate::scheme::presets::PRESETS;
 /// One parameter or option.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct ParameterEntry {
-    /// Its name.
+    /// The name of the parameter or option.
     pub name: &'static str,
     /// What may be written, in words.
     pub expects: String,
-    /// Its unit, where it has one.
+    /// The unit of its values, where they have one.
     #[serde(skip_serializing_if = "str::is_empty")]
     pub unit: &'static str,
     /// Whether it must be given.
     pub required: bool,
-    /// Its value when it is left out; null when there is none.
+    /// The value when the parameter is left out; null when there is none.
     pub default: Value,
     /// Bounds, choices or fields, by kind.
     #[serde(flatten)]
     #[schema(value_type = Object)]
     pub bounds: Value,
-    /// What it does.
+    /// What the parameter does.
     pub doc: &'static str,
 }
 
 /// One preset.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct PresetEntry {
-    /// Its name.
+    /// The name of the preset.
     pub name: &'static str,
-    /// What it refines: `polygons`, `meshes` or both.
+    /// What the preset refines: `polygons`, `meshes` or both.
     pub refines: &'static [&'static str],
-    /// Its parameters.
+    /// The parameters of the preset.
     pub parameters: Vec<ParameterEntry>,
-    /// What it is, with the formula.
+    /// What the preset is, with the formula.
     pub doc: &'static str,
     /// Author, year, page.
     pub source: &'static str,
@@ -53,13 +53,13 @@ pub struct PresetEntry {
 /// One operator.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct OperatorEntry {
-    /// Its letter in words.
+    /// The letter of the operator in words.
     pub letter: char,
-    /// Its name.
+    /// The name of the operator.
     pub name: &'static str,
     /// The plan parameters that it uses.
     pub parameters: Vec<ParameterEntry>,
-    /// What it does, with the formula.
+    /// What the operator does, with the formula.
     pub doc: &'static str,
     /// Author, year, page.
     pub source: &'static str,
@@ -68,30 +68,30 @@ pub struct OperatorEntry {
 /// One format.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct FormatEntry {
-    /// Its name.
+    /// The name of the format.
     pub name: &'static str,
-    /// Its media type.
+    /// The media type of its files.
     pub media_type: &'static str,
-    /// Its file extension.
+    /// The extension of its files.
     pub extension: &'static str,
-    /// What it holds: `polygons`, `meshes` or both.
+    /// What its files hold: `polygons`, `meshes` or both.
     pub holds: Vec<&'static str>,
-    /// Its options.
+    /// The options of the format.
     pub options: Vec<ParameterEntry>,
-    /// What it is.
+    /// What the format is.
     pub doc: &'static str,
 }
 
 /// One reader of mesh files.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct ReaderEntry {
-    /// Its name, the `format` of `input.text`.
+    /// The name of the reader, the `format` of `input.text`.
     pub name: &'static str,
     /// Media type of the files.
     pub media_type: &'static str,
     /// File extension.
     pub extension: &'static str,
-    /// What it reads.
+    /// What the reader reads.
     pub doc: &'static str,
 }
 
@@ -213,13 +213,8 @@ pub fn formats() -> Vec<FormatEntry> {
 
 /// All readers of mesh files; the JSON of a mesh is read by the request itself.
 pub fn readers() -> Vec<ReaderEntry> {
-    let of = |reader: &dyn Reader| ReaderEntry {
-        name: reader.name(),
-        media_type: reader.media_type(),
-        extension: reader.extension(),
-        doc: reader.doc(),
-    };
+    let of = |&Reader { name, media_type, doc, .. }: &Reader| ReaderEntry { name, media_type, extension: name, doc };
     let doc = "A mesh as input.mesh has it, with all that belongs to it";
     let json = ReaderEntry { name: "json", media_type: "application/json", extension: "json", doc };
-    READERS.iter().map(|reader| of(*reader)).chain([json]).collect()
+    READERS.iter().map(of).chain([json]).collect()
 }

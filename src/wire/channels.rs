@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 
-use crate::fault::shortened;
+use super::literal::fields;
 use crate::shape::attachments::{Channel, MAX_CHANNELS, MAX_WIDTH};
 
 /// Channels by name: lists of numbers, or of lists of as many numbers each.
@@ -26,18 +26,10 @@ impl<'de> Visitor<'de> for ChannelsVisitor {
         f.write_str("an object of lists")
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-        let mut channels: Vec<Channel> = Vec::new();
-        while let Some((name, ChannelRows { width, values })) = map.next_entry::<String, _>()? {
-            if channels.iter().any(|known| known.name == name) {
-                return Err(A::Error::custom(format!("duplicate field \"{}\"", shortened(&name))));
-            }
-            if channels.len() == MAX_CHANNELS {
-                return Err(A::Error::custom(format!("more than {MAX_CHANNELS} channels")));
-            }
-            channels.push(Channel { name, width, values });
-        }
-        Ok(channels)
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+        let channels = fields(map, MAX_CHANNELS, &format!("more than {MAX_CHANNELS} channels"))?;
+        let channel = |(name, ChannelRows { width, values })| Channel { name, width, values };
+        Ok(channels.into_iter().map(channel).collect())
     }
 }
 

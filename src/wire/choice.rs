@@ -7,7 +7,8 @@ use serde::de::{Error, Visitor};
 
 use crate::fault::shortened;
 
-/// Declares a choice: an enumeration, the text of each of its values, and how it is read.
+/// Declares a choice: an enumeration, the text of each of its values, and how it is read; perhaps also what it means,
+/// which has values of the same names.
 macro_rules! choice {
     (
         $(#[doc = $about:literal])+
@@ -22,6 +23,18 @@ macro_rules! choice {
         impl<'de> serde::Deserialize<'de> for $name {
             fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
                 deserializer.deserialize_str($crate::wire::choice::OneOf(&[$(($text, Self::$variant)),+]))
+            }
+        }
+    };
+    (
+        $(#[doc = $about:literal])+
+        pub enum $name:ident means $meaning:ty { $($(#[doc = $doc:literal])+ $variant:ident = $text:literal,)+ }
+    ) => {
+        choice! { $(#[doc = $about])+ pub enum $name { $($(#[doc = $doc])+ $variant = $text,)+ } }
+
+        impl From<$name> for $meaning {
+            fn from(choice: $name) -> Self {
+                match choice { $($name::$variant => Self::$variant,)+ }
             }
         }
     };

@@ -52,7 +52,7 @@ pub struct InputRequest {
 
 choice! {
     /// What to do with inconsistent winding.
-    pub enum OrientRequest {
+    pub enum OrientRequest means Winding {
         /// Refuse the mesh.
         Refuse = "refuse",
         /// Turn faces to agree with the lowest of their component.
@@ -62,21 +62,21 @@ choice! {
 
 choice! {
     /// Unit of the coordinates.
-    pub enum UnitRequest {
+    pub enum UnitRequest means Unit {
         /// Metres.
-        M = "m",
+        Metre = "m",
         /// Millimetres.
-        Mm = "mm",
+        Millimetre = "mm",
         /// Centimetres.
-        Cm = "cm",
+        Centimetre = "cm",
         /// Inches.
-        In = "in",
+        Inch = "in",
     }
 }
 
 choice! {
     /// The axis that points up.
-    pub enum UpRequest {
+    pub enum UpRequest means Up {
         /// The second, as in glTF.
         Y = "y",
         /// The third.
@@ -98,17 +98,7 @@ pub struct Resolved {
 impl InputRequest {
     /// What its coordinates mean.
     pub fn frame(&self) -> Frame {
-        let unit = match self.unit {
-            None | Some(UnitRequest::M) => Unit::Metre,
-            Some(UnitRequest::Mm) => Unit::Millimetre,
-            Some(UnitRequest::Cm) => Unit::Centimetre,
-            Some(UnitRequest::In) => Unit::Inch,
-        };
-        let up = match self.up {
-            None | Some(UpRequest::Y) => Up::Y,
-            Some(UpRequest::Z) => Up::Z,
-        };
-        Frame { unit, up }
+        Frame { unit: self.unit.map(Into::into).unwrap_or_default(), up: self.up.map(Into::into).unwrap_or_default() }
     }
 
     /// Checks the input; mesh files may be as large as `limits` say.
@@ -148,7 +138,7 @@ impl InputRequest {
     }
 
     fn winding(&self) -> Winding {
-        if self.orient == Some(OrientRequest::Repair) { Winding::Repair } else { Winding::Refuse }
+        self.orient.map(Into::into).unwrap_or_default()
     }
 
     /// Repairs and checks a mesh: faults of the repairs, or those of the mesh.

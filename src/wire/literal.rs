@@ -92,18 +92,28 @@ impl<'de> Visitor<'de> for FieldsVisitor {
         f.write_str("an object")
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-        let mut fields: Vec<(String, Literal)> = Vec::new();
-        while let Some((name, WireLiteral(value))) = map.next_entry::<String, _>()? {
-            if fields.iter().any(|(known, _)| *known == name) {
-                return Err(A::Error::custom(format!("duplicate field \"{}\"", shortened(&name))));
-            }
-            if fields.len() == 100 {
-                return Err(A::Error::custom("the object has more than 100 fields"));
-            }
-            fields.push((name, value));
-        }
-        fields.shrink_to_fit();
-        Ok(fields)
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+        let fields = fields(map, 100, "the object has more than 100 fields")?;
+        Ok(fields.into_iter().map(|(name, WireLiteral(value))| (name, value)).collect())
     }
+}
+
+/// The fields of an object, each name once and so many `most`; `too_many` says that there are more.
+pub(super) fn fields<'de, A: MapAccess<'de>, T: Deserialize<'de>>(
+    mut map: A,
+    most: usize,
+    too_many: &str,
+) -> Result<Vec<(String, T)>, A::Error> {
+    let mut fields: Vec<(String, T)> = Vec::new();
+    while let Some((name, value)) = map.next_entry::<String, _>()? {
+        if fields.iter().any(|(known, _)| *known == name) {
+            return Err(A::Error::custom(format!("duplicate field \"{}\"", shortened(&name))));
+        }
+        if fields.len() == most {
+            return Err(A::Error::custom(too_many));
+        }
+        fields.push((name, value));
+    }
+    fields.shrink_to_fit();
+    Ok(fields)
 }

@@ -81,7 +81,7 @@ pub struct UvsRequest {
 
 choice! {
     /// Where texture coordinates are interpolated linearly.
-    pub enum InterpolationRequest {
+    pub enum InterpolationRequest means Interpolation {
         /// Nowhere: boundaries and seams are smooth curves.
         None = "none",
         /// Corners, where a region has one face, keep their values.
@@ -99,21 +99,14 @@ choice! {
 
 impl UvsRequest {
     fn resolve(self) -> UvsInput {
-        let mut faces = FaceList::default();
-        for face in &self.faces {
-            // an index beyond 32 bits is beyond every list, too
-            faces.push(face.iter().map(|&value| u32::try_from(value).unwrap_or(u32::MAX)));
-        }
-        let interpolation = match self.interpolation {
-            Some(InterpolationRequest::None) => Interpolation::None,
-            Some(InterpolationRequest::CornersOnly) => Interpolation::CornersOnly,
-            Some(InterpolationRequest::CornersPlus1) => Interpolation::CornersPlus1,
-            Some(InterpolationRequest::CornersPlus2) => Interpolation::CornersPlus2,
-            Some(InterpolationRequest::Boundaries) => Interpolation::Boundaries,
-            None | Some(InterpolationRequest::All) => Interpolation::All,
-        };
-        UvsInput { values: self.values, faces, interpolation }
+        let interpolation = self.interpolation.map(Into::into).unwrap_or_default();
+        UvsInput { values: self.values, faces: face_list(&self.faces), interpolation }
     }
+}
+
+/// Faces of 32-bit indices; one beyond them is beyond every mesh and every list of values, too.
+fn face_list(faces: &[Vec<u64>]) -> FaceList {
+    faces.iter().map(|face| face.iter().map(|&v| u32::try_from(v).unwrap_or(u32::MAX))).collect()
 }
 
 /// Some faces under one name.
@@ -161,11 +154,6 @@ impl MeshRequest {
     /// # Errors
     /// Indices that are out of range, with pointers below the mesh.
     pub fn input(self, winding: Winding) -> Result<MeshInput, Vec<Fault>> {
-        let mut faces = FaceList::default();
-        for face in &self.faces {
-            // an index beyond 32 bits is beyond every mesh, too
-            faces.push(face.iter().map(|&v| u32::try_from(v).unwrap_or(u32::MAX)));
-        }
         let beyond = |(f, face): (usize, &Vec<u64>)| {
             let j = face.iter().position(|&v| v >= u64::from(u32::MAX))?;
             let detail =
@@ -184,22 +172,18 @@ impl MeshRequest {
             materials: face_sets(self.materials),
             uvs: self.uvs.map(UvsRequest::resolve),
         };
-        let (positions, holes) = (self.positions, self.holes);
-        let attributes = self.parameters.map(PointParameters::attributes);
-        let (latitude, longitude) = (self.latitude, self.longitude);
         Ok(MeshInput {
-            positions,
-            faces,
+            positions: self.positions,
+            faces: face_list(&self.faces),
             corners,
             creases,
-            holes,
-            attributes,
-            latitude,
-            longitude,
+            holes: self.holes,
+            attributes: self.parameters.map(PointParameters::attributes),
+            latitude: self.latitude,
+            longitude: self.longitude,
             winding,
             attachments,
-            notes: Vec::new(),
-            repairs: Vec::new(),
+            ..MeshInput::default()
         })
     }
 }

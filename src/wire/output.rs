@@ -16,12 +16,15 @@ pub(crate) const MAX_OUTPUTS: usize = 64;
 #[serde(transparent)]
 pub struct OutputRequest {
     fields: WireFields,
+    /// Whether the format was chosen otherwise, as the request names no outputs.
+    #[serde(skip)]
+    is_chosen: bool,
 }
 
 impl OutputRequest {
-    /// The output of a format with its default options.
+    /// The output of a format with its default options, where the request names none.
     pub fn of_format(name: &str) -> Self {
-        Self { fields: WireFields(vec![("format".into(), Literal::Text(name.into()))]) }
+        Self { fields: WireFields(vec![("format".into(), Literal::Text(name.into()))]), is_chosen: true }
     }
 
     /// The name of its format, where it is a text.
@@ -72,6 +75,7 @@ fn output(request: &OutputRequest, index: usize) -> Result<Output, Vec<Fault>> {
             |fault: Fault| Fault { detail: fault.detail.replace("unknown parameter", "unknown option"), ..fault };
         faults.into_iter().map(known).collect::<Vec<_>>()
     })?;
+    let index = (!request.is_chosen).then_some(index);
     Ok(Output { name: name.unwrap_or_else(|| format.name().to_owned()), format, options, index })
 }
 

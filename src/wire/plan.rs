@@ -31,7 +31,7 @@ pub struct PlanRequest {
 
 choice! {
     /// Boundary rule of meshes.
-    pub enum BoundaryRequest {
+    pub enum BoundaryRequest means Boundary {
         /// Boundary curves by the curve rule; vertices with one face keep their place.
         EdgeAndCorner = "edge-and-corner",
         /// Boundary curves by the curve rule.
@@ -43,7 +43,7 @@ choice! {
 
 choice! {
     /// End rule of open polygons.
-    pub enum EndsRequest {
+    pub enum EndsRequest means Ends {
         /// The curve starts and ends at the end points.
         Clamped = "clamped",
         /// Only points whose whole stencil exists.
@@ -58,15 +58,8 @@ impl PlanRequest {
             preset: self.preset,
             word: self.word,
             parameters: self.parameters.0,
-            boundary: match self.boundary {
-                None | Some(BoundaryRequest::EdgeAndCorner) => Boundary::EdgeAndCorner,
-                Some(BoundaryRequest::EdgeOnly) => Boundary::EdgeOnly,
-                Some(BoundaryRequest::None) => Boundary::None,
-            },
-            ends: match self.ends {
-                None | Some(EndsRequest::Clamped) => Ends::Clamped,
-                Some(EndsRequest::Natural) => Ends::Natural,
-            },
+            boundary: self.boundary.map(Into::into).unwrap_or_default(),
+            ends: self.ends.map(Into::into).unwrap_or_default(),
             seed: self.seed.unwrap_or(0),
         }
     }

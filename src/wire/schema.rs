@@ -27,8 +27,8 @@ fn listed(item: Object, least: usize, most: Option<usize>, doc: &str) -> ArrayBu
 
 /// The format of a mesh file.
 pub(super) fn file_format() -> RefOr<Schema> {
-    let names: Vec<&str> = READERS.iter().map(|reader| reader.name()).collect();
-    let doc = format!("Its format: `{}`, or `json` for a mesh as `input.mesh` has it.", names.join("`, `"));
+    let names: Vec<&str> = READERS.iter().map(|reader| reader.name).collect();
+    let doc = format!("The format of the file: `{}`, or `json` for a mesh as `input.mesh` has it.", names.join("`, `"));
     let pattern = format!("^({}|json)$", names.join("|"));
     of(Type::String).description(Some(doc)).pattern(Some(pattern)).into()
 }

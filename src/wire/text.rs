@@ -17,10 +17,10 @@ use crate::shape::mesh::MeshInput;
 #[derive(Debug, Clone, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TextRequest {
-    /// Its format, see [`input::READERS`], or `json` for a mesh as `input.mesh` has it.
+    /// The format of the file, see [`input::READERS`], or `json` for a mesh as `input.mesh` has it.
     #[schema(schema_with = schema::file_format)]
     pub format: String,
-    /// What it holds.
+    /// What the file holds.
     pub data: String,
     /// How `data` holds it: `text` (default), or `base64` for files that are no text.
     pub encoding: Option<EncodingRequest>,
@@ -39,9 +39,9 @@ choice! {
 /// A mesh file that came by itself.
 #[derive(Debug, Clone)]
 pub struct MeshFile {
-    /// Its format, by name.
+    /// The format of the file, by name.
     pub format: String,
-    /// What it holds.
+    /// What the file holds.
     pub bytes: Vec<u8>,
 }
 
@@ -88,11 +88,12 @@ impl MeshFile {
             return Ok(Held { mesh, boundary: None, lines: Vec::new() });
         }
         let Some(reader) = input::named(&self.format) else {
-            let known: Vec<&str> = input::READERS.iter().map(|reader| reader.name()).chain(["json"]).collect();
+            let known: Vec<&str> = input::READERS.iter().map(|reader| reader.name).chain(["json"]).collect();
             let detail = format!("there is no reader \"{}\"; known are {}", shortened(&self.format), known.join(", "));
             return Err(vec![Fault::new("/format", detail)]);
         };
-        let mut mesh = reader.read(&self.bytes, limits).map_err(at_data)?;
+        let refused = |details: Vec<String>| details.into_iter().map(|detail| Fault::new("/data", detail)).collect();
+        let mut mesh = (reader.read)(&self.bytes, limits).map_err::<Vec<Fault>, _>(refused)?;
         let (boundary, lines) = (mesh.boundary, std::mem::take(&mut mesh.lines));
         Ok(Held { mesh: mesh.into_input(winding), boundary, lines })
     }

@@ -2,7 +2,7 @@
 
 use planish::fault::Fault;
 use planish::math::parameter::Literal;
-use planish::refine::{Points, RefinedMesh, act_on, mesh_net, refine_mesh};
+use planish::refine::{RefinedMesh, refine_mesh};
 use planish::scheme::plan::{Plan, PlanInput, Scheduled, Subject};
 use planish::scheme::presets::PRESETS;
 use planish::shape::check::FaceList;
@@ -156,12 +156,8 @@ fn plan_for(subject: Subject, preset: &str, parameters: &[(&str, &str)], levels:
     (plan, steps)
 }
 
-/// A refined sphere of `6 n^2 x 4^levels` quads, its points in the documented order.
+/// A refined sphere of `6 n^2 x 4^levels` quads.
 pub(crate) fn refined(n: u32, levels: u32) -> RefinedMesh {
-    let (sphere, (plan, steps)) = (sphere(n), plan("catmull-clark", &[], levels));
-    let points = vec![Points::new(sphere.positions.clone(), 3)];
-    let refined = act_on(mesh_net(&sphere, &plan), points, &plan, &steps, &Watch::new());
-    let (net, points) = refined.expect("nobody stops it");
-    let points = RefinedMesh::new(&net, points[0].now.clone()).all_positions();
-    RefinedMesh::documented(&net, points.into_flattened())
+    let (plan, steps) = plan("catmull-clark", &[], levels);
+    refine_mesh(&sphere(n), &plan, &steps, &Watch::new()).expect("nobody stops it")
 }

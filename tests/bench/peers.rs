@@ -9,7 +9,8 @@ use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use planish::refine::refine_mesh;
+use planish::kept::keep_at_most;
+use planish::refine::{RefinedMesh, refine_mesh};
 use planish::scheme::plan::{Plan, Scheduled};
 use planish::shape::mesh::Mesh;
 use planish::shape::source::{FaceChunk, MeshSource};
@@ -25,6 +26,9 @@ const LONG_ENOUGH: Duration = Duration::from_secs(3);
 /// Pairs of runs before those that count: the heaps become warm, the processors awake.
 const WARMING: usize = 2;
 
+/// What is kept of large buffers, as the peer's heap keeps its memory: enough for level 6.
+const KEPT: usize = 2 << 30;
+
 /// What is compared: a name, the scheme in the peer, its mesh, the plan, the levels, and the least ratio aimed at.
 struct Contest<'a> {
     name: &'a str,
@@ -39,6 +43,7 @@ pub(crate) fn measure(_: &mut Table) {
         Ok(program) => program,
         Err(why) => return say(&format!("peers: nothing is compared, as {why}")),
     };
+    keep_at_most(KEPT);
     let (quads, mixed, triangles) = (nets::sphere(32), nets::mixed(32), nets::tetrakis(4));
     let contests = [
         Contest {
@@ -68,8 +73,7 @@ pub(crate) fn measure(_: &mut Table) {
 
 fn compare(program: &str, contest: &Contest<'_>, level: u32, aim: f64) {
     let (plan, steps) = nets::plan_of(contest.mesh, contest.plan, level);
-    let mut ours =
-        Ours { mesh: contest.mesh, plan: &plan, steps: &steps, positions: Vec::new(), faces: FaceChunk::default() };
+    let mut ours = Ours { mesh: contest.mesh, plan: &plan, steps: &steps, refined: None, faces: FaceChunk::default() };
     let mut peer = Peer::start(program, contest, level);
     let (mut ratios, mut times) = (Vec::new(), Vec::new());
     let start = Instant::now();
@@ -77,7 +81,7 @@ fn compare(program: &str, contest: &Contest<'_>, level: u32, aim: f64) {
         let (time, theirs) = (ours.run(), peer.run());
         if run == 0 {
             assert_eq!(theirs.n_faces, ours.faces.len(), "{}: both make as many faces", contest.name);
-            let same = (theirs.sum - ours.sum()).abs() <= 1e-3 * real(ours.positions.len()).sqrt();
+            let same = (theirs.sum - ours.sum()).abs() <= 1e-3 * real(ours.positions().len()).sqrt();
             assert!(same || contest.plan.starts_with('U'), "{}: both make the same points", contest.name);
         }
         if run >= WARMING {
@@ -113,33 +117,42 @@ struct Ours<'a> {
     mesh: &'a Mesh,
     plan: &'a Plan,
     steps: &'a [Scheduled],
-    positions: Vec<[f64; 3]>,
+    refined: Option<RefinedMesh>,
     faces: FaceChunk,
 }
 
 impl Ours<'_> {
     /// Seconds of one run.
     fn run(&mut self) -> f64 {
+        self.refined = None;
         let start = Instant::now();
         let refined = refine_mesh(self.mesh, self.plan, self.steps, &Watch::new()).expect("nobody stops it");
-        refined.positions(0..refined.n_vertices(), &mut self.positions);
         refined.faces(0..refined.n_faces(), &mut self.faces);
-        black_box((&self.positions, &self.faces));
+        self.refined = Some(refined);
+        black_box((&self.refined, &self.faces));
         start.elapsed().as_secs_f64()
+    }
+
+    fn positions(&self) -> &[[f64; 3]] {
+        self.refined.as_ref().and_then(MeshSource::held_positions).unwrap_or_default()
     }
 
     /// The sum of the coordinates, each axis weighted differently: it does not depend on the order of vertices.
     fn sum(&self) -> f64 {
-        self.positions.iter().map(|p| p[0] + 2.0 * p[1] + 3.0 * p[2]).sum()
+        self.positions().iter().map(|p| p[0] + 2.0 * p[1] + 3.0 * p[2]).sum()
     }
 
     /// Bytes that are held at most during a run which keeps its result, on one thread, whose allocations are counted.
     fn peak(&mut self) -> f64 {
-        let pool = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().expect("it is this thread");
-        (self.positions, self.faces) = (Vec::new(), FaceChunk::default());
-        let counted = allocation_counter::measure(|| {
-            pool.install(|| self.run());
+        let pool = ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be started");
+        (self.refined, self.faces) = (None, FaceChunk::default());
+        keep_at_most(0);
+        let counted = pool.install(|| {
+            allocation_counter::measure(|| {
+                self.run();
+            })
         });
+        keep_at_most(KEPT);
         real(usize::try_from(counted.bytes_max).expect("it fits into memory"))
     }
 }

@@ -26,7 +26,7 @@ const FLOORS: &[(&str, u32)] = &[
     ("http", 9),
     ("cli", 9),
 ];
-const LEAVES: &[&str] = &["fault", "watch"];
+const LEAVES: &[&str] = &["fault", "kept", "watch"];
 /// The one import between neighbours: the command `serve` starts the server.
 const NEIGHBOURS: &[(&str, &str)] = &[("cli", "http")];
 const MAX_LINES: usize = 400;

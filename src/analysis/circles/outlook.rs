@@ -14,7 +14,7 @@ pub struct Outlook {
 /// A circle in the limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Circle {
-    /// Its radius, model units.
+    /// The radius of the circle, model units.
     pub radius: f64,
     /// By how much the rings that it comes from miss regular polygons on one axis, model units: the line is a circle to
     /// about that.

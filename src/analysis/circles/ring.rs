@@ -1,6 +1,6 @@
 //! Rings of tubes: regular polygons in space, star-shaped ones included.
 
-use crate::math::functions::{atan2, cos, sin};
+use crate::math::functions::{atan2, cos, real, sin};
 use crate::math::vector::{Vector, cross, dot, length, plus, times};
 
 /// By how much of its size a ring may miss a regular polygon, as coordinates with a few decimals do.
@@ -79,9 +79,4 @@ pub(super) fn tilt(ring: &Ring, other: &Ring) -> Result<f64, String> {
         return Err("the ring has another axis".into());
     }
     Ok(off + turned * radius)
-}
-
-#[expect(clippy::cast_precision_loss, reason = "rings have far fewer than 2^52 vertices")]
-pub(super) fn real(n: usize) -> f64 {
-    n as f64
 }

@@ -3,10 +3,11 @@
 use super::boundary::{Beyond, beyond};
 use super::outlook::{Circle, Outlook};
 use super::profile::Profile;
-use super::ring::{self, ROUNDING, Ring, tilt};
-use super::words::{self, Reach};
+use super::ring::{ROUNDING, Ring, tilt};
+use super::words;
 use crate::analysis::limit::{Unlimited, check_continuous};
 use crate::math::expression::Expression;
+use crate::math::functions::{cos, real};
 use crate::math::vector::Vector;
 use crate::refine::{carried, mesh_net};
 use crate::scheme::operator::Role;
@@ -105,23 +106,22 @@ impl<'a> Tube<'a> {
     }
 
     fn circle(&self, line: &Line) -> Result<Circle, String> {
-        let reach = Reach::of(&self.steps, self.is_pushed());
+        let [given, widest] = words::reach(&self.steps, self.is_pushed());
         let (ring, delta) = (self.ring(&line.vertices)?, self.delta(&line.vertices)?);
         let alpha = self.alpha(&line.vertices)?;
         let mut like = ring;
         let sides = match self.beyond_ring(&line.vertices)? {
             Beyond::End => [Side::Left, Side::Right].map(|_| Rings::default()),
-            Beyond::Smooth => [
-                self.side(line, &mut like, Side::Left, reach.given)?,
-                self.side(line, &mut like, Side::Right, reach.given)?,
-            ],
+            Beyond::Smooth => {
+                [self.side(line, &mut like, Side::Left, given)?, self.side(line, &mut like, Side::Right, given)?]
+            }
         };
         let [left, right] = sides;
         let place = left.nearest_first.len();
         let rings: Vec<Ring> = left.nearest_first.into_iter().rev().chain([ring]).chain(right.nearest_first).collect();
         let deltas: Vec<f64> = left.deltas.into_iter().rev().chain([delta]).chain(right.deltas).collect();
         let irregularity = rings.iter().map(|ring| ring.irregularity).fold(left.tilt.max(right.tilt), f64::max);
-        let profile = Profile::of(&rings, deltas, place, reach.widest);
+        let profile = Profile::of(&rings, deltas, place, widest);
         // rings without extent go round as often as the others
         Ok(Circle { radius: self.limit(line.vertices.len(), like.winding, alpha, &profile)?, irregularity })
     }
@@ -230,7 +230,7 @@ impl<'a> Tube<'a> {
         let is_pushed = |&&v: &&u32| {
             let topology = self.topology();
             let inside = topology.boundary_edges(v as usize).is_none();
-            inside && self.plan.delta.value(ring::real(topology.ring(v as usize).count())) != Ok(0.0)
+            inside && self.plan.delta.value(real(topology.ring(v as usize).count())) != Ok(0.0)
         };
         let pushed = ring.iter().find(is_pushed);
         let valence = |&v: &u32| self.topology().ring(v as usize).count();
@@ -241,8 +241,8 @@ impl<'a> Tube<'a> {
     ///
     /// Going round `p` times one way and `n - p` times the other are the same, so that the alpha of either is right.
     fn limit(&self, n: usize, winding: f64, alpha: Option<f64>, profile: &Profile) -> Result<f64, String> {
-        let other = ring::real(n) - winding;
-        let radius_at = |winding: f64| self.radius_at(std::f64::consts::TAU * winding / ring::real(n), alpha, profile);
+        let other = real(n) - winding;
+        let radius_at = |winding: f64| self.radius_at(std::f64::consts::TAU * winding / real(n), alpha, profile);
         radius_at(winding).or_else(|said| radius_at(other).map_err(|_| said)).map_err(|said| {
             let or = if winding > 1.0 { format!(" or {} pi / {n}", 2.0 * other) } else { String::new() };
             said.unwrap_or_else(|| {
@@ -284,7 +284,7 @@ impl<'a> Tube<'a> {
         let upsampling = &block[0];
         let alpha_of = |plan: f64| alpha.map_or(plan, |alpha| alpha * upsampling.scale);
         let value = |function: &Expression, alpha: f64| function.value(alpha).map_err(|error| Some(error.to_string()));
-        let c = crate::math::functions::cos(theta / 2.0);
+        let c = cos(theta / 2.0);
         let kernel = value(self.plan.kernel.first().ok_or(None)?, alpha_of(upsampling.alpha))?;
         let pushed = words::pushes_back(block) && compensated;
         let seen = match self.plan.compensation_alpha {

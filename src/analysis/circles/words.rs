@@ -6,37 +6,28 @@ use crate::scheme::plan::Scheduled;
 use crate::scheme::rules::LatitudeRule;
 use crate::scheme::word::Word;
 
-/// How many rings on each side a line depends on.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Reach {
-    /// Of the rings that are given.
-    pub(super) given: usize,
-    /// Of those at any level, at most.
-    pub(super) widest: usize,
-}
-
-impl Reach {
-    /// The reach of these steps, followed backwards from the ring of the line alone: an average depends on one finer
-    /// ring more; a push-back on the displacements of the coarser rings beside, so on the finer rings that these have
-    /// become; and of the finer rings every other one is a coarser one. Push-backs count where rings are `pushed`.
-    ///
-    /// The displacement of the last ring that counts does not, where an average comes before each push-back: its
-    /// displacement would depend on the ring beyond it.
-    pub(super) fn of(steps: &[Scheduled], pushed: bool) -> Self {
-        let (mut rings, mut widest) = (0_usize, 0);
-        for step in steps.iter().rev() {
-            rings = match step.letter.facts().role {
-                Role::Average => rings + 1,
-                Role::PushBack if pushed => rings.next_multiple_of(2),
-                Role::PushBack | Role::Smooth => rings,
-                Role::Upsample => rings.div_ceil(2),
-            };
-            if step.letter.facts().role == Role::Upsample {
-                widest = widest.max(rings);
-            }
+/// How many rings on each side a line depends on: of the rings that are given, and of those at any level at most.
+///
+/// These steps are followed backwards from the ring of the line alone: an average depends on one finer ring more; a
+/// push-back on the displacements of the coarser rings beside, so on the finer rings that these have become; and of the
+/// finer rings every other one is a coarser one. Push-backs count where rings are `pushed`.
+///
+/// The displacement of the last ring that counts does not, where an average comes before each push-back: its
+/// displacement would depend on the ring beyond it.
+pub(super) fn reach(steps: &[Scheduled], pushed: bool) -> [usize; 2] {
+    let (mut rings, mut widest) = (0_usize, 0);
+    for step in steps.iter().rev() {
+        rings = match step.letter.facts().role {
+            Role::Average => rings + 1,
+            Role::PushBack if pushed => rings.next_multiple_of(2),
+            Role::PushBack | Role::Smooth => rings,
+            Role::Upsample => rings.div_ceil(2),
+        };
+        if step.letter.facts().role == Role::Upsample {
+            widest = widest.max(rings);
         }
-        Self { given: rings, widest }
     }
+    [rings, widest]
 }
 
 /// A U at the front of each part, and what follows it.

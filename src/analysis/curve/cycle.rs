@@ -140,7 +140,7 @@ impl Cycle {
         Self { arity: 1, mask: Mask { first: 0, values: vec![1.0] } }
     }
 
-    /// What it takes to find this cycle and another one after it as one, in rows.
+    /// The work of composing this cycle and another one after it into one, in rows.
     pub fn work_with(&self, next: &Self) -> u64 {
         (self.mask.values.len() as u64).saturating_mul(next.mask.values.len() as u64 / PRODUCTS_A_ROW + 1)
     }

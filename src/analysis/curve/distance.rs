@@ -211,71 +211,39 @@ impl Block {
             // twice the place of new point j in units of new edges, from old point 0
             let place = 2 * j - self.twice_centre;
             let (before, part) = (place.div_euclid(2 * d), real(place.rem_euclid(2 * d)) / real(2 * d));
-            let mut sum = Combination::default();
-            sum.add(1.0, self.row(j));
-            sum.add(-1.0, (before, vec![1.0 - part, part]));
-            most = most.max(sum.bend()?);
+            most = most.max(bend(&[(1.0, self.row(j)), (-1.0, (before, vec![1.0 - part, part]))])?);
         }
         // where the old points stand, halfway between new ones in dual schemes
         let low = self.twice_centre.div_euclid(2);
         let high = low + self.twice_centre.rem_euclid(2);
-        let mut sum = Combination::default();
-        sum.add(0.5, self.row(low));
-        sum.add(0.5, self.row(high));
-        sum.add(-1.0, (0, vec![1.0]));
-        Ok(most.max(sum.bend()?))
+        Ok(most.max(bend(&[(0.5, self.row(low)), (0.5, self.row(high)), (-1.0, (0, vec![1.0]))])?))
     }
 
     /// The greatest sum of absolute weights of old second differences in new ones.
     fn second_differences(&self) -> Result<f64, NoBound> {
-        let mut most: f64 = 0.0;
-        for j in 0..self.cycle.arity {
-            let mut sum = Combination::default();
-            sum.add(1.0, self.row(j - 1));
-            sum.add(-2.0, self.row(j));
-            sum.add(1.0, self.row(j + 1));
-            most = most.max(sum.bend()?);
-        }
-        Ok(most)
+        let of = |j: i64| bend(&[(1.0, self.row(j - 1)), (-2.0, self.row(j)), (1.0, self.row(j + 1))]);
+        (0..self.cycle.arity).try_fold(0.0, |most: f64, j| Ok(most.max(of(j)?)))
     }
 }
 
-/// Weights of points.
-#[derive(Debug, Default)]
-struct Combination {
-    first: i64,
-    weights: Vec<f64>,
-}
-
-impl Combination {
-    fn add(&mut self, factor: f64, (first, weights): (i64, Vec<f64>)) {
-        if self.weights.is_empty() {
-            self.first = first;
-        }
-        while self.first > first {
-            self.weights.insert(0, 0.0);
-            self.first -= 1;
-        }
-        for (k, weight) in weights.iter().enumerate() {
-            let at = usize::try_from(first - self.first).unwrap_or(0) + k;
-            if self.weights.len() <= at {
-                self.weights.resize(at + 1, 0.0);
-            }
-            self.weights[at] += factor * weight;
-        }
+/// The sum of absolute weights of a combination of rows when it is written in second differences: the running sums of
+/// its running sums. Each row has a factor, the index of its first point, and weights.
+fn bend(rows: &[(f64, (i64, Vec<f64>))]) -> Result<f64, NoBound> {
+    let least = rows.iter().map(|(_, (first, _))| *first).min().unwrap_or(0);
+    let mut weights: Vec<f64> = Vec::new();
+    for (factor, (first, row)) in rows {
+        let start = usize::try_from(first - least).unwrap_or(0);
+        weights.resize(weights.len().max(start + row.len()), 0.0);
+        weights[start..].iter_mut().zip(row).for_each(|(sum, weight)| *sum += factor * weight);
     }
-
-    /// The sum of absolute weights when it is written in second differences: the running sums of its running sums.
-    fn bend(&self) -> Result<f64, NoBound> {
-        let (mut once, mut twice, mut sum) = (0.0, 0.0, 0.0_f64);
-        let size: f64 = self.weights.iter().map(|w| w.abs()).sum();
-        for weight in &self.weights {
-            once += weight;
-            twice += once;
-            sum += f64::abs(twice);
-        }
-        // what neither sums to 0 nor is balanced is no combination of second differences
-        let remainder = f64::abs(once).max(f64::abs(twice));
-        if remainder <= ROUNDING * size.max(1.0) { Ok(sum) } else { Err(NoBound::NotLinear) }
+    let (mut once, mut twice, mut sum) = (0.0, 0.0, 0.0_f64);
+    let size: f64 = weights.iter().map(|w| w.abs()).sum();
+    for weight in &weights {
+        once += weight;
+        twice += once;
+        sum += f64::abs(twice);
     }
+    // what neither sums to 0 nor is balanced is no combination of second differences
+    let remainder = f64::abs(once).max(f64::abs(twice));
+    if remainder <= ROUNDING * size.max(1.0) { Ok(sum) } else { Err(NoBound::NotLinear) }
 }

@@ -95,19 +95,18 @@ pub fn refine_to_limit(
 /// # Errors
 /// [`Stopped`] when the watch says so.
 fn limit(net: &PolygonNet, points: &[f64], width: usize, rows: &LimitRows, watch: &Watch) -> Result<Limit, Stopped> {
-    let pieces = Pieces { net };
-    let positions = RowsBy::new(net.n, net.n, |stored, out: &mut Rows| match pieces.kind(stored) {
-        PointKind::Fixed(_) => out.add(index(stored), 1.0),
-        PointKind::Inner(i) => pieces.add(i, &rows.position[0], out),
+    let positions = RowsBy::new(net.n, net.n, |stored, out: &mut Rows| match kind(net, stored) {
+        PointKind::Inner(i) => add(net, i, &rows.position[0], out),
+        _ => out.add(index(stored), 1.0),
     });
     let positions = blend(&positions, points, width, watch)?;
     let tangents = match &rows.tangent {
         None => Vec::new(),
         Some(pair) => {
-            let rows = RowsBy::new(net.n, net.n, |stored, out: &mut Rows| match pieces.kind(stored) {
-                PointKind::Inner(i) | PointKind::Fixed(End::Point(i)) => pieces.add(i, &pair[0], out),
-                PointKind::Fixed(End::Corner) => {}
-                PointKind::Fixed(End::Middle(i)) => pieces.add(i, &pair[1], out),
+            let rows = RowsBy::new(net.n, net.n, |stored, out: &mut Rows| match kind(net, stored) {
+                PointKind::Inner(i) | PointKind::End(i) => add(net, i, &pair[0], out),
+                PointKind::Corner => {}
+                PointKind::Middle(i) => add(net, i, &pair[1], out),
             });
             blend(&rows, points, width, watch)?
         }
@@ -115,80 +114,67 @@ fn limit(net: &PolygonNet, points: &[f64], width: usize, rows: &LimitRows, watch
     Ok(Limit { points: positions, tangents })
 }
 
-/// A polygon cut at its corners: each piece goes on beyond its ends by reflection.
-struct Pieces<'a> {
-    net: &'a PolygonNet,
-}
-
-/// A stored point.
+/// A stored point; all but inner ones stay where they are.
 enum PointKind {
-    /// It stays where it is.
-    Fixed(End),
     /// Control point with rules from both sides.
     Inner(isize),
-}
-
-/// A point that stays where it is.
-enum End {
     /// A corner between two pieces, without a tangent.
     Corner,
     /// Control point at an end.
-    Point(isize),
+    End(isize),
     /// An end half a step before this control point.
     Middle(isize),
 }
 
-impl Pieces<'_> {
-    fn kind(&self, stored: usize) -> PointKind {
-        let net = self.net;
-        let i = stored.cast_signed() - net.first().cast_signed();
-        let n = net.n_control().cast_signed();
-        match net.extent {
-            Extent::Half if i < 0 => PointKind::Fixed(End::Middle(0)),
-            Extent::Half if i >= n => PointKind::Fixed(End::Middle(n)),
-            Extent::Whole if i == 0 || i + 1 == n => PointKind::Fixed(End::Point(i)),
-            _ if net.is_corner(i.unsigned_abs()) => PointKind::Fixed(End::Corner),
-            _ => PointKind::Inner(i),
+fn kind(net: &PolygonNet, stored: usize) -> PointKind {
+    let i = stored.cast_signed() - net.first().cast_signed();
+    let n = net.n_control().cast_signed();
+    match net.extent {
+        Extent::Half if i < 0 => PointKind::Middle(0),
+        Extent::Half if i >= n => PointKind::Middle(n),
+        Extent::Whole if i == 0 || i + 1 == n => PointKind::End(i),
+        _ if net.is_corner(i.unsigned_abs()) => PointKind::Corner,
+        _ => PointKind::Inner(i),
+    }
+}
+
+/// Adds the row around control point `i`, or around the middle before it. The polygon is cut at its corners: each piece
+/// goes on beyond its ends by reflection.
+fn add(net: &PolygonNet, i: isize, row: &Row, out: &mut Rows) {
+    let piece = piece(net, i);
+    for (offset, weight) in row.entries() {
+        // around a middle, the offsets -1/2 and 1/2 are the points i - 1 and i
+        let at = i + isize::try_from(offset.div_euclid(2)).unwrap_or(0);
+        match piece {
+            None => net.add(at, weight, out),
+            Some(ends) => add_within(net, ends, at, weight, out),
         }
     }
+}
 
-    /// Adds the row around control point `i`, or around the middle before it.
-    fn add(&self, i: isize, row: &Row, out: &mut Rows) {
-        let piece = self.piece(i);
-        for (offset, weight) in row.entries() {
-            // around a middle, the offsets -1/2 and 1/2 are the points i - 1 and i
-            let at = i + isize::try_from(offset.div_euclid(2)).unwrap_or(0);
-            match piece {
-                None => self.net.add(at, weight, out),
-                Some(ends) => self.add_within(ends, at, weight, out),
-            }
-        }
+/// Adds `weight x` control point `at` of the piece between two corners, reflected about them where it is beyond.
+fn add_within(net: &PolygonNet, [start, end]: [isize; 2], mut at: isize, mut weight: f64, out: &mut Rows) {
+    let stored = |i: isize| index(net.control(i) + net.first());
+    while at < start || at > end {
+        let corner = if at < start { start } else { end };
+        out.add(stored(corner), 2.0 * weight);
+        (at, weight) = (2 * corner - at, -weight);
     }
+    out.add(stored(at), weight);
+}
 
-    /// Adds `weight x` control point `at` of the piece between two corners, reflected about them where it is beyond.
-    fn add_within(&self, [start, end]: [isize; 2], mut at: isize, mut weight: f64, out: &mut Rows) {
-        let stored = |i: isize| index(self.net.control(i) + self.net.first());
-        while at < start || at > end {
-            let corner = if at < start { start } else { end };
-            out.add(stored(corner), 2.0 * weight);
-            (at, weight) = (2 * corner - at, -weight);
-        }
-        out.add(stored(at), weight);
-    }
-
-    /// The corners, or ends, between which control point `i` lies, the later one perhaps a round further; none when
-    /// there are no corners.
-    fn piece(&self, i: isize) -> Option<[isize; 2]> {
-        let corners = &self.net.corners;
-        let (&lowest, &highest) = (corners.first()?, corners.last()?);
-        let n = self.net.n_control().cast_signed();
-        let here = corners.partition_point(|&c| steps(c) <= i);
-        let (before, after) = (here.checked_sub(1).map(|k| steps(corners[k])), corners.get(here).map(|&c| steps(c)));
-        if self.net.is_closed() {
-            Some([before.unwrap_or(steps(highest) - n), after.unwrap_or(steps(lowest) + n)])
-        } else {
-            Some([before.unwrap_or(0), after.unwrap_or(n - 1)])
-        }
+/// The corners, or ends, between which control point `i` lies, the later one perhaps a round further; none when
+/// there are no corners.
+fn piece(net: &PolygonNet, i: isize) -> Option<[isize; 2]> {
+    let corners = &net.corners;
+    let (&lowest, &highest) = (corners.first()?, corners.last()?);
+    let n = net.n_control().cast_signed();
+    let here = corners.partition_point(|&c| steps(c) <= i);
+    let (before, after) = (here.checked_sub(1).map(|k| steps(corners[k])), corners.get(here).map(|&c| steps(c)));
+    if net.is_closed() {
+        Some([before.unwrap_or(steps(highest) - n), after.unwrap_or(steps(lowest) + n)])
+    } else {
+        Some([before.unwrap_or(0), after.unwrap_or(n - 1)])
     }
 }
 
@@ -199,12 +185,11 @@ mod tests {
     #[test]
     fn a_row_at_a_corner_allocates_nothing_of_its_own() {
         let net = PolygonNet::new(12, true, Ends::Clamped, &[3, 7]);
-        let pieces = Pieces { net: &net };
         let row = Row { first: -12, weights: vec![1.0; 13] };
         let mut out = Rows::default();
-        pieces.add(4, &row, &mut out);
+        add(&net, 4, &row, &mut out);
         out.clear();
-        let taken = allocation_counter::measure(|| pieces.add(4, &row, &mut out));
+        let taken = allocation_counter::measure(|| add(&net, 4, &row, &mut out));
         assert_eq!(taken.count_total, 0);
     }
 }

@@ -12,4 +12,4 @@ pub use cycle::{Cycle, NoMask};
 pub use distance::{Distances, MAX_WORK, NoBound};
 pub use limit::{Limit, NoLimit, check, refine_to_limit};
 pub use rows::{LimitRows, Row};
-pub use tolerance::{NoLevel, Reached, reach, search_bytes};
+pub use tolerance::{Reached, reach, search_bytes};

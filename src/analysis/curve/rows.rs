@@ -109,7 +109,7 @@ impl Row {
         Self { first: self.first, weights: self.weights.iter().map(|w| w * factor).collect() }
     }
 
-    /// What it gives for points that stand at their offsets.
+    /// The value of the row for points that stand at their offsets.
     fn slope(&self) -> f64 {
         self.entries().map(|(o, w)| real(o) / 2.0 * w).sum()
     }
@@ -157,22 +157,10 @@ fn pure(tangent: &Pair, position: &Pair) -> Pair {
 
 /// Left eigenvectors for 1 of a static cycle.
 fn settled_positions(cycle: &Cycle) -> Result<Pair, NoMask> {
-    let mut pair = [Row::new(0, &[1.0]), Row::new(-1, &[0.5, 0.5])];
-    let mut last = f64::INFINITY;
-    for _ in 0..MAX_ROUNDS {
-        let next = before(&pair, cycle);
-        let change = next[0].distance(&pair[0]).max(next[1].distance(&pair[1]));
-        pair = next;
-        if arrived(change, last) {
-            let complete = pair.iter().all(|row| (row.sum() - 1.0).abs() < 1e-9);
-            return if complete { Ok(pair) } else { Err(NoMask::Diverges) };
-        }
-        if !change.is_finite() || change > 1e9 {
-            break;
-        }
-        last = change;
-    }
-    Err(NoMask::Diverges)
+    let start = [Row::new(0, &[1.0]), Row::new(-1, &[0.5, 0.5])];
+    let pair = settled(start, 1e9, |pair| Some(before(pair, cycle))).ok_or(NoMask::Diverges)?;
+    let complete = pair.iter().all(|row| (row.sum() - 1.0).abs() < 1e-9);
+    if complete { Ok(pair) } else { Err(NoMask::Diverges) }
 }
 
 /// Left eigenvectors for 1/d, which give 1 for points at their own places; `None` where differences from both sides do
@@ -185,10 +173,8 @@ fn settled_tangents(cycle: &Cycle, position: &Pair) -> Option<Pair> {
 }
 
 fn settled_tangent(cycle: &Cycle, position: &Pair, start: Pair) -> Option<Pair> {
-    let mut pair = start;
-    let mut last = f64::INFINITY;
-    for _ in 0..MAX_ROUNDS {
-        let mut next = pure(&before(&pair, cycle), position);
+    settled(start, f64::INFINITY, |pair| {
+        let mut next = pure(&before(pair, cycle), position);
         for row in &mut next {
             let slope = row.slope();
             if !slope.is_finite() || slope.abs() < 1e-6 * row.weights.iter().map(|w| w.abs()).sum::<f64>() {
@@ -196,10 +182,23 @@ fn settled_tangent(cycle: &Cycle, position: &Pair, start: Pair) -> Option<Pair> 
             }
             *row = row.scaled(1.0 / slope).trimmed();
         }
-        let change = next[0].distance(&pair[0]).max(next[1].distance(&pair[1]));
-        pair = next;
+        Some(next)
+    })
+}
+
+/// What rows come to when `next` is applied again and again; `None` where it has no next, a change is larger than
+/// `most` or no number, or they do not arrive.
+fn settled(mut pair: Pair, most: f64, next: impl Fn(&Pair) -> Option<Pair>) -> Option<Pair> {
+    let mut last = f64::INFINITY;
+    for _ in 0..MAX_ROUNDS {
+        let now = next(&pair)?;
+        let change = now[0].distance(&pair[0]).max(now[1].distance(&pair[1]));
+        pair = now;
         if arrived(change, last) {
             return Some(pair);
+        }
+        if !change.is_finite() || change > most {
+            return None;
         }
         last = change;
     }

@@ -1,14 +1,15 @@
 //! The level at which polygons are within a tolerance of their limit curves.
 
 use super::distance::{Distances, NoBound};
-use super::limit::{NoLimit, check};
+use super::limit::check;
+use crate::analysis::no_level::NoLevel;
 use crate::math::functions::sqrt;
 use crate::refine::{Points, RefineError, advance, polygon_net};
 use crate::scheme::extent::Extent;
-use crate::scheme::plan::Plan;
+use crate::scheme::plan::{MAX_LEVELS, Plan};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::shape::polygon::Polygon;
-use crate::watch::{Stopped, Watch};
+use crate::watch::Watch;
 
 /// Points up to which second differences are measured; from there on they are bounded by their contraction.
 /// Measuring is sharper than the contraction, by which the bound grows from level to level. Half of it goes over a
@@ -44,57 +45,13 @@ pub fn search_bytes(points: usize) -> u64 {
 pub struct Reached {
     /// The level.
     pub level: u32,
-    /// Its distance from the limit is at most this, model units.
+    /// The distance of the level from the limit is at most this, model units.
     pub bound: f64,
 }
 
-/// Why no level can be given for a tolerance.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum NoLevel {
-    /// The polygons, or the plan for them, have no limit masks.
-    #[error("{0}")]
-    Limit(#[from] NoLimit),
-    /// Distances are not bounded.
-    #[error("{0}")]
-    Bound(#[from] NoBound),
-    /// Distances are not kept by the projection.
-    #[error(
-        "rational points are divided by their weights at the end, which distances do not survive; give \"levels\" as \
-         a number"
-    )]
-    Rational,
-    /// Rounding is larger.
-    #[error(
-        "{tolerance:?} is below what rounding leaves of coordinates of {size:?}; ask for at least {least:?}",
-        least = size * LEAST
-    )]
-    TooFine {
-        /// What was asked for.
-        tolerance: f64,
-        /// Greatest coordinate.
-        size: f64,
-    },
-    /// Not within any number of levels.
-    #[error(
-        "no level up to {max} is known to be within {0:?} of the limit; ask for a coarser tolerance",
-        max = crate::scheme::plan::MAX_LEVELS
-    )]
-    Never(f64),
-    /// A level cannot be computed.
-    #[error("{0}")]
-    Level(String),
-    /// It was asked to stop.
-    #[error(transparent)]
-    Stopped(#[from] Stopped),
-}
-
-impl NoLevel {
-    /// Whether the search only ended because it was asked to.
-    pub fn stopped(&self) -> Option<Stopped> {
-        match self {
-            Self::Stopped(stopped) | Self::Bound(NoBound::Stopped(stopped)) => Some(*stopped),
-            _ => None,
-        }
+impl From<NoBound> for NoLevel {
+    fn from(error: NoBound) -> Self {
+        if let NoBound::Stopped(stopped) = error { Self::Stopped(stopped) } else { Self::Refused(error.to_string()) }
     }
 }
 
@@ -105,18 +62,25 @@ impl NoLevel {
 pub fn reach(polygons: &[Polygon], plan: &Plan, tolerance: f64, watch: &Watch) -> Result<Reached, NoLevel> {
     let distances = Distances::of(plan, watch)?;
     for polygon in polygons {
-        check(polygon, plan)?;
+        check(polygon, plan).map_err(|error| NoLevel::Refused(error.to_string()))?;
         if polygon.rational {
-            return Err(NoLevel::Rational);
+            let why = "rational points are divided by their weights at the end, which distances do not survive";
+            return Err(NoLevel::Refused(format!("{why}; give \"levels\" as a number")));
         }
         let size = polygon.points.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         if tolerance < LEAST * size {
-            return Err(NoLevel::TooFine { tolerance, size });
+            let least = size * LEAST;
+            return Err(NoLevel::Refused(format!(
+                "{tolerance:?} is below what rounding leaves of coordinates of {size:?}; ask for at least {least:?}"
+            )));
         }
     }
     let bends = measured(polygons, plan, watch)?;
     let found = distances.level(&bends, tolerance)?;
-    let (level, bound) = found.ok_or(NoLevel::Never(tolerance))?;
+    let (level, bound) = found.ok_or_else(|| {
+        let never = format!("no level up to {MAX_LEVELS} is known to be within {tolerance:?} of the limit");
+        NoLevel::Refused(format!("{never}; ask for a coarser tolerance"))
+    })?;
     Ok(Reached { level, bound })
 }
 
@@ -125,10 +89,7 @@ fn measured(polygons: &[Polygon], plan: &Plan, watch: &Watch) -> Result<Vec<f64>
     let mut bends: Vec<f64> = Vec::new();
     for polygon in polygons {
         let most = MEASURED_POINTS / polygons.len().min(MEASURED_POINTS);
-        let of_one = measured_one(polygon, plan, most, watch).map_err(|error| match error {
-            RefineError::Stopped(stopped) => NoLevel::Stopped(stopped),
-            error => NoLevel::Level(error.to_string()),
-        })?;
+        let of_one = measured_one(polygon, plan, most, watch)?;
         // levels that some polygon is not followed to are bounded for all
         let shared = if bends.is_empty() { of_one.len() } else { bends.len().min(of_one.len()) };
         bends.resize(shared, 0.0);

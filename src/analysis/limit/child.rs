@@ -9,6 +9,7 @@ use super::dual::Dual;
 use super::error::Unlimited;
 use super::patch::Centre;
 use super::record::Record;
+use crate::math::functions::real;
 use crate::math::rows::Rows;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::Children;
@@ -77,11 +78,7 @@ fn is_mean(old: &[u32], new: &[u32], rows: &Rows) -> bool {
             }
         }
     }
-    weights.iter().all(|&weight| (weight * count(old.len()) - count(new.len())).abs() <= SAME * count(new.len()))
-}
-
-fn count(n: usize) -> f64 {
-    f64::from(index(n))
+    weights.iter().all(|&weight| (weight * real(old.len()) - real(new.len())).abs() <= SAME * real(new.len()))
 }
 
 /// What becomes of a centre where new vertices stand in the corners of faces. On the boundary a vertex has two of them,

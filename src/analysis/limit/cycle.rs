@@ -148,11 +148,8 @@ impl<'a> Cycle<'a> {
         rings: Rings,
         weights: Weights,
     ) -> Result<(Located, Record, Vec<u32>, Arc<Topology>), Unlimited> {
-        let (mut net, origins) = patch.net(self.patch_rules).ok_or(Unlimited::Reach)?;
-        if parameters.first().are_there() {
-            let directions = net.annotations.directions.as_deref().cloned();
-            net = net.carrying(Some(parameters.attributes(&origins)), directions);
-        }
+        let (net, origins) = patch.net(self.patch_rules).ok_or(Unlimited::Reach)?;
+        let mut net = parameters.carried_by(net, &origins);
         let mut record = Record::new(weights);
         let (mut centre, mut made) = (patch.centre(), Made::default());
         for step in self.level(level) {
@@ -246,8 +243,11 @@ impl Made {
     }
 }
 
+fn close(x: f64, y: f64) -> bool {
+    (x - y).abs() <= SAME * y.abs().max(1.0)
+}
+
 fn same(a: &[Scheduled], b: &[Scheduled]) -> bool {
-    let close = |x: f64, y: f64| (x - y).abs() <= SAME * y.abs().max(1.0);
     a.iter().zip(b).all(|(a, b)| close(a.kernel, b.kernel) && close(a.compensation, b.compensation))
 }
 
@@ -256,7 +256,6 @@ fn same_at(plan: &Plan, alpha: f64, a: &[Scheduled], b: &[Scheduled]) -> bool {
     let longitude = plan.latitude.as_ref().and_then(|latitude| latitude.kernel_longitude.as_ref());
     let compensation = plan.compensation_alpha.is_none().then_some(&plan.compensation);
     let functions = plan.kernel.first().into_iter().chain(longitude).chain(compensation);
-    let close = |x: f64, y: f64| (x - y).abs() <= SAME * y.abs().max(1.0);
     functions.into_iter().all(|function| {
         let at = |step: &Scheduled| function.value(alpha * step.scale).unwrap_or(f64::NAN);
         a.iter().zip(b).all(|(a, b)| close(at(a), at(b)))

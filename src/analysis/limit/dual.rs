@@ -180,7 +180,7 @@ fn documented(net: &MeshNet) -> Result<(Arc<Topology>, Option<Constructed>), Unl
 pub(super) struct Unrefined {
     /// The net.
     pub(super) net: MeshNet,
-    /// Its points, channel by channel.
+    /// The points of the net, channel by channel.
     pub(super) points: Vec<Points>,
     /// For each vertex from which it came its child; `None` where these are the vertices of the net themselves.
     pub(super) centres: Option<Vec<Option<Centre>>>,

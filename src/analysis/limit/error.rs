@@ -3,6 +3,7 @@
 use super::bounds::{
     MAX_FOLLOWED_LEVELS, MAX_FOLLOWED_POINTS, MAX_LEVEL_POINTS, MAX_PATCH_VERTICES, MAX_PATCHES, MAX_RINGS,
 };
+use crate::analysis::no_level::NoLevel;
 use crate::refine::RefineError;
 use crate::scheme::step_error::StepError;
 use crate::watch::Stopped;
@@ -102,6 +103,12 @@ impl From<RefineError> for Unlimited {
             RefineError::Step { error, .. } => error.into(),
             other @ RefineError::NotFinite { .. } => Self::Later(other.to_string()),
         }
+    }
+}
+
+impl From<Unlimited> for NoLevel {
+    fn from(error: Unlimited) -> Self {
+        if let Unlimited::Stopped(stopped) = error { Self::Stopped(stopped) } else { Self::Refused(error.to_string()) }
     }
 }
 

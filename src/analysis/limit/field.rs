@@ -11,12 +11,13 @@ use super::error::Unlimited;
 use super::grid::regular_mask;
 use super::mask::{Finder, Mask, Masks};
 use super::neighbourhoods::Neighbourhoods;
-use super::patch::{Centre, Patch, Rings};
+use super::on_net::CycleOnNet;
+use super::patch::{Centre, Located, Patch, Rings};
 use super::regular::Regular;
 use super::sector::Sectors;
 use super::tangent::NoTangents;
 use super::vertex_parameters::{CommonParameters, VertexParameters};
-use crate::math::rows::Rows;
+use crate::math::rows::{RowSource, Rows, RowsBy};
 use crate::shape::topology::index;
 use crate::watch::Watch;
 
@@ -24,6 +25,9 @@ use crate::watch::Watch;
 const REGULAR: u32 = 0;
 /// The class of vertices without faces.
 const ISOLATED: u32 = 1;
+
+/// The faces around a vertex alone.
+const NEAREST: Rings = Rings { support: 1, patch: 1 };
 
 /// The masks of all vertices of a net, or of others that it came of.
 #[derive(Debug)]
@@ -49,21 +53,20 @@ impl<'a> Field<'a> {
     /// Finds the masks of all vertices.
     pub(super) fn new(
         around: &'a dyn Neighbourhoods,
-        regular: Regular,
+        on_net: &CycleOnNet<'_>,
         rings: Rings,
         finder: &Finder<'_>,
         watch: &Watch,
     ) -> Result<Self, Unlimited> {
-        let near = match regular {
-            Regular::Quads if !around.carries() => around.near_extraordinary(rings),
-            _ => vec![true; around.n_points()],
+        let near = match on_net.regular {
+            Regular::Quads => around.near_extraordinary(rings),
+            Regular::Triangles => vec![true; around.n_points()],
         };
         let on_grid = near.iter().any(|near| !near);
         let plain = Masks::new(finder, CommonParameters::default());
-        let grid = if on_grid { Some(regular_mask(rings, &plain, around.surroundings())?) } else { None };
-        if !around.carries() {
-            middles_settle(around, regular, rings, &plain, watch)?;
-        }
+        let grid = if on_grid { Some(regular_mask(rings, &plain, on_net.surroundings)?) } else { None };
+        let sides = if on_net.regular == Regular::Quads { 4 } else { 3 };
+        middles_settle(&around.middles(sides, rings, watch)?, &plain)?;
         let n = around.n_vertices();
         let is_regular = |v: &u32| matches!(around.centre(*v as usize), Some(Centre::Vertex(at)) if !near[at as usize]);
         let mut classes = vec![REGULAR; n];
@@ -76,7 +79,7 @@ impl<'a> Field<'a> {
             let (now, later) = left.split_at(chunk.min(left.len()));
             left = later;
             let patch = |&v: &u32| {
-                around.patch_of(v, rings).map(|found| found.map(|(found, parameters)| (found.patch, parameters)))
+                located(around, v, rings).map(|found| found.map(|(found, parameters)| (found.patch, parameters)))
             };
             let patches: Vec<Option<(Patch, VertexParameters)>> =
                 now.par_iter().map(patch).collect::<Result<_, _>>()?;
@@ -151,8 +154,7 @@ impl<'a> Field<'a> {
 
     /// For each half-edge at a vertex, counter-clockwise, the next vertex of its face and its sector.
     pub(super) fn sides(&self, v: usize) -> Vec<(u32, usize)> {
-        let rings = Rings { support: 1, patch: 1 };
-        let Some(found) = self.around.centre(v).and_then(|centre| self.around.patch(centre, rings)) else {
+        let Some(found) = self.around.centre(v).and_then(|centre| self.around.patch(centre, NEAREST)) else {
             return Vec::new();
         };
         let sectors = Sectors::of(&found.patch);
@@ -163,7 +165,9 @@ impl<'a> Field<'a> {
     /// A sector of a vertex in words.
     pub(super) fn describe(&self, v: usize) -> String {
         let by_sector = self.mask(v).is_some_and(|mask| mask.tangents.len() > 1);
-        format!("{}{}", if by_sector { "one side of the sharp edges at " } else { "" }, self.around.describe(v))
+        let found = self.around.centre(v).and_then(|centre| self.around.patch(centre, NEAREST));
+        let place = found.map_or_else(|| "a boundary vertex".to_owned(), |found| found.patch.describe());
+        format!("{}{place}", if by_sector { "one side of the sharp edges at " } else { "" })
     }
 
     /// Vertices without faces that are not among the points.
@@ -177,18 +181,20 @@ impl<'a> Field<'a> {
         self.classes.len()
     }
 
-    /// Number of points that rows are made of.
-    pub(super) fn n_points(&self) -> usize {
-        self.around.n_points()
-    }
-
     /// Whether a vertex has no face.
     pub(super) fn is_isolated(&self, v: usize) -> bool {
         self.classes[v] == ISOLATED
     }
 
+    /// The rows of some sectors of vertices for a functional.
+    pub(super) fn rows(&self, sectors: &[(u32, usize)], functional: Functional) -> impl RowSource {
+        RowsBy::new(sectors.len(), self.around.n_points(), move |i, out: &mut Rows| {
+            self.row(sectors[i].0 as usize, sectors[i].1, functional, out);
+        })
+    }
+
     /// Adds the weights of a vertex for a functional in a sector.
-    pub(super) fn row(&self, v: usize, sector: usize, functional: Functional, out: &mut Rows) {
+    fn row(&self, v: usize, sector: usize, functional: Functional, out: &mut Rows) {
         match (self.around.centre(v), self.classes[v], &self.regular) {
             (None, ..) if self.around.leaves_out() => {}
             (None, ..) => out.add(index(v), if functional == Functional::Position { 1.0 } else { 0.0 }),
@@ -216,21 +222,28 @@ fn weights(mask: &Mask, functional: Functional, sector: usize) -> &[f64] {
     }
 }
 
-/// Whether points come together in the middle of faces that are not like those of a regular net, one of each size.
+/// The patch around what took the place of a vertex, and the parameters there; `None` for a vertex without faces.
+///
+/// # Errors
+/// [`Unlimited::Size`].
+pub(super) fn located(
+    around: &dyn Neighbourhoods,
+    v: u32,
+    rings: Rings,
+) -> Result<Option<(Located, VertexParameters)>, Unlimited> {
+    let Some(centre) = around.centre(v as usize) else { return Ok(None) };
+    let found = around.patch(centre, rings).ok_or(Unlimited::Size)?;
+    let parameters = around.parameters(&found.vertices);
+    Ok(Some((found, parameters)))
+}
+
+/// Whether points come together in the middles of faces that are not like those of a regular net.
 ///
 /// # Errors
 /// [`Unlimited::Rough`]; where the middle of a face cannot be followed, nothing is said about it.
-fn middles_settle(
-    around: &dyn Neighbourhoods,
-    regular: Regular,
-    rings: Rings,
-    masks: &Masks<'_>,
-    watch: &Watch,
-) -> Result<(), Unlimited> {
-    for middle in around.middles(if regular == Regular::Quads { 4 } else { 3 }) {
-        let found = around.least_patch(middle, rings, watch)?;
-        let mask = found.map(|found| masks.of(0, &found.patch));
-        if let Some(Err(error @ (Unlimited::Rough | Unlimited::Stopped(_)))) = mask {
+fn middles_settle(middles: &[Patch], masks: &Masks<'_>) -> Result<(), Unlimited> {
+    for middle in middles {
+        if let Err(error @ (Unlimited::Rough | Unlimited::Stopped(_))) = masks.of(0, middle) {
             return Err(error);
         }
     }

@@ -7,14 +7,14 @@
 //! plan that was tried.
 
 use super::bounds::MAX_LEVEL_POINTS;
-use super::cycle::{Cycle, made};
+use super::cycle::made;
 use super::error::Unlimited;
+use super::on_net::CycleOnNet;
 use super::patch::{Centre, Rings};
-use super::regular::Regular;
 use super::tangent::starting_vectors;
 use super::vertex_parameters::{CommonParameters, VertexParameters};
 use super::walk::WholeNet;
-use crate::math::functions::{exp, ln};
+use crate::math::functions::{exp, ln, real};
 use crate::math::vector::minus;
 use crate::refine::{Points, RefineError};
 use crate::scheme::mesh_net::MeshNet;
@@ -48,23 +48,19 @@ const SHRINKS: f64 = 0.98;
 /// What an impulse shows of a scheme.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Smoothness {
-    /// Its differences do not vanish: there is no continuous limit.
+    /// The differences of an impulse do not vanish: there is no continuous limit.
     Rough,
-    /// Its differences vanish, its divided second differences do not.
+    /// The differences of an impulse vanish, the divided second differences do not.
     Continuous,
-    /// Its divided second differences vanish: the limit has a continuous tangent.
+    /// The divided second differences of an impulse vanish: the limit has a continuous tangent.
     Smooth,
 }
 
-/// What is looked at: a cycle on regular nets, tagged or not, whose vertices all carry the same parameters.
+/// A cycle, as it is after its numbers have settled, on regular nets whose vertices all carry the same parameters.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Impulse<'a> {
-    /// The cycle, as it is after its numbers have settled.
-    pub(super) cycle: &'a Cycle<'a>,
-    /// What it is regular on.
-    pub(super) regular: Regular,
-    /// Whether there are latitude lines.
-    pub(super) tagged: bool,
+    /// The cycle, and what it is regular on.
+    pub(super) on_net: &'a CycleOnNet<'a>,
     /// The parameters that all vertices carry.
     pub(super) common: CommonParameters,
     /// Rings that decide about a limit.
@@ -81,9 +77,9 @@ impl Impulse<'_> {
     /// Refines an impulse, and compares how its differences shrink. What is continuous counts as smooth where nobody
     /// asks for `tangents`.
     pub(super) fn smoothness(&self, tangents: bool, watch: &Watch) -> Result<Smoothness, Unlimited> {
-        let side = side(self.support, self.cycle.n_duals());
-        let mut impulse_net = self.on(self.regular.net(side, self.tagged), side);
-        let (levels, _) = compared(side, &self.cycle.pieces()).ok_or(Unlimited::Fine)?;
+        let side = side(self.support, self.on_net.cycle.n_duals());
+        let mut impulse_net = self.on(self.on_net.regular.net(side, self.on_net.tagged), side);
+        let (levels, _) = compared(side, &self.on_net.cycle.pieces()).ok_or(Unlimited::Fine)?;
         let mut seen = Vec::new();
         for level in 0..=levels[1] {
             if level > 0 {
@@ -108,12 +104,9 @@ impl Impulse<'_> {
     }
 
     /// An impulse in the middle of a regular net of `side x side` squares.
-    fn on(&self, mut net: MeshNet, side: usize) -> ImpulseNet {
-        if self.common.are_there() {
-            let all: Vec<u32> = (0..index(net.mesh.n_vertices())).collect();
-            let directions = net.annotations.directions.as_deref().cloned();
-            net = net.carrying(Some(self.common.of_all(all.len()).attributes(&all)), directions);
-        }
+    fn on(&self, net: MeshNet, side: usize) -> ImpulseNet {
+        let all: Vec<u32> = (0..index(net.mesh.n_vertices())).collect();
+        let net = self.common.of_all(all.len()).carried_by(net, &all);
         let middle = (side / 2) * (side + 1) + side / 2;
         let place = |v: usize| [index(v % (side + 1)), index(v / (side + 1)), u32::from(v == middle)].map(f64::from);
         ImpulseNet { points: Points::new((0..net.mesh.n_vertices()).flat_map(place).collect(), 3), net }
@@ -123,7 +116,7 @@ impl Impulse<'_> {
     fn refined(&self, ImpulseNet { net, mut points }: ImpulseNet) -> Result<ImpulseNet, Unlimited> {
         // work that no forecast counts
         let uncounted = Watch::new();
-        let net = self.cycle.applied(net, |action, step| {
+        let net = self.on_net.cycle.applied(net, |action, step| {
             points.act(action, step.level, &uncounted).map_err(|error| match error {
                 RefineError::Stopped(Stopped) => Unlimited::Stopped(Stopped),
                 _ => Unlimited::Unsettled,
@@ -135,7 +128,7 @@ impl Impulse<'_> {
     /// Whether differences vanish at all places that are followed; `None` where too many points are around one.
     fn vanish_at_places(&self, measure: Measure, watch: &Watch) -> Result<Option<bool>, Unlimited> {
         let mut budget = MAX_PLACE_POINTS;
-        for place in places(self.cycle.pieces().last().copied().unwrap_or(2)) {
+        for place in places(self.on_net.cycle.pieces().last().copied().unwrap_or(2)) {
             match self.vanish_at(place, measure, &mut budget, watch)? {
                 Some(true) => {}
                 other => return Ok(other),
@@ -157,7 +150,7 @@ impl Impulse<'_> {
         let rings = self.support + self.support / 4 + 5;
         let rings = Rings { support: rings, patch: rings };
         let side = 2 * (rings.patch + 2);
-        let mut impulse_net = self.on(self.regular.net(side, self.tagged), side);
+        let mut impulse_net = self.on(self.on_net.regular.net(side, self.on_net.tagged), side);
         let wild = starting_vectors(impulse_net.net.mesh.n_vertices(), 1).concat();
         impulse_net.points.now.chunks_exact_mut(3).zip(wild).for_each(|(p, z)| p[2] = z);
         let middle = (side / 2) * (side + 1) + side / 2;
@@ -168,7 +161,7 @@ impl Impulse<'_> {
         let (mut target, mut sizes, mut compared) = (place.at, vec![0.0], PLACE_LEVELS[0]);
         for level in 1..=PLACE_LEVELS[1] {
             watch.check()?;
-            let made = made(impulse_net.net.mesh.n_vertices(), &self.cycle.pieces(), 1);
+            let made = made(impulse_net.net.mesh.n_vertices(), &self.on_net.cycle.pieces(), 1);
             let Some(left) = budget.checked_sub(made) else {
                 return Ok((level > PLACE_LEVELS[0]).then_some(false));
             };
@@ -238,15 +231,11 @@ fn places(pieces: usize) -> Vec<RecurrentPlace> {
             // vertices once
             let direct = (j > 0 || parts == 1).then_some(j);
             let mirrored = (!is_own_mirror(i) && !is_own_mirror(j)).then_some(parts - j);
-            let place = |y: usize| RecurrentPlace { at: [i, y].map(|p| count(p) / count(parts)), parts: count(parts) };
+            let place = |y: usize| RecurrentPlace { at: [i, y].map(|p| real(p) / real(parts)), parts: real(parts) };
             places.extend(direct.into_iter().chain(mirrored).map(place));
         }
     }
     places
-}
-
-fn count(n: usize) -> f64 {
-    f64::from(index(n))
 }
 
 /// Squares along a side of the net under an impulse whose limit reaches so many rings.
@@ -273,7 +262,7 @@ impl ImpulseNet {
         impulse: &Impulse<'_>,
     ) -> Option<Self> {
         let found = WholeNet::of(&self.net, topology).patch(Centre::Vertex(index(v)), rings)?;
-        let (net, origins) = found.patch.net(impulse.cycle.patch_rules)?;
+        let (net, origins) = found.patch.net(impulse.on_net.cycle.patch_rules)?;
         let at = |v: u32| [0, 1, 2].map(|k| self.points.now[3 * v as usize + k]);
         let centre = at(index(v));
         let seen = |v: u32| minus(at(v), centre);
@@ -286,13 +275,7 @@ impl ImpulseNet {
         let whole = |x: f64| (2.0 * x / length).round() / 2.0;
         let scaled = |[x, y, z]: [f64; 3]| [whole(x), whole(y), (z - slope[0] * x - slope[1] * y) / size];
         let points = origins.iter().flat_map(|&origin| scaled(seen(found.vertices[origin as usize]))).collect();
-        let net = match &self.net.annotations.attributes {
-            Some(attributes) => {
-                let directions = net.annotations.directions.as_deref().cloned();
-                net.carrying(Some(VertexParameters::of(attributes, &found.vertices).attributes(&origins)), directions)
-            }
-            None => net,
-        };
+        let net = VertexParameters::of(&self.net, &found.vertices).carried_by(net, &origins);
         Some(Self { net, points: Points::new(points, 3) })
     }
 }

@@ -65,33 +65,40 @@ pub(super) struct Mask {
 impl Mask {
     /// Returns the limit as it is seen from one level before, on the parent of its patch.
     fn before(&self, patch: &Patch, child: &Child) -> Self {
-        let by_sector = || Sectors::of(patch).children(&Sectors::of(&child.patch), child.rotation);
-        let sectors = if self.tangents.len() > 1 { by_sector() } else { vec![0; self.tangents.len()] };
-        let Ok(mask) = self.seen_by(&sectors, |row| Ok::<_, Infallible>(child.back(row)));
+        let back = |row: &[f64]| Ok::<_, Infallible>(child.back(row));
+        let both = |[t, u]: &[Vec<f64>; 2]| Ok([tangential(back(t)?), tangential(back(u)?)]);
+        let Ok(mask) = self.seen_from(patch, (&child.patch, child.rotation), back, both);
         mask
     }
 
     /// Returns the limit as it is seen from one level before, without making the level a matrix.
     fn before_traced(&self, patch: &Patch, level: &Traced) -> Result<Self, Unlimited> {
-        let by_sector = || Sectors::of(patch).children(&Sectors::of(level.patch()), level.rotation());
-        let sectors = if self.tangents.len() > 1 { by_sector() } else { vec![0; self.tangents.len()] };
-        self.seen_by(&sectors, |row| level.times_row(row))
+        let back = |row: &[f64]| level.times_row(row);
+        let both = |[t, u]: &[Vec<f64>; 2]| Ok([tangential(back(t)?), tangential(back(u)?)]);
+        self.seen_from(patch, (level.patch(), level.rotation()), back, both)
     }
 
-    /// The mask over points of which `back` makes the rows: `sectors` tells for each of theirs which one it becomes.
-    fn seen_by<E>(&self, sectors: &[usize], back: impl Fn(&[f64]) -> Result<Vec<f64>, E>) -> Result<Self, E> {
-        let both = |[a, b]: &[Vec<f64>; 2]| Ok([tangential(back(a)?), tangential(back(b)?)]);
-        let tangents = |&sector: &usize| match &self.tangents[sector] {
+    /// The mask of a patch whose child has this one: `back` makes rows of the patch of those of its child, and `both`
+    /// the two tangents of a sector. Face 0 of the child comes of face `rotation`.
+    pub(super) fn seen_from<E>(
+        &self,
+        patch: &Patch,
+        (child, rotation): (&Patch, usize),
+        back: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
+        both: impl Fn(&[Vec<f64>; 2]) -> Result<[Vec<f64>; 2], E>,
+    ) -> Result<Self, E> {
+        let one_or_none = vec![0; self.tangents.len()];
+        let sectors = if one_or_none.len() > 1 { Sectors::children(patch, child, rotation) } else { one_or_none };
+        let tangents = sectors.into_iter().map(|sector| match &self.tangents[sector] {
             Ok(tangents) => both(tangents).map(Ok),
             Err(why) => Ok(Err(*why)),
-        };
-        let position = summing_to_one(back(&self.position)?);
-        Ok(Self { position, tangents: sectors.iter().map(tangents).collect::<Result<_, E>>()? })
+        });
+        Ok(Self { position: summing_to_one(back(&self.position)?), tangents: tangents.collect::<Result<_, E>>()? })
     }
 }
 
 /// Weights divided by their sum, which differs from 1 by rounding only.
-pub(super) fn summing_to_one(mut row: Vec<f64>) -> Vec<f64> {
+fn summing_to_one(mut row: Vec<f64>) -> Vec<f64> {
     let sum: f64 = row.iter().sum();
     row.iter_mut().for_each(|x| *x /= sum);
     row

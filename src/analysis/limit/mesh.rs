@@ -2,7 +2,7 @@
 
 use super::cycle::AHEAD;
 use super::error::{LimitError, Unlimited};
-use super::limits::{Limits, limits};
+use super::limits::{Limits, limits, without_normals};
 use super::request::LimitRequest;
 use crate::fault::Fault;
 use crate::refine::{RefinedMesh, act_on, assembled, mesh_net, numbers, refined_uvs};
@@ -26,7 +26,9 @@ pub fn refine_mesh_to_limit(
     let (steps, ahead) = steps.split_at(plan.word.prefix.len() + levels as usize * plan.word.cycle.len());
     let (net, points) = act_on(mesh_net(mesh, plan), numbers(mesh), plan, steps, watch)?;
     let found = match limits(plan, &net, &points, ahead, request, watch) {
-        Err(error) if !request.positions && !matches!(error, Unlimited::Stopped(_)) => Limits::without_normals(&error),
+        Err(error) if !request.positions && !matches!(error, Unlimited::Stopped(_)) => {
+            Limits { warning: Some(without_normals(error)), ..Limits::default() }
+        }
         found => found?,
     };
     let refined = || points.into_iter().map(|points| points.now).collect();

@@ -107,6 +107,26 @@ impl Patch {
         self.faces().enumerate().take_while(at_centre).map(|(_, face)| face)
     }
 
+    /// Whether faces lie all around the vertex at the centre.
+    pub(super) fn is_closed(&self) -> bool {
+        let mut faces = self.central_faces();
+        let first = faces.next().unwrap_or_default();
+        first.get(1) == faces.last().unwrap_or(first).last()
+    }
+
+    /// What the centre is, in words: its number would be one of a net that the client never sees.
+    pub(super) fn describe(&self) -> String {
+        let has_edge = |face: &&[u32]| face.contains(&0) && face.contains(&1);
+        let (kind, n) = match self.central as usize {
+            0 if self.fixed.first() == Some(&0) => ("a corner", self.central_faces().count()),
+            0 if !self.is_closed() => ("a boundary vertex", self.central_faces().count()),
+            0 => ("an interior vertex", self.central_faces().count()),
+            2 if self.faces().filter(has_edge).count() < 2 => return "a boundary vertex".to_owned(),
+            n => ("an interior vertex", n),
+        };
+        format!("{kind} with {n} {}", if n == 1 { "face" } else { "faces" })
+    }
+
     /// Whether the edge of a half-edge, counted over all faces, stays sharp for ever.
     pub(super) fn is_sharp_for_ever(&self, half_edge: usize) -> bool {
         let found = self.sharp_edges.binary_search_by_key(&index(half_edge), |&(half_edge, _)| half_edge);
@@ -116,8 +136,7 @@ impl Patch {
     /// The patch as a net of its own, with the origin of each of its vertices in the patch.
     pub(super) fn net(&self, patch_rules: PatchRules) -> Option<(MeshNet, Vec<u32>)> {
         let PatchRules { rules, boundary, cut, boundary_every } = patch_rules;
-        let mut faces = FaceList::default();
-        self.faces().for_each(|face| faces.push(face.iter().copied()));
+        let faces = self.faces().map(|face| face.iter().copied()).collect();
         let mut checked = Topology::of_faces(self.n_vertices, faces, Winding::Refuse).ok()?;
         if boundary_every > 1 && (self.rounds + 1).is_multiple_of(boundary_every) {
             while let Some(faces) = without_ears(&checked.topology) {
@@ -154,9 +173,7 @@ impl Patch {
 fn without_ears(topology: &Topology) -> Option<FaceList> {
     let is_ear = |&f: &usize| topology.half_edges(f).filter(|&half_edge| topology.twin(half_edge) == NONE).count() > 1;
     (0..topology.n_faces()).find(is_ear)?;
-    let mut faces = FaceList::default();
-    (0..topology.n_faces()).filter(|f| !is_ear(f)).for_each(|f| faces.push(topology.face(f).iter().copied()));
-    Some(faces)
+    Some((0..topology.n_faces()).filter(|f| !is_ear(f)).map(|f| topology.face(f).iter().copied()).collect())
 }
 
 /// Whether every face is a triangle.

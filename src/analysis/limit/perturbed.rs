@@ -5,6 +5,7 @@
 //! them the matrices. The product of these ends where what is left of the perturbation no longer matters, or where the
 //! points around the vertex are together. The rest is a mask of the plan without perturbation.
 
+use std::convert::Infallible;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -12,12 +13,12 @@ use rayon::prelude::*;
 use super::bounds::{MAX_FOLLOWED_LEVELS, MAX_FOLLOWED_POINTS};
 use super::cycle::Child;
 use super::error::Unlimited;
-use super::field::Field;
-use super::mask::{Finder, Mask, Masks, summing_to_one, tangential};
+use super::field::{Field, located};
+use super::mask::{Finder, Mask, Masks, tangential};
 use super::neighbourhoods::Neighbourhoods;
 use super::patch::{Centre, Located, Patch, Rings};
 use super::request::LimitRequest;
-use super::sector::Sectors;
+use super::small::dot;
 use super::tangent::starting_vectors;
 use super::vertex_parameters::{CommonParameters, VertexParameters};
 use crate::scheme::operator::Role;
@@ -88,7 +89,7 @@ pub(super) fn field<'a>(
     let plain = Masks::new(finder, CommonParameters::default());
     let mask = |v: u32| {
         watch.check()?;
-        let Some((found, parameters)) = around.patch_of(v, rings)? else { return Ok(None) };
+        let Some((found, parameters)) = located(around, v, rings)? else { return Ok(None) };
         let numbering = around.numbering(&found);
         let follower = Follower { finder, plain: &plain, perturbation, watch };
         let mask = follower.mask(found, parameters, numbering)?;
@@ -124,20 +125,12 @@ struct Follower<'a> {
     watch: &'a Watch,
 }
 
-/// A level on the way of a vertex.
-struct Level {
-    /// What is around it after the level, and how that comes of what was before.
-    child: Child,
-    /// For each sector before the one that it becomes; empty where there is one only.
-    sectors: Vec<usize>,
-}
-
 impl Follower<'_> {
     /// The mask of a patch whose parts have these numbers in the whole net.
     fn mask(&self, found: Located, parameters: VertexParameters, numbering: Numbering) -> Result<Mask, Unlimited> {
         let (mut patch, mut parameters, mut numbering) = (found.patch, parameters, numbering);
         let mut spread = Spread::new(patch.support);
-        let mut levels: Vec<Level> = Vec::new();
+        let mut levels: Vec<(Patch, Child)> = Vec::new();
         let last = loop {
             self.watch.check()?;
             if !self.finder.with_tangents && spread.is_none() {
@@ -152,16 +145,13 @@ impl Follower<'_> {
             let parts = (&parameters, Some((&numbering, self.perturbation)));
             let (level, next) = self.finder.skeletons.followed(levels.len(), &patch, parts)?;
             let child = level.child()?;
-            let before = Sectors::of(&patch);
-            let sectors =
-                if before.n > 1 { before.children(&Sectors::of(&child.patch), child.rotation) } else { Vec::new() };
             spread.go_on(&child);
-            patch = child.patch.clone();
-            levels.push(Level { child, sectors });
+            let before = std::mem::replace(&mut patch, child.patch.clone());
+            levels.push((before, child));
             parameters = next.0;
             numbering = next.1.ok_or(Unlimited::Wild)?;
         };
-        Ok(levels.iter().rev().fold(last, |mask, level| before(&mask, level)))
+        Ok(levels.iter().rev().fold(last, |mask, (patch, child)| before(&mask, patch, child)))
     }
 
     /// Whether the perturbations from a level on change nothing.
@@ -189,19 +179,16 @@ impl Follower<'_> {
 ///
 /// Of two tangents the second is cleared of the first, which changes no normal: where the first grows faster backwards
 /// the second would drown in it.
-fn before(mask: &Mask, level: &Level) -> Mask {
-    let back = |[t, u]: &[Vec<f64>; 2]| {
-        let t = tangential(level.child.back(t));
-        let mut u = level.child.back(u);
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+fn before(mask: &Mask, patch: &Patch, child: &Child) -> Mask {
+    let both = |[t, u]: &[Vec<f64>; 2]| {
+        let t = tangential(child.back(t));
+        let mut u = child.back(u);
         let along = dot(&u, &t) / dot(&t, &t);
         u.iter_mut().zip(&t).for_each(|(x, y)| *x -= along * y);
-        [t, tangential(u)]
+        Ok::<_, Infallible>([t, tangential(u)])
     };
-    let child = |sector: usize| level.sectors.get(sector).copied().unwrap_or(sector);
-    let tangents =
-        (0..mask.tangents.len()).map(|sector| mask.tangents[child(sector)].as_ref().map(back).map_err(|why| *why));
-    Mask { position: summing_to_one(level.child.back(&mask.position)), tangents: tangents.collect() }
+    let Ok(mask) = mask.seen_from(patch, (&child.patch, child.rotation), |row| Ok(child.back(row)), both);
+    mask
 }
 
 /// How far the points around a vertex are apart, of 1 at the beginning.

@@ -7,21 +7,21 @@ use rayon::prelude::*;
 
 use super::grid::grid;
 use super::neighbourhoods::Neighbourhoods;
-use super::patch::{Centre, Located, Rings};
+use super::patch::{Centre, Located, Patch, Rings};
 use super::vertex_parameters::VertexParameters;
 use super::walk::WholeNet;
 use crate::math::rows::Rows;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::surroundings::Surroundings;
 use crate::shape::numbering::Numbering;
-use crate::shape::topology::{NONE, Topology, index};
+use crate::shape::topology::{Topology, index};
 use crate::watch::{Stopped, Watch};
 
 /// A net whose vertices and points are in the order of construction.
 #[derive(Debug)]
 pub(super) struct RefinedNet {
     net: MeshNet,
-    /// Its topology made explicit.
+    /// The topology of the net made explicit.
     topology: Arc<Topology>,
     /// For each vertex what took its place, if that was no vertex without faces; `None` where these are the net's own.
     centres: Option<Vec<Option<Centre>>>,
@@ -66,21 +66,12 @@ impl Neighbourhoods for RefinedNet {
         self.centres.is_some()
     }
 
-    fn surroundings(&self) -> Option<Surroundings> {
-        self.surroundings
-    }
-
     fn patch(&self, centre: Centre, rings: Rings) -> Option<Located> {
         self.whole().patch(centre, rings)
     }
 
-    fn least_patch(&self, centre: Centre, rings: Rings, watch: &Watch) -> Result<Option<Located>, Stopped> {
-        self.whole().least_patch(centre, rings, watch)
-    }
-
     fn parameters(&self, points: &[u32]) -> VertexParameters {
-        let attributes = self.net.annotations.attributes.as_ref();
-        attributes.map_or_else(VertexParameters::default, |attributes| VertexParameters::of(attributes, points))
+        VertexParameters::of(&self.net, points)
     }
 
     fn numbering(&self, found: &Located) -> Numbering {
@@ -88,43 +79,21 @@ impl Neighbourhoods for RefinedNet {
         whole.part(&self.topology, &found.vertices, &found.half_edges)
     }
 
-    fn carries(&self) -> bool {
-        carries(&self.net)
-    }
-
-    fn middles(&self, but: usize) -> Vec<Centre> {
+    fn middles(&self, but: usize, rings: Rings, watch: &Watch) -> Result<Vec<Patch>, Stopped> {
         let mut seen = BTreeSet::from([but]);
-        let first = |f: &usize| seen.insert(self.topology.face(*f).len());
-        (0..self.topology.n_faces()).filter(first).map(|f| Centre::Face(index(f))).collect()
+        let first = |f: &usize| !carries(&self.net) && seen.insert(self.topology.face(*f).len());
+        let least = |f: usize| self.whole().least_patch(Centre::Face(index(f)), rings, watch);
+        let found = (0..self.topology.n_faces()).filter(first).map(least).collect::<Result<Vec<_>, _>>()?;
+        Ok(found.into_iter().flatten().map(|found| found.patch).collect())
     }
 
     fn near_extraordinary(&self, rings: Rings) -> Vec<bool> {
-        near_extraordinary(&self.whole(), rings)
+        if carries(&self.net) { vec![true; self.n_points()] } else { near_extraordinary(&self.whole(), rings) }
     }
 
     fn add_on_grid(&self, point: u32, rings: usize, weights: &[f64], out: &mut Rows) {
         let mut weights = weights.iter();
         grid(&self.topology, point as usize, rings, |u| weights.next().into_iter().for_each(|&w| out.add(u, w)));
-    }
-
-    fn describe(&self, v: usize) -> String {
-        let (kind, n) = match self.centre(v) {
-            Some(Centre::Edge(half_edge)) if self.topology.twin(half_edge) != NONE => ("an interior vertex", 2),
-            Some(Centre::Edge(_)) | None => return "a boundary vertex".to_owned(),
-            Some(Centre::Face(f)) => ("an interior vertex", self.topology.face(f as usize).len()),
-            Some(Centre::Vertex(v)) => {
-                let v = v as usize;
-                let kind = if self.net.tags.is_corner(v) {
-                    "a corner"
-                } else if self.topology.boundary_edges(v).is_some() {
-                    "a boundary vertex"
-                } else {
-                    "an interior vertex"
-                };
-                (kind, self.topology.ring(v).count())
-            }
-        };
-        format!("{kind} with {n} {}", if n == 1 { "face" } else { "faces" })
     }
 }
 
@@ -150,19 +119,6 @@ fn near_extraordinary(whole: &WholeNet<'_>, rings: Rings) -> Vec<bool> {
         let ends = sharpness.edges().iter().flat_map(|&(e, _)| topology.ends(e as usize));
         ends.chain(sharpness.vertices().iter().map(|&(v, _)| v)).for_each(|v| near[v as usize] = true);
     }
-    let mut front: Vec<usize> = (0..near.len()).filter(|&v| near[v]).collect();
-    for _ in 1..rings.patch {
-        let mut next = Vec::new();
-        for v in front {
-            for half_edge in topology.ring(v) {
-                for &u in topology.face(topology.face_of(half_edge)) {
-                    if !std::mem::replace(&mut near[u as usize], true) {
-                        next.push(u as usize);
-                    }
-                }
-            }
-        }
-        front = next;
-    }
+    topology.faces_within(rings.patch - 1, &mut near);
     near
 }

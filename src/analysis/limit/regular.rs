@@ -104,16 +104,10 @@ impl Regular {
 
     /// The net of squares, each cut into two triangles where it is made of these.
     fn of_squares(self, n_vertices: usize, squares: impl Iterator<Item = [u32; 4]>) -> MeshNet {
-        let mut faces = FaceList::default();
-        for [a, b, c, d] in squares {
-            match self {
-                Self::Quads => faces.push([a, b, c, d]),
-                Self::Triangles => {
-                    faces.push([a, b, c]);
-                    faces.push([a, c, d]);
-                }
-            }
-        }
+        let faces: FaceList = match self {
+            Self::Quads => squares.collect(),
+            Self::Triangles => squares.flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+        };
         let checked =
             Topology::of_faces(n_vertices, faces, Winding::Refuse).expect("squares side by side are a manifold");
         MeshNet::new(Arc::new(checked.topology), &[], &[], Boundary::EdgeOnly)

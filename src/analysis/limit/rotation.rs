@@ -10,19 +10,18 @@
 use super::cycle::Cycle;
 use super::patch::{Centre, Patch, Rings};
 use super::walk::WholeNet;
-use crate::math::functions::{cos, sin};
+use crate::math::functions::{cos, real, sin};
 use crate::shape::topology::index;
 
 /// By how many faces `forth`, a matrix that maps the support of a patch to itself, turns the neighbours of the vertex
 /// inside at its centre; `None` for other patches.
 pub(super) fn by(patch: &Patch, forth: impl Fn(&[f64]) -> Vec<f64>) -> Option<usize> {
     let faces: Vec<&[u32]> = patch.central_faces().collect();
-    let closed = faces.first()?.get(1) == faces.last()?.last();
-    if patch.centre() != Centre::Vertex(0) || !closed {
+    if patch.centre() != Centre::Vertex(0) || !patch.is_closed() {
         return None;
     }
     let n = faces.len();
-    let angle = |j: usize| std::f64::consts::TAU * count(j % n) / count(n);
+    let angle = |j: usize| std::f64::consts::TAU * real(j % n) / real(n);
     let mut corners = [0, 1].map(|_| vec![0.0; patch.support]);
     for (j, face) in faces.iter().enumerate() {
         let place = *face.get(1)? as usize;
@@ -56,9 +55,4 @@ pub(super) fn places(patch: &Patch, cycle: &Cycle<'_>, rings: Rings, faces: usiz
     let complete = places.iter().map(|&(from, _)| from).eq(0..index(patch.support));
     let inside = places.iter().all(|&(_, to)| (to as usize) < patch.support);
     (here.patch == there.patch && complete && inside).then(|| places.into_iter().map(|(_, to)| to).collect())
-}
-
-#[expect(clippy::cast_precision_loss, reason = "patches have few faces")]
-fn count(n: usize) -> f64 {
-    n as f64
 }

@@ -31,7 +31,7 @@ impl Sectors {
             parts.push(patch.is_sharp_for_ever(half_edge));
             half_edge += face.len();
         }
-        let closed = faces.first().map(|face| face[1]) == faces.last().map(|face| face[face.len() - 1]);
+        let closed = patch.is_closed();
         parts[0] &= closed;
         let cuts = parts.iter().filter(|&&cut| cut).count();
         if closed && cuts < 2 {
@@ -51,11 +51,12 @@ impl Sectors {
         self.of_faces[face]
     }
 
-    /// For each sector the one it becomes in a child's patch, whose face 0 comes of face `rotation` of this one.
-    pub(super) fn children(&self, child: &Self, rotation: usize) -> Vec<usize> {
-        let faces = self.of_faces.len();
-        let first = |sector| self.of_faces.iter().position(|&other| other == sector).unwrap_or(0);
-        (0..self.n).map(|sector| child.of_faces[(first(sector) + faces - rotation) % faces]).collect()
+    /// For each sector of a patch the one that it becomes in a child's patch, whose face 0 comes of face `rotation`.
+    pub(super) fn children(patch: &Patch, child: &Patch, rotation: usize) -> Vec<usize> {
+        let [before, after] = [patch, child].map(Self::of);
+        let faces = before.of_faces.len();
+        let first = |sector| before.of_faces.iter().position(|&other| other == sector).unwrap_or(0);
+        (0..before.n).map(|sector| after.of_faces[(first(sector) + faces - rotation) % faces]).collect()
     }
 }
 

@@ -95,9 +95,7 @@ impl<'a> Skeletons<'a> {
         (parameters, noise): (&VertexParameters, Option<(&Numbering, Perturbation)>),
     ) -> Result<(Traced, (VertexParameters, Option<Numbering>)), Unlimited> {
         let skeleton = self.skeleton(patch, parameters)?;
-        let directions = skeleton.net.annotations.directions.as_deref().cloned();
-        let attributes = parameters.first().are_there().then(|| parameters.attributes(&skeleton.origins));
-        let mut net = skeleton.net.clone().carrying(attributes, directions);
+        let mut net = parameters.carried_by(skeleton.net.clone(), &skeleton.origins);
         net.annotations.numbering = noise.map(|(numbering, _)| Arc::new(numbering.with_origins(&skeleton.origins)));
         let mut record = Record::new(Weights::Exact);
         for step in self.cycle.level(level) {
@@ -110,11 +108,7 @@ impl<'a> Skeletons<'a> {
             net = next.net;
         }
         let Located { vertices, half_edges, .. } = &skeleton.child;
-        let parameters = net
-            .annotations
-            .attributes
-            .as_ref()
-            .map_or_else(VertexParameters::default, |attributes| VertexParameters::of(attributes, vertices));
+        let parameters = VertexParameters::of(&net, vertices);
         let numbering =
             net.annotations.numbering.map(|numbering| numbering.part(&skeleton.refined, vertices, half_edges));
         Ok((Traced { skeleton, record, n_columns: patch.support }, (parameters, numbering)))

@@ -12,7 +12,7 @@
 
 use super::patch::Centre;
 use super::small::{Vectors, dot, leading_basis, leading_block, mixed, orthonormalise, times};
-use crate::math::functions::{exp, ln, sqrt};
+use crate::math::functions::{exp, ln, real, sqrt};
 use crate::math::vector::cross;
 
 /// Vectors iterated at once.
@@ -105,10 +105,8 @@ pub(super) fn of<'a>(
         (Leading::Thrice(rows, map), Leading::Thrice(columns, _)) => thrice(&rows, &map, &columns)?,
         _ => return Err(NoTangents::Eigenvalues),
     };
-    match orientation(centre, faces.into_iter(), |i| [x[i as usize], y[i as usize]])? {
-        Orientation::Left => Ok([t, u]),
-        Orientation::Right => Ok([u, t]),
-    }
+    let is_left = turns_left(centre, &faces, |i| [x[i as usize], y[i as usize]])?;
+    Ok(if is_left { [t, u] } else { [u, t] })
 }
 
 /// The tangents and the characteristic map where the second eigenvalue b has a chain `M y_1 = b y_1`,
@@ -125,12 +123,12 @@ fn chained(rows: Chain, columns: Chain) -> Result<[[Vec<f64>; 2]; 2], NoTangents
         return Err(NoTangents::Eigenvalues);
     }
     x.iter_mut().for_each(|x| *x /= along);
-    let late = exp(ln(LATE) / count(length - 1));
+    let late = exp(ln(LATE) / real(length - 1));
     let mut y = vec![0.0; x.len()];
     let mut factor = 1.0 / step;
     for (i, column) in columns.steps.iter().enumerate() {
         y.iter_mut().zip(column).for_each(|(y, column)| *y += factor * column);
-        factor *= count(length - 1 - i) * late;
+        factor *= real(length - 1 - i) * late;
     }
     let back = dot(&t, &y);
     y.iter_mut().zip(&x).for_each(|(y, x)| *y -= back * x);
@@ -175,30 +173,19 @@ fn thrice(rows: &Vectors<3>, map: &[[f64; 3]; 3], columns: &Vectors<3>) -> Resul
 
 /// Subtracts the mean.
 pub(super) fn sum_to_zero(row: &mut [f64]) {
-    let mean = row.iter().sum::<f64>() / count(row.len());
+    let mean = row.iter().sum::<f64>() / real(row.len());
     row.iter_mut().for_each(|x| *x -= mean);
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Orientation {
-    Left,
-    Right,
-}
-
-/// To which side the faces at the centre turn at their vertices in the plane, where all turn the same way. A face that
-/// is alone around a vertex may be straight there. Where points come together, as those of a boundary that shrinks
-/// faster than what is inside, there is no plane.
-fn orientation<'a>(
-    centre: Centre,
-    faces: impl Iterator<Item = &'a [u32]>,
-    place: impl Fn(u32) -> [f64; 2],
-) -> Result<Orientation, NoTangents> {
-    let faces: Vec<&[u32]> = faces.collect();
+/// Whether the faces at the centre turn to the left at their vertices in the plane, or all to the right. A face that is
+/// alone around a vertex may be straight there. Where points come together, as those of a boundary that shrinks faster
+/// than what is inside, there is no plane.
+fn turns_left(centre: Centre, faces: &[&[u32]], place: impl Fn(u32) -> [f64; 2]) -> Result<bool, NoTangents> {
     let mut sines = Vec::new();
     let mut alone = 0.0;
     let extent =
         faces.iter().flat_map(|face| face.iter()).flat_map(|&v| place(v)).fold(0.0, |most: f64, x| most.max(x.abs()));
-    for face in &faces {
+    for face in faces {
         for i in 0..face.len() {
             let [p, q, r] = [i + face.len() - 1, i, i + 1].map(|k| place(face[k % face.len()]));
             let (a, b) = ([r[0] - q[0], r[1] - q[1]], [p[0] - q[0], p[1] - q[1]]);
@@ -215,9 +202,9 @@ fn orientation<'a>(
         }
     }
     if sines.iter().all(|&sine| sine > 1e-9) && alone > -1e-9 {
-        Ok(Orientation::Left)
+        Ok(true)
     } else if sines.iter().all(|&sine| sine < -1e-9) && alone < 1e-9 {
-        Ok(Orientation::Right)
+        Ok(false)
     } else {
         Err(NoTangents::Folded)
     }
@@ -321,7 +308,7 @@ fn chain<const K: usize>(h: &[Vec<f64>], vectors: &[Vec<f64>], images: &[Vec<f64
     let image = |u: &[f64]| times(u, &small);
     let largest = dot(&image(&first), &first);
     let rest: Vec<Vec<f64>> = others.iter().map(|u| others.iter().map(|v| dot(&image(u), v)).collect()).collect();
-    let repeated = (0..K - 1).map(|i| rest[i][i]).sum::<f64>() / count(K - 1);
+    let repeated = (0..K - 1).map(|i| rest[i][i]).sum::<f64>() / real(K - 1);
     let ahead = after < (1.0 - GAP) * repeated && repeated < (1.0 - GAP) * largest;
     if left_over > RESIDUAL * size || !ahead {
         return None;
@@ -374,9 +361,4 @@ pub(super) fn starting_vectors(n: usize, width: usize) -> Vec<Vec<f64>> {
         unit - 0.5
     };
     (0..width).map(|_| (0..n).map(|_| next()).collect()).collect()
-}
-
-#[expect(clippy::cast_precision_loss, reason = "patches have few vertices")]
-fn count(n: usize) -> f64 {
-    n as f64
 }

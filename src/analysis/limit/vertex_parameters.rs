@@ -1,5 +1,6 @@
 //! Parameters that the vertices of a patch carry: their own alpha, kernel, compensation and delta.
 
+use crate::scheme::mesh_net::MeshNet;
 use crate::shape::attributes::Attributes;
 
 /// Parameters that differ by no more than this, relative to 1 or their size, are the same.
@@ -16,14 +17,21 @@ pub(super) struct VertexParameters([Option<Vec<u64>>; 4]);
 pub(super) struct CommonParameters([Option<u64>; 4]);
 
 impl VertexParameters {
-    /// The parameters that `attributes` give to the vertices of a patch.
-    pub(super) fn of(attributes: &Attributes, vertices: &[u32]) -> Self {
+    /// The parameters that some vertices of a net carry.
+    pub(super) fn of(net: &MeshNet, vertices: &[u32]) -> Self {
+        let Some(attributes) = &net.annotations.attributes else { return Self::default() };
         let bits = |array: &[f64]| vertices.iter().map(|&v| array[v as usize].to_bits()).collect();
         Self(attributes.arrays().map(|(_, array)| array.map(bits)))
     }
 
+    /// Returns the net of a patch, whose vertices have these `origins` there, such that they carry the parameters.
+    pub(super) fn carried_by(&self, net: MeshNet, origins: &[u32]) -> MeshNet {
+        let directions = net.annotations.directions.as_deref().cloned();
+        if self.first().are_there() { net.carrying(Some(self.attributes(origins)), directions) } else { net }
+    }
+
     /// The parameters as attributes of the vertices that have these `origins` in the patch.
-    pub(super) fn attributes(&self, origins: &[u32]) -> Attributes {
+    fn attributes(&self, origins: &[u32]) -> Attributes {
         let numbers = |bits: &Option<Vec<u64>>| {
             bits.as_ref().map(|bits| origins.iter().map(|&v| f64::from_bits(bits[v as usize])).collect())
         };
@@ -62,10 +70,11 @@ impl CommonParameters {
     }
 }
 
-/// All parameters that are made of the least and the largest of each kind.
-pub(super) fn extremes(attributes: &Attributes) -> Vec<CommonParameters> {
+/// All parameters that are made of the least and the largest of each kind; without any, those of vertices that carry
+/// none.
+pub(super) fn extremes(attributes: Option<&Attributes>) -> Vec<CommonParameters> {
     let mut all = vec![CommonParameters::default()];
-    for (place, (_, array)) in attributes.arrays().into_iter().enumerate() {
+    for (place, (_, array)) in attributes.map(Attributes::arrays).into_iter().flatten().enumerate() {
         let Some(array) = array else { continue };
         let ends = [f64::min, f64::max].map(|pick| array.iter().copied().reduce(pick).unwrap_or_default());
         let with = |common: &CommonParameters, x: f64| {

@@ -15,7 +15,7 @@ use crate::watch::{Stopped, Watch};
 /// A net in the mesh that a patch is cut out of.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WholeNet<'a> {
-    /// Its topology.
+    /// The topology of the mesh.
     pub(super) topology: &'a Topology,
     /// Vertices that keep their place, ascending.
     pub(super) corners: &'a [u32],

@@ -6,9 +6,9 @@ use super::budget::Budget;
 use super::cut::twist;
 use super::level::Level;
 use super::nearest::{Faces, Surface, farthest};
-use super::no_level::NoLevel;
 use super::remainder::Remainders;
 use super::spline::Spline;
+use crate::analysis::no_level::NoLevel;
 use crate::math::vector::{Vector, length, minus};
 
 /// Faces of a net up to which it is refined further.
@@ -48,17 +48,10 @@ const CUTS: usize = 1 << 12;
 /// Half and twice of it halve and double the time of bounds that stay open.
 const ALL_CUTS: usize = 1 << 16;
 
-/// What is known of one face.
-struct Known {
-    face: u32,
-    /// How far its limit is from the net, and the face from the limit, at most.
-    remainder: f64,
-}
-
 /// What is known of a level.
 struct Seen {
-    /// Its live faces.
-    faces: Vec<Known>,
+    /// For each of its live faces how far its limit is from the net, and the face from the limit, at most.
+    remainders: Vec<(u32, f64)>,
     /// How far they and those around them are from the output, at most.
     there: f64,
 }
@@ -115,8 +108,7 @@ impl Comparison<'_> {
             let known = known.map(|of| plain(of).min(displaced.back(output, of.0, &found))).collect();
             self.first = Some((pieces, known));
         }
-        let faces = level.live.iter().zip(found).map(|(&face, remainder)| Known { face, remainder }).collect();
-        Ok(Some(Seen { faces, there }))
+        Ok(Some(Seen { remainders: level.live.iter().copied().zip(found).collect(), there }))
     }
 
     /// Some faces of a level, in the limit's place.
@@ -125,10 +117,9 @@ impl Comparison<'_> {
     }
 
     /// Leaves the faces of a level that are followed no longer; returns how far their limit is from the output at most.
-    fn leave(&mut self, level: &Level, seen: &Seen, left: impl Fn(&Known) -> bool) -> f64 {
-        let left: Vec<&Known> = seen.faces.iter().filter(|face| left(face)).collect();
-        let faces: Vec<u32> = left.iter().map(|face| face.face).collect();
-        let remainders: Vec<f64> = left.iter().map(|face| face.remainder).collect();
+    fn leave(&mut self, level: &Level, seen: &Seen, left: impl Fn(f64) -> bool) -> f64 {
+        let left = seen.remainders.iter().copied().filter(|&(_, remainder)| left(remainder));
+        let (faces, remainders): (Vec<u32>, Vec<f64>) = left.unzip();
         let most = remainders.iter().fold(0.0, |most: f64, &remainder| most.max(seen.there + remainder));
         self.limit.push(Self::near(level, &faces, remainders));
         most
@@ -351,16 +342,16 @@ pub(super) fn bound(
         let Some(seen) = comparison.seen(&level, (1.0 + SLACK) * tolerance)? else { return Ok(f64::INFINITY) };
         let little = comparison.little();
         let part = |least: f64| {
-            let kept: Vec<u32> =
-                seen.faces.iter().filter(|face| face.remainder > least).map(|face| face.face).collect();
+            let kept = seen.remainders.iter().filter(|&&(_, remainder)| remainder > least);
+            let kept: Vec<u32> = kept.map(|&(face, _)| face).collect();
             let few = ahead < AHEAD && (1..=PART_FACES / 4).contains(&kept.len());
             let part = few.then(|| level.focused(&kept, spline.margin()))?;
             (part.faces_after(1) <= PART_FACES).then_some((part, least))
         };
         // where too many faces are farther from their limit than what is little, those that are farthest are followed,
         // as long as that makes a difference
-        let mut far: Vec<f64> =
-            seen.faces.iter().map(|face| face.remainder).filter(|&remainder| remainder > little).collect();
+        let remainders = seen.remainders.iter().map(|&(_, remainder)| remainder);
+        let mut far: Vec<f64> = remainders.filter(|&remainder| remainder > little).collect();
         far.sort_by(|a, b| b.total_cmp(a));
         let least = |n: usize| far.get(n).copied().unwrap_or(little);
         let fewer = std::iter::successors(Some(far.len()), |&n| (n > FEW).then_some(n / 2)).map(least);
@@ -369,7 +360,7 @@ pub(super) fn bound(
             bound = comparison.leave(&level, &seen, |_| true).max(bound);
             break;
         };
-        bound = comparison.leave(&level, &seen, |face| face.remainder <= least).max(bound);
+        bound = comparison.leave(&level, &seen, |remainder| remainder <= least).max(bound);
         level = next(&part)?;
     }
     Ok(bound.max(comparison.back_at_most()?))

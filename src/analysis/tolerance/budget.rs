@@ -1,6 +1,7 @@
 //! What a search may still do: until it is stopped, or its work is used up.
 
-use super::no_level::NoLevel;
+use super::bounds::MAX_WORK;
+use crate::analysis::no_level::NoLevel;
 use crate::watch::Watch;
 
 /// A watch, and the work that it counts at most.
@@ -29,10 +30,16 @@ impl Budget {
     /// Goes on, or says why not.
     ///
     /// # Errors
-    /// [`NoLevel::Stopped`], [`NoLevel::TooLong`].
+    /// [`NoLevel`].
     pub(super) fn check(&self) -> Result<(), NoLevel> {
         self.watch.check()?;
-        if self.watch.done() > self.most { Err(NoLevel::TooLong) } else { Ok(()) }
+        if self.watch.done() <= self.most {
+            return Ok(());
+        }
+        Err(NoLevel::Refused(format!(
+            "the search for a level this close to the limit has taken more than {MAX_WORK} steps, which is the most \
+             that is done; ask for a coarser tolerance, or give \"levels\" as a number"
+        )))
     }
 
     /// Counts work as done.
@@ -54,7 +61,7 @@ mod tests {
         budget.advance(10);
         assert!(budget.check().is_ok() && !budget.is_over());
         budget.advance(1);
-        assert!(budget.check() == Err(NoLevel::TooLong) && budget.is_over());
+        assert!(matches!(budget.check(), Err(NoLevel::Refused(_))) && budget.is_over());
         watch.stop();
         assert!(budget.check() == Err(NoLevel::Stopped(Stopped)) && budget.is_over());
     }

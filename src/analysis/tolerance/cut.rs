@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::level::Level;
-use crate::math::functions::{cos, sin};
+use crate::math::functions::{cos, real, sin};
 use crate::math::vector::{Vector, cross, dot, length, minus, plus, times};
 use crate::shape::topology::Topology;
 
@@ -65,8 +65,4 @@ fn irregularity(p: &[Vector]) -> f64 {
     let (c, [a, b]) = (sum(&|_| 1.0 / n), [0, 1].map(|k| sum(&|i| 2.0 * turned(i)[k] / n)));
     let regular = |i: usize| plus(c, plus(times(turned(i)[0], a), times(turned(i)[1], b)));
     2.0 * p.iter().enumerate().map(|(i, &x)| length(minus(x, regular(i)))).fold(0.0, f64::max)
-}
-
-fn real(n: usize) -> f64 {
-    f64::from(u32::try_from(n).unwrap_or(u32::MAX))
 }

@@ -3,8 +3,8 @@
 use std::sync::OnceLock;
 
 use super::level::Level;
-use super::sheet::{flat, windings};
-use crate::math::functions::sqrt;
+use super::sheet::{flat, normal, windings};
+use crate::math::functions::{real, sqrt};
 use crate::math::vector::{Vector, cross, dot, length, mean, minus, plus, times, unit};
 use crate::shape::topology::NONE;
 
@@ -69,9 +69,7 @@ impl<'a> Hulls<'a> {
         }
         let at = |half_edge: u32| points[topology.vertex(half_edge) as usize];
         let end = |half_edge: u32| at(topology.next(half_edge));
-        let area = |half_edge: u32| {
-            cross(minus(end(half_edge), at(half_edge)), minus(at(topology.previous(half_edge)), at(half_edge)))
-        };
+        let area = |half_edge: u32| normal(topology, points, half_edge);
         let half_edges = || around.iter().flat_map(|&f| topology.half_edges(f));
         let sum = half_edges().map(area).fold([0.0; 3], plus);
         let size = length(sum);
@@ -186,10 +184,7 @@ impl Plane {
 /// Whether a line is found between two sets of points: again and again its normal is turned to those points that it
 /// fails at most (Rosenblatt, 1958).
 fn are_apart(a: &[Point], b: &[Point]) -> bool {
-    let mean_of = |points: &[Point]| {
-        let sum = points.iter().copied().fold([0.0; 2], plus);
-        sum.map(|x| x / points.iter().map(|_| 1.0).sum::<f64>())
-    };
+    let mean_of = |points: &[Point]| points.iter().copied().fold([0.0; 2], plus).map(|x| x / real(points.len()));
     let mut normal = unit(minus(mean_of(b), mean_of(a)));
     for _ in 0..TURNS {
         let extreme = |points: &[Point], sign: f64| {

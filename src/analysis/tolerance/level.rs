@@ -10,7 +10,6 @@ use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::sharpness::Sharpness;
 use crate::scheme::stepper::Stepper;
 use crate::scheme::tags::Boundary;
-use crate::shape::check::{FaceList, Winding};
 use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
 use crate::watch::Watch;
@@ -132,18 +131,8 @@ impl Level {
     /// as a round has averages.
     pub(super) fn focused(&self, on: &[u32], rings: usize) -> Self {
         let kept = self.surroundings(on, rings);
-        let old = &self.topology;
-        let mut vertices: Vec<u32> = kept.iter().flat_map(|&f| old.face(f as usize)).copied().collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        let number = |v: u32| vertices.binary_search(&v).map_or(NONE, index);
-        let mut faces = FaceList::default();
-        kept.iter().for_each(|&f| faces.push(old.face(f as usize).iter().map(|&v| number(v))));
-        let checked = Topology::of_faces(vertices.len(), faces, Winding::Refuse);
-        let checked = checked.expect("a part of an oriented manifold is one");
-        let topology = Arc::new(checked.topology);
-        let copies: Vec<u32> = checked.split_from.iter().map(|&v| vertices[v as usize]).collect();
-        vertices.extend(copies);
+        let (topology, vertices) = self.topology.part(&kept).expect("a part of an oriented manifold is one");
+        let topology = Arc::new(topology);
         let picked = |points: &Points| {
             let all = points.now.as_chunks::<3>().0;
             Points::new(vertices.iter().flat_map(|&v| all[v as usize]).collect(), 3)
@@ -158,27 +147,11 @@ impl Level {
         Self { net, topology, points: picked(&self.points), flat: picked(&self.flat), home, live }
     }
 
-    /// Faces within so many rings around some, ascending.
+    /// Faces within so many rings around some, at least one, ascending.
     pub(super) fn surroundings(&self, on: &[u32], rings: usize) -> Vec<u32> {
-        let topology = &self.topology;
-        let mut kept = vec![false; topology.n_faces()];
-        let mut reached = vec![false; topology.n_vertices()];
-        on.iter().for_each(|&f| kept[f as usize] = true);
-        let mut outermost = on.to_vec();
-        for _ in 0..rings {
-            let mut next = Vec::new();
-            for v in outermost.iter().flat_map(|&f| topology.face(f as usize)) {
-                if std::mem::replace(&mut reached[*v as usize], true) {
-                    continue;
-                }
-                for f in topology.ring(*v as usize).map(|half_edge| topology.face_of(half_edge)) {
-                    if !std::mem::replace(&mut kept[f], true) {
-                        next.push(index(f));
-                    }
-                }
-            }
-            outermost = next;
-        }
+        let mut reached = vec![false; self.topology.n_vertices()];
+        on.iter().flat_map(|&f| self.topology.face(f as usize)).for_each(|&v| reached[v as usize] = true);
+        let kept = self.topology.faces_within(rings, &mut reached);
         (0..kept.len()).filter(|&f| kept[f]).map(index).collect()
     }
 

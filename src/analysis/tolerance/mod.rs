@@ -10,12 +10,12 @@
 
 mod bend;
 mod bound;
+mod bounds;
 mod budget;
 mod cut;
 mod hull;
 mod level;
 mod nearest;
-mod no_level;
 mod placed;
 mod remainder;
 mod search;
@@ -23,6 +23,6 @@ mod sheet;
 mod spline;
 mod walk;
 
-pub use no_level::{MAX_WORK, NoLevel};
+pub use bounds::MAX_WORK;
 pub use placed::Placed;
 pub use search::{check, reach, search_bytes};

@@ -81,7 +81,7 @@ struct Hit {
 pub(super) struct Away {
     /// All of it, at most.
     pub(super) most: f64,
-    /// Its middle.
+    /// The middle of the piece.
     pub(super) middle: f64,
 }
 
@@ -170,12 +170,11 @@ impl Surface {
         let all: Vec<(usize, usize)> = nets.iter().enumerate().flat_map(slots).collect();
         let boxed = |&(net, slot): &(usize, usize)| nets[net].boxed(slot);
         let boxes: Vec<Box3> = all.par_iter().with_min_len(1024).map(boxed).collect();
-        let mut tree = Tree { nodes: Vec::new(), boxes: &boxes };
+        let mut nodes = Vec::new();
         let mut order: Vec<usize> = (0..all.len()).collect();
         if !order.is_empty() {
-            tree.node(&mut order, 0);
+            grow(&mut nodes, &boxes, &mut order, 0);
         }
-        let nodes = tree.nodes;
         budget.advance(all.len() as u64);
         let boxes = order.iter().map(|&i| boxes[i]).collect();
         let order = order.into_iter().map(|i| all[i]).collect();
@@ -268,32 +267,23 @@ impl Surface {
     }
 }
 
-/// A tree on its way.
-struct Tree<'a> {
-    nodes: Vec<Node>,
-    boxes: &'a [Box3],
-}
-
-impl Tree<'_> {
-    /// Adds the node of some faces, which stand from `start` on in the order.
-    fn node(&mut self, faces: &mut [usize], start: usize) -> usize {
-        let bounds = faces.iter().map(|&face| self.boxes[face]).reduce(around).unwrap_or_default();
-        let here = self.nodes.len();
-        self.nodes.push(Node { bounds, inside: Inside::Places(start, start + faces.len()) });
-        if faces.len() > LEAF {
-            let size = minus(bounds[1], bounds[0]);
-            let longest = (1..3).fold(0, |k, other| if size[other] > size[k] { other } else { k });
-            let boxes = self.boxes;
-            let at = |face: usize| boxes[face][0][longest] + boxes[face][1][longest];
-            let half = faces.len() / 2;
-            faces.select_nth_unstable_by(half, |&a, &b| at(a).total_cmp(&at(b)).then(a.cmp(&b)));
-            let (left, right) = faces.split_at_mut(half);
-            let left = self.node(left, start);
-            let right = self.node(right, start + half);
-            self.nodes[here].inside = Inside::Halves(left, right);
-        }
-        here
+/// Adds the node of some faces, which stand from `start` on in the order, and those below it.
+fn grow(nodes: &mut Vec<Node>, boxes: &[Box3], faces: &mut [usize], start: usize) -> usize {
+    let bounds = faces.iter().map(|&face| boxes[face]).reduce(around).unwrap_or_default();
+    let here = nodes.len();
+    nodes.push(Node { bounds, inside: Inside::Places(start, start + faces.len()) });
+    if faces.len() > LEAF {
+        let size = minus(bounds[1], bounds[0]);
+        let longest = (1..3).fold(0, |k, other| if size[other] > size[k] { other } else { k });
+        let at = |face: usize| boxes[face][0][longest] + boxes[face][1][longest];
+        let half = faces.len() / 2;
+        faces.select_nth_unstable_by(half, |&a, &b| at(a).total_cmp(&at(b)).then(a.cmp(&b)));
+        let (left, right) = faces.split_at_mut(half);
+        let left = grow(nodes, boxes, left, start);
+        let right = grow(nodes, boxes, right, start + half);
+        nodes[here].inside = Inside::Halves(left, right);
     }
+    here
 }
 
 /// A part of a piece of surface, all of it a mean of its corners.
@@ -311,7 +301,7 @@ impl Fragment {
         Self { sides: corners.len().min(4), corners: four, away: away(corners) }
     }
 
-    /// Its quarters.
+    /// The four quarters of the piece.
     fn quarters(&self) -> [[Vector; 4]; 4] {
         let middle = |a: Vector, b: Vector| times(0.5, plus(a, b));
         let [a, b, c, d] = self.corners;

@@ -6,10 +6,10 @@ use super::bend::{Bend, Box3, around, bends, spread};
 use super::budget::Budget;
 use super::hull::Hulls;
 use super::level::Level;
-use super::no_level::NoLevel;
-use super::sheet::Sheet;
+use super::sheet::{Sheet, normal};
 use super::spline::Spline;
-use crate::math::vector::{Vector, cross, length, minus, plus, times};
+use crate::analysis::no_level::NoLevel;
+use crate::math::vector::{Vector, length, minus, plus, times};
 
 /// A vector at length 1; zero for zero.
 fn at_unit_length(x: Vector) -> Vector {
@@ -60,11 +60,12 @@ impl<'a> Remainders<'a> {
     pub(super) fn of(level: &'a Level, spline: &'a Spline, budget: &'a Budget) -> Result<Self, NoLevel> {
         budget.check()?;
         let (topology, points) = (&level.topology, level.points.now.as_chunks::<3>().0);
-        let areas: Vec<Vector> =
-            (0..topology.n_faces()).into_par_iter().with_min_len(1024).map(|f| area(level, f)).collect();
+        let area = |f: usize| topology.half_edges(f).map(|at| normal(topology, points, at)).fold([0.0; 3], plus);
+        let areas: Vec<Vector> = (0..topology.n_faces()).into_par_iter().with_min_len(1024).map(area).collect();
         let around_vertex = |v: usize| topology.ring(v).map(|half_edge| areas[topology.face_of(half_edge)]);
-        let normal = |v: usize| at_unit_length(around_vertex(v).fold([0.0; 3], plus));
-        let normals: Vec<Vector> = (0..topology.n_vertices()).into_par_iter().with_min_len(1024).map(normal).collect();
+        let of_vertex = |v: usize| at_unit_length(around_vertex(v).fold([0.0; 3], plus));
+        let all = (0..topology.n_vertices()).into_par_iter().with_min_len(1024);
+        let normals: Vec<Vector> = all.map(of_vertex).collect();
         budget.check()?;
         let bends = bends(&level.net, topology, spline.tile, points, &normals);
         budget.check()?;
@@ -149,15 +150,4 @@ impl<'a> Remainders<'a> {
         let rise = self.spline.factor * (near.bend.rise + length(minus(high, low)) * near.bend.most);
         (along < sheet.exit()).then(|| rise + sheet.slope() * along)
     }
-}
-
-/// The sum of the normals at the corners of a face.
-fn area(level: &Level, face: usize) -> Vector {
-    let (topology, points) = (&level.topology, level.points.now.as_chunks::<3>().0);
-    let at = |half_edge: u32| points[topology.vertex(half_edge) as usize];
-    let normal = |half_edge: u32| {
-        let here = at(half_edge);
-        cross(minus(at(topology.next(half_edge)), here), minus(at(topology.previous(half_edge)), here))
-    };
-    topology.half_edges(face).map(normal).fold([0.0; 3], plus)
 }

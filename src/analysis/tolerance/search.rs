@@ -1,11 +1,12 @@
 //! The search for the first level that is within a tolerance.
 
+use super::bounds::{LEAST, MAX_FACES, MAX_LEVEL, MAX_WORK};
 use super::budget::Budget;
-use super::no_level::{LEAST, MAX_FACES, MAX_LEVEL, MAX_WORK, NoLevel};
 use super::placed::Placed;
 use super::spline::Spline;
 use super::walk::Walk;
 use crate::analysis::curve::Reached;
+use crate::analysis::no_level::NoLevel;
 use crate::refine::{Points, act_on, mesh_net};
 use crate::scheme::plan::Plan;
 use crate::shape::mesh::Mesh;
@@ -33,7 +34,13 @@ pub fn check(mesh: &Mesh, plan: &Plan, tolerance: f64) -> Result<(), NoLevel> {
 /// The greatest coordinate.
 fn check_size(mesh: &Mesh, tolerance: f64) -> Result<f64, NoLevel> {
     let size = mesh.positions.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    if tolerance < LEAST * size { Err(NoLevel::TooFine { tolerance, size }) } else { Ok(size) }
+    if tolerance >= LEAST * size {
+        return Ok(size);
+    }
+    let least = size * LEAST;
+    Err(NoLevel::Refused(format!(
+        "{tolerance} is below what rounding leaves of coordinates of {size}; ask for at least {least}"
+    )))
 }
 
 /// Bytes that a search takes at most.
@@ -69,9 +76,15 @@ pub fn reach(mesh: &Mesh, plan: &Plan, placed: &[Placed], tolerance: f64, watch:
         walk.leave(&spline, tolerance, budget)?;
         let faces = walk.level.faces_after(spline.rounds.len() + usize::from(spline.halved));
         if faces > MAX_FACES {
-            return Err(NoLevel::TooLarge { level: level + 1, faces });
+            return Err(NoLevel::Refused(format!(
+                "level {} has {faces} faces near which distances are not bounded in advance; up to {MAX_FACES} are \
+                 looked at: ask for a coarser tolerance, or give \"levels\" as a number",
+                level + 1
+            )));
         }
         walk.on(&spline, watch)?;
     }
-    Err(NoLevel::Never(tolerance))
+    Err(NoLevel::Refused(format!(
+        "no level up to {MAX_LEVEL} is known to be within {tolerance} of the limit; ask for a coarser tolerance"
+    )))
 }

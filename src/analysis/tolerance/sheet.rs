@@ -44,10 +44,7 @@ impl Sheet {
             }
         }
         let at = |half_edge: u32| points[topology.vertex(half_edge) as usize];
-        let normal = |half_edge: u32| {
-            let (here, next, before) = (at(half_edge), at(topology.next(half_edge)), at(topology.previous(half_edge)));
-            cross(minus(next, here), minus(before, here))
-        };
+        let normal = |half_edge: u32| normal(topology, points, half_edge);
         let corners = topology.face(face);
         let sum = topology.half_edges(face).map(normal).fold([0.0; 3], plus);
         let size = length(sum);
@@ -170,6 +167,13 @@ impl Sheet {
 
 fn sides([a, b, c]: [Vector; 3]) -> [[Vector; 2]; 3] {
     [[a, b], [b, c], [c, a]]
+}
+
+/// The normal where a half-edge starts, as long as the area between the sides there.
+pub(super) fn normal(topology: &Topology, points: &[Vector], half_edge: u32) -> Vector {
+    let at = |half_edge: u32| points[topology.vertex(half_edge) as usize];
+    let here = at(half_edge);
+    cross(minus(at(topology.next(half_edge)), here), minus(at(topology.previous(half_edge)), here))
 }
 
 /// How often vectors that follow each other to the left turn around, seen along the normal.

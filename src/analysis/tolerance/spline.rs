@@ -1,9 +1,10 @@
 //! Which plans refine splines, so that second differences bound the distance from the limit.
 
 use super::hull::MAX_REACH;
-use super::no_level::NoLevel;
+use crate::analysis::no_level::NoLevel;
+use crate::math::functions::real;
 use crate::scheme::letter::Letter;
-use crate::scheme::operator::SplineStep;
+use crate::scheme::operator::{SPLINES, SplineStep};
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::word::Word;
 use crate::shape::mesh::Mesh;
@@ -41,29 +42,36 @@ impl Spline {
     /// # Errors
     /// Why second differences bound nothing.
     pub(super) fn of(plan: &Plan, mesh: &Mesh) -> Result<Self, NoLevel> {
-        if plan.perturbation.is_some() {
-            return Err(NoLevel::Perturbed("perturbation"));
-        }
-        if mesh.attributes.is_some() {
-            return Err(NoLevel::Perturbed("parameters of vertices"));
-        }
-        if plan.latitude.is_some() {
-            return Err(NoLevel::Perturbed("latitude and longitude tags"));
+        let local = [
+            (plan.perturbation.is_some(), "perturbation"),
+            (mesh.attributes.is_some(), "parameters of vertices"),
+            (plan.latitude.is_some(), "latitude and longitude tags"),
+        ];
+        if let Some((_, what)) = local.into_iter().find(|(is_there, _)| *is_there) {
+            return Err(unknown(&format!("with {what}")));
         }
         if plan.turns_tangents().is_some() {
-            return Err(NoLevel::NotLinear);
+            return Err(unknown("the scheme is not linear, so that"));
         }
         let dual = plan.word.cycle.iter().any(|letter| step(plan, letter) == Ok(SplineStep::HalfMean));
         if dual && mesh.topology.n_boundary() > 0 {
-            return Err(NoLevel::LostBoundary);
+            return Err(NoLevel::Refused(
+                "a dual scheme loses the boundary, which the limit is not near to; close the mesh, or give \"levels\" \
+                 as a number"
+                    .to_owned(),
+            ));
         }
         let plan = Plan { word: Word { cycle: paired(plan)?, ..plan.word.clone() }, ..plan.clone() };
-        let scheduled = |levels| plan.schedule(levels).map_err(|fault| NoLevel::Level(fault.detail));
+        let scheduled = |levels| plan.schedule(levels).map_err(|fault| NoLevel::Refused(fault.detail));
         let prefix = scheduled(0)?;
         for later in &scheduled(LOOKED_AT)?[prefix.len()..] {
             #[expect(clippy::float_cmp, reason = "a kernel that is 1 is computed without rounding")]
             if later.kernel != 1.0 {
-                return Err(NoLevel::Kernel(later.kernel));
+                return Err(NoLevel::Refused(format!(
+                    "the kernel is {} at some level; distances are bounded for splines, whose kernel is 1 at all \
+                     levels: leave it out, or give \"levels\" as a number",
+                    later.kernel
+                )));
             }
         }
         let mut rounds: Vec<Vec<Scheduled>> = Vec::new();
@@ -72,9 +80,9 @@ impl Spline {
                 Ok(SplineStep::Upsample) => rounds.push(vec![later]),
                 Ok(_) => match rounds.last_mut() {
                     Some(round) => round.push(later),
-                    None => return Err(NoLevel::NoSpline("its cycle does not begin with a U")),
+                    None => return Err(no_spline("its cycle does not begin with a U")),
                 },
-                Err(why) => return Err(NoLevel::NoSpline(why)),
+                Err(why) => return Err(no_spline(why)),
             }
         }
         let averages = rounds.iter().map(|round| round.len() - 1).max().unwrap_or(0);
@@ -84,7 +92,7 @@ impl Spline {
         };
         let halved = rounds.iter().any(half);
         if halved && !rounds.iter().all(half) {
-            return Err(NoLevel::Dual);
+            return Err(single_dual());
         }
         let (reach, factor) =
             if halved { (2 * averages, halved_factor(averages)) } else { (averages, factor(tile, averages)) };
@@ -109,6 +117,27 @@ impl Spline {
     }
 }
 
+/// The refusal of what lets no distance be known.
+fn unknown(why: &str) -> NoLevel {
+    NoLevel::Refused(format!("{why} no distance to the limit is known in advance; give \"levels\" as a number"))
+}
+
+/// The refusal of another scheme, which makes no splines for a reason.
+fn no_spline(why: &str) -> NoLevel {
+    NoLevel::Refused(format!(
+        "distances are bounded for {SPLINES}, which this plan does not as {why}; give \"levels\" as a number"
+    ))
+}
+
+/// The refusal of D that stand alone in other places than the last before an upsampling.
+fn single_dual() -> NoLevel {
+    NoLevel::Refused(
+        "distances are bounded where each U of the cycle is followed by C and pairs of D, or each by one D more, \
+         which comes last; use C instead, or give \"levels\" as a number"
+            .to_owned(),
+    )
+}
+
 fn step(plan: &Plan, letter: &Letter) -> Result<SplineStep, &'static str> {
     letter.operator.spline(&letter.settings, plan.mu)
 }
@@ -122,12 +151,12 @@ fn paired(plan: &Plan) -> Result<Vec<Letter>, NoLevel> {
         match (step(plan, letter), half) {
             (Ok(SplineStep::HalfMean), None) => half = Some(letter),
             (Ok(SplineStep::HalfMean), Some(_)) => {
-                let whole = letter.facts().twice.ok_or(NoLevel::Dual)?;
+                let whole = letter.facts().twice.ok_or_else(single_dual)?;
                 cycle.push(Letter { operator: whole, ..letter.clone() });
                 half = None;
             }
             // halves that are not next to each other do not make a whole where averages see the net between them
-            (Ok(SplineStep::Mean) | Err(_), Some(_)) => return Err(NoLevel::Dual),
+            (Ok(SplineStep::Mean) | Err(_), Some(_)) => return Err(single_dual()),
             _ => {
                 cycle.extend(half.take().cloned());
                 cycle.push(letter.clone());
@@ -141,7 +170,7 @@ fn paired(plan: &Plan) -> Result<Vec<Letter>, NoLevel> {
 /// The same where half an average is the last of so many, for quads after the upsampling: each moves by half of the
 /// greatest second difference at most, and half an average and the next upsampling by no more.
 fn halved_factor(averages: usize) -> f64 {
-    4.0 / 3.0 * 0.5 * f64::from(u32::try_from(averages).unwrap_or(u32::MAX))
+    4.0 / 3.0 * 0.5 * real(averages)
 }
 
 /// The sum of what all averages of all levels move, over the greatest second difference before them, at most: the first
@@ -152,6 +181,5 @@ fn factor(tile: Tile, averages: usize) -> f64 {
         Tile::Quad => (1.0 / 4.0, 1.0 / 8.0),
         Tile::Triangle => (3.0 / 16.0, 3.0 / 32.0),
     };
-    let others = f64::from(u32::try_from(others).unwrap_or(u32::MAX));
-    4.0 / 3.0 * (first + each * others)
+    4.0 / 3.0 * (first + each * real(others))
 }

@@ -5,11 +5,11 @@ use super::bound::{FOLLOWED_FACES, bound};
 use super::budget::Budget;
 use super::cut::{cut, twist};
 use super::level::Level;
-use super::no_level::NoLevel;
 use super::placed::Placed;
 use super::remainder::Remainders;
 use super::spline::Spline;
 use crate::analysis::limit::{self, LimitRequest};
+use crate::analysis::no_level::NoLevel;
 use crate::refine::{Points, act_on};
 use crate::scheme::mesh_net::MeshNet;
 use crate::shape::tile::Tile;
@@ -69,7 +69,7 @@ impl Walk {
             return Ok(self.level.points.now.clone());
         }
         let plan = &spline.plan;
-        let steps = plan.schedule(limit::AHEAD).map_err(|fault| NoLevel::Level(fault.detail))?;
+        let steps = plan.schedule(limit::AHEAD).map_err(|fault| NoLevel::Refused(fault.detail))?;
         let asked = LimitRequest { positions: true, normals: false };
         let points = [self.level.points.clone()];
         let found = limit::limits(plan, &self.level.net, &points, &steps[spline.prefix.len()..], asked, watch)?;

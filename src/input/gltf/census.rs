@@ -63,8 +63,7 @@ fn prices(list: &[u8]) -> Prices {
             Prices { list, value: GROWN * 4, object, inner: MAP, member, members: 6, ..of(size_of::<Mesh>()) }
         }
         b"animations" => {
-            let part =
-                if size_of::<Channel>() > size_of::<Sampler>() { size_of::<Channel>() } else { size_of::<Sampler>() };
+            let part = size_of::<Channel>().max(size_of::<Sampler>());
             Prices { list: part, object: GROWN * part, ..of(size_of::<Animation>()) }
         }
         b"buffers" => of(size_of::<Buffer>() + 3 * slot),

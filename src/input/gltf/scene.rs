@@ -73,15 +73,9 @@ pub(super) fn read(
 
 fn roots(document: &Document<'_>) -> Result<Vec<usize>, String> {
     let root = &document.root;
-    let scene = match root.scene {
-        Some(scene) => {
-            let i = scene.value();
-            Some(
-                root.scenes
-                    .get(i)
-                    .ok_or_else(|| format!("there is no scene {i}; the file has {}", root.scenes.len()))?,
-            )
-        }
+    let missing = |i: usize| format!("there is no scene {i}; the file has {}", root.scenes.len());
+    let scene = match root.scene.map(|scene| scene.value()) {
+        Some(i) => Some(root.scenes.get(i).ok_or_else(|| missing(i))?),
         None => root.scenes.first(),
     };
     if let Some(scene) = scene {
@@ -341,9 +335,7 @@ impl Reading<'_> {
             mesh.notes.push("skins and morph targets are not applied".to_owned());
         }
         if let Some(uvs) = self.uvs.filter(|uvs| !uvs.is_empty()) {
-            let mut corners = Vec::with_capacity(mesh.faces.n_half_edges());
-            corners.extend((0..mesh.faces.len()).flat_map(|f| mesh.faces.face(f)));
-            mesh.uvs = Some(Uvs { values: uvs, corners });
+            mesh.uvs = Some(Uvs { values: uvs, corners: mesh.faces.vertices().to_vec() });
         }
         if let Some(colors) = self.colors.filter(|colors| !colors.is_empty()) {
             let mut values = Vec::with_capacity(colors.len() / 4 * self.color_width);

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::corner::{self, Corner};
-use crate::fault::Fault;
 use crate::input::collect::Collected;
 use crate::input::reader::{ReadMesh, Uvs};
 use crate::input::text::{at_line, quoted};
@@ -70,7 +69,7 @@ impl Faces {
     }
 
     /// Faults of faces whose indices are beyond what the file has.
-    pub(super) fn beyond(&self, counts: [usize; 3], faces: &FaceList) -> Vec<Fault> {
+    pub(super) fn beyond(&self, counts: [usize; 3], faces: &FaceList) -> Vec<String> {
         let mut faults = Vec::new();
         let mut corner = 0;
         for (f, &line) in self.lines.iter().enumerate() {

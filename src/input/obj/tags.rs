@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use crate::fault::Fault;
 use crate::input::reader::ReadMesh;
 use crate::input::text::{at_line, count, number, quoted};
 use crate::scheme::tags::Boundary;
@@ -92,31 +91,26 @@ impl Tags {
     }
 
     /// Hands over what names vertices and faces that exist.
-    pub(super) fn finish(self, mesh: &mut ReadMesh) -> Result<(), Fault> {
+    pub(super) fn finish(self, mesh: &mut ReadMesh) -> Result<(), String> {
         let vertices = mesh.positions.len() as u64;
         let faces = mesh.faces.len() as u64;
-        let beyond = |line: usize, what: &str, i: u64, n: u64| {
-            at_line(line, format!("there is no {what} {i}; the file has {n}, in tags counted from 0"))
+        let check = |line: usize, what: &str, i: u64, n: u64| {
+            let beyond = || at_line(line, format!("there is no {what} {i}; the file has {n}, in tags counted from 0"));
+            if i < n { Ok(()) } else { Err(beyond()) }
         };
         mesh.creases.reserve_exact(self.creases.len());
         for (line, edge, sharpness) in self.creases {
-            if let Some(&vertex) = edge.iter().find(|&&vertex| vertex >= vertices) {
-                return Err(beyond(line, "vertex", vertex, vertices));
-            }
+            edge.into_iter().try_for_each(|vertex| check(line, "vertex", vertex, vertices))?;
             mesh.creases.push((edge, sharpness));
         }
         mesh.corners.reserve_exact(self.corners.len());
         for (line, vertex, sharpness) in self.corners {
-            if vertex >= vertices {
-                return Err(beyond(line, "vertex", vertex, vertices));
-            }
+            check(line, "vertex", vertex, vertices)?;
             mesh.corners.push((vertex, sharpness));
         }
         mesh.holes.reserve_exact(self.holes.len());
         for (line, face) in self.holes {
-            if face >= faces {
-                return Err(beyond(line, "face", face, faces));
-            }
+            check(line, "face", face, faces)?;
             mesh.holes.push(face);
         }
         mesh.boundary = self.boundary;

@@ -1,7 +1,6 @@
 //! The numbers of a PLY file, one after another.
 
 use super::header::{Element, Property, Scalar};
-use crate::fault::Fault;
 use crate::input::text::{Words, at_line, count, quoted};
 
 /// Numbers in the order of the file.
@@ -12,30 +11,30 @@ pub(super) trait Body {
     ///
     /// # Errors
     /// The file ends, or what stands there is no such number.
-    fn scalar(&mut self, kind: Scalar) -> Result<f64, Fault>;
+    fn scalar(&mut self, kind: Scalar) -> Result<f64, String>;
     /// The next number, which is to be whole and at least 0.
     ///
     /// # Errors
     /// It is not.
-    fn index(&mut self, kind: Scalar) -> Result<u64, Fault>;
+    fn index(&mut self, kind: Scalar) -> Result<u64, String>;
     /// How many numbers of type `kind` may still follow.
     fn room(&self, kind: Scalar) -> u64;
     /// Nothing follows.
     ///
     /// # Errors
     /// Something does.
-    fn end(&mut self) -> Result<(), Fault>;
+    fn end(&mut self) -> Result<(), String>;
 
     /// The length of a list; what is left of the file can hold it.
     ///
     /// # Errors
     /// It cannot.
-    fn size(&mut self, sizes: Scalar, kind: Scalar) -> Result<u64, Fault> {
+    fn size(&mut self, sizes: Scalar, kind: Scalar) -> Result<u64, String> {
         let n = self.index(sizes)?;
         let room = self.room(kind);
         if n > room {
             let detail = format!("{}: a list of {n} numbers; the file has room for {room} more", self.place());
-            return Err(Fault::new("", detail));
+            return Err(detail);
         }
         Ok(n)
     }
@@ -44,7 +43,7 @@ pub(super) trait Body {
     ///
     /// # Errors
     /// As for reading it.
-    fn pass(&mut self, property: &Property) -> Result<(), Fault> {
+    fn pass(&mut self, property: &Property) -> Result<(), String> {
         let n = property.list.map_or(Ok(1), |sizes| self.size(sizes, property.kind))?;
         (0..n).try_for_each(|_| self.scalar(property.kind).map(|_| ()))
     }
@@ -53,14 +52,14 @@ pub(super) trait Body {
     ///
     /// # Errors
     /// It cannot.
-    fn holds(&self, element: &Element) -> Result<(), Fault> {
+    fn holds(&self, element: &Element) -> Result<(), String> {
         // a list has its length at least
         let kinds = element.properties.iter().map(|property| property.list.unwrap_or(property.kind));
         let rows = kinds.map(|kind| self.room(kind)).min().unwrap_or(u64::MAX);
         if element.count > rows {
             let (name, n) = (quoted(&element.name), element.count);
             let detail = format!("{}: {n} rows of {name}; the file has room for {rows} at most", self.place());
-            return Err(Fault::new("", detail));
+            return Err(detail);
         }
         Ok(())
     }
@@ -79,7 +78,7 @@ impl<'a> Ascii<'a> {
         Self { words: Words::new(text, line, None), left: text.len() }
     }
 
-    fn word(&mut self) -> Result<&'a str, Fault> {
+    fn word(&mut self) -> Result<&'a str, String> {
         let word = self.words.expect("a number")?;
         self.left = self.left.saturating_sub(word.len() + 1);
         Ok(word)
@@ -91,7 +90,7 @@ impl Body for Ascii<'_> {
         format!("line {}", self.words.line)
     }
 
-    fn scalar(&mut self, kind: Scalar) -> Result<f64, Fault> {
+    fn scalar(&mut self, kind: Scalar) -> Result<f64, String> {
         let word = self.word()?;
         let found = match kind {
             Scalar::F64 => word.parse::<f64>().ok(),
@@ -102,7 +101,7 @@ impl Body for Ascii<'_> {
         found.ok_or_else(|| at_line(self.words.line, format!("{} is {name}", quoted(word))))
     }
 
-    fn index(&mut self, _kind: Scalar) -> Result<u64, Fault> {
+    fn index(&mut self, _kind: Scalar) -> Result<u64, String> {
         let word = self.word()?;
         count(word).map_err(|detail| at_line(self.words.line, detail))
     }
@@ -112,7 +111,7 @@ impl Body for Ascii<'_> {
         self.left as u64 / 2 + 1
     }
 
-    fn end(&mut self) -> Result<(), Fault> {
+    fn end(&mut self) -> Result<(), String> {
         match self.words.next() {
             None => Ok(()),
             Some(word) => Err(at_line(self.words.line, format!("{} follows the last element", quoted(word)))),
@@ -134,10 +133,9 @@ impl<'a> Binary<'a> {
     }
 
     /// The next `N` bytes, the lowest first.
-    fn bytes<const N: usize>(&mut self) -> Result<[u8; N], Fault> {
+    fn bytes<const N: usize>(&mut self) -> Result<[u8; N], String> {
         let Some((bytes, rest)) = self.rest.split_first_chunk::<N>() else {
-            let detail = format!("byte {}: the file ends where {N} more bytes should follow", self.at);
-            return Err(Fault::new("", detail));
+            return Err(format!("byte {}: the file ends where {N} more bytes should follow", self.at));
         };
         (self.rest, self.at) = (rest, self.at + N);
         let mut bytes = *bytes;
@@ -153,7 +151,7 @@ impl Body for Binary<'_> {
         format!("byte {}", self.at)
     }
 
-    fn scalar(&mut self, kind: Scalar) -> Result<f64, Fault> {
+    fn scalar(&mut self, kind: Scalar) -> Result<f64, String> {
         Ok(match kind {
             Scalar::I8 => i8::from_le_bytes(self.bytes()?).into(),
             Scalar::U8 => u8::from_le_bytes(self.bytes()?).into(),
@@ -167,24 +165,23 @@ impl Body for Binary<'_> {
     }
 
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is whole and below 2^32")]
-    fn index(&mut self, kind: Scalar) -> Result<u64, Fault> {
+    fn index(&mut self, kind: Scalar) -> Result<u64, String> {
         let at = self.at;
         let found = self.scalar(kind)?;
         if found >= 0.0 && found <= f64::from(u32::MAX) && found.fract() == 0.0 {
             return Ok(found as u64);
         }
-        Err(Fault::new("", format!("byte {at}: {found} is no whole number of at least 0")))
+        Err(format!("byte {at}: {found} is no whole number of at least 0"))
     }
 
     fn room(&self, kind: Scalar) -> u64 {
         (self.rest.len() / kind.bytes()) as u64
     }
 
-    fn end(&mut self) -> Result<(), Fault> {
+    fn end(&mut self) -> Result<(), String> {
         if self.rest.iter().all(u8::is_ascii_whitespace) {
             return Ok(());
         }
-        let detail = format!("byte {}: {} bytes follow the last element", self.at, self.rest.len());
-        Err(Fault::new("", detail))
+        Err(format!("byte {}: {} bytes follow the last element", self.at, self.rest.len()))
     }
 }

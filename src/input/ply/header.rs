@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use crate::fault::Fault;
 use crate::input::text::{at_line, count, quoted};
 
 /// Most lines of a header, elements, and properties of all elements.
@@ -92,13 +91,13 @@ pub(super) struct Header {
     pub(super) elements: Vec<Element>,
     /// Names that comments give to the numbers of groups and materials: `comment group 0 top`.
     pub(super) names: BTreeMap<(String, u64), String>,
-    /// Its bytes, the last line break included, and its lines.
+    /// The bytes of the header, the last line break included, and its lines.
     pub(super) length: usize,
     pub(super) lines: usize,
 }
 
 /// Reads a header.
-pub(super) fn read(bytes: &[u8]) -> Result<Header, Fault> {
+pub(super) fn read(bytes: &[u8]) -> Result<Header, String> {
     let mut length = 0;
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
@@ -152,7 +151,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, Fault> {
             return Err(wrong(format!("the header has more than {MAX_LINES} lines")));
         }
     }
-    Err(Fault::new("", "the file ends within its header, which ends with a line \"end_header\""))
+    Err("the file ends within its header, which ends with a line \"end_header\"".to_owned())
 }
 
 /// A comment that names a group or material.

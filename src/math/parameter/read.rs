@@ -70,25 +70,40 @@ pub(super) fn expression(literal: &Literal, variable: &'static str) -> Result<Ex
     }
 }
 
-pub(super) fn expressions(items: &[Literal], variable: &'static str, most: usize) -> Result<Value, Vec<Fault>> {
-    if items.is_empty() || items.len() > most {
-        return Err(vec![Fault::new("", format!("{} entries; expected 1 to {most}", items.len()))]);
-    }
+/// The entries of a list of 1 to so many, or the faults of all of them.
+fn entries<T>(
+    items: &[Literal],
+    most: usize,
+    read: impl Fn(&Literal) -> Result<T, Vec<Fault>>,
+) -> Result<Vec<T>, Vec<Fault>> {
+    check_length(items, most)?;
     let mut faults = Vec::new();
     let mut found = Vec::new();
     for (i, item) in items.iter().enumerate() {
-        match expression(item, variable) {
-            Ok(e) => found.push(e),
-            Err(detail) => faults.push(Fault::new(format!("/{i}"), detail)),
+        match read(item) {
+            Ok(entry) => found.push(entry),
+            Err(wrong) => faults.extend(under(&format!("/{i}"), wrong)),
         }
     }
-    if faults.is_empty() { Ok(Value::Expressions(found)) } else { Err(faults) }
+    if faults.is_empty() { Ok(found) } else { Err(faults) }
+}
+
+fn check_length(items: &[Literal], most: usize) -> Result<(), Vec<Fault>> {
+    let n = items.len();
+    if (1..=most).contains(&n) { Ok(()) } else { Err(one(format!("{n} entries; expected 1 to {most}"))) }
+}
+
+/// The fault of a value, as all that is wrong.
+pub(super) fn one(detail: String) -> Vec<Fault> {
+    vec![Fault::new("", detail)]
+}
+
+pub(super) fn expressions(items: &[Literal], variable: &'static str, most: usize) -> Result<Value, Vec<Fault>> {
+    entries(items, most, |item| expression(item, variable).map_err(one)).map(Value::Expressions)
 }
 
 pub(super) fn numbers(items: &[Literal], most: usize) -> Result<Vec<f64>, Vec<Fault>> {
-    if items.is_empty() || items.len() > most {
-        return Err(vec![Fault::new("", format!("{} entries; expected 1 to {most}", items.len()))]);
-    }
+    check_length(items, most)?;
     let number = |(i, item): (usize, &Literal)| {
         let value = constant(item).and_then(|x| ranged(x, f64::NEG_INFINITY, f64::INFINITY));
         value.map_err(|detail| vec![Fault::new(format!("/{i}"), detail)])
@@ -125,20 +140,8 @@ pub(super) fn direction(items: &[Literal]) -> Result<[f64; 3], String> {
 }
 
 pub(super) fn groups(items: &[Literal], fields: &'static [Parameter], most: usize) -> Result<Vec<Values>, Vec<Fault>> {
-    if items.is_empty() || items.len() > most {
-        return Err(vec![Fault::new("", format!("{} entries; expected 1 to {most}", items.len()))]);
-    }
-    let mut faults = Vec::new();
-    let mut found = Vec::new();
-    for (i, item) in items.iter().enumerate() {
-        let values = match item {
-            Literal::Map(given) => Values::resolve(fields, given),
-            other => Err(vec![Fault::new("", format!("expected an object, got {}", other.kind()))]),
-        };
-        match values {
-            Ok(values) => found.push(values),
-            Err(wrong) => faults.extend(under(&format!("/{i}"), wrong)),
-        }
-    }
-    if faults.is_empty() { Ok(found) } else { Err(faults) }
+    entries(items, most, |item| match item {
+        Literal::Map(given) => Values::resolve(fields, given),
+        other => Err(one(format!("expected an object, got {}", other.kind()))),
+    })
 }

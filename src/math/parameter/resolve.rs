@@ -1,7 +1,8 @@
 //! From what a client wrote to the values of the parameters that something declares.
 
 use super::read::{
-    choices, chosen, color, constant, direction, expression, expressions, groups, named, numbers, ranged, vector, whole,
+    choices, chosen, color, constant, direction, expression, expressions, groups, named, numbers, one, ranged, vector,
+    whole,
 };
 use super::{Default, Entry, Kind, Literal, Parameter, Value, Values};
 use crate::fault::{Fault, shortened, token, under};
@@ -75,7 +76,6 @@ impl Parameter {
 
 impl Kind {
     fn value(&self, literal: &Literal) -> Result<Value, Vec<Fault>> {
-        let one = |detail: String| vec![Fault::new("", detail)];
         match (self, literal) {
             (Self::Number { min, max }, Literal::Number(_) | Literal::Text(_)) => {
                 constant(literal).and_then(|x| ranged(x, *min, *max)).map(Value::Number).map_err(one)

@@ -1,7 +1,7 @@
 //! Sums of points around a centre whose bits do not depend on where the walk around the centre begins.
 
-/// The sum of `n` points around a centre: of 2 as `a + b`, of 4 as `(a0 + a2) + (a1 + a3)`, of 6 as the sum of the three
-/// opposite pairs in ascending order of each coordinate, of other numbers in order.
+/// The sum of `n` points around a centre: of 2 as `a + b`, of 4 as `(a0 + a2) + (a1 + a3)`, of 6 as the sum of the
+/// three opposite pairs in ascending order of each coordinate, of other numbers in order.
 ///
 /// Addition is commutative but not associative in floating point: opposite pairs stay pairs when the walk begins
 /// elsewhere or goes the other way around, so that neighbouring faces of a regular net compute a point that they share

@@ -70,8 +70,9 @@ impl Rows {
     }
 
     /// Makes one group of the entries that `fill` adds to the row being made: with one weight w the term
-    /// `w x symmetric sum of the points`, with several the symmetric sum of `weight x point`. A symmetric sum of 2, 4 or
-    /// 6 members around a centre has the same bits wherever the walk around the centre begins; others are made in order.
+    /// `w x symmetric sum of the points`, with several the symmetric sum of `weight x point`. A symmetric sum of 2, 4
+    /// or 6 members around a centre has the same bits wherever the walk around the centre begins; others are made in
+    /// order.
     #[inline]
     pub fn group(&mut self, fill: impl FnOnce(&mut Self)) {
         let start = self.indices.len();

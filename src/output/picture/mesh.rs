@@ -1,5 +1,7 @@
 //! A picture of a mesh: its surface, the edges of its faces, and the control net.
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 
 use super::coat::Coat;
@@ -31,7 +33,7 @@ pub(crate) fn picture(
     let split_vertices = if shaded { SplitVertices::of(Shape::Mesh(mesh), watch)? } else { None };
     // copies of vertices stand after all others, so that the edges of the mesh are the same ones
     let sides = split_vertices.as_ref().map_or(mesh, |split_vertices| split_vertices);
-    let positions = if body { positions(sides, watch)? } else { Vec::new() };
+    let positions = if body { positions(sides, watch)? } else { Cow::default() };
     let triangles = if body { triangulated(sides, watch)? } else { Vec::new() };
     let smooth = if shaded { normals::of(sides, &positions, watch)? } else { Vec::new() };
     let flat = if shows("surface") && options.flat() { face_normals(mesh, &positions, watch)? } else { Vec::new() };
@@ -81,21 +83,25 @@ pub(crate) fn picture(
 
 /// The control net: its points, edges and, for discs, each used point joined to itself.
 #[derive(Default)]
-struct Net {
-    positions: Vec<[f64; 3]>,
+struct Net<'a> {
+    positions: Cow<'a, [[f64; 3]]>,
     edges: Vec<[u32; 2]>,
     points: Vec<[u32; 2]>,
 }
 
-impl Net {
-    fn of(mesh: &dyn MeshSource, watch: &Watch) -> Result<Self, Stopped> {
+impl<'a> Net<'a> {
+    fn of(mesh: &'a dyn MeshSource, watch: &Watch) -> Result<Self, Stopped> {
         let positions = positions(mesh, watch)?;
         let n = u32::try_from(positions.len()).expect("indices of vertices have 32 bits");
         Ok(Self { positions, edges: edges(mesh, watch)?, points: (0..n).map(|i| [i, i]).collect() })
     }
 }
 
-fn positions(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[f64; 3]>, Stopped> {
+/// The positions of all vertices: those that the mesh holds, or read at once.
+fn positions<'a>(mesh: &'a dyn MeshSource, watch: &Watch) -> Result<Cow<'a, [[f64; 3]]>, Stopped> {
+    if let Some(held) = mesh.held_positions() {
+        return Ok(held.into());
+    }
     let mut all = Vec::with_capacity(mesh.n_vertices());
     let mut chunk = Vec::new();
     in_chunks(mesh.n_vertices(), |range| {
@@ -104,7 +110,7 @@ fn positions(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[f64; 3]>, Stop
         all.extend_from_slice(&chunk);
         Ok(())
     })?;
-    Ok(all)
+    Ok(all.into())
 }
 
 fn each_face(mesh: &dyn MeshSource, watch: &Watch, mut each: impl FnMut(&[u32])) -> Result<(), Stopped> {
@@ -117,9 +123,33 @@ fn each_face(mesh: &dyn MeshSource, watch: &Watch, mut each: impl FnMut(&[u32]))
     })
 }
 
+/// Faces that one thread cuts into triangles at a time.
+/// Half of it asks the mesh twice as often; twice of it leaves small meshes to fewer threads.
+const PART: usize = 4096;
+
 fn triangulated(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 3]>, Stopped> {
-    let mut all = Vec::with_capacity(mesh.n_half_edges().saturating_sub(2 * mesh.n_faces()));
-    each_face(mesh, watch, |face| all.extend(triangles(face)))?;
+    let n_faces = mesh.n_faces();
+    let mut all = vec![[0; 3]; mesh.n_half_edges().saturating_sub(2 * n_faces)];
+    // where all faces have equally many vertices, as after any split, each part has as many triangles as this
+    let share = PART * (all.len() / n_faces.max(1)).max(1);
+    let cut = |chunk: &mut FaceChunk, (i, places): (usize, &mut [[u32; 3]])| {
+        watch.check()?;
+        mesh.faces(n_faces.min(i * PART)..n_faces.min((i + 1) * PART), chunk);
+        if let Some(quads) = chunk.rows::<4>().filter(|quads| 2 * quads.len() == places.len()) {
+            let halves = places.as_chunks_mut().0.iter_mut().zip(quads);
+            halves.for_each(|(halves, &[a, b, c, d])| *halves = [[a, b, c], [a, c, d]]);
+            return Ok(true);
+        }
+        let mut places = places.iter_mut();
+        let mut put = |triangle| places.next().map(|place| *place = triangle).is_some();
+        Ok(chunk.iter().flat_map(triangles).all(&mut put) && places.len() == 0)
+    };
+    let parts = all.par_chunks_mut(share).enumerate();
+    let fitting: Vec<bool> = parts.map_init(FaceChunk::default, cut).collect::<Result<_, Stopped>>()?;
+    if fitting.contains(&false) {
+        all.clear();
+        each_face(mesh, watch, |face| all.extend(triangles(face)))?;
+    }
     Ok(all)
 }
 

@@ -33,8 +33,8 @@ pub(super) type Mask = Vec<MaskGroup>;
 pub(super) enum Pass {
     /// All planes from the coarse grid, which is the first plane.
     Up([Mask; PLANES]),
-    /// All planes from all planes, and on sharp lines the vertices and the points of edges, which see nothing beside the
-    /// line.
+    /// All planes from all planes, and on sharp lines the vertices and the points of edges, which see nothing beside
+    /// the line.
     Blend {
         /// Where everything is smooth.
         planes: [Mask; PLANES],

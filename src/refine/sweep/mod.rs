@@ -13,6 +13,6 @@ mod patches;
 mod program;
 mod star;
 mod surface;
+mod weave;
 
-pub use patches::Swept;
-pub use program::Sweep;
+pub(super) use program::{Outline, Sweep};

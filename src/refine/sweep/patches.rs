@@ -9,6 +9,8 @@ use super::grid::{FlatPass, Planes, SharpSide, Size, at_least};
 use super::program::Sweep;
 use super::star::StarWork;
 use super::surface::along;
+use super::weave::{Row, weave};
+use crate::kept::Numbers;
 use crate::shape::topology::{NONE, index};
 use crate::watch::{Stopped, Watch};
 
@@ -18,22 +20,23 @@ const TASK: usize = 1 << 14;
 
 /// Points in the documented order.
 #[derive(Debug)]
-pub struct Swept {
+pub(crate) struct Swept {
     /// Their numbers, point after point.
-    pub points: Vec<f64>,
+    pub(crate) points: Numbers,
     /// Whether all are finite.
-    pub finite: bool,
+    pub(crate) finite: bool,
 }
 
 impl Sweep {
-    /// Refines points of `width` numbers, 1 to 4, from the documented order where the sweep begins to that where it ends.
+    /// Refines points of `width` numbers, 1 to 4, from the documented order where the sweep begins to that where it
+    /// ends.
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.
     ///
     /// # Panics
     /// When the points are not as many as those of the net where the sweep begins.
-    pub fn refine(&self, start: &[f64], width: usize, watch: &Watch) -> Result<Swept, Stopped> {
+    pub(crate) fn refine(&self, start: &[f64], width: usize, watch: &Watch) -> Result<Swept, Stopped> {
         assert_eq!(start.len(), self.orders[0].n_vertices() * width, "the points belong to another net");
         match width {
             1 => self.refine_points::<1>(start, watch),
@@ -45,7 +48,7 @@ impl Sweep {
 
     fn refine_points<const W: usize>(&self, start: &[f64], watch: &Watch) -> Result<Swept, Stopped> {
         let start = start.as_chunks::<W>().0;
-        let mut all = vec![0.0; self.n_points() * W];
+        let mut all = Numbers::to_overwrite(self.n_points() * W);
         let finite = AtomicBool::new(true);
         let base = &self.surface.base;
         let run = Run { sweep: self, flat: self.flat(W), start };
@@ -57,9 +60,8 @@ impl Sweep {
             for patch in task.patches.clone() {
                 run.patch(patch, worker, &mut task);
             }
-            let made = task.edges.iter().chain(task.inner.iter()).chain(task.vertices.iter().map(|(_, point)| point));
-            // a sum of numbers times zero is NaN as soon as one of them is not finite
-            if made.flatten().fold(0.0, |sum, x| sum + 0.0 * x) != 0.0 {
+            let vertices = task.vertices.iter().all(|(_, point)| all_finite(point));
+            if !(vertices && all_finite(task.edges.as_flattened()) && all_finite(task.inner.as_flattened())) {
                 finite.store(false, Ordering::Relaxed);
             }
             watch.advance((task.edges.len() + task.inner.len()) as u64);
@@ -101,6 +103,16 @@ impl Sweep {
         }
         tasks
     }
+}
+
+/// Whether all numbers are finite: a sum of them times zero is NaN as soon as one is not.
+fn all_finite(numbers: &[f64]) -> bool {
+    let (lines, rest) = numbers.as_chunks::<16>();
+    let mut sums = [0.0; 16];
+    for line in lines {
+        sums.iter_mut().zip(line).for_each(|(sum, x)| *sum += 0.0 * x);
+    }
+    sums.iter().all(|&sum| sum == 0.0) && rest.iter().all(|x| x.is_finite())
 }
 
 /// Consecutive patches and where their points go.
@@ -323,86 +335,31 @@ impl<const W: usize> Run<'_, W> {
                 continue;
             }
             let first = at[side % 2];
-            let put = |steps: usize| {
-                // counted along the axis of the side
-                let across = if matches!(side, 1 | 2) { n } else { 0 };
-                let [i, j] = if side % 2 == 0 { [steps, across] } else { [across, steps] };
-                let v = order.patch_vertex(block.patch, [i, j]);
-                (v, Row::new(&worker.planes, size, j - at[1]).point(i - at[0]))
+            // counted along the axis of the side
+            let across = if matches!(side, 1 | 2) { n } else { 0 };
+            let place = |steps: usize| if side % 2 == 0 { [steps, across] } else { [across, steps] };
+            let vertex = |steps: usize| order.patch_vertex(block.patch, place(steps));
+            let point = |steps: usize| {
+                let [i, j] = place(steps);
+                Row::new(&worker.planes, size, j - at[1]).point(i - at[0])
             };
-            for steps in first.max(1)..(first + cells + 1).min(n) {
-                let (v, point) = put(steps);
-                task.put(v as usize, point);
+            // the numbers of the points of a side go up or down by the same everywhere
+            let along = first.max(1)..(first + cells + 1).min(n);
+            let v = vertex(along.start) as usize;
+            let forward = along.len() < 2 || vertex(along.start + 1) as usize > v;
+            let stride = if along.len() < 2 { 0 } else { v.abs_diff(vertex(along.start + 1) as usize) };
+            for (k, steps) in along.enumerate() {
+                task.put(if forward { v + k * stride } else { v - k * stride }, point(steps));
             }
             let start = if matches!(side, 0 | 1) { 0 } else { n };
             if (first..=first + cells).contains(&start) {
-                let (v, point) = put(start);
-                let v_patch = patches.vertex(half_edge) as usize;
+                let (v, corner) = (vertex(start), patches.vertex(half_edge) as usize);
                 if (v as usize) >= self.sweep.surface.base.n_vertices() {
-                    task.put(v as usize, point);
-                } else if patches.ring(v_patch).next() == Some(half_edge) {
-                    task.vertices.push((v, point));
+                    task.put(v as usize, point(start));
+                } else if patches.ring(corner).next() == Some(half_edge) {
+                    task.vertices.push((v, point(start)));
                 }
             }
         }
-    }
-}
-
-/// A row of a refined grid: points of two planes in turn.
-struct Row<'a, const W: usize> {
-    even: &'a [[f64; W]],
-    odd: &'a [[f64; W]],
-}
-
-impl<'a, const W: usize> Row<'a, W> {
-    fn new(planes: &'a Planes, size: Size, row: usize) -> Self {
-        let start = size.at([0, (row / 2).cast_signed()]);
-        let range = start..start + (size.cells + 1) * W;
-        let [even, odd] = [0, 1].map(|odd| planes.now[odd + 2 * (row % 2)][range.clone()].as_chunks().0);
-        Self { even, odd }
-    }
-
-    fn point(&self, i: usize) -> [f64; W] {
-        if i.is_multiple_of(2) { self.even[i / 2] } else { self.odd[i / 2] }
-    }
-
-    /// Copies the points from `start` on.
-    fn copy(&self, start: usize, out: &mut [[f64; W]]) {
-        interleave(&self.even[start / 2..], &self.odd[start / 2..], start % 2 == 1, out);
-    }
-}
-
-/// Fills `out` with `even[0], odd[0], even[1], ...`, without the first of them where it `skips` one.
-fn interleave<const W: usize>(even: &[[f64; W]], odd: &[[f64; W]], skips: bool, out: &mut [[f64; W]]) {
-    let (even, odd, out) = match out.split_first_mut() {
-        Some((first, rest)) if skips => {
-            *first = odd[0];
-            (&even[1..], &odd[1..], rest)
-        }
-        _ => (even, odd, out),
-    };
-    let (pairs, last) = out.as_chunks_mut::<2>();
-    let n = pairs.len();
-    for ((pair, even), odd) in pairs.iter_mut().zip(even).zip(odd) {
-        *pair = [*even, *odd];
-    }
-    if let [last] = last {
-        *last = even[n];
-    }
-}
-
-/// Weaves the planes into the grid that enters the next round.
-fn weave<const W: usize>(planes: &Planes, size: Size, fine: Size, out: &mut Vec<f64>) {
-    at_least(out, fine.len());
-    let halo = size.halo.cast_signed();
-    let stride = fine.stride() * W;
-    for (row, out) in out[..fine.len()].chunks_exact_mut(stride).enumerate() {
-        let row = row.cast_signed() - halo;
-        let start = size.at([(-halo).div_euclid(2), row.div_euclid(2)]);
-        let plane = |odd: usize| {
-            let plane = &planes.now[odd + 2 * row.rem_euclid(2).unsigned_abs()];
-            plane[start..].as_chunks::<W>().0
-        };
-        interleave(plane(0), plane(1), halo % 2 == 1, out.as_chunks_mut().0);
     }
 }

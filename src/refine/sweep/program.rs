@@ -12,13 +12,13 @@ use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::grid::Grid;
 
-/// Most cells of a grid in each direction: the planes of three coordinates take 1 MB with it, what a core has as its own
-/// cache. Half of it makes a tenth more points twice, in halos; twice of it leaves that cache.
+/// Most cells of a grid in each direction: the planes of three coordinates take 1 MB with it, what a core has as its
+/// own cache. Half of it makes a tenth more points twice, in halos; twice of it leaves that cache.
 const MOST_CELLS: usize = 64;
 
 /// The sweep of a net through the rounds of a plan.
 #[derive(Debug)]
-pub struct Sweep {
+pub(crate) struct Sweep {
     pub(super) surface: Surface,
     /// Cells known beyond a grid.
     pub(super) halo: usize,
@@ -43,10 +43,21 @@ pub(super) struct Round {
     pub(super) cells: usize,
 }
 
-impl Sweep {
-    /// The sweep of a net that was not refined yet; none where some step of the plan does not work that way, where
-    /// single points have parameters of their own, or where all rounds have to be refined elsewhere.
-    pub fn of(net: &MeshNet, plan: &Plan, steps: &[Scheduled]) -> Option<Self> {
+/// What of a sweep is known before the mesh was looked at.
+#[derive(Debug)]
+pub(crate) struct Outline<'a> {
+    rounds: Vec<&'a [Scheduled]>,
+    passes: Vec<Arc<Vec<Pass>>>,
+    halo: usize,
+    /// Rounds that the net is refined elsewhere before, and how many of them make quads of other faces.
+    before: usize,
+    splits: usize,
+}
+
+impl<'a> Outline<'a> {
+    /// The outline of the sweep of a net that was not refined yet; none where some step of the plan does not work that
+    /// way, where single points have parameters of their own, or where all rounds have to be refined elsewhere.
+    pub(crate) fn of(net: &MeshNet, plan: &Plan, steps: &'a [Scheduled]) -> Option<Self> {
         let apart = net.annotations.attributes.is_some() || net.annotations.directions.is_some();
         let numbered = plan.perturbation.is_some() || net.annotations.numbering.is_some();
         let cut = net.surroundings.is_some() || net.mesh.parent.is_some() || net.mesh.rounds > 0;
@@ -61,9 +72,14 @@ impl Sweep {
         let halo = halos.into_iter().max()?;
         let splits = usize::from(!net.mesh.base.is_quads());
         let before = (splits + halo.next_power_of_two().trailing_zeros() as usize).max(soft);
-        if before >= rounds.len() {
-            return None;
-        }
+        (before < rounds.len()).then_some(Self { rounds, passes, halo, before, splits })
+    }
+}
+
+impl Sweep {
+    /// The sweep of a net, where it has an [`Outline`] and the operators can be applied around each of its vertices.
+    pub(crate) fn of(net: &MeshNet, plan: &Plan, steps: &[Scheduled]) -> Option<Self> {
+        let Outline { rounds, passes, halo, before, splits } = Outline::of(net, plan, steps)?;
         let surface = Surface::new(net);
         let (head, tail) = rounds.split_at(before);
         let kinds = &surface.kinds;
@@ -80,17 +96,17 @@ impl Sweep {
     }
 
     /// Number of steps that the net has to be refined by before the sweep begins.
-    pub fn steps_before(&self) -> usize {
+    pub(crate) fn steps_before(&self) -> usize {
         self.steps_before
     }
 
     /// Rounds of the whole plan, each of which splits all quads.
-    pub fn splits(&self) -> usize {
+    pub(crate) fn splits(&self) -> usize {
         self.before + self.rounds.len()
     }
 
     /// Number of points in which the sweep ends.
-    pub fn n_points(&self) -> usize {
+    pub(crate) fn n_points(&self) -> usize {
         self.orders[1].n_vertices()
     }
 
@@ -118,7 +134,7 @@ impl Sweep {
 /// Rounds after which all that is sharp is infinitely sharp; none where that is not known beforehand.
 fn softening(net: &MeshNet) -> Option<usize> {
     let Some(sharpness) = &net.sharpness else { return Some(0) };
-    let unusual = !sharpness.followers().is_empty();
+    let unusual = !sharpness.is_of_the_net_alone();
     let all = sharpness.edges().iter().chain(sharpness.vertices()).map(|&(_, sharpness)| sharpness);
     let most = all.filter(|&sharpness| sharpness < INFINITE_SHARPNESS).fold(0.0, f64::max);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "finite sharpness is at most 10")]

@@ -1,6 +1,6 @@
 //! Counts of a mesh and of what decides how they grow, for schemes that make a connectivity of their own.
 
-use super::count::{Count, largest_face, largest_fan};
+use super::count::Count;
 use crate::scheme::mesh_net::MeshNet;
 
 /// Counts of one mesh. Numbers saturate; nothing is allocated for them.
@@ -22,17 +22,8 @@ impl Census {
     /// The counts of a net that is not split.
     pub fn of(net: &MeshNet) -> Self {
         let topology = &net.mesh.base;
-        let count = Count {
-            vertices: topology.n_vertices() as u128,
-            edges: topology.n_edges() as u128,
-            faces: topology.n_faces() as u128,
-            corners: topology.n_half_edges() as u128,
-            largest_face: largest_face(net),
-            largest_fan: largest_fan(topology),
-            ..Count::default()
-        };
         Self {
-            count,
+            count: Count::of_base(net),
             boundary: topology.n_boundary() as u128,
             corners: net.tags.corners.len() as u128,
             isolated: (0..topology.n_vertices()).filter(|&v| topology.is_isolated(v)).count() as u128,

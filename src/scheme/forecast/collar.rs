@@ -18,16 +18,13 @@
 //! one or the other. What lies beyond is never reached by the boundary, so that sizes and valences that were there once
 //! stay.
 
-use std::mem;
-
 use super::count::Count;
 use super::sizes::{Sizes, is_between_two};
 use crate::scheme::ops::{dual, no_interior, no_manifold};
 use crate::scheme::step_error::StepError;
-use crate::shape::check::{FaceList, Winding};
 use crate::shape::tile::Tile;
 use crate::shape::tiling::Tiling;
-use crate::shape::topology::{NONE, Topology, index};
+use crate::shape::topology::{Topology, index};
 
 /// A net of which only what is near its boundary is explicit.
 #[derive(Debug)]
@@ -144,38 +141,16 @@ fn near(
     beyond: &mut Sizes,
 ) -> Result<Option<(Topology, Vec<bool>)>, StepError> {
     let mut reached: Vec<bool> = (0..net.n_vertices()).map(|v| real[v] || is_between_two(net, v)).collect();
-    let mut kept = vec![false; net.n_faces()];
-    let mut rim: Vec<usize> = (0..net.n_vertices()).filter(|&v| reached[v]).collect();
-    for _ in 0..layers {
-        let mut next = Vec::new();
-        for f in rim.iter().flat_map(|&v| net.ring(v)).map(|half_edge| net.face_of(half_edge)) {
-            if !mem::replace(&mut kept[f], true) {
-                let vertices = net.face(f).iter().map(|&v| v as usize);
-                next.extend(vertices.filter(|&v| !mem::replace(&mut reached[v], true)));
-            }
-        }
-        rim = next;
-    }
+    let kept = net.faces_within(layers as usize, &mut reached);
     if kept.iter().all(|&kept| kept) {
         return Ok(None);
     }
-    let left = |f: usize| net.face(f).iter().map(|&v| v as usize);
     for f in (0..net.n_faces()).filter(|&f| !kept[f]) {
         beyond.faces.insert(net.face(f).len());
-        beyond.valences.extend(left(f).filter(|&v| net.boundary_edges(v).is_none()).map(|v| net.ring(v).count()));
+        let inside = net.face(f).iter().map(|&v| v as usize).filter(|&v| net.boundary_edges(v).is_none());
+        beyond.valences.extend(inside.map(|v| net.ring(v).count()));
     }
-    let (mut number, mut origins, mut faces) = (vec![NONE; net.n_vertices()], Vec::new(), FaceList::default());
-    for f in (0..net.n_faces()).filter(|&f| kept[f]) {
-        for v in left(f).filter(|&v| reached[v]) {
-            if number[v] == NONE {
-                number[v] = index(origins.len());
-                origins.push(v);
-            }
-        }
-        faces.push(left(f).map(|v| number[v]));
-    }
-    let checked = Topology::of_faces(origins.len(), faces, Winding::Refuse).map_err(|faults| no_manifold(&faults))?;
-    origins.extend(checked.split_from.iter().map(|&v| origins[v as usize]).collect::<Vec<_>>());
-    let real = origins.iter().map(|&v| real[v]).collect();
-    Ok(Some((checked.topology, real)))
+    let kept: Vec<u32> = (0..index(net.n_faces())).filter(|&f| kept[f as usize]).collect();
+    let (part, origins) = net.part(&kept).map_err(|faults| no_manifold(&faults))?;
+    Ok(Some((part, origins.iter().map(|&v| real[v as usize]).collect())))
 }

@@ -3,7 +3,7 @@
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::settings::Settings;
 use crate::shape::tile::Tile;
-use crate::shape::topology::{Topology, index};
+use crate::shape::topology::index;
 
 /// Counts of one net.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -50,20 +50,26 @@ impl Count {
 
     /// The counts of a net.
     pub(super) fn of_mesh(net: &MeshNet) -> Self {
+        let sizes = net.tags.holes.iter().map(|&f| net.mesh.base.face(f as usize).len() as u128);
+        let hidden_faces = net.tags.holes.len() as u128;
+        let count = Self { hidden_faces, hidden_corners: sizes.sum(), ..Self::of_base(net) };
+        net.mesh.pieces.iter().fold(count, |count, &pieces| count.split(net.mesh.tile, pieces))
+    }
+
+    /// The counts of a net before its splits, hidden faces counted as if they were shown.
+    pub(super) fn of_base(net: &MeshNet) -> Self {
         let topology = &net.mesh.base;
-        let sizes = net.tags.holes.iter().map(|&f| topology.face(f as usize).len() as u128);
-        let count = Self {
+        let shown = (0..topology.n_faces()).filter(|&f| net.tags.holes.binary_search(&index(f)).is_err());
+        let fan = |v: usize| topology.ring(v).count() + if topology.boundary_edges(v).is_some() { 2 } else { 0 };
+        Self {
             vertices: topology.n_vertices() as u128,
             edges: topology.n_edges() as u128,
             faces: topology.n_faces() as u128,
             corners: topology.n_half_edges() as u128,
-            hidden_faces: net.tags.holes.len() as u128,
-            hidden_corners: sizes.sum(),
-            largest_face: largest_face(net),
-            largest_fan: largest_fan(topology),
+            largest_face: shown.map(|f| topology.face(f).len()).max().unwrap_or(0) as u128,
+            largest_fan: (0..topology.n_vertices()).map(fan).max().unwrap_or(0) as u128,
             ..Self::default()
-        };
-        net.mesh.pieces.iter().fold(count, |count, &pieces| count.split(net.mesh.tile, pieces))
+        }
     }
 
     /// After a split with so many pieces an edge: of faces of any size into quads when it is 2, else of triangles or
@@ -118,16 +124,4 @@ impl Count {
         let count = if first { self.halved() } else { self };
         count.split(settings.tile(), settings.arity())
     }
-}
-
-/// Corners of the largest face of the base of a net that is shown.
-pub(super) fn largest_face(net: &MeshNet) -> u128 {
-    let shown = (0..net.mesh.base.n_faces()).filter(|&f| net.tags.holes.binary_search(&index(f)).is_err());
-    shown.map(|f| net.mesh.base.face(f).len()).max().unwrap_or(0) as u128
-}
-
-/// Corners of the largest face that a dual makes of a vertex.
-pub(super) fn largest_fan(topology: &Topology) -> u128 {
-    let fan = |v: usize| topology.ring(v).count() + if topology.boundary_edges(v).is_some() { 2 } else { 0 };
-    (0..topology.n_vertices()).map(fan).max().unwrap_or(0) as u128
 }

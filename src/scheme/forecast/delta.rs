@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::fault::Fault;
+use crate::math::functions::real;
 use crate::scheme::ops::seen_valence;
 use crate::scheme::plan::Plan;
 use crate::shape::tile::Tile;
@@ -27,11 +28,7 @@ pub fn check_delta(plan: &Plan, topology: &Arc<Topology>) -> Result<(), Fault> {
     valences.sort_unstable();
     valences.dedup();
     for valence in valences.into_iter().filter(|&n| n > 0) {
-        #[expect(clippy::cast_precision_loss, reason = "valences are far below 2^52")]
-        let value = plan.delta.value(valence as f64);
-        if let Err(error) = value {
-            return Err(Fault::new("/parameters/delta", error.to_string()));
-        }
+        plan.delta.value(real(valence)).map_err(|error| Fault::new("/parameters/delta", error.to_string()))?;
     }
     Ok(())
 }

@@ -10,7 +10,7 @@
 use super::collar::Collar;
 use super::count::Count;
 use super::fans::Fans;
-use super::tally::{Forecast, ForecastError, Tally};
+use super::tally::{Forecast, ForecastError};
 use crate::scheme::extent::Ends;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Children, Role};
@@ -68,12 +68,12 @@ fn at(step: &Scheduled, error: StepError) -> ForecastError {
 impl Duals<'_> {
     /// The counts of every level.
     pub(super) fn forecast(&self) -> Result<Forecast, ForecastError> {
-        let mut tally = Tally::new(Count::of_mesh(self.net));
+        let mut tally = Forecast::new(Count::of_mesh(self.net));
         let first = self.steps.iter().position(is_split).unwrap_or(self.steps.len());
         let (before, after) = self.steps.split_at(first);
         let net = self.built(before, &mut tally)?;
         if after.is_empty() {
-            return Ok(tally.finish());
+            return Ok(tally);
         }
         if let Some(tags) = net.tags.lost_by_dual
             && let Some(step) = after.iter().find(|step| is_dual(step))
@@ -85,11 +85,11 @@ impl Duals<'_> {
         } else {
             self.by_collar(&net, after, &mut tally)?;
         }
-        Ok(tally.finish())
+        Ok(tally)
     }
 
     /// Refines a net by the operators themselves.
-    fn built(&self, steps: &[Scheduled], tally: &mut Tally) -> Result<MeshNet, ForecastError> {
+    fn built(&self, steps: &[Scheduled], tally: &mut Forecast) -> Result<MeshNet, ForecastError> {
         let mut net = self.net.clone();
         let mut count = tally.last();
         let plan = Plan::none(net.tags.boundary, Ends::default());
@@ -109,7 +109,7 @@ impl Duals<'_> {
         Ok(net)
     }
 
-    fn by_fans(&self, net: &MeshNet, steps: &[Scheduled], tally: &mut Tally) -> Result<(), ForecastError> {
+    fn by_fans(&self, net: &MeshNet, steps: &[Scheduled], tally: &mut Forecast) -> Result<(), ForecastError> {
         let mut fans = Fans::of(&net.mesh.base, tally.last());
         let mut lost = false;
         for step in steps {
@@ -127,7 +127,7 @@ impl Duals<'_> {
         Ok(())
     }
 
-    fn by_collar(&self, net: &MeshNet, steps: &[Scheduled], tally: &mut Tally) -> Result<(), ForecastError> {
+    fn by_collar(&self, net: &MeshNet, steps: &[Scheduled], tally: &mut Forecast) -> Result<(), ForecastError> {
         let layers = layers(steps);
         let mut collar = Collar::of(&net.mesh.base, tally.last(), layers[0]).map_err(|error| at(&steps[0], error))?;
         let mut lost = false;
@@ -154,7 +154,7 @@ impl Duals<'_> {
     }
 
     /// Notes a count within the cap; a P changes none, but needs all vertices that entered the last U.
-    fn count(&self, step: &Scheduled, count: Count, lost: bool, tally: &mut Tally) -> Result<(), ForecastError> {
+    fn count(&self, step: &Scheduled, count: Count, lost: bool, tally: &mut Forecast) -> Result<(), ForecastError> {
         if count.vertices > self.cap || count.corners > self.cap.saturating_mul(8) {
             return Err(ForecastError::Cap { level: step.level, cap: self.cap });
         }
@@ -175,7 +175,7 @@ impl Duals<'_> {
     /// Why faces after a D cannot be split into triangles: the first of them is known once they are made.
     fn other_faces(&self, step: &Scheduled) -> ForecastError {
         let end = self.steps.iter().position(|other| std::ptr::eq(other, step)).map_or(self.steps.len(), |i| i + 1);
-        let made = self.built(&self.steps[..end], &mut Tally::new(Count::of_mesh(self.net)));
+        let made = self.built(&self.steps[..end], &mut Forecast::new(Count::of_mesh(self.net)));
         made.err().unwrap_or(at(step, StepError::new("only triangles are split into triangles")))
     }
 }

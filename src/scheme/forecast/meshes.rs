@@ -3,7 +3,7 @@
 use super::census::Census;
 use super::count::Count;
 use super::duals::Duals;
-use super::tally::{Forecast, ForecastError, Tally};
+use super::tally::{Forecast, ForecastError};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Children, Role};
 use crate::scheme::plan::Scheduled;
@@ -37,7 +37,7 @@ fn counted(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
     let split_vertices = |splits, pieces| sharp.as_ref().map_or(0, |sharp| split_vertices(sharp, splits, pieces));
     let (mut splits, mut pieces) = (0, 1_u128);
     count.split_vertices = split_vertices(splits, pieces);
-    let mut tally = Tally::new(count);
+    let mut tally = Forecast::new(count);
     let mut is_quads = net.mesh.base.is_quads();
     for step in steps {
         if step.letter.facts().role == Role::Upsample {
@@ -51,13 +51,13 @@ fn counted(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
         }
         tally.step(step, count);
     }
-    tally.finish()
+    tally
 }
 
 /// The forecast of a scheme that makes a connectivity of its own.
 fn rebuilt(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
     let mut census = Census::of(net);
-    let mut tally = Tally::new(census.count);
+    let mut tally = Forecast::new(census.count);
     let mut topology_bytes = 0;
     for step in steps {
         let before = census;
@@ -65,7 +65,7 @@ fn rebuilt(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
         topology_bytes = topology_bytes.max(census.bytes().saturating_add(before.bytes()));
         tally.step(step, census.count);
     }
-    Forecast { topology_bytes, ..tally.finish() }
+    Forecast { topology_bytes, ..tally }
 }
 
 /// Copies of vertices, at most, after some splits into so many pieces of an edge: one for each inner point of a sharp

@@ -1,7 +1,7 @@
 //! The forecast of polygons: their windows say all.
 
 use super::count::Count;
-use super::tally::{Forecast, ForecastError, Tally};
+use super::tally::{Forecast, ForecastError};
 use crate::scheme::extent::Extent;
 use crate::scheme::operator::Role;
 use crate::scheme::plan::Scheduled;
@@ -25,7 +25,7 @@ pub fn of_polygons(nets: &[PolygonNet], steps: &[Scheduled]) -> Result<Forecast,
             },
         });
     }
-    Ok(sum.unwrap_or(Forecast { levels: vec![Count::default()], peak: Count::default(), work: 0, topology_bytes: 0 }))
+    Ok(sum.unwrap_or_else(|| Forecast::new(Count::default())))
 }
 
 fn of_polygon(net: &PolygonNet, steps: &[Scheduled]) -> Result<Forecast, ForecastError> {
@@ -35,7 +35,7 @@ fn of_polygon(net: &PolygonNet, steps: &[Scheduled]) -> Result<Forecast, Forecas
         let edges = if extent == Extent::Closed { n } else { n.saturating_sub(1) };
         Count { vertices: n, edges, ..Count::default() }
     };
-    let mut tally = Tally::new(count(n, extent));
+    let mut tally = Forecast::new(count(n, extent));
     let mut duals = 0;
     for step in steps {
         if step.letter.facts().role == Role::Upsample {
@@ -52,5 +52,5 @@ fn of_polygon(net: &PolygonNet, steps: &[Scheduled]) -> Result<Forecast, Forecas
         }
         tally.step(step, count(n, extent));
     }
-    Ok(tally.finish())
+    Ok(tally)
 }

@@ -1,4 +1,4 @@
-//! A forecast, and how it is collected step by step.
+//! A forecast, collected step by step.
 
 use super::count::Count;
 use crate::scheme::operator::Children;
@@ -55,29 +55,23 @@ pub enum ForecastError {
     Stopped(#[from] Stopped),
 }
 
-/// Collects counts step by step.
-pub(super) struct Tally {
-    levels: Vec<Count>,
-    peak: Count,
-    work: u128,
-    topology_bytes: u128,
-}
-
 /// Bytes for each corner of a net whose dual is made: 13 of its topology, 5 of its faces and 5 of a copy of them, and
 /// 33 of the dual and its sides before they are sorted; a third of them are held with the points anyway.
 /// Half of it promises less than such steps take; twice of it refuses nets that would fit.
 const DUAL_CORNER_BYTES: u128 = 40;
 
-impl Tally {
+impl Forecast {
+    /// The forecast of no steps; levels that have no operator repeat the one before.
     pub(super) fn new(start: Count) -> Self {
         Self { levels: vec![start], peak: start, work: 0, topology_bytes: 0 }
     }
 
-    /// The count of the last step.
+    /// The count after the last step.
     pub(super) fn last(&self) -> Count {
         self.levels.last().copied().unwrap_or_default()
     }
 
+    /// Adds a step after which there is so much.
     pub(super) fn step(&mut self, step: &Scheduled, count: Count) {
         self.work = self.work.saturating_add(count.vertices);
         if step.letter.facts().children == Children::Dual {
@@ -92,10 +86,5 @@ impl Tally {
             self.levels.push(count);
         }
         self.levels[level] = count;
-    }
-
-    /// Levels that have no operator repeat the one before.
-    pub(super) fn finish(self) -> Forecast {
-        Forecast { levels: self.levels, peak: self.peak, work: self.work, topology_bytes: self.topology_bytes }
     }
 }

@@ -49,12 +49,17 @@ impl Plan {
             let follows = letter.facts().follows;
             most = most.max(follows);
             if subject.creased && follows == Follows::Corners && !dual {
-                return Err(no_creases());
+                let rule = "this scheme knows no creases; leave them out";
+                return Err(StepError::new(format!(
+                    "{rule}, or use catmull-clark, push-back or a word over U, C and P"
+                )));
             }
             match role {
                 Role::Upsample if letter.facts().has(&MASK) => {
                     if let Some(tags) = subject.tags {
-                        return Err(mask_tags(tags));
+                        return Err(StepError::new(format!(
+                            "this scheme is a mask, which knows no {tags}; leave them out or use a word over U, C and P"
+                        )));
                     }
                     let averaged = natural && letter.settings.whole(&AVERAGES).is_some_and(|averages| averages > 0);
                     (upsampled, duals, lost, arity) =
@@ -104,23 +109,10 @@ pub(super) fn useless(tags: &str) -> StepError {
     StepError::new(format!("this scheme knows no {tags}; leave them out or use a word over U, C and P"))
 }
 
-/// The refusal of tags that a scheme of its own mask cannot carry.
-fn mask_tags(tags: &str) -> StepError {
-    let detail = format!("this scheme is a mask, which knows no {tags}; leave them out or use a word over U, C and P");
-    StepError::new(detail)
-}
-
 /// The refusal of what only upsamplings that halve edges and make quads have a use for.
 fn not_halves(what: &str, found: &str) -> StepError {
     let rule = format!("{what} act in words over U, C and P with arity 2 and split quad");
     StepError::about(About::Halves, format!("{rule}; here stands {found}: change it or leave them out"))
-}
-
-/// The refusal of sharp edges where they are not known.
-fn no_creases() -> StepError {
-    StepError::new(
-        "this scheme knows no creases; leave them out, or use catmull-clark, push-back or a word over U, C and P",
-    )
 }
 
 /// The refusal of sharpness between smooth and infinitely sharp where it is not known.

@@ -7,10 +7,10 @@ use crate::math::expression::Expression;
 use crate::math::functions::ratio;
 use crate::math::parameter::{Literal, Value, Values};
 use crate::scheme::letter::Letter;
-use crate::scheme::parameters::{DEFAULT_MU, KERNEL, SPLIT, WORD_PARAMETERS, latitude_rule, perturbation, tile};
+use crate::scheme::parameters::{KERNEL, SPLIT, WORD_PARAMETERS};
 use crate::scheme::preset::{Preset, Refines, Spelling};
-use crate::scheme::presets::PRESETS;
-use crate::scheme::rules::{LatitudeRule, Rules};
+use crate::scheme::presets::{PRESETS, with_functions};
+use crate::scheme::rules::LatitudeRule;
 use crate::scheme::step_error::About;
 use crate::scheme::word::Word;
 use crate::shape::tile::Tile;
@@ -25,9 +25,9 @@ impl Plan {
             (Some(name), None) => (preset(name, &input.parameters, subject)?, Vec::new(), "/preset"),
             (None, Some(text)) => {
                 let word = Word::parse(text).map_err(|error| vec![Fault::new("/word", error.to_string())]);
-                let functions = word_functions(&input.parameters, subject);
-                let (word, functions) = both(word, functions)?;
-                (Spelling { cycle: word.cycle, ..functions }, word.prefix, "/word")
+                let values = Values::resolve(WORD_PARAMETERS, &input.parameters);
+                let (word, values) = both(word, values.map_err(|faults| under("/parameters", faults)))?;
+                (with_functions(word.cycle, &values), word.prefix, "/word")
             }
             (None, None) => {
                 return Err(vec![Fault::new("", "a plan is a \"preset\" or a \"word\"; give one of them")]);
@@ -155,25 +155,6 @@ fn check_carried(preset: &Preset, subject: Subject) -> Result<(), Vec<Fault>> {
         return Ok(());
     }
     Err(vec![Fault::new("/preset", useless(carried.name()).to_string())])
-}
-
-fn word_functions(parameters: &[(String, Literal)], _: Subject) -> Result<Spelling, Vec<Fault>> {
-    let values = Values::resolve(WORD_PARAMETERS, parameters).map_err(|faults| under("/parameters", faults))?;
-    let one = Expression::constant(1.0);
-    Ok(Spelling {
-        cycle: Vec::new(),
-        alpha: values.number("alpha").unwrap_or(0.0),
-        compensation_alpha: values.number("compensation_alpha"),
-        kernel: values.expressions("kernel").to_vec(),
-        tile: tile(&values),
-        mu: values.number("mu").unwrap_or(DEFAULT_MU),
-        compensation: values.expression("compensation").cloned().unwrap_or_else(|| one.clone()),
-        delta: values.expression("delta").cloned().unwrap_or(one),
-        perturbation: perturbation(&values),
-        kernel_longitude: values.expression("kernel_longitude").cloned(),
-        latitude_rule: latitude_rule(&values),
-        rules: Rules::default(),
-    })
 }
 
 /// Both results, or the faults of both.

@@ -1,7 +1,8 @@
 //! Uniform B-splines and C-B-splines: one upsampling and repeated averages.
 
+use super::circles::angle;
 use crate::math::expression::Expression;
-use crate::math::parameter::{Default, Kind, Parameter};
+use crate::math::parameter::{Default, Parameter};
 use crate::scheme::letter::Letter;
 use crate::scheme::parameters::ARITY;
 use crate::scheme::preset::{Preset, Refines, Spelling, letters};
@@ -41,16 +42,7 @@ pub(super) const C_B_SPLINE: Preset = Preset {
     doc: "The uniform C-B-spline of degree g over span{1, t, ..., t^(g-2), cos t, sin t} with knot spacing alpha: the \
           word of the B-spline with kernel cos(alpha/2). With alpha = 2 pi / K a regular K-gon gives a circle.",
     source: "Zhang, CAGD 13 (1996), 217-227; Zhang and Wang 2002, section 1",
-    parameters: &[
-        degree(2),
-        Parameter {
-            name: "alpha",
-            kind: Kind::Number { min: -1e6, max: 1e6 },
-            unit: "radians",
-            default: Default::Required,
-            doc: "Knot spacing; 2 pi / K for a regular K-gon.",
-        },
-    ],
+    parameters: &[degree(2), angle("Knot spacing; 2 pi / K for a regular K-gon.")],
     refines: Refines::Curves,
     spell: |values| {
         let kernel = Expression::parse("cos(alpha/2)", "alpha").expect("a constant text that follows the grammar");
@@ -75,13 +67,7 @@ pub(super) const D_ARY_B_SPLINE: Preset = Preset {
 };
 
 const fn degree(min: i64) -> Parameter {
-    Parameter {
-        name: "degree",
-        kind: Kind::Integer { min, max: 12 },
-        unit: "",
-        default: Default::Number(3.0),
-        doc: "Polynomial degree of the limit.",
-    }
+    Parameter::integer("degree", [min, 12], 3.0, "Polynomial degree of the limit.")
 }
 
 fn averaged(degree: Option<i64>) -> Vec<Letter> {

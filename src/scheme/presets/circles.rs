@@ -1,8 +1,9 @@
 //! d-ary schemes that keep circles.
 
+use super::ternary::real;
 use crate::fault::Fault;
 use crate::math::expression::Expression;
-use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
+use crate::math::parameter::{Default, Parameter, Value, Values};
 use crate::scheme::letter::Letter;
 use crate::scheme::ops::{CIRCULAR_PUSH_BACK, Circle};
 use crate::scheme::parameters::{ARITY, AVERAGES};
@@ -17,24 +18,17 @@ pub(super) const D_ARY_CIRCLE: Preset = Preset {
     parameters: &[
         Parameter { default: Default::Number(3.0), ..ARITY },
         AVERAGES,
-        Parameter {
-            name: "alpha",
-            kind: Kind::Number { min: -1e6, max: 1e6 },
-            unit: "radians",
-            default: Default::Required,
-            doc: "Angle from one point to the next; 2 pi / K for a regular K-gon.",
-        },
-        Parameter {
-            name: "delta",
-            kind: Kind::Number { min: -1e3, max: 1e3 },
-            unit: "",
-            default: Default::Number(0.0),
-            doc: "Push-back factor: 0 approximates, 1 interpolates.",
-        },
+        angle("Angle from one point to the next; 2 pi / K for a regular K-gon."),
+        real("delta", Default::Number(0.0), "Push-back factor: 0 approximates, 1 interpolates."),
     ],
     refines: Refines::Curves,
     spell,
 };
+
+/// The alpha of a scheme that keeps circles.
+pub(super) const fn angle(doc: &'static str) -> Parameter {
+    Parameter { unit: "radians", ..Parameter::number("alpha", [-1e6, 1e6], Default::Required, doc) }
+}
 
 fn spell(values: &Values) -> Result<Spelling, Vec<Fault>> {
     let whole = |name: &str| values.integer(name).and_then(|n| u32::try_from(n).ok()).unwrap_or(1);

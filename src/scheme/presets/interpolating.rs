@@ -1,7 +1,8 @@
 //! Interpolating curve schemes.
 
+use super::ternary::real;
 use crate::math::expression::Expression;
-use crate::math::parameter::{Default, Kind, Parameter};
+use crate::math::parameter::Default;
 use crate::scheme::preset::{Preset, Refines, Spelling, letters};
 
 pub(super) const FOUR_POINT: Preset = Preset {
@@ -9,13 +10,7 @@ pub(super) const FOUR_POINT: Preset = Preset {
     doc: "The interpolating four-point scheme: odd points (1/2 + w)(p0 + p1) - w (p-1 + p2). C1 for 0 < w < 0.1927, \
           cubic precision at w = 1/16. The word UCP with delta 1 and compensation 16 w.",
     source: "Dyn, Levin and Gregory, CAGD 4 (1987), 257-268; range: Hechler, Moessner and Reif, 2009",
-    parameters: &[Parameter {
-        name: "w",
-        kind: Kind::Number { min: -1e3, max: 1e3 },
-        unit: "",
-        default: Default::Number(1.0 / 16.0),
-        doc: "Tension; half the alpha of the lecture.",
-    }],
+    parameters: &[real("w", Default::Number(1.0 / 16.0), "Tension; half the alpha of the lecture.")],
     refines: Refines::Curves,
     spell: |values| {
         let w = values.number("w").unwrap_or(1.0 / 16.0);

@@ -2,7 +2,7 @@
 
 use crate::fault::Fault;
 use crate::math::mask::Mask;
-use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
+use crate::math::parameter::{Parameter, Value, Values};
 use crate::scheme::parameters;
 use crate::scheme::preset::{Preset, Refines, Spelling, masked};
 
@@ -12,13 +12,7 @@ pub(super) const TWO_N_POINT: Preset = Preset {
           a[+-(2j-1)] = (-1)^(j-1) ((2n-1)!!)^2 / (2^(2n-1) (n+j-1)! (n-j)! (2j-1)). C1 for n = 2, then C2, C3, C4, \
           C4.",
     source: "Deslauriers and Dubuc, Constructive Approximation 5 (1989), 49-68",
-    parameters: &[Parameter {
-        name: "n",
-        kind: Kind::Integer { min: 1, max: 16 },
-        unit: "",
-        default: Default::Number(2.0),
-        doc: "Half the number of points that make a new one.",
-    }],
+    parameters: &[Parameter::integer("n", [1, 16], 2.0, "Half the number of points that make a new one.")],
     refines: Refines::Curves,
     spell: |values| {
         let n = values.integer("n").and_then(|n| u128::try_from(n).ok()).unwrap_or(2);

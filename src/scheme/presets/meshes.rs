@@ -1,6 +1,6 @@
 //! Classical schemes on meshes.
 
-use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::math::parameter::{Parameter, Values};
 use crate::scheme::letter::Letter;
 use crate::scheme::ops::{CatmullClark, LoopSmoothing};
 use crate::scheme::preset::{Preset, Refines, Spelling, letters};
@@ -49,23 +49,19 @@ pub(super) const BILINEAR: Preset = Preset {
     spell: |_| Ok(Spelling::of(letters("U"))),
 };
 
-const CREASING: Parameter = Parameter {
-    name: "creasing",
-    kind: Kind::Choice(&[Creasing::Uniform.name(), Creasing::Chaikin.name()]),
-    unit: "",
-    default: Default::Text(Creasing::Uniform.name()),
-    doc: "How much of its sharpness s an edge hands on to its halves: s - 1, or 3/4 s + 1/4 m - 1 with m the mean of \
-          the other semi-sharp edges at the half's end.",
-};
+const CREASING: Parameter = Parameter::choice(
+    "creasing",
+    &[Creasing::Uniform.name(), Creasing::Chaikin.name()],
+    "How much of its sharpness s an edge hands on to its halves: s - 1, or 3/4 s + 1/4 m - 1 with m the mean of the \
+     other semi-sharp edges at the half's end.",
+);
 
-const TRIANGLE_RULE: Parameter = Parameter {
-    name: "triangle_rule",
-    kind: Kind::Choice(&["catmark", "smooth"]),
-    unit: "",
-    default: Default::Text("catmark"),
-    doc: "Edge points beside triangles: the usual (V1 + V2 + F1 + F2)/4, or (1/2 - w)(V1 + V2) + w (F1 + F2), with w \
-          the mean of 0.47 for a triangle and 1/4 for any other face.",
-};
+const TRIANGLE_RULE: Parameter = Parameter::choice(
+    "triangle_rule",
+    &["catmark", "smooth"],
+    "Edge points beside triangles: the usual (V1 + V2 + F1 + F2)/4, or (1/2 - w)(V1 + V2) + w (F1 + F2), with w the \
+     mean of 0.47 for a triangle and 1/4 for any other face.",
+);
 
 fn creasing(values: &Values) -> Creasing {
     if values.choice("creasing") == Some(Creasing::Chaikin.name()) { Creasing::Chaikin } else { Creasing::Uniform }

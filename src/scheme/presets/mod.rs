@@ -12,6 +12,7 @@ mod ternary;
 mod triangles;
 
 use super::preset::Preset;
+pub(super) use push_back::with_functions;
 
 /// Every preset, in the order of the documentation.
 pub const PRESETS: &[&Preset] = &[

@@ -1,6 +1,7 @@
 //! Semi-stationary push-back subdivision.
 
-use crate::math::parameter::{Default, Kind, Parameter};
+use crate::math::parameter::{Parameter, Values};
+use crate::scheme::letter::Letter;
 use crate::scheme::parameters::{
     ALPHA, COMPENSATION, COMPENSATION_ALPHA, DEFAULT_MU, DELTA, KERNEL, KERNEL_LONGITUDE, LATITUDE_RULE, MU,
     PERTURBATION, SPLIT, expression, latitude_rule, perturbation, tile,
@@ -24,29 +25,28 @@ pub(super) const PUSH_BACK: Preset = Preset {
         PERTURBATION,
         SPLIT,
         MU,
-        Parameter {
-            name: "k",
-            kind: Kind::Integer { min: 1, max: 8 },
-            unit: "",
-            default: Default::Number(1.0),
-            doc: "Number of convolution averages a level.",
-        },
+        Parameter::integer("k", [1, 8], 1.0, "Number of convolution averages a level."),
     ],
     refines: Refines::Both,
     spell: |values| {
         let k = values.integer("k").and_then(|k| usize::try_from(k).ok()).unwrap_or(1);
-        Ok(Spelling {
-            alpha: values.number("alpha").unwrap_or(0.0),
-            compensation_alpha: values.number("compensation_alpha"),
-            kernel: values.expressions("kernel").to_vec(),
-            tile: tile(values),
-            mu: values.number("mu").unwrap_or(DEFAULT_MU),
-            compensation: expression(values, "compensation"),
-            delta: expression(values, "delta"),
-            perturbation: perturbation(values),
-            kernel_longitude: values.expression("kernel_longitude").cloned(),
-            latitude_rule: latitude_rule(values),
-            ..Spelling::of(letters(&format!("U{}P", "C".repeat(k))))
-        })
+        Ok(with_functions(letters(&format!("U{}P", "C".repeat(k))), values))
     },
 };
+
+/// A cycle with the functions of words over U, C and P that are given.
+pub(in crate::scheme) fn with_functions(cycle: Vec<Letter>, values: &Values) -> Spelling {
+    Spelling {
+        alpha: values.number("alpha").unwrap_or(0.0),
+        compensation_alpha: values.number("compensation_alpha"),
+        kernel: values.expressions("kernel").to_vec(),
+        tile: tile(values),
+        mu: values.number("mu").unwrap_or(DEFAULT_MU),
+        compensation: expression(values, "compensation"),
+        delta: expression(values, "delta"),
+        perturbation: perturbation(values),
+        kernel_longitude: values.expression("kernel_longitude").cloned(),
+        latitude_rule: latitude_rule(values),
+        ..Spelling::of(cycle)
+    }
+}

@@ -1,6 +1,6 @@
 //! Classical schemes on quads besides Catmull-Clark.
 
-use crate::math::parameter::{Default, Kind, Parameter};
+use crate::math::parameter::Parameter;
 use crate::scheme::letter::Letter;
 use crate::scheme::ops::{DooSabin, KobbeltEdges, KobbeltFaces};
 use crate::scheme::preset::{Preset, Refines, Spelling, letters};
@@ -22,13 +22,12 @@ pub(super) const REPEATED_AVERAGING: Preset = Preset {
           U C^((degree-1)/2); even ones dual, U C^((degree-2)/2) D, which draw an open mesh in by half a face a level. \
           Degree 3 is Catmull-Clark with another rule at extraordinary vertices, degree 2 Doo-Sabin.",
     source: "Zorin and Schroeder, CAGD 18 (2001), 429-454; Stam, CAGD 18 (2001), 383-396",
-    parameters: &[Parameter {
-        name: "degree",
-        kind: Kind::Integer { min: 2, max: 9 },
-        unit: "",
-        default: Default::Number(3.0),
-        doc: "Polynomial degree in regular regions: odd for primal schemes, even for dual ones.",
-    }],
+    parameters: &[Parameter::integer(
+        "degree",
+        [2, 9],
+        3.0,
+        "Polynomial degree in regular regions: odd for primal schemes, even for dual ones.",
+    )],
     refines: Refines::Meshes,
     spell: |values| {
         let averages = values.integer("degree").and_then(|degree| usize::try_from(degree - 1).ok()).unwrap_or(2);

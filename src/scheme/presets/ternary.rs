@@ -2,7 +2,7 @@
 
 use crate::fault::Fault;
 use crate::math::mask::Mask;
-use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::math::parameter::{Default, Parameter, Values};
 use crate::scheme::preset::{Preset, Refines, Spelling, masked};
 
 const HUANG_TAN: &str = "Huang and Tan, Acta Electronica Sinica 49 (2021), 90-98";
@@ -28,8 +28,9 @@ fn blend(rule: &Blend) -> Result<Spelling, Vec<Fault>> {
     masked(3, Mask::symmetric(1.0 + 2.0 * eta - 2.0 * theta, &outwards))
 }
 
-const fn real(name: &'static str, default: Default, doc: &'static str) -> Parameter {
-    Parameter { name, kind: Kind::Number { min: -1e3, max: 1e3 }, unit: "", default, doc }
+/// A number of usual size.
+pub(super) const fn real(name: &'static str, default: Default, doc: &'static str) -> Parameter {
+    Parameter::number(name, [-1e3, 1e3], default, doc)
 }
 
 fn number(values: &Values, name: &str) -> f64 {

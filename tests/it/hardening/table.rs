@@ -180,7 +180,6 @@ cache poisoning: Bytes that change on disk, or come from a version with other re
 - a_lie_under_a_good_checksum_never_panics
 hash ambiguity: Two jobs whose encodings are the same bytes.
 - different_items_have_different_encodings
-- no_encoding_is_the_start_of_another
 - what_was_encoded_can_be_decoded
 - jobs_with_different_points_have_different_keys
 - meshes_that_differ_have_keys_that_differ

@@ -98,7 +98,7 @@ fn every_reader_is_listed_and_json_after_them() {
     story(settings(), async |server| {
         let list = server.get("/v1/readers").await.ok().json();
         let names: Vec<&str> = list.as_array().unwrap().iter().map(|entry| entry["name"].as_str().unwrap()).collect();
-        assert_eq!(names, READERS.iter().map(|reader| reader.name()).chain(["json"]).collect::<Vec<_>>());
+        assert_eq!(names, READERS.iter().map(|reader| reader.name).chain(["json"]).collect::<Vec<_>>());
         for entry in list.as_array().unwrap() {
             for field in ["media_type", "extension", "doc"] {
                 assert!(!entry[field].as_str().unwrap().is_empty(), "{field} of {entry}");

@@ -1,6 +1,6 @@
 //! Which format is answered: an output that names one, else `Accept`, else the default.
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::jobs::{mesh, polygon, with};
 use super::server::{Server, settings, story};
@@ -64,5 +64,19 @@ fn the_same_result_has_the_same_address_however_its_format_was_chosen() {
             assert_eq!(other.header("content-location"), named.header("content-location"));
             assert_eq!(other.header("cache-status"), "planish; hit");
         }
+    });
+}
+
+#[test]
+fn a_fault_in_an_output_that_accept_chose_points_at_the_outputs_that_nobody_wrote() {
+    story(settings(), async |server| {
+        let mut far = mesh(1);
+        far["input"]["mesh"]["positions"][0][0] = json!(1e300);
+        let of = async |job: &Value| {
+            let problem = server.post_with("/v1/render", job, &[("accept", "model/gltf-binary")]).await;
+            problem.problem(422, "invalid-job")["errors"][0]["pointer"].clone()
+        };
+        assert_eq!(of(&far).await, "/outputs");
+        assert_eq!(of(&with(far, "glb")).await, "/outputs/0");
     });
 }

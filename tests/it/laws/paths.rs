@@ -1,7 +1,7 @@
 //! Meshes are refined along two paths, by rows of whole nets and patch by patch: every point has the same bits.
 
 use planish::job::Input;
-use planish::refine::{RefinedMesh, Sweep, act_on, assembled, mesh_net, numbers, refine_mesh, refined_uvs};
+use planish::refine::{RefinedMesh, is_swept, refine_by_rows, refine_mesh};
 use planish::shape::source::{FaceChunk, MeshSource};
 use planish::watch::Watch;
 use proptest::prelude::*;
@@ -49,10 +49,8 @@ fn both(job: &Value) -> (RefinedMesh, RefinedMesh, bool) {
     let Input::Mesh(mesh) = &job.input else { panic!("it is a mesh") };
     let (plan, steps, watch) = (&job.plan, job.steps(), Watch::new());
     let swept = refine_mesh(mesh, plan, steps, &watch).expect("a step for every net");
-    let (net, points) = act_on(mesh_net(mesh, plan), numbers(mesh), plan, steps, &watch).expect("a step for every net");
-    let uvs = refined_uvs(mesh, plan, steps, &watch).expect("a step for every net");
-    let whole = assembled(mesh, &net, points.into_iter().map(|points| points.now).collect(), uvs);
-    (swept, whole, Sweep::of(&mesh_net(mesh, plan), plan, steps).is_some())
+    let whole = refine_by_rows(mesh, plan, steps, &watch).expect("a step for every net");
+    (swept, whole, is_swept(mesh, plan, steps))
 }
 
 fn assert_same(found: &RefinedMesh, expected: &RefinedMesh, what: &Value) {
@@ -75,6 +73,15 @@ fn assert_same(found: &RefinedMesh, expected: &RefinedMesh, what: &Value) {
         expected.channel(channel, 0..expected.n_vertices(), &mut theirs);
         assert_eq!(mine, theirs, "{what}");
     }
+    let uvs = |mesh: &RefinedMesh| {
+        let (mut values, mut faces) = (Vec::new(), FaceChunk::default());
+        if let Some(uvs) = mesh.uvs() {
+            uvs.values(0..uvs.n_points(), &mut values);
+            uvs.faces(0..mesh.n_faces(), &mut faces);
+        }
+        (values.into_iter().map(|uv| uv.map(f64::to_bits)).collect::<Vec<_>>(), faces)
+    };
+    assert_eq!(uvs(found), uvs(expected), "{what}");
 }
 
 fn compare(net: &Net, extras: &Value, plan: &Value, levels: usize) -> bool {
@@ -122,6 +129,25 @@ fn large_patches_are_swept_block_by_block_to_the_same_bits() {
     let creases = [json!({ "edge": [1, 4], "sharpness": 10 })];
     for plan in [json!({ "preset": "catmull-clark", "boundary": "edge-only" }), static_word("UCCP")] {
         assert!(compare(&nets::grid(2, 1), &json!({ "creases": creases }), &plan, 8));
+    }
+}
+
+#[test]
+fn texture_coordinates_are_swept_to_the_bits_of_whole_nets() {
+    for net in [nets::cube(), nets::grid(4, 3), nets::mixed()] {
+        // every other face is cut off
+        let n = net.positions.len();
+        let shift = |f: usize| if f % 2 == 0 { 0 } else { n };
+        let places = |(f, face): (usize, &Vec<usize>)| face.iter().map(|v| v + shift(f)).collect::<Vec<_>>();
+        let faces: Vec<_> = net.faces.iter().enumerate().map(places).collect();
+        let flat = net.positions.iter().map(|p| [p[0] + 0.3 * p[2], p[1] - 0.7 * p[2]]);
+        let values: Vec<[f64; 2]> = flat.clone().chain(flat.map(|[u, v]| [u + 0.1, 2.0 * v])).collect();
+        for interpolation in ["none", "all", "corners-only", "boundaries"] {
+            let uvs = json!({ "values": values, "faces": faces, "interpolation": interpolation });
+            for plan in plans() {
+                compare(&net, &json!({ "uvs": uvs }), &plan, 3);
+            }
+        }
     }
 }
 

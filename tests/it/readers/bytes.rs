@@ -120,7 +120,7 @@ proptest! {
     #[test]
     fn any_bytes_are_read_or_refused(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
         for reader in READERS {
-            survives(reader.name(), &bytes);
+            survives(reader.name, &bytes);
         }
     }
 

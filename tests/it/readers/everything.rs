@@ -85,7 +85,7 @@ fn table() -> Vec<(Value, Holds)> {
 
 #[test]
 fn the_table_has_every_format_that_is_written_and_read() {
-    let both = planish::input::READERS.iter().map(|reader| reader.name());
+    let both = planish::input::READERS.iter().map(|reader| reader.name);
     let both = both.filter(|name| planish::output::named(name).is_some()).chain(["json"]);
     for name in both {
         assert!(table().iter().any(|(options, _)| options["format"] == name), "{name}");

@@ -237,7 +237,7 @@ fn a_mesh_handed_over_in_the_documented_order_is_the_one_that_would_be_gathered(
         let gathered = RefinedMesh::new(&net, points[0].now.clone());
         // whoever knows the documented order has no need of the topology before the last split
         net.mesh.parent = Some(net.mesh.base.clone());
-        let documented = RefinedMesh::documented(&net, gathered.all_positions().into_flattened());
+        let documented = RefinedMesh::documented(&net, gathered.all_positions().into_flattened().into());
         assert_eq!(documented.all_positions(), gathered.all_positions());
         let faces = |mesh: &RefinedMesh| {
             let mut faces = FaceChunk::default();

@@ -1,0 +1,75 @@
+//! The cycle of a plan on a net: what is known of a scheme before the masks of single vertices are looked for.
+
+use std::sync::Arc;
+
+use super::cycle::Cycle;
+use super::error::Unlimited;
+use super::patch::Rings;
+use super::patch_rules::PatchRules;
+use super::refined_net::carries;
+use super::regular::{Regular, Starts};
+use super::vertex_parameters::{CommonParameters, extremes};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::surroundings::Surroundings;
+use crate::shape::creases::INFINITE_SHARPNESS;
+use crate::shape::topology::Topology;
+use crate::watch::Watch;
+
+/// A cycle on a net.
+#[derive(Debug)]
+pub(super) struct CycleOnNet<'a> {
+    /// The cycle.
+    pub(super) cycle: Cycle<'a>,
+    /// What the cycle is regular on.
+    pub(super) regular: Regular,
+    /// Whether the net has latitude or longitude lines.
+    pub(super) tagged: bool,
+    /// What has to be known of the net beyond a patch of it, where that matters.
+    pub(super) surroundings: Option<Surroundings>,
+    /// Parameters that are made of the least and the largest that vertices carry; at least one entry.
+    pub(super) extremes: Vec<CommonParameters>,
+    /// Whether sharpness evens out along edges, so that a patch has to have all faces around the vertices that decide
+    /// about the limit.
+    evens_out: bool,
+}
+
+impl<'a> CycleOnNet<'a> {
+    /// The cycle of a plan on a net with this topology, which the steps `ahead`, an upsampling first, would refine.
+    ///
+    /// # Errors
+    /// [`Unlimited`], where an operator cannot be applied to a regular net.
+    pub(super) fn of(
+        plan: &'a Plan,
+        net: &MeshNet,
+        topology: &Arc<Topology>,
+        ahead: &'a [Scheduled],
+        watch: &Watch,
+    ) -> Result<Self, Unlimited> {
+        let extremes = extremes(net.annotations.attributes.as_deref());
+        let alphas = extremes.iter().filter_map(CommonParameters::alpha).chain([plan.alpha]);
+        let alphas: Vec<f64> = alphas.filter(|_| carries(net)).collect();
+        let patch_rules = PatchRules::of(plan, &net.mesh.base);
+        let cycle = Cycle::new(plan, (ahead, plan.word.cycle.len()), patch_rules, &alphas, watch);
+        let semi_sharp = |&(_, sharpness): &(u32, f64)| sharpness < INFINITE_SHARPNESS;
+        let any = net.sharpness.as_ref().is_some_and(|sharpness| sharpness.edges().iter().any(semi_sharp));
+        Ok(Self {
+            regular: Regular::of(&cycle, topology)?,
+            tagged: net.annotations.directions.is_some(),
+            surroundings: cycle.surroundings(topology),
+            cycle,
+            extremes,
+            evens_out: any && net.rules.creasing.evens_out(),
+        })
+    }
+
+    /// The fewest rings that decide about a limit.
+    ///
+    /// # Errors
+    /// [`Unlimited`], where these are too many.
+    pub(super) fn rings(&self, starts: Starts) -> Result<Rings, Unlimited> {
+        let rings = self.regular.rings(&self.cycle, self.tagged, starts)?;
+        let least = if self.evens_out { rings.support + 1 } else { 0 };
+        Ok(Rings { patch: rings.patch.max(least), ..rings })
+    }
+}

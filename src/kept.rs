@@ -1,0 +1,121 @@
+//! Large buffers that are kept from one computation to the next: fresh pages cost more time than what is written there.
+
+use std::ops::{Deref, DerefMut};
+use std::sync::Mutex;
+
+/// Buffers below this size are left to the allocator, which keeps such memory itself. Half and twice of it change
+/// nothing that could be measured.
+const SMALLEST: usize = 1 << 20;
+
+/// What is kept, and how much may be.
+struct Shelf {
+    most: usize,
+    buffers: Vec<Vec<f64>>,
+}
+
+static SHELF: Mutex<Shelf> = Mutex::new(Shelf { most: 0, buffers: Vec::new() });
+
+fn bytes(buffer: &Vec<f64>) -> usize {
+    buffer.capacity() * size_of::<f64>()
+}
+
+impl Shelf {
+    fn used(&self) -> usize {
+        self.buffers.iter().map(bytes).sum()
+    }
+}
+
+/// Keeps at most so many bytes from now on; nothing until this is called.
+pub fn keep_at_most(most: usize) {
+    let mut shelf = SHELF.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    shelf.most = most;
+    while shelf.used() > most {
+        shelf.buffers.pop();
+    }
+}
+
+/// Numbers whose memory may have been used before, and may be used again once they are dropped.
+#[derive(Debug, Default, PartialEq)]
+pub struct Numbers {
+    buffer: Vec<f64>,
+    len: usize,
+}
+
+impl Numbers {
+    /// So many numbers, all of which are to be overwritten: what they are is left open.
+    pub fn to_overwrite(len: usize) -> Self {
+        let mut numbers = Self { buffer: taken(len).unwrap_or_else(|| vec![0.0; len]), len };
+        if cfg!(debug_assertions) {
+            numbers.fill(f64::NAN);
+        }
+        numbers
+    }
+}
+
+/// The smallest kept buffer with room for so many numbers, unless that would leave half of it unused.
+fn taken(len: usize) -> Option<Vec<f64>> {
+    let mut shelf = SHELF.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let fitting = shelf.buffers.iter().enumerate().filter(|(_, buffer)| (len..=2 * len).contains(&buffer.len()));
+    let (at, _) = fitting.min_by_key(|(_, buffer)| buffer.len())?;
+    Some(shelf.buffers.swap_remove(at))
+}
+
+impl From<Vec<f64>> for Numbers {
+    fn from(buffer: Vec<f64>) -> Self {
+        Self { len: buffer.len(), buffer }
+    }
+}
+
+impl Clone for Numbers {
+    fn clone(&self) -> Self {
+        self.to_vec().into()
+    }
+}
+
+impl Deref for Numbers {
+    type Target = [f64];
+
+    fn deref(&self) -> &[f64] {
+        &self.buffer[..self.len]
+    }
+}
+
+impl DerefMut for Numbers {
+    fn deref_mut(&mut self) -> &mut [f64] {
+        &mut self.buffer[..self.len]
+    }
+}
+
+impl Drop for Numbers {
+    fn drop(&mut self) {
+        if bytes(&self.buffer) < SMALLEST {
+            return;
+        }
+        let buffer = std::mem::take(&mut self.buffer);
+        let mut shelf = SHELF.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if shelf.used() + bytes(&buffer) <= shelf.most {
+            shelf.buffers.push(buffer);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn buffers_are_used_again_and_at_most_so_much_is_kept() {
+        let len = SMALLEST / size_of::<f64>();
+        keep_at_most(SMALLEST);
+        let (first, second) = (Numbers::to_overwrite(len), Numbers::to_overwrite(len));
+        let place = first.as_ptr();
+        drop(first);
+        drop(second); // there is room for one
+        let again = Numbers::to_overwrite(len - 1);
+        assert_eq!((again.as_ptr(), again.len()), (place, len - 1));
+        assert_eq!(taken(len), None);
+        drop(again);
+        keep_at_most(0);
+        assert_eq!(taken(len), None);
+    }
+}

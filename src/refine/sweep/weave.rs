@@ -1,0 +1,62 @@
+//! The planes of a refined grid woven into rows of points.
+
+use super::grid::{Planes, Size, at_least};
+
+/// A row of a refined grid: points of two planes in turn.
+pub(super) struct Row<'a, const W: usize> {
+    even: &'a [[f64; W]],
+    odd: &'a [[f64; W]],
+}
+
+impl<'a, const W: usize> Row<'a, W> {
+    pub(super) fn new(planes: &'a Planes, size: Size, row: usize) -> Self {
+        let start = size.at([0, (row / 2).cast_signed()]);
+        let range = start..start + (size.cells + 1) * W;
+        let [even, odd] = [0, 1].map(|odd| planes.now[odd + 2 * (row % 2)][range.clone()].as_chunks().0);
+        Self { even, odd }
+    }
+
+    pub(super) fn point(&self, i: usize) -> [f64; W] {
+        if i.is_multiple_of(2) { self.even[i / 2] } else { self.odd[i / 2] }
+    }
+
+    /// Copies the points from `start` on.
+    pub(super) fn copy(&self, start: usize, out: &mut [[f64; W]]) {
+        interleave(&self.even[start / 2..], &self.odd[start / 2..], start % 2 == 1, out);
+    }
+}
+
+/// Fills `out` with `even[0], odd[0], even[1], ...`, without the first of them where it `skips` one.
+fn interleave<const W: usize>(even: &[[f64; W]], odd: &[[f64; W]], skips: bool, out: &mut [[f64; W]]) {
+    let (even, odd, out) = match out.split_first_mut() {
+        Some((first, rest)) if skips => {
+            *first = odd[0];
+            (&even[1..], &odd[1..], rest)
+        }
+        _ => (even, odd, out),
+    };
+    let (pairs, last) = out.as_chunks_mut::<2>();
+    let n = pairs.len();
+    for ((pair, even), odd) in pairs.iter_mut().zip(even).zip(odd) {
+        *pair = [*even, *odd];
+    }
+    if let [last] = last {
+        *last = even[n];
+    }
+}
+
+/// Weaves the planes into the grid that enters the next round.
+pub(super) fn weave<const W: usize>(planes: &Planes, size: Size, fine: Size, out: &mut Vec<f64>) {
+    at_least(out, fine.len());
+    let halo = size.halo.cast_signed();
+    let stride = fine.stride() * W;
+    for (row, out) in out[..fine.len()].chunks_exact_mut(stride).enumerate() {
+        let row = row.cast_signed() - halo;
+        let start = size.at([(-halo).div_euclid(2), row.div_euclid(2)]);
+        let plane = |odd: usize| {
+            let plane = &planes.now[odd + 2 * row.rem_euclid(2).unsigned_abs()];
+            plane[start..].as_chunks::<W>().0
+        };
+        interleave(plane(0), plane(1), halo % 2 == 1, out.as_chunks_mut().0);
+    }
+}

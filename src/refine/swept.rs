@@ -1,0 +1,41 @@
+//! Points of a net by a sweep, where its plan can be swept.
+
+use super::act::act_on;
+use super::apply::Points;
+use super::error::RefineError;
+use super::sweep::Sweep;
+use super::vertex_order::VertexOrder;
+use crate::kept::Numbers;
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::watch::{Stage, Watch};
+
+/// The net after all steps, as far as it is carried along (see [`MeshNet::after_splits`]), and all points in the
+/// documented order. `None` where the steps cannot be swept, and where a coordinate is no longer finite, so that the
+/// rows of whole nets tell the level.
+///
+/// # Errors
+/// [`RefineError`].
+pub(super) fn swept(
+    net: &MeshNet,
+    points: &[Points],
+    plan: &Plan,
+    steps: &[Scheduled],
+    watch: &Watch,
+) -> Result<Option<(MeshNet, Vec<Numbers>)>, RefineError> {
+    let Some(sweep) = Sweep::of(net, plan, steps) else { return Ok(None) };
+    watch.enter(Stage::Sweep);
+    let (net, points) = act_on(net.clone(), points.to_vec(), plan, &steps[..sweep.steps_before()], watch)?;
+    let order = VertexOrder::constructed(&net);
+    let mut numbers = Vec::with_capacity(points.len());
+    for points in points {
+        let mut start = Vec::new();
+        order.values(&points.now, points.width, 0..points.now.len() / points.width, &mut start);
+        let swept = sweep.refine(&start, points.width, watch)?;
+        if !swept.finite {
+            return Ok(None);
+        }
+        numbers.push(swept.points);
+    }
+    Ok(Some((net.after_splits(sweep.splits() - net.mesh.pieces.len()), numbers)))
+}
