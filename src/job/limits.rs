@@ -6,7 +6,7 @@ use super::amounts::{in_bytes, thousands};
 use super::complete::Job;
 use super::input::Input;
 use super::key::Key;
-use super::memory::{carried, compared_patches, memory};
+use super::memory::{carried, compared_discs, memory};
 use super::output::Output;
 use super::time;
 use crate::analysis::limit::{Cost, Follow, LimitRequest, ROWS_A_POINT, cost as limit_cost, followed_points};
@@ -148,7 +148,7 @@ impl Limits {
         let (limit_rows, limit_bytes) = limit_surface(job, &forecast);
         let forecast = Forecast { work: forecast.work.saturating_add(limit_rows), ..forecast };
         let local = if limit_rows > 0 { limit_patches(job, &forecast) } else { Cost::default() };
-        let compared = if limit_rows > 0 { compared_patches(job, &forecast) } else { 0 };
+        let compared = if limit_rows > 0 { compared_discs(job, &forecast) } else { 0 };
         let limit_bytes = limit_bytes.saturating_add(local.bytes).saturating_add(compared);
         let options =
             job.outputs.iter().map(|output| output.format.memory(&counts, &output.options)).max().unwrap_or(0);

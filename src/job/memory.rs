@@ -74,11 +74,11 @@ pub(super) fn memory(forecast: &Forecast, sizes: &[Size], carried: &Carried) -> 
     parts.iter().fold(0, |sum: u128, (n, bytes)| sum.saturating_add(n.saturating_mul(*bytes)))
 }
 
-/// Bytes of the patches around vertices that limits compare, of 16,384 vertices at a time: those near irregular
+/// Bytes of the discs around vertices that limits compare, of 16,384 vertices at a time: those near extraordinary
 /// vertices, within three rings, or of all where faces are triangles or where vertices or edges carry something.
-pub(super) fn compared_patches(job: &Job, forecast: &Forecast) -> u128 {
+pub(super) fn compared_discs(job: &Job, forecast: &Forecast) -> u128 {
     /// Measured: 160 for loop, 640 for butterfly, 980 for sqrt-3, 1,290 with latitude lines.
-    const PATCH_BYTES: u128 = 1408;
+    const DISC_BYTES: u128 = 1408;
     const AT_A_TIME: u128 = 16_384;
     const NEAR: u128 = 49;
     let Some(mesh) = job.input.mesh() else { return 0 };
@@ -89,7 +89,7 @@ pub(super) fn compared_patches(job: &Job, forecast: &Forecast) -> u128 {
     let topology = &mesh.topology;
     let carries = mesh.attributes.is_some() || job.plan.latitude.is_some();
     let of_triangles = job.plan.tile() == Tile::Triangle || job.plan.word.cycle.iter().any(joins_triangles);
-    let patches = if carries || of_triangles {
+    let discs = if carries || of_triangles {
         vertices
     } else {
         let regular = |v: &usize| topology.boundary_edges(*v).is_none() && topology.ring(*v).take(5).count() == 4;
@@ -97,7 +97,7 @@ pub(super) fn compared_patches(job: &Job, forecast: &Forecast) -> u128 {
         let faces = (0..topology.n_faces()).filter(|&f| topology.face(f).len() != 4).count();
         vertices.min(NEAR * (uneven + faces) as u128)
     };
-    PATCH_BYTES * patches
+    DISC_BYTES * discs
 }
 
 /// Whether an operator makes triangles across old ones, as sqrt-3 does, which keeps vertices.

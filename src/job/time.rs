@@ -14,12 +14,12 @@ const ROWS_A_MS: u128 = 10_000;
 /// Bytes of a result that are made in a millisecond.
 const BYTES_A_MS: u128 = 100_000;
 /// Rows for each pair of faces around a vertex, or of corners of a face, where limits are asked for and all vertices
-/// around it have patches with all of these faces, and rows over them; or where something is sharp, so that the walks
-/// around it from all its faces differ. A vertex of a patch takes some 50 ns to be found, in each of a few levels,
+/// around it have discs with all of these faces, and rows over them; or where something is sharp, so that the walks
+/// around it from all its faces differ. A vertex of a disc takes some 50 ns to be found, in each of a few levels,
 /// twice with its row.
 const ROWS_A_PAIR: u128 = 3;
 
-/// Rows besides those of the refinement: drawing, and the patches of limits.
+/// Rows besides those of the refinement: drawing, and the discs of limits.
 pub(super) fn rows(job: &Job, counts: &Counts) -> u128 {
     let mesh = job.input.mesh();
     let drawn = job.outputs.iter().map(|output| output.format.work(mesh, counts, &output.options));

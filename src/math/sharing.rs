@@ -2,9 +2,9 @@
 
 /// Items below which a loop runs on the calling thread: one that reads a request waits for no pool then, neither until
 /// its threads are started nor behind a large job. Measured with a release build on one core, so many items take 2 us
-/// where boundary edges are counted, 18 us where sides are sorted, 33 us where points are bounded and 120 us where faces
-/// are checked (0.1 to 7 ns an item), and starting a thread takes 25 us. At half of it more small requests would wait
-/// for a pool; at twice of it 0.1 ms could be saved at most, by four threads, where loops are not shared yet.
+/// where boundary edges are counted, 18 us where sides are sorted, 33 us where points are bounded and 120 us where
+/// faces are checked (0.1 to 7 ns an item), and starting a thread takes 25 us. At half of it more small requests would
+/// wait for a pool; at twice of it 0.1 ms could be saved at most, by four threads, where loops are not shared yet.
 const SMALL: usize = 16_384;
 
 /// Whether a loop over so many items runs on the calling thread.

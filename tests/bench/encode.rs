@@ -11,8 +11,11 @@ use planish::watch::Watch;
 use crate::nets;
 use crate::table::{Aim, Table, best, millions_a_second, ms};
 
-/// What is written: format, an option that is not left at its default, and the aim in GB/s.
-const FORMATS: &[(&str, Option<(&str, &str)>, Aim)] = &[
+/// A format, an option that is not left at its default, and the aim in GB/s.
+type Written = (&'static str, Option<(&'static str, &'static str)>, Aim);
+
+/// What is written.
+const FORMATS: &[Written] = &[
     ("obj", None, Aim::AtLeast(1.2)),
     ("json", None, Aim::None),
     ("glb", None, Aim::AtLeast(3.0)),

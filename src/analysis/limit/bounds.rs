@@ -1,11 +1,11 @@
 //! Bounds of what a limit may take.
 
-/// Most vertices of a patch: about what three rings around a vertex of valence 1,500 have. Half as many would refuse
+/// Most vertices of a disc: about what three rings around a vertex of valence 1,500 have. Half as many would refuse
 /// half that valence; twice as many would take twice the time for each step of the search for tangents.
-pub(super) const MAX_PATCH_VERTICES: usize = 20_000;
+pub(super) const MAX_DISC_VERTICES: usize = 20_000;
 
-/// Vertices of patches that are found in the time of a row of a table, 100 ns.
-/// It only says how much of the progress a patch takes: with half of it twice as much is told for the same patches,
+/// Vertices of discs that are found in the time of a row of a table, 100 ns.
+/// It only says how much of the progress a disc takes: with half of it twice as much is told for the same discs,
 /// with twice of it half as much.
 pub(super) const VERTICES_A_ROW: u64 = 2;
 
@@ -16,7 +16,7 @@ pub(super) const MAX_LEVEL_POINTS: usize = 1 << 20;
 
 /// Most vertices whose surroundings carry parameters that differ: each is followed by itself. Their time is
 /// proportional to their number: half as many would refuse half the mesh, twice as many would take twice as long.
-pub(super) const MAX_PATCHES: usize = 16_384;
+pub(super) const MAX_DISCES: usize = 16_384;
 
 /// Most rings whose vertices may decide about a limit. Cost grows with their fourth power: twice as many would take 16
 /// times as long, half as many would refuse cycles with more than 7 averages.
@@ -31,15 +31,15 @@ pub(super) const MAX_FOLLOWED_POINTS: usize = 1 << 20;
 /// 0.98, and follows points that never come together for twice as long.
 pub(super) const MAX_FOLLOWED_LEVELS: usize = 1_000;
 
-/// Vertices whose patches are compared at a time at first; the number doubles up to [`CHUNK`].
-/// Half and twice of it only shift the first doubling: a mesh whose first patches are beyond what is allowed is refused
+/// Vertices whose discs are compared at a time at first; the number doubles up to [`CHUNK`].
+/// Half and twice of it only shift the first doubling: a mesh whose first discs are beyond what is allowed is refused
 /// after that many.
 pub(super) const FIRST_CHUNK: usize = 64;
-/// Vertices whose patches are compared at a time, at most.
-/// Half of it waits for all threads, and looks at the watch, twice as often; twice of it holds twice as many patches at
+/// Vertices whose discs are compared at a time, at most.
+/// Half of it waits for all threads, and looks at the watch, twice as often; twice of it holds twice as many discs at
 /// once.
 pub(super) const CHUNK: usize = 16_384;
-/// Vertices that the patches compared at a time have in all, about: 32 MiB of patches around vertices with many faces,
+/// Vertices that the discs compared at a time have in all, about: 32 MiB of discs around vertices with many faces,
 /// and enough work for all threads.
 /// Half and twice of it halve and double these bytes; at half of it threads wait for each other twice as often.
 pub(super) const CHUNK_VERTICES: usize = 1 << 20;

@@ -5,9 +5,9 @@
 //! but a path of m points on its boundary, whose middle takes its place: a vertex where m is odd, an edge where it is
 //! even. An inner vertex with two faces becomes the edge between these.
 
+use super::disc::Centre;
 use super::dual::Dual;
 use super::error::Unlimited;
-use super::patch::Centre;
 use super::record::Record;
 use crate::math::functions::real;
 use crate::math::rows::Rows;

@@ -1,4 +1,4 @@
-//! What a limit costs beside the rows of its masks: the points that operators make of patches and of the impulse,
+//! What a limit costs beside the rows of its masks: the points that operators make of discs and of the impulse,
 //! counted from the word, before anything is made.
 
 use super::bounds::{MAX_LEVEL_POINTS, MAX_RINGS};
@@ -10,12 +10,12 @@ use crate::scheme::operator::Children;
 /// Bytes a point: its topology, its place among the rows that were made, the numbers of an impulse before and after.
 /// With half of it less is promised than is taken; with twice of it half as many limits run at once.
 const BYTES_A_POINT: usize = 160;
-/// Patches that are worked on at a time, at most as far as this is counted.
-/// Half of it promises half the bytes of patches, less than eight threads take; twice of it promises twice as many,
+/// Disces that are worked on at a time, at most as far as this is counted.
+/// Half of it promises half the bytes of discs, less than eight threads take; twice of it promises twice as many,
 /// which eight threads do not take.
 const AT_A_TIME: usize = 8;
-/// Levels after which a patch usually is its own child.
-/// It only scales the predicted cost of patches: a patch whose chain is twice as long takes twice as long as told, up
+/// Levels after which a disc usually is its own child.
+/// It only scales the predicted cost of discs: a disc whose chain is twice as long takes twice as long as told, up
 /// to `MAX_CHAIN` of the masks.
 const CHAIN: usize = 3;
 /// Levels after which numbers that are halved with every one no longer change anything, as alpha does.
@@ -63,17 +63,17 @@ pub fn cost(cycle: &[Letter], impulses: usize, extraordinary: u128, n_vertices: 
     let pieces = cycle::pieces(cycle.iter());
     let support = support(cycle);
     let square = |rings: usize| (2 * rings + 1) * (2 * rings + 1);
-    let patch = |rings: usize| made(square(rings + 2), &pieces, 1).min(MAX_LEVEL_POINTS);
-    // all numbers of rings up to the right one are tried, each on two patches, and then whether larger ones agree
-    let tried = (1..=support).map(|rings| 2 * patch(rings)).sum::<usize>() + 12 * patch(support);
+    let disc = |rings: usize| made(square(rings + 2), &pieces, 1).min(MAX_LEVEL_POINTS);
+    // all numbers of rings up to the right one are tried, each on two discs, and then whether larger ones agree
+    let tried = (1..=support).map(|rings| 2 * disc(rings)).sum::<usize>() + 12 * disc(support);
     let side = impulse::side(support, number(cycle, &[Children::Dual, Children::Faces]));
     let impulse = impulse::compared(side, &pieces).map_or(MAX_LEVEL_POINTS, |(_, points)| points);
-    let patches = n_vertices.min(extraordinary.saturating_mul(square(support) as u128));
-    let points = patches
-        .saturating_mul((follow.levels() * patch(support)) as u128)
+    let discs = n_vertices.min(extraordinary.saturating_mul(square(support) as u128));
+    let points = discs
+        .saturating_mul((follow.levels() * disc(support)) as u128)
         .saturating_add((tried + impulses * impulse) as u128);
-    let threads = usize::try_from(patches).unwrap_or(AT_A_TIME).clamp(1, AT_A_TIME);
-    let bytes = BYTES_A_POINT * impulse.max(threads * patch(support));
+    let threads = usize::try_from(discs).unwrap_or(AT_A_TIME).clamp(1, AT_A_TIME);
+    let bytes = BYTES_A_POINT * impulse.max(threads * disc(support));
     Cost { points, bytes: bytes as u128 }
 }
 
@@ -82,7 +82,7 @@ pub(super) fn support(cycle: &[Letter]) -> usize {
     MAX_RINGS.min(1 + number(cycle, &[Children::Same]))
 }
 
-/// Whether the patches of all vertices around one have all faces around that, so that those of n vertices have n times
+/// Whether the discs of all vertices around one have all faces around that, so that those of n vertices have n times
 /// as many faces: where more than the faces at a vertex decide about its limit.
 pub fn sees_whole_fans(cycle: &[Letter]) -> bool {
     number(cycle, &[Children::Same]) > 1 || number(cycle, &[Children::Dual, Children::Faces]) > 0

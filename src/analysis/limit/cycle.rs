@@ -1,12 +1,12 @@
-//! The cycle of a plan as its limit needs it: level by level on patches, until its numbers no longer change.
+//! The cycle of a plan as its limit needs it: level by level on discs, until its numbers no longer change.
 
 use std::sync::Arc;
 
 use super::bounds::MAX_LEVEL_POINTS;
 use super::child::child;
+use super::disc::{Disc, Located, Rings};
+use super::disc_rules::DiscRules;
 use super::error::Unlimited;
-use super::patch::{Located, Patch, Rings};
-use super::patch_rules::PatchRules;
 use super::record::{Record, Weights};
 use super::vertex_parameters::VertexParameters;
 use super::walk::WholeNet;
@@ -36,49 +36,49 @@ const SAME: f64 = 2e-16;
 pub(super) struct Cycle<'a> {
     pub(super) plan: &'a Plan,
     /// What its nets have in common.
-    pub(super) patch_rules: PatchRules,
+    pub(super) disc_rules: DiscRules,
     levels: Vec<&'a [Scheduled]>,
     /// The first of these levels from which on no number changes.
     pub(super) settled: usize,
-    /// Counts the points that are made and the patches that are found, and may say stop.
+    /// Counts the points that are made and the discs that are found, and may say stop.
     pub(super) watch: Watch,
 }
 
-/// What a level makes of a patch.
+/// What a level makes of a disc.
 #[derive(Debug)]
 pub(super) struct Child {
-    /// The patch around the centre's child.
-    pub(super) patch: Patch,
-    /// From the points of the patch to those of the child's.
+    /// The disc around the centre's child.
+    pub(super) disc: Disc,
+    /// From the points of the disc to those of the child's.
     matrix: Rows,
-    /// Points of the patch that the matrix maps.
+    /// Points of the disc that the matrix maps.
     n_columns: usize,
     /// Which face at the centre its first face there comes of: upsamplings keep the order around a vertex.
     pub(super) rotation: usize,
 }
 
 impl Child {
-    /// The child that a record makes of a patch.
+    /// The child that a record makes of a disc.
     ///
     /// # Errors
-    /// [`Unlimited::Reach`] where points of the child's support come of others than those of the patch's.
+    /// [`Unlimited::Reach`] where points of the child's support come of others than those of the disc's.
     pub(super) fn new(found: &Located, record: &Record, origins: &[u32], n_columns: usize) -> Result<Self, Unlimited> {
-        let matrix = record.matrix(&found.vertices[..found.patch.support], origins, n_columns);
+        let matrix = record.matrix(&found.vertices[..found.disc.support], origins, n_columns);
         let matrix = matrix.ok_or(Unlimited::Reach)?;
-        Ok(Self { patch: found.patch.clone(), matrix, n_columns, rotation: found.rotation })
+        Ok(Self { disc: found.disc.clone(), matrix, n_columns, rotation: found.rotation })
     }
 
-    /// How a functional of the child's points reads the patch's.
+    /// How a functional of the child's points reads the disc's.
     pub(super) fn back(&self, row: &[f64]) -> Vec<f64> {
         self.matrix.times_row(row, self.n_columns)
     }
 
-    /// The child's points for those of the patch.
+    /// The child's points for those of the disc.
     pub(super) fn forth(&self, column: &[f64]) -> Vec<f64> {
         self.matrix.times_column(column)
     }
 
-    /// Whether two children come of the points of their patches with the same weights.
+    /// Whether two children come of the points of their discs with the same weights.
     pub(super) fn has_weights_of(&self, other: &Self) -> bool {
         self.n_columns == other.n_columns && self.matrix == other.matrix
     }
@@ -89,7 +89,7 @@ impl<'a> Cycle<'a> {
     pub(super) fn new(
         plan: &'a Plan,
         (ahead, length): (&'a [Scheduled], usize),
-        patch_rules: PatchRules,
+        disc_rules: DiscRules,
         alphas: &[f64],
         watch: &Watch,
     ) -> Self {
@@ -100,7 +100,7 @@ impl<'a> Cycle<'a> {
             same(level, last) && alphas.iter().all(|&alpha| same_at(plan, alpha, level, last))
         };
         let settled = (0..last).rev().take_while(settled).last().unwrap_or(last);
-        Self { plan, patch_rules, levels, settled, watch: watch.clone() }
+        Self { plan, disc_rules, levels, settled, watch: watch.clone() }
     }
 
     /// The operators of a level; those beyond the settled one are like it.
@@ -114,44 +114,44 @@ impl<'a> Cycle<'a> {
         step.upsamplings + index(level.saturating_sub(self.settled) * each)
     }
 
-    /// One level on the patch around a centre. Levels beyond the settled one are like it.
-    pub(super) fn step(&self, level: usize, patch: &Patch, rings: Rings) -> Result<Child, Unlimited> {
+    /// One level on the disc around a centre. Levels beyond the settled one are like it.
+    pub(super) fn step(&self, level: usize, disc: &Disc, rings: Rings) -> Result<Child, Unlimited> {
         let parameters = VertexParameters::default();
-        let (found, record, origins, _) = self.refined(level, patch, &parameters, rings, Weights::Exact)?;
-        Child::new(&found, &record, &origins, patch.support)
+        let (found, record, origins, _) = self.refined(level, disc, &parameters, rings, Weights::Exact)?;
+        Child::new(&found, &record, &origins, disc.support)
     }
 
-    /// The child's patch, and where it lies in the net after a level, whose topology this is.
+    /// The child's disc, and where it lies in the net after a level, whose topology this is.
     pub(super) fn child(
         &self,
-        patch: &Patch,
+        disc: &Disc,
         parameters: &VertexParameters,
         rings: Rings,
     ) -> Result<(Located, Arc<Topology>), Unlimited> {
-        let refined = self.refined(self.settled, patch, parameters, rings, Weights::Exact);
+        let refined = self.refined(self.settled, disc, parameters, rings, Weights::Exact);
         refined.map(|(found, _, _, topology)| (found, topology))
     }
 
-    /// Whether what could have a weight in the child's support lies in the support of the patch; and the child.
-    pub(super) fn closes(&self, patch: &Patch, rings: Rings) -> Result<(bool, Patch), Unlimited> {
+    /// Whether what could have a weight in the child's support lies in the support of the disc; and the child.
+    pub(super) fn closes(&self, disc: &Disc, rings: Rings) -> Result<(bool, Disc), Unlimited> {
         let parameters = VertexParameters::default();
-        let (found, record, origins, _) = self.refined(self.settled, patch, &parameters, rings, Weights::Structural)?;
-        let matrix = record.matrix(&found.vertices[..found.patch.support], &origins, patch.support);
-        Ok((matrix.is_some(), found.patch))
+        let (found, record, origins, _) = self.refined(self.settled, disc, &parameters, rings, Weights::Structural)?;
+        let matrix = record.matrix(&found.vertices[..found.disc.support], &origins, disc.support);
+        Ok((matrix.is_some(), found.disc))
     }
 
     fn refined(
         &self,
         level: usize,
-        patch: &Patch,
+        disc: &Disc,
         parameters: &VertexParameters,
         rings: Rings,
         weights: Weights,
     ) -> Result<(Located, Record, Vec<u32>, Arc<Topology>), Unlimited> {
-        let (net, origins) = patch.net(self.patch_rules).ok_or(Unlimited::Reach)?;
+        let (net, origins) = disc.net(self.disc_rules).ok_or(Unlimited::Reach)?;
         let mut net = parameters.carried_by(net, &origins);
         let mut record = Record::new(weights);
-        let (mut centre, mut made) = (patch.centre(), Made::default());
+        let (mut centre, mut made) = (disc.centre(), Made::default());
         for step in self.level(level) {
             let next = Stepper::new(self.plan).next(&net, step)?;
             made.add(&next.net)?;
@@ -162,7 +162,7 @@ impl<'a> Cycle<'a> {
         let topology = net.mesh.topology();
         let whole = WholeNet::of(&net, &topology);
         self.watch.advance(made.0 as u64);
-        let found = whole.least_patch(centre, rings, &self.watch)?.ok_or(Unlimited::Size)?;
+        let found = whole.least_disc(centre, rings, &self.watch)?.ok_or(Unlimited::Size)?;
         Ok((found, record, origins, topology))
     }
 
@@ -173,7 +173,7 @@ impl<'a> Cycle<'a> {
         mut act: impl FnMut(&Action, &Scheduled) -> Result<(), Unlimited>,
     ) -> Result<MeshNet, Unlimited> {
         let (mut net, mut made) = (net, Made::default());
-        net.tags.cut = self.patch_rules.cut;
+        net.tags.cut = self.disc_rules.cut;
         for step in self.levels[self.settled] {
             let next = Stepper::new(self.plan).next(&net, step)?;
             made.add(&next.net)?;
@@ -188,7 +188,7 @@ impl<'a> Cycle<'a> {
         pieces(self.levels[self.settled].iter().map(|step| &step.letter))
     }
 
-    /// What has to be known of a mesh beyond a patch of it: something where arities above 2 split quads into fewer
+    /// What has to be known of a mesh beyond a disc of it: something where arities above 2 split quads into fewer
     /// pieces than other faces.
     pub(super) fn surroundings(&self, topology: &Topology) -> Option<Surroundings> {
         let matters = |step: &Scheduled| step.letter.settings.pieces(false) != step.letter.settings.pieces(true);

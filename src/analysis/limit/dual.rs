@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::disc::Centre;
 use super::error::Unlimited;
-use super::patch::Centre;
 use crate::refine::{Points, advance};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::Children;

@@ -1,7 +1,7 @@
 //! Why there is no limit.
 
 use super::bounds::{
-    MAX_FOLLOWED_LEVELS, MAX_FOLLOWED_POINTS, MAX_LEVEL_POINTS, MAX_PATCH_VERTICES, MAX_PATCHES, MAX_RINGS,
+    MAX_DISC_VERTICES, MAX_DISCES, MAX_FOLLOWED_LEVELS, MAX_FOLLOWED_POINTS, MAX_LEVEL_POINTS, MAX_RINGS,
 };
 use crate::analysis::no_level::NoLevel;
 use crate::refine::RefineError;
@@ -53,16 +53,16 @@ pub enum Unlimited {
     #[error(
         "the parameters around more than {} vertices differ, each of which is followed by itself, beyond which no \
              limit is computed; ask for fewer levels",
-        MAX_PATCHES
+        MAX_DISCES
     )]
     Different,
     /// More rings than are followed.
     #[error("the scheme reaches farther than {} rings of faces, beyond which no limit is computed", MAX_RINGS)]
     Reach,
-    /// A patch beyond the bound.
+    /// A disc beyond the bound.
     #[error(
         "a vertex has more than {} others near it, beyond which no limit is computed; refine once more",
-        MAX_PATCH_VERTICES
+        MAX_DISC_VERTICES
     )]
     Size,
     /// More points than are followed.
@@ -84,8 +84,8 @@ pub enum Unlimited {
 }
 
 impl Unlimited {
-    /// Whether a wider patch may have what this one lacks.
-    pub(super) fn may_be_of_the_patch(&self) -> bool {
+    /// Whether a wider disc may have what this one lacks.
+    pub(super) fn may_be_of_the_disc(&self) -> bool {
         matches!(self, Self::Reach | Self::Later(_) | Self::Lost | Self::Separated)
     }
 }

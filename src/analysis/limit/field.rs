@@ -1,18 +1,18 @@
 //! The masks of all vertices, or of what took their place in a net: regular ones by walking a grid, the others by their
-//! patches.
+//! discs.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::bounds::{CHUNK, CHUNK_VERTICES, FIRST_CHUNK, MAX_PATCHES, VERTICES_A_ROW};
+use super::bounds::{CHUNK, CHUNK_VERTICES, FIRST_CHUNK, MAX_DISCES, VERTICES_A_ROW};
+use super::disc::{Centre, Disc, Located, Rings};
 use super::error::Unlimited;
 use super::grid::regular_mask;
 use super::mask::{Finder, Mask, Masks};
 use super::neighbourhoods::Neighbourhoods;
 use super::on_net::CycleOnNet;
-use super::patch::{Centre, Located, Patch, Rings};
 use super::regular::Regular;
 use super::sector::Sectors;
 use super::tangent::NoTangents;
@@ -27,7 +27,7 @@ const REGULAR: u32 = 0;
 const ISOLATED: u32 = 1;
 
 /// The faces around a vertex alone.
-const NEAREST: Rings = Rings { support: 1, patch: 1 };
+const NEAREST: Rings = Rings { support: 1, disc: 1 };
 
 /// The masks of all vertices of a net, or of others that it came of.
 #[derive(Debug)]
@@ -71,46 +71,45 @@ impl<'a> Field<'a> {
         let is_regular = |v: &u32| matches!(around.centre(*v as usize), Some(Centre::Vertex(at)) if !near[at as usize]);
         let mut classes = vec![REGULAR; n];
         let rest: Vec<u32> = (0..index(n)).filter(|v| !is_regular(v)).collect();
-        let mut known: BTreeMap<(Patch, VertexParameters), u32> = BTreeMap::new();
+        let mut known: BTreeMap<(Disc, VertexParameters), u32> = BTreeMap::new();
         let mut left = rest.as_slice();
         let mut chunk = FIRST_CHUNK;
         while !left.is_empty() {
             watch.check().map_err(Unlimited::Stopped)?;
             let (now, later) = left.split_at(chunk.min(left.len()));
             left = later;
-            let patch = |&v: &u32| {
-                located(around, v, rings).map(|found| found.map(|(found, parameters)| (found.patch, parameters)))
+            let disc = |&v: &u32| {
+                located(around, v, rings).map(|found| found.map(|(found, parameters)| (found.disc, parameters)))
             };
-            let patches: Vec<Option<(Patch, VertexParameters)>> =
-                now.par_iter().map(patch).collect::<Result<_, _>>()?;
-            let size: usize = patches.iter().flatten().map(|(patch, _)| patch.n_vertices).sum();
+            let discs: Vec<Option<(Disc, VertexParameters)>> = now.par_iter().map(disc).collect::<Result<_, _>>()?;
+            let size: usize = discs.iter().flatten().map(|(disc, _)| disc.n_vertices).sum();
             watch.advance(size as u64 / VERTICES_A_ROW + now.len() as u64);
             chunk = (CHUNK_VERTICES * now.len() / size.max(1)).clamp(1, CHUNK.min(2 * chunk));
-            for (&v, patch) in now.iter().zip(patches) {
+            for (&v, disc) in now.iter().zip(discs) {
                 let next = index(known.len()) + ISOLATED + 1;
-                classes[v as usize] = patch.map_or(ISOLATED, |patch| *known.entry(patch).or_insert(next));
+                classes[v as usize] = disc.map_or(ISOLATED, |disc| *known.entry(disc).or_insert(next));
             }
-            if known.len() > MAX_PATCHES
-                && known.keys().filter(|(_, parameters)| !parameters.agree()).count() > MAX_PATCHES
+            if known.len() > MAX_DISCES
+                && known.keys().filter(|(_, parameters)| !parameters.agree()).count() > MAX_DISCES
             {
                 return Err(Unlimited::Different);
             }
         }
-        let mut patches: Vec<((Patch, VertexParameters), u32)> = known.into_iter().collect();
-        patches.sort_unstable_by_key(|entry| entry.1);
+        let mut discs: Vec<((Disc, VertexParameters), u32)> = known.into_iter().collect();
+        discs.sort_unstable_by_key(|entry| entry.1);
         let mut common: BTreeMap<CommonParameters, Masks<'_>> = BTreeMap::new();
         common.insert(CommonParameters::default(), plain);
-        for ((_, parameters), _) in patches.iter().filter(|((_, parameters), _)| parameters.agree()) {
+        for ((_, parameters), _) in discs.iter().filter(|((_, parameters), _)| parameters.agree()) {
             common.entry(parameters.first()).or_insert_with(|| Masks::new(finder, parameters.first()));
         }
-        let find = |((patch, parameters), _): &((Patch, VertexParameters), u32)| {
+        let find = |((disc, parameters), _): &((Disc, VertexParameters), u32)| {
             watch.check().map_err(Unlimited::Stopped)?;
             match common.get(&parameters.first()).filter(|_| parameters.agree()) {
-                Some(masks) => masks.of(0, patch),
-                None => finder.varying(patch, parameters).map(Arc::new),
+                Some(masks) => masks.of(0, disc),
+                None => finder.varying(disc, parameters).map(Arc::new),
             }
         };
-        let masks = patches.par_iter().map(find).collect::<Result<_, _>>()?;
+        let masks = discs.par_iter().map(find).collect::<Result<_, _>>()?;
         Ok(Self { around, rings, classes, masks, regular: grid })
     }
 
@@ -154,19 +153,19 @@ impl<'a> Field<'a> {
 
     /// For each half-edge at a vertex, counter-clockwise, the next vertex of its face and its sector.
     pub(super) fn sides(&self, v: usize) -> Vec<(u32, usize)> {
-        let Some(found) = self.around.centre(v).and_then(|centre| self.around.patch(centre, NEAREST)) else {
+        let Some(found) = self.around.centre(v).and_then(|centre| self.around.disc(centre, NEAREST)) else {
             return Vec::new();
         };
-        let sectors = Sectors::of(&found.patch);
-        let faces = found.patch.central_faces().enumerate();
+        let sectors = Sectors::of(&found.disc);
+        let faces = found.disc.central_faces().enumerate();
         faces.map(|(i, face)| (found.vertices[face[1] as usize], sectors.of_face(i))).collect()
     }
 
     /// A sector of a vertex in words.
     pub(super) fn describe(&self, v: usize) -> String {
         let by_sector = self.mask(v).is_some_and(|mask| mask.tangents.len() > 1);
-        let found = self.around.centre(v).and_then(|centre| self.around.patch(centre, NEAREST));
-        let place = found.map_or_else(|| "a boundary vertex".to_owned(), |found| found.patch.describe());
+        let found = self.around.centre(v).and_then(|centre| self.around.disc(centre, NEAREST));
+        let place = found.map_or_else(|| "a boundary vertex".to_owned(), |found| found.disc.describe());
         format!("{}{place}", if by_sector { "one side of the sharp edges at " } else { "" })
     }
 
@@ -203,9 +202,9 @@ impl<'a> Field<'a> {
             }
             (Some(centre), class, _) => {
                 // the vertices of the first rings come first, whatever rings follow
-                let rings = Rings { patch: self.rings.support, ..self.rings };
+                let rings = Rings { disc: self.rings.support, ..self.rings };
                 let mask = &self.masks[(class - ISOLATED - 1) as usize];
-                let vertices = self.around.patch(centre, rings).map_or_else(Vec::new, |found| found.vertices);
+                let vertices = self.around.disc(centre, rings).map_or_else(Vec::new, |found| found.vertices);
                 vertices.iter().zip(weights(mask, functional, sector)).for_each(|(&u, &w)| out.add(u, w));
             }
         }
@@ -222,7 +221,7 @@ fn weights(mask: &Mask, functional: Functional, sector: usize) -> &[f64] {
     }
 }
 
-/// The patch around what took the place of a vertex, and the parameters there; `None` for a vertex without faces.
+/// The disc around what took the place of a vertex, and the parameters there; `None` for a vertex without faces.
 ///
 /// # Errors
 /// [`Unlimited::Size`].
@@ -232,7 +231,7 @@ pub(super) fn located(
     rings: Rings,
 ) -> Result<Option<(Located, VertexParameters)>, Unlimited> {
     let Some(centre) = around.centre(v as usize) else { return Ok(None) };
-    let found = around.patch(centre, rings).ok_or(Unlimited::Size)?;
+    let found = around.disc(centre, rings).ok_or(Unlimited::Size)?;
     let parameters = around.parameters(&found.vertices);
     Ok(Some((found, parameters)))
 }
@@ -241,7 +240,7 @@ pub(super) fn located(
 ///
 /// # Errors
 /// [`Unlimited::Rough`]; where the middle of a face cannot be followed, nothing is said about it.
-fn middles_settle(middles: &[Patch], masks: &Masks<'_>) -> Result<(), Unlimited> {
+fn middles_settle(middles: &[Disc], masks: &Masks<'_>) -> Result<(), Unlimited> {
     for middle in middles {
         if let Err(error @ (Unlimited::Rough | Unlimited::Stopped(_))) = masks.of(0, middle) {
             return Err(error);

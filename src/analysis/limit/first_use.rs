@@ -8,7 +8,7 @@ use crate::shape::topology::index;
 
 /// Things in the order of first use, which is their number.
 ///
-/// A table finds them by their hash, whatever the number of all things: what a patch takes depends on its size alone.
+/// A table finds them by their hash, whatever the number of all things: what a disc takes depends on its size alone.
 #[derive(Default)]
 pub(super) struct FirstUse {
     pub(super) order: Vec<u32>,

@@ -1,8 +1,8 @@
 //! Walks on grids of quads, and the mask of a vertex there.
 
+use super::disc::{Centre, Located, Rings};
 use super::error::Unlimited;
 use super::mask::{Mask, Masks};
-use super::patch::{Centre, Located, Rings};
 use super::regular::Regular;
 use super::walk::WholeNet;
 use crate::scheme::surroundings::Surroundings;
@@ -40,8 +40,8 @@ pub(super) fn regular_mask(
 ) -> Result<Mask, Unlimited> {
     let (net, middle) = Regular::Quads.grid(rings, false);
     let (topology, whole) = (&net.mesh.base, WholeNet { surroundings, ..WholeNet::of(&net, &net.mesh.base) });
-    let Located { patch, vertices, .. } = whole.patch(Centre::Vertex(index(middle)), rings).ok_or(Unlimited::Size)?;
-    let mask = masks.of(0, &patch)?;
+    let Located { disc, vertices, .. } = whole.disc(Centre::Vertex(index(middle)), rings).ok_or(Unlimited::Size)?;
+    let mask = masks.of(0, &disc)?;
     let mut order = Vec::new();
     grid(topology, middle, rings.support, |vertex| order.push(vertices.iter().position(|&u| u == vertex)));
     let sorted = |weights: &Vec<f64>| order.iter().map(|at| at.map_or(0.0, |at| weights[at])).collect::<Vec<_>>();

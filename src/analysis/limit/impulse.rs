@@ -8,9 +8,9 @@
 
 use super::bounds::MAX_LEVEL_POINTS;
 use super::cycle::made;
+use super::disc::{Centre, Rings};
 use super::error::Unlimited;
 use super::on_net::CycleOnNet;
-use super::patch::{Centre, Rings};
 use super::tangent::starting_vectors;
 use super::vertex_parameters::{CommonParameters, VertexParameters};
 use super::walk::WholeNet;
@@ -148,8 +148,8 @@ impl Impulse<'_> {
         // no point of the rim reaches what is around a vertex at the next level, not even where edges become shorter by
         // the root of 3 only
         let rings = self.support + self.support / 4 + 5;
-        let rings = Rings { support: rings, patch: rings };
-        let side = 2 * (rings.patch + 2);
+        let rings = Rings { support: rings, disc: rings };
+        let side = 2 * (rings.disc + 2);
         let mut impulse_net = self.on(self.on_net.regular.net(side, self.on_net.tagged), side);
         let wild = starting_vectors(impulse_net.net.mesh.n_vertices(), 1).concat();
         impulse_net.points.now.chunks_exact_mut(3).zip(wild).for_each(|(p, z)| p[2] = z);
@@ -261,8 +261,8 @@ impl ImpulseNet {
         units: [f64; 2],
         impulse: &Impulse<'_>,
     ) -> Option<Self> {
-        let found = WholeNet::of(&self.net, topology).patch(Centre::Vertex(index(v)), rings)?;
-        let (net, origins) = found.patch.net(impulse.on_net.cycle.patch_rules)?;
+        let found = WholeNet::of(&self.net, topology).disc(Centre::Vertex(index(v)), rings)?;
+        let (net, origins) = found.disc.net(impulse.on_net.cycle.disc_rules)?;
         let at = |v: u32| [0, 1, 2].map(|k| self.points.now[3 * v as usize + k]);
         let centre = at(index(v));
         let seen = |v: u32| minus(at(v), centre);

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::continuity::{check, smoothness};
+use super::disc::Rings;
 use super::dual::Unrefined;
 use super::error::Unlimited;
 use super::field::{Field, Functional};
@@ -10,7 +11,6 @@ use super::impulse::Smoothness;
 use super::mask::Finder;
 use super::normals;
 use super::on_net::CycleOnNet;
-use super::patch::Rings;
 use super::perturbed::{self, ROWS_A_POINT, followed_points};
 use super::refined_net::RefinedNet;
 use super::regular::Starts;
@@ -21,9 +21,9 @@ use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::watch::{Stopped, Watch};
 
-/// Rings by which patches are wider at most where regular nets need fewer than a mesh: where it is narrow at its
+/// Rings by which discs are wider at most where regular nets need fewer than a mesh: where it is narrow at its
 /// boundary, or has vertices between two faces.
-/// Each ring more takes another search of all patches, and only where the last one failed. With half of it narrow
+/// Each ring more takes another search of all discs, and only where the last one failed. With half of it narrow
 /// boundaries of dual schemes may be refused; with twice of it a refusal takes about twice as long.
 const MOST_WIDER: usize = 3;
 
@@ -95,11 +95,11 @@ pub(in crate::analysis) fn limits(
     Ok(Limits { points: positions, normals: Some(normals), warning })
 }
 
-/// What `find` finds with these rings, or with a few more where a wider patch may have what a narrower one lacks.
+/// What `find` finds with these rings, or with a few more where a wider disc may have what a narrower one lacks.
 fn widened<T>(rings: Rings, find: impl Fn(Rings) -> Result<T, Unlimited>) -> Result<T, Unlimited> {
     find(rings).or_else(|error| {
-        let more = if error.may_be_of_the_patch() { MOST_WIDER } else { 0 };
-        let wider = |by: usize| Rings { support: rings.support + by, patch: rings.patch + by };
+        let more = if error.may_be_of_the_disc() { MOST_WIDER } else { 0 };
+        let wider = |by: usize| Rings { support: rings.support + by, disc: rings.disc + by };
         let mut found = (1..=more).map(|by| find(wider(by)));
         let done = |found: &Result<T, Unlimited>| matches!(found, Ok(_) | Err(Unlimited::Stopped(_)));
         found.find(done).unwrap_or(Err(error))

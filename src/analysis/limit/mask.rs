@@ -1,12 +1,12 @@
-//! Limit masks: the weights of a patch's points in the limit of its centre, and in two tangents there.
+//! Limit masks: the weights of a disc's points in the limit of its centre, and in two tangents there.
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::cycle::{Child, Cycle};
+use super::disc::{Centre, Disc, Rings};
 use super::error::Unlimited;
-use super::patch::{Centre, Patch, Rings};
 use super::rotation;
 use super::sector::{SectorSupport, Sectors};
 use super::skeleton::{Skeletons, Traced};
@@ -15,7 +15,7 @@ use super::vertex_parameters::{CommonParameters, VertexParameters};
 
 /// Levels after which a neighbourhood has to look like itself: vertices that differ from their surroundings move apart
 /// with every level, and nothing else changes it.
-/// Extraordinary vertices are about twice as far apart after each level, so that 16 levels clear any patch. Half of it
+/// Extraordinary vertices are about twice as far apart after each level, so that 16 levels clear any disc. Half of it
 /// clears 2^8 rings, still more than the 16 that may decide about a limit; twice of it only takes longer to refuse.
 const MAX_CHAIN: usize = 16;
 /// A mask that changes by less than this has settled.
@@ -52,7 +52,7 @@ const MAX_LEVELS: usize = 1_100;
 /// calls what is between unsettled; twice of it takes up to twice as long to refuse.
 const MAX_STEPS: usize = 20_000;
 
-/// The weights of one patch, over the points of its support.
+/// The weights of one disc, over the points of its support.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Mask {
     /// Of the limit position; they sum to 1.
@@ -63,32 +63,32 @@ pub(super) struct Mask {
 }
 
 impl Mask {
-    /// Returns the limit as it is seen from one level before, on the parent of its patch.
-    fn before(&self, patch: &Patch, child: &Child) -> Self {
+    /// Returns the limit as it is seen from one level before, on the parent of its disc.
+    fn before(&self, disc: &Disc, child: &Child) -> Self {
         let back = |row: &[f64]| Ok::<_, Infallible>(child.back(row));
         let both = |[t, u]: &[Vec<f64>; 2]| Ok([tangential(back(t)?), tangential(back(u)?)]);
-        let Ok(mask) = self.seen_from(patch, (&child.patch, child.rotation), back, both);
+        let Ok(mask) = self.seen_from(disc, (&child.disc, child.rotation), back, both);
         mask
     }
 
     /// Returns the limit as it is seen from one level before, without making the level a matrix.
-    fn before_traced(&self, patch: &Patch, level: &Traced) -> Result<Self, Unlimited> {
+    fn before_traced(&self, disc: &Disc, level: &Traced) -> Result<Self, Unlimited> {
         let back = |row: &[f64]| level.times_row(row);
         let both = |[t, u]: &[Vec<f64>; 2]| Ok([tangential(back(t)?), tangential(back(u)?)]);
-        self.seen_from(patch, (level.patch(), level.rotation()), back, both)
+        self.seen_from(disc, (level.disc(), level.rotation()), back, both)
     }
 
-    /// The mask of a patch whose child has this one: `back` makes rows of the patch of those of its child, and `both`
+    /// The mask of a disc whose child has this one: `back` makes rows of the disc of those of its child, and `both`
     /// the two tangents of a sector. Face 0 of the child comes of face `rotation`.
     pub(super) fn seen_from<E>(
         &self,
-        patch: &Patch,
-        (child, rotation): (&Patch, usize),
+        disc: &Disc,
+        (child, rotation): (&Disc, usize),
         back: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
         both: impl Fn(&[Vec<f64>; 2]) -> Result<[Vec<f64>; 2], E>,
     ) -> Result<Self, E> {
         let one_or_none = vec![0; self.tangents.len()];
-        let sectors = if one_or_none.len() > 1 { Sectors::children(patch, child, rotation) } else { one_or_none };
+        let sectors = if one_or_none.len() > 1 { Sectors::children(disc, child, rotation) } else { one_or_none };
         let tangents = sectors.into_iter().map(|sector| match &self.tangents[sector] {
             Ok(tangents) => both(tangents).map(Ok),
             Err(why) => Ok(Err(*why)),
@@ -115,12 +115,12 @@ pub(super) fn tangential(mut row: Vec<f64>) -> Vec<f64> {
     row
 }
 
-/// Finds masks of patches whose vertices all carry the same parameters, and remembers them.
+/// Finds masks of discs whose vertices all carry the same parameters, and remembers them.
 #[derive(Debug)]
 pub(super) struct Masks<'a> {
     finder: &'a Finder<'a>,
     common: CommonParameters,
-    known: Mutex<BTreeMap<(usize, Patch), Arc<Mask>>>,
+    known: Mutex<BTreeMap<(usize, Disc), Arc<Mask>>>,
 }
 
 /// What is needed to find masks.
@@ -132,7 +132,7 @@ pub(super) struct Finder<'a> {
     pub(super) rings: Rings,
     /// Whether tangents are asked for.
     pub(super) with_tangents: bool,
-    /// Steps of patches whose vertices carry parameters.
+    /// Steps of discs whose vertices carry parameters.
     pub(super) skeletons: Skeletons<'a>,
 }
 
@@ -142,22 +142,22 @@ impl<'a> Finder<'a> {
         Self { cycle, rings, with_tangents, skeletons: Skeletons::new(cycle, rings) }
     }
 
-    /// The mask of a patch whose vertices carry parameters that differ: level after level, until they no longer do.
-    pub(super) fn varying(&self, patch: &Patch, parameters: &VertexParameters) -> Result<Mask, Unlimited> {
-        let (mut patch, mut parameters) = (patch.clone(), parameters.clone());
+    /// The mask of a disc whose vertices carry parameters that differ: level after level, until they no longer do.
+    pub(super) fn varying(&self, disc: &Disc, parameters: &VertexParameters) -> Result<Mask, Unlimited> {
+        let (mut disc, mut parameters) = (disc.clone(), parameters.clone());
         let mut steps = Vec::new();
         while !parameters.agree() {
             if steps.len() > MAX_LEVELS {
                 return Err(Unlimited::Unsettled);
             }
-            let (level, next) = self.skeletons.step(steps.len(), &patch, &parameters)?;
-            let before = std::mem::replace(&mut patch, level.patch().clone());
+            let (level, next) = self.skeletons.step(steps.len(), &disc, &parameters)?;
+            let before = std::mem::replace(&mut disc, level.disc().clone());
             steps.push((before, level));
             parameters = next;
         }
         // what no other vertex has is not kept
-        let last = Masks::new(self, parameters.first()).of(steps.len(), &patch)?;
-        let back = |mask: Mask, (patch, level): &(Patch, Traced)| mask.before_traced(patch, level);
+        let last = Masks::new(self, parameters.first()).of(steps.len(), &disc)?;
+        let back = |mask: Mask, (disc, level): &(Disc, Traced)| mask.before_traced(disc, level);
         steps.iter().rev().try_fold(Mask::clone(&last), back)
     }
 }
@@ -168,82 +168,82 @@ impl<'a> Masks<'a> {
         Self { finder, common, known: Mutex::default() }
     }
 
-    fn step(&self, level: usize, patch: &Patch) -> Result<Child, Unlimited> {
+    fn step(&self, level: usize, disc: &Disc) -> Result<Child, Unlimited> {
         let finder = self.finder;
         if self.common.are_there() {
-            let parameters = self.common.of_all(patch.n_vertices);
-            finder.skeletons.step(level, patch, &parameters)?.0.child()
+            let parameters = self.common.of_all(disc.n_vertices);
+            finder.skeletons.step(level, disc, &parameters)?.0.child()
         } else {
-            finder.cycle.step(level, patch, finder.rings)
+            finder.cycle.step(level, disc, finder.rings)
         }
     }
 
-    /// The mask of a patch of the net before level `level` of the cycle.
+    /// The mask of a disc of the net before level `level` of the cycle.
     ///
-    /// While numbers change, a mask is that of the child's patch times the matrix between them; once they do not, the
-    /// patch soon is its own child, and the mask a fixed point.
-    pub(super) fn of(&self, level: usize, patch: &Patch) -> Result<Arc<Mask>, Unlimited> {
+    /// While numbers change, a mask is that of the child's disc times the matrix between them; once they do not, the
+    /// disc soon is its own child, and the mask a fixed point.
+    pub(super) fn of(&self, level: usize, disc: &Disc) -> Result<Arc<Mask>, Unlimited> {
         let level = level.min(self.finder.cycle.settled);
-        let key = (level, patch.clone());
+        let key = (level, disc.clone());
         if let Some(mask) = self.known(&key) {
             return Ok(mask);
         }
         let mask = if level < self.finder.cycle.settled {
-            let child = self.step(level, patch)?;
-            self.of(level + 1, &child.patch)?.before(patch, &child)
+            let child = self.step(level, disc)?;
+            self.of(level + 1, &child.disc)?.before(disc, &child)
         } else {
-            self.settled(patch)?
+            self.settled(disc)?
         };
         Ok(self.keep(key, mask))
     }
 
-    fn known(&self, key: &(usize, Patch)) -> Option<Arc<Mask>> {
+    fn known(&self, key: &(usize, Disc)) -> Option<Arc<Mask>> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner).get(key).cloned()
     }
 
-    fn keep(&self, key: (usize, Patch), mask: Mask) -> Arc<Mask> {
+    fn keep(&self, key: (usize, Disc), mask: Mask) -> Arc<Mask> {
         // whoever comes first, all find the same
         self.known.lock().unwrap_or_else(PoisonError::into_inner).entry(key).or_insert_with(|| Arc::new(mask)).clone()
     }
 
-    /// Follows a patch to one that comes again, or whose mask is known, and its mask back to the patch.
-    fn settled(&self, patch: &Patch) -> Result<Mask, Unlimited> {
+    /// Follows a disc to one that comes again, or whose mask is known, and its mask back to the disc.
+    fn settled(&self, disc: &Disc) -> Result<Mask, Unlimited> {
         let level = self.finder.cycle.settled;
-        let mut patches = vec![patch.clone()];
+        let mut discs = vec![disc.clone()];
         let mut children: Vec<Child> = Vec::new();
         let mut mask = loop {
-            let last = &patches[patches.len() - 1];
+            let last = &discs[discs.len() - 1];
             if let Some(known) = self.known(&(level, last.clone())) {
                 break Mask::clone(&known);
             }
-            if patches.len() > MAX_CHAIN {
+            if discs.len() > MAX_CHAIN {
                 return Err(Unlimited::Unsettled);
             }
             let child = self.step(level, last)?;
-            let next = child.patch.clone();
+            let next = child.disc.clone();
             children.push(child);
-            if let Some(from) = patches.iter().position(|known| *known == next) {
-                let mask = self.fixed_point(&patches[from], &children[from..])?;
+            if let Some(from) = discs.iter().position(|known| *known == next) {
+                let mask = self.fixed_point(&discs[from], &children[from..])?;
                 children.truncate(from);
-                patches.truncate(from + 1);
-                break Mask::clone(&self.keep((level, patches[from].clone()), mask));
+                discs.truncate(from + 1);
+                break Mask::clone(&self.keep((level, discs[from].clone()), mask));
             }
-            patches.push(next);
+            discs.push(next);
         };
-        for (patch, child) in patches.iter().zip(&children).rev() {
-            mask = Mask::clone(&self.keep((level, patch.clone()), mask.before(patch, child)));
+        for (disc, child) in discs.iter().zip(&children).rev() {
+            mask = Mask::clone(&self.keep((level, disc.clone()), mask.before(disc, child)));
         }
         Ok(mask)
     }
 
-    /// The mask of a patch that comes again after some levels, the last of `children` being it: `middle M^k` for
+    /// The mask of a disc that comes again after some levels, the last of `children` being it: `middle M^k` for
     /// growing k, with the product M of the matrices.
     ///
     /// This is the left eigenvector of the eigenvalue 1, reached as the limit of the centre itself, so that a plan
     /// without a limit is found out.
-    fn fixed_point(&self, patch: &Patch, children: &[Child]) -> Result<Mask, Unlimited> {
+    fn fixed_point(&self, disc: &Disc, children: &[Child]) -> Result<Mask, Unlimited> {
         let back = |row: &[f64]| children.iter().rev().fold(row.to_vec(), |row, child| child.back(&row));
-        let mut position = patch.middle();
+        let mut position = disc.middle();
         let mut steps = 0;
         let (mut least, mut least_at) = (f64::INFINITY, 0);
         loop {
@@ -271,35 +271,35 @@ impl<'a> Masks<'a> {
         if !comes_together(&position, forth) {
             return Err(Unlimited::Rough);
         }
-        let sectors = Sectors::of(patch);
+        let sectors = Sectors::of(disc);
         let tangents = match sectors.n {
             _ if !self.finder.with_tangents => Vec::new(),
-            1 => vec![self.tangents(patch, &position, back, forth)],
-            // a patch that comes again is the least one there is, and so is its child
+            1 => vec![self.tangents(disc, &position, back, forth)],
+            // a disc that comes again is the least one there is, and so is its child
             _ if children.iter().any(|child| child.rotation > 0) => vec![Err(NoTangents::Eigenvalues); sectors.n],
             n => (0..n)
-                .map(|sector| one_sided(&SectorSupport::of(patch, &sectors, sector), &position, back, forth))
+                .map(|sector| one_sided(&SectorSupport::of(disc, &sectors, sector), &position, back, forth))
                 .collect(),
         };
         Ok(Mask { position, tangents })
     }
 
-    /// The tangents of a patch that comes again by a matrix, as it is or, where they are none then, rotated back by as
+    /// The tangents of a disc that comes again by a matrix, as it is or, where they are none then, rotated back by as
     /// many faces as the matrix rotates it: a rotation makes a pair of complex eigenvalues of one that is there twice.
     fn tangents(
         &self,
-        patch: &Patch,
+        disc: &Disc,
         position: &[f64],
         back: impl Fn(&[f64]) -> Vec<f64>,
         forth: impl Fn(&[f64]) -> Vec<f64>,
     ) -> Result<[Vec<f64>; 2], NoTangents> {
-        let found = tangent::of(patch.centre(), patch.central_faces(), position, &back, &forth);
+        let found = tangent::of(disc.centre(), disc.central_faces(), position, &back, &forth);
         if found != Err(NoTangents::Eigenvalues) {
             return found;
         }
-        let Some(faces) = rotation::by(patch, &forth).filter(|&faces| faces > 0) else { return found };
+        let Some(faces) = rotation::by(disc, &forth).filter(|&faces| faces > 0) else { return found };
         let finder = self.finder;
-        let Some(places) = rotation::places(patch, finder.cycle, finder.rings, faces) else { return found };
+        let Some(places) = rotation::places(disc, finder.cycle, finder.rings, faces) else { return found };
         // the points after the matrix, each in its place before the rotation
         let forth = |column: &[f64]| {
             let mut moved = vec![0.0; column.len()];
@@ -310,11 +310,11 @@ impl<'a> Masks<'a> {
             let moved: Vec<f64> = places.iter().map(|&place| row[place as usize]).collect();
             back(&moved)
         };
-        tangent::of(patch.centre(), patch.central_faces(), position, back, forth)
+        tangent::of(disc.centre(), disc.central_faces(), position, back, forth)
     }
 }
 
-/// Whether all points of a patch that comes again come to the limit of its centre: whether columns that the limit mask
+/// Whether all points of a disc that comes again come to the limit of its centre: whether columns that the limit mask
 /// maps to 0 vanish under more and more steps of the matrix.
 fn comes_together(position: &[f64], forth: impl Fn(&[f64]) -> Vec<f64>) -> bool {
     starting_vectors(position.len(), WITNESSES).into_iter().all(|mut column| {

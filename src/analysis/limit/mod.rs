@@ -2,11 +2,11 @@
 //!
 //! The limit of a vertex is that of its descendants: of itself under schemes that keep vertices, of the centre of the
 //! face that takes its place under dual ones. It is a weighted mean of the points around it. The weights are not typed
-//! in but computed from the operators themselves: one more cycle is applied to the patch of faces around the vertex,
-//! the rows of the points around the child form a matrix, and so on with the child's patch. After a few levels a patch
+//! in but computed from the operators themselves: one more cycle is applied to the disc of faces around the vertex,
+//! the rows of the points around the child form a matrix, and so on with the child's disc. After a few levels a disc
 //! is its own child, and the weights are the left eigenvector of the eigenvalue 1. While the numbers of a plan change
 //! from level to level, the matrices of these levels are multiplied; a fixed matrix is used once nothing changes by
-//! more than rounding. Equal patches are computed once.
+//! more than rounding. Equal discs are computed once.
 //!
 //! Source: M. Halstead, M. Kass, T. DeRose, SIGGRAPH 1993, 35-44 (limits from eigenvectors); math in [`mask`] and
 //! [`tangent`].
@@ -16,6 +16,8 @@ mod child;
 mod continuity;
 mod cost;
 mod cycle;
+mod disc;
+mod disc_rules;
 mod dual;
 mod error;
 mod field;
@@ -28,8 +30,6 @@ mod mesh;
 mod neighbourhoods;
 mod normals;
 mod on_net;
-mod patch;
-mod patch_rules;
 mod perturbed;
 mod probe;
 mod record;

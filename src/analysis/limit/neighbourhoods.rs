@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::patch::{Centre, Located, Patch, Rings};
+use super::disc::{Centre, Disc, Located, Rings};
 use super::vertex_parameters::VertexParameters;
 use crate::math::rows::Rows;
 use crate::shape::numbering::Numbering;
@@ -13,7 +13,7 @@ use crate::watch::{Stopped, Watch};
 /// Vertices are those whose limits are sought, points those whose weighted means the limits are; both are numbered as
 /// the path that refined the net does. Where steps before the next upsampling put faces in the place of vertices, the
 /// points are those after these steps, and [`centre`](Self::centre) says what took the place of a vertex. A second path
-/// of refinement serves limits once it answers these questions; what it must keep is that patches with the same
+/// of refinement serves limits once it answers these questions; what it must keep is that discs with the same
 /// connectivity and tags are equal, whatever the numbers of their points.
 pub(super) trait Neighbourhoods: fmt::Debug + Sync {
     /// Number of vertices.
@@ -26,17 +26,17 @@ pub(super) trait Neighbourhoods: fmt::Debug + Sync {
     fn leaves_out(&self) -> bool;
     /// The rings around a centre with their tags and sharpness, and the number of the point that each of their vertices
     /// is; `None` where there are too many.
-    fn patch(&self, centre: Centre, rings: Rings) -> Option<Located>;
+    fn disc(&self, centre: Centre, rings: Rings) -> Option<Located>;
     /// The parameters that these points carry.
     fn parameters(&self, points: &[u32]) -> VertexParameters;
-    /// The numbers by which perturbations of the vertices, edges and faces of a patch go.
+    /// The numbers by which perturbations of the vertices, edges and faces of a disc go.
     fn numbering(&self, found: &Located) -> Numbering;
-    /// For the first face of each number of sides but this one the least of the patches around it that differ by where
+    /// For the first face of each number of sides but this one the least of the discs around it that differ by where
     /// their numbers start, where it is not too large; none where points or edges carry what others do not.
     ///
     /// # Errors
     /// [`Stopped`].
-    fn middles(&self, but: usize, rings: Rings, watch: &Watch) -> Result<Vec<Patch>, Stopped>;
+    fn middles(&self, but: usize, rings: Rings, watch: &Watch) -> Result<Vec<Disc>, Stopped>;
     /// For each point whether something is within the rings around it that is not part of a grid of smooth quads, or
     /// carries what others do not.
     fn near_extraordinary(&self, rings: Rings) -> Vec<bool>;

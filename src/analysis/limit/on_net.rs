@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::cycle::Cycle;
+use super::disc::Rings;
+use super::disc_rules::DiscRules;
 use super::error::Unlimited;
-use super::patch::Rings;
-use super::patch_rules::PatchRules;
 use super::refined_net::carries;
 use super::regular::{Regular, Starts};
 use super::vertex_parameters::{CommonParameters, extremes};
@@ -25,11 +25,11 @@ pub(super) struct CycleOnNet<'a> {
     pub(super) regular: Regular,
     /// Whether the net has latitude or longitude lines.
     pub(super) tagged: bool,
-    /// What has to be known of the net beyond a patch of it, where that matters.
+    /// What has to be known of the net beyond a disc of it, where that matters.
     pub(super) surroundings: Option<Surroundings>,
     /// Parameters that are made of the least and the largest that vertices carry; at least one entry.
     pub(super) extremes: Vec<CommonParameters>,
-    /// Whether sharpness evens out along edges, so that a patch has to have all faces around the vertices that decide
+    /// Whether sharpness evens out along edges, so that a disc has to have all faces around the vertices that decide
     /// about the limit.
     evens_out: bool,
 }
@@ -49,8 +49,8 @@ impl<'a> CycleOnNet<'a> {
         let extremes = extremes(net.annotations.attributes.as_deref());
         let alphas = extremes.iter().filter_map(CommonParameters::alpha).chain([plan.alpha]);
         let alphas: Vec<f64> = alphas.filter(|_| carries(net)).collect();
-        let patch_rules = PatchRules::of(plan, &net.mesh.base);
-        let cycle = Cycle::new(plan, (ahead, plan.word.cycle.len()), patch_rules, &alphas, watch);
+        let disc_rules = DiscRules::of(plan, &net.mesh.base);
+        let cycle = Cycle::new(plan, (ahead, plan.word.cycle.len()), disc_rules, &alphas, watch);
         let semi_sharp = |&(_, sharpness): &(u32, f64)| sharpness < INFINITE_SHARPNESS;
         let any = net.sharpness.as_ref().is_some_and(|sharpness| sharpness.edges().iter().any(semi_sharp));
         Ok(Self {
@@ -70,6 +70,6 @@ impl<'a> CycleOnNet<'a> {
     pub(super) fn rings(&self, starts: Starts) -> Result<Rings, Unlimited> {
         let rings = self.regular.rings(&self.cycle, self.tagged, starts)?;
         let least = if self.evens_out { rings.support + 1 } else { 0 };
-        Ok(Rings { patch: rings.patch.max(least), ..rings })
+        Ok(Rings { disc: rings.disc.max(least), ..rings })
     }
 }

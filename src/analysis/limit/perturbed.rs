@@ -12,11 +12,11 @@ use rayon::prelude::*;
 
 use super::bounds::{MAX_FOLLOWED_LEVELS, MAX_FOLLOWED_POINTS};
 use super::cycle::Child;
+use super::disc::{Centre, Disc, Located, Rings};
 use super::error::Unlimited;
 use super::field::{Field, located};
 use super::mask::{Finder, Mask, Masks, tangential};
 use super::neighbourhoods::Neighbourhoods;
-use super::patch::{Centre, Located, Patch, Rings};
 use super::request::LimitRequest;
 use super::small::dot;
 use super::tangent::starting_vectors;
@@ -107,7 +107,7 @@ fn check_size(around: &dyn Neighbourhoods, rings: Rings, watch: &Watch) -> Resul
     let mut points = 0;
     for chunk in all.chunks(CHUNK) {
         watch.check()?;
-        let size = |&centre: &Centre| around.patch(centre, rings).map(|found| found.vertices.len());
+        let size = |&centre: &Centre| around.disc(centre, rings).map(|found| found.vertices.len());
         let sizes: Option<Vec<usize>> = chunk.par_iter().map(size).collect();
         points += sizes.ok_or(Unlimited::Size)?.iter().sum::<usize>();
         if points > MAX_FOLLOWED_POINTS {
@@ -126,32 +126,32 @@ struct Follower<'a> {
 }
 
 impl Follower<'_> {
-    /// The mask of a patch whose parts have these numbers in the whole net.
+    /// The mask of a disc whose parts have these numbers in the whole net.
     fn mask(&self, found: Located, parameters: VertexParameters, numbering: Numbering) -> Result<Mask, Unlimited> {
-        let (mut patch, mut parameters, mut numbering) = (found.patch, parameters, numbering);
-        let mut spread = Spread::new(patch.support);
-        let mut levels: Vec<(Patch, Child)> = Vec::new();
+        let (mut disc, mut parameters, mut numbering) = (found.disc, parameters, numbering);
+        let mut spread = Spread::new(disc.support);
+        let mut levels: Vec<(Disc, Child)> = Vec::new();
         let last = loop {
             self.watch.check()?;
             if !self.finder.with_tangents && spread.is_none() {
-                break Mask { position: patch.middle(), tangents: Vec::new() };
+                break Mask { position: disc.middle(), tangents: Vec::new() };
             }
             if parameters.agree() && self.is_quiet(levels.len(), &spread) {
-                break self.unperturbed(levels.len(), &patch, &parameters)?;
+                break self.unperturbed(levels.len(), &disc, &parameters)?;
             }
             if levels.len() >= MAX_FOLLOWED_LEVELS || !spread.is_finite() {
                 return Err(Unlimited::Wild);
             }
             let parts = (&parameters, Some((&numbering, self.perturbation)));
-            let (level, next) = self.finder.skeletons.followed(levels.len(), &patch, parts)?;
+            let (level, next) = self.finder.skeletons.followed(levels.len(), &disc, parts)?;
             let child = level.child()?;
             spread.go_on(&child);
-            let before = std::mem::replace(&mut patch, child.patch.clone());
+            let before = std::mem::replace(&mut disc, child.disc.clone());
             levels.push((before, child));
             parameters = next.0;
             numbering = next.1.ok_or(Unlimited::Wild)?;
         };
-        Ok(levels.iter().rev().fold(last, |mask, (patch, child)| before(&mask, patch, child)))
+        Ok(levels.iter().rev().fold(last, |mask, (disc, child)| before(&mask, disc, child)))
     }
 
     /// Whether the perturbations from a level on change nothing.
@@ -164,12 +164,12 @@ impl Follower<'_> {
     }
 
     /// The mask of the plan without perturbation.
-    fn unperturbed(&self, level: usize, patch: &Patch, parameters: &VertexParameters) -> Result<Mask, Unlimited> {
+    fn unperturbed(&self, level: usize, disc: &Disc, parameters: &VertexParameters) -> Result<Mask, Unlimited> {
         let common = parameters.first();
         let mask = if common.are_there() {
-            Masks::new(self.finder, common).of(level, patch)?
+            Masks::new(self.finder, common).of(level, disc)?
         } else {
-            self.plain.of(level, patch)?
+            self.plain.of(level, disc)?
         };
         Ok(Mask::clone(&mask))
     }
@@ -179,7 +179,7 @@ impl Follower<'_> {
 ///
 /// Of two tangents the second is cleared of the first, which changes no normal: where the first grows faster backwards
 /// the second would drown in it.
-fn before(mask: &Mask, patch: &Patch, child: &Child) -> Mask {
+fn before(mask: &Mask, disc: &Disc, child: &Child) -> Mask {
     let both = |[t, u]: &[Vec<f64>; 2]| {
         let t = tangential(child.back(t));
         let mut u = child.back(u);
@@ -187,7 +187,7 @@ fn before(mask: &Mask, patch: &Patch, child: &Child) -> Mask {
         u.iter_mut().zip(&t).for_each(|(x, y)| *x -= along * y);
         Ok::<_, Infallible>([t, tangential(u)])
     };
-    let Ok(mask) = mask.seen_from(patch, (&child.patch, child.rotation), |row| Ok(child.back(row)), both);
+    let Ok(mask) = mask.seen_from(disc, (&child.disc, child.rotation), |row| Ok(child.back(row)), both);
     mask
 }
 

@@ -5,9 +5,9 @@ use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
+use super::disc::{Centre, Disc, Located, Rings};
 use super::grid::grid;
 use super::neighbourhoods::Neighbourhoods;
-use super::patch::{Centre, Located, Patch, Rings};
 use super::vertex_parameters::VertexParameters;
 use super::walk::WholeNet;
 use crate::math::rows::Rows;
@@ -25,7 +25,7 @@ pub(super) struct RefinedNet {
     topology: Arc<Topology>,
     /// For each vertex what took its place, if that was no vertex without faces; `None` where these are the net's own.
     centres: Option<Vec<Option<Centre>>>,
-    /// What has to be known of the net beyond a patch, where it has a say.
+    /// What has to be known of the net beyond a disc, where it has a say.
     surroundings: Option<Surroundings>,
     numbering: OnceLock<Numbering>,
 }
@@ -66,8 +66,8 @@ impl Neighbourhoods for RefinedNet {
         self.centres.is_some()
     }
 
-    fn patch(&self, centre: Centre, rings: Rings) -> Option<Located> {
-        self.whole().patch(centre, rings)
+    fn disc(&self, centre: Centre, rings: Rings) -> Option<Located> {
+        self.whole().disc(centre, rings)
     }
 
     fn parameters(&self, points: &[u32]) -> VertexParameters {
@@ -79,12 +79,12 @@ impl Neighbourhoods for RefinedNet {
         whole.part(&self.topology, &found.vertices, &found.half_edges)
     }
 
-    fn middles(&self, but: usize, rings: Rings, watch: &Watch) -> Result<Vec<Patch>, Stopped> {
+    fn middles(&self, but: usize, rings: Rings, watch: &Watch) -> Result<Vec<Disc>, Stopped> {
         let mut seen = BTreeSet::from([but]);
         let first = |f: &usize| !carries(&self.net) && seen.insert(self.topology.face(*f).len());
-        let least = |f: usize| self.whole().least_patch(Centre::Face(index(f)), rings, watch);
+        let least = |f: usize| self.whole().least_disc(Centre::Face(index(f)), rings, watch);
         let found = (0..self.topology.n_faces()).filter(first).map(least).collect::<Result<Vec<_>, _>>()?;
-        Ok(found.into_iter().flatten().map(|found| found.patch).collect())
+        Ok(found.into_iter().flatten().map(|found| found.disc).collect())
     }
 
     fn near_extraordinary(&self, rings: Rings) -> Vec<bool> {
@@ -119,6 +119,6 @@ fn near_extraordinary(whole: &WholeNet<'_>, rings: Rings) -> Vec<bool> {
         let ends = sharpness.edges().iter().flat_map(|&(e, _)| topology.ends(e as usize));
         ends.chain(sharpness.vertices().iter().map(|&(v, _)| v)).for_each(|v| near[v as usize] = true);
     }
-    topology.faces_within(rings.patch - 1, &mut near);
+    topology.faces_within(rings.disc - 1, &mut near);
     near
 }

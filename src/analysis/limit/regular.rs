@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::patch::{Centre, Rings};
+use super::disc::{Centre, Rings};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::tags::Boundary;
 use crate::shape::check::{FaceList, Winding};
@@ -35,7 +35,7 @@ pub(super) struct Starts {
 }
 
 impl Starts {
-    /// Rings by which patches are wider where D takes some away on the boundary, half a ring each.
+    /// Rings by which discs are wider where D takes some away on the boundary, half a ring each.
     pub(super) fn wider(self, n_duals: usize) -> usize {
         if self.is_open { n_duals.div_ceil(2) } else { 0 }
     }
@@ -58,9 +58,9 @@ impl Regular {
         net.carrying(None, directions)
     }
 
-    /// A regular net and the vertex in its middle, which is so far from the boundary that no patch reaches it.
+    /// A regular net and the vertex in its middle, which is so far from the boundary that no disc reaches it.
     pub(super) fn grid(self, rings: Rings, tagged: bool) -> (MeshNet, usize) {
-        let side = 2 * (rings.patch + 2);
+        let side = 2 * (rings.disc + 2);
         (self.net(side, tagged), (side / 2) * (side + 1) + side / 2)
     }
 

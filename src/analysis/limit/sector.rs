@@ -5,33 +5,33 @@
 
 use std::collections::BTreeMap;
 
-use super::patch::{Centre, Patch};
+use super::disc::{Centre, Disc};
 use crate::shape::topology::index;
 
-/// To which sector each face at the centre of a patch belongs.
+/// To which sector each face at the centre of a disc belongs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Sectors {
-    /// The sector of each face at the centre, in the order of the patch; numbered by first appearance.
+    /// The sector of each face at the centre, in the order of the disc; numbered by first appearance.
     of_faces: Vec<usize>,
     /// How many there are.
     pub(super) n: usize,
 }
 
 impl Sectors {
-    /// Returns the sectors of a patch; a patch around a face has one.
-    pub(super) fn of(patch: &Patch) -> Self {
-        if patch.centre() != Centre::Vertex(0) {
+    /// Returns the sectors of a disc; a disc around a face has one.
+    pub(super) fn of(disc: &Disc) -> Self {
+        if disc.centre() != Centre::Vertex(0) {
             return Self { of_faces: vec![0], n: 1 };
         }
-        let faces: Vec<&[u32]> = patch.central_faces().collect();
+        let faces: Vec<&[u32]> = disc.central_faces().collect();
         // the edge by which the walk around the centre enters each face
         let mut half_edge = 0;
         let mut parts = Vec::with_capacity(faces.len());
         for face in &faces {
-            parts.push(patch.is_sharp_for_ever(half_edge));
+            parts.push(disc.is_sharp_for_ever(half_edge));
             half_edge += face.len();
         }
-        let closed = patch.is_closed();
+        let closed = disc.is_closed();
         parts[0] &= closed;
         let cuts = parts.iter().filter(|&&cut| cut).count();
         if closed && cuts < 2 {
@@ -51,16 +51,16 @@ impl Sectors {
         self.of_faces[face]
     }
 
-    /// For each sector of a patch the one that it becomes in a child's patch, whose face 0 comes of face `rotation`.
-    pub(super) fn children(patch: &Patch, child: &Patch, rotation: usize) -> Vec<usize> {
-        let [before, after] = [patch, child].map(Self::of);
+    /// For each sector of a disc the one that it becomes in a child's disc, whose face 0 comes of face `rotation`.
+    pub(super) fn children(disc: &Disc, child: &Disc, rotation: usize) -> Vec<usize> {
+        let [before, after] = [disc, child].map(Self::of);
         let faces = before.of_faces.len();
         let first = |sector| before.of_faces.iter().position(|&other| other == sector).unwrap_or(0);
         (0..before.n).map(|sector| after.of_faces[(first(sector) + faces - rotation) % faces]).collect()
     }
 }
 
-/// A sector of a patch that is like itself from level to level: its points come of no others.
+/// A sector of a disc that is like itself from level to level: its points come of no others.
 #[derive(Debug)]
 pub(super) struct SectorSupport {
     /// The vertices of the support that belong to it, ascending.
@@ -71,15 +71,15 @@ pub(super) struct SectorSupport {
 }
 
 impl SectorSupport {
-    /// One sector of a patch: what is reached from its faces at the centre without crossing an edge that stays sharp.
-    pub(super) fn of(patch: &Patch, sectors: &Sectors, sector: usize) -> Self {
-        let faces: Vec<&[u32]> = patch.faces().collect();
+    /// One sector of a disc: what is reached from its faces at the centre without crossing an edge that stays sharp.
+    pub(super) fn of(disc: &Disc, sectors: &Sectors, sector: usize) -> Self {
+        let faces: Vec<&[u32]> = disc.faces().collect();
         let mut beside: BTreeMap<(u32, u32), Vec<usize>> = BTreeMap::new();
         let mut half_edge = 0;
         for (f, face) in faces.iter().enumerate() {
             for i in 0..face.len() {
                 let (a, b) = (face[i], face[(i + 1) % face.len()]);
-                if !patch.is_sharp_for_ever(half_edge + i) {
+                if !disc.is_sharp_for_ever(half_edge + i) {
                     beside.entry((a.min(b), a.max(b))).or_default().push(f);
                 }
             }
@@ -101,12 +101,12 @@ impl SectorSupport {
             }
         }
         let mut vertices: Vec<u32> = (0..faces.len()).filter(|&f| known[f]).flat_map(|f| faces[f]).copied().collect();
-        vertices.retain(|&v| (v as usize) < patch.support);
+        vertices.retain(|&v| (v as usize) < disc.support);
         vertices.sort_unstable();
         vertices.dedup();
         let number = |v: &u32| index(vertices.binary_search(v).unwrap_or_default());
         let faces = first.map(|f| faces[f].iter().map(number).collect()).collect();
-        Self { vertices, faces, n: patch.support }
+        Self { vertices, faces, n: disc.support }
     }
 
     /// The numbers of the sector's vertices among those of the support.

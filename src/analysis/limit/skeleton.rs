@@ -1,12 +1,12 @@
-//! Steps of patches whose vertices carry parameters of their own: the connectivity once, the parameters again and
+//! Steps of discs whose vertices carry parameters of their own: the connectivity once, the parameters again and
 //! again.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::cycle::{Child, Cycle};
+use super::disc::{Disc, Located, Rings};
 use super::error::Unlimited;
-use super::patch::{Located, Patch, Rings};
 use super::record::{Record, Weights};
 use super::vertex_parameters::VertexParameters;
 use crate::scheme::mesh_net::MeshNet;
@@ -15,7 +15,7 @@ use crate::scheme::stepper::Stepper;
 use crate::shape::numbering::Numbering;
 use crate::shape::topology::Topology;
 
-/// A patch as a net, and where its child lies in the net after a level.
+/// A disc as a net, and where its child lies in the net after a level.
 #[derive(Debug)]
 struct Skeleton {
     net: MeshNet,
@@ -25,7 +25,7 @@ struct Skeleton {
     refined: Arc<Topology>,
 }
 
-/// A level on a patch as the actions that it is made of.
+/// A level on a disc as the actions that it is made of.
 #[derive(Debug)]
 pub(super) struct Traced {
     skeleton: Arc<Skeleton>,
@@ -34,9 +34,9 @@ pub(super) struct Traced {
 }
 
 impl Traced {
-    /// The patch around the centre's child.
-    pub(super) fn patch(&self) -> &Patch {
-        &self.skeleton.child.patch
+    /// The disc around the centre's child.
+    pub(super) fn disc(&self) -> &Disc {
+        &self.skeleton.child.disc
     }
 
     /// Which face at the centre its first face there comes of.
@@ -46,10 +46,10 @@ impl Traced {
 
     /// The points of the child's support.
     fn wanted(&self) -> &[u32] {
-        &self.skeleton.child.vertices[..self.patch().support]
+        &self.skeleton.child.vertices[..self.disc().support]
     }
 
-    /// How a functional of the child's points reads the patch's: what multiplying with the matrix gives, without making
+    /// How a functional of the child's points reads the disc's: what multiplying with the matrix gives, without making
     /// it.
     pub(super) fn times_row(&self, row: &[f64]) -> Result<Vec<f64>, Unlimited> {
         let product = self.record.times_row(row, self.wanted(), &self.skeleton.origins, self.n_columns);
@@ -67,7 +67,7 @@ impl Traced {
 pub(super) struct Skeletons<'a> {
     cycle: &'a Cycle<'a>,
     rings: Rings,
-    known: Mutex<BTreeMap<Patch, Arc<Skeleton>>>,
+    known: Mutex<BTreeMap<Disc, Arc<Skeleton>>>,
 }
 
 impl<'a> Skeletons<'a> {
@@ -76,25 +76,25 @@ impl<'a> Skeletons<'a> {
         Self { cycle, rings, known: Mutex::default() }
     }
 
-    /// One level on a patch whose vertices carry these parameters, and the parameters of the child's vertices.
+    /// One level on a disc whose vertices carry these parameters, and the parameters of the child's vertices.
     pub(super) fn step(
         &self,
         level: usize,
-        patch: &Patch,
+        disc: &Disc,
         parameters: &VertexParameters,
     ) -> Result<(Traced, VertexParameters), Unlimited> {
-        self.followed(level, patch, (parameters, None)).map(|(traced, (parameters, _))| (traced, parameters))
+        self.followed(level, disc, (parameters, None)).map(|(traced, (parameters, _))| (traced, parameters))
     }
 
-    /// One level on a patch whose vertices carry these parameters, and are perturbed by those in the whole net; the
+    /// One level on a disc whose vertices carry these parameters, and are perturbed by those in the whole net; the
     /// same of the child.
     pub(super) fn followed(
         &self,
         level: usize,
-        patch: &Patch,
+        disc: &Disc,
         (parameters, noise): (&VertexParameters, Option<(&Numbering, Perturbation)>),
     ) -> Result<(Traced, (VertexParameters, Option<Numbering>)), Unlimited> {
-        let skeleton = self.skeleton(patch, parameters)?;
+        let skeleton = self.skeleton(disc, parameters)?;
         let mut net = parameters.carried_by(skeleton.net.clone(), &skeleton.origins);
         net.annotations.numbering = noise.map(|(numbering, _)| Arc::new(numbering.with_origins(&skeleton.origins)));
         let mut record = Record::new(Weights::Exact);
@@ -111,18 +111,18 @@ impl<'a> Skeletons<'a> {
         let parameters = VertexParameters::of(&net, vertices);
         let numbering =
             net.annotations.numbering.map(|numbering| numbering.part(&skeleton.refined, vertices, half_edges));
-        Ok((Traced { skeleton, record, n_columns: patch.support }, (parameters, numbering)))
+        Ok((Traced { skeleton, record, n_columns: disc.support }, (parameters, numbering)))
     }
 
-    fn skeleton(&self, patch: &Patch, parameters: &VertexParameters) -> Result<Arc<Skeleton>, Unlimited> {
+    fn skeleton(&self, disc: &Disc, parameters: &VertexParameters) -> Result<Arc<Skeleton>, Unlimited> {
         let known = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(skeleton) = known().get(patch) {
+        if let Some(skeleton) = known().get(disc) {
             return Ok(skeleton.clone());
         }
-        let (net, origins) = patch.net(self.cycle.patch_rules).ok_or(Unlimited::Reach)?;
-        let (child, refined) = self.cycle.child(patch, parameters, self.rings)?;
+        let (net, origins) = disc.net(self.cycle.disc_rules).ok_or(Unlimited::Reach)?;
+        let (child, refined) = self.cycle.child(disc, parameters, self.rings)?;
         let skeleton = Arc::new(Skeleton { net, origins, child, refined });
         // whoever comes first, all find the same
-        Ok(known().entry(patch.clone()).or_insert(skeleton).clone())
+        Ok(known().entry(disc.clone()).or_insert(skeleton).clone())
     }
 }

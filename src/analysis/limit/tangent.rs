@@ -10,7 +10,7 @@
 //! dependency, and its answer within a double eigenvalue would depend on rounding.) Constants are split off exactly:
 //! rows that sum to 0 stay so under M, columns that the limit mask maps to 0 too.
 
-use super::patch::Centre;
+use super::disc::Centre;
 use super::small::{Vectors, dot, leading_basis, leading_block, mixed, orthonormalise, times};
 use crate::math::functions::{exp, ln, real, sqrt};
 use crate::math::vector::cross;
@@ -44,7 +44,7 @@ const MAX_AROUND: usize = 2048;
 /// Sides and sines below 1e-9 count as none: half and twice of it leave three digits between.
 const LATE: f64 = 1e-6;
 /// What two vectors may leave behind beside their span, relative to their eigenvalues.
-/// It is 45,000 times the rounding of 1, for sums over wide patches, and a hundredth of the least sine that counts.
+/// It is 45,000 times the rounding of 1, for sums over wide discs, and a hundredth of the least sine that counts.
 /// Half of it may take another look; twice of it may spare one, and the last digits are less sure.
 const RESIDUAL: f64 = 1e-11;
 
@@ -348,7 +348,7 @@ fn longest(mut matrix: Vec<Vec<f64>>, b: f64) -> Option<Vec<Vec<f64>>> {
     Some(powers.iter().rev().map(|power| power[from].clone()).collect())
 }
 
-/// Fixed vectors without a pattern that a symmetry of a patch could share.
+/// Fixed vectors without a pattern that a symmetry of a disc could share.
 pub(super) fn starting_vectors(n: usize, width: usize) -> Vec<Vec<f64>> {
     let mut state = 0x9E37_79B9_7F4A_7C15_u64;
     let mut next = || {

@@ -1,6 +1,6 @@
-//! Patches around vertices with many faces: the least one is found without all walks.
+//! Disces around vertices with many faces: the least one is found without all walks.
 
-use super::patch::{Centre, Located, Rings};
+use super::disc::{Centre, Located, Rings};
 use super::walk::WholeNet;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::tags::Boundary;
@@ -22,19 +22,19 @@ fn around(sizes: &[u32]) -> MeshNet {
     MeshNet::new(checked.topology.into(), &[], &[], Boundary::EdgeOnly)
 }
 
-/// The least of the patches of all starts, the first of several.
+/// The least of the discs of all starts, the first of several.
 fn least_of_all(whole: &WholeNet<'_>, centre: Centre, rings: Rings) -> Option<Located> {
     let walks = whole.starts(centre).enumerate();
     let found =
-        walks.map(|(rotation, start)| Located { rotation, ..whole.walk(centre, start, rings).expect("a small patch") });
-    found.reduce(|least, found| if found.patch < least.patch { found } else { least })
+        walks.map(|(rotation, start)| Located { rotation, ..whole.walk(centre, start, rings).expect("a small disc") });
+    found.reduce(|least, found| if found.disc < least.disc { found } else { least })
 }
 
 #[test]
-fn the_least_patch_is_that_of_all_starts_whatever_comes_again_around_a_vertex() {
+fn the_least_disc_is_that_of_all_starts_whatever_comes_again_around_a_vertex() {
     let units: [&[u32]; 8] =
         [&[3], &[4], &[4, 3], &[3, 4], &[4, 4, 3], &[5, 3, 4, 3], &[3, 3, 4, 3, 4], &[4, 3, 3, 4, 3, 5]];
-    let rings = Rings { support: 1, patch: 1 };
+    let rings = Rings { support: 1, disc: 1 };
     for (unit, times) in units.into_iter().flat_map(|unit| (1..=6).map(move |times| (unit, times))) {
         for odd in [None, Some(5)] {
             let sizes: Vec<u32> = unit.iter().copied().cycle().take(unit.len() * times).chain(odd).collect();
@@ -45,9 +45,9 @@ fn the_least_patch_is_that_of_all_starts_whatever_comes_again_around_a_vertex() 
             let whole = WholeNet::of(&net, &net.mesh.base);
             for centre in [Centre::Vertex(0), Centre::Face(0)] {
                 let expected = least_of_all(&whole, centre, rings).expect("there is a face");
-                let found = whole.least_patch(centre, rings, &Watch::new()).expect("nobody says stop");
-                let found = found.expect("a small patch");
-                let all = |found: Located| (found.patch, found.vertices, found.half_edges, found.rotation);
+                let found = whole.least_disc(centre, rings, &Watch::new()).expect("nobody says stop");
+                let found = found.expect("a small disc");
+                let all = |found: Located| (found.disc, found.vertices, found.half_edges, found.rotation);
                 assert_eq!(all(found), all(expected), "{sizes:?} around {centre:?}");
             }
         }
@@ -59,7 +59,7 @@ fn a_vertex_that_looks_the_same_from_all_its_faces_takes_two_walks() {
     let net = around(&[3; 500]);
     let whole = WholeNet::of(&net, &net.mesh.base);
     let watch = Watch::new();
-    let found = whole.least_patch(Centre::Vertex(0), Rings { support: 1, patch: 1 }, &watch).expect("nobody says stop");
+    let found = whole.least_disc(Centre::Vertex(0), Rings { support: 1, disc: 1 }, &watch).expect("nobody says stop");
     assert_eq!(found.map(|found| found.rotation), Some(0));
     assert!(watch.done() <= 2 * 501, "{} rows", watch.done());
 }

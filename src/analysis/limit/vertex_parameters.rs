@@ -1,4 +1,4 @@
-//! Parameters that the vertices of a patch carry: their own alpha, kernel, compensation and delta.
+//! Parameters that the vertices of a disc carry: their own alpha, kernel, compensation and delta.
 
 use crate::scheme::mesh_net::MeshNet;
 use crate::shape::attributes::Attributes;
@@ -8,11 +8,11 @@ use crate::shape::attributes::Attributes;
 /// with twice of it one less, and the limit may differ by as much.
 const SAME: f64 = 1e-15;
 
-/// The bits of the parameters that the vertices of a patch carry, where they carry any.
+/// The bits of the parameters that the vertices of a disc carry, where they carry any.
 #[derive(Debug, Clone, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct VertexParameters([Option<Vec<u64>>; 4]);
 
-/// The bits of parameters that all vertices of a patch have in common.
+/// The bits of parameters that all vertices of a disc have in common.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct CommonParameters([Option<u64>; 4]);
 
@@ -24,13 +24,13 @@ impl VertexParameters {
         Self(attributes.arrays().map(|(_, array)| array.map(bits)))
     }
 
-    /// Returns the net of a patch, whose vertices have these `origins` there, such that they carry the parameters.
+    /// Returns the net of a disc, whose vertices have these `origins` there, such that they carry the parameters.
     pub(super) fn carried_by(&self, net: MeshNet, origins: &[u32]) -> MeshNet {
         let directions = net.annotations.directions.as_deref().cloned();
         if self.first().are_there() { net.carrying(Some(self.attributes(origins)), directions) } else { net }
     }
 
-    /// The parameters as attributes of the vertices that have these `origins` in the patch.
+    /// The parameters as attributes of the vertices that have these `origins` in the disc.
     fn attributes(&self, origins: &[u32]) -> Attributes {
         let numbers = |bits: &Option<Vec<u64>>| {
             bits.as_ref().map(|bits| origins.iter().map(|&v| f64::from_bits(bits[v as usize])).collect())

@@ -1,10 +1,10 @@
-//! Walks ring by ring around a vertex, an edge or a face of a net, which find the patch there.
+//! Walks ring by ring around a vertex, an edge or a face of a net, which find the disc there.
 
 use std::cmp::Ordering;
 
-use super::bounds::{MAX_PATCH_VERTICES, VERTICES_A_ROW};
+use super::bounds::{MAX_DISC_VERTICES, VERTICES_A_ROW};
+use super::disc::{Centre, Disc, Located, Rings};
 use super::first_use::FirstUse;
-use super::patch::{Centre, Located, Patch, Rings};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::sharpness::Sharpness;
 use crate::scheme::surroundings::Surroundings;
@@ -12,7 +12,7 @@ use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{NONE, Topology, index};
 use crate::watch::{Stopped, Watch};
 
-/// A net in the mesh that a patch is cut out of.
+/// A net in the mesh that a disc is cut out of.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WholeNet<'a> {
     /// The topology of the mesh.
@@ -25,7 +25,7 @@ pub(super) struct WholeNet<'a> {
     pub(super) directions: Option<&'a Directions>,
     /// Steps so far of a scheme of its own connectivity, as far as they matter: the first one, then odd and even ones.
     pub(super) rounds: u32,
-    /// What has to be known of the net beyond a patch, where it has a say.
+    /// What has to be known of the net beyond a disc, where it has a say.
     pub(super) surroundings: Option<Surroundings>,
 }
 
@@ -50,12 +50,12 @@ fn common_divisor(a: usize, b: usize) -> usize {
 }
 
 impl WholeNet<'_> {
-    /// The patch around a centre; `None` where it has more than [`MAX_PATCH_VERTICES`] vertices.
-    pub(super) fn patch(&self, centre: Centre, rings: Rings) -> Option<Located> {
+    /// The disc around a centre; `None` where it has more than [`MAX_DISC_VERTICES`] vertices.
+    pub(super) fn disc(&self, centre: Centre, rings: Rings) -> Option<Located> {
         self.walk(centre, self.starts(centre).next()?, rings)
     }
 
-    /// The least of all patches around a centre that differ by where the walk starts: the same for nets that differ by
+    /// The least of all discs around a centre that differ by where the walk starts: the same for nets that differ by
     /// a turn, and of several starts the first.
     ///
     /// Where a walk finds what one k starts before it found, a turn by k faces maps the surroundings to themselves. So
@@ -64,7 +64,7 @@ impl WholeNet<'_> {
     ///
     /// # Errors
     /// [`Stopped`].
-    pub(super) fn least_patch(&self, centre: Centre, rings: Rings, watch: &Watch) -> Result<Option<Located>, Stopped> {
+    pub(super) fn least_disc(&self, centre: Centre, rings: Rings, watch: &Watch) -> Result<Option<Located>, Stopped> {
         let starts: Vec<u32> = self.starts(centre).collect();
         let mut different = starts.len();
         let mut least: Option<Located> = None;
@@ -76,7 +76,7 @@ impl WholeNet<'_> {
             let Some(found) = self.walk(centre, start, rings) else { return Ok(None) };
             let found = Located { rotation, ..found };
             watch.advance(found.vertices.len() as u64 / VERTICES_A_ROW + 1);
-            match least.as_ref().map(|known| (found.patch.cmp(&known.patch), rotation - known.rotation)) {
+            match least.as_ref().map(|known| (found.disc.cmp(&known.disc), rotation - known.rotation)) {
                 None | Some((Ordering::Less, _)) => least = Some(found),
                 Some((Ordering::Equal, rotation)) => different = common_divisor(rotation, different),
                 Some((Ordering::Greater, _)) => {}
@@ -130,11 +130,11 @@ impl WholeNet<'_> {
             }
         };
         let (mut from, mut support) = (0, 0);
-        for ring in 1..=rings.patch {
+        for ring in 1..=rings.disc {
             let to = walk.reached.len();
             (from..to).for_each(|u| walk.add_ring(u));
             from = to;
-            if walk.reached.len() > MAX_PATCH_VERTICES {
+            if walk.reached.len() > MAX_DISC_VERTICES {
                 return None;
             }
             if ring == rings.support {
@@ -151,7 +151,7 @@ impl WholeNet<'_> {
             let known = vertices.iter().enumerate().map(|(i, &v)| (index(i), sharpness.vertex(v as usize).to_bits()));
             sharp_vertices.extend(known.filter(|&(_, bits)| bits != 0));
         }
-        let patch = Patch {
+        let disc = Disc {
             central: index(central),
             support,
             n_vertices,
@@ -164,7 +164,7 @@ impl WholeNet<'_> {
             sharp_vertices,
             directions: walk.directions,
         };
-        Some(Located { patch, vertices, half_edges: walk.half_edges, rotation: 0 })
+        Some(Located { disc, vertices, half_edges: walk.half_edges, rotation: 0 })
     }
 }
 
@@ -173,7 +173,7 @@ struct Walk<'a> {
     whole: WholeNet<'a>,
     sizes: Vec<u32>,
     local: Vec<u32>,
-    /// For each vertex of the patch a corner at it, by which it was reached.
+    /// For each vertex of the disc a corner at it, by which it was reached.
     reached: Vec<u32>,
     known: FirstUse,
     half_edges: Vec<u32>,
@@ -183,7 +183,7 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Adds the faces around vertex `u` of the patch, counter-clockwise from the corner by which it was reached.
+    /// Adds the faces around vertex `u` of the disc, counter-clockwise from the corner by which it was reached.
     fn add_ring(&mut self, u: usize) {
         let topology = self.whole.topology;
         let start = self.reached[u];

@@ -137,7 +137,7 @@ fn texture_coordinates_are_swept_to_the_bits_of_whole_nets() {
     for net in [nets::cube(), nets::grid(4, 3), nets::mixed()] {
         // every other face is cut off
         let n = net.positions.len();
-        let shift = |f: usize| if f % 2 == 0 { 0 } else { n };
+        let shift = |f: usize| if f.is_multiple_of(2) { 0 } else { n };
         let places = |(f, face): (usize, &Vec<usize>)| face.iter().map(|v| v + shift(f)).collect::<Vec<_>>();
         let faces: Vec<_> = net.faces.iter().enumerate().map(places).collect();
         let flat = net.positions.iter().map(|p| [p[0] + 0.3 * p[2], p[1] - 0.7 * p[2]]);

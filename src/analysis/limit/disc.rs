@@ -1,8 +1,8 @@
-//! Patches: the faces around a vertex, an edge or a face, numbered in an order that depends on their connectivity only.
+//! Disces: the faces around a vertex, an edge or a face, numbered in an order that depends on their connectivity only.
 
 use std::sync::Arc;
 
-use super::patch_rules::PatchRules;
+use super::disc_rules::DiscRules;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::sharpness::Sharpness;
 use crate::scheme::surroundings::Surroundings;
@@ -12,7 +12,7 @@ use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{NONE, Topology, index};
 
-/// What a patch lies around.
+/// What a disc lies around.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Centre {
     /// A vertex.
@@ -23,21 +23,21 @@ pub(super) enum Centre {
     Face(u32),
 }
 
-/// How many rings of faces belong to a patch.
+/// How many rings of faces belong to a disc.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Rings {
     /// Rings whose vertices decide about the limit.
     pub(super) support: usize,
     /// Rings whose connectivity decides about it; at least as many.
-    pub(super) patch: usize,
+    pub(super) disc: usize,
 }
 
-/// The connectivity of a patch and everything else that the weights of its limit depend on.
+/// The connectivity of a disc and everything else that the weights of its limit depend on.
 ///
 /// Vertices are numbered ring by ring around the centre; the centre is vertex 0, or the edge or the face of the first
 /// vertices, which then begins the first face.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Patch {
+pub(super) struct Disc {
     /// Number of vertices of the face or the edge at the centre; 0 where the centre is a vertex.
     pub(super) central: u32,
     /// Number of vertices within the rings that decide about the limit.
@@ -56,11 +56,11 @@ pub(super) struct Patch {
     pub(super) directions: Vec<Direction>,
 }
 
-/// A patch and where it was found.
+/// A disc and where it was found.
 #[derive(Debug, Clone)]
 pub(super) struct Located {
-    /// The patch.
-    pub(super) patch: Patch,
+    /// The disc.
+    pub(super) disc: Disc,
     /// For each of its vertices the number in the whole.
     pub(super) vertices: Vec<u32>,
     /// For each of its faces the half-edge in the whole net that is the first one here.
@@ -69,8 +69,8 @@ pub(super) struct Located {
     pub(super) rotation: usize,
 }
 
-impl Patch {
-    /// The centre, in the numbers of the patch.
+impl Disc {
+    /// The centre, in the numbers of the disc.
     pub(super) fn centre(&self) -> Centre {
         match self.central {
             0 => Centre::Vertex(0),
@@ -133,9 +133,9 @@ impl Patch {
         found.is_ok_and(|at| f64::from_bits(self.sharp_edges[at].1) >= INFINITE_SHARPNESS)
     }
 
-    /// The patch as a net of its own, with the origin of each of its vertices in the patch.
-    pub(super) fn net(&self, patch_rules: PatchRules) -> Option<(MeshNet, Vec<u32>)> {
-        let PatchRules { rules, boundary, cut, boundary_every } = patch_rules;
+    /// The disc as a net of its own, with the origin of each of its vertices in the disc.
+    pub(super) fn net(&self, disc_rules: DiscRules) -> Option<(MeshNet, Vec<u32>)> {
+        let DiscRules { rules, boundary, cut, boundary_every } = disc_rules;
         let faces = self.faces().map(|face| face.iter().copied()).collect();
         let mut checked = Topology::of_faces(self.n_vertices, faces, Winding::Refuse).ok()?;
         if boundary_every > 1 && (self.rounds + 1).is_multiple_of(boundary_every) {
@@ -168,7 +168,7 @@ impl Patch {
 }
 
 /// The faces without those that have two edges on the boundary, if there are any: a scheme that cuts boundary
-/// edges in some steps only cuts one of a face at most, and where a patch ends at the boundary of its mesh it may have
+/// edges in some steps only cuts one of a face at most, and where a disc ends at the boundary of its mesh it may have
 /// such faces.
 fn without_ears(topology: &Topology) -> Option<FaceList> {
     let is_ear = |&f: &usize| topology.half_edges(f).filter(|&half_edge| topology.twin(half_edge) == NONE).count() > 1;

@@ -1,24 +1,24 @@
-//! What the nets of a cycle have in common, wherever a patch is cut out of them.
+//! What the nets of a cycle have in common, wherever a disc is cut out of them.
 
 use crate::scheme::plan::Plan;
 use crate::scheme::rules::Rules;
 use crate::scheme::tags::Boundary;
 use crate::shape::topology::Topology;
 
-/// What holds of all patches of a net.
+/// What holds of all discs of a net.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PatchRules {
+pub(super) struct DiscRules {
     /// Rules of the scheme.
     pub(super) rules: Rules,
     /// Where a D makes new vertices with one face: whether they keep their place.
     pub(super) boundary: Boundary,
-    /// Whether the net has all vertices that D needs, so that a patch loses some where it was cut out only.
+    /// Whether the net has all vertices that D needs, so that a disc loses some where it was cut out only.
     pub(super) cut: bool,
     /// Boundaries are cut in every so many-th step.
     pub(super) boundary_every: u32,
 }
 
-impl PatchRules {
+impl DiscRules {
     /// Of the nets that a plan makes of a mesh.
     pub(super) fn of(plan: &Plan, topology: &Topology) -> Self {
         let is_open = topology.n_boundary() > 0;
