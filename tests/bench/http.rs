@@ -4,10 +4,11 @@
 use std::error::Error;
 use std::net::SocketAddr;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use axum::Router;
-use axum::body::Bytes;
-use axum::http::{HeaderMap, HeaderName, HeaderValue};
+use axum::body::{Body, Bytes};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, Response};
 use axum::routing::get;
 use axum::serve::ListenerExt;
 use planish::config::Settings;
@@ -115,7 +116,13 @@ fn start_planish(runtime: &Runtime, stopped: oneshot::Receiver<()>) -> Result<So
 }
 
 fn start_bare(runtime: &Runtime, headers: HeaderMap, bytes: Bytes) -> Result<SocketAddr, Box<dyn Error>> {
-    let answer = move |_: Bytes| async move { (headers, bytes) };
+    // the least that a handler can do: it copies the headers once
+    let headers = Arc::new(headers);
+    let answer = move |_: Bytes| async move {
+        let mut response = Response::new(Body::from(bytes));
+        response.headers_mut().clone_from(&headers);
+        response
+    };
     let router: Router = Router::new().route("/bytes", get(answer.clone()).post(answer));
     let listener = runtime.block_on(TcpListener::bind(("127.0.0.1", 0)))?;
     let address = listener.local_addr()?;
