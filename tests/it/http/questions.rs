@@ -47,6 +47,21 @@ fn an_estimate_counts_every_level_and_runs_nothing() {
 }
 
 #[test]
+fn an_estimate_and_the_timing_tell_the_path_that_a_job_takes() {
+    story(settings(), async |server| {
+        for (word, path) in [("UC", "sweep"), ("U3C", "rows")] {
+            let mut job = mesh(2);
+            job["plan"] = json!({ "word": word });
+            assert_eq!(server.post("/v1/estimate", &job).await.ok().json()["path"], path);
+            let made = server.render(&job).await.ok();
+            assert_eq!(made.header("server-timing").contains("desc=\"sweep\""), path == "sweep", "{word}");
+        }
+        let estimate = server.post("/v1/estimate", &polygon(3)).await.ok().json();
+        assert_eq!(estimate["path"], "rows", "curves have one path");
+    });
+}
+
+#[test]
 fn an_estimate_takes_many_outputs_and_refuses_what_cannot_be() {
     story(settings(), async |server| {
         let mut job = mesh(1);
