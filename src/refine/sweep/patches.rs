@@ -51,20 +51,18 @@ impl Sweep {
         let mut all = Numbers::to_overwrite(self.n_points() * W);
         let finite = AtomicBool::new(true);
         let base = &self.surface.base;
-        let run = Run { sweep: self, flat: self.flat(W), start };
+        let run = Run { sweep: self, flat: self.flat(W), start, watch };
         let (vertices, rest) = all.as_chunks_mut::<W>().0.split_at_mut(base.n_vertices());
         let tasks = self.tasks(rest);
         let made = tasks.into_par_iter().map_init(Worker::<W>::default, |worker, mut task| {
-            watch.check()?;
             worker.begin(self);
             for patch in task.patches.clone() {
-                run.patch(patch, worker, &mut task);
+                run.patch(patch, worker, &mut task)?;
             }
             let vertices = task.vertices.iter().all(|(_, point)| all_finite(point));
             if !(vertices && all_finite(task.edges.as_flattened()) && all_finite(task.inner.as_flattened())) {
                 finite.store(false, Ordering::Relaxed);
             }
-            watch.advance((task.edges.len() + task.inner.len()) as u64);
             Ok(task.vertices)
         });
         let owned = made.collect::<Result<Vec<_>, Stopped>>()?;
@@ -148,6 +146,7 @@ struct Run<'a, const W: usize> {
     sweep: &'a Sweep,
     flat: Vec<Vec<FlatPass>>,
     start: &'a [[f64; W]],
+    watch: &'a Watch,
 }
 
 /// The buffers of one thread.
@@ -199,7 +198,7 @@ impl<const W: usize> Worker<W> {
 
 impl<const W: usize> Run<'_, W> {
     /// Refines a patch.
-    fn patch(&self, patch: usize, worker: &mut Worker<W>, task: &mut Task<'_, W>) {
+    fn patch(&self, patch: usize, worker: &mut Worker<W>, task: &mut Task<'_, W>) -> Result<(), Stopped> {
         let sweep = self.sweep;
         let size = sweep.size(0, W);
         let corners = sweep.surface.patches.half_edges(patch).map(|half| sweep.surface.patches.vertex(half) as usize);
@@ -212,7 +211,7 @@ impl<const W: usize> Run<'_, W> {
             let at = size.at(place);
             coarse[at..at + W].copy_from_slice(&self.start[v as usize]);
         });
-        self.descend(0, Block { patch, at: [0, 0], pieces: size.cells }, worker, task);
+        self.descend(0, Block { patch, at: [0, 0], pieces: size.cells }, worker, task)
     }
 
     /// Refines the star around a vertex through all rounds, if it has one and that was not done yet.
@@ -236,7 +235,13 @@ impl<const W: usize> Run<'_, W> {
     }
 
     /// Refines a block whose coarse grid is in the first plane through the rounds from `round` on.
-    fn descend(&self, round: usize, block: Block, worker: &mut Worker<W>, task: &mut Task<'_, W>) {
+    fn descend(
+        &self,
+        round: usize,
+        block: Block,
+        worker: &mut Worker<W>,
+        task: &mut Task<'_, W>,
+    ) -> Result<(), Stopped> {
         let sweep = self.sweep;
         let size = sweep.size(round, W);
         let patches = &sweep.surface.patches;
@@ -255,8 +260,10 @@ impl<const W: usize> Run<'_, W> {
             }
         }
         if round + 1 == sweep.rounds.len() {
+            self.watch.check()?;
             self.emit(size, block, worker, task);
-            return;
+            self.watch.advance(4 * (size.cells * size.cells) as u64);
+            return Ok(());
         }
         if worker.woven.len() <= round {
             worker.woven.resize_with(round + 1, Vec::new);
@@ -269,8 +276,7 @@ impl<const W: usize> Run<'_, W> {
         if fine.cells == next.cells {
             std::mem::swap(&mut woven, &mut worker.planes.now[0]);
             worker.woven[round] = woven;
-            self.descend(round + 1, refined, worker, task);
-            return;
+            return self.descend(round + 1, refined, worker, task);
         }
         for corner in [[0, 0], [1, 0], [0, 1], [1, 1]] {
             let offset = corner.map(|x| x * next.cells);
@@ -282,9 +288,10 @@ impl<const W: usize> Run<'_, W> {
                 row.copy_from_slice(&woven[from..from + row.len()]);
             }
             let at = std::array::from_fn(|axis| refined.at[axis] + offset[axis]);
-            self.descend(round + 1, Block { at, ..refined }, worker, task);
+            self.descend(round + 1, Block { at, ..refined }, worker, task)?;
         }
         worker.woven[round] = woven;
+        Ok(())
     }
 
     /// Overwrites what the loops made around a corner by the points of its star.
