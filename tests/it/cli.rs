@@ -4,6 +4,7 @@
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
+use std::time::Duration;
 
 use planish::config::{Setting, Settings};
 use planish::output::FORMATS;
@@ -85,10 +86,18 @@ fn a_small_job_starts_no_threads() {
     let mut out = child.stdout.take().unwrap();
     out.read_exact(&mut [0]).unwrap();
     // what follows is more than a pipe holds: the program waits for its reader
-    let threads = std::fs::read_dir(format!("/proc/{}/task", child.id())).unwrap();
-    let names = threads.map(|thread| std::fs::read_to_string(thread.unwrap().path().join("comm")).unwrap());
-    // the allocator has one of its own
-    let computing: Vec<String> = names.filter(|name| !name.starts_with("jemalloc")).collect();
+    let computing = || -> Vec<String> {
+        let threads = std::fs::read_dir(format!("/proc/{}/task", child.id())).unwrap();
+        let names = threads.map(|thread| std::fs::read_to_string(thread.unwrap().path().join("comm")).unwrap());
+        names.filter(|name| !name.starts_with("jemalloc")).collect()
+    };
+    // the allocator has a thread of its own, which takes its name only after it was started; others would stay
+    let tries = std::iter::repeat_with(|| {
+        std::thread::sleep(Duration::from_millis(10));
+        computing()
+    });
+    let last = tries.take(200).enumerate().find(|(at, names)| names.len() == 1 || *at == 199);
+    let (_, computing) = last.unwrap();
     let mut rest = Vec::new();
     out.read_to_end(&mut rest).unwrap();
     assert!(child.wait().unwrap().success());
