@@ -39,7 +39,7 @@ pub fn is_swept(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> bool {
     Outline::of(&mesh_net(mesh, plan), plan, steps).is_some()
 }
 
-/// The same by rows of whole nets: the definition of what every other path makes.
+/// Refines a mesh by rows of whole nets: the definition of what every other path makes.
 ///
 /// # Errors
 /// [`RefineError`].

@@ -60,7 +60,7 @@ pub fn refined_uvs(
     Ok(Some(RefinedUvs { points, base: net.mesh.base, order }))
 }
 
-/// The same by rows of the whole net.
+/// Refines the texture coordinates of a mesh by rows of the whole net.
 ///
 /// # Errors
 /// [`RefineError`].

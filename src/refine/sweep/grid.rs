@@ -2,9 +2,8 @@
 
 use std::ops::Range;
 
-use super::kernel::{FlatGroup, FlatMask};
+use super::kernel::{FlatGroup, FlatMask, sum_at};
 use super::mask::{Line, Mask, MaskGroup, PLANES, Pass};
-use crate::math::rows::symmetric_sum;
 
 /// One pass at one size of grid.
 #[derive(Debug)]
@@ -218,15 +217,8 @@ fn draw_line(pass: &FlatPass, source: &[&[f64]; PLANES], next: &mut [Vec<f64>; P
         let (low, high) = (shifts().min().unwrap_or(0).min(0), shifts().max().unwrap_or(0).max(0));
         for steps in -halo - low..=n + halo - high {
             let at = size.at(if axis == 0 { [steps, across] } else { [across, steps] });
-            for k in at..at + size.width {
-                let term = |group: &FlatGroup| {
-                    let member = |m: usize| {
-                        let (plane, distance) = group.members[m];
-                        [source[plane as usize][k.wrapping_add_signed(distance)]]
-                    };
-                    group.weight * symmetric_sum(group.members.len(), member)[0]
-                };
-                out[k] = groups.iter().fold(-0.0, |sum, group| sum + term(group));
+            for (k, x) in (at..).zip(&mut out[at..at + size.width]) {
+                *x = sum_at(groups, source, k);
             }
         }
     }

@@ -145,18 +145,22 @@ fn one_pairs_quad(out: &mut [f64], w: [f64; 4], a: &[f64], pairs: [[&[f64]; 2]; 
     }
 }
 
-/// Groups of any number and size, one group after another.
+/// Groups of any number and size.
 fn any(out: &mut [f64], groups: &[FlatGroup], source: &[&[f64]; 4], low: usize, adds: bool) {
-    for (at, group) in groups.iter().enumerate() {
-        let member = |k: usize, m: usize| {
-            let (plane, distance) = group.members[m];
-            let place = (low + k).checked_add_signed(distance).expect("the reach is inside");
-            [source[plane as usize][place]]
-        };
-        for (k, x) in out.iter_mut().enumerate() {
-            let [term] = symmetric_sum(group.members.len(), |m| member(k, m));
-            let before = if at == 0 && !adds { -0.0 } else { *x };
-            *x = before + group.weight * term;
-        }
+    for (k, x) in out.iter_mut().enumerate() {
+        let sum = sum_at(groups, source, low + k);
+        *x = if adds { *x + sum } else { sum };
     }
+}
+
+/// The sum over the groups at one place.
+pub(super) fn sum_at(groups: &[FlatGroup], source: &[&[f64]; 4], k: usize) -> f64 {
+    let term = |group: &FlatGroup| {
+        let member = |m: usize| {
+            let (plane, distance) = group.members[m];
+            [source[plane as usize][k.wrapping_add_signed(distance)]]
+        };
+        group.weight * symmetric_sum(group.members.len(), member)[0]
+    };
+    groups.iter().fold(-0.0, |sum, group| sum + term(group))
 }

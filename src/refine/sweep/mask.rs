@@ -160,14 +160,14 @@ const MAX_HALO: usize = 4;
 
 /// A small net of quads with a point in its middle, which may lie on a line.
 struct Sample {
-    net_of: Option<Line>,
+    line: Option<Line>,
     topology: Arc<Topology>,
     middle: [isize; 2],
 }
 
 impl Sample {
-    fn new(net_of: Option<Line>) -> Self {
-        let rows = if net_of == Some(Line::Boundary) { SIDE / 2 } else { SIDE };
+    fn new(line: Option<Line>) -> Self {
+        let rows = if line == Some(Line::Boundary) { SIDE / 2 } else { SIDE };
         let vertex = |i: usize, j: usize| index(j * (SIDE + 1) + i);
         let mut faces = FaceList::default();
         for j in 0..rows {
@@ -178,7 +178,7 @@ impl Sample {
         let checked = Topology::of_faces((SIDE + 1) * (rows + 1), faces, Winding::Refuse);
         let topology = Arc::new(checked.expect("a grid of quads is a mesh").topology);
         let middle = (SIDE / 2).cast_signed();
-        Self { net_of, topology, middle: [middle, if net_of == Some(Line::Boundary) { 0 } else { middle }] }
+        Self { line, topology, middle: [middle, if line == Some(Line::Boundary) { 0 } else { middle }] }
     }
 
     fn coarse(v: usize) -> [isize; 2] {
@@ -187,7 +187,7 @@ impl Sample {
 
     fn net(&self, plan: &Plan) -> MeshNet {
         let on_line = |e: usize| self.topology.ends(e).iter().all(|&v| Self::coarse(v as usize)[1] == self.middle[1]);
-        let sharp = (0..self.topology.n_edges()).filter(|&e| self.net_of == Some(Line::Crease) && on_line(e));
+        let sharp = (0..self.topology.n_edges()).filter(|&e| self.line == Some(Line::Crease) && on_line(e));
         let sharp = sharp.map(|e| (index(e), INFINITE_SHARPNESS)).collect();
         let net = MeshNet::new(self.topology.clone(), &[], &[], Boundary::EdgeOnly);
         net.with_sharpness(Sharpness::of(&sharp, &Vec::new()), plan.rules)

@@ -49,8 +49,9 @@ pub(crate) struct Outline<'a> {
     rounds: Vec<&'a [Scheduled]>,
     passes: Vec<Arc<Vec<Pass>>>,
     halo: usize,
-    /// Rounds that the net is refined elsewhere before, and how many of them make quads of other faces.
+    /// Rounds that the net is refined elsewhere before.
     before: usize,
+    /// How many of these make quads of other faces: one or none.
     splits: usize,
 }
 

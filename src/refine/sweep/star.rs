@@ -90,10 +90,8 @@ enum Stage {
     Up(Rows),
     /// From the points before.
     Blend(Rows),
-    /// Each point is one before, to which rows of differences are added.
+    /// To each point, numbered as before, rows of differences are added.
     Push {
-        /// The point before.
-        own: Vec<u32>,
         /// Pairs of a point of the star and of its child before the step.
         differences: Vec<[u32; 2]>,
         rows: Rows,
@@ -120,8 +118,7 @@ impl StarRound {
                     let made = needed.rows(rows, |i| anchors.number(i));
                     // vertices keep their numbers, so that a vertex is its own child
                     let differences = anchors.order.iter().map(|&v| [v, before.number(v)]).collect();
-                    let own = (0..index(needed.order.len())).collect();
-                    (Stage::Push { own, differences, rows: made }, before)
+                    (Stage::Push { differences, rows: made }, before)
                 }
             };
             stages.push(stage);
@@ -138,14 +135,13 @@ impl StarRound {
             match stage {
                 Stage::Up(rows) => fill(rows, star, next),
                 Stage::Blend(rows) => fill(rows, now, next),
-                Stage::Push { own, differences: pairs, rows } => {
+                Stage::Push { differences: pairs, rows } => {
                     differences.clear();
                     differences.extend(pairs.iter().map(|&[anchor, child]| -> [f64; W] {
                         std::array::from_fn(|c| star[anchor as usize][c] - now[child as usize][c])
                     }));
                     fill(rows, differences, next);
-                    for (x, &own) in next.iter_mut().zip(own) {
-                        let before = now[own as usize];
+                    for (x, before) in next.iter_mut().zip(&*now) {
                         *x = std::array::from_fn(|c| before[c] + x[c]);
                     }
                 }
