@@ -31,8 +31,8 @@ const MOST_THREADS: u64 = 1024;
 /// Longest time that a setting may name, a day in seconds: what waits longer is no service any more, and clocks can
 /// add a day to any time without overflow.
 const MOST_SECONDS: u64 = 24 * 60 * 60;
-/// Most faces or vertices that can be allowed: indices are 32 bits wide, and a net has up to four corners a vertex.
-const MOST_INDEXED: u64 = u32::MAX as u64 / 5;
+/// Most faces or vertices that can be allowed: indices are 32 bits wide.
+const MOST_INDEXED: u64 = u32::MAX as u64;
 
 /// One setting as it is listed.
 #[derive(Debug, Clone, PartialEq)]
@@ -186,6 +186,7 @@ impl Settings {
             max_vertices: self.max_vertices.min(MOST_INDEXED),
             max_output_bytes: self.max_output_bytes,
             max_job_bytes: self.max_job_bytes,
+            ..Limits::default()
         }
     }
 

@@ -8,7 +8,7 @@ use super::{curves, kernels};
 use crate::analysis::curve::Reached;
 use crate::fault::Fault;
 use crate::output::surface;
-use crate::refine::is_swept;
+use crate::refine::{held_levels, is_swept};
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::frame::Frame;
 
@@ -49,6 +49,15 @@ impl Job {
         let as_refined = |output: &Output| surface::limit(&output.options) == [false; 2];
         let Input::Mesh(mesh) = &self.input else { return false };
         self.outputs.iter().any(as_refined) && is_swept(mesh, &self.plan, &self.steps)
+    }
+
+    /// How many levels are refined as whole nets before all outputs can be written while the rest is refined; none
+    /// where that cannot be done.
+    pub(super) fn held_levels(&self) -> Option<usize> {
+        let streams =
+            |output: &Output| surface::limit(&output.options) == [false; 2] && output.format.streams(&output.options);
+        let Input::Mesh(mesh) = &self.input else { return None };
+        if self.outputs.iter().all(streams) { held_levels(mesh, &self.plan, &self.steps) } else { None }
     }
 
     /// The job at a level, or all its faults after those that were found before.

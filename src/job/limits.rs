@@ -6,7 +6,7 @@ use super::amounts::{in_bytes, thousands};
 use super::complete::Job;
 use super::input::Input;
 use super::key::Key;
-use super::memory::{carried, compared_discs, memory};
+use super::memory::{carried, compared_discs, memory, on_demand};
 use super::output::Output;
 use super::time;
 use crate::analysis::limit::{Cost, Follow, LimitRequest, ROWS_A_POINT, cost as limit_cost, followed_points};
@@ -32,13 +32,29 @@ pub struct Limits {
     pub max_output_bytes: u64,
     /// Bytes of memory that one job may need while it runs.
     pub max_job_bytes: u64,
+    /// Bytes of memory above which a job is refined while its result is written, where that can be done.
+    pub max_held_bytes: u64,
 }
+
+/// The same where nothing else is said: as much as the points of a million faces take and a binary result of them.
+/// Below, holding all points once takes about half the time of making those of vertices, edges and faces one after
+/// another; with twice of it a machine holds twice as much for jobs that could do without.
+const MAX_HELD_BYTES: u64 = 256 << 20;
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { max_faces: 20_000_000, max_vertices: 40_000_000, max_output_bytes: 4 << 30, max_job_bytes: 8 << 30 }
+        Self {
+            max_faces: 20_000_000,
+            max_vertices: 40_000_000,
+            max_output_bytes: 4 << 30,
+            max_job_bytes: 8 << 30,
+            max_held_bytes: MAX_HELD_BYTES,
+        }
     }
 }
+
+/// Most vertices or faces that are read: indices are 32 bits wide, and a net has up to four corners a vertex.
+const MOST_READ: u64 = u32::MAX as u64 / 5;
 
 /// Why a job is not taken on.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,8 +79,10 @@ pub struct Estimate {
     pub forecast: Forecast,
     /// Key and size of each output, in their order.
     pub outputs: Vec<(Key, Size)>,
-    /// Bytes of memory while it runs.
+    /// Bytes of memory while it runs; where it is refined while its result is written, those of the result excluded.
     pub memory_bytes: u128,
+    /// Whether it is refined while its result is written.
+    pub on_demand: bool,
     /// Milliseconds on one core, roughly.
     pub time_ms: u128,
 }
@@ -91,7 +109,8 @@ impl Admitted {
 impl Limits {
     /// Returns these bounds as they hold for mesh files.
     pub fn reading(&self) -> ReadLimits {
-        ReadLimits { max_vertices: self.max_vertices, max_faces: self.max_faces }
+        let [max_vertices, max_faces] = [self.max_vertices, self.max_faces].map(|n| n.min(MOST_READ));
+        ReadLimits { max_vertices, max_faces }
     }
 
     /// Admits a job, or says why not and what would be.
@@ -152,7 +171,19 @@ impl Limits {
         let limit_bytes = limit_bytes.saturating_add(local.bytes).saturating_add(compared);
         let options =
             job.outputs.iter().map(|output| output.format.memory(&counts, &output.options)).max().unwrap_or(0);
-        let memory_bytes = memory(&forecast, &sizes, &carried).saturating_add(limit_bytes).saturating_add(options);
+        let mut memory_bytes = memory(&forecast, &sizes, &carried).saturating_add(limit_bytes).saturating_add(options);
+        let is_large = memory_bytes > self.max_held_bytes.into();
+        let held_levels = if is_large { job.held_levels() } else { None };
+        if let Some(levels) = held_levels {
+            memory_bytes = on_demand(&forecast, levels, &sizes);
+        } else if forecast.peak.corners > u32::MAX.into() {
+            let reason = format!(
+                "the net has {} corners of faces, which are counted up to {}",
+                thousands(forecast.peak.corners),
+                thousands(u32::MAX.into())
+            );
+            return Err(self.too_large(job, &forecast, &reason, |count| count.corners <= u32::MAX.into()));
+        }
         if memory_bytes > self.max_job_bytes.into() {
             let place = format!("the job needs about {} of memory", in_bytes(memory_bytes));
             let bound = format!("this server allows {} a job", in_bytes(self.max_job_bytes.into()));
@@ -161,7 +192,7 @@ impl Limits {
         let rows = forecast.work.saturating_add(local.points).saturating_add(time::rows(job, &counts));
         let time_ms = time::milliseconds(rows, &sizes);
         let outputs = job.keys().iter().copied().zip(sizes).collect();
-        Ok(Estimate { forecast, outputs, memory_bytes, time_ms })
+        Ok(Estimate { forecast, outputs, memory_bytes, on_demand: held_levels.is_some(), time_ms })
     }
 
     fn no_forecast(&self, error: &ForecastError) -> Refusal {

@@ -74,6 +74,30 @@ pub(super) fn memory(forecast: &Forecast, sizes: &[Size], carried: &Carried) -> 
     parts.iter().fold(0, |sum: u128, (n, bytes)| sum.saturating_add(n.saturating_mul(*bytes)))
 }
 
+/// Rows that are on their way from the sweep to the output at once, at most.
+const ROWS_ON_THE_WAY: u128 = 1 << 20;
+/// Bytes of a row on its way: its point in a window of a patch, and twice (one is made while the other is written) as
+/// a point in the documented order.
+const ROW_BYTES: u128 = 3 * 24;
+/// Bytes of the planes of a sweep, with the points of stars, for sixteen threads.
+const PLANE_BYTES: u128 = 64 << 20;
+/// Bytes a corner of the input: the topology of patches, their kinds, and which stars were made by which thread.
+const PATCH_BYTES: u128 = 256;
+
+/// Bytes of a job whose mesh is refined while the result is written, from a whole net of that level on, without those
+/// of the result.
+pub(super) fn on_demand(forecast: &Forecast, level: usize, sizes: &[Size]) -> u128 {
+    let last = forecast.levels.last().copied().unwrap_or_default();
+    let count = forecast.levels.get(level).copied().unwrap_or(last);
+    let given = forecast.levels.first().map_or(0, |count| count.corners);
+    let bytes = sizes.iter().map(|size| size.bytes()).max().unwrap_or(0);
+    let bytes_a_row = bytes / last.vertices.min(last.faces).max(1);
+    let rows = ROWS_ON_THE_WAY.min(last.vertices).saturating_mul(ROW_BYTES + 2 * bytes_a_row);
+    let held =
+        memory(&Forecast { levels: vec![count], peak: count, work: 0, topology_bytes: 0 }, &[], &Carried::default());
+    held.saturating_add(given.saturating_mul(PATCH_BYTES)).saturating_add(rows).saturating_add(PLANE_BYTES)
+}
+
 /// Bytes of the discs around vertices that limits compare, of 16,384 vertices at a time: those near extraordinary
 /// vertices, within three rings, or of all where faces are triangles or where vertices or edges carry something.
 pub(super) fn compared_discs(job: &Job, forecast: &Forecast) -> u128 {

@@ -13,7 +13,7 @@ use crate::analysis::curve;
 use crate::analysis::limit::{LimitError, LimitRequest, refine_mesh_to_limit};
 use crate::output::scene::{Control, Curve, Scene, Shape};
 use crate::output::surface;
-use crate::refine::{RefinedMesh, refine_mesh};
+use crate::refine::{RefinedMesh, StreamedMesh, refine_mesh};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::tags::Boundary;
 use crate::shape::mesh::Mesh;
@@ -36,7 +36,7 @@ pub fn run(admitted: &Admitted, output: &Output, out: &mut dyn Write, watch: &Wa
     watch.enter(Stage::Refine);
     match &job.input {
         Input::Polygons(polygons) => draw(job, polygons, output, out, watch),
-        Input::Mesh(mesh) => form(job, mesh, output, out, watch),
+        Input::Mesh(mesh) => form(admitted, mesh, output, out, watch),
     }
 }
 
@@ -56,7 +56,22 @@ fn draw(
 }
 
 /// Refines and writes a mesh.
-fn form(job: &Job, mesh: &Mesh, output: &Output, out: &mut dyn Write, watch: &Watch) -> Result<Report, RunError> {
+fn form(
+    admitted: &Admitted,
+    mesh: &Mesh,
+    output: &Output,
+    out: &mut dyn Write,
+    watch: &Watch,
+) -> Result<Report, RunError> {
+    let (job, on_demand) = (admitted.job(), admitted.estimate().on_demand);
+    let control = &ControlMesh { mesh, refined: OnceLock::new() };
+    if on_demand {
+        let refined = StreamedMesh::of(mesh, &job.plan, job.steps(), watch);
+        let refined = refined.map_err(|error| RunError::of_limit(error.into(), mesh.attributes.as_ref(), ""))?;
+        let Some(refined) = refined else { return Err(RunError::too_large()) };
+        let (shape, warnings) = (Shape::Mesh(&refined), mesh.warnings());
+        return write(&Scene { shape, control, warnings: &warnings, frame: job.frame }, output, out, watch);
+    }
     let [positions, normals] = surface::limit(&output.options);
     let asked = LimitRequest { positions, normals };
     let refined = if asked.anything() {
@@ -68,7 +83,6 @@ fn form(job: &Job, mesh: &Mesh, output: &Output, out: &mut dyn Write, watch: &Wa
     let option = if positions { "/positions" } else { "/normals" };
     let (refined, found) = refined.map_err(|error| RunError::of_limit(error, mesh.attributes.as_ref(), option))?;
     let warnings = [mesh.warnings(), found].concat();
-    let control = &ControlMesh { mesh, refined: OnceLock::new() };
     let shape = Shape::Mesh(&refined);
     write(&Scene { shape, control, warnings: &warnings, frame: job.frame }, output, out, watch)
 }

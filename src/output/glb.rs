@@ -59,6 +59,10 @@ impl Format for Glb {
         if split_vertices(counts, options) > 0 { Size::AtMost(bytes) } else { Size::Exact(bytes) }
     }
 
+    fn streams(&self, options: &Values) -> bool {
+        !with_normals(options)
+    }
+
     fn write(
         &self,
         scene: &Scene<'_>,

@@ -90,6 +90,12 @@ pub fn area_vector(face: &[u32], positions: &[[f64; 3]], scale: f64) -> [f64; 3]
     sum
 }
 
+/// The unit normal of a triangle, zero where it is undefined; `scale` is that of the mesh.
+#[inline]
+pub(super) fn of_triangle(corners: [[f64; 3]; 3], scale: f64) -> [f64; 3] {
+    unit(area_vector(&[0, 1, 2], &corners, scale))
+}
+
 /// The power of two that brings the longest side of the bounding box near 1, so that products of lengths neither
 /// overflow nor vanish. A power of two changes no digit.
 pub fn scale(positions: &[[f64; 3]]) -> f64 {
@@ -99,6 +105,11 @@ pub fn scale(positions: &[[f64; 3]]) -> f64 {
         bounds
     };
     let bounds = positions.par_chunks(CHUNK).map(block).reduce(|| Bounds::EMPTY, |a, b| a.joined(&b));
+    scale_of(&bounds)
+}
+
+/// [`scale`] of positions in this box.
+pub(super) fn scale_of(bounds: &Bounds<3>) -> f64 {
     let half_side = bounds.half_side();
     if half_side > 0.0 && half_side.is_finite() { inverse_power_of_two(half_side) } else { 1.0 }
 }

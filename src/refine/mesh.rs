@@ -67,7 +67,8 @@ pub fn assembled(mesh: &Mesh, net: &MeshNet, numbers: Vec<Vec<f64>>, uvs: Option
     carrying(mesh, net, RefinedMesh::new(net, points), numbers.map(Into::into).collect(), uvs)
 }
 
-fn carrying(
+/// The mesh of a net with what the input carries besides its positions.
+pub(super) fn carrying(
     mesh: &Mesh,
     net: &MeshNet,
     refined: RefinedMesh,

@@ -24,7 +24,7 @@ pub struct RefinedMesh {
     normals: Option<Normals>,
     base: Arc<Topology>,
     order: VertexOrder,
-    shown: Shown,
+    pub(super) shown: Shown,
     attachments: Arc<Attachments>,
     /// The values of each channel, in the same order.
     channels: Vec<Numbers>,

@@ -10,9 +10,12 @@ mod grid;
 mod kernel;
 mod mask;
 mod patches;
+mod places;
 mod program;
 mod star;
 mod surface;
 mod weave;
+mod window;
 
 pub(super) use program::{Outline, Sweep};
+pub(super) use window::OnDemand;

@@ -51,7 +51,7 @@ impl Sweep {
         let mut all = Numbers::to_overwrite(self.n_points() * W);
         let finite = AtomicBool::new(true);
         let base = &self.surface.base;
-        let run = Run { sweep: self, flat: self.flat(W), start, watch };
+        let run = Run { sweep: self, flat: &self.flat(W), start, watch };
         let (vertices, rest) = all.as_chunks_mut::<W>().0.split_at_mut(base.n_vertices());
         let tasks = self.tasks(rest);
         let made = tasks.into_par_iter().map_init(Worker::<W>::default, |worker, mut task| {
@@ -141,17 +141,36 @@ impl<const W: usize> Task<'_, W> {
     }
 }
 
+impl<const W: usize> Target<W> for Task<'_, W> {
+    fn wants(&self, _block: Block, _cells: usize) -> bool {
+        true
+    }
+
+    fn take(&mut self, run: &Run<'_, W>, size: Size, block: Block, planes: &Planes) {
+        run.emit(size, block, planes, self);
+    }
+}
+
+/// Where the points of blocks go.
+pub(super) trait Target<const W: usize> {
+    /// Whether any point of a block with so many cells along each side is wanted.
+    fn wants(&self, block: Block, cells: usize) -> bool;
+
+    /// Takes the points of a block, which entered the last round with this size.
+    fn take(&mut self, run: &Run<'_, W>, size: Size, block: Block, planes: &Planes);
+}
+
 /// What all tasks have in common.
-struct Run<'a, const W: usize> {
-    sweep: &'a Sweep,
-    flat: Vec<Vec<FlatPass>>,
-    start: &'a [[f64; W]],
-    watch: &'a Watch,
+pub(super) struct Run<'a, const W: usize> {
+    pub(super) sweep: &'a Sweep,
+    pub(super) flat: &'a [Vec<FlatPass>],
+    pub(super) start: &'a [[f64; W]],
+    pub(super) watch: &'a Watch,
 }
 
 /// The buffers of one thread.
-#[derive(Default)]
-struct Worker<const W: usize> {
+#[derive(Debug, Default)]
+pub(super) struct Worker<const W: usize> {
     planes: Planes,
     /// Refined grids of patches that are refined further block by block, by depth.
     woven: Vec<Vec<f64>>,
@@ -165,12 +184,12 @@ struct Worker<const W: usize> {
 }
 
 /// A part of a patch at a round: a grid whose first cell is at `at`.
-#[derive(Clone, Copy)]
-struct Block {
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Block {
     patch: usize,
-    at: [usize; 2],
+    pub(super) at: [usize; 2],
     /// Pieces of the patch's side.
-    pieces: usize,
+    pub(super) pieces: usize,
 }
 
 impl Block {
@@ -187,7 +206,7 @@ impl Block {
 
 impl<const W: usize> Worker<W> {
     /// Forgets the stars of another task.
-    fn begin(&mut self, sweep: &Sweep) {
+    pub(super) fn begin(&mut self, sweep: &Sweep) {
         self.star_of.resize(sweep.surface.patches.n_vertices(), NONE);
         for v in self.starred.drain(..) {
             self.star_of[v as usize] = NONE;
@@ -198,7 +217,12 @@ impl<const W: usize> Worker<W> {
 
 impl<const W: usize> Run<'_, W> {
     /// Refines a patch.
-    fn patch(&self, patch: usize, worker: &mut Worker<W>, task: &mut Task<'_, W>) -> Result<(), Stopped> {
+    pub(super) fn patch(
+        &self,
+        patch: usize,
+        worker: &mut Worker<W>,
+        target: &mut impl Target<W>,
+    ) -> Result<(), Stopped> {
         let sweep = self.sweep;
         let size = sweep.size(0, W);
         let corners = sweep.surface.patches.half_edges(patch).map(|half| sweep.surface.patches.vertex(half) as usize);
@@ -211,7 +235,7 @@ impl<const W: usize> Run<'_, W> {
             let at = size.at(place);
             coarse[at..at + W].copy_from_slice(&self.start[v as usize]);
         });
-        self.descend(0, Block { patch, at: [0, 0], pieces: size.cells }, worker, task)
+        self.descend(0, Block { patch, at: [0, 0], pieces: size.cells }, worker, target)
     }
 
     /// Refines the star around a vertex through all rounds, if it has one and that was not done yet.
@@ -240,7 +264,7 @@ impl<const W: usize> Run<'_, W> {
         round: usize,
         block: Block,
         worker: &mut Worker<W>,
-        task: &mut Task<'_, W>,
+        target: &mut impl Target<W>,
     ) -> Result<(), Stopped> {
         let sweep = self.sweep;
         let size = sweep.size(round, W);
@@ -261,7 +285,7 @@ impl<const W: usize> Run<'_, W> {
         }
         if round + 1 == sweep.rounds.len() {
             self.watch.check()?;
-            self.emit(size, block, worker, task);
+            target.take(self, size, block, &worker.planes);
             self.watch.advance(4 * (size.cells * size.cells) as u64);
             return Ok(());
         }
@@ -276,10 +300,15 @@ impl<const W: usize> Run<'_, W> {
         if fine.cells == next.cells {
             std::mem::swap(&mut woven, &mut worker.planes.now[0]);
             worker.woven[round] = woven;
-            return self.descend(round + 1, refined, worker, task);
+            return self.descend(round + 1, refined, worker, target);
         }
         for corner in [[0, 0], [1, 0], [0, 1], [1, 1]] {
             let offset = corner.map(|x| x * next.cells);
+            let at = std::array::from_fn(|axis| refined.at[axis] + offset[axis]);
+            let part = Block { at, ..refined };
+            if !target.wants(part, next.cells) {
+                continue;
+            }
             let coarse = &mut worker.planes.now[0];
             at_least(coarse, next.len());
             let rows = coarse[..next.len()].chunks_exact_mut(next.stride() * W);
@@ -287,8 +316,7 @@ impl<const W: usize> Run<'_, W> {
                 let from = ((offset[1] + j) * fine.stride() + offset[0]) * W;
                 row.copy_from_slice(&woven[from..from + row.len()]);
             }
-            let at = std::array::from_fn(|axis| refined.at[axis] + offset[axis]);
-            self.descend(round + 1, Block { at, ..refined }, worker, task)?;
+            self.descend(round + 1, part, worker, target)?;
         }
         worker.woven[round] = woven;
         Ok(())
@@ -326,14 +354,14 @@ impl<const W: usize> Run<'_, W> {
     }
 
     /// Writes the points of a block after the last round.
-    fn emit(&self, size: Size, block: Block, worker: &Worker<W>, task: &mut Task<'_, W>) {
+    fn emit(&self, size: Size, block: Block, planes: &Planes, task: &mut Task<'_, W>) {
         let order = &self.sweep.orders[1];
         let (cells, n) = (2 * size.cells, 2 * block.pieces);
         let at = block.at.map(|at| 2 * at);
         let columns = at[0].max(1)..(at[0] + cells + 1).min(n);
         for row in at[1].max(1)..(at[1] + cells + 1).min(n) {
             let first = order.patch_vertex(block.patch, [columns.start, row]);
-            let row = Row::new(&worker.planes, size, row - at[1]);
+            let row = Row::new(planes, size, row - at[1]);
             row.copy(columns.start - at[0], task.inside(first, columns.len()));
         }
         let patches = &self.sweep.surface.patches;
@@ -348,7 +376,7 @@ impl<const W: usize> Run<'_, W> {
             let vertex = |steps: usize| order.patch_vertex(block.patch, place(steps));
             let point = |steps: usize| {
                 let [i, j] = place(steps);
-                Row::new(&worker.planes, size, j - at[1]).point(i - at[0])
+                Row::new(planes, size, j - at[1]).point(i - at[0])
             };
             // the numbers of the points of a side go up or down by the same everywhere
             let along = first.max(1)..(first + cells + 1).min(n);

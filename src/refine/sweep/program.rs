@@ -77,6 +77,13 @@ impl<'a> Outline<'a> {
     }
 }
 
+impl Outline<'_> {
+    /// Rounds that the net is refined by rows before the sweep begins.
+    pub(crate) fn before(&self) -> usize {
+        self.before
+    }
+}
+
 impl Sweep {
     /// The sweep of a net, where it has an [`Outline`] and the operators can be applied around each of its vertices.
     pub(crate) fn of(net: &MeshNet, plan: &Plan, steps: &[Scheduled]) -> Option<Self> {
@@ -94,6 +101,14 @@ impl Sweep {
             .map(|splits| Grid::new(net.mesh.base.clone(), net.mesh.base.clone(), vec![2; splits].into()));
         let steps_before = head.iter().map(|round| round.len()).sum();
         Some(Self { surface, halo, before, steps_before, rounds: made, orders, first_pieces })
+    }
+
+    /// The same sweep in blocks of at most so many cells, but not of fewer than it begins with.
+    pub(super) fn with_blocks(mut self, most_cells: usize) -> Self {
+        for round in &mut self.rounds {
+            round.cells = round.cells.min(most_cells.max(self.first_pieces));
+        }
+        self
     }
 
     /// Number of steps that the net has to be refined by before the sweep begins.

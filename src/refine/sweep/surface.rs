@@ -14,7 +14,7 @@ use crate::shape::grid::Grid;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// Directions of the sides of a patch, each from the corner of the same number to the next one.
-const ALONG: [[isize; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
+pub(super) const ALONG: [[isize; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
 /// Directions from the sides into the patch.
 const INTO: [[isize; 2]; 4] = [[0, 1], [-1, 0], [0, -1], [1, 0]];
 
