@@ -25,8 +25,8 @@ pub enum RunError {
 impl RunError {
     /// The refusal of a job that was admitted as one that is refined while it is written, and cannot be.
     pub(super) fn too_large() -> Self {
-        let detail = "the faces around some vertex cannot be refined on their own, so that this level is too large; ask \
-                      for fewer levels";
+        let detail = "the faces around some vertex cannot be refined on their own, so that this level is too large; \
+                      ask for fewer levels";
         Self::Impossible(JobFault::new(JobPart::Plan, "", detail))
     }
 
