@@ -86,6 +86,14 @@ pub struct Estimate {
     pub time_ms: u128,
 }
 
+impl Estimate {
+    /// Bytes of memory while it runs and its result is kept.
+    pub fn kept_memory_bytes(&self) -> u128 {
+        let result = self.outputs.iter().map(|(_, size)| size.bytes()).max().unwrap_or(0);
+        self.memory_bytes.saturating_add(if self.on_demand { result } else { 0 })
+    }
+}
+
 /// A job that was admitted; only [`Limits::admit`] makes one.
 #[derive(Debug, Clone)]
 pub struct Admitted {
