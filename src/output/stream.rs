@@ -24,8 +24,8 @@ const BLOCKS_PER_THREAD: usize = 4;
 const MAX_BLOCKS: usize = 16;
 
 /// Most rows of the blocks that are encoded while those before them are written, where a source makes positions on
-/// demand, many at a time. Half of it keeps more threads waiting where the patches of a mesh are wide; twice of it holds
-/// twice the memory.
+/// demand, many at a time. Half of it keeps more threads waiting where the patches of a mesh are wide; twice of it
+/// holds twice the memory.
 const MAX_ROWS: usize = 1 << 20;
 
 /// Writes rows to `out`; holds twice [`MAX_BLOCKS`] blocks at most, whose memory is kept from one to the next.

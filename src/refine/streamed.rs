@@ -30,7 +30,7 @@ pub struct StreamedMesh {
 /// Meshes that carry channels or texture coordinates are not streamed.
 pub fn held_levels(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> Option<usize> {
     let carries = !mesh.attachments.channels.is_empty() || mesh.attachments.uvs.is_some();
-    if carries { None } else { Some(Outline::of(&mesh_net(mesh, plan), plan, steps)?.before()) }
+    if carries { None } else { Outline::of(&mesh_net(mesh, plan), plan, steps)?.before_quads() }
 }
 
 impl StreamedMesh {
@@ -49,7 +49,7 @@ impl StreamedMesh {
         let (net, mut points) = act_on(net, points, plan, &steps[..sweep.steps_before()], watch)?;
         let (given, mut start) = (points.swap_remove(0).now, Vec::new());
         VertexOrder::constructed(&net).values(&given, 3, 0..given.len() / 3, &mut start);
-        let net = net.after_splits(sweep.splits() - net.mesh.pieces.len());
+        let net = net.after_splits(sweep.tile(), sweep.splits() - net.mesh.pieces.len());
         let shape = carrying(mesh, &net, RefinedMesh::documented(&net, Numbers::default()), Vec::new(), None);
         Ok(Some(Self { shape, points: OnDemand::new(sweep, start, watch) }))
     }

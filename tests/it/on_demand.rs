@@ -116,6 +116,7 @@ fn what_cannot_be_made_on_demand_is_held() {
         job(&channels, &preset("catmull-clark"), 3, &json!({ "format": "ply" })),
         job(&cube, &preset("catmull-clark"), 3, &json!({ "format": "glb" })),
         job(&cube, &preset("catmull-clark"), 3, &json!({ "format": "ply", "positions": "limit" })),
+        job(&nets::octahedron().input(), &preset("loop"), 3, &json!({ "format": "ply" })),
         job(&cube, &preset("doo-sabin"), 3, &json!({ "format": "ply" })),
         job(&cube, &preset("catmull-clark"), 0, &json!({ "format": "ply" })),
     ];
@@ -166,7 +167,7 @@ proptest! {
         let source = streamed.on_demand().expect("it makes its points on demand");
         let positions = held.all_positions();
         prop_assert_eq!((streamed.n_vertices(), streamed.n_faces()), (positions.len(), held.n_faces()));
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss, reason = "small")]
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss, reason = "few")]
         let place = |cut: f64, n: usize| (cut * n as f64) as usize;
         let (mut points, mut faces, mut corners) = (Vec::new(), FaceChunk::default(), Vec::new());
         for pair in cuts.windows(2) {

@@ -3,7 +3,9 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::surface::{ALONG, Surface, along};
+use super::lattice::{around, direction};
+use super::surface::Surface;
+use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 
 /// Vertices that are asked for at a time, about: they take 1.5 MB as points and as much as bytes, and stay in the cache
@@ -100,7 +102,7 @@ impl Places {
         let (first, size) = (self.base.half_edges(f).start as usize, self.base.face(f).len());
         let side = half_edge as usize - first;
         if size == 4 {
-            return self.in_quad(f, at_side(self.n, side, at), ALONG[side], self.n - at);
+            return self.in_quad(f, at_side(self.n, side, at), direction(Tile::Quad, side, 0), self.n - at);
         }
         if at <= self.pieces {
             return Line {
@@ -233,7 +235,7 @@ impl Places {
 
 /// The point of a number on a side of a quad with `n` pieces.
 fn at_side(n: usize, side: usize, at: usize) -> [usize; 2] {
-    along(n, side, at.cast_signed(), 0).map(isize::cast_unsigned)
+    around(Tile::Quad, n, side, 0, [at.cast_signed(), 0]).map(isize::cast_unsigned)
 }
 
 /// Consecutive lines that cover a range: each with where it begins in the range.

@@ -3,8 +3,8 @@
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
+use super::descent::{Block, Run, Target, Worker};
 use super::grid::{FlatPass, Planes, Size};
-use super::patches::{Block, Run, Target, Worker};
 use super::places::{Line, Places, lines};
 use super::program::Sweep;
 use super::weave::Row;
@@ -186,7 +186,7 @@ impl Target<3> for Window<'_> {
         })
     }
 
-    fn take(&mut self, _: &Run<'_, 3>, size: Size, block: Block, planes: &Planes) {
+    fn take(&mut self, _: &Sweep, size: Size, block: Block, planes: &Planes) {
         let cells = 2 * size.cells;
         let at = block.at.map(|x| 2 * x);
         let [columns, rows] =
