@@ -34,8 +34,8 @@ use crate::wire::output::OutputRequest;
 /// it the answer is 202 with the address of the job.
 ///
 /// A result of more than `keep_at_most_bytes` (see /v1/limits) is sent while it is made and not kept, unless the query
-/// says `keep=true` or `Prefer` says `respond-async`. `Content-Length` is there where the length is known beforehand. An
-/// answer that ends early is no result.
+/// says `keep=true` or `Prefer` says `respond-async`. `Content-Length` is there where the length is known beforehand.
+/// An answer that ends early is no result.
 #[utoipa::path(
     post, path = "/v1/render", tag = "jobs",
     params(
