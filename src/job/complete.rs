@@ -54,9 +54,10 @@ impl Job {
     /// How many levels are refined as whole nets before all outputs can be written while the rest is refined; none
     /// where that cannot be done.
     pub(super) fn held_levels(&self) -> Option<usize> {
-        let streams =
-            |output: &Output| surface::limit(&output.options) == [false; 2] && output.format.streams(&output.options);
         let Input::Mesh(mesh) = &self.input else { return None };
+        let streams = |output: &Output| {
+            surface::limit(&output.options) == [false; 2] && output.format.streams(mesh, &output.options)
+        };
         if self.outputs.iter().all(streams) { held_levels(mesh, &self.plan, &self.steps) } else { None }
     }
 

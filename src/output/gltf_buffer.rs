@@ -15,7 +15,7 @@ use crate::output::normals;
 use crate::output::numbers::{as_written, f32_bytes, index_bytes, rounded};
 use crate::output::positions::{Positions, channels_within_f32};
 use crate::output::scene::{FaceChunk, Frame, MeshSource, Scene, Shape, in_chunks, triangles};
-use crate::output::stream::Stream;
+use crate::output::stream::{BLOCK, Stream};
 use crate::shape::attachments::Attachments;
 use crate::shape::labels::{LabelledFaces, by_labels};
 use crate::watch::{Stopped, Watch};
@@ -84,7 +84,8 @@ impl<'a> Buffer<'a> {
         let (mesh, sources) = match scene.shape {
             Shape::Mesh(mesh) => {
                 let positions = Positions::of_mesh(mesh);
-                let positions = if amounts.normals { positions.held(watch)? } else { positions };
+                let held = amounts.normals && mesh.on_demand().is_none();
+                let positions = if held { positions.held(watch)? } else { positions };
                 (Some(mesh), vec![(positions, None)])
             }
             Shape::Curves(curves) => {
@@ -143,7 +144,14 @@ impl<'a> Buffer<'a> {
             stream.positions(&part.positions, |_, rows, out| vectors(rows, out, |row| minus(row, self.center)))?;
         }
         let (Some(mesh), Some(part)) = (self.mesh, self.parts.first()) else { return Ok(()) };
-        if self.amounts.normals {
+        if let (true, Some(source)) = (self.amounts.normals, mesh.on_demand()) {
+            let scale = normals::scale_of(&part.bounds);
+            stream.vectors(
+                part.positions.ranges(BLOCK),
+                |range, rows| normals::on_demand(source, range, scale, rows),
+                |rows, out| vectors(rows, out, normals::or_up),
+            )?;
+        } else if self.amounts.normals {
             let normals = match self.smooth {
                 None => normals::of(mesh, part.positions.rows(), watch)?,
                 Some(smooth) => {

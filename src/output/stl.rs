@@ -17,6 +17,7 @@ use crate::output::size::Size;
 use crate::output::split_vertices::SplitVertices;
 use crate::output::stream::Stream;
 use crate::output::surface::NORMALS;
+use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
 /// Bytes before the number of triangles; programs take a file that starts with "solid" for text.
@@ -61,7 +62,7 @@ impl Format for Stl {
         check_triangles(n_triangles(counts)).map(drop).map_err(|detail| Fault::new("/format", detail))
     }
 
-    fn streams(&self, options: &Values) -> bool {
+    fn streams(&self, _mesh: &Mesh, options: &Values) -> bool {
         options.choice(NORMALS.name) != Some(LIMIT)
     }
 

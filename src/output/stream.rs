@@ -13,7 +13,7 @@ use crate::watch::Watch;
 /// Rows of a block: their bytes, 50 to 300 KB, stay in the cache of the core that makes them until they are written.
 /// Half of it hands out work twice as often; twice of it holds twice the memory, and starts threads for larger meshes
 /// only.
-const BLOCK: usize = 4_096;
+pub(super) const BLOCK: usize = 4_096;
 
 /// Blocks for each thread that are encoded while those before them are written, so that the threads end at about the
 /// same time. Half of it lets them wait for each other twice as often; twice of it holds twice the memory.
@@ -68,6 +68,20 @@ impl<'a> Stream<'a> {
     ) -> Result<(), FormatError> {
         self.encoded(positions.ranges(BLOCK), |range, block| {
             encode(range.start, positions.rows_in(range.clone(), &mut block.points)?, &mut block.bytes);
+            Ok(())
+        })
+    }
+
+    /// Writes vectors of vertices that `make` makes for consecutive ranges of these.
+    pub(super) fn vectors(
+        &mut self,
+        ranges: impl Iterator<Item = Range<usize>>,
+        make: impl Fn(Range<usize>, &mut Vec<[f64; 3]>) + Sync,
+        encode: impl Fn(&[[f64; 3]], &mut Bytes) + Sync,
+    ) -> Result<(), FormatError> {
+        self.encoded(ranges, |range, block| {
+            make(range, &mut block.points);
+            encode(&block.points, &mut block.bytes);
             Ok(())
         })
     }

@@ -106,6 +106,10 @@ impl OnDemandSource for StreamedMesh {
     fn corners(&self, range: Range<usize>, out: &mut Vec<[[f64; 3]; 4]>) {
         self.points.corners(self.shape.shown.runs(range), out);
     }
+
+    fn sums(&self, range: Range<usize>, of_face: &dyn Fn([[f64; 3]; 4]) -> [f64; 3], out: &mut Vec<[f64; 3]>) {
+        self.points.sums(range, |face| self.shape.shown.has(face), of_face, out);
+    }
 }
 
 impl OriginSource for StreamedMesh {

@@ -103,6 +103,10 @@ pub trait OnDemandSource: Sync {
 
     /// Fills `out` with the positions (model units) at the corners of the shown faces in `range`.
     fn corners(&self, range: Range<usize>, out: &mut Vec<[[f64; 3]; 4]>);
+
+    /// Fills `out` with the sum of what the shown faces around each vertex in `range` give, in the order of the faces;
+    /// `of_face` gives it for the positions at the corners of a face.
+    fn sums(&self, range: Range<usize>, of_face: &dyn Fn([[f64; 3]; 4]) -> [f64; 3], out: &mut Vec<[f64; 3]>);
 }
 
 /// Unit normals of vertices, zero where they are undefined.

@@ -43,6 +43,7 @@ fn outputs() -> Vec<Value> {
         json!({ "format": "stl" }),
         json!({ "format": "stl", "normals": "none" }),
         json!({ "format": "glb", "normals": "none" }),
+        json!({ "format": "glb" }),
         json!({ "format": "glb", "normals": "none", "ids": true }),
     ]
 }
@@ -75,6 +76,11 @@ fn inputs() -> Vec<Value> {
 fn all_formats_and_nets_are_streamed_to_the_bytes_of_held_meshes() {
     for input in inputs() {
         for output in outputs() {
+            // normals of creased meshes are those of copies of vertices
+            let whole = input["mesh"]["creases"].is_array() && output["format"] == "glb" && output["normals"] != "none";
+            if whole {
+                continue;
+            }
             assert_alike(&job(&input, &json!({ "preset": "catmull-clark" }), 5, &output));
         }
     }
@@ -96,7 +102,7 @@ fn faces_with_many_rows_are_streamed_band_by_band() {
         faces: vec![vec![0, 1, 2, 3, 4]],
     };
     for (net, levels) in [(quad, 9), (pentagon, 9)] {
-        for format in ["ply", "stl"] {
+        for format in ["ply", "stl", "glb"] {
             assert_alike(&job(
                 &net.input(),
                 &json!({ "preset": "catmull-clark" }),
@@ -111,10 +117,13 @@ fn faces_with_many_rows_are_streamed_band_by_band() {
 fn what_cannot_be_made_on_demand_is_held() {
     let mut channels = nets::cube().input();
     channels["mesh"]["channels"] = json!({ "heat": [0, 1, 2, 3, 4, 5, 6, 7] });
+    let mut creased = nets::cube().input();
+    creased["mesh"]["creases"] = json!([{ "edge": [0, 1], "sharpness": 10 }]);
     let (cube, preset) = (nets::cube().input(), |name: &str| json!({ "preset": name }));
     let held = [
         job(&channels, &preset("catmull-clark"), 3, &json!({ "format": "ply" })),
-        job(&cube, &preset("catmull-clark"), 3, &json!({ "format": "glb" })),
+        job(&creased, &preset("catmull-clark"), 3, &json!({ "format": "glb" })),
+        job(&cube, &preset("catmull-clark"), 3, &json!({ "format": "ply", "normals": "area" })),
         job(&cube, &preset("catmull-clark"), 3, &json!({ "format": "ply", "positions": "limit" })),
         job(&nets::octahedron().input(), &preset("loop"), 3, &json!({ "format": "ply" })),
         job(&cube, &preset("doo-sabin"), 3, &json!({ "format": "ply" })),

@@ -8,6 +8,7 @@
 //! whole net give it.
 
 mod descent;
+mod fans;
 mod grid;
 mod kernel;
 mod lattice;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::lattice::{around, direction};
 use super::surface::Surface;
 use crate::shape::tile::Tile;
-use crate::shape::topology::{Topology, index};
+use crate::shape::topology::{NONE, Topology, index};
 
 /// Vertices that are asked for at a time, about: they take 1.5 MB as points and as much as bytes, and stay in the cache
 /// of a core. With half of it what neighbouring patches share is made twice as often; with twice of it points leave the
@@ -82,8 +82,7 @@ impl Places {
     pub(super) fn line(&self, v: usize) -> Option<Line> {
         let Some(beyond) = v.checked_sub(self.base.n_vertices()) else {
             let half_edge = self.patches.ring(v).next()?;
-            let patch = self.patches.face_of(half_edge);
-            let side = (half_edge - self.patches.half_edges(patch).start) as usize;
+            let (patch, side) = self.side(half_edge);
             return Some(Line { patch, from: at_side(self.pieces, side, 0), step: ROW, len: 1 });
         };
         let on_edge = self.n - 1;
@@ -175,6 +174,95 @@ impl Places {
         Line { patch: first + part, from: [local % half, local / half], step: ROW, len: half - local % half }
     }
 
+    /// The number of the face at a cell of a patch.
+    pub(super) fn face(&self, patch: usize, [i, j]: [usize; 2]) -> usize {
+        let n = self.n;
+        if self.is_quads {
+            return patch * n * n + j * n + i;
+        }
+        let (f, half) = (self.base.face_of(index(patch)), self.pieces);
+        let first = self.base.half_edges(f).start as usize;
+        let part = patch - first;
+        if self.base.face(f).len() == 4 {
+            first * half * half + (j + part / 2 * half) * n + i + part % 2 * half
+        } else {
+            patch * half * half + j * half + i
+        }
+    }
+
+    /// Divides a line of vertices: what is inside its patch, and for the others lines of the cells around them.
+    pub(super) fn divide(
+        &self,
+        at: usize,
+        line: Line,
+        inside: &mut Vec<(usize, Line)>,
+        strips: &mut Vec<(usize, Line)>,
+    ) {
+        let is_on_side = |[i, j]: [usize; 2]| [i, j].map(|x| x == 0 || x == self.pieces);
+        let mut start = 0;
+        while start < line.len {
+            let sides = is_on_side(line.place(start));
+            let len = (start..line.len).take_while(|&k| is_on_side(line.place(k)) == sides).count();
+            let part = Line { from: line.place(start), len, ..line };
+            match sides {
+                [false, false] => inside.push((at + start, part)),
+                [true, true] => strips.extend(self.around_corner(&part).map(|cell| (at + start, cell))),
+                _ => strips.extend(self.beside(&part).map(|strip| (at + start, strip))),
+            }
+            start += len;
+        }
+    }
+
+    /// The cells around a vertex at a corner of its patch.
+    fn around_corner(&self, vertex: &Line) -> impl Iterator<Item = Line> {
+        let [i, j] = vertex.from.map(|x| x > 0);
+        let corner = [[0, 3], [1, 2]][usize::from(i)][usize::from(j)];
+        let v = self.patches.vertex(self.patches.half_edges(vertex.patch).start + corner) as usize;
+        self.patches.ring(v).map(|half_edge| {
+            let (patch, side) = self.side(half_edge);
+            let [a, b] = [[0, 0], [1, 1]].map(|place| around(Tile::Quad, self.pieces, side, 0, place));
+            let from = [0, 1].map(|axis| a[axis].min(b[axis]).unsigned_abs());
+            Line { patch, from, step: ROW, len: 1 }
+        })
+    }
+
+    /// The cells on both sides of vertices on a side of their patch, one more than there are vertices.
+    fn beside(&self, line: &Line) -> impl Iterator<Item = Line> {
+        let n = self.pieces;
+        let [i, j] = line.from;
+        let (side, steps) = match (i, j) {
+            (i, 0) => (0, i),
+            (i, j) if i == n => (1, j),
+            (i, j) if j == n => (2, n - i),
+            (_, j) => (3, n - j),
+        };
+        let half_edge = self.patches.half_edges(line.patch).start + index(side);
+        let along = direction(Tile::Quad, side, 0);
+        // a single vertex has no direction of its own
+        let forward = line.len == 1 || line.step == along;
+        let twin = Some(self.patches.twin(half_edge)).filter(|&twin| twin != NONE);
+        let own = self.strip((line.patch, side), steps, forward, line.len);
+        let beyond = twin.map(|twin| self.strip(self.side(twin), n - steps, !forward, line.len));
+        std::iter::once(own).chain(beyond)
+    }
+
+    /// The cells along a side of a patch around so many vertices, of which the first is so many steps along it.
+    fn strip(&self, (patch, side): (usize, usize), steps: usize, forward: bool, n_vertices: usize) -> Line {
+        let first = if forward { steps - 1 } else { steps }.cast_signed();
+        let [a, b] = [[first, 0], [first + 1, 1]].map(|place| around(Tile::Quad, self.pieces, side, 0, place));
+        let from = [0, 1].map(|axis| a[axis].min(b[axis]).unsigned_abs());
+        let step = direction(Tile::Quad, side, 0).map(|x| if forward { x } else { -x });
+        Line { patch, from, step, len: n_vertices + 1 }
+    }
+
+    /// Which side of which patch a half-edge is.
+    fn side(&self, half_edge: u32) -> (usize, usize) {
+        let patch = self.patches.face_of(half_edge);
+        (patch, (half_edge - self.patches.half_edges(patch).start) as usize)
+    }
+}
+
+impl Places {
     /// Where a range of vertices from `v` on ends best, that no block of `rows` rows is made for two of them.
     pub(super) fn stretch(&self, v: usize, rows: usize) -> usize {
         let (edges, inside) = (self.base.n_vertices(), self.first_inner());

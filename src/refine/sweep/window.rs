@@ -24,7 +24,7 @@ const SPARSE: usize = 4;
 #[derive(Debug)]
 pub(crate) struct OnDemand {
     sweep: Sweep,
-    places: Places,
+    pub(super) places: Places,
     start: Vec<f64>,
     flat: Vec<Vec<FlatPass>>,
     /// The buffers of threads that do not work now.
@@ -39,7 +39,7 @@ struct Buffers {
 }
 
 /// A part of a patch's grid after the last round: the places between two corners, both included, row by row.
-struct Window<'a> {
+pub(super) struct Window<'a> {
     low: [usize; 2],
     high: [usize; 2],
     /// Pieces of the patch's side.
@@ -91,7 +91,7 @@ impl OnDemand {
             }
             line
         });
-        self.windows(&lines, 0, |at, line, window| {
+        self.windows(&lines, [0, 0], |at, line, window| {
             let out = &mut out[at..at + line.len];
             if line.is_row() {
                 out.copy_from_slice(&window.row(line.from)[..line.len]);
@@ -115,7 +115,7 @@ impl OnDemand {
 
     fn corners_of(&self, range: Range<usize>, out: &mut [[[f64; 3]; 4]]) {
         let lines = lines(range, |face| Some(self.places.cells(face)));
-        self.windows(&lines, 1, |at, line, window| {
+        self.windows(&lines, [0, 1], |at, line, window| {
             let [i, j] = line.from;
             let sides = window.row([i, j]).windows(2).zip(window.row([i, j + 1]).windows(2));
             for (corners, (lower, upper)) in out[at..at + line.len].iter_mut().zip(sides) {
@@ -124,9 +124,14 @@ impl OnDemand {
         });
     }
 
-    /// Makes the points of lines, sorted by their patches, and those up to `beyond` after them in both directions, and
-    /// calls `each` for every line.
-    fn windows(&self, lines: &[(usize, Line)], beyond: usize, mut each: impl FnMut(usize, &Line, &Window<'_>)) {
+    /// Makes the points of lines, sorted by their patches, and those so many steps before and after them in both
+    /// directions, and calls `each` for every line.
+    pub(super) fn windows(
+        &self,
+        lines: &[(usize, Line)],
+        beside: [usize; 2],
+        mut each: impl FnMut(usize, &Line, &Window<'_>),
+    ) {
         let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
         let Buffers { worker, points } = &mut idle;
         worker.begin(&self.sweep);
@@ -135,9 +140,9 @@ impl OnDemand {
         let block = self.rows() * self.rows();
         for of_patch in lines.chunk_by(|(_, a), (_, b)| a.patch == b.patch) {
             let wanted: usize = of_patch.iter().map(|(_, line)| line.len).sum();
-            let is_sparse = Window::around(of_patch, beyond).1 > SPARSE * wanted + block;
+            let is_sparse = Window::around(of_patch, beside).1 > SPARSE * wanted + block;
             for part in of_patch.chunks(if is_sparse { 1 } else { of_patch.len() }) {
-                let ([low, high], n) = Window::around(part, beyond);
+                let ([low, high], n) = Window::around(part, beside);
                 if points.len() < n {
                     points.resize(n, [0.0; 3]);
                 }
@@ -152,12 +157,12 @@ impl OnDemand {
 
 impl Window<'_> {
     /// The two corners of the window around some lines, and how many points it has.
-    fn around(lines: &[(usize, Line)], beyond: usize) -> ([[usize; 2]; 2], usize) {
+    fn around(lines: &[(usize, Line)], [before, after]: [usize; 2]) -> ([[usize; 2]; 2], usize) {
         let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
         for place in lines.iter().flat_map(|(_, line)| [line.from, line.last()]) {
             for axis in [0, 1] {
-                low[axis] = low[axis].min(place[axis]);
-                high[axis] = high[axis].max(place[axis] + beyond);
+                low[axis] = low[axis].min(place[axis] - before);
+                high[axis] = high[axis].max(place[axis] + after);
             }
         }
         ([low, high], (high[0] - low[0] + 1) * (high[1] - low[1] + 1))
@@ -167,8 +172,14 @@ impl Window<'_> {
         self.high[0] - self.low[0] + 1
     }
 
+    /// The points at the corners of a cell.
+    pub(super) fn cell(&self, [i, j]: [usize; 2]) -> [[f64; 3]; 4] {
+        let (low, high) = (self.row([i, j]), self.row([i, j + 1]));
+        [low[0], low[1], high[1], high[0]]
+    }
+
     /// The points of a row from a place on.
-    fn row(&self, [i, j]: [usize; 2]) -> &[[f64; 3]] {
+    pub(super) fn row(&self, [i, j]: [usize; 2]) -> &[[f64; 3]] {
         let width = self.width();
         &self.points[(j - self.low[1]) * width..][i - self.low[0]..width]
     }
