@@ -21,6 +21,7 @@ use crate::service::desk::Unread;
 use crate::service::peer::Paid;
 use crate::service::pool::Busy;
 use crate::service::task::{Render, Task};
+use crate::shape::mesh::Mesh;
 
 /// Whether a query asks to keep the result.
 pub(super) fn asks_to_keep(query: Option<&str>) -> bool {
@@ -68,7 +69,7 @@ pub(super) async fn streamed(
     let (estimate, job) = (admitted.estimate(), admitted.job());
     let (memory_bytes, (key, size)) = (estimate.memory_bytes, estimate.outputs[0]);
     let (entries, swept) = (job.entries(&job.outputs[0]), estimate.on_demand || job.is_swept());
-    let warnings = job.input.mesh().map(|mesh| mesh.warnings()).unwrap_or_default();
+    let warnings = job.input.mesh().map(Mesh::warnings).unwrap_or_default();
     let task = Render::new(admitted.clone(), 0, Some(input));
     let media_type = task.media_type().to_owned();
     let streaming = app.desk.stream(Arc::new(task), memory_bytes, client.peer());
