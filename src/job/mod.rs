@@ -16,6 +16,7 @@ mod memory;
 mod output;
 mod run;
 mod search;
+mod shape_items;
 mod size;
 mod steering;
 mod time;

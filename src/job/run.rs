@@ -57,6 +57,7 @@ fn draw(
 
 /// Refines and writes a mesh.
 fn form(job: &Job, mesh: &Mesh, output: &Output, out: &mut dyn Write, watch: &Watch) -> Result<Report, RunError> {
+    let mesh = &*mesh.at_frame(output.frame);
     let [positions, normals] = surface::limit(&output.options);
     let asked = LimitRequest { positions, normals };
     let refined = if asked.anything() {
