@@ -6,10 +6,10 @@ use std::fmt;
 use super::codec::Item;
 use super::input::Input;
 use super::output::Output;
-use super::shape_items::{input, mesh};
+use super::shape_items::{connectivity, input, mesh};
 use crate::math::expression::{Expression, Instruction};
 use crate::math::parameter::{Value, Values};
-use crate::output::{LIMIT, TANGENTS};
+use crate::output::{LIMIT, TANGENTS, surface};
 use crate::scheme::letter::Letter;
 use crate::scheme::operator::Role;
 use crate::scheme::plan::{Latitude, Perturbation, Plan};
@@ -68,8 +68,14 @@ pub fn content(bytes: &[u8]) -> Key {
 
 /// Keys of the outputs of a job: over the results version, the shape, the plan as far as it matters, the levels, and
 /// the output's format and options. Names of outputs, and the words in which the job was written, are not part of them.
-/// The shape is hashed once for all outputs.
-pub(super) fn artifacts(shape: &Input, refined: &Plan, levels: u32, frame: Frame, outputs: &[Output]) -> Vec<Key> {
+/// The shape is hashed once for all outputs. Beside each artifact's key stands that of the refined shape it shows.
+pub(super) fn artifacts(
+    shape: &Input,
+    refined: &Plan,
+    levels: u32,
+    frame: Frame,
+    outputs: &[Output],
+) -> (Vec<Key>, Vec<Key>) {
     let Frame { unit, up } = frame;
     let whole = hashed(&input(shape, refined));
     let artifact = |output: &Output| {
@@ -80,20 +86,30 @@ pub(super) fn artifacts(shape: &Input, refined: &Plan, levels: u32, frame: Frame
             (Some(alone), Some(_)) if !alone.frames.is_empty() => hashed(&mesh(&alone.at_frame(*shown), refined)),
             _ => whole,
         };
-        let mut items = vec![
-            Item::text("planish artifact"),
-            Item::Integer(u64::from(RESULTS_VERSION)),
-            Item::text(&shape_key.to_string()),
-            plan(shape, refined, levels, shows_limit(output)),
-            Item::text(format.name()),
-            values(options),
-        ];
+        let head = |name| {
+            let version = Item::Integer(u64::from(RESULTS_VERSION));
+            let plan = plan(shape, refined, levels, shows_limit(output));
+            vec![Item::text(name), version, Item::text(&shape_key.to_string()), plan]
+        };
+        let mut items = head("planish artifact");
+        items.extend([Item::text(format.name()), values(options)]);
         if !frame.is_default() {
             items.push(Item::List(vec![Item::text(unit.name()), Item::text(up.name())]));
         }
-        hashed(&Item::List(items))
+        let mut shown = head("planish refined shape");
+        shown.extend(surface::limit(options).map(u64::from).map(Item::Integer));
+        (hashed(&Item::List(items)), hashed(&Item::List(shown)))
     };
-    outputs.iter().map(artifact).collect()
+    outputs.iter().map(artifact).unzip()
+}
+
+/// Key of the program by which a mesh is refined, whatever its positions and the numbers that it carries: over its
+/// connectivity, what is tagged, the plan and the levels. `None` where single vertices or edges have a say.
+pub(super) fn program(input: &Input, refined: &Plan, levels: u32) -> Option<Key> {
+    let mesh = input.mesh().filter(|mesh| mesh.attributes.is_none() && mesh.directions.is_none())?;
+    let version = Item::Integer(u64::from(RESULTS_VERSION));
+    let plan = plan(input, refined, levels, false);
+    Some(hashed(&Item::List(vec![Item::text("planish program"), version, connectivity(mesh), plan])))
 }
 
 fn hashed(item: &Item<'_>) -> Key {

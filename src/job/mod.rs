@@ -20,6 +20,7 @@ mod shape_items;
 mod size;
 mod steering;
 mod time;
+mod work;
 
 pub use complete::Job;
 pub use draft::Draft;
@@ -28,5 +29,6 @@ pub use error::RunError;
 pub use input::Input;
 pub use levels::Levels;
 pub use output::Output;
-pub use run::{Report, run};
+pub use run::{Report, run, run_keeping};
 pub use search::{Search, SearchCost, SearchError};
+pub use work::{KeepNothing, KeepWork, Refined, Work};

@@ -65,6 +65,27 @@ pub(super) fn mesh<'a>(mesh: &'a Mesh, plan: &Plan) -> Item<'a> {
     Item::List(items)
 }
 
+/// The item of what is connected and tagged in a mesh without parameters and directions, its texture coordinates
+/// included, without any numbers of vertices.
+pub(super) fn connectivity(mesh: &Mesh) -> Item<'_> {
+    let count = |topology: &Topology| Item::Integer(topology.n_vertices() as u64);
+    let mut items = vec![
+        count(&mesh.topology),
+        faces(&mesh.topology),
+        Item::Indices((&mesh.corners).into()),
+        Item::Indices((&mesh.holes).into()),
+    ];
+    items.extend(sharp("creases", &mesh.creases));
+    items.extend(sharp("semi-sharp corners", &mesh.semi_sharp_corners));
+    items.extend(mesh.attachments.uvs.as_ref().map(|uvs| {
+        let Uvs { values: _, topology, corners, pairs, linear } = uvs;
+        let [corners, pairs] = [corners.into(), pairs.concat().into()].map(Item::Indices);
+        let linear = Item::Integer(u64::from(*linear));
+        Item::List(vec![Item::text("uvs"), linear, count(topology), faces(topology), corners, pairs])
+    }));
+    Item::List(items)
+}
+
 /// A repair by its kind and its numbers, whatever the sentence that tells of it.
 fn repair(repair: &Repair) -> Item<'_> {
     let count = |n: usize| Item::Integer(n as u64);

@@ -8,29 +8,12 @@ use super::error::RefineError;
 use super::refined::RefinedMesh;
 use super::start::mesh_net;
 use super::sweep::Outline;
-use super::swept::swept;
-use super::uvs::{RefinedUvs, refine_uvs_by_rows, refined_uvs};
+use super::uvs::{RefinedUvs, refine_uvs_by_rows};
 use crate::kept::Numbers;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
-
-/// Refines a mesh with its channels, all by the same rows, and its texture coordinates by the same scheme.
-///
-/// # Errors
-/// [`RefineError`].
-pub fn refine_mesh(mesh: &Mesh, plan: &Plan, steps: &[Scheduled], watch: &Watch) -> Result<RefinedMesh, RefineError> {
-    let (net, points) = (mesh_net(mesh, plan), numbers(mesh));
-    let refined = match swept(&net, &points, plan, steps, watch)? {
-        Some((net, numbers)) => {
-            let uvs = refined_uvs(mesh, plan, steps, watch)?;
-            carrying(mesh, &net, RefinedMesh::documented, numbers, uvs)
-        }
-        None => refine_by_rows(mesh, plan, steps, watch)?,
-    };
-    Ok(if steps.is_empty() { refined.with_tags(mesh.tags()) } else { refined })
-}
 
 /// Whether a mesh is refined patch by patch.
 pub fn is_swept(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> bool {
@@ -64,7 +47,8 @@ pub fn assembled(mesh: &Mesh, net: &MeshNet, numbers: Vec<Vec<f64>>, uvs: Option
     carrying(mesh, net, RefinedMesh::new, numbers.into_iter().map(Into::into).collect(), uvs)
 }
 
-fn carrying(
+/// The refined mesh of a net with its numbers, in the order that `ordered` gives them.
+pub(super) fn carrying(
     mesh: &Mesh,
     net: &MeshNet,
     ordered: impl Fn(&MeshNet, Numbers) -> RefinedMesh,

@@ -204,6 +204,15 @@ impl RefinedMesh {
         Self { normals, ..self }
     }
 
+    /// Bytes that it holds, but for the attachments of its input and what the allocator keeps free.
+    pub fn bytes(&self) -> usize {
+        let normals = self.normals.as_ref().map_or(0, Normals::bytes);
+        let uvs = self.uvs.as_ref().map_or(0, |uvs| uvs.points.bytes() + uvs.base.bytes());
+        let numbers = self.channels.iter().map(Numbers::bytes).sum::<usize>() + self.points.bytes();
+        let frames: usize = self.frames.iter().map(Self::bytes).sum();
+        size_of::<Self>() + numbers + normals + uvs + frames + self.base.bytes() + self.order.bytes()
+    }
+
     /// Positions of all vertices in the documented order, model units.
     pub fn all_positions(&self) -> Vec<[f64; 3]> {
         let mut positions = Vec::new();
