@@ -7,7 +7,7 @@ mod source;
 mod table;
 
 pub use blend::{Blended, MAX_RUN, blend, blend_run};
-pub use group::symmetric_sum;
+pub use group::{ascending_sum, symmetric_sum};
 pub use pattern::Pattern;
 pub use source::{RowSource, RowsBy, collect};
 pub use table::{Rows, Term};

@@ -38,5 +38,5 @@ pub(super) fn swept(
         }
         numbers.push(swept.points);
     }
-    Ok(Some((net.after_splits(sweep.splits() - net.mesh.pieces.len()), numbers)))
+    Ok(Some((net.after_splits(sweep.tile(), sweep.splits() - net.mesh.pieces.len()), numbers)))
 }

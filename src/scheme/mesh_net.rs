@@ -12,6 +12,7 @@ use super::surroundings::Surroundings;
 use super::tags::{Boundary, Tags};
 use crate::shape::attributes::Attributes;
 use crate::shape::directions::Directions;
+use crate::shape::tile::Tile;
 use crate::shape::topology::Topology;
 
 /// The state of a mesh under refinement.
@@ -87,12 +88,14 @@ impl MeshNet {
         }
     }
 
-    /// The net after so many more splits of its quads, all edges halved, of which only what is carried along is known:
-    /// the base and how its faces were split, tags, and sharp edges, all of which are infinitely sharp.
+    /// The net after so many more splits of its faces into such ones, all edges halved, of which only what is carried
+    /// along is known: the base and how its faces were split, tags, and sharp edges, each of which becomes less sharp as
+    /// a whole.
     #[must_use]
-    pub fn after_splits(&self, splits: usize) -> Self {
-        let sharpness = self.sharpness.as_ref().and_then(|sharpness| sharpness.pieces(1 << splits)).map(Arc::new);
-        let mesh = self.mesh.after_splits(splits);
+    pub fn after_splits(&self, tile: Tile, splits: usize) -> Self {
+        let halves = |sharpness: Option<Sharpness>, _| sharpness.and_then(|sharpness| sharpness.pieces(2));
+        let sharpness = (0..splits).fold(self.sharpness.as_deref().cloned(), halves).map(Arc::new);
+        let mesh = self.mesh.after_splits(tile, splits);
         let (annotations, since) = (Annotations::default(), SinceUpsampling::default());
         Self { mesh, tags: self.tags.clone(), sharpness, rules: self.rules, annotations, since, surroundings: None }
     }

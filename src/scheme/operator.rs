@@ -104,8 +104,8 @@ pub struct Facts {
     pub rebuilds: bool,
     /// Boundaries are cut in every so many-th step, where it makes a connectivity of its own.
     pub boundary_every: u32,
-    /// Whether on meshes of quads its rows are symmetric sums, so that a point has the same bits wherever the walk
-    /// around it begins.
+    /// Whether on regular meshes of quads or triangles its rows are symmetric sums, so that a point has the same bits
+    /// wherever the walk around it begins.
     pub symmetric: bool,
     /// Whether its rules reach a ring farther beside extraordinary vertices than in regular nets.
     pub reaches_farther: bool,

@@ -38,11 +38,11 @@ impl SplitMesh {
         Self { base: self.base.clone(), rounds: self.rounds, tile: anchor.tile, pieces, parent }
     }
 
-    /// After so many more splits into quads with two pieces an edge, without the topology before the last of them: in
-    /// its place stands that of the base.
-    pub(super) fn after_splits(&self, splits: usize) -> Self {
+    /// After so many more splits into such faces with two pieces an edge, without the topology before the last of them:
+    /// in its place stands that of the base.
+    pub(super) fn after_splits(&self, tile: Tile, splits: usize) -> Self {
         let pieces = self.pieces.iter().copied().chain(std::iter::repeat_n(2, splits)).collect();
-        Self { pieces, parent: Some(self.base.clone()), tile: Tile::Quad, ..self.clone() }
+        Self { pieces, parent: Some(self.base.clone()), tile, ..self.clone() }
     }
 
     /// The last split, if it was not one into quads with two pieces an edge.

@@ -27,7 +27,7 @@ fn add<const W: usize>(a: [f64; W], b: [f64; W]) -> [f64; W] {
 
 /// `(least + middle) + greatest`.
 #[inline]
-fn ascending_sum(a: f64, b: f64, c: f64) -> f64 {
+pub fn ascending_sum(a: f64, b: f64, c: f64) -> f64 {
     let (low, high) = ordered(a, b);
     let (low, other) = ordered(low, c);
     let (middle, high) = ordered(high, other);

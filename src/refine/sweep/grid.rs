@@ -1,17 +1,28 @@
 //! A patch, or a block of one, as planes of points that flat loops refine.
 
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 use super::kernel::{FlatGroup, FlatMask, sum_at};
-use super::mask::{Line, Mask, MaskGroup, PLANES, Pass};
+use super::lattice::{AXES, after, cell};
+use super::mask::{LineMasks, Mask, MaskGroup, PLANES, Pass};
 
 /// One pass at one size of grid.
 #[derive(Debug)]
 pub(super) struct FlatPass {
     is: FlatUse,
     planes: [FlatMask; PLANES],
-    /// Masks along boundaries and creases, for sides along the first and the second axis.
-    lines: [[[Vec<FlatGroup>; 2]; 2]; 2],
+    /// Which planes are asked for afterwards.
+    wanted: [bool; PLANES],
+    /// For each line that is not smooth the masks along each axis.
+    lines: Vec<Option<Vec<[FlatLine; 2]>>>,
+}
+
+/// The mask of vertices, or of the points between them, on a line.
+#[derive(Debug)]
+struct FlatLine {
+    groups: Vec<FlatGroup>,
+    /// The least and the greatest cell of its members, counted from that of the point.
+    reach: [[isize; 2]; 2],
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,7 +74,7 @@ impl Size {
         let members = group
             .members
             .iter()
-            .map(|&(plane, at)| (u8::try_from(plane).unwrap_or(FACES), self.distance(at)))
+            .map(|&(plane, at)| (u8::try_from(plane).unwrap_or(0), self.distance(at)))
             .collect();
         FlatGroup { weight: group.weight, members }
     }
@@ -72,21 +83,22 @@ impl Size {
 /// The passes of a round on grids of a size, after which the points of the refined grid matter that lie within it or up
 /// to `beyond` outside.
 pub(super) fn flat_passes(passes: &[Pass], size: Size, beyond: isize) -> Vec<FlatPass> {
-    let mut beyond = beyond;
+    let (mut beyond, mut wanted) = (beyond, [true; PLANES]);
     let mut flat: Vec<FlatPass> = Vec::new();
     for pass in passes.iter().rev() {
         if let Pass::Push(_) = pass {
             beyond += beyond & 1;
         }
-        flat.push(FlatPass::new(pass, size, beyond));
+        flat.push(FlatPass::new(pass, size, beyond, wanted));
         beyond += pass.radius().unwrap_or(0);
+        wanted = pass.reads(wanted);
     }
     flat.reverse();
     flat
 }
 
 impl FlatPass {
-    fn new(pass: &Pass, size: Size, beyond: isize) -> Self {
+    fn new(pass: &Pass, size: Size, beyond: isize, wanted: [bool; PLANES]) -> Self {
         let flat = |mask: &Mask| mask.iter().map(|group| size.flat(group)).collect::<Vec<_>>();
         let (is, planes) = match pass {
             Pass::Up(masks) => (FlatUse::Up, masks),
@@ -95,40 +107,40 @@ impl FlatPass {
         };
         let lines = match pass {
             Pass::Blend { lines, .. } => {
-                let turned = |mask: &Mask, axis| mask.iter().map(|group| size.flat(&turned(group, axis))).collect();
-                [0, 1].map(|axis| [0, 1].map(|kind| [0, 1].map(|plane| turned(&lines[kind][plane], axis))))
+                let line = |mask: &Mask| FlatLine { groups: flat(mask), reach: reach(mask) };
+                let along = |masks: &LineMasks| masks.iter().map(|masks| masks.each_ref().map(line)).collect();
+                lines.iter().map(|masks| masks.as_ref().map(along)).collect()
             }
-            _ => Default::default(),
+            _ => Vec::new(),
         };
         let mask = |plane: usize| FlatMask::new(flat(&planes[plane]), size.len(), size.rows(plane, beyond));
-        Self { is, planes: std::array::from_fn(mask), lines }
+        Self { is, planes: std::array::from_fn(mask), wanted, lines }
     }
 
     /// Whether the points of a plane stay, wherever they lie.
     fn keeps(&self, plane: usize) -> bool {
         let groups = self.planes[plane].groups.as_slice();
-        plane == PLANES - 1
-            && matches!(groups, [FlatGroup { weight: 1.0, members }] if matches!(members[..], [(FACES, 0)]))
+        let stays = |group: &FlatGroup| {
+            group.weight == 1.0 && matches!(group.members[..], [(from, 0)] if from as usize == plane)
+        };
+        let is_drawn = |masks: &Vec<[FlatLine; 2]>| plane <= masks.len();
+        matches!(groups, [group] if stays(group)) && !self.lines.iter().flatten().any(is_drawn)
     }
 }
 
-/// The plane of the points of faces.
-const FACES: u8 = 3;
-
-/// A group of a mask on a line along the first axis, on a line along this axis.
-fn turned(group: &MaskGroup, axis: usize) -> MaskGroup {
-    let turn = |&(plane, [i, _]): &(usize, [isize; 2])| match axis {
-        0 => (plane, [i, 0]),
-        _ => (2 * plane, [0, i]),
-    };
-    MaskGroup { members: group.members.iter().map(turn).collect(), ..group.clone() }
+/// The least and the greatest cell of the members of a mask.
+fn reach(mask: &Mask) -> [[isize; 2]; 2] {
+    let members = || mask.iter().flat_map(|group| &group.members);
+    let along = |axis: usize| members().map(move |(_, at)| at[axis]);
+    [[0, 1].map(|axis| along(axis).min().unwrap_or(0)), [0, 1].map(|axis| along(axis).max().unwrap_or(0))]
 }
 
-/// A side of a grid that is not smooth.
+/// A line on a grid: its number, the axis along which it runs, and a vertex on it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct SharpSide {
-    pub(super) side: usize,
-    pub(super) line: Line,
+pub(super) struct GridLine {
+    pub(super) line: usize,
+    pub(super) axis: usize,
+    pub(super) from: [isize; 2],
 }
 
 /// The points of a grid while it is refined: before a round only the first plane.
@@ -147,9 +159,16 @@ pub(super) fn at_least(buffer: &mut Vec<f64>, len: usize) {
 }
 
 impl Planes {
+    /// The point at a place of the refined grid.
+    pub(super) fn point<const W: usize>(&self, size: Size, place: [isize; 2]) -> [f64; W] {
+        let (plane, cell) = cell(place);
+        let at = size.at(cell);
+        std::array::from_fn(|c| self.now[plane][at + c])
+    }
+
     /// Refines the grid once. The result lies in all planes: vertices, points of edges along the first and second axis,
     /// points of faces, each at the cell to whose lower left it belongs.
-    pub(super) fn refine(&mut self, passes: &[FlatPass], size: Size, sides: &[SharpSide]) {
+    pub(super) fn refine(&mut self, passes: &[FlatPass], size: Size, lines: &[GridLine]) {
         let len = size.len();
         self.now.iter_mut().chain(&mut self.next).for_each(|plane| at_least(plane, len));
         let pushes = passes.iter().any(|pass| pass.is == FlatUse::Push);
@@ -162,26 +181,26 @@ impl Planes {
                 FlatUse::Up => {
                     let [coarse, planes @ ..] = &mut self.now;
                     let source = [&coarse[..len]; PLANES];
-                    for (plane, out) in planes.iter_mut().enumerate() {
-                        pass.planes[plane + 1].combine(&source, &mut out[..len], false);
+                    for (out, plane) in planes.iter_mut().zip(1..).filter(|&(_, plane)| pass.wanted[plane]) {
+                        pass.planes[plane].combine(&source, &mut out[..len], false);
                     }
                 }
-                FlatUse::Blend => self.blend(pass, size, sides),
+                FlatUse::Blend => self.blend(pass, size, lines),
                 FlatUse::Push => self.push(pass, len),
             }
         }
     }
 
-    fn blend(&mut self, pass: &FlatPass, size: Size, sides: &[SharpSide]) {
+    fn blend(&mut self, pass: &FlatPass, size: Size, lines: &[GridLine]) {
         let len = size.len();
         let Self { now, next, .. } = self;
         let source = now.each_ref().map(|plane| &plane[..len]);
-        let moved = |plane: usize| !pass.keeps(plane);
+        let moved = |plane: usize| pass.wanted[plane] && !pass.keeps(plane);
         for plane in (0..PLANES).filter(|&plane| moved(plane)) {
             pass.planes[plane].combine(&source, &mut next[plane][..len], false);
         }
-        for side in sides {
-            draw_line(pass, &source, next, size, *side);
+        for line in lines {
+            draw_line(pass, &source, next, size, *line);
         }
         for plane in (0..PLANES).filter(|&plane| moved(plane)) {
             std::mem::swap(&mut now[plane], &mut next[plane]);
@@ -200,26 +219,33 @@ impl Planes {
     }
 }
 
-/// Makes the points on a sharp side of what lies on that side, those beyond its ends, too, as far as what they are made
-/// of is in the grid: a block of a patch needs them.
-fn draw_line(pass: &FlatPass, source: &[&[f64]; PLANES], next: &mut [Vec<f64>; PLANES], size: Size, side: SharpSide) {
-    let axis = side.side % 2;
-    let (n, halo) = (size.cells.cast_signed(), size.halo.cast_signed());
-    let across = [0, n, n, 0][side.side];
-    let kind = match side.line {
-        Line::Boundary => 0,
-        Line::Crease => 1,
-    };
-    let cell = size.distance(if axis == 0 { [1, 0] } else { [0, 1] });
-    for (plane, groups) in pass.lines[axis][kind].iter().enumerate() {
-        let out = &mut next[plane << axis];
-        let shifts = || groups.iter().flat_map(|group| &group.members).map(|&(_, distance)| distance / cell);
-        let (low, high) = (shifts().min().unwrap_or(0).min(0), shifts().max().unwrap_or(0).max(0));
-        for steps in -halo - low..=n + halo - high {
-            let at = size.at(if axis == 0 { [steps, across] } else { [across, steps] });
-            for (k, x) in (at..).zip(&mut out[at..at + size.width]) {
-                *x = sum_at(groups, source, k);
+/// Makes the points on a line, those beyond its ends, too, as far as what they are made of is in the grid: a block of a
+/// patch needs them.
+fn draw_line(pass: &FlatPass, source: &[&[f64]; PLANES], next: &mut [Vec<f64>; PLANES], size: Size, line: GridLine) {
+    let Some(masks) = &pass.lines[line.line] else { return };
+    for (point, mask) in masks[line.axis].iter().enumerate() {
+        let (plane, start) = if point == 0 { (0, line.from) } else { after(line.axis, line.from) };
+        for steps in steps_on_line(line.axis, start, mask.reach, size) {
+            let at = size.at([0, 1].map(|k| start[k] + steps * AXES[line.axis][k]));
+            for (k, x) in (at..).zip(&mut next[plane][at..at + size.width]) {
+                *x = sum_at(&mask.groups, source, k);
             }
         }
     }
+}
+
+/// Steps along an axis after which a point from `start` on has all its members in the grid, if these reach so far.
+fn steps_on_line(axis: usize, start: [isize; 2], reach: [[isize; 2]; 2], size: Size) -> RangeInclusive<isize> {
+    let [low, high] = [-size.halo.cast_signed(), (size.cells + size.halo).cast_signed()];
+    let (mut least, mut most) = (-high - size.halo.cast_signed(), high + size.halo.cast_signed());
+    for k in 0..2 {
+        let (back, onward) = (low - start[k] - reach[0][k].min(0), high - start[k] - reach[1][k].max(0));
+        match AXES[axis][k] {
+            1 => (least, most) = (least.max(back), most.min(onward)),
+            -1 => (least, most) = (least.max(-onward), most.min(-back)),
+            _ if back > 0 || onward < 0 => most = least - 1,
+            _ => {}
+        }
+    }
+    least..=most
 }

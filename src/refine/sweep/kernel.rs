@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
-use crate::math::rows::symmetric_sum;
+use crate::math::rows::{ascending_sum, symmetric_sum};
 
 /// One group of a mask over a grid: a weight, and for each member the plane it lies in and its distance there.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,17 +49,31 @@ impl FlatMask {
         let w = |group: usize| self.groups[group].weight;
         let two = |g: usize| [slice(g, 0), slice(g, 1)];
         let four = |g: usize| [slice(g, 0), slice(g, 1), slice(g, 2), slice(g, 3)];
+        let six = |g: usize| [0, 1, 2, 3, 4, 5].map(|m| slice(g, m));
         match (self.sizes.as_slice(), adds) {
-            ([1], false) => one(out, w(0), slice(0, 0)),
-            ([1], true) => add_one(out, w(0), slice(0, 0)),
-            ([2], false) => pair(out, w(0), two(0)),
-            ([2], true) => add_pair(out, w(0), two(0)),
-            ([4], false) => quad(out, w(0), four(0)),
-            ([4], true) => add_quad(out, w(0), four(0)),
             ([1, 2], false) => one_pair(out, [w(0), w(1)], slice(0, 0), two(1)),
             ([1, 4, 4], false) => one_quads(out, [w(0), w(1), w(2)], slice(0, 0), [four(1), four(2)]),
             ([1, 2, 2, 4], false) => {
                 one_pairs_quad(out, [w(0), w(1), w(2), w(3)], slice(0, 0), [two(1), two(2)], four(3));
+            }
+            ([1, 6], false) => one_six(out, [w(0), w(1)], slice(0, 0), six(1)),
+            ([2, 2], false) => two_pairs(out, [w(0), w(1)], [two(0), two(1)]),
+            // group after group, which is the same sum as long as the first one begins it
+            (sizes @ [_, rest @ ..], _)
+                if sizes.iter().all(|size| matches!(size, 1 | 2 | 4 | 6)) && (rest.is_empty() || !adds) =>
+            {
+                for (g, size) in sizes.iter().enumerate() {
+                    match (size, adds || g > 0) {
+                        (1, false) => one(out, w(g), slice(g, 0)),
+                        (1, true) => add_one(out, w(g), slice(g, 0)),
+                        (2, false) => pair(out, w(g), two(g)),
+                        (2, true) => add_pair(out, w(g), two(g)),
+                        (4, false) => quad(out, w(g), four(g)),
+                        (4, true) => add_quad(out, w(g), four(g)),
+                        (_, false) => six_of(out, w(g), six(g)),
+                        (_, true) => add_six(out, w(g), six(g)),
+                    }
+                }
             }
             _ => any(out, &self.groups, source, self.range.start, adds),
         }
@@ -142,6 +156,43 @@ fn one_pairs_quad(out: &mut [f64], w: [f64; 4], a: &[f64], pairs: [[&[f64]; 2]; 
     for k in 0..n {
         let last = (f[k] + h[k]) + (g[k] + i[k]);
         out[k] = w[0] * a[k] + w[1] * (b[k] + c[k]) + w[2] * (d[k] + e[k]) + w[3] * last;
+    }
+}
+
+#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+fn six_of(out: &mut [f64], w: f64, six: [&[f64]; 6]) {
+    let n = out.len();
+    let [a, b, c, d, e, f] = six.map(|x| &x[..n]);
+    for k in 0..n {
+        out[k] = w * ascending_sum(a[k] + d[k], b[k] + e[k], c[k] + f[k]);
+    }
+}
+
+#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+fn add_six(out: &mut [f64], w: f64, six: [&[f64]; 6]) {
+    let n = out.len();
+    let [a, b, c, d, e, f] = six.map(|x| &x[..n]);
+    for k in 0..n {
+        out[k] += w * ascending_sum(a[k] + d[k], b[k] + e[k], c[k] + f[k]);
+    }
+}
+
+#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+fn one_six(out: &mut [f64], w: [f64; 2], own: &[f64], six: [&[f64]; 6]) {
+    let n = out.len();
+    let own = &own[..n];
+    let [a, b, c, d, e, f] = six.map(|x| &x[..n]);
+    for k in 0..n {
+        out[k] = w[0] * own[k] + w[1] * ascending_sum(a[k] + d[k], b[k] + e[k], c[k] + f[k]);
+    }
+}
+
+#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+fn two_pairs(out: &mut [f64], w: [f64; 2], pairs: [[&[f64]; 2]; 2]) {
+    let n = out.len();
+    let [[a, b], [c, d]] = pairs.map(|pair| pair.map(|x| &x[..n]));
+    for k in 0..n {
+        out[k] = w[0] * (a[k] + b[k]) + w[1] * (c[k] + d[k]);
     }
 }
 

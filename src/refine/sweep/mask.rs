@@ -1,20 +1,13 @@
-//! The masks of a round on a grid of quads, read off the rows of the operators on small nets.
+//! The masks of a round on a regular grid, read off the rows of the operators on small nets.
 
-use std::collections::HashMap;
-use std::sync::Arc;
-
-use crate::math::rows::{RowSource, Rows};
-use crate::scheme::mesh_net::MeshNet;
+use super::lattice::{cell, fine, is_within};
+use super::sample::{Sample, Table, Use};
 use crate::scheme::plan::{Plan, Scheduled};
-use crate::scheme::sharpness::Sharpness;
-use crate::scheme::step::Action;
-use crate::scheme::stepper::Stepper;
-use crate::scheme::tags::Boundary;
-use crate::shape::check::{FaceList, Winding};
 use crate::shape::creases::INFINITE_SHARPNESS;
-use crate::shape::topology::{Topology, index};
+use crate::shape::tile::Tile;
 
-/// The four planes of a refined grid: vertices, points of edges along the first and the second axis, points of faces.
+/// The four planes of a refined grid: vertices, points of edges along the first and the second axis, and points of faces
+/// or, where faces are triangles, of edges along the diagonals.
 pub(super) const PLANES: usize = 4;
 
 /// A weight and the points whose symmetric sum it belongs to: the plane of each, and its cell counted from that of the
@@ -28,101 +21,138 @@ pub(super) struct MaskGroup {
 /// What a point is made of, group after group.
 pub(super) type Mask = Vec<MaskGroup>;
 
+/// The masks on a line along each of [`AXES`](super::lattice::AXES), as far as patches have such sides: of vertices and of points of edges.
+pub(super) type LineMasks = Vec<[Mask; 2]>;
+
 /// How one step makes the points of the planes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Pass {
     /// All planes from the coarse grid, which is the first plane.
     Up([Mask; PLANES]),
-    /// All planes from all planes, and on sharp lines the vertices and the points of edges, which see nothing beside
-    /// the line.
+    /// All planes from all planes.
     Blend {
         /// Where everything is smooth.
         planes: [Mask; PLANES],
-        /// Along boundaries and creases: masks of vertices and of points of edges, with members in the first two
-        /// planes, as on a line along the first axis.
-        lines: [[Mask; 2]; 2],
+        /// For each line the masks there, where that is not smooth.
+        lines: Vec<Option<LineMasks>>,
     },
     /// The mask of the differences between the coarse grid and its children is added to each plane.
     Push([Mask; PLANES]),
 }
 
 /// What a side of a patch is, where it is not smooth.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Line {
     /// An edge with one face.
     Boundary,
-    /// An infinitely sharp edge between two faces.
-    Crease,
+    /// An edge between two faces of this sharpness.
+    Crease(f64),
 }
 
-/// Quads in each direction of the nets that masks are read off: one around each side of the middle, and one to spare.
-const SIDE: usize = 4;
-
-/// The passes of a round, or none where its rows are not those of masks.
-pub(super) fn passes(plan: &Plan, round: &[Scheduled]) -> Option<Vec<Pass>> {
-    let [smooth, boundary, crease] =
-        [Sample::new(None), Sample::new(Some(Line::Boundary)), Sample::new(Some(Line::Crease))]
-            .map(|sample| sample.tables(plan, round));
-    let lines = boundary?.into_iter().zip(crease?);
-    smooth?.into_iter().zip(lines).map(|(smooth, (boundary, crease))| Pass::of(smooth, [boundary, crease])).collect()
+impl Line {
+    /// What it is after so many rounds; none where it is smooth by then.
+    pub(super) fn after(self, rounds: usize) -> Option<Self> {
+        match self {
+            Self::Crease(sharpness) => softened(sharpness, rounds).map(Self::Crease),
+            Self::Boundary => Some(self),
+        }
+    }
 }
 
-/// How a step uses a table.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Use {
-    Up,
-    Blend,
-    Push,
+/// What is left of a sharpness after so many rounds, if anything.
+pub(super) fn softened(sharpness: f64, rounds: usize) -> Option<f64> {
+    let less = |sharpness: f64| if sharpness >= INFINITE_SHARPNESS { sharpness } else { sharpness - 1.0 };
+    Some((0..rounds).fold(sharpness, |sharpness, _| less(sharpness))).filter(|&sharpness| sharpness > 0.0)
 }
 
-/// The masks of one step on one net.
-struct Table {
-    is: Use,
-    masks: [Mask; PLANES],
+/// The passes of a round on a net with such lines, or none where its rows are not those of masks.
+pub(super) fn passes(plan: &Plan, round: &[Scheduled], tile: Tile, lines: &[Option<Line>]) -> Option<Vec<Pass>> {
+    let smooth = Sample::new(tile, None).tables(plan, round)?;
+    let mut passes: Vec<Pass> = smooth.iter().map(Pass::smooth).collect::<Option<_>>()?;
+    for line in lines {
+        let axes = if tile == Tile::Quad { 2 } else { 3 };
+        let along = |line: Line| {
+            let tables = (0..axes).map(|axis| Sample::new(tile, Some((line, axis))).tables(plan, round));
+            tables.collect::<Option<Vec<_>>>()
+        };
+        let along = match *line {
+            Some(line) => Some(along(line)?),
+            None => None,
+        };
+        for (at, pass) in passes.iter_mut().enumerate() {
+            let tables = along.as_ref().map(|axes| axes.iter().map(|tables| &tables[at]).collect::<Vec<_>>());
+            pass.add_line(tables.as_deref())?;
+        }
+    }
+    Some(passes)
 }
 
 impl Pass {
-    fn of(smooth: Table, lines: [Table; 2]) -> Option<Self> {
-        // away from the line: vertices and points of edges along the first axis
-        let on_line = |table: Table| table.masks.into_iter().take(2).collect::<Vec<_>>();
-        let alike = |lines: &[Vec<Mask>; 2]| {
-            lines.iter().all(|line| line.iter().zip(&smooth.masks).all(|(line, smooth)| same(line, smooth)))
-        };
-        let lines = lines.map(on_line);
-        match smooth.is {
+    fn smooth(table: &Table) -> Option<Self> {
+        let masks = table.masks.iter().map(|(_, mask)| mask.clone()).collect::<Vec<_>>();
+        let masks: [Mask; PLANES] = masks.try_into().ok()?;
+        match table.is {
             Use::Up => {
                 let stays = [MaskGroup { weight: 1.0, members: vec![(0, [0, 0])] }];
-                (smooth.masks[0] == stays && alike(&lines)).then_some(Self::Up(smooth.masks))
+                (masks[0] == stays).then_some(Self::Up(masks))
             }
-            Use::Push => {
-                let simple = smooth.masks.iter().all(|mask| mask.len() == 1);
-                (simple && alike(&lines)).then_some(Self::Push(smooth.masks))
-            }
-            Use::Blend => {
-                let narrow = |mask: &Mask| {
-                    mask.iter().flat_map(|group| &group.members).all(|&(plane, at)| plane < 2 && at[1] == 0)
-                };
-                let [boundary, crease] = lines.map(|line| <[Mask; 2]>::try_from(line).ok());
-                let lines = [boundary?, crease?];
-                let narrow = lines.iter().flatten().all(narrow);
-                narrow.then_some(Self::Blend { planes: smooth.masks, lines })
+            Use::Push => masks.iter().all(|mask| mask.len() == 1).then_some(Self::Push(masks)),
+            Use::Blend => Some(Self::Blend { planes: masks, lines: Vec::new() }),
+        }
+    }
+
+    /// Adds a line, with the tables along each axis where it is not smooth; none where points beside it have other masks
+    /// than elsewhere, or those on it where that is not looked at.
+    fn add_line(&mut self, tables: Option<&[&Table]>) -> Option<()> {
+        let masks = match self {
+            Self::Up(masks) | Self::Push(masks) => masks,
+            Self::Blend { planes, .. } => planes,
+        };
+        let as_elsewhere = |of: &[(usize, Mask)]| of.iter().all(|(plane, mask)| same(mask, &masks[*plane]));
+        for table in tables.into_iter().flatten() {
+            if !as_elsewhere(&table.beside) || !(as_elsewhere(&table.masks) || table.is == Use::Blend) {
+                return None;
             }
         }
+        if let Self::Blend { lines, .. } = self {
+            let on_line = |table: &&Table| [0, 1].map(|point: usize| table.masks[point].1.clone());
+            lines.push(tables.map(|tables| tables.iter().map(on_line).collect()));
+        }
+        Some(())
     }
 
     /// By how many points of the refined grid a point looks around at most, where that does not begin anew.
     pub(super) fn radius(&self) -> Option<isize> {
-        let Self::Blend { planes, lines } = self else { return None };
-        let masks = planes.iter().enumerate().chain(lines.iter().flat_map(|line| line.iter().enumerate()));
-        let distances = masks.flat_map(|(to, mask)| {
+        let Self::Blend { planes, .. } = self else { return None };
+        let distances = planes.iter().enumerate().flat_map(|(to, mask)| {
             let members = mask.iter().flat_map(|group| &group.members);
-            members.flat_map(move |&(from, at)| [0, 1].map(|axis| fine(from, at, axis) - fine(to, [0, 0], axis)))
+            members.flat_map(move |&(from, at)| [0, 1].map(|axis| fine(from, at)[axis] - fine(to, [0, 0])[axis]))
         });
         distances.map(isize::abs).max()
     }
+
+    /// The planes that have to be known before the pass, so that these are known after it.
+    pub(super) fn reads(&self, wanted: [bool; PLANES]) -> [bool; PLANES] {
+        let mut reads = [false; PLANES];
+        match self {
+            // of the coarse grid
+            Self::Up(_) => reads[0] = true,
+            Self::Push(_) => {
+                reads = wanted;
+                reads[0] = true;
+            }
+            Self::Blend { planes, lines } => {
+                let smooth = planes.iter().zip(wanted).filter(|(_, wanted)| *wanted).map(|(mask, _)| mask);
+                let on_lines = lines.iter().flatten().flatten().flatten();
+                let members = smooth.chain(on_lines).flatten().flat_map(|group| &group.members);
+                members.for_each(|&(plane, _)| reads[plane] = true);
+            }
+        }
+        reads
+    }
 }
 
-/// Whether two masks are the same but for the order of the members of their groups, which are of one or two.
+/// Whether two masks are the same but for the order of the members of their groups, which keeps opposite pairs.
 fn same(a: &Mask, b: &Mask) -> bool {
     let sorted = |mask: &Mask| {
         let mut mask = mask.clone();
@@ -132,136 +162,87 @@ fn same(a: &Mask, b: &Mask) -> bool {
     sorted(a) == sorted(b)
 }
 
-/// A coordinate of a point of a plane on the refined grid.
-fn fine(plane: usize, cell: [isize; 2], axis: usize) -> isize {
-    2 * cell[axis] + (plane >> axis & 1).cast_signed()
-}
-
 /// How many cells beyond a patch are to be known so that as many points are known there after a round: the least such
 /// number, if it is a small one.
-pub(super) fn halo(passes: &[Pass]) -> Option<usize> {
-    (1..=MAX_HALO).find(|&halo| {
-        let mut reach = 2 * halo.cast_signed();
-        for pass in passes {
-            match pass {
-                Pass::Up(_) => {}
-                Pass::Blend { .. } => reach -= pass.radius().unwrap_or(0),
-                // a difference is known where a child is; points of edges and faces lie between them
-                Pass::Push(_) => reach = reach.div_euclid(2) * 2,
-            }
-        }
-        reach >= halo.cast_signed()
-    })
+pub(super) fn halo(tile: Tile, passes: &[Pass]) -> Option<usize> {
+    (1..=MAX_HALO).find(|&halo| Known::new(tile, halo).suffices(passes))
 }
 
 /// The widest halo: that of four averages. A round with five would need five cells, and its first three levels would be
 /// refined elsewhere before it pays.
 const MAX_HALO: usize = 4;
 
-/// A small net of quads with a point in its middle, which may lie on a line.
-struct Sample {
-    line: Option<Line>,
-    topology: Arc<Topology>,
-    middle: [isize; 2],
+/// Which points of a refined grid around a patch are known.
+struct Known {
+    tile: Tile,
+    halo: isize,
+    /// By plane and cell.
+    points: Vec<bool>,
 }
 
-impl Sample {
-    fn new(line: Option<Line>) -> Self {
-        let rows = if line == Some(Line::Boundary) { SIDE / 2 } else { SIDE };
-        let vertex = |i: usize, j: usize| index(j * (SIDE + 1) + i);
-        let mut faces = FaceList::default();
-        for j in 0..rows {
-            for i in 0..SIDE {
-                faces.push([vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)]);
-            }
-        }
-        let checked = Topology::of_faces((SIDE + 1) * (rows + 1), faces, Winding::Refuse);
-        let topology = Arc::new(checked.expect("a grid of quads is a mesh").topology);
-        let middle = (SIDE / 2).cast_signed();
-        Self { line, topology, middle: [middle, if line == Some(Line::Boundary) { 0 } else { middle }] }
+/// Pieces of the patch: as many as the least patch has whose neighbours touch, so that all corners differ.
+const PIECES: isize = 2;
+
+impl Known {
+    fn new(tile: Tile, halo: usize) -> Self {
+        let halo = halo.cast_signed();
+        let side = Self::side(halo);
+        Self { tile, halo, points: vec![false; PLANES * side * side] }
     }
 
-    fn coarse(v: usize) -> [isize; 2] {
-        [v % (SIDE + 1), v / (SIDE + 1)].map(usize::cast_signed)
+    fn side(halo: isize) -> usize {
+        (PIECES + 2 * halo + 1).unsigned_abs()
     }
 
-    fn net(&self, plan: &Plan) -> MeshNet {
-        let on_line = |e: usize| self.topology.ends(e).iter().all(|&v| Self::coarse(v as usize)[1] == self.middle[1]);
-        let sharp = (0..self.topology.n_edges()).filter(|&e| self.line == Some(Line::Crease) && on_line(e));
-        let sharp = sharp.map(|e| (index(e), INFINITE_SHARPNESS)).collect();
-        let net = MeshNet::new(self.topology.clone(), &[], &[], Boundary::EdgeOnly);
-        net.with_sharpness(Sharpness::of(&sharp, &Vec::new()), plan.rules)
+    fn at(&self, plane: usize, [i, j]: [isize; 2]) -> Option<usize> {
+        let side = Self::side(self.halo);
+        let [i, j] = [i, j].map(|x| usize::try_from(x + self.halo).ok().filter(|&x| x < side));
+        Some((plane * side + j?) * side + i?)
     }
 
-    /// Where each point of the refined net lies on the refined grid.
-    fn places(&self) -> Vec<[isize; 2]> {
-        let topology = &self.topology;
-        let sum = |vertices: &[u32]| {
-            vertices.iter().map(|&v| Self::coarse(v as usize)).fold([0, 0], |s, p| [s[0] + p[0], s[1] + p[1]])
-        };
-        let vertices = (0..topology.n_vertices()).map(|v| Self::coarse(v).map(|x| 2 * x));
-        let edges = (0..topology.n_edges()).map(|e| sum(&topology.ends(e)));
-        let faces = (0..topology.n_faces()).map(|f| sum(topology.face(f)).map(|x| x / 2));
-        vertices.chain(edges).chain(faces).collect()
+    fn has(&self, plane: usize, at: [isize; 2]) -> bool {
+        self.at(plane, at).is_some_and(|at| self.points[at])
     }
 
-    /// The masks of each step of a round around the middle.
-    fn tables(&self, plan: &Plan, round: &[Scheduled]) -> Option<Vec<Table>> {
-        let places = self.places();
-        let find: HashMap<[isize; 2], usize> = places.iter().enumerate().map(|(i, &place)| (place, i)).collect();
-        let steps = steps(self.net(plan), plan, round)?;
-        let table = |(is, rows): &(Use, Box<dyn RowSource>)| {
-            let mask = |plane: usize| {
-                let cell = [0, 1].map(|axis| fine(plane, self.middle, axis));
-                self.mask(&**rows, find[&cell], if *is == Use::Blend { Some(&places) } else { None })
+    fn is_coarse(&self, at: [isize; 2]) -> bool {
+        is_within(self.tile, PIECES, self.halo, at)
+    }
+
+    /// Whether, with all points of the coarse grid in the patch and its halo, those of the refined one are known after
+    /// these passes.
+    fn suffices(mut self, passes: &[Pass]) -> bool {
+        for pass in passes {
+            let whole = |mask: &Mask, [i, j]: [isize; 2], has: &dyn Fn(usize, [isize; 2]) -> bool| {
+                mask.iter().flat_map(|group| &group.members).all(|&(plane, [a, b])| has(plane, [i + a, j + b]))
             };
-            Some(Table { is: *is, masks: [mask(0)?, mask(1)?, mask(2)?, mask(3)?] })
-        };
-        steps.iter().map(table).collect()
-    }
-
-    /// The mask of one row, over the refined net where `places` are given, else over the coarse one.
-    fn mask(&self, rows: &dyn RowSource, row: usize, places: Option<&[[isize; 2]]>) -> Option<Mask> {
-        let mut table = Rows::default();
-        rows.make(row..row + 1, &mut table);
-        let member = |i: u32| match places {
-            None => (0, Self::coarse(i as usize)),
-            Some(places) => {
-                let place = places[i as usize];
-                let plane = (place[0] & 1) + 2 * (place[1] & 1);
-                (plane.unsigned_abs(), place.map(|x| x.div_euclid(2)))
-            }
-        };
-        let relative =
-            |(plane, cell): (usize, [isize; 2])| (plane, std::array::from_fn(|axis| cell[axis] - self.middle[axis]));
-        let groups = table.terms(0).map(|term| {
-            let members = term.indices.iter().map(|&i| relative(member(i))).collect();
-            term.alike.then_some(MaskGroup { weight: term.weights[0], members })
-        });
-        groups.collect()
-    }
-}
-
-/// How the steps of a round make their points, one table each; none where one of them does otherwise.
-pub(super) fn steps(mut net: MeshNet, plan: &Plan, round: &[Scheduled]) -> Option<Vec<(Use, Box<dyn RowSource>)>> {
-    let mut tables = Vec::new();
-    for step in round {
-        let next = Stepper::new(plan).next_from(&net, step, None).ok()?;
-        tables.push(used(next.action)?);
-        net = next.net;
-    }
-    let ups = tables.iter().filter(|(is, _)| *is == Use::Up).count();
-    (ups == 1 && tables[0].0 == Use::Up && net.mesh.halved().is_some()).then_some(tables)
-}
-
-fn used(action: Action) -> Option<(Use, Box<dyn RowSource>)> {
-    match action {
-        Action::BlendFromAnchor(rows) => Some((Use::Up, rows)),
-        Action::Blend(rows) => Some((Use::Blend, rows)),
-        Action::PushBack { rows, children } => {
-            let same = children.iter().enumerate().all(|(v, &child)| child as usize == v);
-            same.then_some((Use::Push, rows))
+            let after: Vec<bool> = self
+                .places()
+                .map(|(plane, at)| match pass {
+                    Pass::Up(masks) => whole(&masks[plane], at, &|_, at| self.is_coarse(at)),
+                    Pass::Blend { planes, .. } => whole(&planes[plane], at, &|plane, at| self.has(plane, at)),
+                    Pass::Push(masks) => {
+                        self.has(plane, at)
+                            && whole(&masks[plane], at, &|_, at| self.is_coarse(at) && self.has(0, at))
+                    }
+                })
+                .collect();
+            self.points = after;
         }
-        Action::Map(_) | Action::Sequence(_) => None,
+        let reach = 2 * self.halo;
+        let mut places = (-reach..=2 * PIECES + reach).flat_map(|j| (-reach..=2 * PIECES + reach).map(move |i| [i, j]));
+        places.all(|place| {
+            let (plane, at) = cell(place);
+            !is_within(self.tile, 2 * PIECES, self.halo, place) || self.has(plane, at)
+        })
+    }
+
+    /// All planes and cells, in order.
+    fn places(&self) -> impl Iterator<Item = (usize, [isize; 2])> + use<> {
+        let range = -self.halo..=PIECES + self.halo;
+        (0..PLANES).flat_map(move |plane| {
+            let rows = range.clone();
+            let columns = range.clone();
+            rows.flat_map(move |j| columns.clone().map(move |i| (plane, [i, j])))
+        })
     }
 }

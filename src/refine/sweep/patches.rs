@@ -1,16 +1,17 @@
 //! Points refined by a sweep: every patch through all rounds, straight into the documented order.
 
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::grid::{FlatPass, Planes, SharpSide, Size, at_least};
+use super::grid::{FlatPass, GridLine, Planes, Size, at_least};
+use super::lattice::{around, axis, cell, corner, direction, sector};
 use super::program::Sweep;
 use super::star::StarWork;
-use super::surface::along;
 use super::weave::{Row, weave};
 use crate::kept::Numbers;
+use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, index};
 use crate::watch::{Stopped, Watch};
 
@@ -131,13 +132,13 @@ impl<const W: usize> Task<'_, W> {
         &mut self.inner[first..first + n]
     }
 
-    /// Puts a point that is no vertex of the base where it belongs, if that is here.
-    fn put(&mut self, v: usize, point: [f64; W]) {
-        if v >= self.starts[1] {
-            self.inner[v - self.starts[1]] = point;
-        } else if let Some(place) = v.checked_sub(self.starts[0]).and_then(|at| self.edges.get_mut(at)) {
-            *place = point;
+    /// The places of consecutive points that are no vertices of the base, if they are here.
+    fn places(&mut self, first: usize, n: usize) -> Option<&mut [[f64; W]]> {
+        if let Some(at) = first.checked_sub(self.starts[1]) {
+            return self.inner.get_mut(at..at + n);
         }
+        let at = first.checked_sub(self.starts[0])?;
+        self.edges.get_mut(at..at + n)
     }
 }
 
@@ -162,6 +163,7 @@ struct Worker<const W: usize> {
     /// Points of stars, round after round.
     stars: Vec<[f64; W]>,
     work: StarWork<W>,
+    lines: Vec<GridLine>,
 }
 
 /// A part of a patch at a round: a grid whose first cell is at `at`.
@@ -174,14 +176,31 @@ struct Block {
 }
 
 impl Block {
-    /// Whether its grid with so many cells touches a side of the patch.
-    fn touches(self, side: usize, cells: usize) -> bool {
-        match side {
-            0 => self.at[1] == 0,
-            1 => self.at[0] + cells == self.pieces,
-            2 => self.at[1] + cells == self.pieces,
-            _ => self.at[0] == 0,
+    /// Its part of a side of the patch: which of the side's vertices lie in its grid with so many cells.
+    fn on_side(self, tile: Tile, side: usize, cells: usize) -> Option<RangeInclusive<usize>> {
+        let (start, along) = (corner(tile, self.pieces, side), direction(tile, side, 0));
+        let (mut least, mut most) = (0, self.pieces.cast_signed());
+        for axis in 0..2 {
+            let low = self.at[axis].cast_signed() - start[axis];
+            let high = low + cells.cast_signed();
+            match along[axis] {
+                1 => (least, most) = (least.max(low), most.min(high)),
+                -1 => (least, most) = (least.max(-high), most.min(-low)),
+                _ if low > 0 || high < 0 => return None,
+                _ => {}
+            }
         }
+        (least <= most).then(|| least.unsigned_abs()..=most.unsigned_abs())
+    }
+
+    /// A place of the patch, seen from the block.
+    fn inside(self, place: [isize; 2]) -> [isize; 2] {
+        [0, 1].map(|axis| place[axis] - self.at[axis].cast_signed())
+    }
+
+    /// The block after a split.
+    fn refined(self) -> Self {
+        Self { at: self.at.map(|at| 2 * at), pieces: 2 * self.pieces, ..self }
     }
 }
 
@@ -243,20 +262,14 @@ impl<const W: usize> Run<'_, W> {
         task: &mut Task<'_, W>,
     ) -> Result<(), Stopped> {
         let sweep = self.sweep;
-        let size = sweep.size(round, W);
-        let patches = &sweep.surface.patches;
-        let mut sides = [None; 4];
-        for (side, half_edge) in patches.half_edges(block.patch).enumerate() {
-            let line = sweep.surface.line(half_edge).filter(|_| block.touches(side, size.cells));
-            sides[side] = line.map(|line| SharpSide { side, line });
-        }
-        let sides: Vec<SharpSide> = sides.into_iter().flatten().collect();
-        worker.planes.refine(&self.flat[round], size, &sides);
-        for (side, half_edge) in patches.half_edges(block.patch).enumerate() {
-            let before = (side + 3) % 4;
-            let v = patches.vertex(half_edge) as usize;
-            if block.touches(side, size.cells) && block.touches(before, size.cells) && worker.star_of[v] != NONE {
-                self.overlay(round, side, half_edge, worker);
+        let (size, tile) = (sweep.size(round, W), sweep.surface.tile);
+        self.lines(size.cells, block, &mut worker.lines);
+        worker.planes.refine(&self.flat[round], size, &worker.lines);
+        for (side, half_edge) in sweep.surface.patches.half_edges(block.patch).enumerate() {
+            let v = sweep.surface.patches.vertex(half_edge) as usize;
+            let here = block.inside(corner(tile, block.pieces, side));
+            if worker.star_of[v] != NONE && here.iter().all(|x| (0..=size.cells.cast_signed()).contains(x)) {
+                self.overlay(round, block.refined(), half_edge, worker);
             }
         }
         if round + 1 == sweep.rounds.len() {
@@ -272,7 +285,7 @@ impl<const W: usize> Run<'_, W> {
         let next = sweep.size(round + 1, W);
         let fine = Size { cells: 2 * size.cells, ..size };
         weave::<W>(&worker.planes, size, fine, &mut woven);
-        let refined = Block { at: block.at.map(|at| 2 * at), pieces: 2 * block.pieces, ..block };
+        let refined = block.refined();
         if fine.cells == next.cells {
             std::mem::swap(&mut woven, &mut worker.planes.now[0]);
             worker.woven[round] = woven;
@@ -280,6 +293,10 @@ impl<const W: usize> Run<'_, W> {
         }
         for corner in [[0, 0], [1, 0], [0, 1], [1, 1]] {
             let offset = corner.map(|x| x * next.cells);
+            let at: [usize; 2] = std::array::from_fn(|axis| refined.at[axis] + offset[axis]);
+            if tile == Tile::Triangle && at[0] + at[1] >= refined.pieces {
+                continue;
+            }
             let coarse = &mut worker.planes.now[0];
             at_least(coarse, next.len());
             let rows = coarse[..next.len()].chunks_exact_mut(next.stride() * W);
@@ -287,15 +304,29 @@ impl<const W: usize> Run<'_, W> {
                 let from = ((offset[1] + j) * fine.stride() + offset[0]) * W;
                 row.copy_from_slice(&woven[from..from + row.len()]);
             }
-            let at = std::array::from_fn(|axis| refined.at[axis] + offset[axis]);
             self.descend(round + 1, Block { at, ..refined }, worker, task)?;
         }
         worker.woven[round] = woven;
         Ok(())
     }
 
-    /// Overwrites what the loops made around a corner by the points of its star.
-    fn overlay(&self, round: usize, side: usize, half_edge: u32, worker: &mut Worker<W>) {
+    /// The lines that lie in the grid of a block.
+    fn lines(&self, cells: usize, block: Block, lines: &mut Vec<GridLine>) {
+        let surface = &self.sweep.surface;
+        lines.clear();
+        for (side, half_edge) in surface.patches.half_edges(block.patch).enumerate() {
+            let Some(line) = surface.line(half_edge) else { continue };
+            if let Some(range) = block.on_side(surface.tile, side, cells) {
+                let steps = [range.start().cast_signed(), 0];
+                let from = block.inside(around(surface.tile, block.pieces, side, 0, steps));
+                lines.push(GridLine { line, axis: axis(surface.tile, side), from });
+            }
+        }
+    }
+
+    /// Overwrites what the loops made around a corner of a patch, in a block as it is after the round, by the points of
+    /// its star.
+    fn overlay(&self, round: usize, block: Block, half_edge: u32, worker: &mut Worker<W>) {
         let sweep = self.sweep;
         let (size, surface) = (sweep.size(round, W), &sweep.surface);
         let v = surface.patches.vertex(half_edge) as usize;
@@ -303,68 +334,61 @@ impl<const W: usize> Run<'_, W> {
         let shape = sweep.shape(kind);
         let Worker { planes, star_of, stars, .. } = worker;
         let star = &stars[star_of[v] as usize + round * shape.len()..][..shape.len()];
-        let sector = surface.patches.ring(v).position(|ring| ring == half_edge).unwrap_or(0);
-        let n = 2 * size.cells;
-        let mut put = |[i, j]: [isize; 2], point: usize| {
-            let plane = ((i & 1) + 2 * (j & 1)).unsigned_abs();
-            let at = size.at([i, j].map(|x| x.div_euclid(2)));
+        let (_, side) = surface.side(half_edge);
+        let mut put = |turn: isize, place: [usize; 2], point: usize| {
+            let place = around(surface.tile, block.pieces, side, turn, place.map(usize::cast_signed));
+            let (plane, place) = cell(block.inside(place));
+            let at = size.at(place);
             planes.now[plane][at..at + W].copy_from_slice(&star[point]);
         };
-        let reach = 0..=shape.reach;
-        for (ab, [a, b]) in
-            reach.clone().flat_map(|b| reach.clone().map(move |a| ([a, b], [a, b].map(usize::cast_signed))))
-        {
-            put(along(n, side, a, b), shape.point(sector, ab));
-            // the face before lies below the side, the next one beside it
-            if let Some(before) = shape.neighbour(sector, false) {
-                put(along(n, side, b, -a), shape.point(before, ab));
-            }
-            if let Some(next) = shape.neighbour(sector, true) {
-                put(along(n, side, -b, a), shape.point(next, ab));
-            }
+        let own = surface.patches.ring(v).position(|ring| ring == half_edge).unwrap_or(0);
+        put(0, [0, 0], 0);
+        let sectors = [(-1, shape.neighbour(own, false)), (0, Some(own)), (1, shape.neighbour(own, true))];
+        for (turn, face) in sectors.into_iter().filter_map(|(turn, face)| Some((turn, face?))) {
+            sector(surface.tile, shape.reach).for_each(|place| put(turn, place, shape.point(face, place)));
+            // the points on the edge towards the next face
+            (1..=shape.reach).for_each(|b| put(turn, [0, b], shape.point(face, [0, b])));
         }
     }
 
     /// Writes the points of a block after the last round.
     fn emit(&self, size: Size, block: Block, worker: &Worker<W>, task: &mut Task<'_, W>) {
-        let order = &self.sweep.orders[1];
-        let (cells, n) = (2 * size.cells, 2 * block.pieces);
-        let at = block.at.map(|at| 2 * at);
-        let columns = at[0].max(1)..(at[0] + cells + 1).min(n);
-        for row in at[1].max(1)..(at[1] + cells + 1).min(n) {
-            let first = order.patch_vertex(block.patch, [columns.start, row]);
-            let row = Row::new(&worker.planes, size, row - at[1]);
-            row.copy(columns.start - at[0], task.inside(first, columns.len()));
+        let (order, surface) = (&self.sweep.orders[1], &self.sweep.surface);
+        let tile = surface.tile;
+        let (cells, block) = (2 * size.cells, block.refined());
+        let (n, at) = (block.pieces, block.at);
+        let end = if tile == Tile::Quad { n } else { n - 1 };
+        for row in at[1].max(1)..(at[1] + cells + 1).min(end) {
+            let end = if tile == Tile::Quad { n } else { n - row };
+            let columns = at[0].max(1)..(at[0] + cells + 1).min(end);
+            if !columns.is_empty() {
+                let first = order.vertex(block.patch, [columns.start, row].map(usize::cast_signed));
+                let row = Row::new(&worker.planes, size, row - at[1]);
+                row.copy(columns.start - at[0], task.inside(first, columns.len()));
+            }
         }
-        let patches = &self.sweep.surface.patches;
-        for (side, half_edge) in patches.half_edges(block.patch).enumerate() {
-            if !block.touches(side, size.cells) {
-                continue;
+        for (side, half_edge) in surface.patches.half_edges(block.patch).enumerate() {
+            let Some(range) = block.on_side(tile, side, cells) else { continue };
+            let place = |steps: usize| around(tile, n, side, 0, [steps.cast_signed(), 0]);
+            let vertex = |steps: usize| order.vertex(block.patch, place(steps));
+            let point = |steps: usize| worker.planes.point(size, block.inside(place(steps)));
+            let within = (*range.start()).max(1)..(*range.end() + 1).min(n);
+            // the patch where an edge appears first has its points
+            if !within.is_empty() && surface.patches.halves(surface.patches.edge(half_edge) as usize)[0] == half_edge {
+                let ends = [within.start, within.end - 1].map(|steps| vertex(steps) as usize);
+                let places = task.places(ends[0].min(ends[1]), within.len()).into_iter().flatten();
+                if ends[0] <= ends[1] {
+                    places.zip(within).for_each(|(place, steps)| *place = point(steps));
+                } else {
+                    places.zip(within.rev()).for_each(|(place, steps)| *place = point(steps));
+                }
             }
-            let first = at[side % 2];
-            // counted along the axis of the side
-            let across = if matches!(side, 1 | 2) { n } else { 0 };
-            let place = |steps: usize| if side % 2 == 0 { [steps, across] } else { [across, steps] };
-            let vertex = |steps: usize| order.patch_vertex(block.patch, place(steps));
-            let point = |steps: usize| {
-                let [i, j] = place(steps);
-                Row::new(&worker.planes, size, j - at[1]).point(i - at[0])
-            };
-            // the numbers of the points of a side go up or down by the same everywhere
-            let along = first.max(1)..(first + cells + 1).min(n);
-            let v = vertex(along.start) as usize;
-            let forward = along.len() < 2 || vertex(along.start + 1) as usize > v;
-            let stride = if along.len() < 2 { 0 } else { v.abs_diff(vertex(along.start + 1) as usize) };
-            for (k, steps) in along.enumerate() {
-                task.put(if forward { v + k * stride } else { v - k * stride }, point(steps));
-            }
-            let start = if matches!(side, 0 | 1) { 0 } else { n };
-            if (first..=first + cells).contains(&start) {
-                let (v, corner) = (vertex(start), patches.vertex(half_edge) as usize);
-                if (v as usize) >= self.sweep.surface.base.n_vertices() {
-                    task.put(v as usize, point(start));
-                } else if patches.ring(corner).next() == Some(half_edge) {
-                    task.vertices.push((v, point(start)));
+            if *range.start() == 0 {
+                let (v, corner) = (vertex(0), surface.patches.vertex(half_edge) as usize);
+                if (v as usize) >= surface.base.n_vertices() {
+                    task.places(v as usize, 1).into_iter().flatten().for_each(|place| *place = point(0));
+                } else if surface.patches.ring(corner).next() == Some(half_edge) {
+                    task.vertices.push((v, point(0)));
                 }
             }
         }

@@ -3,18 +3,26 @@
 use std::sync::Arc;
 
 use super::grid::{FlatPass, Size, flat_passes};
-use super::mask::{Pass, halo, passes};
+use super::lattice::reach;
+use super::mask::{Line, Pass, halo, passes};
+use super::numbering::Numbering;
 use super::star::{StarRound, StarShape};
 use super::surface::Surface;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::Role;
+use crate::scheme::parameters::SPLIT;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::creases::INFINITE_SHARPNESS;
-use crate::shape::grid::Grid;
+use crate::shape::tile::Tile;
 
 /// Most cells of a grid in each direction: the planes of three coordinates take 1 MB with it, what a core has as its
 /// own cache. Half of it makes a tenth more points twice, in halos; twice of it leaves that cache.
 const MOST_CELLS: usize = 64;
+
+/// Most kinds of lines, boundaries among them, and most sharpnesses of vertices: vertices where they meet in different
+/// ways have tables of their own in every round, 256 of them around four edges. With more the first rounds are taken by
+/// rows, until only infinitely sharp edges are left.
+const MOST_LINES: usize = 4;
 
 /// The sweep of a net through the rounds of a plan.
 #[derive(Debug)]
@@ -28,7 +36,7 @@ pub(crate) struct Sweep {
     steps_before: usize,
     pub(super) rounds: Vec<Round>,
     /// The documented orders of the nets in which the sweep begins and ends.
-    pub(super) orders: [Grid; 2],
+    pub(super) orders: [Numbering; 2],
     /// Pieces of a patch's side where the sweep begins.
     pub(super) first_pieces: usize,
 }
@@ -46,6 +54,8 @@ pub(super) struct Round {
 /// What of a sweep is known before the mesh was looked at.
 #[derive(Debug)]
 pub(crate) struct Outline<'a> {
+    tile: Tile,
+    lines: Vec<Line>,
     rounds: Vec<&'a [Scheduled]>,
     passes: Vec<Arc<Vec<Pass>>>,
     halo: usize,
@@ -66,32 +76,45 @@ impl<'a> Outline<'a> {
         if apart || numbered || cut || !ops || steps.first()?.letter.facts().role != Role::Upsample {
             return None;
         }
+        let tile = steps.first()?.letter.settings.tile();
+        let base = &net.mesh.base;
+        if steps.iter().any(|step| step.letter.facts().has(&SPLIT) && step.letter.settings.tile() != tile)
+            || (tile == Tile::Triangle && base.first_other_than_triangle().is_some())
+        {
+            return None;
+        }
         let rounds: Vec<&[Scheduled]> = steps.chunk_by(|_, next| next.letter.facts().role != Role::Upsample).collect();
-        let soft = softening(net)?;
-        let passes = each_round(&rounds, |round| passes(plan, round))?;
-        let halos = passes.iter().map(|passes| halo(passes)).collect::<Option<Vec<_>>>()?;
+        let (lines, soft) = lines(net)?;
+        let rough = base.n_boundary() > 0;
+        let on_lines = |at: usize, round: &[Scheduled]| {
+            let line = |line: &Line| line.after(at).filter(|line| rough || *line != Line::Boundary);
+            passes(plan, round, tile, &lines.iter().map(line).collect::<Vec<_>>())
+        };
+        let passes = each_round(&rounds, 0, &lines, on_lines)?;
+        let halos = passes.iter().map(|passes| halo(tile, passes)).collect::<Option<Vec<_>>>()?;
         let halo = halos.into_iter().max()?;
-        let splits = usize::from(!net.mesh.base.is_quads());
-        let before = (splits + halo.next_power_of_two().trailing_zeros() as usize).max(soft);
-        (before < rounds.len()).then_some(Self { rounds, passes, halo, before, splits })
+        let splits = usize::from(tile == Tile::Quad && !base.is_quads());
+        let before = (splits + reach(tile, halo).next_power_of_two().trailing_zeros() as usize).max(soft);
+        (before < rounds.len()).then_some(Self { tile, lines, rounds, passes, halo, before, splits })
     }
 }
 
 impl Sweep {
     /// The sweep of a net, where it has an [`Outline`] and the operators can be applied around each of its vertices.
     pub(crate) fn of(net: &MeshNet, plan: &Plan, steps: &[Scheduled]) -> Option<Self> {
-        let Outline { rounds, passes, halo, before, splits } = Outline::of(net, plan, steps)?;
-        let surface = Surface::new(net);
+        let Outline { tile, lines, rounds, passes, halo, before, splits } = Outline::of(net, plan, steps)?;
+        let surface = Surface::new(net, tile, &lines);
         let (head, tail) = rounds.split_at(before);
         let kinds = &surface.kinds;
-        let stars = |round: &[Scheduled]| kinds.iter().map(|kind| StarRound::of(kind, halo, plan, round)).collect();
-        let stars: Vec<Arc<Vec<StarRound>>> = each_round(tail, stars)?;
+        let stars = |at: usize, round: &[Scheduled]| {
+            kinds.iter().map(|kind| StarRound::of(kind, (tile, reach(tile, halo)), at, plan, round)).collect()
+        };
+        let stars: Vec<Arc<Vec<StarRound>>> = each_round(tail, before, &surface.softening(), stars)?;
         let first_pieces = 1 << (before - splits);
         let cells = |at: usize| (first_pieces << at).min(MOST_CELLS.max(first_pieces));
         let entries = passes.into_iter().skip(before).zip(stars).enumerate();
         let made = entries.map(|(at, (passes, stars))| Round { passes, stars, cells: cells(at) }).collect();
-        let orders = [before, rounds.len()]
-            .map(|splits| Grid::new(net.mesh.base.clone(), net.mesh.base.clone(), vec![2; splits].into()));
+        let orders = [before, rounds.len()].map(|splits| Numbering::new(&net.mesh.base, tile, splits));
         let steps_before = head.iter().map(|round| round.len()).sum();
         Some(Self { surface, halo, before, steps_before, rounds: made, orders, first_pieces })
     }
@@ -101,7 +124,12 @@ impl Sweep {
         self.steps_before
     }
 
-    /// Rounds of the whole plan, each of which splits all quads.
+    /// Into what each round splits the faces.
+    pub(crate) fn tile(&self) -> Tile {
+        self.surface.tile
+    }
+
+    /// Rounds of the whole plan, each of which splits all faces.
     pub(crate) fn splits(&self) -> usize {
         self.before + self.rounds.len()
     }
@@ -140,32 +168,64 @@ impl Sweep {
     /// The star around a vertex of this kind.
     pub(super) fn shape(&self, kind: usize) -> StarShape {
         let kind = &self.surface.kinds[kind];
-        StarShape { faces: kind.faces, closed: kind.closed, reach: self.halo }
+        let tile = self.surface.tile;
+        StarShape { tile, faces: kind.faces, closed: kind.closed, reach: reach(tile, self.halo) }
     }
 }
 
-/// Rounds after which all that is sharp is infinitely sharp; none where that is not known beforehand.
-fn softening(net: &MeshNet) -> Option<usize> {
-    let Some(sharpness) = &net.sharpness else { return Some(0) };
-    let unusual = !sharpness.is_of_the_net_alone();
-    let all = sharpness.edges().iter().chain(sharpness.vertices()).map(|&(_, sharpness)| sharpness);
-    let most = all.filter(|&sharpness| sharpness < INFINITE_SHARPNESS).fold(0.0, f64::max);
+/// The lines of a net, boundaries first, and the rounds after which they are known: where the sharpness of an edge
+/// depends on its ends, or there are many different ones, when all that is sharp is infinitely sharp. None where that
+/// is not known beforehand.
+fn lines(net: &MeshNet) -> Option<(Vec<Line>, usize)> {
+    let mut lines = vec![Line::Boundary];
+    let Some(sharpness) = &net.sharpness else { return Some((lines, 0)) };
+    if !sharpness.is_of_the_net_alone() {
+        return None;
+    }
+    let finite = |&&(_, sharpness): &&(u32, f64)| sharpness < INFINITE_SHARPNESS;
+    let most = sharpness.edges().iter().chain(sharpness.vertices()).filter(finite).fold(0.0, |most: f64, s| most.max(s.1));
+    let mut own: Vec<f64> = Vec::new();
+    for &(_, sharpness) in sharpness.vertices().iter() {
+        if own.len() <= MOST_LINES && !own.contains(&sharpness) {
+            own.push(sharpness);
+        }
+    }
+    let mut soft = (net.rules.creasing.evens_out() && most > 0.0) || own.len() > MOST_LINES;
+    for &(_, sharpness) in sharpness.edges().iter() {
+        let line = Line::Crease(sharpness);
+        if !lines.contains(&line) && !soft {
+            lines.push(line);
+            soft = lines.len() > MOST_LINES;
+        }
+    }
+    if soft {
+        let sharp = sharpness.edges().iter().find(|(_, sharpness)| *sharpness >= INFINITE_SHARPNESS);
+        lines.truncate(1);
+        lines.extend(sharp.map(|&(_, sharpness)| Line::Crease(sharpness)));
+    }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "finite sharpness is at most 10")]
-    (!unusual).then_some(most.ceil() as usize)
+    Some((lines, if soft { most.ceil() as usize } else { 0 }))
 }
 
-/// What `make` gives for each round; rounds whose steps have the same numbers share it.
-fn each_round<T>(rounds: &[&[Scheduled]], make: impl Fn(&[Scheduled]) -> Option<T>) -> Option<Vec<Arc<T>>> {
+/// What `make` gives for each round, counted from `first` on; rounds whose steps have the same numbers share it once
+/// the lines do not change any more.
+fn each_round<T>(
+    rounds: &[&[Scheduled]],
+    first: usize,
+    lines: &[Line],
+    make: impl Fn(usize, &[Scheduled]) -> Option<T>,
+) -> Option<Vec<Arc<T>>> {
     let same = |a: &Scheduled, b: &Scheduled| {
         let numbers = |step: &Scheduled| [step.kernel, step.compensation].map(f64::to_bits);
         a.letter == b.letter && a.first == b.first && numbers(a) == numbers(b)
     };
     let mut made: Vec<Arc<T>> = Vec::new();
     for (at, round) in rounds.iter().enumerate() {
-        let alike = at.checked_sub(1).map(|before| rounds[before]);
+        let stay = |at: usize| lines.iter().all(|line| line.after(first + at) == line.after(first + at - 1));
+        let alike = at.checked_sub(1).filter(|_| stay(at)).map(|before| rounds[before]);
         let alike = alike
             .is_some_and(|before| before.len() == round.len() && before.iter().zip(*round).all(|(a, b)| same(a, b)));
-        let next = if alike { made[at - 1].clone() } else { Arc::new(make(round)?) };
+        let next = if alike { made[at - 1].clone() } else { Arc::new(make(first + at, round)?) };
         made.push(next);
     }
     Some(made)

@@ -3,14 +3,16 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::mask::{Use, steps};
+use super::lattice::{last, sector};
+use super::mask::softened;
+use super::sample::{Use, steps};
 use crate::math::rows::{RowSource, Rows};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::sharpness::Sharpness;
 use crate::scheme::tags::Boundary;
 use crate::shape::check::{FaceList, Winding};
-use crate::shape::creases::INFINITE_SHARPNESS;
+use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 
 /// What of a vertex decides how the faces around it are refined.
@@ -20,17 +22,27 @@ pub(super) struct StarKind {
     pub(super) faces: usize,
     /// Whether they lie all around it.
     pub(super) closed: bool,
-    /// The infinitely sharp edges among those at the vertex, counted from the first of its ring.
-    pub(super) sharp: Vec<usize>,
-    /// Whether it keeps its place.
-    pub(super) corner: bool,
+    /// The sharp edges among those at the vertex, counted from the first of its ring, and the bits of their sharpness.
+    pub(super) sharp: Vec<(usize, u64)>,
+    /// The bits of its own sharpness, which is infinite where it keeps its place.
+    pub(super) corner: u64,
 }
 
-/// How the points of a star are numbered: the vertex, then for each face of its ring `reach x (reach + 1)` points, `a`
-/// steps along the face's first edge and `b` along its last one, `1 <= a <= reach`, `0 <= b <= reach`, at last the
-/// points of the last edge where the faces do not close.
+impl StarKind {
+    /// What it is after so many rounds.
+    fn after(&self, rounds: usize) -> Self {
+        let left = |bits: u64| softened(f64::from_bits(bits), rounds).map(f64::to_bits);
+        let sharp = self.sharp.iter().filter_map(|&(edge, sharpness)| Some((edge, left(sharpness)?))).collect();
+        Self { sharp, corner: left(self.corner).unwrap_or(0), ..*self }
+    }
+}
+
+/// How the points of a star are numbered: the vertex, then for each face of its ring those of its [`sector`], `a` steps
+/// along the face's first edge and `b` along its last one, at last the points of the last edge where the faces do not
+/// close.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StarShape {
+    pub(super) tile: Tile,
     pub(super) faces: usize,
     pub(super) closed: bool,
     /// Cells around the vertex.
@@ -41,7 +53,21 @@ impl StarShape {
     /// Number of points.
     pub(super) fn len(self) -> usize {
         let last = if self.closed { 0 } else { self.reach };
-        1 + self.faces * self.reach * (self.reach + 1) + last
+        1 + self.faces * self.sector() + last
+    }
+
+    /// Points of a face.
+    fn sector(self) -> usize {
+        self.column(self.reach + 1)
+    }
+
+    /// Points of a face in the columns before column `a`.
+    fn column(self, a: usize) -> usize {
+        match self.tile {
+            Tile::Quad => (a - 1) * (self.reach + 1),
+            // columns become shorter from `reach` points on
+            Tile::Triangle => (a - 1) * (2 * self.reach + 2 - a) / 2,
+        }
     }
 
     /// The next face of the ring counter-clockwise, or the one before; none beyond a boundary.
@@ -56,21 +82,20 @@ impl StarShape {
 
     /// The number of the point `[a, b]` of a face of the ring.
     pub(super) fn point(self, face: usize, [a, b]: [usize; 2]) -> usize {
-        let on_edge_before =
-            |face: usize, a: usize, b: usize| 1 + face * self.reach * (self.reach + 1) + (a - 1) * (self.reach + 1) + b;
+        let inside = |face: usize, a: usize, b: usize| 1 + face * self.sector() + self.column(a) + b;
         match (a, b) {
             (0, 0) => 0,
-            (0, b) if face + 1 < self.faces => on_edge_before(face + 1, b, 0),
-            (0, b) if self.closed => on_edge_before(0, b, 0),
-            (0, b) => 1 + self.faces * self.reach * (self.reach + 1) + b - 1,
-            (a, b) => on_edge_before(face, a, b),
+            (0, b) if face + 1 < self.faces => inside(face + 1, b, 0),
+            (0, b) if self.closed => inside(0, b, 0),
+            (0, b) => 1 + self.faces * self.sector() + b - 1,
+            (a, b) => inside(face, a, b),
         }
     }
 
     /// All points in order: the vertex, then face and `[a, b]`.
     pub(super) fn points(self) -> impl Iterator<Item = (usize, [usize; 2])> {
-        let inside = (0..self.faces)
-            .flat_map(move |face| (1..=self.reach).flat_map(move |a| (0..=self.reach).map(move |b| (face, [a, b]))));
+        let inside =
+            (0..self.faces).flat_map(move |face| sector(self.tile, self.reach).map(move |place| (face, place)));
         let last = if self.closed { 0 } else { self.reach };
         let on_last = (1..=last).map(move |b| (self.faces - 1, [0, b]));
         std::iter::once((0, [0, 0])).chain(inside).chain(on_last)
@@ -99,10 +124,18 @@ enum Stage {
 }
 
 impl StarRound {
-    /// The tables of a round around a vertex of this kind; none where the operators cannot be applied there.
-    pub(super) fn of(kind: &StarKind, reach: usize, plan: &Plan, round: &[Scheduled]) -> Option<Self> {
-        let disc = Disc::new(kind, reach)?;
-        let tables = steps(disc.net(kind, plan), plan, round)?;
+    /// The tables of a round, with so many before it, around a vertex of this kind; none where the operators cannot be
+    /// applied there.
+    pub(super) fn of(
+        kind: &StarKind,
+        (tile, reach): (Tile, usize),
+        before: usize,
+        plan: &Plan,
+        round: &[Scheduled],
+    ) -> Option<Self> {
+        let kind = kind.after(before);
+        let disc = Disc::new(&kind, tile, reach)?;
+        let tables = steps(disc.net(&kind, plan), plan, round)?;
         let mut needed = Needed::of(disc.next());
         let mut stages = Vec::new();
         for (is, rows) in tables.iter().rev() {
@@ -212,15 +245,25 @@ struct Disc {
 }
 
 impl Disc {
-    fn new(kind: &StarKind, reach: usize) -> Option<Self> {
-        let shape = StarShape { faces: kind.faces, closed: kind.closed, reach };
+    fn new(kind: &StarKind, tile: Tile, reach: usize) -> Option<Self> {
+        let shape = StarShape { tile, faces: kind.faces, closed: kind.closed, reach };
         let mut faces = FaceList::default();
         let mut cells = HashMap::new();
-        let around = [[0, 0], [1, 0], [1, 1], [0, 1]];
         for face in 0..kind.faces {
-            for (b, a) in (0..reach).flat_map(|b| (0..reach).map(move |a| (b, a))) {
-                cells.insert((face, [a, b]), cells.len());
-                faces.push(around.map(|[i, j]| index(shape.point(face, [a + i, b + j]))));
+            let vertex = |[a, b]: [usize; 2]| index(shape.point(face, [a, b]));
+            for (b, a) in (0..reach).flat_map(|b| (0..last(tile, reach, b)).map(move |a| (b, a))) {
+                match tile {
+                    Tile::Quad => {
+                        cells.insert((face, [a, b]), cells.len());
+                        faces.push([[a, b], [a + 1, b], [a + 1, b + 1], [a, b + 1]].map(vertex));
+                    }
+                    Tile::Triangle => {
+                        faces.push([[a, b], [a + 1, b], [a, b + 1]].map(vertex));
+                        if a + b + 1 < reach {
+                            faces.push([[a + 1, b + 1], [a, b + 1], [a + 1, b]].map(vertex));
+                        }
+                    }
+                }
             }
         }
         let checked = Topology::of_faces(shape.len(), faces, Winding::Refuse).ok()?;
@@ -233,14 +276,18 @@ impl Disc {
             index(self.shape.point(face, place))
         };
         let edges = self.edges();
-        let pieces = kind.sharp.iter().flat_map(|&edge| (0..self.shape.reach).map(move |at| (edge, at)));
+        let pieces = kind.sharp.iter().flat_map(|&(edge, bits)| (0..self.shape.reach).map(move |at| (edge, at, bits)));
         let mut sharp: Vec<(u32, f64)> = pieces
-            .map(|(edge, at)| (index(edges[&[on_edge(edge, at), on_edge(edge, at + 1)]]), INFINITE_SHARPNESS))
+            .map(|(edge, at, bits)| {
+                (index(edges[&[on_edge(edge, at), on_edge(edge, at + 1)]]), f64::from_bits(bits))
+            })
             .collect();
         sharp.sort_unstable_by_key(|&(e, _)| e);
-        let corners: &[u32] = if kind.corner { &[0] } else { &[] };
+        let own = f64::from_bits(kind.corner);
+        let corners: &[u32] = if own == f64::INFINITY { &[0] } else { &[] };
+        let semi_sharp = (own > 0.0 && own < f64::INFINITY).then_some((0, own)).into_iter().collect();
         let net = MeshNet::new(self.topology.clone(), corners, &[], Boundary::EdgeOnly);
-        net.with_sharpness(Sharpness::of(&sharp, &Vec::new()), plan.rules)
+        net.with_sharpness(Sharpness::of(&sharp, &semi_sharp), plan.rules)
     }
 
     fn edges(&self) -> HashMap<[u32; 2], usize> {
@@ -259,6 +306,9 @@ impl Disc {
                 (0, 0) => vertex(i, j),
                 (1, 0) => index(n_v + edges[&[vertex(i, j), vertex(i + 1, j)]]),
                 (0, _) => index(n_v + edges[&[vertex(i, j), vertex(i, j + 1)]]),
+                _ if self.shape.tile == Tile::Triangle => {
+                    index(n_v + edges[&[vertex(i + 1, j), vertex(i, j + 1)]])
+                }
                 _ => index(n_v + n_e + self.cells[&(face, [i, j])]),
             }
         };
@@ -273,9 +323,11 @@ mod tests {
     #[test]
     fn the_points_of_a_star_are_numbered_in_their_order() {
         for (faces, closed, reach) in [(3, true, 1), (5, true, 2), (1, false, 1), (3, false, 3)] {
-            let shape = StarShape { faces, closed, reach };
-            let numbers: Vec<usize> = shape.points().map(|(face, place)| shape.point(face, place)).collect();
-            assert!(numbers.iter().copied().eq(0..shape.len()), "{shape:?}: {numbers:?}");
+            for tile in [Tile::Quad, Tile::Triangle] {
+                let shape = StarShape { tile, faces, closed, reach };
+                let numbers: Vec<usize> = shape.points().map(|(face, place)| shape.point(face, place)).collect();
+                assert!(numbers.iter().copied().eq(0..shape.len()), "{shape:?}: {numbers:?}");
+            }
         }
     }
 }

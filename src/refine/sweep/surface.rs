@@ -1,4 +1,5 @@
-//! The patches of a surface: quads in whose grids points are made, and what lies around their corners and sides.
+//! The patches of a surface: quads or triangles in whose grids points are made, and what lies around their corners and
+//! on their sides.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -6,17 +7,13 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::lattice::{around, sector};
 use super::mask::Line;
+use super::numbering::Numbering;
 use super::star::{StarKind, StarShape};
 use crate::scheme::mesh_net::MeshNet;
-use crate::shape::creases::INFINITE_SHARPNESS;
-use crate::shape::grid::Grid;
+use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
-
-/// Directions of the sides of a patch, each from the corner of the same number to the next one.
-const ALONG: [[isize; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
-/// Directions from the sides into the patch.
-const INTO: [[isize; 2]; 4] = [[0, 1], [-1, 0], [0, -1], [1, 0]];
 
 /// Vertices that one thread looks at at a time at least.
 const CHUNK: usize = 1024;
@@ -24,54 +21,57 @@ const CHUNK: usize = 1024;
 /// The patches of a surface.
 #[derive(Debug)]
 pub(super) struct Surface {
+    pub(super) tile: Tile,
     /// The mesh that is refined.
     pub(super) base: Arc<Topology>,
     /// The patches: its faces, or where some are no quads the faces of its first split.
     pub(super) patches: Arc<Topology>,
-    /// Edges of the patches that are infinitely sharp; empty where none is.
-    sharp: Vec<bool>,
+    /// What sides of patches are that are not smooth: boundaries first, then sharp edges.
+    pub(super) lines: Vec<Line>,
+    /// For each edge of the patches the number of its line, 0 where it has none of its own; empty where all are so.
+    line_of: Vec<u8>,
     /// For each vertex of the patches the number of its kind, [`NONE`] where the grid is regular.
     kind_of: Vec<u32>,
     /// The kinds of the other vertices.
     pub(super) kinds: Vec<StarKind>,
 }
 
-/// The place `steps` along a side of a patch with `n` pieces and `depth` into the patch.
-pub(super) fn along(n: usize, side: usize, steps: isize, depth: isize) -> [isize; 2] {
-    let n = n.cast_signed();
-    let corner = [[0, 0], [n, 0], [n, n], [0, n]][side];
-    std::array::from_fn(|k| corner[k] + steps * ALONG[side][k] + depth * INTO[side][k])
-}
-
 impl Surface {
-    /// The patches of a net that was not split yet, all of whose sharp edges and vertices are infinitely sharp once it
-    /// is swept.
-    pub(super) fn new(net: &MeshNet) -> Self {
+    /// The patches of a net that was not split yet, whose sharp edges lie on these lines.
+    pub(super) fn new(net: &MeshNet, tile: Tile, lines: &[Line]) -> Self {
         let base = net.mesh.base.clone();
-        let is_quads = base.is_quads();
-        let patches = if is_quads { base.clone() } else { Arc::new(base.split()) };
-        let mut sharp = Vec::new();
+        let is_split = tile == Tile::Quad && !base.is_quads();
+        let patches = if is_split { Arc::new(base.split()) } else { base.clone() };
+        let mut line_of = Vec::new();
         if let Some(sharpness) = &net.sharpness {
-            sharp.resize(patches.n_edges(), false);
-            let pieces = if is_quads { 1 } else { 2 };
-            for &(e, _) in sharpness.edges().iter().filter(|&&(_, s)| s >= INFINITE_SHARPNESS) {
-                sharp[pieces * e as usize..][..pieces].fill(true);
+            line_of.resize(patches.n_edges(), 0);
+            let pieces = if is_split { 2 } else { 1 };
+            for &(e, sharpness) in sharpness.edges().iter() {
+                let line = lines.iter().position(|&line| line == Line::Crease(sharpness)).unwrap_or(0);
+                line_of[pieces * e as usize..][..pieces].fill(u8::try_from(line).unwrap_or(0));
             }
         }
-        let mut surface = Self { base, patches, sharp, kind_of: Vec::new(), kinds: Vec::new() };
+        let (kind_of, kinds) = (Vec::new(), Vec::new());
+        let mut surface = Self { tile, base, patches, lines: lines.to_vec(), line_of, kind_of, kinds };
         surface.sort_vertices(net);
         surface
     }
 
     fn sort_vertices(&mut self, net: &MeshNet) {
         let patches = &self.patches;
+        let corner = |v: usize| match &net.sharpness {
+            _ if net.tags.is_corner(v) => f64::INFINITY,
+            Some(sharpness) => sharpness.vertex(v),
+            None => 0.0,
+        };
+        let valence = self.tile.regular_valence();
         let is_regular = |v: usize| {
             let mut faces = 0;
             let smooth = patches.ring(v).all(|half_edge| {
                 faces += 1;
                 patches.twin(half_edge) != NONE && !self.is_sharp(patches.edge(half_edge))
             });
-            smooth && faces == 4 && !net.tags.is_corner(v)
+            smooth && faces == valence && corner(v) == 0.0
         };
         let vertices = (0..patches.n_vertices()).into_par_iter().with_min_len(CHUNK);
         let mut kind_of: Vec<u32> = vertices.map(|v| if is_regular(v) { NONE } else { 0 }).collect();
@@ -80,8 +80,8 @@ impl Surface {
         // most are smooth and told apart by their valence
         let mut smooth: Vec<u32> = Vec::new();
         for (v, entry) in kind_of.iter_mut().enumerate().filter(|(v, kind)| **kind == 0 && !patches.is_isolated(*v)) {
-            let kind = self.kind(v, net.tags.is_corner(v));
-            let is_smooth = kind.closed && kind.sharp.is_empty() && !kind.corner;
+            let kind = self.kind(v, corner(v));
+            let is_smooth = kind.closed && kind.sharp.is_empty() && kind.corner == 0;
             if is_smooth && smooth.get(kind.faces).is_some_and(|&number| number != NONE) {
                 *entry = smooth[kind.faces];
                 continue;
@@ -99,21 +99,26 @@ impl Surface {
         (self.kind_of, self.kinds) = (kind_of, kinds);
     }
 
-    fn kind(&self, v: usize, corner: bool) -> StarKind {
+    fn kind(&self, v: usize, corner: f64) -> StarKind {
         let patches = &self.patches;
         let (mut faces, mut sharp, mut closed) = (0, Vec::new(), true);
         for half_edge in patches.ring(v) {
-            if self.is_sharp(patches.edge(half_edge)) {
-                sharp.push(faces);
+            let edge = patches.edge(half_edge);
+            if let Some(Line::Crease(sharpness)) = self.line_of(edge).map(|line| self.lines[line]) {
+                sharp.push((faces, sharpness.to_bits()));
             }
             closed &= patches.twin(half_edge) != NONE;
             faces += 1;
         }
-        StarKind { faces, closed, sharp, corner }
+        StarKind { faces, closed, sharp, corner: corner.to_bits() }
+    }
+
+    fn line_of(&self, edge: u32) -> Option<usize> {
+        self.line_of.get(edge as usize).map(|&line| line as usize).filter(|&line| line != 0)
     }
 
     fn is_sharp(&self, edge: u32) -> bool {
-        self.sharp.get(edge as usize).is_some_and(|&sharp| sharp)
+        self.line_of(edge).is_some()
     }
 
     /// The kind of a vertex of the patches around which the grid is not regular.
@@ -121,18 +126,20 @@ impl Surface {
         Some(self.kind_of[v]).filter(|&kind| kind != NONE).map(|kind| kind as usize)
     }
 
-    /// What a side of a patch is, where it is not smooth.
-    pub(super) fn line(&self, half_edge: u32) -> Option<Line> {
-        if self.patches.twin(half_edge) == NONE {
-            Some(Line::Boundary)
-        } else {
-            self.is_sharp(self.patches.edge(half_edge)).then_some(Line::Crease)
-        }
+    /// The number of the line on which a side of a patch lies, where it is not smooth.
+    pub(super) fn line(&self, half_edge: u32) -> Option<usize> {
+        if self.patches.twin(half_edge) == NONE { Some(0) } else { self.line_of(self.patches.edge(half_edge)) }
+    }
+
+    /// Everything that becomes less sharp, as lines: of edges and of vertices.
+    pub(super) fn softening(&self) -> Vec<Line> {
+        let corners = self.kinds.iter().map(|kind| Line::Crease(f64::from_bits(kind.corner)));
+        self.lines.iter().copied().chain(corners).collect()
     }
 
     /// The patches of consecutive base faces.
     pub(super) fn patches_of(&self, faces: Range<usize>) -> Range<usize> {
-        if self.base.is_quads() {
+        if Arc::ptr_eq(&self.base, &self.patches) {
             return faces;
         }
         let first = |f: usize| {
@@ -143,56 +150,77 @@ impl Surface {
 
     /// Which side of which patch a half-edge is.
     pub(super) fn side(&self, half_edge: u32) -> (usize, usize) {
-        let patch = self.patches.face_of(half_edge);
-        (patch, (half_edge - self.patches.half_edges(patch).start) as usize)
+        let sides = self.tile.sides();
+        ((half_edge / sides) as usize, (half_edge % sides) as usize)
     }
 
     /// Calls `put([i, j], vertex)` for the points of a patch of `n` pieces and those up to `halo` beyond it that lie in
-    /// its neighbours; `order` is the documented order at that level. What lies beyond a boundary or across a vertex
+    /// its neighbours; `order` has the documented numbers at that level. What lies beyond a boundary or across a vertex
     /// where the grid is not regular is left out.
     pub(super) fn gather(
         &self,
-        order: &Grid,
+        order: &Numbering,
         patch: usize,
         [n, halo]: [usize; 2],
         mut put: impl FnMut([isize; 2], u32),
     ) {
-        let patches = &self.patches;
-        for (j, i) in (0..=n).flat_map(|j| (0..=n).map(move |i| (j, i))) {
-            put([i, j].map(usize::cast_signed), order.patch_vertex(patch, [i, j]));
+        let (tile, patches, [last, depths]) = (self.tile, &self.patches, [n, halo].map(usize::cast_signed));
+        let limit = |j: isize| if tile == Tile::Quad { last } else { last - j };
+        for (j, i) in (0..=last).flat_map(|j| (0..=limit(j)).map(move |i| (j, i))) {
+            put([i, j], order.vertex(patch, [i, j]));
         }
-        let vertex = |patch, place: [isize; 2]| order.patch_vertex(patch, place.map(isize::cast_unsigned));
-        let (n_, depths) = (n.cast_signed(), 1..=halo.cast_signed());
         for (side, half_edge) in patches.half_edges(patch).enumerate() {
             let twin = patches.twin(half_edge);
             if twin != NONE {
                 let (neighbour, its) = self.side(twin);
-                for depth in depths.clone() {
-                    for steps in 0..=n_ {
-                        let there = along(n, its, n_ - steps, depth);
-                        put(along(n, side, steps, -depth), vertex(neighbour, there));
+                for depth in 1..=depths {
+                    // the lines of triangles across the side become shorter
+                    for steps in if tile == Tile::Quad { 0 } else { depth }..=last {
+                        let there = around(tile, n, its, 0, [last - steps, depth]);
+                        put(around(tile, n, side, 0, [steps, -depth]), order.vertex(neighbour, there));
                     }
                 }
             }
             if self.kind_of[patches.vertex(half_edge) as usize] == NONE {
-                let onward = |half_edge| patches.twin(patches.previous(half_edge));
-                let (opposite, its) = self.side(onward(onward(half_edge)));
-                for b in depths.clone() {
-                    for a in depths.clone() {
-                        put(along(n, side, -a, -b), vertex(opposite, along(n, its, a, b)));
-                    }
-                }
+                self.gather_across(order, half_edge, [n, halo], &mut put);
+            }
+        }
+    }
+
+    /// The points beyond a corner of a patch, in the faces around it that have no side in common with the patch.
+    fn gather_across(
+        &self,
+        order: &Numbering,
+        half_edge: u32,
+        [n, halo]: [usize; 2],
+        put: &mut impl FnMut([isize; 2], u32),
+    ) {
+        let (tile, (_, side)) = (self.tile, self.side(half_edge));
+        let onward = |half_edge| self.patches.twin(self.patches.previous(half_edge));
+        let mut there = onward(half_edge);
+        for turn in 2..tile.regular_valence().cast_signed() - 1 {
+            there = onward(there);
+            let (patch, its) = self.side(there);
+            for place in sector(tile, halo) {
+                let place = place.map(usize::cast_signed);
+                put(around(tile, n, side, turn, place), order.vertex(patch, around(tile, n, its, 0, place)));
             }
         }
     }
 
     /// The points of the star around a vertex, in the documented order at the level where patches have `n` pieces.
-    pub(super) fn gather_star(&self, order: &Grid, v: usize, shape: StarShape, n: usize, mut put: impl FnMut(u32)) {
+    pub(super) fn gather_star(
+        &self,
+        order: &Numbering,
+        v: usize,
+        shape: StarShape,
+        n: usize,
+        mut put: impl FnMut(u32),
+    ) {
         let ring: Vec<(usize, usize)> = self.patches.ring(v).map(|half_edge| self.side(half_edge)).collect();
         for (face, place) in shape.points() {
             let (patch, side) = ring[face];
-            let [a, b] = place.map(usize::cast_signed);
-            put(order.patch_vertex(patch, along(n, side, a, b).map(isize::cast_unsigned)));
+            put(order.vertex(patch, around(self.tile, n, side, 0, place.map(usize::cast_signed))));
         }
     }
 }

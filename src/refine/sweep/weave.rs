@@ -16,10 +16,6 @@ impl<'a, const W: usize> Row<'a, W> {
         Self { even, odd }
     }
 
-    pub(super) fn point(&self, i: usize) -> [f64; W] {
-        if i.is_multiple_of(2) { self.even[i / 2] } else { self.odd[i / 2] }
-    }
-
     /// Copies the points from `start` on.
     pub(super) fn copy(&self, start: usize, out: &mut [[f64; W]]) {
         interleave(&self.even[start / 2..], &self.odd[start / 2..], start % 2 == 1, out);

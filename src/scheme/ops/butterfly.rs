@@ -46,6 +46,7 @@ static FACTS: Facts = Facts {
     source: "Zorin, Schroeder and Sweldens, SIGGRAPH 1996, 189-192; Dyn, Levin and Gregory, ACM TOG 9 (1990), 160-169",
     nets: Nets::Meshes("butterfly refines meshes of triangles; for polygons use four-point"),
     parameters: &[ButterflyEdges::W],
+    symmetric: true,
     ..Facts::USUAL
 };
 

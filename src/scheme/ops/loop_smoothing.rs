@@ -30,6 +30,7 @@ static FACTS: Facts = Facts {
     nets: Nets::Meshes("loop refines meshes; for polygons use cubic-b-spline"),
     role: Role::Smooth,
     follows: Follows::SemiSharp,
+    symmetric: true,
     ..Facts::USUAL
 };
 

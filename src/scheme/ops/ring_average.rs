@@ -1,7 +1,7 @@
 //! C on split meshes of any arity, from the faces around each vertex.
 
 use crate::math::functions::ratio;
-use crate::math::rows::{Rows, RowsBy};
+use crate::math::rows::{Rows, RowsBy, symmetric_sum};
 use crate::scheme::anchor::{Anchor, Label};
 use crate::scheme::creases::{Blend, Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;
@@ -78,18 +78,27 @@ fn faces_row(topology: &Topology, weights: &Weights, v: usize, out: &mut Rows) {
     }
 }
 
+/// Neighbours of one weight make a group. All sums are free of order around a vertex with six of them.
 fn neighbours_row(topology: &Topology, weights: &Weights, v: usize, mu: f64, out: &mut Rows) {
-    let valence = ratio(topology.ring(v).count(), 1);
-    let mut own = 0.0;
-    for half_edge in topology.ring(v) {
-        let [a, b] =
-            [topology.next(half_edge), topology.previous(half_edge)].map(|half_edge| topology.vertex(half_edge));
-        let [p, q, r] = [index(v), a, b].map(|u| weights.in_faces(u));
-        let [p, q, r] = [mu * p, 0.5 * (1.0 - mu) * q, 0.5 * (1.0 - mu) * r];
-        let sum = (p + q + r) * valence;
-        own += p / sum;
-        out.add(a, q / sum);
-        out.add(b, r / sum);
+    let valence = topology.ring(v).count();
+    let p = mu * weights.in_faces(index(v));
+    // of each face around the vertex: the weights of the vertex, of the neighbour before it and of the one after it
+    let share = |half_edge: u32| {
+        let neighbours = [topology.next(half_edge), topology.previous(half_edge)];
+        let [q, r] = neighbours.map(|half_edge| 0.5 * (1.0 - mu) * weights.in_faces(topology.vertex(half_edge)));
+        let sum = (p + q + r) * ratio(valence, 1);
+        [p / sum, q / sum, r / sum]
+    };
+    let shares: Vec<[f64; 3]> = topology.ring(v).map(share).collect();
+    out.add(index(v), symmetric_sum(valence, |k| [shares[k][0]])[0]);
+    // the neighbour on the edge before a face has weights of this face and of the one before
+    let neighbours = topology.ring(v).map(|half_edge| topology.vertex(topology.next(half_edge)));
+    let total = |k: usize| shares[k][1] + shares[(k + valence - 1) % valence][2];
+    let all: Vec<(u32, f64)> = neighbours.enumerate().map(|(k, neighbour)| (neighbour, total(k))).collect();
+    for (k, &(_, weight)) in all.iter().enumerate() {
+        let alike = |entry: &&(u32, f64)| entry.1.to_bits() == weight.to_bits();
+        if !all[..k].iter().any(|entry| alike(&entry)) {
+            out.group(|out| all.iter().filter(alike).for_each(|&(neighbour, weight)| out.add(neighbour, weight)));
+        }
     }
-    out.add(index(v), own);
 }

@@ -1,0 +1,180 @@
+//! Small nets off which the masks of regular grids are read.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::lattice::{AXES, after, cell, fine};
+use super::mask::{Line, Mask, MaskGroup, PLANES};
+use crate::math::rows::{RowSource, Rows};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::sharpness::Sharpness;
+use crate::scheme::step::Action;
+use crate::scheme::stepper::Stepper;
+use crate::scheme::tags::Boundary;
+use crate::shape::check::{FaceList, Winding};
+use crate::shape::tile::Tile;
+use crate::shape::topology::{Topology, index};
+
+/// Cells in each direction of the nets: two on each side of the cell in the middle and of its neighbours, as far as the
+/// masks reach that are served.
+const SIDE: isize = 6;
+const MIDDLE: [isize; 2] = [SIDE / 2, SIDE / 2];
+
+/// How a step uses a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Use {
+    /// All points from those of the coarse grid.
+    Up,
+    /// All points from those before.
+    Blend,
+    /// Differences between the coarse grid and its children are added.
+    Push,
+}
+
+/// The masks of one step on one net.
+pub(super) struct Table {
+    pub(super) is: Use,
+    /// Planes and masks: of the four points that belong to the cell in the middle, or where there is a line of the
+    /// vertex in the middle and of the point after it along the line.
+    pub(super) masks: Vec<(usize, Mask)>,
+    /// Planes and masks of points beside the line.
+    pub(super) beside: Vec<(usize, Mask)>,
+}
+
+/// A small net with a vertex in its middle, which may lie on a line along an axis.
+pub(super) struct Sample {
+    line: Option<(Line, usize)>,
+    topology: Arc<Topology>,
+    /// For each vertex its place.
+    coarse: Vec<[isize; 2]>,
+}
+
+/// How far to the left of a line along an axis through the middle a place lies, in steps of a grid with so many pieces
+/// a cell.
+fn side(axis: usize, pieces: isize, [i, j]: [isize; 2]) -> isize {
+    let [a, b] = AXES[axis];
+    a * (j - pieces * MIDDLE[1]) - b * (i - pieces * MIDDLE[0])
+}
+
+impl Sample {
+    pub(super) fn new(tile: Tile, line: Option<(Line, usize)>) -> Self {
+        let cells = (0..SIDE).flat_map(|j| (0..SIDE).map(move |i| [i, j]));
+        let corners = |[i, j]: [isize; 2]| match tile {
+            Tile::Quad => vec![vec![[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]]],
+            Tile::Triangle => {
+                vec![vec![[i, j], [i + 1, j], [i, j + 1]], vec![[i + 1, j + 1], [i, j + 1], [i + 1, j]]]
+            }
+        };
+        let cut = line.and_then(|(line, axis)| (line == Line::Boundary).then_some(axis));
+        let is_kept = |face: &Vec<[isize; 2]>| cut.is_none_or(|axis| face.iter().all(|&at| side(axis, 1, at) >= 0));
+        let (mut numbers, mut coarse, mut faces) = (HashMap::new(), Vec::new(), FaceList::default());
+        for face in cells.flat_map(corners).filter(is_kept) {
+            let vertices = face.into_iter().map(|at| {
+                *numbers.entry(at).or_insert_with(|| {
+                    coarse.push(at);
+                    index(coarse.len() - 1)
+                })
+            });
+            faces.push(vertices.collect::<Vec<_>>());
+        }
+        let checked = Topology::of_faces(coarse.len(), faces, Winding::Refuse).expect("a grid is a mesh");
+        Self { line, topology: Arc::new(checked.topology), coarse }
+    }
+
+    fn net(&self, plan: &Plan) -> MeshNet {
+        let net = MeshNet::new(self.topology.clone(), &[], &[], Boundary::EdgeOnly);
+        let Some((Line::Crease(sharpness), axis)) = self.line else { return net.with_sharpness(None, plan.rules) };
+        let on_line =
+            |e: usize| self.topology.ends(e).iter().all(|&v| side(axis, 1, self.coarse[v as usize]) == 0);
+        let sharp = (0..self.topology.n_edges()).filter(|&e| on_line(e)).map(|e| (index(e), sharpness)).collect();
+        net.with_sharpness(Sharpness::of(&sharp, &Vec::new()), plan.rules)
+    }
+
+    /// Where each point of the refined net lies on the refined grid.
+    fn places(&self, n: usize) -> Vec<[isize; 2]> {
+        let topology = &self.topology;
+        let sum = |vertices: &[u32]| {
+            vertices.iter().map(|&v| self.coarse[v as usize]).fold([0, 0], |s, p| [s[0] + p[0], s[1] + p[1]])
+        };
+        let vertices = self.coarse.iter().map(|place| place.map(|x| 2 * x));
+        let edges = (0..topology.n_edges()).map(|e| sum(&topology.ends(e)));
+        let faces = (0..topology.n_faces()).map(|f| sum(topology.face(f)).map(|x| x / 2));
+        vertices.chain(edges).chain(faces).take(n).collect()
+    }
+
+    /// The masks of each step of a round around the middle.
+    pub(super) fn tables(&self, plan: &Plan, round: &[Scheduled]) -> Option<Vec<Table>> {
+        let steps = steps(self.net(plan), plan, round)?;
+        let places = self.places(steps.first()?.1.n_rows());
+        let find: HashMap<[isize; 2], usize> = places.iter().enumerate().map(|(i, &place)| (place, i)).collect();
+        let table = |(is, rows): &(Use, Box<dyn RowSource>)| {
+            let mask = |plane: usize, at: [isize; 2]| {
+                self.mask(&**rows, *find.get(&fine(plane, at))?, at, (*is == Use::Blend).then_some(&places))
+            };
+            let masks = |points: Vec<(usize, [isize; 2])>| {
+                points.into_iter().map(|(plane, at)| Some((plane, mask(plane, at)?))).collect::<Option<Vec<_>>>()
+            };
+            let middle = match self.line {
+                None => (0..PLANES).map(|plane| (plane, MIDDLE)).collect(),
+                Some((_, axis)) => vec![(0, MIDDLE), after(axis, MIDDLE)],
+            };
+            Some(Table { is: *is, masks: masks(middle)?, beside: masks(self.beside())? })
+        };
+        steps.iter().map(table).collect()
+    }
+
+    /// Planes and cells of points beside the line, up to a cell away, on the side that boundaries have faces on.
+    fn beside(&self) -> Vec<(usize, [isize; 2])> {
+        let Some((_, axis)) = self.line else { return Vec::new() };
+        let near = (-2..=2).flat_map(|j| (-2..=2).map(move |i| [2 * MIDDLE[0] + i, 2 * MIDDLE[1] + j]));
+        near.filter(|&place| (1..=2).contains(&side(axis, 2, place))).map(cell).collect()
+    }
+
+    /// The mask of one row for a point of the cell `at`, over the refined net where `places` are given, else over the
+    /// coarse one.
+    fn mask(
+        &self,
+        rows: &dyn RowSource,
+        row: usize,
+        at: [isize; 2],
+        places: Option<&Vec<[isize; 2]>>,
+    ) -> Option<Mask> {
+        let mut table = Rows::default();
+        rows.make(row..row + 1, &mut table);
+        let member = |i: u32| match places {
+            None => (0, self.coarse[i as usize]),
+            Some(places) => cell(places[i as usize]),
+        };
+        let relative = |(plane, cell): (usize, [isize; 2])| (plane, [cell[0] - at[0], cell[1] - at[1]]);
+        let groups = table.terms(0).map(|term| {
+            let members = term.indices.iter().map(|&i| relative(member(i))).collect();
+            term.alike.then_some(MaskGroup { weight: term.weights[0], members })
+        });
+        groups.collect()
+    }
+}
+
+/// How the steps of a round make their points, one table each; none where one of them does otherwise.
+pub(super) fn steps(mut net: MeshNet, plan: &Plan, round: &[Scheduled]) -> Option<Vec<(Use, Box<dyn RowSource>)>> {
+    let mut tables = Vec::new();
+    for step in round {
+        let next = Stepper::new(plan).next_from(&net, step, None).ok()?;
+        tables.push(used(next.action)?);
+        net = next.net;
+    }
+    let ups = tables.iter().filter(|(is, _)| *is == Use::Up).count();
+    (ups == 1 && tables[0].0 == Use::Up).then_some(tables)
+}
+
+fn used(action: Action) -> Option<(Use, Box<dyn RowSource>)> {
+    match action {
+        Action::BlendFromAnchor(rows) => Some((Use::Up, rows)),
+        Action::Blend(rows) => Some((Use::Blend, rows)),
+        Action::PushBack { rows, children } => {
+            let same = children.iter().enumerate().all(|(v, &child)| child as usize == v);
+            same.then_some((Use::Push, rows))
+        }
+        Action::Map(_) | Action::Sequence(_) => None,
+    }
+}
