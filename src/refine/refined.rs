@@ -210,7 +210,9 @@ impl RefinedMesh {
         let uvs = self.uvs.as_ref().map_or(0, |uvs| uvs.points.bytes() + uvs.base.bytes());
         let numbers = self.channels.iter().map(Numbers::bytes).sum::<usize>() + self.points.bytes();
         let frames: usize = self.frames.iter().map(Self::bytes).sum();
-        size_of::<Self>() + numbers + normals + uvs + frames + self.base.bytes() + self.order.bytes()
+        let sharp = |sharpness: &Arc<Sharpness>| sharpness.edges().len() + sharpness.vertices().len();
+        let sharp = self.sharpness.as_ref().map_or(0, sharp) * 2 * size_of::<(u32, f64)>();
+        size_of::<Self>() + sharp + numbers + normals + uvs + frames + self.base.bytes() + self.order.bytes()
     }
 
     /// Positions of all vertices in the documented order, model units.
