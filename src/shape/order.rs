@@ -3,6 +3,8 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::grid::Grid;
 use super::source::{FaceChunk, Origin};
 use super::tile::Tile;
@@ -95,8 +97,8 @@ impl Order {
             let here;
             (here, places) = places.split_at_mut(self.face_size() * range.len());
             match self {
-                Self::Quads(grid) => grid.faces(range.start, here.as_chunks_mut().0),
-                Self::Triangles(grid) => grid.faces(range.start, here.as_chunks_mut().0),
+                Self::Quads(grid) => pieces(range.start, here, |first, faces| grid.faces(first, faces)),
+                Self::Triangles(grid) => pieces(range.start, here, |first, faces| grid.faces(first, faces)),
             }
         }
     }
@@ -116,4 +118,16 @@ impl Order {
             Self::Triangles(grid) => grid.constructed(v),
         }
     }
+}
+
+/// Faces that a thread lists at a time: a megabyte. With half of it nothing changes; short lists are no work for two.
+const PIECE: usize = 1 << 16;
+
+/// Calls `list(first, faces)` for consecutive pieces of the places of faces, the first of which is `first`.
+fn pieces<const N: usize>(first: usize, places: &mut [u32], list: impl Fn(usize, &mut [[u32; N]]) + Sync) {
+    let faces = places.as_chunks_mut().0;
+    if faces.len() <= PIECE {
+        return list(first, faces);
+    }
+    faces.par_chunks_mut(PIECE).enumerate().for_each(|(piece, faces)| list(first + piece * PIECE, faces));
 }

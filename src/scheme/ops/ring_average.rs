@@ -64,9 +64,11 @@ impl Weights {
 fn crease_row(weights: &Weights, v: usize, [before, after]: [u32; 2], out: &mut Rows) {
     let [a, b, c] = [before, index(v), after].map(|v| weights.on_curves(v));
     let (first, second) = (2.0 * (a + b), 2.0 * (b + c));
-    out.add(before, a / first);
     out.add(index(v), b / first + b / second);
-    out.add(after, c / second);
+    out.group(|out| {
+        out.add(before, a / first);
+        out.add(after, c / second);
+    });
 }
 
 fn faces_row(topology: &Topology, weights: &Weights, v: usize, out: &mut Rows) {

@@ -34,6 +34,28 @@ fn plans() -> Vec<Value> {
     plans
 }
 
+/// Plans for triangles that are swept where nothing but the mesh stands against it; the last one where it is closed.
+fn triangle_plans() -> Vec<Value> {
+    let mut plans = vec![
+        json!({ "preset": "loop" }),
+        word("U"),
+        word("UC"),
+        word("UCC"),
+        static_word("UP"),
+        static_word("UCP"),
+        semi_stationary("UCCP", "1/2", 0.4),
+        json!({ "word": "UCP", "parameters": { "delta": "1/valence", "compensation": 0.7 } }),
+        json!({ "preset": "butterfly", "parameters": { "w": 0.05 } }),
+    ];
+    for plan in &mut plans {
+        plan["boundary"] = json!("edge-only");
+        if plan.get("word").is_some() {
+            plan["parameters"]["split"] = json!("triangle");
+        }
+    }
+    plans
+}
+
 /// A job as a request has it: a net, its sharp edges and corners, a plan and its levels.
 fn job(net: &Net, extras: &Value, plan: &Value, levels: usize) -> Value {
     let mut mesh = net.to_json();
@@ -125,10 +147,55 @@ fn boundaries_and_creases_are_swept_to_the_bits_of_whole_nets() {
 }
 
 #[test]
+fn nets_of_triangles_are_swept_to_the_bits_of_whole_nets() {
+    let closed = [nets::octahedron(), nets::tetrahedron(), nets::triangulated(nets::torus(4, 5))];
+    let open = [nets::triangulated(nets::grid(3, 2)), nets::triangulated(nets::cylinder(4, 4))];
+    let plans = triangle_plans();
+    for plan in &plans {
+        for net in &closed {
+            assert!(compare(net, &json!({}), plan, 4), "{plan} is not swept");
+        }
+    }
+    for boundary in ["edge-only", "edge-and-corner", "none"] {
+        for (mut plan, net) in plans[..plans.len() - 1].iter().cloned().flat_map(|plan| open.iter().map(move |net| (plan.clone(), net))) {
+            plan["boundary"] = json!(boundary);
+            assert!(compare(net, &json!({}), &plan, 4), "{plan} is not swept");
+        }
+    }
+    compare(&open[0], &json!({}), &plans[plans.len() - 1], 3);
+    let creases = [[0, 2], [2, 4], [4, 1]].map(|edge| json!({ "edge": edge, "sharpness": 10 }));
+    for plan in &plans[..plans.len() - 1] {
+        let extras = json!({ "creases": creases, "corners": [{ "vertex": 5, "sharpness": 10 }] });
+        assert!(compare(&nets::octahedron(), &extras, plan, 4), "{plan}");
+    }
+}
+
+#[test]
+fn semi_sharp_creases_are_swept_from_the_first_level_on() {
+    let sharpness = |i: usize| [2.5, 10.0, 0.75][i % 3];
+    let schemes = [("catmull-clark", nets::cube()), ("catmull-clark", nets::grid(3, 3)), ("loop", nets::octahedron())];
+    for (preset, net) in schemes {
+        for modulus in [1, 2, 3] {
+            let edges = net.edges().into_iter().enumerate().filter(|(i, _)| i % modulus == 0);
+            let creases: Vec<Value> =
+                edges.map(|(i, (a, b))| json!({ "edge": [a, b], "sharpness": sharpness(i / modulus) })).collect();
+            let extras = json!({ "creases": creases, "corners": [{ "vertex": 4, "sharpness": 1.25 }] });
+            // as many levels as the sharpest one lasts
+            assert!(compare(&net, &extras, &json!({ "preset": preset }), 2));
+            assert!(compare(&net, &extras, &json!({ "preset": preset }), 4));
+        }
+    }
+}
+
+#[test]
 fn large_patches_are_swept_block_by_block_to_the_same_bits() {
     let creases = [json!({ "edge": [1, 4], "sharpness": 10 })];
     for plan in [json!({ "preset": "catmull-clark", "boundary": "edge-only" }), static_word("UCCP")] {
         assert!(compare(&nets::grid(2, 1), &json!({ "creases": creases }), &plan, 8));
+    }
+    let net = nets::triangulated(nets::grid(2, 1));
+    for plan in [json!({ "preset": "loop", "boundary": "edge-only" }), triangle_plans().swap_remove(6)] {
+        assert!(compare(&net, &json!({ "creases": creases }), &plan, 8));
     }
 }
 
@@ -172,6 +239,26 @@ proptest! {
         let creases: Vec<Value> = creases
             .map(|((a, b), (_, s))| json!({ "edge": [a, b], "sharpness": if semi_sharp { s } else { 10.0 } }))
             .collect();
+        let corner = (corner < net.positions.len()).then(|| json!({ "vertex": corner, "sharpness": 10 }));
+        let corners: Vec<Value> = corner.into_iter().collect();
+        let values: Vec<f64> = channel.iter().copied().cycle().take(net.positions.len()).collect();
+        let extras = json!({ "creases": creases, "corners": corners, "channels": { "heat": values } });
+        compare(&net, &extras, &plan, 4);
+    }
+
+    #[test]
+    fn any_net_of_triangles_is_swept_to_the_bits_of_whole_nets(
+        net in nets::triangle_manifold(), sharp in proptest::collection::vec(0..6_usize, 40),
+        corner in 0..40_usize, plan in 0..triangle_plans().len(), boundary in 0..3_usize,
+        channel in proptest::collection::vec(-1e3..1e3_f64, 64),
+    ) {
+        let mut plan = triangle_plans().swap_remove(plan);
+        plan["boundary"] = json!(["edge-only", "edge-and-corner", "none"][boundary]);
+        let is_loop = plan["preset"] == "loop";
+        let creases = net.edges().into_iter().zip(sharp).filter(|(_, sharp)| *sharp < 2 && plan["preset"] != "butterfly");
+        let sharpness = |kind: usize| if is_loop { [10.0, 1.5][kind] } else { 10.0 };
+        let creases: Vec<Value> =
+            creases.map(|((a, b), kind)| json!({ "edge": [a, b], "sharpness": sharpness(kind) })).collect();
         let corner = (corner < net.positions.len()).then(|| json!({ "vertex": corner, "sharpness": 10 }));
         let corners: Vec<Value> = corner.into_iter().collect();
         let values: Vec<f64> = channel.iter().copied().cycle().take(net.positions.len()).collect();
