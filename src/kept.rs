@@ -52,6 +52,13 @@ impl Numbers {
     }
 }
 
+impl Numbers {
+    /// Bytes of memory that they hold.
+    pub fn bytes(&self) -> usize {
+        bytes(&self.buffer)
+    }
+}
+
 /// The smallest kept buffer with room for so many numbers, unless that would leave half of it unused.
 fn taken(len: usize) -> Option<Vec<f64>> {
     let mut shelf = SHELF.lock().unwrap_or_else(std::sync::PoisonError::into_inner);

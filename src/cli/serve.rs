@@ -9,17 +9,13 @@ use super::log::Log;
 use crate::config::{Given, Settings};
 use crate::http::serve::{bind, serve as serve_http};
 use crate::kept::keep_at_most;
-
-/// Large buffers that are kept between computations take one part in so many of the memory: by default 192 MiB, the
-/// points of eight million faces. With half of it results of 16 million faces need no fresh pages either; with twice of
-/// it those of more than four million do.
-const KEPT: u64 = 64;
+use crate::service::account::kept_buffers;
 
 /// Serves until the process is asked to stop; from then on it takes no longer than the setting allows, whatever
 /// threads still wait for a disk that hangs.
 pub(super) fn serve(given: Given, file: Option<&Path>) -> Result<(), CliError> {
     let settings = Settings::read(given, file).map_err(CliError::new)?;
-    keep_at_most(usize::try_from(settings.max_memory_bytes / KEPT).unwrap_or(usize::MAX));
+    keep_at_most(usize::try_from(kept_buffers(settings.max_memory_bytes)).unwrap_or(usize::MAX));
     let log = Log::start(settings.log_json).map_err(CliError::new)?;
     let patience = Duration::from_secs(settings.shutdown_timeout_s);
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(CliError::new)?;

@@ -15,7 +15,7 @@ use crate::fault::Fault;
 use crate::job::amounts::in_bytes;
 use crate::job::key::Key;
 use crate::job::limits::Admitted;
-use crate::job::{Draft, Job, Report, RunError, Search, SearchError};
+use crate::job::{Draft, Job, KeepWork, Report, RunError, Search, SearchError};
 use crate::service::computation::{Outcome, Phase};
 use crate::service::peer::{Kind, Paid};
 use crate::service::pool::Lane;
@@ -190,7 +190,7 @@ impl Task for SearchTask {
         SEARCH_MEDIA_TYPE
     }
 
-    fn run(&self, out: &mut dyn Write, watch: &Watch) -> Result<Report, RunError> {
+    fn run(&self, out: &mut dyn Write, _: &dyn KeepWork, watch: &Watch) -> Result<Report, RunError> {
         let answer = match self.search.run(watch) {
             Ok(Reached { level, bound }) => SearchAnswer::Reached { level, bound },
             Err(SearchError::Refused(Fault { pointer, detail, .. })) => SearchAnswer::Refused { pointer, detail },

@@ -20,6 +20,11 @@ pub enum Item<'a> {
 }
 
 impl Item<'_> {
+    /// A text of its own.
+    pub(super) fn text(text: &str) -> Self {
+        Self::Text(text.to_owned().into())
+    }
+
     /// Appends the encoding: tag (1 byte), length (8 bytes little endian) where it varies, content little endian.
     pub fn encode(&self, out: &mut Vec<u8>) {
         let number = |x: &f64| (x + 0.0).to_bits().to_le_bytes();

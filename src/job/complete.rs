@@ -41,6 +41,7 @@ pub struct Job {
     pub frame: Frame,
     steps: Box<[Scheduled]>,
     keys: Vec<Key>,
+    refined_keys: Vec<Key>,
 }
 
 impl Job {
@@ -82,8 +83,8 @@ impl Job {
         if !faults.is_empty() {
             return Err(faults);
         }
-        let keys = key::artifacts(&input, &plan, levels, frame, &outputs);
-        Ok(Self { input, entry, plan, levels, reached, outputs, frame, steps: steps.into(), keys })
+        let (keys, refined_keys) = key::artifacts(&input, &plan, levels, frame, &outputs);
+        Ok(Self { input, entry, plan, levels, reached, outputs, frame, steps: steps.into(), keys, refined_keys })
     }
 
     /// The operators in the order in which they are applied, each with the numbers of its place.
@@ -94,6 +95,12 @@ impl Job {
     /// The keys of its outputs.
     pub fn keys(&self) -> &[Key] {
         &self.keys
+    }
+
+    /// The key of the refined mesh that an output shows, if it is one of its outputs.
+    pub(super) fn refined_key(&self, output: &Output) -> Option<Key> {
+        let at = self.outputs.iter().position(|known| known.name == output.name)?;
+        Some(self.refined_keys[at])
     }
 
     /// The key of the whole job: over the names and keys of all outputs.

@@ -42,6 +42,7 @@ impl Draft {
         });
         let kind = input.shape_kind();
         for output in &outputs {
+            faults.extend(frame_fault(&input, output));
             if let Err(detail) = (output.format.facts().holds)(kind, &output.options) {
                 faults.push(output.fault(Fault::new("/format", detail)));
             } else if let Err(fault) = output.format.suits(kind, input.attachments(), &output.options) {
@@ -62,6 +63,12 @@ impl Draft {
                 faults.extend(fit);
                 Job::new(checked, levels, None, faults).map(|job| Self::Job(Box::new(job)))
             }
+            CheckedLevels::Tolerance(_) if checked.input.mesh().is_some_and(|mesh| !mesh.frames.is_empty()) => {
+                let detail = "a tolerance is measured at one frame; with \"frames\" give a number of levels";
+                faults.push(Fault::new("/levels", detail));
+                faults.extend(fit);
+                Err(faults)
+            }
             CheckedLevels::Tolerance(tolerance) => match Search::new(checked, tolerance) {
                 Ok(search) if faults.is_empty() && fit.is_empty() => Ok(Self::Search(Box::new(search))),
                 search => Err(faults.into_iter().chain(search.err()).chain(fit).collect()),
@@ -76,6 +83,26 @@ impl Draft {
             Self::Search(search) => search.bytes(),
         }
     }
+}
+
+/// Why an output cannot show the frame that it names, or all frames where it names none.
+fn frame_fault(input: &Input, output: &Output) -> Option<Fault> {
+    let detail = match (input.mesh(), output.frame) {
+        (None, Some(_)) => "only meshes have frames; leave it out".to_owned(),
+        (Some(mesh), Some(frame)) if frame > mesh.frames.len() => {
+            let n = mesh.frames.len() + 1;
+            format!("there is no frame {frame}; the mesh has {n}, counted from 0")
+        }
+        (Some(mesh), None) if !mesh.frames.is_empty() && !output.format.facts().holds_frames => {
+            let (name, last) = (output.format.name(), mesh.frames.len());
+            format!(
+                "{name} holds one frame, the mesh has {}; give a \"frame\" from 0 to {last}, or ask for glb",
+                last + 1
+            )
+        }
+        _ => return None,
+    };
+    Some(output.fault(Fault::new("/frame", detail)))
 }
 
 /// The faults in how plan, input and outputs fit that do not depend on the number of levels.

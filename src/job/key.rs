@@ -6,27 +6,19 @@ use std::fmt;
 use super::codec::Item;
 use super::input::Input;
 use super::output::Output;
+use super::shape_items::{connectivity, input, mesh};
 use crate::math::expression::{Expression, Instruction};
 use crate::math::parameter::{Value, Values};
-use crate::output::{LIMIT, TANGENTS};
+use crate::output::{LIMIT, TANGENTS, surface};
 use crate::scheme::letter::Letter;
 use crate::scheme::operator::Role;
 use crate::scheme::plan::{Latitude, Perturbation, Plan};
 use crate::scheme::rules::{Rules, TriangleRule};
 use crate::scheme::sharpness::Creasing;
 use crate::scheme::word::Word;
-use crate::shape::attachments::{Attachments, Channel};
-use crate::shape::attributes::Attributes;
-use crate::shape::creases::{INFINITE_SHARPNESS, Sharp};
-use crate::shape::directions::Direction;
+use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::frame::Frame;
-use crate::shape::labels::Labels;
-use crate::shape::mesh::Mesh;
-use crate::shape::polygon::Polygon;
-use crate::shape::repairs::{Faces, Repair};
 use crate::shape::tile::Tile;
-use crate::shape::topology::{Topology, index};
-use crate::shape::uvs::Uvs;
 
 /// Version of the results: raised whenever any artifact's bytes change.
 pub const RESULTS_VERSION: u32 = 8;
@@ -76,27 +68,48 @@ pub fn content(bytes: &[u8]) -> Key {
 
 /// Keys of the outputs of a job: over the results version, the shape, the plan as far as it matters, the levels, and
 /// the output's format and options. Names of outputs, and the words in which the job was written, are not part of them.
-/// The shape is hashed once for all outputs.
-pub(super) fn artifacts(shape: &Input, refined: &Plan, levels: u32, frame: Frame, outputs: &[Output]) -> Vec<Key> {
+/// The shape is hashed once for all outputs. Beside each artifact's key stands that of the refined shape it shows.
+pub(super) fn artifacts(
+    shape: &Input,
+    refined: &Plan,
+    levels: u32,
+    frame: Frame,
+    outputs: &[Output],
+) -> (Vec<Key>, Vec<Key>) {
     let Frame { unit, up } = frame;
-    let shape_key = hashed(&input(shape, refined)).to_string();
+    let whole = hashed(&input(shape, refined));
     let artifact = |output: &Output| {
         // the name is the client's affair, and so is the place among the outputs
-        let Output { name: _, format, options, index: _ } = output;
-        let mut items = vec![
-            text("planish artifact"),
-            Item::Integer(u64::from(RESULTS_VERSION)),
-            text(&shape_key),
-            plan(shape, refined, levels, shows_limit(output)),
-            text(format.name()),
-            values(options),
-        ];
+        let Output { name: _, format, options, frame: shown, index: _ } = output;
+        let shape_key = match (shape.mesh(), shown) {
+            // as that of a mesh with these positions alone
+            (Some(alone), Some(_)) if !alone.frames.is_empty() => hashed(&mesh(&alone.at_frame(*shown), refined)),
+            _ => whole,
+        };
+        let head = |name| {
+            let version = Item::Integer(u64::from(RESULTS_VERSION));
+            let plan = plan(shape, refined, levels, shows_limit(output));
+            vec![Item::text(name), version, Item::text(&shape_key.to_string()), plan]
+        };
+        let mut items = head("planish artifact");
+        items.extend([Item::text(format.name()), values(options)]);
         if !frame.is_default() {
-            items.push(Item::List(vec![text(unit.name()), text(up.name())]));
+            items.push(Item::List(vec![Item::text(unit.name()), Item::text(up.name())]));
         }
-        hashed(&Item::List(items))
+        let mut shown = head("planish refined shape");
+        shown.extend(surface::limit(options).map(u64::from).map(Item::Integer));
+        (hashed(&Item::List(items)), hashed(&Item::List(shown)))
     };
-    outputs.iter().map(artifact).collect()
+    outputs.iter().map(artifact).unzip()
+}
+
+/// Key of the program by which a mesh is refined, whatever its positions and the numbers that it carries: over its
+/// connectivity, what is tagged, the plan and the levels. `None` where single vertices or edges have a say.
+pub(super) fn program(input: &Input, refined: &Plan, levels: u32) -> Option<Key> {
+    let mesh = input.mesh().filter(|mesh| mesh.attributes.is_none() && mesh.directions.is_none())?;
+    let version = Item::Integer(u64::from(RESULTS_VERSION));
+    let plan = plan(input, refined, levels, false);
+    Some(hashed(&Item::List(vec![Item::text("planish program"), version, connectivity(mesh), plan])))
 }
 
 fn hashed(item: &Item<'_>) -> Key {
@@ -107,159 +120,24 @@ fn hashed(item: &Item<'_>) -> Key {
 
 /// Key of a job: over the names and keys of its outputs, in order.
 pub(super) fn job<'a>(outputs: impl Iterator<Item = (&'a str, &'a Key)>) -> Key {
-    let entry = |(name, key): (&str, &Key)| Item::List(vec![text(name), text(&key.to_string())]);
-    hashed(&Item::List(vec![text("planish job"), Item::List(outputs.map(entry).collect())]))
+    let entry = |(name, key): (&str, &Key)| Item::List(vec![Item::text(name), Item::text(&key.to_string())]);
+    hashed(&Item::List(vec![Item::text("planish job"), Item::List(outputs.map(entry).collect())]))
 }
 
 /// Key of a search for the level of a tolerance: over the results version, the shape, the whole plan, the tolerance and
 /// where outputs have their points. Searches with the same key have the same answer.
 pub(super) fn search(shape: &Input, refined: &Plan, tolerance: f64, places: &[&str]) -> Key {
     let items = vec![
-        text("planish search"),
+        Item::text("planish search"),
         Item::Integer(u64::from(RESULTS_VERSION)),
         input(shape, refined),
         plan(shape, refined, 1, true),
         // plans that no operator perturbs are refused, too
         Item::Integer(u64::from(refined.perturbation.is_some())),
         Item::Number(tolerance),
-        Item::List(places.iter().map(|place| text(place)).collect()),
+        Item::List(places.iter().map(|place| Item::text(place)).collect()),
     ];
     hashed(&Item::List(items))
-}
-
-fn text(text: &str) -> Item<'static> {
-    Item::Text(text.to_owned().into())
-}
-
-fn input<'a>(input: &'a Input, plan: &Plan) -> Item<'a> {
-    match input {
-        Input::Polygons(polygons) => {
-            Item::List(vec![text("polygons"), Item::List(polygons.iter().map(polygon).collect())])
-        }
-        Input::Mesh(mesh) => self::mesh(mesh, plan),
-    }
-}
-
-fn mesh<'a>(mesh: &'a Mesh, plan: &Plan) -> Item<'a> {
-    let Mesh {
-        positions,
-        topology,
-        corners,
-        semi_sharp_corners,
-        creases,
-        holes,
-        attributes,
-        directions,
-        attachments,
-        // follows from the other vertices and the repairs
-        split_from: _,
-        repairs,
-    } = mesh;
-    let mut items = vec![
-        text("mesh"),
-        Item::Numbers(positions.into()),
-        faces(topology),
-        Item::Indices(corners.into()),
-        Item::Indices(holes.into()),
-        // repairs are reported with the result, so that they belong to it
-        Item::List(repairs.iter().map(repair).collect()),
-    ];
-    items.extend(sharp("creases", creases));
-    items.extend(sharp("semi-sharp corners", semi_sharp_corners));
-    items.extend(self::attachments(attachments, !creases.is_empty()));
-    items.extend(directions.as_ref().filter(|_| plan.latitude.is_some()).map(|lines| {
-        let edges = |direction| Item::Indices(lines.edges(direction).into());
-        Item::List(vec![text("lines"), edges(Direction::Latitude), edges(Direction::Longitude)])
-    }));
-    items.extend(attributes.as_ref().map(|kept| Item::List(self::attributes(kept))));
-    Item::List(items)
-}
-
-/// A repair by its kind and its numbers, whatever the sentence that tells of it.
-fn repair(repair: &Repair) -> Item<'_> {
-    let count = |n: usize| Item::Integer(n as u64);
-    let some = |Faces { count, first }: &Faces| [Item::Integer(*count as u64), Item::Indices(first.clone().into())];
-    Item::List(match repair {
-        Repair::Read(note) => vec![text("read"), text(note)],
-        Repair::Welded { merged, pairs } => {
-            vec![text("welded"), count(*merged), Item::Indices(pairs.concat().into())]
-        }
-        Repair::LostParameters(lost) => {
-            let one =
-                |(name, [from, into]): &(&str, [usize; 2])| Item::List(vec![text(name), count(*from), count(*into)]);
-            [text("lost parameters")].into_iter().chain(lost.iter().map(one)).collect()
-        }
-        Repair::LeftOut(faces) => [text("left out")].into_iter().chain(some(faces)).collect(),
-        Repair::Turned(faces) => [text("turned")].into_iter().chain(some(faces)).collect(),
-        Repair::Paired { pairs, left } => vec![text("paired"), count(*pairs), count(*left)],
-        Repair::Split { from, added } => vec![text("split"), Item::Integer(u64::from(*from)), count(*added)],
-    })
-}
-
-/// What a mesh carries, where there is any: a list for each kind that is given. Pairs of places count beside creases.
-fn attachments(attachments: &Attachments, creased: bool) -> Option<Item<'_>> {
-    let Attachments { channels, groups, materials, uvs } = attachments;
-    let mut kinds = Vec::new();
-    if !channels.is_empty() {
-        kinds.push(text("channels"));
-        kinds.extend(channels.iter().map(|Channel { name, width, values }| {
-            Item::List(vec![text(name), Item::Integer(*width as u64), Item::Numbers(values.into())])
-        }));
-    }
-    for (kind, labels) in [("groups", groups), ("materials", materials)] {
-        if !labels.is_empty() {
-            let Labels { names, of_faces } = labels;
-            let names = names.iter().map(|name| text(name)).collect();
-            kinds.push(Item::List(vec![text(kind), Item::List(names), Item::Indices(of_faces.into())]));
-        }
-    }
-    if let Some(Uvs { values, topology, corners, pairs, linear }) = uvs {
-        let linear = Item::Integer(u64::from(*linear));
-        let corners = Item::Indices(corners.into());
-        let mut items = vec![text("uvs"), linear, corners, faces(topology), Item::Numbers(values.into())];
-        if creased && !pairs.is_empty() {
-            items.push(Item::Indices(pairs.concat().into()));
-        }
-        kinds.push(Item::List(items));
-    }
-    (!kinds.is_empty()).then_some(Item::List(kinds))
-}
-
-/// What is sharp, if anything is.
-fn sharp(name: &str, sharp: &Sharp) -> Option<Item<'static>> {
-    let (indices, values): (Vec<u32>, Vec<f64>) = sharp.iter().copied().unzip();
-    let item = || Item::List(vec![text(name), Item::Indices(indices.into()), Item::Numbers(values.into())]);
-    (!sharp.is_empty()).then(item)
-}
-
-fn polygon(polygon: &Polygon) -> Item<'_> {
-    let Polygon { points, dimension, closed, corners, rational, tangents, pinned, attributes } = polygon;
-    let mut items = vec![
-        Item::Integer(*dimension as u64),
-        Item::Integer(u64::from(*closed)),
-        Item::Integer(u64::from(*rational)),
-        Item::List(attributes.as_ref().map(self::attributes).unwrap_or_default()),
-        Item::Numbers(points.into()),
-        Item::Indices(corners.into()),
-    ];
-    items.extend(tangents.as_ref().map(|tangents| Item::Numbers(tangents.into())));
-    if !pinned.is_empty() {
-        items.push(Item::Indices(pinned.into()));
-    }
-    Item::List(items)
-}
-
-fn attributes(attributes: &Attributes) -> Vec<Item<'_>> {
-    let Attributes { alpha, kernel, compensation, delta } = attributes;
-    let arrays = [("alpha", alpha), ("kernel", kernel), ("compensation", compensation), ("delta", delta)];
-    let given = arrays.into_iter().filter_map(|(name, array)| Some((name, array.as_ref()?)));
-    given.map(|(name, array)| Item::List(vec![text(name), Item::Numbers(array.into())])).collect()
-}
-
-fn faces(topology: &Topology) -> Item<'static> {
-    let sizes: Vec<u32> = (0..topology.n_faces()).map(|f| index(topology.face(f).len())).collect();
-    let vertices: Vec<u32> = (0..topology.n_faces()).flat_map(|f| topology.face(f)).copied().collect();
-    Item::List(vec![Item::Indices(sizes.into()), Item::Indices(vertices.into())])
 }
 
 /// Whether an output shows the limit, which is that of the plan even where none of its levels was applied.
@@ -288,7 +166,7 @@ fn plan(input: &Input, refined: &Plan, levels: u32, shows_limit: bool) -> Item<'
     let letters = |letters: &[Letter]| {
         let letter = |letter: &Letter| {
             let Letter { operator, settings } = letter;
-            Item::List(vec![text(operator.facts().name), values(settings.values())])
+            Item::List(vec![Item::text(operator.facts().name), values(settings.values())])
         };
         Item::List(letters.iter().map(letter).collect())
     };
@@ -322,7 +200,7 @@ fn plan(input: &Input, refined: &Plan, levels: u32, shows_limit: bool) -> Item<'
         functions.push(("perturbation", Item::List(vec![numbers, Item::Integer(seed)])));
     }
     if let Some(Latitude { rule, kernel_longitude, own_alpha }) = latitude {
-        let head = [text(rule.name()), Item::Integer(u64::from(*own_alpha))];
+        let head = [Item::text(rule.name()), Item::Integer(u64::from(*own_alpha))];
         functions.push((
             "latitude",
             Item::List(head.into_iter().chain(kernel_longitude.as_ref().map(expression)).collect()),
@@ -333,11 +211,11 @@ fn plan(input: &Input, refined: &Plan, levels: u32, shows_limit: bool) -> Item<'
     }
     let (is_mesh, is_open) = input.kind();
     if is_open && is_mesh {
-        functions.push(("boundary", text(boundary.name())));
+        functions.push(("boundary", Item::text(boundary.name())));
     } else if is_open {
-        functions.push(("ends", text(ends.name())));
+        functions.push(("ends", Item::text(ends.name())));
     }
-    let functions = functions.into_iter().map(|(name, item)| Item::List(vec![text(name), item])).collect();
+    let functions = functions.into_iter().map(|(name, item)| Item::List(vec![Item::text(name), item])).collect();
     Item::List(vec![letters(prefix), letters(cycle), Item::Integer(u64::from(levels)), Item::List(functions)])
 }
 
@@ -349,10 +227,10 @@ fn rules(input: &Input, rules: Rules) -> Vec<(&'static str, Item<'static>)> {
     let has_triangle = || (0..mesh.topology.n_faces()).any(|f| mesh.topology.face(f).len() == 3);
     let mut said = Vec::new();
     if creasing != Creasing::default() && semi_sharp() {
-        said.push(("creasing", text(creasing.name())));
+        said.push(("creasing", Item::text(creasing.name())));
     }
     if triangles != TriangleRule::default() && has_triangle() {
-        said.push(("triangles", text(triangles.name())));
+        said.push(("triangles", Item::text(triangles.name())));
     }
     said
 }
@@ -360,28 +238,28 @@ fn rules(input: &Input, rules: Rules) -> Vec<(&'static str, Item<'static>)> {
 fn expression(expression: &Expression) -> Item<'static> {
     let instruction = |instruction: &Instruction| match instruction {
         Instruction::Constant(x) => Item::Number(*x),
-        Instruction::Variable => text("variable"),
-        Instruction::Unary(op) => Item::List(vec![text("unary"), text(op.name())]),
-        Instruction::Binary(op) => Item::List(vec![text("binary"), text(op.name())]),
+        Instruction::Variable => Item::text("variable"),
+        Instruction::Unary(op) => Item::List(vec![Item::text("unary"), Item::text(op.name())]),
+        Instruction::Binary(op) => Item::List(vec![Item::text("binary"), Item::text(op.name())]),
     };
     Item::List(expression.code().iter().map(instruction).collect())
 }
 
 /// Options as they are written or left out makes no difference, so that new ones leave old keys alone.
 fn values(values: &Values) -> Item<'static> {
-    let entry = |(name, value)| Item::List(vec![text(name), self::value(value)]);
+    let entry = |(name, value)| Item::List(vec![Item::text(name), self::value(value)]);
     Item::List(values.unusual().map(entry).collect())
 }
 
 fn value(value: &Value) -> Item<'static> {
     match value {
-        Value::Absent => text("absent"),
+        Value::Absent => Item::text("absent"),
         Value::Number(x) => Item::Number(*x),
         Value::Integer(x) => Item::Integer(x.cast_unsigned()),
         Value::Flag(x) => Item::Integer(u64::from(*x)),
-        Value::Choice(x) => text(x),
-        Value::Name(x) => text(x),
-        Value::Choices(xs) => Item::List(xs.iter().map(|x| text(x)).collect()),
+        Value::Choice(x) => Item::text(x),
+        Value::Name(x) => Item::text(x),
+        Value::Choices(xs) => Item::List(xs.iter().map(|x| Item::text(x)).collect()),
         Value::Expression(x) => expression(x),
         Value::Expressions(xs) => Item::List(xs.iter().map(expression).collect()),
         Value::Numbers(x) => Item::Numbers(x.clone().into()),

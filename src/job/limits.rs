@@ -161,12 +161,12 @@ impl Limits {
         };
         let mut forecast = forecast.map_err(|error| self.no_forecast(&error))?;
         self.add_uvs(job, &mut forecast, watch)?;
-        let carried = carried(job);
-        // the rows are made once more for each channel
-        forecast.work = forecast.work.saturating_mul(1 + carried.channels);
+        let carried = carried(job, frames(job) - 1);
+        // the rows are made once more for each channel and each frame
+        forecast.work = forecast.work.saturating_mul(1 + carried.channels + carried.frames);
         self.check_levels(job, &forecast)?;
         let counts = counts(job, forecast.levels.last().copied().unwrap_or_default());
-        let sizes: Vec<Size> = job.outputs.iter().map(|output| output.format.size(&counts, &output.options)).collect();
+        let sizes: Vec<Size> = job.outputs.iter().map(|output| output.size(&counts)).collect();
         for (i, size) in sizes.iter().enumerate() {
             self.check_bytes(job, i, *size, &forecast)?;
         }
@@ -176,8 +176,12 @@ impl Limits {
         let local = if limit_rows > 0 { limit_patches(job, &forecast) } else { Cost::default() };
         let compared = if limit_rows > 0 { compared_discs(job, &forecast) } else { 0 };
         let limit_bytes = limit_bytes.saturating_add(local.bytes).saturating_add(compared);
-        let options =
-            job.outputs.iter().map(|output| output.format.memory(&counts, &output.options)).max().unwrap_or(0);
+        let options = job
+            .outputs
+            .iter()
+            .map(|output| output.format.memory(&output.shown(&counts), &output.options))
+            .max()
+            .unwrap_or(0);
         let mut memory_bytes = memory(&forecast, &sizes, &carried).saturating_add(limit_bytes).saturating_add(options);
         let is_large = memory_bytes > self.max_held_bytes.into();
         let held_levels = if is_large { job.held_levels() } else { None };
@@ -243,29 +247,37 @@ impl Limits {
         Ok(())
     }
 
-    fn fits(&self, count: &Count) -> bool {
-        count.faces <= self.max_faces.into() && count.vertices.max(count.uvs) <= self.max_vertices.into()
+    /// Whether a net is within the limits, of whose vertices each frame has its own.
+    fn fits(&self, job: &Job, count: &Count) -> bool {
+        let vertices = count.vertices.saturating_mul(frames(job));
+        count.faces <= self.max_faces.into() && vertices.max(count.uvs) <= self.max_vertices.into()
     }
 
     fn check_levels(&self, job: &Job, forecast: &Forecast) -> Result<(), Refusal> {
-        let Some(level) = forecast.levels.iter().position(|count| !self.fits(count)) else {
-            return if self.fits(&forecast.peak) { Ok(()) } else { Err(self.peak(job, forecast)) };
+        let Some(level) = forecast.levels.iter().position(|count| !self.fits(job, count)) else {
+            return if self.fits(job, &forecast.peak) { Ok(()) } else { Err(self.peak(job, forecast)) };
         };
         // name the level asked for, as this is what the client wrote
         let asked = forecast.levels.len() - 1;
-        let count = if self.fits(&forecast.levels[asked]) { forecast.levels[level] } else { forecast.levels[asked] };
-        let level = if self.fits(&forecast.levels[asked]) { level } else { asked };
+        let count =
+            if self.fits(job, &forecast.levels[asked]) { forecast.levels[level] } else { forecast.levels[asked] };
+        let level = if self.fits(job, &forecast.levels[asked]) { level } else { asked };
         let counts = counts(job, count);
         let size = job.outputs.first().map(|output| {
-            let bytes = in_bytes(output.format.size(&counts, &output.options).bytes());
+            let bytes = in_bytes(output.size(&counts).bytes());
             format!(" ({bytes} as {})", output.format.name())
         });
         let (n, what, bound) = if count.faces > self.max_faces.into() {
             (count.faces, "faces", self.max_faces)
-        } else if count.vertices <= self.max_vertices.into() {
+        } else if count.vertices.saturating_mul(frames(job)) <= self.max_vertices.into() {
             (count.uvs, "places with texture coordinates", self.max_vertices)
         } else {
-            (count.vertices, if count.faces > 0 { "vertices" } else { "points" }, self.max_vertices)
+            let what = match frames(job) {
+                1 if count.faces > 0 => "vertices",
+                1 => "points",
+                _ => "vertices in all frames",
+            };
+            (count.vertices.saturating_mul(frames(job)), what, self.max_vertices)
         };
         let size = size.unwrap_or_default();
         let subject = if count.faces > 0 { "mesh" } else { "polygon" };
@@ -274,7 +286,7 @@ impl Limits {
             thousands(n),
             thousands(bound.into())
         );
-        Err(self.too_large(job, forecast, &reason, |count| self.fits(count)))
+        Err(self.too_large(job, forecast, &reason, |count| self.fits(job, count)))
     }
 
     fn peak(&self, job: &Job, forecast: &Forecast) -> Refusal {
@@ -300,13 +312,13 @@ impl Limits {
             in_bytes(size.bytes()),
             in_bytes(bound)
         );
-        let fits = |count: &Count| asked.format.size(&counts(job, *count), &asked.options).bytes() <= bound;
+        let fits = |count: &Count| asked.size(&counts(job, *count)).bytes() <= bound;
         Err(self.too_large(job, forecast, &reason, fits))
     }
 
     /// A refusal with the highest level that fits as its remedy.
     fn too_large(&self, job: &Job, forecast: &Forecast, reason: &str, fits: impl Fn(&Count) -> bool) -> Refusal {
-        let fitting = forecast.levels.iter().take_while(|count| self.fits(count) && fits(count)).count();
+        let fitting = forecast.levels.iter().take_while(|count| self.fits(job, count) && fits(count)).count();
         let remedy = match fitting {
             0 => "send a smaller input".to_owned(),
             n if job.reached.is_some() => {
@@ -330,10 +342,16 @@ fn fewer_levels(level: u32) -> String {
 
 /// Whether the formats can count what there will be.
 fn check_fits(job: &Job, counts: &Counts) -> Result<(), Refusal> {
-    let fits = |output: &Output| output.format.fits(counts, &output.options);
+    let fits = |output: &Output| output.format.fits(&output.shown(counts), &output.options);
     let fault = |output| Some(Output::fault(output, fits(output).err()?));
     let faults: Vec<Fault> = job.outputs.iter().filter_map(fault).collect();
     if faults.is_empty() { Ok(()) } else { Err(Refusal::Impossible(faults)) }
+}
+
+/// Frames that some output shows at once.
+fn frames(job: &Job) -> u128 {
+    let all = job.input.mesh().map_or(1, |mesh| mesh.frames.len() as u128 + 1);
+    if job.outputs.iter().any(|output| output.frame.is_none()) { all } else { 1 }
 }
 
 /// Counts of a net as the writers see it: hidden faces left out.
@@ -351,6 +369,7 @@ fn counts(job: &Job, count: Count) -> Counts {
         largest_face: count.largest_face,
         split_vertices: count.split_vertices,
         uvs: count.uvs,
+        frames: mesh.map_or(0, |mesh| mesh.frames.len()),
         frame: job.frame,
         attachments: mesh.map_or_else(Arc::default, |mesh| mesh.attachments.clone()),
         input_faces: mesh.map_or(0, |mesh| mesh.topology.n_faces()),

@@ -12,7 +12,9 @@ use crate::shape::tile::Tile;
 pub(super) struct Carried {
     /// Channels of vertices.
     pub(super) channels: u128,
-    /// Numbers a vertex.
+    /// Frames beside the first.
+    pub(super) frames: u128,
+    /// Numbers a vertex, those of frames included.
     numbers: u128,
     /// Bytes a vertex for parameters and values of its own.
     local_bytes: u128,
@@ -26,8 +28,8 @@ const LOCAL_BYTES: u128 = 8 * (4 + 4 + 5) + 4;
 /// before.
 const NUMBERED_BYTES: [u128; 2] = [8 + 2, (24 + 4 * 16) * 5 / 4];
 
-/// What a job refines along.
-pub(super) fn carried(job: &Job) -> Carried {
+/// What a job refines along, with so many frames beside the first.
+pub(super) fn carried(job: &Job, frames: u128) -> Carried {
     let Some(mesh) = job.input.mesh() else { return Carried::default() };
     let own = mesh.attributes.is_some() || job.plan.latitude.is_some() || job.plan.perturbation.is_some();
     let local_bytes = if own { LOCAL_BYTES } else { 0 };
@@ -35,7 +37,8 @@ pub(super) fn carried(job: &Job) -> Carried {
     let [place, face] = if job.plan.perturbation.is_some() { NUMBERED_BYTES } else { [0, 0] };
     Carried {
         channels: mesh.attachments.channels.len() as u128,
-        numbers: mesh.attachments.width() as u128,
+        frames,
+        numbers: mesh.attachments.width() as u128 + 3 * frames,
         local_bytes,
         uv_bytes: if smooth_uvs { [local_bytes + place, face] } else { [0, 0] },
     }
@@ -68,7 +71,7 @@ pub(super) fn memory(forecast: &Forecast, sizes: &[Size], carried: &Carried) -> 
         (count.faces, of_face),
         (forecast.topology_bytes, 1),
         (count.uvs, UV_BYTES + of_place),
-        (last.split_vertices, SPLIT_VERTEX_BYTES),
+        (last.split_vertices, SPLIT_VERTEX_BYTES * (1 + carried.frames)),
         (sizes.iter().map(|size| size.bytes()).max().unwrap_or(0), 1),
     ];
     parts.iter().fold(0, |sum: u128, (n, bytes)| sum.saturating_add(n.saturating_mul(*bytes)))

@@ -1,9 +1,11 @@
 //! The outputs of a job.
 
+use std::borrow::Cow;
+
 use super::entry::output_fault;
 use crate::fault::Fault;
 use crate::math::parameter::Values;
-use crate::output::Format;
+use crate::output::{Counts, Format, Size};
 
 /// One result that is asked for.
 #[derive(Debug, Clone)]
@@ -14,11 +16,26 @@ pub struct Output {
     pub format: &'static dyn Format,
     /// The format's options.
     pub options: Values,
+    /// The frame of the mesh that it shows; all of them, or the only one, where none is named.
+    pub frame: Option<usize>,
     /// The index of the output in the request; `None` where the request names no outputs.
     pub index: Option<usize>,
 }
 
 impl Output {
+    /// What of these counts the output shows: frames only where it names none.
+    pub(super) fn shown<'a>(&self, counts: &'a Counts) -> Cow<'a, Counts> {
+        match self.frame {
+            Some(_) if counts.frames > 0 => Cow::Owned(Counts { frames: 0, ..counts.clone() }),
+            _ => Cow::Borrowed(counts),
+        }
+    }
+
+    /// Bytes that it takes, of these counts.
+    pub(super) fn size(&self, counts: &Counts) -> Size {
+        self.format.size(&self.shown(counts), &self.options)
+    }
+
     /// A fault of this output, with a pointer below the request.
     pub(super) fn fault(&self, fault: Fault) -> Fault {
         output_fault(self.index, fault)

@@ -9,11 +9,10 @@ use super::error::RunError;
 use super::input::Input;
 use super::limits::Admitted;
 use super::output::Output;
+use super::work::{KeepNothing, KeepWork, refined};
 use crate::analysis::curve;
-use crate::analysis::limit::{LimitError, LimitRequest, refine_mesh_to_limit};
 use crate::output::scene::{Control, Curve, Scene, Shape};
-use crate::output::surface;
-use crate::refine::{RefinedMesh, StreamedMesh, refine_mesh};
+use crate::refine::{RefinedMesh, StreamedMesh};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::tags::Boundary;
 use crate::shape::mesh::Mesh;
@@ -32,11 +31,26 @@ pub struct Report {
 /// # Errors
 /// [`RunError`].
 pub fn run(admitted: &Admitted, output: &Output, out: &mut dyn Write, watch: &Watch) -> Result<Report, RunError> {
+    run_keeping(admitted, output, &KeepNothing, out, watch)
+}
+
+/// Computes one output of a job as [`run`] does, from work that is kept of earlier computations as far as it is, and
+/// offers what it makes itself to later ones.
+///
+/// # Errors
+/// [`RunError`].
+pub fn run_keeping(
+    admitted: &Admitted,
+    output: &Output,
+    kept: &dyn KeepWork,
+    out: &mut dyn Write,
+    watch: &Watch,
+) -> Result<Report, RunError> {
     let job = admitted.job();
     watch.enter(Stage::Refine);
     match &job.input {
         Input::Polygons(polygons) => draw(job, polygons, output, out, watch),
-        Input::Mesh(mesh) => form(admitted, mesh, output, out, watch),
+        Input::Mesh(mesh) => form(admitted, (mesh, output), kept, out, watch),
     }
 }
 
@@ -58,33 +72,24 @@ fn draw(
 /// Refines and writes a mesh.
 fn form(
     admitted: &Admitted,
-    mesh: &Mesh,
-    output: &Output,
+    (mesh, output): (&Mesh, &Output),
+    kept: &dyn KeepWork,
     out: &mut dyn Write,
     watch: &Watch,
 ) -> Result<Report, RunError> {
-    let (job, on_demand) = (admitted.job(), admitted.estimate().on_demand);
+    let job = admitted.job();
+    let mesh = &*mesh.at_frame(output.frame);
     let control = &ControlMesh { mesh, refined: OnceLock::new() };
-    if on_demand {
-        let refined = StreamedMesh::of(mesh, &job.plan, job.steps(), watch);
-        let refined = refined.map_err(|error| RunError::of_limit(error.into(), mesh.attributes.as_ref(), ""))?;
-        let Some(refined) = refined else { return Err(RunError::too_large()) };
-        let (shape, warnings) = (Shape::Mesh(&refined), mesh.warnings());
+    if admitted.estimate().on_demand {
+        let streamed = StreamedMesh::of(mesh, &job.plan, job.steps(), watch);
+        let streamed = streamed.map_err(|error| RunError::of_limit(error.into(), mesh.attributes.as_ref(), ""))?;
+        let Some(streamed) = streamed else { return Err(RunError::too_large()) };
+        let (shape, warnings) = (Shape::Mesh(&streamed), mesh.warnings());
         return write(&Scene { shape, control, warnings: &warnings, frame: job.frame }, output, out, watch);
     }
-    let [positions, normals] = surface::limit(&output.options);
-    let asked = LimitRequest { positions, normals };
-    let refined = if asked.anything() {
-        refine_mesh_to_limit(mesh, &job.plan, job.levels, asked, watch)
-    } else {
-        let refined = refine_mesh(mesh, &job.plan, job.steps(), watch);
-        refined.map(|refined| (refined, Vec::new())).map_err(LimitError::from)
-    };
-    let option = if positions { "/positions" } else { "/normals" };
-    let (refined, found) = refined.map_err(|error| RunError::of_limit(error, mesh.attributes.as_ref(), option))?;
-    let warnings = [mesh.warnings(), found].concat();
-    let shape = Shape::Mesh(&refined);
-    write(&Scene { shape, control, warnings: &warnings, frame: job.frame }, output, out, watch)
+    let refined = &*refined(job, mesh, output, kept, watch)?;
+    let shape = Shape::Mesh(&refined.mesh);
+    write(&Scene { shape, control, warnings: &refined.warnings, frame: job.frame }, output, out, watch)
 }
 
 fn write(scene: &Scene<'_>, output: &Output, out: &mut dyn Write, watch: &Watch) -> Result<Report, RunError> {

@@ -78,6 +78,7 @@ fn of_attributes(attributes: &Attributes) -> usize {
 fn of_mesh(mesh: &Mesh) -> usize {
     let Mesh {
         positions,
+        frames,
         topology,
         corners,
         semi_sharp_corners,
@@ -96,7 +97,8 @@ fn of_mesh(mesh: &Mesh) -> usize {
     let attributes = attributes.as_ref().map_or(0, of_attributes);
     let carried = size_of::<Attachments>() + of_attachments(attachments);
     let parts = size_of_val::<[u32]>(split_from);
-    list(positions) + of_topology(topology) + tags + directions + repairs + attributes + carried + parts
+    let frames: usize = frames.iter().map(|frame| size_of::<Vec<f64>>() + list(frame)).sum();
+    list(positions) + frames + of_topology(topology) + tags + directions + repairs + attributes + carried + parts
 }
 
 fn of_repair(repair: &Repair) -> usize {

@@ -38,6 +38,8 @@ pub struct Counts {
     pub split_vertices: u128,
     /// Places with texture coordinates, where there are some.
     pub uvs: u128,
+    /// Frames of a mesh beside the first that are shown (0 for curves).
+    pub frames: usize,
     /// What the coordinates mean.
     pub frame: Frame,
     /// What a mesh carries besides its shape.

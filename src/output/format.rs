@@ -29,6 +29,8 @@ pub struct FormatFacts {
     pub doc: &'static str,
     /// Options that the format knows.
     pub parameters: &'static [Parameter],
+    /// Whether the format holds several frames of a mesh.
+    pub holds_frames: bool,
     /// Whether the format can hold what these options make of a shape of this kind; else a sentence that says why not,
     /// and which formats can.
     pub holds: fn(ShapeKind, &Values) -> Result<(), String>,

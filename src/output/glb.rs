@@ -8,13 +8,12 @@ use crate::output::counts::Counts;
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::gltf_amounts::{self, Amounts, Contents, split_vertices, with_normals};
-use crate::output::gltf_buffer::Buffer;
+use crate::output::gltf_buffer::{Buffer, buffered};
 use crate::output::gltf_document::{PARAMETERS, document};
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
 use crate::output::stream::holds_space;
-use crate::output::vertex_sides::Sides;
 use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
@@ -39,6 +38,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Binary,
     doc: "Binary glTF 2.0: triangles with normals, or line strips, in f32",
     parameters: PARAMETERS,
+    holds_frames: true,
     holds: |kind, _| holds_space("glb", kind),
 };
 
@@ -72,25 +72,25 @@ impl Format for Glb {
         out: &mut dyn Write,
         watch: &Watch,
     ) -> Result<(), FormatError> {
-        let sides = Sides::of(scene.shape);
-        let parts = sides.split_vertices(with_normals(options), watch)?;
-        let buffer = Buffer::of(&Scene { shape: parts.shape(), ..*scene }, parts.smooth(), options, watch)?;
-        let room = buffer.contents().room();
-        let binary = buffer.amounts.bytes();
-        let file = check_length(file(room, binary)).map_err(FormatError::Unfit)?;
-        let [room, binary] =
-            [room, binary].map(|part| u32::try_from(part).expect("the parts are shorter than the file"));
-        let json = padded(document(&buffer, None)?, room)?;
-        out.write_all(b"glTF")?;
-        out.write_all([2, file].map(u32::to_le_bytes).as_flattened())?;
-        chunk(*b"JSON", room, out)?;
-        out.write_all(&json)?;
-        if binary > 0 {
-            chunk(*b"BIN\0", binary, out)?;
-            buffer.write(out, watch)?;
-        }
-        Ok(())
+        buffered(scene, options, watch, |buffer| write(buffer, out, watch))
     }
+}
+
+fn write(buffer: &Buffer<'_>, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
+    let room = buffer.contents().room();
+    let binary = buffer.amounts.bytes();
+    let file = check_length(file(room, binary)).map_err(FormatError::Unfit)?;
+    let [room, binary] = [room, binary].map(|part| u32::try_from(part).expect("the parts are shorter than the file"));
+    let json = padded(document(buffer, None)?, room)?;
+    out.write_all(b"glTF")?;
+    out.write_all([2, file].map(u32::to_le_bytes).as_flattened())?;
+    chunk(*b"JSON", room, out)?;
+    out.write_all(&json)?;
+    if binary > 0 {
+        chunk(*b"BIN\0", binary, out)?;
+        buffer.write(out, watch)?;
+    }
+    Ok(())
 }
 
 /// The document with spaces up to the length that was forecast for it.

@@ -10,14 +10,13 @@ use crate::math::parameter::Values;
 use crate::output::counts::Counts;
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
-use crate::output::gltf_amounts::{self, Amounts, Contents, with_normals};
-use crate::output::gltf_buffer::Buffer;
+use crate::output::gltf_amounts::{self, Amounts, Contents};
+use crate::output::gltf_buffer::{Buffer, buffered};
 use crate::output::gltf_document::{PARAMETERS, document};
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
 use crate::output::stream::holds_space;
-use crate::output::vertex_sides::Sides;
 use crate::watch::Watch;
 
 const URI: &str = "data:application/octet-stream;base64,";
@@ -33,6 +32,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Json,
     doc: "Self-contained glTF 2.0 in JSON: as glb, with the numbers as base64",
     parameters: PARAMETERS,
+    holds_frames: true,
     holds: |kind, _| holds_space("gltf", kind),
 };
 
@@ -58,17 +58,18 @@ impl Format for Gltf {
         out: &mut dyn Write,
         watch: &Watch,
     ) -> Result<(), FormatError> {
-        let sides = Sides::of(scene.shape);
-        let parts = sides.split_vertices(with_normals(options), watch)?;
-        let buffer = Buffer::of(&Scene { shape: parts.shape(), ..*scene }, parts.smooth(), options, watch)?;
-        let json = document(&buffer, Some(URI))?;
-        let Some(start) = json.windows(URI.len()).position(|text| text == URI.as_bytes()) else {
-            return Ok(out.write_all(&json)?);
-        };
-        let (before, after) = json.split_at(start + URI.len());
-        out.write_all(before)?;
-        let mut base64 = EncoderWriter::new(out, &STANDARD);
-        buffer.write(&mut base64, watch)?;
-        Ok(base64.finish()?.write_all(after)?)
+        buffered(scene, options, watch, |buffer| write(buffer, out, watch))
     }
+}
+
+fn write(buffer: &Buffer<'_>, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
+    let json = document(buffer, Some(URI))?;
+    let Some(start) = json.windows(URI.len()).position(|text| text == URI.as_bytes()) else {
+        return Ok(out.write_all(&json)?);
+    };
+    let (before, after) = json.split_at(start + URI.len());
+    out.write_all(before)?;
+    let mut base64 = EncoderWriter::new(out, &STANDARD);
+    buffer.write(&mut base64, watch)?;
+    Ok(base64.finish()?.write_all(after)?)
 }

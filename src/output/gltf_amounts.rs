@@ -21,6 +21,13 @@ pub(super) const NUMBER: u128 = 4;
 /// Bytes of the origin of a vertex: dimension and number of the input cell.
 pub(super) const ORIGIN: u128 = 8;
 
+/// Bytes at most that a document spends on a morph target: two accessors, one with its bounds, two views, a weight, a
+/// name, and the target of the first primitive.
+const TARGET: u128 = 1_024;
+
+/// Bytes at most of a target in each further primitive: the numbers of two accessors.
+const TARGET_OF_PART: u128 = 64;
+
 /// Input cells whose numbers f32 holds exactly.
 const CELLS: usize = 1 << 24;
 
@@ -67,6 +74,8 @@ pub(super) struct Amounts {
     pub(super) ids: bool,
     /// Triples of indices.
     pub(super) triangles: u128,
+    /// Morph targets: frames beside the first, each with a position and, where there are normals, a normal a vertex.
+    pub(super) targets: u128,
 }
 
 impl Amounts {
@@ -82,6 +91,7 @@ impl Amounts {
             uvs: counts.uvs > 0,
             ids: mesh && options.flag("ids"),
             triangles: if faces == 0 { 0 } else { counts.half_edges.saturating_sub(faces.saturating_mul(2)) },
+            targets: counts.frames as u128,
         }
     }
 
@@ -97,6 +107,7 @@ impl Amounts {
                     uvs: mesh.uvs().is_some(),
                     ids: options.flag("ids"),
                     triangles: mesh.n_half_edges() as u128 - 2 * faces,
+                    targets: 0,
                 }
             }
             Shape::Curves(curves) => Self {
@@ -106,6 +117,7 @@ impl Amounts {
                 uvs: false,
                 ids: false,
                 triangles: 0,
+                targets: 0,
             },
         }
     }
@@ -115,7 +127,7 @@ impl Amounts {
         let vectors = if self.normals { 2 } else { 1 };
         let (origin, face) = if self.ids { (ORIGIN, 4) } else { (0, 0) };
         let uvs = if self.uvs { 2 * NUMBER } else { 0 };
-        let vertex = vectors * VECTOR + self.numbers * NUMBER + uvs + origin;
+        let vertex = vectors * VECTOR * (1 + self.targets) + self.numbers * NUMBER + uvs + origin;
         total(&[(self.vertices, vertex), (self.triangles, TRIANGLE + face)])
     }
 }
@@ -135,6 +147,8 @@ pub(super) struct Contents<'a> {
     pub(super) input_faces: usize,
     /// Whether origins are told.
     pub(super) ids: bool,
+    /// Morph targets.
+    pub(super) targets: u128,
 }
 
 impl<'a> Contents<'a> {
@@ -147,6 +161,7 @@ impl<'a> Contents<'a> {
             attachments: &counts.attachments,
             input_faces: counts.input_faces,
             ids: counts.kind == ShapeKind::Mesh && options.flag("ids"),
+            targets: counts.frames as u128,
         }
     }
 
@@ -158,6 +173,8 @@ impl<'a> Contents<'a> {
             ShapeKind::Curves { .. } => total(&[(768, 1), (384, self.polygons)]),
         };
         let framed = if self.frame.is_default() { 0 } else { 256 };
+        let targets = self.targets.saturating_mul(TARGET);
+        let plain = total(&[(plain, 1), (targets, 1)]);
         if self.attachments.is_empty() && !self.ids {
             return plain + framed;
         }
@@ -168,7 +185,7 @@ impl<'a> Contents<'a> {
         // every name of a group and of a material may need a backslash for each byte
         let longest = |names: &[String]| names.iter().map(|name| 2 * name.len() as u128).max().unwrap_or(0);
         let labels = longest(&groups.names) + longest(&materials.names);
-        let part = 768 + names + 16 * channels + labels;
+        let part = 768 + names + 16 * channels + labels + self.targets.saturating_mul(TARGET_OF_PART);
         let room = total(&[(plain + framed, 1), (512, 1), (384, channels), (part, parts)]);
         room.saturating_add(3) / 4 * 4
     }

@@ -10,12 +10,14 @@ use crate::output::bytes::Bytes;
 use crate::output::colors::linear;
 use crate::output::counts::ShapeKind;
 use crate::output::error::FormatError;
-use crate::output::gltf_amounts::{Amounts, Contents, check_origins};
+use crate::output::gltf_amounts::{Amounts, Contents, check_origins, with_normals};
+use crate::output::gltf_targets::{MorphTarget, normals_of};
 use crate::output::normals;
 use crate::output::numbers::{as_written, f32_bytes, index_bytes, rounded};
 use crate::output::positions::{Positions, channels_within_f32};
 use crate::output::scene::{FaceChunk, Frame, MeshSource, Scene, Shape, in_chunks, triangles};
 use crate::output::stream::{BLOCK, Stream};
+use crate::output::vertex_sides::{Sides, SplitSides};
 use crate::shape::attachments::Attachments;
 use crate::shape::labels::{LabelledFaces, by_labels};
 use crate::watch::{Stopped, Watch};
@@ -32,6 +34,8 @@ pub(super) struct Buffer<'a> {
     pub(super) parts: Vec<PrimitiveVertices<'a>>,
     /// The faces of the mesh by group and material, those without triangles left out.
     pub(super) faces: Vec<PrimitiveFaces>,
+    /// The frames beside the first.
+    pub(super) targets: Vec<MorphTarget<'a>>,
     /// What was subtracted from all positions (model units); each coordinate is an f32, so that it can be added again
     /// without a loss.
     pub(super) center: [f64; 3],
@@ -69,22 +73,42 @@ pub(super) struct PrimitiveFaces {
     ranges: Vec<Range<usize>>,
 }
 
+/// Measures a scene, its vertices split where they have several normals or texture coordinates, and calls `write` with
+/// what goes into its buffer.
+///
+/// # Errors
+/// Coordinates that f32 cannot hold, more vertices than 32-bit indices reach, a stopped watch, or the error of `write`.
+pub(super) fn buffered(
+    scene: &Scene<'_>,
+    options: &Values,
+    watch: &Watch,
+    write: impl FnOnce(&Buffer<'_>) -> Result<(), FormatError>,
+) -> Result<(), FormatError> {
+    let frames = if let Shape::Mesh(mesh) = scene.shape { mesh.frames() } else { Vec::new() };
+    let sides = Sides::of(scene.shape);
+    let frames: Vec<Sides<'_>> = frames.into_iter().map(|frame| Sides::of(Shape::Mesh(frame))).collect();
+    let parts = sides.split_vertices(with_normals(options), watch)?;
+    let frames =
+        frames.iter().map(|sides| sides.split_vertices(with_normals(options), watch)).collect::<Result<Vec<_>, _>>()?;
+    let scene = Scene { shape: parts.shape(), ..*scene };
+    write(&Buffer::of(&scene, parts.smooth(), &frames, options, watch)?)
+}
+
 impl<'a> Buffer<'a> {
-    /// Measures a scene; `smooth` is the mesh with whole vertices where those of the scene are split.
-    ///
-    /// # Errors
-    /// Coordinates that f32 cannot hold, more vertices than 32-bit indices reach, or a stopped watch.
-    pub(super) fn of(
+    /// Measures a scene and its other frames; `smooth` is the mesh with whole vertices where those of the scene are
+    /// split.
+    fn of(
         scene: &Scene<'a>,
         smooth: Option<&'a dyn MeshSource>,
+        frames: &'a [SplitSides<'a>],
         options: &Values,
         watch: &Watch,
     ) -> Result<Self, FormatError> {
-        let amounts = Amounts::of_shape(scene.shape, options);
+        let amounts = Amounts { targets: frames.len() as u128, ..Amounts::of_shape(scene.shape, options) };
         let (mesh, sources) = match scene.shape {
             Shape::Mesh(mesh) => {
                 let positions = Positions::of_mesh(mesh);
-                let held = amounts.normals && mesh.on_demand().is_none();
+                let held = (amounts.normals && mesh.on_demand().is_none()) || amounts.targets > 0;
                 let positions = if held { positions.held(watch)? } else { positions };
                 (Some(mesh), vec![(positions, None)])
             }
@@ -99,6 +123,9 @@ impl<'a> Buffer<'a> {
             parts.push(PrimitiveVertices { positions, bounds, closed });
         }
         let center = center(&parts.iter().fold(Bounds::EMPTY, |all, part| all.joined(&part.bounds)))?;
+        let from = parts.first().map_or(&[][..], |part| part.positions.rows());
+        let targets = frames.iter().filter_map(|frame| MorphTarget::of(frame, from, center, watch).transpose());
+        let targets = targets.collect::<Result<Vec<_>, _>>()?;
         let faces = match mesh {
             Some(mesh) => {
                 channels_within_f32(mesh, watch)?;
@@ -107,7 +134,7 @@ impl<'a> Buffer<'a> {
             }
             None => Vec::new(),
         };
-        Ok(Self { mesh, smooth, parts, faces, center, frame: scene.frame, amounts })
+        Ok(Self { mesh, smooth, parts, faces, targets, center, frame: scene.frame, amounts })
     }
 
     /// What the mesh carries.
@@ -124,6 +151,7 @@ impl<'a> Buffer<'a> {
             attachments: self.attachments(),
             input_faces: self.mesh.map_or(0, |mesh| mesh.input_cells()[2]),
             ids: self.amounts.ids,
+            targets: self.amounts.targets,
         }
     }
 
@@ -144,6 +172,7 @@ impl<'a> Buffer<'a> {
             stream.positions(&part.positions, |_, rows, out| vectors(rows, out, |row| minus(row, self.center)))?;
         }
         let (Some(mesh), Some(part)) = (self.mesh, self.parts.first()) else { return Ok(()) };
+        let mut normals = Vec::new();
         if let (true, Some(source)) = (self.amounts.normals, mesh.on_demand()) {
             let scale = normals::scale_of(&part.bounds);
             stream.vectors(
@@ -152,14 +181,11 @@ impl<'a> Buffer<'a> {
                 |rows, out| vectors(rows, out, normals::or_up),
             )?;
         } else if self.amounts.normals {
-            let normals = match self.smooth {
-                None => normals::of(mesh, part.positions.rows(), watch)?,
-                Some(smooth) => {
-                    let positions = Positions::of_mesh(smooth).held(watch)?;
-                    normals::split_vertices(mesh, smooth, positions.rows(), watch)?
-                }
-            };
-            stream.rows(&normals, |_, rows, out| vectors(rows, out, normals::or_up))?;
+            normals = normals_of(mesh, self.smooth, &part.positions, watch)?;
+            stream.rows(&normals, |_, rows, out| vectors(rows, out, |row| row))?;
+            if self.targets.is_empty() {
+                normals = Vec::new();
+            }
         }
         self.write_carried(mesh, &mut stream)?;
         for range in self.faces.iter().flat_map(|section| &section.ranges) {
@@ -175,6 +201,12 @@ impl<'a> Buffer<'a> {
                     let slots = out.rows(faces.vertices.len() - 2 * faces.len());
                     slots.iter_mut().zip(origins).for_each(|(slot, origin)| *slot = origin);
                 })?;
+            }
+        }
+        for target in &self.targets {
+            target.write_positions(part.positions.rows(), self.center, &mut stream)?;
+            if self.amounts.normals {
+                target.write_normals(&normals, &mut stream, watch)?;
             }
         }
         Ok(())

@@ -11,9 +11,11 @@ use serde_json::value::{RawValue, to_raw_value};
 use serde_json::{Map, Value, json};
 
 use crate::math::parameter::{Default as Otherwise, Kind, Parameter};
+use crate::output::bounds::Bounds;
 use crate::output::error::FormatError;
 use crate::output::gltf_amounts::{NUMBER, ORIGIN, TRIANGLE, VECTOR};
 use crate::output::gltf_buffer::{Buffer, PrimitiveFaces, PrimitiveVertices};
+use crate::output::gltf_targets::MorphTarget;
 use crate::output::gltf_views::{Views, accessor, length};
 use crate::output::numbers::rounded;
 use crate::output::options::{IDS, POSITIONS};
@@ -52,7 +54,9 @@ pub(super) fn document(buffer: &Buffer<'_>, uri: Option<&str>) -> Result<Vec<u8>
     let primitives = if buffer.is_mesh() { surface(buffer, &mut root)? } else { curves(buffer, &mut root) };
     if !primitives.is_empty() {
         node.mesh = Some(Index::new(0));
-        root.meshes = vec![Mesh { extensions: None, extras: Extras::default(), name: None, primitives, weights: None }];
+        let (extras, weights) = (target_names(buffer)?, buffer.targets.iter().map(|_| 0.0).collect());
+        let weights = Some(weights).filter(|weights: &Vec<f32>| !weights.is_empty());
+        root.meshes = vec![Mesh { extensions: None, extras, name: None, primitives, weights }];
         root.buffers = vec![json::Buffer {
             byte_length: length(buffer.amounts.bytes()).into(),
             name: None,
@@ -146,11 +150,13 @@ fn surface(buffer: &Buffer<'_>, root: &mut Root) -> Result<Vec<Primitive>, Forma
     let look = |name| look(base, name, color == Some(4));
     if buffer.faces.is_empty() {
         root.materials = vec![look(None)];
-        return Ok(vec![primitive(attributes, Mode::Points)]);
+        let targets = targets(buffer, root);
+        return Ok(vec![Primitive { targets, ..primitive(attributes, Mode::Points) }]);
     }
     let triangles = buffer.amounts.triangles;
     let corners = Views::of(root).indices(triangles * TRIANGLE);
     let origins = buffer.amounts.ids.then(|| Views::of(root).loose(triangles * 4));
+    let targets = targets(buffer, root);
     let mut known: Vec<Option<usize>> = Vec::new();
     let mut primitives = Vec::with_capacity(buffer.faces.len());
     let mut start = 0;
@@ -169,6 +175,7 @@ fn surface(buffer: &Buffer<'_>, root: &mut Root) -> Result<Vec<Primitive>, Forma
             indices: Some(indices),
             material: Some(Index::new(u32::try_from(material).expect("there are few materials"))),
             extras: extras(buffer, section, faces)?,
+            targets: targets.clone(),
             ..primitive(attributes.clone(), Mode::Triangles)
         });
     }
@@ -192,6 +199,33 @@ fn extras(
         return Ok(None);
     }
     to_raw_value(&Value::Object(told)).map(Some).map_err(|error| unwritten(&error))
+}
+
+/// The names of the morph targets, by which viewers tell them apart.
+fn target_names(buffer: &Buffer<'_>) -> Result<Extras, FormatError> {
+    if buffer.targets.is_empty() {
+        return Ok(Extras::default());
+    }
+    let names: Vec<String> = (1..=buffer.targets.len()).map(|frame| format!("frame {frame}")).collect();
+    to_raw_value(&json!({ "targetNames": names })).map(Some).map_err(|error| unwritten(&error))
+}
+
+/// What all primitives of a mesh have for each morph target.
+fn targets(buffer: &Buffer<'_>, root: &mut Root) -> Option<Vec<json::mesh::MorphTarget>> {
+    let n = buffer.amounts.vertices;
+    let displaced = |root: &mut Root, bounds: Option<Bounds<3>>| {
+        let view = Views::of(root).vertices(n, VECTOR);
+        let limit = |corner: [f64; 3]| json!(corner.map(rounded));
+        let (min, max) = (bounds.map(|bounds| limit(bounds.min)), bounds.map(|bounds| limit(bounds.max)));
+        root.push(Accessor { min, max, ..accessor(view, 0, n, ComponentType::F32, Type::Vec3) })
+    };
+    let target = |target: &MorphTarget<'_>| json::mesh::MorphTarget {
+        positions: Some(displaced(root, Some(target.bounds))),
+        normals: buffer.amounts.normals.then(|| displaced(root, None)),
+        tangents: None,
+    };
+    let targets: Vec<_> = buffer.targets.iter().map(target).collect();
+    Some(targets).filter(|targets| !targets.is_empty())
 }
 
 type Attributes = BTreeMap<Checked<Semantic>, Index<Accessor>>;

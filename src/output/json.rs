@@ -73,6 +73,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Json,
     doc: "JSON as in requests: all coordinates at full precision, polygons as they are",
     parameters: &[POSITIONS, NORMALS, TANGENTS, CURVATURE, IDS, EDGES, SECTIONS],
+    holds_frames: false,
     holds: |_, _| Ok(()),
 };
 

@@ -16,6 +16,7 @@ mod gltf;
 mod gltf_amounts;
 mod gltf_buffer;
 mod gltf_document;
+mod gltf_targets;
 mod gltf_views;
 mod json;
 mod numbers;

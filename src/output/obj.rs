@@ -64,6 +64,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Text,
     doc: "Wavefront OBJ: polygons as they are, shortest decimals that read back exactly",
     parameters: &[POSITIONS, NORMALS, IDS],
+    holds_frames: false,
     holds: |kind, _| holds_space("obj", kind),
 };
 

@@ -50,6 +50,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Binary,
     doc: "Stanford PLY: polygons as they are, f64 or f32 coordinates, binary little endian or text",
     parameters: PARAMETERS,
+    holds_frames: false,
     holds: |kind, _| holds_space("ply", kind),
 };
 

@@ -73,6 +73,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Binary,
     doc: "A picture in pixels: a lit mesh with hidden lines removed, or curves with their control polygons.",
     parameters: PARAMETERS,
+    holds_frames: false,
     holds: |kind, _| options::drawable(kind),
 };
 

@@ -44,6 +44,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Json,
     doc: "Statistics in JSON: counts, bounding box, measures, moments, valences, hashes",
     parameters: &[POSITIONS, NORMALS],
+    holds_frames: false,
     holds: |_, _| Ok(()),
 };
 

@@ -43,6 +43,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Binary,
     doc: "Binary STL: loose triangles with facet normals, f32",
     parameters: &[POSITIONS, FACETS],
+    holds_frames: false,
     holds: |kind, _| match kind {
         ShapeKind::Mesh => Ok(()),
         ShapeKind::Curves { .. } => Err("stl holds triangles only, these are curves; ask for json or obj".into()),

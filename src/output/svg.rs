@@ -63,6 +63,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Text,
     doc: "A drawing of curves with their control polygons, or of plane sections of a mesh, in paths that scale.",
     parameters: PARAMETERS,
+    holds_frames: false,
     holds,
 };
 

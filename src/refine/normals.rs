@@ -11,6 +11,12 @@ pub struct Normals {
 }
 
 impl Normals {
+    /// Bytes that they hold.
+    pub(super) fn bytes(&self) -> usize {
+        let Self { of_vertices, sides } = self;
+        of_vertices.capacity() * size_of::<[f64; 3]>() + sides.capacity() * size_of::<([u32; 2], [f64; 3])>()
+    }
+
     /// The normal of vertex `v` on the side of the face in which `next` follows it, if its sides have their own.
     pub(super) fn on_side(&self, v: u32, next: u32) -> Option<[f64; 3]> {
         let found = self.sides.binary_search_by_key(&[v, next], |&(side, _)| side);

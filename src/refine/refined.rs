@@ -28,7 +28,9 @@ pub struct RefinedMesh {
     attachments: Arc<Attachments>,
     /// The values of each channel, in the same order.
     channels: Vec<Numbers>,
-    pub(super) uvs: Option<RefinedUvs>,
+    pub(super) uvs: Option<Arc<RefinedUvs>>,
+    /// The mesh in its other frames, without channels.
+    frames: Vec<RefinedMesh>,
     /// Edges that are still sharp, numbered in the order of construction.
     sharpness: Option<Arc<Sharpness>>,
     /// What is tagged of it, as long as it is the input.
@@ -41,8 +43,8 @@ pub struct RefinedMesh {
 
 impl RefinedMesh {
     /// The mesh of a net with its points in the order of construction, `n x 3`.
-    pub fn new(net: &MeshNet, points: Vec<f64>) -> Self {
-        Self::ordered(net, VertexOrder::constructed(net), points.into())
+    pub fn new(net: &MeshNet, points: Numbers) -> Self {
+        Self::ordered(net, VertexOrder::constructed(net), points)
     }
 
     /// The mesh of a net with its points in the documented order already, `n x 3`: nothing will be gathered. Of the
@@ -68,6 +70,7 @@ impl RefinedMesh {
             split_from: Arc::default(),
             pieces,
             uvs: None,
+            frames: Vec::new(),
         }
     }
 
@@ -77,9 +80,21 @@ impl RefinedMesh {
         self,
         attachments: Arc<Attachments>,
         channels: Vec<Numbers>,
-        uvs: Option<RefinedUvs>,
+        uvs: Option<Arc<RefinedUvs>>,
     ) -> Self {
         Self { attachments, channels, uvs, ..self }
+    }
+
+    /// This mesh at the points of another one of the same net.
+    #[must_use]
+    pub fn moved(&self, other: Self) -> Self {
+        Self { uvs: self.uvs.clone(), ..other }
+    }
+
+    /// The same mesh with its other frames.
+    #[must_use]
+    pub fn with_frames(self, frames: Vec<Self>) -> Self {
+        Self { frames, ..self }
     }
 
     /// The same mesh with the tags of the input that it is.
@@ -189,6 +204,17 @@ impl RefinedMesh {
         Self { normals, ..self }
     }
 
+    /// Bytes that it holds, but for the attachments of its input and what the allocator keeps free.
+    pub fn bytes(&self) -> usize {
+        let normals = self.normals.as_ref().map_or(0, Normals::bytes);
+        let uvs = self.uvs.as_ref().map_or(0, |uvs| uvs.points.bytes() + uvs.base.bytes());
+        let numbers = self.channels.iter().map(Numbers::bytes).sum::<usize>() + self.points.bytes();
+        let frames: usize = self.frames.iter().map(Self::bytes).sum();
+        let sharp = |sharpness: &Arc<Sharpness>| sharpness.edges().len() + sharpness.vertices().len();
+        let sharp = self.sharpness.as_ref().map_or(0, sharp) * 2 * size_of::<(u32, f64)>();
+        size_of::<Self>() + sharp + numbers + normals + uvs + frames + self.base.bytes() + self.order.bytes()
+    }
+
     /// Positions of all vertices in the documented order, model units.
     pub fn all_positions(&self) -> Vec<[f64; 3]> {
         let mut positions = Vec::new();
@@ -236,6 +262,10 @@ impl MeshSource for RefinedMesh {
 
     fn uvs(&self) -> Option<&dyn UvSource> {
         self.uvs.is_some().then_some(self)
+    }
+
+    fn frames(&self) -> Vec<&dyn MeshSource> {
+        self.frames.iter().map(|frame| frame as &dyn MeshSource).collect()
     }
 
     fn attachments(&self) -> &Attachments {

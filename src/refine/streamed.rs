@@ -10,7 +10,6 @@ use super::refined::RefinedMesh;
 use super::start::mesh_net;
 use super::sweep::{OnDemand, Outline, Sweep};
 use super::vertex_order::VertexOrder;
-use crate::kept::Numbers;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::attachments::Attachments;
 use crate::shape::creases::Tags;
@@ -27,9 +26,10 @@ pub struct StreamedMesh {
 
 /// How many levels of a mesh are refined as whole nets before its points can be made on demand; none where they cannot.
 ///
-/// Meshes that carry channels or texture coordinates are not streamed.
+/// Meshes that carry channels, texture coordinates or frames are not streamed.
 pub fn held_levels(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> Option<usize> {
-    let carries = !mesh.attachments.channels.is_empty() || mesh.attachments.uvs.is_some();
+    let attachments = &mesh.attachments;
+    let carries = !attachments.channels.is_empty() || attachments.uvs.is_some() || !mesh.frames.is_empty();
     if carries { None } else { Outline::of(&mesh_net(mesh, plan), plan, steps)?.before_quads() }
 }
 
@@ -50,7 +50,7 @@ impl StreamedMesh {
         let (given, mut start) = (points.swap_remove(0).now, Vec::new());
         VertexOrder::constructed(&net).values(&given, 3, 0..given.len() / 3, &mut start);
         let net = net.after_splits(sweep.tile(), sweep.splits() - net.mesh.pieces.len());
-        let shape = carrying(mesh, &net, RefinedMesh::documented(&net, Numbers::default()), Vec::new(), None);
+        let shape = carrying(mesh, &net, RefinedMesh::documented, Vec::new(), None);
         Ok(Some(Self { shape, points: OnDemand::new(sweep, start, watch) }))
     }
 }

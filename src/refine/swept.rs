@@ -11,7 +11,7 @@ use crate::scheme::plan::{Plan, Scheduled};
 use crate::watch::{Stage, Watch};
 
 /// The net after all steps, as far as it is carried along (see [`MeshNet::after_splits`]), and all points in the
-/// documented order. `None` where the steps cannot be swept, and where a coordinate is no longer finite, so that the
+/// documented order. `None` where there is no sweep of the steps, and where a coordinate is no longer finite, so that the
 /// rows of whole nets tell the level.
 ///
 /// # Errors
@@ -21,9 +21,10 @@ pub(super) fn swept(
     points: &[Points],
     plan: &Plan,
     steps: &[Scheduled],
+    sweep: Option<&Sweep>,
     watch: &Watch,
 ) -> Result<Option<(MeshNet, Vec<Numbers>)>, RefineError> {
-    let Some(sweep) = Sweep::of(net, plan, steps) else { return Ok(None) };
+    let Some(sweep) = sweep else { return Ok(None) };
     watch.enter(Stage::Sweep);
     let (net, points) = act_on(net.clone(), points.to_vec(), plan, &steps[..sweep.steps_before()], watch)?;
     let order = VertexOrder::constructed(&net);

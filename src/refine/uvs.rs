@@ -1,11 +1,13 @@
 //! Texture coordinates under refinement: a mesh of their own, refined by the scheme of the mesh.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::apply::{Points, advance};
 use super::error::RefineError;
 use super::start::{carried, mesh_net};
+use super::sweep::Sweep;
 use super::swept::swept;
 use super::vertex_order::VertexOrder;
 use crate::kept::Numbers;
@@ -47,13 +49,34 @@ pub fn refined_uvs(
     steps: &[Scheduled],
     watch: &Watch,
 ) -> Result<Option<RefinedUvs>, RefineError> {
+    refined_uvs_by(uv_sweep(mesh, plan, steps).as_ref(), mesh, plan, steps, watch)
+}
+
+/// The sweep of the texture coordinates of a mesh, where they are swept.
+pub(super) fn uv_sweep(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> Option<Sweep> {
+    let uvs = mesh.attachments.uvs.as_ref()?;
+    Sweep::of(&uv_net(mesh, uvs, plan), plan, &followed(uvs, steps))
+}
+
+/// The steps that texture coordinates follow.
+fn followed<'a>(uvs: &Uvs, steps: &'a [Scheduled]) -> Cow<'a, [Scheduled]> {
+    if uvs.linear { upsamplings(steps).into() } else { steps.into() }
+}
+
+/// The texture coordinates of a mesh, if it has any, refined by this sweep, or where there is none by rows.
+///
+/// # Errors
+/// [`RefineError`].
+pub(super) fn refined_uvs_by(
+    sweep: Option<&Sweep>,
+    mesh: &Mesh,
+    plan: &Plan,
+    steps: &[Scheduled],
+    watch: &Watch,
+) -> Result<Option<RefinedUvs>, RefineError> {
     let Some(uvs) = &mesh.attachments.uvs else { return Ok(None) };
     let (net, points) = (uv_net(mesh, uvs, plan), Points::new(uvs.values.clone(), 2));
-    let found = if uvs.linear {
-        swept(&net, &[points], plan, &upsamplings(steps), watch)?
-    } else {
-        swept(&net, &[points], plan, steps, watch)?
-    };
+    let found = swept(&net, &[points], plan, &followed(uvs, steps), sweep, watch)?;
     let Some((net, numbers)) = found else { return refine_uvs_by_rows(mesh, plan, steps, watch) };
     let order = VertexOrder::documented(&net);
     let points = numbers.into_iter().next().unwrap_or_default();

@@ -1,6 +1,7 @@
 //! The order in which values of refined vertices are kept, and the way from there to the documented one.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -10,6 +11,12 @@ use crate::shape::order::Order;
 /// Vertices that one thread takes at a time at least.
 const CHUNK: usize = 4096;
 
+fn bytes(net: &MeshNet) -> usize {
+    let (base, parent) = (&net.mesh.base, net.mesh.parent.as_ref());
+    let parent = parent.filter(|parent| !Arc::ptr_eq(parent, base)).map_or(0, |parent| parent.bytes());
+    parent + 2 * size_of::<u32>() * base.n_faces()
+}
+
 /// How the values of the vertices of a mesh are kept.
 #[derive(Debug)]
 pub(super) struct VertexOrder {
@@ -17,18 +24,25 @@ pub(super) struct VertexOrder {
     documented: Option<Order>,
     /// Whether values are kept in the order of construction.
     constructed: bool,
+    /// Bytes of the topology before the last split, and of what the order knows of each face of the base.
+    bytes: usize,
 }
 
 impl VertexOrder {
     /// Values in the order in which steps construct the vertices of a net.
     pub(super) fn constructed(net: &MeshNet) -> Self {
         let documented = net.mesh.order();
-        Self { constructed: documented.is_some(), documented }
+        Self { constructed: documented.is_some(), documented, bytes: bytes(net) }
     }
 
     /// Values in the documented order already, so that nothing has to be gathered.
     pub(super) fn documented(net: &MeshNet) -> Self {
-        Self { documented: net.mesh.order(), constructed: false }
+        Self { documented: net.mesh.order(), constructed: false, bytes: bytes(net) }
+    }
+
+    /// Bytes that it holds besides the base.
+    pub(super) fn bytes(&self) -> usize {
+        self.bytes
     }
 
     /// Whether values are kept in the documented order.

@@ -31,12 +31,15 @@ pub struct Account {
     pub long: Arc<Share>,
     /// What the cache in memory may hold, bytes.
     pub cache_bytes: u64,
+    /// What work that is kept for later computations may hold, bytes.
+    pub work_bytes: u64,
 }
 
 impl Account {
     /// Divides `total` bytes: the cache gets `cache` bytes, but at most a quarter; a sixteenth each goes to reading,
-    /// answers, and the short lane; a thirty-second each to bodies and to inputs; a sixty-fourth to records; the long
-    /// lane gets the rest, which is more than two fifths.
+    /// answers, and the short lane; a thirty-second each to bodies and to inputs; a sixty-fourth each to records and to
+    /// [buffers that are kept](kept_buffers); a ninety-sixth to kept work; the long lane gets the rest, which is more
+    /// than two fifths.
     ///
     /// The parts are chosen so that the default of 12 GiB holds a job of 8 GiB, and that 2 GiB still read a body of the
     /// default length, whose parsing may take 32 times its bytes.
@@ -47,14 +50,23 @@ impl Account {
         let (records, answers, short) = (share("records", 64), share("answers", 16), share("short-lane", 16));
         let given: u64 =
             [&bodies, &reading, &inputs, &records, &answers, &short].iter().map(|share| share.capacity).sum();
-        let long = Arc::new(Share::new("long-lane", total.saturating_sub(given + cache_bytes)));
-        Self { bodies, reading, inputs, records, answers, short, long, cache_bytes }
+        let work_bytes = total / 96;
+        let kept = cache_bytes + work_bytes + kept_buffers(total);
+        let long = Arc::new(Share::new("long-lane", total.saturating_sub(given + kept)));
+        Self { bodies, reading, inputs, records, answers, short, long, cache_bytes, work_bytes }
     }
 
     /// All shares, in the order of a request's way.
     pub fn shares(&self) -> [&Arc<Share>; 7] {
         [&self.bodies, &self.reading, &self.inputs, &self.short, &self.long, &self.answers, &self.records]
     }
+}
+
+/// Bytes of a total that large buffers may take between computations: by default 192 MiB, the points of eight million
+/// faces. With half of it results of 16 million faces need no fresh pages either; with twice of it those of more than
+/// four million do.
+pub const fn kept_buffers(total: u64) -> u64 {
+    total / 64
 }
 
 /// A part of the budget, with those who wait for it.

@@ -9,6 +9,7 @@ use super::account::{Account, Full};
 use super::clock::Clock;
 use super::computation::{Computation, Failure, Outcome, Phase};
 use super::jobs::{JobSummary, Jobs, State};
+use super::kept_work::KeptWork;
 use super::lent::{InFlight, Lent};
 use super::peer::{Kind, Peer, Peers, Ticket};
 use super::pool::{Busy, Lane, Memory, Panicked, Pool, Turn, Waiting};
@@ -37,6 +38,8 @@ pub struct Desk {
     pub in_flight: InFlight,
     /// What each client holds.
     pub peers: Arc<Peers>,
+    /// What computations leave for later ones.
+    pub work: KeptWork,
     /// Jobs that outlast their request.
     pub jobs: Jobs,
     /// How much is taken on, and for how long.
@@ -69,8 +72,8 @@ impl Desk {
         clock: Arc<dyn Clock>,
     ) -> Self {
         let (peers, jobs, under_way) = (Arc::default(), Jobs::default(), Arc::default());
-        let in_flight = InFlight::default();
-        Self { limits, tiers, pool, account, in_flight, peers, jobs, terms, clock, under_way }
+        let (in_flight, work) = (InFlight::default(), KeptWork::new(account.work_bytes));
+        Self { limits, tiers, pool, account, in_flight, peers, work, jobs, terms, clock, under_way }
     }
 
     /// The artifact of a key, if it is kept anywhere.
@@ -219,7 +222,7 @@ impl Desk {
     fn make_stored(&self, computation: &Computation, task: &dyn Task) -> Result<Outcome, RunError> {
         let (key, about) = (computation.key, task.cost().result_bytes);
         let made = |buffer: &mut ResultBuffer<'_>| {
-            let report = task.run(buffer, &computation.watch)?;
+            let report = task.run(buffer, &self.work, &computation.watch)?;
             let description = Description { media_type: task.media_type().into(), warnings: report.warnings };
             let Kept { manifest, loose } = buffer.commit(description).map_err(|error| RunError::Io(error.into()))?;
             Ok(Outcome { manifest, loose, timings: computation.timings() })

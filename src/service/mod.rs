@@ -6,6 +6,7 @@ pub mod computation;
 pub mod desk;
 pub mod disk_counts;
 pub mod jobs;
+pub mod kept_work;
 pub mod lent;
 mod line;
 pub mod peer;

@@ -16,7 +16,7 @@ use super::desk::{Desk, StopOnDrop, Unread};
 use super::peer::{Kind, Peer, Ticket};
 use super::pool::{Lane, panicked};
 use super::task::Task;
-use crate::job::RunError;
+use crate::job::{KeepWork, RunError};
 use crate::watch::Watch;
 
 /// Bytes that are sent at a time. Half of it wakes the connection twice as often; twice of it holds twice the memory.
@@ -88,8 +88,9 @@ impl Desk {
         let pace = Pace { clock: self.clock.clone(), since: self.clock.now(), left: self.terms.run_timeout };
         let mut out = Channel { sender, chunk: Vec::new(), places, permit, runtime: Handle::current(), pace };
         let timeout = self.terms.run_timeout;
+        let desk = self.clone();
         let making = move || {
-            let made = catch_unwind(AssertUnwindSafe(|| out.take(&*task, &watch)));
+            let made = catch_unwind(AssertUnwindSafe(|| out.take(&*task, &desk.work, &watch)));
             let timed_out = out.pace.left.is_zero();
             drop((out, memory));
             let _ = done.send(match made {
@@ -137,8 +138,8 @@ impl Pace {
 }
 
 impl Channel {
-    fn take(&mut self, task: &dyn Task, watch: &Watch) -> Result<(), RunError> {
-        task.run(self, watch)?;
+    fn take(&mut self, task: &dyn Task, kept: &dyn KeepWork, watch: &Watch) -> Result<(), RunError> {
+        task.run(self, kept, watch)?;
         self.send().map_err(RunError::Io)
     }
 

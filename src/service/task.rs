@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::peer::Paid;
 use crate::job::key::Key;
 use crate::job::limits::Admitted;
-use crate::job::{Report, RunError, run};
+use crate::job::{KeepWork, Report, RunError, run_keeping};
 use crate::watch::Watch;
 
 /// What a computation will come to.
@@ -38,7 +38,7 @@ pub trait Task: fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// [`RunError`].
-    fn run(&self, out: &mut dyn Write, watch: &Watch) -> Result<Report, RunError>;
+    fn run(&self, out: &mut dyn Write, kept: &dyn KeepWork, watch: &Watch) -> Result<Report, RunError>;
 }
 
 /// One output of a job.
@@ -76,7 +76,7 @@ impl Task for Render {
         self.admitted.job().outputs[self.output].format.media_type()
     }
 
-    fn run(&self, out: &mut dyn Write, watch: &Watch) -> Result<Report, RunError> {
-        run(&self.admitted, &self.admitted.job().outputs[self.output], out, watch)
+    fn run(&self, out: &mut dyn Write, kept: &dyn KeepWork, watch: &Watch) -> Result<Report, RunError> {
+        run_keeping(&self.admitted, &self.admitted.job().outputs[self.output], kept, out, watch)
     }
 }

@@ -1,5 +1,6 @@
 //! Control meshes.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -18,6 +19,9 @@ use crate::fault::{Fault, under};
 pub struct Mesh {
     /// Coordinates, `n_vertices x 3`, model units.
     pub positions: Vec<f64>,
+    /// Other positions of the same vertices, each `n_vertices x 3`, model units: frame 0 is `positions`, frame `k` the
+    /// entry `k - 1`.
+    pub frames: Arc<[Vec<f64>]>,
     /// Connectivity.
     pub topology: Arc<Topology>,
     /// Vertices that keep their place, ascending: those that are infinitely sharp.
@@ -45,6 +49,8 @@ pub struct Mesh {
 pub struct MeshInput {
     /// Positions of the vertices.
     pub positions: Vec<[f64; 3]>,
+    /// Other positions of the same vertices.
+    pub frames: Vec<Vec<[f64; 3]>>,
     /// Faces.
     pub faces: FaceList,
     /// Vertex and sharpness.
@@ -75,6 +81,19 @@ impl Mesh {
         self.repairs.iter().map(Repair::to_string).collect()
     }
 
+    /// The mesh as it stands in one of its frames, without the others; as it is where no frame is named.
+    ///
+    /// # Panics
+    /// When there is no such frame.
+    pub fn at_frame(&self, frame: Option<usize>) -> Cow<'_, Self> {
+        let Some(frame) = frame.filter(|_| !self.frames.is_empty()) else { return Cow::Borrowed(self) };
+        let mut alone = Self { frames: Arc::default(), ..self.clone() };
+        if let Some(other) = frame.checked_sub(1) {
+            alone.positions.clone_from(&self.frames[other]);
+        }
+        Cow::Owned(alone)
+    }
+
     /// What is sharp of it.
     pub fn tags(&self) -> Tags {
         let creases = self.creases.iter().map(|&(e, sharpness)| (self.topology.ends(e as usize), sharpness));
@@ -91,7 +110,8 @@ impl Mesh {
     pub fn new(input: MeshInput) -> Result<Self, Vec<Fault>> {
         let n = input.positions.len();
         let n_faces = input.faces.len();
-        let mut faults = check_positions(&input.positions);
+        let mut faults = under("/positions", check_positions(&input.positions));
+        faults.extend(check_frames(&input.frames, n));
         if n_faces == 0 {
             faults.push(Fault::new("/faces", "there is no face; a mesh has at least one"));
         }
@@ -122,12 +142,15 @@ impl Mesh {
         if !faults.is_empty() {
             return Err(faults);
         }
-        let mut positions: Vec<f64> = input.positions.into_iter().flatten().map(|x| x + 0.0).collect();
+        let coordinates = |points: Vec<[f64; 3]>| {
+            let mut all: Vec<f64> = points.into_iter().flatten().map(|x| x + 0.0).collect();
+            let parts = checked.split_from.iter().map(|&from| 3 * from as usize);
+            parts.for_each(|start| all.extend_from_within(start..start + 3));
+            all
+        };
+        let (positions, frames) = (coordinates(input.positions), input.frames.into_iter().map(coordinates).collect());
         let mut repairs: Vec<Repair> = input.notes.into_iter().map(Repair::Read).chain(input.repairs).collect();
-        for (added, &from) in (n..).zip(&checked.split_from) {
-            positions.extend_from_within(3 * from as usize..3 * from as usize + 3);
-            repairs.push(Repair::Split { from, added });
-        }
+        repairs.extend((n..).zip(&checked.split_from).map(|(added, &from)| Repair::Split { from, added }));
         repairs.extend(Faces::some(&checked.turned).map(Repair::Turned));
         let (fixed, semi_sharp_corners): (Sharp, Sharp) = on_all_parts(corners, n, &checked.split_from)
             .into_iter()
@@ -137,6 +160,7 @@ impl Mesh {
         let attachments = Arc::new(attachments);
         Ok(Self {
             positions,
+            frames,
             topology,
             corners,
             semi_sharp_corners,
@@ -168,8 +192,28 @@ fn check_attributes(attributes: &Attributes, n: usize, split_from: &[u32]) -> Re
     }))
 }
 
+/// Most frames of a mesh: each takes some hundred bytes of a document that tells of them, and a target of its own in
+/// what shows them.
+pub const MAX_FRAMES: usize = 1024;
+
+fn check_frames(frames: &[Vec<[f64; 3]>], n: usize) -> Vec<Fault> {
+    if frames.len() >= MAX_FRAMES {
+        let detail = format!("{} frames beside the first; a mesh has at most {MAX_FRAMES} in all", frames.len());
+        return vec![Fault::new("/frames", detail)];
+    }
+    let found = frames.iter().enumerate().flat_map(|(i, frame)| {
+        let place = format!("/frames/{i}");
+        if frame.len() == n {
+            under(&place, check_positions(frame))
+        } else {
+            vec![Fault::new(place, format!("{} positions for {n} vertices; give one a vertex", frame.len()))]
+        }
+    });
+    found.take(20).collect()
+}
+
 fn check_positions(positions: &[[f64; 3]]) -> Vec<Fault> {
     let wrong = positions.iter().enumerate().filter_map(|(i, p)| Some((i, p.iter().position(|x| !x.is_finite())?, p)));
     let faults = wrong.map(|(i, j, p)| Fault::new(format!("/{i}/{j}"), format!("{} is not a finite number", p[j])));
-    under("/positions", faults.take(20).collect())
+    faults.take(20).collect()
 }

@@ -86,6 +86,11 @@ pub trait MeshSource: OriginSource + std::fmt::Debug + Sync {
         Vec::new()
     }
 
+    /// The same mesh in its other frames, of which nothing but positions and normals differs.
+    fn frames(&self) -> Vec<&dyn MeshSource> {
+        Vec::new()
+    }
+
     /// What is sharp of a mesh that stands as it was given; nothing of what a plan has refined.
     fn tags(&self) -> Tags {
         Tags::default()

@@ -48,6 +48,15 @@ pub(crate) const fn index(n: usize) -> u32 {
 }
 
 impl Topology {
+    /// Bytes that it holds.
+    pub fn bytes(&self) -> usize {
+        let Self { n_vertices: _, faces, vertices, edge_of, halves, outgoing } = self;
+        let list = |list: &Vec<u32>| list.capacity() * size_of::<u32>();
+        let faces = if let Faces::Mixed { starts, owner } = faces { list(starts) + list(owner) } else { 0 };
+        let halves = halves.capacity() * size_of::<[u32; 2]>();
+        size_of::<Self>() + faces + list(vertices) + list(edge_of) + halves + list(outgoing)
+    }
+
     /// Number of vertices, isolated ones included.
     pub fn n_vertices(&self) -> usize {
         self.n_vertices

@@ -54,7 +54,19 @@ pub(super) fn list<'de, D: Deserializer<'de>, T, const N: usize>(deserializer: D
 where
     T: Deserialize<'de> + Copy + Default,
 {
-    let lists = Vec::<Fixed<T, N>>::deserialize(deserializer)?;
-    // of the same layout, so that they stay where they are
-    Ok(lists.into_iter().map(|Fixed(entries)| entries).collect())
+    Vec::<Fixed<T, N>>::deserialize(deserializer).map(unwrapped)
+}
+
+/// For a field that holds lists of them.
+pub(super) fn lists<'de, D: Deserializer<'de>, T, const N: usize>(deserializer: D) -> Result<Vec<Vec<[T; N]>>, D::Error>
+where
+    T: Deserialize<'de> + Copy + Default,
+{
+    let lists = Vec::<Vec<Fixed<T, N>>>::deserialize(deserializer)?;
+    Ok(lists.into_iter().map(unwrapped).collect())
+}
+
+/// The lists as they are, in the same place: their layout is that of their entries.
+fn unwrapped<T, const N: usize>(lists: Vec<Fixed<T, N>>) -> Vec<[T; N]> {
+    lists.into_iter().map(|Fixed(entries)| entries).collect()
 }

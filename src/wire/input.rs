@@ -115,6 +115,7 @@ impl InputRequest {
         }
         if let Some(mesh) = self.mesh.take() {
             let under = |found| under("/mesh", found);
+            self.keeps_vertices(&mesh)?;
             let input = mesh.input(self.winding()).map_err(under)?;
             let input = Input::Mesh(self.mesh(input)?.map_err(under)?);
             return Ok(Resolved { input, entry: InputEntry::Mesh, boundary: None });
@@ -148,6 +149,18 @@ impl InputRequest {
             None => input,
         };
         Ok(Mesh::new(if self.pair_quads { input.paired() } else { input }))
+    }
+
+    /// Nothing is to be repaired by the places of vertices, of which a mesh with frames has several.
+    fn keeps_vertices(&self, mesh: &MeshRequest) -> Result<(), Vec<Fault>> {
+        let given = [("weld", self.weld.is_some()), ("pair_quads", self.pair_quads)];
+        let fault = |(name, _)| {
+            let detail = format!("\"{name}\" goes by positions, and frames have several each; leave it out");
+            Fault::new(format!("/{name}"), detail)
+        };
+        let found = given.into_iter().filter(|&(_, given)| given && !mesh.frames.is_empty());
+        let faults: Vec<Fault> = found.map(fault).collect();
+        if faults.is_empty() { Ok(()) } else { Err(faults) }
     }
 
     /// Nothing is said that only meshes know.

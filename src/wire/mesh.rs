@@ -22,6 +22,11 @@ pub struct MeshRequest {
     #[serde(deserialize_with = "fixed::list")]
     #[schema(schema_with = schema::positions)]
     pub positions: Vec<[f64; 3]>,
+    /// Other positions of the same vertices, frame after frame: frame 0 is `positions`, frame k entry k - 1 of these.
+    /// `glb` and `gltf` hold all frames, as morph targets; an output with a `frame` shows that one.
+    #[serde(default, deserialize_with = "fixed::lists")]
+    #[schema(schema_with = schema::frames)]
+    pub frames: Vec<Vec<[f64; 3]>>,
     /// Faces as lists of vertex indices, counted from 0, counter-clockwise seen from outside.
     #[schema(schema_with = schema::faces)]
     pub faces: Vec<Vec<u64>>,
@@ -174,6 +179,7 @@ impl MeshRequest {
         };
         Ok(MeshInput {
             positions: self.positions,
+            frames: self.frames,
             faces: face_list(&self.faces),
             corners,
             creases,

@@ -7,6 +7,8 @@ use crate::fault::{Fault, shortened, under};
 use crate::job::Output;
 use crate::math::parameter::{Literal, Values};
 use crate::output::{self, Format};
+use crate::shape::mesh::MAX_FRAMES;
+use crate::shape::topology::index;
 
 /// Most outputs of one job.
 pub(crate) const MAX_OUTPUTS: usize = 64;
@@ -58,12 +60,13 @@ pub(super) fn outputs(requests: &[OutputRequest], before: usize) -> Result<Vec<O
 }
 
 fn output(request: &OutputRequest, index: usize) -> Result<Output, Vec<Fault>> {
-    let (mut format, mut name) = (None, None);
+    let (mut format, mut name, mut frame) = (None, None, None);
     let mut options = Vec::new();
     for (field, value) in &request.fields.0 {
         match field.as_str() {
             "format" => format = Some(known_format(value)?),
             "name" => name = Some(output_name(value)?),
+            "frame" => frame = Some(known_frame(value)?),
             _ => options.push((field.clone(), value.clone())),
         }
     }
@@ -76,7 +79,7 @@ fn output(request: &OutputRequest, index: usize) -> Result<Output, Vec<Fault>> {
         faults.into_iter().map(known).collect::<Vec<_>>()
     })?;
     let index = (!request.is_chosen).then_some(index);
-    Ok(Output { name: name.unwrap_or_else(|| format.name().to_owned()), format, options, index })
+    Ok(Output { name: name.unwrap_or_else(|| format.name().to_owned()), format, options, frame, index })
 }
 
 fn known_format(value: &Literal) -> Result<&'static dyn Format, Vec<Fault>> {
@@ -87,6 +90,13 @@ fn known_format(value: &Literal) -> Result<&'static dyn Format, Vec<Fault>> {
         let detail = format!("there is no format \"{}\"; known are {}", shortened(name), format_names());
         vec![Fault::new("/format", detail)]
     })
+}
+
+fn known_frame(value: &Literal) -> Result<usize, Vec<Fault>> {
+    let frame = |x: &f64| (0..MAX_FRAMES).find(|&frame| f64::from(index(frame)) == *x);
+    let found = if let Literal::Number(x) = value { frame(x) } else { None };
+    let most = MAX_FRAMES - 1;
+    found.ok_or_else(|| vec![Fault::new("/frame", format!("expected a whole number from 0 to {most}, a frame"))])
 }
 
 fn format_names() -> String {

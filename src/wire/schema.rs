@@ -7,6 +7,7 @@ use utoipa::{PartialSchema, ToSchema};
 use super::output::OutputRequest;
 use crate::input::READERS;
 use crate::output::FORMATS;
+use crate::shape::mesh::MAX_FRAMES;
 
 fn of(kind: Type) -> ObjectBuilder {
     ObjectBuilder::new().schema_type(SchemaType::new(kind))
@@ -36,6 +37,15 @@ pub(super) fn file_format() -> RefOr<Schema> {
 /// Positions in space.
 pub(super) fn positions() -> RefOr<Schema> {
     lists(of(Type::Number).build(), 3, Some(3), "Vertex positions, `n x 3`, model units.")
+}
+
+/// Positions in space, frame after frame.
+pub(super) fn frames() -> RefOr<Schema> {
+    let point = ArrayBuilder::new().items(of(Type::Number).build()).min_items(Some(3)).max_items(Some(3));
+    let doc = "Other positions of the same vertices, frame after frame: frame 0 is `positions`, frame k entry k - 1 of \
+               these. `glb` and `gltf` hold all frames, as morph targets; an output with a `frame` shows that one.";
+    let frames = ArrayBuilder::new().items(ArrayBuilder::new().items(point));
+    frames.max_items(Some(MAX_FRAMES - 1)).description(Some(doc)).into()
 }
 
 /// Points of a polygon.
@@ -108,8 +118,11 @@ impl PartialSchema for OutputRequest {
         let format = of(Type::String).enum_values(Some(names)).description(Some("The format, see `/v1/formats`."));
         let doc = "Name among the outputs of the job; the format's when left out.";
         let name = of(Type::String).pattern(Some("^[A-Za-z0-9._-]{1,64}$")).description(Some(doc));
+        let doc = "The frame of a mesh that it shows, as if the mesh had these positions alone.";
+        let frame = of(Type::Integer).minimum(Some(0)).maximum(Some(MAX_FRAMES - 1)).description(Some(doc));
+        let output = of(Type::Object).property("format", format).property("name", name).property("frame", frame);
         let doc = "One result: a `format`, a `name`, and the format's options, see `/v1/formats`.";
-        let output = of(Type::Object).property("format", format).property("name", name).required("format");
+        let output = output.required("format");
         output.additional_properties(Some(AdditionalProperties::FreeForm(true))).description(Some(doc)).into()
     }
 }

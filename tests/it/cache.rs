@@ -5,3 +5,4 @@ mod broken;
 mod disk;
 mod flight;
 mod small;
+mod work;

@@ -4,6 +4,7 @@ mod files;
 mod frames;
 mod isolines;
 mod laws;
+mod morphs;
 mod read;
 mod refused;
 mod shown;

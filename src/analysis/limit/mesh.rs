@@ -1,5 +1,7 @@
 //! Meshes refined to their limits.
 
+use std::sync::Arc;
+
 use super::cycle::AHEAD;
 use super::error::{LimitError, Unlimited};
 use super::limits::{Limits, limits, without_normals};
@@ -10,11 +12,32 @@ use crate::scheme::plan::Plan;
 use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
-/// Refines a mesh by `levels` levels and finds what is asked for of its limit; the warnings say what has none.
+/// Refines a mesh in all its frames by `levels` levels and finds what is asked for of its limit; the warnings say what
+/// has none.
 ///
 /// # Errors
 /// [`LimitError`], also where there is no limit.
 pub fn refine_mesh_to_limit(
+    mesh: &Mesh,
+    plan: &Plan,
+    levels: u32,
+    request: LimitRequest,
+    watch: &Watch,
+) -> Result<(RefinedMesh, Vec<String>), LimitError> {
+    let (refined, mut warnings) = at_one_frame(&mesh.at_frame(Some(0)), plan, levels, request, watch)?;
+    let mut frames = Vec::with_capacity(mesh.frames.len());
+    for frame in 1..=mesh.frames.len() {
+        let alone = Mesh { attachments: Arc::default(), ..mesh.at_frame(Some(frame)).into_owned() };
+        let (frame, found) = at_one_frame(&alone, plan, levels, request, watch)?;
+        frames.push(refined.moved(frame));
+        warnings.extend(found);
+    }
+    warnings.sort_unstable();
+    warnings.dedup();
+    Ok((refined.with_frames(frames), warnings))
+}
+
+fn at_one_frame(
     mesh: &Mesh,
     plan: &Plan,
     levels: u32,
@@ -31,7 +54,7 @@ pub fn refine_mesh_to_limit(
         }
         found => found?,
     };
-    let refined = || points.into_iter().map(|points| points.now).collect();
+    let refined = || points.into_iter().map(|points| points.now).collect::<Vec<_>>();
     let uvs = refined_uvs(mesh, plan, steps, watch)?;
     let mesh = assembled(mesh, &net, found.points.unwrap_or_else(refined), uvs).with_normals(found.normals);
     Ok((mesh, found.warning.into_iter().collect()))

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use super::grid::{FlatPass, GridLine, Planes, Size, at_least};
-use super::lattice::{around, axis, cell, corner, direction, sector};
+use super::lattice::{Frame, axis, cell, corner, sector};
 use super::program::Sweep;
 use super::star::StarWork;
 use super::weave::weave;
@@ -20,7 +20,7 @@ pub(super) trait Target<const W: usize> {
     fn take(&mut self, sweep: &Sweep, size: Size, block: Block, planes: &Planes);
 }
 
-/// What all tasks have in common.
+/// What the patches of a sweep have in common.
 pub(super) struct Run<'a, const W: usize> {
     pub(super) sweep: &'a Sweep,
     pub(super) flat: &'a [Vec<FlatPass>],
@@ -56,7 +56,8 @@ pub(super) struct Block {
 impl Block {
     /// Its part of a side of the patch: which of the side's vertices lie in its grid with so many cells.
     pub(super) fn on_side(self, tile: Tile, side: usize, cells: usize) -> Option<RangeInclusive<usize>> {
-        let (start, along) = (corner(tile, self.pieces, side), direction(tile, side, 0));
+        let frame = Frame::new(tile, self.pieces, side, 0);
+        let (start, along) = (frame.corner(), frame.along());
         let (mut least, mut most) = (0, self.pieces.cast_signed());
         for axis in 0..2 {
             let low = self.at[axis].cast_signed() - start[axis];
@@ -202,7 +203,7 @@ impl<const W: usize> Run<'_, W> {
             let Some(line) = surface.line(half_edge) else { continue };
             if let Some(range) = block.on_side(surface.tile, side, cells) {
                 let steps = [range.start().cast_signed(), 0];
-                let from = block.inside(around(surface.tile, block.pieces, side, 0, steps));
+                let from = block.inside(Frame::new(surface.tile, block.pieces, side, 0).place(steps));
                 lines.push(GridLine { line, axis: axis(surface.tile, side), from });
             }
         }
@@ -219,19 +220,19 @@ impl<const W: usize> Run<'_, W> {
         let Worker { planes, star_of, stars, .. } = worker;
         let star = &stars[star_of[v] as usize + round * shape.len()..][..shape.len()];
         let (_, side) = surface.side(half_edge);
-        let mut put = |turn: isize, place: [usize; 2], point: usize| {
-            let place = around(surface.tile, block.pieces, side, turn, place.map(usize::cast_signed));
-            let (plane, place) = cell(block.inside(place));
+        let mut put = |frame: &Frame, place: [usize; 2], point: usize| {
+            let (plane, place) = cell(block.inside(frame.place(place.map(usize::cast_signed))));
             let at = size.at(place);
             planes.now[plane][at..at + W].copy_from_slice(&star[point]);
         };
         let own = surface.patches.ring(v).position(|ring| ring == half_edge).unwrap_or(0);
-        put(0, [0, 0], 0);
-        let sectors = [(-1, shape.neighbour(own, false)), (0, Some(own)), (1, shape.neighbour(own, true))];
+        let sectors = [(0, Some(own)), (-1, shape.neighbour(own, false)), (1, shape.neighbour(own, true))];
         for (turn, face) in sectors.into_iter().filter_map(|(turn, face)| Some((turn, face?))) {
-            sector(surface.tile, shape.reach).for_each(|place| put(turn, place, shape.point(face, place)));
+            let frame = Frame::new(surface.tile, block.pieces, side, turn);
+            put(&frame, [0, 0], 0);
+            sector(surface.tile, shape.reach).for_each(|place| put(&frame, place, shape.point(face, place)));
             // the points on the edge towards the next face
-            (1..=shape.reach).for_each(|b| put(turn, [0, b], shape.point(face, [0, b])));
+            (1..=shape.reach).for_each(|b| put(&frame, [0, b], shape.point(face, [0, b])));
         }
     }
 }

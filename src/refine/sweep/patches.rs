@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::descent::{Block, Run, Target, Worker};
 use super::grid::{Planes, Size};
-use super::lattice::around;
+use super::lattice::Frame;
 use super::program::Sweep;
 use super::weave::Row;
 use crate::kept::Numbers;
@@ -47,6 +47,7 @@ impl Sweep {
     }
 
     fn refine_points<const W: usize>(&self, start: &[f64], watch: &Watch) -> Result<Swept, Stopped> {
+        let bounded = self.is_bounded(start);
         let start = start.as_chunks::<W>().0;
         let mut all = Numbers::to_overwrite(self.n_points() * W);
         let finite = AtomicBool::new(true);
@@ -59,8 +60,9 @@ impl Sweep {
             for patch in task.patches.clone() {
                 run.patch(patch, worker, &mut task)?;
             }
-            let vertices = task.vertices.iter().all(|(_, point)| all_finite(point));
-            if !(vertices && all_finite(task.edges.as_flattened()) && all_finite(task.inner.as_flattened())) {
+            let vertices = || task.vertices.iter().all(|(_, point)| all_finite(point));
+            let others = || all_finite(task.edges.as_flattened()) && all_finite(task.inner.as_flattened());
+            if !bounded && !(vertices() && others()) {
                 finite.store(false, Ordering::Relaxed);
             }
             Ok(task.vertices)
@@ -151,19 +153,20 @@ impl<const W: usize> Target<W> for Task<'_, W> {
         let tile = surface.tile;
         let (cells, block) = (2 * size.cells, block.refined());
         let (n, at) = (block.pieces, block.at);
-        let end = if tile == Tile::Quad { n } else { n - 1 };
-        for row in at[1].max(1)..(at[1] + cells + 1).min(end) {
+        let start = at.map(|at| at.max(1));
+        let rows = start[1]..(at[1] + cells + 1).min(n);
+        for (row, first) in rows.clone().zip(order.rows(block.patch, start, rows.len())) {
             let end = if tile == Tile::Quad { n } else { n - row };
-            let columns = at[0].max(1)..(at[0] + cells + 1).min(end);
+            let columns = start[0]..(at[0] + cells + 1).min(end);
             if !columns.is_empty() {
-                let first = order.vertex(block.patch, [columns.start, row].map(usize::cast_signed));
                 let row = Row::new(planes, size, row - at[1]);
                 row.copy(columns.start - at[0], self.inside(first, columns.len()));
             }
         }
         for (side, half_edge) in surface.patches.half_edges(block.patch).enumerate() {
             let Some(range) = block.on_side(tile, side, cells) else { continue };
-            let place = |steps: usize| around(tile, n, side, 0, [steps.cast_signed(), 0]);
+            let frame = Frame::new(tile, n, side, 0);
+            let place = |steps: usize| frame.place([steps.cast_signed(), 0]);
             let vertex = |steps: usize| order.vertex(block.patch, place(steps));
             let point = |steps: usize| planes.point(size, block.inside(place(steps)));
             let within = (*range.start()).max(1)..(*range.end() + 1).min(n);

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::lattice::{around, direction};
+use super::lattice::Frame;
 use super::surface::Surface;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
@@ -101,7 +101,7 @@ impl Places {
         let (first, size) = (self.base.half_edges(f).start as usize, self.base.face(f).len());
         let side = half_edge as usize - first;
         if size == 4 {
-            return self.in_quad(f, at_side(self.n, side, at), direction(Tile::Quad, side, 0), self.n - at);
+            return self.in_quad(f, at_side(self.n, side, at), self.frame(side).along(), self.n - at);
         }
         if at <= self.pieces {
             return Line {
@@ -220,7 +220,7 @@ impl Places {
         let v = self.patches.vertex(self.patches.half_edges(vertex.patch).start + corner) as usize;
         self.patches.ring(v).map(|half_edge| {
             let (patch, side) = self.side(half_edge);
-            let [a, b] = [[0, 0], [1, 1]].map(|place| around(Tile::Quad, self.pieces, side, 0, place));
+            let [a, b] = [[0, 0], [1, 1]].map(|place| self.frame(side).place(place));
             let from = [0, 1].map(|axis| a[axis].min(b[axis]).unsigned_abs());
             Line { patch, from, step: ROW, len: 1 }
         })
@@ -237,7 +237,7 @@ impl Places {
             (_, j) => (3, n - j),
         };
         let half_edge = self.patches.half_edges(line.patch).start + index(side);
-        let along = direction(Tile::Quad, side, 0);
+        let along = self.frame(side).along();
         // a single vertex has no direction of its own
         let forward = line.len == 1 || line.step == along;
         let twin = Some(self.patches.twin(half_edge)).filter(|&twin| twin != NONE);
@@ -249,10 +249,15 @@ impl Places {
     /// The cells along a side of a patch around so many vertices, of which the first is so many steps along it.
     fn strip(&self, (patch, side): (usize, usize), steps: usize, forward: bool, n_vertices: usize) -> Line {
         let first = if forward { steps - 1 } else { steps }.cast_signed();
-        let [a, b] = [[first, 0], [first + 1, 1]].map(|place| around(Tile::Quad, self.pieces, side, 0, place));
+        let [a, b] = [[first, 0], [first + 1, 1]].map(|place| self.frame(side).place(place));
         let from = [0, 1].map(|axis| a[axis].min(b[axis]).unsigned_abs());
-        let step = direction(Tile::Quad, side, 0).map(|x| if forward { x } else { -x });
+        let step = self.frame(side).along().map(|x| if forward { x } else { -x });
         Line { patch, from, step, len: n_vertices + 1 }
+    }
+
+    /// Places of a patch counted from one of its sides.
+    fn frame(&self, side: usize) -> Frame {
+        Frame::new(Tile::Quad, self.pieces, side, 0)
     }
 
     /// Which side of which patch a half-edge is.
@@ -323,7 +328,7 @@ impl Places {
 
 /// The point of a number on a side of a quad with `n` pieces.
 fn at_side(n: usize, side: usize, at: usize) -> [usize; 2] {
-    around(Tile::Quad, n, side, 0, [at.cast_signed(), 0]).map(isize::cast_unsigned)
+    Frame::new(Tile::Quad, n, side, 0).place([at.cast_signed(), 0]).map(isize::cast_unsigned)
 }
 
 /// Consecutive lines that cover a range: each with where it begins in the range.

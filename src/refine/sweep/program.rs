@@ -39,6 +39,8 @@ pub(crate) struct Sweep {
     pub(super) orders: [Numbering; 2],
     /// Pieces of a patch's side where the sweep begins.
     pub(super) first_pieces: usize,
+    /// By which factor numbers grow in all rounds together at most.
+    growth: f64,
 }
 
 /// What depends on a round alone.
@@ -49,6 +51,13 @@ pub(super) struct Round {
     pub(super) stars: Arc<Vec<StarRound>>,
     /// Cells of the grids that enter it.
     pub(super) cells: usize,
+}
+
+impl Round {
+    fn growth(&self) -> f64 {
+        let stars = self.stars.iter().map(StarRound::growth);
+        stars.fold(self.passes.iter().map(Pass::growth).product::<f64>(), f64::max)
+    }
 }
 
 /// What of a sweep is known before the mesh was looked at.
@@ -120,10 +129,18 @@ impl Sweep {
         let first_pieces = 1 << (before - splits);
         let cells = |at: usize| (first_pieces << at).min(MOST_CELLS.max(first_pieces));
         let entries = passes.into_iter().skip(before).zip(stars).enumerate();
-        let made = entries.map(|(at, (passes, stars))| Round { passes, stars, cells: cells(at) }).collect();
+        let made: Vec<Round> = entries.map(|(at, (passes, stars))| Round { passes, stars, cells: cells(at) }).collect();
         let orders = [before, rounds.len()].map(|splits| Numbering::new(&net.mesh.base, tile, splits));
         let steps_before = head.iter().map(|round| round.len()).sum();
-        Some(Self { surface, halo, before, steps_before, rounds: made, orders, first_pieces })
+        let growth = made.iter().map(Round::growth).product::<f64>();
+        Some(Self { surface, halo, before, steps_before, rounds: made, orders, first_pieces, growth })
+    }
+
+    /// Whether all numbers that are made of these are known to be finite: they and all sums on the way stay far below
+    /// the largest number there is.
+    pub(super) fn is_bounded(&self, start: &[f64]) -> bool {
+        // twice as much as needed, for what is rounded
+        start.iter().all(|x| x.abs() * self.growth < 0.5 * f64::MAX)
     }
 
     /// The same sweep in blocks of at most so many cells, but not of fewer than it begins with.
@@ -147,6 +164,18 @@ impl Sweep {
     /// Rounds of the whole plan, each of which splits all faces.
     pub(crate) fn splits(&self) -> usize {
         self.before + self.rounds.len()
+    }
+
+    /// Bytes that it holds, a little more rather than less.
+    pub(crate) fn bytes(&self) -> usize {
+        /// Bytes a corner of the patches: their topology and that of the base, the sharpness of edges, and where the
+        /// points of a patch are, in both orders.
+        const CORNER: usize = 64;
+        /// Bytes a point of a star in each round: its rows. Measured: 1,500 for UCCC, which is wide.
+        const STAR_POINT: usize = 2048;
+        let stars: usize = (0..self.surface.kinds.len()).map(|kind| self.shape(kind).len()).sum();
+        let corners = self.surface.patches.n_half_edges() + self.surface.base.n_vertices();
+        size_of::<Self>() + CORNER * corners + STAR_POINT * stars * self.rounds.len()
     }
 
     /// Number of points in which the sweep ends.

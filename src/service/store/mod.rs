@@ -26,3 +26,4 @@ pub use memory::Memory;
 pub(super) use parts::part_of;
 pub use registry::STORES;
 pub use shelf::MAX_ARTIFACTS;
+pub(super) use shelf::{Shelf, admit};

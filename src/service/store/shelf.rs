@@ -12,7 +12,7 @@ pub const MAX_ARTIFACTS: usize = 1 << 19;
 
 /// A bounded map that knows the order of use. Looking up, inserting and evicting cost `O(log n)`.
 #[derive(Debug)]
-pub(super) struct Shelf<V> {
+pub(in crate::service) struct Shelf<V> {
     entries: HashMap<Key, Entry<V>>,
     /// Keys by their last use; uses are numbered from 1, each number once.
     order: BTreeMap<u64, Key>,
@@ -32,13 +32,13 @@ struct Entry<V> {
 
 impl<V> Shelf<V> {
     /// An empty shelf whose entries may cost `capacity` bytes together.
-    pub(super) fn new(capacity: u64) -> Self {
+    pub(in crate::service) fn new(capacity: u64) -> Self {
         let entries = HashMap::new();
         Self { entries, order: BTreeMap::new(), next_use: 1, bytes: 0, capacity, evicted: 0, damaged: 0 }
     }
 
     /// The value of `key`; counts as a use.
-    pub(super) fn touch(&mut self, key: &Key) -> Option<&V> {
+    pub(in crate::service) fn touch(&mut self, key: &Key) -> Option<&V> {
         let entry = self.entries.get_mut(key)?;
         if entry.last_use + 1 < self.next_use {
             self.order.remove(&entry.last_use);
@@ -50,12 +50,12 @@ impl<V> Shelf<V> {
     }
 
     /// The value of `key`, without a use.
-    pub(super) fn peek(&self, key: &Key) -> Option<&V> {
+    pub(in crate::service) fn peek(&self, key: &Key) -> Option<&V> {
         self.entries.get(key).map(|entry| &entry.value)
     }
 
     /// Takes out the least recently used entry, unless an entry of this cost fits already.
-    pub(super) fn evict_for(&mut self, cost: u64) -> Option<(Key, V)> {
+    pub(in crate::service) fn evict_for(&mut self, cost: u64) -> Option<(Key, V)> {
         if self.bytes.saturating_add(cost) <= self.capacity && self.entries.len() < MAX_ARTIFACTS {
             return None;
         }
@@ -63,7 +63,7 @@ impl<V> Shelf<V> {
     }
 
     /// Takes out the least recently used entry: its key, what it cost, its value.
-    pub(super) fn evict_oldest(&mut self) -> Option<(Key, u64, V)> {
+    pub(in crate::service) fn evict_oldest(&mut self) -> Option<(Key, u64, V)> {
         let (_, &key) = self.order.first_key_value()?;
         let cost = self.entries.get(&key)?.cost;
         let value = self.remove(&key)?;
@@ -73,7 +73,7 @@ impl<V> Shelf<V> {
 
     /// Puts an entry in, as the most recently used one; gives back what it replaced.
     /// The caller made room: see [`evict_for`](Self::evict_for).
-    pub(super) fn insert(&mut self, key: Key, cost: u64, value: V) -> Option<V> {
+    pub(in crate::service) fn insert(&mut self, key: Key, cost: u64, value: V) -> Option<V> {
         let replaced = self.remove(&key);
         let last_use = self.next_use;
         self.next_use += 1;
@@ -84,7 +84,7 @@ impl<V> Shelf<V> {
     }
 
     /// Takes an entry out.
-    pub(super) fn remove(&mut self, key: &Key) -> Option<V> {
+    pub(in crate::service) fn remove(&mut self, key: &Key) -> Option<V> {
         let entry = self.entries.remove(key)?;
         self.order.remove(&entry.last_use);
         self.bytes -= entry.cost;
@@ -92,22 +92,22 @@ impl<V> Shelf<V> {
     }
 
     /// Counts entries that were found damaged.
-    pub(super) fn count_damaged(&mut self, n: u64) {
+    pub(in crate::service) fn count_damaged(&mut self, n: u64) {
         self.damaged += n;
     }
 
     /// Keys used at or after use number `since`, each with the number of its last use, oldest first.
-    pub(super) fn used_since(&self, since: u64) -> impl Iterator<Item = (Key, u64)> {
+    pub(in crate::service) fn used_since(&self, since: u64) -> impl Iterator<Item = (Key, u64)> {
         self.order.range(since..).map(|(&last_use, &key)| (key, last_use))
     }
 
     /// The number the next use will have.
-    pub(super) fn next_use(&self) -> u64 {
+    pub(in crate::service) fn next_use(&self) -> u64 {
         self.next_use
     }
 
     /// What the shelf holds and has seen.
-    pub(super) fn usage(&self) -> Usage {
+    pub(in crate::service) fn usage(&self) -> Usage {
         Usage {
             artifacts: self.entries.len() as u64,
             bytes: self.bytes,
@@ -119,7 +119,7 @@ impl<V> Shelf<V> {
 }
 
 /// Refuses what is larger than half of `capacity`: one artifact must not push out all others.
-pub(super) fn admit(cost: u64, capacity: u64) -> Result<(), StoreError> {
+pub(in crate::service) fn admit(cost: u64, capacity: u64) -> Result<(), StoreError> {
     let largest = capacity / 2;
     if cost > largest { Err(StoreError::TooLarge { capacity: largest }) } else { Ok(()) }
 }

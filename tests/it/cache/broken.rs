@@ -4,7 +4,7 @@ use std::io::Write;
 use std::sync::Arc;
 
 use planish::job::key::{Key, content};
-use planish::job::{Report, RunError};
+use planish::job::{KeepWork, Report, RunError};
 use planish::service::computation::{Failure, Phase};
 use planish::service::peer::Peer;
 use planish::service::task::{Cost, Task};
@@ -29,7 +29,7 @@ impl Task for Broken {
         "text/plain"
     }
 
-    fn run(&self, out: &mut dyn Write, _watch: &Watch) -> Result<Report, RunError> {
+    fn run(&self, out: &mut dyn Write, _: &dyn KeepWork, _watch: &Watch) -> Result<Report, RunError> {
         out.write_all(&vec![b'x'; 1 << 16]).map_err(RunError::Io)?;
         Err(RunError::Io(std::io::Error::other("the document takes 9 bytes, 8 were forecast")))
     }

@@ -211,7 +211,7 @@ mod slow {
     use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
     use planish::job::key::{Key, content};
-    use planish::job::{Report, RunError};
+    use planish::job::{KeepWork, Report, RunError};
     use planish::service::task::Cost;
     use planish::watch::Watch;
 
@@ -253,7 +253,7 @@ mod slow {
             "text/plain"
         }
 
-        fn run(&self, out: &mut dyn Write, watch: &Watch) -> Result<Report, RunError> {
+        fn run(&self, out: &mut dyn Write, _: &dyn KeepWork, watch: &Watch) -> Result<Report, RunError> {
             self.runs.fetch_add(1, Ordering::SeqCst);
             assert!(!self.panics.load(Ordering::SeqCst), "a task that panics");
             while !self.is_over.load(Ordering::SeqCst) {

@@ -234,7 +234,7 @@ fn a_mesh_handed_over_in_the_documented_order_is_the_one_that_would_be_gathered(
         let (steps, points) = (job.plan.schedule(2).expect("no functions"), Points::new(mesh.positions.clone(), 3));
         let refined = act_on(mesh_net(mesh, &job.plan), vec![points], &job.plan, &steps, &Watch::new());
         let (mut net, points) = refined.expect("a plan for any mesh");
-        let gathered = RefinedMesh::new(&net, points[0].now.clone());
+        let gathered = RefinedMesh::new(&net, points[0].now.clone().into());
         // whoever knows the documented order has no need of the topology before the last split
         net.mesh.parent = Some(net.mesh.base.clone());
         let documented = RefinedMesh::documented(&net, gathered.all_positions().into_flattened().into());

@@ -52,6 +52,7 @@ pub(crate) fn nothing(kind: ShapeKind) -> Counts {
         largest_face: 0,
         split_vertices: 0,
         uvs: 0,
+        frames: 0,
         frame: Frame::default(),
         attachments: Arc::default(),
         input_faces: 0,

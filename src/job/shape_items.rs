@@ -1,0 +1,175 @@
+//! What of a shape enters keys.
+
+use super::codec::Item;
+use super::input::Input;
+use crate::scheme::plan::Plan;
+use crate::shape::attachments::{Attachments, Channel};
+use crate::shape::attributes::Attributes;
+use crate::shape::creases::Sharp;
+use crate::shape::directions::Direction;
+use crate::shape::labels::Labels;
+use crate::shape::mesh::Mesh;
+use crate::shape::polygon::Polygon;
+use crate::shape::repairs::{Faces, Repair};
+use crate::shape::topology::{Topology, index};
+use crate::shape::uvs::Uvs;
+
+/// The item of an input under a plan, which decides what of it is used.
+pub(super) fn input<'a>(input: &'a Input, plan: &Plan) -> Item<'a> {
+    match input {
+        Input::Polygons(polygons) => {
+            Item::List(vec![Item::text("polygons"), Item::List(polygons.iter().map(polygon).collect())])
+        }
+        Input::Mesh(mesh) => self::mesh(mesh, plan),
+    }
+}
+
+/// The item of a mesh.
+pub(super) fn mesh<'a>(mesh: &'a Mesh, plan: &Plan) -> Item<'a> {
+    let Mesh {
+        positions,
+        frames,
+        topology,
+        corners,
+        semi_sharp_corners,
+        creases,
+        holes,
+        attributes,
+        directions,
+        attachments,
+        // follows from the other vertices and the repairs
+        split_from: _,
+        repairs,
+    } = mesh;
+    let mut items = vec![
+        Item::text("mesh"),
+        Item::Numbers(positions.into()),
+        faces(topology),
+        Item::Indices(corners.into()),
+        Item::Indices(holes.into()),
+        // repairs are reported with the result, so that they belong to it
+        Item::List(repairs.iter().map(repair).collect()),
+    ];
+    if !frames.is_empty() {
+        let frames = frames.iter().map(|frame| Item::Numbers(frame.into())).collect();
+        items.push(Item::List(vec![Item::text("frames"), Item::List(frames)]));
+    }
+    items.extend(sharp("creases", creases));
+    items.extend(sharp("semi-sharp corners", semi_sharp_corners));
+    items.extend(self::attachments(attachments, !creases.is_empty()));
+    items.extend(directions.as_ref().filter(|_| plan.latitude.is_some()).map(|lines| {
+        let edges = |direction| Item::Indices(lines.edges(direction).into());
+        Item::List(vec![Item::text("lines"), edges(Direction::Latitude), edges(Direction::Longitude)])
+    }));
+    items.extend(attributes.as_ref().map(|kept| Item::List(self::attributes(kept))));
+    Item::List(items)
+}
+
+/// The item of what is connected and tagged in a mesh without parameters and directions, its texture coordinates
+/// included, without any numbers of vertices.
+pub(super) fn connectivity(mesh: &Mesh) -> Item<'_> {
+    let count = |topology: &Topology| Item::Integer(topology.n_vertices() as u64);
+    let mut items = vec![
+        count(&mesh.topology),
+        faces(&mesh.topology),
+        Item::Indices((&mesh.corners).into()),
+        Item::Indices((&mesh.holes).into()),
+    ];
+    items.extend(sharp("creases", &mesh.creases));
+    items.extend(sharp("semi-sharp corners", &mesh.semi_sharp_corners));
+    items.extend(mesh.attachments.uvs.as_ref().map(|uvs| {
+        let Uvs { values: _, topology, corners, pairs, linear } = uvs;
+        let [corners, pairs] = [corners.into(), pairs.concat().into()].map(Item::Indices);
+        let linear = Item::Integer(u64::from(*linear));
+        Item::List(vec![Item::text("uvs"), linear, count(topology), faces(topology), corners, pairs])
+    }));
+    Item::List(items)
+}
+
+/// A repair by its kind and its numbers, whatever the sentence that tells of it.
+fn repair(repair: &Repair) -> Item<'_> {
+    let count = |n: usize| Item::Integer(n as u64);
+    let some = |Faces { count, first }: &Faces| [Item::Integer(*count as u64), Item::Indices(first.clone().into())];
+    Item::List(match repair {
+        Repair::Read(note) => vec![Item::text("read"), Item::text(note)],
+        Repair::Welded { merged, pairs } => {
+            vec![Item::text("welded"), count(*merged), Item::Indices(pairs.concat().into())]
+        }
+        Repair::LostParameters(lost) => {
+            let one = |(name, [from, into]): &(&str, [usize; 2])| {
+                Item::List(vec![Item::text(name), count(*from), count(*into)])
+            };
+            [Item::text("lost parameters")].into_iter().chain(lost.iter().map(one)).collect()
+        }
+        Repair::LeftOut(faces) => [Item::text("left out")].into_iter().chain(some(faces)).collect(),
+        Repair::Turned(faces) => [Item::text("turned")].into_iter().chain(some(faces)).collect(),
+        Repair::Paired { pairs, left } => vec![Item::text("paired"), count(*pairs), count(*left)],
+        Repair::Split { from, added } => vec![Item::text("split"), Item::Integer(u64::from(*from)), count(*added)],
+    })
+}
+
+/// What a mesh carries, where there is any: a list for each kind that is given. Pairs of places count beside creases.
+fn attachments(attachments: &Attachments, creased: bool) -> Option<Item<'_>> {
+    let Attachments { channels, groups, materials, uvs } = attachments;
+    let mut kinds = Vec::new();
+    if !channels.is_empty() {
+        kinds.push(Item::text("channels"));
+        kinds.extend(channels.iter().map(|Channel { name, width, values }| {
+            Item::List(vec![Item::text(name), Item::Integer(*width as u64), Item::Numbers(values.into())])
+        }));
+    }
+    for (kind, labels) in [("groups", groups), ("materials", materials)] {
+        if !labels.is_empty() {
+            let Labels { names, of_faces } = labels;
+            let names = names.iter().map(|name| Item::text(name)).collect();
+            kinds.push(Item::List(vec![Item::text(kind), Item::List(names), Item::Indices(of_faces.into())]));
+        }
+    }
+    if let Some(Uvs { values, topology, corners, pairs, linear }) = uvs {
+        let linear = Item::Integer(u64::from(*linear));
+        let corners = Item::Indices(corners.into());
+        let mut items = vec![Item::text("uvs"), linear, corners, faces(topology), Item::Numbers(values.into())];
+        if creased && !pairs.is_empty() {
+            items.push(Item::Indices(pairs.concat().into()));
+        }
+        kinds.push(Item::List(items));
+    }
+    (!kinds.is_empty()).then_some(Item::List(kinds))
+}
+
+/// What is sharp, if anything is.
+fn sharp(name: &str, sharp: &Sharp) -> Option<Item<'static>> {
+    let (indices, values): (Vec<u32>, Vec<f64>) = sharp.iter().copied().unzip();
+    let item = || Item::List(vec![Item::text(name), Item::Indices(indices.into()), Item::Numbers(values.into())]);
+    (!sharp.is_empty()).then(item)
+}
+
+fn polygon(polygon: &Polygon) -> Item<'_> {
+    let Polygon { points, dimension, closed, corners, rational, tangents, pinned, attributes } = polygon;
+    let mut items = vec![
+        Item::Integer(*dimension as u64),
+        Item::Integer(u64::from(*closed)),
+        Item::Integer(u64::from(*rational)),
+        Item::List(attributes.as_ref().map(self::attributes).unwrap_or_default()),
+        Item::Numbers(points.into()),
+        Item::Indices(corners.into()),
+    ];
+    items.extend(tangents.as_ref().map(|tangents| Item::Numbers(tangents.into())));
+    if !pinned.is_empty() {
+        items.push(Item::Indices(pinned.into()));
+    }
+    Item::List(items)
+}
+
+fn attributes(attributes: &Attributes) -> Vec<Item<'_>> {
+    let Attributes { alpha, kernel, compensation, delta } = attributes;
+    let arrays = [("alpha", alpha), ("kernel", kernel), ("compensation", compensation), ("delta", delta)];
+    let given = arrays.into_iter().filter_map(|(name, array)| Some((name, array.as_ref()?)));
+    given.map(|(name, array)| Item::List(vec![Item::text(name), Item::Numbers(array.into())])).collect()
+}
+
+fn faces(topology: &Topology) -> Item<'static> {
+    let sizes: Vec<u32> = (0..topology.n_faces()).map(|f| index(topology.face(f).len())).collect();
+    let vertices: Vec<u32> = (0..topology.n_faces()).flat_map(|f| topology.face(f)).copied().collect();
+    Item::List(vec![Item::Indices(sizes.into()), Item::Indices(vertices.into())])
+}

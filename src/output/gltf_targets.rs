@@ -1,0 +1,117 @@
+//! Morph targets of glTF: by how much the vertices of a mesh move to where they are in its other frames.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::output::bounds::Bounds;
+use crate::output::bytes::Bytes;
+use crate::output::error::FormatError;
+use crate::output::normals;
+use crate::output::numbers::rounded;
+use crate::output::positions::Positions;
+use crate::output::scene::{CHUNK, MeshSource, Shape};
+use crate::output::stream::Stream;
+use crate::output::vertex_sides::SplitSides;
+use crate::watch::{Stopped, Watch};
+
+/// A frame of a mesh beside the first, with its vertices split as those of the first.
+pub(super) struct MorphTarget<'a> {
+    mesh: &'a dyn MeshSource,
+    /// The mesh with whole vertices, where seams split those of `mesh`.
+    smooth: Option<&'a dyn MeshSource>,
+    positions: Positions<'a>,
+    /// The box around all displacements, each of which is an f32.
+    pub(super) bounds: Bounds<3>,
+}
+
+/// What a number has to be moved by where it is stored as an f32: `to - f32(from)`, rounded to f32 once.
+fn displacement(from: [f64; 3], to: [f64; 3], center: [f64; 3]) -> [f32; 3] {
+    [0, 1, 2].map(|k| rounded((to[k] - center[k]) - f64::from(rounded(from[k] - center[k]))) + 0.0)
+}
+
+/// Encodes the displacements of some rows.
+fn encode(from: &[[f64; 3]], to: &[[f64; 3]], center: [f64; 3], out: &mut Bytes) {
+    for ((slot, &from), &to) in out.rows::<12>(to.len()).iter_mut().zip(from).zip(to) {
+        slot.copy_from_slice(displacement(from, to, center).map(f32::to_le_bytes).as_flattened());
+    }
+}
+
+impl<'a> MorphTarget<'a> {
+    /// The target of a frame, given the positions of the first one and what is subtracted from them where they are
+    /// stored, model units.
+    ///
+    /// # Errors
+    /// Displacements that f32 cannot hold, or a stopped watch.
+    pub(super) fn of(
+        sides: &'a SplitSides<'a>,
+        from: &[[f64; 3]],
+        center: [f64; 3],
+        watch: &Watch,
+    ) -> Result<Option<Self>, FormatError> {
+        let Shape::Mesh(mesh) = sides.shape() else { return Ok(None) };
+        let positions = Positions::of_mesh(mesh).held(watch)?;
+        let block = |range: Range<usize>| {
+            watch.check()?;
+            let moved = from[range.clone()].iter().zip(&positions.rows()[range]);
+            let rows: Vec<_> = moved.map(|(&from, &to)| displacement(from, to, center).map(f64::from)).collect();
+            let mut bounds = Bounds::EMPTY;
+            bounds.add(&rows);
+            Ok::<_, Stopped>(bounds)
+        };
+        let starts: Vec<usize> = (0..from.len()).step_by(CHUNK).collect();
+        let blocks: Result<Vec<_>, Stopped> =
+            starts.into_par_iter().map(|start| block(start..from.len().min(start + CHUNK))).collect();
+        let bounds = blocks?.iter().fold(Bounds::EMPTY, |all, block| all.joined(block));
+        if !bounds.is_empty() && ![bounds.min, bounds.max].as_flattened().iter().all(|x| x.is_finite()) {
+            let most = f32::MAX;
+            let detail =
+                format!("a frame is farther from the first than {most:e}, the most that glTF holds; ask for obj");
+            return Err(FormatError::Unfit(detail));
+        }
+        Ok(Some(Self { mesh, smooth: sides.smooth(), positions, bounds }))
+    }
+
+    /// Writes the displacements of positions.
+    pub(super) fn write_positions(
+        &self,
+        from: &[[f64; 3]],
+        center: [f64; 3],
+        stream: &mut Stream<'_>,
+    ) -> Result<(), FormatError> {
+        stream.positions(&self.positions, |start, rows, out| encode(&from[start..], rows, center, out))
+    }
+
+    /// Writes the displacements of normals.
+    pub(super) fn write_normals(
+        &self,
+        from: &[[f64; 3]],
+        stream: &mut Stream<'_>,
+        watch: &Watch,
+    ) -> Result<(), FormatError> {
+        let to = normals_of(self.mesh, self.smooth, &self.positions, watch)?;
+        stream.rows(&to, |start, rows, out| encode(&from[start..], rows, [0.0; 3], out))
+    }
+}
+
+/// The unit normals of all vertices of a mesh at these positions, in memory; those of whole vertices where seams split
+/// them.
+///
+/// # Errors
+/// Positions that f32 cannot hold, or a stopped watch.
+pub(super) fn normals_of(
+    mesh: &dyn MeshSource,
+    smooth: Option<&dyn MeshSource>,
+    positions: &Positions<'_>,
+    watch: &Watch,
+) -> Result<Vec<[f64; 3]>, FormatError> {
+    let mut found = match smooth {
+        None => normals::of(mesh, positions.rows(), watch)?,
+        Some(smooth) => {
+            let positions = Positions::of_mesh(smooth).held(watch)?;
+            normals::split_vertices(mesh, smooth, positions.rows(), watch)?
+        }
+    };
+    found.par_iter_mut().for_each(|normal| *normal = normals::or_up(*normal));
+    Ok(found)
+}
