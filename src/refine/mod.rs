@@ -2,6 +2,7 @@
 
 mod act;
 mod apply;
+mod at_limit;
 mod error;
 mod mesh;
 mod normals;
@@ -28,4 +29,5 @@ pub use program::{Program, refine_mesh};
 pub use refined::RefinedMesh;
 pub use start::{carried, mesh_net, polygon_net};
 pub use streamed::{StreamedMesh, held_levels};
+pub(crate) use sweep::{Stencil, Stencils};
 pub use uvs::{refined_uvs, uv_net};

@@ -7,7 +7,7 @@
 //! the operators. As symmetric sums do not depend on where a walk begins, every point has the bits that the rows of the
 //! whole net give it.
 
-mod descent;
+mod evaluate;
 mod fans;
 mod grid;
 mod kernel;
@@ -19,9 +19,13 @@ mod places;
 mod program;
 mod sample;
 mod star;
+mod stencils;
 mod surface;
+mod task;
 mod weave;
 mod window;
 
-pub(super) use program::{Outline, Sweep};
+pub(crate) use evaluate::Rule;
+pub(crate) use program::{Outline, Sweep};
+pub(crate) use stencils::{Stencil, Stencils};
 pub(super) use window::OnDemand;

@@ -1,22 +1,20 @@
 //! Points refined by a sweep: every patch through all rounds, straight into the documented order.
 
-use std::ops::Range;
+use std::ops::RangeInclusive;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::descent::{Block, Run, Target, Worker};
-use super::grid::{Planes, Size};
-use super::lattice::Frame;
+use super::grid::{FlatPass, GridLine, Planes, Size, at_least};
+use super::lattice::{Frame, axis, cell, corner, sector};
 use super::program::Sweep;
-use super::weave::Row;
+use super::star::StarWork;
+use super::task::Task;
+use super::weave::{Row, weave};
 use crate::kept::Numbers;
 use crate::shape::tile::Tile;
+use crate::shape::topology::{NONE, index};
 use crate::watch::{Stopped, Watch};
-
-/// Faces that one task makes, about: small enough that two threads end together, large enough that what neighbouring
-/// patches share of stars is made once. Half of it makes more stars twice, twice of it lets a thread wait longer.
-const TASK: usize = 1 << 14;
 
 /// Points in the documented order.
 #[derive(Debug)]
@@ -76,33 +74,6 @@ impl Sweep {
         }
         Ok(Swept { points: all, finite: finite.into_inner() })
     }
-
-    /// The patches of consecutive base faces, each with the points of the edges that appear there first and with those
-    /// inside.
-    fn tasks<'a, const W: usize>(&self, points: &'a mut [[f64; W]]) -> Vec<Task<'a, W>> {
-        let (base, order) = (&self.surface.base, &self.orders[1]);
-        let on_edge = order.pieces() - 1;
-        let (mut edges, mut inner) = points.split_at_mut(base.n_edges() * on_edge);
-        let mut at = [base.n_vertices(), base.n_vertices() + edges.len()];
-        let most = (TASK / (order.pieces() * order.pieces())).max(1);
-        let (mut tasks, mut e) = (Vec::new(), 0);
-        for first in (0..base.n_faces()).step_by(most) {
-            let last = (first + most).min(base.n_faces());
-            let from = e;
-            while e < base.n_edges() && base.face_of(base.halves(e)[0]) < last {
-                e += 1;
-            }
-            let (mine, others) = std::mem::take(&mut edges).split_at_mut((e - from) * on_edge);
-            let inside = (first..last).map(|f| order.inner_of(f)).sum();
-            let (within, beyond) = std::mem::take(&mut inner).split_at_mut(inside);
-            (edges, inner) = (others, beyond);
-            let starts = at;
-            at = [at[0] + mine.len(), at[1] + within.len()];
-            let patches = self.surface.patches_of(first..last);
-            tasks.push(Task { patches, starts, edges: mine, inner: within, vertices: Vec::new() });
-        }
-        tasks
-    }
 }
 
 /// Whether all numbers are finite: a sum of them times zero is NaN as soon as one is not.
@@ -115,31 +86,229 @@ fn all_finite(numbers: &[f64]) -> bool {
     sums.iter().all(|&sum| sum == 0.0) && rest.iter().all(|x| x.is_finite())
 }
 
-/// Consecutive patches and where their points go.
-struct Task<'a, const W: usize> {
-    patches: Range<usize>,
-    /// The documented numbers of the first of `edges` and of `inner`.
-    starts: [usize; 2],
-    edges: &'a mut [[f64; W]],
-    inner: &'a mut [[f64; W]],
-    /// Vertices of the base and their points.
-    vertices: Vec<(u32, [f64; W])>,
+/// Where the points of blocks go.
+pub(super) trait Target<const W: usize> {
+    /// Whether any point of a block with so many cells along each side is wanted.
+    fn wants(&self, block: Block, cells: usize) -> bool;
+
+    /// Takes the points of a block, which entered the last round with this size.
+    fn take(&mut self, sweep: &Sweep, size: Size, block: Block, planes: &Planes);
 }
 
-impl<const W: usize> Task<'_, W> {
-    /// The places of points inside base faces from a documented number on.
-    fn inside(&mut self, first: u32, n: usize) -> &mut [[f64; W]] {
-        let first = first as usize - self.starts[1];
-        &mut self.inner[first..first + n]
+/// What the patches of a sweep have in common.
+pub(super) struct Run<'a, const W: usize> {
+    pub(super) sweep: &'a Sweep,
+    pub(super) flat: &'a [Vec<FlatPass>],
+    pub(super) start: &'a [[f64; W]],
+    pub(super) watch: &'a Watch,
+}
+
+/// The buffers of one thread.
+#[derive(Debug, Default)]
+pub(super) struct Worker<const W: usize> {
+    planes: Planes,
+    /// Refined grids of patches that are refined further block by block, by depth.
+    woven: Vec<Vec<f64>>,
+    /// For each vertex of the patches where the points of its star begin; [`NONE`] where they were not made yet.
+    star_of: Vec<u32>,
+    /// The vertices whose stars were made.
+    starred: Vec<u32>,
+    /// Points of stars, round after round.
+    stars: Vec<[f64; W]>,
+    work: StarWork<W>,
+    lines: Vec<GridLine>,
+}
+
+/// A part of a patch at a round: a grid whose first cell is at `at`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Block {
+    patch: usize,
+    pub(super) at: [usize; 2],
+    /// Pieces of the patch's side.
+    pub(super) pieces: usize,
+}
+
+impl Block {
+    /// Its part of a side of the patch: which of the side's vertices lie in its grid with so many cells.
+    fn on_side(self, tile: Tile, side: usize, cells: usize) -> Option<RangeInclusive<usize>> {
+        let frame = Frame::new(tile, self.pieces, side, 0);
+        let (start, along) = (frame.corner(), frame.along());
+        let (mut least, mut most) = (0, self.pieces.cast_signed());
+        for axis in 0..2 {
+            let low = self.at[axis].cast_signed() - start[axis];
+            let high = low + cells.cast_signed();
+            match along[axis] {
+                1 => (least, most) = (least.max(low), most.min(high)),
+                -1 => (least, most) = (least.max(-high), most.min(-low)),
+                _ if low > 0 || high < 0 => return None,
+                _ => {}
+            }
+        }
+        (least <= most).then(|| least.unsigned_abs()..=most.unsigned_abs())
     }
 
-    /// The places of consecutive points that are no vertices of the base, if they are here.
-    fn places(&mut self, first: usize, n: usize) -> Option<&mut [[f64; W]]> {
-        if let Some(at) = first.checked_sub(self.starts[1]) {
-            return self.inner.get_mut(at..at + n);
+    /// A place of the patch, seen from the block.
+    fn inside(self, place: [isize; 2]) -> [isize; 2] {
+        [0, 1].map(|axis| place[axis] - self.at[axis].cast_signed())
+    }
+
+    /// The block after a split.
+    fn refined(self) -> Self {
+        Self { at: self.at.map(|at| 2 * at), pieces: 2 * self.pieces, ..self }
+    }
+}
+
+impl<const W: usize> Worker<W> {
+    /// Forgets the stars of another task.
+    pub(super) fn begin(&mut self, sweep: &Sweep) {
+        self.star_of.resize(sweep.surface.patches.n_vertices(), NONE);
+        for v in self.starred.drain(..) {
+            self.star_of[v as usize] = NONE;
         }
-        let at = first.checked_sub(self.starts[0])?;
-        self.edges.get_mut(at..at + n)
+        self.stars.clear();
+    }
+}
+
+impl<const W: usize> Run<'_, W> {
+    /// Refines a patch.
+    pub(super) fn patch(
+        &self,
+        patch: usize,
+        worker: &mut Worker<W>,
+        target: &mut impl Target<W>,
+    ) -> Result<(), Stopped> {
+        let sweep = self.sweep;
+        let size = sweep.size(0, W);
+        let corners = sweep.surface.patches.half_edges(patch).map(|half| sweep.surface.patches.vertex(half) as usize);
+        corners.for_each(|v| self.star(v, worker));
+        let coarse = &mut worker.planes.now[0];
+        at_least(coarse, size.len());
+        coarse[..size.len()].fill(0.0);
+        let grid = [size.cells, sweep.halo];
+        sweep.surface.gather(&sweep.orders[0], patch, grid, |place, v| {
+            let at = size.at(place);
+            coarse[at..at + W].copy_from_slice(&self.start[v as usize]);
+        });
+        self.descend(0, Block { patch, at: [0, 0], pieces: size.cells }, worker, target)
+    }
+
+    /// Refines the star around a vertex through all rounds, if it has one and that was not done yet.
+    fn star(&self, v: usize, worker: &mut Worker<W>) {
+        let sweep = self.sweep;
+        let Some(kind) = sweep.surface.kind_of(v) else { return };
+        if worker.star_of[v] != NONE {
+            return;
+        }
+        worker.star_of[v] = index(worker.stars.len());
+        worker.starred.push(index(v));
+        let shape = sweep.shape(kind);
+        let mut star = Vec::with_capacity(shape.len());
+        let put = |point: u32| star.push(self.start[point as usize]);
+        sweep.surface.gather_star(&sweep.orders[0], v, shape, sweep.first_pieces, put);
+        for round in &sweep.rounds {
+            round.stars[kind].apply(&star, &mut worker.work);
+            star.clone_from(&worker.work.now);
+            worker.stars.extend_from_slice(&star);
+        }
+    }
+
+    /// Refines a block whose coarse grid is in the first plane through the rounds from `round` on.
+    fn descend(
+        &self,
+        round: usize,
+        block: Block,
+        worker: &mut Worker<W>,
+        target: &mut impl Target<W>,
+    ) -> Result<(), Stopped> {
+        let sweep = self.sweep;
+        let (size, tile) = (sweep.size(round, W), sweep.surface.tile);
+        self.lines(size.cells, block, &mut worker.lines);
+        worker.planes.refine(&self.flat[round], size, &worker.lines);
+        for (side, half_edge) in sweep.surface.patches.half_edges(block.patch).enumerate() {
+            let v = sweep.surface.patches.vertex(half_edge) as usize;
+            let here = block.inside(corner(tile, block.pieces, side));
+            if worker.star_of[v] != NONE && here.iter().all(|x| (0..=size.cells.cast_signed()).contains(x)) {
+                self.overlay(round, block.refined(), half_edge, worker);
+            }
+        }
+        if round + 1 == sweep.rounds.len() {
+            self.watch.check()?;
+            target.take(sweep, size, block, &worker.planes);
+            self.watch.advance(4 * (size.cells * size.cells) as u64);
+            return Ok(());
+        }
+        if worker.woven.len() <= round {
+            worker.woven.resize_with(round + 1, Vec::new);
+        }
+        let mut woven = std::mem::take(&mut worker.woven[round]);
+        let next = sweep.size(round + 1, W);
+        let fine = Size { cells: 2 * size.cells, ..size };
+        weave::<W>(&worker.planes, size, fine, &mut woven);
+        let refined = block.refined();
+        if fine.cells == next.cells {
+            std::mem::swap(&mut woven, &mut worker.planes.now[0]);
+            worker.woven[round] = woven;
+            return self.descend(round + 1, refined, worker, target);
+        }
+        for corner in [[0, 0], [1, 0], [0, 1], [1, 1]] {
+            let offset = corner.map(|x| x * next.cells);
+            let at: [usize; 2] = std::array::from_fn(|axis| refined.at[axis] + offset[axis]);
+            let part = Block { at, ..refined };
+            if (tile == Tile::Triangle && at[0] + at[1] >= refined.pieces) || !target.wants(part, next.cells) {
+                continue;
+            }
+            let coarse = &mut worker.planes.now[0];
+            at_least(coarse, next.len());
+            let rows = coarse[..next.len()].chunks_exact_mut(next.stride() * W);
+            for (j, row) in rows.enumerate() {
+                let from = ((offset[1] + j) * fine.stride() + offset[0]) * W;
+                row.copy_from_slice(&woven[from..from + row.len()]);
+            }
+            self.descend(round + 1, part, worker, target)?;
+        }
+        worker.woven[round] = woven;
+        Ok(())
+    }
+
+    /// The lines that lie in the grid of a block.
+    fn lines(&self, cells: usize, block: Block, lines: &mut Vec<GridLine>) {
+        let surface = &self.sweep.surface;
+        lines.clear();
+        for (side, half_edge) in surface.patches.half_edges(block.patch).enumerate() {
+            let Some(line) = surface.line(half_edge) else { continue };
+            if let Some(range) = block.on_side(surface.tile, side, cells) {
+                let steps = [range.start().cast_signed(), 0];
+                let from = block.inside(Frame::new(surface.tile, block.pieces, side, 0).place(steps));
+                lines.push(GridLine { line, axis: axis(surface.tile, side), from });
+            }
+        }
+    }
+
+    /// Overwrites what the loops made around a corner of a patch, in a block as it is after the round, by the points of
+    /// its star.
+    fn overlay(&self, round: usize, block: Block, half_edge: u32, worker: &mut Worker<W>) {
+        let sweep = self.sweep;
+        let (size, surface) = (sweep.size(round, W), &sweep.surface);
+        let v = surface.patches.vertex(half_edge) as usize;
+        let Some(kind) = surface.kind_of(v) else { return };
+        let shape = sweep.shape(kind);
+        let Worker { planes, star_of, stars, .. } = worker;
+        let star = &stars[star_of[v] as usize + round * shape.len()..][..shape.len()];
+        let (_, side) = surface.side(half_edge);
+        let mut put = |frame: &Frame, place: [usize; 2], point: usize| {
+            let (plane, place) = cell(block.inside(frame.place(place.map(usize::cast_signed))));
+            let at = size.at(place);
+            planes.now[plane][at..at + W].copy_from_slice(&star[point]);
+        };
+        let own = surface.patches.ring(v).position(|ring| ring == half_edge).unwrap_or(0);
+        let sectors = [(0, Some(own)), (-1, shape.neighbour(own, false)), (1, shape.neighbour(own, true))];
+        for (turn, face) in sectors.into_iter().filter_map(|(turn, face)| Some((turn, face?))) {
+            let frame = Frame::new(surface.tile, block.pieces, side, turn);
+            put(&frame, [0, 0], 0);
+            sector(surface.tile, shape.reach).for_each(|place| put(&frame, place, shape.point(face, place)));
+            // the points on the edge towards the next face
+            (1..=shape.reach).for_each(|b| put(&frame, [0, b], shape.point(face, [0, b])));
+        }
     }
 }
 

@@ -3,8 +3,8 @@
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
-use super::descent::{Block, Run, Target, Worker};
 use super::grid::{FlatPass, Planes, Size};
+use super::patches::{Block, Run, Target, Worker};
 use super::places::{Line, Places, lines};
 use super::program::Sweep;
 use super::weave::Row;
