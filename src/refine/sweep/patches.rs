@@ -342,7 +342,10 @@ impl<const W: usize> Target<W> for Task<'_, W> {
             // the patch where an edge appears first has its points
             if !within.is_empty() && surface.patches.halves(surface.patches.edge(half_edge) as usize)[0] == half_edge {
                 let ends = [within.start, within.end - 1].map(|steps| vertex(steps) as usize);
-                let places = self.places(ends[0].min(ends[1]), within.len()).into_iter().flatten();
+                // on a column inside a face of the base they are as far apart as it has points in a row
+                let stride = (ends[0].abs_diff(ends[1]) / (within.len() - 1).max(1)).max(1);
+                let places = self.places(ends[0].min(ends[1]), stride * (within.len() - 1) + 1);
+                let places = places.into_iter().flatten().step_by(stride);
                 if ends[0] <= ends[1] {
                     places.zip(within).for_each(|(place, steps)| *place = point(steps));
                 } else {

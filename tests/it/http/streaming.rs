@@ -62,8 +62,10 @@ fn a_large_result_is_kept_where_the_request_asks_for_it() {
         assert_eq!((again.header("cache-status"), &again.body), ("planish; hit", &kept.body));
         assert_eq!(server.get(kept.header("content-location")).await.ok().body, kept.body);
 
+        let held = server.hold().await;
         let later = server.post_with("/v1/render", &with(mesh(4), "obj"), &[("prefer", "respond-async")]).await;
         assert_eq!(later.status, 202, "{}", later.text());
+        drop(held);
         assert_eq!(server.settled(later.header("location")).await["state"], "done");
         assert_eq!(server.render(&with(mesh(4), "obj")).await.ok().header("cache-status"), "planish; hit");
     });
