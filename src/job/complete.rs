@@ -56,10 +56,12 @@ impl Job {
     /// where that cannot be done.
     pub(super) fn held_levels(&self) -> Option<usize> {
         let Input::Mesh(mesh) = &self.input else { return None };
+        let (levels, tile) = held_levels(mesh, &self.plan, &self.steps)?;
         let streams = |output: &Output| {
-            surface::limit(&output.options) == [false; 2] && output.format.streams(mesh, &output.options)
+            let is_refined = surface::limit(&output.options) == [false; 2];
+            is_refined && output.format.streams(mesh, &output.options).contains(&tile)
         };
-        if self.outputs.iter().all(streams) { held_levels(mesh, &self.plan, &self.steps) } else { None }
+        self.outputs.iter().all(streams).then_some(levels)
     }
 
     /// The job at a level, or all its faults after those that were found before.

@@ -12,6 +12,7 @@ use crate::fault::Fault;
 use crate::math::parameter::{Parameter, Values};
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
+use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
 /// What a format declares.
@@ -89,10 +90,10 @@ pub trait Format: fmt::Debug + Send + Sync {
         0
     }
 
-    /// Whether positions of a mesh with quads alone are asked for in the order of its vertices, or at the corners of
-    /// its faces in their order, and none is held: then they can be made while they are written.
-    fn streams(&self, _mesh: &Mesh, _options: &Values) -> bool {
-        false
+    /// For meshes of which faces alone positions are asked for in the order of the vertices or of the faces, and none is
+    /// held: then they can be made while they are written.
+    fn streams(&self, _mesh: &Mesh, _options: &Values) -> &'static [Tile] {
+        &[]
     }
 
     /// Writes the scene.

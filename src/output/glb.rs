@@ -15,6 +15,7 @@ use crate::output::scene::Scene;
 use crate::output::size::Size;
 use crate::output::stream::holds_space;
 use crate::shape::mesh::Mesh;
+use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
 /// Bytes before the first chunk, and before the content of each chunk.
@@ -60,9 +61,13 @@ impl Format for Glb {
         if split_vertices(counts, options) > 0 { Size::AtMost(bytes) } else { Size::Exact(bytes) }
     }
 
-    fn streams(&self, mesh: &Mesh, options: &Values) -> bool {
-        // vertices on sharp edges have copies with normals of their own
-        !with_normals(options) || mesh.creases.is_empty()
+    fn streams(&self, mesh: &Mesh, options: &Values) -> &'static [Tile] {
+        match with_normals(options) {
+            false => &[Tile::Quad, Tile::Triangle],
+            // vertices on sharp edges have copies with normals of their own
+            true if mesh.creases.is_empty() => &[Tile::Quad],
+            true => &[],
+        }
     }
 
     fn write(

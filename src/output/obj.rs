@@ -20,6 +20,7 @@ use crate::output::text::RowStyle;
 use crate::shape::creases::Tags;
 use crate::shape::labels::Labels;
 use crate::shape::mesh::Mesh;
+use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
 /// The first lines: who wrote the file, and what coordinates mean.
@@ -100,8 +101,8 @@ impl Format for Obj {
         })
     }
 
-    fn streams(&self, _mesh: &Mesh, options: &Values) -> bool {
-        !with_normals(options)
+    fn streams(&self, _mesh: &Mesh, options: &Values) -> &'static [Tile] {
+        if with_normals(options) { &[] } else { &[Tile::Quad, Tile::Triangle] }
     }
 
     fn write(

@@ -23,6 +23,7 @@ use crate::output::surface::NORMALS;
 use crate::output::vertex_sides::Sides;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
+use crate::shape::tile::Tile;
 use crate::watch::Watch;
 use carried::Carried;
 use layout::{Encoding, Layout};
@@ -71,8 +72,8 @@ impl Format for Ply {
         }
     }
 
-    fn streams(&self, _mesh: &Mesh, options: &Values) -> bool {
-        !Layout::of(options).normals
+    fn streams(&self, _mesh: &Mesh, options: &Values) -> &'static [Tile] {
+        if Layout::of(options).normals { &[] } else { &[Tile::Quad, Tile::Triangle] }
     }
 
     fn write(

@@ -18,6 +18,7 @@ use crate::output::split_vertices::SplitVertices;
 use crate::output::stream::Stream;
 use crate::output::surface::NORMALS;
 use crate::shape::mesh::Mesh;
+use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
 /// Bytes before the number of triangles; programs take a file that starts with "solid" for text.
@@ -63,8 +64,8 @@ impl Format for Stl {
         check_triangles(n_triangles(counts)).map(drop).map_err(|detail| Fault::new("/format", detail))
     }
 
-    fn streams(&self, _mesh: &Mesh, options: &Values) -> bool {
-        options.choice(NORMALS.name) != Some(LIMIT)
+    fn streams(&self, _mesh: &Mesh, options: &Values) -> &'static [Tile] {
+        if options.choice(NORMALS.name) == Some(LIMIT) { &[] } else { &[Tile::Quad] }
     }
 
     fn write(

@@ -15,6 +15,7 @@ use crate::shape::attachments::Attachments;
 use crate::shape::creases::Tags;
 use crate::shape::mesh::Mesh;
 use crate::shape::source::{FaceChunk, MeshSource, OnDemandSource, Origin, OriginSource};
+use crate::shape::tile::Tile;
 use crate::watch::{Stage, Watch};
 
 /// A refined mesh without points, and the sweep that makes them.
@@ -24,13 +25,14 @@ pub struct StreamedMesh {
     points: OnDemand,
 }
 
-/// How many levels of a mesh are refined as whole nets before its points can be made on demand; none where they cannot.
+/// How many levels of a mesh are refined as whole nets before its points can be made on demand, and what its faces will
+/// be; none where they cannot.
 ///
 /// Meshes that carry channels, texture coordinates or frames are not streamed.
-pub fn held_levels(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> Option<usize> {
+pub fn held_levels(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> Option<(usize, Tile)> {
     let attachments = &mesh.attachments;
     let carries = !attachments.channels.is_empty() || attachments.uvs.is_some() || !mesh.frames.is_empty();
-    if carries { None } else { Outline::of(&mesh_net(mesh, plan), plan, steps)?.before_quads() }
+    if carries { None } else { Some(Outline::of(&mesh_net(mesh, plan), plan, steps)?.before()) }
 }
 
 impl StreamedMesh {

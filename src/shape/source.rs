@@ -97,8 +97,8 @@ pub trait MeshSource: OriginSource + std::fmt::Debug + Sync {
     }
 }
 
-/// A mesh of quads whose positions are made whenever they are asked for. Some are made together: who asks for ranges
-/// that end where this says has each made once.
+/// A mesh whose positions are made whenever they are asked for. Some are made together: who asks for ranges that end
+/// where this says has each made once. What is said of faces holds where all are quads.
 pub trait OnDemandSource: Sync {
     /// Where a range of vertices that starts at `vertex` ends best.
     fn stretch(&self, vertex: usize) -> usize;

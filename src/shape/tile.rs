@@ -174,7 +174,7 @@ impl Tile {
     }
 
     /// The place of the inner point with this number.
-    pub(super) const fn inside(self, d: usize, number: usize) -> [usize; 2] {
+    pub const fn inside(self, d: usize, number: usize) -> [usize; 2] {
         match self {
             Self::Quad => [number % (d - 1) + 1, number / (d - 1) + 1],
             Self::Triangle => {

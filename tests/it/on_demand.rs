@@ -114,6 +114,26 @@ fn faces_with_many_rows_are_streamed_band_by_band() {
 }
 
 #[test]
+fn triangles_are_streamed_to_the_bytes_of_held_meshes() {
+    let mut creased = nets::octahedron().input();
+    creased["mesh"]["creases"] = json!([{ "edge": [0, 2], "sharpness": 10 }, { "edge": [2, 1], "sharpness": 10 }]);
+    let mut open = nets::triangulated(nets::grid(3, 2)).input();
+    open["mesh"]["holes"] = json!([2]);
+    for (input, schemes) in
+        [(nets::octahedron().input(), &["loop", "butterfly"][..]), (creased, &["loop"]), (open, &["loop"])]
+    {
+        for (output, levels) in [("ply", 4), ("obj", 3), ("ply", 6)] {
+            for name in schemes {
+                assert_alike(&job(&input, &json!({ "preset": name }), levels, &json!({ "format": output })));
+            }
+        }
+    }
+    let large = Net { positions: vec![[0.0; 3], [1.0, 0.0, 0.5], [0.0, 1.5, 0.0]], faces: vec![vec![0, 1, 2]] };
+    let output = json!({ "format": "glb", "normals": "none" });
+    assert_alike(&job(&large.input(), &json!({ "preset": "loop" }), 9, &output));
+}
+
+#[test]
 fn what_cannot_be_made_on_demand_is_held() {
     let mut channels = nets::cube().input();
     channels["mesh"]["channels"] = json!({ "heat": [0, 1, 2, 3, 4, 5, 6, 7] });
@@ -125,7 +145,8 @@ fn what_cannot_be_made_on_demand_is_held() {
         job(&creased, &preset("catmull-clark"), 3, &json!({ "format": "glb" })),
         job(&cube, &preset("catmull-clark"), 3, &json!({ "format": "ply", "normals": "area" })),
         job(&cube, &preset("catmull-clark"), 3, &json!({ "format": "ply", "positions": "limit" })),
-        job(&nets::octahedron().input(), &preset("loop"), 3, &json!({ "format": "ply" })),
+        job(&nets::octahedron().input(), &preset("loop"), 3, &json!({ "format": "stl" })),
+        job(&nets::octahedron().input(), &preset("loop"), 3, &json!({ "format": "glb" })),
         job(&cube, &preset("doo-sabin"), 3, &json!({ "format": "ply" })),
         job(&cube, &preset("catmull-clark"), 0, &json!({ "format": "ply" })),
     ];

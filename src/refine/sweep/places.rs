@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::lattice::Frame;
+use super::lattice::{Frame, last};
 use super::surface::Surface;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
@@ -18,7 +18,9 @@ const STRETCH: usize = 1 << 16;
 pub(super) struct Places {
     base: Arc<Topology>,
     patches: Arc<Topology>,
-    is_quads: bool,
+    tile: Tile,
+    /// Whether the patches are the faces of the base.
+    is_whole: bool,
     /// Pieces of an edge of the base.
     n: usize,
     /// Pieces of a patch's side.
@@ -50,6 +52,11 @@ impl Line {
         std::array::from_fn(|axis| self.from[axis].wrapping_add_signed(self.step[axis] * k.cast_signed()))
     }
 
+    /// Whether it may lie on the diagonal side of a triangle.
+    pub(super) fn is_diagonal(&self) -> bool {
+        self.len == 1 || (self.step[0] != 0 && self.step[1] != 0)
+    }
+
     /// Whether it runs along a row towards its end.
     pub(super) fn is_row(&self) -> bool {
         self.step == ROW
@@ -60,17 +67,17 @@ impl Places {
     /// Those after splits into `n` pieces an edge of the base.
     pub(super) fn new(surface: &Surface, n: usize) -> Self {
         let (base, patches) = (surface.base.clone(), surface.patches.clone());
-        let is_quads = base.is_quads();
-        let half = n / 2;
+        let (tile, half) = (surface.tile, n / 2);
+        let is_whole = tile == Tile::Triangle || base.is_quads();
         let inside = |size: usize| {
-            if size == 4 { (n - 1) * (n - 1) } else { 1 + size * (half - 1) * half }
+            if size == 4 || is_whole { tile.inner_vertices(n) } else { 1 + size * (half - 1) * half }
         };
         let mut inner = vec![0];
         inner.extend((0..base.n_faces()).scan(0, |sum, f| {
             *sum += inside(base.face(f).len());
             Some(*sum)
         }));
-        Self { base, patches, is_quads, n, pieces: if is_quads { n } else { half }, inner }
+        Self { base, patches, tile, is_whole, n, pieces: if is_whole { n } else { half }, inner }
     }
 
     /// First vertex inside a face of the base.
@@ -83,7 +90,7 @@ impl Places {
         let Some(beyond) = v.checked_sub(self.base.n_vertices()) else {
             let half_edge = self.patches.ring(v).next()?;
             let (patch, side) = self.side(half_edge);
-            return Some(Line { patch, from: at_side(self.pieces, side, 0), step: ROW, len: 1 });
+            return Some(Line { patch, from: self.at_side(self.pieces, side, 0), step: ROW, len: 1 });
         };
         let on_edge = self.n - 1;
         Some(match v.checked_sub(self.first_inner()) {
@@ -100,8 +107,8 @@ impl Places {
         let f = self.base.face_of(half_edge);
         let (first, size) = (self.base.half_edges(f).start as usize, self.base.face(f).len());
         let side = half_edge as usize - first;
-        if size == 4 {
-            return self.in_quad(f, at_side(self.n, side, at), self.frame(side).along(), self.n - at);
+        if size == 4 || self.is_whole {
+            return self.in_face(f, self.at_side(self.n, side, at), self.frame(side).along(), self.n - at);
         }
         if at <= self.pieces {
             return Line {
@@ -118,10 +125,10 @@ impl Places {
     /// The line inside a face, from its vertex of this number on.
     fn inside(&self, f: usize, inner: usize) -> Line {
         let (first, size) = (self.base.half_edges(f).start as usize, self.base.face(f).len());
-        if size == 4 {
-            let n = self.n - 1;
-            let from = [inner % n + 1, inner / n + 1];
-            return self.in_quad(f, from, ROW, self.n - from[0]);
+        if size == 4 || self.is_whole {
+            let from = self.tile.inside(self.n, inner);
+            let end = last(self.tile, self.n, from[1]);
+            return self.in_face(f, from, ROW, end - from[0]);
         }
         let Some(rest) = inner.checked_sub(1) else {
             return Line { patch: first, from: [self.pieces; 2], step: ROW, len: 1 };
@@ -136,9 +143,9 @@ impl Places {
         Line { patch: first + part, from: [i + 1, j + 1], step: ROW, len: spoke - i }
     }
 
-    /// The line of `len` points at most in a face with four sides, as far as it stays in one patch.
-    fn in_quad(&self, f: usize, from: [usize; 2], step: [isize; 2], len: usize) -> Line {
-        if self.is_quads {
+    /// The line of `len` points at most in a face of quads or triangles, as far as it stays in one patch.
+    fn in_face(&self, f: usize, from: [usize; 2], step: [isize; 2], len: usize) -> Line {
+        if self.is_whole {
             return Line { patch: f, from, step, len };
         }
         let half = self.pieces;
@@ -162,7 +169,7 @@ impl Places {
         let local = face - first * n * n / 4;
         if self.base.face(f).len() == 4 {
             let (i, j) = (local % n, local / n);
-            if self.is_quads {
+            if self.is_whole {
                 return Line { patch: f, from: [i, j], step: ROW, len: n - i };
             }
             let upper = [i, j].map(|x| usize::from(x >= self.pieces));
@@ -177,7 +184,7 @@ impl Places {
     /// The number of the face at a cell of a patch.
     pub(super) fn face(&self, patch: usize, [i, j]: [usize; 2]) -> usize {
         let n = self.n;
-        if self.is_quads {
+        if self.is_whole {
             return patch * n * n + j * n + i;
         }
         let (f, half) = (self.base.face_of(index(patch)), self.pieces);
@@ -255,9 +262,14 @@ impl Places {
         Line { patch, from, step, len: n_vertices + 1 }
     }
 
+    /// The point of a number on a side of a tile with `n` pieces.
+    fn at_side(&self, n: usize, side: usize, at: usize) -> [usize; 2] {
+        Frame::new(self.tile, n, side, 0).place([at.cast_signed(), 0]).map(isize::cast_unsigned)
+    }
+
     /// Places of a patch counted from one of its sides.
     fn frame(&self, side: usize) -> Frame {
-        Frame::new(Tile::Quad, self.pieces, side, 0)
+        Frame::new(self.tile, self.pieces, side, 0)
     }
 
     /// Which side of which patch a half-edge is.
@@ -290,7 +302,10 @@ impl Places {
             let row = (local / width + 1) / rows * rows + rows - 1;
             row.min(width) * width
         };
-        let to = if size == 4 {
+        let to = if self.tile == Tile::Triangle {
+            let row = (self.tile.inside(self.n, local)[1] / rows * rows + rows - 1).min(self.n - 2);
+            row * on_edge - row * (row + 1) / 2
+        } else if size == 4 {
             band(on_edge, local)
         } else {
             let spoke = self.pieces - 1;
@@ -324,11 +339,6 @@ impl Places {
         let row = (face - faces(f)) / width;
         (faces(f) + (row / rows + 1) * rows * width).min(faces(f + 1))
     }
-}
-
-/// The point of a number on a side of a quad with `n` pieces.
-fn at_side(n: usize, side: usize, at: usize) -> [usize; 2] {
-    Frame::new(Tile::Quad, n, side, 0).place([at.cast_signed(), 0]).map(isize::cast_unsigned)
 }
 
 /// Consecutive lines that cover a range: each with where it begins in the range.

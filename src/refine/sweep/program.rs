@@ -110,9 +110,9 @@ impl<'a> Outline<'a> {
 }
 
 impl Outline<'_> {
-    /// Rounds that a net of quads is refined by rows before the sweep begins; none where it is one of triangles.
-    pub(crate) fn before_quads(&self) -> Option<usize> {
-        (self.tile == Tile::Quad).then_some(self.before)
+    /// Rounds that the net is refined by rows before the sweep begins, and into what all split the faces.
+    pub(crate) fn before(&self) -> (usize, Tile) {
+        (self.before, self.tile)
     }
 }
 

@@ -8,6 +8,7 @@ use super::patches::{Block, Run, Target, Worker};
 use super::places::{Line, Places, lines};
 use super::program::Sweep;
 use super::weave::Row;
+use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
 /// Points of a band of rows, at most, where a patch is so wide that a band has the rows of one row of blocks only. Half
@@ -44,6 +45,9 @@ pub(super) struct Window<'a> {
     high: [usize; 2],
     /// Pieces of the patch's side.
     pieces: usize,
+    /// Whether points on the diagonal of a triangle are wanted: a block that has no other than its first one is not
+    /// made, so that those beside it have to be.
+    is_diagonal: bool,
     points: &'a mut [[f64; 3]],
 }
 
@@ -146,7 +150,10 @@ impl OnDemand {
                 if points.len() < n {
                     points.resize(n, [0.0; 3]);
                 }
-                let mut window = Window { low, high, pieces: self.places.pieces, points: &mut points[..n] };
+                let is_diagonal =
+                    self.sweep.tile() == Tile::Triangle && part.iter().any(|(_, line)| line.is_diagonal());
+                let pieces = self.places.pieces;
+                let mut window = Window { low, high, pieces, is_diagonal, points: &mut points[..n] };
                 let Ok(()) = run.patch(part[0].1.patch, worker, &mut window) else { return };
                 part.iter().for_each(|(at, line)| each(*at, line, &window));
             }
@@ -192,7 +199,7 @@ impl Target<3> for Window<'_> {
         [0, 1].into_iter().all(|axis| {
             let (low, high) = (self.low[axis], self.high[axis]);
             let [start, end] = [block.at[axis], block.at[axis] + cells].map(|x| x * pieces);
-            let ends = if end == self.pieces { low <= end } else { low < end };
+            let ends = if end == self.pieces || self.is_diagonal { low <= end } else { low < end };
             ends && (start < high || start == high && low == high)
         })
     }
