@@ -34,11 +34,24 @@ pub(super) fn corner(tile: Tile, n: usize, corner: usize) -> [isize; 2] {
     }
 }
 
-/// The place `a` steps along the side from a corner of a patch with `n` pieces and `b` steps along the side before it,
-/// both seen from the corner; `turn` directions farther counter-clockwise, in another face around the corner.
-pub(super) fn around(tile: Tile, n: usize, at: usize, turn: isize, [a, b]: [isize; 2]) -> [isize; 2] {
-    let (start, first, second) = (corner(tile, n, at), direction(tile, at, turn), direction(tile, at, turn + 1));
-    std::array::from_fn(|axis| start[axis] + a * first[axis] + b * second[axis])
+/// A corner of a patch and the two sides of a face around it, as places are counted from there.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Frame {
+    corner: [isize; 2],
+    sides: [[isize; 2]; 2],
+}
+
+impl Frame {
+    /// At a corner of a patch with `n` pieces: of the patch itself, or of the face so many turns farther
+    /// counter-clockwise around the corner.
+    pub(super) fn new(tile: Tile, n: usize, at: usize, turn: isize) -> Self {
+        Self { corner: corner(tile, n, at), sides: [turn, turn + 1].map(|turn| direction(tile, at, turn)) }
+    }
+
+    /// The place `a` steps along the side from the corner and `b` steps along the side before it, seen from the corner.
+    pub(super) fn place(&self, [a, b]: [isize; 2]) -> [isize; 2] {
+        std::array::from_fn(|k| self.corner[k] + a * self.sides[0][k] + b * self.sides[1][k])
+    }
 }
 
 /// The places `[a, b]` of a face around one of its corners, without those on the edge towards the next face: `a` steps

@@ -2,6 +2,7 @@
 
 use super::lattice::{cell, fine, is_within};
 use super::sample::{Sample, Table, Use};
+use crate::math::functions::ratio;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::tile::Tile;
@@ -131,6 +132,20 @@ impl Pass {
         distances.map(isize::abs).max()
     }
 
+    /// By which factor numbers grow at most: those after the pass, counted by the largest of all numbers before it in
+    /// the round.
+    pub(super) fn growth(&self) -> f64 {
+        let of = |masks: &[Mask]| masks.iter().map(total).fold(1.0, f64::max);
+        match self {
+            Self::Up(masks) => of(masks),
+            Self::Blend { planes, lines } => {
+                lines.iter().flatten().flatten().map(|masks| of(masks)).fold(of(planes), f64::max)
+            }
+            // of differences of two numbers
+            Self::Push(masks) => 1.0 + 2.0 * of(masks),
+        }
+    }
+
     /// The planes that have to be known before the pass, so that these are known after it.
     pub(super) fn reads(&self, wanted: [bool; PLANES]) -> [bool; PLANES] {
         let mut reads = [false; PLANES];
@@ -150,6 +165,11 @@ impl Pass {
         }
         reads
     }
+}
+
+/// The sum of the sizes of the weights of a mask.
+fn total(mask: &Mask) -> f64 {
+    mask.iter().map(|group| group.weight.abs() * ratio(group.members.len(), 1)).sum()
 }
 
 /// Whether two masks are the same but for the order of the members of their groups, which keeps opposite pairs.

@@ -52,4 +52,15 @@ impl Numbering {
             None => self.triangles().vertex(patch, place),
         }
     }
+
+    /// The numbers of the points of a patch in one column and consecutive rows, from an inner point on.
+    pub(super) fn rows(&self, patch: usize, [i, j]: [usize; 2], n: usize) -> impl Iterator<Item = u32> {
+        let vertex = |j: usize| self.vertex(patch, [i, j].map(usize::cast_signed));
+        let first = if n > 0 { vertex(j) } else { 0 };
+        // the rows of quads have all as many points, those of triangles one less each
+        let step = if n > 1 { vertex(j + 1).wrapping_sub(first) } else { 0 };
+        let less = u32::from(self.quads.is_none());
+        let next = move |&(at, step): &(u32, u32)| Some((at.wrapping_add(step), step.wrapping_sub(less)));
+        std::iter::successors(Some((first, step)), next).map(|(at, _)| at).take(n)
+    }
 }

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::grid::{FlatPass, GridLine, Planes, Size, at_least};
-use super::lattice::{around, axis, cell, corner, direction, sector};
+use super::lattice::{Frame, axis, cell, corner, direction, sector};
 use super::program::Sweep;
 use super::star::StarWork;
 use super::weave::{Row, weave};
@@ -48,6 +48,7 @@ impl Sweep {
     }
 
     fn refine_points<const W: usize>(&self, start: &[f64], watch: &Watch) -> Result<Swept, Stopped> {
+        let bounded = self.is_bounded(start);
         let start = start.as_chunks::<W>().0;
         let mut all = Numbers::to_overwrite(self.n_points() * W);
         let finite = AtomicBool::new(true);
@@ -60,8 +61,9 @@ impl Sweep {
             for patch in task.patches.clone() {
                 run.patch(patch, worker, &mut task)?;
             }
-            let vertices = task.vertices.iter().all(|(_, point)| all_finite(point));
-            if !(vertices && all_finite(task.edges.as_flattened()) && all_finite(task.inner.as_flattened())) {
+            let vertices = || task.vertices.iter().all(|(_, point)| all_finite(point));
+            let others = || all_finite(task.edges.as_flattened()) && all_finite(task.inner.as_flattened());
+            if !bounded && !(vertices() && others()) {
                 finite.store(false, Ordering::Relaxed);
             }
             Ok(task.vertices)
@@ -318,7 +320,7 @@ impl<const W: usize> Run<'_, W> {
             let Some(line) = surface.line(half_edge) else { continue };
             if let Some(range) = block.on_side(surface.tile, side, cells) {
                 let steps = [range.start().cast_signed(), 0];
-                let from = block.inside(around(surface.tile, block.pieces, side, 0, steps));
+                let from = block.inside(Frame::new(surface.tile, block.pieces, side, 0).place(steps));
                 lines.push(GridLine { line, axis: axis(surface.tile, side), from });
             }
         }
@@ -335,19 +337,19 @@ impl<const W: usize> Run<'_, W> {
         let Worker { planes, star_of, stars, .. } = worker;
         let star = &stars[star_of[v] as usize + round * shape.len()..][..shape.len()];
         let (_, side) = surface.side(half_edge);
-        let mut put = |turn: isize, place: [usize; 2], point: usize| {
-            let place = around(surface.tile, block.pieces, side, turn, place.map(usize::cast_signed));
-            let (plane, place) = cell(block.inside(place));
+        let mut put = |frame: &Frame, place: [usize; 2], point: usize| {
+            let (plane, place) = cell(block.inside(frame.place(place.map(usize::cast_signed))));
             let at = size.at(place);
             planes.now[plane][at..at + W].copy_from_slice(&star[point]);
         };
         let own = surface.patches.ring(v).position(|ring| ring == half_edge).unwrap_or(0);
-        put(0, [0, 0], 0);
-        let sectors = [(-1, shape.neighbour(own, false)), (0, Some(own)), (1, shape.neighbour(own, true))];
+        let sectors = [(0, Some(own)), (-1, shape.neighbour(own, false)), (1, shape.neighbour(own, true))];
         for (turn, face) in sectors.into_iter().filter_map(|(turn, face)| Some((turn, face?))) {
-            sector(surface.tile, shape.reach).for_each(|place| put(turn, place, shape.point(face, place)));
+            let frame = Frame::new(surface.tile, block.pieces, side, turn);
+            put(&frame, [0, 0], 0);
+            sector(surface.tile, shape.reach).for_each(|place| put(&frame, place, shape.point(face, place)));
             // the points on the edge towards the next face
-            (1..=shape.reach).for_each(|b| put(turn, [0, b], shape.point(face, [0, b])));
+            (1..=shape.reach).for_each(|b| put(&frame, [0, b], shape.point(face, [0, b])));
         }
     }
 
@@ -357,19 +359,20 @@ impl<const W: usize> Run<'_, W> {
         let tile = surface.tile;
         let (cells, block) = (2 * size.cells, block.refined());
         let (n, at) = (block.pieces, block.at);
-        let end = if tile == Tile::Quad { n } else { n - 1 };
-        for row in at[1].max(1)..(at[1] + cells + 1).min(end) {
+        let start = at.map(|at| at.max(1));
+        let rows = start[1]..(at[1] + cells + 1).min(n);
+        for (row, first) in rows.clone().zip(order.rows(block.patch, start, rows.len())) {
             let end = if tile == Tile::Quad { n } else { n - row };
-            let columns = at[0].max(1)..(at[0] + cells + 1).min(end);
+            let columns = start[0]..(at[0] + cells + 1).min(end);
             if !columns.is_empty() {
-                let first = order.vertex(block.patch, [columns.start, row].map(usize::cast_signed));
                 let row = Row::new(&worker.planes, size, row - at[1]);
                 row.copy(columns.start - at[0], task.inside(first, columns.len()));
             }
         }
         for (side, half_edge) in surface.patches.half_edges(block.patch).enumerate() {
             let Some(range) = block.on_side(tile, side, cells) else { continue };
-            let place = |steps: usize| around(tile, n, side, 0, [steps.cast_signed(), 0]);
+            let frame = Frame::new(tile, n, side, 0);
+            let place = |steps: usize| frame.place([steps.cast_signed(), 0]);
             let vertex = |steps: usize| order.vertex(block.patch, place(steps));
             let point = |steps: usize| worker.planes.point(size, block.inside(place(steps)));
             let within = (*range.start()).max(1)..(*range.end() + 1).min(n);

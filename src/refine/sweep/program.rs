@@ -39,6 +39,8 @@ pub(crate) struct Sweep {
     pub(super) orders: [Numbering; 2],
     /// Pieces of a patch's side where the sweep begins.
     pub(super) first_pieces: usize,
+    /// By which factor numbers grow in all rounds together at most.
+    growth: f64,
 }
 
 /// What depends on a round alone.
@@ -49,6 +51,13 @@ pub(super) struct Round {
     pub(super) stars: Arc<Vec<StarRound>>,
     /// Cells of the grids that enter it.
     pub(super) cells: usize,
+}
+
+impl Round {
+    fn growth(&self) -> f64 {
+        let stars = self.stars.iter().map(StarRound::growth);
+        stars.fold(self.passes.iter().map(Pass::growth).product::<f64>(), f64::max)
+    }
 }
 
 /// What of a sweep is known before the mesh was looked at.
@@ -113,10 +122,19 @@ impl Sweep {
         let first_pieces = 1 << (before - splits);
         let cells = |at: usize| (first_pieces << at).min(MOST_CELLS.max(first_pieces));
         let entries = passes.into_iter().skip(before).zip(stars).enumerate();
-        let made = entries.map(|(at, (passes, stars))| Round { passes, stars, cells: cells(at) }).collect();
+        let made: Vec<Round> =
+            entries.map(|(at, (passes, stars))| Round { passes, stars, cells: cells(at) }).collect();
         let orders = [before, rounds.len()].map(|splits| Numbering::new(&net.mesh.base, tile, splits));
         let steps_before = head.iter().map(|round| round.len()).sum();
-        Some(Self { surface, halo, before, steps_before, rounds: made, orders, first_pieces })
+        let growth = made.iter().map(Round::growth).product::<f64>();
+        Some(Self { surface, halo, before, steps_before, rounds: made, orders, first_pieces, growth })
+    }
+
+    /// Whether all numbers that are made of these are known to be finite: they and all sums on the way stay far below
+    /// the largest number there is.
+    pub(super) fn is_bounded(&self, start: &[f64]) -> bool {
+        // twice as much as needed, for what is rounded
+        start.iter().all(|x| x.abs() * self.growth < 0.5 * f64::MAX)
     }
 
     /// Number of steps that the net has to be refined by before the sweep begins.

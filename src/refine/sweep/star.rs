@@ -161,6 +161,19 @@ impl StarRound {
         Some(Self { stages })
     }
 
+    /// By which factor numbers grow in the round at most.
+    pub(super) fn growth(&self) -> f64 {
+        let largest = |rows: &Rows| {
+            let total = |row: usize| rows.row(row).1.iter().map(|weight| weight.abs()).sum();
+            (0..rows.len()).map(total).fold(1.0, f64::max)
+        };
+        let of = |stage: &Stage| match stage {
+            Stage::Up(rows) | Stage::Blend(rows) => largest(rows),
+            Stage::Push { rows, .. } => 1.0 + 2.0 * largest(rows),
+        };
+        self.stages.iter().map(of).product::<f64>()
+    }
+
     /// The points of the star after the round, from those before it.
     pub(super) fn apply<const W: usize>(&self, star: &[[f64; W]], work: &mut StarWork<W>) {
         let StarWork { now, next, differences } = work;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::lattice::{around, sector};
+use super::lattice::{Frame, last, sector};
 use super::mask::Line;
 use super::numbering::Numbering;
 use super::star::{StarKind, StarShape};
@@ -154,6 +154,22 @@ impl Surface {
         ((half_edge / sides) as usize, (half_edge % sides) as usize)
     }
 
+    /// The documented number of a point of a patch; `order` has the numbers at that level.
+    fn vertex(&self, order: &Numbering, patch: usize, [i, j]: [isize; 2]) -> u32 {
+        if self.is_whole(order) {
+            // the corners of the patches are all there is
+            let half_edges = self.patches.half_edges(patch);
+            let corner = if j == 0 { half_edges.start + u32::from(i > 0) } else { half_edges.end - 1 - u32::from(i > 0) };
+            return self.patches.vertex(corner);
+        }
+        order.vertex(patch, [i, j])
+    }
+
+    /// Whether the patches are not divided at the level of these numbers.
+    fn is_whole(&self, order: &Numbering) -> bool {
+        order.pieces() == if Arc::ptr_eq(&self.base, &self.patches) { 1 } else { 2 }
+    }
+
     /// Calls `put([i, j], vertex)` for the points of a patch of `n` pieces and those up to `halo` beyond it that lie in
     /// its neighbours; `order` has the documented numbers at that level. What lies beyond a boundary or across a vertex
     /// where the grid is not regular is left out.
@@ -164,20 +180,21 @@ impl Surface {
         [n, halo]: [usize; 2],
         mut put: impl FnMut([isize; 2], u32),
     ) {
-        let (tile, patches, [last, depths]) = (self.tile, &self.patches, [n, halo].map(usize::cast_signed));
-        let limit = |j: isize| if tile == Tile::Quad { last } else { last - j };
-        for (j, i) in (0..=last).flat_map(|j| (0..=limit(j)).map(move |i| (j, i))) {
-            put([i, j], order.vertex(patch, [i, j]));
+        let (tile, patches, [most, depths]) = (self.tile, &self.patches, [n, halo].map(usize::cast_signed));
+        for (j, i) in (0..=n).flat_map(|j| (0..=last(tile, n, j)).map(move |i| (j, i))) {
+            let place = [i, j].map(usize::cast_signed);
+            put(place, self.vertex(order, patch, place));
         }
         for (side, half_edge) in patches.half_edges(patch).enumerate() {
             let twin = patches.twin(half_edge);
             if twin != NONE {
                 let (neighbour, its) = self.side(twin);
+                let (here, there) = (Frame::new(tile, n, side, 0), Frame::new(tile, n, its, 0));
                 for depth in 1..=depths {
                     // the lines of triangles across the side become shorter
-                    for steps in if tile == Tile::Quad { 0 } else { depth }..=last {
-                        let there = around(tile, n, its, 0, [last - steps, depth]);
-                        put(around(tile, n, side, 0, [steps, -depth]), order.vertex(neighbour, there));
+                    for steps in if tile == Tile::Quad { 0 } else { depth }..=most {
+                        let vertex = self.vertex(order, neighbour, there.place([most - steps, depth]));
+                        put(here.place([steps, -depth]), vertex);
                     }
                 }
             }
@@ -197,13 +214,14 @@ impl Surface {
     ) {
         let (tile, (_, side)) = (self.tile, self.side(half_edge));
         let onward = |half_edge| self.patches.twin(self.patches.previous(half_edge));
-        let mut there = onward(half_edge);
+        let mut next = onward(half_edge);
         for turn in 2..tile.regular_valence().cast_signed() - 1 {
-            there = onward(there);
-            let (patch, its) = self.side(there);
+            next = onward(next);
+            let (patch, its) = self.side(next);
+            let (here, there) = (Frame::new(tile, n, side, turn), Frame::new(tile, n, its, 0));
             for place in sector(tile, halo) {
                 let place = place.map(usize::cast_signed);
-                put(around(tile, n, side, turn, place), order.vertex(patch, around(tile, n, its, 0, place)));
+                put(here.place(place), self.vertex(order, patch, there.place(place)));
             }
         }
     }
@@ -217,10 +235,12 @@ impl Surface {
         n: usize,
         mut put: impl FnMut(u32),
     ) {
-        let ring: Vec<(usize, usize)> = self.patches.ring(v).map(|half_edge| self.side(half_edge)).collect();
+        let ring = self.patches.ring(v).map(|half_edge| self.side(half_edge));
+        let ring: Vec<(usize, Frame)> =
+            ring.map(|(patch, side)| (patch, Frame::new(self.tile, n, side, 0))).collect();
         for (face, place) in shape.points() {
-            let (patch, side) = ring[face];
-            put(order.vertex(patch, around(self.tile, n, side, 0, place.map(usize::cast_signed))));
+            let (patch, frame) = &ring[face];
+            put(self.vertex(order, *patch, frame.place(place.map(usize::cast_signed))));
         }
     }
 }
