@@ -5,24 +5,17 @@
 
 use crate::shape::tile::Tile;
 
-/// Directions around a point, counter-clockwise.
+/// Directions around a point, counter-clockwise from the first axis on.
 const QUADS: [[isize; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
 const TRIANGLES: [[isize; 2]; 6] = [[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]];
 
-/// The directions around a point, counter-clockwise from the first axis on.
-pub(super) fn directions(tile: Tile) -> &'static [[isize; 2]] {
-    match tile {
-        Tile::Quad => &QUADS,
-        Tile::Triangle => &TRIANGLES,
-    }
-}
-
 /// The direction of a side of a patch, from the corner of its number to the next one, turned counter-clockwise by so
-/// many directions of the lattice.
-pub(super) fn direction(tile: Tile, side: usize, turn: isize) -> [isize; 2] {
-    let all = directions(tile);
-    let first = side * all.len() / tile.sides() as usize;
-    all[first.wrapping_add_signed(turn + all.len().cast_signed()) % all.len()]
+/// many directions of the lattice, at most one turn back.
+fn direction(tile: Tile, side: usize, turn: isize) -> [isize; 2] {
+    match tile {
+        Tile::Quad => QUADS[(side + 4).wrapping_add_signed(turn) % 4],
+        Tile::Triangle => TRIANGLES[(2 * side + 6).wrapping_add_signed(turn) % 6],
+    }
 }
 
 /// A corner of a patch with `n` pieces.
@@ -46,6 +39,16 @@ impl Frame {
     /// counter-clockwise around the corner.
     pub(super) fn new(tile: Tile, n: usize, at: usize, turn: isize) -> Self {
         Self { corner: corner(tile, n, at), sides: [turn, turn + 1].map(|turn| direction(tile, at, turn)) }
+    }
+
+    /// The corner.
+    pub(super) fn corner(&self) -> [isize; 2] {
+        self.corner
+    }
+
+    /// The direction of the side from the corner.
+    pub(super) fn along(&self) -> [isize; 2] {
+        self.sides[0]
     }
 
     /// The place `a` steps along the side from the corner and `b` steps along the side before it, seen from the corner.

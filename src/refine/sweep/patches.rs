@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::grid::{FlatPass, GridLine, Planes, Size, at_least};
-use super::lattice::{Frame, axis, cell, corner, direction, sector};
+use super::lattice::{Frame, axis, cell, corner, sector};
 use super::program::Sweep;
 use super::star::StarWork;
 use super::weave::{Row, weave};
@@ -180,7 +180,8 @@ struct Block {
 impl Block {
     /// Its part of a side of the patch: which of the side's vertices lie in its grid with so many cells.
     fn on_side(self, tile: Tile, side: usize, cells: usize) -> Option<RangeInclusive<usize>> {
-        let (start, along) = (corner(tile, self.pieces, side), direction(tile, side, 0));
+        let frame = Frame::new(tile, self.pieces, side, 0);
+        let (start, along) = (frame.corner(), frame.along());
         let (mut least, mut most) = (0, self.pieces.cast_signed());
         for axis in 0..2 {
             let low = self.at[axis].cast_signed() - start[axis];
