@@ -228,8 +228,8 @@ fn m3_swept_jobs_hold_what_they_say() {
         let (result, taken) = peak(|| run(&admitted, output, &mut std::io::sink(), &Watch::new()));
         result.unwrap_or_else(|error| panic!("{name}: {error}"));
         let estimate = admitted.estimate();
-        let last = estimate.forecast.levels.last().unwrap();
-        let bytes = estimate.outputs[0].1.bytes();
-        eprintln!("{name} {}: v {} f {} taken {taken} ({} B/v) + result {bytes}, said {} ratio {:.2}", job["outputs"][0], last.vertices, last.faces, u128::from(taken) / last.vertices, estimate.memory_bytes, estimate.memory_bytes as f64 / (u128::from(taken) + bytes) as f64);
+        let (taken, said) = (u128::from(taken) + estimate.outputs[0].1.bytes(), estimate.memory_bytes);
+        let name = format!("{name} as {} takes {taken} bytes and said {said}", job["outputs"][0]);
+        assert!(taken <= said && said <= 2 * taken, "{name}");
     }
 }
