@@ -106,8 +106,9 @@ fn swept(job: &Job, forecast: &Forecast, level: usize, sizes: &[Size], carried: 
     parts.iter().fold(0, |sum: u128, (n, bytes)| sum.saturating_add(n.saturating_mul(*bytes)))
 }
 
-/// Bytes of a job that is refined by rows, without those of limit positions: points, topologies, what is refined along and its topologies, copies of
-/// vertices on sharp edges, and the largest result. Each counts as if all were held at once with the largest net.
+/// Bytes of a job that is refined by rows, without those of limit positions: points, topologies, what is refined along
+/// and its topologies, copies of vertices on sharp edges, and the largest result. Each counts as if all were held at
+/// once with the largest net.
 pub(super) fn memory(forecast: &Forecast, sizes: &[Size], carried: &Carried) -> u128 {
     let count = forecast.peak;
     let [of_place, of_face] = carried.uv_bytes;
