@@ -2,6 +2,7 @@
 
 mod act;
 mod apply;
+mod at_limit;
 mod error;
 mod mesh;
 mod normals;
@@ -25,5 +26,6 @@ pub use normals::Normals;
 pub use polygon::{refine_polygon, refined_points};
 pub use program::{Program, refine_mesh};
 pub use refined::RefinedMesh;
+pub(crate) use sweep::{Stencil, Stencils};
 pub use start::{carried, mesh_net, polygon_net};
 pub use uvs::{refined_uvs, uv_net};

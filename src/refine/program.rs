@@ -47,6 +47,11 @@ impl Program {
         Ok(if steps.is_empty() { refined.with_tags(mesh.tags()) } else { refined })
     }
 
+    /// How the points are refined patch by patch, where they are.
+    pub(crate) fn points(&self) -> Option<&Sweep> {
+        self.points.as_ref()
+    }
+
     /// Whether anything is refined patch by patch.
     pub fn is_swept(&self) -> bool {
         self.points.is_some() || self.uvs.is_some()

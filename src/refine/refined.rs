@@ -19,15 +19,15 @@ use crate::shape::topology::{NONE, Topology, index};
 /// A refined mesh: the values of its vertices, and the way from the order in which they are kept to the documented one.
 #[derive(Debug)]
 pub struct RefinedMesh {
-    points: Numbers,
+    pub(super) points: Numbers,
     /// Normals of the limit, if there are any, in the same order.
     normals: Option<Normals>,
-    base: Arc<Topology>,
-    order: VertexOrder,
+    pub(super) base: Arc<Topology>,
+    pub(super) order: VertexOrder,
     shown: Shown,
-    attachments: Arc<Attachments>,
+    pub(super) attachments: Arc<Attachments>,
     /// The values of each channel, in the same order.
-    channels: Vec<Numbers>,
+    pub(super) channels: Vec<Numbers>,
     pub(super) uvs: Option<Arc<RefinedUvs>>,
     /// The mesh in its other frames, without channels.
     frames: Vec<RefinedMesh>,
@@ -147,7 +147,7 @@ impl RefinedMesh {
 
     /// The normal of vertex `v`, zero where there is none.
     pub(super) fn normal(&self, v: usize) -> [f64; 3] {
-        self.normals.as_ref().map_or([0.0; 3], |normals| normals.of_vertices[self.order.place(v)])
+        self.normals.as_ref().map_or([0.0; 3], |normals| normals.of_vertices.as_chunks().0[self.order.place(v)])
     }
 
     /// Sharp pieces of edges of the base: the edge, and the number of the piece in its direction. In the limit only
@@ -281,7 +281,7 @@ impl NormalSource for RefinedMesh {
     fn of_vertices(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
         out.clear();
         if let Some(normals) = &self.normals {
-            self.order.points(&normals.of_vertices, range, out);
+            self.order.points(normals.of_vertices.as_chunks().0, range, out);
         }
     }
 

@@ -6,9 +6,10 @@ use super::cycle::AHEAD;
 use super::error::{LimitError, Unlimited};
 use super::limits::{Limits, limits, without_normals};
 use super::request::LimitRequest;
+use super::swept::refine_swept;
 use crate::fault::Fault;
 use crate::refine::{RefinedMesh, act_on, assembled, mesh_net, numbers, refined_uvs};
-use crate::scheme::plan::Plan;
+use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
@@ -44,9 +45,35 @@ fn at_one_frame(
     request: LimitRequest,
     watch: &Watch,
 ) -> Result<(RefinedMesh, Vec<String>), LimitError> {
+    let (steps, at) = scheduled(plan, levels)?;
+    let (steps, ahead) = steps.split_at(at);
+    if let Some(refined) = refine_swept(mesh, plan, (steps, ahead), request, watch)? {
+        return Ok((refined, Vec::new()));
+    }
+    to_limit_by_rows(mesh, plan, levels, request, watch)
+}
+
+/// The steps of so many levels and of those that limits look ahead, and the number of the former.
+fn scheduled(plan: &Plan, levels: u32) -> Result<(Vec<Scheduled>, usize), Unlimited> {
     let later = |fault: Fault| Unlimited::Later(fault.detail);
     let steps = plan.schedule(levels + AHEAD).map_err(later)?;
-    let (steps, ahead) = steps.split_at(plan.word.prefix.len() + levels as usize * plan.word.cycle.len());
+    Ok((steps, plan.word.prefix.len() + levels as usize * plan.word.cycle.len()))
+}
+
+/// Refines a mesh by rows of whole nets and finds what is asked for of its limit by the masks of all its vertices: the
+/// definition of what [`refine_mesh_to_limit`] finds, up to rounding.
+///
+/// # Errors
+/// [`LimitError`], also where there is no limit.
+pub fn to_limit_by_rows(
+    mesh: &Mesh,
+    plan: &Plan,
+    levels: u32,
+    request: LimitRequest,
+    watch: &Watch,
+) -> Result<(RefinedMesh, Vec<String>), LimitError> {
+    let (steps, at) = scheduled(plan, levels)?;
+    let (steps, ahead) = steps.split_at(at);
     let (net, points) = act_on(mesh_net(mesh, plan), numbers(mesh), plan, steps, watch)?;
     let found = match limits(plan, &net, &points, ahead, request, watch) {
         Err(error) if !request.positions && !matches!(error, Unlimited::Stopped(_)) => {

@@ -40,6 +40,7 @@ mod rotation;
 mod sector;
 mod skeleton;
 mod small;
+mod swept;
 mod tangent;
 #[cfg(test)]
 mod tests;
@@ -52,6 +53,6 @@ pub use cost::{Cost, Follow, cost, sees_whole_fans};
 pub(super) use cycle::AHEAD;
 pub use error::{LimitError, Unlimited};
 pub(super) use limits::limits;
-pub use mesh::refine_mesh_to_limit;
+pub use mesh::{refine_mesh_to_limit, to_limit_by_rows};
 pub use perturbed::{ROWS_A_POINT, followed_points};
 pub use request::LimitRequest;

@@ -39,7 +39,7 @@ pub(super) fn of(
         of_vertices[v as usize] = sum.unwrap_or_default();
     }
     sides.sort_unstable_by_key(|&(side, _)| side);
-    (Normals { of_vertices, sides }, warning)
+    (Normals { of_vertices: of_vertices.into_flattened().into(), sides }, warning)
 }
 
 /// The warning that some of all normals are missing.

@@ -51,6 +51,14 @@ impl Frame {
         self.sides[0]
     }
 
+    /// Steps along the side from the corner and along the side before it, seen from the corner, that lead to a place.
+    pub(super) fn seen(&self, place: [isize; 2]) -> [isize; 2] {
+        let [x, y] = std::array::from_fn(|k| place[k] - self.corner[k]);
+        // the two sides span the lattice, counter-clockwise: their determinant is 1
+        let [a, b] = self.sides;
+        [x * b[1] - y * b[0], a[0] * y - a[1] * x]
+    }
+
     /// The place `a` steps along the side from the corner and `b` steps along the side before it, seen from the corner.
     pub(super) fn place(&self, [a, b]: [isize; 2]) -> [isize; 2] {
         std::array::from_fn(|k| self.corner[k] + a * self.sides[0][k] + b * self.sides[1][k])

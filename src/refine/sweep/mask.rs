@@ -1,7 +1,7 @@
 //! The masks of a round on a regular grid, read off the rows of the operators on small nets.
 
 use super::lattice::{cell, fine, is_within};
-use super::sample::{Sample, Table, Use};
+use super::sample::{RADIUS, Sample, Table, Use};
 use crate::math::functions::ratio;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::creases::INFINITE_SHARPNESS;
@@ -68,12 +68,12 @@ pub(super) fn softened(sharpness: f64, rounds: usize) -> Option<f64> {
 
 /// The passes of a round on a net with such lines, or none where its rows are not those of masks.
 pub(super) fn passes(plan: &Plan, round: &[Scheduled], tile: Tile, lines: &[Option<Line>]) -> Option<Vec<Pass>> {
-    let smooth = Sample::new(tile, None).tables(plan, round)?;
+    let smooth = Sample::new(tile, None, RADIUS).tables(plan, round)?;
     let mut passes: Vec<Pass> = smooth.iter().map(Pass::smooth).collect::<Option<_>>()?;
     for line in lines {
         let axes = if tile == Tile::Quad { 2 } else { 3 };
         let along = |line: Line| {
-            let tables = (0..axes).map(|axis| Sample::new(tile, Some((line, axis))).tables(plan, round));
+            let tables = (0..axes).map(|axis| Sample::new(tile, Some((line, axis)), RADIUS).tables(plan, round));
             tables.collect::<Option<Vec<_>>>()
         };
         let along = match *line {

@@ -7,6 +7,7 @@
 //! the operators. As symmetric sums do not depend on where a walk begins, every point has the bits that the rows of the
 //! whole net give it.
 
+mod evaluate;
 mod grid;
 mod kernel;
 mod lattice;
@@ -16,7 +17,11 @@ mod patches;
 mod program;
 mod sample;
 mod star;
+mod stencils;
 mod surface;
+mod task;
 mod weave;
 
-pub(super) use program::{Outline, Sweep};
+pub(crate) use evaluate::Rule;
+pub(crate) use program::{Outline, Sweep};
+pub(crate) use stencils::{Stencil, Stencils};

@@ -14,6 +14,7 @@ use crate::scheme::parameters::SPLIT;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::tile::Tile;
+use crate::shape::topology::Topology;
 
 /// Most cells of a grid in each direction: the planes of three coordinates take 1 MB with it, what a core has as its
 /// own cache. Half of it makes a tenth more points twice, in halos; twice of it leaves that cache.
@@ -149,6 +150,11 @@ impl Sweep {
         self.steps_before
     }
 
+    /// The faces that are patches.
+    pub(crate) fn patches(&self) -> &Arc<Topology> {
+        &self.surface.patches
+    }
+
     /// Into what each round splits the faces.
     pub(crate) fn tile(&self) -> Tile {
         self.surface.tile
@@ -169,6 +175,11 @@ impl Sweep {
         let stars: usize = (0..self.surface.kinds.len()).map(|kind| self.shape(kind).len()).sum();
         let corners = self.surface.patches.n_half_edges() + self.surface.base.n_vertices();
         size_of::<Self>() + CORNER * corners + STAR_POINT * stars * self.rounds.len()
+    }
+
+    /// Pieces of a patch's side where the sweep ends.
+    pub(super) fn patch_pieces(&self) -> usize {
+        self.first_pieces << self.rounds.len()
     }
 
     /// Number of points in which the sweep ends.

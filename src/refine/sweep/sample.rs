@@ -16,10 +16,9 @@ use crate::shape::check::{FaceList, Winding};
 use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 
-/// Cells in each direction of the nets: two on each side of the cell in the middle and of its neighbours, as far as the
-/// masks reach that are served.
-const SIDE: isize = 6;
-const MIDDLE: [isize; 2] = [SIDE / 2, SIDE / 2];
+/// Cells on each side of the middle of the nets that masks are read off: as far as masks reach, two cells, and one more.
+/// With half of it the masks of butterfly schemes would be those of a boundary; twice of it only takes longer.
+pub(super) const RADIUS: usize = 3;
 
 /// How a step uses a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,22 +43,25 @@ pub(super) struct Table {
 
 /// A small net with a vertex in its middle, which may lie on a line along an axis.
 pub(super) struct Sample {
+    /// Cells on each side of the middle, which is also its place.
+    radius: isize,
     line: Option<(Line, usize)>,
     topology: Arc<Topology>,
     /// For each vertex its place.
     coarse: Vec<[isize; 2]>,
 }
 
-/// How far to the left of a line along an axis through the middle a place lies, in steps of a grid with so many pieces
-/// a cell.
-fn side(axis: usize, pieces: isize, [i, j]: [isize; 2]) -> isize {
+/// How far to the left of a line along an axis through a point a place lies.
+fn side(axis: usize, through: isize, [i, j]: [isize; 2]) -> isize {
     let [a, b] = AXES[axis];
-    a * (j - pieces * MIDDLE[1]) - b * (i - pieces * MIDDLE[0])
+    a * (j - through) - b * (i - through)
 }
 
 impl Sample {
-    pub(super) fn new(tile: Tile, line: Option<(Line, usize)>) -> Self {
-        let cells = (0..SIDE).flat_map(|j| (0..SIDE).map(move |i| [i, j]));
+    /// A net of so many cells on each side of the middle.
+    pub(super) fn new(tile: Tile, line: Option<(Line, usize)>, radius: usize) -> Self {
+        let radius = radius.cast_signed();
+        let cells = (0..2 * radius).flat_map(|j| (0..2 * radius).map(move |i| [i, j]));
         let corners = |[i, j]: [isize; 2]| match tile {
             Tile::Quad => vec![vec![[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]]],
             Tile::Triangle => {
@@ -67,7 +69,7 @@ impl Sample {
             }
         };
         let cut = line.and_then(|(line, axis)| (line == Line::Boundary).then_some(axis));
-        let is_kept = |face: &Vec<[isize; 2]>| cut.is_none_or(|axis| face.iter().all(|&at| side(axis, 1, at) >= 0));
+        let is_kept = |face: &Vec<[isize; 2]>| cut.is_none_or(|axis| face.iter().all(|&at| side(axis, radius, at) >= 0));
         let (mut numbers, mut coarse, mut faces) = (HashMap::new(), Vec::new(), FaceList::default());
         for face in cells.flat_map(corners).filter(is_kept) {
             let vertices = face.into_iter().map(|at| {
@@ -79,14 +81,25 @@ impl Sample {
             faces.push(vertices.collect::<Vec<_>>());
         }
         let checked = Topology::of_faces(coarse.len(), faces, Winding::Refuse).expect("a grid is a mesh");
-        Self { line, topology: Arc::new(checked.topology), coarse }
+        Self { radius, line, topology: Arc::new(checked.topology), coarse }
     }
 
-    fn net(&self, plan: &Plan) -> MeshNet {
+    /// The vertex in the middle.
+    pub(super) fn middle(&self) -> u32 {
+        index(self.coarse.iter().position(|&place| place == [self.radius; 2]).unwrap_or(0))
+    }
+
+    /// The place of a vertex, counted from the middle.
+    pub(super) fn from_middle(&self, v: u32) -> [isize; 2] {
+        self.coarse[v as usize].map(|x| x - self.radius)
+    }
+
+    /// The net under a plan.
+    pub(super) fn net(&self, plan: &Plan) -> MeshNet {
         let net = MeshNet::new(self.topology.clone(), &[], &[], Boundary::EdgeOnly);
         let Some((Line::Crease(sharpness), axis)) = self.line else { return net.with_sharpness(None, plan.rules) };
         let on_line =
-            |e: usize| self.topology.ends(e).iter().all(|&v| side(axis, 1, self.coarse[v as usize]) == 0);
+            |e: usize| self.topology.ends(e).iter().all(|&v| side(axis, self.radius, self.coarse[v as usize]) == 0);
         let sharp = (0..self.topology.n_edges()).filter(|&e| on_line(e)).map(|e| (index(e), sharpness)).collect();
         net.with_sharpness(Sharpness::of(&sharp, &Vec::new()), plan.rules)
     }
@@ -116,8 +129,8 @@ impl Sample {
                 points.into_iter().map(|(plane, at)| Some((plane, mask(plane, at)?))).collect::<Option<Vec<_>>>()
             };
             let middle = match self.line {
-                None => (0..PLANES).map(|plane| (plane, MIDDLE)).collect(),
-                Some((_, axis)) => vec![(0, MIDDLE), after(axis, MIDDLE)],
+                None => (0..PLANES).map(|plane| (plane, [self.radius; 2])).collect(),
+                Some((_, axis)) => vec![(0, [self.radius; 2]), after(axis, [self.radius; 2])],
             };
             Some(Table { is: *is, masks: masks(middle)?, beside: masks(self.beside())? })
         };
@@ -127,8 +140,9 @@ impl Sample {
     /// Planes and cells of points beside the line, up to a cell away, on the side that boundaries have faces on.
     fn beside(&self) -> Vec<(usize, [isize; 2])> {
         let Some((_, axis)) = self.line else { return Vec::new() };
-        let near = (-2..=2).flat_map(|j| (-2..=2).map(move |i| [2 * MIDDLE[0] + i, 2 * MIDDLE[1] + j]));
-        near.filter(|&place| (1..=2).contains(&side(axis, 2, place))).map(cell).collect()
+        let middle = 2 * self.radius;
+        let near = (-2..=2).flat_map(|j| (-2..=2).map(move |i| [middle + i, middle + j]));
+        near.filter(|&place| (1..=2).contains(&side(axis, middle, place))).map(cell).collect()
     }
 
     /// The mask of one row for a point of the cell `at`, over the refined net where `places` are given, else over the

@@ -30,7 +30,7 @@ pub(super) struct StarKind {
 
 impl StarKind {
     /// What it is after so many rounds.
-    fn after(&self, rounds: usize) -> Self {
+    pub(super) fn after(&self, rounds: usize) -> Self {
         let left = |bits: u64| softened(f64::from_bits(bits), rounds).map(f64::to_bits);
         let sharp = self.sharp.iter().filter_map(|&(edge, sharpness)| Some((edge, left(sharpness)?))).collect();
         Self { sharp, corner: left(self.corner).unwrap_or(0), ..*self }
@@ -250,7 +250,7 @@ impl Needed {
 }
 
 /// The faces around a vertex as a mesh of their own, whose vertices are numbered as the points of the star.
-struct Disc {
+pub(super) struct Disc {
     shape: StarShape,
     topology: Arc<Topology>,
     /// Ring face and cell of each face.
@@ -258,7 +258,8 @@ struct Disc {
 }
 
 impl Disc {
-    fn new(kind: &StarKind, tile: Tile, reach: usize) -> Option<Self> {
+    /// The faces around a vertex of this kind, as far as `reach` cells; none where they are no surface.
+    pub(super) fn new(kind: &StarKind, tile: Tile, reach: usize) -> Option<Self> {
         let shape = StarShape { tile, faces: kind.faces, closed: kind.closed, reach };
         let mut faces = FaceList::default();
         let mut cells = HashMap::new();
@@ -283,7 +284,13 @@ impl Disc {
         checked.split_from.is_empty().then(|| Self { shape, topology: Arc::new(checked.topology), cells })
     }
 
-    fn net(&self, kind: &StarKind, plan: &Plan) -> MeshNet {
+    /// How its vertices are numbered.
+    pub(super) fn shape(&self) -> StarShape {
+        self.shape
+    }
+
+    /// The net under a plan.
+    pub(super) fn net(&self, kind: &StarKind, plan: &Plan) -> MeshNet {
         let on_edge = |edge: usize, at: usize| -> u32 {
             let (face, place) = if edge < kind.faces { (edge, [at, 0]) } else { (edge - 1, [0, at]) };
             index(self.shape.point(face, place))

@@ -204,8 +204,20 @@ impl Surface {
         }
     }
 
+    /// The number of a point of a patch with `n` pieces, or of a neighbour across the side of a half-edge: so many steps
+    /// along the side and beside it.
+    pub(super) fn vertex_near(&self, order: &Numbering, half_edge: u32, n: usize, [along, beside]: [isize; 2]) -> u32 {
+        let (inside, place) = if beside < 0 {
+            (self.patches.twin(half_edge), [n.cast_signed() - along, -beside])
+        } else {
+            (half_edge, [along, beside])
+        };
+        let (patch, side) = self.side(inside);
+        order.vertex(patch, Frame::new(self.tile, n, side, 0).place(place))
+    }
+
     /// The points beyond a corner of a patch, in the faces around it that have no side in common with the patch.
-    fn gather_across(
+    pub(super) fn gather_across(
         &self,
         order: &Numbering,
         half_edge: u32,

@@ -1,5 +1,6 @@
 //! Meshes are refined along two paths, by rows of whole nets and patch by patch: every point has the same bits.
 
+use planish::analysis::limit::{LimitRequest, refine_mesh_to_limit, to_limit_by_rows};
 use planish::job::Input;
 use planish::refine::{RefinedMesh, is_swept, refine_by_rows, refine_mesh};
 use planish::shape::source::{FaceChunk, MeshSource};
@@ -197,6 +198,70 @@ fn large_patches_are_swept_block_by_block_to_the_same_bits() {
     for plan in [json!({ "preset": "loop", "boundary": "edge-only" }), triangle_plans().swap_remove(6)] {
         assert!(compare(&net, &json!({ "creases": creases }), &plan, 8));
     }
+}
+
+/// Compares limits and normals that are found patch by patch with those of whole nets; whether there are any.
+fn compare_limits(net: &Net, extras: &Value, plan: &Value, levels: usize) -> bool {
+    let value = job(net, extras, plan, levels);
+    let job = parsed(&serde_json::to_vec(&value).expect("JSON")).unwrap_or_else(|faults| panic!("{faults:?}"));
+    let Input::Mesh(mesh) = &job.input else { panic!("it is a mesh") };
+    let (request, watch) = (LimitRequest { positions: true, normals: true }, Watch::new());
+    let levels = u32::try_from(levels).expect("few levels");
+    let found = refine_mesh_to_limit(mesh, &job.plan, levels, request, &watch);
+    let expected = to_limit_by_rows(mesh, &job.plan, levels, request, &watch);
+    let (Ok((found, warnings)), Ok((expected, others))) = (&found, &expected) else {
+        assert_eq!(found.map(|_| ()).map_err(|e| e.to_string()), expected.map(|_| ()).map_err(|e| e.to_string()));
+        return false;
+    };
+    assert_eq!(warnings, others, "{value}");
+    let close = |a: &[f64; 3], b: &[f64; 3], size: f64| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= size);
+    for (v, (a, b)) in found.all_positions().iter().zip(&expected.all_positions()).enumerate() {
+        assert!(close(a, b, 1e-12), "limit {v}: {a:?} and {b:?} in {value}");
+    }
+    let normals = |mesh: &RefinedMesh| {
+        let mut normals = Vec::new();
+        mesh.normals()?.of_vertices(0..mesh.n_vertices(), &mut normals);
+        Some(normals)
+    };
+    let [Some(mine), Some(theirs)] = [found, expected].map(normals) else { return false };
+    for (v, (a, b)) in mine.iter().zip(&theirs).enumerate() {
+        assert!(close(a, b, 1e-9), "normal {v}: {a:?} and {b:?} in {value}");
+    }
+    let mut faces = FaceChunk::default();
+    found.faces(0..found.n_faces(), &mut faces);
+    for face in faces.iter() {
+        for k in 0..face.len() {
+            let side = |mesh: &RefinedMesh| mesh.normals().and_then(|n| n.on_side(face[k], face[(k + 1) % face.len()]));
+            match (side(found), side(expected)) {
+                (Some(a), Some(b)) => assert!(close(&a, &b, 1e-9), "{face:?} at {k}: {a:?} and {b:?} in {value}"),
+                (a, b) => assert_eq!(a, b, "{face:?} at {k} in {value}"),
+            }
+        }
+    }
+    true
+}
+
+#[test]
+fn limits_and_normals_of_patches_are_those_of_whole_nets() {
+    let sharp = [[0, 1], [1, 3], [3, 2]].map(|edge| json!({ "edge": edge, "sharpness": 10 }));
+    let extras = json!({ "creases": sharp, "channels": { "heat": [1, 2, 3, 4, 5, 6, 7, 8.5] } });
+    for plan in [json!({ "preset": "catmull-clark" }), word("UC"), static_word("UP")] {
+        for net in [nets::cube(), nets::torus(3, 4), nets::prism(5), nets::grid(3, 2), nets::mixed()] {
+            compare_limits(&net, &json!({}), &plan, 3);
+        }
+        compare_limits(&nets::cube(), &extras, &plan, 3);
+    }
+    let semi_sharp = json!({ "creases": [{ "edge": [0, 1], "sharpness": 3.5 }, { "edge": [1, 3], "sharpness": 0.5 }] });
+    assert!(compare_limits(&nets::cube(), &semi_sharp, &json!({ "preset": "catmull-clark" }), 2));
+    for plan in triangle_plans() {
+        for net in [nets::octahedron(), nets::triangulated(nets::grid(3, 2)), nets::triangulated(nets::torus(4, 5))] {
+            compare_limits(&net, &json!({}), &plan, 3);
+        }
+    }
+    let creases = [[0, 2], [2, 4], [4, 1]].map(|edge| json!({ "edge": edge, "sharpness": 10 }));
+    assert!(compare_limits(&nets::octahedron(), &json!({ "creases": creases }), &json!({ "preset": "loop" }), 3));
+    // patches that are evaluated in several bands of rows
+    assert!(compare_limits(&nets::grid(1, 1), &json!({}), &json!({ "preset": "catmull-clark" }), 7));
 }
 
 #[test]

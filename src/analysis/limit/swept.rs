@@ -1,0 +1,122 @@
+//! Limits of meshes that are refined patch by patch: the masks of the few kinds of points there are, read off small nets.
+
+use std::sync::Arc;
+
+use super::continuity::{check, smoothness};
+use super::disc::{Centre, Rings};
+use super::error::{LimitError, Unlimited};
+use super::impulse::Smoothness;
+use super::mask::{Finder, Mask, Masks};
+use super::on_net::CycleOnNet;
+use super::regular::Starts;
+use super::request::LimitRequest;
+use super::sector::Sectors;
+use super::vertex_parameters::CommonParameters;
+use super::walk::WholeNet;
+use crate::refine::{Program, RefinedMesh, Stencil, Stencils, mesh_net};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::Role;
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::shape::mesh::Mesh;
+use crate::watch::Watch;
+
+
+/// The faces around a vertex alone.
+const NEAREST: Rings = Rings { support: 1, disc: 1 };
+
+/// A mesh after some steps with what is asked for of its limit, where both are found patch by patch: the limit of a
+/// point has to depend on the faces around it alone, and every normal has to exist. `ahead` would refine it further.
+///
+/// # Errors
+/// [`LimitError`].
+pub(super) fn refine_swept(
+    mesh: &Mesh,
+    plan: &Plan,
+    (steps, ahead): (&[Scheduled], &[Scheduled]),
+    request: LimitRequest,
+    watch: &Watch,
+) -> Result<Option<RefinedMesh>, LimitError> {
+    let program = Program::of(mesh, plan, steps);
+    let [limits, normals] = match stencils(&program, mesh, plan, ahead, request, watch) {
+        Ok(Some(found)) => found,
+        Err(stopped @ Unlimited::Stopped(_)) => return Err(stopped.into()),
+        // what the whole net has to say about it is more exact
+        Ok(None) | Err(_) => return Ok(None),
+    };
+    let refined = program.refine(mesh, plan, steps, watch)?;
+    Ok(program.at_limit(refined, limits.as_ref(), normals.as_ref(), watch).map_err(Unlimited::Stopped)?)
+}
+
+/// The stencils of limits and of normals, as far as they are asked for; none where they cannot be read off small nets.
+fn stencils(
+    program: &Program,
+    mesh: &Mesh,
+    plan: &Plan,
+    ahead: &[Scheduled],
+    request: LimitRequest,
+    watch: &Watch,
+) -> Result<Option<[Option<Stencils>; 2]>, Unlimited> {
+    let is_upsampling = |step: &Scheduled| step.letter.facts().role == Role::Upsample;
+    let Some(sweep) = program.points().filter(|_| ahead.first().is_some_and(is_upsampling)) else { return Ok(None) };
+    check(plan)?;
+    let (net, topology) = (mesh_net(mesh, plan), sweep.patches());
+    let on_net = CycleOnNet::of(plan, &net, topology, ahead, watch)?;
+    let rings = on_net.rings(Starts { is_open: topology.n_boundary() > 0, others: false })?;
+    let smooth = smoothness(&on_net, rings.support, request.normals, watch)?;
+    if rings.support > 1 || on_net.surroundings.is_some() || (request.normals && smooth != Smoothness::Smooth) {
+        return Ok(None);
+    }
+    let finder = Finder::new(&on_net.cycle, rings, request.normals);
+    let small = SmallNets { rings, masks: Masks::new(&finder, CommonParameters::default()) };
+    let mut found = [None, None];
+    if request.positions {
+        found[0] = sweep.stencils(plan, rings.disc, |net, v| small.position(net, v))?;
+    }
+    if request.normals {
+        found[1] = sweep.stencils(plan, rings.disc, |net, v| small.tangents(net, v))?;
+    }
+    let all = found[0].is_some() == request.positions && found[1].is_some() == request.normals;
+    Ok(all.then_some(found))
+}
+
+/// Masks of vertices of small nets.
+struct SmallNets<'a> {
+    rings: Rings,
+    masks: Masks<'a>,
+}
+
+impl SmallNets<'_> {
+    /// The mask of a vertex, and the vertices that it weighs; none where the vertex has none, about which nets as a
+    /// whole say more.
+    fn mask(&self, net: &MeshNet, v: u32) -> Result<Option<(Arc<Mask>, Vec<u32>)>, Unlimited> {
+        let whole = WholeNet::of(net, &net.mesh.base);
+        let Some(found) = whole.disc(Centre::Vertex(v), self.rings) else { return Ok(None) };
+        match self.masks.of(0, &found.disc) {
+            Ok(mask) => Ok(Some((mask, found.vertices))),
+            Err(stopped @ Unlimited::Stopped(_)) => Err(stopped),
+            Err(_) => Ok(None),
+        }
+    }
+
+    fn position(&self, net: &MeshNet, v: u32) -> Result<Option<Stencil<u32>>, Unlimited> {
+        let stencil = |(mask, vertices): (Arc<Mask>, Vec<u32>)| {
+            let weights = vertices.into_iter().zip(mask.position.iter().copied()).collect();
+            Stencil { sectors: vec![vec![weights]], sides: Vec::new() }
+        };
+        Ok(self.mask(net, v)?.map(stencil))
+    }
+
+    fn tangents(&self, net: &MeshNet, v: u32) -> Result<Option<Stencil<u32>>, Unlimited> {
+        let Some((mask, vertices)) = self.mask(net, v)? else { return Ok(None) };
+        let weights = |tangent: &Vec<f64>| vertices.iter().copied().zip(tangent.iter().copied()).collect();
+        let sector = |found: &Result<[Vec<f64>; 2], _>| Some(found.as_ref().ok()?.iter().map(weights).collect());
+        let Some(sectors) = mask.tangents.iter().map(sector).collect::<Option<Vec<_>>>() else { return Ok(None) };
+        let near = WholeNet::of(net, &net.mesh.base).disc(Centre::Vertex(v), NEAREST);
+        let sides = near.filter(|_| sectors.len() > 1).map_or_else(Vec::new, |near| {
+            let all = Sectors::of(&near.disc);
+            let faces = near.disc.central_faces().enumerate();
+            faces.map(|(i, face)| (near.vertices[face[1] as usize], all.of_face(i))).collect()
+        });
+        Ok(Some(Stencil { sectors, sides }))
+    }
+}

@@ -1,0 +1,99 @@
+//! Limits of meshes that were refined patch by patch.
+
+use rayon::prelude::*;
+
+use super::normals::Normals;
+use super::program::Program;
+use super::refined::RefinedMesh;
+use super::sweep::{Rule, Stencils};
+use crate::math::functions::sqrt;
+use crate::math::vector::{cross, direction, dot, length, plus};
+use crate::watch::{Stopped, Watch};
+
+impl Program {
+    /// A mesh that this program refined, with limits in the place of its points and numbers, or with normals, as far as
+    /// there are stencils of them. None where it was not refined patch by patch, or where a vertex with faces has no
+    /// normal.
+    ///
+    /// # Errors
+    /// [`Stopped`] when the watch says so.
+    pub(crate) fn at_limit(
+        &self,
+        refined: RefinedMesh,
+        limits: Option<&Stencils>,
+        normals: Option<&Stencils>,
+        watch: &Watch,
+    ) -> Result<Option<RefinedMesh>, Stopped> {
+        let Some(sweep) = self.points().filter(|_| refined.order.is_documented()) else { return Ok(None) };
+        let normals = match normals {
+            Some(stencils) => {
+                let found = sweep.evaluate(&refined.points, stencils, NORMALS, watch)?;
+                let is_isolated = |v: usize| v < refined.base.n_vertices() && refined.base.is_isolated(v);
+                let missing = |(v, normal): (usize, &[f64; 3])| *normal == [0.0; 3] && !is_isolated(v);
+                let of_vertices = found.values.as_chunks().0;
+                if of_vertices.par_iter().with_min_len(CHUNK).enumerate().any(missing)
+                    || found.sides.iter().any(|(_, normal)| *normal == [0.0; 3])
+                {
+                    return Ok(None);
+                }
+                Some(Normals { of_vertices: found.values, sides: found.sides })
+            }
+            None => None,
+        };
+        let mut refined = refined.with_normals(normals);
+        if let Some(stencils) = limits {
+            let limits_of = |numbers: &[f64], width: usize| match width {
+                1 => sweep.evaluate::<1>(numbers, stencils, positions(), watch).map(|found| found.values),
+                2 => sweep.evaluate::<2>(numbers, stencils, positions(), watch).map(|found| found.values),
+                3 => sweep.evaluate::<3>(numbers, stencils, positions(), watch).map(|found| found.values),
+                _ => sweep.evaluate::<4>(numbers, stencils, positions(), watch).map(|found| found.values),
+            };
+            refined.points = limits_of(&refined.points, 3)?;
+            for (numbers, channel) in refined.channels.iter_mut().zip(&refined.attachments.channels) {
+                *numbers = limits_of(numbers, channel.width)?;
+            }
+        }
+        Ok(Some(refined))
+    }
+}
+
+/// Normals that a thread looks at at a time at least.
+const CHUNK: usize = 4096;
+
+/// The sine of the least angle between two tangents that have a normal.
+const LEAST_SINE: f64 = 1e-9;
+
+fn first<const W: usize>(values: &[[f64; W]]) -> [f64; W] {
+    values[0]
+}
+
+/// The rule of positions and of numbers that vertices carry: a vertex without faces stays.
+fn positions<const W: usize>() -> Rule<W> {
+    Rule { of: first, join: first, alone: |point| point }
+}
+
+/// The rule of normals, of two tangents each; zero where these are none.
+const NORMALS: Rule<3> = Rule { of: |tangents| normal(tangents[0], tangents[1]), join: sum, alone: |_| [0.0; 3] };
+
+/// `t x u` at length one; zero for vectors whose sine is not above [`LEAST_SINE`].
+#[inline]
+fn normal(t: [f64; 3], u: [f64; 3]) -> [f64; 3] {
+    const SAFE: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
+    let product = cross(t, u);
+    let squares = [dot(t, t), dot(u, u), dot(product, product)];
+    if squares.iter().all(|square| SAFE.contains(square)) {
+        let above = squares[2] > LEAST_SINE * LEAST_SINE * squares[0] * squares[1];
+        let length = if above { sqrt(squares[2]) } else { f64::INFINITY };
+        return product.map(|x| x / length);
+    }
+    let (Some(t), Some(u)) = (direction(t), direction(u)) else { return [0.0; 3] };
+    let product = cross(t, u);
+    if length(product) > LEAST_SINE { direction(product).unwrap_or_default() } else { [0.0; 3] }
+}
+
+/// The direction of the sum of the normals of some sectors; zero where one has none.
+fn sum(sectors: &[[f64; 3]]) -> [f64; 3] {
+    let all = sectors.iter().all(|normal| *normal != [0.0; 3]);
+    let sum = || direction(sectors.iter().copied().fold([0.0; 3], plus));
+    if all { sum().unwrap_or_default() } else { [0.0; 3] }
+}

@@ -1,0 +1,307 @@
+//! Values at refined points that are made of the points next to them: limits, and normals there.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::grid::at_least;
+use super::kernel::{FlatGroup, FlatMask};
+use super::lattice::{AXES, Frame, axis, corner, last};
+use super::program::Sweep;
+use super::star::StarShape;
+use super::stencils::{Stencil, Stencils};
+use super::task::Task;
+use crate::kept::Numbers;
+use crate::shape::topology::NONE;
+use crate::watch::{Stopped, Watch};
+
+/// Rows of a patch that are evaluated at a time: with their neighbours they stay in the cache of a core. Half of it
+/// gathers a tenth of all rows twice; twice of it leaves the cache from patches of 512 pieces on.
+const BAND: usize = 32;
+
+/// What is made of the functionals at a point.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rule<const W: usize> {
+    /// The value of a sector, of its functionals.
+    pub(crate) of: fn(&[[f64; W]]) -> [f64; W],
+    /// The value of a point, of those of several sectors.
+    pub(crate) join: fn(&[[f64; W]]) -> [f64; W],
+    /// The value of a vertex without faces.
+    pub(crate) alone: fn([f64; W]) -> [f64; W],
+}
+
+/// Values in the documented order.
+#[derive(Debug)]
+pub(crate) struct Evaluated<const W: usize> {
+    /// `n x W`.
+    pub(crate) values: Numbers,
+    /// At points with several sectors: the point, the next one of a face there, and the value on that side; ascending.
+    pub(crate) sides: Vec<([u32; 2], [f64; W])>,
+}
+
+impl Sweep {
+    /// The values at the points where the sweep ends, given in the documented order.
+    ///
+    /// # Errors
+    /// [`Stopped`] when the watch says so.
+    ///
+    /// # Panics
+    /// When the points are not as many as those where the sweep ends.
+    pub(crate) fn evaluate<const W: usize>(
+        &self,
+        points: &[f64],
+        stencils: &Stencils,
+        rule: Rule<W>,
+        watch: &Watch,
+    ) -> Result<Evaluated<W>, Stopped> {
+        let points = points.as_chunks::<W>().0;
+        assert_eq!(points.len(), self.n_points(), "the points belong to another net");
+        let base = &self.surface.base;
+        let mut values = Numbers::to_overwrite(points.len() * W);
+        let (vertices, rest) = values.as_chunks_mut::<W>().0.split_at_mut(base.n_vertices());
+        let run = Run::new(self, points, stencils, rule);
+        let made = self.tasks(rest).into_par_iter().map_init(Buffers::<W>::default, |buffers, mut task| {
+            for patch in task.patches.clone() {
+                for first in (0..=run.n).step_by(BAND) {
+                    watch.check()?;
+                    run.band(patch, first..(first + BAND).min(run.n + 1), buffers, &mut task);
+                }
+                watch.advance((run.n * run.n) as u64);
+            }
+            Ok((task.vertices, std::mem::take(&mut buffers.sides)))
+        });
+        let made = made.collect::<Result<Vec<_>, Stopped>>()?;
+        let mut sides = Vec::new();
+        for (owned, beside) in made {
+            owned.into_iter().for_each(|(v, value)| vertices[v as usize] = value);
+            sides.extend(beside);
+        }
+        for v in (0..base.n_vertices()).filter(|&v| base.is_isolated(v)) {
+            vertices[v] = (rule.alone)(points[v]);
+        }
+        sides.sort_unstable_by_key(|&(side, _)| side);
+        Ok(Evaluated { values, sides })
+    }
+}
+
+/// What all patches have in common.
+struct Run<'a, const W: usize> {
+    sweep: &'a Sweep,
+    points: &'a [[f64; W]],
+    stencils: &'a Stencils,
+    rule: Rule<W>,
+    /// Pieces of a patch's side.
+    n: usize,
+    /// The functionals of regular points over the rows of a band.
+    masks: Vec<FlatMask>,
+}
+
+/// The buffers of one thread: a band with a row more on each side, and a column more at each end.
+#[derive(Default)]
+struct Buffers<const W: usize> {
+    points: Vec<f64>,
+    functionals: Vec<Vec<f64>>,
+    values: Vec<[f64; W]>,
+    sides: Vec<([u32; 2], [f64; W])>,
+}
+
+impl<'a, const W: usize> Run<'a, W> {
+    fn new(sweep: &'a Sweep, points: &'a [[f64; W]], stencils: &'a Stencils, rule: Rule<W>) -> Self {
+        let n = sweep.patch_pieces();
+        let stride = n + 3;
+        let len = (BAND + 2) * stride * W;
+        let distance = |[i, j]: [isize; 2]| (j * stride.cast_signed() + i) * W.cast_signed();
+        let group = |&(place, weight): &([isize; 2], f64)| FlatGroup { weight, members: vec![(0, distance(place))] };
+        let mask = |weights: &Vec<([isize; 2], f64)>| {
+            FlatMask::new(weights.iter().map(group).collect(), len, stride * W..len - stride * W)
+        };
+        let masks = stencils.regular.sectors[0].iter().map(mask).collect();
+        Self { sweep, points, stencils, rule, n, masks }
+    }
+
+    /// Where the point of a place of the patch stands in the buffers of a band that begins with this row.
+    fn at(&self, first: usize, [i, j]: [isize; 2]) -> usize {
+        (j - first.cast_signed() + 1).unsigned_abs() * (self.n + 3) + (i + 1).unsigned_abs()
+    }
+
+    /// Evaluates some rows of a patch.
+    fn band(&self, patch: usize, rows: Range<usize>, buffers: &mut Buffers<W>, task: &mut Task<'_, W>) {
+        let len = (BAND + 2) * (self.n + 3);
+        at_least(&mut buffers.points, len * W);
+        self.gather(patch, &rows, &mut buffers.points);
+        buffers.functionals.resize_with(self.masks.len(), Vec::new);
+        for (mask, out) in self.masks.iter().zip(&mut buffers.functionals) {
+            at_least(out, len * W);
+            mask.combine(&[&buffers.points[..len * W]; 4], &mut out[..len * W], false);
+        }
+        buffers.values.resize(len, [0.0; W]);
+        let span = self.n + 3..(rows.len() + 1) * (self.n + 3);
+        let functional = |f: usize, k: usize| buffers.functionals[f].as_chunks::<W>().0[k];
+        if self.masks.len() == 1 {
+            buffers.values[span.clone()].copy_from_slice(&buffers.functionals[0].as_chunks().0[span]);
+        } else {
+            for k in span {
+                buffers.values[k] = (self.rule.of)(&[functional(0, k), functional(1, k)]);
+            }
+        }
+        self.lines(patch, &rows, buffers);
+        self.stars(patch, &rows, buffers);
+        self.emit(patch, &rows, &buffers.values, task);
+    }
+
+    /// The steps along a side, from the first to the last, at which a place lies in these rows: `start` is the row of
+    /// step 0.
+    fn steps(&self, along: [isize; 2], start: isize, rows: &Range<isize>) -> Range<isize> {
+        let n = self.n.cast_signed();
+        match along[1] {
+            1 => (rows.start - start).max(0)..(rows.end - start).min(n + 1),
+            -1 => (start - rows.end + 1).max(0)..(start - rows.start + 1).min(n + 1),
+            _ => 0..if rows.contains(&start) { n + 1 } else { 0 },
+        }
+    }
+
+    /// Gathers the points of the rows and of those beside them.
+    fn gather(&self, patch: usize, rows: &Range<usize>, buffer: &mut [f64]) {
+        let (order, surface, n) = (&self.sweep.orders[1], &self.sweep.surface, self.n);
+        let (tile, buffer) = (surface.tile, buffer.as_chunks_mut::<W>().0);
+        let reach = rows.start.cast_signed() - 1..rows.end.cast_signed() + 1;
+        for j in rows.start.saturating_sub(1).max(1)..(rows.end + 1).min(n) {
+            let len = last(tile, n, j).saturating_sub(1);
+            if len > 0 {
+                let place = [1, j.cast_signed()];
+                let (first, at) = (order.vertex(patch, place) as usize, self.at(rows.start, place));
+                buffer[at..at + len].copy_from_slice(&self.points[first..first + len]);
+            }
+        }
+        let mut put = |place: [isize; 2], v: u32| {
+            if reach.contains(&place[1]) {
+                buffer[self.at(rows.start, place)] = self.points[v as usize];
+            }
+        };
+        for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
+            let frame = Frame::new(tile, n, side, 0);
+            for steps in self.steps(frame.along(), frame.corner()[1], &reach) {
+                let place = frame.place([steps, 0]);
+                put(place, order.vertex(patch, place));
+            }
+            let twin = surface.patches.twin(half_edge);
+            if twin != NONE {
+                let (neighbour, its) = surface.side(twin);
+                let there = Frame::new(tile, n, its, 0);
+                for steps in self.steps(frame.along(), frame.place([0, -1])[1], &reach) {
+                    let across = there.place([n.cast_signed() - steps, 1]);
+                    if steps.unsigned_abs() >= n - last(tile, n, 1) {
+                        put(frame.place([steps, -1]), order.vertex(neighbour, across));
+                    }
+                }
+            }
+            if surface.kind_of(surface.patches.vertex(half_edge) as usize).is_none() {
+                surface.gather_across(order, half_edge, [n, 1], &mut put);
+            }
+        }
+    }
+
+    /// The value of one sector, of points that `point` gives.
+    fn value<P: Copy>(&self, sector: &[Vec<(P, f64)>], point: impl Fn(P) -> [f64; W]) -> [f64; W] {
+        let sum = |weights: &Vec<(P, f64)>| {
+            let add = |sum: [f64; W], &(p, weight): &(P, f64)| {
+                let p = point(p);
+                std::array::from_fn(|c| sum[c] + weight * p[c])
+            };
+            weights.iter().fold([-0.0; W], add)
+        };
+        (self.rule.of)(&sector.iter().map(sum).collect::<Vec<_>>())
+    }
+
+    /// The value of a point, and where it has several sectors that of each.
+    fn values<P: Copy>(&self, stencil: &Stencil<P>, point: impl Fn(P) -> [f64; W]) -> ([f64; W], Vec<[f64; W]>) {
+        if let [sector] = stencil.sectors.as_slice() {
+            return (self.value(sector, point), Vec::new());
+        }
+        let all: Vec<[f64; W]> = stencil.sectors.iter().map(|sector| self.value(sector, &point)).collect();
+        ((self.rule.join)(&all), all)
+    }
+
+    /// The points on lines, and their sides where an edge appears first.
+    fn lines(&self, patch: usize, rows: &Range<usize>, buffers: &mut Buffers<W>) {
+        let (order, surface, n) = (&self.sweep.orders[1], &self.sweep.surface, self.n);
+        let reach = rows.start.cast_signed()..rows.end.cast_signed();
+        for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
+            let Some(line) = surface.line(half_edge) else { continue };
+            let Some(along) = &self.stencils.lines[line] else { continue };
+            let stencil = &along[axis(surface.tile, side)];
+            let frame = Frame::new(surface.tile, n, side, 0);
+            // boundaries have their faces to the left: a stencil is turned by half a turn on sides that run back
+            let turn = if frame.along() == AXES[axis(surface.tile, side)] { 1 } else { -1 };
+            let owned = surface.patches.halves(surface.patches.edge(half_edge) as usize)[0] == half_edge;
+            for steps in self.steps(frame.along(), frame.corner()[1], &reach) {
+                let place = frame.place([steps, 0]);
+                let near = |[i, j]: [isize; 2]| [place[0] + turn * i, place[1] + turn * j];
+                let grid = buffers.points.as_chunks::<W>().0;
+                let (value, sectors) = self.values(stencil, |offset| grid[self.at(rows.start, near(offset))]);
+                buffers.values[self.at(rows.start, place)] = value;
+                if owned && (1..n.cast_signed()).contains(&steps) && !sectors.is_empty() {
+                    let v = order.vertex(patch, place);
+                    let beside = |&(offset, sector): &([isize; 2], usize)| {
+                        ([v, surface.vertex_near(order, half_edge, n, frame.seen(near(offset)))], sectors[sector])
+                    };
+                    buffers.sides.extend(stencil.sides.iter().map(beside));
+                }
+            }
+        }
+    }
+
+    /// The corners of the patch around which the grid is not regular.
+    fn stars(&self, patch: usize, rows: &Range<usize>, buffers: &mut Buffers<W>) {
+        let surface = &self.sweep.surface;
+        for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
+            let v = surface.patches.vertex(half_edge) as usize;
+            let place = corner(surface.tile, self.n, side);
+            let Some(kind) = surface.kind_of(v).filter(|_| rows.contains(&place[1].unsigned_abs())) else { continue };
+            let shape = &surface.kinds[kind];
+            let shape = StarShape { tile: surface.tile, faces: shape.faces, closed: shape.closed, reach: 1 };
+            let mut star = Vec::with_capacity(shape.len());
+            surface.gather_star(&self.sweep.orders[1], v, shape, self.n, |point| star.push(point));
+            let stencil = &self.stencils.stars[kind];
+            let (value, sectors) = self.values(stencil, |point| self.points[star[point] as usize]);
+            buffers.values[self.at(rows.start, place)] = value;
+            if !sectors.is_empty() && surface.patches.ring(v).next() == Some(half_edge) {
+                let beside = |&(point, sector): &(usize, usize)| ([star[0], star[point]], sectors[sector]);
+                buffers.sides.extend(stencil.sides.iter().map(beside));
+            }
+        }
+    }
+
+    /// Writes the values of the rows where they belong.
+    fn emit(&self, patch: usize, rows: &Range<usize>, values: &[[f64; W]], task: &mut Task<'_, W>) {
+        let (order, surface, n) = (&self.sweep.orders[1], &self.sweep.surface, self.n);
+        for j in rows.start.max(1)..rows.end.min(n) {
+            let len = last(surface.tile, n, j).saturating_sub(1);
+            if len > 0 {
+                let place = [1, j.cast_signed()];
+                let at = self.at(rows.start, place);
+                task.inside(order.vertex(patch, place), len).copy_from_slice(&values[at..at + len]);
+            }
+        }
+        let reach = rows.start.cast_signed()..rows.end.cast_signed();
+        for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
+            let frame = Frame::new(surface.tile, n, side, 0);
+            let owned = surface.patches.halves(surface.patches.edge(half_edge) as usize)[0] == half_edge;
+            let corner = surface.patches.vertex(half_edge) as usize;
+            for steps in self.steps(frame.along(), frame.corner()[1], &reach) {
+                let place = frame.place([steps, 0]);
+                let value = values[self.at(rows.start, place)];
+                let is_inner = (1..n.cast_signed()).contains(&steps);
+                if !(is_inner && owned || steps == 0) {
+                    continue;
+                }
+                let v = order.vertex(patch, place);
+                if is_inner || v as usize >= surface.base.n_vertices() {
+                    task.places(v as usize, 1).into_iter().flatten().for_each(|place| *place = value);
+                } else if surface.patches.ring(corner).next() == Some(half_edge) {
+                    task.vertices.push((v, value));
+                }
+            }
+        }
+    }
+}
