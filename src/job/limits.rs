@@ -6,7 +6,7 @@ use super::amounts::{in_bytes, thousands};
 use super::complete::Job;
 use super::input::Input;
 use super::key::Key;
-use super::memory::{carried, compared_discs, memory};
+use super::memory::{carried, compared_discs, needed};
 use super::output::Output;
 use super::time;
 use crate::analysis::limit::{Cost, Follow, LimitRequest, ROWS_A_POINT, cost as limit_cost, followed_points};
@@ -156,7 +156,7 @@ impl Limits {
             .map(|output| output.format.memory(&output.shown(&counts), &output.options))
             .max()
             .unwrap_or(0);
-        let memory_bytes = memory(&forecast, &sizes, &carried).saturating_add(limit_bytes).saturating_add(options);
+        let memory_bytes = needed(job, &forecast, &sizes, &carried).saturating_add(limit_bytes).saturating_add(options);
         if memory_bytes > self.max_job_bytes.into() {
             let place = format!("the job needs about {} of memory", in_bytes(memory_bytes));
             let bound = format!("this server allows {} a job", in_bytes(self.max_job_bytes.into()));

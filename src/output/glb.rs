@@ -7,7 +7,7 @@ use crate::math::parameter::Values;
 use crate::output::counts::Counts;
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
-use crate::output::gltf_amounts::{self, Amounts, Contents, split_vertices};
+use crate::output::gltf_amounts::{self, Amounts, Contents, split_vertices, with_normals};
 use crate::output::gltf_buffer::{Buffer, buffered};
 use crate::output::gltf_document::{PARAMETERS, document};
 use crate::output::numbers::total;
@@ -57,6 +57,10 @@ impl Format for Glb {
         let bytes = file(Contents::of(counts, options).room(), binary);
         // how many vertices are split depends on what becomes of their edges
         if split_vertices(counts, options) > 0 { Size::AtMost(bytes) } else { Size::Exact(bytes) }
+    }
+
+    fn streams(&self, options: &Values) -> bool {
+        !with_normals(options)
     }
 
     fn write(

@@ -99,6 +99,10 @@ impl Format for Obj {
         })
     }
 
+    fn streams(&self, options: &Values) -> bool {
+        !with_normals(options)
+    }
+
     fn write(
         &self,
         scene: &Scene<'_>,

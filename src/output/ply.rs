@@ -70,6 +70,10 @@ impl Format for Ply {
         }
     }
 
+    fn streams(&self, options: &Values) -> bool {
+        !Layout::of(options).normals
+    }
+
     fn write(
         &self,
         scene: &Scene<'_>,

@@ -58,6 +58,10 @@ impl Format for Stl {
         Size::Exact(total(&[(1, HEADER.len() as u128 + 4), (triangles, TRIANGLE)]))
     }
 
+    fn streams(&self, options: &Values) -> bool {
+        options.choice(NORMALS.name) != Some(LIMIT)
+    }
+
     fn write(
         &self,
         scene: &Scene<'_>,

@@ -109,6 +109,13 @@ impl<'a> Outline<'a> {
     }
 }
 
+impl Outline<'_> {
+    /// Rounds that the net is refined by rows before the sweep begins.
+    pub(crate) fn before(&self) -> usize {
+        self.before
+    }
+}
+
 impl Sweep {
     /// The sweep of a net, where it has an [`Outline`] and the operators can be applied around each of its vertices.
     pub(crate) fn of(net: &MeshNet, plan: &Plan, steps: &[Scheduled]) -> Option<Self> {
