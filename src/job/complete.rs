@@ -8,7 +8,7 @@ use super::{curves, kernels};
 use crate::analysis::curve::Reached;
 use crate::fault::Fault;
 use crate::output::surface;
-use crate::refine::{held_levels, is_swept};
+use crate::refine::{held_levels, is_swept, swept_from};
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::frame::Frame;
 
@@ -50,6 +50,13 @@ impl Job {
         let as_refined = |output: &Output| surface::limit(&output.options) == [false; 2];
         let Input::Mesh(mesh) = &self.input else { return false };
         self.outputs.iter().any(as_refined) && is_swept(mesh, &self.plan, &self.steps)
+    }
+
+    /// How many levels of its mesh are refined by rows before the rest is refined patch by patch, for all outputs.
+    pub(super) fn swept_from(&self) -> Option<usize> {
+        let Input::Mesh(mesh) = &self.input else { return None };
+        let as_refined = self.outputs.iter().all(|output| surface::limit(&output.options) == [false; 2]);
+        if as_refined { swept_from(mesh, &self.plan, &self.steps) } else { None }
     }
 
     /// How many levels are refined as whole nets before all outputs can be written while the rest is refined; none

@@ -7,7 +7,7 @@ use super::complete::Job;
 use super::input::Input;
 use super::key::Key;
 use super::limit_cost::{limit_patches, limit_surface};
-use super::memory::{carried, compared_discs, memory, on_demand};
+use super::memory::{carried, compared_discs, needed, on_demand};
 use super::output::Output;
 use super::time;
 use crate::analysis::limit::Cost;
@@ -182,7 +182,8 @@ impl Limits {
             .map(|output| output.format.memory(&output.shown(&counts), &output.options))
             .max()
             .unwrap_or(0);
-        let mut memory_bytes = memory(&forecast, &sizes, &carried).saturating_add(limit_bytes).saturating_add(options);
+        let needed = needed(job, &forecast, &sizes, &carried);
+        let mut memory_bytes = needed.saturating_add(limit_bytes).saturating_add(options);
         let is_large = memory_bytes > self.max_held_bytes.into();
         let held_levels = if is_large { job.held_levels() } else { None };
         if let Some(levels) = held_levels {

@@ -3,6 +3,8 @@
 use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
+use crate::output::gltf_animation::{self, FRAME_RATE};
+use crate::output::gltf_views::NUMBER;
 use crate::output::numbers::total;
 use crate::output::options::IDS;
 use crate::output::scene::{Frame, Shape};
@@ -15,15 +17,15 @@ pub(super) const VECTOR: u128 = 12;
 /// Bytes of three indices.
 pub(super) const TRIANGLE: u128 = 12;
 
-/// Bytes of one number of a channel.
-pub(super) const NUMBER: u128 = 4;
-
 /// Bytes of the origin of a vertex: dimension and number of the input cell.
 pub(super) const ORIGIN: u128 = 8;
 
 /// Bytes at most that a document spends on a morph target: two accessors, one with its bounds, two views, a weight, a
 /// name, and the target of the first primitive.
 const TARGET: u128 = 1_024;
+
+/// Bytes at most of an animation: two accessors, two views, a sampler and its channel.
+const ANIMATION: u128 = 1_024;
 
 /// Bytes at most of a target in each further primitive: the numbers of two accessors.
 const TARGET_OF_PART: u128 = 64;
@@ -46,6 +48,10 @@ pub(super) fn check_origins(cells: [usize; 3], ids: bool) -> Result<(), String> 
 pub(super) fn fits(counts: &Counts, options: &Values) -> Result<(), Fault> {
     let vertices = usize::try_from(counts.control).unwrap_or(usize::MAX);
     let ids = counts.kind == ShapeKind::Mesh && options.flag(IDS.name);
+    if counts.frames == 0 && options.number(FRAME_RATE.name).is_some() {
+        let detail = "there is one frame, which makes no animation; leave it out, or give \"frames\"";
+        return Err(Fault::new(format!("/{}", FRAME_RATE.name), detail));
+    }
     check_origins([vertices, counts.input_edges, counts.input_faces], ids).map_err(|detail| Fault::new("/ids", detail))
 }
 
@@ -60,7 +66,7 @@ pub(super) fn split_vertices(counts: &Counts, options: &Values) -> u128 {
 }
 
 /// Numbers of rows in the buffer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Amounts {
     /// Positions.
     pub(super) vertices: u128,
@@ -76,6 +82,8 @@ pub(super) struct Amounts {
     pub(super) triangles: u128,
     /// Morph targets: frames beside the first, each with a position and, where there are normals, a normal a vertex.
     pub(super) targets: u128,
+    /// Frames a second of their animation, if there is one.
+    pub(super) frame_rate: Option<f64>,
 }
 
 impl Amounts {
@@ -92,6 +100,7 @@ impl Amounts {
             ids: mesh && options.flag("ids"),
             triangles: if faces == 0 { 0 } else { counts.half_edges.saturating_sub(faces.saturating_mul(2)) },
             targets: counts.frames as u128,
+            frame_rate: options.number(FRAME_RATE.name),
         }
     }
 
@@ -108,6 +117,7 @@ impl Amounts {
                     ids: options.flag("ids"),
                     triangles: mesh.n_half_edges() as u128 - 2 * faces,
                     targets: 0,
+                    frame_rate: None,
                 }
             }
             Shape::Curves(curves) => Self {
@@ -118,6 +128,7 @@ impl Amounts {
                 ids: false,
                 triangles: 0,
                 targets: 0,
+                frame_rate: None,
             },
         }
     }
@@ -128,7 +139,8 @@ impl Amounts {
         let (origin, face) = if self.ids { (ORIGIN, 4) } else { (0, 0) };
         let uvs = if self.uvs { 2 * NUMBER } else { 0 };
         let vertex = vectors * VECTOR * (1 + self.targets) + self.numbers * NUMBER + uvs + origin;
-        total(&[(self.vertices, vertex), (self.triangles, TRIANGLE + face)])
+        let [moments, weights] = self.frame_rate.map_or([0; 2], |_| gltf_animation::lengths(self.targets));
+        total(&[(self.vertices, vertex), (self.triangles, TRIANGLE + face), (moments, 1), (weights, 1)])
     }
 }
 
@@ -173,7 +185,7 @@ impl<'a> Contents<'a> {
             ShapeKind::Curves { .. } => total(&[(768, 1), (384, self.polygons)]),
         };
         let framed = if self.frame.is_default() { 0 } else { 256 };
-        let targets = self.targets.saturating_mul(TARGET);
+        let targets = self.targets.saturating_mul(TARGET) + if self.targets > 0 { ANIMATION } else { 0 };
         let plain = total(&[(plain, 1), (targets, 1)]);
         if self.attachments.is_empty() && !self.ids {
             return plain + framed;

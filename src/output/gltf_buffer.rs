@@ -11,6 +11,7 @@ use crate::output::colors::linear;
 use crate::output::counts::ShapeKind;
 use crate::output::error::FormatError;
 use crate::output::gltf_amounts::{Amounts, Contents, check_origins, with_normals};
+use crate::output::gltf_animation::{self as animation, FRAME_RATE};
 use crate::output::gltf_targets::{MorphTarget, normals_of};
 use crate::output::normals;
 use crate::output::numbers::{as_written, f32_bytes, index_bytes, rounded};
@@ -104,7 +105,9 @@ impl<'a> Buffer<'a> {
         options: &Values,
         watch: &Watch,
     ) -> Result<Self, FormatError> {
-        let amounts = Amounts { targets: frames.len() as u128, ..Amounts::of_shape(scene.shape, options) };
+        let frame_rate = options.number(FRAME_RATE.name).filter(|_| !frames.is_empty());
+        let targets = frames.len() as u128;
+        let amounts = Amounts { targets, frame_rate, ..Amounts::of_shape(scene.shape, options) };
         let (mesh, sources) = match scene.shape {
             Shape::Mesh(mesh) => {
                 let positions = Positions::of_mesh(mesh);
@@ -209,7 +212,7 @@ impl<'a> Buffer<'a> {
                 target.write_normals(&normals, &mut stream, watch)?;
             }
         }
-        Ok(())
+        self.amounts.frame_rate.map_or(Ok(()), |rate| stream.bytes(&animation::numbers(self.targets.len(), rate)))
     }
 
     /// Channels, texture coordinates, and the origins of vertices where they are asked for.

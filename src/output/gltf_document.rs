@@ -13,10 +13,11 @@ use serde_json::{Map, Value, json};
 use crate::math::parameter::{Default as Otherwise, Kind, Parameter};
 use crate::output::bounds::Bounds;
 use crate::output::error::FormatError;
-use crate::output::gltf_amounts::{NUMBER, ORIGIN, TRIANGLE, VECTOR};
+use crate::output::gltf_amounts::{ORIGIN, TRIANGLE, VECTOR};
+use crate::output::gltf_animation::{FRAME_RATE, animate};
 use crate::output::gltf_buffer::{Buffer, PrimitiveFaces, PrimitiveVertices};
 use crate::output::gltf_targets::MorphTarget;
-use crate::output::gltf_views::{Views, accessor, length};
+use crate::output::gltf_views::{NUMBER, Views, accessor, length};
 use crate::output::numbers::rounded;
 use crate::output::options::{IDS, POSITIONS};
 use crate::shape::frame::{Frame, Unit, Up};
@@ -37,6 +38,7 @@ pub(super) const PARAMETERS: &[Parameter] = &[
     },
     POSITIONS,
     IDS,
+    FRAME_RATE,
 ];
 
 /// The document that describes `buffer`, whose bytes are found at `uri` (in the container's own chunk without one).
@@ -66,6 +68,9 @@ pub(super) fn document(buffer: &Buffer<'_>, uri: Option<&str>) -> Result<Vec<u8>
         }];
     }
     root.nodes = framed(node, buffer.frame);
+    if let Some(rate) = buffer.amounts.frame_rate.filter(|_| !root.meshes.is_empty()) {
+        animate(&mut root, buffer.targets.len(), rate);
+    }
     root.to_vec().map_err(|error| unwritten(&error))
 }
 

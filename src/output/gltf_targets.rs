@@ -53,10 +53,10 @@ impl<'a> MorphTarget<'a> {
         let positions = Positions::of_mesh(mesh).held(watch)?;
         let block = |range: Range<usize>| {
             watch.check()?;
-            let moved = from[range.clone()].iter().zip(&positions.rows()[range]);
-            let rows: Vec<_> = moved.map(|(&from, &to)| displacement(from, to, center).map(f64::from)).collect();
             let mut bounds = Bounds::EMPTY;
-            bounds.add(&rows);
+            for (&from, &to) in from[range.clone()].iter().zip(&positions.rows()[range]) {
+                bounds.add(&[displacement(from, to, center).map(f64::from)]);
+            }
             Ok::<_, Stopped>(bounds)
         };
         let starts: Vec<usize> = (0..from.len()).step_by(CHUNK).collect();

@@ -5,6 +5,9 @@ use gltf::json::buffer::{Stride, Target, View};
 use gltf::json::validation::Checked::Valid;
 use gltf::json::{Accessor, Extras, Index, Root};
 
+/// Bytes of one number of a channel.
+pub(super) const NUMBER: u128 = 4;
+
 /// The views of a document, each starting where the one before ends.
 pub(super) struct Views<'a>(&'a mut Root);
 

@@ -14,6 +14,7 @@ mod format;
 mod glb;
 mod gltf;
 mod gltf_amounts;
+mod gltf_animation;
 mod gltf_buffer;
 mod gltf_document;
 mod gltf_targets;

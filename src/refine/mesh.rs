@@ -8,7 +8,7 @@ use super::error::RefineError;
 use super::refined::RefinedMesh;
 use super::start::mesh_net;
 use super::sweep::Outline;
-use super::uvs::{RefinedUvs, refine_uvs_by_rows};
+use super::uvs::{RefinedUvs, followed, refine_uvs_by_rows, uv_net};
 use crate::kept::Numbers;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::{Plan, Scheduled};
@@ -18,6 +18,14 @@ use crate::watch::Watch;
 /// Whether a mesh is refined patch by patch.
 pub fn is_swept(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> bool {
     Outline::of(&mesh_net(mesh, plan), plan, steps).is_some()
+}
+
+/// How many rounds a mesh and its texture coordinates are refined by rows before both are refined patch by patch, at
+/// most; none where one of them is not.
+pub fn swept_from(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> Option<usize> {
+    let before = Outline::of(&mesh_net(mesh, plan), plan, steps)?.before();
+    let Some(uvs) = &mesh.attachments.uvs else { return Some(before) };
+    Some(before.max(Outline::of(&uv_net(mesh, uvs, plan), plan, &followed(uvs, steps))?.before()))
 }
 
 /// Refines a mesh by rows of whole nets: the definition of what every other path makes.

@@ -22,7 +22,7 @@ mod vertex_order;
 pub use act::act_on;
 pub use apply::{Points, advance};
 pub use error::RefineError;
-pub use mesh::{assembled, is_swept, numbers, refine_by_rows};
+pub use mesh::{assembled, is_swept, numbers, refine_by_rows, swept_from};
 pub use normals::Normals;
 pub use polygon::{refine_polygon, refined_points};
 pub use program::{Program, refine_mesh};

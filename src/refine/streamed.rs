@@ -32,7 +32,9 @@ pub struct StreamedMesh {
 pub fn held_levels(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> Option<(usize, Tile)> {
     let attachments = &mesh.attachments;
     let carries = !attachments.channels.is_empty() || attachments.uvs.is_some() || !mesh.frames.is_empty();
-    if carries { None } else { Some(Outline::of(&mesh_net(mesh, plan), plan, steps)?.before()) }
+    let net = mesh_net(mesh, plan);
+    let outline = Outline::of(&net, plan, steps).filter(|_| !carries)?;
+    Some((outline.before(), outline.tile()))
 }
 
 impl StreamedMesh {

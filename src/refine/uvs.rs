@@ -59,7 +59,7 @@ pub(super) fn uv_sweep(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> Option<
 }
 
 /// The steps that texture coordinates follow.
-fn followed<'a>(uvs: &Uvs, steps: &'a [Scheduled]) -> Cow<'a, [Scheduled]> {
+pub(super) fn followed<'a>(uvs: &Uvs, steps: &'a [Scheduled]) -> Cow<'a, [Scheduled]> {
     if uvs.linear { upsamplings(steps).into() } else { steps.into() }
 }
 

@@ -110,9 +110,14 @@ impl<'a> Outline<'a> {
 }
 
 impl Outline<'_> {
-    /// Rounds that the net is refined by rows before the sweep begins, and into what all split the faces.
-    pub(crate) fn before(&self) -> (usize, Tile) {
-        (self.before, self.tile)
+    /// Rounds that the net is refined by rows before the sweep begins.
+    pub(crate) fn before(&self) -> usize {
+        self.before
+    }
+
+    /// Into what all rounds split the faces.
+    pub(crate) fn tile(&self) -> Tile {
+        self.tile
     }
 }
 

@@ -93,6 +93,14 @@ impl Glb {
         usize::try_from(value.as_u64().expect("a whole number")).expect("small")
     }
 
+    /// The numbers of an accessor.
+    fn scalars(&self, accessor: &Value) -> Vec<f32> {
+        let accessor = &self.document["accessors"][Self::number(accessor)];
+        let view = &self.document["bufferViews"][Self::number(&accessor["bufferView"])];
+        let bytes = &self.buffer[Self::number(&view["byteOffset"])..][..4 * Self::number(&accessor["count"])];
+        bytes.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect()
+    }
+
     /// The rows of an accessor.
     fn rows(&self, accessor: &Value) -> Vec<[f32; 3]> {
         let accessor = &self.document["accessors"][Self::number(accessor)];
@@ -213,4 +221,28 @@ fn vertices_that_join_fans_are_split_in_all_frames() {
     let targets = &whole.document["meshes"][0]["primitives"][0]["targets"];
     assert_eq!(targets.as_array().map(Vec::len), Some(2));
     assert_eq!(whole.rows(&targets[1]["POSITION"]).len(), 12);
+}
+
+#[test]
+fn an_animation_leads_through_all_frames_at_the_given_rate() {
+    let question = &questions()[1];
+    for up in ["y", "z"] {
+        let mut question = question.clone();
+        question["input"]["up"] = json!(up);
+        let output = json!({ "format": "glb", "frames_per_second": 8 });
+        let whole = Glb::of(&written(&question, &output));
+        let animation = &whole.document["animations"][0];
+        let sampler = &animation["samplers"][0];
+        assert_eq!(whole.scalars(&sampler["input"]), [0.0, 0.125, 0.25]);
+        assert_eq!(whole.scalars(&sampler["output"]), [0.0, 0.0, 1.0, 0.0, 0.0, 1.0]);
+        let target = &animation["channels"][0]["target"];
+        assert_eq!(target["path"], "weights");
+        assert!(whole.document["nodes"][Glb::number(&target["node"])].get("mesh").is_some());
+        let mut sized = question.clone();
+        sized["outputs"] = json!([output]);
+        check_size(&sized);
+        sized["outputs"] = json!([{ "format": "gltf", "frames_per_second": 24, "frame": 1 }]);
+        let Err(faults) = crate::support::render(&sized) else { panic!("one frame makes no animation") };
+        assert_eq!(faults[0].pointer, "/outputs/0/frames_per_second");
+    }
 }

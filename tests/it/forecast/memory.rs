@@ -193,3 +193,69 @@ fn m3_curves_hold_what_they_say() {
         }
     }
 }
+
+/// Jobs whose meshes are swept, twenty kinds and more.
+fn swept_jobs() -> Vec<(&'static str, Value)> {
+    let (open, closed, triangles) = (nets::grid(16, 16), nets::torus(12, 12), nets::octahedron());
+    let catmull_clark = preset("catmull-clark");
+    let with = |net: &Net, name: &str, value: Value| {
+        let mut input = net.input();
+        input["mesh"][name] = value;
+        input
+    };
+    let n = closed.positions.len();
+    let channels = with(&closed, "channels", json!({ "heat": vec![0.5; n], "wind": vec![[1, 2, 3]; n] }));
+    let values: Vec<[f64; 2]> = open.positions.iter().map(|p| [p[0], p[1]]).collect();
+    let uvs = |kind: &str| with(&open, "uvs", json!({ "values": values, "faces": open.faces, "interpolation": kind }));
+    let creases = closed.edges().iter().step_by(7).map(|&(a, b)| json!({ "edge": [a, b], "sharpness": 10 })).collect();
+    let creased = with(&closed, "creases", creases);
+    let frames = with(&closed, "frames", json!(vec![closed.positions.clone(); 5]));
+    let named = |format: &str| json!({ "format": format });
+    let of = |format: &str, name: &str, value: &str| json!({ "format": format, name: value });
+    let mut jobs = Vec::new();
+    for format in ["ply", "stl", "obj", "glb", "gltf", "json", "stats", "png"] {
+        jobs.push(("closed", job(&closed.input(), &catmull_clark, 5, &named(format))));
+    }
+    for output in [
+        of("glb", "normals", "none"),
+        of("ply", "normals", "area"),
+        of("ply", "precision", "f32"),
+        json!({ "format": "ply", "ids": true }),
+        json!({ "format": "glb", "ids": true }),
+    ] {
+        jobs.push(("options", job(&closed.input(), &catmull_clark, 5, &output)));
+    }
+    for (format, plan, levels) in [("ply", word("UCCP"), 5), ("glb", word("UCCC"), 5), ("stl", preset("bilinear"), 6)] {
+        jobs.push(("open", job(&open.input(), &plan, levels, &named(format))));
+    }
+    for format in ["ply", "glb", "json"] {
+        jobs.push(("channels", job(&channels, &catmull_clark, 5, &named(format))));
+        jobs.push(("linear uvs", job(&uvs("all"), &catmull_clark, 4, &named(format))));
+        jobs.push(("smooth uvs", job(&uvs("none"), &catmull_clark, 4, &named(format))));
+        jobs.push(("creases", job(&creased, &catmull_clark, 5, &named(format))));
+    }
+    jobs.push(("frames", job(&frames, &catmull_clark, 4, &named("glb"))));
+    jobs.push(("frames", job(&frames, &catmull_clark, 4, &of("glb", "normals", "none"))));
+    jobs.push(("one frame", job(&frames, &catmull_clark, 5, &json!({ "format": "ply", "frame": 2 }))));
+    for name in ["loop", "butterfly"] {
+        jobs.push((name, job(&triangles.input(), &preset(name), 7, &named("ply"))));
+        jobs.push((name, job(&triangles.input(), &preset(name), 7, &named("glb"))));
+    }
+    jobs
+}
+
+#[test]
+fn m3_swept_jobs_hold_what_they_say() {
+    for (name, job) in swept_jobs() {
+        let read = parsed(job.to_string().as_bytes()).unwrap_or_else(|faults| panic!("{name}: {faults:?}"));
+        let admitted = Limits::default().admit(read).unwrap_or_else(|refusal| panic!("{name}: {refusal:?}"));
+        assert!(admitted.job().is_swept());
+        let output = &admitted.job().outputs[0];
+        let (result, taken) = peak(|| run(&admitted, output, &mut std::io::sink(), &Watch::new()));
+        result.unwrap_or_else(|error| panic!("{name}: {error}"));
+        let estimate = admitted.estimate();
+        let (taken, said) = (u128::from(taken) + estimate.outputs[0].1.bytes(), estimate.memory_bytes);
+        let name = format!("{name} as {} takes {taken} bytes and said {said}", job["outputs"][0]);
+        assert!(taken <= said && said <= 2 * taken, "{name}");
+    }
+}

@@ -1,0 +1,63 @@
+//! The animation of glTF that shows the frames of a mesh one after another, by the weights of its morph targets.
+
+use gltf::json::accessor::{ComponentType, Type};
+use gltf::json::animation::{Animation, Channel, Interpolation, Property, Sampler, Target};
+use gltf::json::validation::Checked::Valid;
+use gltf::json::{Accessor, Extras, Index, Root};
+use serde_json::json;
+
+use crate::math::parameter::{Default as Otherwise, Kind, Parameter};
+use crate::output::gltf_views::{NUMBER, Views, accessor};
+use crate::output::numbers::rounded;
+use crate::shape::topology::index;
+
+/// The option of both containers that asks for it.
+pub(super) const FRAME_RATE: Parameter = Parameter {
+    name: "frames_per_second",
+    kind: Kind::Number { min: 0.001, max: 1000.0 },
+    unit: "frames a second",
+    default: Otherwise::Absent,
+    doc: "Adds an animation that leads through the frames of a mesh, blended linearly; meshes with frames only",
+};
+
+/// The moment of a frame, seconds after the first one.
+fn moment(frame: usize, rate: f64) -> f32 {
+    rounded(f64::from(index(frame)) / rate)
+}
+
+/// Bytes of the moments of all frames, and of the weights that each target has in each frame.
+pub(super) fn lengths(targets: u128) -> [u128; 2] {
+    [(targets + 1) * NUMBER, (targets + 1) * targets * NUMBER]
+}
+
+/// The moments of all frames, then frame after frame the weights of all targets: 1 for its own, 0 for the others.
+pub(super) fn numbers(targets: usize, rate: f64) -> Vec<u8> {
+    let moments = (0..=targets).map(|frame| moment(frame, rate));
+    let weights =
+        (0..=targets).flat_map(|frame| (1..=targets).map(move |target| if target == frame { 1.0_f32 } else { 0.0 }));
+    moments.chain(weights).flat_map(f32::to_le_bytes).collect()
+}
+
+/// Adds the animation of the last node of a document to it.
+pub(super) fn animate(root: &mut Root, targets: usize, rate: f64) {
+    let (n, [moments, weights]) = (targets as u128, lengths(targets as u128));
+    let scalars = |view, count| accessor(view, 0, count, ComponentType::F32, Type::Scalar);
+    let view = Views::of(root).loose(moments);
+    let (min, max) = (Some(json!([0.0])), Some(json!([moment(targets, rate)])));
+    let input = root.push(Accessor { min, max, ..scalars(view, n + 1) });
+    let view = Views::of(root).loose(weights);
+    let output = root.push(scalars(view, (n + 1) * n));
+    let interpolation = Valid(Interpolation::Linear);
+    let sampler = Sampler { extensions: None, extras: Extras::default(), input, interpolation, output };
+    let node = Index::new(index(root.nodes.len() - 1));
+    let path = Valid(Property::MorphTargetWeights);
+    let target = Target { extensions: None, extras: Extras::default(), node, path };
+    let channel = Channel { sampler: Index::new(0), target, extensions: None, extras: Extras::default() };
+    root.animations = vec![Animation {
+        extensions: None,
+        extras: Extras::default(),
+        channels: vec![channel],
+        name: Some("frames".into()),
+        samplers: vec![sampler],
+    }];
+}
