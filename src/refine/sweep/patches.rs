@@ -321,12 +321,12 @@ impl<const W: usize> Run<'_, W> {
             let within = (*range.start()).max(1)..(*range.end() + 1).min(n);
             // the patch where an edge appears first has its points
             if !within.is_empty() && surface.patches.halves(surface.patches.edge(half_edge) as usize)[0] == half_edge {
-                let ends = [within.start, within.end - 1].map(|steps| vertex(steps) as usize);
-                let places = task.places(ends[0].min(ends[1]), within.len()).into_iter().flatten();
-                if ends[0] <= ends[1] {
-                    places.zip(within).for_each(|(place, steps)| *place = point(steps));
-                } else {
-                    places.zip(within.rev()).for_each(|(place, steps)| *place = point(steps));
+                // the numbers of the points of a side go up or down by the same everywhere
+                let first = vertex(within.start);
+                let step = if within.len() > 1 { vertex(within.start + 1).wrapping_sub(first) } else { 0 };
+                for (k, steps) in (0..).zip(within) {
+                    let v = first.wrapping_add(step.wrapping_mul(k)) as usize;
+                    task.places(v, 1).into_iter().flatten().for_each(|place| *place = point(steps));
                 }
             }
             if *range.start() == 0 {
