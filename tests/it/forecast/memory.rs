@@ -196,7 +196,13 @@ fn swept_jobs() -> Vec<(&'static str, Value)> {
     for format in ["ply", "stl", "obj", "glb", "gltf", "json", "stats", "png"] {
         jobs.push(("closed", job(&closed.input(), &catmull_clark, 5, &named(format))));
     }
-    for output in [of("glb", "normals", "none"), of("ply", "normals", "area"), of("ply", "precision", "f32"), json!({ "format": "ply", "ids": true }), json!({ "format": "glb", "ids": true })] {
+    for output in [
+        of("glb", "normals", "none"),
+        of("ply", "normals", "area"),
+        of("ply", "precision", "f32"),
+        json!({ "format": "ply", "ids": true }),
+        json!({ "format": "glb", "ids": true }),
+    ] {
         jobs.push(("options", job(&closed.input(), &catmull_clark, 5, &output)));
     }
     for (format, plan, levels) in [("ply", word("UCCP"), 5), ("glb", word("UCCC"), 5), ("stl", preset("bilinear"), 6)] {
