@@ -31,8 +31,8 @@ const MOST_THREADS: u64 = 1024;
 /// Longest time that a setting may name, a day in seconds: what waits longer is no service any more, and clocks can
 /// add a day to any time without overflow.
 const MOST_SECONDS: u64 = 24 * 60 * 60;
-/// Most faces or vertices that can be allowed: indices are 32 bits wide, and a net has up to four corners a vertex.
-const MOST_INDEXED: u64 = u32::MAX as u64 / 5;
+/// Most faces or vertices that can be allowed: indices are 32 bits wide.
+const MOST_INDEXED: u64 = u32::MAX as u64;
 
 /// One setting as it is listed.
 #[derive(Debug, Clone, PartialEq)]
@@ -140,6 +140,8 @@ settings! {
     cache_bytes: u64 = 8 << 30, in 0..=MOST_BYTES, "PLANISH_CACHE_BYTES", "bytes";
     /// How cached results are kept on disk: `folder`.
     cache_store: String = "folder".to_owned(), "PLANISH_CACHE_STORE", "";
+    /// Results that are larger are sent while they are made and not kept, unless the request asks for it.
+    keep_at_most_bytes: u64 = 64 << 20, in 0..=MOST_BYTES, "PLANISH_KEEP_AT_MOST_BYTES", "bytes";
     /// Longest time one computation may run.
     run_timeout_s: u64 = 300, in 1..=MOST_SECONDS, "PLANISH_RUN_TIMEOUT_S", "seconds";
     /// Longest time a client may take for its request headers, or stay silent between requests.
@@ -186,6 +188,7 @@ impl Settings {
             max_vertices: self.max_vertices.min(MOST_INDEXED),
             max_output_bytes: self.max_output_bytes,
             max_job_bytes: self.max_job_bytes,
+            ..Limits::default()
         }
     }
 

@@ -37,7 +37,8 @@ pub(super) fn render(
     let default = Limits::default();
     let limits = Limits {
         max_faces: max_faces.unwrap_or(default.max_faces),
-        max_vertices: max_faces.map_or(default.max_vertices, |faces| faces.saturating_mul(2)),
+        max_vertices: max_faces.map_or(default.max_vertices, |faces| faces.saturating_mul(2).min(u32::MAX.into())),
+        max_output_bytes: if max_faces.is_some() { u64::MAX } else { default.max_output_bytes },
         ..default
     };
     let admitted = job::admit(request, &limits)?;

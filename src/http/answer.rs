@@ -13,6 +13,7 @@ use super::app::App;
 use super::negotiate::ByteRange;
 use super::problem::{self, Problem};
 use super::short::Plain;
+use crate::job::key::Key;
 use crate::service::computation::Timings;
 use crate::service::lent::{Lent, is_free};
 use crate::service::peer::{Kind, Paid, Peer};
@@ -68,27 +69,55 @@ pub(super) fn headers(found: &Artifact, address: &str) -> HeaderMap {
         (Provenance::Made, Some(_)) => "planish; fwd=miss",
         (Provenance::Joined, _) => "planish; fwd=miss; collapsed",
     };
-    let mut headers = HeaderMap::with_capacity(16);
-    let mut put = |name: HeaderName, value: Result<HeaderValue, InvalidHeaderValue>| {
-        if let Ok(value) = value {
-            headers.insert(name, value);
-        }
+    let manifest = &found.manifest;
+    let head = Head {
+        key: manifest.key,
+        media_type: &manifest.media_type,
+        warnings: &manifest.warnings,
+        cache,
+        timings: &found.timings,
     };
-    let fixed = |text| Ok(HeaderValue::from_static(text));
-    put(header::ETAG, format!("\"{}\"", found.manifest.key).try_into());
-    put(HeaderName::from_static("cache-status"), fixed(cache));
-    put(HeaderName::from_static("server-timing"), server_timing(&found.timings).try_into());
-    put(header::CONTENT_LOCATION, address.try_into());
-    put(header::CONTENT_TYPE, found.manifest.media_type.as_str().try_into());
-    put(header::VARY, fixed("accept"));
-    put(header::ACCEPT_RANGES, fixed("bytes"));
-    put(header::CONTENT_SECURITY_POLICY, fixed("default-src 'none'; style-src 'unsafe-inline'; sandbox"));
-    put(HeaderName::from_static("cross-origin-resource-policy"), fixed("cross-origin"));
-    put(HeaderName::from_static("timing-allow-origin"), fixed("*"));
-    if !found.manifest.warnings.is_empty() {
-        put(HeaderName::from_static("planish-warnings"), warnings(&found.manifest.warnings).try_into());
+    let mut headers = head.headers();
+    headers.insert(header::ACCEPT_RANGES, HeaderValue::from_static("bytes"));
+    if let Ok(address) = address.try_into() {
+        headers.insert(header::CONTENT_LOCATION, address);
     }
     headers
+}
+
+/// What is told of bytes, whether they are kept or not.
+pub(super) struct Head<'a> {
+    pub(super) key: Key,
+    pub(super) media_type: &'a str,
+    pub(super) warnings: &'a [String],
+    /// `Cache-Status`.
+    pub(super) cache: &'static str,
+    pub(super) timings: &'a Timings,
+}
+
+impl Head<'_> {
+    /// The headers that say it.
+    pub(super) fn headers(&self) -> HeaderMap {
+        let mut headers = HeaderMap::with_capacity(16);
+        let mut put = |name: HeaderName, value: Result<HeaderValue, InvalidHeaderValue>| {
+            if let Ok(value) = value {
+                headers.insert(name, value);
+            }
+        };
+        let fixed = |text| Ok(HeaderValue::from_static(text));
+        put(header::ETAG, format!("\"{}\"", self.key).try_into());
+        put(HeaderName::from_static("cache-status"), fixed(self.cache));
+        put(HeaderName::from_static("server-timing"), server_timing(self.timings).try_into());
+        put(header::CONTENT_TYPE, self.media_type.try_into());
+        put(header::VARY, fixed("accept"));
+        put(header::CONTENT_SECURITY_POLICY, fixed("default-src 'none'; style-src 'unsafe-inline'; sandbox"));
+        put(HeaderName::from_static("cross-origin-resource-policy"), fixed("cross-origin"));
+        put(HeaderName::from_static("timing-allow-origin"), fixed("*"));
+        if !self.warnings.is_empty() {
+            put(HeaderName::from_static("planish-warnings"), warnings(self.warnings).try_into());
+        }
+        headers
+    }
 }
 
 fn server_timing(timings: &Timings) -> String {

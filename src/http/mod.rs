@@ -29,6 +29,7 @@ mod segment;
 pub mod serve;
 mod short;
 mod stream;
+mod streaming;
 mod validate;
 
 pub use app::App;

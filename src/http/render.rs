@@ -1,9 +1,10 @@
 //! POST /v1/render: one job, one output, the bytes now.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use axum::body::Bytes;
-use axum::extract::State;
+use axum::extract::{RawQuery, State};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
@@ -16,7 +17,7 @@ use super::memo::Known;
 use super::negotiate::{self, ByteRange};
 use super::problem::Problem;
 use super::reading::ReadJob;
-use super::{jobs, reading};
+use super::{jobs, reading, streaming};
 use crate::analysis::curve::Reached;
 use crate::job::key::Key;
 use crate::job::limits::Admitted;
@@ -31,12 +32,18 @@ use crate::wire::output::OutputRequest;
 ///
 /// Without `outputs`, `Accept` chooses the format. `Prefer: wait=N` (default 30 s, at most 300 s) bounds the wait; after
 /// it the answer is 202 with the address of the job.
+///
+/// A result of more than `keep_at_most_bytes` (see /v1/limits) is sent while it is made and not kept, unless the query
+/// says `keep=true` or `Prefer` says `respond-async`. `Content-Length` is there where the length is known beforehand.
+/// An answer that ends early is no result.
 #[utoipa::path(
     post, path = "/v1/render", tag = "jobs",
     params(
         ("Prefer" = Option<String>, Header,
             description = "`wait=N` waits N seconds at most, `respond-async` not at all"),
         ("If-None-Match" = Option<String>, Header, description = "ETags of results that the client has"),
+        ("keep" = Option<bool>, Query,
+            description = "`true` keeps the result even where it has more than `keep_at_most_bytes`"),
     ),
     request_body(content = JobRequest, example = json!({
         "input": { "polygon": { "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "closed": true } },
@@ -50,11 +57,24 @@ use crate::wire::output::OutputRequest;
         (status = 304, description = "The client has it already (`If-None-Match`)"),
     )
 )]
-pub(super) async fn render(State(app): State<Shared>, client: Client, headers: HeaderMap, early: Early) -> Response {
-    rendered(&app, &client, &headers, early).await.unwrap_or_else(IntoResponse::into_response)
+pub(super) async fn render(
+    State(app): State<Shared>,
+    client: Client,
+    headers: HeaderMap,
+    RawQuery(query): RawQuery,
+    early: Early,
+) -> Response {
+    let keep = streaming::asks_to_keep(query.as_deref());
+    rendered(&app, &client, &headers, early, keep).await.unwrap_or_else(IntoResponse::into_response)
 }
 
-async fn rendered(app: &Arc<App>, client: &Client, headers: &HeaderMap, early: Early) -> Result<Response, Problem> {
+async fn rendered(
+    app: &Arc<App>,
+    client: &Client,
+    headers: &HeaderMap,
+    early: Early,
+    keep: bool,
+) -> Result<Response, Problem> {
     let (sent, request) = (early.sent?, early.identity);
     if let Some(response) = again(app, client, headers, request).await {
         return Ok(response);
@@ -80,7 +100,14 @@ async fn rendered(app: &Arc<App>, client: &Client, headers: &HeaderMap, early: E
     let ReadJob { job, input, sent } = read;
     let admitted = reading::admit(app, client, job).await?;
     remember(app, request, &known);
-    made(app, client, headers, (admitted, input, sent), known).await
+    let patience = negotiate::patience(headers);
+    if !keep && streaming::streams(app, &admitted, patience) {
+        let mut response = streaming::streamed(app, client, admitted, input, patience.0).await?;
+        said(known.reached, response.headers_mut());
+        return Ok(response);
+    }
+    streaming::check_kept(app, &admitted)?;
+    made(app, client, patience, (admitted, input, sent), known).await
 }
 
 /// Remembers a request whose job was admitted, now or when its result was made.
@@ -104,11 +131,10 @@ async fn again(app: &Arc<App>, client: &Client, headers: &HeaderMap, request: Op
 async fn made(
     app: &Arc<App>,
     client: &Client,
-    headers: &HeaderMap,
+    (patience, said): (Duration, bool),
     (admitted, input, sent): (Arc<Admitted>, Arc<Paid>, Sent),
     known: Known,
 ) -> Result<Response, Problem> {
-    let (patience, said) = negotiate::patience(headers);
     // somebody else may have had it made while it was forecast
     if let Some(manifest) = app.desk.tiers.at_hand(&known.key)
         && let Ok(response) = whole(app, Artifact::kept(manifest, client.peer()), &known).await

@@ -8,7 +8,7 @@ use super::{curves, kernels};
 use crate::analysis::curve::Reached;
 use crate::fault::Fault;
 use crate::output::surface;
-use crate::refine::{is_swept, swept_from};
+use crate::refine::{held_levels, is_swept, swept_from};
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::frame::Frame;
 
@@ -57,6 +57,16 @@ impl Job {
         let Input::Mesh(mesh) = &self.input else { return None };
         let as_refined = self.outputs.iter().all(|output| surface::limit(&output.options) == [false; 2]);
         if as_refined { swept_from(mesh, &self.plan, &self.steps) } else { None }
+    }
+
+    /// How many levels are refined as whole nets before all outputs can be written while the rest is refined; none
+    /// where that cannot be done.
+    pub(super) fn held_levels(&self) -> Option<usize> {
+        let Input::Mesh(mesh) = &self.input else { return None };
+        let streams = |output: &Output| {
+            surface::limit(&output.options) == [false; 2] && output.format.streams(mesh, &output.options)
+        };
+        if self.outputs.iter().all(streams) { held_levels(mesh, &self.plan, &self.steps) } else { None }
     }
 
     /// The job at a level, or all its faults after those that were found before.

@@ -23,6 +23,13 @@ pub enum RunError {
 }
 
 impl RunError {
+    /// The refusal of a job that was admitted as one that is refined while it is written, and cannot be.
+    pub(super) fn too_large() -> Self {
+        let detail = "the faces around some vertex cannot be refined on their own, so that this level is too large; \
+                      ask for fewer levels";
+        Self::Impossible(JobFault::new(JobPart::Plan, "", detail))
+    }
+
     /// The error of a mesh whose limit an output asks for, by the option `wanted`.
     pub(super) fn of_limit(error: LimitError, attributes: Option<&Attributes>, wanted: &str) -> Self {
         match error {

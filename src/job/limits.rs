@@ -6,19 +6,18 @@ use super::amounts::{in_bytes, thousands};
 use super::complete::Job;
 use super::input::Input;
 use super::key::Key;
-use super::memory::{carried, compared_discs, needed};
+use super::limit_cost::{limit_patches, limit_surface};
+use super::memory::{carried, compared_discs, needed, on_demand};
 use super::output::Output;
 use super::time;
-use crate::analysis::limit::{Cost, Follow, LimitRequest, ROWS_A_POINT, cost as limit_cost, followed_points};
+use crate::analysis::limit::Cost;
 use crate::fault::Fault;
 use crate::input::ReadLimits;
-use crate::output::{Counts, Size, surface};
+use crate::output::{Counts, Size};
 use crate::refine::{mesh_net, polygon_net, uv_net};
 use crate::scheme::forecast::{self, Count, Forecast, ForecastError};
 use crate::scheme::step_error::About;
-use crate::shape::attributes::Attributes;
 use crate::shape::mesh::Mesh;
-use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
 /// Bounds on one job.
@@ -32,13 +31,29 @@ pub struct Limits {
     pub max_output_bytes: u64,
     /// Bytes of memory that one job may need while it runs.
     pub max_job_bytes: u64,
+    /// Bytes of memory above which a job is refined while its result is written, where that can be done.
+    pub max_held_bytes: u64,
 }
+
+/// The same where nothing else is said: as much as the points of a million faces take and a binary result of them.
+/// Below, holding all points once takes about half the time of making those of vertices, edges and faces one after
+/// another; with twice of it a machine holds twice as much for jobs that could do without.
+const MAX_HELD_BYTES: u64 = 256 << 20;
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { max_faces: 20_000_000, max_vertices: 40_000_000, max_output_bytes: 4 << 30, max_job_bytes: 8 << 30 }
+        Self {
+            max_faces: 20_000_000,
+            max_vertices: 40_000_000,
+            max_output_bytes: 4 << 30,
+            max_job_bytes: 8 << 30,
+            max_held_bytes: MAX_HELD_BYTES,
+        }
     }
 }
+
+/// Most vertices or faces that are read: indices are 32 bits wide, and a net has up to four corners a vertex.
+const MOST_READ: u64 = u32::MAX as u64 / 5;
 
 /// Why a job is not taken on.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,10 +78,20 @@ pub struct Estimate {
     pub forecast: Forecast,
     /// Key and size of each output, in their order.
     pub outputs: Vec<(Key, Size)>,
-    /// Bytes of memory while it runs.
+    /// Bytes of memory while it runs; where it is refined while its result is written, those of the result excluded.
     pub memory_bytes: u128,
+    /// Whether it is refined while its result is written.
+    pub on_demand: bool,
     /// Milliseconds on one core, roughly.
     pub time_ms: u128,
+}
+
+impl Estimate {
+    /// Bytes of memory while it runs and its result is kept.
+    pub fn kept_memory_bytes(&self) -> u128 {
+        let result = self.outputs.iter().map(|(_, size)| size.bytes()).max().unwrap_or(0);
+        self.memory_bytes.saturating_add(if self.on_demand { result } else { 0 })
+    }
 }
 
 /// A job that was admitted; only [`Limits::admit`] makes one.
@@ -91,7 +116,8 @@ impl Admitted {
 impl Limits {
     /// Returns these bounds as they hold for mesh files.
     pub fn reading(&self) -> ReadLimits {
-        ReadLimits { max_vertices: self.max_vertices, max_faces: self.max_faces }
+        let [max_vertices, max_faces] = [self.max_vertices, self.max_faces].map(|n| n.min(MOST_READ));
+        ReadLimits { max_vertices, max_faces }
     }
 
     /// Admits a job, or says why not and what would be.
@@ -156,7 +182,20 @@ impl Limits {
             .map(|output| output.format.memory(&output.shown(&counts), &output.options))
             .max()
             .unwrap_or(0);
-        let memory_bytes = needed(job, &forecast, &sizes, &carried).saturating_add(limit_bytes).saturating_add(options);
+        let needed = needed(job, &forecast, &sizes, &carried);
+        let mut memory_bytes = needed.saturating_add(limit_bytes).saturating_add(options);
+        let is_large = memory_bytes > self.max_held_bytes.into();
+        let held_levels = if is_large { job.held_levels() } else { None };
+        if let Some(levels) = held_levels {
+            memory_bytes = on_demand(&forecast, levels, &sizes);
+        } else if forecast.peak.corners > u32::MAX.into() {
+            let reason = format!(
+                "the net has {} corners of faces, which are counted up to {}",
+                thousands(forecast.peak.corners),
+                thousands(u32::MAX.into())
+            );
+            return Err(self.too_large(job, &forecast, &reason, |count| count.corners <= u32::MAX.into()));
+        }
         if memory_bytes > self.max_job_bytes.into() {
             let place = format!("the job needs about {} of memory", in_bytes(memory_bytes));
             let bound = format!("this server allows {} a job", in_bytes(self.max_job_bytes.into()));
@@ -165,7 +204,7 @@ impl Limits {
         let rows = forecast.work.saturating_add(local.points).saturating_add(time::rows(job, &counts));
         let time_ms = time::milliseconds(rows, &sizes);
         let outputs = job.keys().iter().copied().zip(sizes).collect();
-        Ok(Estimate { forecast, outputs, memory_bytes, time_ms })
+        Ok(Estimate { forecast, outputs, memory_bytes, on_demand: held_levels.is_some(), time_ms })
     }
 
     fn no_forecast(&self, error: &ForecastError) -> Refusal {
@@ -338,59 +377,4 @@ fn counts(job: &Job, count: Count) -> Counts {
         input_edges: mesh.map_or(0, |mesh| mesh.topology.n_edges()),
         tags: mesh.filter(|_| job.levels == 0).map_or(0, tags),
     }
-}
-
-/// Rows that the limits of an output need at most, and bytes: the topology of the last level (48 a face), the class of
-/// a vertex and its new point (29), two tangents and a normal (72). A vertex that is followed by itself has weights of
-/// its own for the points around it (8 each); faces of such nets know their numbers and those of their edges (88).
-fn limit_surface(job: &Job, forecast: &Forecast) -> (u128, u128) {
-    let count = forecast.levels.last().copied().unwrap_or_default();
-    let needs = |output: &Output| {
-        let [positions, normals] = surface::limit(&output.options).map(u128::from);
-        if positions + normals == 0 {
-            return (0, 0);
-        }
-        let asked = LimitRequest { positions: positions > 0, normals: normals > 0 };
-        let points = u128::from(followed_points(&job.plan, asked));
-        let of_face = if points > 0 { 48 + 88 } else { 48 };
-        let of_vertex = 29 + 72 * normals + 8 * points * (1 + 2 * normals);
-        let bytes = count.faces.saturating_mul(of_face).saturating_add(count.vertices.saturating_mul(of_vertex));
-        let rows = positions + 2 * normals + u128::from(ROWS_A_POINT) * points;
-        (count.vertices.saturating_mul(rows), bytes)
-    };
-    let needs = job.outputs.iter().map(needs);
-    needs.fold((0, 0), |most, need| (most.0.max(need.0), most.1.max(need.1)))
-}
-
-/// What limits need beside their rows: around vertices that are not regular, all of them where they have numbers of
-/// their own or where faces are triangles.
-fn limit_patches(job: &Job, forecast: &Forecast) -> Cost {
-    let Input::Mesh(mesh) = &job.input else { return Cost::default() };
-    let vertices = forecast.levels.last().map_or(0, |count| count.vertices);
-    let (topology, cycle) = (&mesh.topology, &job.plan.word.cycle);
-    let regular = |v: &usize| topology.boundary_edges(*v).is_none() && topology.ring(*v).take(5).count() == 4;
-    let of_quads = mesh.attributes.is_none() && job.plan.tile() == Tile::Quad;
-    let irregular = if of_quads {
-        let fours = |n: usize| n.div_ceil(4);
-        let uneven = (0..topology.n_vertices()).filter(|v| !regular(v));
-        let vertices: usize = uneven.map(|v| fours(topology.ring(v).count())).sum();
-        let sizes = (0..topology.n_faces()).map(|f| topology.face(f).len());
-        let faces: usize = sizes.filter(|&size| size != 4).map(fours).sum();
-        vertices as u128 + faces as u128 + mesh.creases.len() as u128
-    } else {
-        vertices
-    };
-    // the impulse is that of all least and largest numbers that vertices carry
-    let own_alpha = job.plan.latitude.as_ref().is_some_and(|latitude| latitude.own_alpha);
-    let given = |attributes: &Attributes| attributes.arrays().iter().filter(|(_, array)| array.is_some()).count();
-    let kinds = mesh.attributes.as_ref().map_or(0, given).max(usize::from(own_alpha));
-    let plan = &job.plan;
-    let halved = [Some(plan.alpha), plan.compensation_alpha].into_iter().flatten().any(|alpha| alpha != 0.0);
-    let fades = halved && plan.kernel.iter().chain([&plan.compensation]).any(|function| !function.is_constant());
-    let follow = match kinds {
-        0 if fades => Follow::PlanValues,
-        0 => Follow::Connectivity,
-        _ => Follow::VertexParameters,
-    };
-    limit_cost(cycle, 1 << kinds, irregular, vertices, follow)
 }

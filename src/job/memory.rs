@@ -1,10 +1,12 @@
 //! What a job needs in memory while it runs.
 
 use super::complete::Job;
-use crate::output::Size;
+use super::output::Output;
+use crate::output::{Size, surface};
 use crate::scheme::forecast::Forecast;
 use crate::scheme::letter::Letter;
 use crate::scheme::operator::Children;
+use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
 
 /// What is refined along with the positions.
@@ -78,7 +80,7 @@ const STREAMED_BYTES: u128 = 8;
 /// Bytes of the planes of a sweep a vertex, and at most, which sixteen threads take. Measured: 22 where two patches
 /// have 128 cells a side.
 const PLANE_BYTES: [u128; 2] = [32, 64 << 20];
-/// Bytes a corner of the input: the topology of patches, their kinds and tables.
+/// Bytes a corner of the input: the topology of patches, their kinds and tables, and which stars each thread made.
 const PATCH_BYTES: u128 = 256;
 
 /// Bytes of a job whose mesh is refined by rows up to a level and patch by patch from there on: the net of that level,
@@ -88,7 +90,10 @@ fn swept(job: &Job, forecast: &Forecast, level: usize, sizes: &[Size], carried: 
     let count = forecast.levels.get(level).copied().unwrap_or(last);
     let before = Forecast { levels: vec![count], peak: count, work: 0, topology_bytes: 0 };
     let given = forecast.levels.first().map_or(0, |count| count.corners);
-    let streams = job.outputs.iter().all(|output| output.format.streams(&output.options));
+    let streams = |mesh: &Mesh, output: &Output| {
+        output.format.streams(mesh, &output.options) && !surface::with_normals(&output.options)
+    };
+    let streams = job.input.mesh().is_some_and(|mesh| job.outputs.iter().all(|output| streams(mesh, output)));
     let held = if streams { STREAMED_BYTES } else { HELD_BYTES };
     let is_split = last.uvs + last.split_vertices > 0;
     // the normals of the first frame, and copies of the positions of all others where their vertices are split
@@ -123,6 +128,26 @@ pub(super) fn memory(forecast: &Forecast, sizes: &[Size], carried: &Carried) -> 
         (sizes.iter().map(|size| size.bytes()).max().unwrap_or(0), 1),
     ];
     parts.iter().fold(0, |sum: u128, (n, bytes)| sum.saturating_add(n.saturating_mul(*bytes)))
+}
+
+/// Rows that are on their way from the sweep to the output at once, at most.
+const ROWS_ON_THE_WAY: u128 = 1 << 20;
+/// Bytes of a row on its way: its point in a window of a patch, and twice (one is made while the other is written) as
+/// a point in the documented order.
+const ROW_BYTES: u128 = 3 * 24;
+
+/// Bytes of a job whose mesh is refined while the result is written, from a whole net of that level on, without those
+/// of the result.
+pub(super) fn on_demand(forecast: &Forecast, level: usize, sizes: &[Size]) -> u128 {
+    let last = forecast.levels.last().copied().unwrap_or_default();
+    let count = forecast.levels.get(level).copied().unwrap_or(last);
+    let given = forecast.levels.first().map_or(0, |count| count.corners);
+    let bytes = sizes.iter().map(|size| size.bytes()).max().unwrap_or(0);
+    let bytes_a_row = bytes / last.vertices.min(last.faces).max(1);
+    let rows = ROWS_ON_THE_WAY.min(last.vertices).saturating_mul(ROW_BYTES + 2 * bytes_a_row);
+    let held =
+        memory(&Forecast { levels: vec![count], peak: count, work: 0, topology_bytes: 0 }, &[], &Carried::default());
+    held.saturating_add(given.saturating_mul(PATCH_BYTES)).saturating_add(rows).saturating_add(PLANE_BYTES[1])
 }
 
 /// Bytes of the discs around vertices that limits compare, of 16,384 vertices at a time: those near extraordinary

@@ -11,6 +11,7 @@ mod input;
 mod kernels;
 pub mod key;
 mod levels;
+mod limit_cost;
 pub mod limits;
 mod memory;
 mod output;

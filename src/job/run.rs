@@ -12,7 +12,7 @@ use super::output::Output;
 use super::work::{KeepNothing, KeepWork, refined};
 use crate::analysis::curve;
 use crate::output::scene::{Control, Curve, Scene, Shape};
-use crate::refine::RefinedMesh;
+use crate::refine::{RefinedMesh, StreamedMesh};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::tags::Boundary;
 use crate::shape::mesh::Mesh;
@@ -50,7 +50,7 @@ pub fn run_keeping(
     watch.enter(Stage::Refine);
     match &job.input {
         Input::Polygons(polygons) => draw(job, polygons, output, out, watch),
-        Input::Mesh(mesh) => form((job, mesh, output), kept, out, watch),
+        Input::Mesh(mesh) => form(admitted, (mesh, output), kept, out, watch),
     }
 }
 
@@ -71,14 +71,23 @@ fn draw(
 
 /// Refines and writes a mesh.
 fn form(
-    (job, mesh, output): (&Job, &Mesh, &Output),
+    admitted: &Admitted,
+    (mesh, output): (&Mesh, &Output),
     kept: &dyn KeepWork,
     out: &mut dyn Write,
     watch: &Watch,
 ) -> Result<Report, RunError> {
+    let job = admitted.job();
     let mesh = &*mesh.at_frame(output.frame);
-    let refined = &*refined(job, mesh, output, kept, watch)?;
     let control = &ControlMesh { mesh, refined: OnceLock::new() };
+    if admitted.estimate().on_demand {
+        let streamed = StreamedMesh::of(mesh, &job.plan, job.steps(), watch);
+        let streamed = streamed.map_err(|error| RunError::of_limit(error.into(), mesh.attributes.as_ref(), ""))?;
+        let Some(streamed) = streamed else { return Err(RunError::too_large()) };
+        let (shape, warnings) = (Shape::Mesh(&streamed), mesh.warnings());
+        return write(&Scene { shape, control, warnings: &warnings, frame: job.frame }, output, out, watch);
+    }
+    let refined = &*refined(job, mesh, output, kept, watch)?;
     let shape = Shape::Mesh(&refined.mesh);
     write(&Scene { shape, control, warnings: &refined.warnings, frame: job.frame }, output, out, watch)
 }

@@ -91,7 +91,7 @@ pub trait Format: fmt::Debug + Send + Sync {
 
     /// Whether positions of a mesh with quads alone are asked for in the order of its vertices, or at the corners of
     /// its faces in their order, and none is held: then they can be made while they are written.
-    fn streams(&self, _options: &Values) -> bool {
+    fn streams(&self, _mesh: &Mesh, _options: &Values) -> bool {
         false
     }
 

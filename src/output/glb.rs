@@ -14,6 +14,7 @@ use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
 use crate::output::stream::holds_space;
+use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
 /// Bytes before the first chunk, and before the content of each chunk.
@@ -59,8 +60,9 @@ impl Format for Glb {
         if split_vertices(counts, options) > 0 { Size::AtMost(bytes) } else { Size::Exact(bytes) }
     }
 
-    fn streams(&self, options: &Values) -> bool {
-        !with_normals(options)
+    fn streams(&self, mesh: &Mesh, options: &Values) -> bool {
+        // vertices on sharp edges have copies with normals of their own
+        !with_normals(options) || mesh.creases.is_empty()
     }
 
     fn write(

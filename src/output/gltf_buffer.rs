@@ -13,10 +13,11 @@ use crate::output::error::FormatError;
 use crate::output::gltf_amounts::{Amounts, Contents, check_origins, with_normals};
 use crate::output::gltf_animation::{self as animation, FRAME_RATE};
 use crate::output::gltf_targets::{MorphTarget, normals_of};
+use crate::output::normals;
 use crate::output::numbers::{as_written, f32_bytes, index_bytes, rounded};
 use crate::output::positions::{Positions, channels_within_f32};
 use crate::output::scene::{FaceChunk, Frame, MeshSource, Scene, Shape, in_chunks, triangles};
-use crate::output::stream::Stream;
+use crate::output::stream::{BLOCK, Stream};
 use crate::output::vertex_sides::{Sides, SplitSides};
 use crate::shape::attachments::Attachments;
 use crate::shape::labels::{LabelledFaces, by_labels};
@@ -110,7 +111,8 @@ impl<'a> Buffer<'a> {
         let (mesh, sources) = match scene.shape {
             Shape::Mesh(mesh) => {
                 let positions = Positions::of_mesh(mesh);
-                let positions = if amounts.normals || amounts.targets > 0 { positions.held(watch)? } else { positions };
+                let held = (amounts.normals && mesh.on_demand().is_none()) || amounts.targets > 0;
+                let positions = if held { positions.held(watch)? } else { positions };
                 (Some(mesh), vec![(positions, None)])
             }
             Shape::Curves(curves) => {
@@ -174,7 +176,14 @@ impl<'a> Buffer<'a> {
         }
         let (Some(mesh), Some(part)) = (self.mesh, self.parts.first()) else { return Ok(()) };
         let mut normals = Vec::new();
-        if self.amounts.normals {
+        if let (true, Some(source)) = (self.amounts.normals, mesh.on_demand()) {
+            let scale = normals::scale_of(&part.bounds);
+            stream.vectors(
+                part.positions.ranges(BLOCK),
+                |range, rows| normals::on_demand(source, range, scale, rows),
+                |rows, out| vectors(rows, out, normals::or_up),
+            )?;
+        } else if self.amounts.normals {
             normals = normals_of(mesh, self.smooth, &part.positions, watch)?;
             stream.rows(&normals, |_, rows, out| vectors(rows, out, |row| row))?;
             if self.targets.is_empty() {

@@ -1,10 +1,12 @@
 //! Vertex normals of a refined net, weighted by the area of the faces around each vertex.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::math::vector::{cross, minus, plus, times, unit};
 use crate::output::bounds::Bounds;
-use crate::output::scene::{CHUNK, FaceChunk, MeshSource, in_chunks};
+use crate::output::scene::{CHUNK, FaceChunk, MeshSource, OnDemandSource, in_chunks};
 use crate::output::vertex_sums::sums;
 use crate::watch::{Stopped, Watch};
 
@@ -90,6 +92,19 @@ pub fn area_vector(face: &[u32], positions: &[[f64; 3]], scale: f64) -> [f64; 3]
     sum
 }
 
+/// Fills `out` with the [`area`] normals of some vertices of a mesh that makes its positions on demand; `scale` is that
+/// of the mesh.
+pub(super) fn on_demand(source: &dyn OnDemandSource, range: Range<usize>, scale: f64, out: &mut Vec<[f64; 3]>) {
+    source.sums(range, &|corners| area_vector(&[0, 1, 2, 3], &corners, scale), out);
+    out.iter_mut().for_each(|sum| *sum = unit(*sum));
+}
+
+/// The unit normal of a triangle, zero where it is undefined; `scale` is that of the mesh.
+#[inline]
+pub(super) fn of_triangle(corners: [[f64; 3]; 3], scale: f64) -> [f64; 3] {
+    unit(area_vector(&[0, 1, 2], &corners, scale))
+}
+
 /// The power of two that brings the longest side of the bounding box near 1, so that products of lengths neither
 /// overflow nor vanish. A power of two changes no digit.
 pub fn scale(positions: &[[f64; 3]]) -> f64 {
@@ -99,6 +114,11 @@ pub fn scale(positions: &[[f64; 3]]) -> f64 {
         bounds
     };
     let bounds = positions.par_chunks(CHUNK).map(block).reduce(|| Bounds::EMPTY, |a, b| a.joined(&b));
+    scale_of(&bounds)
+}
+
+/// [`scale`] of positions in this box.
+pub(super) fn scale_of(bounds: &Bounds<3>) -> f64 {
     let half_side = bounds.half_side();
     if half_side > 0.0 && half_side.is_finite() { inverse_power_of_two(half_side) } else { 1.0 }
 }
@@ -111,8 +131,6 @@ fn inverse_power_of_two(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use std::ops::Range;
-
     use super::*;
     use crate::shape::source::OriginSource;
 

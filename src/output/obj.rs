@@ -19,6 +19,7 @@ use crate::output::surface::{NORMALS, with_normals};
 use crate::output::text::RowStyle;
 use crate::shape::creases::Tags;
 use crate::shape::labels::Labels;
+use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
 /// The first lines: who wrote the file, and what coordinates mean.
@@ -99,7 +100,7 @@ impl Format for Obj {
         })
     }
 
-    fn streams(&self, options: &Values) -> bool {
+    fn streams(&self, _mesh: &Mesh, options: &Values) -> bool {
         !with_normals(options)
     }
 

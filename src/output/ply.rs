@@ -22,6 +22,7 @@ use crate::output::stream::{Stream, holds_space};
 use crate::output::surface::NORMALS;
 use crate::output::vertex_sides::Sides;
 use crate::shape::attachments::Attachments;
+use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 use carried::Carried;
 use layout::{Encoding, Layout};
@@ -70,7 +71,7 @@ impl Format for Ply {
         }
     }
 
-    fn streams(&self, options: &Values) -> bool {
+    fn streams(&self, _mesh: &Mesh, options: &Values) -> bool {
         !Layout::of(options).normals
     }
 

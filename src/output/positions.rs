@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::output::bounds::Bounds;
 use crate::output::error::FormatError;
-use crate::output::scene::{CHUNK, Curve, MeshSource, in_chunks};
+use crate::output::scene::{CHUNK, Curve, MeshSource, in_chunks, ranges};
 use crate::watch::Watch;
 
 /// Where the positions of vertices come from, and how large a coordinate may be.
@@ -71,18 +71,24 @@ impl<'a> Positions<'a> {
         }
     }
 
+    /// Consecutive ranges that cover all vertices: of `rows` each, or as a mesh that makes them on demand has it.
+    pub(super) fn ranges(&self, rows: usize) -> impl Iterator<Item = Range<usize>> {
+        let (n, on_demand) = (self.len(), if let Source::Mesh(mesh) = &self.source { mesh.on_demand() } else { None });
+        ranges(n, move |start| on_demand.map_or(start + rows, |source| source.stretch(start)))
+    }
+
     /// The box around all positions.
     pub(super) fn bounds(&self, watch: &Watch) -> Result<Bounds<3>, FormatError> {
-        let starts: Vec<usize> = (0..self.len()).step_by(CHUNK).collect();
-        let chunk = |buffer: &mut Vec<[f64; 3]>, start: usize| {
+        let ranges: Vec<Range<usize>> = self.ranges(CHUNK).collect();
+        let chunk = |buffer: &mut Vec<[f64; 3]>, range: Range<usize>| {
             watch.check()?;
             let mut bounds = Bounds::EMPTY;
-            bounds.add(self.rows_in(start..self.len().min(start + CHUNK), buffer)?);
+            bounds.add(self.rows_in(range, buffer)?);
             Ok(bounds)
         };
         // collected in order, so that the first position that does not fit is the one that is named
         let chunks: Vec<Result<_, FormatError>> =
-            starts.into_par_iter().map_init(Vec::new, |buffer, start| chunk(buffer, start)).collect();
+            ranges.into_par_iter().map_init(Vec::new, |buffer, range| chunk(buffer, range)).collect();
         chunks.into_iter().try_fold(Bounds::EMPTY, |all, chunk| Ok(all.joined(&chunk?)))
     }
 

@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::Range;
 
 pub use crate::shape::frame::Frame;
-pub use crate::shape::source::{Curve, FaceChunk, MeshSource, Origin};
+pub use crate::shape::source::{Curve, FaceChunk, MeshSource, OnDemandSource, Origin};
 
 /// Rows that one chunk holds at most; writers ask for ranges no longer than this.
 pub const CHUNK: usize = 65_536;
@@ -46,6 +46,16 @@ pub enum Shape<'a> {
 /// Triangles of one polygon: quads along the diagonal from corner 0 to 2, larger faces as a fan from corner 0.
 pub fn triangles(face: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
     face.windows(2).skip(1).map(|pair| [face[0], pair[0], pair[1]])
+}
+
+/// Consecutive ranges that cover `0..n`, each of which ends at `end` of its start, which lies beyond it.
+pub fn ranges(n: usize, end: impl Fn(usize) -> usize) -> impl Iterator<Item = Range<usize>> {
+    let mut at = 0;
+    std::iter::from_fn(move || {
+        let start = at;
+        at = if start < n { end(start).min(n) } else { n };
+        (start < n).then_some(start..at)
+    })
 }
 
 /// Calls `each` with consecutive ranges of at most [`CHUNK`] that cover `0..n`.

@@ -2,6 +2,7 @@
 
 use std::io::Write;
 
+use crate::fault::Fault;
 use crate::math::parameter::{Default, Parameter, Values};
 use crate::math::vector::{plus, unit};
 use crate::output::counts::{Counts, ShapeKind};
@@ -11,11 +12,12 @@ use crate::output::normals;
 use crate::output::numbers::{rounded, total};
 use crate::output::options::{LIMIT, POSITIONS};
 use crate::output::positions::Positions;
-use crate::output::scene::{MeshSource, Scene, Shape, triangles};
+use crate::output::scene::{MeshSource, OnDemandSource, Scene, Shape, triangles};
 use crate::output::size::Size;
 use crate::output::split_vertices::SplitVertices;
 use crate::output::stream::Stream;
 use crate::output::surface::NORMALS;
+use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
 /// Bytes before the number of triangles; programs take a file that starts with "solid" for text.
@@ -54,11 +56,14 @@ impl Format for Stl {
     }
 
     fn size(&self, counts: &Counts, _options: &Values) -> Size {
-        let triangles = counts.half_edges.saturating_sub(counts.faces.saturating_mul(2));
-        Size::Exact(total(&[(1, HEADER.len() as u128 + 4), (triangles, TRIANGLE)]))
+        Size::Exact(total(&[(1, HEADER.len() as u128 + 4), (n_triangles(counts), TRIANGLE)]))
     }
 
-    fn streams(&self, options: &Values) -> bool {
+    fn fits(&self, counts: &Counts, _options: &Values) -> Result<(), Fault> {
+        check_triangles(n_triangles(counts)).map(drop).map_err(|detail| Fault::new("/format", detail))
+    }
+
+    fn streams(&self, _mesh: &Mesh, options: &Values) -> bool {
         options.choice(NORMALS.name) != Some(LIMIT)
     }
 
@@ -76,19 +81,26 @@ impl Format for Stl {
     }
 }
 
+fn n_triangles(counts: &Counts) -> u128 {
+    counts.half_edges.saturating_sub(counts.faces.saturating_mul(2))
+}
+
+/// A number of triangles as stl counts it.
+fn check_triangles(n: u128) -> Result<u32, String> {
+    let most = u32::MAX;
+    u32::try_from(n).map_err(|_| format!("{n} triangles, stl counts at most {most}; ask for ply or obj"))
+}
+
 fn write_mesh(
     mesh: &dyn MeshSource,
     normals: Option<&str>,
     out: &mut dyn Write,
     watch: &Watch,
 ) -> Result<(), FormatError> {
-    let n_triangles = mesh.n_half_edges() - 2 * mesh.n_faces();
-    let Ok(n) = u32::try_from(n_triangles) else {
-        let most = u32::MAX;
-        return Err(FormatError::Unfit(format!(
-            "{n_triangles} triangles, stl counts at most {most}; ask for ply or obj"
-        )));
-    };
+    let n = check_triangles(mesh.n_half_edges() as u128 - 2 * mesh.n_faces() as u128).map_err(FormatError::Unfit)?;
+    if let Some(source) = mesh.on_demand() {
+        return write_on_demand(mesh, source, n, normals, out, watch);
+    }
     let at_limit = normals == Some(LIMIT);
     let split_vertices = if at_limit { SplitVertices::of(Shape::Mesh(mesh), watch)? } else { None };
     let mesh = split_vertices.as_ref().map_or(mesh, |split_vertices| split_vertices);
@@ -96,20 +108,18 @@ fn write_mesh(
     let rows = positions.rows();
     let corners = if at_limit { normals::of(mesh, rows, watch)? } else { Vec::new() };
     let scale = normals::scale(rows);
+    let at = |v: u32| rows[v as usize];
     let mut stream = Stream::new(out, watch);
     stream.bytes(HEADER)?;
     stream.bytes(&n.to_le_bytes())?;
-    let write = |record: &mut [u8; TRIANGLE as usize], triangle: [u32; 3]| {
-        let own = || unit(normals::area_vector(&triangle, rows, scale));
+    let write = |record: &mut Record, triangle: [u32; 3]| {
+        let own = || normals::of_triangle(triangle.map(at), scale);
         let normal = match normals {
             Some("none") => [0.0; 3],
             _ if at_limit => mean(triangle.map(|v| corners[v as usize])).unwrap_or_else(own),
             _ => own(),
         };
-        let [a, b, c] = triangle.map(|v| rows[v as usize]);
-        let (slots, nothing) = record.as_chunks_mut();
-        slots.iter_mut().zip([normal, a, b, c].as_flattened()).for_each(|(slot, &x)| *slot = rounded(x).to_le_bytes());
-        nothing.fill(0);
+        put(normal, triangle.map(at), record);
     };
     stream.faces(mesh, |_, faces, out| {
         if let Some(quads) = faces.rows::<4>() {
@@ -124,6 +134,39 @@ fn write_mesh(
             records.iter_mut().zip(triangles).for_each(|(record, triangle)| write(record, triangle));
         }
     })
+}
+
+/// Writes a mesh of quads whose positions are made while it is written.
+fn write_on_demand(
+    mesh: &dyn MeshSource,
+    source: &dyn OnDemandSource,
+    n_triangles: u32,
+    normals: Option<&str>,
+    out: &mut dyn Write,
+    watch: &Watch,
+) -> Result<(), FormatError> {
+    let scale = normals::scale_of(&Positions::of_mesh(mesh).within_f32().bounds(watch)?);
+    let mut stream = Stream::new(out, watch);
+    stream.bytes(HEADER)?;
+    stream.bytes(&n_triangles.to_le_bytes())?;
+    stream.corners(mesh.n_faces(), source, |quads, out| {
+        let pairs = out.rows(2 * quads.len()).as_chunks_mut::<2>().0;
+        for (records, &[a, b, c, d]) in pairs.iter_mut().zip(quads) {
+            for (record, triangle) in records.iter_mut().zip([[a, b, c], [a, c, d]]) {
+                let own = || normals::of_triangle(triangle, scale);
+                put(if normals == Some("none") { [0.0; 3] } else { own() }, triangle, record);
+            }
+        }
+    })
+}
+
+/// A triangle as it is written.
+type Record = [u8; TRIANGLE as usize];
+
+fn put(normal: [f64; 3], [a, b, c]: [[f64; 3]; 3], record: &mut Record) {
+    let (slots, nothing) = record.as_chunks_mut();
+    slots.iter_mut().zip([normal, a, b, c].as_flattened()).for_each(|(slot, &x)| *slot = rounded(x).to_le_bytes());
+    nothing.fill(0);
 }
 
 /// The direction of the sum of unit normals; `None` where they cancel.

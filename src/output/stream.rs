@@ -7,13 +7,13 @@ use crate::output::bytes::Bytes;
 use crate::output::counts::ShapeKind;
 use crate::output::error::FormatError;
 use crate::output::positions::Positions;
-use crate::output::scene::{FaceChunk, MeshSource};
+use crate::output::scene::{FaceChunk, MeshSource, OnDemandSource, ranges};
 use crate::watch::Watch;
 
 /// Rows of a block: their bytes, 50 to 300 KB, stay in the cache of the core that makes them until they are written.
 /// Half of it hands out work twice as often; twice of it holds twice the memory, and starts threads for larger meshes
 /// only.
-const BLOCK: usize = 4_096;
+pub(super) const BLOCK: usize = 4_096;
 
 /// Blocks for each thread that are encoded while those before them are written, so that the threads end at about the
 /// same time. Half of it lets them wait for each other twice as often; twice of it holds twice the memory.
@@ -22,6 +22,11 @@ const BLOCKS_PER_THREAD: usize = 4;
 /// Most blocks that are encoded while those before them are written: 65,536 rows, as many as a source gives at a time.
 /// Half of it leaves work for eight threads only; twice of it holds twice the memory on machines with many threads.
 const MAX_BLOCKS: usize = 16;
+
+/// Most rows of the blocks that are encoded while those before them are written, where a source makes positions on
+/// demand, many at a time. Half of it keeps more threads waiting where the patches of a mesh are wide; twice of it
+/// holds twice the memory.
+const MAX_ROWS: usize = 1 << 20;
 
 /// Writes rows to `out`; holds twice [`MAX_BLOCKS`] blocks at most, whose memory is kept from one to the next.
 pub(super) struct Stream<'a> {
@@ -41,6 +46,7 @@ struct Block {
     uv_faces: FaceChunk,
     uvs: Vec<[f64; 2]>,
     numbers: Vec<f64>,
+    corners: Vec<[[f64; 3]; 4]>,
 }
 
 impl<'a> Stream<'a> {
@@ -60,8 +66,22 @@ impl<'a> Stream<'a> {
         positions: &Positions<'_>,
         encode: impl Fn(usize, &[[f64; 3]], &mut Bytes) + Sync,
     ) -> Result<(), FormatError> {
-        self.encoded(0..positions.len(), |range, block| {
+        self.encoded(positions.ranges(BLOCK), |range, block| {
             encode(range.start, positions.rows_in(range.clone(), &mut block.points)?, &mut block.bytes);
+            Ok(())
+        })
+    }
+
+    /// Writes vectors of vertices that `make` makes for consecutive ranges of these.
+    pub(super) fn vectors(
+        &mut self,
+        ranges: impl Iterator<Item = Range<usize>>,
+        make: impl Fn(Range<usize>, &mut Vec<[f64; 3]>) + Sync,
+        encode: impl Fn(&[[f64; 3]], &mut Bytes) + Sync,
+    ) -> Result<(), FormatError> {
+        self.encoded(ranges, |range, block| {
+            make(range, &mut block.points);
+            encode(&block.points, &mut block.bytes);
             Ok(())
         })
     }
@@ -72,7 +92,7 @@ impl<'a> Stream<'a> {
         rows: &[T],
         encode: impl Fn(usize, &[T], &mut Bytes) + Sync,
     ) -> Result<(), FormatError> {
-        self.encoded(0..rows.len(), |range, block| {
+        self.encoded(blocks(0..rows.len()), |range, block| {
             encode(range.start, &rows[range], &mut block.bytes);
             Ok(())
         })
@@ -94,9 +114,24 @@ impl<'a> Stream<'a> {
         some: Range<usize>,
         encode: impl Fn(usize, &FaceChunk, &mut Bytes) + Sync,
     ) -> Result<(), FormatError> {
-        self.encoded(some, |range, block| {
+        self.encoded(blocks(some), |range, block| {
             mesh.faces(range.clone(), &mut block.faces);
             encode(range.start, &block.faces, &mut block.bytes);
+            Ok(())
+        })
+    }
+
+    /// Writes all faces of a mesh of quads that makes positions on demand: `encode` makes the bytes of some consecutive
+    /// ones of the positions at their corners.
+    pub(super) fn corners(
+        &mut self,
+        n_faces: usize,
+        source: &dyn OnDemandSource,
+        encode: impl Fn(&[[[f64; 3]; 4]], &mut Bytes) + Sync,
+    ) -> Result<(), FormatError> {
+        self.encoded(ranges(n_faces, |start| source.stretch_of_faces(start)), |range, block| {
+            source.corners(range, &mut block.corners);
+            encode(&block.corners, &mut block.bytes);
             Ok(())
         })
     }
@@ -109,7 +144,7 @@ impl<'a> Stream<'a> {
         encode: impl Fn(usize, [&FaceChunk; 2], &mut Bytes) + Sync,
     ) -> Result<(), FormatError> {
         let uvs = mesh.uvs();
-        self.encoded(0..mesh.n_faces(), |range, block| {
+        self.encoded(blocks(0..mesh.n_faces()), |range, block| {
             mesh.faces(range.clone(), &mut block.faces);
             if let Some(uvs) = uvs {
                 uvs.faces(range.clone(), &mut block.uv_faces);
@@ -126,7 +161,7 @@ impl<'a> Stream<'a> {
         encode: impl Fn(usize, &FaceChunk, &mut Bytes) + Sync,
     ) -> Result<(), FormatError> {
         let Some(uvs) = mesh.uvs() else { return Ok(()) };
-        self.encoded(0..mesh.n_faces(), |range, block| {
+        self.encoded(blocks(0..mesh.n_faces()), |range, block| {
             uvs.faces(range.clone(), &mut block.faces);
             encode(range.start, &block.faces, &mut block.bytes);
             Ok(())
@@ -140,7 +175,7 @@ impl<'a> Stream<'a> {
         encode: impl Fn(usize, &[[f64; 2]], &mut Bytes) + Sync,
     ) -> Result<(), FormatError> {
         let Some(source) = mesh.uvs() else { return Ok(()) };
-        self.encoded(0..source.n_points(), |range, block| {
+        self.encoded(blocks(0..source.n_points()), |range, block| {
             source.values(range.clone(), &mut block.uvs);
             encode(range.start, &block.uvs, &mut block.bytes);
             Ok(())
@@ -155,7 +190,7 @@ impl<'a> Stream<'a> {
         channel: usize,
         encode: impl Fn(usize, &[f64], &mut Bytes) + Sync,
     ) -> Result<(), FormatError> {
-        self.encoded(0..mesh.n_vertices(), |range, block| {
+        self.encoded(blocks(0..mesh.n_vertices()), |range, block| {
             mesh.channel(channel, range.clone(), &mut block.numbers);
             encode(range.start, &block.numbers, &mut block.bytes);
             Ok(())
@@ -168,7 +203,7 @@ impl<'a> Stream<'a> {
         range: Range<usize>,
         encode: impl Fn(usize, &mut Vec<u8>) + Sync,
     ) -> Result<(), FormatError> {
-        self.encoded(range, |part, block| {
+        self.encoded(blocks(range), |part, block| {
             block.bytes.append(|out| part.for_each(|i| encode(i, out)));
             Ok(())
         })
@@ -178,18 +213,23 @@ impl<'a> Stream<'a> {
     /// are written. A single block, and all on a single thread, take no other thread.
     fn encoded(
         &mut self,
-        rows: Range<usize>,
+        ranges: impl Iterator<Item = Range<usize>>,
         encode: impl Fn(Range<usize>, &mut Block) -> Result<(), FormatError> + Sync,
     ) -> Result<(), FormatError> {
         let Self { out, watch, blocks: [encoding, writing] } = self;
-        let mut ranges = rows.clone().step_by(BLOCK).map(|start| start..rows.end.min(start + BLOCK));
+        let mut ranges = ranges;
         let encode = |range, block: &mut Block| {
             watch.check()?;
             block.bytes.clear();
-            encode(range, block)
+            encode(range, block)?;
+            // what is made on demand is of no meaning once that was stopped
+            Ok(watch.check()?)
         };
         let threads = rayon::current_num_threads();
-        if rows.len() <= BLOCK || threads == 1 {
+        let first: Vec<Range<usize>> = ranges.by_ref().take(2).collect();
+        let is_one = first.len() < 2;
+        let mut ranges = first.into_iter().chain(ranges).peekable();
+        if is_one || threads == 1 {
             encoding.resize_with(encoding.len().max(1), Block::default);
             let block = &mut encoding[0];
             return ranges.try_for_each(|range| {
@@ -197,14 +237,19 @@ impl<'a> Stream<'a> {
                 Ok(out.write_all(block.bytes.made())?)
             });
         }
-        let at_once = (BLOCKS_PER_THREAD * threads).min(MAX_BLOCKS).min(rows.len().div_ceil(BLOCK));
-        for blocks in [&mut *encoding, &mut *writing] {
-            blocks.resize_with(blocks.len().max(at_once), Block::default);
-        }
+        let at_once = (BLOCKS_PER_THREAD * threads).min(MAX_BLOCKS);
         let mut n_encoded = 0;
         loop {
-            let next: Vec<Range<usize>> = ranges.by_ref().take(at_once).collect();
+            let (mut next, mut rows) = (Vec::with_capacity(at_once), 0);
+            while let Some(range) = ranges.next_if(|range| rows == 0 || rows + range.len() <= MAX_ROWS) {
+                rows += range.len();
+                next.push(range);
+                if next.len() == at_once {
+                    break;
+                }
+            }
             let (n, encode) = (next.len(), &encode);
+            encoding.resize_with(encoding.len().max(n), Block::default);
             rayon::in_place_scope(|scope| {
                 for (range, block) in next.into_iter().zip(&mut *encoding) {
                     scope.spawn(move |_| block.failed = encode(range, block).err());
@@ -218,6 +263,11 @@ impl<'a> Stream<'a> {
             n_encoded = n;
         }
     }
+}
+
+/// Consecutive blocks of some rows.
+fn blocks(rows: Range<usize>) -> impl Iterator<Item = Range<usize>> {
+    rows.clone().step_by(BLOCK).map(move |start| start..rows.end.min(start + BLOCK))
 }
 
 /// Writes blocks up to the first that could not be encoded.

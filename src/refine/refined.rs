@@ -24,7 +24,7 @@ pub struct RefinedMesh {
     normals: Option<Normals>,
     pub(super) base: Arc<Topology>,
     pub(super) order: VertexOrder,
-    shown: Shown,
+    pub(super) shown: Shown,
     pub(super) attachments: Arc<Attachments>,
     /// The values of each channel, in the same order.
     pub(super) channels: Vec<Numbers>,

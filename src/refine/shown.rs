@@ -56,6 +56,12 @@ impl Shown {
         })
     }
 
+    /// Whether a face is shown.
+    pub(super) fn has(&self, face: usize) -> bool {
+        let number = self.number(face);
+        number < self.n && self.face(number) == face
+    }
+
     /// The shown face of a number.
     pub(super) fn face(&self, shown: usize) -> usize {
         let run = self.runs.partition_point(|(first, _)| *first <= shown) - 1;

@@ -9,8 +9,8 @@ use tokio::sync::{Notify, watch};
 
 use super::clock::Clock;
 use super::store::Manifest;
-use crate::job::JobFault;
 use crate::job::key::Key;
+use crate::job::{JobFault, RunError};
 use crate::watch::{Stage, Watch};
 
 /// Where a computation stands.
@@ -57,6 +57,17 @@ pub enum Failure {
     Busy(Duration),
     /// A fault of the service itself.
     Internal(String),
+}
+
+impl Failure {
+    /// Why a run failed that was given its time.
+    pub(super) fn of(error: RunError) -> Self {
+        match error {
+            RunError::Stopped(_) => Self::Cancelled,
+            RunError::Impossible(fault) => Self::Impossible(fault),
+            RunError::Io(error) => Self::Internal(error.to_string()),
+        }
+    }
 }
 
 /// How long the stages of a computation took.

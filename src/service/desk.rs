@@ -44,7 +44,7 @@ pub struct Desk {
     pub jobs: Jobs,
     /// How much is taken on, and for how long.
     pub terms: Terms,
-    clock: Arc<dyn Clock>,
+    pub(super) clock: Arc<dyn Clock>,
     under_way: Arc<UnderWay>,
 }
 
@@ -102,7 +102,7 @@ impl Desk {
     }
 
     /// A ticket for one thing more that a peer holds, where it may.
-    fn ticket(&self, peer: Peer, kind: Kind) -> Option<Ticket> {
+    pub(super) fn ticket(&self, peer: Peer, kind: Kind) -> Option<Ticket> {
         let most_of_all = if kind == Kind::Waiting { self.terms.most_waiting } else { u64::MAX };
         self.peers.take(peer, kind, 1, self.terms.most_a_peer, most_of_all)
     }
@@ -163,7 +163,10 @@ impl Desk {
         self.pool.finished(lane, self.clock.now().saturating_sub(start));
         match made {
             Ok((Ok(outcome), memory)) => Phase::Done(Arc::new(self.lent(outcome, memory))),
-            Ok((Err(error), _)) => Phase::Failed(self.failure(computation, error)),
+            Ok((Err(RunError::Stopped(_)), _)) if computation.ran_out() => {
+                Phase::Failed(Failure::TimedOut(run_timeout))
+            }
+            Ok((Err(error), _)) => Phase::Failed(Failure::of(error)),
             Err(Panicked(message)) => Phase::Failed(Failure::Internal(format!("a computation panicked: {message}"))),
         }
     }
@@ -212,15 +215,6 @@ impl Desk {
             (held, _) => Lent::new(bytes, held.ok()),
         });
         outcome
-    }
-
-    fn failure(&self, computation: &Computation, error: RunError) -> Failure {
-        match error {
-            RunError::Stopped(_) if computation.ran_out() => Failure::TimedOut(self.terms.run_timeout),
-            RunError::Stopped(_) => Failure::Cancelled,
-            RunError::Impossible(fault) => Failure::Impossible(fault),
-            RunError::Io(error) => Failure::Internal(error.to_string()),
-        }
     }
 
     /// Computes into a store; where no store takes the bytes, keeps them for this answer alone. Computes again only
@@ -335,7 +329,8 @@ async fn until_overdue<T>(
 }
 
 /// Stops work when whoever waits for it leaves.
-struct StopOnDrop(Watch);
+#[derive(Debug)]
+pub(super) struct StopOnDrop(pub(super) Watch);
 
 impl Drop for StopOnDrop {
     fn drop(&mut self) {

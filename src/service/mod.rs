@@ -14,6 +14,7 @@ pub mod pool;
 mod reads;
 pub mod result_buffer;
 pub mod store;
+pub mod streaming;
 pub mod task;
 pub mod tiers;
 pub mod under_way;

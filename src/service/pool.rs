@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use tokio::sync::oneshot;
+use tokio::sync::{Semaphore, oneshot};
 
 use super::account::{Account, Share};
 use super::line::{Line, LinePlace};
@@ -62,6 +62,9 @@ pub struct Pool {
     reading: LaneState,
     short: LaneState,
     long: LaneState,
+    /// Places of streams that compute.
+    pub(super) stream_places: Arc<Semaphore>,
+    threads: usize,
 }
 
 #[derive(Debug)]
@@ -82,6 +85,11 @@ pub struct Turn {
 }
 
 impl Turn {
+    /// The memory of the turn, whose place others may take.
+    pub(super) fn into_memory(mut self) -> Option<Memory> {
+        self.place.memory.take()
+    }
+
     /// Runs work on its threads and ends with it, whoever else has lost interest by then.
     pub fn run<T: Send>(self, work: impl FnOnce() -> T + Send) -> T {
         self.threads.install(work)
@@ -110,7 +118,7 @@ impl Turn {
             let memory = self.place.memory.take();
             let outcome = catch_unwind(AssertUnwindSafe(work));
             drop(self);
-            let _ = done.send(outcome.map(|outcome| (outcome, memory)).map_err(|panic| Panicked(message(&*panic))));
+            let _ = done.send(outcome.map(|outcome| (outcome, memory)).map_err(|panic| Panicked(panicked(&*panic))));
         });
         result.await.unwrap_or_else(|_| Err(Panicked("the compute threads ended".to_owned())))
     }
@@ -126,6 +134,8 @@ impl Pool {
             reading: LaneState::new("reading", threads, threads, &account.reading, bounds)?,
             short: LaneState::new("short", threads, threads, &account.short, bounds)?,
             long: LaneState::new("long", threads, threads.div_ceil(2), &account.long, bounds)?,
+            stream_places: Arc::new(Semaphore::new(threads.div_ceil(2))),
+            threads,
         })
     }
 
@@ -177,12 +187,26 @@ impl Pool {
         self.short.threads.install(work)
     }
 
+    /// Runs work on threads of its own, as many as a lane has, which may wait for others.
+    ///
+    /// # Errors
+    /// When the threads cannot be started.
+    pub(super) fn spawn_apart(&self, work: impl FnOnce() + Send + 'static) -> Result<(), rayon::ThreadPoolBuildError> {
+        // threads end with what was spawned on them
+        threads("stream", self.threads).map(|threads| threads.spawn(work))
+    }
+
     /// Remembers how long work in a lane took.
     pub fn finished(&self, lane: Lane, took: Duration) {
         let us = u64::try_from(took.as_micros()).unwrap_or(u64::MAX);
         let average = &self.lane(lane).average_us;
         let before = average.load(Ordering::Relaxed);
         average.store(before - before / 8 + us / 8, Ordering::Relaxed);
+    }
+
+    /// How many streams more may compute now.
+    pub fn free_stream_places(&self) -> usize {
+        self.stream_places.available_permits()
     }
 
     /// Computations waiting in the short and in the long lane.
@@ -210,8 +234,7 @@ impl LaneState {
         share: &Arc<Share>,
         bounds: Bounds,
     ) -> Result<Self, rayon::ThreadPoolBuildError> {
-        let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
-        let threads = builder.thread_name(move |i| format!("{name}-{i}")).start_handler(|_| stand_back()).build()?;
+        let threads = self::threads(name, threads)?;
         Ok(Self {
             threads: Arc::new(threads),
             line: Line::new(places, Arc::clone(share), bounds.queue, bounds.queue_a_peer),
@@ -222,8 +245,13 @@ impl LaneState {
     }
 }
 
+fn threads(name: &'static str, n: usize) -> Result<rayon::ThreadPool, rayon::ThreadPoolBuildError> {
+    let builder = rayon::ThreadPoolBuilder::new().num_threads(n);
+    builder.thread_name(move |i| format!("{name}-{i}")).start_handler(|_| stand_back()).build()
+}
+
 /// What a panic said.
-fn message(panic: &(dyn Any + Send)) -> String {
+pub(super) fn panicked(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
     let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
     text.unwrap_or_else(|| "no message".to_owned())

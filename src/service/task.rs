@@ -65,7 +65,7 @@ impl Task for Render {
     fn cost(&self) -> Cost {
         let estimate = self.admitted.estimate();
         Cost {
-            memory_bytes: estimate.memory_bytes,
+            memory_bytes: estimate.kept_memory_bytes(),
             time_ms: estimate.time_ms,
             work: estimate.forecast.work,
             result_bytes: estimate.outputs[self.output].1.bytes(),

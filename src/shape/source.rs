@@ -52,6 +52,11 @@ pub trait MeshSource: OriginSource + std::fmt::Debug + Sync {
         None
     }
 
+    /// The same mesh as a source that makes positions when they are asked for, if it is one.
+    fn on_demand(&self) -> Option<&dyn OnDemandSource> {
+        None
+    }
+
     /// Fills `out` with the faces in `range`, counter-clockwise seen from outside.
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk);
 
@@ -90,6 +95,23 @@ pub trait MeshSource: OriginSource + std::fmt::Debug + Sync {
     fn tags(&self) -> Tags {
         Tags::default()
     }
+}
+
+/// A mesh of quads whose positions are made whenever they are asked for. Some are made together: who asks for ranges
+/// that end where this says has each made once.
+pub trait OnDemandSource: Sync {
+    /// Where a range of vertices that starts at `vertex` ends best.
+    fn stretch(&self, vertex: usize) -> usize;
+
+    /// Where a range of shown faces that starts at `face` ends best.
+    fn stretch_of_faces(&self, face: usize) -> usize;
+
+    /// Fills `out` with the positions (model units) at the corners of the shown faces in `range`.
+    fn corners(&self, range: Range<usize>, out: &mut Vec<[[f64; 3]; 4]>);
+
+    /// Fills `out` with the sum of what the shown faces around each vertex in `range` give, in the order of the faces;
+    /// `of_face` gives it for the positions at the corners of a face.
+    fn sums(&self, range: Range<usize>, of_face: &dyn Fn([[f64; 3]; 4]) -> [f64; 3], out: &mut Vec<[f64; 3]>);
 }
 
 /// Unit normals of vertices, zero where they are undefined.

@@ -14,4 +14,5 @@ mod questions;
 mod ranges;
 pub(crate) mod server;
 mod short;
+mod streaming;
 mod waiting;

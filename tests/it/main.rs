@@ -15,6 +15,7 @@ mod keys;
 mod laws;
 mod limits;
 mod nets;
+mod on_demand;
 mod openapi;
 mod readers;
 mod refusals;

@@ -106,7 +106,13 @@ fn all_outputs_that_do_not_fit_are_named() {
 #[test]
 fn a_glb_of_more_than_four_gigabytes_is_refused_by_the_estimate() {
     let most = u64::MAX;
-    let all = Limits { max_faces: most, max_vertices: most, max_output_bytes: most, max_job_bytes: most };
+    let all = Limits {
+        max_faces: most,
+        max_vertices: most,
+        max_output_bytes: most,
+        max_job_bytes: most,
+        max_held_bytes: most,
+    };
     let ask = |format: &str| {
         let job = json!({ "input": nets::cube().input(), "plan": { "preset": "catmull-clark" }, "levels": 13,
             "outputs": [{ "format": format }] });

@@ -20,7 +20,6 @@ use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
-
 /// The faces around a vertex alone.
 const NEAREST: Rings = Rings { support: 1, disc: 1 };
 

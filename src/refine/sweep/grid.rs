@@ -71,11 +71,8 @@ impl Size {
     }
 
     fn flat(self, group: &MaskGroup) -> FlatGroup {
-        let members = group
-            .members
-            .iter()
-            .map(|&(plane, at)| (u8::try_from(plane).unwrap_or(0), self.distance(at)))
-            .collect();
+        let members =
+            group.members.iter().map(|&(plane, at)| (u8::try_from(plane).unwrap_or(0), self.distance(at))).collect();
         FlatGroup { weight: group.weight, members }
     }
 }

@@ -241,8 +241,7 @@ impl Known {
                     Pass::Up(masks) => whole(&masks[plane], at, &|_, at| self.is_coarse(at)),
                     Pass::Blend { planes, .. } => whole(&planes[plane], at, &|plane, at| self.has(plane, at)),
                     Pass::Push(masks) => {
-                        self.has(plane, at)
-                            && whole(&masks[plane], at, &|_, at| self.is_coarse(at) && self.has(0, at))
+                        self.has(plane, at) && whole(&masks[plane], at, &|_, at| self.is_coarse(at) && self.has(0, at))
                     }
                 })
                 .collect();

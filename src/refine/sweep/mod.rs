@@ -8,12 +8,14 @@
 //! whole net give it.
 
 mod evaluate;
+mod fans;
 mod grid;
 mod kernel;
 mod lattice;
 mod mask;
 mod numbering;
 mod patches;
+mod places;
 mod program;
 mod sample;
 mod star;
@@ -21,7 +23,9 @@ mod stencils;
 mod surface;
 mod task;
 mod weave;
+mod window;
 
 pub(crate) use evaluate::Rule;
 pub(crate) use program::{Outline, Sweep};
 pub(crate) use stencils::{Stencil, Stencils};
+pub(super) use window::OnDemand;

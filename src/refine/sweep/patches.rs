@@ -50,7 +50,7 @@ impl Sweep {
         let mut all = Numbers::to_overwrite(self.n_points() * W);
         let finite = AtomicBool::new(true);
         let base = &self.surface.base;
-        let run = Run { sweep: self, flat: self.flat(W), start, watch };
+        let run = Run { sweep: self, flat: &self.flat(W), start, watch };
         let (vertices, rest) = all.as_chunks_mut::<W>().0.split_at_mut(base.n_vertices());
         let tasks = self.tasks(rest);
         let made = tasks.into_par_iter().map_init(Worker::<W>::default, |worker, mut task| {
@@ -86,17 +86,26 @@ fn all_finite(numbers: &[f64]) -> bool {
     sums.iter().all(|&sum| sum == 0.0) && rest.iter().all(|x| x.is_finite())
 }
 
-/// What all tasks have in common.
-struct Run<'a, const W: usize> {
-    sweep: &'a Sweep,
-    flat: Vec<Vec<FlatPass>>,
-    start: &'a [[f64; W]],
-    watch: &'a Watch,
+/// Where the points of blocks go.
+pub(super) trait Target<const W: usize> {
+    /// Whether any point of a block with so many cells along each side is wanted.
+    fn wants(&self, block: Block, cells: usize) -> bool;
+
+    /// Takes the points of a block, which entered the last round with this size.
+    fn take(&mut self, sweep: &Sweep, size: Size, block: Block, planes: &Planes);
+}
+
+/// What the patches of a sweep have in common.
+pub(super) struct Run<'a, const W: usize> {
+    pub(super) sweep: &'a Sweep,
+    pub(super) flat: &'a [Vec<FlatPass>],
+    pub(super) start: &'a [[f64; W]],
+    pub(super) watch: &'a Watch,
 }
 
 /// The buffers of one thread.
-#[derive(Default)]
-struct Worker<const W: usize> {
+#[derive(Debug, Default)]
+pub(super) struct Worker<const W: usize> {
     planes: Planes,
     /// Refined grids of patches that are refined further block by block, by depth.
     woven: Vec<Vec<f64>>,
@@ -111,12 +120,12 @@ struct Worker<const W: usize> {
 }
 
 /// A part of a patch at a round: a grid whose first cell is at `at`.
-#[derive(Clone, Copy)]
-struct Block {
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Block {
     patch: usize,
-    at: [usize; 2],
+    pub(super) at: [usize; 2],
     /// Pieces of the patch's side.
-    pieces: usize,
+    pub(super) pieces: usize,
 }
 
 impl Block {
@@ -151,7 +160,7 @@ impl Block {
 
 impl<const W: usize> Worker<W> {
     /// Forgets the stars of another task.
-    fn begin(&mut self, sweep: &Sweep) {
+    pub(super) fn begin(&mut self, sweep: &Sweep) {
         self.star_of.resize(sweep.surface.patches.n_vertices(), NONE);
         for v in self.starred.drain(..) {
             self.star_of[v as usize] = NONE;
@@ -162,7 +171,12 @@ impl<const W: usize> Worker<W> {
 
 impl<const W: usize> Run<'_, W> {
     /// Refines a patch.
-    fn patch(&self, patch: usize, worker: &mut Worker<W>, task: &mut Task<'_, W>) -> Result<(), Stopped> {
+    pub(super) fn patch(
+        &self,
+        patch: usize,
+        worker: &mut Worker<W>,
+        target: &mut impl Target<W>,
+    ) -> Result<(), Stopped> {
         let sweep = self.sweep;
         let size = sweep.size(0, W);
         let corners = sweep.surface.patches.half_edges(patch).map(|half| sweep.surface.patches.vertex(half) as usize);
@@ -175,7 +189,7 @@ impl<const W: usize> Run<'_, W> {
             let at = size.at(place);
             coarse[at..at + W].copy_from_slice(&self.start[v as usize]);
         });
-        self.descend(0, Block { patch, at: [0, 0], pieces: size.cells }, worker, task)
+        self.descend(0, Block { patch, at: [0, 0], pieces: size.cells }, worker, target)
     }
 
     /// Refines the star around a vertex through all rounds, if it has one and that was not done yet.
@@ -204,7 +218,7 @@ impl<const W: usize> Run<'_, W> {
         round: usize,
         block: Block,
         worker: &mut Worker<W>,
-        task: &mut Task<'_, W>,
+        target: &mut impl Target<W>,
     ) -> Result<(), Stopped> {
         let sweep = self.sweep;
         let (size, tile) = (sweep.size(round, W), sweep.surface.tile);
@@ -219,7 +233,7 @@ impl<const W: usize> Run<'_, W> {
         }
         if round + 1 == sweep.rounds.len() {
             self.watch.check()?;
-            self.emit(size, block, worker, task);
+            target.take(sweep, size, block, &worker.planes);
             self.watch.advance(4 * (size.cells * size.cells) as u64);
             return Ok(());
         }
@@ -234,12 +248,13 @@ impl<const W: usize> Run<'_, W> {
         if fine.cells == next.cells {
             std::mem::swap(&mut woven, &mut worker.planes.now[0]);
             worker.woven[round] = woven;
-            return self.descend(round + 1, refined, worker, task);
+            return self.descend(round + 1, refined, worker, target);
         }
         for corner in [[0, 0], [1, 0], [0, 1], [1, 1]] {
             let offset = corner.map(|x| x * next.cells);
             let at: [usize; 2] = std::array::from_fn(|axis| refined.at[axis] + offset[axis]);
-            if tile == Tile::Triangle && at[0] + at[1] >= refined.pieces {
+            let part = Block { at, ..refined };
+            if (tile == Tile::Triangle && at[0] + at[1] >= refined.pieces) || !target.wants(part, next.cells) {
                 continue;
             }
             let coarse = &mut worker.planes.now[0];
@@ -249,7 +264,7 @@ impl<const W: usize> Run<'_, W> {
                 let from = ((offset[1] + j) * fine.stride() + offset[0]) * W;
                 row.copy_from_slice(&woven[from..from + row.len()]);
             }
-            self.descend(round + 1, Block { at, ..refined }, worker, task)?;
+            self.descend(round + 1, part, worker, target)?;
         }
         worker.woven[round] = woven;
         Ok(())
@@ -295,10 +310,15 @@ impl<const W: usize> Run<'_, W> {
             (1..=shape.reach).for_each(|b| put(&frame, [0, b], shape.point(face, [0, b])));
         }
     }
+}
 
-    /// Writes the points of a block after the last round.
-    fn emit(&self, size: Size, block: Block, worker: &Worker<W>, task: &mut Task<'_, W>) {
-        let (order, surface) = (&self.sweep.orders[1], &self.sweep.surface);
+impl<const W: usize> Target<W> for Task<'_, W> {
+    fn wants(&self, _block: Block, _cells: usize) -> bool {
+        true
+    }
+
+    fn take(&mut self, sweep: &Sweep, size: Size, block: Block, planes: &Planes) {
+        let (order, surface) = (&sweep.orders[1], &sweep.surface);
         let tile = surface.tile;
         let (cells, block) = (2 * size.cells, block.refined());
         let (n, at) = (block.pieces, block.at);
@@ -308,8 +328,8 @@ impl<const W: usize> Run<'_, W> {
             let end = if tile == Tile::Quad { n } else { n - row };
             let columns = start[0]..(at[0] + cells + 1).min(end);
             if !columns.is_empty() {
-                let row = Row::new(&worker.planes, size, row - at[1]);
-                row.copy(columns.start - at[0], task.inside(first, columns.len()));
+                let row = Row::new(planes, size, row - at[1]);
+                row.copy(columns.start - at[0], self.inside(first, columns.len()));
             }
         }
         for (side, half_edge) in surface.patches.half_edges(block.patch).enumerate() {
@@ -317,24 +337,27 @@ impl<const W: usize> Run<'_, W> {
             let frame = Frame::new(tile, n, side, 0);
             let place = |steps: usize| frame.place([steps.cast_signed(), 0]);
             let vertex = |steps: usize| order.vertex(block.patch, place(steps));
-            let point = |steps: usize| worker.planes.point(size, block.inside(place(steps)));
+            let point = |steps: usize| planes.point(size, block.inside(place(steps)));
             let within = (*range.start()).max(1)..(*range.end() + 1).min(n);
             // the patch where an edge appears first has its points
             if !within.is_empty() && surface.patches.halves(surface.patches.edge(half_edge) as usize)[0] == half_edge {
-                // the numbers of the points of a side go up or down by the same everywhere
-                let first = vertex(within.start);
-                let step = if within.len() > 1 { vertex(within.start + 1).wrapping_sub(first) } else { 0 };
-                for (k, steps) in (0..).zip(within) {
-                    let v = first.wrapping_add(step.wrapping_mul(k)) as usize;
-                    task.places(v, 1).into_iter().flatten().for_each(|place| *place = point(steps));
+                let ends = [within.start, within.end - 1].map(|steps| vertex(steps) as usize);
+                // on a column inside a face of the base they are as far apart as it has points in a row
+                let stride = (ends[0].abs_diff(ends[1]) / (within.len() - 1).max(1)).max(1);
+                let places = self.places(ends[0].min(ends[1]), stride * (within.len() - 1) + 1);
+                let places = places.into_iter().flatten().step_by(stride);
+                if ends[0] <= ends[1] {
+                    places.zip(within).for_each(|(place, steps)| *place = point(steps));
+                } else {
+                    places.zip(within.rev()).for_each(|(place, steps)| *place = point(steps));
                 }
             }
             if *range.start() == 0 {
                 let (v, corner) = (vertex(0), surface.patches.vertex(half_edge) as usize);
                 if (v as usize) >= surface.base.n_vertices() {
-                    task.places(v as usize, 1).into_iter().flatten().for_each(|place| *place = point(0));
+                    self.places(v as usize, 1).into_iter().flatten().for_each(|place| *place = point(0));
                 } else if surface.patches.ring(corner).next() == Some(half_edge) {
-                    task.vertices.push((v, point(0)));
+                    self.vertices.push((v, point(0)));
                 }
             }
         }

@@ -116,6 +116,13 @@ impl Outline<'_> {
     }
 }
 
+impl Outline<'_> {
+    /// Rounds that a net of quads is refined by rows before the sweep begins; none where it is one of triangles.
+    pub(crate) fn before_quads(&self) -> Option<usize> {
+        (self.tile == Tile::Quad).then_some(self.before)
+    }
+}
+
 impl Sweep {
     /// The sweep of a net, where it has an [`Outline`] and the operators can be applied around each of its vertices.
     pub(crate) fn of(net: &MeshNet, plan: &Plan, steps: &[Scheduled]) -> Option<Self> {
@@ -130,8 +137,7 @@ impl Sweep {
         let first_pieces = 1 << (before - splits);
         let cells = |at: usize| (first_pieces << at).min(MOST_CELLS.max(first_pieces));
         let entries = passes.into_iter().skip(before).zip(stars).enumerate();
-        let made: Vec<Round> =
-            entries.map(|(at, (passes, stars))| Round { passes, stars, cells: cells(at) }).collect();
+        let made: Vec<Round> = entries.map(|(at, (passes, stars))| Round { passes, stars, cells: cells(at) }).collect();
         let orders = [before, rounds.len()].map(|splits| Numbering::new(&net.mesh.base, tile, splits));
         let steps_before = head.iter().map(|round| round.len()).sum();
         let growth = made.iter().map(Round::growth).product::<f64>();
@@ -143,6 +149,14 @@ impl Sweep {
     pub(super) fn is_bounded(&self, start: &[f64]) -> bool {
         // twice as much as needed, for what is rounded
         start.iter().all(|x| x.abs() * self.growth < 0.5 * f64::MAX)
+    }
+
+    /// The same sweep in blocks of at most so many cells, but not of fewer than it begins with.
+    pub(super) fn with_blocks(mut self, most_cells: usize) -> Self {
+        for round in &mut self.rounds {
+            round.cells = round.cells.min(most_cells.max(self.first_pieces));
+        }
+        self
     }
 
     /// Number of steps that the net has to be refined by before the sweep begins.

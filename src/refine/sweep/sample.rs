@@ -69,7 +69,8 @@ impl Sample {
             }
         };
         let cut = line.and_then(|(line, axis)| (line == Line::Boundary).then_some(axis));
-        let is_kept = |face: &Vec<[isize; 2]>| cut.is_none_or(|axis| face.iter().all(|&at| side(axis, radius, at) >= 0));
+        let is_kept =
+            |face: &Vec<[isize; 2]>| cut.is_none_or(|axis| face.iter().all(|&at| side(axis, radius, at) >= 0));
         let (mut numbers, mut coarse, mut faces) = (HashMap::new(), Vec::new(), FaceList::default());
         for face in cells.flat_map(corners).filter(is_kept) {
             let vertices = face.into_iter().map(|at| {
@@ -147,13 +148,7 @@ impl Sample {
 
     /// The mask of one row for a point of the cell `at`, over the refined net where `places` are given, else over the
     /// coarse one.
-    fn mask(
-        &self,
-        rows: &dyn RowSource,
-        row: usize,
-        at: [isize; 2],
-        places: Option<&Vec<[isize; 2]>>,
-    ) -> Option<Mask> {
+    fn mask(&self, rows: &dyn RowSource, row: usize, at: [isize; 2], places: Option<&Vec<[isize; 2]>>) -> Option<Mask> {
         let mut table = Rows::default();
         rows.make(row..row + 1, &mut table);
         let member = |i: u32| match places {

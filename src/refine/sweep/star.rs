@@ -298,9 +298,7 @@ impl Disc {
         let edges = self.edges();
         let pieces = kind.sharp.iter().flat_map(|&(edge, bits)| (0..self.shape.reach).map(move |at| (edge, at, bits)));
         let mut sharp: Vec<(u32, f64)> = pieces
-            .map(|(edge, at, bits)| {
-                (index(edges[&[on_edge(edge, at), on_edge(edge, at + 1)]]), f64::from_bits(bits))
-            })
+            .map(|(edge, at, bits)| (index(edges[&[on_edge(edge, at), on_edge(edge, at + 1)]]), f64::from_bits(bits)))
             .collect();
         sharp.sort_unstable_by_key(|&(e, _)| e);
         let own = f64::from_bits(kind.corner);
@@ -326,9 +324,7 @@ impl Disc {
                 (0, 0) => vertex(i, j),
                 (1, 0) => index(n_v + edges[&[vertex(i, j), vertex(i + 1, j)]]),
                 (0, _) => index(n_v + edges[&[vertex(i, j), vertex(i, j + 1)]]),
-                _ if self.shape.tile == Tile::Triangle => {
-                    index(n_v + edges[&[vertex(i + 1, j), vertex(i, j + 1)]])
-                }
+                _ if self.shape.tile == Tile::Triangle => index(n_v + edges[&[vertex(i + 1, j), vertex(i, j + 1)]]),
                 _ => index(n_v + n_e + self.cells[&(face, [i, j])]),
             }
         };

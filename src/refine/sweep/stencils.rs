@@ -39,7 +39,8 @@ impl<P> Stencil<P> {
         };
         let sector = |all: Vec<Vec<(P, f64)>>| all.into_iter().map(weights).collect::<Option<Vec<_>>>();
         let sectors = self.sectors.into_iter().map(sector).collect::<Option<_>>()?;
-        let sides = self.sides.into_iter().map(|(point, sector)| Some((name(point)?, sector))).collect::<Option<_>>()?;
+        let sides =
+            self.sides.into_iter().map(|(point, sector)| Some((name(point)?, sector))).collect::<Option<_>>()?;
         Some(Stencil { sectors, sides })
     }
 }
@@ -80,7 +81,8 @@ impl Sweep {
             let Some(disc) = Disc::new(&kind, tile, rings + 1) else { return Ok(None) };
             let near = StarShape { tile, faces: kind.faces, closed: kind.closed, reach: 1 };
             let places: Vec<(usize, [usize; 2])> = disc.shape().points().collect();
-            let is_near = |place: [usize; 2]| place == [0, 0] || place == [0, 1] || sector(tile, 1).any(|at| at == place);
+            let is_near =
+                |place: [usize; 2]| place == [0, 0] || place == [0, 1] || sector(tile, 1).any(|at| at == place);
             let name = |v: u32| {
                 let (face, place) = places[v as usize];
                 is_near(place).then(|| near.point(face, place))

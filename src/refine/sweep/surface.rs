@@ -159,7 +159,8 @@ impl Surface {
         if self.is_whole(order) {
             // the corners of the patches are all there is
             let half_edges = self.patches.half_edges(patch);
-            let corner = if j == 0 { half_edges.start + u32::from(i > 0) } else { half_edges.end - 1 - u32::from(i > 0) };
+            let corner =
+                if j == 0 { half_edges.start + u32::from(i > 0) } else { half_edges.end - 1 - u32::from(i > 0) };
             return self.patches.vertex(corner);
         }
         order.vertex(patch, [i, j])
@@ -248,8 +249,7 @@ impl Surface {
         mut put: impl FnMut(u32),
     ) {
         let ring = self.patches.ring(v).map(|half_edge| self.side(half_edge));
-        let ring: Vec<(usize, Frame)> =
-            ring.map(|(patch, side)| (patch, Frame::new(self.tile, n, side, 0))).collect();
+        let ring: Vec<(usize, Frame)> = ring.map(|(patch, side)| (patch, Frame::new(self.tile, n, side, 0))).collect();
         for (face, place) in shape.points() {
             let (patch, frame) = &ring[face];
             put(self.vertex(order, *patch, frame.place(place.map(usize::cast_signed))));

@@ -119,6 +119,26 @@ fn m3_formats_hold_what_they_say() {
 }
 
 #[test]
+fn m3_meshes_that_are_refined_while_they_are_written_hold_what_they_say_at_any_level() {
+    let limits = Limits { max_held_bytes: 0, ..Limits::default() };
+    let crease = json!([{ "edge": [0, 1], "sharpness": 2 }]);
+    let mut creased = nets::cube().input();
+    creased["mesh"]["creases"] = crease;
+    for (name, input) in [("cube", nets::cube().input()), ("mixed", nets::mixed().input()), ("creased", creased)] {
+        for (format, levels) in [("ply", 4), ("ply", 8), ("obj", 6), ("stl", 7)] {
+            let job = job(&input, &preset("catmull-clark"), levels, &json!({ "format": format }));
+            let admitted = limits.admit(parsed(job.to_string().as_bytes()).expect("a job")).expect("within the limits");
+            let output = &admitted.job().outputs[0];
+            let (result, taken) = peak(|| run(&admitted, output, &mut std::io::sink(), &Watch::new()));
+            result.unwrap_or_else(|error| panic!("{name}: {error}"));
+            let said = admitted.estimate().memory_bytes;
+            assert!(admitted.estimate().on_demand && u128::from(taken) <= said, "{name} takes {taken} and said {said}");
+            assert!(said < 512 << 20, "{name} as {format} said {said}");
+        }
+    }
+}
+
+#[test]
 fn m3_limits_hold_what_they_say() {
     let (open, triangles) = (nets::grid(8, 8).input(), nets::octahedron().input());
     for output in [json!({ "format": "ply", "positions": "limit" }), json!({ "format": "ply", "normals": "limit" })] {

@@ -75,6 +75,7 @@ fn limits_are_those_of_this_server() {
             "max_connections",
             "memory_cache_bytes",
             "cache_bytes",
+            "keep_at_most_bytes",
             "run_timeout_s",
             "header_timeout_s",
             "body_timeout_s",

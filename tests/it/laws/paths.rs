@@ -158,7 +158,9 @@ fn nets_of_triangles_are_swept_to_the_bits_of_whole_nets() {
         }
     }
     for boundary in ["edge-only", "edge-and-corner", "none"] {
-        for (mut plan, net) in plans[..plans.len() - 1].iter().cloned().flat_map(|plan| open.iter().map(move |net| (plan.clone(), net))) {
+        for (mut plan, net) in
+            plans[..plans.len() - 1].iter().cloned().flat_map(|plan| open.iter().map(move |net| (plan.clone(), net)))
+        {
             plan["boundary"] = json!(boundary);
             assert!(compare(net, &json!({}), &plan, 4), "{plan} is not swept");
         }

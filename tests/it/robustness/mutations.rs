@@ -9,7 +9,13 @@ use serde_json::{Value, json};
 use crate::support::{nets, parsed};
 
 /// Small, so that no mutation asks for much work.
-const LIMITS: Limits = Limits { max_faces: 400, max_vertices: 500, max_output_bytes: 40_000, max_job_bytes: 2_000_000 };
+const LIMITS: Limits = Limits {
+    max_faces: 400,
+    max_vertices: 500,
+    max_output_bytes: 40_000,
+    max_job_bytes: 2_000_000,
+    max_held_bytes: u64::MAX,
+};
 
 fn valid_jobs() -> Vec<Value> {
     let mut mesh = nets::mixed().to_json();

@@ -1,0 +1,100 @@
+//! Large results, sent while they are made and kept nowhere.
+
+use std::io;
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::body::Body;
+use axum::http::{HeaderValue, header};
+use axum::response::{IntoResponse, Response};
+use futures_util::stream;
+
+use super::answer::Head;
+use super::app::App;
+use super::client::Client;
+use super::problem::{self, Problem};
+use crate::job::amounts::in_bytes;
+use crate::job::limits::Admitted;
+use crate::output::Size;
+use crate::service::computation::Timings;
+use crate::service::desk::Unread;
+use crate::service::peer::Paid;
+use crate::service::pool::Busy;
+use crate::service::task::{Render, Task};
+use crate::shape::mesh::Mesh;
+
+/// Whether a query asks to keep the result.
+pub(super) fn asks_to_keep(query: Option<&str>) -> bool {
+    query.is_some_and(|query| query.split('&').any(|pair| matches!(pair, "keep" | "keep=true" | "keep=1")))
+}
+
+/// Whether the result of a job is sent while it is made: it is large, the client did not say that it comes back later,
+/// and the first bytes come in time.
+pub(super) fn streams(app: &App, admitted: &Admitted, (patience, said): (Duration, bool)) -> bool {
+    let estimate = admitted.estimate();
+    let comes_back = said && patience.is_zero();
+    let in_time = estimate.on_demand || estimate.time_ms < patience.as_millis();
+    !comes_back && in_time && estimate.outputs[0].1.bytes() > app.settings.keep_at_most_bytes.into()
+}
+
+/// Refuses to keep a result for which there would be no memory when the disk does not take it.
+///
+/// # Errors
+/// [`problem::TOO_LARGE`].
+pub(super) fn check_kept(app: &App, admitted: &Admitted) -> Result<(), Problem> {
+    let (bytes, most) = (admitted.estimate().kept_memory_bytes(), app.desk.limits.max_job_bytes);
+    if bytes <= most.into() {
+        return Ok(());
+    }
+    let (bytes, most) = (in_bytes(bytes), in_bytes(most.into()));
+    let detail = format!(
+        "the job needs {bytes} of memory if its result is to be kept, this server allows {most}; ask without \
+         `keep=true` and `respond-async`, or for fewer levels"
+    );
+    Err(Problem::new(problem::TOO_LARGE, detail))
+}
+
+/// The answer that carries a result while it is made; it begins with the first bytes, so that a job that cannot be done
+/// is refused as usual.
+///
+/// # Errors
+/// Why there are none.
+pub(super) async fn streamed(
+    app: &Arc<App>,
+    client: &Client,
+    admitted: Arc<Admitted>,
+    input: Arc<Paid>,
+    patience: Duration,
+) -> Result<Response, Problem> {
+    let (estimate, job) = (admitted.estimate(), admitted.job());
+    let (memory_bytes, (key, size)) = (estimate.memory_bytes, estimate.outputs[0]);
+    let (entries, swept) = (job.entries(&job.outputs[0]), estimate.on_demand || job.is_swept());
+    let warnings = job.input.mesh().map(Mesh::warnings).unwrap_or_default();
+    let task = Render::new(admitted.clone(), 0, Some(input));
+    let media_type = task.media_type().to_owned();
+    let streaming = app.desk.stream(Arc::new(task), memory_bytes, client.peer());
+    let streamed = match tokio::time::timeout(patience, streaming).await {
+        Ok(Ok(streamed)) => streamed,
+        Ok(Err(Unread::Failed(failure))) => return Err(Problem::of_failure(failure, |fault| entries.fault(fault))),
+        Ok(Err(Unread::Busy(busy))) => return Err(busy.into()),
+        Err(_) => return Err(Busy { retry_after: Duration::from_secs(1) }.into()),
+    };
+    let timings = Timings { queue: streamed.queue, swept, ..Timings::default() };
+    let cache = "planish; fwd=miss";
+    let mut headers = Head { key, media_type: &media_type, warnings: &warnings, cache, timings: &timings }.headers();
+    headers.insert(header::ACCEPT_RANGES, HeaderValue::from_static("none"));
+    if let Size::Exact(bytes) = size
+        && let Ok(bytes) = u64::try_from(bytes)
+    {
+        headers.insert(header::CONTENT_LENGTH, bytes.into());
+    }
+    let chunks = stream::unfold(streamed, |mut streamed| async move {
+        // an error ends the connection: a broken answer, but never one that looks whole
+        let next = streamed.next().await.map_err(|failure| {
+            tracing::warn!(?failure, "a result ended before its end");
+            io::Error::other("the computation failed")
+        });
+        next.transpose().map(|chunk| (chunk, streamed))
+    });
+    Ok((headers, Body::from_stream(chunks)).into_response())
+}

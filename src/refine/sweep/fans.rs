@@ -1,0 +1,91 @@
+//! Sums over the faces around points that are made on demand.
+
+use std::ops::Range;
+
+use super::places::{Line, lines};
+use super::window::{OnDemand, Window};
+use crate::math::vector::plus;
+
+/// What faces around a vertex give: its place in the range, the face, and the vector.
+type Given = (usize, usize, [f64; 3]);
+
+impl OnDemand {
+    /// Fills `out` with the sum of what the shown faces around each of these vertices give, added in the order of the
+    /// faces; `of_face` gives it for the corners of a face.
+    pub(crate) fn sums(
+        &self,
+        range: Range<usize>,
+        is_shown: impl Fn(usize) -> bool,
+        of_face: impl Fn([[f64; 3]; 4]) -> [f64; 3],
+        out: &mut Vec<[f64; 3]>,
+    ) {
+        out.clear();
+        out.resize(range.len(), [0.0; 3]);
+        let places = &self.places;
+        let (mut inside, mut strips) = (Vec::new(), Vec::new());
+        for (at, line) in lines(range, |v| places.line(v)) {
+            places.divide(at, line, &mut inside, &mut strips);
+        }
+        let mut sums = RowSums::default();
+        self.windows(&inside, [1, 1], |at, line, window| {
+            if is_shown(places.face(line.patch, line.from)) {
+                sums.add(line, window, &of_face, &mut out[at..at + line.len]);
+            }
+        });
+        strips.sort_by_key(|(_, strip)| strip.patch);
+        let mut given: Vec<Given> = Vec::new();
+        self.windows(&strips, [0, 1], |at, strip, window| {
+            // each face of a strip lies between two of its vertices; around a corner there is one
+            let n_vertices = (strip.len - 1).max(1);
+            for k in 0..strip.len {
+                let (cell, face) = (strip.place(k), places.face(strip.patch, strip.place(k)));
+                if is_shown(face) {
+                    let vector = of_face(window.cell(cell));
+                    let vertices = k.saturating_sub(1)..(k + 1).min(n_vertices);
+                    given.extend(vertices.map(|vertex| (at + vertex, face, vector)));
+                }
+            }
+        });
+        given.sort_unstable_by_key(|&(vertex, face, _)| (vertex, face));
+        given.into_iter().for_each(|(vertex, _, vector)| out[vertex] = plus(out[vertex], vector));
+    }
+}
+
+/// The sums of rows one after another, of which each shares faces with the next.
+#[derive(Default)]
+struct RowSums {
+    /// What the faces of the row above a line give.
+    above: Vec<[f64; 3]>,
+    below: Vec<[f64; 3]>,
+    /// The line whose faces `above` are.
+    of: Option<Line>,
+}
+
+impl RowSums {
+    fn add(
+        &mut self,
+        line: &Line,
+        window: &Window<'_>,
+        of_face: impl Fn([[f64; 3]; 4]) -> [f64; 3],
+        out: &mut [[f64; 3]],
+    ) {
+        let [i, j] = line.from;
+        let row = |j: usize, vectors: &mut Vec<[f64; 3]>| {
+            vectors.clear();
+            let sides = window.row([i - 1, j]).windows(2).zip(window.row([i - 1, j + 1]).windows(2));
+            let corners = sides.map(|(low, high)| [low[0], low[1], high[1], high[0]]);
+            vectors.extend(corners.take(line.len + 1).map(&of_face));
+        };
+        if self.of == Some(Line { from: [i, j - 1], ..*line }) {
+            std::mem::swap(&mut self.above, &mut self.below);
+        } else {
+            row(j - 1, &mut self.below);
+        }
+        row(j, &mut self.above);
+        self.of = Some(*line);
+        for ((sum, below), above) in out.iter_mut().zip(self.below.windows(2)).zip(self.above.windows(2)) {
+            let vectors = [below[0], below[1], above[0], above[1]];
+            *sum = vectors.into_iter().fold(*sum, plus);
+        }
+    }
+}

@@ -1,0 +1,348 @@
+//! Where the vertices and faces of the documented order stand on patches: the way back from a number to a place.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::lattice::Frame;
+use super::surface::Surface;
+use crate::shape::tile::Tile;
+use crate::shape::topology::{NONE, Topology, index};
+
+/// Vertices that are asked for at a time, about: they take 1.5 MB as points and as much as bytes, and stay in the cache
+/// of a core. With half of it what neighbouring patches share is made twice as often; with twice of it points leave the
+/// cache before they are encoded.
+const STRETCH: usize = 1 << 16;
+
+/// The places of a refined mesh.
+#[derive(Debug)]
+pub(super) struct Places {
+    base: Arc<Topology>,
+    patches: Arc<Topology>,
+    is_quads: bool,
+    /// Pieces of an edge of the base.
+    n: usize,
+    /// Pieces of a patch's side.
+    pub(super) pieces: usize,
+    /// For each face of the base, and beyond the last, how many vertices are inside those before.
+    inner: Vec<usize>,
+}
+
+/// Consecutive vertices, or cells of consecutive faces, along a line of a patch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Line {
+    pub(super) patch: usize,
+    pub(super) from: [usize; 2],
+    pub(super) step: [isize; 2],
+    pub(super) len: usize,
+}
+
+/// The directions of lines along rows and columns.
+const ROW: [isize; 2] = [1, 0];
+const COLUMN: [isize; 2] = [0, 1];
+
+impl Line {
+    /// The place of its last vertex, the line having been cut to its length.
+    pub(super) fn last(&self) -> [usize; 2] {
+        self.place(self.len - 1)
+    }
+
+    pub(super) fn place(&self, k: usize) -> [usize; 2] {
+        std::array::from_fn(|axis| self.from[axis].wrapping_add_signed(self.step[axis] * k.cast_signed()))
+    }
+
+    /// Whether it runs along a row towards its end.
+    pub(super) fn is_row(&self) -> bool {
+        self.step == ROW
+    }
+}
+
+impl Places {
+    /// Those after splits into `n` pieces an edge of the base.
+    pub(super) fn new(surface: &Surface, n: usize) -> Self {
+        let (base, patches) = (surface.base.clone(), surface.patches.clone());
+        let is_quads = base.is_quads();
+        let half = n / 2;
+        let inside = |size: usize| {
+            if size == 4 { (n - 1) * (n - 1) } else { 1 + size * (half - 1) * half }
+        };
+        let mut inner = vec![0];
+        inner.extend((0..base.n_faces()).scan(0, |sum, f| {
+            *sum += inside(base.face(f).len());
+            Some(*sum)
+        }));
+        Self { base, patches, is_quads, n, pieces: if is_quads { n } else { half }, inner }
+    }
+
+    /// First vertex inside a face of the base.
+    fn first_inner(&self) -> usize {
+        self.base.n_vertices() + self.base.n_edges() * (self.n - 1)
+    }
+
+    /// The line on which a vertex and the next ones stand; none for a vertex of no face.
+    pub(super) fn line(&self, v: usize) -> Option<Line> {
+        let Some(beyond) = v.checked_sub(self.base.n_vertices()) else {
+            let half_edge = self.patches.ring(v).next()?;
+            let (patch, side) = self.side(half_edge);
+            return Some(Line { patch, from: at_side(self.pieces, side, 0), step: ROW, len: 1 });
+        };
+        let on_edge = self.n - 1;
+        Some(match v.checked_sub(self.first_inner()) {
+            None => self.on_edge(beyond / on_edge, beyond % on_edge + 1),
+            Some(inner) => {
+                let f = self.inner.partition_point(|&first| first <= inner) - 1;
+                self.inside(f, inner - self.inner[f])
+            }
+        })
+    }
+
+    fn on_edge(&self, edge: usize, at: usize) -> Line {
+        let half_edge = self.base.halves(edge)[0];
+        let f = self.base.face_of(half_edge);
+        let (first, size) = (self.base.half_edges(f).start as usize, self.base.face(f).len());
+        let side = half_edge as usize - first;
+        if size == 4 {
+            return self.in_quad(f, at_side(self.n, side, at), self.frame(side).along(), self.n - at);
+        }
+        if at <= self.pieces {
+            return Line {
+                patch: first + side,
+                from: [at, 0],
+                step: ROW,
+                len: (self.pieces - at + 1).min(self.n - at),
+            };
+        }
+        let back = self.n - at;
+        Line { patch: first + (side + 1) % size, from: [0, back], step: [0, -1], len: back }
+    }
+
+    /// The line inside a face, from its vertex of this number on.
+    fn inside(&self, f: usize, inner: usize) -> Line {
+        let (first, size) = (self.base.half_edges(f).start as usize, self.base.face(f).len());
+        if size == 4 {
+            let n = self.n - 1;
+            let from = [inner % n + 1, inner / n + 1];
+            return self.in_quad(f, from, ROW, self.n - from[0]);
+        }
+        let Some(rest) = inner.checked_sub(1) else {
+            return Line { patch: first, from: [self.pieces; 2], step: ROW, len: 1 };
+        };
+        let spoke = self.pieces - 1;
+        let Some(rest) = rest.checked_sub(size * spoke) else {
+            let at = rest % spoke;
+            return Line { patch: first + rest / spoke, from: [self.pieces, at + 1], step: COLUMN, len: spoke - at };
+        };
+        let (part, rest) = (rest / (spoke * spoke), rest % (spoke * spoke));
+        let (i, j) = (rest % spoke, rest / spoke);
+        Line { patch: first + part, from: [i + 1, j + 1], step: ROW, len: spoke - i }
+    }
+
+    /// The line of `len` points at most in a face with four sides, as far as it stays in one patch.
+    fn in_quad(&self, f: usize, from: [usize; 2], step: [isize; 2], len: usize) -> Line {
+        if self.is_quads {
+            return Line { patch: f, from, step, len };
+        }
+        let half = self.pieces;
+        let upper = from.map(|x| usize::from(x > half));
+        let from: [usize; 2] = std::array::from_fn(|axis| from[axis] - upper[axis] * half);
+        let axis = usize::from(step[0] == 0);
+        let here = match (step[axis] > 0, upper[axis] > 0) {
+            (true, _) => half - from[axis] + 1,
+            (false, true) => from[axis],
+            (false, false) => from[axis] + 1,
+        };
+        let patch = self.base.half_edges(f).start as usize + upper[0] + 2 * upper[1];
+        Line { patch, from, step, len: len.min(here) }
+    }
+
+    /// The cells of a face and the next ones, as far as they stand in a row of a patch.
+    pub(super) fn cells(&self, face: usize) -> Line {
+        let n = self.n;
+        let f = self.base.face_of(index(4 * face / (n * n)));
+        let first = self.base.half_edges(f).start as usize;
+        let local = face - first * n * n / 4;
+        if self.base.face(f).len() == 4 {
+            let (i, j) = (local % n, local / n);
+            if self.is_quads {
+                return Line { patch: f, from: [i, j], step: ROW, len: n - i };
+            }
+            let upper = [i, j].map(|x| usize::from(x >= self.pieces));
+            let from = [i - upper[0] * self.pieces, j - upper[1] * self.pieces];
+            return Line { patch: first + upper[0] + 2 * upper[1], from, step: ROW, len: self.pieces - from[0] };
+        }
+        let half = self.pieces;
+        let (part, local) = (local / (half * half), local % (half * half));
+        Line { patch: first + part, from: [local % half, local / half], step: ROW, len: half - local % half }
+    }
+
+    /// The number of the face at a cell of a patch.
+    pub(super) fn face(&self, patch: usize, [i, j]: [usize; 2]) -> usize {
+        let n = self.n;
+        if self.is_quads {
+            return patch * n * n + j * n + i;
+        }
+        let (f, half) = (self.base.face_of(index(patch)), self.pieces);
+        let first = self.base.half_edges(f).start as usize;
+        let part = patch - first;
+        if self.base.face(f).len() == 4 {
+            first * half * half + (j + part / 2 * half) * n + i + part % 2 * half
+        } else {
+            patch * half * half + j * half + i
+        }
+    }
+
+    /// Divides a line of vertices: what is inside its patch, and for the others lines of the cells around them.
+    pub(super) fn divide(
+        &self,
+        at: usize,
+        line: Line,
+        inside: &mut Vec<(usize, Line)>,
+        strips: &mut Vec<(usize, Line)>,
+    ) {
+        let is_on_side = |[i, j]: [usize; 2]| [i, j].map(|x| x == 0 || x == self.pieces);
+        let mut start = 0;
+        while start < line.len {
+            let sides = is_on_side(line.place(start));
+            let len = (start..line.len).take_while(|&k| is_on_side(line.place(k)) == sides).count();
+            let part = Line { from: line.place(start), len, ..line };
+            match sides {
+                [false, false] => inside.push((at + start, part)),
+                [true, true] => strips.extend(self.around_corner(&part).map(|cell| (at + start, cell))),
+                _ => strips.extend(self.beside(&part).map(|strip| (at + start, strip))),
+            }
+            start += len;
+        }
+    }
+
+    /// The cells around a vertex at a corner of its patch.
+    fn around_corner(&self, vertex: &Line) -> impl Iterator<Item = Line> {
+        let [i, j] = vertex.from.map(|x| x > 0);
+        let corner = [[0, 3], [1, 2]][usize::from(i)][usize::from(j)];
+        let v = self.patches.vertex(self.patches.half_edges(vertex.patch).start + corner) as usize;
+        self.patches.ring(v).map(|half_edge| {
+            let (patch, side) = self.side(half_edge);
+            let [a, b] = [[0, 0], [1, 1]].map(|place| self.frame(side).place(place));
+            let from = [0, 1].map(|axis| a[axis].min(b[axis]).unsigned_abs());
+            Line { patch, from, step: ROW, len: 1 }
+        })
+    }
+
+    /// The cells on both sides of vertices on a side of their patch, one more than there are vertices.
+    fn beside(&self, line: &Line) -> impl Iterator<Item = Line> {
+        let n = self.pieces;
+        let [i, j] = line.from;
+        let (side, steps) = match (i, j) {
+            (i, 0) => (0, i),
+            (i, j) if i == n => (1, j),
+            (i, j) if j == n => (2, n - i),
+            (_, j) => (3, n - j),
+        };
+        let half_edge = self.patches.half_edges(line.patch).start + index(side);
+        let along = self.frame(side).along();
+        // a single vertex has no direction of its own
+        let forward = line.len == 1 || line.step == along;
+        let twin = Some(self.patches.twin(half_edge)).filter(|&twin| twin != NONE);
+        let own = self.strip((line.patch, side), steps, forward, line.len);
+        let beyond = twin.map(|twin| self.strip(self.side(twin), n - steps, !forward, line.len));
+        std::iter::once(own).chain(beyond)
+    }
+
+    /// The cells along a side of a patch around so many vertices, of which the first is so many steps along it.
+    fn strip(&self, (patch, side): (usize, usize), steps: usize, forward: bool, n_vertices: usize) -> Line {
+        let first = if forward { steps - 1 } else { steps }.cast_signed();
+        let [a, b] = [[first, 0], [first + 1, 1]].map(|place| self.frame(side).place(place));
+        let from = [0, 1].map(|axis| a[axis].min(b[axis]).unsigned_abs());
+        let step = self.frame(side).along().map(|x| if forward { x } else { -x });
+        Line { patch, from, step, len: n_vertices + 1 }
+    }
+
+    /// Places of a patch counted from one of its sides.
+    fn frame(&self, side: usize) -> Frame {
+        Frame::new(Tile::Quad, self.pieces, side, 0)
+    }
+
+    /// Which side of which patch a half-edge is.
+    fn side(&self, half_edge: u32) -> (usize, usize) {
+        let patch = self.patches.face_of(half_edge);
+        (patch, (half_edge - self.patches.half_edges(patch).start) as usize)
+    }
+}
+
+impl Places {
+    /// Where a range of vertices from `v` on ends best, that no block of `rows` rows is made for two of them.
+    pub(super) fn stretch(&self, v: usize, rows: usize) -> usize {
+        let (edges, inside) = (self.base.n_vertices(), self.first_inner());
+        let on_edge = self.n - 1;
+        if v < edges {
+            return edges.min(v + STRETCH / 16);
+        }
+        let Some(inner) = v.checked_sub(inside) else {
+            let whole = (STRETCH / on_edge).max(1);
+            return inside.min(edges + ((v - edges) / on_edge + whole) * on_edge);
+        };
+        let f = self.inner.partition_point(|&first| first <= inner) - 1;
+        let (start, end) = (self.inner[f], self.inner[f + 1]);
+        if end - start <= STRETCH {
+            let last = self.inner.partition_point(|&end| end <= inner + STRETCH) - 1;
+            return inside + self.inner[last].max(end);
+        }
+        let (local, size) = (inner - start, self.base.face(f).len());
+        let band = |width: usize, local: usize| {
+            let row = (local / width + 1) / rows * rows + rows - 1;
+            row.min(width) * width
+        };
+        let to = if size == 4 {
+            band(on_edge, local)
+        } else {
+            let spoke = self.pieces - 1;
+            match local.checked_sub(1 + size * spoke) {
+                None => 1 + size * spoke,
+                Some(rest) => {
+                    let part = rest / (spoke * spoke);
+                    1 + size * spoke + part * spoke * spoke + band(spoke, rest % (spoke * spoke))
+                }
+            }
+        };
+        inside + start + to
+    }
+
+    /// Where a range of faces from `face` on ends best.
+    pub(super) fn stretch_of_faces(&self, face: usize, rows: usize) -> usize {
+        let n = self.n;
+        let f = self.base.face_of(index(4 * face / (n * n)));
+        let first = |f: usize| {
+            if f == self.base.n_faces() { self.base.n_half_edges() } else { self.base.half_edges(f).start as usize }
+        };
+        let faces = |f: usize| first(f) * n * n / 4;
+        if faces(f + 1) - faces(f) <= STRETCH {
+            let mut last = f + 1;
+            while last < self.base.n_faces() && faces(last + 1) <= face + STRETCH {
+                last += 1;
+            }
+            return faces(last);
+        }
+        let width = if self.base.face(f).len() == 4 { n } else { self.pieces };
+        let row = (face - faces(f)) / width;
+        (faces(f) + (row / rows + 1) * rows * width).min(faces(f + 1))
+    }
+}
+
+/// The point of a number on a side of a quad with `n` pieces.
+fn at_side(n: usize, side: usize, at: usize) -> [usize; 2] {
+    Frame::new(Tile::Quad, n, side, 0).place([at.cast_signed(), 0]).map(isize::cast_unsigned)
+}
+
+/// Consecutive lines that cover a range: each with where it begins in the range.
+pub(super) fn lines(range: Range<usize>, mut line: impl FnMut(usize) -> Option<Line>) -> Vec<(usize, Line)> {
+    let (mut lines, mut v) = (Vec::new(), range.start);
+    while v < range.end {
+        let Some(line) = line(v) else {
+            v += 1;
+            continue;
+        };
+        let len = line.len.min(range.end - v);
+        lines.push((v - range.start, Line { len, ..line }));
+        v += len;
+    }
+    lines.sort_by_key(|(_, line)| line.patch);
+    lines
+}

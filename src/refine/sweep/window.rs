@@ -1,0 +1,215 @@
+//! Points made when they are asked for: of every patch only the blocks that hold some of them are refined.
+
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
+
+use super::grid::{FlatPass, Planes, Size};
+use super::patches::{Block, Run, Target, Worker};
+use super::places::{Line, Places, lines};
+use super::program::Sweep;
+use super::weave::Row;
+use crate::watch::Watch;
+
+/// Points of a band of rows, at most, where a patch is so wide that a band has the rows of one row of blocks only. Half
+/// of it makes the halos of smaller blocks for narrower patches; twice of it takes twice the memory for wide ones.
+const BAND: usize = 1 << 19;
+
+/// Least rows of a block after the last round: with half of it halos cost half as much again as the points.
+const LEAST_ROWS: usize = 32;
+
+/// A window of more than so many points for each that is wanted is not made as one.
+const SPARSE: usize = 4;
+
+/// A sweep whose points are made when they are asked for, and forgotten.
+#[derive(Debug)]
+pub(crate) struct OnDemand {
+    sweep: Sweep,
+    pub(super) places: Places,
+    start: Vec<f64>,
+    flat: Vec<Vec<FlatPass>>,
+    /// The buffers of threads that do not work now.
+    idle: Mutex<Vec<Buffers>>,
+    watch: Watch,
+}
+
+#[derive(Debug, Default)]
+struct Buffers {
+    worker: Worker<3>,
+    points: Vec<[f64; 3]>,
+}
+
+/// A part of a patch's grid after the last round: the places between two corners, both included, row by row.
+pub(super) struct Window<'a> {
+    low: [usize; 2],
+    high: [usize; 2],
+    /// Pieces of the patch's side.
+    pieces: usize,
+    points: &'a mut [[f64; 3]],
+}
+
+impl OnDemand {
+    /// The points that a sweep makes of `start`, those of the net where it begins, three numbers each. A computation
+    /// that was stopped gives zeros.
+    pub(crate) fn new(sweep: Sweep, start: Vec<f64>, watch: &Watch) -> Self {
+        let n = sweep.orders[1].pieces();
+        let sweep = sweep.with_blocks((BAND / n).max(LEAST_ROWS) / 2);
+        let places = Places::new(&sweep.surface, n);
+        let flat = sweep.flat(3);
+        Self { sweep, places, start, flat, idle: Mutex::default(), watch: watch.clone() }
+    }
+
+    /// Number of points.
+    pub(crate) fn n_points(&self) -> usize {
+        self.sweep.n_points()
+    }
+
+    /// Where a range of points from `v` on ends best.
+    pub(crate) fn stretch(&self, v: usize) -> usize {
+        self.places.stretch(v, self.rows())
+    }
+
+    /// Where a range of faces from `face` on ends best.
+    pub(crate) fn stretch_of_faces(&self, face: usize) -> usize {
+        self.places.stretch_of_faces(face, self.rows())
+    }
+
+    /// Rows of a block after the last round.
+    fn rows(&self) -> usize {
+        2 * self.sweep.rounds.last().map_or(1, |round| round.cells)
+    }
+
+    /// Fills `out` with the points of these numbers in the documented order.
+    pub(crate) fn points(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
+        out.clear();
+        out.resize(range.len(), [0.0; 3]);
+        let start = self.start.as_chunks().0;
+        let lines = lines(range.clone(), |v| {
+            let line = self.places.line(v);
+            if line.is_none() {
+                // a vertex of no face stays where it is
+                out[v - range.start] = start[v];
+            }
+            line
+        });
+        self.windows(&lines, [0, 0], |at, line, window| {
+            let out = &mut out[at..at + line.len];
+            if line.is_row() {
+                out.copy_from_slice(&window.row(line.from)[..line.len]);
+            } else {
+                out.iter_mut().enumerate().for_each(|(k, point)| *point = window.row(line.place(k))[0]);
+            }
+        });
+    }
+
+    /// Fills `out` with the points at the corners of faces in the documented order, range after range.
+    pub(crate) fn corners(&self, ranges: impl Iterator<Item = Range<usize>> + Clone, out: &mut Vec<[[f64; 3]; 4]>) {
+        out.clear();
+        out.resize(ranges.clone().map(|range| range.len()).sum(), [[0.0; 3]; 4]);
+        let mut at = 0;
+        for range in ranges {
+            let n = range.len();
+            self.corners_of(range, &mut out[at..at + n]);
+            at += n;
+        }
+    }
+
+    fn corners_of(&self, range: Range<usize>, out: &mut [[[f64; 3]; 4]]) {
+        let lines = lines(range, |face| Some(self.places.cells(face)));
+        self.windows(&lines, [0, 1], |at, line, window| {
+            let [i, j] = line.from;
+            let sides = window.row([i, j]).windows(2).zip(window.row([i, j + 1]).windows(2));
+            for (corners, (lower, upper)) in out[at..at + line.len].iter_mut().zip(sides) {
+                *corners = [lower[0], lower[1], upper[1], upper[0]];
+            }
+        });
+    }
+
+    /// Makes the points of lines, sorted by their patches, and those so many steps before and after them in both
+    /// directions, and calls `each` for every line.
+    pub(super) fn windows(
+        &self,
+        lines: &[(usize, Line)],
+        beside: [usize; 2],
+        mut each: impl FnMut(usize, &Line, &Window<'_>),
+    ) {
+        let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
+        let Buffers { worker, points } = &mut idle;
+        worker.begin(&self.sweep);
+        let start = self.start.as_chunks().0;
+        let run = Run { sweep: &self.sweep, flat: &self.flat, start, watch: &self.watch };
+        let block = self.rows() * self.rows();
+        for of_patch in lines.chunk_by(|(_, a), (_, b)| a.patch == b.patch) {
+            let wanted: usize = of_patch.iter().map(|(_, line)| line.len).sum();
+            let is_sparse = Window::around(of_patch, beside).1 > SPARSE * wanted + block;
+            for part in of_patch.chunks(if is_sparse { 1 } else { of_patch.len() }) {
+                let ([low, high], n) = Window::around(part, beside);
+                if points.len() < n {
+                    points.resize(n, [0.0; 3]);
+                }
+                let mut window = Window { low, high, pieces: self.places.pieces, points: &mut points[..n] };
+                let Ok(()) = run.patch(part[0].1.patch, worker, &mut window) else { return };
+                part.iter().for_each(|(at, line)| each(*at, line, &window));
+            }
+        }
+        self.idle.lock().unwrap_or_else(PoisonError::into_inner).push(idle);
+    }
+}
+
+impl Window<'_> {
+    /// The two corners of the window around some lines, and how many points it has.
+    fn around(lines: &[(usize, Line)], [before, after]: [usize; 2]) -> ([[usize; 2]; 2], usize) {
+        let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
+        for place in lines.iter().flat_map(|(_, line)| [line.from, line.last()]) {
+            for axis in [0, 1] {
+                low[axis] = low[axis].min(place[axis] - before);
+                high[axis] = high[axis].max(place[axis] + after);
+            }
+        }
+        ([low, high], (high[0] - low[0] + 1) * (high[1] - low[1] + 1))
+    }
+
+    fn width(&self) -> usize {
+        self.high[0] - self.low[0] + 1
+    }
+
+    /// The points at the corners of a cell.
+    pub(super) fn cell(&self, [i, j]: [usize; 2]) -> [[f64; 3]; 4] {
+        let (low, high) = (self.row([i, j]), self.row([i, j + 1]));
+        [low[0], low[1], high[1], high[0]]
+    }
+
+    /// The points of a row from a place on.
+    pub(super) fn row(&self, [i, j]: [usize; 2]) -> &[[f64; 3]] {
+        let width = self.width();
+        &self.points[(j - self.low[1]) * width..][i - self.low[0]..width]
+    }
+}
+
+impl Target<3> for Window<'_> {
+    /// A block holds the points on all of its sides: those between two blocks are taken of one of them.
+    fn wants(&self, block: Block, cells: usize) -> bool {
+        let pieces = self.pieces / block.pieces;
+        [0, 1].into_iter().all(|axis| {
+            let (low, high) = (self.low[axis], self.high[axis]);
+            let [start, end] = [block.at[axis], block.at[axis] + cells].map(|x| x * pieces);
+            let ends = if end == self.pieces { low <= end } else { low < end };
+            ends && (start < high || start == high && low == high)
+        })
+    }
+
+    fn take(&mut self, _: &Sweep, size: Size, block: Block, planes: &Planes) {
+        let cells = 2 * size.cells;
+        let at = block.at.map(|x| 2 * x);
+        let [columns, rows] =
+            [0, 1].map(|axis| at[axis].max(self.low[axis])..(at[axis] + cells).min(self.high[axis]) + 1);
+        if columns.is_empty() {
+            return;
+        }
+        let width = self.width();
+        for row in rows {
+            let to = (row - self.low[1]) * width + columns.start - self.low[0];
+            let out = &mut self.points[to..to + columns.len()];
+            Row::new(planes, size, row - at[1]).copy(columns.start - at[0], out);
+        }
+    }
+}
