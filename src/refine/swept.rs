@@ -34,6 +34,7 @@ pub(super) fn swept(
         order.values(&points.now, points.width, 0..points.now.len() / points.width, &mut start);
         let swept = sweep.refine(&start, points.width, watch)?;
         if !swept.finite {
+            watch.enter(Stage::Refine);
             return Ok(None);
         }
         numbers.push(swept.points);

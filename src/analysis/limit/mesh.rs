@@ -11,7 +11,7 @@ use crate::fault::Fault;
 use crate::refine::{RefinedMesh, act_on, assembled, mesh_net, numbers, refined_uvs};
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::mesh::Mesh;
-use crate::watch::Watch;
+use crate::watch::{Stage, Watch};
 
 /// Refines a mesh in all its frames by `levels` levels and finds what is asked for of its limit; the warnings say what
 /// has none.
@@ -50,6 +50,8 @@ fn at_one_frame(
     if let Some(refined) = refine_swept(mesh, plan, (steps, ahead), request, watch)? {
         return Ok((refined, Vec::new()));
     }
+    // it may have been tried patch by patch
+    watch.enter(Stage::Refine);
     to_limit_by_rows(mesh, plan, levels, request, watch)
 }
 

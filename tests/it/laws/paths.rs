@@ -1,10 +1,12 @@
 //! Meshes are refined along two paths, by rows of whole nets and patch by patch: every point has the same bits.
 
+use std::sync::{Arc, Mutex};
+
 use planish::analysis::limit::{LimitRequest, refine_mesh_to_limit, to_limit_by_rows};
 use planish::job::Input;
 use planish::refine::{RefinedMesh, is_swept, refine_by_rows, refine_mesh};
 use planish::shape::source::{FaceChunk, MeshSource};
-use planish::watch::Watch;
+use planish::watch::{Stage, Watch};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -70,10 +72,21 @@ fn job(net: &Net, extras: &Value, plan: &Value, levels: usize) -> Value {
 fn both(job: &Value) -> (RefinedMesh, RefinedMesh, bool) {
     let job = parsed(&serde_json::to_vec(job).expect("JSON")).unwrap_or_else(|faults| panic!("{faults:?} for {job}"));
     let Input::Mesh(mesh) = &job.input else { panic!("it is a mesh") };
-    let (plan, steps, watch) = (&job.plan, job.steps(), Watch::new());
-    let swept = refine_mesh(mesh, plan, steps, &watch).expect("a step for every net");
-    let whole = refine_by_rows(mesh, plan, steps, &watch).expect("a step for every net");
-    (swept, whole, is_swept(mesh, plan, steps))
+    let (plan, steps) = (&job.plan, job.steps());
+    let (swept, stages) = observed(|watch| refine_mesh(mesh, plan, steps, watch).expect("a step for every net"));
+    let whole = refine_by_rows(mesh, plan, steps, &Watch::new()).expect("a step for every net");
+    assert_eq!(is_swept(mesh, plan, steps), stages.contains(&Stage::Sweep), "what is told beforehand is done");
+    (swept, whole, stages.last() == Some(&Stage::Sweep))
+}
+
+/// What something gives under a watch, and the stages that it tells of: a sweep that gives up goes back to rows.
+fn observed<T>(of: impl FnOnce(&Watch) -> T) -> (T, Vec<Stage>) {
+    let (watch, stages) = (Watch::new(), Arc::new(Mutex::new(Vec::new())));
+    let seen = stages.clone();
+    watch.observe(move |stage| seen.lock().expect("no other panic").push(stage));
+    let found = of(&watch);
+    let stages = stages.lock().expect("no other panic").clone();
+    (found, stages)
 }
 
 fn assert_same(found: &RefinedMesh, expected: &RefinedMesh, what: &Value) {
@@ -202,15 +215,15 @@ fn large_patches_are_swept_block_by_block_to_the_same_bits() {
     }
 }
 
-/// Compares limits and normals that are found patch by patch with those of whole nets; whether there are any.
+/// Compares limits and normals with those of whole nets; whether all were found patch by patch.
 fn compare_limits(net: &Net, extras: &Value, plan: &Value, levels: usize) -> bool {
     let value = job(net, extras, plan, levels);
     let job = parsed(&serde_json::to_vec(&value).expect("JSON")).unwrap_or_else(|faults| panic!("{faults:?}"));
     let Input::Mesh(mesh) = &job.input else { panic!("it is a mesh") };
-    let (request, watch) = (LimitRequest { positions: true, normals: true }, Watch::new());
+    let request = LimitRequest { positions: true, normals: true };
     let levels = u32::try_from(levels).expect("few levels");
-    let found = refine_mesh_to_limit(mesh, &job.plan, levels, request, &watch);
-    let expected = to_limit_by_rows(mesh, &job.plan, levels, request, &watch);
+    let (found, stages) = observed(|watch| refine_mesh_to_limit(mesh, &job.plan, levels, request, watch));
+    let expected = to_limit_by_rows(mesh, &job.plan, levels, request, &Watch::new());
     let (Ok((found, warnings)), Ok((expected, others))) = (&found, &expected) else {
         assert_eq!(found.map(|_| ()).map_err(|e| e.to_string()), expected.map(|_| ()).map_err(|e| e.to_string()));
         return false;
@@ -240,7 +253,7 @@ fn compare_limits(net: &Net, extras: &Value, plan: &Value, levels: usize) -> boo
             }
         }
     }
-    true
+    stages.last() == Some(&Stage::Sweep)
 }
 
 #[test]
@@ -248,16 +261,17 @@ fn limits_and_normals_of_patches_are_those_of_whole_nets() {
     let sharp = [[0, 1], [1, 3], [3, 2]].map(|edge| json!({ "edge": edge, "sharpness": 10 }));
     let extras = json!({ "creases": sharp, "channels": { "heat": [1, 2, 3, 4, 5, 6, 7, 8.5] } });
     for plan in [json!({ "preset": "catmull-clark" }), word("UC"), static_word("UP")] {
+        let near = plan["preset"] == "catmull-clark" || plan["word"] == "UC";
         for net in [nets::cube(), nets::torus(3, 4), nets::prism(5), nets::grid(3, 2), nets::mixed()] {
-            compare_limits(&net, &json!({}), &plan, 3);
+            assert!(compare_limits(&net, &json!({}), &plan, 3) || !near, "{plan}");
         }
-        compare_limits(&nets::cube(), &extras, &plan, 3);
+        assert!(compare_limits(&nets::cube(), &extras, &plan, 3) || !near, "{plan}");
     }
     let semi_sharp = json!({ "creases": [{ "edge": [0, 1], "sharpness": 3.5 }, { "edge": [1, 3], "sharpness": 0.5 }] });
     assert!(compare_limits(&nets::cube(), &semi_sharp, &json!({ "preset": "catmull-clark" }), 2));
     for plan in triangle_plans() {
         for net in [nets::octahedron(), nets::triangulated(nets::grid(3, 2)), nets::triangulated(nets::torus(4, 5))] {
-            compare_limits(&net, &json!({}), &plan, 3);
+            assert!(compare_limits(&net, &json!({}), &plan, 3) || plan["preset"] != "loop", "{plan}");
         }
     }
     let creases = [[0, 2], [2, 4], [4, 1]].map(|edge| json!({ "edge": edge, "sharpness": 10 }));
