@@ -1,10 +1,12 @@
 //! What a job needs in memory while it runs.
 
 use super::complete::Job;
-use crate::output::Size;
+use super::output::Output;
+use crate::output::{Size, surface};
 use crate::scheme::forecast::Forecast;
 use crate::scheme::letter::Letter;
 use crate::scheme::operator::Children;
+use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
 
 /// What is refined along with the positions.
@@ -88,8 +90,10 @@ fn swept(job: &Job, forecast: &Forecast, level: usize, sizes: &[Size], carried: 
     let count = forecast.levels.get(level).copied().unwrap_or(last);
     let before = Forecast { levels: vec![count], peak: count, work: 0, topology_bytes: 0 };
     let given = forecast.levels.first().map_or(0, |count| count.corners);
-    let streams = |mesh| job.outputs.iter().all(|output| output.format.streams(mesh, &output.options));
-    let streams = job.input.mesh().is_some_and(streams);
+    let streams = |mesh: &Mesh, output: &Output| {
+        output.format.streams(mesh, &output.options) && !surface::with_normals(&output.options)
+    };
+    let streams = job.input.mesh().is_some_and(|mesh| job.outputs.iter().all(|output| streams(mesh, output)));
     let held = if streams { STREAMED_BYTES } else { HELD_BYTES };
     let is_split = last.uvs + last.split_vertices > 0;
     // the normals of the first frame, and copies of the positions of all others where their vertices are split
