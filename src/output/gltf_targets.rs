@@ -62,7 +62,7 @@ impl<'a> MorphTarget<'a> {
         let starts: Vec<usize> = (0..from.len()).step_by(CHUNK).collect();
         let blocks: Result<Vec<_>, Stopped> =
             starts.into_par_iter().map(|start| block(start..from.len().min(start + CHUNK))).collect();
-        let bounds = blocks?.iter().fold(Bounds::EMPTY, |all, block| all.joined(block));
+        let bounds = blocks?.iter().fold(Bounds::EMPTY, Bounds::joined);
         if !bounds.is_empty() && ![bounds.min, bounds.max].as_flattened().iter().all(|x| x.is_finite()) {
             let most = f32::MAX;
             let detail =

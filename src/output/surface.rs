@@ -14,7 +14,7 @@ pub(super) const NORMALS: Parameter = Parameter {
 };
 
 /// Whether normals are asked for.
-pub(super) fn with_normals(options: &Values) -> bool {
+pub fn with_normals(options: &Values) -> bool {
     matches!(options.choice("normals"), Some("area" | "limit"))
 }
 

@@ -29,10 +29,10 @@ impl Program {
             Some(stencils) => {
                 let found = sweep.evaluate(&refined.points, stencils, NORMALS, watch)?;
                 let is_isolated = |v: usize| v < refined.base.n_vertices() && refined.base.is_isolated(v);
-                let missing = |(v, normal): (usize, &[f64; 3])| *normal == [0.0; 3] && !is_isolated(v);
+                let missing = |(v, normal): (usize, &[f64; 3])| is_zero(normal) && !is_isolated(v);
                 let of_vertices = found.values.as_chunks().0;
                 if of_vertices.par_iter().with_min_len(CHUNK).enumerate().any(missing)
-                    || found.sides.iter().any(|(_, normal)| *normal == [0.0; 3])
+                    || found.sides.iter().any(|(_, normal)| is_zero(normal))
                 {
                     return Ok(None);
                 }
@@ -91,9 +91,14 @@ fn normal(t: [f64; 3], u: [f64; 3]) -> [f64; 3] {
     if length(product) > LEAST_SINE { direction(product).unwrap_or_default() } else { [0.0; 3] }
 }
 
+/// Whether it stands for no normal.
+fn is_zero(normal: &[f64; 3]) -> bool {
+    normal.iter().all(|&x| x == 0.0)
+}
+
 /// The direction of the sum of the normals of some sectors; zero where one has none.
 fn sum(sectors: &[[f64; 3]]) -> [f64; 3] {
-    let all = sectors.iter().all(|normal| *normal != [0.0; 3]);
+    let none = sectors.iter().any(is_zero);
     let sum = || direction(sectors.iter().copied().fold([0.0; 3], plus));
-    if all { sum().unwrap_or_default() } else { [0.0; 3] }
+    if none { [0.0; 3] } else { sum().unwrap_or_default() }
 }

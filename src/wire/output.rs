@@ -5,10 +5,9 @@ use serde::Deserialize;
 use super::literal::WireFields;
 use crate::fault::{Fault, shortened, under};
 use crate::job::Output;
-use crate::math::parameter::{Literal, Values};
+use crate::math::parameter::{Default, Kind, Literal, Parameter, Values};
 use crate::output::{self, Format};
 use crate::shape::mesh::MAX_FRAMES;
-use crate::shape::topology::index;
 
 /// Most outputs of one job.
 pub(crate) const MAX_OUTPUTS: usize = 64;
@@ -66,7 +65,7 @@ fn output(request: &OutputRequest, index: usize) -> Result<Output, Vec<Fault>> {
         match field.as_str() {
             "format" => format = Some(known_format(value)?),
             "name" => name = Some(output_name(value)?),
-            "frame" => frame = Some(known_frame(value)?),
+            "frame" => frame = known_frame(value)?,
             _ => options.push((field.clone(), value.clone())),
         }
     }
@@ -92,11 +91,18 @@ fn known_format(value: &Literal) -> Result<&'static dyn Format, Vec<Fault>> {
     })
 }
 
-fn known_frame(value: &Literal) -> Result<usize, Vec<Fault>> {
-    let frame = |x: &f64| (0..MAX_FRAMES).find(|&frame| f64::from(index(frame)) == *x);
-    let found = if let Literal::Number(x) = value { frame(x) } else { None };
-    let most = MAX_FRAMES - 1;
-    found.ok_or_else(|| vec![Fault::new("/frame", format!("expected a whole number from 0 to {most}, a frame"))])
+/// The field that formats have in common.
+const FRAME: &[Parameter] = &[Parameter {
+    name: "frame",
+    kind: Kind::Integer { min: 0, max: MAX_FRAMES.cast_signed() as i64 - 1 },
+    unit: "",
+    default: Default::Absent,
+    doc: "The frame of a mesh that is shown, as if the mesh had these positions alone.",
+}];
+
+fn known_frame(value: &Literal) -> Result<Option<usize>, Vec<Fault>> {
+    let found = Values::resolve(FRAME, &[("frame".into(), value.clone())])?.integer("frame");
+    Ok(found.and_then(|frame| usize::try_from(frame).ok()))
 }
 
 fn format_names() -> String {

@@ -78,6 +78,9 @@ fn stencils(
     Ok(all.then_some(found))
 }
 
+/// A mask and the vertices that it weighs.
+type Weighed = (Arc<Mask>, Vec<u32>);
+
 /// Masks of vertices of small nets.
 struct SmallNets<'a> {
     rings: Rings,
@@ -87,7 +90,7 @@ struct SmallNets<'a> {
 impl SmallNets<'_> {
     /// The mask of a vertex, and the vertices that it weighs; none where the vertex has none, about which nets as a
     /// whole say more.
-    fn mask(&self, net: &MeshNet, v: u32) -> Result<Option<(Arc<Mask>, Vec<u32>)>, Unlimited> {
+    fn mask(&self, net: &MeshNet, v: u32) -> Result<Option<Weighed>, Unlimited> {
         let whole = WholeNet::of(net, &net.mesh.base);
         let Some(found) = whole.disc(Centre::Vertex(v), self.rings) else { return Ok(None) };
         match self.masks.of(0, &found.disc) {
@@ -98,7 +101,7 @@ impl SmallNets<'_> {
     }
 
     fn position(&self, net: &MeshNet, v: u32) -> Result<Option<Stencil<u32>>, Unlimited> {
-        let stencil = |(mask, vertices): (Arc<Mask>, Vec<u32>)| {
+        let stencil = |(mask, vertices): Weighed| {
             let weights = vertices.into_iter().zip(mask.position.iter().copied()).collect();
             Stencil { sectors: vec![vec![weights]], sides: Vec::new() }
         };

@@ -60,7 +60,7 @@ impl Sweep {
             }
             let vertices = || task.vertices.iter().all(|(_, point)| all_finite(point));
             let others = || all_finite(task.edges.as_flattened()) && all_finite(task.inner.as_flattened());
-            if !bounded && !(vertices() && others()) {
+            if !(bounded || vertices() && others()) {
                 finite.store(false, Ordering::Relaxed);
             }
             Ok(task.vertices)

@@ -234,13 +234,13 @@ fn lines(net: &MeshNet) -> Option<(Vec<Line>, usize)> {
     let most =
         sharpness.edges().iter().chain(sharpness.vertices()).filter(finite).fold(0.0, |most: f64, s| most.max(s.1));
     let mut own: Vec<f64> = Vec::new();
-    for &(_, sharpness) in sharpness.vertices().iter() {
+    for &(_, sharpness) in sharpness.vertices() {
         if own.len() <= MOST_LINES && !own.contains(&sharpness) {
             own.push(sharpness);
         }
     }
     let mut soft = (net.rules.creasing.evens_out() && most > 0.0) || own.len() > MOST_LINES;
-    for &(_, sharpness) in sharpness.edges().iter() {
+    for &(_, sharpness) in sharpness.edges() {
         let line = Line::Crease(sharpness);
         if !lines.contains(&line) && !soft {
             lines.push(line);

@@ -91,7 +91,7 @@ impl Sample {
     }
 
     /// The place of a vertex, counted from the middle.
-    pub(super) fn from_middle(&self, v: u32) -> [isize; 2] {
+    pub(super) fn off_middle(&self, v: u32) -> [isize; 2] {
         self.coarse[v as usize].map(|x| x - self.radius)
     }
 

@@ -58,7 +58,7 @@ impl Sweep {
         let (tile, rounds) = (self.tile(), self.splits());
         let on_grid = |line: Option<(Line, usize)>| {
             let sample = Sample::new(tile, line, rings + 1);
-            let near = |v: u32| Some(sample.from_middle(v)).filter(|place| place.iter().all(|x| x.abs() <= 1));
+            let near = |v: u32| Some(sample.off_middle(v)).filter(|place| place.iter().all(|x| x.abs() <= 1));
             let found = find(&sample.net(plan), sample.middle());
             found.map(|found| found.and_then(|stencil| stencil.named(near)))
         };

@@ -46,7 +46,7 @@ impl Surface {
         if let Some(sharpness) = &net.sharpness {
             line_of.resize(patches.n_edges(), 0);
             let pieces = if is_split { 2 } else { 1 };
-            for &(e, sharpness) in sharpness.edges().iter() {
+            for &(e, sharpness) in sharpness.edges() {
                 let line = lines.iter().position(|&line| line == Line::Crease(sharpness)).unwrap_or(0);
                 line_of[pieces * e as usize..][..pieces].fill(u8::try_from(line).unwrap_or(0));
             }

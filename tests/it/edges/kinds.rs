@@ -33,6 +33,8 @@ fn samples() -> Vec<Value> {
             "pair_quads": false }, "plan": { "preset": "catmull-clark", "boundary": "edge-only" }, "levels": 1,
             "outputs": outputs }),
         json!({ "input": { "mesh": tagged }, "plan": { "preset": "push-back" }, "levels": 1, "outputs": outputs }),
+        json!({ "input": { "mesh": { "positions": positions, "faces": faces, "frames": [positions] } },
+            "outputs": [{ "format": "json", "name": "a", "frame": 1 }] }),
         json!({ "input": { "text": text, "weld": 0.0 }, "outputs": outputs }),
         json!({ "input": { "polygon": curve }, "plan": word, "levels": 1, "outputs": outputs }),
         json!({ "input": { "polygons": [curve] }, "plan": word, "levels": 1, "outputs": outputs }),

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use planish::config::Settings;
-use planish::service::account::{Account, Full, Share};
+use planish::service::account::{Account, Full, Share, kept_buffers};
 use planish::service::peer::{Kind, Peer};
 use serde_json::json;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
@@ -28,7 +28,8 @@ fn the_shares_of_the_account_come_to_no_more_than_the_whole() {
     for (total, cache) in [(256 << 20, 512 << 20), (2 << 30, 512 << 20), (12 << 30, 512 << 20), (1 << 50, 0)] {
         let account = Account::new(total, cache);
         let shares: u64 = account.shares().iter().map(|share| share.capacity).sum();
-        assert_eq!(shares + account.cache_bytes, total, "nothing is given twice, and nothing is lost");
+        let kept = account.cache_bytes + account.work_bytes + kept_buffers(total);
+        assert_eq!(shares + kept, total, "nothing is given twice, and nothing is lost");
         assert!(account.cache_bytes <= total / 4 && account.long.capacity > total * 2 / 5);
     }
     assert!(Account::new(12 << 30, 512 << 20).long.capacity >= 8 << 30, "the default holds the largest job");

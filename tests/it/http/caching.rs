@@ -22,6 +22,17 @@ fn the_second_request_is_answered_from_the_cache_with_the_same_bytes() {
 }
 
 #[test]
+fn another_format_of_a_mesh_that_was_refined_is_made_without_refining_it() {
+    story(settings(), async |server| {
+        let first = server.render(&with(mesh(3), "ply")).await.ok();
+        let other = server.render(&with(mesh(3), "obj")).await.ok();
+        assert!(first.header("server-timing").contains("desc=\"sweep\""), "{:?}", first.headers);
+        assert!(!other.header("server-timing").contains("desc=\"sweep\""), "{:?}", other.headers);
+        assert_eq!(server.app.desk.work.usage().artifacts, 2, "a program and a mesh");
+    });
+}
+
+#[test]
 fn equal_jobs_written_differently_are_one() {
     story(settings(), async |server| {
         let first = server.render(&with(polygon(2), "json")).await.ok();
