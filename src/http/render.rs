@@ -100,11 +100,16 @@ async fn rendered(
     let ReadJob { job, input, sent } = read;
     let admitted = reading::admit(app, client, job).await?;
     remember(app, request, &known);
-    let patience = negotiate::patience(headers);
+    let mut patience = negotiate::patience(headers);
     if !keep && streaming::streams(app, &admitted, patience) {
-        let mut response = streaming::streamed(app, client, admitted, input, patience.0).await?;
-        said(known.reached, response.headers_mut());
-        return Ok(response);
+        let streamed = streaming::streamed(app, client, admitted.clone(), input.clone(), patience.0).await?;
+        if let Some(mut response) = streamed {
+            said(known.reached, response.headers_mut());
+            return Ok(response);
+        }
+        // nothing came in time: the result is made for whoever comes back, where it can be kept
+        streaming::check_kept(app, &admitted).map_err(|_| streaming::too_busy())?;
+        patience.0 = Duration::ZERO;
     }
     streaming::check_kept(app, &admitted)?;
     made(app, client, patience, (admitted, input, sent), known).await

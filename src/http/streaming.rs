@@ -54,8 +54,13 @@ pub(super) fn check_kept(app: &App, admitted: &Admitted) -> Result<(), Problem> 
     Err(Problem::new(problem::TOO_LARGE, detail))
 }
 
+/// The refusal of what cannot be made in time.
+pub(super) fn too_busy() -> Problem {
+    Busy { retry_after: Duration::from_secs(1) }.into()
+}
+
 /// The answer that carries a result while it is made; it begins with the first bytes, so that a job that cannot be done
-/// is refused as usual.
+/// is refused as usual. None where these do not come in time.
 ///
 /// # Errors
 /// Why there are none.
@@ -65,7 +70,7 @@ pub(super) async fn streamed(
     admitted: Arc<Admitted>,
     input: Arc<Paid>,
     patience: Duration,
-) -> Result<Response, Problem> {
+) -> Result<Option<Response>, Problem> {
     let (estimate, job) = (admitted.estimate(), admitted.job());
     let (memory_bytes, (key, size)) = (estimate.memory_bytes, estimate.outputs[0]);
     let (entries, swept) = (job.entries(&job.outputs[0]), estimate.on_demand || job.is_swept());
@@ -77,7 +82,7 @@ pub(super) async fn streamed(
         Ok(Ok(streamed)) => streamed,
         Ok(Err(Unread::Failed(failure))) => return Err(Problem::of_failure(failure, |fault| entries.fault(fault))),
         Ok(Err(Unread::Busy(busy))) => return Err(busy.into()),
-        Err(_) => return Err(Busy { retry_after: Duration::from_secs(1) }.into()),
+        Err(_) => return Ok(None),
     };
     let timings = Timings { queue: streamed.queue, swept, ..Timings::default() };
     let cache = "planish; fwd=miss";
@@ -96,5 +101,5 @@ pub(super) async fn streamed(
         });
         next.transpose().map(|chunk| (chunk, streamed))
     });
-    Ok((headers, Body::from_stream(chunks)).into_response())
+    Ok(Some((headers, Body::from_stream(chunks)).into_response()))
 }

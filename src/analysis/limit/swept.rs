@@ -1,4 +1,5 @@
-//! Limits of meshes that are refined patch by patch: the masks of the few kinds of points there are, read off small nets.
+//! Limits of meshes that are refined patch by patch: the masks of the few kinds of points that there are, read off
+//! small nets.
 
 use std::sync::Arc;
 

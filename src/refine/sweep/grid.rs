@@ -4,7 +4,8 @@ use std::ops::{Range, RangeInclusive};
 
 use super::kernel::{FlatGroup, FlatMask, sum_at};
 use super::lattice::{AXES, after, cell};
-use super::mask::{LineMasks, Mask, MaskGroup, PLANES, Pass};
+use super::mask::{LineMasks, Pass};
+use super::planes::{Mask, MaskGroup, PLANES};
 
 /// One pass at one size of grid.
 #[derive(Debug)]

@@ -1,26 +1,12 @@
 //! The masks of a round on a regular grid, read off the rows of the operators on small nets.
 
 use super::lattice::{cell, fine, is_within};
+use super::line::Line;
+use super::planes::{Mask, MaskGroup, PLANES};
 use super::sample::{RADIUS, Sample, Table, Use};
 use crate::math::functions::ratio;
 use crate::scheme::plan::{Plan, Scheduled};
-use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::tile::Tile;
-
-/// The four planes of a refined grid: vertices, points of edges along the first and the second axis, and points of faces
-/// or, where faces are triangles, of edges along the diagonals.
-pub(super) const PLANES: usize = 4;
-
-/// A weight and the points whose symmetric sum it belongs to: the plane of each, and its cell counted from that of the
-/// point that is made.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct MaskGroup {
-    pub(super) weight: f64,
-    pub(super) members: Vec<(usize, [isize; 2])>,
-}
-
-/// What a point is made of, group after group.
-pub(super) type Mask = Vec<MaskGroup>;
 
 /// The masks on a line along each of [`AXES`](super::lattice::AXES), as far as patches have such sides: of vertices and of points of edges.
 pub(super) type LineMasks = Vec<[Mask; 2]>;
@@ -39,31 +25,6 @@ pub(super) enum Pass {
     },
     /// The mask of the differences between the coarse grid and its children is added to each plane.
     Push([Mask; PLANES]),
-}
-
-/// What a side of a patch is, where it is not smooth.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Line {
-    /// An edge with one face.
-    Boundary,
-    /// An edge between two faces of this sharpness.
-    Crease(f64),
-}
-
-impl Line {
-    /// What it is after so many rounds; none where it is smooth by then.
-    pub(super) fn after(self, rounds: usize) -> Option<Self> {
-        match self {
-            Self::Crease(sharpness) => softened(sharpness, rounds).map(Self::Crease),
-            Self::Boundary => Some(self),
-        }
-    }
-}
-
-/// What is left of a sharpness after so many rounds, if anything.
-pub(super) fn softened(sharpness: f64, rounds: usize) -> Option<f64> {
-    let less = |sharpness: f64| if sharpness >= INFINITE_SHARPNESS { sharpness } else { sharpness - 1.0 };
-    Some((0..rounds).fold(sharpness, |sharpness, _| less(sharpness))).filter(|&sharpness| sharpness > 0.0)
 }
 
 /// The passes of a round on a net with such lines, or none where its rows are not those of masks.

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use super::grid::{FlatPass, Size, flat_passes};
 use super::lattice::reach;
-use super::mask::{Line, Pass, halo, passes};
+use super::line::Line;
+use super::mask::{Pass, halo, passes};
 use super::numbering::Numbering;
 use super::star::{StarRound, StarShape};
 use super::surface::Surface;

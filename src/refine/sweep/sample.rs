@@ -4,7 +4,8 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::lattice::{AXES, after, cell, fine};
-use super::mask::{Line, Mask, MaskGroup, PLANES};
+use super::line::Line;
+use super::planes::{Mask, MaskGroup, PLANES};
 use crate::math::rows::{RowSource, Rows};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::{Plan, Scheduled};

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::lattice::{last, sector};
-use super::mask::softened;
+use super::line::softened;
 use super::sample::{Use, steps};
 use crate::math::rows::{RowSource, Rows};
 use crate::scheme::mesh_net::MeshNet;

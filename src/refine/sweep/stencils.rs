@@ -1,7 +1,7 @@
 //! How values at refined points are made of the points next to them, read off small nets.
 
 use super::lattice::sector;
-use super::mask::Line;
+use super::line::Line;
 use super::program::Sweep;
 use super::sample::Sample;
 use super::star::{Disc, StarShape};

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::lattice::{Frame, last, sector};
-use super::mask::Line;
+use super::line::Line;
 use super::numbering::Numbering;
 use super::star::{StarKind, StarShape};
 use crate::scheme::mesh_net::MeshNet;
