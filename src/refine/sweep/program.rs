@@ -101,7 +101,7 @@ impl<'a> Outline<'a> {
             let line = |line: &Line| line.after(at).filter(|line| rough || *line != Line::Boundary);
             passes(plan, round, tile, &lines.iter().map(line).collect::<Vec<_>>())
         };
-        let passes = each_round(&rounds, 0, &lines, on_lines)?;
+        let passes = each_round(&rounds, &lines, on_lines)?;
         let halos = passes.iter().map(|passes| halo(tile, passes)).collect::<Option<Vec<_>>>()?;
         let halo = halos.into_iter().max()?;
         let splits = usize::from(tile == Tile::Quad && !base.is_quads());
@@ -126,13 +126,13 @@ impl Sweep {
     /// The sweep of a net, where it has an [`Outline`] and the operators can be applied around each of its vertices.
     pub(crate) fn of(net: &MeshNet, plan: &Plan, steps: &[Scheduled]) -> Option<Self> {
         let Outline { tile, lines, rounds, passes, halo, before, splits } = Outline::of(net, plan, steps)?;
-        let surface = Surface::new(net, tile, &lines);
+        let surface = Surface::new(net, tile, &lines, before);
         let (head, tail) = rounds.split_at(before);
         let kinds = &surface.kinds;
         let stars = |at: usize, round: &[Scheduled]| {
             kinds.iter().map(|kind| StarRound::of(kind, (tile, reach(tile, halo)), at, plan, round)).collect()
         };
-        let stars: Vec<Arc<Vec<StarRound>>> = each_round(tail, before, &surface.softening(), stars)?;
+        let stars: Vec<Arc<Vec<StarRound>>> = each_round(tail, &surface.softening(), stars)?;
         let first_pieces = 1 << (before - splits);
         let cells = |at: usize| (first_pieces << at).min(MOST_CELLS.max(first_pieces));
         let entries = passes.into_iter().skip(before).zip(stars).enumerate();
@@ -171,6 +171,11 @@ impl Sweep {
     /// Into what each round splits the faces.
     pub(crate) fn tile(&self) -> Tile {
         self.surface.tile
+    }
+
+    /// Rounds of the sweep.
+    pub(super) fn n_rounds(&self) -> usize {
+        self.rounds.len()
     }
 
     /// Rounds of the whole plan, each of which splits all faces.
@@ -257,11 +262,10 @@ fn lines(net: &MeshNet) -> Option<(Vec<Line>, usize)> {
     Some((lines, if soft { most.ceil() as usize } else { 0 }))
 }
 
-/// What `make` gives for each round, counted from `first` on; rounds whose steps have the same numbers share it once
+/// What `make` gives for each round, with its number; rounds whose steps have the same numbers share it once
 /// the lines do not change any more.
 fn each_round<T>(
     rounds: &[&[Scheduled]],
-    first: usize,
     lines: &[Line],
     make: impl Fn(usize, &[Scheduled]) -> Option<T>,
 ) -> Option<Vec<Arc<T>>> {
@@ -271,11 +275,11 @@ fn each_round<T>(
     };
     let mut made: Vec<Arc<T>> = Vec::new();
     for (at, round) in rounds.iter().enumerate() {
-        let stay = |at: usize| lines.iter().all(|line| line.after(first + at) == line.after(first + at - 1));
+        let stay = |at: usize| lines.iter().all(|line| line.after(at) == line.after(at - 1));
         let alike = at.checked_sub(1).filter(|_| stay(at)).map(|before| rounds[before]);
         let alike = alike
             .is_some_and(|before| before.len() == round.len() && before.iter().zip(*round).all(|(a, b)| same(a, b)));
-        let next = if alike { made[at - 1].clone() } else { Arc::new(make(first + at, round)?) };
+        let next = if alike { made[at - 1].clone() } else { Arc::new(make(at, round)?) };
         made.push(next);
     }
     Some(made)

@@ -55,7 +55,7 @@ impl Sweep {
         rings: usize,
         find: impl Fn(&MeshNet, u32) -> Result<Option<Stencil<u32>>, E>,
     ) -> Result<Option<Stencils>, E> {
-        let (tile, rounds) = (self.tile(), self.splits());
+        let (tile, rounds) = (self.tile(), self.n_rounds());
         let on_grid = |line: Option<(Line, usize)>| {
             let sample = Sample::new(tile, line, rings + 1);
             let near = |v: u32| Some(sample.off_middle(v)).filter(|place| place.iter().all(|x| x.abs() <= 1));
@@ -66,8 +66,8 @@ impl Sweep {
         let axes = if tile == Tile::Quad { 2 } else { 3 };
         let mut lines = Vec::new();
         for line in &self.surface.lines {
-            let there = *line != Line::Boundary || self.surface.base.n_boundary() > 0;
-            let Some(line) = line.after(rounds).filter(|_| there) else {
+            let line = line.filter(|line| *line != Line::Boundary || self.surface.base.n_boundary() > 0);
+            let Some(line) = line.and_then(|line| line.after(rounds)) else {
                 lines.push(None);
                 continue;
             };

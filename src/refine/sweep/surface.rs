@@ -8,7 +8,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::lattice::{Frame, last, sector};
-use super::line::Line;
+use super::line::{Line, softened};
 use super::numbering::Numbering;
 use super::star::{StarKind, StarShape};
 use crate::scheme::mesh_net::MeshNet;
@@ -26,8 +26,9 @@ pub(super) struct Surface {
     pub(super) base: Arc<Topology>,
     /// The patches: its faces, or where some are no quads the faces of its first split.
     pub(super) patches: Arc<Topology>,
-    /// What sides of patches are that are not smooth: boundaries first, then sharp edges.
-    pub(super) lines: Vec<Line>,
+    /// What sides of patches are that are not smooth: boundaries first, then sharp edges; none of those that are smooth
+    /// when the sweep begins.
+    pub(super) lines: Vec<Option<Line>>,
     /// For each edge of the patches the number of its line, 0 where it has none of its own; empty where all are so.
     line_of: Vec<u8>,
     /// For each vertex of the patches the number of its kind, [`NONE`] where the grid is regular.
@@ -37,8 +38,9 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// The patches of a net that was not split yet, whose sharp edges lie on these lines.
-    pub(super) fn new(net: &MeshNet, tile: Tile, lines: &[Line]) -> Self {
+    /// The patches of a net that was not split yet, whose sharp edges lie on these lines, as they are after so many
+    /// rounds.
+    pub(super) fn new(net: &MeshNet, tile: Tile, lines: &[Line], before: usize) -> Self {
         let base = net.mesh.base.clone();
         let is_split = tile == Tile::Quad && !base.is_quads();
         let patches = if is_split { Arc::new(base.split()) } else { base.clone() };
@@ -47,21 +49,23 @@ impl Surface {
             line_of.resize(patches.n_edges(), 0);
             let pieces = if is_split { 2 } else { 1 };
             for &(e, sharpness) in sharpness.edges() {
-                let line = lines.iter().position(|&line| line == Line::Crease(sharpness)).unwrap_or(0);
+                let still = |line: &Line| *line == Line::Crease(sharpness) && line.after(before).is_some();
+                let line = lines.iter().position(still).unwrap_or(0);
                 line_of[pieces * e as usize..][..pieces].fill(u8::try_from(line).unwrap_or(0));
             }
         }
         let (kind_of, kinds) = (Vec::new(), Vec::new());
-        let mut surface = Self { tile, base, patches, lines: lines.to_vec(), line_of, kind_of, kinds };
-        surface.sort_vertices(net);
+        let lines = lines.iter().map(|line| line.after(before)).collect();
+        let mut surface = Self { tile, base, patches, lines, line_of, kind_of, kinds };
+        surface.sort_vertices(net, before);
         surface
     }
 
-    fn sort_vertices(&mut self, net: &MeshNet) {
+    fn sort_vertices(&mut self, net: &MeshNet, before: usize) {
         let patches = &self.patches;
         let corner = |v: usize| match &net.sharpness {
             _ if net.tags.is_corner(v) => f64::INFINITY,
-            Some(sharpness) => sharpness.vertex(v),
+            Some(sharpness) => softened(sharpness.vertex(v), before).unwrap_or(0.0),
             None => 0.0,
         };
         let valence = self.tile.regular_valence();
@@ -104,7 +108,7 @@ impl Surface {
         let (mut faces, mut sharp, mut closed) = (0, Vec::new(), true);
         for half_edge in patches.ring(v) {
             let edge = patches.edge(half_edge);
-            if let Some(Line::Crease(sharpness)) = self.line_of(edge).map(|line| self.lines[line]) {
+            if let Some(Line::Crease(sharpness)) = self.line_of(edge).and_then(|line| self.lines[line]) {
                 sharp.push((faces, sharpness.to_bits()));
             }
             closed &= patches.twin(half_edge) != NONE;
@@ -134,7 +138,7 @@ impl Surface {
     /// Everything that becomes less sharp, as lines: of edges and of vertices.
     pub(super) fn softening(&self) -> Vec<Line> {
         let corners = self.kinds.iter().map(|kind| Line::Crease(f64::from_bits(kind.corner)));
-        self.lines.iter().copied().chain(corners).collect()
+        self.lines.iter().copied().flatten().chain(corners).collect()
     }
 
     /// The patches of consecutive base faces.
