@@ -90,8 +90,8 @@ pub trait Format: fmt::Debug + Send + Sync {
         0
     }
 
-    /// The faces of meshes of whose positions none is held, and all are asked for in the order of the vertices or of the
-    /// faces: then they can be made while they are written.
+    /// The faces of meshes of whose positions none is held, and all are asked for in the order of the vertices or of
+    /// the faces: then they can be made while they are written.
     fn streams(&self, _mesh: &Mesh, _options: &Values) -> &'static [Tile] {
         &[]
     }
