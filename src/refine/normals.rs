@@ -5,7 +5,8 @@ use crate::kept::Numbers;
 /// Unit normals; zero where there are none: at vertices without faces, and where the surface has no tangent plane.
 #[derive(Debug, Clone, Default)]
 pub struct Normals {
-    /// For each vertex its normal, `n x 3`, or the direction of the sum of those of its sectors, or zero where one has none.
+    /// For each vertex its normal, `n x 3`, or the direction of the sum of those of its sectors, or zero where one has
+    /// none.
     pub of_vertices: Numbers,
     /// At vertices with several sectors: the vertex, the next one of a face there, and the normal on that side;
     /// ascending.

@@ -11,8 +11,8 @@ use crate::scheme::plan::{Plan, Scheduled};
 use crate::watch::{Stage, Watch};
 
 /// The net after all steps, as far as it is carried along (see [`MeshNet::after_splits`]), and all points in the
-/// documented order. `None` where there is no sweep of the steps, and where a coordinate is no longer finite, so that the
-/// rows of whole nets tell the level.
+/// documented order. `None` where there is no sweep of the steps, and where a coordinate is no longer finite, so that
+/// the rows of whole nets tell the level.
 ///
 /// # Errors
 /// [`RefineError`].

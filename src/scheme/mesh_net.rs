@@ -89,8 +89,8 @@ impl MeshNet {
     }
 
     /// The net after so many more splits of its faces into such ones, all edges halved, of which only what is carried
-    /// along is known: the base and how its faces were split, tags, and sharp edges, each of which becomes less sharp as
-    /// a whole.
+    /// along is known: the base and how its faces were split, tags, and sharp edges, each of which becomes less sharp
+    /// as a whole.
     #[must_use]
     pub fn after_splits(&self, tile: Tile, splits: usize) -> Self {
         let halves = |sharpness: Option<Sharpness>, _| sharpness.and_then(|sharpness| sharpness.pieces(2));

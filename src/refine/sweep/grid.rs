@@ -118,7 +118,10 @@ impl FlatPass {
     /// Whether the points of a plane stay, wherever they lie.
     fn keeps(&self, plane: usize) -> bool {
         let groups = self.planes[plane].groups.as_slice();
-        let stays = |group: &FlatGroup| matches!((group.weight, &group.members[..]), (1.0, &[(from, 0)]) if from as usize == plane);
+        let stays = |group: &FlatGroup| {
+            let only = (group.weight, &group.members[..]);
+            matches!(only, (1.0, &[(from, 0)]) if from as usize == plane)
+        };
         let is_drawn = |masks: &Vec<[FlatLine; 2]>| plane <= masks.len();
         matches!(groups, [group] if stays(group)) && !self.lines.iter().flatten().any(is_drawn)
     }

@@ -8,7 +8,8 @@ use crate::math::functions::ratio;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::tile::Tile;
 
-/// The masks on a line along each of [`AXES`](super::lattice::AXES), as far as patches have such sides: of vertices and of points of edges.
+/// The masks on a line along each of [`AXES`](super::lattice::AXES), as far as patches have such sides: of vertices
+/// and of points of edges.
 pub(super) type LineMasks = Vec<[Mask; 2]>;
 
 /// How one step makes the points of the planes.
@@ -63,8 +64,8 @@ impl Pass {
         }
     }
 
-    /// Adds a line, with the tables along each axis where it is not smooth; none where points beside it have other masks
-    /// than elsewhere, or those on it where that is not looked at.
+    /// Adds a line, with the tables along each axis where it is not smooth; none where points beside it have other
+    /// masks than elsewhere, or those on it where that is not looked at.
     fn add_line(&mut self, tables: Option<&[&Table]>) -> Option<()> {
         let masks = match self {
             Self::Up(masks) | Self::Push(masks) => masks,

@@ -1,7 +1,7 @@
 //! The planes of a refined grid, and the masks with which their points are made.
 
-/// The four planes of a refined grid: vertices, points of edges along the first and the second axis, and points of faces
-/// or, where faces are triangles, of edges along the diagonals.
+/// The four planes of a refined grid: vertices, points of edges along the first and the second axis, and points of
+/// faces or, where faces are triangles, of edges along the diagonals.
 pub(super) const PLANES: usize = 4;
 
 /// A weight and the points whose symmetric sum it belongs to: the plane of each, and its cell counted from that of the

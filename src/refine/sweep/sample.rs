@@ -17,8 +17,8 @@ use crate::shape::check::{FaceList, Winding};
 use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 
-/// Cells on each side of the middle of the nets that masks are read off: as far as masks reach, two cells, and one more.
-/// With half of it the masks of butterfly schemes would be those of a boundary; twice of it only takes longer.
+/// Cells on each side of the middle of the nets that masks are read off: as far as masks reach, two cells, and one
+/// more. With half of it the masks of butterfly schemes would be those of a boundary; twice of it only takes longer.
 pub(super) const RADIUS: usize = 3;
 
 /// How a step uses a table.

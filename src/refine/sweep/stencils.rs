@@ -46,9 +46,9 @@ impl<P> Stencil<P> {
 }
 
 impl Sweep {
-    /// The stencils of the points where the sweep ends: `find` gives that of a vertex of a small net, so many rings away
-    /// from where the net looks otherwise. None where `find` gives none, or where more than the points next to one take
-    /// part.
+    /// The stencils of the points where the sweep ends: `find` gives that of a vertex of a small net, so many rings
+    /// away from where the net looks otherwise. None where `find` gives none, or where more than the points next to one
+    /// take part.
     pub(crate) fn stencils<E>(
         &self,
         plan: &Plan,

@@ -209,8 +209,8 @@ impl Surface {
         }
     }
 
-    /// The number of a point of a patch with `n` pieces, or of a neighbour across the side of a half-edge: so many steps
-    /// along the side and beside it.
+    /// The number of a point of a patch with `n` pieces, or of a neighbour across the side of a half-edge: so many
+    /// steps along the side and beside it.
     pub(super) fn vertex_near(&self, order: &Numbering, half_edge: u32, n: usize, [along, beside]: [isize; 2]) -> u32 {
         let (inside, place) = if beside < 0 {
             (self.patches.twin(half_edge), [n.cast_signed() - along, -beside])

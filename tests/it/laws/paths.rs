@@ -336,7 +336,8 @@ proptest! {
         let mut plan = triangle_plans().swap_remove(plan);
         plan["boundary"] = json!(["edge-only", "edge-and-corner", "none"][boundary]);
         let is_loop = plan["preset"] == "loop";
-        let creases = net.edges().into_iter().zip(sharp).filter(|(_, sharp)| *sharp < 2 && plan["preset"] != "butterfly");
+        let follows = plan["preset"] != "butterfly";
+        let creases = net.edges().into_iter().zip(sharp).filter(|(_, sharp)| *sharp < 2 && follows);
         let sharpness = |kind: usize| if is_loop { [10.0, 1.5][kind] } else { 10.0 };
         let creases: Vec<Value> =
             creases.map(|((a, b), kind)| json!({ "edge": [a, b], "sharpness": sharpness(kind) })).collect();
