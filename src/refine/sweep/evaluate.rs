@@ -59,7 +59,7 @@ impl Sweep {
         let base = &self.surface.base;
         let mut values = Numbers::to_overwrite(points.len() * W);
         let (vertices, rest) = values.as_chunks_mut::<W>().0.split_at_mut(base.n_vertices());
-        let run = Run::new(self, points, stencils, rule);
+        let run = Evaluation::new(self, points, stencils, rule);
         let made = self.tasks(rest).into_par_iter().map_init(Buffers::<W>::default, |buffers, mut task| {
             for patch in task.patches.clone() {
                 for first in (0..=run.n).step_by(BAND) {
@@ -85,7 +85,7 @@ impl Sweep {
 }
 
 /// What all patches have in common.
-struct Run<'a, const W: usize> {
+struct Evaluation<'a, const W: usize> {
     sweep: &'a Sweep,
     points: &'a [[f64; W]],
     stencils: &'a Stencils,
@@ -105,7 +105,7 @@ struct Buffers<const W: usize> {
     sides: Vec<([u32; 2], [f64; W])>,
 }
 
-impl<'a, const W: usize> Run<'a, W> {
+impl<'a, const W: usize> Evaluation<'a, W> {
     fn new(sweep: &'a Sweep, points: &'a [[f64; W]], stencils: &'a Stencils, rule: Rule<W>) -> Self {
         let n = sweep.patch_pieces();
         let stride = n + 3;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::places::{Line, lines};
+use super::places::{Span, spans};
 use super::window::{OnDemand, Window};
 use crate::math::vector::plus;
 
@@ -23,13 +23,13 @@ impl OnDemand {
         out.resize(range.len(), [0.0; 3]);
         let places = &self.places;
         let (mut inside, mut strips) = (Vec::new(), Vec::new());
-        for (at, line) in lines(range, |v| places.line(v)) {
-            places.divide(at, line, &mut inside, &mut strips);
+        for (at, span) in spans(range, |v| places.span(v)) {
+            places.divide(at, span, &mut inside, &mut strips);
         }
         let mut sums = RowSums::default();
-        self.windows(&inside, [1, 1], |at, line, window| {
-            if is_shown(places.face(line.patch, line.from)) {
-                sums.add(line, window, &of_face, &mut out[at..at + line.len]);
+        self.windows(&inside, [1, 1], |at, span, window| {
+            if is_shown(places.face(span.patch, span.from)) {
+                sums.add(span, window, &of_face, &mut out[at..at + span.len]);
             }
         });
         strips.sort_by_key(|(_, strip)| strip.patch);
@@ -54,35 +54,35 @@ impl OnDemand {
 /// The sums of rows one after another, of which each shares faces with the next.
 #[derive(Default)]
 struct RowSums {
-    /// What the faces of the row above a line give.
+    /// What the faces of the row above a span give.
     above: Vec<[f64; 3]>,
     below: Vec<[f64; 3]>,
-    /// The line whose faces `above` are.
-    of: Option<Line>,
+    /// The span whose faces `above` are.
+    of: Option<Span>,
 }
 
 impl RowSums {
     fn add(
         &mut self,
-        line: &Line,
+        span: &Span,
         window: &Window<'_>,
         of_face: impl Fn([[f64; 3]; 4]) -> [f64; 3],
         out: &mut [[f64; 3]],
     ) {
-        let [i, j] = line.from;
+        let [i, j] = span.from;
         let row = |j: usize, vectors: &mut Vec<[f64; 3]>| {
             vectors.clear();
             let sides = window.row([i - 1, j]).windows(2).zip(window.row([i - 1, j + 1]).windows(2));
             let corners = sides.map(|(low, high)| [low[0], low[1], high[1], high[0]]);
-            vectors.extend(corners.take(line.len + 1).map(&of_face));
+            vectors.extend(corners.take(span.len + 1).map(&of_face));
         };
-        if self.of == Some(Line { from: [i, j - 1], ..*line }) {
+        if self.of == Some(Span { from: [i, j - 1], ..*span }) {
             std::mem::swap(&mut self.above, &mut self.below);
         } else {
             row(j - 1, &mut self.below);
         }
         row(j, &mut self.above);
-        self.of = Some(*line);
+        self.of = Some(*span);
         for ((sum, below), above) in out.iter_mut().zip(self.below.windows(2)).zip(self.above.windows(2)) {
             let vectors = [below[0], below[1], above[0], above[1]];
             *sum = vectors.into_iter().fold(*sum, plus);

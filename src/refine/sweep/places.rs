@@ -31,19 +31,19 @@ pub(super) struct Places {
 
 /// Consecutive vertices, or cells of consecutive faces, along a line of a patch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Line {
+pub(super) struct Span {
     pub(super) patch: usize,
     pub(super) from: [usize; 2],
     pub(super) step: [isize; 2],
     pub(super) len: usize,
 }
 
-/// The directions of lines along rows and columns.
+/// The directions of spans along rows and columns.
 const ROW: [isize; 2] = [1, 0];
 const COLUMN: [isize; 2] = [0, 1];
 
-impl Line {
-    /// The place of its last vertex, the line having been cut to its length.
+impl Span {
+    /// The place of its last vertex, the span having been cut to its length.
     pub(super) fn last(&self) -> [usize; 2] {
         self.place(self.len - 1)
     }
@@ -85,12 +85,12 @@ impl Places {
         self.base.n_vertices() + self.base.n_edges() * (self.n - 1)
     }
 
-    /// The line on which a vertex and the next ones stand; none for a vertex of no face.
-    pub(super) fn line(&self, v: usize) -> Option<Line> {
+    /// The span on which a vertex and the next ones stand; none for a vertex of no face.
+    pub(super) fn span(&self, v: usize) -> Option<Span> {
         let Some(beyond) = v.checked_sub(self.base.n_vertices()) else {
             let half_edge = self.patches.ring(v).next()?;
             let (patch, side) = self.side(half_edge);
-            return Some(Line { patch, from: self.at_side(self.pieces, side, 0), step: ROW, len: 1 });
+            return Some(Span { patch, from: self.at_side(self.pieces, side, 0), step: ROW, len: 1 });
         };
         let on_edge = self.n - 1;
         Some(match v.checked_sub(self.first_inner()) {
@@ -102,7 +102,7 @@ impl Places {
         })
     }
 
-    fn on_edge(&self, edge: usize, at: usize) -> Line {
+    fn on_edge(&self, edge: usize, at: usize) -> Span {
         let half_edge = self.base.halves(edge)[0];
         let f = self.base.face_of(half_edge);
         let (first, size) = (self.base.half_edges(f).start as usize, self.base.face(f).len());
@@ -111,7 +111,7 @@ impl Places {
             return self.in_face(f, self.at_side(self.n, side, at), self.frame(side).along(), self.n - at);
         }
         if at <= self.pieces {
-            return Line {
+            return Span {
                 patch: first + side,
                 from: [at, 0],
                 step: ROW,
@@ -119,11 +119,11 @@ impl Places {
             };
         }
         let back = self.n - at;
-        Line { patch: first + (side + 1) % size, from: [0, back], step: [0, -1], len: back }
+        Span { patch: first + (side + 1) % size, from: [0, back], step: [0, -1], len: back }
     }
 
-    /// The line inside a face, from its vertex of this number on.
-    fn inside(&self, f: usize, inner: usize) -> Line {
+    /// The span inside a face, from its vertex of this number on.
+    fn inside(&self, f: usize, inner: usize) -> Span {
         let (first, size) = (self.base.half_edges(f).start as usize, self.base.face(f).len());
         if size == 4 || self.is_whole {
             let from = self.tile.inside(self.n, inner);
@@ -131,22 +131,22 @@ impl Places {
             return self.in_face(f, from, ROW, end - from[0]);
         }
         let Some(rest) = inner.checked_sub(1) else {
-            return Line { patch: first, from: [self.pieces; 2], step: ROW, len: 1 };
+            return Span { patch: first, from: [self.pieces; 2], step: ROW, len: 1 };
         };
         let spoke = self.pieces - 1;
         let Some(rest) = rest.checked_sub(size * spoke) else {
             let at = rest % spoke;
-            return Line { patch: first + rest / spoke, from: [self.pieces, at + 1], step: COLUMN, len: spoke - at };
+            return Span { patch: first + rest / spoke, from: [self.pieces, at + 1], step: COLUMN, len: spoke - at };
         };
         let (part, rest) = (rest / (spoke * spoke), rest % (spoke * spoke));
         let (i, j) = (rest % spoke, rest / spoke);
-        Line { patch: first + part, from: [i + 1, j + 1], step: ROW, len: spoke - i }
+        Span { patch: first + part, from: [i + 1, j + 1], step: ROW, len: spoke - i }
     }
 
-    /// The line of `len` points at most in a face of quads or triangles, as far as it stays in one patch.
-    fn in_face(&self, f: usize, from: [usize; 2], step: [isize; 2], len: usize) -> Line {
+    /// The span of `len` points at most in a face of quads or triangles, as far as it stays in one patch.
+    fn in_face(&self, f: usize, from: [usize; 2], step: [isize; 2], len: usize) -> Span {
         if self.is_whole {
-            return Line { patch: f, from, step, len };
+            return Span { patch: f, from, step, len };
         }
         let half = self.pieces;
         let upper = from.map(|x| usize::from(x > half));
@@ -158,11 +158,11 @@ impl Places {
             (false, false) => from[axis] + 1,
         };
         let patch = self.base.half_edges(f).start as usize + upper[0] + 2 * upper[1];
-        Line { patch, from, step, len: len.min(here) }
+        Span { patch, from, step, len: len.min(here) }
     }
 
     /// The cells of a face and the next ones, as far as they stand in a row of a patch.
-    pub(super) fn cells(&self, face: usize) -> Line {
+    pub(super) fn cells(&self, face: usize) -> Span {
         let n = self.n;
         let f = self.base.face_of(index(4 * face / (n * n)));
         let first = self.base.half_edges(f).start as usize;
@@ -170,15 +170,15 @@ impl Places {
         if self.base.face(f).len() == 4 {
             let (i, j) = (local % n, local / n);
             if self.is_whole {
-                return Line { patch: f, from: [i, j], step: ROW, len: n - i };
+                return Span { patch: f, from: [i, j], step: ROW, len: n - i };
             }
             let upper = [i, j].map(|x| usize::from(x >= self.pieces));
             let from = [i - upper[0] * self.pieces, j - upper[1] * self.pieces];
-            return Line { patch: first + upper[0] + 2 * upper[1], from, step: ROW, len: self.pieces - from[0] };
+            return Span { patch: first + upper[0] + 2 * upper[1], from, step: ROW, len: self.pieces - from[0] };
         }
         let half = self.pieces;
         let (part, local) = (local / (half * half), local % (half * half));
-        Line { patch: first + part, from: [local % half, local / half], step: ROW, len: half - local % half }
+        Span { patch: first + part, from: [local % half, local / half], step: ROW, len: half - local % half }
     }
 
     /// The number of the face at a cell of a patch.
@@ -197,20 +197,20 @@ impl Places {
         }
     }
 
-    /// Divides a line of vertices: what is inside its patch, and for the others lines of the cells around them.
+    /// Divides a span of vertices: what is inside its patch, and for the others spans of the cells around them.
     pub(super) fn divide(
         &self,
         at: usize,
-        line: Line,
-        inside: &mut Vec<(usize, Line)>,
-        strips: &mut Vec<(usize, Line)>,
+        span: Span,
+        inside: &mut Vec<(usize, Span)>,
+        strips: &mut Vec<(usize, Span)>,
     ) {
         let is_on_side = |[i, j]: [usize; 2]| [i, j].map(|x| x == 0 || x == self.pieces);
         let mut start = 0;
-        while start < line.len {
-            let sides = is_on_side(line.place(start));
-            let len = (start..line.len).take_while(|&k| is_on_side(line.place(k)) == sides).count();
-            let part = Line { from: line.place(start), len, ..line };
+        while start < span.len {
+            let sides = is_on_side(span.place(start));
+            let len = (start..span.len).take_while(|&k| is_on_side(span.place(k)) == sides).count();
+            let part = Span { from: span.place(start), len, ..span };
             match sides {
                 [false, false] => inside.push((at + start, part)),
                 [true, true] => strips.extend(self.around_corner(&part).map(|cell| (at + start, cell))),
@@ -221,7 +221,7 @@ impl Places {
     }
 
     /// The cells around a vertex at a corner of its patch.
-    fn around_corner(&self, vertex: &Line) -> impl Iterator<Item = Line> {
+    fn around_corner(&self, vertex: &Span) -> impl Iterator<Item = Span> {
         let [i, j] = vertex.from.map(|x| x > 0);
         let corner = [[0, 3], [1, 2]][usize::from(i)][usize::from(j)];
         let v = self.patches.vertex(self.patches.half_edges(vertex.patch).start + corner) as usize;
@@ -229,37 +229,37 @@ impl Places {
             let (patch, side) = self.side(half_edge);
             let [a, b] = [[0, 0], [1, 1]].map(|place| self.frame(side).place(place));
             let from = [0, 1].map(|axis| a[axis].min(b[axis]).unsigned_abs());
-            Line { patch, from, step: ROW, len: 1 }
+            Span { patch, from, step: ROW, len: 1 }
         })
     }
 
     /// The cells on both sides of vertices on a side of their patch, one more than there are vertices.
-    fn beside(&self, line: &Line) -> impl Iterator<Item = Line> {
+    fn beside(&self, span: &Span) -> impl Iterator<Item = Span> {
         let n = self.pieces;
-        let [i, j] = line.from;
+        let [i, j] = span.from;
         let (side, steps) = match (i, j) {
             (i, 0) => (0, i),
             (i, j) if i == n => (1, j),
             (i, j) if j == n => (2, n - i),
             (_, j) => (3, n - j),
         };
-        let half_edge = self.patches.half_edges(line.patch).start + index(side);
+        let half_edge = self.patches.half_edges(span.patch).start + index(side);
         let along = self.frame(side).along();
         // a single vertex has no direction of its own
-        let forward = line.len == 1 || line.step == along;
+        let forward = span.len == 1 || span.step == along;
         let twin = Some(self.patches.twin(half_edge)).filter(|&twin| twin != NONE);
-        let own = self.strip((line.patch, side), steps, forward, line.len);
-        let beyond = twin.map(|twin| self.strip(self.side(twin), n - steps, !forward, line.len));
+        let own = self.strip((span.patch, side), steps, forward, span.len);
+        let beyond = twin.map(|twin| self.strip(self.side(twin), n - steps, !forward, span.len));
         std::iter::once(own).chain(beyond)
     }
 
     /// The cells along a side of a patch around so many vertices, of which the first is so many steps along it.
-    fn strip(&self, (patch, side): (usize, usize), steps: usize, forward: bool, n_vertices: usize) -> Line {
+    fn strip(&self, (patch, side): (usize, usize), steps: usize, forward: bool, n_vertices: usize) -> Span {
         let first = if forward { steps - 1 } else { steps }.cast_signed();
         let [a, b] = [[first, 0], [first + 1, 1]].map(|place| self.frame(side).place(place));
         let from = [0, 1].map(|axis| a[axis].min(b[axis]).unsigned_abs());
         let step = self.frame(side).along().map(|x| if forward { x } else { -x });
-        Line { patch, from, step, len: n_vertices + 1 }
+        Span { patch, from, step, len: n_vertices + 1 }
     }
 
     /// The point of a number on a side of a tile with `n` pieces.
@@ -341,18 +341,18 @@ impl Places {
     }
 }
 
-/// Consecutive lines that cover a range: each with where it begins in the range.
-pub(super) fn lines(range: Range<usize>, mut line: impl FnMut(usize) -> Option<Line>) -> Vec<(usize, Line)> {
-    let (mut lines, mut v) = (Vec::new(), range.start);
+/// Consecutive spans that cover a range: each with where it begins in the range.
+pub(super) fn spans(range: Range<usize>, mut span: impl FnMut(usize) -> Option<Span>) -> Vec<(usize, Span)> {
+    let (mut spans, mut v) = (Vec::new(), range.start);
     while v < range.end {
-        let Some(line) = line(v) else {
+        let Some(span) = span(v) else {
             v += 1;
             continue;
         };
-        let len = line.len.min(range.end - v);
-        lines.push((v - range.start, Line { len, ..line }));
+        let len = span.len.min(range.end - v);
+        spans.push((v - range.start, Span { len, ..span }));
         v += len;
     }
-    lines.sort_by_key(|(_, line)| line.patch);
-    lines
+    spans.sort_by_key(|(_, span)| span.patch);
+    spans
 }

@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use super::grid::{FlatPass, Planes, Size};
 use super::patches::{Block, Run, Target, Worker};
-use super::places::{Line, Places, lines};
+use super::places::{Places, Span, spans};
 use super::program::Sweep;
 use super::weave::Row;
 use crate::shape::tile::Tile;
@@ -87,20 +87,20 @@ impl OnDemand {
         out.clear();
         out.resize(range.len(), [0.0; 3]);
         let start = self.start.as_chunks().0;
-        let lines = lines(range.clone(), |v| {
-            let line = self.places.line(v);
-            if line.is_none() {
+        let spans = spans(range.clone(), |v| {
+            let span = self.places.span(v);
+            if span.is_none() {
                 // a vertex of no face stays where it is
                 out[v - range.start] = start[v];
             }
-            line
+            span
         });
-        self.windows(&lines, [0, 0], |at, line, window| {
-            let out = &mut out[at..at + line.len];
-            if line.is_row() {
-                out.copy_from_slice(&window.row(line.from)[..line.len]);
+        self.windows(&spans, [0, 0], |at, span, window| {
+            let out = &mut out[at..at + span.len];
+            if span.is_row() {
+                out.copy_from_slice(&window.row(span.from)[..span.len]);
             } else {
-                out.iter_mut().enumerate().for_each(|(k, point)| *point = window.row(line.place(k))[0]);
+                out.iter_mut().enumerate().for_each(|(k, point)| *point = window.row(span.place(k))[0]);
             }
         });
     }
@@ -118,23 +118,23 @@ impl OnDemand {
     }
 
     fn corners_of(&self, range: Range<usize>, out: &mut [[[f64; 3]; 4]]) {
-        let lines = lines(range, |face| Some(self.places.cells(face)));
-        self.windows(&lines, [0, 1], |at, line, window| {
-            let [i, j] = line.from;
+        let spans = spans(range, |face| Some(self.places.cells(face)));
+        self.windows(&spans, [0, 1], |at, span, window| {
+            let [i, j] = span.from;
             let sides = window.row([i, j]).windows(2).zip(window.row([i, j + 1]).windows(2));
-            for (corners, (lower, upper)) in out[at..at + line.len].iter_mut().zip(sides) {
+            for (corners, (lower, upper)) in out[at..at + span.len].iter_mut().zip(sides) {
                 *corners = [lower[0], lower[1], upper[1], upper[0]];
             }
         });
     }
 
-    /// Makes the points of lines, sorted by their patches, and those so many steps before and after them in both
-    /// directions, and calls `each` for every line.
+    /// Makes the points of spans, sorted by their patches, and those so many steps before and after them in both
+    /// directions, and calls `each` for every span.
     pub(super) fn windows(
         &self,
-        lines: &[(usize, Line)],
+        spans: &[(usize, Span)],
         beside: [usize; 2],
-        mut each: impl FnMut(usize, &Line, &Window<'_>),
+        mut each: impl FnMut(usize, &Span, &Window<'_>),
     ) {
         let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
         let Buffers { worker, points } = &mut idle;
@@ -142,8 +142,8 @@ impl OnDemand {
         let start = self.start.as_chunks().0;
         let run = Run { sweep: &self.sweep, flat: &self.flat, start, watch: &self.watch };
         let block = self.rows() * self.rows();
-        for of_patch in lines.chunk_by(|(_, a), (_, b)| a.patch == b.patch) {
-            let wanted: usize = of_patch.iter().map(|(_, line)| line.len).sum();
+        for of_patch in spans.chunk_by(|(_, a), (_, b)| a.patch == b.patch) {
+            let wanted: usize = of_patch.iter().map(|(_, span)| span.len).sum();
             let is_sparse = Window::around(of_patch, beside).1 > SPARSE * wanted + block;
             for part in of_patch.chunks(if is_sparse { 1 } else { of_patch.len() }) {
                 let ([low, high], n) = Window::around(part, beside);
@@ -151,11 +151,11 @@ impl OnDemand {
                     points.resize(n, [0.0; 3]);
                 }
                 let is_diagonal =
-                    self.sweep.tile() == Tile::Triangle && part.iter().any(|(_, line)| line.is_diagonal());
+                    self.sweep.tile() == Tile::Triangle && part.iter().any(|(_, span)| span.is_diagonal());
                 let pieces = self.places.pieces;
                 let mut window = Window { low, high, pieces, is_diagonal, points: &mut points[..n] };
                 let Ok(()) = run.patch(part[0].1.patch, worker, &mut window) else { return };
-                part.iter().for_each(|(at, line)| each(*at, line, &window));
+                part.iter().for_each(|(at, span)| each(*at, span, &window));
             }
         }
         self.idle.lock().unwrap_or_else(PoisonError::into_inner).push(idle);
@@ -163,10 +163,10 @@ impl OnDemand {
 }
 
 impl Window<'_> {
-    /// The two corners of the window around some lines, and how many points it has.
-    fn around(lines: &[(usize, Line)], [before, after]: [usize; 2]) -> ([[usize; 2]; 2], usize) {
+    /// The two corners of the window around some spans, and how many points it has.
+    fn around(spans: &[(usize, Span)], [before, after]: [usize; 2]) -> ([[usize; 2]; 2], usize) {
         let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
-        for place in lines.iter().flat_map(|(_, line)| [line.from, line.last()]) {
+        for place in spans.iter().flat_map(|(_, span)| [span.from, span.last()]) {
             for axis in [0, 1] {
                 low[axis] = low[axis].min(place[axis] - before);
                 high[axis] = high[axis].max(place[axis] + after);
