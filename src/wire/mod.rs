@@ -4,6 +4,7 @@ pub mod answer;
 pub mod catalogue;
 mod channels;
 mod choice;
+pub(crate) mod fields;
 mod fixed;
 pub mod input;
 pub mod job;
@@ -18,5 +19,6 @@ pub mod read;
 mod report;
 mod schema;
 pub mod text;
+pub(crate) mod written;
 
 pub use job::JobRequest;
