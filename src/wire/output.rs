@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use super::literal::WireFields;
-use crate::fault::{Fault, shortened, under};
+use crate::fault::{Fault, did_you_mean, shortened, under};
 use crate::job::Output;
 use crate::math::parameter::{Default, Kind, Literal, Parameter, Values};
 use crate::output::{self, Format};
@@ -86,7 +86,8 @@ fn known_format(value: &Literal) -> Result<&'static dyn Format, Vec<Fault>> {
         return Err(vec![Fault::new("/format", format!("expected a text: one of {}", format_names()))]);
     };
     output::named(name).ok_or_else(|| {
-        let detail = format!("there is no format \"{}\"; known are {}", shortened(name), format_names());
+        let meant = did_you_mean(name, output::FORMATS.iter().map(|format| format.name()));
+        let detail = format!("there is no format \"{}\"; {meant}known are {}", shortened(name), format_names());
         vec![Fault::new("/format", detail)]
     })
 }
