@@ -5,6 +5,7 @@ use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::gltf_animation::{self, FRAME_RATE};
 use crate::output::gltf_views::NUMBER;
+use crate::output::hard_edges;
 use crate::output::numbers::total;
 use crate::output::options::IDS;
 use crate::output::scene::{Frame, Shape};
@@ -62,7 +63,7 @@ pub(super) fn with_normals(options: &Values) -> bool {
 
 /// Copies of vertices, at most, that have a normal of their own.
 pub(super) fn split_vertices(counts: &Counts, options: &Values) -> u128 {
-    if with_normals(options) { counts.split_vertices } else { 0 }
+    if with_normals(options) { hard_edges::split_vertices(counts, options) } else { 0 }
 }
 
 /// Numbers of rows in the buffer.

@@ -13,6 +13,7 @@ use crate::output::error::FormatError;
 use crate::output::gltf_amounts::{Amounts, Contents, check_origins, with_normals};
 use crate::output::gltf_animation::{self as animation, FRAME_RATE};
 use crate::output::gltf_targets::{MorphTarget, normals_of};
+use crate::output::hard_edges::HardEdges;
 use crate::output::normals;
 use crate::output::numbers::{as_written, f32_bytes, index_bytes, rounded};
 use crate::output::positions::{Positions, channels_within_f32};
@@ -86,11 +87,13 @@ pub(super) fn buffered(
     write: impl FnOnce(&Buffer<'_>) -> Result<(), FormatError>,
 ) -> Result<(), FormatError> {
     let frames = if let Shape::Mesh(mesh) = scene.shape { mesh.frames() } else { Vec::new() };
+    let hard = HardEdges::of(scene.shape, options, watch)?;
     let sides = Sides::of(scene.shape);
     let frames: Vec<Sides<'_>> = frames.into_iter().map(|frame| Sides::of(Shape::Mesh(frame))).collect();
-    let parts = sides.split_vertices(with_normals(options), watch)?;
-    let frames =
-        frames.iter().map(|sides| sides.split_vertices(with_normals(options), watch)).collect::<Result<Vec<_>, _>>()?;
+    let parts = sides.split_vertices(with_normals(options), &hard, watch)?;
+    // all frames are split where the first one is, so that their vertices are the same ones
+    let split = |sides| Sides::split_vertices(sides, with_normals(options), &hard, watch);
+    let frames = frames.iter().map(split).collect::<Result<Vec<_>, _>>()?;
     let scene = Scene { shape: parts.shape(), ..*scene };
     write(&Buffer::of(&scene, parts.smooth(), &frames, options, watch)?)
 }

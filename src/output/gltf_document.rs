@@ -18,6 +18,7 @@ use crate::output::gltf_animation::{FRAME_RATE, animate};
 use crate::output::gltf_buffer::{Buffer, PrimitiveFaces, PrimitiveVertices};
 use crate::output::gltf_targets::MorphTarget;
 use crate::output::gltf_views::{NUMBER, Views, accessor, length};
+use crate::output::hard_edges::CREASE_ANGLE;
 use crate::output::numbers::rounded;
 use crate::output::options::{IDS, POSITIONS};
 use crate::shape::frame::{Frame, Unit, Up};
@@ -36,6 +37,7 @@ pub(super) const PARAMETERS: &[Parameter] = &[
         doc: "Vertex normals of a mesh: weighted by the area of the faces around the vertex, none (flat shading), or \
               those of the limit surface",
     },
+    CREASE_ANGLE,
     POSITIONS,
     IDS,
     FRAME_RATE,

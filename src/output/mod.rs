@@ -1,5 +1,6 @@
 //! Formats: each writes a scene; the registry is the only place that lists them.
 
+pub mod hard_edges;
 pub mod normals;
 pub mod scene;
 pub mod surface;
