@@ -4,6 +4,7 @@ pub mod answer;
 pub mod catalogue;
 mod channels;
 mod choice;
+mod declared;
 mod fixed;
 pub mod input;
 pub mod job;
@@ -18,5 +19,6 @@ pub mod read;
 mod report;
 mod schema;
 pub mod text;
+mod variants;
 
 pub use job::JobRequest;

@@ -93,7 +93,7 @@ fn known_format(value: &Literal) -> Result<&'static dyn Format, Vec<Fault>> {
 }
 
 /// The field that formats have in common.
-const FRAME: &[Parameter] = &[Parameter {
+pub(super) const FRAME: &[Parameter] = &[Parameter {
     name: "frame",
     kind: Kind::Integer { min: 0, max: MAX_FRAMES.cast_signed() as i64 - 1 },
     unit: "",
