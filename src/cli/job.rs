@@ -2,10 +2,12 @@
 
 use std::io::Read;
 use std::path::Path;
+use std::sync::Arc;
 
 use super::error::CliError;
+use super::folder::Folder;
 use crate::fault::Fault;
-use crate::input;
+use crate::input::{self, Alone};
 use crate::job::Levels;
 use crate::job::limits::{Admitted, Limits, Refusal};
 use crate::wire::JobRequest;
@@ -47,8 +49,8 @@ pub(super) fn load(path: &Path, options: &MeshOptions) -> Result<JobRequest, Cli
     let bytes = bytes.map_err(|error| CliError::new(format!("cannot read {}: {error}", path.display())))?;
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     let file = match input::of_extension(extension) {
-        Some(reader) => Some(MeshFile { format: reader.name.to_owned(), bytes }),
-        None if is_mesh(&bytes) => Some(MeshFile { format: "json".to_owned(), bytes }),
+        Some(reader) => Some(MeshFile { format: reader.name.to_owned(), bytes, beside: Arc::new(Folder::of(path)) }),
+        None if is_mesh(&bytes) => Some(MeshFile { format: "json".to_owned(), bytes, beside: Arc::new(Alone) }),
         None if *options == MeshOptions::default() => return read(&bytes).map_err(refused),
         None => None,
     };

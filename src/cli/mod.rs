@@ -2,6 +2,7 @@
 
 mod error;
 mod estimate;
+mod folder;
 mod health;
 mod job;
 mod log;

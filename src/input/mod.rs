@@ -2,6 +2,7 @@
 
 mod attach;
 mod base64;
+mod beside;
 mod collect;
 mod gltf;
 mod obj;
@@ -15,6 +16,7 @@ mod text;
 pub use crate::shape::attachments::Channel;
 pub use crate::shape::labels::FaceSet;
 pub use base64::decode as from_base64;
+pub use beside::{Alone, Beside, File};
 pub use reader::{ReadLimits, ReadMesh, Reader, Uvs};
 pub use room::weight;
 

@@ -1,5 +1,6 @@
 //! What every reader does, and what it hands over.
 
+use super::beside::File;
 use crate::scheme::tags::Boundary;
 use crate::shape::attachments::Channel;
 use crate::shape::check::FaceList;
@@ -14,9 +15,9 @@ pub struct Reader {
     pub media_type: &'static str,
     /// One sentence for the catalogue.
     pub doc: &'static str,
-    /// Reads a file. No more memory is taken than the [`weight`](super::room::weight) of the length of the bytes,
-    /// whatever counts they claim. Refusals are sentences that name what is wrong by line or byte.
-    pub read: fn(&[u8], &ReadLimits) -> Result<ReadMesh, Vec<String>>,
+    /// Reads a file. No more memory is taken than the [`weight`](super::room::weight) of the length of the bytes, and
+    /// of those of the files beside it, whatever counts they claim. Refusals are sentences that name what is wrong by line or byte.
+    pub read: fn(&File<'_>, &ReadLimits) -> Result<ReadMesh, Vec<String>>,
 }
 
 /// Bounds on one file.
