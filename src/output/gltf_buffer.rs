@@ -22,6 +22,7 @@ use crate::output::stream::{BLOCK, Stream};
 use crate::output::vertex_sides::{Sides, SplitSides};
 use crate::shape::attachments::Attachments;
 use crate::shape::labels::{LabelledFaces, by_labels};
+use crate::shape::looks::images;
 use crate::watch::{Stopped, Watch};
 
 /// The middle of the model is moved to the origin when it is farther away than this many times half its longest side.
@@ -215,7 +216,21 @@ impl<'a> Buffer<'a> {
                 target.write_normals(&normals, &mut stream, watch)?;
             }
         }
-        self.amounts.frame_rate.map_or(Ok(()), |rate| stream.bytes(&animation::numbers(self.targets.len(), rate)))
+        if let Some(rate) = self.amounts.frame_rate {
+            stream.bytes(&animation::numbers(self.targets.len(), rate))?;
+        }
+        self.write_images(&mut stream)
+    }
+
+    /// The bytes of all pictures, filled up to a multiple of 4.
+    fn write_images(&self, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+        let all = if self.amounts.images > 0 { images(&self.attachments().looks) } else { Vec::new() };
+        let mut written = 0;
+        for image in all {
+            stream.bytes(image.bytes())?;
+            written += image.bytes().len();
+        }
+        stream.bytes(&[0; 4][..written.wrapping_neg() % 4])
     }
 
     /// Channels, texture coordinates, and the origins of vertices where they are asked for.

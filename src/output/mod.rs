@@ -18,6 +18,7 @@ mod gltf_amounts;
 mod gltf_animation;
 mod gltf_buffer;
 mod gltf_document;
+mod gltf_looks;
 mod gltf_targets;
 mod gltf_views;
 mod json;

@@ -10,6 +10,7 @@ pub mod input;
 pub mod job;
 pub mod levels;
 pub mod literal;
+pub mod material;
 pub mod mesh;
 pub mod object;
 pub mod output;
