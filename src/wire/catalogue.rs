@@ -102,7 +102,7 @@ impl ParameterEntry {
             name: parameter.name,
             expects: parameter.kind.expected(),
             unit: parameter.unit,
-            required: matches!(parameter.default, Default::Required),
+            required: parameter.is_required(),
             default: default(parameter.default),
             bounds: bounds(&parameter.kind),
             doc: parameter.doc,
