@@ -5,6 +5,7 @@ pub mod catalogue;
 mod channels;
 mod choice;
 mod declared;
+pub(crate) mod fields;
 mod fixed;
 pub mod input;
 pub mod job;
@@ -21,5 +22,6 @@ mod report;
 mod schema;
 pub mod text;
 mod variants;
+pub(crate) mod written;
 
 pub use job::JobRequest;
