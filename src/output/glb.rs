@@ -12,6 +12,7 @@ use crate::output::gltf_buffer::{Buffer, buffered};
 use crate::output::gltf_document::{PARAMETERS, document};
 use crate::output::gltf_pack::Packed;
 use crate::output::gltf_packing::{self, Packing};
+use crate::output::hard_edges;
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
@@ -73,7 +74,7 @@ impl Format for Glb {
     }
 
     fn memory(&self, counts: &Counts, options: &Values) -> u128 {
-        gltf_amounts::packing_memory(counts, options)
+        hard_edges::memory(counts, options).saturating_add(gltf_amounts::packing_memory(counts, options))
     }
 
     fn work(&self, _: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
@@ -85,7 +86,7 @@ impl Format for Glb {
             _ if Packing::of(options).is_some() => &[],
             false => &[Tile::Quad, Tile::Triangle],
             // vertices on sharp edges have copies with normals of their own
-            true if mesh.creases.is_empty() => &[Tile::Quad],
+            true if mesh.creases.is_empty() && hard_edges::angle(options).is_none() => &[Tile::Quad],
             true => &[],
         }
     }

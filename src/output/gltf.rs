@@ -15,6 +15,7 @@ use crate::output::gltf_buffer::buffered;
 use crate::output::gltf_document::{PARAMETERS, document};
 use crate::output::gltf_pack::Packed;
 use crate::output::gltf_packing::{self, Packing};
+use crate::output::hard_edges;
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
@@ -55,7 +56,7 @@ impl Format for Gltf {
     }
 
     fn memory(&self, counts: &Counts, options: &Values) -> u128 {
-        gltf_amounts::packing_memory(counts, options)
+        hard_edges::memory(counts, options).saturating_add(gltf_amounts::packing_memory(counts, options))
     }
 
     fn work(&self, _: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {

@@ -1,5 +1,6 @@
 //! Formats: each writes a scene; the registry is the only place that lists them.
 
+pub mod hard_edges;
 pub mod normals;
 pub mod scene;
 pub mod surface;
@@ -19,6 +20,7 @@ mod gltf_buffer;
 mod gltf_codec;
 mod gltf_document;
 mod gltf_grid;
+mod gltf_looks;
 mod gltf_order;
 mod gltf_pack;
 mod gltf_packing;
