@@ -11,11 +11,12 @@ use crate::input::{self, Alone};
 use crate::job::Levels;
 use crate::job::limits::{Admitted, Limits, Refusal};
 use crate::wire::JobRequest;
-use crate::wire::input::{InputRequest, OrientRequest};
+use crate::wire::input::{InputRequest, NonManifoldRequest, OrientRequest};
 use crate::wire::levels::LevelsRequest;
 use crate::wire::plan::PlanRequest;
 use crate::wire::read::{ReadError, read};
 use crate::wire::text::MeshFile;
+use crate::wire::weld::WeldRequest;
 
 /// What a mesh file does not say by itself; a job says it in its own words.
 #[derive(Debug, Clone, Default, PartialEq, clap::Args)]
@@ -27,15 +28,32 @@ pub(crate) struct MeshOptions {
     /// How often the preset is applied.
     #[arg(long)]
     levels: Option<u64>,
-    /// Merge vertices that are at most so far apart; 0 merges equal positions.
-    #[arg(long)]
-    weld: Option<f64>,
+    /// Merge vertices that are at most so far apart; 0 merges equal positions, as is done for glTF where there is a
+    /// preset; false merges none.
+    #[arg(long, value_parser = weld, value_name = "DISTANCE|false")]
+    weld: Option<WeldRequest>,
+    /// What to do with faces that are no manifold; split cuts the mesh into manifold pieces.
+    #[arg(long, value_parser = non_manifold, value_name = "refuse|split")]
+    non_manifold: Option<NonManifoldRequest>,
     /// Turn faces to agree with their neighbours.
     #[arg(long)]
     repair: bool,
     /// Join pairs of triangles into quads, where there is one way to do it.
     #[arg(long)]
     pair_quads: bool,
+}
+
+fn weld(text: &str) -> Result<WeldRequest, String> {
+    let distance = || text.parse().map_err(|_| "give a distance such as 0.001, or false".to_owned());
+    if text == "false" { Ok(WeldRequest::Never) } else { distance().map(WeldRequest::Within) }
+}
+
+fn non_manifold(text: &str) -> Result<NonManifoldRequest, String> {
+    match text {
+        "refuse" => Ok(NonManifoldRequest::Refuse),
+        "split" => Ok(NonManifoldRequest::Split),
+        _ => Err("give refuse or split".to_owned()),
+    }
 }
 
 /// Reads a job, or makes one of a mesh file; `-` is a job on standard input.
@@ -81,6 +99,7 @@ fn of_file(file: MeshFile, options: &MeshOptions) -> JobRequest {
     let input = InputRequest {
         orient: options.repair.then_some(OrientRequest::Repair),
         weld: options.weld,
+        non_manifold: options.non_manifold,
         pair_quads: options.pair_quads,
         file: Some(file),
         ..InputRequest::default()

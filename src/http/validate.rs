@@ -17,7 +17,7 @@ use crate::input::ReadLimits;
 use crate::job::Input;
 use crate::scheme::plan::{Plan, PlanInput};
 use crate::wire::answer::{FaultAnswer, MeshReport, ValidateAnswer};
-use crate::wire::input::InputRequest;
+use crate::wire::input::{InputRequest, Purpose};
 use crate::wire::object;
 use crate::wire::plan::PlanRequest;
 use crate::wire::read::{read, weight};
@@ -69,7 +69,7 @@ pub(super) async fn validate(State(app): State<Shared>, client: Client, headers:
 }
 
 fn report(input: InputRequest, plan: Option<PlanRequest>, limits: &ReadLimits) -> ValidateAnswer {
-    match input.resolve(limits).map(|resolved| resolved.input) {
+    match input.resolve(Purpose::Refine, limits).map(|resolved| resolved.input) {
         Ok(Input::Mesh(mesh)) => {
             let input = Input::Mesh(mesh.clone());
             let plan = judge(&input, plan);

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use utoipa::ToSchema;
 
-use super::input::{InputRequest, Resolved};
+use super::input::{InputRequest, Purpose, Resolved};
 use super::levels::LevelsRequest;
 use super::object;
 use super::output::{OutputRequest, outputs};
@@ -87,7 +87,8 @@ impl JobRequest {
             faults.push(Fault::new("/spec", format!("{} is unknown; this server speaks 1", self.spec.unwrap_or(0))));
         }
         let frame = self.input.frame();
-        let input = keep(self.input.resolve(limits).map_err(|found| under("/input", found)), &mut faults);
+        let purpose = if self.plan.is_some() { Purpose::Refine } else { Purpose::Keep };
+        let input = keep(self.input.resolve(purpose, limits).map_err(|found| under("/input", found)), &mut faults);
         let outputs = keep(outputs(&self.outputs, self.left_out), &mut faults);
         let says_boundary = self.plan.as_ref().is_some_and(|plan| plan.boundary.is_some());
         let mut plan = self.plan.map(PlanRequest::resolve);

@@ -18,5 +18,6 @@ pub mod read;
 mod report;
 mod schema;
 pub mod text;
+pub mod weld;
 
 pub use job::JobRequest;
