@@ -11,7 +11,7 @@ const STL: [usize; 2] = [84, 50];
 /// A sentence, where the bytes are nothing that is known.
 pub(super) fn sniffed(bytes: &[u8]) -> Result<&'static str, &'static str> {
     let text = bytes.trim_ascii_start();
-    let first = text.split(|byte| byte.is_ascii_whitespace()).next().unwrap_or_default();
+    let first = text.split(u8::is_ascii_whitespace).next().unwrap_or_default();
     match first {
         _ if text.starts_with(b"{") => Ok(of_json(bytes)),
         _ if bytes.starts_with(b"glTF") => Ok("glb"),
@@ -47,7 +47,7 @@ fn is_stl(bytes: &[u8]) -> bool {
 
 /// Whether a line is one of an OBJ file.
 fn is_of_obj(line: &[u8]) -> bool {
-    let mut words = line.trim_ascii().split(|byte| byte.is_ascii_whitespace());
+    let mut words = line.trim_ascii().split(u8::is_ascii_whitespace);
     let key = words.next().unwrap_or_default();
     let follows = words.next().is_some();
     follows && [&b"v"[..], b"vn", b"vt", b"f", b"mtllib", b"o", b"g"].contains(&key)
