@@ -8,6 +8,7 @@ use axum::response::{IntoResponse, Response};
 
 use super::app::Shared;
 use super::client::Client;
+use super::content::Takes;
 use super::problem::Problem;
 use super::{body, negotiate, reading};
 use crate::wire::JobRequest;
@@ -25,7 +26,7 @@ use crate::wire::output::OutputRequest;
 )]
 pub(super) async fn estimate(State(app): State<Shared>, client: Client, headers: HeaderMap, body: Body) -> Response {
     let answer = async {
-        let sent = body::collect(&app, &client, &headers, body).await?;
+        let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
         let read = reading::job(&app, &client, sent, usize::MAX, |request| {
             if request.outputs.is_empty() {
                 let format = negotiate::format(&HeaderMap::new(), request.shape_kind())?;

@@ -11,6 +11,7 @@ use utoipa::ToSchema;
 use super::app::Shared;
 use super::body;
 use super::client::Client;
+use super::content::Takes;
 use super::problem::Problem;
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
@@ -57,7 +58,7 @@ pub(super) struct ValidateRequest {
 )]
 pub(super) async fn validate(State(app): State<Shared>, client: Client, headers: HeaderMap, body: Body) -> Response {
     let answer = async {
-        let sent = body::collect(&app, &client, &headers, body).await?;
+        let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
         let (limits, bytes) = (app.desk.limits.reading(), weight(sent.bytes.len() as u64));
         let report = app.desk.read(client.peer(), bytes, move |_| {
             let request: ValidateRequest = read(&sent.bytes)?;
