@@ -86,7 +86,8 @@ pub(super) async fn streamed(
     };
     let timings = Timings { queue: streamed.queue, swept, ..Timings::default() };
     let cache = "planish; fwd=miss";
-    let mut headers = Head { key, media_type: &media_type, warnings: &warnings, cache, timings: &timings }.headers();
+    let mut headers =
+        Head { key, coding: None, media_type: &media_type, warnings: &warnings, cache, timings: &timings }.headers();
     headers.insert(header::ACCEPT_RANGES, HeaderValue::from_static("none"));
     if let Size::Exact(bytes) = size
         && let Ok(bytes) = u64::try_from(bytes)
