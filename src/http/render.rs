@@ -21,9 +21,10 @@ use super::{jobs, reading, streaming};
 use crate::analysis::curve::Reached;
 use crate::job::key::Key;
 use crate::job::limits::Admitted;
-use crate::service::computation::Phase;
+use crate::service::computation::{Phase, Timings};
 use crate::service::jobs::JobSummary;
 use crate::service::peer::Paid;
+use crate::service::store::Manifest;
 use crate::service::task::Render;
 use crate::wire::JobRequest;
 
@@ -80,6 +81,9 @@ async fn rendered(
     }
     let read = read(app, client, headers, sent).await?;
     let known = Known::of(&read.job);
+    if read.job.detail_keys().next().is_some() {
+        return referring(app, client, headers, read, known).await;
+    }
     if negotiate::has_already(headers, &known.key) {
         return Ok(not_modified(&known));
     }
@@ -114,6 +118,22 @@ async fn rendered(
     made(app, client, patience, (admitted, input, sent), known).await
 }
 
+/// The answer to a job whose result refers to others: it is made or found as any, and its record is there afterwards,
+/// from which the others are made when they are asked for.
+async fn referring(
+    app: &Arc<App>,
+    client: &Client,
+    headers: &HeaderMap,
+    ReadJob { job, input, sent }: ReadJob,
+    known: Known,
+) -> Result<Response, Problem> {
+    let admitted = reading::admit(app, client, job).await?;
+    streaming::check_kept(app, &admitted)?;
+    let has_already = negotiate::has_already(headers, &known.key);
+    let answered = made(app, client, negotiate::patience(headers), (admitted, input, sent), known.clone()).await?;
+    Ok(if has_already && answered.status() == StatusCode::OK { not_modified(&known) } else { answered })
+}
+
 /// Remembers a request whose job was admitted, now or when its result was made.
 fn remember(app: &Arc<App>, request: Option<Key>, known: &Known) {
     if let Some(request) = request {
@@ -139,22 +159,31 @@ async fn made(
     (admitted, input, sent): (Arc<Admitted>, Arc<Paid>, Sent),
     known: Known,
 ) -> Result<Response, Problem> {
+    let job = admitted.job();
+    let id = job.id();
+    let summary = JobSummary {
+        output: (job.outputs[0].name.clone(), job.outputs[0].format, known.key),
+        entries: job.entries(&job.outputs[0]),
+        estimate: admitted.estimate().clone(),
+        reached: job.reached,
+        details: job.detail_keys().collect(),
+        // a copy, so that a short request does not keep the buffer that it arrived in
+        request: Bytes::copy_from_slice(&sent.bytes),
+    };
     // somebody else may have had it made while it was forecast
     if let Some(manifest) = app.desk.tiers.at_hand(&known.key)
-        && let Ok(response) = whole(app, Artifact::kept(manifest, client.peer()), &known).await
+        && let Ok(response) = whole(app, Artifact::kept(manifest.clone(), client.peer()), &known).await
     {
+        record(app, client, id, summary, (manifest, Timings::default()))?;
         return Ok(response);
     }
-    let job = admitted.job();
-    let (id, output, reached) = (job.id(), &job.outputs[0], job.reached);
-    let entries = job.entries(output);
-    let output = (output.name.clone(), output.format, known.key);
-    let estimate = admitted.estimate().clone();
+    let entries = summary.entries;
     let interest = app.desk.compute(Arc::new(Render::new(admitted, 0, Some(input))), client.peer())?;
     let computation = interest.computation.clone();
     match tokio::time::timeout(patience, computation.finished()).await {
         Ok(Phase::Done(outcome)) => {
             let (manifest, loose) = (outcome.manifest.clone(), outcome.loose.clone());
+            record(app, client, id, summary, (manifest.clone(), outcome.timings))?;
             let found = Artifact {
                 manifest,
                 loose,
@@ -166,12 +195,24 @@ async fn made(
         }
         Ok(Phase::Failed(failure)) => Err(Problem::of_failure(failure, |fault| entries.fault(fault))),
         Ok(Phase::Queued | Phase::Running) | Err(_) => {
-            // a copy, so that a short request does not keep the buffer that it arrived in
-            let request = Bytes::copy_from_slice(&sent.bytes);
-            app.desk.detach(id, JobSummary { output, entries, estimate, reached, request }, interest, client.peer())?;
+            app.desk.detach(id, summary, interest, client.peer())?;
             Ok(later(app, &id, said.then_some(patience.as_secs())))
         }
     }
+}
+
+/// Keeps the record of a job whose result refers to others.
+fn record(
+    app: &Arc<App>,
+    client: &Client,
+    id: Key,
+    summary: JobSummary,
+    made: (Arc<Manifest>, Timings),
+) -> Result<(), Problem> {
+    if summary.details.is_empty() {
+        return Ok(());
+    }
+    Ok(app.desk.record(id, summary, made, client.peer())?)
 }
 
 async fn whole(app: &Arc<App>, found: Artifact, known: &Known) -> Result<Response, Lost> {

@@ -8,6 +8,7 @@ mod errors;
 mod examples;
 mod formats;
 pub(crate) mod jobs;
+mod levels_of_detail;
 mod negotiation;
 mod operations;
 mod questions;
