@@ -22,6 +22,7 @@ mod gltf_looks;
 mod gltf_targets;
 mod gltf_views;
 mod json;
+mod mtl;
 mod numbers;
 mod obj;
 mod options;
@@ -47,8 +48,18 @@ pub use options::{LIMIT, POSITIONS, TANGENTS};
 pub use size::Size;
 
 /// Every format, in the order of the documentation.
-pub const FORMATS: &[&dyn Format] =
-    &[&json::Json, &stats::Stats, &obj::Obj, &glb::Glb, &gltf::Gltf, &ply::Ply, &stl::Stl, &png::Png, &svg::Svg];
+pub const FORMATS: &[&dyn Format] = &[
+    &json::Json,
+    &stats::Stats,
+    &obj::Obj,
+    &mtl::Mtl,
+    &glb::Glb,
+    &gltf::Gltf,
+    &ply::Ply,
+    &stl::Stl,
+    &png::Png,
+    &svg::Svg,
+];
 
 /// The format of a name.
 pub fn named(name: &str) -> Option<&'static dyn Format> {
