@@ -4,6 +4,8 @@ pub mod answer;
 pub mod catalogue;
 mod channels;
 mod choice;
+mod declared;
+pub(crate) mod fields;
 mod fixed;
 pub mod input;
 pub mod job;
@@ -19,5 +21,7 @@ pub mod read;
 mod report;
 mod schema;
 pub mod text;
+mod variants;
+pub(crate) mod written;
 
 pub use job::JobRequest;

@@ -9,8 +9,8 @@ use super::choice::choice;
 use super::mesh::MeshRequest;
 use super::read::{ReadError, read};
 use super::schema;
-use crate::fault::{Fault, shortened};
-use crate::input::{self, Alone, Beside, File, ReadLimits, WithLibrary};
+use crate::fault::{Fault, did_you_mean, shortened};
+use crate::input::{Alone, Beside, File, ReadLimits, WithLibrary, self};
 use crate::scheme::tags::Boundary;
 use crate::shape::check::Winding;
 use crate::shape::mesh::MeshInput;
@@ -100,7 +100,9 @@ impl MeshFile {
         }
         let Some(reader) = input::named(&self.format) else {
             let known: Vec<&str> = input::READERS.iter().map(|reader| reader.name).chain(["json"]).collect();
-            let detail = format!("there is no reader \"{}\"; known are {}", shortened(&self.format), known.join(", "));
+            let meant = did_you_mean(&self.format, known.iter().copied());
+            let detail =
+                format!("there is no reader \"{}\"; {meant}known are {}", shortened(&self.format), known.join(", "));
             return Err(vec![Fault::new("/format", detail)]);
         };
         let refused = |details: Vec<String>| details.into_iter().map(|detail| Fault::new("/data", detail)).collect();
