@@ -1,6 +1,7 @@
 //! Formats: each writes a scene; the registry is the only place that lists them.
 
 pub mod hard_edges;
+pub mod mtl;
 pub mod normals;
 pub mod scene;
 pub mod surface;
@@ -27,7 +28,6 @@ mod gltf_packing;
 mod gltf_targets;
 mod gltf_views;
 mod json;
-mod mtl;
 mod numbers;
 mod obj;
 mod options;

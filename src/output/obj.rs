@@ -9,6 +9,7 @@ use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::hard_edges::HardEdges;
+use crate::output::mtl::check_file_name;
 use crate::output::normals;
 use crate::output::numbers::{REAL, digits, real, total, whole};
 use crate::output::options::{IDS, POSITIONS};
@@ -85,13 +86,7 @@ impl Format for Obj {
     }
 
     fn suits(&self, _: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
-        let is_word = |name: &str| !name.chars().any(|c| c.is_whitespace() || c.is_control() || c == '#');
-        match options.name(LIBRARY.name) {
-            Some(name) if !is_word(name) => {
-                Err(Fault::new("/mtllib", "a name of a file has no place for blanks, control characters and #"))
-            }
-            _ => Ok(()),
-        }
+        check_file_name(&LIBRARY, options)
     }
 
     fn size(&self, counts: &Counts, options: &Values) -> Size {

@@ -10,7 +10,7 @@ use super::mesh::MeshRequest;
 use super::read::{ReadError, read};
 use super::schema;
 use crate::fault::{Fault, did_you_mean, shortened};
-use crate::input::{Alone, Beside, File, ReadLimits, WithLibrary, self};
+use crate::input::{self, Alone, Beside, File, ReadLimits, WithLibrary};
 use crate::scheme::tags::Boundary;
 use crate::shape::check::Winding;
 use crate::shape::mesh::MeshInput;
