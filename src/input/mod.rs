@@ -19,7 +19,7 @@ pub use crate::shape::attachments::Channel;
 pub use crate::shape::labels::FaceSet;
 pub use crate::shape::looks::Look;
 pub use base64::decode as from_base64;
-pub use beside::{Alone, Beside, File};
+pub use beside::{Alone, Beside, File, WithLibrary};
 pub use reader::{ReadLimits, ReadMesh, Reader, Uvs};
 pub use room::weight;
 
