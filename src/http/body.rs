@@ -17,6 +17,7 @@ use super::content::{self, Coding, Kind, Notation, Takes};
 use super::inflate::{inflated, too_long};
 use super::pace::Pace;
 use super::problem::{self, Problem};
+use crate::input::Alone;
 use crate::job::amounts::in_bytes;
 use crate::wire::JobRequest;
 use crate::wire::query::{job_of_file, job_text};
@@ -65,7 +66,7 @@ impl Sent {
 }
 
 fn file(format: &str, bytes: &[u8]) -> MeshFile {
-    MeshFile { format: format.to_owned(), bytes: bytes.to_vec() }
+    MeshFile { format: format.to_owned(), bytes: bytes.to_vec(), beside: Arc::new(Alone) }
 }
 
 /// The bytes of a body that says it is JSON, or a mesh file where these are read.

@@ -39,7 +39,7 @@ use crate::wire::query::name_of;
 /// `parameters.w=1/16`, `output.width=800`, `input.weld=0`, `levels.tolerance=0.01`. The body may be compressed by gzip
 /// or zstd (`Content-Encoding`).
 ///
-/// Without `outputs`, `Accept` chooses the format. `Prefer: wait=N` (default 30 s, at most 300 s) bounds the wait; after
+/// Without `outputs`, `Accept` chooses the format; with them it has to allow theirs, or the answer is 406. `Prefer: wait=N` (default 30 s, at most 300 s) bounds the wait; after
 /// it the answer is 202 with the address of the job.
 ///
 /// A result of more than `keep_at_most_bytes` (see /v1/limits) is sent while it is made and not kept, unless the query
@@ -215,7 +215,7 @@ pub(super) async fn read(
     format: Option<&'static dyn Format>,
 ) -> Result<ReadJob, Problem> {
     let headers = headers.clone();
-    let read = reading::job(app, client, sent, 1, move |request| {
+    let prepare = move |request: &mut JobRequest| {
         if let Some(format) = format {
             if !request.outputs.is_empty() {
                 let detail = "the address names the format; leave the outputs out of the job";
@@ -223,13 +223,9 @@ pub(super) async fn read(
             }
             request.outputs = vec![OutputRequest::of_format(format.name())];
         }
-        if request.outputs.is_empty() {
-            let format = negotiate::format(&headers, request.shape_kind())?;
-            request.outputs = vec![OutputRequest::of_format(format.name())];
-        }
-        Ok(())
-    });
-    read.await
+        negotiate::settle(&headers, request)
+    };
+    reading::job(app, client, sent, 1, prepare).await
 }
 
 /// What a tolerance led to: the level, and how far from the limit the result is at most.

@@ -10,6 +10,7 @@ use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::gltf_amounts::{self, Amounts, Contents, split_vertices, with_normals};
 use crate::output::gltf_buffer::{Buffer, buffered};
 use crate::output::gltf_document::{PARAMETERS, document};
+use crate::output::hard_edges;
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
@@ -65,9 +66,13 @@ impl Format for Glb {
         match with_normals(options) {
             false => &[Tile::Quad, Tile::Triangle],
             // vertices on sharp edges have copies with normals of their own
-            true if mesh.creases.is_empty() => &[Tile::Quad],
+            true if mesh.creases.is_empty() && hard_edges::angle(options).is_none() => &[Tile::Quad],
             true => &[],
         }
+    }
+
+    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
+        hard_edges::memory(counts, options)
     }
 
     fn write(

@@ -13,6 +13,7 @@ use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::gltf_amounts::{self, Amounts, Contents};
 use crate::output::gltf_buffer::{Buffer, buffered};
 use crate::output::gltf_document::{PARAMETERS, document};
+use crate::output::hard_edges;
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
@@ -49,6 +50,10 @@ impl Format for Gltf {
         let binary = Amounts::of(counts, options).bytes();
         let json = Contents::of(counts, options).room();
         Size::AtMost(total(&[(json, 1), (URI.len() as u128, 1), (binary.div_ceil(3), 4)]))
+    }
+
+    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
+        hard_edges::memory(counts, options)
     }
 
     fn write(

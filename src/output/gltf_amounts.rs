@@ -4,7 +4,9 @@ use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::gltf_animation::{self, FRAME_RATE};
+use crate::output::gltf_looks;
 use crate::output::gltf_views::NUMBER;
+use crate::output::hard_edges;
 use crate::output::numbers::total;
 use crate::output::options::IDS;
 use crate::output::scene::{Frame, Shape};
@@ -62,7 +64,7 @@ pub(super) fn with_normals(options: &Values) -> bool {
 
 /// Copies of vertices, at most, that have a normal of their own.
 pub(super) fn split_vertices(counts: &Counts, options: &Values) -> u128 {
-    if with_normals(options) { counts.split_vertices } else { 0 }
+    if with_normals(options) { hard_edges::split_vertices(counts, options) } else { 0 }
 }
 
 /// Numbers of rows in the buffer.
@@ -84,6 +86,8 @@ pub(super) struct Amounts {
     pub(super) targets: u128,
     /// Frames a second of their animation, if there is one.
     pub(super) frame_rate: Option<f64>,
+    /// Bytes of pictures, a multiple of 4.
+    pub(super) images: u128,
 }
 
 impl Amounts {
@@ -101,6 +105,7 @@ impl Amounts {
             triangles: if faces == 0 { 0 } else { counts.half_edges.saturating_sub(faces.saturating_mul(2)) },
             targets: counts.frames as u128,
             frame_rate: options.number(FRAME_RATE.name),
+            images: bytes_of_images(&counts.attachments, faces > 0),
         }
     }
 
@@ -118,6 +123,7 @@ impl Amounts {
                     triangles: mesh.n_half_edges() as u128 - 2 * faces,
                     targets: 0,
                     frame_rate: None,
+                    images: bytes_of_images(mesh.attachments(), faces > 0),
                 }
             }
             Shape::Curves(curves) => Self {
@@ -129,6 +135,7 @@ impl Amounts {
                 triangles: 0,
                 targets: 0,
                 frame_rate: None,
+                images: 0,
             },
         }
     }
@@ -140,8 +147,19 @@ impl Amounts {
         let uvs = if self.uvs { 2 * NUMBER } else { 0 };
         let vertex = vectors * VECTOR * (1 + self.targets) + self.numbers * NUMBER + uvs + origin;
         let [moments, weights] = self.frame_rate.map_or([0; 2], |_| gltf_animation::lengths(self.targets));
-        total(&[(self.vertices, vertex), (self.triangles, TRIANGLE + face), (moments, 1), (weights, 1)])
+        total(&[
+            (self.vertices, vertex),
+            (self.triangles, TRIANGLE + face),
+            (moments, 1),
+            (weights, 1),
+            (self.images, 1),
+        ])
     }
+}
+
+/// Bytes of the pictures of a mesh, which it shows where it has faces.
+fn bytes_of_images(attachments: &Attachments, has_faces: bool) -> u128 {
+    if has_faces { gltf_looks::bytes_of_images(&attachments.looks) } else { 0 }
 }
 
 /// What decides on the length of a document.
@@ -190,7 +208,7 @@ impl<'a> Contents<'a> {
         if self.attachments.is_empty() && !self.ids {
             return plain + framed;
         }
-        let Attachments { channels, groups, materials, uvs } = self.attachments;
+        let Attachments { channels, groups, materials, looks, uvs } = self.attachments;
         let name_bytes: usize = channels.iter().map(|channel| channel.name.len()).sum();
         let (channels, names) = (channels.len() as u128 + u128::from(uvs.is_some()), name_bytes as u128);
         let parts = by_labels(groups, materials, self.input_faces).len() as u128;
@@ -198,7 +216,8 @@ impl<'a> Contents<'a> {
         let longest = |names: &[String]| names.iter().map(|name| 2 * name.len() as u128).max().unwrap_or(0);
         let labels = longest(&groups.names) + longest(&materials.names);
         let part = 768 + names + 16 * channels + labels + self.targets.saturating_mul(TARGET_OF_PART);
-        let room = total(&[(plain + framed, 1), (512, 1), (384, channels), (part, parts)]);
+        let looks = gltf_looks::room(looks);
+        let room = total(&[(plain + framed, 1), (512, 1), (384, channels), (part, parts), (looks, 1)]);
         room.saturating_add(3) / 4 * 4
     }
 }

@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 
 use gltf::json::accessor::{ComponentType, Type};
-use gltf::json::material::{AlphaMode, PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked::{self, Valid};
-use gltf::json::{self, Accessor, Asset, Extras, Index, Material, Mesh, Node, Root, Scene};
+use gltf::json::{self, Accessor, Asset, Extras, Index, Mesh, Node, Root, Scene};
 use serde_json::value::{RawValue, to_raw_value};
 use serde_json::{Map, Value, json};
 
@@ -16,14 +15,15 @@ use crate::output::error::FormatError;
 use crate::output::gltf_amounts::{ORIGIN, TRIANGLE, VECTOR};
 use crate::output::gltf_animation::{FRAME_RATE, animate};
 use crate::output::gltf_buffer::{Buffer, PrimitiveFaces, PrimitiveVertices};
+use crate::output::gltf_looks::{self, Looks};
 use crate::output::gltf_targets::MorphTarget;
 use crate::output::gltf_views::{NUMBER, Views, accessor, length};
+use crate::output::hard_edges::CREASE_ANGLE;
 use crate::output::numbers::rounded;
 use crate::output::options::{IDS, POSITIONS};
 use crate::shape::frame::{Frame, Unit, Up};
 
-/// Linear base colours of surfaces and of curves.
-const SURFACE: [f32; 4] = [0.3, 0.47, 0.65, 1.0];
+/// Linear base colour of curves.
 const CURVE: [f32; 4] = [0.03, 0.06, 0.1, 1.0];
 
 /// Options of both containers.
@@ -36,6 +36,7 @@ pub(super) const PARAMETERS: &[Parameter] = &[
         doc: "Vertex normals of a mesh: weighted by the area of the faces around the vertex, none (flat shading), or \
               those of the limit surface",
     },
+    CREASE_ANGLE,
     POSITIONS,
     IDS,
     FRAME_RATE,
@@ -70,6 +71,9 @@ pub(super) fn document(buffer: &Buffer<'_>, uri: Option<&str>) -> Result<Vec<u8>
     root.nodes = framed(node, buffer.frame);
     if let Some(rate) = buffer.amounts.frame_rate.filter(|_| !root.meshes.is_empty()) {
         animate(&mut root, buffer.targets.len(), rate);
+    }
+    if !root.textures.is_empty() {
+        Looks::of(buffer.attachments()).add_images(&mut root);
     }
     root.to_vec().map_err(|error| unwritten(&error))
 }
@@ -108,22 +112,6 @@ fn framed(mut node: Node, frame: Frame) -> Vec<Node> {
     vec![Node { name, matrix, scale, children: Some(vec![Index::new(1)]), ..Node::default() }, node]
 }
 
-/// The look of surfaces; with colours of their own they are white, and see-through where these say so.
-fn look(base: [f32; 4], name: Option<&str>, alpha: bool) -> Material {
-    Material {
-        name: name.map(Into::into),
-        double_sided: true,
-        alpha_mode: Valid(if alpha { AlphaMode::Blend } else { AlphaMode::Opaque }),
-        pbr_metallic_roughness: PbrMetallicRoughness {
-            base_color_factor: PbrBaseColorFactor(base),
-            metallic_factor: StrengthFactor(0.0),
-            roughness_factor: StrengthFactor(0.5),
-            ..PbrMetallicRoughness::default()
-        },
-        ..Material::default()
-    }
-}
-
 /// One primitive for each polygon with points.
 fn curves(buffer: &Buffer<'_>, root: &mut Root) -> Vec<Primitive> {
     let mut primitives = Vec::with_capacity(buffer.parts.len());
@@ -142,7 +130,7 @@ fn curves(buffer: &Buffer<'_>, root: &mut Root) -> Vec<Primitive> {
         };
         primitives.push(primitive(BTreeMap::from([(Valid(Semantic::Positions), positions)]), mode));
     }
-    root.materials = vec![look(CURVE, None, false)];
+    root.materials = vec![gltf_looks::surface(CURVE, None)];
     primitives
 }
 
@@ -150,11 +138,9 @@ fn curves(buffer: &Buffer<'_>, root: &mut Root) -> Vec<Primitive> {
 fn surface(buffer: &Buffer<'_>, root: &mut Root) -> Result<Vec<Primitive>, FormatError> {
     let Some(part) = buffer.parts.first().filter(|part| part.len() > 0) else { return Ok(Vec::new()) };
     let attributes = attributes(buffer, part, root);
-    let color = buffer.attachments().color().map(|(_, channel)| channel.width);
-    let base = if color.is_some() { [1.0; 4] } else { SURFACE };
-    let look = |name| look(base, name, color == Some(4));
+    let looks = Looks::of(buffer.attachments());
     if buffer.faces.is_empty() {
-        root.materials = vec![look(None)];
+        looks.add(None, root);
         let targets = targets(buffer, root);
         return Ok(vec![Primitive { targets, ..primitive(attributes, Mode::Points) }]);
     }
@@ -167,8 +153,7 @@ fn surface(buffer: &Buffer<'_>, root: &mut Root) -> Result<Vec<Primitive>, Forma
     let mut start = 0;
     for section in &buffer.faces {
         let material = known.iter().position(|&material| material == section.material).unwrap_or_else(|| {
-            let name = section.material.map(|material| buffer.attachments().materials.names[material].as_str());
-            root.materials.push(look(name));
+            looks.add(section.material, root);
             known.push(section.material);
             known.len() - 1
         });

@@ -1,5 +1,6 @@
 //! Formats: each writes a scene; the registry is the only place that lists them.
 
+pub mod hard_edges;
 pub mod normals;
 pub mod scene;
 pub mod surface;
@@ -17,6 +18,7 @@ mod gltf_amounts;
 mod gltf_animation;
 mod gltf_buffer;
 mod gltf_document;
+mod gltf_looks;
 mod gltf_targets;
 mod gltf_views;
 mod json;

@@ -8,6 +8,7 @@ mod expressions;
 mod figures;
 mod forecast;
 mod formats;
+mod hard_edges;
 mod hardening;
 mod house;
 mod http;

@@ -6,16 +6,17 @@ use std::ops::Range;
 use gltf::json::accessor::Accessor;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked::Valid;
-use gltf::json::{Index, Node};
+use gltf::json::{Index, Material, Node};
 
 use super::accessor::AccessorRows;
 use super::buffers::Document;
 use super::carried::{Channels, Groups, group, name};
+use super::looks;
 use super::transform::Transform;
 use crate::input::collect::Collected;
+use crate::input::colors::encoded;
 use crate::input::reader::{ReadLimits, ReadMesh, Uvs};
 use crate::input::room::{GROWN, Room};
-use crate::math::functions::pow;
 use crate::shape::attachments::Channel;
 use crate::shape::labels::FaceSet;
 use crate::shape::topology::index;
@@ -55,6 +56,7 @@ pub(super) fn read(
         primitives: 0,
         corners: 0,
         uvs: Some(Vec::new()),
+        without_uvs: 0,
         colors: Some(Vec::new()),
         color_width: 3,
         materials: BTreeMap::new(),
@@ -95,8 +97,10 @@ struct Reading<'a> {
     most_primitives: usize,
     primitives: usize,
     corners: usize,
-    /// Texture coordinates of vertices, as long as all have them.
+    /// Texture coordinates of vertices, zero for those that have none.
     uvs: Option<Vec<[f64; 2]>>,
+    /// Number of those that have none.
+    without_uvs: usize,
     /// Red, green, blue and alpha of vertices, as long as all have them.
     colors: Option<Vec<f64>>,
     color_width: usize,
@@ -280,8 +284,7 @@ impl Reading<'_> {
         let rows = self.document.rows(positions, &mut self.room)?;
         let places = rows.rows::<3>().ok_or("POSITION is to be VEC3")?;
         let n = places.len();
-        self.room
-            .take(n * (POSITION + if uvs.is_some() { UV } else { 0 } + if colors.is_some() { COLOR } else { 0 }))?;
+        self.room.take(n * (POSITION + UV + if colors.is_some() { COLOR } else { 0 }))?;
         for (i, place) in places.iter().enumerate() {
             let place = transform.point(*place);
             if place.iter().any(|x| !x.is_finite()) {
@@ -293,7 +296,10 @@ impl Reading<'_> {
         match (uvs.as_ref().and_then(|rows| rows.rows::<2>()), &mut self.uvs) {
             // the origin of glTF is the upper left corner of a picture
             (Some(rows), Some(all)) => all.extend(rows.iter().map(|[u, v]| [*u, 1.0 - v])),
-            (None, _) if places.is_empty() => {}
+            (None, Some(all)) => {
+                self.without_uvs += n;
+                all.resize(all.len() + n, [0.0; 2]);
+            }
             _ => self.uvs = None,
         }
         match (colors.as_ref().filter(|rows| rows.width > 2), &mut self.colors) {
@@ -322,7 +328,7 @@ impl Reading<'_> {
         Ok(Some(found))
     }
 
-    fn finish(self) -> ReadMesh {
+    fn finish(mut self) -> ReadMesh {
         let mut mesh = self.mesh.mesh;
         let mut note = |n: usize, what: &str| {
             if n > 0 {
@@ -334,7 +340,11 @@ impl Reading<'_> {
         if self.is_posed {
             mesh.notes.push("skins and morph targets are not applied".to_owned());
         }
-        if let Some(uvs) = self.uvs.filter(|uvs| !uvs.is_empty()) {
+        let textured = |material: &Material| material.pbr_metallic_roughness.base_color_texture.is_some();
+        let textured = self.document.root.materials.iter().any(textured);
+        let some_uvs =
+            |uvs: &Vec<[f64; 2]>| self.without_uvs == 0 && !uvs.is_empty() || textured && self.without_uvs < uvs.len();
+        if let Some(uvs) = self.uvs.take().filter(some_uvs) {
             mesh.uvs = Some(Uvs { values: uvs, corners: mesh.faces.vertices().to_vec() });
         }
         if let Some(colors) = self.colors.filter(|colors| !colors.is_empty()) {
@@ -344,14 +354,7 @@ impl Reading<'_> {
         }
         self.channels.finish(&mut mesh);
         mesh.groups = self.groups.finish();
-        let materials = &self.document.root.materials;
-        let name_of = |i: usize| materials.get(i).and_then(|material| material.name.clone());
-        // one nameless material says no more of its faces than none
-        let nameless: Vec<usize> = self.materials.keys().copied().filter(|&i| name_of(i).is_none()).collect();
-        let is_none = |i: usize| nameless == [i];
-        let sets = self.materials.into_iter().filter(|&(i, _)| !is_none(i));
-        let name = |i: usize| name_of(i).unwrap_or_else(|| format!("material {i}"));
-        mesh.materials = sets.map(|(i, faces)| FaceSet { name: name(i), faces }).collect();
+        looks::finish(self.document, self.materials, &mut self.room, &mut mesh);
         mesh
     }
 }
@@ -364,10 +367,4 @@ fn triangle(mode: Mode, order: &[u32], t: usize) -> [u32; 3] {
         Mode::TriangleFan => [order[t + 1], order[t + 2], order[0]],
         _ => [order[3 * t], order[3 * t + 1], order[3 * t + 2]],
     }
-}
-
-/// A component of a colour in linear light, as sRGB; full light is 1 without rounding. Source: IEC 61966-2-1 (1999),
-/// section 5.2.
-fn encoded(x: f64) -> f64 {
-    if x <= 0.003_130_8 { 12.92 * x } else { 1.0 - 1.055 * (1.0 - pow(x, 1.0 / 2.4)) }
 }
