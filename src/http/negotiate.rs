@@ -136,7 +136,8 @@ pub(super) fn has_kept(headers: &HeaderMap, key: &Key) -> Option<String> {
     has_already(headers, key).or_else(|| unwanted(headers).any(|tag| tag == "*").then(|| etag(key, None)))
 }
 
-/// The coding that the client likes best, unless it likes bytes as they are better (`Accept-Encoding`, RFC 9110, 12.5.3).
+/// The coding that the client likes best, unless it likes bytes as they are better (`Accept-Encoding`, RFC 9110,
+/// 12.5.3).
 pub(super) fn coding(headers: &HeaderMap) -> Option<Coding> {
     let values = headers.get_all(header::ACCEPT_ENCODING).iter().filter_map(|value| value.to_str().ok());
     let entries: Vec<(&str, u32)> = values.flat_map(|value| value.split(',')).filter_map(liked).collect();

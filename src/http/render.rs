@@ -39,8 +39,9 @@ use crate::wire::query::name_of;
 /// `parameters.w=1/16`, `output.width=800`, `input.weld=0`, `levels.tolerance=0.01`. The body may be compressed by gzip
 /// or zstd (`Content-Encoding`).
 ///
-/// Without `outputs`, `Accept` chooses the format; with them it has to allow theirs, or the answer is 406. `Prefer: wait=N` (default 30 s, at most 300 s) bounds the wait; after
-/// it the answer is 202 with the address of the job.
+/// Without `outputs`, `Accept` chooses the format; with them it has to allow theirs, or the answer is 406.
+/// `Prefer: wait=N` (default 30 s, at most 300 s) bounds the wait; after it the answer is 202 with the address of the
+/// job.
 ///
 /// A result of more than `keep_at_most_bytes` (see /v1/limits) is sent while it is made and not kept, unless the query
 /// says `keep=true` or `Prefer` says `respond-async`. `Content-Length` is there where the length is known beforehand.
