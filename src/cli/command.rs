@@ -9,6 +9,7 @@ use clap_complete::Shell;
 use super::error::{CODES, CliError};
 use super::estimate::EstimateOptions;
 use super::render::RenderOptions;
+use super::validate::ValidateOptions;
 use super::{catalogue, health, serve, shell};
 use crate::config::{Given, Setting, Settings};
 
@@ -43,6 +44,10 @@ enum Command {
     /// Tell what a job, or a mesh file, would come to, without running it.
     #[command(after_help = CODES)]
     Estimate(Box<EstimateOptions>),
+    /// Tell what is wrong with jobs, or mesh files, and what their meshes are like, as JSON; ends with 3 where
+    /// something is wrong.
+    #[command(after_help = CODES)]
+    Validate(Box<ValidateOptions>),
     /// List the presets, or one with its parameters.
     Presets {
         /// Name of a preset.
@@ -104,6 +109,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Serve { config, given } => serve::serve(*given, config.as_deref()),
         Command::Render(options) => options.render(),
         Command::Estimate(options) => options.estimate(),
+        Command::Validate(options) => options.validate(),
         Command::Presets { name } => catalogue::list_presets(name.as_deref()),
         Command::Operators { letter } => catalogue::list_operators(letter.as_deref()),
         Command::Formats { name } => catalogue::list_formats(name.as_deref()),

@@ -7,9 +7,7 @@ use super::inputs::Source;
 use super::job::JobOptions;
 use super::say::answer;
 use crate::job::limits::Limits;
-use crate::output::ShapeKind;
 use crate::wire::answer::EstimateAnswer;
-use crate::wire::output::OutputRequest;
 
 /// What is estimated.
 #[derive(Debug, Clone, clap::Args)]
@@ -28,10 +26,7 @@ impl EstimateOptions {
         let source = Source::of(&self.input);
         let named = |error: CliError| error.about(&source);
         let mut loaded = self.options.load(&source).map_err(named)?;
-        if loaded.request.outputs.is_empty() {
-            let format = if loaded.request.shape_kind() == ShapeKind::Mesh { "glb" } else { "json" };
-            loaded.request.outputs = vec![OutputRequest::of_format(format)];
-        }
+        loaded.settle(&self.options)?;
         let admitted = loaded.admit(&self.options, &Limits::default()).map_err(named)?;
         let estimate = EstimateAnswer::new(admitted.job(), admitted.estimate());
         let text = serde_json::to_string_pretty(&estimate).map_err(CliError::other)?;

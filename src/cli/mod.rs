@@ -20,5 +20,6 @@ mod signals;
 mod sniff;
 mod targets;
 mod told;
+mod validate;
 
 pub use command::{Cli, run};

@@ -45,7 +45,7 @@ impl Teller<'_> {
     }
 
     /// A fault with flags in place of pointers.
-    fn told(&self, fault: Fault) -> Fault {
+    pub(super) fn told(&self, fault: Fault) -> Fault {
         let Fault { pointer, mut detail, other } = fault;
         if let Some(at) = other {
             let end = detail[at..].find([' ', ',', ';', ')']).map_or(detail.len(), |length| at + length);

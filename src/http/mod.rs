@@ -34,7 +34,7 @@ pub mod serve;
 mod short;
 mod stream;
 mod streaming;
-mod validate;
+pub(crate) mod validate;
 mod variants;
 
 pub use app::App;

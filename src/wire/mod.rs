@@ -23,6 +23,7 @@ mod report;
 mod schema;
 pub mod text;
 mod variants;
+pub mod weld;
 pub(crate) mod written;
 
 pub use job::JobRequest;

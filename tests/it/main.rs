@@ -24,6 +24,7 @@ mod robustness;
 mod sections;
 mod settings;
 mod shapes;
+mod small_gltf;
 mod stats;
 mod store;
 mod support;

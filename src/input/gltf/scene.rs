@@ -1,6 +1,6 @@
 //! The nodes of the scene, and the triangles of their meshes.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use gltf::json::accessor::Accessor;
@@ -62,6 +62,7 @@ pub(super) fn read(
         materials: BTreeMap::new(),
         channels: Channels::default(),
         groups: Groups::default(),
+        shared: Shared::at(Transform::IDENTITY),
         degenerate: 0,
         other: 0,
         is_posed: false,
@@ -109,9 +110,25 @@ struct Reading<'a> {
     /// Attributes of applications.
     channels: Channels,
     groups: Groups,
+    shared: Shared,
     degenerate: usize,
     other: usize,
     is_posed: bool,
+}
+
+/// Vertices that primitives of one place share: those of the nodes one after another with one transform, as long as no
+/// mesh comes a second time.
+struct Shared {
+    transform: Transform,
+    meshes: BTreeSet<usize>,
+    /// Where vertices start, and how many they are.
+    vertices: BTreeMap<Attributes, (usize, usize)>,
+}
+
+impl Shared {
+    fn at(transform: Transform) -> Self {
+        Self { transform, meshes: BTreeSet::new(), vertices: BTreeMap::new() }
+    }
 }
 
 /// Accessors that make the vertices of a primitive: places, texture coordinates, colours, then those of applications by
@@ -163,7 +180,10 @@ impl Reading<'_> {
         let mesh = self.document.root.meshes.get(m).ok_or_else(|| format!("node {i}: there is no mesh {m}"))?;
         self.is_posed |= node.skin.is_some();
         let first = self.mesh.mesh.faces.len();
-        let mut shared: BTreeMap<Attributes, (usize, usize)> = BTreeMap::new();
+        if self.shared.transform != *transform || self.shared.meshes.contains(&m) {
+            self.shared = Shared::at(*transform);
+        }
+        self.shared.meshes.insert(m);
         for (p, primitive) in mesh.primitives.iter().enumerate() {
             let place = |detail: String| format!("mesh {m}, primitive {p}: {detail}");
             self.primitives += 1;
@@ -171,7 +191,7 @@ impl Reading<'_> {
             if self.primitives > most {
                 return Err(place(format!("the file comes to more than {most} primitives; send fewer")));
             }
-            self.primitive(primitive, transform, &mut shared).map_err(place)?;
+            self.primitive(primitive, transform).map_err(place)?;
         }
         let name = node.name.clone().or_else(|| mesh.name.clone()).unwrap_or_else(|| format!("node {i}"));
         let faces = first..self.mesh.mesh.faces.len();
@@ -180,12 +200,7 @@ impl Reading<'_> {
         Ok(())
     }
 
-    fn primitive(
-        &mut self,
-        primitive: &Primitive,
-        transform: &Transform,
-        shared: &mut BTreeMap<Attributes, (usize, usize)>,
-    ) -> Result<(), String> {
+    fn primitive(&mut self, primitive: &Primitive, transform: &Transform) -> Result<(), String> {
         let Valid(mode) = primitive.mode else { return Err("its mode is not known".to_owned()) };
         if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
             self.other += 1;
@@ -199,12 +214,12 @@ impl Reading<'_> {
         let own: Vec<_> =
             primitive.attributes.iter().filter_map(|(semantic, &at)| Some((name(semantic)?, at))).collect();
         let key = Attributes { known, own: own.iter().map(|(name, at)| (name.clone(), at.value())).collect() };
-        let (start, n) = if let Some(&known) = shared.get(&key) {
+        let (start, n) = if let Some(&known) = self.shared.vertices.get(&key) {
             known
         } else {
             let found = self.vertices(positions, others, transform)?;
             self.channels.take(self.document, &own, found, &mut self.room);
-            shared.insert(key, found);
+            self.shared.vertices.insert(key, found);
             found
         };
         let order = self.order(primitive, n)?;

@@ -26,14 +26,13 @@ fn every_option_of_every_format_and_every_simple_field_of_a_job_is_a_flag() {
         assert!(has(&format!("--{}", parameter.name.replace('_', "-"))), "{}", parameter.name);
     }
     let document: Value = serde_json::from_str(&planish::http::document_text()).unwrap();
-    for part in ["InputRequest", "PlanRequest"] {
-        for (name, field) in document["components"]["schemas"][part]["properties"].as_object().unwrap() {
-            let text = field.to_string();
-            let nested = ["MeshRequest", "TextRequest", "PolygonRequest", "\"array\"", "\"object\""];
-            let is_simple = !nested.iter().any(|part| text.contains(part));
-            assert_eq!(has(&format!("--{}", name.replace('_', "-"))), is_simple, "{part}.{name}");
-        }
+    for (name, field) in document["components"]["schemas"]["InputRequest"]["properties"].as_object().unwrap() {
+        let text = field.to_string();
+        let is_simple =
+            !["MeshRequest", "TextRequest", "Polygon", "array", "object"].iter().any(|part| text.contains(part));
+        assert_eq!(has(&format!("--{}", name.replace('_', "-"))), is_simple, "{name}");
     }
+    assert!(["--preset", "--word", "--boundary", "--ends", "--seed"].into_iter().all(has));
     for name in ["--levels", "--tolerance", "--parameter", "--frame", "--input-format", "--quiet"] {
         assert!(has(name), "{name}");
     }
@@ -162,6 +161,36 @@ fn messages_speak_of_flags_where_flags_were_given_and_of_pointers_where_a_job_wa
     fails(USAGE, &run(&["render", &cube, "-o", "x.gbl"]), &["did you mean \"glb\"?"]);
     fails(USAGE, &run(&["render", &cube, "-o", "x", "--format", "pngg"]), &["--format: ", "did you mean \"png\"?"]);
     fails(USAGE, &run(&["prestes"]), &["'presets'"]);
+}
+
+#[test]
+fn validation_says_what_the_service_says_of_jobs_and_of_files() {
+    let folder = Folder::new();
+    let cube = cube(&folder);
+    let sound = with(mesh(2), "glb");
+    let mut wrong = sound.clone();
+    wrong["levels"] = json!(99);
+    wrong["outputs"][0]["precision"] = json!("f32");
+    let settings = crate::http::server::settings();
+    let answers = crate::http::server::story(settings, async |server| {
+        [server.post("/v1/validate", &sound).await.json(), server.post("/v1/validate", &wrong).await.json()]
+    });
+    for (job, answer) in [&sound, &wrong].into_iter().zip(answers) {
+        let output = piped(&["validate", "-"], job);
+        assert_eq!(serde_json::from_slice::<Value>(&output.stdout).unwrap(), answer);
+        assert_eq!(output.status.code(), Some(if answer["valid"] == true { 0 } else { REFUSED }));
+    }
+    let job = saved(&folder, &wrong);
+    let output = run(&["validate", &cube, &job, "--levels", "99"]);
+    assert_eq!(output.status.code(), Some(REFUSED), "{}", text(&output.stderr));
+    let said = text(&output.stdout);
+    let lines: Vec<Value> = said.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!((lines.len(), &lines[0]["input"]), (2, &json!(cube)));
+    assert_eq!(lines[0]["errors"][0]["pointer"], "--levels", "{said}");
+    assert_eq!(lines[0]["report"]["faces"], 6, "{said}");
+    assert!(lines[1]["errors"].to_string().contains("/outputs/0/precision"), "{said}");
+    let quiet = run(&["validate", &cube, "-q"]);
+    assert!(quiet.status.success() && quiet.stdout.is_empty());
 }
 
 #[test]
