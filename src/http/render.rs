@@ -40,8 +40,8 @@ use crate::wire::query::name_of;
 /// or zstd (`Content-Encoding`).
 ///
 /// Without `outputs`, `Accept` chooses the format; with them it has to allow theirs, or the answer is 406.
-/// `Prefer: wait=N` (default 30 s, at most 300 s) bounds the wait; after
-/// it the answer is 202 with the address of the job.
+/// `Prefer: wait=N` (default 30 s, at most 300 s) bounds the wait; after it the answer is 202 with the address of the
+/// job.
 ///
 /// A result of more than `keep_at_most_bytes` (see /v1/limits) is sent while it is made and not kept, unless the query
 /// says `keep=true` or `Prefer` says `respond-async`. `Content-Length` is there where the length is known beforehand.
@@ -251,7 +251,7 @@ pub(super) async fn read(
     format: Option<&'static dyn Format>,
 ) -> Result<ReadJob, Problem> {
     let headers = headers.clone();
-    reading::job(app, client, sent, 1, move |request| {
+    let prepare = move |request: &mut JobRequest| {
         if let Some(format) = format {
             if !request.outputs.is_empty() {
                 let detail = "the address names the format; leave the outputs out of the job";
@@ -260,8 +260,8 @@ pub(super) async fn read(
             request.outputs = vec![OutputRequest::of_format(format.name())];
         }
         negotiate::settle(&headers, request)
-    })
-    .await
+    };
+    reading::job(app, client, sent, 1, prepare).await
 }
 
 /// What a tolerance led to: the level, and how far from the limit the result is at most.
