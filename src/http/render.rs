@@ -29,8 +29,9 @@ use crate::wire::JobRequest;
 
 /// Renders a job with one output and answers with its bytes.
 ///
-/// Without `outputs`, `Accept` chooses the format; with them it has to allow theirs, or the answer is 406. `Prefer: wait=N` (default 30 s, at most 300 s) bounds the wait; after
-/// it the answer is 202 with the address of the job.
+/// Without `outputs`, `Accept` chooses the format; with them it has to allow theirs, or the answer is 406.
+/// `Prefer: wait=N` (default 30 s, at most 300 s) bounds the wait; after it the answer is 202 with the address of the
+/// job.
 ///
 /// A result of more than `keep_at_most_bytes` (see /v1/limits) is sent while it is made and not kept, unless the query
 /// says `keep=true` or `Prefer` says `respond-async`. `Content-Length` is there where the length is known beforehand.
@@ -44,10 +45,7 @@ use crate::wire::JobRequest;
         ("keep" = Option<bool>, Query,
             description = "`true` keeps the result even where it has more than `keep_at_most_bytes`"),
     ),
-    request_body(content = JobRequest, example = json!({
-        "input": { "polygon": { "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "closed": true } },
-        "plan": { "preset": "chaikin" }, "levels": 4, "outputs": [{ "format": "svg" }]
-    })),
+    request_body = JobRequest,
     responses(
         (status = 200, description = "The bytes of the result, in the format that `outputs` or `Accept` asks for; \
             where `levels` is a tolerance, `Planish-Level` and `Planish-Bound` say what it led to"),
