@@ -40,7 +40,8 @@ pub(super) async fn validate(State(app): State<Shared>, client: Client, headers:
     answer.await.into_response()
 }
 
-fn report(Examined { faults, input, plan }: Examined) -> ValidateAnswer {
+/// What was found of a job, as an answer.
+pub(crate) fn report(Examined { faults, input, plan }: Examined) -> ValidateAnswer {
     let mut answer = ValidateAnswer {
         valid: faults.is_empty(),
         errors: faults.into_iter().map(FaultAnswer::from).collect(),

@@ -6,14 +6,16 @@ mod accessor;
 mod buffers;
 mod carried;
 mod census;
+mod looks;
 mod scene;
 mod transform;
 
 use self::buffers::Document;
+use super::beside::File;
 use super::reader::{ReadLimits, ReadMesh, Reader};
 use super::room::Room;
 
-/// glTF in one text file. Buffers have to be data URIs.
+/// glTF as text. Buffers are data URIs, or files beside it, where whoever hands it over has them.
 ///
 /// Read are the triangles, strips and fans of the default scene; vertices stay apart where the file has them apart
 /// (weld with 0 to merge equal places). Groups are those that primitives name (`"extras": {"group": "top"}`), else
@@ -23,12 +25,12 @@ use super::room::Room;
 pub(super) const GLTF: Reader = Reader {
     name: "gltf",
     media_type: "model/gltf+json",
-    doc: "glTF 2.0 in JSON with data URIs: the triangles of its scene",
-    read: |bytes, limits| {
-        if bytes.starts_with(b"glTF") {
+    doc: "glTF 2.0 in JSON with data URIs, on the command line with files beside it: the triangles of its scene",
+    read: |file, limits| {
+        if file.bytes.starts_with(b"glTF") {
             return Err(vec!["the file is binary; read it as glb".to_owned()]);
         }
-        read(bytes, limits, |room| Document::of_json(bytes, None, room))
+        read(file, limits, |room| Document::of_json(file.bytes, None, file.beside, room))
     },
 };
 
@@ -37,15 +39,15 @@ pub(super) const GLB: Reader = Reader {
     name: "glb",
     media_type: "model/gltf-binary",
     doc: "Binary glTF 2.0: the triangles of its scene",
-    read: |bytes, limits| read(bytes, limits, |room| Document::of_glb(bytes, room)),
+    read: |file, limits| read(file, limits, |room| Document::of_glb(file, room)),
 };
 
 fn read<'a>(
-    bytes: &[u8],
+    file: &File<'a>,
     limits: &ReadLimits,
     document: impl FnOnce(&mut Room) -> Result<Document<'a>, String>,
 ) -> Result<ReadMesh, Vec<String>> {
-    let mut room = Room::new(bytes.len());
-    let mesh = document(&mut room).and_then(|document| scene::read(&document, bytes.len(), room, limits));
+    let mut room = Room::new(file.bytes.len());
+    let mesh = document(&mut room).and_then(|document| scene::read(&document, file.bytes.len(), room, limits));
     mesh.map_err(|detail| vec![detail])
 }

@@ -2,7 +2,9 @@
 
 mod attach;
 mod base64;
+mod beside;
 mod collect;
+mod colors;
 mod gltf;
 mod obj;
 mod off;
@@ -14,7 +16,9 @@ mod text;
 
 pub use crate::shape::attachments::Channel;
 pub use crate::shape::labels::FaceSet;
+pub use crate::shape::looks::Look;
 pub use base64::decode as from_base64;
+pub use beside::{Alone, Beside, File};
 pub use reader::{ReadLimits, ReadMesh, Reader, Uvs};
 pub use room::weight;
 

@@ -49,7 +49,7 @@ pub(super) const OBJ: Reader = Reader {
     name: "obj",
     media_type: "model/obj",
     doc: "Wavefront OBJ: polygons, with crease, corner, hole and boundary tags",
-    read,
+    read: |file, limits| read(file.bytes, limits),
 };
 
 fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<String>> {

@@ -18,7 +18,7 @@ pub(super) const OFF: Reader = Reader {
     name: "off",
     media_type: "model/off",
     doc: "Geomview OFF, COFF, NOFF, STOFF: polygons as text",
-    read: |bytes, limits| read(bytes, limits).map_err(|detail| vec![detail]),
+    read: |file, limits| read(file.bytes, limits).map_err(|detail| vec![detail]),
 };
 
 /// What the prefix says of vertices.

@@ -29,7 +29,7 @@ pub(super) const PLY: Reader = Reader {
     name: "ply",
     media_type: "model/ply",
     doc: "Stanford PLY, text or binary: polygons, further numbers of vertices as channels",
-    read: |bytes, limits| read(bytes, limits).map_err(|detail| vec![detail]),
+    read: |file, limits| read(file.bytes, limits).map_err(|detail| vec![detail]),
 };
 
 fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {

@@ -1,9 +1,11 @@
 //! What every reader does, and what it hands over.
 
+use super::beside::File;
 use crate::scheme::tags::Boundary;
 use crate::shape::attachments::Channel;
 use crate::shape::check::FaceList;
 use crate::shape::labels::FaceSet;
+use crate::shape::looks::Look;
 
 /// A way to read a mesh from the bytes of a file.
 #[derive(Debug)]
@@ -14,9 +16,9 @@ pub struct Reader {
     pub media_type: &'static str,
     /// One sentence for the catalogue.
     pub doc: &'static str,
-    /// Reads a file. No more memory is taken than the [`weight`](super::room::weight) of the length of the bytes,
-    /// whatever counts they claim. Refusals are sentences that name what is wrong by line or byte.
-    pub read: fn(&[u8], &ReadLimits) -> Result<ReadMesh, Vec<String>>,
+    /// Reads a file. No more memory is taken than the [`weight`](super::room::weight) of the length of the bytes, and
+    /// of those of the files beside it, whatever counts they claim. Refusals are sentences that name what is wrong by line or byte.
+    pub read: fn(&File<'_>, &ReadLimits) -> Result<ReadMesh, Vec<String>>,
 }
 
 /// Bounds on one file.
@@ -57,6 +59,8 @@ pub struct ReadMesh {
     pub groups: Vec<FaceSet>,
     /// Materials with their faces.
     pub materials: Vec<FaceSet>,
+    /// How the first of these materials look.
+    pub looks: Vec<Look>,
     /// Numbers that vertices carry.
     pub channels: Vec<Channel>,
     /// What was left out or changed, in sentences.

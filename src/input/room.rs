@@ -48,6 +48,12 @@ impl Room {
         Ok(())
     }
 
+    /// Takes in what a file of so many bytes beside the first one may take.
+    pub(super) fn widen(&mut self, length: usize) {
+        self.length += length as u64;
+        self.left += EACH.saturating_mul(length as u64);
+    }
+
     /// Gives back what was taken and is dropped.
     pub(super) fn give(&mut self, bytes: usize) {
         self.left += bytes as u64;

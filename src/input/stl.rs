@@ -23,7 +23,7 @@ pub(super) const STL: Reader = Reader {
     name: "stl",
     media_type: "model/stl",
     doc: "STL, text or binary; equal corners are joined",
-    read: |bytes, limits| read(bytes, limits).map_err(|detail| vec![detail]),
+    read: |file, limits| read(file.bytes, limits).map_err(|detail| vec![detail]),
 };
 
 fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {

@@ -123,7 +123,8 @@ pub struct ReaderEntry {
 }
 
 impl ParameterEntry {
-    fn new(parameter: &Parameter) -> Self {
+    /// What the catalogue says of a parameter.
+    pub(crate) fn new(parameter: &Parameter) -> Self {
         Self {
             name: parameter.name,
             expects: parameter.kind.expected(),

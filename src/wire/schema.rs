@@ -98,6 +98,15 @@ pub(super) fn channels() -> RefOr<Schema> {
     of(Type::Object).additional_properties(Some(properties)).description(Some(doc)).into()
 }
 
+/// A colour with or without alpha.
+pub(super) fn color() -> RefOr<Schema> {
+    let component = of(Type::Number).minimum(Some(0)).maximum(Some(1));
+    let doc = "Red, green, blue and perhaps alpha (1 when left out), sRGB from 0 to 1.";
+    let kind = SchemaType::Array(vec![Type::Array, Type::Null]);
+    let list = ArrayBuilder::new().items(component).min_items(Some(3)).max_items(Some(4));
+    list.schema_type(kind).description(Some(doc)).into()
+}
+
 /// Edges as pairs of vertices.
 pub(super) fn edges() -> RefOr<Schema> {
     lists(index(), 2, Some(2), "Edges as pairs of vertices, in any order.")

@@ -1,5 +1,7 @@
 //! Mesh files as clients send them.
 
+use std::sync::Arc;
+
 use serde::Deserialize;
 use utoipa::ToSchema;
 
@@ -8,7 +10,7 @@ use super::mesh::MeshRequest;
 use super::read::{ReadError, read};
 use super::schema;
 use crate::fault::{Fault, did_you_mean, shortened};
-use crate::input::{self, ReadLimits};
+use crate::input::{self, Alone, Beside, File, ReadLimits};
 use crate::scheme::tags::Boundary;
 use crate::shape::check::Winding;
 use crate::shape::mesh::MeshInput;
@@ -43,6 +45,8 @@ pub struct MeshFile {
     pub format: String,
     /// What the file holds.
     pub bytes: Vec<u8>,
+    /// The files beside it.
+    pub beside: Arc<dyn Beside>,
 }
 
 /// What a mesh file holds.
@@ -68,7 +72,7 @@ impl TextRequest {
                 input::from_base64(&self.data).map_err(|detail| Fault::new("/data", detail))?
             }
         };
-        Ok(MeshFile { format: self.format, bytes })
+        Ok(MeshFile { format: self.format, bytes, beside: Arc::new(Alone) })
     }
 }
 
@@ -95,7 +99,8 @@ impl MeshFile {
             return Err(vec![Fault::new("/format", detail)]);
         };
         let refused = |details: Vec<String>| details.into_iter().map(|detail| Fault::new("/data", detail)).collect();
-        let mut mesh = (reader.read)(&self.bytes, limits).map_err::<Vec<Fault>, _>(refused)?;
+        let file = File { bytes: &self.bytes, beside: &*self.beside };
+        let mut mesh = (reader.read)(&file, limits).map_err::<Vec<Fault>, _>(refused)?;
         let (boundary, lines) = (mesh.boundary, std::mem::take(&mut mesh.lines));
         Ok(Held { mesh: mesh.into_input(winding), boundary, lines })
     }

@@ -1,6 +1,7 @@
 //! Mesh files: what is written is read again, what is broken is refused by line or byte, and no bytes make a reader
 //! fail.
 
+mod beside;
 mod broken;
 mod bytes;
 mod everything;
@@ -16,7 +17,7 @@ use crate::support::nets::Net;
 
 /// Reads bytes in a format.
 fn read(format: &str, bytes: &[u8]) -> Result<ReadMesh, Vec<String>> {
-    (named(format).expect("the reader exists").read)(bytes, &ReadLimits::default())
+    (named(format).expect("the reader exists").read)(&bytes.into(), &ReadLimits::default())
 }
 
 /// Reads what is right.

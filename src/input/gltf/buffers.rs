@@ -8,6 +8,7 @@ use super::census;
 use super::transform::Placement;
 use crate::fault;
 use crate::input::base64;
+use crate::input::beside::{Beside, File};
 use crate::input::room::Room;
 use crate::input::text::quoted;
 
@@ -26,11 +27,18 @@ pub(super) struct Document<'a> {
     pub(super) placements: Vec<Option<Box<Placement>>>,
     /// The bytes of each buffer, no more than it says it has.
     pub(super) buffers: Vec<Cow<'a, [u8]>>,
+    /// The files beside it.
+    beside: &'a dyn Beside,
 }
 
 impl<'a> Document<'a> {
     /// A document; `binary` is the second chunk of GLB. What it holds is taken from the room.
-    pub(super) fn of_json(json: &[u8], binary: Option<&'a [u8]>, room: &mut Room) -> Result<Self, String> {
+    pub(super) fn of_json(
+        json: &[u8],
+        binary: Option<&'a [u8]>,
+        beside: &'a dyn Beside,
+        room: &mut Room,
+    ) -> Result<Self, String> {
         let json = json.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(json);
         census::admit(json, room)?;
         // a text in the wrong place would be repeated in full
@@ -52,8 +60,7 @@ impl<'a> Document<'a> {
         for (i, buffer) in root.buffers.iter().enumerate() {
             let bytes: Cow<'a, [u8]> = match (&buffer.uri, binary) {
                 (Some(uri), _) => {
-                    let decoded = room.take(uri.len()).and_then(|()| embedded(uri));
-                    Cow::Owned(decoded.map_err(|detail| format!("buffer {i}: {detail}"))?)
+                    Cow::Owned(referred(uri, beside, room).map_err(|detail| format!("buffer {i}: {detail}"))?)
                 }
                 (None, Some(binary)) if i == 0 => Cow::Borrowed(binary),
                 (None, _) => return Err(format!("buffer {i} has no data; give it a data URI, or send glb")),
@@ -64,11 +71,12 @@ impl<'a> Document<'a> {
                 .ok_or_else(|| format!("buffer {i} says it has {claimed} bytes, and has {found}; send it whole"))?;
             buffers.push(cut(bytes, length));
         }
-        Ok(Self { root, placements, buffers })
+        Ok(Self { root, placements, buffers, beside })
     }
 
     /// A document in the binary container.
-    pub(super) fn of_glb(bytes: &'a [u8], room: &mut Room) -> Result<Self, String> {
+    pub(super) fn of_glb(file: &File<'a>, room: &mut Room) -> Result<Self, String> {
+        let bytes = file.bytes;
         let word = |at: usize| bytes.get(at..at + 4)?.try_into().ok().map(u32::from_le_bytes);
         let (Some(magic), Some(version), Some(length)) = (bytes.get(..4), word(4), word(8)) else {
             return Err(format!("{} bytes; a GLB has at least {HEADER}", bytes.len()));
@@ -87,7 +95,7 @@ impl<'a> Document<'a> {
         }
         let (json, rest) = chunk(bytes, HEADER, Some(*b"JSON"))?;
         let binary = if rest < bytes.len() { Some(chunk(bytes, rest, None)?.0) } else { None };
-        Self::of_json(json, binary, room)
+        Self::of_json(json, binary, file.beside, room)
     }
 }
 
@@ -122,13 +130,54 @@ fn cut(bytes: Cow<'_, [u8]>, length: usize) -> Cow<'_, [u8]> {
     }
 }
 
+impl Document<'_> {
+    /// The bytes that a URI leads to, embedded or beside the document.
+    pub(super) fn referred(&self, uri: &str, room: &mut Room) -> Result<Vec<u8>, String> {
+        referred(uri, self.beside, room)
+    }
+}
+
+/// The bytes that a URI leads to.
+fn referred(uri: &str, beside: &dyn Beside, room: &mut Room) -> Result<Vec<u8>, String> {
+    if uri.starts_with("data:") {
+        room.take(uri.len()).and_then(|()| embedded(uri))
+    } else {
+        neighbour(uri, beside, room)
+    }
+}
+
 /// The bytes of a data URI.
 fn embedded(uri: &str) -> Result<Vec<u8>, String> {
-    let Some(data) = uri.strip_prefix("data:") else {
-        return Err(format!("{} lies outside the file; only embedded data are read, save it as glb", quoted(uri)));
-    };
-    match data.split_once(";base64,") {
+    match uri.split_once(";base64,") {
         Some((_, text)) => base64::decode(text),
         None => Err("the data URI is not in base64; write data:application/octet-stream;base64,...".to_owned()),
     }
+}
+
+/// The bytes of a file beside the document, whose name may have `%20` for a blank and the like.
+fn neighbour(uri: &str, beside: &dyn Beside, room: &mut Room) -> Result<Vec<u8>, String> {
+    let bytes = beside.read(&percent_decoded(uri), u64::MAX)?;
+    room.widen(bytes.len());
+    room.take(bytes.len())?;
+    Ok(bytes)
+}
+
+/// A reference with its escapes resolved (RFC 3986, section 2.1); what is no escape stays as it is.
+fn percent_decoded(uri: &str) -> String {
+    let mut bytes = Vec::with_capacity(uri.len());
+    let mut rest = uri.as_bytes();
+    while let Some((&byte, after)) = rest.split_first() {
+        let escaped = after.get(..2).filter(|_| byte == b'%').and_then(|two| std::str::from_utf8(two).ok());
+        match escaped.and_then(|two| u8::from_str_radix(two, 16).ok()) {
+            Some(escaped) => {
+                bytes.push(escaped);
+                rest = &after[2..];
+            }
+            None => {
+                bytes.push(byte);
+                rest = after;
+            }
+        }
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
 }

@@ -11,13 +11,13 @@ const MANY: usize = (1 << 16) + 1;
 /// Bytes that a reader takes at most while it reads.
 fn peak(format: &str, file: &[u8]) -> u64 {
     let reader = input::named(format).unwrap();
-    measure(|| drop((reader.read)(file, &ReadLimits::default()))).bytes_max
+    measure(|| drop((reader.read)(&file.into(), &ReadLimits::default()))).bytes_max
 }
 
 /// The first sentence of a refusal.
 fn refusal(format: &str, file: &str) -> String {
     let reader = input::named(format).unwrap();
-    (reader.read)(file.as_bytes(), &ReadLimits::default()).unwrap_err().swap_remove(0)
+    (reader.read)(&file.as_bytes().into(), &ReadLimits::default()).unwrap_err().swap_remove(0)
 }
 
 fn many(start: &str, part: &str, end: &str) -> Vec<u8> {
@@ -230,7 +230,7 @@ fn c2_numbers_without_bytes_are_refused() {
     // a few of them are the places that a sparse accessor changes
     let few = file("").replace("999999", "3000");
     assert_eq!(
-        (input::named("gltf").unwrap().read)(few.as_bytes(), &ReadLimits::default()).unwrap().positions.len(),
+        (input::named("gltf").unwrap().read)(&few.as_bytes().into(), &ReadLimits::default()).unwrap().positions.len(),
         3000
     );
 }
@@ -253,7 +253,10 @@ fn c2_what_is_used_again_is_bounded_by_the_weight() {
     check("many primitives", "gltf", document(&many(colored), node).as_bytes());
     let few = document(one, &[node; 9].join(","));
     // all of their corners are in one place, and are vertices of their own
-    assert_eq!((input::named("gltf").unwrap().read)(few.as_bytes(), &ReadLimits::default()).unwrap().faces.len(), 900);
+    assert_eq!(
+        (input::named("gltf").unwrap().read)(&few.as_bytes().into(), &ReadLimits::default()).unwrap().faces.len(),
+        900
+    );
 }
 
 /// Reads and checks on this thread alone, so that all is counted.

@@ -168,7 +168,8 @@ fn huge_counts_allocate_nothing() {
 fn the_limits_of_the_server_hold() {
     let limits = ReadLimits { max_vertices: 3, max_faces: 1 };
     let check = |format: &str, text: &str, sentence: &str| {
-        let faults = (named(format).expect("a reader").read)(text.as_bytes(), &limits).expect_err("it is refused");
+        let faults =
+            (named(format).expect("a reader").read)(&text.as_bytes().into(), &limits).expect_err("it is refused");
         assert_eq!(faults[0], sentence, "{format}");
     };
     let vertices = "the file has 4 vertices or more; 3 are allowed; send a smaller mesh";
@@ -184,7 +185,7 @@ fn the_limits_of_the_server_hold() {
     let other = facet.replace("vertex 0 1 0", "vertex 0 1 1\n").replace("vertex 1 0 0", "vertex 2 0 0");
     let limits = ReadLimits { max_vertices: 3, max_faces: 9 };
     let text = format!("solid\n{facet}{other}endsolid\n");
-    let faults = (named("stl").expect("a reader").read)(text.as_bytes(), &limits).expect_err("it is refused");
+    let faults = (named("stl").expect("a reader").read)(&text.as_bytes().into(), &limits).expect_err("it is refused");
     assert!(faults[0].starts_with("the file has 5 vertices or more"), "{faults:?}");
 }
 
@@ -263,7 +264,8 @@ fn gltf() {
     let draco = r#"{"asset":{"version":"2.0"},"extensionsRequired":["KHR_draco_mesh_compression"]}"#;
     check(draco, "the file requires \"KHR_draco_mesh_compression\", which is not read; export it without");
     let buffers = |buffer: &str| format!(r#"{{"asset":{{"version":"2.0"}},"buffers":[{buffer}]}}"#);
-    let outside = "buffer 0: \"a.bin\" lies outside the file; only embedded data are read, save it as glb";
+    let outside = "buffer 0: \"a.bin\" lies outside the file, which came by itself: save all in one file, or render it from \
+                   its folder on the command line";
     check(&buffers(r#"{"byteLength":4,"uri":"a.bin"}"#), outside);
     check(&buffers(r#"{"byteLength":4}"#), "buffer 0 has no data; give it a data URI, or send glb");
     let plain = "buffer 0: the data URI is not in base64; write data:application/octet-stream;base64,...";

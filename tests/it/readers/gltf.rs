@@ -17,7 +17,7 @@ fn uri(bytes: &[u8]) -> String {
     text
 }
 
-fn floats(values: &[f32]) -> Vec<u8> {
+pub(super) fn floats(values: &[f32]) -> Vec<u8> {
     values.iter().flat_map(|x| x.to_le_bytes()).collect()
 }
 
@@ -42,10 +42,10 @@ fn document(sections: &[Vec<u8>], rest: &Value) -> Value {
     document
 }
 
-const SQUARE: [f32; 12] = [0., 0., 0., 1., 0., 0., 0., 1., 0., 1., 1., 0.];
+pub(super) const SQUARE: [f32; 12] = [0., 0., 0., 1., 0., 0., 0., 1., 0., 1., 1., 0.];
 
 /// A square of two triangles, drawn in one mode.
-fn square(mode: u32, indices: &[u8]) -> Value {
+pub(super) fn square(mode: u32, indices: &[u8]) -> Value {
     document(
         &[floats(&SQUARE), indices.to_vec()],
         &json!({
