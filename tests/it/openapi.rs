@@ -130,7 +130,9 @@ fn every_field_of_a_job_is_described_and_no_other_is_allowed() {
     let schemas = &document["components"]["schemas"];
     for (name, fields) in [
         ("JobRequest", &["spec", "input", "plan", "levels", "outputs"][..]),
-        ("InputRequest", &["mesh", "polygon", "polygons", "orient"]),
+        ("MeshInput", &["mesh", "unit", "up", "orient", "weld", "pair_quads"]),
+        ("TextInput", &["text", "orient"]),
+        ("PolygonInput", &["polygon", "unit", "up"]),
         ("MeshRequest", &["positions", "faces", "corners", "holes"]),
         ("PolygonRequest", &["points", "closed", "corners"]),
         ("CatmullClarkPlan", &["preset", "parameters", "boundary", "ends", "seed"]),
