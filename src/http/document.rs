@@ -14,6 +14,7 @@ use utoipa::openapi::{
 };
 
 use super::problem::{self, Kind};
+use crate::input::READERS;
 use crate::output::{self, FORMATS};
 use crate::wire::answer::ProblemAnswer;
 use crate::wire::catalogue::presets;
@@ -51,12 +52,18 @@ const HEADERS: &[(&str, &str)] = &[
     ("Cache-Control", "Artifacts never change"),
     ("Accept-Ranges", "`bytes`"),
     ("Content-Range", "Which bytes of how many"),
+    (
+        "Content-Encoding",
+        "`zstd`, `br` or `gzip`, where `Accept-Encoding` asks for it and it spares an eighth at least",
+    ),
+    ("Vary", "`Accept` and `Accept-Encoding`"),
     ("Location", "The job's address"),
     ("Retry-After", "Seconds after which to ask again"),
     ("Preference-Applied", "The wait that was granted"),
 ];
 
-const RESULT: &[&str] = &["ETag", "Content-Location", "Cache-Status", "Server-Timing", "Planish-Warnings"];
+const RESULT: &[&str] =
+    &["ETag", "Content-Location", "Cache-Status", "Server-Timing", "Planish-Warnings", "Content-Encoding", "Vary"];
 const KEPT: &[&str] = &["Cache-Control", "Accept-Ranges"];
 /// What every address may answer.
 const ANYWHERE: &[Kind] = &[
@@ -71,9 +78,11 @@ const ANYWHERE: &[Kind] = &[
 /// What is wrong with bodies, and with the jobs in them.
 const BODY: &[Kind] = &[
     problem::NOT_JSON,
+    problem::NOT_CODED,
     problem::SLOW,
     problem::BODY_TOO_LONG,
     problem::MEDIA_TYPE,
+    problem::CODING,
     problem::INVALID,
     problem::TRANSFER_CODING,
 ];
@@ -91,7 +100,7 @@ pub(super) fn completed(mut document: Api) -> Api {
         for operation in [&mut item.get, &mut item.post, &mut item.delete].into_iter().flatten() {
             complete(path, operation);
         }
-        if path.starts_with("/v1/artifacts/") {
+        if path.starts_with("/v1/artifacts/") || path == "/v1/render" || path.starts_with("/kroki/") {
             item.head = item.get.as_ref().map(head);
         }
     }
@@ -114,10 +123,21 @@ fn complete(path: &str, operation: &mut Operation) {
         refuse(operation, &[problem::NOT_FOUND]);
     }
     match path {
+        "/v1/render" | "/kroki/{format}/{data}" if operation.request_body.is_none() => {
+            bytes(operation, "200", &[RESULT, KEPT].concat());
+            headers(operation, "304", &["ETag", "Content-Location", "Cache-Status", "Cache-Control", "Vary"]);
+            refuse(
+                operation,
+                &[problem::NOT_JSON, problem::BODY_TOO_LONG, problem::NOT_ACCEPTABLE, problem::UNFINISHED],
+            );
+            refuse(operation, FORECAST);
+            refuse(operation, COMPUTED);
+        }
         "/v1/render" => {
+            files(operation);
             bytes(operation, "200", &[RESULT, &["Accept-Ranges"]].concat());
             headers(operation, "202", &["Location", "Retry-After", "Preference-Applied"]);
-            headers(operation, "304", &["ETag", "Content-Location", "Cache-Status"]);
+            headers(operation, "304", &["ETag", "Content-Location", "Cache-Status", "Vary"]);
             refuse(operation, FORECAST);
             refuse(operation, COMPUTED);
             refuse(operation, &[problem::NOT_ACCEPTABLE]);
@@ -170,10 +190,18 @@ fn job_examples() -> BTreeMap<String, RefOr<Example>> {
     jobs.into_iter().map(example).collect()
 }
 
+/// Adds the mesh files that a body may be.
+fn files(operation: &mut Operation) {
+    let Some(RefOr::T(body)) = &mut operation.request_body else { return };
+    for reader in READERS {
+        body.content.insert(reader.media_type.to_owned(), RefOr::T(content(output::Content::Binary)));
+    }
+}
+
 /// The operation as HEAD: the same headers, no content.
 fn head(get: &Operation) -> Operation {
     let mut head = get.clone();
-    head.operation_id = Some("artifact_head".to_owned());
+    head.operation_id = head.operation_id.map(|id| format!("{id}_head"));
     head.summary = Some("What GET would answer, without the bytes.".to_owned());
     head.responses.responses.remove("206");
     head.responses.responses.remove("416");
@@ -210,7 +238,8 @@ fn bytes(operation: &mut Operation, status: &str, names: &[&str]) {
     headers(operation, status, names);
     let Some(response) = answer(operation, status) else { return };
     // generators take an answer for what stands first; bytes it is whatever the format
-    for kind in [output::Content::Binary, output::Content::Text, output::Content::Json] {
+    let kinds = [output::Content::Binary, output::Content::Packed, output::Content::Text, output::Content::Json];
+    for kind in kinds {
         for format in FORMATS.iter().filter(|format| format.facts().content == kind) {
             response.content.insert(format.media_type().to_owned(), RefOr::T(content(kind)));
         }
@@ -223,7 +252,9 @@ fn content(bytes: output::Content) -> Content {
     let schema = match bytes {
         output::Content::Json => of(Type::Object),
         output::Content::Text => of(Type::String),
-        output::Content::Binary => of(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary))),
+        output::Content::Binary | output::Content::Packed => {
+            of(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary)))
+        }
     };
     ContentBuilder::new().schema(Some(schema)).build()
 }

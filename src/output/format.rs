@@ -46,6 +46,8 @@ pub enum Content {
     Text,
     /// Other bytes.
     Binary,
+    /// Bytes that the format has compressed.
+    Packed,
 }
 
 /// A way to write a scene as bytes.

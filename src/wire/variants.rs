@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use utoipa::openapi::schema::{AdditionalProperties, Discriminator};
-use utoipa::openapi::{Array, Object, ObjectBuilder, OneOfBuilder, Ref, RefOr, Schema, Type};
+use utoipa::openapi::{Object, ObjectBuilder, OneOfBuilder, Ref, RefOr, Schema, Type};
 use utoipa::{PartialSchema, ToSchema};
 
 use super::declared::{object, with_all};
@@ -72,7 +72,9 @@ fn given(schema: &RefOr<Schema>) -> RefOr<Schema> {
             given.unwrap_or(schema).clone()
         }
         RefOr::T(Schema::Array(list)) => {
-            Schema::Array(Array { schema_type: Type::Array.into(), ..list.clone() }).into()
+            let mut given = list.clone();
+            given.schema_type = Type::Array.into();
+            Schema::Array(given).into()
         }
         other => other.clone(),
     }
