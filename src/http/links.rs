@@ -44,8 +44,8 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     get, path = "/v1/render", tag = "jobs",
     params(
         ("job" = String, Query, description = "The job as JSON, perhaps compressed by zlib, in base64url",
-            example = "eyJpbnB1dCI6eyJwb2x5Z29uIjp7InBvaW50cyI6W1swLDBdLFsxLDBdLFsxLDFdXSwiY2xvc2VkIjp0cnVlfX0sInBsYW4iOns\
-                icHJlc2V0IjoiY2hhaWtpbiJ9LCJsZXZlbHMiOjIsIm91dHB1dHMiOlt7ImZvcm1hdCI6InN2ZyJ9XX0"),
+            example = "eyJpbnB1dCI6eyJwb2x5Z29uIjp7InBvaW50cyI6W1swLDBdLFsxLDBdLFsxLDFdXSwiY2xvc2VkIjp0cnVlfX0sIn\
+                BsYW4iOnsicHJlc2V0IjoiY2hhaWtpbiJ9LCJsZXZlbHMiOjIsIm91dHB1dHMiOlt7ImZvcm1hdCI6InN2ZyJ9XX0"),
         ("keep" = Option<bool>, Query,
             description = "`true` keeps the result even where it has more than `keep_at_most_bytes`"),
         ("If-None-Match" = Option<String>, Header, description = "ETags of results that the client has"),
@@ -81,8 +81,8 @@ pub(super) async fn link(
     params(
         ("format" = String, Path, description = "The name of a format, see /v1/formats", example = "svg"),
         ("data" = String, Path, description = "The job without `outputs`, as `job` of GET /v1/render",
-            example = "eyJpbnB1dCI6eyJwb2x5Z29uIjp7InBvaW50cyI6W1swLDBdLFsxLDBdLFsxLDFdXSwiY2xvc2VkIjp0cnVlfX0sInBsYW4iOns\
-                icHJlc2V0IjoiY2hhaWtpbiJ9LCJsZXZlbHMiOjJ9"),
+            example = "eyJpbnB1dCI6eyJwb2x5Z29uIjp7InBvaW50cyI6W1swLDBdLFsxLDBdLFsxLDFdXSwiY2xvc2VkIjp0cnVlfX0sIn\
+                BsYW4iOnsicHJlc2V0IjoiY2hhaWtpbiJ9LCJsZXZlbHMiOjJ9"),
         ("If-None-Match" = Option<String>, Header, description = "ETags of results that the client has"),
     ),
     responses(

@@ -213,7 +213,7 @@ pub(super) async fn read(
     format: Option<&'static dyn Format>,
 ) -> Result<ReadJob, Problem> {
     let headers = headers.clone();
-    reading::job(app, client, sent, 1, move |request| {
+    let prepare = move |request: &mut JobRequest| {
         if let Some(format) = format {
             if !request.outputs.is_empty() {
                 let detail = "the address names the format; leave the outputs out of the job";
@@ -222,8 +222,8 @@ pub(super) async fn read(
             request.outputs = vec![OutputRequest::of_format(format.name())];
         }
         negotiate::settle(&headers, request)
-    })
-    .await
+    };
+    reading::job(app, client, sent, 1, prepare).await
 }
 
 /// What a tolerance led to: the level, and how far from the limit the result is at most.
