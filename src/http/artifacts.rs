@@ -25,7 +25,8 @@ use crate::service::task::Render;
     get, path = "/v1/artifacts/{file}", tag = "jobs",
     params(
         ("file" = String, Path, description = "Key of the artifact (64 hexadecimal digits), a dot, and the extension \
-            of its format"),
+            of its format",
+            example = "7fd9512d51873010739dc6b61ab050e2fa8041f4f0258865739ad5cfefd188f2.obj"),
         ("Range" = Option<String>, Header, description = "One range of bytes, `bytes=first-last`"),
         ("If-Range" = Option<String>, Header, description = "An ETag; where it is another, `Range` is ignored"),
         ("If-None-Match" = Option<String>, Header, description = "ETags of results that the client has"),

@@ -55,10 +55,7 @@ use crate::wire::query::name_of;
         ("keep" = Option<bool>, Query,
             description = "`true` keeps the result even where it has more than `keep_at_most_bytes`"),
     ),
-    request_body(content = JobRequest, example = json!({
-        "input": { "polygon": { "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "closed": true } },
-        "plan": { "preset": "chaikin" }, "levels": 4, "outputs": [{ "format": "svg" }]
-    })),
+    request_body = JobRequest,
     responses(
         (status = 200, description = "The bytes of the result, in the format that `outputs` or `Accept` asks for; \
             where `levels` is a tolerance, `Planish-Level` and `Planish-Bound` say what it led to"),
@@ -77,7 +74,7 @@ pub(super) async fn render(
     let answer = async {
         let (sent, identity) = (early.sent?, early.identity);
         let notation = sent.notation.clone();
-        let wanted = Wanted { sent, identity, format: None, keep: streaming::asks_to_keep(query.as_deref()) };
+        let wanted = Wanted { sent, identity, format: None, keep: streaming::asks_to_keep(query.as_deref())? };
         let answered = rendered(&app, &client, &headers, wanted).await;
         answered.map_err(|problem| match notation {
             Notation::Job => problem,
