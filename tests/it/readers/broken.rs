@@ -264,8 +264,8 @@ fn gltf() {
     let draco = r#"{"asset":{"version":"2.0"},"extensionsRequired":["KHR_draco_mesh_compression"]}"#;
     check(draco, "the file requires \"KHR_draco_mesh_compression\", which is not read; export it without");
     let buffers = |buffer: &str| format!(r#"{{"asset":{{"version":"2.0"}},"buffers":[{buffer}]}}"#);
-    let outside = "buffer 0: \"a.bin\" lies outside the file, which came by itself: save all in one file, or render it from \
-                   its folder on the command line";
+    let outside = "buffer 0: \"a.bin\" lies outside the file, which came by itself: save all in one file, or render \
+                   it from its folder on the command line";
     check(&buffers(r#"{"byteLength":4,"uri":"a.bin"}"#), outside);
     check(&buffers(r#"{"byteLength":4}"#), "buffer 0 has no data; give it a data URI, or send glb");
     let plain = "buffer 0: the data URI is not in base64; write data:application/octet-stream;base64,...";
