@@ -14,15 +14,15 @@ use crate::service::account::kept_buffers;
 /// Serves until the process is asked to stop; from then on it takes no longer than the setting allows, whatever
 /// threads still wait for a disk that hangs.
 pub(super) fn serve(given: Given, file: Option<&Path>) -> Result<(), CliError> {
-    let settings = Settings::read(given, file).map_err(CliError::new)?;
+    let settings = Settings::read(given, file).map_err(CliError::usage)?;
     keep_at_most(usize::try_from(kept_buffers(settings.max_memory_bytes)).unwrap_or(usize::MAX));
-    let log = Log::start(settings.log_json).map_err(CliError::new)?;
+    let log = Log::start(settings.log_json).map_err(CliError::other)?;
     let patience = Duration::from_secs(settings.shutdown_timeout_s);
-    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(CliError::new)?;
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(CliError::other)?;
     let asked = OnceLock::new();
     let served = runtime.block_on(async {
-        let (listener, app) = bind(settings).await.map_err(CliError::new)?;
-        let address = listener.local_addr().map_err(CliError::new)?;
+        let (listener, app) = bind(settings).await.map_err(CliError::other)?;
+        let address = listener.local_addr().map_err(CliError::other)?;
         tracing::info!(%address, cache = %app.settings.data_dir.display(), "planish is listening");
         log.say(&format!("planish is listening on http://{address}"));
         let stop = async {

@@ -10,7 +10,7 @@ use super::app::Shared;
 use super::problem::{self, Problem};
 use super::segment::Segment;
 use crate::config::Setting;
-use crate::fault::shortened;
+use crate::fault::{did_you_mean, shortened};
 use crate::wire::catalogue::{self, FormatEntry, OperatorEntry, PresetEntry, ReaderEntry};
 
 /// All presets.
@@ -29,8 +29,10 @@ pub(super) async fn presets() -> Json<Vec<PresetEntry>> {
     responses((status = 200, description = "The preset", body = PresetEntry))
 )]
 pub(super) async fn preset(Segment(name): Segment) -> Response {
-    let found = catalogue::presets().into_iter().find(|preset| preset.name == name);
-    found.map(Json).ok_or_else(|| unknown("preset", &name, "/v1/presets")).into_response()
+    let presets = catalogue::presets();
+    let meant = did_you_mean(&name, presets.iter().map(|preset| preset.name));
+    let found = presets.into_iter().find(|preset| preset.name == name);
+    found.map(Json).ok_or_else(|| unknown("preset", &name, &meant, "/v1/presets")).into_response()
 }
 
 /// All operators.
@@ -50,7 +52,7 @@ pub(super) async fn operators() -> Json<Vec<OperatorEntry>> {
 )]
 pub(super) async fn operator(Segment(letter): Segment) -> Response {
     let found = catalogue::operators().into_iter().find(|operator| letter == operator.letter.to_string());
-    found.map(Json).ok_or_else(|| unknown("operator", &letter, "/v1/operators")).into_response()
+    found.map(Json).ok_or_else(|| unknown("operator", &letter, "", "/v1/operators")).into_response()
 }
 
 /// All formats.
@@ -111,6 +113,6 @@ pub(super) async fn limits(State(app): State<Shared>) -> Json<Vec<LimitEntry>> {
     Json(settings.chain(fixed).collect())
 }
 
-fn unknown(kind: &str, name: &str, list: &str) -> Problem {
-    Problem::new(problem::NOT_FOUND, format!("there is no {kind} \"{}\"; {list} lists them", shortened(name)))
+fn unknown(kind: &str, name: &str, meant: &str, list: &str) -> Problem {
+    Problem::new(problem::NOT_FOUND, format!("there is no {kind} \"{}\"; {meant}{list} lists them", shortened(name)))
 }

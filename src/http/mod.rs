@@ -30,7 +30,7 @@ pub mod serve;
 mod short;
 mod stream;
 mod streaming;
-mod validate;
+pub(crate) mod validate;
 
 pub use app::App;
 pub use canary::Canary;

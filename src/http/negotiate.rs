@@ -6,7 +6,9 @@ use axum::http::{HeaderMap, HeaderName, header};
 
 use super::problem::{self, Problem};
 use crate::job::key::Key;
-use crate::output::{FORMATS, Format, ShapeKind};
+use crate::output::{self, FORMATS, Format, ShapeKind};
+use crate::wire::JobRequest;
+use crate::wire::output::OutputRequest;
 
 /// Longest wait that is granted.
 /// It is a promise of the interface. Half of it sends more clients to ask again; twice of it holds connections for ten
@@ -17,20 +19,50 @@ pub(super) const MAX_WAIT: Duration = Duration::from_mins(5);
 /// it is longer than many clients wait.
 const DEFAULT_WAIT: Duration = Duration::from_secs(30);
 
-/// The format that `Accept` asks for: of the highest quality, and among equals the first in the catalogue; without a
-/// header glb for meshes and json for polygons.
-pub(super) fn format(headers: &HeaderMap, kind: ShapeKind) -> Result<&'static dyn Format, Problem> {
-    let default = if kind == ShapeKind::Mesh { "glb" } else { "json" };
-    let default = crate::output::named(default).expect("the default formats are in the registry");
-    let accepted: Vec<&str> = headers.get_all(header::ACCEPT).iter().filter_map(|value| value.to_str().ok()).collect();
-    let accepted = accepted.join(",");
-    if accepted.trim().is_empty() {
-        return Ok(default);
-    }
-    let quality = |format: &&dyn Format| {
-        let matching = accepted.split(',').filter_map(|entry| accepts(entry, format.media_type()));
-        matching.max_by_key(|(precision, _)| *precision).map_or(0, |(_, quality)| quality)
+/// Settles what a job is answered with: the format that `Accept` asks for, where the job names no output.
+///
+/// # Errors
+/// 406 where `Accept` allows nothing that the input can be answered with, or not what the only output is.
+pub(super) fn settle(headers: &HeaderMap, request: &mut JobRequest) -> Result<(), Problem> {
+    let accepted = accepted(headers);
+    let format = match request.outputs.as_slice() {
+        [] => {
+            let format = format(&accepted, request.shape_kind())?;
+            request.outputs = vec![OutputRequest::of_format(format.name())];
+            return Ok(());
+        }
+        [output] => output.format().and_then(output::named),
+        _ => None,
     };
+    // what names no format, and several outputs, are refused for that
+    let Some(format) = format.filter(|format| quality(&accepted, format.media_type()) == 0) else { return Ok(()) };
+    let (name, media_type) = (format.name(), format.media_type());
+    let detail = format!(
+        "the output is {name}, {media_type}, which Accept does not allow; accept {media_type}, or leave outputs out \
+         and let Accept choose"
+    );
+    Err(Problem::new(problem::NOT_ACCEPTABLE, detail))
+}
+
+/// What `Accept` says; without such a header, everything is allowed.
+fn accepted(headers: &HeaderMap) -> String {
+    let values = headers.get_all(header::ACCEPT).iter().filter_map(|value| value.to_str().ok());
+    let accepted = values.collect::<Vec<_>>().join(",");
+    if accepted.trim().is_empty() { "*/*".to_owned() } else { accepted }
+}
+
+/// The quality, in thousandths, that `Accept` gives to a media type: that of the entry that names it most precisely.
+fn quality(accepted: &str, media_type: &str) -> u32 {
+    let matching = accepted.split(',').filter_map(|entry| accepts(entry, media_type));
+    matching.max_by_key(|(precision, _)| *precision).map_or(0, |(_, quality)| quality)
+}
+
+/// The format that `Accept` asks for: of the highest quality, and among equals the usual one (glb for meshes, json for
+/// polygons) or the first in the catalogue.
+fn format(accepted: &str, kind: ShapeKind) -> Result<&'static dyn Format, Problem> {
+    let default = if kind == ShapeKind::Mesh { "glb" } else { "json" };
+    let default = output::named(default).expect("the default formats are in the registry");
+    let quality = |format: &&dyn Format| quality(accepted, format.media_type());
     let holding = FORMATS.iter().copied().filter(|format| format.holds(kind).is_ok());
     let best = holding.clone().map(|format| quality(&format)).max().unwrap_or(0);
     if best == 0 {

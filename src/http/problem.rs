@@ -57,8 +57,8 @@ kinds! {
          other. Every entry of `errors` points to one fault.";
     TOO_LARGE: "too-large", UNPROCESSABLE_ENTITY, "The result would be too large",
         "The exact counts of the result pass a limit of this server; see /v1/limits, and /v1/estimate to ask first.";
-    NOT_ACCEPTABLE: "not-acceptable", NOT_ACCEPTABLE, "No such format for this input",
-        "None of the media types in `Accept` can hold the result; see /v1/formats.";
+    NOT_ACCEPTABLE: "not-acceptable", NOT_ACCEPTABLE, "Accept allows no format of this job",
+        "`Accept` allows no media type that can hold the result, or not that of the output; see /v1/formats.";
     BODY_TOO_LONG: "body-too-long", PAYLOAD_TOO_LARGE, "The body is too long",
         "The body has more bytes than this server reads; see /v1/limits.";
     MEDIA_TYPE: "unsupported-media-type", UNSUPPORTED_MEDIA_TYPE, "The body is of the wrong media type",

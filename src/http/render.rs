@@ -26,11 +26,10 @@ use crate::service::jobs::JobSummary;
 use crate::service::peer::Paid;
 use crate::service::task::Render;
 use crate::wire::JobRequest;
-use crate::wire::output::OutputRequest;
 
 /// Renders a job with one output and answers with its bytes.
 ///
-/// Without `outputs`, `Accept` chooses the format. `Prefer: wait=N` (default 30 s, at most 300 s) bounds the wait; after
+/// Without `outputs`, `Accept` chooses the format; with them it has to allow theirs, or the answer is 406. `Prefer: wait=N` (default 30 s, at most 300 s) bounds the wait; after
 /// it the answer is 202 with the address of the job.
 ///
 /// A result of more than `keep_at_most_bytes` (see /v1/limits) is sent while it is made and not kept, unless the query
@@ -184,14 +183,7 @@ async fn whole(app: &Arc<App>, found: Artifact, known: &Known) -> Result<Respons
 /// Reads, checks and keys the job.
 pub(super) async fn read(app: &Arc<App>, client: &Client, headers: &HeaderMap, sent: Sent) -> Result<ReadJob, Problem> {
     let headers = headers.clone();
-    let read = reading::job(app, client, sent, 1, move |request| {
-        if request.outputs.is_empty() {
-            let format = negotiate::format(&headers, request.shape_kind())?;
-            request.outputs = vec![OutputRequest::of_format(format.name())];
-        }
-        Ok(())
-    });
-    read.await
+    reading::job(app, client, sent, 1, move |request| negotiate::settle(&headers, request)).await
 }
 
 /// What a tolerance led to: the level, and how far from the limit the result is at most.

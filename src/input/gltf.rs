@@ -6,6 +6,7 @@ mod accessor;
 mod buffers;
 mod carried;
 mod census;
+mod looks;
 mod scene;
 mod transform;
 

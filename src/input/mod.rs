@@ -4,6 +4,7 @@ mod attach;
 mod base64;
 mod beside;
 mod collect;
+mod colors;
 mod gltf;
 mod obj;
 mod off;
@@ -15,6 +16,7 @@ mod text;
 
 pub use crate::shape::attachments::Channel;
 pub use crate::shape::labels::FaceSet;
+pub use crate::shape::looks::Look;
 pub use base64::decode as from_base64;
 pub use beside::{Alone, Beside, File};
 pub use reader::{ReadLimits, ReadMesh, Reader, Uvs};

@@ -5,6 +5,7 @@ use crate::scheme::tags::Boundary;
 use crate::shape::attachments::Channel;
 use crate::shape::check::FaceList;
 use crate::shape::labels::FaceSet;
+use crate::shape::looks::Look;
 
 /// A way to read a mesh from the bytes of a file.
 #[derive(Debug)]
@@ -61,6 +62,8 @@ pub struct ReadMesh {
     pub groups: Vec<FaceSet>,
     /// Materials with their faces.
     pub materials: Vec<FaceSet>,
+    /// How the first of these materials look.
+    pub looks: Vec<Look>,
     /// Numbers that vertices carry.
     pub channels: Vec<Channel>,
     /// What was left out or changed, in sentences.

@@ -7,7 +7,7 @@ use super::output::Output;
 use super::{curves, kernels};
 use crate::analysis::curve::Reached;
 use crate::fault::Fault;
-use crate::output::surface;
+use crate::output::{hard_edges, surface};
 use crate::refine::{held_levels, is_swept, swept_from};
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::frame::Frame;
@@ -78,7 +78,7 @@ impl Job {
         reached: Option<Reached>,
         mut faults: Vec<Fault>,
     ) -> Result<Self, Vec<Fault>> {
-        let Checked { input, entry, plan, outputs, frame } = checked;
+        let Checked { input, entry, plan, mut outputs, frame } = checked;
         let steps = plan.schedule(levels).unwrap_or_else(|fault| {
             faults.push(fault.under("/plan"));
             Vec::new()
@@ -91,6 +91,10 @@ impl Job {
         }
         if !faults.is_empty() {
             return Err(faults);
+        }
+        for Output { options, .. } in outputs.iter_mut().filter(|_| input.mesh().is_some()) {
+            let refines = levels > 0 || surface::limit(options) != [false; 2];
+            hard_edges::settle(options, refines && plan.smooths());
         }
         let (keys, refined_keys) = key::artifacts(&input, &plan, levels, frame, &outputs);
         Ok(Self { input, entry, plan, levels, reached, outputs, frame, steps: steps.into(), keys, refined_keys })

@@ -8,9 +8,11 @@ use crate::shape::attributes::Attributes;
 use crate::shape::creases::Sharp;
 use crate::shape::directions::Direction;
 use crate::shape::labels::Labels;
+use crate::shape::looks::{Alpha, Look};
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
 use crate::shape::repairs::{Edges, Faces, Repair};
+use crate::shape::textures::{Filter, Texture};
 use crate::shape::topology::{Topology, index};
 use crate::shape::uvs::Uvs;
 
@@ -120,7 +122,7 @@ fn repair(repair: &Repair) -> Item<'_> {
 
 /// What a mesh carries, where there is any: a list for each kind that is given. Pairs of places count beside creases.
 fn attachments(attachments: &Attachments, creased: bool) -> Option<Item<'_>> {
-    let Attachments { channels, groups, materials, uvs } = attachments;
+    let Attachments { channels, groups, materials, looks, uvs } = attachments;
     let mut kinds = Vec::new();
     if !channels.is_empty() {
         kinds.push(Item::text("channels"));
@@ -135,6 +137,9 @@ fn attachments(attachments: &Attachments, creased: bool) -> Option<Item<'_>> {
             kinds.push(Item::List(vec![Item::text(kind), Item::List(names), Item::Indices(of_faces.into())]));
         }
     }
+    if !looks.is_empty() {
+        kinds.push(Item::List([Item::text("looks")].into_iter().chain(looks.iter().map(look)).collect()));
+    }
     if let Some(Uvs { values, topology, corners, pairs, linear }) = uvs {
         let linear = Item::Integer(u64::from(*linear));
         let corners = Item::Indices(corners.into());
@@ -145,6 +150,36 @@ fn attachments(attachments: &Attachments, creased: bool) -> Option<Item<'_>> {
         kinds.push(Item::List(items));
     }
     (!kinds.is_empty()).then_some(Item::List(kinds))
+}
+
+/// How a material looks; a picture by the hash of its bytes.
+fn look(look: &Look) -> Item<'static> {
+    let Look { color, metallic, roughness, double_sided, alpha, texture } = look;
+    let mut items = Vec::new();
+    let mut said = |name, value: Option<Item<'static>>| {
+        items.extend(value.map(|value| Item::List(vec![Item::text(name), value])));
+    };
+    said("color", color.map(|color| Item::Numbers(color.to_vec().into())));
+    said("metallic", metallic.map(Item::Number));
+    said("roughness", roughness.map(Item::Number));
+    said("double sided", double_sided.map(u64::from).map(Item::Integer));
+    said(
+        "alpha",
+        alpha.map(|alpha| {
+            let cutoff = if let Alpha::Mask(cutoff) = alpha { Some(Item::Number(cutoff)) } else { None };
+            Item::List([Item::text(alpha.name())].into_iter().chain(cutoff).collect())
+        }),
+    );
+    said(
+        "texture",
+        texture.as_ref().map(|Texture { image, wrap, magnify, minify }| {
+            let filter = |filter: &Option<Filter>| Item::text(filter.map_or("", Filter::name));
+            let wrap = wrap.iter().map(|wrap| Item::text(wrap.name()));
+            let hash = Item::text(&blake3::hash(image.bytes()).to_string());
+            Item::List([hash, filter(magnify), filter(minify)].into_iter().chain(wrap).collect())
+        }),
+    );
+    Item::List(items)
 }
 
 /// What is sharp, if anything is.

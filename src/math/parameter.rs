@@ -6,7 +6,7 @@ mod resolve;
 use crate::math::expression::Expression;
 
 /// Longest name, characters.
-const MAX_NAME: usize = 64;
+pub const MAX_NAME: usize = 64;
 
 /// What a client wrote for one parameter, before its kind is known.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,6 +57,11 @@ impl Parameter {
     /// A number in `[min, max]`, without a unit.
     pub const fn number(name: &'static str, [min, max]: [f64; 2], default: Default, doc: &'static str) -> Self {
         Self { name, kind: Kind::Number { min, max }, unit: "", default, doc }
+    }
+
+    /// Whether leaving it out is a fault.
+    pub fn is_required(&self) -> bool {
+        matches!(self.default, Default::Required)
     }
 
     /// One of some names, the first when it is left out.

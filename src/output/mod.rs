@@ -1,5 +1,6 @@
 //! Formats: each writes a scene; the registry is the only place that lists them.
 
+pub mod hard_edges;
 pub mod normals;
 pub mod scene;
 pub mod surface;
@@ -16,7 +17,13 @@ mod gltf;
 mod gltf_amounts;
 mod gltf_animation;
 mod gltf_buffer;
+mod gltf_codec;
 mod gltf_document;
+mod gltf_grid;
+mod gltf_looks;
+mod gltf_order;
+mod gltf_pack;
+mod gltf_packing;
 mod gltf_targets;
 mod gltf_views;
 mod json;

@@ -7,6 +7,7 @@ use crate::output::colors::within;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::hard_edges::HardEdges;
 use crate::output::normals;
 use crate::output::numbers::{REAL, digits, real, total, whole};
 use crate::output::options::{IDS, POSITIONS};
@@ -171,7 +172,7 @@ fn write_with_normals(told: &Told<'_>, stream: &mut Stream<'_>, watch: &Watch) -
     let positions = Positions::of_mesh(mesh).held(watch)?;
     told.vertices(&positions, stream)?;
     told.uvs(stream)?;
-    let split_vertices = SplitVertices::of(Shape::Mesh(mesh), watch)?;
+    let split_vertices = SplitVertices::of(Shape::Mesh(mesh), &HardEdges::default(), watch)?;
     let sides = split_vertices.as_ref().map_or(mesh, |split_vertices| split_vertices);
     let positions = if split_vertices.is_some() { Positions::of_mesh(sides).held(watch)? } else { positions };
     let normals = normals::of(sides, positions.rows(), watch)?;

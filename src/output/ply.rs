@@ -12,6 +12,7 @@ use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::hard_edges::HardEdges;
 use crate::output::normals;
 use crate::output::numbers::{digits, total};
 use crate::output::options::{IDS, POSITIONS};
@@ -183,7 +184,7 @@ fn write_mesh(
     watch: &Watch,
 ) -> Result<(), FormatError> {
     let sides = Sides::of(Shape::Mesh(whole));
-    let parts = sides.split_vertices(layout.normals, watch)?;
+    let parts = sides.split_vertices(layout.normals, &HardEdges::default(), watch)?;
     let mesh = if let Shape::Mesh(mesh) = parts.shape() { mesh } else { whole };
     if layout.float {
         channels_within_f32(mesh, watch)?;

@@ -10,6 +10,7 @@ use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::hard_edges::{self, CREASE_ANGLE};
 use crate::output::options::{ISOLINES, POSITIONS};
 use crate::output::picture::coat::{self, CHANNEL, COLOR_BY};
 use crate::output::picture::drawing::Drawing;
@@ -60,6 +61,7 @@ const PARAMETERS: &[Parameter] = &[
         doc: "What a smooth surface is lit by: normals weighted by the area of the faces around a vertex, those of \
               the limit surface, or none but those of its faces, as with flat shading.",
     },
+    CREASE_ANGLE,
     COLOR,
     COLOR_BY,
     CHANNEL,
@@ -105,13 +107,15 @@ impl Format for Png {
     }
 
     fn memory(&self, counts: &Counts, options: &Values) -> u128 {
-        let vertices = counts.vertices.saturating_add(counts.split_vertices);
+        let vertices = counts.vertices.saturating_add(hard_edges::split_vertices(counts, options));
         let colors = coat::memory(options, vertices, counts.triangles(), counts.uvs);
         let pieces = counts.vertices.saturating_add(counts.input_edges as u128);
         let isolines = if options.has("show", ISOLINES) { pieces.saturating_mul(8) } else { 0 };
         let wires = if options.has("show", "wireframe") { counts.half_edges.saturating_mul(WIRE_BYTES) } else { 0 };
         let pixels = options::size(options).map(u128::from).iter().product::<u128>() * PIXEL_BYTES;
-        [isolines, wires, pixels].iter().fold(colors, |sum: u128, bytes| sum.saturating_add(*bytes))
+        [isolines, wires, pixels, hard_edges::memory(counts, options)]
+            .iter()
+            .fold(colors, |sum: u128, bytes| sum.saturating_add(*bytes))
     }
 
     fn work(&self, mesh: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {

@@ -1,15 +1,17 @@
-//! A mesh whose vertices on sharp edges are split into copies, so that each side can have a normal of its own.
+//! A mesh whose vertices on sharp and hard edges are split into copies, so that each side can have a normal of its own.
 
 use std::ops::Range;
 
 use rayon::prelude::*;
 
+use crate::output::hard_edges::HardEdges;
 use crate::output::scene::{FaceChunk, MeshSource, Shape, in_chunks};
 use crate::shape::attachments::Attachments;
 use crate::shape::source::{NormalSource, Origin, OriginSource, UvSource};
 use crate::watch::{Stopped, Watch};
 
-/// The mesh with a copy of each vertex for every sector but one between the sharp edges that meet there.
+/// The mesh with a copy of each vertex for every sector but one between the sharp and hard edges that meet
+/// there.
 ///
 /// The sector of the lowest face keeps the vertex; copies stand after all vertices, by vertex, then by the lowest face
 /// of their sector. A sharp edge that ends inside splits nothing. The faces are the same, in the same order.
@@ -40,17 +42,16 @@ struct FaceAtVertex {
 }
 
 impl<'a> SplitVertices<'a> {
-    /// The split mesh of a shape, where anything is to be split.
+    /// The mesh of a shape, split at its sharp and at its hard edges, where there are any.
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.
-    pub(super) fn of(shape: Shape<'a>, watch: &Watch) -> Result<Option<Self>, Stopped> {
+    pub(super) fn of(shape: Shape<'a>, hard: &HardEdges, watch: &Watch) -> Result<Option<Self>, Stopped> {
         let Shape::Mesh(mesh) = shape else { return Ok(None) };
-        let mut sharp: Vec<[u32; 2]> = mesh.sharp_edges().into_iter().map(|[a, b]| [a.min(b), a.max(b)]).collect();
+        let sharp = hard.and(mesh.sharp_edges());
         if sharp.is_empty() {
             return Ok(None);
         }
-        sharp.par_sort_unstable();
         let corners = corners(mesh, &sharp, watch)?;
         let mut split = Self { mesh, origins: Vec::new(), moved: Vec::new(), normals: Vec::new(), kept: Vec::new() };
         for around in corners.chunk_by(|a, b| a.vertex == b.vertex) {

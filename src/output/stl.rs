@@ -8,6 +8,7 @@ use crate::math::vector::{plus, unit};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::hard_edges::HardEdges;
 use crate::output::normals;
 use crate::output::numbers::{rounded, total};
 use crate::output::options::{LIMIT, POSITIONS};
@@ -103,7 +104,8 @@ fn write_mesh(
         return write_on_demand(mesh, source, n, normals, out, watch);
     }
     let at_limit = normals == Some(LIMIT);
-    let split_vertices = if at_limit { SplitVertices::of(Shape::Mesh(mesh), watch)? } else { None };
+    let split_vertices =
+        if at_limit { SplitVertices::of(Shape::Mesh(mesh), &HardEdges::default(), watch)? } else { None };
     let mesh = split_vertices.as_ref().map_or(mesh, |split_vertices| split_vertices);
     let positions = Positions::of_mesh(mesh).within_f32().held(watch)?;
     let rows = positions.rows();

@@ -1,6 +1,7 @@
 //! A mesh for formats that know one normal and one pair of texture coordinates a vertex: vertices are split on seams,
-//! and on sharp edges where there are normals.
+//! and on sharp and hard edges where there are normals.
 
+use crate::output::hard_edges::HardEdges;
 use crate::output::scene::{MeshSource, Shape};
 use crate::output::split_vertices::SplitVertices;
 use crate::shape::source::UvSource;
@@ -12,11 +13,11 @@ pub(super) struct Sides<'a> {
     unfolded: Option<Box<dyn MeshSource + 'a>>,
 }
 
-/// The sides of vertices, which sharp edges split too.
+/// The sides of vertices, which sharp and hard edges split too.
 pub(super) struct SplitSides<'a> {
     sides: &'a Sides<'a>,
     split_vertices: Option<SplitVertices<'a>>,
-    /// The mesh with whole vertices, split on sharp edges only.
+    /// The mesh with whole vertices, split on sharp and hard edges only.
     smooth: Option<SplitVertices<'a>>,
 }
 
@@ -31,17 +32,28 @@ impl<'a> Sides<'a> {
         self.unfolded.as_deref().map_or(self.whole, Shape::Mesh)
     }
 
-    /// The parts of this shape, between sharp edges where there are normals.
+    /// The parts of this shape, where there are normals between sharp edges and those that are `hard`.
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.
-    pub(super) fn split_vertices(&'a self, normals: bool, watch: &Watch) -> Result<SplitSides<'a>, Stopped> {
-        let of = |shape, wanted: bool| if wanted { SplitVertices::of(shape, watch) } else { Ok(None) };
-        Ok(SplitSides {
-            sides: self,
-            split_vertices: of(self.shape(), normals)?,
-            smooth: of(self.whole, normals && self.unfolded.is_some())?,
-        })
+    pub(super) fn split_vertices(
+        &'a self,
+        normals: bool,
+        hard: &HardEdges,
+        watch: &Watch,
+    ) -> Result<SplitSides<'a>, Stopped> {
+        let (mut split_vertices, mut smooth) = (None, None);
+        if normals {
+            let whole = SplitVertices::of(self.whole, hard, watch)?;
+            if let (Some(unfolded), Shape::Mesh(mesh)) = (self.unfolded.as_deref(), self.whole) {
+                let hard = hard.among(mesh, unfolded, watch)?;
+                split_vertices = SplitVertices::of(Shape::Mesh(unfolded), &hard, watch)?;
+                smooth = whole;
+            } else {
+                split_vertices = whole;
+            }
+        }
+        Ok(SplitSides { sides: self, split_vertices, smooth })
     }
 }
 

@@ -94,6 +94,8 @@ pub struct Facts {
     /// Whether single points of a mesh may have their own kernel, compensation or push-back factor, be it from vertex
     /// parameters, latitude and longitude tags or the perturbation, as long as edges are halved and faces are quads.
     pub pointwise: bool,
+    /// Whether meshes become smooth by it: not by linear interpolation, which keeps their edges.
+    pub smooths: bool,
     /// Whether its weights follow alpha.
     pub needs_alpha: bool,
     /// Why it makes no sense before the first upsampling, if it makes none.
@@ -131,6 +133,7 @@ impl Facts {
         follows: Follows::Corners,
         twice: None,
         pointwise: false,
+        smooths: true,
         needs_alpha: false,
         needs_upsampling: None,
         turns_tangents: false,

@@ -202,6 +202,11 @@ impl Plan {
         all.find(|facts| facts.turns_tangents).map(|facts| facts.name)
     }
 
+    /// Whether it makes meshes smooth, applied often enough: with linear interpolation alone it does not.
+    pub fn smooths(&self) -> bool {
+        self.word.prefix.iter().chain(&self.word.cycle).any(|letter| letter.facts().smooths)
+    }
+
     /// Into what the faces of a mesh are split.
     pub fn tile(&self) -> Tile {
         let triangles = self.word.letters(1).any(|letter| letter.settings.tile() == Tile::Triangle);

@@ -96,12 +96,13 @@ pub struct ReaderEntry {
 }
 
 impl ParameterEntry {
-    fn new(parameter: &Parameter) -> Self {
+    /// What the catalogue says of a parameter.
+    pub(crate) fn new(parameter: &Parameter) -> Self {
         Self {
             name: parameter.name,
             expects: parameter.kind.expected(),
             unit: parameter.unit,
-            required: matches!(parameter.default, Default::Required),
+            required: parameter.is_required(),
             default: default(parameter.default),
             bounds: bounds(&parameter.kind),
             doc: parameter.doc,

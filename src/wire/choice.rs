@@ -5,7 +5,7 @@ use std::fmt;
 
 use serde::de::{Error, Visitor};
 
-use crate::fault::shortened;
+use crate::fault::{did_you_mean, shortened};
 
 /// Declares a choice: an enumeration, the text of each of its values, and how it is read; perhaps also what it means,
 /// which has values of the same names.
@@ -55,8 +55,9 @@ impl<T: Copy> Visitor<'_> for OneOf<T> {
     fn visit_str<E: Error>(self, given: &str) -> Result<T, E> {
         let found = self.0.iter().find(|(text, _)| *text == given);
         let expected: &dyn serde::de::Expected = &self;
-        found
-            .map(|(_, value)| *value)
-            .ok_or_else(|| E::custom(format!("unknown choice \"{}\", expected {expected}", shortened(given))))
+        let meant = || did_you_mean(given, self.0.iter().map(|(text, _)| *text));
+        found.map(|(_, value)| *value).ok_or_else(|| {
+            E::custom(format!("unknown choice \"{}\"; {}expected {expected}", shortened(given), meant()))
+        })
     }
 }

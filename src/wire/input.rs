@@ -125,18 +125,23 @@ impl InputRequest {
         Frame { unit: self.unit.map(Into::into).unwrap_or_default(), up: self.up.map(Into::into).unwrap_or_default() }
     }
 
+    /// Whether there is exactly one kind of input.
+    pub(super) fn is_one(&self) -> bool {
+        let is_file = self.text.is_some() || self.file.is_some();
+        let given = [self.mesh.is_some(), is_file, self.polygon.is_some(), self.polygons.is_some()];
+        given.iter().filter(|given| **given).count() == 1
+    }
+
     /// Checks the input, with the defaults for what becomes of it; mesh files may be as large as `limits` say.
     ///
     /// # Errors
     /// All faults, with pointers below the input.
     pub fn resolve(mut self, purpose: Purpose, limits: &ReadLimits) -> Result<Resolved, Vec<Fault>> {
-        let (text, file) = (self.text.take(), self.file.take());
-        let is_file = text.is_some() || file.is_some();
-        let given = [self.mesh.is_some(), is_file, self.polygon.is_some(), self.polygons.is_some()];
-        if given.iter().filter(|given| **given).count() != 1 {
+        if !self.is_one() {
             let detail = "give exactly one of \"mesh\", \"text\", \"polygon\" and \"polygons\"";
             return Err(vec![Fault::new("", detail)]);
         }
+        let (text, file) = (self.text.take(), self.file.take());
         if let Some(mesh) = self.mesh.take() {
             let under = |found| under("/mesh", found);
             self.keeps_vertices(&mesh)?;

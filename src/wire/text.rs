@@ -9,7 +9,7 @@ use super::choice::choice;
 use super::mesh::MeshRequest;
 use super::read::{ReadError, read};
 use super::schema;
-use crate::fault::{Fault, shortened};
+use crate::fault::{Fault, did_you_mean, shortened};
 use crate::input::{self, Alone, Beside, File, ReadLimits};
 use crate::scheme::tags::Boundary;
 use crate::shape::check::Winding;
@@ -95,7 +95,9 @@ impl MeshFile {
         }
         let Some(reader) = input::named(&self.format) else {
             let known: Vec<&str> = input::READERS.iter().map(|reader| reader.name).chain(["json"]).collect();
-            let detail = format!("there is no reader \"{}\"; known are {}", shortened(&self.format), known.join(", "));
+            let meant = did_you_mean(&self.format, known.iter().copied());
+            let detail =
+                format!("there is no reader \"{}\"; {meant}known are {}", shortened(&self.format), known.join(", "));
             return Err(vec![Fault::new("/format", detail)]);
         };
         let refused = |details: Vec<String>| details.into_iter().map(|detail| Fault::new("/data", detail)).collect();

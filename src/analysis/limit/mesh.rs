@@ -46,13 +46,13 @@ fn at_one_frame(
     watch: &Watch,
 ) -> Result<(RefinedMesh, Vec<String>), LimitError> {
     let (steps, at) = scheduled(plan, levels)?;
-    let (steps, ahead) = steps.split_at(at);
-    if let Some(refined) = refine_swept(mesh, plan, (steps, ahead), request, watch)? {
+    let steps = steps.split_at(at);
+    if let Some(refined) = refine_swept(mesh, plan, steps, request, watch)? {
         return Ok((refined, Vec::new()));
     }
     // it may have been tried patch by patch
     watch.enter(Stage::Refine);
-    to_limit_by_rows(mesh, plan, levels, request, watch)
+    by_rows(mesh, plan, steps, request, watch)
 }
 
 /// The steps of so many levels and of those that limits look ahead, and the number of the former.
@@ -75,7 +75,17 @@ pub fn to_limit_by_rows(
     watch: &Watch,
 ) -> Result<(RefinedMesh, Vec<String>), LimitError> {
     let (steps, at) = scheduled(plan, levels)?;
-    let (steps, ahead) = steps.split_at(at);
+    by_rows(mesh, plan, steps.split_at(at), request, watch)
+}
+
+/// Limits by rows, given the steps of the levels and those ahead of them.
+fn by_rows(
+    mesh: &Mesh,
+    plan: &Plan,
+    (steps, ahead): (&[Scheduled], &[Scheduled]),
+    request: LimitRequest,
+    watch: &Watch,
+) -> Result<(RefinedMesh, Vec<String>), LimitError> {
     let (net, points) = act_on(mesh_net(mesh, plan), numbers(mesh), plan, steps, watch)?;
     let found = match limits(plan, &net, &points, ahead, request, watch) {
         Err(error) if !request.positions && !matches!(error, Unlimited::Stopped(_)) => {

@@ -27,6 +27,8 @@ pub(super) struct Document<'a> {
     pub(super) placements: Vec<Option<Box<Placement>>>,
     /// The bytes of each buffer, no more than it says it has.
     pub(super) buffers: Vec<Cow<'a, [u8]>>,
+    /// The files beside it.
+    beside: &'a dyn Beside,
 }
 
 impl<'a> Document<'a> {
@@ -34,7 +36,7 @@ impl<'a> Document<'a> {
     pub(super) fn of_json(
         json: &[u8],
         binary: Option<&'a [u8]>,
-        beside: &dyn Beside,
+        beside: &'a dyn Beside,
         room: &mut Room,
     ) -> Result<Self, String> {
         let json = json.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(json);
@@ -58,12 +60,7 @@ impl<'a> Document<'a> {
         for (i, buffer) in root.buffers.iter().enumerate() {
             let bytes: Cow<'a, [u8]> = match (&buffer.uri, binary) {
                 (Some(uri), _) => {
-                    let bytes = if uri.starts_with("data:") {
-                        room.take(uri.len()).and_then(|()| embedded(uri))
-                    } else {
-                        neighbour(uri, beside, room)
-                    };
-                    Cow::Owned(bytes.map_err(|detail| format!("buffer {i}: {detail}"))?)
+                    Cow::Owned(referred(uri, beside, room).map_err(|detail| format!("buffer {i}: {detail}"))?)
                 }
                 (None, Some(binary)) if i == 0 => Cow::Borrowed(binary),
                 (None, _) => return Err(format!("buffer {i} has no data; give it a data URI, or send glb")),
@@ -74,7 +71,7 @@ impl<'a> Document<'a> {
                 .ok_or_else(|| format!("buffer {i} says it has {claimed} bytes, and has {found}; send it whole"))?;
             buffers.push(cut(bytes, length));
         }
-        Ok(Self { root, placements, buffers })
+        Ok(Self { root, placements, buffers, beside })
     }
 
     /// A document in the binary container.
@@ -130,6 +127,22 @@ fn cut(bytes: Cow<'_, [u8]>, length: usize) -> Cow<'_, [u8]> {
             bytes.truncate(length);
             Cow::Owned(bytes)
         }
+    }
+}
+
+impl Document<'_> {
+    /// The bytes that a URI leads to, embedded or beside the document.
+    pub(super) fn referred(&self, uri: &str, room: &mut Room) -> Result<Vec<u8>, String> {
+        referred(uri, self.beside, room)
+    }
+}
+
+/// The bytes that a URI leads to.
+fn referred(uri: &str, beside: &dyn Beside, room: &mut Room) -> Result<Vec<u8>, String> {
+    if uri.starts_with("data:") {
+        room.take(uri.len()).and_then(|()| embedded(uri))
+    } else {
+        neighbour(uri, beside, room)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Readers: from what a client wrote to a value of its kind, or a sentence that says what is wrong.
 
 use super::{Kind, Literal, MAX_NAME, Parameter, Value, Values, range};
-use crate::fault::{Fault, shortened, under};
+use crate::fault::{Fault, did_you_mean, shortened, under};
 use crate::math::expression::Expression;
 
 pub(super) fn constant(literal: &Literal) -> Result<f64, String> {
@@ -35,7 +35,10 @@ pub(super) fn whole(x: f64, min: i64, max: i64) -> Result<i64, String> {
 
 pub(super) fn chosen(names: &'static [&'static str], text: &str) -> Result<&'static str, String> {
     let found = names.iter().copied().find(|name| *name == text);
-    found.ok_or_else(|| format!("\"{}\" is not one of {}", shortened(text), names.join(", ")))
+    found.ok_or_else(|| {
+        let meant = did_you_mean(text, names.iter().copied());
+        format!("\"{}\" is unknown; {meant}expected one of {}", shortened(text), names.join(", "))
+    })
 }
 
 pub(super) fn named(text: &str) -> Result<String, String> {

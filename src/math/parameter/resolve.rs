@@ -5,7 +5,7 @@ use super::read::{
     whole,
 };
 use super::{Default, Entry, Kind, Literal, Parameter, Value, Values};
-use crate::fault::{Fault, shortened, token, under};
+use crate::fault::{Fault, did_you_mean, shortened, token, under};
 
 impl Values {
     /// Checks `given` against the declarations and fills in the defaults.
@@ -51,9 +51,11 @@ impl Values {
 }
 
 fn unknown(name: &str, declared: &[Parameter]) -> String {
-    let known = declared.iter().map(|p| p.name).collect::<Vec<_>>().join(", ");
-    let known = if known.is_empty() { "there are none here".into() } else { format!("known here: {known}") };
-    format!("unknown parameter \"{}\"; {known}", shortened(name))
+    let known: Vec<&str> = declared.iter().map(|p| p.name).collect();
+    let meant = did_you_mean(name, known.iter().copied());
+    let known =
+        if known.is_empty() { "there are none here".into() } else { format!("known here: {}", known.join(", ")) };
+    format!("unknown parameter \"{}\"; {meant}{known}", shortened(name))
 }
 
 impl Parameter {

@@ -8,6 +8,7 @@ use super::coat::Coat;
 use super::options::Options;
 use crate::math::vector::unit;
 use crate::output::error::FormatError;
+use crate::output::hard_edges::HardEdges;
 use crate::output::normals;
 use crate::output::scene::{FaceChunk, MeshSource, Scene, Shape, in_chunks, triangles};
 use crate::output::split_vertices::SplitVertices;
@@ -30,7 +31,8 @@ pub(crate) fn picture(
     let shows = |item| options.shows(item, DEFAULT_SHOW);
     let body = shows("surface") || shows("wireframe") || shows("isolines");
     let shaded = shows("surface") && !options.flat();
-    let split_vertices = if shaded { SplitVertices::of(Shape::Mesh(mesh), watch)? } else { None };
+    let hard = if shaded { HardEdges::of(scene.shape, options.values, watch)? } else { HardEdges::default() };
+    let split_vertices = if shaded { SplitVertices::of(scene.shape, &hard, watch)? } else { None };
     // copies of vertices stand after all others, so that the edges of the mesh are the same ones
     let sides = split_vertices.as_ref().map_or(mesh, |split_vertices| split_vertices);
     let positions = if body { positions(sides, watch)? } else { Cow::default() };

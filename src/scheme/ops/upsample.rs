@@ -37,6 +37,7 @@ static FACTS: Facts = Facts {
     parameters: &[ARITY, SPLIT],
     children: Children::Vertices,
     follows: Follows::Creases,
+    smooths: false,
     pointwise: true,
     symmetric: true,
     ..Facts::USUAL

@@ -2,7 +2,7 @@
 
 use super::legal::{other_than_halves, useless};
 use super::{AlphaOf, Carried, Latitude, Perturbation, Plan, PlanInput, Subject};
-use crate::fault::{Fault, shortened, under};
+use crate::fault::{Fault, did_you_mean, shortened, under};
 use crate::math::expression::Expression;
 use crate::math::functions::ratio;
 use crate::math::parameter::{Literal, Value, Values};
@@ -129,7 +129,8 @@ fn with_lines(spelling: Spelling, input: &PlanInput, subject: Subject) -> (Spell
 fn preset(name: &str, parameters: &[(String, Literal)], subject: Subject) -> Result<Spelling, Vec<Fault>> {
     let Some(preset) = PRESETS.iter().copied().find(|preset| preset.name == name) else {
         let known = PRESETS.iter().map(|p| p.name).collect::<Vec<_>>().join(", ");
-        let detail = format!("there is no preset \"{}\"; known are {known}", shortened(name));
+        let meant = did_you_mean(name, PRESETS.iter().map(|preset| preset.name));
+        let detail = format!("there is no preset \"{}\"; {meant}known are {known}", shortened(name));
         return Err(vec![Fault::new("/preset", detail)]);
     };
     check_subject(preset, subject)?;

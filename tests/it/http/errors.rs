@@ -37,9 +37,10 @@ fn impossible() -> Vec<(&'static str, Value, &'static str, &'static str)> {
         job
     };
     vec![
-        ("a wrong field", changed("/level", json!(3)), "/level", "unknown field"),
+        ("a wrong field", changed("/level", json!(3)), "/level", "did you mean \"levels\"?"),
         ("a wrong field inside", changed("/input/mesh/vertices", json!([])), "/input/mesh/vertices", "unknown field"),
         ("a wrong option", changed("/outputs/0/colour", json!("red")), "/outputs/0/colour", "option"),
+        ("a misspelt format", changed("/outputs/0/format", json!("pgn")), "/outputs/0/format", "did you mean \"png\"?"),
         ("a wrong parameter", changed("/plan/parameters", json!({ "w": 1 })), "/plan/parameters/w", "parameter"),
         ("a wrong type", changed("/levels", json!("two")), "/levels", "whole number"),
         ("a negative count", changed("/levels", json!(-1)), "/levels", "whole number"),

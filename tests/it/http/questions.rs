@@ -132,6 +132,41 @@ fn winding_is_refused_or_repaired_as_asked() {
     });
 }
 
+/// What is wrong with the parts of a job is told at once, whichever of them is wrong; nothing is passed over.
+#[test]
+fn a_question_looks_at_the_whole_job() {
+    story(settings(), async |server| {
+        let pointers = async |job: &serde_json::Value| -> Vec<String> {
+            let answer = server.post("/v1/validate", job).await.ok().json();
+            let errors = answer["errors"].as_array().unwrap();
+            assert_eq!(answer["valid"], errors.is_empty(), "{answer}");
+            errors.iter().map(|error| error["pointer"].as_str().unwrap().to_owned()).collect()
+        };
+        let plan = json!({ "preset": "catmull-clark" });
+        let fine = json!({ "spec": 1, "input": cube(), "plan": plan, "levels": 2, "outputs": [{ "format": "glb" }] });
+        assert_eq!(pointers(&fine).await, [""; 0]);
+        for (part, value, pointer) in [
+            ("/spec", json!(2), "/spec"),
+            ("/plan/preset", json!("catmul-clark"), "/plan/preset"),
+            ("/levels", json!(65), "/levels"),
+            ("/levels", json!(null), "/levels"),
+            ("/outputs/0/format", json!("svg"), "/outputs/0/format"),
+            ("/outputs/0/format", json!("gbl"), "/outputs/0/format"),
+        ] {
+            let mut wrong = fine.clone();
+            *wrong.pointer_mut(part).unwrap() = value;
+            assert_eq!(pointers(&wrong).await, [pointer], "{wrong}");
+        }
+        let mut input = cube();
+        input["mesh"]["faces"][2][1] = json!(77);
+        let outputs = json!([{ "format": "png", "width": 1 }, { "format": "svg" }]);
+        let plan = json!({ "word": "UX", "parameters": { "dleta": 1 } });
+        let wrong = json!({ "spec": 2, "input": input, "plan": plan, "outputs": outputs });
+        let expected = ["/spec", "/input/mesh/faces/2/1", "/outputs/0/width", "/levels", "/plan/word"];
+        assert_eq!(pointers(&wrong).await, [&expected[..], &["/plan/parameters/dleta"]].concat());
+    });
+}
+
 /// A tube of squares, tagged.
 fn tube() -> serde_json::Value {
     let square = |z: f64| [[1.0, 0.0, z], [0.0, 1.0, z], [-1.0, 0.0, z], [0.0, -1.0, z]];
