@@ -127,10 +127,7 @@ impl Library {
 
     /// Adds the materials of a library, whose pictures lie in a folder. Materials that are known keep what they have.
     fn add(&mut self, bytes: &[u8], folder: &str) {
-        let text = match text(bytes) {
-            Ok(text) => text,
-            Err(detail) => return self.notes.push(format!("how materials look is left out: {detail}")),
-        };
+        let text = text(bytes);
         let mut current: Option<(String, Entry)> = None;
         for line in text.lines() {
             let line = super::without_comment(line).trim();
