@@ -159,8 +159,7 @@ fn levels_of_detail_are_files_beside_the_document() {
     std::fs::write(folder.path().join("job.json"), job.to_string()).unwrap();
     let output = within(&folder, &["render", "job.json", "-o", "out/{stem}.gltf"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
-    let document: Value =
-        serde_json::from_slice(&std::fs::read(folder.path().join("out/job.gltf")).unwrap()).unwrap();
+    let document: Value = serde_json::from_slice(&std::fs::read(folder.path().join("out/job.gltf")).unwrap()).unwrap();
     for buffer in document["buffers"].as_array().unwrap() {
         let bytes = std::fs::read(folder.path().join("out").join(buffer["uri"].as_str().unwrap())).unwrap();
         assert_eq!(bytes.len() as u64, buffer["byteLength"]);
