@@ -46,6 +46,8 @@ pub enum Content {
     Text,
     /// Other bytes.
     Binary,
+    /// Bytes that the format has compressed.
+    Packed,
 }
 
 /// Results that other bytes refer to: the same shape at some levels.

@@ -1,6 +1,7 @@
 //! Formats: each writes a scene; the registry is the only place that lists them.
 
 pub mod hard_edges;
+pub mod mtl;
 pub mod normals;
 pub mod scene;
 pub mod surface;
@@ -58,6 +59,7 @@ pub const FORMATS: &[&dyn Format] = &[
     &json::Json,
     &stats::Stats,
     &obj::Obj,
+    &mtl::Mtl,
     &glb::Glb,
     &gltf::Gltf,
     &gltf_bin::GltfBin,
