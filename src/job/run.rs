@@ -98,8 +98,11 @@ fn form(
     let coarser = coarser?;
     let shapes = coarser.iter().map(|coarser| Shape::Mesh(&coarser.mesh)).chain([shape]);
     let address = |job: &Job| format!("{}.{}", job.keys()[0], job.outputs[0].format.extension());
-    let details: Vec<Detail<'_>> =
-        jobs.iter().zip(shapes).map(|(job, shape)| Detail { shape, uri: address(job) }).collect();
+    let details: Vec<Detail<'_>> = jobs
+        .iter()
+        .zip(shapes)
+        .map(|(job, shape)| Detail { shape, options: &job.outputs[0].options, uri: address(job) })
+        .collect();
     let (warnings, frame) = (&refined.warnings, job.frame);
     write(&Scene { shape, control, warnings, frame, details: &details }, output, out, watch)
 }
