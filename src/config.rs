@@ -123,8 +123,8 @@ settings! {
     /// Memory of everything that is held for requests: bodies, computations, answers, caches. Who finds none left waits
     /// or is answered 503.
     max_memory_bytes: u64 = 12 << 30, in LEAST_MEMORY_BYTES..=MOST_BYTES, "PLANISH_MAX_MEMORY_BYTES", "bytes";
-    /// Most bytes of a request body.
-    max_body_bytes: u64 = 4 << 20, in 1..=MOST_BODY_BYTES, "PLANISH_MAX_BODY_BYTES", "bytes";
+    /// Most bytes of a request body, as it comes and inflated.
+    max_body_bytes: u64 = 32 << 20, in 1..=MOST_BODY_BYTES, "PLANISH_MAX_BODY_BYTES", "bytes";
     /// Most jobs waiting in each of the two lanes; more are answered 503.
     max_queue: usize = 256, in 1..=MOST_WAITING, "PLANISH_MAX_QUEUE", "jobs";
     /// Most jobs of one peer address that wait at once, joined ones included, and most that go on without their

@@ -9,6 +9,7 @@ use utoipa::openapi::{
 };
 
 use super::problem::{self, Kind};
+use crate::input::READERS;
 use crate::output::{self, FORMATS};
 use crate::wire::answer::ProblemAnswer;
 
@@ -45,15 +46,28 @@ const HEADERS: &[(&str, &str)] = &[
     ("Cache-Control", "Artifacts never change"),
     ("Accept-Ranges", "`bytes`"),
     ("Content-Range", "Which bytes of how many"),
+    (
+        "Content-Encoding",
+        "`zstd`, `br` or `gzip`, where `Accept-Encoding` asks for it and it spares an eighth at least",
+    ),
+    ("Vary", "`Accept` and `Accept-Encoding`"),
     ("Location", "The job's address"),
     ("Retry-After", "Seconds after which to ask again"),
     ("Preference-Applied", "The wait that was granted"),
 ];
 
-const RESULT: &[&str] = &["ETag", "Content-Location", "Cache-Status", "Server-Timing", "Planish-Warnings"];
+const RESULT: &[&str] =
+    &["ETag", "Content-Location", "Cache-Status", "Server-Timing", "Planish-Warnings", "Content-Encoding", "Vary"];
 const KEPT: &[&str] = &["Cache-Control", "Accept-Ranges"];
-const QUESTION: &[Kind] =
-    &[problem::NOT_JSON, problem::SLOW, problem::BODY_TOO_LONG, problem::MEDIA_TYPE, problem::INVALID];
+const QUESTION: &[Kind] = &[
+    problem::NOT_JSON,
+    problem::NOT_CODED,
+    problem::SLOW,
+    problem::BODY_TOO_LONG,
+    problem::MEDIA_TYPE,
+    problem::CODING,
+    problem::INVALID,
+];
 
 /// Adds to every operation what the handlers need not repeat.
 pub(super) fn completed(mut document: Api) -> Api {
@@ -61,7 +75,7 @@ pub(super) fn completed(mut document: Api) -> Api {
         for operation in [&mut item.get, &mut item.post, &mut item.delete].into_iter().flatten() {
             complete(path, operation);
         }
-        if path.starts_with("/v1/artifacts/") {
+        if path.starts_with("/v1/artifacts/") || path == "/v1/render" || path.starts_with("/kroki/") {
             item.head = item.get.as_ref().map(head);
         }
     }
@@ -70,10 +84,25 @@ pub(super) fn completed(mut document: Api) -> Api {
 
 fn complete(path: &str, operation: &mut Operation) {
     match path {
+        "/v1/render" | "/kroki/{format}/{data}" if operation.request_body.is_none() => {
+            bytes(operation, "200", &[RESULT, KEPT].concat());
+            headers(operation, "304", &["ETag", "Content-Location", "Cache-Status", "Cache-Control", "Vary"]);
+            let read = [problem::NOT_JSON, problem::URI_TOO_LONG, problem::BODY_TOO_LONG, problem::INVALID];
+            refuse(operation, &read);
+            if path == "/v1/render" {
+                refuse(operation, &[problem::NOT_ACCEPTABLE]);
+            } else {
+                refuse(operation, &[problem::NOT_FOUND]);
+            }
+            let made = [problem::TOO_LARGE, problem::TIMED_OUT, problem::GONE, problem::CANCELLED];
+            refuse(operation, &made);
+            refuse(operation, &[problem::BUSY, problem::UNFINISHED, problem::INTERNAL]);
+        }
         "/v1/render" => {
+            files(operation);
             bytes(operation, "200", &[RESULT, &["Accept-Ranges"]].concat());
             headers(operation, "202", &["Location", "Retry-After", "Preference-Applied"]);
-            headers(operation, "304", &["ETag", "Content-Location", "Cache-Status"]);
+            headers(operation, "304", &["ETag", "Content-Location", "Cache-Status", "Vary"]);
             refuse(operation, QUESTION);
             let own = [problem::TOO_LARGE, problem::TIMED_OUT, problem::NOT_ACCEPTABLE, problem::GONE];
             refuse(operation, &own);
@@ -102,10 +131,18 @@ fn complete(path: &str, operation: &mut Operation) {
     operation.responses.responses.insert("default".to_owned(), other.into());
 }
 
+/// Adds the mesh files that a body may be.
+fn files(operation: &mut Operation) {
+    let Some(RefOr::T(body)) = &mut operation.request_body else { return };
+    for reader in READERS {
+        body.content.insert(reader.media_type.to_owned(), RefOr::T(ContentBuilder::new().build()));
+    }
+}
+
 /// The operation as HEAD: the same headers, no content.
 fn head(get: &Operation) -> Operation {
     let mut head = get.clone();
-    head.operation_id = Some("artifact_head".to_owned());
+    head.operation_id = head.operation_id.map(|id| format!("{id}_head"));
     head.summary = Some("What GET would answer, without the bytes.".to_owned());
     head.responses.responses.remove("206");
     head.responses.responses.remove("416");
@@ -152,7 +189,7 @@ fn content(bytes: output::Content) -> Content {
     match bytes {
         output::Content::Json => ContentBuilder::new().schema(Some(of(Type::Object))).build(),
         output::Content::Text => ContentBuilder::new().schema(Some(of(Type::String))).build(),
-        output::Content::Binary => ContentBuilder::new().build(),
+        output::Content::Binary | output::Content::Packed => ContentBuilder::new().build(),
     }
 }
 

@@ -74,7 +74,9 @@ pub(super) async fn streamed(
     let (estimate, job) = (admitted.estimate(), admitted.job());
     let (memory_bytes, (key, size)) = (estimate.memory_bytes, estimate.outputs[0]);
     let (entries, swept) = (job.entries(&job.outputs[0]), estimate.on_demand || job.is_swept());
-    let warnings = job.input.mesh().map(Mesh::warnings).unwrap_or_default();
+    let mut warnings = job.input.mesh().map(Mesh::warnings).unwrap_or_default();
+    let output = &job.outputs[0];
+    warnings.extend(output.format.leaves_out(job.input.attachments(), &output.options));
     let task = Render::new(admitted.clone(), 0, Some(input));
     let media_type = task.media_type().to_owned();
     let streaming = app.desk.stream(Arc::new(task), memory_bytes, client.peer());
@@ -86,7 +88,8 @@ pub(super) async fn streamed(
     };
     let timings = Timings { queue: streamed.queue, swept, ..Timings::default() };
     let cache = "planish; fwd=miss";
-    let mut headers = Head { key, media_type: &media_type, warnings: &warnings, cache, timings: &timings }.headers();
+    let mut headers =
+        Head { key, coding: None, media_type: &media_type, warnings: &warnings, cache, timings: &timings }.headers();
     headers.insert(header::ACCEPT_RANGES, HeaderValue::from_static("none"));
     if let Size::Exact(bytes) = size
         && let Ok(bytes) = u64::try_from(bytes)

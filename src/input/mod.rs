@@ -11,6 +11,7 @@ mod off;
 mod ply;
 mod reader;
 mod room;
+mod sniff;
 mod stl;
 mod text;
 
@@ -33,4 +34,9 @@ pub fn named(name: &str) -> Option<&'static Reader> {
 /// The reader of files with an extension, given without the dot, in any case.
 pub fn of_extension(extension: &str) -> Option<&'static Reader> {
     READERS.iter().find(|reader| reader.name.eq_ignore_ascii_case(extension))
+}
+
+/// The reader of a file that shows by its first bytes what it is; glTF as JSON and most text do not.
+pub fn of_bytes(bytes: &[u8]) -> Option<&'static Reader> {
+    sniff::kind(bytes).and_then(named)
 }

@@ -55,6 +55,7 @@ pub(super) const OBJ: Reader = Reader {
     name: "obj",
     media_type: "model/obj",
     doc: "Wavefront OBJ: polygons, with crease, corner, hole and boundary tags",
+    doubles_vertices: false,
     read,
 };
 

@@ -18,6 +18,7 @@ pub(super) const OFF: Reader = Reader {
     name: "off",
     media_type: "model/off",
     doc: "Geomview OFF, COFF, NOFF, STOFF: polygons as text",
+    doubles_vertices: false,
     read: |file, limits| read(file.bytes, limits).map_err(|detail| vec![detail]),
 };
 

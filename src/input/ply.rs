@@ -29,6 +29,7 @@ pub(super) const PLY: Reader = Reader {
     name: "ply",
     media_type: "model/ply",
     doc: "Stanford PLY, text or binary: polygons, further numbers of vertices as channels",
+    doubles_vertices: false,
     read: |file, limits| read(file.bytes, limits).map_err(|detail| vec![detail]),
 };
 

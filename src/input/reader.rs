@@ -16,8 +16,11 @@ pub struct Reader {
     pub media_type: &'static str,
     /// One sentence for the catalogue.
     pub doc: &'static str,
-    /// Reads a file. No more memory is taken than the [`weight`](super::room::weight) of the length of the bytes, and
-    /// of those of the files beside it, whatever counts they claim. Refusals are sentences that name what is wrong by line or byte.
+    /// Whether files have a vertex once for each set of numbers that it carries.
+    pub doubles_vertices: bool,
+    /// Reads a file. No more memory is taken than the [`weight`](super::room::weight) of the length of the bytes and of
+    /// those of the files beside it, whatever counts they claim. Refusals are sentences that name what is wrong by line
+    /// or byte.
     pub read: fn(&File<'_>, &ReadLimits) -> Result<ReadMesh, Vec<String>>,
 }
 

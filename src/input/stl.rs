@@ -23,6 +23,7 @@ pub(super) const STL: Reader = Reader {
     name: "stl",
     media_type: "model/stl",
     doc: "STL, text or binary; equal corners are joined",
+    doubles_vertices: false,
     read: |file, limits| read(file.bytes, limits).map_err(|detail| vec![detail]),
 };
 

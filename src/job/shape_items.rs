@@ -11,7 +11,7 @@ use crate::shape::labels::Labels;
 use crate::shape::looks::{Alpha, Look};
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
-use crate::shape::repairs::{Faces, Repair};
+use crate::shape::repairs::{Edges, Faces, Repair};
 use crate::shape::textures::{Filter, Texture};
 use crate::shape::topology::{Topology, index};
 use crate::shape::uvs::Uvs;
@@ -92,6 +92,9 @@ pub(super) fn connectivity(mesh: &Mesh) -> Item<'_> {
 fn repair(repair: &Repair) -> Item<'_> {
     let count = |n: usize| Item::Integer(n as u64);
     let some = |Faces { count, first }: &Faces| [Item::Integer(*count as u64), Item::Indices(first.clone().into())];
+    let edges_of = |kind, Edges { count: n, first }: &Edges| {
+        vec![Item::text(kind), count(*n), Item::Indices(first.concat().into())]
+    };
     Item::List(match repair {
         Repair::Read(note) => vec![Item::text("read"), Item::text(note)],
         Repair::Welded { merged, pairs } => {
@@ -106,7 +109,14 @@ fn repair(repair: &Repair) -> Item<'_> {
         Repair::LeftOut(faces) => [Item::text("left out")].into_iter().chain(some(faces)).collect(),
         Repair::Turned(faces) => [Item::text("turned")].into_iter().chain(some(faces)).collect(),
         Repair::Paired { pairs, left } => vec![Item::text("paired"), count(*pairs), count(*left)],
-        Repair::Split { from, added } => vec![Item::text("split"), Item::Integer(u64::from(*from)), count(*added)],
+        Repair::Split { added, first } => {
+            vec![Item::text("split"), count(*added), Item::Indices(first.concat().into())]
+        }
+        Repair::Crowded(edges) => edges_of("crowded", edges),
+        Repair::Opposed(edges) => edges_of("opposed", edges),
+        Repair::Doubled(edges) => edges_of("doubled", edges),
+        Repair::Repeating(faces) => [Item::text("repeating")].into_iter().chain(some(faces)).collect(),
+        Repair::LostNumbers(name, merged) => vec![Item::text("lost numbers"), Item::text(name), count(*merged)],
     })
 }
 

@@ -108,8 +108,11 @@ fn of_repair(repair: &Repair) -> usize {
         Repair::Read(note) => note.capacity(),
         Repair::Welded { merged: _, pairs } => list(pairs),
         Repair::LostParameters(lost) => list(lost),
-        Repair::LeftOut(faces) | Repair::Turned(faces) => list(&faces.first),
-        Repair::Paired { pairs: _, left: _ } | Repair::Split { from: _, added: _ } => 0,
+        Repair::LeftOut(faces) | Repair::Turned(faces) | Repair::Repeating(faces) => list(&faces.first),
+        Repair::Crowded(edges) | Repair::Opposed(edges) | Repair::Doubled(edges) => list(&edges.first),
+        Repair::Split { added: _, first } => list(first),
+        Repair::LostNumbers(name, _) => name.capacity(),
+        Repair::Paired { pairs: _, left: _ } => 0,
     }
 }
 

@@ -46,6 +46,8 @@ pub enum Content {
     Text,
     /// Other bytes.
     Binary,
+    /// Bytes that the format has compressed.
+    Packed,
 }
 
 /// A way to write a scene as bytes.
@@ -67,6 +69,11 @@ pub trait Format: fmt::Debug + Send + Sync {
     /// The fault, with a pointer below the output.
     fn fits(&self, _counts: &Counts, _options: &Values) -> Result<(), Fault> {
         Ok(())
+    }
+
+    /// What the format leaves out of what a mesh carries although it may be missed, as a sentence.
+    fn leaves_out(&self, _carried: &Attachments, _options: &Values) -> Option<String> {
+        None
     }
 
     /// Bytes that `counts` will take.

@@ -72,7 +72,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     name: "png",
     extension: "png",
     media_type: "image/png",
-    content: Content::Binary,
+    content: Content::Packed,
     doc: "A picture in pixels: a lit mesh with hidden lines removed, or curves with their control polygons.",
     parameters: PARAMETERS,
     holds_frames: false,

@@ -1,6 +1,6 @@
 //! What a mesh carries besides its shape: channels of numbers on its vertices, and names on its faces.
 
-use super::check::Checked;
+use super::connect::Checked;
 use super::labels::{FaceSet, Labels};
 use super::looks::Look;
 use super::uvs::{Uvs, UvsInput};

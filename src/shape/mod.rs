@@ -3,9 +3,12 @@
 pub mod attachments;
 pub mod attributes;
 pub mod check;
+pub mod connect;
 mod corner_cut;
 pub mod creases;
+mod cut;
 pub mod directions;
+mod doubled;
 pub mod frame;
 pub mod grid;
 mod indices;

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use utoipa::ToSchema;
 
-use super::input::{InputRequest, Resolved};
+use super::input::{InputRequest, Purpose, Resolved};
 use super::levels::LevelsRequest;
 use super::object;
 use super::output::{OutputRequest, outputs};
@@ -105,7 +105,8 @@ impl JobRequest {
         }
         let kind = self.input.is_one().then(|| self.shape_kind());
         let frame = self.input.frame();
-        let input = keep(self.input.resolve(limits).map_err(|found| under("/input", found)), &mut faults);
+        let purpose = if self.plan.is_some() { Purpose::Refine } else { Purpose::Keep };
+        let input = keep(self.input.resolve(purpose, limits).map_err(|found| under("/input", found)), &mut faults);
         let outputs = keep(outputs(&self.outputs, self.left_out), &mut faults).unwrap_or_default();
         let says_boundary = self.plan.as_ref().is_some_and(|plan| plan.boundary.is_some());
         let mut plan = self.plan.map(PlanRequest::resolve);

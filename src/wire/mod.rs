@@ -17,11 +17,13 @@ pub mod object;
 pub mod output;
 pub mod plan;
 pub mod polygon;
+pub mod query;
 pub mod read;
 mod report;
 mod schema;
 pub mod text;
 mod variants;
+pub mod weld;
 pub(crate) mod written;
 
 pub use job::JobRequest;

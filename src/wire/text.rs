@@ -60,6 +60,8 @@ pub(super) struct Held {
     pub(super) boundary: Option<Boundary>,
     /// The line of each face, where files have such; else empty.
     pub(super) lines: Vec<u32>,
+    /// Whether files of its format have a vertex once for each set of numbers that it carries.
+    pub(super) is_doubled: bool,
 }
 
 impl TextRequest {
@@ -96,7 +98,7 @@ impl MeshFile {
                 ReadError::Unfit(faults) => at_data(faults),
             })?;
             let mesh = request.input(winding).map_err(at_data)?;
-            return Ok(Held { mesh, boundary: None, lines: Vec::new() });
+            return Ok(Held { mesh, boundary: None, lines: Vec::new(), is_doubled: false });
         }
         let Some(reader) = input::named(&self.format) else {
             let known: Vec<&str> = input::READERS.iter().map(|reader| reader.name).chain(["json"]).collect();
@@ -109,7 +111,7 @@ impl MeshFile {
         let file = File { bytes: &self.bytes, beside: &*self.beside };
         let mut mesh = (reader.read)(&file, limits).map_err::<Vec<Fault>, _>(refused)?;
         let (boundary, lines) = (mesh.boundary, std::mem::take(&mut mesh.lines));
-        Ok(Held { mesh: mesh.into_input(winding), boundary, lines })
+        Ok(Held { mesh: mesh.into_input(winding), boundary, lines, is_doubled: reader.doubles_vertices })
     }
 }
 

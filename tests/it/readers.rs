@@ -4,6 +4,7 @@
 mod beside;
 mod broken;
 mod bytes;
+mod doubled;
 mod everything;
 mod gltf;
 mod kinds;

@@ -296,7 +296,7 @@ fn glb() {
 #[test]
 fn a_job_points_to_its_text() {
     let check = |text: serde_json::Value, pointer: &str, detail: &str| {
-        let found = support::faults(json!({ "input": { "text": text } }));
+        let found = support::faults(json!({ "input": { "text": text, "non_manifold": "refuse" } }));
         assert_eq!((found[0].pointer.as_str(), found[0].detail.as_str()), (pointer, detail));
     };
     let data = "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\nf 1 2 3\n";
@@ -305,11 +305,12 @@ fn a_job_points_to_its_text() {
     check(json!({ "format": "obj", "data": data }), "/input/text/data", twice);
     let repeated = "line 7, in the mesh, /faces/1: ";
     let face = "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n\n# the next goes on\nf 1 2 \\\n 2\n";
-    let found = support::faults(json!({ "input": { "text": { "format": "obj", "data": face } } }));
+    let text = json!({ "format": "obj", "data": face });
+    let found = support::faults(json!({ "input": { "text": text, "non_manifold": "refuse" } }));
     assert!(found[0].detail.starts_with(repeated), "{found:?}");
     // repairs number faces anew
     let text = json!({ "format": "obj", "data": data });
-    let found = support::faults(json!({ "input": { "text": text, "weld": 0 } }));
+    let found = support::faults(json!({ "input": { "text": text, "weld": 0, "non_manifold": "refuse" } }));
     assert!(found[0].detail.starts_with("in the mesh, /faces/"), "{found:?}");
     check(
         json!({ "format": "obj", "data": "v" }),
