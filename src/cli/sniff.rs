@@ -1,5 +1,7 @@
 //! What an input is, by its first bytes, where its name does not tell.
 
+use crate::input;
+
 /// Most lines of a text that are looked at for one that only OBJ files have.
 const MOST_LINES: usize = 100;
 /// Bytes of a binary STL file before its triangles, and of each triangle.
@@ -9,7 +11,7 @@ const STL: [usize; 2] = [84, 50];
 ///
 /// # Errors
 /// A sentence, where the bytes are nothing that is known.
-pub(super) fn sniffed(bytes: &[u8]) -> Result<&'static str, &'static str> {
+pub(super) fn sniffed(bytes: &[u8]) -> Result<&'static str, String> {
     let text = bytes.trim_ascii_start();
     let first = text.split(|byte| byte.is_ascii_whitespace()).next().unwrap_or_default();
     match first {
@@ -19,8 +21,14 @@ pub(super) fn sniffed(bytes: &[u8]) -> Result<&'static str, &'static str> {
         _ if first.ends_with(b"OFF") => Ok("off"),
         _ if is_stl(bytes) || first == b"solid" => Ok("stl"),
         _ if text.split(|&byte| byte == b'\n').take(MOST_LINES).any(is_of_obj) => Ok("obj"),
-        _ => Err("it is no job (JSON), and no mesh file that is known by its first bytes; name its kind with \
-                  --input-format"),
+        _ => {
+            let text = input::is_text(bytes).then_some("plain text");
+            let what = input::foreign(bytes).or(text).map(|what| format!("it is {what}; ")).unwrap_or_default();
+            Err(format!(
+                "{what}it is no job (JSON), and no mesh file that is known by its first bytes; name its kind with \
+                 --input-format"
+            ))
+        }
     }
 }
 
