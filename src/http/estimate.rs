@@ -8,6 +8,7 @@ use axum::response::{IntoResponse, Response};
 
 use super::app::Shared;
 use super::client::Client;
+use super::content::Takes;
 use super::problem::Problem;
 use super::{body, negotiate, reading};
 use crate::wire::JobRequest;
@@ -24,7 +25,7 @@ use crate::wire::answer::EstimateAnswer;
 )]
 pub(super) async fn estimate(State(app): State<Shared>, client: Client, headers: HeaderMap, body: Body) -> Response {
     let answer = async {
-        let sent = body::collect(&app, &client, &headers, body).await?;
+        let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
         let read =
             reading::job(&app, &client, sent, usize::MAX, |request| negotiate::settle(&HeaderMap::new(), request));
         let admitted = reading::admit(&app, &client, read.await?.job).await?;

@@ -7,6 +7,7 @@ use axum::response::{IntoResponse, Response};
 
 use super::app::Shared;
 use super::client::Client;
+use super::content::Takes;
 use super::problem::Problem;
 use super::{body, negotiate};
 use crate::job::Input;
@@ -28,7 +29,7 @@ use crate::wire::read::{read, weight};
 )]
 pub(super) async fn validate(State(app): State<Shared>, client: Client, headers: HeaderMap, body: Body) -> Response {
     let answer = async {
-        let sent = body::collect(&app, &client, &headers, body).await?;
+        let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
         let (limits, bytes) = (app.desk.limits.reading(), weight(sent.bytes.len() as u64));
         let report = app.desk.read(client.peer(), bytes, move |_| {
             let mut request: JobRequest = read(&sent.bytes)?;

@@ -17,6 +17,7 @@ pub mod object;
 pub mod output;
 pub mod plan;
 pub mod polygon;
+pub mod query;
 pub mod read;
 mod report;
 mod schema;

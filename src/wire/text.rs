@@ -10,7 +10,7 @@ use super::mesh::MeshRequest;
 use super::read::{ReadError, read};
 use super::schema;
 use crate::fault::{Fault, did_you_mean, shortened};
-use crate::input::{self, Alone, Beside, File, ReadLimits};
+use crate::input::{self, Alone, Beside, File, ReadLimits, WithLibrary};
 use crate::scheme::tags::Boundary;
 use crate::shape::check::Winding;
 use crate::shape::mesh::MeshInput;
@@ -26,6 +26,8 @@ pub struct TextRequest {
     pub data: String,
     /// How `data` holds it: `text` (default), or `base64` for files that are no text.
     pub encoding: Option<EncodingRequest>,
+    /// The library of materials (MTL) of an OBJ file, whatever name the file gives it.
+    pub mtl: Option<String>,
 }
 
 choice! {
@@ -66,7 +68,7 @@ impl TextRequest {
     /// The file.
     ///
     /// # Errors
-    /// What is no base64.
+    /// What is no base64, and a library beside a file that can have none.
     pub fn file(self) -> Result<MeshFile, Fault> {
         let bytes = match self.encoding {
             None | Some(EncodingRequest::Text) => self.data.into_bytes(),
@@ -74,7 +76,12 @@ impl TextRequest {
                 input::from_base64(&self.data).map_err(|detail| Fault::new("/data", detail))?
             }
         };
-        Ok(MeshFile { format: self.format, bytes, beside: Arc::new(Alone) })
+        let beside: Arc<dyn Beside> = match self.mtl {
+            None => Arc::new(Alone),
+            Some(library) if self.format == "obj" => Arc::new(WithLibrary(library.into_bytes())),
+            Some(_) => return Err(Fault::new("/mtl", "only OBJ files have a library of materials; leave it out")),
+        };
+        Ok(MeshFile { format: self.format, bytes, beside })
     }
 }
 
