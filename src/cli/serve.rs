@@ -14,9 +14,10 @@ use crate::service::account::kept_buffers;
 /// Serves until the process is asked to stop; from then on it takes no longer than the setting allows, whatever
 /// threads still wait for a disk that hangs.
 pub(super) fn serve(given: Given, file: Option<&Path>) -> Result<(), CliError> {
+    let given = given.or(Given::of_variables(std::env::vars_os()).map_err(CliError::usage)?);
     let settings = Settings::read(given, file).map_err(CliError::usage)?;
     keep_at_most(usize::try_from(kept_buffers(settings.max_memory_bytes)).unwrap_or(usize::MAX));
-    let log = Log::start(settings.log_json).map_err(CliError::other)?;
+    let log = Log::start(&settings.log, settings.log_json).map_err(CliError::other)?;
     let patience = Duration::from_secs(settings.shutdown_timeout_s);
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(CliError::other)?;
     let asked = OnceLock::new();

@@ -6,14 +6,19 @@ use crate::input;
 ///
 /// # Errors
 /// A sentence, where the bytes are nothing that is known.
-pub(super) fn sniffed(bytes: &[u8]) -> Result<&'static str, &'static str> {
+pub(super) fn sniffed(bytes: &[u8]) -> Result<&'static str, String> {
     if bytes.trim_ascii_start().starts_with(b"{") {
         return Ok(of_json(bytes));
     }
     let reader = input::of_bytes(bytes).map(|reader| reader.name);
-    reader.ok_or(
-        "it is no job (JSON), and no mesh file that is known by its first bytes; name its kind with --input-format",
-    )
+    reader.ok_or_else(|| {
+        let text = input::is_text(bytes).then_some("plain text");
+        let what = input::foreign(bytes).or(text).map(|what| format!("it is {what}; ")).unwrap_or_default();
+        format!(
+            "{what}it is no job (JSON), and no mesh file that is known by its first bytes; name its kind with \
+             --input-format"
+        )
+    })
 }
 
 /// What a JSON object is.

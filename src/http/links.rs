@@ -70,7 +70,7 @@ pub(super) async fn link(
         Problem::invalid(vec![Fault::new(at, detail)])
     });
     let wanted = wanted.and_then(|job| wanted_by(&headers, &uri, &job, at));
-    let wanted = wanted.map(|wanted| Wanted { keep: streaming::asks_to_keep(Some(&query)), ..wanted });
+    let wanted = wanted.and_then(|wanted| Ok(Wanted { keep: streaming::asks_to_keep(Some(&query))?, ..wanted }));
     answered(&app, &client, &headers, wanted).await.unwrap_or_else(IntoResponse::into_response)
 }
 

@@ -37,7 +37,7 @@ pub(super) fn settle(headers: &HeaderMap, request: &mut JobRequest) -> Result<()
         _ => None,
     };
     // what names no format, and several outputs, are refused for that
-    let Some(format) = format.filter(|format| quality(&accepted, format.media_type()) == 0) else { return Ok(()) };
+    let Some(format) = format.filter(|format| allowed(&accepted, format.media_type()) == 0) else { return Ok(()) };
     let (name, media_type) = (format.name(), format.media_type());
     let detail = format!(
         "the output is {name}, {media_type}, which Accept does not allow; accept {media_type}, or leave outputs out \
@@ -54,7 +54,7 @@ fn accepted(headers: &HeaderMap) -> String {
 }
 
 /// The quality, in thousandths, that `Accept` gives to a media type: that of the entry that names it most precisely.
-fn quality(accepted: &str, media_type: &str) -> u32 {
+fn allowed(accepted: &str, media_type: &str) -> u32 {
     let matching = accepted.split(',').filter_map(|entry| accepts(entry, media_type));
     matching.max_by_key(|(precision, _)| *precision).map_or(0, |(_, quality)| quality)
 }
@@ -64,7 +64,7 @@ fn quality(accepted: &str, media_type: &str) -> u32 {
 fn format(accepted: &str, kind: ShapeKind) -> Result<&'static dyn Format, Problem> {
     let default = if kind == ShapeKind::Mesh { "glb" } else { "json" };
     let default = output::named(default).expect("the default formats are in the registry");
-    let quality = |format: &&dyn Format| quality(accepted, format.media_type());
+    let quality = |format: &&dyn Format| allowed(accepted, format.media_type());
     let holding = FORMATS.iter().copied().filter(|format| format.holds(kind).is_ok());
     let best = holding.clone().map(|format| quality(&format)).max().unwrap_or(0);
     if best == 0 {

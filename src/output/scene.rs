@@ -20,6 +20,17 @@ pub struct Scene<'a> {
     pub warnings: &'a [String],
     /// What its coordinates mean.
     pub frame: Frame,
+    /// The shape at levels whose results the writer refers to, the coarsest first.
+    pub details: &'a [Detail<'a>],
+}
+
+/// A shape at some level, whose result is found elsewhere.
+#[derive(Debug, Clone)]
+pub struct Detail<'a> {
+    /// The shape.
+    pub shape: Shape<'a>,
+    /// Where its result is, relative to the one that refers to it.
+    pub uri: String,
 }
 
 /// The shape as it was given, made when a writer asks for it.

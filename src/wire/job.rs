@@ -8,7 +8,7 @@ use super::levels::LevelsRequest;
 use super::object;
 use super::output::{OutputRequest, outputs};
 use super::plan::PlanRequest;
-use super::variants::PlanSchema;
+use super::variants::{InputSchema, PlanSchema};
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
 use crate::job::{Draft, Input, Job, Levels, Output, SearchError};
@@ -26,6 +26,7 @@ pub struct JobRequest {
     pub spec: Option<u64>,
     /// What is refined: exactly one kind of input.
     #[serde(deserialize_with = "object::one")]
+    #[schema(value_type = InputSchema)]
     pub input: InputRequest,
     /// How it is refined; may be left out together with `levels`, to convert or draw the input as it is.
     #[serde(default, deserialize_with = "object::optional")]

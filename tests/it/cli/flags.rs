@@ -181,7 +181,7 @@ fn validation_says_what_the_service_says_of_jobs_and_of_files() {
         assert_eq!(output.status.code(), Some(if answer["valid"] == true { 0 } else { REFUSED }));
     }
     let job = saved(&folder, &wrong);
-    let output = run(&["validate", &cube, &job, "--levels", "99"]);
+    let output = run(&["validate", &cube, &job, "--preset", "catmull-clark", "--levels", "99"]);
     assert_eq!(output.status.code(), Some(REFUSED), "{}", text(&output.stderr));
     let said = text(&output.stdout);
     let lines: Vec<Value> = said.lines().map(|line| serde_json::from_str(line).unwrap()).collect();

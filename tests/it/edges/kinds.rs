@@ -68,9 +68,13 @@ async fn every_kind_everywhere(server: &Server, path: &str) {
             if refused {
                 let pointer = answer.json()["errors"][0]["pointer"].as_str().unwrap().to_owned();
                 assert!(!pointer.is_empty(), "{why}");
-                // without the name that chooses what it is, the plan as a whole is none
-                let is_plan = ["/plan/preset", "/plan/word"].contains(&place.as_str()) && pointer == "/plan";
-                let here = is_plan || pointer == *place || pointer.starts_with(&format!("{place}/"));
+                // without what chooses its kind, an input or a plan as a whole is none
+                let chooses =
+                    [("/input", &["mesh", "text", "polygon", "polygons"][..]), ("/plan", &["preset", "word"])];
+                let is_none = chooses.iter().any(|(whole, fields)| {
+                    pointer == *whole && fields.iter().any(|field| *place == format!("{whole}/{field}"))
+                });
+                let here = is_none || pointer == *place || pointer.starts_with(&format!("{place}/"));
                 assert!(here || document.takes(schema, &value), "the pointer leads elsewhere: {why}");
             } else {
                 assert!(document.takes(schema, &value), "the schema forbids it: {why}");

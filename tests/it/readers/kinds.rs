@@ -124,7 +124,7 @@ fn ply_takes_any_types_and_orders_and_keeps_further_numbers() {
         let color = Channel { name: "color".to_owned(), width: 3, values: colors };
         let heat = Channel { name: "heat".to_owned(), width: 1, values: vec![7.0, -8.0, 9.0, 0.0] };
         assert_eq!(found.channels, [color, heat]);
-        let notes = ["elements \"material\" are left out: 1", "the property \"quality\" of faces is left out"];
+        let notes = ["elements \"material\" are left out: 1", "properties of faces are left out: \"quality\""];
         assert_eq!(found.notes, notes);
     }
 }
