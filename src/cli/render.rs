@@ -138,8 +138,10 @@ impl Task<'_> {
                 made.map_err(|error| {
                     CliError::files(format!("cannot make a folder for {}: {error}", target.display()))
                 })?;
-                let report = to_file(target, |out| self.write(&admitted, &teller, out))?;
-                self.write_details(&admitted, &teller, target, limits)?;
+                let mut files = Files::default();
+                let report = to_file(&mut files, target, |out| self.write(&admitted, &teller, out))?;
+                self.write_details(&admitted, &teller, (&mut files, target), limits)?;
+                files.finish().map_err(|error| unwritten(target, &error))?;
                 report
             }
         };
@@ -151,19 +153,19 @@ impl Task<'_> {
         Ok(())
     }
 
-    /// Writes the results to which the output refers beside its file.
+    /// Writes the results to which the output refers, which go beside its file.
     fn write_details(
         &self,
         admitted: &Admitted,
         teller: &Teller<'_>,
-        target: &Path,
+        (files, target): (&mut Files, &Path),
         limits: &Limits,
     ) -> Result<(), CliError> {
         let job = admitted.job();
         for detail in job.details(&job.outputs[0]) {
             let name = format!("{}.{}", detail.keys()[0], detail.outputs[0].format.extension());
             let detail = limits.admit(detail).map_err(|refusal| teller.not_admitted(refusal))?;
-            to_file(&target.with_file_name(name), |out| self.write(&detail, teller, out))?;
+            to_file(files, &target.with_file_name(name), |out| self.write(&detail, teller, out))?;
         }
         Ok(())
     }
@@ -182,14 +184,19 @@ impl Task<'_> {
     }
 }
 
-/// Writes a file, which is there when all of it is written.
-fn to_file(target: &Path, write: impl FnOnce(&mut dyn Write) -> Result<Report, CliError>) -> Result<Report, CliError> {
-    let cannot = |error: io::Error| CliError::files(format!("cannot write {}: {error}", target.display()));
-    let mut files = Files::default();
+/// Writes a file of an output.
+fn to_file(
+    files: &mut Files,
+    target: &Path,
+    write: impl FnOnce(&mut dyn Write) -> Result<Report, CliError>,
+) -> Result<Report, CliError> {
+    let cannot = |error: io::Error| unwritten(target, &error);
     let mut out = BufWriter::with_capacity(1 << 20, files.create(target).map_err(cannot)?);
     let report = write(&mut out)?;
     out.flush().map_err(cannot)?;
-    drop(out);
-    files.finish().map_err(cannot)?;
     Ok(report)
+}
+
+fn unwritten(target: &Path, error: &io::Error) -> CliError {
+    CliError::files(format!("cannot write {}: {error}", target.display()))
 }
