@@ -96,7 +96,7 @@ for (const file of readdirSync(jobs).filter((file) => /-(glb|gltf)\.json$/.test(
   for (const format of ["glb", "gltf"]) {
     let plain;
     // three.js shows the finest level
-    const lod = [...new Set([0, job.levels])];
+    const lod = [...new Set([0, job.levels ?? 0])];
     const levels = Object.entries(LODS).map(([way, options]) => [way, { ...options, lod }]);
     for (const [way, options] of [...Object.entries(WAYS), ...(format === "gltf" ? levels : [])]) {
       const path = join(out, `${name}-${way}.${format}`);
