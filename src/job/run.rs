@@ -15,6 +15,7 @@ use crate::output::scene::{Control, Curve, Detail, Scene, Shape};
 use crate::refine::{RefinedMesh, StreamedMesh};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::tags::Boundary;
+use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
 use crate::watch::{Stage, Watch};
@@ -110,7 +111,9 @@ fn form(
 fn write(scene: &Scene<'_>, output: &Output, out: &mut dyn Write, watch: &Watch) -> Result<Report, RunError> {
     watch.enter(Stage::Encode);
     output.format.write(scene, &output.options, out, watch)?;
-    Ok(Report { warnings: scene.warnings.to_vec() })
+    let carried = if let Shape::Mesh(mesh) = scene.shape { mesh.attachments() } else { Attachments::none() };
+    let left_out = output.format.leaves_out(carried, &output.options);
+    Ok(Report { warnings: scene.warnings.iter().cloned().chain(left_out).collect() })
 }
 
 /// Polygons as they were given.
