@@ -165,7 +165,7 @@ impl Task<'_> {
         for detail in job.details(&job.outputs[0]) {
             let name = format!("{}.{}", detail.keys()[0], detail.outputs[0].format.extension());
             let detail = limits.admit(detail).map_err(|refusal| teller.not_admitted(refusal))?;
-            to_file(&target.with_file_name(name), |out| self.write(&detail, teller, out))?;
+            to_file(&target.with_file_name(name), None, |out| self.write(&detail, teller, out))?;
         }
         Ok(())
     }

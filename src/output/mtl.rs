@@ -33,7 +33,7 @@ const TEXTURES: Parameter = Parameter {
 
 /// The materials of a mesh as a library for OBJ files: `newmtl` with its name, and as far as they are said `Kd` (red,
 /// green, blue as they are given), `d` (alpha), `Pm` (metallic), `Pr` (roughness), and `map_Kd` where textures have names.
-/// What alpha does and which sides are seen have no place in it.
+/// What alpha does and which sides are seen have no place in it. The library of a mesh without materials has none.
 #[derive(Debug)]
 pub(super) struct Mtl;
 
@@ -56,10 +56,8 @@ impl Format for Mtl {
         FACTS
     }
 
-    fn suits(&self, _: ShapeKind, carried: &Attachments, options: &Values) -> Result<(), Fault> {
-        check_file_name(&TEXTURES, options)?;
-        let missing = || Fault::new("/format", "the mesh has no materials to tell of; leave it out");
-        if carried.materials.is_empty() { Err(missing()) } else { Ok(()) }
+    fn suits(&self, _: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
+        check_file_name(&TEXTURES, options)
     }
 
     fn leaves_out(&self, carried: &Attachments, options: &Values) -> Option<String> {
