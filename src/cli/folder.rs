@@ -9,7 +9,7 @@ use crate::fault::shortened;
 use crate::input::Beside;
 use crate::job::amounts::in_bytes;
 
-/// Most bytes that are read beside one file. Scenes with pictures come to some hundred megabytes; half of it would
+/// Most bytes that are read beside one file, and that reading it may take beyond its weight. Scenes with pictures come to some hundred megabytes; half of it would
 /// refuse some of them, twice as much would fill the memory of small machines.
 const MOST_BYTES: u64 = 2 << 30;
 
@@ -52,6 +52,10 @@ impl Folder {
 }
 
 impl Beside for Folder {
+    fn spare(&self) -> u64 {
+        MOST_BYTES
+    }
+
     fn read(&self, name: &str, most: u64) -> Result<Vec<u8>, String> {
         // some programs write names as Windows has them
         let name = name.replace('\\', "/");
