@@ -3,6 +3,7 @@
 //! Sources: Wavefront Technologies, Advanced Visualizer Manual (1995), appendix B1; for the tags (`t`) the shape files
 //! of OpenSubdiv, `regression/common/shape_utils`.
 
+mod comment;
 mod corner;
 mod faces;
 mod library;
@@ -10,6 +11,7 @@ mod tags;
 
 use std::collections::BTreeMap;
 
+use self::comment::without_comment;
 use self::faces::Faces;
 use self::library::Library;
 use super::beside::File;
@@ -213,12 +215,6 @@ impl State {
         mesh.notes.extend(self.left_out.iter().map(|(what, n)| format!("{what} are left out: {n}")));
         Ok(mesh)
     }
-}
-
-/// The line without a comment; a `#` within a word belongs to a name.
-fn without_comment(line: &str) -> &str {
-    let starts = |(at, _): &(usize, &str)| line[..*at].chars().next_back().is_none_or(char::is_whitespace);
-    line.match_indices('#').find(starts).map_or(line, |(at, _)| &line[..at])
 }
 
 /// A texture coordinate of one to three numbers; the third says nothing of a surface.

@@ -11,6 +11,8 @@ pub enum Item<'a> {
     Number(f64),
     /// A text, UTF-8.
     Text(Cow<'a, str>),
+    /// Bytes.
+    Bytes(&'a [u8]),
     /// Many numbers.
     Numbers(Cow<'a, [f64]>),
     /// Many indices.
@@ -39,6 +41,10 @@ impl Item<'_> {
             Self::Text(text) => {
                 start(3, length(text.len()));
                 out.extend(text.as_bytes());
+            }
+            Self::Bytes(bytes) => {
+                start(7, length(bytes.len()));
+                out.extend_from_slice(bytes);
             }
             Self::Numbers(xs) => {
                 start(4, length(xs.len()));

@@ -56,10 +56,8 @@ impl Format for Mtl {
         FACTS
     }
 
-    fn suits(&self, _: ShapeKind, carried: &Attachments, options: &Values) -> Result<(), Fault> {
-        check_file_name(&TEXTURES, options)?;
-        let missing = || Fault::new("/format", "the mesh has no materials to tell of; leave it out");
-        if carried.materials.is_empty() { Err(missing()) } else { Ok(()) }
+    fn suits(&self, _: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
+        check_file_name(&TEXTURES, options)
     }
 
     fn leaves_out(&self, carried: &Attachments, options: &Values) -> Option<String> {
