@@ -127,6 +127,10 @@ impl Task<'_> {
         let alone = || ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().map_err(CliError::other);
         let _pool = is_short.then(alone).transpose()?;
         let teller = Teller { flags: &self.options.flags, is_file, format };
+        if self.target.is_none() && admitted.job().detail_keys().next().is_some() {
+            let detail = "--output: levels of detail are files beside the document; give it a file";
+            return Err(CliError::usage(detail));
+        }
         let report = match self.target {
             None => self.write(&admitted, &teller, &mut io::stdout().lock())?,
             Some((target, makes_folders)) => {
@@ -136,7 +140,9 @@ impl Task<'_> {
                     CliError::files(format!("cannot make a folder for {}: {error}", target.display()))
                 })?;
                 let library = Library::of(&admitted, target);
-                to_file(target, library.as_ref(), |out| self.write(&admitted, &teller, out))?
+                let report = to_file(target, library.as_ref(), |out| self.write(&admitted, &teller, out))?;
+                self.write_details(&admitted, &teller, target, limits)?;
+                report
             }
         };
         if let Some(reached) = admitted.job().reached {
@@ -144,6 +150,23 @@ impl Task<'_> {
             self.progress.note(self.source, &text);
         }
         report.warnings.iter().for_each(|warning| self.progress.note(self.source, warning));
+        Ok(())
+    }
+
+    /// Writes the results to which the output refers beside its file.
+    fn write_details(
+        &self,
+        admitted: &Admitted,
+        teller: &Teller<'_>,
+        target: &Path,
+        limits: &Limits,
+    ) -> Result<(), CliError> {
+        let job = admitted.job();
+        for detail in job.details(&job.outputs[0]) {
+            let name = format!("{}.{}", detail.keys()[0], detail.outputs[0].format.extension());
+            let detail = limits.admit(detail).map_err(|refusal| teller.not_admitted(refusal))?;
+            to_file(&target.with_file_name(name), None, |out| self.write(&detail, teller, out))?;
+        }
         Ok(())
     }
 

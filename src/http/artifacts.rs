@@ -25,7 +25,8 @@ use crate::service::task::Render;
     get, path = "/v1/artifacts/{file}", tag = "jobs",
     params(
         ("file" = String, Path, description = "Key of the artifact (64 hexadecimal digits), a dot, and the extension \
-            of its format"),
+            of its format",
+            example = "7fd9512d51873010739dc6b61ab050e2fa8041f4f0258865739ad5cfefd188f2.obj"),
         ("Range" = Option<String>, Header, description = "One range of bytes, `bytes=first-last`"),
         ("If-Range" = Option<String>, Header, description = "An ETag; where it is another, `Range` is ignored"),
         ("If-None-Match" = Option<String>, Header, description = "ETags of results that the client has"),
@@ -111,7 +112,13 @@ async fn again(app: &Arc<App>, client: &Client, key: &Key) -> Result<Artifact, P
     let media_type = record.summary.output.1.media_type();
     let headers = HeaderMap::from_iter([(header::ACCEPT, HeaderValue::from_static(media_type))]);
     let read = render::read(app, client, &headers, Sent::job(record.summary.request.clone()), None).await?;
-    let admitted = reading::admit(app, client, read.job).await?;
+    // it may be one to which the result of that job refers
+    let job = match read.job.keys()[0] == *key {
+        true => Some(read.job),
+        false => read.job.detail(key),
+    };
+    let gone = || Problem::new(problem::GONE, "the job of this artifact has become another one; send it again");
+    let admitted = reading::admit(app, client, job.ok_or_else(gone)?).await?;
     let job = admitted.job();
     let entries = job.entries(&job.outputs[0]);
     let interest = app.desk.compute(Arc::new(Render::new(admitted, 0, Some(read.input))), client.peer())?;

@@ -70,7 +70,7 @@ impl Kind {
         let reader = match self {
             Self::Job => return Ok(Notation::Job),
             Self::File(reader) => reader,
-            Self::Untold => input::of_bytes(body).ok_or_else(|| unknown(headers, true))?,
+            Self::Untold => input::of_bytes(body).ok_or_else(|| unknown(headers, true, body))?,
         };
         let query = if let Takes::Files(query) = takes { query } else { "" };
         Ok(Notation::File(reader, query.into()))
@@ -117,17 +117,18 @@ fn kind(headers: &HeaderMap, takes_files: bool) -> Result<Kind, Problem> {
         (_, Some(reader)) if takes_files => Ok(Kind::File(reader)),
         (None, _) if takes_files => Ok(Kind::Untold),
         (Some(essence), _) if takes_files && UNTOLD.contains(&essence) => Ok(Kind::Untold),
-        _ => Err(unknown(headers, takes_files)),
+        _ => Err(unknown(headers, takes_files, &[])),
     }
 }
 
-/// The refusal of a body that says or shows no type that is read here.
-fn unknown(headers: &HeaderMap, takes_files: bool) -> Problem {
+/// The refusal of a body that says or shows no type that is read here; `body` is empty where it is not read yet.
+fn unknown(headers: &HeaderMap, takes_files: bool, body: &[u8]) -> Problem {
     let said = match text(headers, &header::CONTENT_TYPE) {
         Some(named) => format!("Content-Type is {}", shortened(&named)),
         None => "Content-Type is missing".to_owned(),
     };
-    let mut detail = format!("{said}; send the job as Content-Type: application/json");
+    let shown = input::foreign(body).map(|what| format!(", and the body is {what}")).unwrap_or_default();
+    let mut detail = format!("{said}{shown}; send the job as Content-Type: application/json");
     if takes_files {
         let types: Vec<&str> = READERS.iter().map(|reader| reader.media_type).collect();
         detail += &format!(

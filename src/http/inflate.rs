@@ -1,5 +1,5 @@
-//! Bodies that come compressed: inflated in the lane for reading, piece by piece, no further than a body may be long, with
-//! the memory of what comes out taken from the account before it is there.
+//! Bodies that come compressed: inflated in the lane for reading, piece by piece, no further than a body may be long,
+//! with the memory of what comes out taken from the account before it is there.
 
 use std::io::Read;
 use std::sync::Arc;

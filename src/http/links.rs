@@ -44,8 +44,8 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     get, path = "/v1/render", tag = "jobs",
     params(
         ("job" = String, Query, description = "The job as JSON, perhaps compressed by zlib, in base64url",
-            example = "eyJpbnB1dCI6eyJwb2x5Z29uIjp7InBvaW50cyI6W1swLDBdLFsxLDBdLFsxLDFdXSwiY2xvc2VkIjp0cnVlfX0sInBsYW4iOns\
-                icHJlc2V0IjoiY2hhaWtpbiJ9LCJsZXZlbHMiOjIsIm91dHB1dHMiOlt7ImZvcm1hdCI6InN2ZyJ9XX0"),
+            example = "eyJpbnB1dCI6eyJwb2x5Z29uIjp7InBvaW50cyI6W1swLDBdLFsxLDBdLFsxLDFdXSwiY2xvc2VkIjp0cnVlfX0sIn\
+                BsYW4iOnsicHJlc2V0IjoiY2hhaWtpbiJ9LCJsZXZlbHMiOjIsIm91dHB1dHMiOlt7ImZvcm1hdCI6InN2ZyJ9XX0"),
         ("keep" = Option<bool>, Query,
             description = "`true` keeps the result even where it has more than `keep_at_most_bytes`"),
         ("If-None-Match" = Option<String>, Header, description = "ETags of results that the client has"),
@@ -70,7 +70,7 @@ pub(super) async fn link(
         Problem::invalid(vec![Fault::new(at, detail)])
     });
     let wanted = wanted.and_then(|job| wanted_by(&headers, &uri, &job, at));
-    let wanted = wanted.map(|wanted| Wanted { keep: streaming::asks_to_keep(Some(&query)), ..wanted });
+    let wanted = wanted.and_then(|wanted| Ok(Wanted { keep: streaming::asks_to_keep(Some(&query))?, ..wanted }));
     answered(&app, &client, &headers, wanted).await.unwrap_or_else(IntoResponse::into_response)
 }
 
@@ -81,8 +81,8 @@ pub(super) async fn link(
     params(
         ("format" = String, Path, description = "The name of a format, see /v1/formats", example = "svg"),
         ("data" = String, Path, description = "The job without `outputs`, as `job` of GET /v1/render",
-            example = "eyJpbnB1dCI6eyJwb2x5Z29uIjp7InBvaW50cyI6W1swLDBdLFsxLDBdLFsxLDFdXSwiY2xvc2VkIjp0cnVlfX0sInBsYW4iOns\
-                icHJlc2V0IjoiY2hhaWtpbiJ9LCJsZXZlbHMiOjJ9"),
+            example = "eyJpbnB1dCI6eyJwb2x5Z29uIjp7InBvaW50cyI6W1swLDBdLFsxLDBdLFsxLDFdXSwiY2xvc2VkIjp0cnVlfX0sIn\
+                BsYW4iOnsicHJlc2V0IjoiY2hhaWtpbiJ9LCJsZXZlbHMiOjJ9"),
         ("If-None-Match" = Option<String>, Header, description = "ETags of results that the client has"),
     ),
     responses(

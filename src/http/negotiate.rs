@@ -96,7 +96,7 @@ fn accepts(entry: &str, media_type: &str) -> Option<(u8, u32)> {
     } else {
         return None;
     };
-    Some((precision, quality(parts)?))
+    Some((precision, said_quality(parts)?))
 }
 
 /// A weight of digits and a point.
@@ -136,7 +136,8 @@ pub(super) fn has_kept(headers: &HeaderMap, key: &Key) -> Option<String> {
     has_already(headers, key).or_else(|| unwanted(headers).any(|tag| tag == "*").then(|| etag(key, None)))
 }
 
-/// The coding that the client likes best, unless it likes bytes as they are better (`Accept-Encoding`, RFC 9110, 12.5.3).
+/// The coding that the client likes best, unless it likes bytes as they are better (`Accept-Encoding`, RFC 9110,
+/// 12.5.3).
 pub(super) fn coding(headers: &HeaderMap) -> Option<Coding> {
     let values = headers.get_all(header::ACCEPT_ENCODING).iter().filter_map(|value| value.to_str().ok());
     let entries: Vec<(&str, u32)> = values.flat_map(|value| value.split(',')).filter_map(liked).collect();
@@ -152,11 +153,11 @@ pub(super) fn coding(headers: &HeaderMap) -> Option<Coding> {
 fn liked(entry: &str) -> Option<(&str, u32)> {
     let mut parts = entry.split(';').map(str::trim);
     let name = parts.next().filter(|name| !name.is_empty())?;
-    Some((name, quality(parts)?))
+    Some((name, said_quality(parts)?))
 }
 
 /// The quality that parameters say, in thousandths; all of it where they say none.
-fn quality<'a>(mut parts: impl Iterator<Item = &'a str>) -> Option<u32> {
+fn said_quality<'a>(mut parts: impl Iterator<Item = &'a str>) -> Option<u32> {
     let said = parts.find_map(|part| part.strip_prefix("q=").or_else(|| part.strip_prefix("Q=")));
     let quality = said.map_or(Some(1.0), weight)?;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..1000")]

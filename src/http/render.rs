@@ -24,7 +24,7 @@ use crate::fault::Fault;
 use crate::job::key::Key;
 use crate::job::limits::Admitted;
 use crate::output::Format;
-use crate::service::computation::Phase;
+use crate::service::computation::{Phase, Timings};
 use crate::service::jobs::JobSummary;
 use crate::service::peer::Paid;
 use crate::service::task::Render;
@@ -40,8 +40,8 @@ use crate::wire::query::name_of;
 /// or zstd (`Content-Encoding`).
 ///
 /// Without `outputs`, `Accept` chooses the format; with them it has to allow theirs, or the answer is 406.
-/// `Prefer: wait=N` (default 30 s, at most 300 s) bounds the wait; after
-/// it the answer is 202 with the address of the job.
+/// `Prefer: wait=N` (default 30 s, at most 300 s) bounds the wait; after it the answer is 202 with the address of the
+/// job.
 ///
 /// A result of more than `keep_at_most_bytes` (see /v1/limits) is sent while it is made and not kept, unless the query
 /// says `keep=true` or `Prefer` says `respond-async`. `Content-Length` is there where the length is known beforehand.
@@ -55,10 +55,7 @@ use crate::wire::query::name_of;
         ("keep" = Option<bool>, Query,
             description = "`true` keeps the result even where it has more than `keep_at_most_bytes`"),
     ),
-    request_body(content = JobRequest, example = json!({
-        "input": { "polygon": { "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "closed": true } },
-        "plan": { "preset": "chaikin" }, "levels": 4, "outputs": [{ "format": "svg" }]
-    })),
+    request_body = JobRequest,
     responses(
         (status = 200, description = "The bytes of the result, in the format that `outputs` or `Accept` asks for; \
             where `levels` is a tolerance, `Planish-Level` and `Planish-Bound` say what it led to"),
@@ -77,7 +74,7 @@ pub(super) async fn render(
     let answer = async {
         let (sent, identity) = (early.sent?, early.identity);
         let notation = sent.notation.clone();
-        let wanted = Wanted { sent, identity, format: None, keep: streaming::asks_to_keep(query.as_deref()) };
+        let wanted = Wanted { sent, identity, format: None, keep: streaming::asks_to_keep(query.as_deref())? };
         let answered = rendered(&app, &client, &headers, wanted).await;
         answered.map_err(|problem| match notation {
             Notation::Job => problem,
@@ -113,6 +110,9 @@ pub(super) async fn rendered(
     }
     let read = read(app, client, headers, sent, format).await?;
     let known = Known::of(&read.job);
+    if read.job.detail_keys().next().is_some() {
+        return referring(app, client, headers, read, known).await;
+    }
     if let Some(tag) = negotiate::has_already(headers, &known.key) {
         return Ok(not_modified(&known, tag));
     }
@@ -147,6 +147,24 @@ pub(super) async fn rendered(
     made(app, client, headers, patience, (admitted, input, sent), known).await
 }
 
+/// The answer to a job whose result refers to others: it is made or found as any, and its record is there afterwards,
+/// from which the others are made when they are asked for.
+async fn referring(
+    app: &Arc<App>,
+    client: &Client,
+    headers: &HeaderMap,
+    ReadJob { job, input, sent }: ReadJob,
+    known: Known,
+) -> Result<Response, Problem> {
+    let admitted = reading::admit(app, client, job).await?;
+    streaming::check_kept(app, &admitted)?;
+    let tag = negotiate::has_already(headers, &known.key);
+    let patience = negotiate::patience(headers);
+    let answered = made(app, client, headers, patience, (admitted, input, sent), known.clone()).await?;
+    let is_here = answered.status() == StatusCode::OK;
+    Ok(tag.filter(|_| is_here).map_or(answered, |tag| not_modified(&known, tag)))
+}
+
 /// Remembers a request whose job was admitted, now or when its result was made.
 fn remember(app: &Arc<App>, request: Option<Key>, known: &Known) {
     if let Some(request) = request {
@@ -173,28 +191,42 @@ async fn made(
     (admitted, input, sent): (Arc<Admitted>, Arc<Paid>, Sent),
     known: Known,
 ) -> Result<Response, Problem> {
+    let job = admitted.job();
+    let id = job.id();
+    let entries = job.entries(&job.outputs[0]);
+    let summary = |request| JobSummary {
+        output: (job.outputs[0].name.clone(), job.outputs[0].format, known.key),
+        entries,
+        estimate: admitted.estimate().clone(),
+        reached: job.reached,
+        details: job.detail_keys().collect(),
+        request,
+    };
+    // the others are made from the record
+    let refers = job.detail_keys().next().is_some();
     // somebody else may have had it made while it was forecast
     if let Some(manifest) = app.desk.tiers.at_hand(&known.key)
-        && let Ok(response) = whole(app, headers, Artifact::kept(manifest, client.peer()), &known).await
+        && let Ok(response) = whole(app, headers, Artifact::kept(manifest.clone(), client.peer()), &known).await
     {
+        if refers {
+            app.desk.record(id, summary(sent.text()), (manifest, Timings::default()), client.peer())?;
+        }
         return Ok(response);
     }
-    let job = admitted.job();
-    let (id, output, reached) = (job.id(), &job.outputs[0], job.reached);
-    let entries = job.entries(output);
-    let output = (output.name.clone(), output.format, known.key);
-    let estimate = admitted.estimate().clone();
-    let interest = app.desk.compute(Arc::new(Render::new(admitted, 0, Some(input))), client.peer())?;
+    let interest = app.desk.compute(Arc::new(Render::new(admitted.clone(), 0, Some(input))), client.peer())?;
     let computation = interest.computation.clone();
     match tokio::time::timeout(patience, computation.finished()).await {
         Ok(Phase::Done(outcome)) => {
+            let made = (outcome.manifest.clone(), outcome.timings);
             let found = Artifact::made(&outcome, interest.provenance, client.peer());
+            if refers {
+                app.desk.record(id, summary(sent.text()), made, client.peer())?;
+            }
             Ok(whole(app, headers, found, &known).await?)
         }
         Ok(Phase::Failed(failure)) => Err(Problem::of_failure(failure, |fault| entries.fault(fault))),
         Ok(Phase::Queued | Phase::Running) | Err(_) => {
-            let request = sent.text();
-            app.desk.detach(id, JobSummary { output, entries, estimate, reached, request }, interest, client.peer())?;
+            app.desk.detach(id, summary(sent.text()), interest, client.peer())?;
             Ok(later(app, &id, said.then_some(patience.as_secs())))
         }
     }
@@ -216,7 +248,7 @@ pub(super) async fn read(
     format: Option<&'static dyn Format>,
 ) -> Result<ReadJob, Problem> {
     let headers = headers.clone();
-    reading::job(app, client, sent, 1, move |request| {
+    let prepare = move |request: &mut JobRequest| {
         if let Some(format) = format {
             if !request.outputs.is_empty() {
                 let detail = "the address names the format; leave the outputs out of the job";
@@ -225,8 +257,8 @@ pub(super) async fn read(
             request.outputs = vec![OutputRequest::of_format(format.name())];
         }
         negotiate::settle(&headers, request)
-    })
-    .await
+    };
+    reading::job(app, client, sent, 1, prepare).await
 }
 
 /// What a tolerance led to: the level, and how far from the limit the result is at most.

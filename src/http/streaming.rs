@@ -13,6 +13,7 @@ use super::answer::Head;
 use super::app::App;
 use super::client::Client;
 use super::problem::{self, Problem};
+use crate::fault::{Fault, shortened};
 use crate::job::amounts::in_bytes;
 use crate::job::limits::Admitted;
 use crate::output::Size;
@@ -24,8 +25,21 @@ use crate::service::task::{Render, Task};
 use crate::shape::mesh::Mesh;
 
 /// Whether a query asks to keep the result.
-pub(super) fn asks_to_keep(query: Option<&str>) -> bool {
-    query.is_some_and(|query| query.split('&').any(|pair| matches!(pair, "keep" | "keep=true" | "keep=1")))
+///
+/// # Errors
+/// What is neither yes nor no.
+pub(super) fn asks_to_keep(query: Option<&str>) -> Result<bool, Problem> {
+    let pairs = query.unwrap_or_default().split('&');
+    let asked =
+        pairs.filter_map(|pair| pair.strip_prefix("keep").filter(|rest| rest.is_empty() || rest.starts_with('=')));
+    asked.map(|said| said.trim_start_matches('=')).try_fold(false, |keep, said| match said {
+        "" | "true" | "1" => Ok(true),
+        "false" | "0" => Ok(keep),
+        other => {
+            let detail = format!("\"{}\" is neither true nor false", shortened(other));
+            Err(Problem::invalid(vec![Fault::new("?keep", detail)]))
+        }
+    })
 }
 
 /// Whether the result of a job is sent while it is made: it is large, the client did not say that it comes back later,

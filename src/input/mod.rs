@@ -6,6 +6,7 @@ mod beside;
 mod collect;
 mod colors;
 mod gltf;
+mod kind;
 mod obj;
 mod off;
 mod ply;
@@ -20,6 +21,7 @@ pub use crate::shape::labels::FaceSet;
 pub use crate::shape::looks::Look;
 pub use base64::decode as from_base64;
 pub use beside::{Alone, Beside, File, WithLibrary};
+pub use kind::{foreign, is_text, own};
 pub use reader::{ReadLimits, ReadMesh, Reader, Uvs};
 pub use room::weight;
 

@@ -3,7 +3,6 @@
 //! Sources: Wavefront Technologies, Advanced Visualizer Manual (1995), appendix B1; for the tags (`t`) the shape files
 //! of OpenSubdiv, `regression/common/shape_utils`.
 
-mod comment;
 mod corner;
 mod faces;
 mod library;
@@ -11,13 +10,12 @@ mod tags;
 
 use std::collections::BTreeMap;
 
-use self::comment::without_comment;
 use self::faces::Faces;
 use self::library::Library;
 use super::beside::File;
 use super::collect::Collected;
 use super::reader::{ReadLimits, ReadMesh, Reader};
-use super::text::{at_line, number, numbers, quoted, text};
+use super::text::{at_line, number, numbers, quoted, text, without_comment};
 use crate::shape::attachments::Channel;
 
 /// Faults that are told one by one.
@@ -47,12 +45,14 @@ const FREE_FORM: &[&str] = &[
     "vp", "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv", "sp", "end", "con",
 ];
 
+/// Those that begin such a part.
+const SHAPES: &[&str] = &["curv", "curv2", "surf"];
+
 /// OBJ. Faces keep their size; indices may be negative; normals are checked and ignored. Objects and groups (`o`, `g`)
 /// are groups, `usemtl` makes materials, three or four numbers after a position are a colour. `g default` is how the
 /// format says that faces are in no group, and `usemtl default` is read alike: faces after it have no material. How
 /// these look is read from the libraries that `mtllib` names, where whoever hands the file over has them. Tags:
-/// `crease`, `corner`, `hole`, `interpolateboundary`. Points and lines are left out with a note; free-form geometry is
-/// refused.
+/// `crease`, `corner`, `hole`, `interpolateboundary`. Points, lines and free-form geometry are left out with a note.
 pub(super) const OBJ: Reader = Reader {
     name: "obj",
     media_type: "model/obj",
@@ -62,7 +62,7 @@ pub(super) const OBJ: Reader = Reader {
 };
 
 fn read(file: &File<'_>, limits: &ReadLimits) -> Result<ReadMesh, Vec<String>> {
-    let text = text(file.bytes).map_err(|detail| vec![detail])?;
+    let text = text(file.bytes);
     let mut state = State::new(limits);
     let mut lines = text.lines().enumerate();
     let mut joined = String::new();
@@ -167,7 +167,10 @@ impl State {
             }
             _ if PASSED_OVER.contains(&keyword) => Ok(()),
             _ if FREE_FORM.contains(&keyword) => {
-                Err(format!("{} belongs to free-form geometry, which is not read; send polygons", quoted(keyword)))
+                if SHAPES.contains(&keyword) {
+                    *self.left_out.entry("free-form curves and surfaces".to_owned()).or_default() += 1;
+                }
+                Ok(())
             }
             _ => Err(format!(
                 "{} is no statement of OBJ; known are v, vt, vn, f, g, o, usemtl, t, l, p",

@@ -46,7 +46,7 @@ impl Kind {
 }
 
 fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
-    let text = text(bytes)?;
+    let text = text(bytes);
     let mut words = Words::new(&text, 1, Some('#'));
     let mut line = words.expect_line("\"OFF\"")?;
     let kind = Kind::read(line.next().unwrap_or_default()).map_err(|detail| at_line(words.line, detail))?;

@@ -1,46 +1,38 @@
 //! What a mesh file is, by its first bytes, where its sender does not say.
 
-/// Bytes that are looked at: the comments that programs write before the first vertex of OBJ are shorter. Half of it
-/// misses files with long licences; twice of it looks twice as long at what is no mesh.
-const HEAD: usize = 64 << 10;
-/// Bytes of the header of binary STL and of its count, and of each of its triangles.
+/// Most lines of a text that are looked at for one that only OBJ files have.
+/// Half of it misses files with longer licences before their first vertex; twice of it looks at more of what is none.
+const MOST_LINES: usize = 100;
+/// Bytes of these lines that are looked at, at most: a few thousand for each.
+const MOST_TEXT: usize = 256 << 10;
+/// Bytes of a binary STL file before its triangles, and of each triangle.
 const STL: [usize; 2] = [84, 50];
-/// Words that begin lines of OBJ.
-const OBJ: [&str; 9] = ["v", "vn", "vt", "vp", "f", "o", "g", "mtllib", "usemtl"];
 
 /// The name of the reader of a file that shows by its first bytes what it is.
 pub(super) fn kind(bytes: &[u8]) -> Option<&'static str> {
-    let head = &bytes[..bytes.len().min(HEAD)];
-    let kinds: [(&str, fn(&[u8], usize) -> bool); 5] =
-        [("glb", is_glb), ("ply", is_ply), ("off", is_off), ("stl", is_stl), ("obj", is_obj)];
-    kinds.into_iter().find(|(_, is)| is(head, bytes.len())).map(|(name, _)| name)
+    let text = bytes[..bytes.len().min(MOST_TEXT)].trim_ascii_start();
+    let first = text.split(u8::is_ascii_whitespace).next().unwrap_or_default();
+    match first {
+        _ if bytes.starts_with(b"glTF") => Some("glb"),
+        b"ply" => Some("ply"),
+        _ if first.ends_with(b"OFF") => Some("off"),
+        _ if is_stl(bytes) || first == b"solid" => Some("stl"),
+        _ if text.split(|&byte| byte == b'\n').take(MOST_LINES).any(is_of_obj) => Some("obj"),
+        _ => None,
+    }
 }
 
-fn is_glb(head: &[u8], _: usize) -> bool {
-    head.starts_with(b"glTF")
+/// Whether a binary STL file would be so long.
+fn is_stl(bytes: &[u8]) -> bool {
+    let count = bytes.get(80..84).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
+    let length = |n: u32| usize::try_from(n).ok()?.checked_mul(STL[1])?.checked_add(STL[0]);
+    count.and_then(length).is_some_and(|length| length == bytes.len())
 }
 
-fn is_ply(head: &[u8], _: usize) -> bool {
-    head.starts_with(b"ply\n") || head.starts_with(b"ply\r")
-}
-
-/// `OFF`, after letters that say what stands beside positions.
-fn is_off(head: &[u8], _: usize) -> bool {
-    let word = head.split(u8::is_ascii_whitespace).next().unwrap_or_default();
-    word.len() <= 8 && word.ends_with(b"OFF")
-}
-
-/// Text that begins with `solid`, or bytes as long as their count of triangles says.
-fn is_stl(head: &[u8], length: usize) -> bool {
-    let count = head.get(80..STL[0]).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
-    let has_triangles = |count: u32| (count as usize).saturating_mul(STL[1]).saturating_add(STL[0]) == length;
-    let is_text = head.starts_with(b"solid") && head.windows(5).any(|word| word == b"facet");
-    is_text || count.is_some_and(has_triangles)
-}
-
-/// Text whose first line that is no comment begins with a word of OBJ.
-fn is_obj(head: &[u8], _: usize) -> bool {
-    let text = String::from_utf8_lossy(head);
-    let mut words = text.lines().filter_map(|line| line.split_ascii_whitespace().next());
-    words.find(|word| !word.starts_with('#')).is_some_and(|word| OBJ.contains(&word))
+/// Whether a line is one of an OBJ file.
+fn is_of_obj(line: &[u8]) -> bool {
+    let mut words = line.trim_ascii().split(u8::is_ascii_whitespace);
+    let key = words.next().unwrap_or_default();
+    let follows = words.next().is_some();
+    follows && [&b"v"[..], b"vn", b"vt", b"f", b"mtllib", b"o", b"g"].contains(&key)
 }

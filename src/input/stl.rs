@@ -83,7 +83,7 @@ impl Soup {
     }
 
     fn read_text(&mut self, bytes: &[u8]) -> Result<(), String> {
-        let text = text(bytes)?;
+        let text = text(bytes);
         let mut words = Words::new(&text, 1, None);
         while let Some(word) = words.next() {
             if !is(word, "solid") {

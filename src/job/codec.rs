@@ -11,12 +11,12 @@ pub enum Item<'a> {
     Number(f64),
     /// A text, UTF-8.
     Text(Cow<'a, str>),
-    /// Bytes.
-    Bytes(&'a [u8]),
     /// Many numbers.
     Numbers(Cow<'a, [f64]>),
     /// Many indices.
     Indices(Cow<'a, [u32]>),
+    /// Bytes of a file.
+    Bytes(Cow<'a, [u8]>),
     /// Several items.
     List(Vec<Item<'a>>),
 }
@@ -42,10 +42,6 @@ impl Item<'_> {
                 start(3, length(text.len()));
                 out.extend(text.as_bytes());
             }
-            Self::Bytes(bytes) => {
-                start(7, length(bytes.len()));
-                out.extend_from_slice(bytes);
-            }
             Self::Numbers(xs) => {
                 start(4, length(xs.len()));
                 xs.iter().for_each(|x| out.extend(number(x)));
@@ -53,6 +49,10 @@ impl Item<'_> {
             Self::Indices(xs) => {
                 start(5, length(xs.len()));
                 xs.iter().for_each(|x| out.extend(x.to_le_bytes()));
+            }
+            Self::Bytes(bytes) => {
+                start(7, length(bytes.len()));
+                out.extend(&**bytes);
             }
             Self::List(items) => {
                 start(6, length(items.len()));

@@ -4,6 +4,7 @@ pub mod amounts;
 pub mod codec;
 mod complete;
 mod curves;
+mod details;
 mod draft;
 mod entry;
 mod error;

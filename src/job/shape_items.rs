@@ -152,7 +152,7 @@ fn attachments(attachments: &Attachments, creased: bool) -> Option<Item<'_>> {
     (!kinds.is_empty()).then_some(Item::List(kinds))
 }
 
-/// How a material looks; a picture by its bytes.
+/// How a material looks, with the bytes of its picture.
 fn look<'a>(look: &'a Look) -> Item<'a> {
     let Look { color, metallic, roughness, double_sided, alpha, texture } = look;
     let mut items = Vec::new();
@@ -175,7 +175,8 @@ fn look<'a>(look: &'a Look) -> Item<'a> {
         texture.as_ref().map(|Texture { image, wrap, magnify, minify }| {
             let filter = |filter: &Option<Filter>| Item::text(filter.map_or("", Filter::name));
             let wrap = wrap.iter().map(|wrap| Item::text(wrap.name()));
-            Item::List([Item::Bytes(image.bytes()), filter(magnify), filter(minify)].into_iter().chain(wrap).collect())
+            let bytes = Item::Bytes(image.bytes().into());
+            Item::List([bytes, filter(magnify), filter(minify)].into_iter().chain(wrap).collect())
         }),
     );
     Item::List(items)

@@ -204,6 +204,11 @@ impl Values {
         self.0.iter().filter(|entry| !entry.usual).map(|entry| (entry.name, &entry.value))
     }
 
+    /// The values but for one of a name.
+    pub fn without(&self, name: &str) -> Self {
+        Self(self.0.iter().filter(|entry| entry.name != name).cloned().collect())
+    }
+
     /// The value of a declared parameter.
     pub fn get(&self, name: &str) -> &Value {
         self.0.iter().find(|entry| entry.name == name).map_or(&Value::Absent, |entry| &entry.value)
@@ -237,6 +242,11 @@ impl Values {
     /// Whether a list of choices contains `item`.
     pub fn has(&self, name: &str, item: &str) -> bool {
         matches!(self.get(name), Value::Choices(items) if items.contains(&item))
+    }
+
+    /// A list of numbers, empty when absent.
+    pub fn numbers(&self, name: &str) -> &[f64] {
+        if let Value::Numbers(x) = self.get(name) { x } else { &[] }
     }
 
     /// A colour, or `None` when absent.

@@ -50,6 +50,17 @@ pub enum Content {
     Packed,
 }
 
+/// Results that other bytes refer to: the same shape at some levels.
+#[derive(Debug)]
+pub struct Details {
+    /// The format of these results.
+    pub format: &'static dyn Format,
+    /// The option that asks for them.
+    pub option: &'static str,
+    /// Levels, in ascending order, the last of which is that of the job.
+    pub levels: Vec<u32>,
+}
+
 /// A way to write a scene as bytes.
 pub trait Format: fmt::Debug + Send + Sync {
     /// What the format declares.
@@ -101,6 +112,12 @@ pub trait Format: fmt::Debug + Send + Sync {
     /// the faces: then they can be made while they are written.
     fn streams(&self, _mesh: &Mesh, _options: &Values) -> &'static [Tile] {
         &[]
+    }
+
+    /// The levels of refinement whose results the bytes refer to, and the format of these, which takes all options but
+    /// the one that asks for them.
+    fn details(&self, _options: &Values) -> Option<Details> {
+        None
     }
 
     /// Writes the scene.

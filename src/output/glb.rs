@@ -7,7 +7,8 @@ use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
-use crate::output::gltf_amounts::{self, Amounts, Contents, split_vertices, with_normals};
+use crate::output::gltf_amounts::{self, Amounts, Contents, split_vertices};
+use crate::output::gltf_bin;
 use crate::output::gltf_buffer::{Buffer, buffered};
 use crate::output::gltf_document::{PARAMETERS, document};
 use crate::output::gltf_pack::Packed;
@@ -82,13 +83,7 @@ impl Format for Glb {
     }
 
     fn streams(&self, mesh: &Mesh, options: &Values) -> &'static [Tile] {
-        match with_normals(options) {
-            _ if Packing::of(options).is_some() => &[],
-            false => &[Tile::Quad, Tile::Triangle],
-            // vertices on sharp edges have copies with normals of their own
-            true if mesh.creases.is_empty() && hard_edges::angle(options).is_none() => &[Tile::Quad],
-            true => &[],
-        }
+        gltf_bin::streams(mesh, options)
     }
 
     fn write(

@@ -6,13 +6,15 @@ use base64::engine::general_purpose::STANDARD;
 use base64::write::EncoderWriter;
 
 use crate::fault::Fault;
-use crate::math::parameter::Values;
+use crate::math::parameter::{Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::format::{Content, Details, Format, FormatFacts};
 use crate::output::gltf_amounts::{self, Amounts, Contents};
+use crate::output::gltf_bin::GltfBin;
 use crate::output::gltf_buffer::buffered;
 use crate::output::gltf_document::{PARAMETERS, document};
+use crate::output::gltf_levels::{self, LOD};
 use crate::output::gltf_pack::Packed;
 use crate::output::gltf_packing::{self, Packing};
 use crate::output::hard_edges;
@@ -30,13 +32,24 @@ const URI: &str = "data:application/octet-stream;base64,";
 #[derive(Debug)]
 pub(super) struct Gltf;
 
+/// The options of both containers, and the one that takes several files.
+const ALL_PARAMETERS: &[Parameter] = &{
+    let mut all = [LOD; PARAMETERS.len() + 1];
+    let mut i = 0;
+    while i < PARAMETERS.len() {
+        all[i] = PARAMETERS[i];
+        i += 1;
+    }
+    all
+};
+
 const FACTS: &FormatFacts = &FormatFacts {
     name: "gltf",
     extension: "gltf",
     media_type: "model/gltf+json",
     content: Content::Json,
     doc: "Self-contained glTF 2.0 in JSON: as glb, with the numbers as base64",
-    parameters: PARAMETERS,
+    parameters: ALL_PARAMETERS,
     holds_frames: true,
     holds: |kind, _| holds_space("gltf", kind),
 };
@@ -47,11 +60,13 @@ impl Format for Gltf {
     }
 
     fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
+        gltf_levels::suits(kind, options)?;
         gltf_packing::suits(kind, options)
     }
 
     fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
         gltf_amounts::fits(counts, options)?;
+        gltf_levels::fits(counts, options)?;
         gltf_packing::fits(counts, options)
     }
 
@@ -65,11 +80,19 @@ impl Format for Gltf {
 
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         let (amounts, contents) = (Amounts::of(counts, options), Contents::of(counts, options));
+        if let Some(size) = gltf_levels::size(contents, options) {
+            return size;
+        }
         let (json, binary) = match Packing::of(options) {
             Some(packing) => (contents.packed_room(), amounts.packed_bytes(packing)),
             None => (contents.room(), amounts.bytes()),
         };
         Size::AtMost(total(&[(json, 1), (URI.len() as u128, 1), (binary.div_ceil(3), 4)]))
+    }
+
+    fn details(&self, options: &Values) -> Option<Details> {
+        let levels = gltf_levels::of(options)?;
+        Some(Details { format: &GltfBin, option: LOD.name, levels })
     }
 
     fn write(
@@ -79,6 +102,9 @@ impl Format for Gltf {
         out: &mut dyn Write,
         watch: &Watch,
     ) -> Result<(), FormatError> {
+        if !scene.details.is_empty() {
+            return gltf_levels::write(scene, out, watch);
+        }
         buffered(scene, options, watch, |buffer| match Packing::of(options) {
             Some(packing) => {
                 let packed = Packed::of(buffer, packing, watch)?;

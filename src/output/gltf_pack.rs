@@ -72,7 +72,7 @@ impl Packed {
     }
 
     /// The document as JSON.
-    fn value(&self, uri: Option<&str>) -> Result<Value, FormatError> {
+    pub(super) fn value(&self, uri: Option<&str>) -> Result<Value, FormatError> {
         let written = self.root.to_vec().map_err(|error| unwritten(&error))?;
         let mut value: Value = serde_json::from_slice(&written).map_err(|error| unwritten(&error))?;
         if let (Some(uri), Some(buffer)) = (uri, value.pointer_mut("/buffers/0")) {

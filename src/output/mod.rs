@@ -17,10 +17,12 @@ mod glb;
 mod gltf;
 mod gltf_amounts;
 mod gltf_animation;
+mod gltf_bin;
 mod gltf_buffer;
 mod gltf_codec;
 mod gltf_document;
 mod gltf_grid;
+mod gltf_levels;
 mod gltf_looks;
 mod gltf_order;
 mod gltf_pack;
@@ -48,7 +50,7 @@ mod vertex_sums;
 
 pub use counts::{Counts, ShapeKind};
 pub use error::FormatError;
-pub use format::{Content, Format, FormatFacts};
+pub use format::{Content, Details, Format, FormatFacts};
 pub use options::{LIMIT, POSITIONS, TANGENTS};
 pub use size::Size;
 
@@ -60,6 +62,7 @@ pub const FORMATS: &[&dyn Format] = &[
     &mtl::Mtl,
     &glb::Glb,
     &gltf::Gltf,
+    &gltf_bin::GltfBin,
     &ply::Ply,
     &stl::Stl,
     &png::Png,

@@ -14,8 +14,8 @@ use crate::watch::Watch;
 
 /// Version of the variants: raised when an encoder or its effort changes, so that one ETag never names two texts.
 const VERSION: u32 = 1;
-/// Efforts, each the least beyond which the next takes twice the time or more for a tenth fewer bytes; the numbers stand
-/// in decision 0023.
+/// Efforts, each the least beyond which the next takes twice the time or more for a tenth fewer bytes: decision 0023
+/// has the numbers.
 const ZSTD_LEVEL: i32 = 3;
 const BROTLI_QUALITY: u32 = 2;
 const GZIP_LEVEL: u32 = 2;

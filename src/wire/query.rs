@@ -1,14 +1,17 @@
 //! Jobs as the query of an address says them, beside a mesh file: names with dots for the places in the job, and texts
-//! that are typed by what presets, operators and formats declare.
+//! that are typed by what the job, presets, operators and formats declare.
+
+use std::sync::LazyLock;
 
 use base64::Engine;
 use serde_json::{Map, Value, json};
 
+use super::fields::{Field, Part, fields, output_fields};
 use super::job::JobRequest;
 use super::read::{ReadError, read};
 use super::text::MeshFile;
-use super::written::written;
-use crate::fault::{Fault, shortened};
+use super::written::{number, written};
+use crate::fault::{Fault, did_you_mean, shortened};
 use crate::math::parameter::{Kind, Parameter};
 use crate::output;
 use crate::scheme::parameters::WORD_PARAMETERS;
@@ -16,22 +19,15 @@ use crate::scheme::presets::PRESETS;
 
 /// What a query says that is no part of the job.
 const BESIDE_THE_JOB: &[&str] = &["keep"];
-/// Names without dots, and their places in the job. The one output has the name `output` until the job is whole.
-const NAMES: &[(&str, &[&str])] = &[
-    ("preset", &["plan", "preset"]),
-    ("word", &["plan", "word"]),
-    ("boundary", &["plan", "boundary"]),
-    ("ends", &["plan", "ends"]),
-    ("seed", &["plan", "seed"]),
-    ("levels", &["levels"]),
-    ("format", &["output", "format"]),
-    ("spec", &["spec"]),
-];
-/// First names of those with dots, and their places in the job.
-const FAMILIES: &[(&str, &[&str])] =
-    &[("parameters", &["plan", "parameters"]), ("output", &["output"]), ("input", &["input"]), ("levels", &["levels"])];
-/// Fields that hold texts, whatever these look like.
-const TEXTS: &[&str] = &["preset", "word", "boundary", "ends", "format", "output.name"];
+/// Names of what is no field of the plan; the others of those without dots are such fields.
+const NAMES: [&str; 2] = ["levels", "format"];
+/// First names of those with dots, and their places in the job. The one output has the name `output` until the job is
+/// whole.
+const FAMILIES: [(&str, &[&str]); 4] =
+    [("parameters", &["plan", "parameters"]), ("output", &["output"]), ("input", &["input"]), ("levels", &["levels"])];
+
+/// The fields that are declared, read off once.
+static FIELDS: LazyLock<Vec<Field>> = LazyLock::new(fields);
 
 /// The job that a query says, but for its input, as JSON.
 ///
@@ -46,7 +42,7 @@ pub fn job(query: &str) -> Result<Map<String, Value>, Vec<Fault>> {
             Some(preset) => PRESETS.iter().find(|known| known.name == preset).map_or(&[], |known| known.parameters),
             None => WORD_PARAMETERS,
         },
-        options: given("format").and_then(output::named).map_or(&[], |format| format.facts().parameters),
+        options: given("format").and_then(output::named).map(|format| format.facts().parameters),
     };
     let (mut job, mut faults) = (Map::new(), Vec::new());
     for (name, text) in &pairs {
@@ -102,22 +98,30 @@ pub fn name_of(pointer: &str) -> String {
     }
 }
 
+/// The fields of the plan.
+fn plan_fields() -> impl Iterator<Item = &'static str> {
+    FIELDS.iter().filter(|field| field.part == Part::Plan).map(|field| field.name.as_str())
+}
+
 /// Where in a job a name leads.
 fn place(name: &str) -> Result<Vec<String>, String> {
     let of = |places: &[&str], rest: &[&str]| places.iter().chain(rest).map(|&part| part.to_owned()).collect();
-    if let Some((_, place)) = NAMES.iter().find(|(known, _)| *known == name) {
-        return Ok(of(place, &[]));
+    match name {
+        "levels" => return Ok(of(&["levels"], &[])),
+        "format" => return Ok(of(&["output", "format"], &[])),
+        name if plan_fields().any(|known| known == name) => return Ok(of(&["plan"], &[name])),
+        _ => {}
     }
     let parts: Vec<&str> = name.split('.').collect();
     let family = FAMILIES.iter().find(|(known, _)| parts.len() > 1 && *known == parts[0]);
     if let Some((_, place)) = family.filter(|_| parts.iter().all(|part| !part.is_empty())) {
         return Ok(of(place, &parts[1..]));
     }
-    let names: Vec<&str> = NAMES.iter().map(|(name, _)| *name).collect();
+    let known: Vec<&str> = plan_fields().chain(NAMES).chain(BESIDE_THE_JOB.iter().copied()).collect();
     Err(format!(
-        "there is no such parameter; known are {}, keep, and parameters.NAME, output.OPTION, input.FIELD, \
-         levels.tolerance",
-        names.join(", ")
+        "there is no such parameter; {}known are {}, and parameters.NAME, output.OPTION, input.FIELD, levels.tolerance",
+        did_you_mean(name, known.iter().copied()),
+        known.join(", ")
     ))
 }
 
@@ -135,37 +139,48 @@ fn put(job: &mut Map<String, Value>, place: &[String], value: Value) -> Result<(
     }
 }
 
-/// What is declared of the parameters of a plan, and of the options of a format.
+/// What is declared of the parameters of a plan, and of the options of a format, where one is named.
 struct Declared {
     parameters: &'static [Parameter],
-    options: &'static [Parameter],
+    options: Option<&'static [Parameter]>,
 }
 
 impl Declared {
-    /// The value that a text stands for.
+    /// The value that a text stands for; what stands for none is left as it is, to be refused with a reason.
     fn typed(&self, name: &str, text: &str) -> Value {
-        match self.kind(name) {
-            _ if TEXTS.contains(&name) => Value::from(text),
-            Some(Kind::Flag) if text.is_empty() => Value::Bool(true),
-            Some(kind) => written(&kind, text),
-            None => serde_json::from_str(text).unwrap_or_else(|_| Value::from(text)),
+        let (family, rest) = name.split_once('.').unwrap_or(("", name));
+        let field = |part| FIELDS.iter().find(|field| field.part == part && field.name == rest);
+        let field = match family {
+            "" => field(Part::Plan),
+            "input" => field(Part::Input),
+            _ => None,
+        };
+        match (self.kind(family, rest), field) {
+            (Some(Kind::Flag), _) if text.is_empty() => Value::Bool(true),
+            (Some(kind), _) => written(&kind, text),
+            (None, Some(field)) => field.value(text),
+            (None, None) if matches!(name, "format" | "output.name") => text.into(),
+            (None, None) => number(text),
         }
     }
 
     /// What may be written for a parameter or an option.
-    fn kind(&self, name: &str) -> Option<Kind> {
+    fn kind(&self, family: &str, name: &str) -> Option<Kind> {
         let mut parts = name.split('.');
-        let mut declared = match parts.next()? {
-            "parameters" => self.parameters,
-            "output" => self.options,
+        let first = parts.next()?;
+        let named = |declared: &'static [Parameter], name: &str| {
+            declared.iter().find(|parameter| parameter.name == name).map(|parameter| parameter.kind)
+        };
+        let mut kind = match (family, self.options) {
+            ("parameters", _) => named(self.parameters, first)?,
+            ("output", Some(options)) if named(options, first).is_some() => named(options, first)?,
+            ("output", _) => *output_fields().iter().find(|field| field.name == first)?.kind(),
             _ => return None,
         };
-        let mut kind = None;
         for part in parts {
-            let parameter = declared.iter().find(|parameter| parameter.name == part)?;
-            declared = if let Kind::Group(fields) = parameter.kind { fields } else { &[] };
-            kind = Some(parameter.kind);
+            let Kind::Group(fields) = kind else { return None };
+            kind = named(fields, part)?;
         }
-        kind
+        Some(kind)
     }
 }

@@ -52,9 +52,24 @@ fn refusal(error: &serde_json::Error, pointer: String, bytes: &[u8]) -> ReadErro
         ReadError::Unfit(vec![placed(pointer, &detail)])
     } else {
         let deep = text.starts_with("recursion limit");
-        let remedy = if deep { "; lists and objects are nested too deep" } else { "" };
+        let remedy = match broken.as_ref().unwrap_or(error) {
+            _ if deep => "; lists and objects are nested too deep",
+            error if is_no_number(bytes, error) => "; JSON has neither NaN nor Infinity, all numbers are finite",
+            _ => "",
+        };
         ReadError::NotJson(format!("the body is not JSON: {text}{remedy}"))
     }
+}
+
+/// Whether at the place of an error stands what other languages write for a number that is none.
+fn is_no_number(bytes: &[u8], error: &serde_json::Error) -> bool {
+    let line = bytes.split(|&byte| byte == b'\n').nth(error.line().saturating_sub(1)).unwrap_or_default();
+    let word = |start: usize| line.get(start..).unwrap_or_default().trim_ascii_start();
+    // the column is that of the letter at which reading stopped, up to three behind the first one
+    let at = [3, 2, 1, 0].map(|before| word(error.column().saturating_sub(before)));
+    let is_name =
+        |word: &[u8], name: &str| word.get(..name.len()).is_some_and(|w| w.eq_ignore_ascii_case(name.as_bytes()));
+    at.iter().any(|word| ["nan", "-nan", "inf", "-inf"].iter().any(|name| is_name(word, name)))
 }
 
 /// The fault at its place: a field that is missing or written twice has one of its own, and a field that is unknown may

@@ -86,6 +86,23 @@ impl TextRequest {
 }
 
 impl MeshFile {
+    /// Why the file could not be read as what it is said to be: what it is, where its first bytes tell, else these
+    /// sentences.
+    fn unread(&self, name: &str, details: Vec<String>) -> Vec<Fault> {
+        if let Some(what) = input::foreign(&self.bytes) {
+            let known: Vec<&str> = input::READERS.iter().map(|reader| reader.name).collect();
+            let detail = format!("the file is {what}; meshes are read from {} and json", known.join(", "));
+            return vec![Fault::new("/data", detail)];
+        }
+        if let Some(own) = input::own(&self.bytes).filter(|own| *own != name) {
+            return vec![Fault::new(
+                "/format",
+                format!("the file begins like {own}, not like {name}; read it as {own}"),
+            )];
+        }
+        details.into_iter().map(|detail| Fault::new("/data", detail)).collect()
+    }
+
     /// Reads the file.
     ///
     /// # Errors
@@ -107,11 +124,25 @@ impl MeshFile {
                 format!("there is no reader \"{}\"; {meant}known are {}", shortened(&self.format), known.join(", "));
             return Err(vec![Fault::new("/format", detail)]);
         };
-        let refused = |details: Vec<String>| details.into_iter().map(|detail| Fault::new("/data", detail)).collect();
+        let refused = |details: Vec<String>| self.unread(reader.name, details);
         let file = File { bytes: &self.bytes, beside: &*self.beside };
-        let mut mesh = (reader.read)(&file, limits).map_err::<Vec<Fault>, _>(refused)?;
+        let mut mesh = (reader.read)(&file, limits).map_err(refused)?;
+        if mesh.faces.is_empty() {
+            return Err(vec![Fault::new("/data", without_faces(mesh.positions.len(), &mesh.notes))]);
+        }
         let (boundary, lines) = (mesh.boundary, std::mem::take(&mut mesh.lines));
         Ok(Held { mesh: mesh.into_input(winding), boundary, lines, is_doubled: reader.doubles_vertices })
+    }
+}
+
+/// Why a file without faces is refused.
+fn without_faces(n_points: usize, notes: &[String]) -> String {
+    let others = if notes.is_empty() { String::new() } else { format!(" ({})", notes.join("; ")) };
+    match n_points {
+        0 => format!("the file holds no mesh: neither vertices nor faces{others}"),
+        n => format!(
+            "the file is a point cloud: {n} points and no faces{others}; make a surface of them first, as MeshLab does"
+        ),
     }
 }
 

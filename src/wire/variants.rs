@@ -1,4 +1,4 @@
-//! Schemas of plans and outputs: one for each preset and format, with its own parameters or options.
+//! Schemas of inputs, plans and outputs: one for each kind, preset and format, with its own fields.
 
 use std::borrow::Cow;
 
@@ -7,6 +7,7 @@ use utoipa::openapi::{Object, ObjectBuilder, OneOfBuilder, Ref, RefOr, Schema, T
 use utoipa::{PartialSchema, ToSchema};
 
 use super::declared::{object, with_all};
+use super::input::InputRequest;
 use super::output::{FRAME, OutputRequest};
 use super::plan::PlanRequest;
 use super::schema::of;
@@ -18,6 +19,66 @@ use crate::scheme::word;
 
 /// A schema with its name.
 type Named = (String, RefOr<Schema>);
+
+/// The schema of an input: that of one of the kinds of inputs.
+#[derive(Debug)]
+pub(super) struct InputSchema;
+
+/// The kinds of inputs, with the names of their schemas, and whether they are meshes.
+const INPUTS: [(&str, &str, bool); 4] = [
+    ("mesh", "MeshInput", true),
+    ("text", "TextInput", true),
+    ("polygon", "PolygonInput", false),
+    ("polygons", "PolygonsInput", false),
+];
+/// The fields that belong to every kind of input; all others are about meshes.
+const OF_ALL_INPUTS: [&str; 2] = ["unit", "up"];
+
+impl PartialSchema for InputSchema {
+    fn schema() -> RefOr<Schema> {
+        let kinds = INPUTS.iter().map(|(_, name, _)| Ref::from_schema_name(*name));
+        kinds.fold(OneOfBuilder::new(), OneOfBuilder::item).description(Some("What is refined.")).into()
+    }
+}
+
+impl ToSchema for InputSchema {
+    fn name() -> Cow<'static, str> {
+        Cow::Borrowed("InputRequest")
+    }
+
+    fn schemas(schemas: &mut Vec<Named>) {
+        InputRequest::schemas(schemas);
+        let RefOr::T(Schema::Object(all)) = InputRequest::schema() else { return };
+        for (kind, name, is_mesh) in INPUTS {
+            let belongs = |field: &str| {
+                let is_kind = INPUTS.iter().any(|(other, ..)| *other == field);
+                if is_kind { field == kind } else { is_mesh || OF_ALL_INPUTS.contains(&field) }
+            };
+            let fields = all.properties.iter().filter(|(field, _)| belongs(field));
+            let fields =
+                fields.map(|(field, schema)| (field, if field == kind { given(schema) } else { schema.clone() }));
+            let input = fields.fold(of(Type::Object), |input, (field, schema)| input.property(field, schema));
+            let input = input.required(kind).additional_properties(Some(AdditionalProperties::FreeForm(false)));
+            schemas.push((name.to_owned(), input.into()));
+        }
+    }
+}
+
+/// The schema of a field that may be null, where it is not.
+fn given(schema: &RefOr<Schema>) -> RefOr<Schema> {
+    match schema {
+        RefOr::T(Schema::OneOf(either)) => {
+            let given = either.items.iter().find(|item| matches!(item, RefOr::Ref(_)));
+            given.unwrap_or(schema).clone()
+        }
+        RefOr::T(Schema::Array(list)) => {
+            let mut given = list.clone();
+            given.schema_type = Type::Array.into();
+            Schema::Array(given).into()
+        }
+        other => other.clone(),
+    }
+}
 
 /// The schema of a plan: that of a preset, chosen by its name, or that of a word.
 #[derive(Debug)]

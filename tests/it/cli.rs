@@ -264,7 +264,7 @@ fn a_service_serves_until_it_is_told_to_end_and_ends_well() {
 #[test]
 fn a_service_with_an_endless_job_ends_in_time_too() {
     let mut command = planish();
-    command.args(["serve", "--listen", "127.0.0.1:0", "--cache-bytes", "0", "--shutdown-timeout-s", "1"]);
+    command.args(["serve", "--listen", "localhost:0", "--cache-bytes", "0kB", "--shutdown-timeout-s", "1s"]);
     let (service, url) = started(&mut command);
     let later = post(&url, &with(endless(), "stats"), "prefer: wait=0\r\n");
     assert!(later.starts_with("HTTP/1.1 202"), "{later}");
@@ -291,6 +291,12 @@ fn a_service_that_cannot_start_says_why() {
     fails(OTHER, &run(&["serve", "--listen", &address, "--cache-bytes", "0"]), &[&address, "--listen"]);
     fails(OTHER, &run(&["serve", "--listen", "127.0.0.1:0", "--data-dir", "/dev/null/x"]), &["--data-dir"]);
     fails(USAGE, &run(&["serve", "--max-queue", "0"]), &["max_queue"]);
+    fails(USAGE, &run(&["serve", "--cache-bytes", "lots"]), &["--cache-bytes", "64MiB"]);
+    fails(USAGE, &run(&["serve", "--listen", "8080"]), &["--listen", "localhost:8080"]);
+    fails(USAGE, &run(&["serve", "--log", "wran"]), &["did you mean \"warn\"?"]);
+    let with = |name: &str, value: &str| planish().arg("serve").env(name, value).output().unwrap();
+    fails(USAGE, &with("PLANISH_LISTN", ":0"), &["PLANISH_LISTN", "did you mean PLANISH_LISTEN?"]);
+    fails(USAGE, &with("PLANISH_LOG", "inof"), &["PLANISH_LOG", "did you mean \"info\"?"]);
 }
 
 /// A service under its own process; ended when the test is.

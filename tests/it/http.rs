@@ -9,6 +9,7 @@ mod examples;
 mod files;
 mod formats;
 pub(crate) mod jobs;
+mod levels_of_detail;
 mod links;
 mod negotiation;
 mod operations;

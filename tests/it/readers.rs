@@ -6,6 +6,7 @@ mod broken;
 mod bytes;
 mod doubled;
 mod everything;
+mod foreign;
 mod gltf;
 mod kinds;
 mod repairs;

@@ -1,5 +1,6 @@
 //! glTF made smaller: short indices, an order for graphics processors, numbers of 16 bits, encoded views.
 
+mod levels_of_detail;
 mod model;
 mod refused;
 

@@ -6,9 +6,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::comment::without_comment;
 use crate::input::beside::Beside;
-use crate::input::text::{number, numbers, quoted, text};
+use crate::input::text::{number, numbers, quoted, text, without_comment};
 use crate::shape::labels::FaceSet;
 use crate::shape::looks::Look;
 use crate::shape::textures::{Image, Texture, Wrap};
@@ -128,10 +127,7 @@ impl Library {
 
     /// Adds the materials of a library, whose pictures lie in a folder. Materials that are known keep what they have.
     fn add(&mut self, bytes: &[u8], folder: &str) {
-        let text = match text(bytes) {
-            Ok(text) => text,
-            Err(detail) => return self.notes.push(format!("how materials look is left out: {detail}")),
-        };
+        let text = text(bytes);
         let mut current: Option<(String, Entry)> = None;
         for line in text.lines() {
             let line = without_comment(line).trim();

@@ -1,6 +1,6 @@
 //! Many inputs at once: patterns, folders, failures by kind, signals.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
@@ -137,7 +137,11 @@ fn a_signal_removes_what_is_unfinished_and_ends_with_128_and_its_number() {
         child.args(["render", "job.json", "-o", "out.glb"]).current_dir(folder.path()).stderr(Stdio::null());
         let mut child = child.spawn().unwrap();
         let start = Instant::now();
-        let is_begun = || files(&folder, "").iter().any(|name| name.ends_with(".part"));
+        let is_begun = || {
+            files(&folder, "")
+                .iter()
+                .any(|name| Path::new(name).extension().is_some_and(|extension| extension == "part"))
+        };
         while !is_begun() {
             assert!(start.elapsed() < PATIENCE && child.try_wait().unwrap().is_none(), "it never began");
             std::thread::sleep(Duration::from_millis(1));
@@ -149,4 +153,21 @@ fn a_signal_removes_what_is_unfinished_and_ends_with_128_and_its_number() {
         assert_eq!(files(&folder, ""), ["job.json"]);
     }
     assert!(render(&with(mesh(1), "glb")).is_ok(), "the job itself is sound");
+}
+
+#[test]
+fn levels_of_detail_are_files_beside_the_document() {
+    let folder = Folder::new();
+    let mut job = with(mesh(2), "gltf");
+    job["outputs"][0]["lod"] = json!([0, 2]);
+    std::fs::write(folder.path().join("job.json"), job.to_string()).unwrap();
+    let output = within(&folder, &["render", "job.json", "-o", "out/{stem}.gltf"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let document: Value = serde_json::from_slice(&std::fs::read(folder.path().join("out/job.gltf")).unwrap()).unwrap();
+    for buffer in document["buffers"].as_array().unwrap() {
+        let bytes = std::fs::read(folder.path().join("out").join(buffer["uri"].as_str().unwrap())).unwrap();
+        assert_eq!(bytes.len() as u64, buffer["byteLength"]);
+    }
+    assert_eq!(files(&folder, "out").len(), 3);
+    fails(USAGE, &within(&folder, &["render", "job.json", "-o", "-"]), &["--output", "levels of detail"]);
 }

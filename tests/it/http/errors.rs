@@ -191,7 +191,7 @@ fn a_method_that_a_page_does_not_know_is_405_with_those_it_knows() {
     story(settings(), async |server| {
         let table = [
             (Method::DELETE, "/v1/render", "POST,GET,HEAD"),
-            (Method::PUT, "/v1/render", "POST"),
+            (Method::PUT, "/v1/render", "POST,GET,HEAD"),
             (Method::HEAD, "/v1/estimate", "POST"),
             (Method::GET, "/v1/validate", "POST"),
             (Method::POST, "/v1/presets", "GET,HEAD"),
