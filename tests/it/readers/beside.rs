@@ -83,7 +83,7 @@ fn nothing_outside_of_the_folder_is_read() {
     refused("short.bin", "buffer 0 says it has 54 bytes, and has 50; send it whole");
     // nothing is read of a file that is larger than all that may be read
     fs::File::create(inside.join("large.bin")).unwrap().set_len(3 << 30).unwrap();
-    refused("large.bin", "it has 3221225472 bytes; 2147483648 may be read");
+    refused("large.bin", "it has 3.0 GiB; 2.0 GiB may be read");
 }
 
 /// A scene that shows one mesh in many places takes more memory than it is long: over HTTP that is refused, on the
