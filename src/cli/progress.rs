@@ -10,6 +10,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::error::{CliError, Kind};
 use super::inputs::Source;
+use super::told::flagged;
 use crate::job::amounts::thousands;
 use crate::watch::Watch;
 
@@ -44,7 +45,7 @@ impl Progress {
     /// Says what happens to be known of an input.
     pub(super) fn note(&self, source: &Source, text: &str) {
         if !self.is_quiet {
-            self.say(&format!("planish: {source}: note: {text}"));
+            self.say(&format!("planish: {source}: note: {}", flagged(text)));
         }
     }
 

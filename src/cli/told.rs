@@ -108,7 +108,19 @@ impl Teller<'_> {
 /// A sentence about a flag, which has no type of JSON.
 fn in_flags(detail: &str) -> String {
     let detail = detail.strip_prefix("invalid type: string ").unwrap_or(detail);
-    detail
+    flagged(detail)
         .replace("{\"tolerance\": t}", "a --tolerance")
         .replace("an object with a \"tolerance\"", "a --tolerance in place of it")
+}
+
+/// What sentences say of the input, in flags.
+const REMEDIES: [(&str, &str); 3] = [
+    ("\"non_manifold\": \"split\"", "--non-manifold split"),
+    ("\"orient\": \"repair\"", "--orient repair"),
+    ("\"weld\": 0", "--weld 0"),
+];
+
+/// A sentence with flags for the fields of the input that would help.
+pub(super) fn flagged(text: &str) -> String {
+    REMEDIES.iter().fold(text.to_owned(), |text, (field, flag)| text.replace(field, flag))
 }

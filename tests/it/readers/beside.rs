@@ -100,3 +100,21 @@ fn a_mesh_may_stand_in_many_places() {
     let obj = rendered(&folder, "many.gltf").unwrap();
     assert_eq!(obj.lines().filter(|line| line.starts_with("f ")).count(), 80_000);
 }
+
+/// What would help is named by its flag there.
+#[test]
+fn remedies_are_flags_on_the_command_line() {
+    let folder = prepared();
+    let path = folder.path().join("in/wings.obj");
+    fs::write(&path, "v 0 0 0\nv 0 0 1\nv 1 0 0\nv -1 1 0\nv -1 -1 0\nf 1 2 3\nf 2 1 4\nf 1 2 5\n").unwrap();
+    let run = |flags: &[&str]| {
+        let output =
+            planish().arg("render").arg(&path).args(["-o", "-", "--format", "obj"]).args(flags).output().unwrap();
+        (output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let plan = ["--preset", "catmull-clark", "--levels", "1"];
+    let (done, said) = run(&plan);
+    assert!(!done && said.contains("--non-manifold split cuts the mesh there"), "{said}");
+    let (done, said) = run(&[&plan[..], &["--non-manifold", "split"]].concat());
+    assert!(done && said.contains("note: 1 edge has more than two faces"), "{said}");
+}
