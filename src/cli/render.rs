@@ -140,8 +140,11 @@ impl Task<'_> {
                     CliError::files(format!("cannot make a folder for {}: {error}", target.display()))
                 })?;
                 let library = Library::of(&admitted, target);
-                let report = to_file(target, library.as_ref(), |out| self.write(&admitted, &teller, out))?;
-                self.write_details(&admitted, &teller, target, limits)?;
+                let mut files = Files::default();
+                let report =
+                    to_file(&mut files, target, library.as_ref(), |out| self.write(&admitted, &teller, out))?;
+                self.write_details(&admitted, &teller, (&mut files, target), limits)?;
+                files.finish().map_err(|error| unwritten(target, &error))?;
                 report
             }
         };
@@ -153,19 +156,19 @@ impl Task<'_> {
         Ok(())
     }
 
-    /// Writes the results to which the output refers beside its file.
+    /// Writes the results to which the output refers, which go beside its file.
     fn write_details(
         &self,
         admitted: &Admitted,
         teller: &Teller<'_>,
-        target: &Path,
+        (files, target): (&mut Files, &Path),
         limits: &Limits,
     ) -> Result<(), CliError> {
         let job = admitted.job();
         for detail in job.details(&job.outputs[0]) {
             let name = format!("{}.{}", detail.keys()[0], detail.outputs[0].format.extension());
             let detail = limits.admit(detail).map_err(|refusal| teller.not_admitted(refusal))?;
-            to_file(&target.with_file_name(name), None, |out| self.write(&detail, teller, out))?;
+            to_file(files, &target.with_file_name(name), None, |out| self.write(&detail, teller, out))?;
         }
         Ok(())
     }
@@ -184,14 +187,14 @@ impl Task<'_> {
     }
 }
 
-/// Writes a file, which is there when all of it and of its library is written.
+/// Writes a file of an output, and its library.
 fn to_file(
+    files: &mut Files,
     target: &Path,
     library: Option<&Library<'_>>,
     write: impl FnOnce(&mut dyn Write) -> Result<Report, CliError>,
 ) -> Result<Report, CliError> {
-    let cannot = |error: io::Error| CliError::files(format!("cannot write {}: {error}", target.display()));
-    let mut files = Files::default();
+    let cannot = |error: io::Error| unwritten(target, &error);
     let mut out = BufWriter::with_capacity(1 << 20, files.create(target).map_err(cannot)?);
     if let Some(library) = library {
         out.write_all(library.line().as_bytes()).map_err(cannot)?;
@@ -199,7 +202,10 @@ fn to_file(
     let report = write(&mut out)?;
     out.flush().map_err(cannot)?;
     drop(out);
-    library.map_or(Ok(()), |library| library.write(&mut files)).map_err(cannot)?;
-    files.finish().map_err(cannot)?;
+    library.map_or(Ok(()), |library| library.write(files)).map_err(cannot)?;
     Ok(report)
+}
+
+fn unwritten(target: &Path, error: &io::Error) -> CliError {
+    CliError::files(format!("cannot write {}: {error}", target.display()))
 }

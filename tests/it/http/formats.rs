@@ -44,6 +44,7 @@ fn check(format: &str, is_mesh: bool, answer: &Answer) {
             assert_eq!(lines(answer, "v "), points);
             assert_eq!(lines(answer, elements.0), elements.1);
         }
+        "mtl" => assert_eq!(answer.text(), "# planish\n", "it has no materials"),
         "glb" | "gltf" => check_gltf(is_mesh, &answer.body),
         // 26 vertices with positions and normals, 48 triangles
         "gltf-bin" => assert_eq!(answer.body.len(), 26 * 24 + 48 * 6),
