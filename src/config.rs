@@ -63,7 +63,7 @@ impl Setting {
     /// Its value and its range as people read them.
     pub fn told(&self) -> String {
         let amount = |n: u64| match (self.unit, shown(n, self.unit)) {
-            ("bytes", size) | ("", size) => size,
+            ("bytes" | "", size) => size,
             ("bytes a second", size) => format!("{size} a second"),
             (unit, n) => format!("{n} {unit}"),
         };

@@ -26,7 +26,8 @@ enum Command {
     /// Serve jobs over HTTP.
     ///
     /// Every setting is a flag, an environment variable and a key of the TOML file; the flag wins over the variable,
-    /// the variable over the file. Sizes are written as 64MiB or 500kB, times as 30s or 5min. GET /v1/limits tells those of a running service.
+    /// the variable over the file. Sizes are written as 64MiB or 500kB, times as 30s or 5min. GET /v1/limits tells
+    /// those of a running service.
     Serve {
         /// Settings file (TOML); its keys are the names of the flags.
         #[arg(long, env = "PLANISH_CONFIG")]
@@ -37,8 +38,8 @@ enum Command {
     /// Render jobs, or mesh files, to files; the format follows the extension.
     ///
     /// Inputs are rendered one after another, each with all threads; one that fails does not stop the others. Flags
-    /// say what a job says, and take the place of what it says itself. Lists are written with commas (--show
-    /// surface,wireframe), objects as names with values (--camera azimuth_deg=40,zoom=2).
+    /// say what a job says, and take the place of what it says itself. Lists are written with commas (`--show
+    /// surface,wireframe`), objects as names with values (`--camera azimuth-deg=40,zoom=2`).
     #[command(after_help = CODES)]
     Render(Box<RenderOptions>),
     /// Tell what a job, or a mesh file, would come to, without running it.

@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::thread;
 
+use tokio::runtime::Builder;
+
 use super::signals::Signals;
 
 /// Files that are written and not yet in place. Whoever holds the lock may be sure that none is made or put in place.
@@ -61,15 +63,19 @@ impl Drop for Files {
 
 /// Has unfinished files removed at a signal, which then ends the process.
 fn watch() -> io::Result<()> {
-    let signals = Signals::new()?;
+    let runtime = Builder::new_current_thread().enable_all().build()?;
+    let signals = {
+        let _inside = runtime.enter();
+        Signals::new()?
+    };
     let wait = move || {
-        let code = signals.wait();
+        let code = runtime.block_on(signals.first());
         // held to the end, so that no file is begun any more
         let unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
         unfinished.iter().for_each(|part| {
             let _ = fs::remove_file(part);
         });
-        std::process::exit(code);
+        std::process::exit(code.into());
     };
     thread::Builder::new().name("signals".to_owned()).spawn(wait).map(drop)
 }

@@ -7,8 +7,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::fault::shortened;
 use crate::input::Beside;
+use crate::job::amounts::in_bytes;
 
-/// Most bytes that are read beside one file. Scenes with pictures come to some hundred megabytes; half of it would
+/// Most bytes that are read beside one file, and that reading it may take beyond its weight. Scenes with pictures come to some hundred megabytes; half of it would
 /// refuse some of them, twice as much would fill the memory of small machines.
 const MOST_BYTES: u64 = 2 << 30;
 
@@ -51,6 +52,10 @@ impl Folder {
 }
 
 impl Beside for Folder {
+    fn spare(&self) -> u64 {
+        MOST_BYTES
+    }
+
     fn read(&self, name: &str, most: u64) -> Result<Vec<u8>, String> {
         // some programs write names as Windows has them
         let name = name.replace('\\', "/");
@@ -59,7 +64,7 @@ impl Beside for Folder {
         let taken = self.left.try_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(length));
         if length > most || taken.is_err() {
             let most = most.min(taken.map_or_else(|left| left, |_| most));
-            return Err(wrong(format!("it has {length} bytes; {most} may be read")));
+            return Err(wrong(format!("it has {}; {} may be read", in_bytes(length.into()), in_bytes(most.into()))));
         }
         let mut bytes = Vec::new();
         file.take(length).read_to_end(&mut bytes).map_err(|error| wrong(error.to_string()))?;

@@ -10,6 +10,7 @@ mod folder;
 mod health;
 mod inputs;
 mod job;
+mod library;
 mod log;
 mod progress;
 mod render;

@@ -9,6 +9,7 @@ use super::error::CliError;
 use super::files::Files;
 use super::inputs::{Source, inputs};
 use super::job::{JobOptions, Loaded, Wanted};
+use super::library::Library;
 use super::progress::Progress;
 use super::targets::{Target, of_extension};
 use super::told::Teller;
@@ -138,8 +139,12 @@ impl Task<'_> {
                 made.map_err(|error| {
                     CliError::files(format!("cannot make a folder for {}: {error}", target.display()))
                 })?;
-                let report = to_file(target, |out| self.write(&admitted, &teller, out))?;
-                self.write_details(&admitted, &teller, target, limits)?;
+                let library = Library::of(&admitted, target);
+                let mut files = Files::default();
+                let report =
+                    to_file(&mut files, target, library.as_ref(), |out| self.write(&admitted, &teller, out))?;
+                self.write_details(&admitted, &teller, (&mut files, target), limits)?;
+                files.finish().map_err(|error| unwritten(target, &error))?;
                 report
             }
         };
@@ -151,19 +156,19 @@ impl Task<'_> {
         Ok(())
     }
 
-    /// Writes the results to which the output refers beside its file.
+    /// Writes the results to which the output refers, which go beside its file.
     fn write_details(
         &self,
         admitted: &Admitted,
         teller: &Teller<'_>,
-        target: &Path,
+        (files, target): (&mut Files, &Path),
         limits: &Limits,
     ) -> Result<(), CliError> {
         let job = admitted.job();
         for detail in job.details(&job.outputs[0]) {
             let name = format!("{}.{}", detail.keys()[0], detail.outputs[0].format.extension());
             let detail = limits.admit(detail).map_err(|refusal| teller.not_admitted(refusal))?;
-            to_file(&target.with_file_name(name), |out| self.write(&detail, teller, out))?;
+            to_file(files, &target.with_file_name(name), None, |out| self.write(&detail, teller, out))?;
         }
         Ok(())
     }
@@ -182,14 +187,25 @@ impl Task<'_> {
     }
 }
 
-/// Writes a file, which is there when all of it is written.
-fn to_file(target: &Path, write: impl FnOnce(&mut dyn Write) -> Result<Report, CliError>) -> Result<Report, CliError> {
-    let cannot = |error: io::Error| CliError::files(format!("cannot write {}: {error}", target.display()));
-    let mut files = Files::default();
+/// Writes a file of an output, and its library.
+fn to_file(
+    files: &mut Files,
+    target: &Path,
+    library: Option<&Library<'_>>,
+    write: impl FnOnce(&mut dyn Write) -> Result<Report, CliError>,
+) -> Result<Report, CliError> {
+    let cannot = |error: io::Error| unwritten(target, &error);
     let mut out = BufWriter::with_capacity(1 << 20, files.create(target).map_err(cannot)?);
+    if let Some(library) = library {
+        out.write_all(library.line().as_bytes()).map_err(cannot)?;
+    }
     let report = write(&mut out)?;
     out.flush().map_err(cannot)?;
     drop(out);
-    files.finish().map_err(cannot)?;
+    library.map_or(Ok(()), |library| library.write(files)).map_err(cannot)?;
     Ok(report)
+}
+
+fn unwritten(target: &Path, error: &io::Error) -> CliError {
+    CliError::files(format!("cannot write {}: {error}", target.display()))
 }

@@ -2,57 +2,45 @@
 
 use std::io;
 
-use tokio::runtime::{Builder, Runtime};
 #[cfg(unix)]
 use tokio::signal::unix::{Signal, SignalKind, signal};
 
-/// Waits for an interrupt or for termination.
+/// Interrupts and terminations from the moment on when they were asked for.
 #[derive(Debug)]
 pub(super) struct Signals {
-    runtime: Runtime,
     #[cfg(unix)]
-    taken: Taken,
-}
-
-/// The signals from the moment on when they were asked for.
-#[cfg(unix)]
-#[derive(Debug)]
-struct Taken {
     interrupt: Signal,
+    #[cfg(unix)]
     terminate: Signal,
 }
 
 impl Signals {
-    /// Signals no longer end the process by themselves from here on.
+    /// Signals no longer end the process by themselves from here on; within a runtime.
     pub(super) fn new() -> io::Result<Self> {
-        let runtime = Builder::new_current_thread().enable_all().build()?;
-        #[cfg(unix)]
-        let taken = {
-            let _inside = runtime.enter();
-            Taken { interrupt: signal(SignalKind::interrupt())?, terminate: signal(SignalKind::terminate())? }
-        };
         Ok(Self {
-            runtime,
             #[cfg(unix)]
-            taken,
+            interrupt: signal(SignalKind::interrupt())?,
+            #[cfg(unix)]
+            terminate: signal(SignalKind::terminate())?,
         })
     }
 
-    /// The code that the first signal ends the process with: 128 and its number.
+    /// Waits for the first signal, and gives the code that it ends a command with: 128 and its number.
     #[cfg(unix)]
-    pub(super) fn wait(mut self) -> i32 {
-        self.runtime.block_on(async {
-            tokio::select! {
-                _ = self.taken.interrupt.recv() => 130,
-                _ = self.taken.terminate.recv() => 143,
-            }
-        })
+    pub(super) async fn first(mut self) -> u8 {
+        tokio::select! {
+            _ = self.interrupt.recv() => 130,
+            _ = self.terminate.recv() => 143,
+        }
     }
 
-    /// The code that the first signal ends the process with: 128 and its number.
+    /// Waits for the first signal, and gives the code that it ends a command with: 128 and its number.
     #[cfg(not(unix))]
-    pub(super) fn wait(self) -> i32 {
-        let _ = self.runtime.block_on(tokio::signal::ctrl_c());
+    pub(super) async fn first(self) -> u8 {
+        // without a signal there is nothing to wait for
+        if tokio::signal::ctrl_c().await.is_err() {
+            std::future::pending::<()>().await;
+        }
         130
     }
 }

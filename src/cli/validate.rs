@@ -47,7 +47,7 @@ impl ValidateOptions {
                 worst = worst.max(Some(Kind::Refused));
             }
             if !self.quiet {
-                print(source, found, sources.len() == 1)?;
+                print(source, &found, sources.len() == 1)?;
             }
         }
         worst.map_or(Ok(()), |kind| Err(CliError::told(kind)))
@@ -70,9 +70,9 @@ fn of_refusal(error: &CliError) -> Value {
     json!({ "valid": false, "errors": faults, "warnings": [] })
 }
 
-fn print(source: &Source, found: Value, is_only: bool) -> Result<(), CliError> {
+fn print(source: &Source, found: &Value, is_only: bool) -> Result<(), CliError> {
     if is_only {
-        let text = serde_json::to_string_pretty(&found).map_err(CliError::other)?;
+        let text = serde_json::to_string_pretty(found).map_err(CliError::other)?;
         return answer(format!("{text}\n").as_bytes());
     }
     let mut line = json!({ "input": source.to_string() });

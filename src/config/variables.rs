@@ -26,14 +26,11 @@ pub(super) fn settings(
         if !name.starts_with(PREFIX) || name == FILE || OF_OTHERS.iter().any(|other| name.starts_with(other)) {
             continue;
         }
-        match known.iter().position(|known| name == *known) {
-            Some(at) => found.push((at, value.to_string_lossy().into_owned())),
-            None => {
-                let all = known.iter().copied().chain([FILE]);
-                let near = nearest(&name, all).map(str::to_owned);
-                return Err(ConfigError::Unknown { place: format!("the variable {}", shortened(&name)), near });
-            }
-        }
+        let Some(at) = known.iter().position(|known| name == *known) else {
+            let near = nearest(&name, known.iter().copied().chain([FILE])).map(str::to_owned);
+            return Err(ConfigError::Unknown { place: format!("the variable {}", shortened(&name)), near });
+        };
+        found.push((at, value.to_string_lossy().into_owned()));
     }
     Ok(found)
 }

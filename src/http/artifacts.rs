@@ -113,10 +113,7 @@ async fn again(app: &Arc<App>, client: &Client, key: &Key) -> Result<Artifact, P
     let headers = HeaderMap::from_iter([(header::ACCEPT, HeaderValue::from_static(media_type))]);
     let read = render::read(app, client, &headers, Sent::job(record.summary.request.clone())).await?;
     // it may be one to which the result of that job refers
-    let job = match read.job.keys()[0] == *key {
-        true => Some(read.job),
-        false => read.job.detail(key),
-    };
+    let job = if read.job.keys()[0] == *key { Some(read.job) } else { read.job.detail(key) };
     let gone = || Problem::new(problem::GONE, "the job of this artifact has become another one; send it again");
     let admitted = reading::admit(app, client, job.ok_or_else(gone)?).await?;
     let job = admitted.job();

@@ -88,7 +88,9 @@ pub(super) async fn streamed(
     let (estimate, job) = (admitted.estimate(), admitted.job());
     let (memory_bytes, (key, size)) = (estimate.memory_bytes, estimate.outputs[0]);
     let (entries, swept) = (job.entries(&job.outputs[0]), estimate.on_demand || job.is_swept());
-    let warnings = job.input.mesh().map(Mesh::warnings).unwrap_or_default();
+    let mut warnings = job.input.mesh().map(Mesh::warnings).unwrap_or_default();
+    let output = &job.outputs[0];
+    warnings.extend(output.format.leaves_out(job.input.attachments(), &output.options));
     let task = Render::new(admitted.clone(), 0, Some(input));
     let media_type = task.media_type().to_owned();
     let streaming = app.desk.stream(Arc::new(task), memory_bytes, client.peer());

@@ -19,12 +19,13 @@ use crate::wire::read::{read, weight};
 
 /// What is wrong with a job, and what its mesh is like: boundary loops, valences, degenerate faces, latitude lines.
 ///
-/// The whole job is looked at, as `/v1/render` would, and all its faults are told together; nothing is refined, no level
-/// is searched for, and no limit on sizes is asked, which `/v1/estimate` does.
+/// The whole job is looked at, as `/v1/render` would, and all its faults are told together. Nothing is refined, no
+/// level is searched for, and no limit on sizes is asked; `/v1/estimate` does that.
 #[utoipa::path(
     post, path = "/v1/validate", tag = "questions", request_body = JobRequest,
     responses(
-        (status = 200, description = "What was found; `valid` tells whether the job can be done", body = ValidateAnswer),
+        (status = 200, description = "What was found; `valid` tells whether the job can be done",
+            body = ValidateAnswer),
     )
 )]
 pub(super) async fn validate(State(app): State<Shared>, client: Client, headers: HeaderMap, body: Body) -> Response {

@@ -12,6 +12,12 @@ pub trait Beside: fmt::Debug + Send + Sync {
     /// there, too large, or no file.
     fn read(&self, name: &str, most: u64) -> Result<Vec<u8>, String>;
 
+    /// Bytes of memory that reading may take beyond the weight of what is read: scenes that show a mesh in many places
+    /// take more than they are long.
+    fn spare(&self) -> u64 {
+        0
+    }
+
     /// The library of materials that came along, whatever its name.
     fn library(&self) -> Option<&[u8]> {
         None

@@ -49,7 +49,7 @@ fn read<'a>(
     limits: &ReadLimits,
     document: impl FnOnce(&mut Room) -> Result<Document<'a>, String>,
 ) -> Result<ReadMesh, Vec<String>> {
-    let mut room = Room::new(file.bytes.len());
+    let mut room = Room::new(file.bytes.len()).with_spare(file.beside.spare());
     let mesh = document(&mut room).and_then(|document| scene::read(&document, file.bytes.len(), room, limits));
     mesh.map_err(|detail| vec![detail])
 }

@@ -15,7 +15,7 @@ use self::library::Library;
 use super::beside::File;
 use super::collect::Collected;
 use super::reader::{ReadLimits, ReadMesh, Reader};
-use super::text::{at_line, number, numbers, quoted, text};
+use super::text::{at_line, number, numbers, quoted, text, without_comment};
 use crate::shape::attachments::Channel;
 
 /// Faults that are told one by one.
@@ -218,12 +218,6 @@ impl State {
         mesh.notes.extend(self.left_out.iter().map(|(what, n)| format!("{what} are left out: {n}")));
         Ok(mesh)
     }
-}
-
-/// The line without a comment; a `#` within a word belongs to a name.
-fn without_comment(line: &str) -> &str {
-    let starts = |(at, _): &(usize, &str)| line[..*at].chars().next_back().is_none_or(char::is_whitespace);
-    line.match_indices('#').find(starts).map_or(line, |(at, _)| &line[..at])
 }
 
 /// A texture coordinate of one to three numbers; the third says nothing of a surface.

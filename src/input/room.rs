@@ -23,13 +23,15 @@ pub const fn weight(length: u64) -> u64 {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Room {
     length: u64,
+    /// Bytes beyond the weight.
+    spare: u64,
     left: u64,
 }
 
 impl Room {
     /// All that a file of so many bytes may take.
     pub(super) fn new(length: usize) -> Self {
-        Self { length: length as u64, left: weight(length as u64) }
+        Self { length: length as u64, spare: 0, left: weight(length as u64) }
     }
 
     /// Takes so many bytes.
@@ -38,7 +40,7 @@ impl Room {
     /// There are not so many left: what the file may take, and how to stay below.
     pub(super) fn take(&mut self, bytes: usize) -> Result<(), String> {
         self.left = self.left.checked_sub(bytes as u64).ok_or_else(|| {
-            let all = weight(self.length);
+            let all = weight(self.length).saturating_add(self.spare);
             let (length, taken) = (self.length, all - self.left);
             format!(
                 "it takes {bytes} bytes to read; a file of {length} bytes may take {all} in all, of which {taken} are \
@@ -46,6 +48,12 @@ impl Room {
             )
         })?;
         Ok(())
+    }
+
+    /// The same with so many bytes more.
+    #[must_use]
+    pub(super) fn with_spare(self, bytes: u64) -> Self {
+        Self { left: self.left.saturating_add(bytes), spare: self.spare.saturating_add(bytes), ..self }
     }
 
     /// Takes in what a file of so many bytes beside the first one may take.

@@ -19,6 +19,12 @@ fn of_units(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> String {
     char::decode_utf16(units).map(|letter| letter.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
 }
 
+/// The line without a comment; a `#` within a word belongs to a name.
+pub(super) fn without_comment(line: &str) -> &str {
+    let starts = |(at, _): &(usize, &str)| line[..*at].chars().next_back().is_none_or(char::is_whitespace);
+    line.match_indices('#').find(starts).map_or(line, |(at, _)| &line[..at])
+}
+
 /// A fault in a line, counted from 1.
 pub(super) fn at_line(line: usize, detail: impl std::fmt::Display) -> String {
     format!("line {line}: {detail}")

@@ -15,6 +15,7 @@ use crate::output::scene::{Control, Curve, Detail, Scene, Shape};
 use crate::refine::{RefinedMesh, StreamedMesh};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::tags::Boundary;
+use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
 use crate::watch::{Stage, Watch};
@@ -98,8 +99,11 @@ fn form(
     let coarser = coarser?;
     let shapes = coarser.iter().map(|coarser| Shape::Mesh(&coarser.mesh)).chain([shape]);
     let address = |job: &Job| format!("{}.{}", job.keys()[0], job.outputs[0].format.extension());
-    let details: Vec<Detail<'_>> =
-        jobs.iter().zip(shapes).map(|(job, shape)| Detail { shape, uri: address(job) }).collect();
+    let details: Vec<Detail<'_>> = jobs
+        .iter()
+        .zip(shapes)
+        .map(|(job, shape)| Detail { shape, options: &job.outputs[0].options, uri: address(job) })
+        .collect();
     let (warnings, frame) = (&refined.warnings, job.frame);
     write(&Scene { shape, control, warnings, frame, details: &details }, output, out, watch)
 }
@@ -107,7 +111,9 @@ fn form(
 fn write(scene: &Scene<'_>, output: &Output, out: &mut dyn Write, watch: &Watch) -> Result<Report, RunError> {
     watch.enter(Stage::Encode);
     output.format.write(scene, &output.options, out, watch)?;
-    Ok(Report { warnings: scene.warnings.to_vec() })
+    let carried = if let Shape::Mesh(mesh) = scene.shape { mesh.attachments() } else { Attachments::none() };
+    let left_out = output.format.leaves_out(carried, &output.options);
+    Ok(Report { warnings: scene.warnings.iter().cloned().chain(left_out).collect() })
 }
 
 /// Polygons as they were given.

@@ -152,11 +152,11 @@ fn attachments(attachments: &Attachments, creased: bool) -> Option<Item<'_>> {
     (!kinds.is_empty()).then_some(Item::List(kinds))
 }
 
-/// How a material looks; a picture by the hash of its bytes.
-fn look(look: &Look) -> Item<'static> {
+/// How a material looks, with the bytes of its picture.
+fn look<'a>(look: &'a Look) -> Item<'a> {
     let Look { color, metallic, roughness, double_sided, alpha, texture } = look;
     let mut items = Vec::new();
-    let mut said = |name, value: Option<Item<'static>>| {
+    let mut said = |name, value: Option<Item<'a>>| {
         items.extend(value.map(|value| Item::List(vec![Item::text(name), value])));
     };
     said("color", color.map(|color| Item::Numbers(color.to_vec().into())));
@@ -175,8 +175,8 @@ fn look(look: &Look) -> Item<'static> {
         texture.as_ref().map(|Texture { image, wrap, magnify, minify }| {
             let filter = |filter: &Option<Filter>| Item::text(filter.map_or("", Filter::name));
             let wrap = wrap.iter().map(|wrap| Item::text(wrap.name()));
-            let hash = Item::text(&blake3::hash(image.bytes()).to_string());
-            Item::List([hash, filter(magnify), filter(minify)].into_iter().chain(wrap).collect())
+            let bytes = Item::Bytes(image.bytes().into());
+            Item::List([bytes, filter(magnify), filter(minify)].into_iter().chain(wrap).collect())
         }),
     );
     Item::List(items)

@@ -82,6 +82,11 @@ pub trait Format: fmt::Debug + Send + Sync {
         Ok(())
     }
 
+    /// What the format leaves out of what a mesh carries although it may be missed, as a sentence.
+    fn leaves_out(&self, _carried: &Attachments, _options: &Values) -> Option<String> {
+        None
+    }
+
     /// Bytes that `counts` will take.
     fn size(&self, counts: &Counts, options: &Values) -> Size;
 

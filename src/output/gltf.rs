@@ -103,7 +103,7 @@ impl Format for Gltf {
         watch: &Watch,
     ) -> Result<(), FormatError> {
         if !scene.details.is_empty() {
-            return gltf_levels::write(scene, options, out, watch);
+            return gltf_levels::write(scene, out, watch);
         }
         buffered(scene, options, watch, |buffer| match Packing::of(options) {
             Some(packing) => {

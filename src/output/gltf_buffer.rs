@@ -227,15 +227,14 @@ impl<'a> Buffer<'a> {
         self.write_images(&mut stream)
     }
 
-    /// The bytes of all pictures, filled up to a multiple of 4.
+    /// The bytes of all pictures, each filled up to a multiple of 4.
     fn write_images(&self, stream: &mut Stream<'_>) -> Result<(), FormatError> {
         let all = if self.amounts.images > 0 { images(&self.attachments().looks) } else { Vec::new() };
-        let mut written = 0;
         for image in all {
             stream.bytes(image.bytes())?;
-            written += image.bytes().len();
+            stream.bytes(&[0; 4][..image.bytes().len().wrapping_neg() % 4])?;
         }
-        stream.bytes(&[0; 4][..written.wrapping_neg() % 4])
+        Ok(())
     }
 
     /// Channels, texture coordinates, and the origins of vertices where they are asked for.

@@ -86,15 +86,10 @@ pub(super) fn size(contents: Contents<'_>, options: &Values) -> Option<Size> {
 }
 
 /// Writes the document about all details of a scene.
-pub(super) fn write(
-    scene: &Scene<'_>,
-    options: &Values,
-    out: &mut dyn Write,
-    watch: &Watch,
-) -> Result<(), FormatError> {
+pub(super) fn write(scene: &Scene<'_>, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
     let mut all = Value::Null;
     for detail in scene.details {
-        let level = document(scene, detail, options, watch)?;
+        let level = document(scene, detail, watch)?;
         all = if all.is_null() { level } else { joined(all, level) };
     }
     let nodes = all["scenes"][0]["nodes"].as_array().cloned().unwrap_or_default();
@@ -113,7 +108,8 @@ pub(super) fn write(
 }
 
 /// The document about one level alone.
-fn document(scene: &Scene<'_>, detail: &Detail<'_>, options: &Values, watch: &Watch) -> Result<Value, FormatError> {
+fn document(scene: &Scene<'_>, detail: &Detail<'_>, watch: &Watch) -> Result<Value, FormatError> {
+    let options = detail.options;
     let scene = Scene { shape: detail.shape, details: &[], ..*scene };
     let mut document = Value::Null;
     buffered(&scene, options, watch, |buffer| {

@@ -23,10 +23,9 @@ const LOOK: u128 = 768;
 /// Most bytes of a picture in a document, and of its view.
 const IMAGE: u128 = 256;
 
-/// Bytes of all pictures, filled up to a multiple of 4.
+/// Bytes of all pictures, each filled up to a multiple of 4.
 pub(super) fn bytes_of_images(looks: &[Look]) -> u128 {
-    let bytes: u128 = images(looks).iter().map(|image| image.bytes().len() as u128).sum();
-    bytes.div_ceil(4) * 4
+    images(looks).iter().map(|image| (image.bytes().len() as u128).next_multiple_of(4)).sum()
 }
 
 /// Most bytes of what a document says of looks.

@@ -33,7 +33,7 @@ const TEXTURES: Parameter = Parameter {
 
 /// The materials of a mesh as a library for OBJ files: `newmtl` with its name, and as far as they are said `Kd` (red,
 /// green, blue as they are given), `d` (alpha), `Pm` (metallic), `Pr` (roughness), and `map_Kd` where textures have names.
-/// What alpha does and which sides are seen have no place in it.
+/// What alpha does and which sides are seen have no place in it. The library of a mesh without materials has none.
 #[derive(Debug)]
 pub(super) struct Mtl;
 
@@ -56,10 +56,14 @@ impl Format for Mtl {
         FACTS
     }
 
-    fn suits(&self, _: ShapeKind, carried: &Attachments, options: &Values) -> Result<(), Fault> {
-        check_file_name(&TEXTURES, options)?;
-        let missing = || Fault::new("/format", "the mesh has no materials to tell of; leave it out");
-        if carried.materials.is_empty() { Err(missing()) } else { Ok(()) }
+    fn suits(&self, _: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
+        check_file_name(&TEXTURES, options)
+    }
+
+    fn leaves_out(&self, carried: &Attachments, options: &Values) -> Option<String> {
+        let has_textures = carried.looks.iter().any(|look| look.texture.is_some());
+        let sentence = || "textures are left out, as nothing says how their files are called; give \"textures\"";
+        (has_textures && options.name(TEXTURES.name).is_none()).then(sentence).map(str::to_owned)
     }
 
     fn size(&self, counts: &Counts, options: &Values) -> Size {
@@ -78,24 +82,28 @@ impl Format for Mtl {
     ) -> Result<(), FormatError> {
         let Shape::Mesh(mesh) = scene.shape else { return Ok(()) };
         watch.check()?;
-        let carried = mesh.attachments();
-        let images = images(&carried.looks);
-        let mut text = HEADER.to_vec();
-        for (i, name) in carried.materials.names.iter().enumerate() {
-            text.extend_from_slice(b"newmtl ");
-            text.extend_from_slice(name.as_bytes());
-            text.push(b'\n');
-            let look = carried.look(Some(i));
-            tell(&look, &mut text);
-            if let (Some(stem), Some(texture)) = (options.name(TEXTURES.name), &look.texture) {
-                let number = images.iter().position(|image| **image == texture.image).unwrap_or_default();
-                let clamp = if texture.wrap == [Wrap::ClampToEdge; 2] { "-clamp on " } else { "" };
-                let name = file_name(stem, number, &texture.image);
-                text.extend_from_slice(format!("map_Kd {clamp}{name}\n").as_bytes());
-            }
-        }
-        Ok(out.write_all(&text)?)
+        Ok(out.write_all(&library(mesh.attachments(), options.name(TEXTURES.name)))?)
     }
+}
+
+/// The library of what a mesh carries; textures are named where it is said what their names begin with.
+pub fn library(carried: &Attachments, textures: Option<&str>) -> Vec<u8> {
+    let images = images(&carried.looks);
+    let mut text = HEADER.to_vec();
+    for (i, name) in carried.materials.names.iter().enumerate() {
+        text.extend_from_slice(b"newmtl ");
+        text.extend_from_slice(name.as_bytes());
+        text.push(b'\n');
+        let look = carried.look(Some(i));
+        tell(&look, &mut text);
+        if let (Some(stem), Some(texture)) = (textures, &look.texture) {
+            let number = images.iter().position(|image| **image == texture.image).unwrap_or_default();
+            let clamp = if texture.wrap == [Wrap::ClampToEdge; 2] { "-clamp on " } else { "" };
+            let name = file_name(stem, number, &texture.image);
+            text.extend_from_slice(format!("map_Kd {clamp}{name}\n").as_bytes());
+        }
+    }
+    text
 }
 
 /// The name of the file with a texture, given by its number among those of a mesh, from 0.

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 
+use crate::math::parameter::Values;
 pub use crate::shape::frame::Frame;
 pub use crate::shape::source::{Curve, FaceChunk, MeshSource, OnDemandSource, Origin};
 
@@ -29,6 +30,8 @@ pub struct Scene<'a> {
 pub struct Detail<'a> {
     /// The shape.
     pub shape: Shape<'a>,
+    /// The options of its result, which may have other defaults than those of the one that refers to it.
+    pub options: &'a Values,
     /// Where its result is, relative to the one that refers to it.
     pub uri: String,
 }

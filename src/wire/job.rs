@@ -87,26 +87,33 @@ impl JobRequest {
     /// # Errors
     /// All faults found.
     pub fn draft_within(self, limits: &ReadLimits) -> Result<Draft, Vec<Fault>> {
-        self.parts(limits).draft()
+        let purpose = self.purpose();
+        self.parts(purpose, limits).draft()
     }
 
-    /// Checks the request as [`JobRequest::draft_within`], and tells what its parts are as far as these are right.
+    /// Checks the request as [`JobRequest::draft_within`], and tells what its parts are as far as these are right. An
+    /// input alone is looked at as one that is to be refined.
     pub fn examine(self, limits: &ReadLimits) -> Examined {
-        let parts = self.parts(limits);
+        let purpose = if self.outputs.is_empty() { Purpose::Refine } else { self.purpose() };
+        let parts = self.parts(purpose, limits);
         let input = parts.input.as_ref().map(|resolved| resolved.input.clone());
         let plan = parts.plan.clone();
         Examined { faults: parts.draft().err().unwrap_or_default(), input, plan }
     }
 
+    /// What becomes of the input.
+    fn purpose(&self) -> Purpose {
+        if self.plan.is_some() { Purpose::Refine } else { Purpose::Keep }
+    }
+
     /// Checks each part by itself.
-    fn parts(self, limits: &ReadLimits) -> Parts {
+    fn parts(self, purpose: Purpose, limits: &ReadLimits) -> Parts {
         let mut faults = Vec::new();
         if self.spec.is_some_and(|spec| spec != 1) {
             faults.push(Fault::new("/spec", format!("{} is unknown; this server speaks 1", self.spec.unwrap_or(0))));
         }
         let kind = self.input.is_one().then(|| self.shape_kind());
         let frame = self.input.frame();
-        let purpose = if self.plan.is_some() { Purpose::Refine } else { Purpose::Keep };
         let input = keep(self.input.resolve(purpose, limits).map_err(|found| under("/input", found)), &mut faults);
         let outputs = keep(outputs(&self.outputs, self.left_out), &mut faults).unwrap_or_default();
         let says_boundary = self.plan.as_ref().is_some_and(|plan| plan.boundary.is_some());

@@ -1,6 +1,6 @@
 // Judges glTF files with the Khronos validator; fails on the first file with an error or a warning, and says why.
 import { readFile } from "node:fs/promises";
-import { basename } from "node:path";
+import { basename, dirname, join } from "node:path";
 import validator from "gltf-validator";
 
 const files = process.argv.slice(2);
@@ -11,7 +11,9 @@ if (files.length === 0) {
 let faulty = 0;
 let notes = 0;
 for (const file of files) {
-  const report = await validator.validateBytes(new Uint8Array(await readFile(file)), { uri: basename(file), maxIssues: 100 });
+  const beside = async (uri) => new Uint8Array(await readFile(join(dirname(file), uri)));
+  const options = { uri: basename(file), maxIssues: 100, externalResourceFunction: beside };
+  const report = await validator.validateBytes(new Uint8Array(await readFile(file)), options);
   const { numErrors, numWarnings, numInfos, numHints, messages } = report.issues;
   notes += numInfos + numHints;
   if (numErrors + numWarnings > 0) {

@@ -46,7 +46,8 @@ def outcome(planish, path, options):
         return None, [line for line in said if line.strip()]
     if done.returncode not in (1, 2, 3, 4, 5):
         return f"exit code {done.returncode}: {' '.join(said)}", []
-    return " ".join(line.strip() for line in said[:2] if "cannot be done" not in line) or "nothing is said", []
+    lines = [line.strip() for line in said[:2] if "cannot be done" not in line]
+    return " ".join(lines).removeprefix(f"planish: {path}: ") or "nothing is said", []
 
 
 def kind(sentence):

@@ -18,6 +18,9 @@ use crate::shape::attachments::COLOR;
 use crate::shape::attachments::Channel;
 use crate::shape::labels::FaceSet;
 
+/// Most attributes that a note names.
+const NAMED: usize = 8;
+
 /// What the attribute `_ORIGIN` of a file that tells origins is: no channel.
 const ORIGIN: &str = "origin";
 
@@ -74,13 +77,17 @@ impl Channels {
     /// Hands the channels over that all vertices have, and names the others.
     pub(super) fn finish(self, mesh: &mut ReadMesh) {
         let n = mesh.positions.len();
+        let mut others = Vec::new();
         for (name, AccessorRows { width, values }) in self.found {
             if width > 0 && values.len() == n * width {
                 mesh.channels.push(Channel { name, width, values });
             } else {
-                mesh.notes
-                    .push(format!("the numbers {} of vertices are left out: not every vertex has them", quoted(&name)));
+                others.push(quoted(&name));
             }
+        }
+        if !others.is_empty() {
+            let (n, first) = (others.len(), others[..others.len().min(NAMED)].join(", "));
+            mesh.notes.push(format!("{n} attributes are left out, as not every vertex has them: {first}"));
         }
     }
 }

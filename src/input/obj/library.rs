@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::input::beside::Beside;
-use crate::input::text::{number, numbers, quoted, text};
+use crate::input::text::{number, numbers, quoted, text, without_comment};
 use crate::shape::labels::FaceSet;
 use crate::shape::looks::Look;
 use crate::shape::textures::{Image, Texture, Wrap};
@@ -130,7 +130,7 @@ impl Library {
         let text = text(bytes);
         let mut current: Option<(String, Entry)> = None;
         for line in text.lines() {
-            let line = super::without_comment(line).trim();
+            let line = without_comment(line).trim();
             let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
             if keyword == "newmtl" {
                 self.keep(current.replace((rest.trim().to_owned(), Entry::default())));

@@ -109,8 +109,11 @@ fn obj_and_mtl_together_tell_of_materials_what_json_does() {
     job["outputs"] = json!([{ "format": "obj", "mtllib": "a\nb" }]);
     assert_eq!(render(&job).unwrap_err()[0].pointer, "/outputs/0/mtllib");
     job["input"]["mesh"]["materials"] = json!([]);
-    job["outputs"] = json!([{ "format": "mtl" }]);
-    assert_eq!(render(&job).unwrap_err()[0].pointer, "/outputs/0/format");
+    assert_eq!(text(&job, &json!({ "format": "mtl" })), "# planish\n");
+    for format in ["ply", "stl"] {
+        let (_, report) = render(&painted_as(format)).unwrap();
+        assert!(report.warnings[0].contains("how materials look is left out"), "{report:?}");
+    }
     super::files::check_size(&painted_as("mtl"));
     super::files::check_size(&painted_as("obj"));
 }
@@ -119,4 +122,34 @@ fn painted_as(format: &str) -> Value {
     let mut job = painted();
     job["outputs"] = json!([{ "format": format }]);
     job
+}
+
+#[test]
+fn the_command_line_writes_the_library_and_the_textures_beside_an_obj_file() {
+    let folder = Folder::new();
+    fs::create_dir_all(folder.path()).unwrap();
+    let picture = png(2, &[[1, 2, 3], [4, 5, 6]]);
+    let mut job = painted();
+    job["input"]["mesh"]["uvs"] = json!({ "values": [[0, 0], [1, 0], [1, 1]], "faces": vec![[0, 1, 2, 1]; 6] });
+    job["input"]["mesh"]["materials"][1]["texture"] =
+        json!({ "image": uri("png", &picture), "wrap_s": "clamp-to-edge", "wrap_t": "clamp-to-edge" });
+    fs::write(folder.path().join("job.json"), job.to_string()).unwrap();
+    let render = |from: &str, to: &str| {
+        let [from, to] = [from, to].map(|name| folder.path().join(name));
+        let output = planish().arg("render").arg(from).arg("-o").arg(to).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    };
+    render("job.json", "a cube.obj");
+    let obj = fs::read_to_string(folder.path().join("a cube.obj")).unwrap();
+    assert!(obj.starts_with("mtllib a_cube.mtl\n# planish\n"), "{obj:.100}");
+    assert_eq!(fs::read(folder.path().join("a_cube-1.png")).unwrap(), picture);
+    let mtl = fs::read_to_string(folder.path().join("a_cube.mtl")).unwrap();
+    assert!(mtl.ends_with("newmtl plain\nmap_Kd -clamp on a_cube-1.png\n"), "{mtl}");
+    render("a cube.obj", "back.json");
+    let back: Value = serde_json::from_slice(&fs::read(folder.path().join("back.json")).unwrap()).unwrap();
+    assert_eq!(back["materials"], told(job)["materials"]);
+    // without looks there is nothing beside it
+    fs::write(folder.path().join("plain.json"), json!({ "input": nets::cube().input() }).to_string()).unwrap();
+    render("plain.json", "plain.obj");
+    assert!(!folder.path().join("plain.mtl").exists());
 }

@@ -51,7 +51,9 @@ fn all() -> Value {
         { "name": "red", "faces": [1, 3], "color": [1, 0.25, 0, 0.5], "metallic": 0.75, "roughness": 0.125,
           "alpha_cutoff": 0.25, "alpha_mode": "mask", "double_sided": false },
         { "name": "plain", "faces": [0] },
-        { "name": "green", "faces": [2, 4, 5], "color": [0, 0.5, 0.1, 1],
+        { "name": "grey", "faces": [5], "texture": { "wrap_s": "repeat", "wrap_t": "repeat",
+                                                      "image": uri("jpeg", &jpeg()) } },
+        { "name": "green", "faces": [2, 4], "color": [0, 0.5, 0.1, 1],
           "texture": { "wrap_s": "clamp-to-edge", "wrap_t": "mirrored-repeat", "mag_filter": "nearest",
                        "min_filter": "linear-mipmap-linear", "image": uri("png", &png(2, &[[1, 2, 3], [250, 9, 7]])) } },
     ])
@@ -103,7 +105,7 @@ fn looks_come_back_from_gltf_with_their_pictures_byte_for_byte() {
     for format in ["glb", "gltf"] {
         let first = written(&given, &json!({ "format": format }));
         let back = told(of_file(format, &first))["materials"].clone();
-        let [red, green] = ["red", "green"].map(|name| {
+        let [red, green, grey] = ["red", "green", "grey"].map(|name| {
             let find = |all: &Value| all.as_array().expect("a list").iter().find(|one| one["name"] == name).cloned();
             [find(&given_looks).expect("as given"), find(&back).expect("as it came back")]
         });
@@ -117,6 +119,7 @@ fn looks_come_back_from_gltf_with_their_pictures_byte_for_byte() {
             assert_eq!(red[0][field], red[1][field], "{field}");
         }
         assert_eq!(green[0]["texture"], green[1]["texture"]);
+        assert_eq!(grey[0]["texture"], grey[1]["texture"]);
         assert_eq!(green[1]["alpha_mode"], "opaque");
         let plain = back.as_array().expect("a list").iter().find(|one| one["name"] == "plain").expect("it has faces");
         assert!(plain.get("color").is_none(), "what nobody said is not said: {plain}");
@@ -147,7 +150,7 @@ fn what_materials_of_gltf_have_besides_is_named() {
     let (_, report) = crate::support::render(&job).expect("a mesh");
     let all = report.warnings.join("\n");
     for part in [
-        "textures of normals are left out: 3",
+        "textures of normals are left out: 4",
         "textures of occlusion are left out: 1",
         "textures of metalness and roughness are left out: 1",
         "light that materials give off is left out: 1",

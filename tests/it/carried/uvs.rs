@@ -411,7 +411,7 @@ fn what_does_not_fit_the_mesh_is_named() {
         (json!({ "values": [[0, 0]], "faces": [[0, 0, 0, 4_294_967_296_u64], [0, 0, 0, 0]] }), "/faces/0/3"),
         (json!({ "values": [[0]], "faces": [] }), "/values/0"),
         (json!({ "values": [[0, 0]], "faces": [], "interpolation": "some" }), "/interpolation"),
-        (json!({ "values": [[0, 0]] }), ""),
+        (json!({ "values": [[0, 0]] }), "/faces"),
     ] {
         let found = refusal(&with_uvs(&net, &uvs, &json!({ "word": "U" }), 1));
         assert_eq!(found[0].0, format!("/input/mesh/uvs{place}"), "{uvs}: {found:?}");

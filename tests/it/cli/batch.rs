@@ -1,6 +1,6 @@
 //! Many inputs at once: patterns, folders, failures by kind, signals.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
@@ -137,7 +137,11 @@ fn a_signal_removes_what_is_unfinished_and_ends_with_128_and_its_number() {
         child.args(["render", "job.json", "-o", "out.glb"]).current_dir(folder.path()).stderr(Stdio::null());
         let mut child = child.spawn().unwrap();
         let start = Instant::now();
-        let is_begun = || files(&folder, "").iter().any(|name| name.ends_with(".part"));
+        let is_begun = || {
+            files(&folder, "")
+                .iter()
+                .any(|name| Path::new(name).extension().is_some_and(|extension| extension == "part"))
+        };
         while !is_begun() {
             assert!(start.elapsed() < PATIENCE && child.try_wait().unwrap().is_none(), "it never began");
             std::thread::sleep(Duration::from_millis(1));

@@ -26,7 +26,11 @@ fn every_option_of_every_format_and_every_simple_field_of_a_job_is_a_flag() {
         assert!(has(&format!("--{}", parameter.name.replace('_', "-"))), "{}", parameter.name);
     }
     let document: Value = serde_json::from_str(&planish::http::document_text()).unwrap();
-    for (name, field) in document["components"]["schemas"]["InputRequest"]["properties"].as_object().unwrap() {
+    let schemas = &document["components"]["schemas"];
+    let kinds = schemas["InputRequest"]["oneOf"].as_array().unwrap();
+    let of = |kind: &Value| kind["$ref"].as_str().unwrap().rsplit('/').next().unwrap().to_owned();
+    let fields = kinds.iter().flat_map(|kind| schemas[of(kind)]["properties"].as_object().unwrap());
+    for (name, field) in fields {
         let text = field.to_string();
         let is_simple =
             !["MeshRequest", "TextRequest", "Polygon", "array", "object"].iter().any(|part| text.contains(part));

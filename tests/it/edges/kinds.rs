@@ -13,9 +13,15 @@ fn samples() -> Vec<Value> {
     let faces = [[0, 1, 4, 3], [1, 2, 5, 4]];
     let uvs = json!({ "values": [[0, 0], [1, 0], [1, 1], [0, 1]], "faces": [[0, 1, 2, 3], [0, 1, 2, 3]],
         "interpolation": "boundaries" });
+    // one pixel
+    let image = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJ\
+        RU5ErkJggg==";
+    let looks = json!({ "name": "red", "faces": [1], "color": [1, 0, 0, 0.5], "metallic": 0.5, "roughness": 0.5,
+        "double_sided": false, "alpha_mode": "mask", "alpha_cutoff": 0.5, "texture": { "image": image,
+        "mag_filter": "nearest", "min_filter": "linear", "wrap_s": "repeat", "wrap_t": "mirrored-repeat" } });
     let carrying = json!({ "positions": positions, "faces": faces, "corners": [{ "vertex": 0, "sharpness": 10.0 }],
         "creases": [{ "edge": [1, 4], "sharpness": 2.0 }], "holes": [1], "channels": { "heat": [0, 1, 2, 3, 4, 5] },
-        "groups": [{ "name": "left", "faces": [0] }], "materials": [{ "name": "red", "faces": [1] }], "uvs": uvs });
+        "groups": [{ "name": "left", "faces": [0] }], "materials": [looks], "uvs": uvs });
     let numbers = json!([1, 1, 1, 1, 1, 1]);
     let tagged = json!({ "positions": positions, "faces": faces, "latitude": [[0, 1]], "longitude": [[1, 4]],
         "parameters": { "alpha": numbers, "kernel": numbers, "compensation": numbers, "delta": numbers } });
@@ -30,7 +36,7 @@ fn samples() -> Vec<Value> {
     let text = json!({ "format": "off", "data": "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "encoding": "text" });
     vec![
         json!({ "spec": 1, "input": { "mesh": carrying, "unit": "mm", "up": "z", "orient": "repair", "weld": null,
-            "pair_quads": false }, "plan": { "preset": "catmull-clark", "boundary": "edge-only" }, "levels": 1,
+            "non_manifold": "refuse", "pair_quads": false }, "plan": { "preset": "catmull-clark", "boundary": "edge-only" }, "levels": 1,
             "outputs": outputs }),
         json!({ "input": { "mesh": tagged }, "plan": { "preset": "push-back" }, "levels": 1, "outputs": outputs }),
         json!({ "input": { "mesh": { "positions": positions, "faces": faces, "frames": [positions] } },

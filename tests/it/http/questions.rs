@@ -110,7 +110,8 @@ fn each_fault_of_a_mesh_is_named_with_its_index() {
         let mut input = cube();
         input["mesh"]["faces"][2][1] = json!(77);
         input["mesh"]["faces"][4] = json!([1, 1, 2]);
-        let answer = server.post("/v1/validate", &json!({ "input": input })).await.ok().json();
+        let question = json!({ "input": input, "plan": { "word": "UC" }, "levels": 1 });
+        let answer = server.post("/v1/validate", &question).await.ok().json();
         assert_eq!(answer["valid"], false);
         assert_eq!(answer["errors"][0]["pointer"], "/input/mesh/faces/2/1", "{answer}");
         assert!(answer["errors"][1]["pointer"].as_str().unwrap().starts_with("/input/mesh/faces/4"), "{answer}");
@@ -123,10 +124,11 @@ fn winding_is_refused_or_repaired_as_asked() {
     story(settings(), async |server| {
         let mut input = cube();
         input["mesh"]["faces"][1].as_array_mut().unwrap().reverse();
-        let refused = server.post("/v1/validate", &json!({ "input": input })).await.ok().json();
+        let mut question = json!({ "input": input, "plan": { "word": "UC" }, "levels": 1 });
+        let refused = server.post("/v1/validate", &question).await.ok().json();
         assert_eq!(refused["valid"], false, "{refused}");
-        input["orient"] = json!("repair");
-        let repaired = server.post("/v1/validate", &json!({ "input": input })).await.ok().json();
+        question["input"]["orient"] = json!("repair");
+        let repaired = server.post("/v1/validate", &question).await.ok().json();
         assert_eq!(repaired["valid"], true, "{repaired}");
         assert!(!repaired["warnings"].as_array().unwrap().is_empty(), "{repaired}");
     });

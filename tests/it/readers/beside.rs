@@ -83,5 +83,20 @@ fn nothing_outside_of_the_folder_is_read() {
     refused("short.bin", "buffer 0 says it has 54 bytes, and has 50; send it whole");
     // nothing is read of a file that is larger than all that may be read
     fs::File::create(inside.join("large.bin")).unwrap().set_len(3 << 30).unwrap();
-    refused("large.bin", "it has 3221225472 bytes; 2147483648 may be read");
+    refused("large.bin", "it has 3.0 GiB; 2.0 GiB may be read");
+}
+
+/// A scene that shows one mesh in many places takes more memory than it is long: over HTTP that is refused, on the
+/// command line there is room for it.
+#[test]
+fn a_mesh_may_stand_in_many_places() {
+    let folder = prepared();
+    let mut document = square(4, &[0, 1, 2, 2, 1, 3].repeat(100));
+    document["nodes"] = json!(vec![json!({ "mesh": 0 }); 400]);
+    document["scenes"] = json!([{ "nodes": (0..400).collect::<Vec<_>>() }]);
+    let said = super::sentences("gltf", document.to_string().as_bytes());
+    assert!(said[0].contains("bytes to read"), "{said:?}");
+    fs::write(folder.path().join("in/many.gltf"), document.to_string()).unwrap();
+    let obj = rendered(&folder, "many.gltf").unwrap();
+    assert_eq!(obj.lines().filter(|line| line.starts_with("f ")).count(), 80_000);
 }

@@ -77,7 +77,7 @@ fn table() -> Vec<(Value, Holds)> {
         (json!({ "format": "ply", "ascii": true, "face_sizes": "uint" }), PLY),
         (json!({ "format": "ply", "normals": "area", "ids": true }), PLY),
         (json!({ "format": "ply", "precision": "f32" }), Holds { numbers: Numbers::F32, ..PLY }),
-        (json!({ "format": "glb" }), GLTF),
+        (json!({ "format": "glb", "crease_angle": 180 }), GLTF),
         (json!({ "format": "gltf", "normals": "none", "ids": true }), GLTF),
         (json!({ "format": "stl" }), STL),
     ]

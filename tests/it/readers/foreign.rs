@@ -109,7 +109,7 @@ fn strips_of_triangles_of_ply_are_faces() {
     // a vertex that comes twice begins anew without a mark
     assert_eq!(faces("5 0 1 2 2 3"), vec![vec![0, 1, 2]]);
     let (_, detail) = told("ply", format!("{header}3 0 1 9\n").as_bytes());
-    assert_eq!(detail, "line 15: there is no vertex 9; the file has 4, counted from 0");
+    assert_eq!(detail, "line 14: there is no vertex 9; the file has 4, counted from 0");
 }
 
 /// Binary STL files whose header is that of something else are read all the same.
