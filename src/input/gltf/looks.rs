@@ -21,7 +21,13 @@ const TRANSFORM: &str = "KHR_texture_transform";
 
 /// Hands over the materials with their faces, given by the numbers of materials, in their order.
 pub(super) fn finish(document: &Document<'_>, faces: BTreeMap<usize, Vec<u64>>, room: &mut Room, mesh: &mut ReadMesh) {
-    let mut looks = Looks { document, images: BTreeMap::new(), left_out: BTreeMap::new(), has_uvs: mesh.uvs.is_some() };
+    let mut looks = Looks {
+        document,
+        images: BTreeMap::new(),
+        left_out: BTreeMap::new(),
+        has_uvs: mesh.uvs.is_some(),
+        has_colors: mesh.channels.iter().any(|channel| channel.name == "color"),
+    };
     let materials = &document.root.materials;
     let name_of = |i: usize| materials.get(i).and_then(|material| material.name.clone());
     let nameless = faces.keys().filter(|&&i| name_of(i).is_none()).count();
@@ -60,6 +66,7 @@ struct Looks<'a> {
     /// What is left out, and how often.
     left_out: BTreeMap<String, usize>,
     has_uvs: bool,
+    has_colors: bool,
 }
 
 impl Looks<'_> {
@@ -70,7 +77,9 @@ impl Looks<'_> {
         let surface = [pbr.metallic_factor.0, pbr.roughness_factor.0];
         let factor = pbr.base_color_factor.0;
         let texture = pbr.base_color_texture.as_ref().and_then(|info| self.texture(info, room));
-        let is_plain = bits(&factor) == bits(&PLAIN) && bits(&surface) == bits(&PLAIN_SURFACE);
+        // vertices with colours of their own are white where nothing is said
+        let says_nothing = if self.has_colors { [1.0; 4] } else { PLAIN };
+        let is_plain = bits(&factor) == bits(&says_nothing) && bits(&surface) == bits(&PLAIN_SURFACE);
         if is_plain && material.double_sided && texture.is_none() {
             return Look::default();
         }
