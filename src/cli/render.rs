@@ -141,8 +141,7 @@ impl Task<'_> {
                 })?;
                 let library = Library::of(&admitted, target);
                 let mut files = Files::default();
-                let report =
-                    to_file(&mut files, target, library.as_ref(), |out| self.write(&admitted, &teller, out))?;
+                let report = to_file(&mut files, target, library.as_ref(), |out| self.write(&admitted, &teller, out))?;
                 self.write_details(&admitted, &teller, (&mut files, target), limits)?;
                 files.finish().map_err(|error| unwritten(target, &error))?;
                 report

@@ -111,7 +111,7 @@ async fn again(app: &Arc<App>, client: &Client, key: &Key) -> Result<Artifact, P
     // the format is that of the artifact, whatever the request left to be negotiated
     let media_type = record.summary.output.1.media_type();
     let headers = HeaderMap::from_iter([(header::ACCEPT, HeaderValue::from_static(media_type))]);
-    let read = render::read(app, client, &headers, Sent::job(record.summary.request.clone()), None).await?;
+    let read = render::read(app, client, &headers, Sent::job(record.summary.request.clone())).await?;
     // it may be one to which the result of that job refers
     let job = if read.job.keys()[0] == *key { Some(read.job) } else { read.job.detail(key) };
     let gone = || Problem::new(problem::GONE, "the job of this artifact has become another one; send it again");

@@ -19,8 +19,9 @@ use super::pace::Pace;
 use super::problem::{self, Problem};
 use crate::input::Alone;
 use crate::job::amounts::in_bytes;
+use crate::output::Format;
 use crate::wire::JobRequest;
-use crate::wire::query::{job_of_file, job_text};
+use crate::wire::query::{job_of_file, job_text, read_as, text_as};
 use crate::wire::read::{ReadError, read};
 use crate::wire::text::MeshFile;
 
@@ -45,6 +46,11 @@ impl Sent {
         Self { bytes, notation: Notation::Job, _charge: None }
     }
 
+    /// The same job, with an output of this format.
+    pub(super) fn drawn(self, format: &'static dyn Format) -> Self {
+        Self { notation: Notation::JobAs(format), ..self }
+    }
+
     /// The request that the body, or the body and the query, say.
     ///
     /// # Errors
@@ -52,6 +58,7 @@ impl Sent {
     pub(super) fn request(&self) -> Result<JobRequest, ReadError> {
         match &self.notation {
             Notation::Job => read(&self.bytes),
+            Notation::JobAs(format) => read_as(format.name(), &self.bytes),
             Notation::File(reader, query) => job_of_file(query, file(reader.name, &self.bytes)),
         }
     }
@@ -60,6 +67,7 @@ impl Sent {
     pub(super) fn text(&self) -> Bytes {
         match &self.notation {
             Notation::Job => Bytes::copy_from_slice(&self.bytes),
+            Notation::JobAs(format) => text_as(format.name(), &self.bytes).into(),
             Notation::File(reader, query) => job_text(query, reader.name, &self.bytes).into(),
         }
     }

@@ -7,6 +7,7 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
 use super::problem::{self, Problem};
 use crate::fault::shortened;
 use crate::input::{self, READERS, Reader};
+use crate::output::Format;
 
 /// Types that programs send when nobody told them one: `curl --data-binary`, and pages that send a file of a kind that
 /// the browser does not know.
@@ -15,8 +16,10 @@ const UNTOLD: [&str; 2] = ["application/x-www-form-urlencoded", "application/oct
 /// How a request says what is asked for.
 #[derive(Debug, Clone)]
 pub(super) enum Notation {
-    /// Its body is the job.
+    /// Its body, or its address, holds the job.
     Job,
+    /// As [`Self::Job`], without outputs: the format of the one is named beside it.
+    JobAs(&'static dyn Format),
     /// Its body is a mesh file, and the query of its address the rest of the job.
     File(&'static Reader, Arc<str>),
 }

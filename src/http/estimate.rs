@@ -16,7 +16,8 @@ use crate::wire::answer::EstimateAnswer;
 
 /// What a job would come to: exact counts a level, bytes and key of each output, predicted time and memory.
 ///
-/// Refused as the job would be, but for what only its coordinates show, such as numbers beyond the range of f32 in glTF or STL.
+/// Refused as the job would be, but for what only its coordinates show, such as numbers beyond the range of f32 in glTF
+/// or STL.
 #[utoipa::path(
     post, path = "/v1/estimate", tag = "questions", request_body = JobRequest,
     responses(

@@ -53,7 +53,8 @@ pub(super) struct ShareAnswer {
     refused: u64,
 }
 
-/// A small real job was computed lately, no line and no share of the memory is full, and the disk takes what it is given.
+/// A small real job was computed lately, no line and no share of the memory is full, and the disk takes what it is
+/// given.
 #[utoipa::path(
     get, path = "/readyz", tag = "operations",
     responses(

@@ -104,7 +104,8 @@ pub(super) async fn kroki(
             let known: Vec<&str> = FORMATS.iter().map(|format| format.name()).collect();
             unknown(format!("there is no format \"{}\"; known are {}", shortened(&name), known.join(", ")))
         })?;
-        Ok(Wanted { format: Some(format), ..wanted_by(&headers, &uri, &data, "")? })
+        let wanted = wanted_by(&headers, &uri, &data, "")?;
+        Ok(Wanted { sent: wanted.sent.drawn(format), ..wanted })
     };
     answered(&app, &client, &headers, wanted()).await.unwrap_or_else(IntoResponse::into_response)
 }
@@ -117,7 +118,7 @@ fn wanted_by(headers: &HeaderMap, address: &Uri, job: &str, at: &str) -> Result<
         return Err(Problem::new(problem::URI_TOO_LONG, detail));
     }
     let sent = Sent::job(decoded(job, at)?);
-    Ok(Wanted { sent, identity: Some(memo::link_identity(headers, address)), format: None, keep: false })
+    Ok(Wanted { sent, identity: Some(memo::link_identity(headers, address)), keep: false })
 }
 
 /// The JSON of a job in an address.

@@ -20,16 +20,13 @@ use super::reading::ReadJob;
 use super::variants::coded;
 use super::{jobs, reading, streaming};
 use crate::analysis::curve::Reached;
-use crate::fault::Fault;
 use crate::job::key::Key;
 use crate::job::limits::Admitted;
-use crate::output::Format;
 use crate::service::computation::{Phase, Timings};
 use crate::service::jobs::JobSummary;
 use crate::service::peer::Paid;
 use crate::service::task::Render;
 use crate::wire::JobRequest;
-use crate::wire::output::OutputRequest;
 use crate::wire::query::name_of;
 
 /// Renders a job with one output and answers with its bytes.
@@ -74,10 +71,10 @@ pub(super) async fn render(
     let answer = async {
         let (sent, identity) = (early.sent?, early.identity);
         let notation = sent.notation.clone();
-        let wanted = Wanted { sent, identity, format: None, keep: streaming::asks_to_keep(query.as_deref())? };
+        let wanted = Wanted { sent, identity, keep: streaming::asks_to_keep(query.as_deref())? };
         let answered = rendered(&app, &client, &headers, wanted).await;
         answered.map_err(|problem| match notation {
-            Notation::Job => problem,
+            Notation::Job | Notation::JobAs(_) => problem,
             Notation::File(..) => problem.at(name_of),
         })
     };
@@ -91,8 +88,6 @@ pub(super) struct Wanted {
     pub(super) sent: Sent,
     /// Its identity.
     pub(super) identity: Option<Key>,
-    /// The format, where it is named beside the job.
-    pub(super) format: Option<&'static dyn Format>,
     /// Whether the result is to be kept, however large it is.
     pub(super) keep: bool,
 }
@@ -104,11 +99,11 @@ pub(super) async fn rendered(
     headers: &HeaderMap,
     wanted: Wanted,
 ) -> Result<Response, Problem> {
-    let Wanted { sent, identity: request, format, keep } = wanted;
+    let Wanted { sent, identity: request, keep } = wanted;
     if let Some(response) = again(app, client, headers, request).await {
         return Ok(response);
     }
-    let read = read(app, client, headers, sent, format).await?;
+    let read = read(app, client, headers, sent).await?;
     let known = Known::of(&read.job);
     if read.job.detail_keys().next().is_some() {
         return referring(app, client, headers, read, known).await;
@@ -239,26 +234,10 @@ async fn whole(app: &Arc<App>, headers: &HeaderMap, found: Artifact, known: &Kno
     answer::bytes(app, found, head, ByteRange::Whole).await
 }
 
-/// Reads, checks and keys the job; its format may be named beside it.
-pub(super) async fn read(
-    app: &Arc<App>,
-    client: &Client,
-    headers: &HeaderMap,
-    sent: Sent,
-    format: Option<&'static dyn Format>,
-) -> Result<ReadJob, Problem> {
+/// Reads, checks and keys the job.
+pub(super) async fn read(app: &Arc<App>, client: &Client, headers: &HeaderMap, sent: Sent) -> Result<ReadJob, Problem> {
     let headers = headers.clone();
-    let prepare = move |request: &mut JobRequest| {
-        if let Some(format) = format {
-            if !request.outputs.is_empty() {
-                let detail = "the address names the format; leave the outputs out of the job";
-                return Err(Problem::invalid(vec![Fault::new("/outputs", detail)]));
-            }
-            request.outputs = vec![OutputRequest::of_format(format.name())];
-        }
-        negotiate::settle(&headers, request)
-    };
-    reading::job(app, client, sent, 1, prepare).await
+    reading::job(app, client, sent, 1, move |request| negotiate::settle(&headers, request)).await
 }
 
 /// What a tolerance led to: the level, and how far from the limit the result is at most.

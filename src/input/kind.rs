@@ -1,7 +1,7 @@
 //! What a file is by its first bytes, where it is not what it is said to be.
 
-/// How files begin that hold no mesh which is read here, and what they are. They are looked at where reading has failed,
-/// so that short beginnings do no harm.
+/// How files begin that hold no mesh which is read here, and what they are. They are looked at where reading has
+/// failed, so that short beginnings do no harm.
 const FOREIGN: &[(&[u8], &str)] = &[
     (b"\x89PNG", "a PNG picture"),
     (b"\xff\xd8\xff", "a JPEG picture"),

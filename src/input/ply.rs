@@ -24,8 +24,8 @@ const MAX_CHANNELS: usize = 64;
 /// (`vertex_indices` or `vertex_index`); `red`, `green`, `blue`, `alpha` are a colour, `s`, `t` (or `u`, `v`) texture
 /// coordinates, as is the list `texcoord` of faces; `weight_0`, `weight_1` one after the other are the channel `weight`
 /// of two numbers, and so on up to four; `group` and `material` of faces are numbers whose names stand in comments
-/// (`comment group 0 top`); strips of triangles (`tristrips`) stand for faces; normals are ignored, other scalars of vertices are channels. Other
-/// elements and lists are left out with a note.
+/// (`comment group 0 top`); strips of triangles (`tristrips`) stand for faces; normals are ignored, other scalars of
+/// vertices are channels. Other elements and lists are left out with a note.
 pub(super) const PLY: Reader = Reader {
     name: "ply",
     media_type: "model/ply",

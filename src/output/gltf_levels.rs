@@ -35,8 +35,8 @@ pub(super) const LOD: Parameter = Parameter {
     kind: Kind::Numbers { most: MOST },
     unit: "",
     default: Otherwise::Absent,
-    doc: "Levels of detail of a mesh, ascending, the last of which is `levels`: the buffer of each is a file of its own \
-          (gltf-bin), which the document names by its key, and MSFT_lod says which nodes stand for which",
+    doc: "Levels of detail of a mesh, ascending, the last of which is `levels`: the buffer of each is a file of its \
+          own (gltf-bin), which the document names by its key, and MSFT_lod says which nodes stand for which",
 };
 
 /// The levels that the options ask for.

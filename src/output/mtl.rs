@@ -32,8 +32,9 @@ const TEXTURES: Parameter = Parameter {
 };
 
 /// The materials of a mesh as a library for OBJ files: `newmtl` with its name, and as far as they are said `Kd` (red,
-/// green, blue as they are given), `d` (alpha), `Pm` (metallic), `Pr` (roughness), and `map_Kd` where textures have names.
-/// What alpha does and which sides are seen have no place in it. The library of a mesh without materials has none.
+/// green, blue as they are given), `d` (alpha), `Pm` (metallic), `Pr` (roughness), and `map_Kd` where textures have
+/// names. What alpha does and which sides are seen have no place in it. The library of a mesh without materials has
+/// none.
 #[derive(Debug)]
 pub(super) struct Mtl;
 

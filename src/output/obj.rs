@@ -64,8 +64,8 @@ const UNNAMED: &str = "default";
 /// coordinates of points are 0. Unit and up axis stand in comments where they are not the defaults. The channel `color`
 /// stands behind the coordinates (red, green, blue), other channels have no place. Groups and materials are `g` and
 /// `usemtl`, "default" for faces without; how they look stands in a library of its own, the format "mtl". Origins are
-/// comments before the first vertex and face of each input cell. Where the mesh stands as it was given, tags `t crease` and `t corner` after the
-/// faces tell what is sharp.
+/// comments before the first vertex and face of each input cell. Where the mesh stands as it was given, tags `t crease`
+/// and `t corner` after the faces tell what is sharp.
 #[derive(Debug)]
 pub(super) struct Obj;
 

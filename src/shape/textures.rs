@@ -154,8 +154,8 @@ impl Filter {
     }
 }
 
-/// A picture and how it is laid over a surface: texture coordinates 0 to 1 are its width and height, the second from its
-/// lower edge upwards.
+/// A picture and how it is laid over a surface: texture coordinates 0 to 1 are its width and height, the second from
+/// its lower edge upwards.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texture {
     /// The picture.

@@ -8,6 +8,7 @@ use serde_json::{Map, Value, json};
 
 use super::fields::{Field, Part, fields, output_fields};
 use super::job::JobRequest;
+use super::output::OutputRequest;
 use super::read::{ReadError, read};
 use super::text::MeshFile;
 use super::written::{number, written};
@@ -74,6 +75,27 @@ pub fn job_text(query: &str, format: &str, bytes: &[u8]) -> String {
         let data = base64::engine::general_purpose::STANDARD.encode(bytes);
         input.insert("text".to_owned(), json!({ "format": format, "data": data, "encoding": "base64" }));
     }
+    Value::Object(job).to_string()
+}
+
+/// Reads a job whose one output is of a format that is named beside it.
+///
+/// # Errors
+/// [`ReadError`]; outputs that the job names itself.
+pub fn read_as(format: &str, bytes: &[u8]) -> Result<JobRequest, ReadError> {
+    let mut request: JobRequest = read(bytes)?;
+    if !request.outputs.is_empty() {
+        let detail = "the address names the format; leave the outputs out of the job";
+        return Err(ReadError::Unfit(vec![Fault::new("/outputs", detail)]));
+    }
+    request.outputs = vec![OutputRequest::of_format(format)];
+    Ok(request)
+}
+
+/// The text of a job that was read as one of this format.
+pub fn text_as(format: &str, bytes: &[u8]) -> String {
+    let mut job: Map<String, Value> = serde_json::from_slice(bytes).unwrap_or_default();
+    job.insert("outputs".to_owned(), json!([{ "format": format }]));
     Value::Object(job).to_string()
 }
 

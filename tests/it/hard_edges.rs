@@ -34,7 +34,8 @@ fn straight_cube() -> Net {
 fn tube(n: usize) -> Net {
     let at = |i: usize, z: f64| {
         let angle = 2.0 * std::f64::consts::PI * real(i) / real(n);
-        [cos(angle), sin(angle), z].map(|x| f64::from(x as f32))
+        // as many digits as f32 has
+        [cos(angle), sin(angle), z].map(|x| f64::from_bits(x.to_bits() >> 29 << 29))
     };
     let positions = [0.0, 1.0].iter().flat_map(|&z| (0..n).map(move |i| at(i, z))).collect();
     Net { positions, ..nets::prism(n) }

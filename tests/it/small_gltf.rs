@@ -69,7 +69,8 @@ proptest! {
         let factor = 10_f64.powi(scale);
         let mut net = net;
         net.positions.iter_mut().flatten().for_each(|x| *x = (*x + far) * factor);
-        let told: Value = serde_json::from_slice(&written(&job(&net.to_json(), &json!({ "format": "json" })))).expect("JSON");
+        let told = written(&job(&net.to_json(), &json!({ "format": "json" })));
+        let told: Value = serde_json::from_slice(&told).expect("JSON");
         let exact: Vec<[f64; 3]> = serde_json::from_value(told["positions"].clone()).expect("positions");
         let plain = Model::of(&written(&job(&net.to_json(), &json!({ "format": "glb", "ids": true }))));
         for way in ways() {

@@ -1,4 +1,5 @@
-//! Strips of triangles, as the scans of Stanford have them: lists of vertices, in which numbers below 0 begin a new one.
+//! Strips of triangles, as the scans of Stanford have them: lists of vertices, in which numbers below 0 begin a new
+//! one.
 
 use super::body::Body;
 use super::header::{Element, Scalar};

@@ -107,6 +107,32 @@ async function checkModels({ page, wire }, origin) {
   return sizes.join(", ");
 }
 
+// A document of several levels shows the coarsest before the others are loaded.
+async function checkLevels({ page, wire }, origin) {
+  const outputs = [{ format: "gltf", compression: "meshopt", lod: [1, 3, 5] }];
+  const link = `${origin}/v1/render?job=${base64url({ input: cube, plan, levels: 5, outputs })}`;
+  // buffers stand beside the document where its Content-Location is
+  const { headers } = await page.evaluate((url) => window.ask(url), link);
+  const url = origin + headers["content-location"];
+  const came = wire.length;
+  const bytes = () => {
+    const answers = wire.slice(came).filter((entry) => entry.status === 200);
+    return answers.reduce((sum, entry) => sum + Number(entry.headers["content-length"]), 0);
+  };
+  const first = await page.evaluate((url) => window.showModel(url), url);
+  const before = bytes();
+  await page.screenshot({ path: join(screenshots, "model-level-1.png") });
+  const last = await page.evaluate(() => window.refine());
+  await page.screenshot({ path: join(screenshots, "model-level-5.png") });
+  for (const { share, mean } of [first, last]) {
+    assert(share > 0.1 && share < 0.7, `${share} of the pixels`);
+    isOrange(mean);
+  }
+  assert(first.vertices < 100 && last.vertices > 6000, `${first.vertices}, then ${last.vertices} vertices`);
+  assert(before < bytes() / 3, `${before} of ${bytes()} bytes before the first picture`);
+  return `first picture after ${before} of ${bytes()} bytes`;
+}
+
 // What <img> shows has the colours of the job, and may be read by the page.
 async function checkPictures({ page }, origin) {
   for (const [name, path] of [
@@ -167,11 +193,12 @@ try {
   const page = await openPage(browser, `http://localhost:${port}/index.html`);
   const foreign = await openPage(browser, `http://elsewhere.test:${port}/index.html`);
   const sizes = await checkModels(page, origin);
+  const levels = await checkLevels(page, origin);
   await checkPictures(page, origin);
   await checkCache(page, origin);
   await checkPosts(page, origin, foreign);
   const seconds = (Date.now() - started) / 1000;
-  console.log(`page: models ${sizes}; pictures, cache and posts as they should be, in ${seconds} s`);
+  console.log(`page: models ${sizes}; ${levels}; pictures, cache and posts as they should be, in ${seconds} s`);
 } finally {
   await browser.close();
   service.kill("SIGTERM");

@@ -20,10 +20,38 @@ function seen(pixels, background) {
   return { share: n / (pixels.length / 4), mean: sum.map((value) => value / Math.max(n, 1)) };
 }
 
-// Loads a model as GLTFLoader does, and draws it before a white background.
+// A plug-in for MSFT_lod: a node comes with its coarsest level, and with a way to put the finer ones into its place.
+function levels(parser) {
+  return {
+    name: "MSFT_lod",
+    loadNode(index) {
+      const ids = parser.json.nodes[index].extensions?.MSFT_lod?.ids;
+      if (!ids) return null;
+      const finer = [...ids.slice(0, -1).reverse().map((id) => () => parser.getDependency("node", id))];
+      finer.push(() => parser.loadNode(index));
+      return parser.getDependency("node", ids.at(-1)).then((coarsest) => {
+        const group = new THREE.Group().add(coarsest);
+        group.userData.finer = finer.map((load) => async () => group.clear().add(await load()));
+        return group;
+      });
+    },
+  };
+}
+
+// Loads a model as GLTFLoader does, and draws it before a white background; then its finer levels, if it has such.
 window.showModel = async (url) => {
-  const loader = new GLTFLoader().setCrossOrigin("anonymous").setMeshoptDecoder(MeshoptDecoder);
+  const loader = new GLTFLoader().setCrossOrigin("anonymous").setMeshoptDecoder(MeshoptDecoder).register(levels);
   const { scene: model } = await loader.loadAsync(url);
+  const finer = [];
+  model.traverse((object) => finer.push(...(object.userData.finer ?? [])));
+  window.refine = async () => {
+    for (const next of finer) await next();
+    return draw(model);
+  };
+  return draw(model);
+};
+
+function draw(model) {
   const renderer = new THREE.WebGLRenderer({ preserveDrawingBuffer: true, antialias: true });
   renderer.setSize(WIDTH, HEIGHT);
   document.body.replaceChildren(renderer.domElement);
@@ -47,9 +75,8 @@ window.showModel = async (url) => {
     if (object.name) names.push(object.name);
     if (object.isMesh) vertices += object.geometry.attributes.position.count;
   });
-  const size = box.getSize(new THREE.Vector3()).toArray();
-  return { ...seen(pixels, [255, 255, 255]), names, vertices, size };
-};
+  return { ...seen(pixels, [255, 255, 255]), names, vertices };
+}
 
 // Shows a picture as <img> does, and reads its pixels, which only pictures that the page may read allow.
 window.showPicture = async (url, background) => {

@@ -38,7 +38,8 @@ def rendered(client, name, job):
     kept = artifact.sync_detailed(file, client=client)
     check(kept.parsed.payload.read() == content, f"{name}: the artifact has other bytes")
     told = estimate.sync(client=client, body=body)
-    check(answer.headers["etag"] == f'"{told.outputs[0].key}"', f"{name}: the estimate has another key")
+    # a compressed variant has a tag of its own behind the key
+    check(answer.headers["etag"].startswith(f'"{told.outputs[0].key}'), f"{name}: the estimate has another key")
 
 
 def main():

@@ -56,7 +56,9 @@ for (const [name, whole] of Object.entries(jobs)) {
     const kept = await client.GET("/v1/artifacts/{file}", { params: { path: { file } }, parseAs: "arrayBuffer" });
     check(Buffer.from(kept.data as ArrayBuffer).equals(Buffer.from(bytes)), `${name}: the artifact has other bytes`);
     const estimate = await client.POST("/v1/estimate", { body });
-    check(response.headers.get("etag") === `"${estimate.data?.outputs[0]?.key}"`, `${name}: the estimate has another key`);
+    // a compressed variant has a tag of its own behind the key
+    const tag = response.headers.get("etag") ?? "";
+    check(tag.startsWith(`"${estimate.data?.outputs[0]?.key}`), `${name}: the estimate has another key`);
     rendered += 1;
   }
   const { data } = await client.POST("/v1/validate", { body: whole });

@@ -55,7 +55,8 @@ fn all() -> Value {
                                                       "image": uri("jpeg", &jpeg()) } },
         { "name": "green", "faces": [2, 4], "color": [0, 0.5, 0.1, 1],
           "texture": { "wrap_s": "clamp-to-edge", "wrap_t": "mirrored-repeat", "mag_filter": "nearest",
-                       "min_filter": "linear-mipmap-linear", "image": uri("png", &png(2, &[[1, 2, 3], [250, 9, 7]])) } },
+                       "min_filter": "linear-mipmap-linear",
+                       "image": uri("png", &png(2, &[[1, 2, 3], [250, 9, 7]])) } },
     ])
 }
 

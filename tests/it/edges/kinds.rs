@@ -14,8 +14,8 @@ fn samples() -> Vec<Value> {
     let uvs = json!({ "values": [[0, 0], [1, 0], [1, 1], [0, 1]], "faces": [[0, 1, 2, 3], [0, 1, 2, 3]],
         "interpolation": "boundaries" });
     // one pixel
-    let image = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJ\
-        RU5ErkJggg==";
+    let image = "data:image/png;base64,\
+        iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg==";
     let looks = json!({ "name": "red", "faces": [1], "color": [1, 0, 0, 0.5], "metallic": 0.5, "roughness": 0.5,
         "double_sided": false, "alpha_mode": "mask", "alpha_cutoff": 0.5, "texture": { "image": image,
         "mag_filter": "nearest", "min_filter": "linear", "wrap_s": "repeat", "wrap_t": "mirrored-repeat" } });
@@ -36,12 +36,14 @@ fn samples() -> Vec<Value> {
     let text = json!({ "format": "off", "data": "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "encoding": "text" });
     vec![
         json!({ "spec": 1, "input": { "mesh": carrying, "unit": "mm", "up": "z", "orient": "repair", "weld": null,
-            "non_manifold": "refuse", "pair_quads": false }, "plan": { "preset": "catmull-clark", "boundary": "edge-only" }, "levels": 1,
-            "outputs": outputs }),
+            "non_manifold": "refuse", "pair_quads": false },
+            "plan": { "preset": "catmull-clark", "boundary": "edge-only" }, "levels": 1, "outputs": outputs }),
         json!({ "input": { "mesh": tagged }, "plan": { "preset": "push-back" }, "levels": 1, "outputs": outputs }),
         json!({ "input": { "mesh": { "positions": positions, "faces": faces, "frames": [positions] } },
             "outputs": [{ "format": "json", "name": "a", "frame": 1 }] }),
         json!({ "input": { "text": text, "weld": 0.0 }, "outputs": outputs }),
+        json!({ "input": { "text": { "format": "obj", "data": "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+            "mtl": "newmtl red\nKd 1 0 0\n" } }, "outputs": outputs }),
         json!({ "input": { "polygon": curve }, "plan": word, "levels": 1, "outputs": outputs }),
         json!({ "input": { "polygons": [curve] }, "plan": word, "levels": 1, "outputs": outputs }),
         json!({ "input": { "polygon": { "points": points } }, "plan": { "word": "UC" }, "levels": { "tolerance": 0.5 },

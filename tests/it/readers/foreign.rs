@@ -92,7 +92,8 @@ fn texts_of_16_bit_units_are_read() {
 
 #[test]
 fn free_form_parts_of_an_obj_are_left_out_and_counted() {
-    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\ncstype bspline\ndeg 2\ncurv 0 1 1 2 3\nparm u 0 1\nend\nsurf 0 1 0 1 1\nend\n";
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\ncstype bspline\ndeg 2\ncurv 0 1 1 2 3\nparm u 0 1\nend\n\
+                surf 0 1 0 1 1\nend\n";
     let found = mesh("obj", text.as_bytes());
     assert_eq!(net(&found).faces, [[0, 1, 2]]);
     assert_eq!(found.notes, ["free-form curves and surfaces are left out: 2"]);
