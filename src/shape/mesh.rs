@@ -145,7 +145,9 @@ impl Mesh {
             return Err(faults);
         }
         let coordinates = |points: Vec<[f64; 3]>| {
-            let mut all: Vec<f64> = points.into_iter().flatten().map(|x| x + 0.0).collect();
+            // room for all at once: lists that grow take three times their size
+            let mut all: Vec<f64> = Vec::with_capacity(3 * (points.len() + checked.split_from.len()));
+            all.extend(points.into_iter().flatten().map(|x| x + 0.0));
             let parts = checked.split_from.iter().map(|&from| 3 * from as usize);
             parts.for_each(|start| all.extend_from_within(start..start + 3));
             all
