@@ -4,6 +4,7 @@ pub mod circles;
 pub mod curve;
 pub mod limit;
 mod no_level;
+pub mod smoothness;
 pub mod tolerance;
 
 pub use no_level::NoLevel;
