@@ -5,6 +5,8 @@ pub mod curve;
 pub mod limit;
 mod no_level;
 pub mod smoothness;
+mod study;
 pub mod tolerance;
 
 pub use no_level::NoLevel;
+pub use study::{Level, Study};

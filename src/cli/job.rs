@@ -40,13 +40,7 @@ pub(crate) struct MeshOptions {
 
 /// Reads a job, or makes one of a mesh file; `-` is a job on standard input.
 pub(super) fn load(path: &Path, options: &MeshOptions) -> Result<JobRequest, CliError> {
-    let bytes = if path == Path::new("-") {
-        let mut bytes = Vec::new();
-        std::io::stdin().read_to_end(&mut bytes).map(|_| bytes)
-    } else {
-        std::fs::read(path)
-    };
-    let bytes = bytes.map_err(|error| CliError::new(format!("cannot read {}: {error}", path.display())))?;
+    let bytes = bytes(path)?;
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     let file = match input::of_extension(extension) {
         Some(reader) => Some(MeshFile { format: reader.name.to_owned(), bytes, beside: Arc::new(Folder::of(path)) }),
@@ -64,6 +58,17 @@ pub(super) fn load(path: &Path, options: &MeshOptions) -> Result<JobRequest, Cli
         ))
     })?;
     Ok(of_file(file, options))
+}
+
+/// The bytes of a file; `-` is standard input.
+pub(super) fn bytes(path: &Path) -> Result<Vec<u8>, CliError> {
+    let bytes = if path == Path::new("-") {
+        let mut bytes = Vec::new();
+        std::io::stdin().read_to_end(&mut bytes).map(|_| bytes)
+    } else {
+        std::fs::read(path)
+    };
+    bytes.map_err(|error| CliError::new(format!("cannot read {}: {error}", path.display())))
 }
 
 /// Whether it is the JSON of a mesh rather than a job.
@@ -89,7 +94,7 @@ fn of_file(file: MeshFile, options: &MeshOptions) -> JobRequest {
     JobRequest { spec: None, input, plan, levels, outputs: Vec::new(), left_out: 0 }
 }
 
-fn refused(error: ReadError) -> CliError {
+pub(super) fn refused(error: ReadError) -> CliError {
     match error {
         ReadError::NotJson(detail) => CliError::Plain(detail),
         ReadError::Unfit(faults) => CliError::Faults(faults),

@@ -1,5 +1,6 @@
 //! The command line: the same jobs as over HTTP, by the same path, to the same bytes.
 
+mod analyse;
 mod error;
 mod estimate;
 mod folder;
@@ -61,6 +62,11 @@ enum Command {
         #[command(flatten)]
         options: job::MeshOptions,
     },
+    /// Tell what can be said of a plan: masks, smoothness with its proofs, limit and tangent weights.
+    Analyse {
+        #[command(flatten)]
+        question: Box<analyse::Question>,
+    },
     /// List the presets, or one with its parameters.
     Presets {
         /// Name of a preset.
@@ -100,6 +106,7 @@ pub fn run(cli: Cli) -> ExitCode {
             render::render(&job, &options, &output, format.as_deref(), max_faces)
         }
         Command::Estimate { job, options } => estimate::estimate(&job, &options),
+        Command::Analyse { question } => analyse::analyse(&question),
         Command::Presets { name } => presets::presets(name.as_deref()),
         Command::Health { url } => health::health(&url),
     };

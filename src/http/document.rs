@@ -84,6 +84,12 @@ fn complete(path: &str, operation: &mut Operation) {
             refuse(operation, &[problem::TOO_LARGE, problem::BUSY]);
         }
         "/v1/validate" => refuse(operation, QUESTION),
+        "/v1/analyses" => {
+            headers(operation, "200", RESULT);
+            headers(operation, "304", &["ETag", "Content-Location"]);
+            refuse(operation, QUESTION);
+            refuse(operation, &[problem::TIMED_OUT, problem::GONE, problem::CANCELLED, problem::BUSY, problem::INTERNAL]);
+        }
         path if path.starts_with("/v1/artifacts/") => {
             bytes(operation, "200", &[RESULT, KEPT].concat());
             bytes(operation, "206", &[RESULT, KEPT, &["Content-Range"]].concat());

@@ -5,7 +5,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::app::Shared;
-use super::{artifacts, catalogue, estimate, health, jobs, pages, render, validate};
+use super::{analyses, artifacts, catalogue, estimate, health, jobs, pages, render, validate};
 
 /// All routes and their descriptions.
 pub(super) fn all() -> OpenApiRouter<Shared> {
@@ -15,6 +15,7 @@ pub(super) fn all() -> OpenApiRouter<Shared> {
         .routes(routes!(jobs::job, jobs::forget))
         .routes(routes!(estimate::estimate))
         .routes(routes!(validate::validate))
+        .routes(routes!(analyses::analyse))
         .routes(routes!(catalogue::presets))
         .routes(routes!(catalogue::preset))
         .routes(routes!(catalogue::operators))

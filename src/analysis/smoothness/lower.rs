@@ -6,11 +6,11 @@
 
 use std::cmp::Ordering;
 
-use num_traits::{One, Signed, Zero};
+use num_traits::Signed;
 
 use super::matrices::{ExactMatrix, multiply, product};
 use crate::math::elimination::determinant_sign;
-use crate::math::exact::{self, Exact, above, below, binary, rounded};
+use crate::math::exact::{self, Exact, below, binary, rounded};
 use crate::math::functions::pow;
 use crate::math::number::Number;
 use crate::math::spectrum::eigenvalues;

@@ -9,6 +9,7 @@ mod report;
 mod stability;
 mod symbol;
 mod upper;
+mod values;
 mod verdict;
 
 pub use local::Weights;
@@ -17,4 +18,5 @@ pub use norms::Certificate;
 pub use report::Report;
 pub use symbol::Symbol;
 pub use upper::Upper;
+pub use values::BasicFunction;
 pub use verdict::{Radius, Smoothness};

@@ -27,7 +27,7 @@ pub struct Certificate {
 }
 
 /// For each k the first certificate, as far as there are any.
-pub fn certificates(symbol: &Symbol) -> Vec<Certificate> {
+pub(super) fn certificates(symbol: &Symbol) -> Vec<Certificate> {
     (0..symbol.order).filter_map(|k| certificate(k, &symbol.difference(k)?, symbol.arity)).collect()
 }
 

@@ -2,6 +2,7 @@
 
 use super::local::{Neighbourhood, Weights};
 use super::symbol::Symbol;
+use super::values::BasicFunction;
 use super::verdict::Smoothness;
 use crate::math::spectrum::Eigenvalue;
 use crate::watch::{Stopped, Watch};
@@ -35,5 +36,13 @@ impl Report {
         let tangent_mask = if smoothness.proved_c >= 1 { around.tangent_mask() } else { None };
         let local_eigenvalues = around.eigenvalues();
         Ok(Self { smoothness, limit_mask, tangent_mask, local_eigenvalues, symbol })
+    }
+
+    /// Values of the basic limit function, where it is proved to be there.
+    ///
+    /// # Errors
+    /// [`Stopped`].
+    pub fn basic_function(&self, grid: u32, watch: &Watch) -> Result<Option<BasicFunction>, Stopped> {
+        self.limit_mask.as_ref().map(|limit| BasicFunction::of(&self.symbol, limit, grid, watch)).transpose()
     }
 }

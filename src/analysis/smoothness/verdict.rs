@@ -13,6 +13,11 @@ use crate::math::functions::ln;
 use crate::math::number::Number;
 use crate::watch::{Stopped, Watch};
 
+/// By what share the radius of a rounded scheme has to lie above a threshold before something is disproved.
+/// It is a million times what rounding changes of short masks. Half and twice of it only matter to schemes that lie so
+/// close to the end of a range.
+const MARGIN: f64 = 1e-6;
+
 /// What is known of the smoothness of limits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Smoothness {
@@ -54,18 +59,32 @@ impl Smoothness {
         watch.check()?;
         let matrices = of_residual(&symbol.residual, symbol.arity);
         // limits are C^k when the radius is below d^(K-1-k)
-        let threshold = |k: i64| Exact::whole(symbol.arity).pow(i32::try_from(most - 1 - k).unwrap_or(0));
+        let threshold = |k: i64| threshold(symbol, most - 1 - k);
         let lower = lower::bound(&matrices);
         let thresholds: Vec<Exact> = (0..most).map(threshold).collect();
         let upper = upper::bound(&matrices, &lower, &thresholds, budget, watch)?;
         let by_radius = (0..most).rev().find(|&k| upper.stays_below(&threshold(k)));
         let by_norms = certificates.iter().filter_map(|c| i64::try_from(c.k).ok()).max();
         let proved_c = by_radius.max(by_norms).unwrap_or(-1);
-        let disproved_c = (0..most).find(|&k| lower.reaches(&threshold(k))).unwrap_or(most);
+        let disproved_c = disproved(symbol, &lower, most);
         let holder = [exponent(symbol, &over(&upper), -1.0), exponent(symbol, &binary(lower.value), 1.0)];
-        let disproved_c = is_stable.then_some(disproved_c);
+        let disproved_c = disproved_c.filter(|_| is_stable);
         Ok(Self { certificates, proved_c, disproved_c, is_stable, radius: Some(Radius { lower, upper, holder }) })
     }
+}
+
+/// The smallest k for which limits are not C^k, given stable shifts: the radius is `d^(K-1-k)` at least, or there are no
+/// K + 1 sum rules. Where the mask is rounded, the radius has to be larger by far more than that can make it, and a
+/// missing sum rule says nothing.
+fn disproved(symbol: &Symbol, lower: &Lower, most: i64) -> Option<i64> {
+    let margin = if symbol.is_exact { Exact::one() } else { Exact::one() + binary(MARGIN) };
+    let found = (0..most).find(|&k| lower.reaches(&(threshold(symbol, most - 1 - k) * &margin)));
+    found.or_else(|| symbol.is_exact.then_some(most))
+}
+
+/// `d^n`.
+fn threshold(symbol: &Symbol, n: i64) -> Exact {
+    Exact::whole(symbol.arity).pow(i32::try_from(n).unwrap_or(0))
 }
 
 fn over(upper: &Upper) -> Exact {
