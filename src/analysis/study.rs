@@ -8,8 +8,8 @@ use crate::scheme::plan::Plan;
 use crate::watch::Watch;
 
 /// Longest masks that are analysed.
-/// Those of clients have 129 entries at most. Half of it refuses cycles of three upsamplings and many averages; twice of
-/// it takes eight times as long.
+/// Those of clients have 129 entries at most. Half of it refuses cycles of three upsamplings and many averages; twice
+/// of it takes eight times as long.
 const MAX_ENTRIES: usize = 512;
 /// Most levels that are listed.
 /// Cosines of an angle that is halved come four times as close at each level, 16 of them to 1e-9 of where they were.

@@ -67,7 +67,8 @@ fn parameter(text: &str) -> Result<(String, Literal), CliError> {
         .split_once('=')
         .ok_or_else(|| CliError::new(format!("\"{text}\" is no parameter; write NAME=VALUE, such as w=1/16")))?;
     // whole numbers are written as numbers, everything else as text, whose value is exact
-    let one = |text: &str| text.parse::<i32>().map_or_else(|_| Literal::Text(text.into()), |n| Literal::Number(n.into()));
+    let one =
+        |text: &str| text.parse::<i32>().map_or_else(|_| Literal::Text(text.into()), |n| Literal::Number(n.into()));
     let is_list = name == "mask" || name == "kernel" && value.contains(',');
     let value = if is_list { Literal::List(value.split(',').map(one).collect()) } else { one(value) };
     Ok((name.to_owned(), value))

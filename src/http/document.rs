@@ -88,7 +88,10 @@ fn complete(path: &str, operation: &mut Operation) {
             headers(operation, "200", RESULT);
             headers(operation, "304", &["ETag", "Content-Location"]);
             refuse(operation, QUESTION);
-            refuse(operation, &[problem::TIMED_OUT, problem::GONE, problem::CANCELLED, problem::BUSY, problem::INTERNAL]);
+            refuse(
+                operation,
+                &[problem::TIMED_OUT, problem::GONE, problem::CANCELLED, problem::BUSY, problem::INTERNAL],
+            );
         }
         path if path.starts_with("/v1/artifacts/") => {
             bytes(operation, "200", &[RESULT, KEPT].concat());

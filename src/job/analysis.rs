@@ -73,7 +73,8 @@ impl Analysis {
         if let Some(grid) = grid
             && BasicFunction::count(&study.settled, grid).is_none_or(|count| count > MAX_VALUES)
         {
-            let detail = format!("a grid of {grid} steps has more than {MAX_VALUES} values here; ask for a coarser one");
+            let detail =
+                format!("a grid of {grid} steps has more than {MAX_VALUES} values here; ask for a coarser one");
             return Err(vec![Fault::new("/grid", detail)]);
         }
         let key = key::analysis(&study, nodes, grid);

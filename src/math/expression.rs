@@ -201,7 +201,9 @@ impl Sink for Vec<Instruction> {
 fn emit(code: &mut Vec<Instruction>, instruction: Instruction) -> Result<(), ExpressionError> {
     let folded = match (instruction, code.as_slice()) {
         (Instruction::Unary(op), [.., Instruction::Constant(x)]) => Some((1, op.apply(*x))),
-        (Instruction::Binary(op), [.., Instruction::Constant(x), Instruction::Constant(y)]) => Some((2, op.apply(*x, *y))),
+        (Instruction::Binary(op), [.., Instruction::Constant(x), Instruction::Constant(y)]) => {
+            Some((2, op.apply(*x, *y)))
+        }
         _ => None,
     };
     if let Some((operands, value)) = folded {

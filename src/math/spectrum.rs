@@ -63,9 +63,8 @@ impl Hessenberg {
     fn reduce(&mut self) {
         let n = self.n;
         for m in 1..n.saturating_sub(1) {
-            let pivot = (m..n).fold(m, |best, i| {
-                if self.at(i, m - 1).abs() > self.at(best, m - 1).abs() { i } else { best }
-            });
+            let pivot =
+                (m..n).fold(m, |best, i| if self.at(i, m - 1).abs() > self.at(best, m - 1).abs() { i } else { best });
             let x = self.at(pivot, m - 1);
             if x == 0.0 {
                 continue;

@@ -113,8 +113,8 @@ pub struct SchemeAnswer {
     pub mask: MaskAnswer,
     /// For each residue r modulo the arity the weights of new point r, by the index of the old point.
     pub sub_masks: Vec<MaskAnswer>,
-    /// Order K of the sum rules: the symbol has the factor (1 + z + ... + z^(arity-1))^K; 0 when the weights of some new
-    /// point do not sum to 1.
+    /// Order K of the sum rules: the symbol has the factor (1 + z + ... + z^(arity-1))^K; 0 when the weights of some
+    /// new point do not sum to 1.
     pub sum_rules: usize,
     /// What is left of the symbol: a(z) = arity (sigma/arity)^K b(z) with sigma = 1 + z + ... + z^(arity-1), b(1) = 1.
     pub residual: MaskAnswer,
@@ -183,15 +183,15 @@ pub struct ValuesAnswer {
 /// How smooth limits are. What is called proved is: bounds are exact or rounded outwards.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct SmoothnessAnswer {
-    /// Proofs by norms: limits are C^k as the norm of l steps of the difference scheme with mask (sigma/arity)^(K-1-k) b is
-    /// below 1.
+    /// Proofs by norms: limits are C^k as the norm of l steps of the difference scheme with mask (sigma/arity)^(K-1-k)
+    /// b is below 1.
     pub certificates: Vec<CertificateAnswer>,
     /// The largest k for which limits are proved to be C^k, -1 where not even convergence is.
     pub proved_c: i64,
     /// The smallest k for which it is disproved that limits are C^k; null where nothing is.
     pub disproved_c: Option<i64>,
-    /// The Hoelder exponent of the basic limit function is at least the first and, with stable shifts, at most the second
-    /// number; null where the scheme has no sum rules.
+    /// The Hoelder exponent of the basic limit function is at least the first and, with stable shifts, at most the
+    /// second number; null where the scheme has no sum rules.
     pub holder: Option<[f64; 2]>,
     /// Bounds of the joint spectral radius rho of the residual's matrices, from below and above; the exponent is
     /// K - 1 - log_arity(rho).
@@ -204,8 +204,8 @@ pub struct SmoothnessAnswer {
     pub norm: Option<&'static str>,
     /// Products of matrices that were looked at for the upper bound.
     pub nodes: u64,
-    /// Whether the integer shifts of the basic limit function are proved to be stable: sub-symbols without a common zero,
-    /// and no zeros of the residual on cycles of roots of unity.
+    /// Whether the integer shifts of the basic limit function are proved to be stable: sub-symbols without a common
+    /// zero, and no zeros of the residual on cycles of roots of unity.
     pub stable: bool,
     /// What the statements rest on beyond what was computed exactly.
     pub assumptions: Vec<&'static str>,
@@ -222,14 +222,13 @@ pub struct CertificateAnswer {
     pub norm: f64,
 }
 
-const ROUNDED: &str = "some weight is not known as a fraction: what is said holds for the scheme beside it, within rounding, \
-                       that has its sum rules exactly";
-const UNSTABLE: &str = "the shifts of the basic limit function are not proved to be stable, so that nothing is disproved and \
-                        the upper end of the Hoelder exponent is no bound";
-
-const THEOREM: &str = "Dyn and Levin 1995: level schemes whose distances from a convergent static scheme have a finite sum \
-                       converge; where each of them has two sum rules, limits are C1 when those of the static scheme are \
-                       (Zhang and Wang 2002, theorem 3, as corrected)";
+const ROUNDED: &str = "some weight is not known as a fraction: what is said holds for the scheme beside it, within \
+                       rounding, that has its sum rules exactly";
+const UNSTABLE: &str = "the shifts of the basic limit function are not proved to be stable, so that nothing is \
+                        disproved and the upper end of the Hoelder exponent is no bound";
+const THEOREM: &str = "Dyn and Levin 1995: level schemes whose distances from a convergent static scheme have a finite \
+                       sum converge; where each of them has two sum rules, limits are C1 when those of the static \
+                       scheme are (Zhang and Wang 2002, theorem 3, as corrected)";
 
 impl AnalysisAnswer {
     /// The answer of an analysis.
@@ -309,7 +308,8 @@ fn sub_mask(symbol: &Symbol, r: i64) -> MaskAnswer {
 impl SmoothnessAnswer {
     fn new(smoothness: &Smoothness, known: bool) -> Self {
         let radius = smoothness.radius.as_ref();
-        let certificate = |c: &crate::analysis::smoothness::Certificate| CertificateAnswer { k: c.k, l: c.l, norm: c.norm };
+        let certificate =
+            |c: &crate::analysis::smoothness::Certificate| CertificateAnswer { k: c.k, l: c.l, norm: c.norm };
         let rounded = (!known).then_some(ROUNDED);
         let unstable = (radius.is_some() && !smoothness.is_stable).then_some(UNSTABLE);
         Self {

@@ -53,5 +53,10 @@ fn numbers(value: &Value) -> Vec<f64> {
 }
 
 fn texts(value: &Value) -> Vec<String> {
-    value.as_array().unwrap_or_else(|| panic!("{value} is no list")).iter().map(|x| x.as_str().unwrap().into()).collect()
+    value
+        .as_array()
+        .unwrap_or_else(|| panic!("{value} is no list"))
+        .iter()
+        .map(|x| x.as_str().unwrap().into())
+        .collect()
 }

@@ -160,8 +160,7 @@ impl State {
     fn pushed_back(&self, plan: &Plan, compensated: bool) -> Option<Points> {
         let zero = Exact::zero();
         let delta = exactly::value(&plan.delta, "", &zero)?;
-        let compensation =
-            if compensated { exactly::value(&plan.compensation, "alpha", &zero)? } else { Exact::one() };
+        let compensation = if compensated { exactly::value(&plan.compensation, "alpha", &zero)? } else { Exact::one() };
         let (d, points, anchor) = (self.last_arity, &self.points, &self.anchor);
         let displacement = |i: i64| &delta * (anchor.at(i) - points.at(d * i));
         let first = anchor.first.min(points.first.div_euclid(d));

@@ -1,8 +1,8 @@
 //! A lower bound of the joint spectral radius: a product of matrices with an eigenvalue that is proved.
 //!
 //! Eigenvalues of products in f64 say where to look. The proof is exact: the characteristic polynomial of a product of
-//! l matrices has the leading coefficient 1, so that it has a real zero of at least t where it is not positive at t, and
-//! then the joint spectral radius is at least `t^(1/l)`.
+//! l matrices has the leading coefficient 1, so that it has a real zero of at least t where it is not positive at t,
+//! and then the joint spectral radius is at least `t^(1/l)`.
 
 use std::cmp::Ordering;
 
@@ -16,8 +16,8 @@ use crate::math::number::Number;
 use crate::math::spectrum::eigenvalues;
 
 /// Most products that are looked at.
-/// It is words of up to seven letters for binary schemes, of four for ternary ones. All extremal products that are known
-/// here have two letters at most; half of it saves half the time, twice of it takes one letter more.
+/// It is words of up to seven letters for binary schemes, of four for ternary ones. All extremal products that are
+/// known here have two letters at most; half of it saves half the time, twice of it takes one letter more.
 const MAX_WORDS: usize = 256;
 /// Largest matrices whose eigenvalues are proved.
 /// The 2n-point schemes come to 28 for n = 16. Half of it leaves those from n = 9 on without a bound; twice of it takes

@@ -2,8 +2,9 @@
 //!
 //! They are when the sub-symbols `sum over j of a[r + d j] z^j` have no common zero but 0, and the symbol does not
 //! vanish at all other d-th roots of the elements of a cycle of roots of unity under `z -> z^d`. With m = d^l - 1 these
-//! are zeros of `1 + z^m + ... + z^(m (d-1))`, and a cycle of l elements takes `(d-1) l` zeros of the residual. Both are decided by greatest common divisors modulo a
-//! prime, where polynomials without a common divisor had none before either.
+//! are zeros of `1 + z^m + ... + z^(m (d-1))`, and a cycle of l elements takes `(d-1) l` zeros of the residual. Both
+//! are decided by greatest common divisors modulo a prime, where polynomials without a common divisor had none before
+//! either.
 //!
 //! Source: Jia and Wang, Proceedings of the AMS 117 (1993), 1115-1124, here for every arity.
 

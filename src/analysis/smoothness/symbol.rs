@@ -28,8 +28,8 @@ pub struct Symbol {
     pub first: i64,
     /// The mask a; its first and last entries are not 0.
     pub mask: Vec<Exact>,
-    /// Whether the mask is the scheme's. If not, its weights are known up to rounding only, and it is that of the scheme
-    /// beside it that has its sum rules exactly.
+    /// Whether the mask is the scheme's. If not, its weights are known up to rounding only, and it is that of the
+    /// scheme beside it that has its sum rules exactly.
     pub is_exact: bool,
     /// Order K of the sum rules; 0 when not even the weights of each new point sum to 1.
     pub order: usize,

@@ -2,8 +2,8 @@
 //!
 //! For any norm, any t and any finite tree of products in which every matrix follows every inner one: if the norm of
 //! each leaf of l factors is at most `t^l`, the joint spectral radius is at most t, as every long product falls apart
-//! into leaves. The norm is the greatest row sum in some coordinates. Products are computed in f64 together with a bound
-//! of their rounding errors, which is added to the norms.
+//! into leaves. The norm is the greatest row sum in some coordinates. Products are computed in f64 together with a
+//! bound of their rounding errors, which is added to the norms.
 //!
 //! Source: Gripenberg, Linear Algebra and its Applications 234 (1996), 43-60.
 
@@ -23,8 +23,7 @@ const MAX_LENGTH: usize = 2048;
 const UNIT: f64 = f64::EPSILON;
 /// By what shares of the lower bound the upper one is tried to lie above it, one after another.
 /// Each step narrows the interval to a half or a third. Finer ones try more trees for less.
-const GAPS: [f64; 16] =
-    [1.0, 0.5, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 1e-3, 5e-4, 2e-4, 1e-4, 1e-5, 1e-6];
+const GAPS: [f64; 16] = [1.0, 0.5, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 1e-3, 5e-4, 2e-4, 1e-4, 1e-5, 1e-6];
 /// Largest matrices that are put into other coordinates than stretched ones, exactly.
 /// The 2n-point schemes come to 28 for n = 16. Half of it leaves those from n = 8 on wider intervals; twice of it takes
 /// eight times as long and more, as the fractions grow.
@@ -180,8 +179,9 @@ fn in_ellipsoid(matrices: &[ExactMatrix], lower: f64, n: usize) -> Option<Vec<Ex
     }
     let l = cholesky(&p, n)?;
     // upper triangular: L^T
-    let to: ExactMatrix =
-        (0..n).map(|i| (0..n).map(|k| if k < i { Exact::zero() } else { coarse(l[k * n + i], i == k) }).collect()).collect();
+    let to: ExactMatrix = (0..n)
+        .map(|i| (0..n).map(|k| if k < i { Exact::zero() } else { coarse(l[k * n + i], i == k) }).collect())
+        .collect();
     let back = inverse_of_upper(&to);
     Some(matrices.iter().map(|t| product(&product(&to, t), &back)).collect())
 }

@@ -73,8 +73,8 @@ impl Smoothness {
     }
 }
 
-/// The smallest k for which limits are not C^k, given stable shifts: the radius is `d^(K-1-k)` at least, or there are no
-/// K + 1 sum rules. Where the mask is rounded, the radius has to be larger by far more than that can make it, and a
+/// The smallest k for which limits are not C^k, given stable shifts: the radius is `d^(K-1-k)` at least, or there are
+/// no K + 1 sum rules. Where the mask is rounded, the radius has to be larger by far more than that can make it, and a
 /// missing sum rule says nothing.
 fn disproved(symbol: &Symbol, lower: &Lower, most: i64) -> Option<i64> {
     let margin = if symbol.is_exact { Exact::one() } else { Exact::one() + binary(MARGIN) };

@@ -50,7 +50,10 @@ fn exact_masks_of_presets_are_those_that_refine() {
         ("d-ary-b-spline", &[("arity", "4"), ("degree", "3")]),
         ("d-ary-circle", &[("arity", "3"), ("averages", "2"), ("alpha", "1"), ("delta", "1/3")]),
         ("d-ary-circle", &[("arity", "4"), ("averages", "2"), ("alpha", "1")]),
-        ("ternary-blending", &[("eta", "1/50"), ("theta", "1/20"), ("omega", "1/9"), ("delta", "1/3"), ("lambda", "2/3")]),
+        (
+            "ternary-blending",
+            &[("eta", "1/50"), ("theta", "1/20"), ("omega", "1/9"), ("delta", "1/3"), ("lambda", "2/3")],
+        ),
         ("ternary-c4", &[]),
         ("ternary-linear", &[]),
         ("ternary-quadratic", &[]),
@@ -73,7 +76,9 @@ fn exact_masks_of_presets_are_those_that_refine() {
 #[test]
 fn exact_masks_of_words_are_those_that_refine() {
     let functions = &[("kernel", "3/2"), ("compensation", "4/5"), ("delta", "1/3")];
-    for word in ["U", "UD", "UC", "UDDD", "UCP", "UDDP", "UCCP", "U3C", "U3CP", "U3AP", "U4A^2P", "U2A", "UUCP", "UCPUD", "UCPP"] {
+    for word in [
+        "U", "UD", "UC", "UDDD", "UCP", "UDDP", "UCCP", "U3C", "U3CP", "U3AP", "U4A^2P", "U2A", "UUCP", "UCPUD", "UCPP",
+    ] {
         agree(&plan(None, Some(word), functions), word);
     }
     let several = Literal::List(["3/2", "1/2", "2"].iter().map(|text| Literal::Text((*text).into())).collect());

@@ -23,8 +23,12 @@ fn a_scheme_has_one_key_however_it_is_written() {
     }
     let thirds = |w: Value| key(&plan(json!({ "preset": "four-point", "parameters": { "w": w } })));
     assert_ne!(thirds(json!("1/30")), thirds(json!(1.0 / 30.0)), "1/30 is no decimal");
-    assert_ne!(four_point, key(&json!({ "plan": { "preset": "four-point", "parameters": { "w": "1/20" } }, "grid": 2 })));
-    let asked = |nodes: u64| json!({ "plan": { "preset": "four-point", "parameters": { "w": "1/20" } }, "nodes": nodes });
+    assert_ne!(
+        four_point,
+        key(&json!({ "plan": { "preset": "four-point", "parameters": { "w": "1/20" } }, "grid": 2 }))
+    );
+    let asked =
+        |nodes: u64| json!({ "plan": { "preset": "four-point", "parameters": { "w": "1/20" } }, "nodes": nodes });
     assert_eq!(four_point, key(&asked(100_000)), "the default");
     assert_ne!(four_point, key(&asked(10)));
 }
@@ -46,7 +50,11 @@ fn what_is_no_scheme_for_curves_is_refused_with_a_reason() {
     for (question, pointer, word) in [
         (plan(json!({ "preset": "catmull-clark" })), "/plan/preset", "only schemes for curves"),
         (plan(json!({ "preset": "incenter" })), "/plan/preset", "not linear"),
-        (plan(json!({ "preset": "push-back", "parameters": { "perturbation": { "amplitude": 0.1 } } })), "/plan/preset", "perturb"),
+        (
+            plan(json!({ "preset": "push-back", "parameters": { "perturbation": { "amplitude": 0.1 } } })),
+            "/plan/preset",
+            "perturb",
+        ),
         (plan(json!({ "word": "CU" })), "/plan/word", "begin"),
         (plan(json!({ "word": "U8^7" })), "/plan/word", "reaches too far"),
         (plan(json!({ "preset": "four-pint" })), "/plan/preset", "four-point"),
