@@ -3,15 +3,23 @@
 pub mod authority;
 mod error;
 mod file;
+mod levels;
 mod origins;
+mod variables;
+mod written;
 
+use std::ffi::OsString;
 use std::net::SocketAddr;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
+use crate::fault::nearest;
 use crate::job::limits::Limits;
 
+use written::{Written, shown};
+
 pub use error::ConfigError;
+pub use levels::LogLevels;
 pub use origins::CorsOrigins;
 
 /// Most bytes that a setting may name, 1 PiB: beyond the memory and the disks of one machine, and so small that sums
@@ -39,6 +47,8 @@ const MOST_INDEXED: u64 = u32::MAX as u64;
 pub struct Setting {
     /// The name; flags and keys of the file have dashes in place of underscores.
     pub name: &'static str,
+    /// The variable of the environment.
+    pub variable: &'static str,
     /// The value, as it would be written.
     pub value: String,
     /// The smallest and the largest value, where it is a number.
@@ -49,6 +59,22 @@ pub struct Setting {
     pub doc: String,
 }
 
+impl Setting {
+    /// Its value and its range as people read them.
+    pub fn told(&self) -> String {
+        let amount = |n: u64| match (self.unit, shown(n, self.unit)) {
+            ("bytes" | "", size) => size,
+            ("bytes a second", size) => format!("{size} a second"),
+            (unit, n) => format!("{n} {unit}"),
+        };
+        let value = self.value.parse().map_or_else(|_| self.value.trim_matches('"').to_owned(), amount);
+        let range = self.range.as_ref();
+        let range =
+            range.map(|range| format!(", range: {} to {}", shown(*range.start(), self.unit), amount(*range.end())));
+        value + &range.unwrap_or_default()
+    }
+}
+
 // Each entry is `name: type = default, in range, "VARIABLE", "unit";`, where only numbers have a range.
 macro_rules! settings {
     (@range) => { None };
@@ -57,11 +83,35 @@ macro_rules! settings {
         $(#[doc = $doc:literal])+
         $name:ident: $type:ty = $default:expr, $(in $range:expr,)? $env:literal, $unit:literal;
     )*) => {
-        /// Settings as far as they were given in one place: flags and environment, or the file.
-        #[derive(Debug, Clone, Default, PartialEq, clap::Args, serde::Deserialize)]
-        #[serde(deny_unknown_fields, rename_all = "kebab-case")]
+        /// Settings as far as they were given in one place: flags, environment, or the file.
+        #[derive(Debug, Clone, Default, PartialEq, clap::Args)]
         pub struct Given {
-            $($(#[doc = $doc])+ #[arg(long, env = $env)] pub $name: Option<$type>,)*
+            $(
+                $(#[doc = $doc])+
+                #[arg(long, value_parser = |text: &str| <$type as Written>::read(text, $unit))]
+                pub $name: Option<$type>,
+            )*
+        }
+
+        impl Given {
+            /// The names of the settings.
+            const NAMES: &[&'static str] = &[$(stringify!($name)),*];
+            /// Their variables, in the same order.
+            const VARIABLES: &[&'static str] = &[$($env),*];
+
+            /// What was given here, and what was given there alone.
+            #[must_use]
+            pub fn or(self, other: Self) -> Self {
+                Self { $($name: self.$name.or(other.$name),)* }
+            }
+
+            /// Reads the value of the setting of a name.
+            fn set(&mut self, name: &str, text: &str) -> Result<(), String> {
+                $(if name == stringify!($name) {
+                    self.$name = Some(<$type as Written>::read(text, $unit)?);
+                })*
+                Ok(())
+            }
         }
 
         /// The settings of a service.
@@ -77,16 +127,17 @@ macro_rules! settings {
         }
 
         impl Settings {
-            /// What was given first wins; what was given nowhere has its default.
-            fn merged(first: Given, second: Given) -> Self {
+            /// What was given, and of the rest the defaults.
+            fn of(given: Given) -> Self {
                 let default = Self::default();
-                Self { $($name: first.$name.or(second.$name).unwrap_or(default.$name),)* }
+                Self { $($name: given.$name.unwrap_or(default.$name),)* }
             }
 
             /// Every setting with its value, range and meaning.
             pub fn list(&self) -> Vec<Setting> {
                 vec![$(Setting {
                     name: stringify!($name),
+                    variable: $env,
                     value: format!("{:?}", self.$name),
                     range: settings!(@range $($range)?),
                     unit: $unit,
@@ -123,8 +174,8 @@ settings! {
     /// Memory of everything that is held for requests: bodies, computations, answers, caches. Who finds none left waits
     /// or is answered 503.
     max_memory_bytes: u64 = 12 << 30, in LEAST_MEMORY_BYTES..=MOST_BYTES, "PLANISH_MAX_MEMORY_BYTES", "bytes";
-    /// Most bytes of a request body.
-    max_body_bytes: u64 = 4 << 20, in 1..=MOST_BODY_BYTES, "PLANISH_MAX_BODY_BYTES", "bytes";
+    /// Most bytes of a request body, as it comes and inflated.
+    max_body_bytes: u64 = 32 << 20, in 1..=MOST_BODY_BYTES, "PLANISH_MAX_BODY_BYTES", "bytes";
     /// Most jobs waiting in each of the two lanes; more are answered 503.
     max_queue: usize = 256, in 1..=MOST_WAITING, "PLANISH_MAX_QUEUE", "jobs";
     /// Most jobs of one peer address that wait at once, joined ones included, and most that go on without their
@@ -153,6 +204,9 @@ settings! {
     least_rate_bytes_s: u64 = 16 << 10, in 1..=MOST_BYTES, "PLANISH_LEAST_RATE_BYTES_S", "bytes a second";
     /// Time for running requests and jobs to end after the signal to stop.
     shutdown_timeout_s: u64 = 20, in 0..=MOST_SECONDS, "PLANISH_SHUTDOWN_TIMEOUT_S", "seconds";
+    /// How much is logged: `off`, `error`, `warn`, `info`, `debug` or `trace`, of parts of the program as in
+    /// `warn,planish=debug`.
+    log: LogLevels = LogLevels::default(), "PLANISH_LOG", "";
     /// Write logs as JSON lines.
     log_json: bool = false, "PLANISH_LOG_JSON", "";
 }
@@ -162,13 +216,43 @@ fn in_range(
     value: impl TryInto<u64>,
     range: RangeInclusive<u64>,
     variable: &'static str,
-    unit: &str,
+    unit: &'static str,
 ) -> Result<(), ConfigError> {
     let value = value.try_into().unwrap_or(u64::MAX);
     if range.contains(&value) {
         return Ok(());
     }
-    Err(ConfigError::OutOfRange { name, value, range, unit: format!(" {unit}"), variable })
+    Err(ConfigError::OutOfRange { name, value, range, unit, variable })
+}
+
+impl Given {
+    /// The settings among the variables of the environment.
+    ///
+    /// # Errors
+    /// [`ConfigError`]: a variable `PLANISH_...` that is no setting, or a value that is none.
+    pub fn of_variables(variables: impl Iterator<Item = (OsString, OsString)>) -> Result<Self, ConfigError> {
+        let mut given = Self::default();
+        for (at, text) in variables::settings(variables, Self::VARIABLES)? {
+            let wrong = |detail| ConfigError::Wrong { place: format!("the variable {}", Self::VARIABLES[at]), detail };
+            given.set(Self::NAMES[at], &text).map_err(wrong)?;
+        }
+        Ok(given)
+    }
+
+    /// The settings of a TOML file.
+    fn of_file(path: &Path) -> Result<Self, ConfigError> {
+        let mut given = Self::default();
+        for (key, text) in file::read(path)? {
+            let place = format!("the key {key} of the settings file {}", path.display());
+            let keys: Vec<String> = Self::NAMES.iter().map(|name| name.replace('_', "-")).collect();
+            let Some(at) = keys.iter().position(|known| *known == key) else {
+                let near = nearest(&key, keys.iter().map(String::as_str)).map(str::to_owned);
+                return Err(ConfigError::Unknown { place, near });
+            };
+            given.set(Self::NAMES[at], &text).map_err(|detail| ConfigError::Wrong { place, detail })?;
+        }
+        Ok(given)
+    }
 }
 
 impl Settings {
@@ -177,8 +261,8 @@ impl Settings {
     /// # Errors
     /// [`ConfigError`].
     pub fn read(given: Given, file: Option<&Path>) -> Result<Self, ConfigError> {
-        let from_file = file.map(file::read).transpose()?.unwrap_or_default();
-        Self::merged(given, from_file).checked()
+        let from_file = file.map(Given::of_file).transpose()?.unwrap_or_default();
+        Self::of(given.or(from_file)).checked()
     }
 
     /// The bounds on one job.

@@ -6,7 +6,7 @@ use std::fmt;
 /// One fault of a request: a JSON pointer to the place, and a sentence that names value, bound and remedy.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
-    /// JSON pointer (RFC 6901) into the request; empty for the whole.
+    /// JSON pointer (RFC 6901) into the request, or `?` and the name of a parameter of its query; empty for the whole.
     pub pointer: String,
     /// What is wrong there and what would be right.
     pub detail: String,

@@ -2,14 +2,16 @@
 
 use std::path::PathBuf;
 
-use super::error::CliError;
-use super::job::refused;
+use super::error::{CliError, Kind};
+use super::inputs::Source;
+use super::say::answer;
+use crate::fault::Fault;
 use crate::math::parameter::Literal;
 use crate::watch::Watch;
 use crate::wire::analysis::{AnalysisAnswer, AnalysisRequest};
 use crate::wire::literal::WireFields;
 use crate::wire::plan::PlanRequest;
-use crate::wire::read::read;
+use crate::wire::read::{ReadError, read};
 
 /// What is asked: a question in a file, or a plan in a few words.
 #[derive(Debug, Clone, PartialEq, clap::Args)]
@@ -34,38 +36,45 @@ pub(crate) struct Question {
     grid: Option<u32>,
 }
 
-/// Prints what can be said as JSON.
-#[expect(clippy::print_stdout, reason = "the answer of a command goes to standard output")]
-pub(super) fn analyse(question: &Question) -> Result<(), CliError> {
-    let watch = Watch::new();
-    let analysis = request(question)?.resolve(&watch).map_err(CliError::Faults)?;
-    let findings = analysis.run(&watch).map_err(CliError::new)?;
-    println!("{}", serde_json::to_string_pretty(&AnalysisAnswer::new(&findings)).map_err(CliError::new)?);
-    Ok(())
-}
-
-fn request(question: &Question) -> Result<AnalysisRequest, CliError> {
-    let Question { file, preset, word, parameters, nodes, grid } = question;
-    if let Some(path) = file {
-        let mut request: AnalysisRequest = read(&super::job::bytes(path)?).map_err(refused)?;
-        request.nodes = nodes.or(request.nodes);
-        request.grid = grid.or(request.grid);
-        return Ok(request);
+impl Question {
+    /// Prints what can be said as JSON.
+    pub(super) fn analyse(&self) -> Result<(), CliError> {
+        let watch = Watch::new();
+        let refused = |faults: Vec<Fault>| CliError::faults(Kind::Refused, &faults);
+        let analysis = self.request()?.resolve(&watch).map_err(refused)?;
+        let findings = analysis.run(&watch).map_err(CliError::other)?;
+        let text = serde_json::to_string_pretty(&AnalysisAnswer::new(&findings)).map_err(CliError::other)?;
+        answer(format!("{text}\n").as_bytes())
     }
-    let parameters = parameters.iter().map(|text| parameter(text)).collect::<Result<Vec<_>, _>>()?;
-    let plan = PlanRequest {
-        preset: preset.clone(),
-        word: word.clone(),
-        parameters: WireFields(parameters),
-        ..PlanRequest::default()
-    };
-    Ok(AnalysisRequest { spec: None, plan, nodes: *nodes, grid: *grid })
+
+    fn request(&self) -> Result<AnalysisRequest, CliError> {
+        let Self { file, preset, word, parameters, nodes, grid } = self;
+        if let Some(path) = file {
+            let source = Source::of(path);
+            let bytes = source.read().map_err(|error| error.about(&source))?;
+            let mut request: AnalysisRequest = read(&bytes).map_err(|error| match error {
+                ReadError::NotJson(detail) => CliError::refused(detail),
+                ReadError::Unfit(faults) => CliError::faults(Kind::Refused, &faults),
+            })?;
+            request.nodes = nodes.or(request.nodes);
+            request.grid = grid.or(request.grid);
+            return Ok(request);
+        }
+        let parameters = parameters.iter().map(|text| parameter(text)).collect::<Result<Vec<_>, _>>()?;
+        let plan = PlanRequest {
+            preset: preset.clone(),
+            word: word.clone(),
+            parameters: WireFields(parameters),
+            ..PlanRequest::default()
+        };
+        Ok(AnalysisRequest { spec: None, plan, nodes: *nodes, grid: *grid })
+    }
 }
 
 fn parameter(text: &str) -> Result<(String, Literal), CliError> {
     let (name, value) = text
         .split_once('=')
-        .ok_or_else(|| CliError::new(format!("\"{text}\" is no parameter; write NAME=VALUE, such as w=1/16")))?;
+        .ok_or_else(|| CliError::usage(format!("\"{text}\" is no parameter; write NAME=VALUE, such as w=1/16")))?;
     // whole numbers are written as numbers, everything else as text, whose value is exact
     let one =
         |text: &str| text.parse::<i32>().map_or_else(|_| Literal::Text(text.into()), |n| Literal::Number(n.into()));

@@ -1,24 +1,35 @@
 //! `planish estimate`: what a job would come to.
 
-use std::path::Path;
+use std::path::PathBuf;
 
 use super::error::CliError;
-use super::job::{self, MeshOptions};
+use super::inputs::Source;
+use super::job::JobOptions;
+use super::say::answer;
 use crate::job::limits::Limits;
-use crate::output::ShapeKind;
 use crate::wire::answer::EstimateAnswer;
-use crate::wire::output::OutputRequest;
 
-/// Prints the estimate of the job in `path` as JSON.
-#[expect(clippy::print_stdout, reason = "the answer of a command goes to standard output")]
-pub(super) fn estimate(path: &Path, options: &MeshOptions) -> Result<(), CliError> {
-    let mut request = job::load(path, options)?;
-    if request.outputs.is_empty() {
-        let format = if request.shape_kind() == ShapeKind::Mesh { "glb" } else { "json" };
-        request.outputs = vec![OutputRequest::of_format(format)];
+/// What is estimated.
+#[derive(Debug, Clone, clap::Args)]
+pub(crate) struct EstimateOptions {
+    /// A job (JSON) or a mesh file; - is standard input.
+    #[arg(value_name = "INPUT")]
+    input: PathBuf,
+    #[command(flatten)]
+    options: JobOptions,
+}
+
+impl EstimateOptions {
+    /// Prints the estimate as JSON.
+    pub(super) fn estimate(&self) -> Result<(), CliError> {
+        self.options.check()?;
+        let source = Source::of(&self.input);
+        let named = |error: CliError| error.about(&source);
+        let mut loaded = self.options.load(&source).map_err(named)?;
+        loaded.settle(&self.options)?;
+        let admitted = loaded.admit(&self.options, &Limits::default()).map_err(named)?;
+        let estimate = EstimateAnswer::new(admitted.job(), admitted.estimate());
+        let text = serde_json::to_string_pretty(&estimate).map_err(CliError::other)?;
+        answer(format!("{text}\n").as_bytes())
     }
-    let admitted = job::admit(request, &Limits::default())?;
-    let answer = EstimateAnswer::new(admitted.job(), admitted.estimate());
-    println!("{}", serde_json::to_string_pretty(&answer).map_err(CliError::new)?);
-    Ok(())
 }

@@ -1,123 +1,190 @@
-//! Jobs from files: as they are written, or made of a mesh file and a few flags.
+//! Jobs of inputs: as they are written, or made of a mesh file and flags.
 
-use std::io::Read;
-use std::path::Path;
 use std::sync::Arc;
 
-use super::error::CliError;
+use serde_json::{Value, json};
+
+use super::error::{CliError, Kind};
+use super::flags::JobFlags;
 use super::folder::Folder;
-use crate::fault::Fault;
-use crate::input::{self, Alone};
-use crate::job::Levels;
-use crate::job::limits::{Admitted, Limits, Refusal};
+use super::inputs::Source;
+use super::sniff::sniffed;
+use super::told::Teller;
+use crate::fault::{did_you_mean, under};
+use crate::input::{self, Alone, Beside};
+use crate::job::limits::{Admitted, Limits};
+use crate::output::{self, FORMATS, Format, ShapeKind};
+use crate::scheme::plan::{Plan, Subject};
 use crate::wire::JobRequest;
-use crate::wire::input::{InputRequest, OrientRequest};
-use crate::wire::levels::LevelsRequest;
-use crate::wire::plan::PlanRequest;
-use crate::wire::read::{ReadError, read};
+use crate::wire::catalogue::readers;
+use crate::wire::output::OutputRequest;
+use crate::wire::read::read;
 use crate::wire::text::MeshFile;
 
-/// What a mesh file does not say by itself; a job says it in its own words.
-#[derive(Debug, Clone, Default, PartialEq, clap::Args)]
-#[command(next_help_heading = "For mesh files")]
-pub(crate) struct MeshOptions {
-    /// Preset that refines the mesh; without one it is converted or drawn as it is.
-    #[arg(long)]
-    preset: Option<String>,
-    /// How often the preset is applied.
-    #[arg(long)]
-    levels: Option<u64>,
-    /// Merge vertices that are at most so far apart; 0 merges equal positions.
-    #[arg(long)]
-    weld: Option<f64>,
-    /// Turn faces to agree with their neighbours.
-    #[arg(long)]
-    repair: bool,
-    /// Join pairs of triangles into quads, where there is one way to do it.
-    #[arg(long)]
-    pair_quads: bool,
+/// What a mesh file does not say by itself, and what takes the place of what a job says.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub(crate) struct JobOptions {
+    /// Kind of the inputs, where neither extension nor content tells: job, json (a mesh), obj, ply, ...
+    #[arg(long, value_name = "KIND", help_heading = "Input")]
+    input_format: Option<String>,
+    #[command(flatten)]
+    pub(super) flags: JobFlags,
 }
 
-/// Reads a job, or makes one of a mesh file; `-` is a job on standard input.
-pub(super) fn load(path: &Path, options: &MeshOptions) -> Result<JobRequest, CliError> {
-    let bytes = bytes(path)?;
-    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-    let file = match input::of_extension(extension) {
-        Some(reader) => Some(MeshFile { format: reader.name.to_owned(), bytes, beside: Arc::new(Folder::of(path)) }),
-        None if is_mesh(&bytes) => Some(MeshFile { format: "json".to_owned(), bytes, beside: Arc::new(Alone) }),
-        None if *options == MeshOptions::default() => return read(&bytes).map_err(refused),
-        None => None,
-    };
-    let file = file.ok_or_else(|| {
-        let known: Vec<&str> = input::READERS.iter().map(|reader| reader.name).collect();
-        CliError::new(format!(
-            "{} is a job, which says preset, levels, weld, orient and pair_quads itself; the flags are for mesh files \
-             (.{}, or the JSON of a mesh)",
-            path.display(),
-            known.join(", .")
-        ))
-    })?;
-    Ok(of_file(file, options))
+/// A job that was read.
+#[derive(Debug)]
+pub(super) struct Loaded {
+    /// The job.
+    pub(super) request: JobRequest,
+    /// Whether it was made of a mesh file.
+    pub(super) is_file: bool,
+    /// What tells the format, where a flag does.
+    pub(super) format: Option<&'static str>,
 }
 
-/// The bytes of a file; `-` is standard input.
-pub(super) fn bytes(path: &Path) -> Result<Vec<u8>, CliError> {
-    let bytes = if path == Path::new("-") {
-        let mut bytes = Vec::new();
-        std::io::stdin().read_to_end(&mut bytes).map(|_| bytes)
-    } else {
-        std::fs::read(path)
-    };
-    bytes.map_err(|error| CliError::new(format!("cannot read {}: {error}", path.display())))
+/// The format of an output.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Wanted {
+    /// That of the job's only output.
+    Only,
+    /// This one, named by a flag.
+    Named(&'static dyn Format),
+    /// This one, or another that has its extension and that the job asks for.
+    Extension(&'static dyn Format),
 }
 
-/// Whether it is the JSON of a mesh rather than a job.
-fn is_mesh(bytes: &[u8]) -> bool {
-    #[derive(serde::Deserialize)]
-    struct Head {
-        positions: Option<serde::de::IgnoredAny>,
+impl JobOptions {
+    /// Checks what can be checked without an input.
+    pub(super) fn check(&self) -> Result<(), CliError> {
+        let known: Vec<&str> = readers().iter().map(|reader| reader.name).chain(["job"]).collect();
+        if let Some(kind) = self.input_format.as_deref().filter(|kind| !known.contains(kind)) {
+            let near = did_you_mean(kind, known.iter().copied());
+            let detail = format!("--input-format: there is no kind \"{kind}\"; {near}known are {}", known.join(", "));
+            return Err(CliError::usage(detail));
+        }
+        let mut job = json!({ "input": {} });
+        self.flags.onto(&mut job);
+        let usage = |error: CliError| CliError { kind: Kind::Usage, ..error };
+        let teller = Teller { flags: &self.flags, is_file: true, format: None };
+        let request: JobRequest = read(job.to_string().as_bytes()).map_err(|error| usage(teller.unread(error)))?;
+        // whether a scheme fits its input only the input tells
+        let Some(plan) = request.plan.filter(|plan| plan.preset.is_some() || plan.word.is_some()) else {
+            return Ok(());
+        };
+        let plan = plan.resolve();
+        let under = |faults| usage(teller.refused(under("/plan", faults)));
+        let polygons = Plan::resolve(&plan, Subject::default());
+        polygons
+            .map(drop)
+            .or_else(|_| Plan::resolve(&plan, Subject { is_mesh: true, ..Subject::default() }).map(drop))
+            .map_err(under)
     }
-    serde_json::from_slice::<Head>(bytes).is_ok_and(|head| head.positions.is_some())
-}
 
-fn of_file(file: MeshFile, options: &MeshOptions) -> JobRequest {
-    let plan =
-        options.preset.as_ref().map(|preset| PlanRequest { preset: Some(preset.clone()), ..PlanRequest::default() });
-    let input = InputRequest {
-        orient: options.repair.then_some(OrientRequest::Repair),
-        weld: options.weld,
-        pair_quads: options.pair_quads,
-        file: Some(file),
-        ..InputRequest::default()
-    };
-    let levels = options.levels.map(|levels| LevelsRequest(Levels::Count(levels)));
-    JobRequest { spec: None, input, plan, levels, outputs: Vec::new(), left_out: 0 }
-}
+    /// Checks what the flags say of an output, where its format is known.
+    pub(super) fn check_for(&self, wanted: Wanted) -> Result<(), CliError> {
+        let (Wanted::Named(format) | Wanted::Extension(format)) = wanted else { return Ok(()) };
+        let teller = Teller { flags: &self.flags, is_file: true, format: Some("--format") };
+        let is_meant = |other: &&&dyn Format| match wanted {
+            Wanted::Extension(_) => other.extension() == format.extension(),
+            _ => other.name() == format.name(),
+        };
+        let mut wrong = None;
+        for format in FORMATS.iter().filter(is_meant) {
+            let mut output = OutputRequest::of_format(format.name());
+            self.flagged_output(&mut output)?;
+            match output.check() {
+                Ok(()) => return Ok(()),
+                Err(faults) => wrong = wrong.or(Some(faults)),
+            }
+        }
+        let refused = |faults| teller.refused(under("/outputs/0", faults));
+        wrong.map_or(Ok(()), |faults| Err(CliError { kind: Kind::Usage, ..refused(faults) }))
+    }
 
-pub(super) fn refused(error: ReadError) -> CliError {
-    match error {
-        ReadError::NotJson(detail) => CliError::Plain(detail),
-        ReadError::Unfit(faults) => CliError::Faults(faults),
+    /// Writes what the flags say into an output.
+    fn flagged_output(&self, output: &mut OutputRequest) -> Result<(), CliError> {
+        for (name, value) in &self.flags.options {
+            output.set(name, serde_json::from_value(value.clone()).map_err(CliError::usage)?);
+        }
+        Ok(())
+    }
+
+    /// The job of an input.
+    pub(super) fn load(&self, source: &Source) -> Result<Loaded, CliError> {
+        let bytes = source.read()?;
+        let by_name = || source.extension().and_then(input::of_extension).map(|reader| reader.name);
+        let kind = match &self.input_format {
+            Some(kind) => kind.as_str(),
+            None => by_name().map_or_else(|| sniffed(&bytes).map_err(CliError::refused), Ok)?,
+        };
+        let is_file = kind != "job";
+        let teller = Teller { flags: &self.flags, is_file, format: None };
+        let request = if is_file {
+            let beside: Arc<dyn Beside> = match source {
+                Source::File(path) => Arc::new(Folder::of(path)),
+                Source::Standard => Arc::new(Alone),
+            };
+            let mut request = self.flagged(json!({ "input": {} }), &teller)?;
+            request.input.file = Some(MeshFile { format: kind.to_owned(), bytes, beside });
+            request
+        } else {
+            let request = read(&bytes).map_err(|error| teller.unread(error))?;
+            if self.flags.fields.is_empty() {
+                request
+            } else {
+                let job = serde_json::from_slice(&bytes).map_err(CliError::refused)?;
+                self.flagged(job, &teller)?
+            }
+        };
+        Ok(Loaded { request, is_file, format: None })
+    }
+
+    /// A job with what the flags say.
+    fn flagged(&self, mut job: Value, teller: &Teller<'_>) -> Result<JobRequest, CliError> {
+        self.flags.onto(&mut job);
+        read(job.to_string().as_bytes()).map_err(|error| teller.unread(error))
     }
 }
 
-/// Checks and admits a job.
-pub(super) fn admit(request: JobRequest, limits: &Limits) -> Result<Admitted, CliError> {
-    let is_file = request.input.file.is_some();
-    let job = request
-        .resolve_within(&limits.reading())
-        .map_err(|faults| CliError::Faults(if is_file { faults.into_iter().map(told).collect() } else { faults }))?;
-    limits.admit(job).map_err(|refusal| match refusal {
-        Refusal::Impossible(faults) => CliError::Faults(faults),
-        Refusal::TooLarge { detail, .. } => CliError::Plain(detail),
-        Refusal::Stopped => CliError::Plain("the forecast of the job was stopped".to_owned()),
-    })
-}
+impl Loaded {
+    /// Leaves one output, of the format wanted: the job's first such one, or one of its own. Where nothing tells the
+    /// format it is the job's only output. The flags say their options.
+    pub(super) fn choose(&mut self, wanted: Wanted, options: &JobOptions) -> Result<(), CliError> {
+        let request = &mut self.request;
+        let fits = |asked: &'static dyn Format| match wanted {
+            Wanted::Named(format) => asked.name() == format.name(),
+            Wanted::Extension(format) => asked.extension() == format.extension(),
+            Wanted::Only => true,
+        };
+        let asked = |output: &OutputRequest| output.format().and_then(output::named).is_some_and(fits);
+        match (wanted, request.outputs.iter().position(asked)) {
+            (Wanted::Only, _) if request.outputs.len() == 1 => {}
+            (Wanted::Only, _) => {
+                return Err(CliError::usage("nothing tells the format of the output; name one with --format"));
+            }
+            (_, Some(i)) => (request.outputs, request.left_out) = (vec![request.outputs.swap_remove(i)], i),
+            (Wanted::Named(format) | Wanted::Extension(format), None) => {
+                self.format = Some(if matches!(wanted, Wanted::Named(_)) { "--format" } else { "--output" });
+                (request.outputs, request.left_out) = (vec![OutputRequest::of_format(format.name())], 0);
+            }
+        }
+        options.flagged_output(&mut request.outputs[0])
+    }
 
-/// A fault in the words of the command line, where no request was written.
-fn told(fault: Fault) -> Fault {
-    match fault.pointer.as_str() {
-        "/input/text/data" => Fault::new("", fault.detail),
-        _ => fault,
+    /// Names the usual output where there is none. The flags say the options of all that know them.
+    pub(super) fn settle(&mut self, options: &JobOptions) -> Result<(), CliError> {
+        let request = &mut self.request;
+        if request.outputs.is_empty() {
+            let format = if request.shape_kind() == ShapeKind::Mesh { "glb" } else { "json" };
+            request.outputs = vec![OutputRequest::of_format(format)];
+        }
+        request.outputs.iter_mut().try_for_each(|output| options.flagged_output(output))
+    }
+
+    /// Checks and admits the job.
+    pub(super) fn admit(self, options: &JobOptions, limits: &Limits) -> Result<Admitted, CliError> {
+        let teller = Teller { flags: &options.flags, is_file: self.is_file, format: self.format };
+        let job = self.request.resolve_within(&limits.reading()).map_err(|faults| teller.refused(faults))?;
+        limits.admit(job).map_err(|refusal| teller.not_admitted(refusal))
     }
 }

@@ -10,6 +10,7 @@ use std::time::Duration;
 use tracing_subscriber::EnvFilter;
 use tracing_subscriber::fmt::MakeWriter;
 
+use crate::config::LogLevels;
 use crate::fault::cut;
 
 /// Most bytes of lines that wait to be written: some thousand of them, more than a reader that is alive falls behind
@@ -43,11 +44,11 @@ struct State {
 
 impl Log {
     /// Starts the log of this process, and sends to it what panics say.
-    pub(super) fn start(json: bool) -> io::Result<Self> {
+    pub(super) fn start(levels: &LogLevels, json: bool) -> io::Result<Self> {
         let queue = Arc::new(Queue::default());
         let worker = queue.clone();
         thread::Builder::new().name("log".to_owned()).spawn(move || worker.write_all(&mut io::stderr()))?;
-        let filter = EnvFilter::try_from_env("PLANISH_LOG").unwrap_or_else(|_| EnvFilter::new("warn"));
+        let filter = EnvFilter::new(levels.as_str());
         let subscriber = tracing_subscriber::fmt().with_env_filter(filter).with_writer(Lines(queue.clone()));
         // a second subscriber in one process is refused, and the first goes on
         let _ = if json { subscriber.json().try_init() } else { subscriber.try_init() };

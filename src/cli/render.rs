@@ -1,143 +1,205 @@
-//! `planish render`: a job to a file.
+//! `planish render`: jobs and mesh files to files.
 
-use std::fs::File;
-use std::io::{self, BufWriter, IsTerminal, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread;
-use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPoolBuilder;
 
 use super::error::CliError;
-use super::job::{self, MeshOptions};
+use super::files::Files;
+use super::inputs::{Source, inputs};
+use super::job::{JobOptions, Loaded, Wanted};
+use super::library::Library;
+use super::progress::Progress;
+use super::targets::{Target, of_extension};
+use super::told::Teller;
+use crate::fault::{did_you_mean, shortened};
 use crate::job::limits::{Admitted, Limits};
-use crate::job::{Output, Report, RunError, run};
-use crate::output::{self, Format};
+use crate::job::{Report, RunError, run};
+use crate::output::{self, FORMATS, Format};
 use crate::watch::Watch;
-use crate::wire::JobRequest;
-use crate::wire::output::OutputRequest;
 
 /// Most milliseconds, by the estimate, of a job that runs on the calling thread alone.
 /// A thread takes 25 us to be started (measured), and memory. With half of it more jobs start threads; with twice of it
 /// the longest of them wait for up to 4 ms more that other cores could have saved.
 const ALONE_MS: u128 = 4;
 
-/// Renders the job in `path` to `target`.
-pub(super) fn render(
-    path: &Path,
-    options: &MeshOptions,
-    target: &Path,
-    format: Option<&str>,
+/// What is rendered, and where to.
+#[derive(Debug, Clone, clap::Args)]
+pub(crate) struct RenderOptions {
+    /// Jobs (JSON) or mesh files (obj, ply, stl, off, gltf, glb, json); - is standard input, and patterns like
+    /// 'parts/*.obj' are looked up here where the shell does not.
+    #[arg(required = true, value_name = "INPUT")]
+    inputs: Vec<PathBuf>,
+    /// The file to write; a folder (out/), or a pattern (out/{stem}.glb) with {stem}, {name} and {dir} of each input;
+    /// - is standard output.
+    #[arg(short, long, value_name = "FILE|DIR|PATTERN")]
+    output: PathBuf,
+    /// Format of the output, where the extension does not tell.
+    #[arg(long)]
+    format: Option<String>,
+    /// Most faces of a mesh at any level.
+    #[arg(long, value_name = "FACES")]
     max_faces: Option<u64>,
-) -> Result<(), CliError> {
-    let mut request = job::load(path, options)?;
-    choose(&mut request, target, format)?;
-    let default = Limits::default();
-    let limits = Limits {
-        max_faces: max_faces.unwrap_or(default.max_faces),
-        max_vertices: max_faces.map_or(default.max_vertices, |faces| faces.saturating_mul(2).min(u32::MAX.into())),
-        max_output_bytes: if max_faces.is_some() { u64::MAX } else { default.max_output_bytes },
-        ..default
-    };
-    let admitted = job::admit(request, &limits)?;
-    let output = &admitted.job().outputs[0];
-    let report = if target == Path::new("-") {
-        let mut out = io::stdout().lock();
-        watched(&admitted, output, &mut out)?
-    } else {
-        to_file(&admitted, output, target)?
-    };
-    if let Some(reached) = admitted.job().reached {
-        eprintln!("planish: note: level {} is at most {} from the limit", reached.level, reached.bound);
-    }
-    report.warnings.iter().for_each(|warning| eprintln!("planish: note: {warning}"));
-    Ok(())
+    /// Say nothing but what fails: no bar, no notes, no summary.
+    #[arg(short, long)]
+    quiet: bool,
+    #[command(flatten)]
+    options: JobOptions,
 }
 
-/// Leaves the one output that fits the target: of the format named, else by the extension, else the job's only one.
-fn choose(request: &mut JobRequest, target: &Path, format: Option<&str>) -> Result<(), CliError> {
-    let extension = target.extension().and_then(|extension| extension.to_str());
-    let known = |name: &str| output::named(name).map(<dyn Format>::name);
-    let wanted = match (format, extension) {
-        (Some(name), _) => Some(known(name).ok_or_else(|| CliError::new(format!("there is no format {name}")))?),
-        (None, Some(extension)) => {
-            let fits = |request: &&OutputRequest| {
-                request.format().and_then(output::named).is_some_and(|format| format.extension() == extension)
-            };
-            let asked = request.outputs.iter().find(fits).and_then(|output| output.format());
-            let wanted = asked.and_then(output::named).map(<dyn Format>::name).or_else(|| known(extension));
-            Some(wanted.ok_or_else(|| {
-                CliError::new(format!("no format has the extension .{extension}; name one with --format"))
-            })?)
+impl RenderOptions {
+    /// Renders all inputs; one that fails does not keep the others from being rendered.
+    pub(super) fn render(&self) -> Result<(), CliError> {
+        self.options.check()?;
+        let format = self.format.as_deref().map(known).transpose()?;
+        let sources = inputs(&self.inputs)?;
+        let open = self.inputs.iter().any(|argument| !sources.contains(&Source::of(argument)));
+        let place = Target::new(&self.output, (sources.len(), open), format)?;
+        let wanted = wanted(&place, format)?;
+        self.options.check_for(wanted)?;
+        let targets = place.of_all(&sources)?;
+        let limits = self.limits();
+        let mut progress = Progress::new(sources.len(), self.quiet);
+        for (source, target) in sources.iter().zip(&targets) {
+            let rendered = self.options.load(source).and_then(|mut loaded| {
+                loaded.choose(wanted, &self.options)?;
+                let target = target.as_deref().map(|path| (path, place.makes_folders()));
+                let task = Task { source, target, options: &self.options, progress: &progress };
+                task.render(loaded, &limits, sources.len() == 1)
+            });
+            progress.done(source, rendered);
         }
-        (None, None) => None,
-    };
-    let Some(wanted) = wanted else {
-        return match request.outputs.len() {
-            1 => Ok(()),
-            _ => Err(CliError::new("the target has no extension; name a format with --format")),
-        };
-    };
-    let asked = request.outputs.iter().position(|output| output.format() == Some(wanted));
-    (request.outputs, request.left_out) = match asked {
-        Some(i) => (vec![request.outputs.swap_remove(i)], i),
-        None => (vec![OutputRequest::of_format(wanted)], 0),
-    };
-    Ok(())
-}
-
-/// Writes next to the target first, so that a broken run leaves no broken file.
-fn to_file(admitted: &Admitted, output: &Output, target: &Path) -> Result<Report, CliError> {
-    let mut name = target.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{}.part", std::process::id()));
-    let part: PathBuf = target.with_file_name(name);
-    let cannot = |error: io::Error| CliError::new(format!("cannot write {}: {error}", target.display()));
-    let mut out = BufWriter::with_capacity(1 << 20, File::create(&part).map_err(cannot)?);
-    let written = watched(admitted, output, &mut out);
-    let finished = written.and_then(|report| {
-        out.flush().map_err(cannot)?;
-        std::fs::rename(&part, target).map_err(cannot)?;
-        Ok(report)
-    });
-    if finished.is_err() {
-        let _ = std::fs::remove_file(&part);
+        progress.end("rendered")
     }
-    finished
+
+    fn limits(&self) -> Limits {
+        let default = Limits::default();
+        let vertices = |faces: u64| faces.saturating_mul(2).min(u32::MAX.into());
+        Limits {
+            max_faces: self.max_faces.unwrap_or(default.max_faces),
+            max_vertices: self.max_faces.map_or(default.max_vertices, vertices),
+            max_output_bytes: if self.max_faces.is_some() { u64::MAX } else { default.max_output_bytes },
+            ..default
+        }
+    }
 }
 
-/// Runs the job; on a terminal a bar shows how far it is.
-fn watched(admitted: &Admitted, output: &Output, out: &mut dyn Write) -> Result<Report, CliError> {
-    let watch = Watch::new();
-    let ended = AtomicBool::new(false);
-    let is_short = admitted.estimate().time_ms <= ALONE_MS;
-    let alone = || ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().map_err(CliError::new);
-    let _pool = is_short.then(alone).transpose()?;
-    let report = thread::scope(|scope| {
-        if io::stderr().is_terminal() {
-            scope.spawn(|| show(&watch, admitted, &ended));
-        }
-        let report = run(admitted, output, out, &watch);
-        ended.store(true, Ordering::Relaxed);
-        report
-    });
-    report.map_err(|error| match error {
-        RunError::Impossible(fault) => CliError::Faults(vec![admitted.job().entries(output).fault(fault)]),
-        RunError::Io(error) => CliError::new(format!("cannot write the result: {error}")),
-        RunError::Stopped(stopped) => CliError::new(stopped),
+/// The format of a name.
+fn known(name: &str) -> Result<&'static dyn Format, CliError> {
+    output::named(name).ok_or_else(|| {
+        let names: Vec<&str> = FORMATS.iter().map(|format| format.name()).collect();
+        let near = did_you_mean(name, names.iter().copied());
+        let name = shortened(name);
+        CliError::usage(format!("--format: there is no format \"{name}\"; {near}known are {}", names.join(", ")))
     })
 }
 
-fn show(watch: &Watch, admitted: &Admitted, ended: &AtomicBool) {
-    let work = u64::try_from(admitted.estimate().forecast.work).unwrap_or(u64::MAX);
-    let bar = ProgressBar::new(work);
-    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent}% {elapsed}") {
-        bar.set_style(style);
+/// The format of the outputs.
+fn wanted(target: &Target, format: Option<&'static dyn Format>) -> Result<Wanted, CliError> {
+    match (format, target.extension()) {
+        (Some(format), _) => Ok(Wanted::Named(format)),
+        (None, None) => Ok(Wanted::Only),
+        (None, Some(extension)) => of_extension(extension).map(Wanted::Extension).ok_or_else(|| {
+            let near = did_you_mean(extension, FORMATS.iter().map(|format| format.extension()));
+            let detail =
+                format!("--output: no format has the extension .{extension}; {near}name a format with --format");
+            CliError::usage(detail)
+        }),
     }
-    while !ended.load(Ordering::Relaxed) {
-        bar.set_position(watch.done());
-        thread::sleep(Duration::from_millis(50));
+}
+
+/// One input on its way to its output.
+struct Task<'a> {
+    source: &'a Source,
+    /// The file to write, and whether folders are made for it; `None` is standard output.
+    target: Option<(&'a Path, bool)>,
+    options: &'a JobOptions,
+    progress: &'a Progress,
+}
+
+impl Task<'_> {
+    /// Renders a job; where it is the only one of the command and a short one, on the calling thread alone.
+    fn render(&self, loaded: Loaded, limits: &Limits, is_only: bool) -> Result<(), CliError> {
+        let (is_file, format) = (loaded.is_file, loaded.format);
+        let admitted = loaded.admit(self.options, limits)?;
+        let is_short = is_only && admitted.estimate().time_ms <= ALONE_MS;
+        let alone = || ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().map_err(CliError::other);
+        let _pool = is_short.then(alone).transpose()?;
+        let teller = Teller { flags: &self.options.flags, is_file, format };
+        if self.target.is_none() && admitted.job().detail_keys().next().is_some() {
+            let detail = "--output: levels of detail are files beside the document; give it a file";
+            return Err(CliError::usage(detail));
+        }
+        let report = match self.target {
+            None => self.write(&admitted, &teller, &mut io::stdout().lock())?,
+            Some((target, makes_folders)) => {
+                let folder = target.parent().filter(|folder| makes_folders && !folder.as_os_str().is_empty());
+                let made = folder.map_or(Ok(()), std::fs::create_dir_all);
+                made.map_err(|error| {
+                    CliError::files(format!("cannot make a folder for {}: {error}", target.display()))
+                })?;
+                let library = Library::of(&admitted, target);
+                let report = to_file(target, library.as_ref(), |out| self.write(&admitted, &teller, out))?;
+                self.write_details(&admitted, &teller, target, limits)?;
+                report
+            }
+        };
+        if let Some(reached) = admitted.job().reached {
+            let text = format!("level {} is at most {} from the limit", reached.level, reached.bound);
+            self.progress.note(self.source, &text);
+        }
+        report.warnings.iter().for_each(|warning| self.progress.note(self.source, warning));
+        Ok(())
     }
-    bar.finish_and_clear();
+
+    /// Writes the results to which the output refers beside its file.
+    fn write_details(
+        &self,
+        admitted: &Admitted,
+        teller: &Teller<'_>,
+        target: &Path,
+        limits: &Limits,
+    ) -> Result<(), CliError> {
+        let job = admitted.job();
+        for detail in job.details(&job.outputs[0]) {
+            let name = format!("{}.{}", detail.keys()[0], detail.outputs[0].format.extension());
+            let detail = limits.admit(detail).map_err(|refusal| teller.not_admitted(refusal))?;
+            to_file(&target.with_file_name(name), None, |out| self.write(&detail, teller, out))?;
+        }
+        Ok(())
+    }
+
+    /// Runs the job.
+    fn write(&self, admitted: &Admitted, teller: &Teller<'_>, out: &mut dyn Write) -> Result<Report, CliError> {
+        let watch = Watch::new();
+        let output = &admitted.job().outputs[0];
+        let work = admitted.estimate().forecast.work;
+        let report = self.progress.during(&watch, work, || run(admitted, output, out, &watch));
+        report.map_err(|error| match error {
+            RunError::Impossible(fault) => teller.refused(vec![admitted.job().entries(output).fault(fault)]),
+            RunError::Io(error) => CliError::files(format!("cannot write the result: {error}")),
+            RunError::Stopped(stopped) => CliError::other(stopped),
+        })
+    }
+}
+
+/// Writes a file, which is there when all of it and of its library is written.
+fn to_file(
+    target: &Path,
+    library: Option<&Library<'_>>,
+    write: impl FnOnce(&mut dyn Write) -> Result<Report, CliError>,
+) -> Result<Report, CliError> {
+    let cannot = |error: io::Error| CliError::files(format!("cannot write {}: {error}", target.display()));
+    let mut files = Files::default();
+    let mut out = BufWriter::with_capacity(1 << 20, files.create(target).map_err(cannot)?);
+    if let Some(library) = library {
+        out.write_all(library.line().as_bytes()).map_err(cannot)?;
+    }
+    let report = write(&mut out)?;
+    out.flush().map_err(cannot)?;
+    drop(out);
+    library.map_or(Ok(()), |library| library.write(&mut files)).map_err(cannot)?;
+    files.finish().map_err(cannot)?;
+    Ok(report)
 }

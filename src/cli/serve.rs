@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::error::CliError;
 use super::log::Log;
+use super::signals::Signals;
 use crate::config::{Given, Settings};
 use crate::http::serve::{bind, serve as serve_http};
 use crate::kept::keep_at_most;
@@ -14,19 +15,22 @@ use crate::service::account::kept_buffers;
 /// Serves until the process is asked to stop; from then on it takes no longer than the setting allows, whatever
 /// threads still wait for a disk that hangs.
 pub(super) fn serve(given: Given, file: Option<&Path>) -> Result<(), CliError> {
-    let settings = Settings::read(given, file).map_err(CliError::new)?;
+    let given = given.or(Given::of_variables(std::env::vars_os()).map_err(CliError::usage)?);
+    let settings = Settings::read(given, file).map_err(CliError::usage)?;
     keep_at_most(usize::try_from(kept_buffers(settings.max_memory_bytes)).unwrap_or(usize::MAX));
-    let log = Log::start(settings.log_json).map_err(CliError::new)?;
+    let log = Log::start(&settings.log, settings.log_json).map_err(CliError::other)?;
     let patience = Duration::from_secs(settings.shutdown_timeout_s);
-    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(CliError::new)?;
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(CliError::other)?;
     let asked = OnceLock::new();
     let served = runtime.block_on(async {
-        let (listener, app) = bind(settings).await.map_err(CliError::new)?;
-        let address = listener.local_addr().map_err(CliError::new)?;
+        let (listener, app) = bind(settings).await.map_err(CliError::other)?;
+        let address = listener.local_addr().map_err(CliError::other)?;
+        // asked for before anybody knows that the service is there
+        let signals = Signals::new().map_err(CliError::other)?;
         tracing::info!(%address, cache = %app.settings.data_dir.display(), "planish is listening");
         log.say(&format!("planish is listening on http://{address}"));
         let stop = async {
-            stopped().await;
+            signals.first().await;
             asked.get_or_init(Instant::now);
         };
         serve_http(listener, app.clone(), stop).await;
@@ -38,22 +42,4 @@ pub(super) fn serve(given: Given, file: Option<&Path>) -> Result<(), CliError> {
     }
     runtime.shutdown_background();
     served.map(drop)
-}
-
-/// Comes true at the first interrupt or termination signal.
-async fn stopped() {
-    #[cfg(unix)]
-    let terminate = async {
-        if let Ok(mut terminate) = tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate()) {
-            terminate.recv().await;
-        } else {
-            std::future::pending::<()>().await;
-        }
-    };
-    #[cfg(not(unix))]
-    let terminate = std::future::pending::<()>();
-    tokio::select! {
-        _ = tokio::signal::ctrl_c() => {}
-        () = terminate => {}
-    }
 }

@@ -3,8 +3,6 @@
 use std::fmt;
 use std::str::FromStr;
 
-use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
-
 use super::authority::Authority;
 use crate::fault::shortened;
 
@@ -95,33 +93,5 @@ impl fmt::Debug for CorsOrigins {
             Self::Any => f.write_str("*"),
             Self::Listed(origins) => f.write_str(&origins.join(",")),
         }
-    }
-}
-
-impl<'de> Deserialize<'de> for CorsOrigins {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(OriginsVisitor)
-    }
-}
-
-struct OriginsVisitor;
-
-impl<'de> Visitor<'de> for OriginsVisitor {
-    type Value = CorsOrigins;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("\"none\", \"loopback\", \"*\", or a list of origins")
-    }
-
-    fn visit_str<E: Error>(self, text: &str) -> Result<CorsOrigins, E> {
-        text.parse().map_err(E::custom)
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<CorsOrigins, A::Error> {
-        let mut entries: Vec<String> = Vec::new();
-        while let Some(entry) = list.next_element()? {
-            entries.push(entry);
-        }
-        CorsOrigins::of(entries.iter().map(String::as_str)).map_err(A::Error::custom)
     }
 }

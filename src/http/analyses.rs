@@ -11,8 +11,10 @@ use axum::response::{IntoResponse, Response};
 use super::answer::{self, Artifact, Lost};
 use super::app::{App, Shared};
 use super::client::Client;
+use super::content::Takes;
 use super::negotiate::{self, ByteRange};
 use super::problem::Problem;
+use super::variants::coded;
 use super::{address, body};
 use crate::job::key::Key;
 use crate::job::{Analysis, KeepWork, Report, RunError};
@@ -46,7 +48,7 @@ pub(super) async fn analyse(State(app): State<Shared>, client: Client, headers: 
 }
 
 async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
-    let sent = body::collect(app, client, headers, body).await?;
+    let sent = body::collect(app, client, headers, Takes::Jobs, body).await?;
     let bytes = weight(sent.bytes.len() as u64);
     let analysis = app.desk.read(client.peer(), bytes, move |watch| {
         let request: AnalysisRequest = read(&sent.bytes)?;
@@ -54,12 +56,12 @@ async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bo
     });
     let task = Arc::new(AnalysisTask(analysis.await??));
     let key = task.key();
-    if negotiate::has_already(headers, &key) {
-        return Ok(not_modified(&key));
+    if let Some(tag) = negotiate::has_already(headers, &key) {
+        return Ok(not_modified(&key, tag));
     }
     if let Some(manifest) = app.desk.find(key).await {
         // what turns out to be damaged has been dropped, and is made again
-        match whole(app, Artifact::kept(manifest, client.peer()), &key).await {
+        match whole(app, headers, Artifact::kept(manifest, client.peer()), &key).await {
             Err(Lost::Gone) => {}
             answered => return Ok(answered?),
         }
@@ -67,14 +69,8 @@ async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bo
     let interest = app.desk.compute(task, client.peer())?;
     match interest.computation.finished().await {
         Phase::Done(outcome) => {
-            let found = Artifact {
-                manifest: outcome.manifest.clone(),
-                loose: outcome.loose.clone(),
-                provenance: interest.provenance,
-                timings: outcome.timings,
-                peer: client.peer(),
-            };
-            Ok(whole(app, found, &key).await?)
+            let found = Artifact::made(&outcome, interest.provenance, client.peer());
+            Ok(whole(app, headers, found, &key).await?)
         }
         Phase::Failed(failure) => Err(Problem::of_failure(failure, |refused| refused.fault)),
         Phase::Queued | Phase::Running => Err(Problem::cancelled()),
@@ -87,17 +83,17 @@ fn place(key: &Key) -> String {
     address::address(key, json)
 }
 
-async fn whole(app: &Arc<App>, found: Artifact, key: &Key) -> Result<Response, Lost> {
+async fn whole(app: &Arc<App>, headers: &HeaderMap, found: Artifact, key: &Key) -> Result<Response, Lost> {
+    let found = coded(app, headers, found).await;
     let head = answer::headers(&found, &place(key));
     answer::bytes(app, found, head, ByteRange::Whole).await
 }
 
-fn not_modified(key: &Key) -> Response {
+fn not_modified(key: &Key, tag: String) -> Response {
     let mut headers = HeaderMap::new();
-    if let Ok(etag) = HeaderValue::try_from(format!("\"{key}\"")) {
-        headers.insert(header::ETAG, etag);
-    }
-    if let Ok(address) = HeaderValue::try_from(place(key)) {
+    headers.insert(header::VARY, HeaderValue::from_static(answer::VARY));
+    if let (Ok(tag), Ok(address)) = (HeaderValue::try_from(tag), HeaderValue::try_from(place(key))) {
+        headers.insert(header::ETAG, tag);
         headers.insert(header::CONTENT_LOCATION, address);
     }
     (StatusCode::NOT_MODIFIED, headers).into_response()

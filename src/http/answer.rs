@@ -9,17 +9,19 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use futures_util::stream;
 
+use super::address::etag;
 use super::app::App;
 use super::negotiate::ByteRange;
 use super::problem::{self, Problem};
 use super::short::Plain;
 use crate::job::key::Key;
-use crate::service::computation::Timings;
+use crate::service::computation::{Outcome, Timings};
 use crate::service::lent::{Lent, is_free};
 use crate::service::peer::{Kind, Paid, Peer};
 use crate::service::pool::Busy;
 use crate::service::store::{Manifest, PART_BYTES};
 use crate::service::under_way::Provenance;
+use crate::service::variant::Coding;
 
 /// An artifact to be answered.
 #[derive(Debug)]
@@ -31,12 +33,42 @@ pub(super) struct Artifact {
     pub(super) timings: Timings,
     /// Who is answered.
     pub(super) peer: Peer,
+    /// In what form.
+    pub(super) form: Form,
+}
+
+/// The form in which an artifact is answered.
+#[derive(Debug, Clone)]
+pub(super) enum Form {
+    /// As it is.
+    Plain,
+    /// As it is, though its client likes a coding better that cannot be had now.
+    PlainForNow,
+    /// By its variant in a coding.
+    Coded(Coding, Arc<Manifest>),
 }
 
 impl Artifact {
     /// An artifact that was there.
     pub(super) fn kept(manifest: Arc<Manifest>, peer: Peer) -> Self {
-        Self { peer, manifest, loose: None, provenance: Provenance::Hit, timings: Timings::default() }
+        let (loose, provenance, timings) = (None, Provenance::Hit, Timings::default());
+        Self { manifest, loose, provenance, timings, peer, form: Form::Plain }
+    }
+
+    /// An artifact that was made, for this client or for others, too.
+    pub(super) fn made(outcome: &Outcome, provenance: Provenance, peer: Peer) -> Self {
+        let (manifest, loose) = (outcome.manifest.clone(), outcome.loose.clone());
+        Self { manifest, loose, provenance, timings: outcome.timings, peer, form: Form::Plain }
+    }
+
+    /// The coding of the answer.
+    pub(super) fn coding(&self) -> Option<Coding> {
+        if let Form::Coded(coding, _) = self.form { Some(coding) } else { None }
+    }
+
+    /// What is known of the bytes that are sent.
+    pub(super) fn sent(&self) -> &Arc<Manifest> {
+        if let Form::Coded(_, variant) = &self.form { variant } else { &self.manifest }
     }
 }
 
@@ -61,6 +93,9 @@ impl From<Lost> for Problem {
     }
 }
 
+/// The headers of a request by which answers about artifacts differ.
+pub(super) const VARY: &str = "accept, accept-encoding";
+
 /// Headers that every answer about an artifact has.
 pub(super) fn headers(found: &Artifact, address: &str) -> HeaderMap {
     let cache = match (found.provenance, &found.loose) {
@@ -72,6 +107,7 @@ pub(super) fn headers(found: &Artifact, address: &str) -> HeaderMap {
     let manifest = &found.manifest;
     let head = Head {
         key: manifest.key,
+        coding: found.coding(),
         media_type: &manifest.media_type,
         warnings: &manifest.warnings,
         cache,
@@ -88,6 +124,7 @@ pub(super) fn headers(found: &Artifact, address: &str) -> HeaderMap {
 /// What is told of bytes, whether they are kept or not.
 pub(super) struct Head<'a> {
     pub(super) key: Key,
+    pub(super) coding: Option<Coding>,
     pub(super) media_type: &'a str,
     pub(super) warnings: &'a [String],
     /// `Cache-Status`.
@@ -105,11 +142,14 @@ impl Head<'_> {
             }
         };
         let fixed = |text| Ok(HeaderValue::from_static(text));
-        put(header::ETAG, format!("\"{}\"", self.key).try_into());
+        put(header::ETAG, etag(&self.key, self.coding).try_into());
+        if let Some(coding) = self.coding {
+            put(header::CONTENT_ENCODING, fixed(coding.name()));
+        }
         put(HeaderName::from_static("cache-status"), fixed(self.cache));
         put(HeaderName::from_static("server-timing"), server_timing(self.timings).try_into());
         put(header::CONTENT_TYPE, self.media_type.try_into());
-        put(header::VARY, fixed("accept"));
+        put(header::VARY, fixed(VARY));
         put(header::CONTENT_SECURITY_POLICY, fixed("default-src 'none'; style-src 'unsafe-inline'; sandbox"));
         put(HeaderName::from_static("cross-origin-resource-policy"), fixed("cross-origin"));
         put(HeaderName::from_static("timing-allow-origin"), fixed("*"));
@@ -160,7 +200,7 @@ pub(super) async fn bytes(
     mut headers: HeaderMap,
     range: ByteRange,
 ) -> Result<Response, Lost> {
-    let length = found.manifest.length;
+    let length = found.sent().length;
     let (status, first, last) = match range {
         ByteRange::Whole => (StatusCode::OK, 0, length.saturating_sub(1)),
         ByteRange::Bytes { first, last } => (StatusCode::PARTIAL_CONTENT, first, last),
@@ -179,8 +219,9 @@ pub(super) async fn bytes(
     {
         headers.insert(header::CONTENT_RANGE, range);
     }
-    let plain = Plain(found.manifest.clone());
-    let is_plain = range == ByteRange::Whole && found.provenance == Provenance::Hit && is_free(&plain.0);
+    let plain = Plain(found.sent().clone());
+    let is_settled = found.provenance == Provenance::Hit && !matches!(found.form, Form::PlainForNow);
+    let is_plain = range == ByteRange::Whole && is_settled && is_free(&plain.0);
     let body = if content == 0 { Body::empty() } else { body(app, found, first, last).await? };
     let mut response = (status, headers, body).into_response();
     if is_plain {
@@ -202,7 +243,7 @@ async fn body(app: &Arc<App>, found: Artifact, first: u64, last: u64) -> Result<
     let part_bytes = PART_BYTES as u64;
     let index = |byte: u64| usize::try_from(byte / part_bytes).unwrap_or(usize::MAX);
     let (from, to) = (index(first), index(last));
-    let parts = PartReader::of(app, found.peer, found.manifest)?;
+    let parts = PartReader::of(app, found.peer, found.sent().clone())?;
     let head = parts.part(from).await?;
     let head = slice(&head, from as u64 * part_bytes);
     if from == to {
@@ -229,7 +270,7 @@ async fn body(app: &Arc<App>, found: Artifact, first: u64, last: u64) -> Result<
 const PART_PATIENCE: Duration = Duration::from_secs(10);
 
 /// The parts of an artifact, each paid for while a client has not read it.
-struct PartReader {
+pub(super) struct PartReader {
     app: Arc<App>,
     peer: Peer,
     manifest: Arc<Manifest>,
@@ -245,7 +286,11 @@ enum Source {
 }
 
 impl PartReader {
-    fn of(app: &Arc<App>, peer: Peer, manifest: Arc<Manifest>) -> Result<Self, Lost> {
+    /// The reader of an artifact for a client.
+    ///
+    /// # Errors
+    /// [`Lost::Crowded`].
+    pub(super) fn of(app: &Arc<App>, peer: Peer, manifest: Arc<Manifest>) -> Result<Self, Lost> {
         let desk = &app.desk;
         let mut from = Source::Disk;
         if desk.tiers.part_at_hand(&manifest, 0).is_some() {
@@ -257,6 +302,18 @@ impl PartReader {
             }
         }
         Ok(Self { app: app.clone(), peer, manifest, from })
+    }
+
+    /// All parts.
+    ///
+    /// # Errors
+    /// [`Lost`].
+    pub(super) async fn all(&self) -> Result<Vec<Bytes>, Lost> {
+        let mut parts = Vec::with_capacity(self.manifest.parts.len());
+        for index in 0..self.manifest.parts.len() {
+            parts.push(self.part(index).await?);
+        }
+        Ok(parts)
     }
 
     /// A part: from memory when that is paid for, else from disk, one part after the other.

@@ -6,13 +6,14 @@ use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
-use super::address::address;
+use super::address::{address, etag};
 use super::answer::{self, Artifact, Lost};
 use super::app::{App, Shared};
 use super::body::Sent;
 use super::client::Client;
 use super::problem::{self, Problem};
 use super::segment::Segment;
+use super::variants::coded;
 use super::{negotiate, reading, render};
 use crate::job::key::Key;
 use crate::output::FORMATS;
@@ -24,10 +25,13 @@ use crate::service::task::Render;
     get, path = "/v1/artifacts/{file}", tag = "jobs",
     params(
         ("file" = String, Path, description = "Key of the artifact (64 hexadecimal digits), a dot, and the extension \
-            of its format"),
+            of its format",
+            example = "7fd9512d51873010739dc6b61ab050e2fa8041f4f0258865739ad5cfefd188f2.obj"),
         ("Range" = Option<String>, Header, description = "One range of bytes, `bytes=first-last`"),
         ("If-Range" = Option<String>, Header, description = "An ETag; where it is another, `Range` is ignored"),
         ("If-None-Match" = Option<String>, Header, description = "ETags of results that the client has"),
+        ("Accept-Encoding" = Option<String>, Header, description = "Codings that the client reads, of `zstd`, `br` \
+            and `gzip`; ranges are those of the coded bytes"),
     ),
     responses(
         (status = 200, description = "The bytes"),
@@ -80,13 +84,21 @@ async fn tell(
         let right = formats.map(|format| address(key, *format)).next().unwrap_or_default();
         return Err(Problem::new(problem::NOT_FOUND, format!("the artifact has another extension: {right}")));
     }
-    let mut head = answer::headers(&found, &format!("/v1/artifacts/{key}.{extension}"));
-    head.insert(header::CACHE_CONTROL, HeaderValue::from_static("public, max-age=31536000, immutable"));
-    if negotiate::has_already(headers, key) || negotiate::wants_nothing_kept(headers) {
+    let address = format!("/v1/artifacts/{key}.{extension}");
+    let lasting = HeaderValue::from_static("public, max-age=31536000, immutable");
+    if let Some(tag) = negotiate::has_kept(headers, key) {
+        let mut head = answer::headers(&found, &address);
+        head.insert(header::CACHE_CONTROL, lasting);
         head.remove(header::CONTENT_TYPE);
+        if let Ok(tag) = HeaderValue::try_from(tag) {
+            head.insert(header::ETAG, tag);
+        }
         return Ok(Ok((StatusCode::NOT_MODIFIED, head).into_response()));
     }
-    let range = negotiate::range(headers, key, found.manifest.length);
+    let found = coded(app, headers, found).await;
+    let mut head = answer::headers(&found, &address);
+    head.insert(header::CACHE_CONTROL, lasting);
+    let range = negotiate::range(headers, &etag(key, found.coding()), found.sent().length);
     Ok(answer::bytes(app, found, head, range).await)
 }
 
@@ -99,22 +111,19 @@ async fn again(app: &Arc<App>, client: &Client, key: &Key) -> Result<Artifact, P
     // the format is that of the artifact, whatever the request left to be negotiated
     let media_type = record.summary.output.1.media_type();
     let headers = HeaderMap::from_iter([(header::ACCEPT, HeaderValue::from_static(media_type))]);
-    let read = render::read(app, client, &headers, Sent::again(record.summary.request.clone())).await?;
-    let admitted = reading::admit(app, client, read.job).await?;
+    let read = render::read(app, client, &headers, Sent::job(record.summary.request.clone()), None).await?;
+    // it may be one to which the result of that job refers
+    let job = match read.job.keys()[0] == *key {
+        true => Some(read.job),
+        false => read.job.detail(key),
+    };
+    let gone = || Problem::new(problem::GONE, "the job of this artifact has become another one; send it again");
+    let admitted = reading::admit(app, client, job.ok_or_else(gone)?).await?;
     let job = admitted.job();
     let entries = job.entries(&job.outputs[0]);
     let interest = app.desk.compute(Arc::new(Render::new(admitted, 0, Some(read.input))), client.peer())?;
     match interest.computation.finished().await {
-        Phase::Done(outcome) => {
-            let (manifest, loose) = (outcome.manifest.clone(), outcome.loose.clone());
-            Ok(Artifact {
-                manifest,
-                loose,
-                provenance: interest.provenance,
-                timings: outcome.timings,
-                peer: client.peer(),
-            })
-        }
+        Phase::Done(outcome) => Ok(Artifact::made(&outcome, interest.provenance, client.peer())),
         Phase::Failed(failure) => Err(Problem::of_failure(failure, |fault| entries.fault(fault))),
         Phase::Queued | Phase::Running => {
             Err(Problem::new(problem::GONE, "the artifact left the cache; send its job again"))

@@ -16,7 +16,8 @@ use crate::wire::catalogue::{self, FormatEntry, OperatorEntry, PresetEntry, Read
 /// All presets.
 #[utoipa::path(
     get, path = "/v1/presets", tag = "catalogue",
-    responses((status = 200, description = "The presets", body = Vec<PresetEntry>))
+    responses((status = 200, description = "The presets", body = Vec<PresetEntry>,
+        example = json!(&catalogue::presets()[..1])))
 )]
 pub(super) async fn presets() -> Json<Vec<PresetEntry>> {
     Json(catalogue::presets())
@@ -25,7 +26,7 @@ pub(super) async fn presets() -> Json<Vec<PresetEntry>> {
 /// One preset.
 #[utoipa::path(
     get, path = "/v1/presets/{name}", tag = "catalogue",
-    params(("name" = String, Path, description = "Name of the preset")),
+    params(("name" = String, Path, description = "Name of the preset", example = json!(catalogue::presets()[0].name))),
     responses((status = 200, description = "The preset", body = PresetEntry))
 )]
 pub(super) async fn preset(Segment(name): Segment) -> Response {
@@ -38,7 +39,8 @@ pub(super) async fn preset(Segment(name): Segment) -> Response {
 /// All operators.
 #[utoipa::path(
     get, path = "/v1/operators", tag = "catalogue",
-    responses((status = 200, description = "The operators", body = Vec<OperatorEntry>))
+    responses((status = 200, description = "The operators", body = Vec<OperatorEntry>,
+        example = json!(&catalogue::operators()[..1])))
 )]
 pub(super) async fn operators() -> Json<Vec<OperatorEntry>> {
     Json(catalogue::operators())
@@ -47,7 +49,7 @@ pub(super) async fn operators() -> Json<Vec<OperatorEntry>> {
 /// One operator.
 #[utoipa::path(
     get, path = "/v1/operators/{letter}", tag = "catalogue",
-    params(("letter" = String, Path, description = "Letter of the operator")),
+    params(("letter" = String, Path, description = "Letter of the operator", example = "U")),
     responses((status = 200, description = "The operator", body = OperatorEntry))
 )]
 pub(super) async fn operator(Segment(letter): Segment) -> Response {
@@ -58,7 +60,8 @@ pub(super) async fn operator(Segment(letter): Segment) -> Response {
 /// All formats.
 #[utoipa::path(
     get, path = "/v1/formats", tag = "catalogue",
-    responses((status = 200, description = "The formats", body = Vec<FormatEntry>))
+    responses((status = 200, description = "The formats", body = Vec<FormatEntry>,
+        example = json!(&catalogue::formats()[..1])))
 )]
 pub(super) async fn formats() -> Json<Vec<FormatEntry>> {
     Json(catalogue::formats())
@@ -67,7 +70,8 @@ pub(super) async fn formats() -> Json<Vec<FormatEntry>> {
 /// All readers of mesh files.
 #[utoipa::path(
     get, path = "/v1/readers", tag = "catalogue",
-    responses((status = 200, description = "The readers", body = Vec<ReaderEntry>))
+    responses((status = 200, description = "The readers", body = Vec<ReaderEntry>,
+        example = json!(&catalogue::readers()[..1])))
 )]
 pub(super) async fn readers() -> Json<Vec<ReaderEntry>> {
     Json(catalogue::readers())
@@ -89,7 +93,8 @@ pub(super) struct LimitEntry {
 /// The limits of this server.
 #[utoipa::path(
     get, path = "/v1/limits", tag = "operations",
-    responses((status = 200, description = "The limits", body = Vec<LimitEntry>))
+    responses((status = 200, description = "The limits", body = Vec<LimitEntry>,
+        example = json!([{ "name": "max_levels", "value": 64, "unit": "levels", "doc": "Most levels of any plan." }])))
 )]
 pub(super) async fn limits(State(app): State<Shared>) -> Json<Vec<LimitEntry>> {
     let fixed = [

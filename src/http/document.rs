@@ -1,16 +1,23 @@
 //! The OpenAPI document: what the handlers say of themselves, and what they have in common.
 
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
 use utoipa::OpenApi;
+use utoipa::openapi::example::{Example, ExampleBuilder};
 use utoipa::openapi::path::Operation;
 use utoipa::openapi::schema::SchemaType;
+use utoipa::openapi::server::ServerBuilder;
 use utoipa::openapi::{
-    Content, ContentBuilder, Header, HeaderBuilder, ObjectBuilder, OpenApi as Api, Ref, RefOr, Response,
-    ResponseBuilder, Type,
+    Content, ContentBuilder, Header, HeaderBuilder, KnownFormat, ObjectBuilder, OpenApi as Api, Ref, RefOr, Required,
+    Response, ResponseBuilder, SchemaFormat, Type,
 };
 
 use super::problem::{self, Kind};
+use crate::input::READERS;
 use crate::output::{self, FORMATS};
 use crate::wire::answer::ProblemAnswer;
+use crate::wire::catalogue::presets;
 
 /// The document but for its paths.
 #[derive(OpenApi)]
@@ -45,23 +52,55 @@ const HEADERS: &[(&str, &str)] = &[
     ("Cache-Control", "Artifacts never change"),
     ("Accept-Ranges", "`bytes`"),
     ("Content-Range", "Which bytes of how many"),
+    (
+        "Content-Encoding",
+        "`zstd`, `br` or `gzip`, where `Accept-Encoding` asks for it and it spares an eighth at least",
+    ),
+    ("Vary", "`Accept` and `Accept-Encoding`"),
     ("Location", "The job's address"),
     ("Retry-After", "Seconds after which to ask again"),
     ("Preference-Applied", "The wait that was granted"),
 ];
 
-const RESULT: &[&str] = &["ETag", "Content-Location", "Cache-Status", "Server-Timing", "Planish-Warnings"];
+const RESULT: &[&str] =
+    &["ETag", "Content-Location", "Cache-Status", "Server-Timing", "Planish-Warnings", "Content-Encoding", "Vary"];
 const KEPT: &[&str] = &["Cache-Control", "Accept-Ranges"];
-const QUESTION: &[Kind] =
-    &[problem::NOT_JSON, problem::SLOW, problem::BODY_TOO_LONG, problem::MEDIA_TYPE, problem::INVALID];
+/// What every address may answer.
+const ANYWHERE: &[Kind] = &[
+    problem::NOT_HTTP,
+    problem::BAD_HOST,
+    problem::HOST,
+    problem::URI_TOO_LONG,
+    problem::HEAD_TOO_LONG,
+    problem::INTERNAL,
+    problem::BUSY,
+];
+/// What is wrong with bodies, and with the jobs in them.
+const BODY: &[Kind] = &[
+    problem::NOT_JSON,
+    problem::NOT_CODED,
+    problem::SLOW,
+    problem::BODY_TOO_LONG,
+    problem::MEDIA_TYPE,
+    problem::CODING,
+    problem::INVALID,
+    problem::TRANSFER_CODING,
+];
+/// What becomes of jobs that are forecast.
+const FORECAST: &[Kind] = &[problem::TOO_LARGE, problem::TIMED_OUT];
+/// What becomes of jobs that are computed.
+const COMPUTED: &[Kind] = &[problem::INVALID, problem::GONE, problem::CANCELLED];
 
 /// Adds to every operation what the handlers need not repeat.
 pub(super) fn completed(mut document: Api) -> Api {
+    document.servers = Some(vec![ServerBuilder::new().url("/").description(Some("This server")).build()]);
+    // nobody has to say who he is
+    document.security = Some(Vec::new());
     for (path, item) in &mut document.paths.paths {
         for operation in [&mut item.get, &mut item.post, &mut item.delete].into_iter().flatten() {
             complete(path, operation);
         }
-        if path.starts_with("/v1/artifacts/") {
+        if path.starts_with("/v1/artifacts/") || path == "/v1/render" || path.starts_with("/kroki/") {
             item.head = item.get.as_ref().map(head);
         }
     }
@@ -69,52 +108,107 @@ pub(super) fn completed(mut document: Api) -> Api {
 }
 
 fn complete(path: &str, operation: &mut Operation) {
+    refuse(operation, ANYWHERE);
+    if let Some(RefOr::T(body)) = &mut operation.request_body {
+        body.required = Some(Required::True);
+        let is_job = |media_type: &str| media_type == "application/json" && path != "/v1/analyses";
+        let jobs = body.content.iter_mut().filter(|(media_type, _)| is_job(media_type));
+        for (_, content) in jobs {
+            if let RefOr::T(content) = content {
+                content.examples = job_examples();
+            }
+        }
+        refuse(operation, BODY);
+    }
+    if path.contains('{') {
+        refuse(operation, &[problem::NOT_FOUND]);
+    }
     match path {
-        "/v1/render" => {
-            bytes(operation, "200", &[RESULT, &["Accept-Ranges"]].concat());
-            headers(operation, "202", &["Location", "Retry-After", "Preference-Applied"]);
-            headers(operation, "304", &["ETag", "Content-Location", "Cache-Status"]);
-            refuse(operation, QUESTION);
-            let own = [problem::TOO_LARGE, problem::TIMED_OUT, problem::NOT_ACCEPTABLE, problem::GONE];
-            refuse(operation, &own);
-            refuse(operation, &[problem::CANCELLED, problem::BUSY, problem::INTERNAL]);
-        }
-        "/v1/estimate" => {
-            refuse(operation, QUESTION);
-            refuse(operation, &[problem::TOO_LARGE, problem::BUSY]);
-        }
-        "/v1/validate" => refuse(operation, QUESTION),
-        "/v1/analyses" => {
-            headers(operation, "200", RESULT);
-            headers(operation, "304", &["ETag", "Content-Location"]);
-            refuse(operation, QUESTION);
+        "/v1/render" | "/kroki/{format}/{data}" if operation.request_body.is_none() => {
+            bytes(operation, "200", &[RESULT, KEPT].concat());
+            headers(operation, "304", &["ETag", "Content-Location", "Cache-Status", "Cache-Control", "Vary"]);
             refuse(
                 operation,
-                &[problem::TIMED_OUT, problem::GONE, problem::CANCELLED, problem::BUSY, problem::INTERNAL],
+                &[problem::NOT_JSON, problem::BODY_TOO_LONG, problem::NOT_ACCEPTABLE, problem::UNFINISHED],
             );
+            refuse(operation, FORECAST);
+            refuse(operation, COMPUTED);
+        }
+        "/v1/render" => {
+            files(operation);
+            bytes(operation, "200", &[RESULT, &["Accept-Ranges"]].concat());
+            headers(operation, "202", &["Location", "Retry-After", "Preference-Applied"]);
+            headers(operation, "304", &["ETag", "Content-Location", "Cache-Status", "Vary"]);
+            refuse(operation, FORECAST);
+            refuse(operation, COMPUTED);
+            refuse(operation, &[problem::NOT_ACCEPTABLE]);
+        }
+        "/v1/estimate" => refuse(operation, FORECAST),
+        "/v1/analyses" => {
+            headers(operation, "200", RESULT);
+            headers(operation, "304", &["ETag", "Content-Location", "Vary"]);
+            refuse(operation, &[problem::TIMED_OUT]);
+            refuse(operation, COMPUTED);
         }
         path if path.starts_with("/v1/artifacts/") => {
             bytes(operation, "200", &[RESULT, KEPT].concat());
             bytes(operation, "206", &[RESULT, KEPT, &["Content-Range"]].concat());
             headers(operation, "304", &[RESULT, KEPT].concat());
-            refuse(operation, &[problem::NOT_FOUND, problem::GONE, problem::RANGE, problem::BUSY, problem::INTERNAL]);
+            refuse(operation, FORECAST);
+            refuse(operation, COMPUTED);
+            refuse(operation, &[problem::RANGE]);
         }
+        path if path.starts_with("/v1/jobs/") => headers(operation, "200", &["Cache-Control", "Retry-After"]),
         "/readyz" => refuse(operation, &[problem::NOT_READY]),
-        path if path.contains('{') => refuse(operation, &[problem::NOT_FOUND]),
         _ => {}
     }
-    if path.starts_with("/v1/jobs/") {
-        headers(operation, "200", &["Cache-Control", "Retry-After"]);
+}
+
+/// Jobs that show the kinds of inputs, by name.
+fn job_examples() -> BTreeMap<String, RefOr<Example>> {
+    let tetrahedron = json!({ "positions": [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]],
+        "faces": [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]] });
+    let square = json!({ "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "closed": true });
+    let triangle = json!({ "format": "obj", "data": "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n" });
+    let jobs = [
+        (
+            "polygon",
+            "A curve as SVG",
+            json!({ "input": { "polygon": square }, "plan": { "preset": presets()[0].name },
+            "levels": 4, "outputs": [{ "format": "svg" }] }),
+        ),
+        (
+            "mesh",
+            "A surface as GLB",
+            json!({ "input": { "mesh": tetrahedron }, "levels": 3,
+            "plan": { "preset": "push-back", "parameters": { "delta": "1/2" } },
+            "outputs": [{ "format": "glb", "normals": "limit" }] }),
+        ),
+        (
+            "file",
+            "A mesh file as PNG, as it is",
+            json!({ "input": { "text": triangle },
+            "outputs": [{ "format": "png", "width": 64, "height": 64, "camera": { "azimuth_deg": 0 } }] }),
+        ),
+    ];
+    let example = |(name, summary, job): (&str, &str, Value)| {
+        (name.to_owned(), ExampleBuilder::new().summary(summary).value(Some(job)).build().into())
+    };
+    jobs.into_iter().map(example).collect()
+}
+
+/// Adds the mesh files that a body may be.
+fn files(operation: &mut Operation) {
+    let Some(RefOr::T(body)) = &mut operation.request_body else { return };
+    for reader in READERS {
+        body.content.insert(reader.media_type.to_owned(), RefOr::T(content(output::Content::Binary)));
     }
-    refuse(operation, &[problem::HOST]);
-    let other = ResponseBuilder::new().description("Any other problem").content("application/problem+json", refused());
-    operation.responses.responses.insert("default".to_owned(), other.into());
 }
 
 /// The operation as HEAD: the same headers, no content.
 fn head(get: &Operation) -> Operation {
     let mut head = get.clone();
-    head.operation_id = Some("artifact_head".to_owned());
+    head.operation_id = head.operation_id.map(|id| format!("{id}_head"));
     head.summary = Some("What GET would answer, without the bytes.".to_owned());
     head.responses.responses.remove("206");
     head.responses.responses.remove("416");
@@ -150,19 +244,26 @@ fn header(doc: &str) -> Header {
 fn bytes(operation: &mut Operation, status: &str, names: &[&str]) {
     headers(operation, status, names);
     let Some(response) = answer(operation, status) else { return };
-    for format in FORMATS {
-        response.content.insert(format.media_type().to_owned(), RefOr::T(content(format.facts().content)));
+    // generators take an answer for what stands first; bytes it is whatever the format
+    let kinds = [output::Content::Binary, output::Content::Packed, output::Content::Text, output::Content::Json];
+    for kind in kinds {
+        for format in FORMATS.iter().filter(|format| format.facts().content == kind) {
+            response.content.insert(format.media_type().to_owned(), RefOr::T(content(kind)));
+        }
     }
 }
 
-/// JSON is an object, text a string; of other bytes OpenAPI 3.1 says nothing.
+/// JSON is an object, text a string; of other bytes OpenAPI 3.1 says nothing, and generators know them as `binary`.
 fn content(bytes: output::Content) -> Content {
     let of = |kind| ObjectBuilder::new().schema_type(SchemaType::new(kind));
-    match bytes {
-        output::Content::Json => ContentBuilder::new().schema(Some(of(Type::Object))).build(),
-        output::Content::Text => ContentBuilder::new().schema(Some(of(Type::String))).build(),
-        output::Content::Binary => ContentBuilder::new().build(),
-    }
+    let schema = match bytes {
+        output::Content::Json => of(Type::Object),
+        output::Content::Text => of(Type::String),
+        output::Content::Binary | output::Content::Packed => {
+            of(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary)))
+        }
+    };
+    ContentBuilder::new().schema(Some(schema)).build()
 }
 
 fn refused() -> Content {

@@ -5,11 +5,12 @@ use std::convert::Infallible;
 
 use axum::body::Bytes;
 use axum::extract::{FromRequest, Request};
-use axum::http::HeaderMap;
+use axum::http::request;
 
-use super::app::{App, Shared};
+use super::app::Shared;
 use super::body::{self, Sent};
 use super::client::Client;
+use super::content::Takes;
 use super::memo;
 use super::problem::Problem;
 use crate::job::key::Key;
@@ -23,12 +24,14 @@ pub(super) struct Early {
 
 impl Early {
     /// Reads the body of a request.
-    pub(super) async fn read<B>(app: &App, client: &Client, headers: &HeaderMap, body: B) -> Self
+    pub(super) async fn read<B>(app: &Shared, client: &Client, request: &request::Parts, body: B) -> Self
     where
         B: http_body::Body<Data = Bytes> + Unpin,
     {
-        let sent = body::collect(app, client, headers, body).await;
-        let identity = sent.as_ref().ok().and_then(|sent| memo::identity(headers, &sent.bytes));
+        let takes = Takes::Files(request.uri.query().unwrap_or_default());
+        let sent = body::collect(app, client, &request.headers, takes, body).await;
+        let identity =
+            sent.as_ref().ok().and_then(|sent| memo::identity(&request.headers, &sent.notation, &sent.bytes));
         Self { sent, identity }
     }
 }

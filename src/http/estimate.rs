@@ -8,11 +8,11 @@ use axum::response::{IntoResponse, Response};
 
 use super::app::Shared;
 use super::client::Client;
+use super::content::Takes;
 use super::problem::Problem;
 use super::{body, negotiate, reading};
 use crate::wire::JobRequest;
 use crate::wire::answer::EstimateAnswer;
-use crate::wire::output::OutputRequest;
 
 /// What a job would come to: exact counts a level, bytes and key of each output, predicted time and memory.
 ///
@@ -25,14 +25,9 @@ use crate::wire::output::OutputRequest;
 )]
 pub(super) async fn estimate(State(app): State<Shared>, client: Client, headers: HeaderMap, body: Body) -> Response {
     let answer = async {
-        let sent = body::collect(&app, &client, &headers, body).await?;
-        let read = reading::job(&app, &client, sent, usize::MAX, |request| {
-            if request.outputs.is_empty() {
-                let format = negotiate::format(&HeaderMap::new(), request.shape_kind())?;
-                request.outputs = vec![OutputRequest::of_format(format.name())];
-            }
-            Ok(())
-        });
+        let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
+        let read =
+            reading::job(&app, &client, sent, usize::MAX, |request| negotiate::settle(&HeaderMap::new(), request));
         let admitted = reading::admit(&app, &client, read.await?.job).await?;
         Ok::<_, Problem>(axum::Json(EstimateAnswer::new(admitted.job(), admitted.estimate())))
     };

@@ -16,7 +16,8 @@ use crate::service::account::{Share, ShareUsage};
 /// The process answers.
 #[utoipa::path(
     get, path = "/livez", tag = "operations",
-    responses((status = 200, description = "It lives", body = String, content_type = "text/plain"))
+    responses((status = 200, description = "It lives", body = String, content_type = "text/plain",
+        example = "alive\n"))
 )]
 pub(super) async fn livez() -> &'static str {
     "alive\n"
@@ -56,7 +57,9 @@ pub(super) struct ShareAnswer {
 #[utoipa::path(
     get, path = "/readyz", tag = "operations",
     responses(
-        (status = 200, description = "It works", body = Readiness),
+        (status = 200, description = "It works", body = Readiness, example = json!({ "ready": true,
+            "canary_age_s": 4.2, "canary_ms": 1.5, "under_way": 0,
+            "memory": [{ "name": "answers", "capacity": 805_306_368, "taken": 0, "most": 20_044, "refused": 0 }] })),
     )
 )]
 pub(super) async fn readyz(State(app): State<Shared>) -> Response {

@@ -19,7 +19,8 @@ use crate::wire::answer::{CostAnswer, JobAnswer, OutputAnswer, ReachedAnswer, Ti
 /// How a job stands: state, progress, timings, cost, outputs.
 #[utoipa::path(
     get, path = "/v1/jobs/{id}", tag = "jobs",
-    params(("id" = String, Path, description = "Id of the job, 64 hexadecimal digits")),
+    params(("id" = String, Path, description = "Id of the job, 64 hexadecimal digits",
+        example = "7fd9512d51873010739dc6b61ab050e2fa8041f4f0258865739ad5cfefd188f2")),
     responses(
         (status = 200, description = "How it stands", body = JobAnswer),
     )
@@ -42,7 +43,8 @@ pub(super) async fn job(State(app): State<Shared>, Segment(id): Segment) -> Resp
 /// Forgets a job; when it is still under way and nobody else waits for its result, it is cancelled.
 #[utoipa::path(
     delete, path = "/v1/jobs/{id}", tag = "jobs",
-    params(("id" = String, Path, description = "Id of the job, 64 hexadecimal digits")),
+    params(("id" = String, Path, description = "Id of the job, 64 hexadecimal digits",
+        example = "7fd9512d51873010739dc6b61ab050e2fa8041f4f0258865739ad5cfefd188f2")),
     responses(
         (status = 204, description = "It is forgotten"),
     )

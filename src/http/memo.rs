@@ -4,9 +4,10 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use axum::http::{HeaderMap, header};
+use axum::http::{HeaderMap, Uri, header};
 
 use super::address::address;
+use super::content::Notation;
 use crate::analysis::curve::Reached;
 use crate::job::Job;
 use crate::job::key::{Key, content};
@@ -42,18 +43,33 @@ impl Known {
     }
 }
 
-/// The identity of a request: its body, and the header that can change its meaning.
-pub(super) fn identity(headers: &HeaderMap, body: &[u8]) -> Option<Key> {
+/// The identity of a request: its body, the query where that says a part of the job, and the header that can change
+/// their meaning.
+pub(super) fn identity(headers: &HeaderMap, notation: &Notation, body: &[u8]) -> Option<Key> {
     if body.len() > MAX_BYTES {
         return None;
     }
     let mut bytes = (body.len() as u64).to_le_bytes().to_vec();
     bytes.extend_from_slice(body);
+    if let Notation::File(reader, query) = notation {
+        bytes.extend_from_slice(format!("\n{}\n{query}\n", reader.name).as_bytes());
+    }
+    Some(accepting(headers, bytes))
+}
+
+/// The identity of a request whose address says the job.
+pub(super) fn link_identity(headers: &HeaderMap, address: &Uri) -> Key {
+    // no body is as long as these letters say where its length would stand
+    accepting(headers, format!("address\n{address}\n").into_bytes())
+}
+
+/// The identity of what these bytes ask for, and `Accept`.
+fn accepting(headers: &HeaderMap, mut bytes: Vec<u8>) -> Key {
     for value in headers.get_all(header::ACCEPT) {
         bytes.extend_from_slice(value.as_bytes());
         bytes.push(b',');
     }
-    Some(content(&bytes))
+    content(&bytes)
 }
 
 impl Memo {

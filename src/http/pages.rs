@@ -12,7 +12,8 @@ use crate::fault::shortened;
 /// The OpenAPI 3.1 document of this interface.
 #[utoipa::path(
     get, path = "/openapi.json", tag = "operations",
-    responses((status = 200, description = "This document", body = Object, content_type = "application/json"))
+    responses((status = 200, description = "This document", body = Object, content_type = "application/json",
+        example = json!({ "openapi": "3.1.0" })))
 )]
 pub(super) async fn openapi(State(app): State<Shared>) -> Response {
     ([(header::CONTENT_TYPE, "application/json")], app.openapi.clone()).into_response()
@@ -21,7 +22,7 @@ pub(super) async fn openapi(State(app): State<Shared>) -> Response {
 /// What a kind of problem means.
 #[utoipa::path(
     get, path = "/docs/problems/{kind}", tag = "operations",
-    params(("kind" = String, Path, description = "The last part of a problem's type")),
+    params(("kind" = String, Path, description = "The last part of a problem's type", example = "too-large")),
     responses((status = 200, description = "A page", body = String, content_type = "text/html"))
 )]
 pub(super) async fn problem(Segment(kind): Segment) -> Response {
@@ -36,7 +37,8 @@ pub(super) async fn problem(Segment(kind): Segment) -> Response {
 /// A start page with the way to everything else.
 #[utoipa::path(
     get, path = "/", tag = "operations",
-    responses((status = 200, description = "A page", body = String, content_type = "text/html"))
+    responses((status = 200, description = "A page", body = String, content_type = "text/html",
+        example = "<!doctype html>"))
 )]
 pub(super) async fn index() -> Response {
     let links = [

@@ -51,18 +51,23 @@ kinds! {
     HEAD_TOO_LONG: "head-too-long", REQUEST_HEADER_FIELDS_TOO_LARGE, "The headers are too long",
         "The request's line and its headers have at most 64 KiB together, and there are at most 100 headers.";
     URI_TOO_LONG: "address-too-long", URI_TOO_LONG, "The address is too long",
-        "Jobs are sent in the body of a POST request, where there is more room.";
+        "An address has 64 KiB at most, and 8 KiB where it says a job. Jobs are sent in the body of a POST request, \
+         where there is more room.";
     INVALID: "invalid-job", UNPROCESSABLE_ENTITY, "The job cannot be done",
         "The body is JSON, but no job: a field is unknown, missing or of the wrong kind, or the parts do not fit each \
          other. Every entry of `errors` points to one fault.";
     TOO_LARGE: "too-large", UNPROCESSABLE_ENTITY, "The result would be too large",
         "The exact counts of the result pass a limit of this server; see /v1/limits, and /v1/estimate to ask first.";
-    NOT_ACCEPTABLE: "not-acceptable", NOT_ACCEPTABLE, "No such format for this input",
-        "None of the media types in `Accept` can hold the result; see /v1/formats.";
+    NOT_ACCEPTABLE: "not-acceptable", NOT_ACCEPTABLE, "Accept allows no format of this job",
+        "`Accept` allows no media type that can hold the result, or not that of the output; see /v1/formats.";
     BODY_TOO_LONG: "body-too-long", PAYLOAD_TOO_LARGE, "The body is too long",
         "The body has more bytes than this server reads; see /v1/limits.";
     MEDIA_TYPE: "unsupported-media-type", UNSUPPORTED_MEDIA_TYPE, "The body is of the wrong media type",
-        "Jobs are sent as `Content-Type: application/json` without `Content-Encoding`.";
+        "Jobs are sent as `Content-Type: application/json`, and mesh files, to /v1/render, as what /v1/readers lists.";
+    CODING: "unsupported-content-coding", UNSUPPORTED_MEDIA_TYPE, "The body is compressed in a way that is not read",
+        "The header `Accept-Encoding` of the answer lists the codings that bodies may have.";
+    NOT_CODED: "not-coded", BAD_REQUEST, "The body cannot be inflated",
+        "The bytes of the body are not what `Content-Encoding` says, or end early.";
     NOT_FOUND: "not-found", NOT_FOUND, "There is no such thing here",
         "No page, job, artifact or catalogue entry has this address; see /openapi.json for those that exist.";
     GONE: "gone", GONE, "It was here, but is no longer kept",
@@ -82,6 +87,8 @@ kinds! {
          from elsewhere cannot reach it under a name of their own.";
     BUSY: "busy", SERVICE_UNAVAILABLE, "Too much is waiting already",
         "The queue is full. Come back after the seconds in `Retry-After`.";
+    UNFINISHED: "not-finished", SERVICE_UNAVAILABLE, "The result is not finished",
+        "The result is being made. Ask again after the seconds in `Retry-After`.";
     NOT_READY: "not-ready", SERVICE_UNAVAILABLE, "The service is not ready",
         "The small job that the service runs regularly did not succeed lately.";
     TIMED_OUT: "timed-out", UNPROCESSABLE_ENTITY, "The computation took too long",
@@ -159,6 +166,15 @@ impl Problem {
     }
 }
 
+impl Problem {
+    /// The same refusal of a request that names its places otherwise than a job.
+    pub(super) fn at(self, name_of: impl Fn(&str) -> String) -> Self {
+        let named = |fault: Fault| Fault { pointer: name_of(&fault.pointer), ..fault };
+        let errors: Vec<Fault> = self.errors.into_iter().map(named).collect();
+        if self.kind.slug == INVALID.slug { Self::invalid(errors) } else { Self { errors, ..self } }
+    }
+}
+
 impl From<ReadError> for Problem {
     fn from(error: ReadError) -> Self {
         match error {
@@ -197,6 +213,12 @@ impl From<Unread> for Problem {
 }
 
 impl Problem {
+    /// The answer to an address whose result is not there in time: nothing else than the result may be taken for it.
+    pub(super) fn unfinished() -> Self {
+        let detail = "the result is being made and will be kept; ask again in 1 s";
+        Self { retry_after: Some(Duration::from_secs(1)), ..Self::new(UNFINISHED, detail) }
+    }
+
     pub(super) fn cancelled() -> Self {
         Self::new(CANCELLED, "the job was cancelled; send it again to have it queued again")
     }
@@ -236,13 +258,17 @@ fn trace_id() -> String {
 
 impl IntoResponse for Problem {
     fn into_response(self) -> Response {
-        let (status, retry_after) = (self.kind.status, self.retry_after);
+        let (status, retry_after, is_coding) = (self.kind.status, self.retry_after, self.is(CODING));
         let body = serde_json::to_vec(&self.answer()).expect("a problem is plain text and numbers");
         let mut headers = HeaderMap::new();
         headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));
         headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
         if let Some(retry_after) = retry_after {
             headers.insert(header::RETRY_AFTER, retry_after.as_secs().max(1).into());
+        }
+        if is_coding {
+            // tells a client that it is the coding, not the type (RFC 9110, 12.5.3)
+            headers.insert(header::ACCEPT_ENCODING, HeaderValue::from_static("gzip, zstd"));
         }
         (status, headers, body).into_response()
     }

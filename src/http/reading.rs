@@ -22,7 +22,7 @@ use crate::service::pool::Lane;
 use crate::service::task::{Cost, Task};
 use crate::watch::Watch;
 use crate::wire::JobRequest;
-use crate::wire::read::{read, weight};
+use crate::wire::read::weight;
 
 /// Media type of what a search has found, which is no result of a job.
 const SEARCH_MEDIA_TYPE: &str = "application/vnd.planish.search+json";
@@ -68,7 +68,7 @@ pub(super) async fn job(
     let (desk, peer, limits) = (app.desk.clone(), client.peer(), app.desk.limits.reading());
     let bytes = weight(sent.bytes.len() as u64);
     let step = app.desk.read(client.peer(), bytes, move |_| {
-        let mut request: JobRequest = read(&sent.bytes)?;
+        let mut request = sent.request()?;
         prepare(&mut request)?;
         let n = request.outputs.len();
         let draft = request.draft_within(&limits);

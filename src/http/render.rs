@@ -3,7 +3,6 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use axum::body::Bytes;
 use axum::extract::{RawQuery, State};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -12,26 +11,37 @@ use super::answer::{self, Artifact, Lost};
 use super::app::{App, Shared};
 use super::body::Sent;
 use super::client::Client;
+use super::content::Notation;
 use super::early::Early;
 use super::memo::Known;
 use super::negotiate::{self, ByteRange};
 use super::problem::Problem;
 use super::reading::ReadJob;
+use super::variants::coded;
 use super::{jobs, reading, streaming};
 use crate::analysis::curve::Reached;
+use crate::fault::Fault;
 use crate::job::key::Key;
 use crate::job::limits::Admitted;
-use crate::service::computation::Phase;
+use crate::output::Format;
+use crate::service::computation::{Phase, Timings};
 use crate::service::jobs::JobSummary;
 use crate::service::peer::Paid;
 use crate::service::task::Render;
 use crate::wire::JobRequest;
 use crate::wire::output::OutputRequest;
+use crate::wire::query::name_of;
 
 /// Renders a job with one output and answers with its bytes.
 ///
-/// Without `outputs`, `Accept` chooses the format. `Prefer: wait=N` (default 30 s, at most 300 s) bounds the wait; after
-/// it the answer is 202 with the address of the job.
+/// The body is a job, or a mesh file of a type that /v1/readers lists; then the query says the rest of the job:
+/// `preset`, `word`, `levels`, `format`, `boundary`, `ends`, `seed`, and by names with dots everything else, such as
+/// `parameters.w=1/16`, `output.width=800`, `input.weld=0`, `levels.tolerance=0.01`. The body may be compressed by gzip
+/// or zstd (`Content-Encoding`).
+///
+/// Without `outputs`, `Accept` chooses the format; with them it has to allow theirs, or the answer is 406.
+/// `Prefer: wait=N` (default 30 s, at most 300 s) bounds the wait; after it the answer is 202 with the address of the
+/// job.
 ///
 /// A result of more than `keep_at_most_bytes` (see /v1/limits) is sent while it is made and not kept, unless the query
 /// says `keep=true` or `Prefer` says `respond-async`. `Content-Length` is there where the length is known beforehand.
@@ -45,10 +55,7 @@ use crate::wire::output::OutputRequest;
         ("keep" = Option<bool>, Query,
             description = "`true` keeps the result even where it has more than `keep_at_most_bytes`"),
     ),
-    request_body(content = JobRequest, example = json!({
-        "input": { "polygon": { "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "closed": true } },
-        "plan": { "preset": "chaikin" }, "levels": 4, "outputs": [{ "format": "svg" }]
-    })),
+    request_body = JobRequest,
     responses(
         (status = 200, description = "The bytes of the result, in the format that `outputs` or `Accept` asks for; \
             where `levels` is a tolerance, `Planish-Level` and `Planish-Bound` say what it led to"),
@@ -64,32 +71,57 @@ pub(super) async fn render(
     RawQuery(query): RawQuery,
     early: Early,
 ) -> Response {
-    let keep = streaming::asks_to_keep(query.as_deref());
-    rendered(&app, &client, &headers, early, keep).await.unwrap_or_else(IntoResponse::into_response)
+    let answer = async {
+        let (sent, identity) = (early.sent?, early.identity);
+        let notation = sent.notation.clone();
+        let wanted = Wanted { sent, identity, format: None, keep: streaming::asks_to_keep(query.as_deref())? };
+        let answered = rendered(&app, &client, &headers, wanted).await;
+        answered.map_err(|problem| match notation {
+            Notation::Job => problem,
+            Notation::File(..) => problem.at(name_of),
+        })
+    };
+    answer.await.unwrap_or_else(IntoResponse::into_response)
 }
 
-async fn rendered(
+/// A result that is wanted.
+#[derive(Debug)]
+pub(super) struct Wanted {
+    /// The request.
+    pub(super) sent: Sent,
+    /// Its identity.
+    pub(super) identity: Option<Key>,
+    /// The format, where it is named beside the job.
+    pub(super) format: Option<&'static dyn Format>,
+    /// Whether the result is to be kept, however large it is.
+    pub(super) keep: bool,
+}
+
+/// The answer with the result of a job, or with where it will be.
+pub(super) async fn rendered(
     app: &Arc<App>,
     client: &Client,
     headers: &HeaderMap,
-    early: Early,
-    keep: bool,
+    wanted: Wanted,
 ) -> Result<Response, Problem> {
-    let (sent, request) = (early.sent?, early.identity);
+    let Wanted { sent, identity: request, format, keep } = wanted;
     if let Some(response) = again(app, client, headers, request).await {
         return Ok(response);
     }
-    let read = read(app, client, headers, sent).await?;
+    let read = read(app, client, headers, sent, format).await?;
     let known = Known::of(&read.job);
-    if negotiate::has_already(headers, &known.key) {
-        return Ok(not_modified(&known));
+    if read.job.detail_keys().next().is_some() {
+        return referring(app, client, headers, read, known).await;
+    }
+    if let Some(tag) = negotiate::has_already(headers, &known.key) {
+        return Ok(not_modified(&known, tag));
     }
     if let Some(manifest) = app.desk.find(known.key).await {
-        if negotiate::wants_nothing_kept(headers) {
-            return Ok(not_modified(&known));
+        if let Some(tag) = negotiate::has_kept(headers, &known.key) {
+            return Ok(not_modified(&known, tag));
         }
         // what turns out to be damaged has been dropped, and is made again
-        match whole(app, Artifact::kept(manifest, client.peer()), &known).await {
+        match whole(app, headers, Artifact::kept(manifest, client.peer()), &known).await {
             Err(Lost::Gone) => {}
             answered => {
                 remember(app, request, &known);
@@ -112,7 +144,25 @@ async fn rendered(
         patience.0 = Duration::ZERO;
     }
     streaming::check_kept(app, &admitted)?;
-    made(app, client, patience, (admitted, input, sent), known).await
+    made(app, client, headers, patience, (admitted, input, sent), known).await
+}
+
+/// The answer to a job whose result refers to others: it is made or found as any, and its record is there afterwards,
+/// from which the others are made when they are asked for.
+async fn referring(
+    app: &Arc<App>,
+    client: &Client,
+    headers: &HeaderMap,
+    ReadJob { job, input, sent }: ReadJob,
+    known: Known,
+) -> Result<Response, Problem> {
+    let admitted = reading::admit(app, client, job).await?;
+    streaming::check_kept(app, &admitted)?;
+    let tag = negotiate::has_already(headers, &known.key);
+    let patience = negotiate::patience(headers);
+    let answered = made(app, client, headers, patience, (admitted, input, sent), known.clone()).await?;
+    let is_here = answered.status() == StatusCode::OK;
+    Ok(tag.filter(|_| is_here).map_or(answered, |tag| not_modified(&known, tag)))
 }
 
 /// Remembers a request whose job was admitted, now or when its result was made.
@@ -126,72 +176,89 @@ fn remember(app: &Arc<App>, request: Option<Key>, known: &Known) {
 async fn again(app: &Arc<App>, client: &Client, headers: &HeaderMap, request: Option<Key>) -> Option<Response> {
     let known = app.memo.get(&request?)?;
     let manifest = app.desk.tiers.at_hand(&known.key)?;
-    if negotiate::has_already(headers, &known.key) || negotiate::wants_nothing_kept(headers) {
-        return Some(not_modified(&known));
+    if let Some(tag) = negotiate::has_kept(headers, &known.key) {
+        return Some(not_modified(&known, tag));
     }
-    whole(app, Artifact::kept(manifest, client.peer()), &known).await.ok()
+    whole(app, headers, Artifact::kept(manifest, client.peer()), &known).await.ok()
 }
 
 /// Has the artifact made, and answers with it or, when that takes too long, with where it will be.
 async fn made(
     app: &Arc<App>,
     client: &Client,
+    headers: &HeaderMap,
     (patience, said): (Duration, bool),
     (admitted, input, sent): (Arc<Admitted>, Arc<Paid>, Sent),
     known: Known,
 ) -> Result<Response, Problem> {
+    let job = admitted.job();
+    let id = job.id();
+    let entries = job.entries(&job.outputs[0]);
+    let summary = |request| JobSummary {
+        output: (job.outputs[0].name.clone(), job.outputs[0].format, known.key),
+        entries,
+        estimate: admitted.estimate().clone(),
+        reached: job.reached,
+        details: job.detail_keys().collect(),
+        request,
+    };
+    // the others are made from the record
+    let refers = job.detail_keys().next().is_some();
     // somebody else may have had it made while it was forecast
     if let Some(manifest) = app.desk.tiers.at_hand(&known.key)
-        && let Ok(response) = whole(app, Artifact::kept(manifest, client.peer()), &known).await
+        && let Ok(response) = whole(app, headers, Artifact::kept(manifest.clone(), client.peer()), &known).await
     {
+        if refers {
+            app.desk.record(id, summary(sent.text()), (manifest, Timings::default()), client.peer())?;
+        }
         return Ok(response);
     }
-    let job = admitted.job();
-    let (id, output, reached) = (job.id(), &job.outputs[0], job.reached);
-    let entries = job.entries(output);
-    let output = (output.name.clone(), output.format, known.key);
-    let estimate = admitted.estimate().clone();
-    let interest = app.desk.compute(Arc::new(Render::new(admitted, 0, Some(input))), client.peer())?;
+    let interest = app.desk.compute(Arc::new(Render::new(admitted.clone(), 0, Some(input))), client.peer())?;
     let computation = interest.computation.clone();
     match tokio::time::timeout(patience, computation.finished()).await {
         Ok(Phase::Done(outcome)) => {
-            let (manifest, loose) = (outcome.manifest.clone(), outcome.loose.clone());
-            let found = Artifact {
-                manifest,
-                loose,
-                provenance: interest.provenance,
-                timings: outcome.timings,
-                peer: client.peer(),
-            };
-            Ok(whole(app, found, &known).await?)
+            let made = (outcome.manifest.clone(), outcome.timings);
+            let found = Artifact::made(&outcome, interest.provenance, client.peer());
+            if refers {
+                app.desk.record(id, summary(sent.text()), made, client.peer())?;
+            }
+            Ok(whole(app, headers, found, &known).await?)
         }
         Ok(Phase::Failed(failure)) => Err(Problem::of_failure(failure, |fault| entries.fault(fault))),
         Ok(Phase::Queued | Phase::Running) | Err(_) => {
-            // a copy, so that a short request does not keep the buffer that it arrived in
-            let request = Bytes::copy_from_slice(&sent.bytes);
-            app.desk.detach(id, JobSummary { output, entries, estimate, reached, request }, interest, client.peer())?;
+            app.desk.detach(id, summary(sent.text()), interest, client.peer())?;
             Ok(later(app, &id, said.then_some(patience.as_secs())))
         }
     }
 }
 
-async fn whole(app: &Arc<App>, found: Artifact, known: &Known) -> Result<Response, Lost> {
+async fn whole(app: &Arc<App>, headers: &HeaderMap, found: Artifact, known: &Known) -> Result<Response, Lost> {
+    let found = coded(app, headers, found).await;
     let mut head = answer::headers(&found, &known.address);
     said(known.reached, &mut head);
     answer::bytes(app, found, head, ByteRange::Whole).await
 }
 
-/// Reads, checks and keys the job.
-pub(super) async fn read(app: &Arc<App>, client: &Client, headers: &HeaderMap, sent: Sent) -> Result<ReadJob, Problem> {
+/// Reads, checks and keys the job; its format may be named beside it.
+pub(super) async fn read(
+    app: &Arc<App>,
+    client: &Client,
+    headers: &HeaderMap,
+    sent: Sent,
+    format: Option<&'static dyn Format>,
+) -> Result<ReadJob, Problem> {
     let headers = headers.clone();
-    let read = reading::job(app, client, sent, 1, move |request| {
-        if request.outputs.is_empty() {
-            let format = negotiate::format(&headers, request.shape_kind())?;
+    let prepare = move |request: &mut JobRequest| {
+        if let Some(format) = format {
+            if !request.outputs.is_empty() {
+                let detail = "the address names the format; leave the outputs out of the job";
+                return Err(Problem::invalid(vec![Fault::new("/outputs", detail)]));
+            }
             request.outputs = vec![OutputRequest::of_format(format.name())];
         }
-        Ok(())
-    });
-    read.await
+        negotiate::settle(&headers, request)
+    };
+    reading::job(app, client, sent, 1, prepare).await
 }
 
 /// What a tolerance led to: the level, and how far from the limit the result is at most.
@@ -203,11 +270,11 @@ fn said(reached: Option<Reached>, headers: &mut HeaderMap) {
     }
 }
 
-fn not_modified(known: &Known) -> Response {
+fn not_modified(known: &Known, tag: String) -> Response {
     let mut headers = HeaderMap::new();
     said(known.reached, &mut headers);
-    let etag = HeaderValue::try_from(format!("\"{}\"", known.key));
-    if let (Ok(etag), Ok(address)) = (etag, HeaderValue::try_from(&*known.address)) {
+    headers.insert(header::VARY, HeaderValue::from_static(answer::VARY));
+    if let (Ok(etag), Ok(address)) = (HeaderValue::try_from(tag), HeaderValue::try_from(&*known.address)) {
         headers.insert(header::ETAG, etag);
         headers.insert(header::CONTENT_LOCATION, address);
     }

@@ -18,15 +18,13 @@ use hyper::body::Incoming;
 use hyper::service::Service;
 use tower::ServiceExt;
 
+use super::address::RENDER;
 use super::app::App;
 use super::client::Client;
 use super::connections::{Connection, Phase};
 use super::early::Early;
 use super::guard;
 use super::short::Asked;
-
-/// The address whose requests carry jobs that may have been asked before.
-const RENDER: &str = "/v1/render";
 
 /// Answers requests or hands them on, and keeps the state of their connection.
 #[derive(Debug, Clone)]
@@ -48,11 +46,11 @@ impl Requests {
     }
 
     /// The answer to a request whose body is not read yet.
-    async fn answer(self, mut parts: request::Parts, body: Incoming, artifact: Option<Asked>) -> Response<Content> {
-        let (client, mut asked) = (Client(self.connection.clone()), artifact);
+    async fn answer(self, mut parts: request::Parts, body: Incoming, by_address: Option<Asked>) -> Response<Content> {
+        let (client, mut asked) = (Client(self.connection.clone()), by_address);
         let is_job = parts.method == Method::POST && parts.uri.path() == RENDER;
         let body = if is_job && guard::hosts(&parts, &self.app.settings).is_ok() {
-            let early = Early::read(&self.app, &client, &parts.headers, body).await;
+            let early = Early::read(&self.app, &client, &parts, body).await;
             asked = Asked::render(&parts, early.identity);
             if let Some(answer) = self.again(asked, &parts) {
                 return answer;
@@ -91,11 +89,11 @@ impl Service<Request<Incoming>> for Requests {
             connection.enter(Phase::Working);
         }
         let (parts, body) = request.into_parts();
-        let artifact = Asked::artifact(&parts).filter(|_| guard::hosts(&parts, &self.app.settings).is_ok());
-        if let Some(response) = self.again(artifact, &parts) {
+        let asked = Asked::get(&parts).filter(|_| guard::hosts(&parts, &self.app.settings).is_ok());
+        if let Some(response) = self.again(asked, &parts) {
             return Either::Left(ready(Ok(response.map(|content| Ending { content, connection }))));
         }
-        let answer = self.clone().answer(parts, body, artifact);
+        let answer = self.clone().answer(parts, body, asked);
         Either::Right(Box::pin(async move {
             let response = answer.await;
             connection.enter(Phase::Working);

@@ -70,6 +70,7 @@ fn cors(settings: &Settings) -> CorsLayer {
         .allow_methods([Method::GET, Method::HEAD, Method::POST, Method::DELETE, Method::OPTIONS])
         .allow_headers([
             header::CONTENT_TYPE,
+            header::CONTENT_ENCODING,
             header::ACCEPT,
             header::IF_NONE_MATCH,
             header::RANGE,

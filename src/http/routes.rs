@@ -5,17 +5,20 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::app::Shared;
-use super::{analyses, artifacts, catalogue, estimate, health, jobs, pages, render, validate};
+use super::{analyses, artifacts, catalogue, estimate, health, jobs, links, pages, render, validate};
 
 /// All routes and their descriptions.
 pub(super) fn all() -> OpenApiRouter<Shared> {
-    // artifacts are answered as they are, or their ETag would not be strong; other texts are compressed
-    let artifacts = OpenApiRouter::new().routes(routes!(render::render)).routes(routes!(artifacts::artifact));
+    // artifacts have compressed variants with ETags of their own; other texts are compressed on their way
+    let artifacts = OpenApiRouter::new()
+        .routes(routes!(render::render, links::link))
+        .routes(routes!(links::kroki))
+        .routes(routes!(artifacts::artifact))
+        .routes(routes!(analyses::analyse));
     let texts = OpenApiRouter::new()
         .routes(routes!(jobs::job, jobs::forget))
         .routes(routes!(estimate::estimate))
         .routes(routes!(validate::validate))
-        .routes(routes!(analyses::analyse))
         .routes(routes!(catalogue::presets))
         .routes(routes!(catalogue::preset))
         .routes(routes!(catalogue::operators))

@@ -122,9 +122,10 @@ pub async fn bind(mut settings: Settings) -> Result<(TcpListener, Arc<App>), Sta
 }
 
 /// The longest body that the memory of the service is good for: half of the share of bodies, and so long that reading
-/// it takes no more than its share and half of what resident memory may be above the whole.
+/// it takes no more than its share and three quarters of the 512 MiB that resident memory may be above the whole. That
+/// is 32 MiB of the default memory.
 fn longest_body(account: &Account) -> u64 {
-    let room = account.reading.capacity + (256 << 20);
+    let room = account.reading.capacity + (384 << 20);
     (account.bodies.capacity / 2).min(room / (weight(1) - weight(0)))
 }
 

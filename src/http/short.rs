@@ -7,9 +7,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 use axum::body::Bytes;
 use axum::http::{HeaderMap, HeaderValue, Method, Response, StatusCode, header, request};
 
+use super::address::is_link;
+use super::{memo, negotiate};
 use crate::job::key::Key;
 use crate::service::store::Manifest;
 use crate::service::tiers::Tiers;
+use crate::service::variant::Coding;
 
 /// Most answers whose headers are remembered; when there are more, all are forgotten.
 /// Each takes about 2 KiB, and 6 KiB at most, with its warnings. Twice of it may hold 24 MiB; half of it forgets twice
@@ -24,10 +27,10 @@ const KEY_DIGITS: usize = 64;
 /// What a plain request asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Asked {
-    /// The artifact of a key, by its address.
-    Artifact(Key),
-    /// The result of a request of this [identity](super::memo::identity).
-    Render(Key),
+    /// The artifact of a key, by its address, in the coding that is liked best.
+    Artifact(Key, Option<Coding>),
+    /// The result of a request of this [identity](super::memo::identity), in the coding that is liked best.
+    Render(Key, Option<Coding>),
 }
 
 /// The answers that the router has given to plain requests.
@@ -47,20 +50,27 @@ struct Head {
 }
 
 impl Asked {
-    /// The artifact that a request asks for.
-    pub(super) fn artifact(request: &request::Parts) -> Option<Self> {
-        let key = request.uri.path().strip_prefix(ARTIFACTS)?.get(..KEY_DIGITS)?;
-        (request.method == Method::GET && is_plain(&request.headers)).then_some(Self::Artifact(Key::parse(key)?))
+    /// What a request asks for by its address alone: an artifact, or the result of a job that stands in it.
+    pub(super) fn get(request: &request::Parts) -> Option<Self> {
+        let (address, headers) = (&request.uri, &request.headers);
+        if request.method != Method::GET || !is_plain(headers) {
+            return None;
+        }
+        if let Some(key) = address.path().strip_prefix(ARTIFACTS).and_then(|file| file.get(..KEY_DIGITS)) {
+            return Some(Self::Artifact(Key::parse(key)?, negotiate::coding(headers)));
+        }
+        is_link(address).then(|| Self::Render(memo::link_identity(headers, address), negotiate::coding(headers)))
     }
 
     /// The result that a request asks for whose body and `Accept` have this identity.
     pub(super) fn render(request: &request::Parts, identity: Option<Key>) -> Option<Self> {
-        identity.filter(|_| is_plain(&request.headers)).map(Self::Render)
+        let identity = identity.filter(|_| is_plain(&request.headers))?;
+        Some(Self::Render(identity, negotiate::coding(&request.headers)))
     }
 }
 
 /// Whether none of the headers is there that the way through the router heeds when the result is at hand, but for those
-/// of a request's identity, `Host`, and `Origin`.
+/// of a request's identity, `Accept-Encoding`, `Host`, and `Origin`.
 fn is_plain(headers: &HeaderMap) -> bool {
     ![header::IF_NONE_MATCH, header::RANGE].iter().any(|name| headers.contains_key(name))
 }
@@ -80,7 +90,7 @@ impl Short {
     pub(super) fn answer(&self, tiers: &Tiers, asked: &Asked, request: &request::Parts) -> Option<Response<Bytes>> {
         let head = self.0.lock().unwrap_or_else(PoisonError::into_inner).get(asked).cloned()?;
         let address = head.headers.get(header::CONTENT_LOCATION);
-        let is_there = matches!(asked, Asked::Render(_)) || address.is_some_and(|known| known == request.uri.path());
+        let is_there = matches!(asked, Asked::Render(..)) || address.is_some_and(|known| known == request.uri.path());
         if !is_there || head.origin.as_ref() != request.headers.get(header::ORIGIN) {
             return None;
         }

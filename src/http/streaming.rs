@@ -13,6 +13,7 @@ use super::answer::Head;
 use super::app::App;
 use super::client::Client;
 use super::problem::{self, Problem};
+use crate::fault::{Fault, shortened};
 use crate::job::amounts::in_bytes;
 use crate::job::limits::Admitted;
 use crate::output::Size;
@@ -24,8 +25,21 @@ use crate::service::task::{Render, Task};
 use crate::shape::mesh::Mesh;
 
 /// Whether a query asks to keep the result.
-pub(super) fn asks_to_keep(query: Option<&str>) -> bool {
-    query.is_some_and(|query| query.split('&').any(|pair| matches!(pair, "keep" | "keep=true" | "keep=1")))
+///
+/// # Errors
+/// What is neither yes nor no.
+pub(super) fn asks_to_keep(query: Option<&str>) -> Result<bool, Problem> {
+    let pairs = query.unwrap_or_default().split('&');
+    let asked =
+        pairs.filter_map(|pair| pair.strip_prefix("keep").filter(|rest| rest.is_empty() || rest.starts_with('=')));
+    asked.map(|said| said.trim_start_matches('=')).try_fold(false, |keep, said| match said {
+        "" | "true" | "1" => Ok(true),
+        "false" | "0" => Ok(keep),
+        other => {
+            let detail = format!("\"{}\" is neither true nor false", shortened(other));
+            Err(Problem::invalid(vec![Fault::new("?keep", detail)]))
+        }
+    })
 }
 
 /// Whether the result of a job is sent while it is made: it is large, the client did not say that it comes back later,
@@ -74,7 +88,9 @@ pub(super) async fn streamed(
     let (estimate, job) = (admitted.estimate(), admitted.job());
     let (memory_bytes, (key, size)) = (estimate.memory_bytes, estimate.outputs[0]);
     let (entries, swept) = (job.entries(&job.outputs[0]), estimate.on_demand || job.is_swept());
-    let warnings = job.input.mesh().map(Mesh::warnings).unwrap_or_default();
+    let mut warnings = job.input.mesh().map(Mesh::warnings).unwrap_or_default();
+    let output = &job.outputs[0];
+    warnings.extend(output.format.leaves_out(job.input.attachments(), &output.options));
     let task = Render::new(admitted.clone(), 0, Some(input));
     let media_type = task.media_type().to_owned();
     let streaming = app.desk.stream(Arc::new(task), memory_bytes, client.peer());
@@ -86,7 +102,8 @@ pub(super) async fn streamed(
     };
     let timings = Timings { queue: streamed.queue, swept, ..Timings::default() };
     let cache = "planish; fwd=miss";
-    let mut headers = Head { key, media_type: &media_type, warnings: &warnings, cache, timings: &timings }.headers();
+    let mut headers =
+        Head { key, coding: None, media_type: &media_type, warnings: &warnings, cache, timings: &timings }.headers();
     headers.insert(header::ACCEPT_RANGES, HeaderValue::from_static("none"));
     if let Size::Exact(bytes) = size
         && let Ok(bytes) = u64::try_from(bytes)

@@ -19,9 +19,10 @@ impl ReadMesh {
         let Self { positions, faces, corners, creases, holes, mut notes, .. } = self;
         let uvs = self.uvs.map(|uvs| of_corners(uvs, &faces));
         let channels = channels(self.channels, positions.len(), &mut notes);
-        let groups = sets(self.groups, faces.len(), "group", &mut notes);
-        let materials = sets(self.materials, faces.len(), "material", &mut notes);
-        let attachments = AttachmentsInput { channels, groups, materials, uvs };
+        let (groups, _) = sets(self.groups, faces.len(), "group", &mut notes);
+        let (materials, given) = sets(self.materials, faces.len(), "material", &mut notes);
+        let looks = given.into_iter().map(|i| self.looks.get(i).cloned().unwrap_or_default()).collect();
+        let attachments = AttachmentsInput { channels, groups, materials, looks, uvs };
         MeshInput { positions, faces, corners, creases, holes, winding, attachments, notes, ..MeshInput::default() }
     }
 }
@@ -52,13 +53,15 @@ fn channels(given: Vec<Channel>, n_vertices: usize, notes: &mut Vec<String>) -> 
     kept
 }
 
-/// Sets of which each face is in one at most, under names that all formats can hold.
-fn sets(given: Vec<FaceSet>, n_faces: usize, what: &str, notes: &mut Vec<String>) -> Vec<FaceSet> {
+/// Sets of which each face is in one at most, under names that all formats can hold, and for each which of the given
+/// ones it was, or the first of those with its name.
+fn sets(given: Vec<FaceSet>, n_faces: usize, what: &str, notes: &mut Vec<String>) -> (Vec<FaceSet>, Vec<usize>) {
     let mut taken = vec![false; n_faces];
     let mut numbers: BTreeMap<String, usize> = BTreeMap::new();
     let mut kept: Vec<FaceSet> = Vec::new();
+    let mut places = Vec::new();
     let (mut shared, mut beyond) = (0_usize, 0_usize);
-    for set in given {
+    for (i, set) in given.into_iter().enumerate() {
         let name = plain(&set.name);
         let mut faces = set.faces;
         let n = faces.len();
@@ -77,6 +80,7 @@ fn sets(given: Vec<FaceSet>, n_faces: usize, what: &str, notes: &mut Vec<String>
         } else {
             numbers.insert(name.clone(), kept.len());
             kept.push(FaceSet { name, faces });
+            places.push(i);
         }
     }
     if shared > 0 {
@@ -85,7 +89,7 @@ fn sets(given: Vec<FaceSet>, n_faces: usize, what: &str, notes: &mut Vec<String>
     if beyond > 0 {
         notes.push(format!("{what}s are left out, as a mesh has at most {MAX_LABELS}: {beyond}"));
     }
-    kept
+    (kept, places)
 }
 
 /// The name with `_` for what has no place in names, and not too long.

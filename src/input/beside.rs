@@ -11,6 +11,11 @@ pub trait Beside: fmt::Debug + Send + Sync {
     /// A sentence that names the file and says why it is not read: a place outside of the folder, a file that is not
     /// there, too large, or no file.
     fn read(&self, name: &str, most: u64) -> Result<Vec<u8>, String>;
+
+    /// The library of materials that came along, whatever its name.
+    fn library(&self) -> Option<&[u8]> {
+        None
+    }
 }
 
 /// A file that came by itself: nothing is beside it.
@@ -24,6 +29,20 @@ impl Beside for Alone {
             "{name} lies outside the file, which came by itself: save all in one file, or render it from its \
                      folder on the command line"
         ))
+    }
+}
+
+/// A file that came with its library of materials, and nothing else.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WithLibrary(pub Vec<u8>);
+
+impl Beside for WithLibrary {
+    fn read(&self, name: &str, most: u64) -> Result<Vec<u8>, String> {
+        Alone.read(name, most)
+    }
+
+    fn library(&self) -> Option<&[u8]> {
+        Some(&self.0)
     }
 }
 

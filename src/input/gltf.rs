@@ -6,6 +6,7 @@ mod accessor;
 mod buffers;
 mod carried;
 mod census;
+mod looks;
 mod scene;
 mod transform;
 
@@ -25,6 +26,7 @@ pub(super) const GLTF: Reader = Reader {
     name: "gltf",
     media_type: "model/gltf+json",
     doc: "glTF 2.0 in JSON with data URIs, on the command line with files beside it: the triangles of its scene",
+    doubles_vertices: true,
     read: |file, limits| {
         if file.bytes.starts_with(b"glTF") {
             return Err(vec!["the file is binary; read it as glb".to_owned()]);
@@ -38,6 +40,7 @@ pub(super) const GLB: Reader = Reader {
     name: "glb",
     media_type: "model/gltf-binary",
     doc: "Binary glTF 2.0: the triangles of its scene",
+    doubles_vertices: true,
     read: |file, limits| read(file, limits, |room| Document::of_glb(file, room)),
 };
 

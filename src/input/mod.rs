@@ -4,19 +4,24 @@ mod attach;
 mod base64;
 mod beside;
 mod collect;
+mod colors;
 mod gltf;
+mod kind;
 mod obj;
 mod off;
 mod ply;
 mod reader;
 mod room;
+mod sniff;
 mod stl;
 mod text;
 
 pub use crate::shape::attachments::Channel;
 pub use crate::shape::labels::FaceSet;
+pub use crate::shape::looks::Look;
 pub use base64::decode as from_base64;
-pub use beside::{Alone, Beside, File};
+pub use beside::{Alone, Beside, File, WithLibrary};
+pub use kind::{foreign, is_text, own};
 pub use reader::{ReadLimits, ReadMesh, Reader, Uvs};
 pub use room::weight;
 
@@ -31,4 +36,9 @@ pub fn named(name: &str) -> Option<&'static Reader> {
 /// The reader of files with an extension, given without the dot, in any case.
 pub fn of_extension(extension: &str) -> Option<&'static Reader> {
     READERS.iter().find(|reader| reader.name.eq_ignore_ascii_case(extension))
+}
+
+/// The reader of a file that shows by its first bytes what it is; glTF as JSON and most text do not.
+pub fn of_bytes(bytes: &[u8]) -> Option<&'static Reader> {
+    sniff::kind(bytes).and_then(named)
 }

@@ -5,14 +5,17 @@
 
 mod corner;
 mod faces;
+mod library;
 mod tags;
 
 use std::collections::BTreeMap;
 
 use self::faces::Faces;
+use self::library::Library;
+use super::beside::File;
 use super::collect::Collected;
 use super::reader::{ReadLimits, ReadMesh, Reader};
-use super::text::{at_line, number, numbers, quoted, text};
+use super::text::{at_line, number, numbers, quoted, text, without_comment};
 use crate::shape::attachments::Channel;
 
 /// Faults that are told one by one.
@@ -21,7 +24,6 @@ const MAX_FAULTS: usize = 20;
 /// What draws or names, but has no shape of a mesh.
 const PASSED_OVER: &[&str] = &[
     "s",
-    "mtllib",
     "mg",
     "bevel",
     "c_interp",
@@ -35,25 +37,32 @@ const PASSED_OVER: &[&str] = &[
     "usemap",
 ];
 
+/// Libraries of materials that are looked for.
+const MAX_LIBRARIES: usize = 16;
+
 /// Curves and surfaces in parts of their own.
 const FREE_FORM: &[&str] = &[
     "vp", "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv", "sp", "end", "con",
 ];
 
+/// Those that begin such a part.
+const SHAPES: &[&str] = &["curv", "curv2", "surf"];
+
 /// OBJ. Faces keep their size; indices may be negative; normals are checked and ignored. Objects and groups (`o`, `g`)
 /// are groups, `usemtl` makes materials, three or four numbers after a position are a colour. `g default` is how the
-/// format says that faces are in no group, and `usemtl default` is read alike: faces after it have no material. Tags:
-/// `crease`, `corner`, `hole`, `interpolateboundary`. Points and lines are left out with a note; free-form geometry is
-/// refused.
+/// format says that faces are in no group, and `usemtl default` is read alike: faces after it have no material. How
+/// these look is read from the libraries that `mtllib` names, where whoever hands the file over has them. Tags:
+/// `crease`, `corner`, `hole`, `interpolateboundary`. Points, lines and free-form geometry are left out with a note.
 pub(super) const OBJ: Reader = Reader {
     name: "obj",
     media_type: "model/obj",
     doc: "Wavefront OBJ: polygons, with crease, corner, hole and boundary tags",
-    read: |file, limits| read(file.bytes, limits),
+    doubles_vertices: false,
+    read,
 };
 
-fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<String>> {
-    let text = text(bytes).map_err(|detail| vec![detail])?;
+fn read(file: &File<'_>, limits: &ReadLimits) -> Result<ReadMesh, Vec<String>> {
+    let text = text(file.bytes);
     let mut state = State::new(limits);
     let mut lines = text.lines().enumerate();
     let mut joined = String::new();
@@ -79,7 +88,11 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, Vec<String>> {
             }
         }
     }
-    state.finish()
+    let libraries = std::mem::take(&mut state.libraries);
+    let mut mesh = state.finish()?;
+    let library = Library::beside(file.beside, &libraries);
+    mesh.looks = library.looks(&mesh.materials, mesh.uvs.is_some(), file.beside, &mut mesh.notes);
+    Ok(mesh)
 }
 
 /// What has been read so far.
@@ -93,6 +106,8 @@ struct State {
     colors: Vec<f64>,
     color_width: usize,
     tags: tags::Tags,
+    /// Names of libraries of materials.
+    libraries: Vec<String>,
     /// How many elements of a kind were left out.
     left_out: BTreeMap<String, usize>,
     faults: Vec<String>,
@@ -108,6 +123,7 @@ impl State {
             colors: Vec::new(),
             color_width: 0,
             tags: tags::Tags::default(),
+            libraries: Vec::new(),
             left_out: BTreeMap::new(),
             faults: Vec::new(),
         }
@@ -136,6 +152,13 @@ impl State {
             "g" => self.faces.groups.enter(words),
             "o" => self.faces.objects.enter(std::iter::once(text.trim()[1..].trim())),
             "usemtl" => self.faces.materials.enter(std::iter::once(text.trim()[6..].trim())),
+            "mtllib" => {
+                let name = text.trim()[6..].trim();
+                if self.libraries.len() < MAX_LIBRARIES && !name.is_empty() {
+                    self.libraries.push(name.to_owned());
+                }
+                Ok(())
+            }
             "t" => self.tags.push(line, words, &mut self.left_out),
             "l" | "p" => {
                 let what = if keyword == "l" { "lines" } else { "points" };
@@ -144,7 +167,10 @@ impl State {
             }
             _ if PASSED_OVER.contains(&keyword) => Ok(()),
             _ if FREE_FORM.contains(&keyword) => {
-                Err(format!("{} belongs to free-form geometry, which is not read; send polygons", quoted(keyword)))
+                if SHAPES.contains(&keyword) {
+                    *self.left_out.entry("free-form curves and surfaces".to_owned()).or_default() += 1;
+                }
+                Ok(())
             }
             _ => Err(format!(
                 "{} is no statement of OBJ; known are v, vt, vn, f, g, o, usemtl, t, l, p",
@@ -192,12 +218,6 @@ impl State {
         mesh.notes.extend(self.left_out.iter().map(|(what, n)| format!("{what} are left out: {n}")));
         Ok(mesh)
     }
-}
-
-/// The line without a comment; a `#` within a word belongs to a name.
-fn without_comment(line: &str) -> &str {
-    let starts = |(at, _): &(usize, &str)| line[..*at].chars().next_back().is_none_or(char::is_whitespace);
-    line.match_indices('#').find(starts).map_or(line, |(at, _)| &line[..at])
 }
 
 /// A texture coordinate of one to three numbers; the third says nothing of a surface.

@@ -18,6 +18,7 @@ pub(super) const OFF: Reader = Reader {
     name: "off",
     media_type: "model/off",
     doc: "Geomview OFF, COFF, NOFF, STOFF: polygons as text",
+    doubles_vertices: false,
     read: |file, limits| read(file.bytes, limits).map_err(|detail| vec![detail]),
 };
 
@@ -45,7 +46,7 @@ impl Kind {
 }
 
 fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
-    let text = text(bytes)?;
+    let text = text(bytes);
     let mut words = Words::new(&text, 1, Some('#'));
     let mut line = words.expect_line("\"OFF\"")?;
     let kind = Kind::read(line.next().unwrap_or_default()).map_err(|detail| at_line(words.line, detail))?;

@@ -5,6 +5,7 @@
 mod body;
 mod header;
 mod joined;
+mod strips;
 
 use std::collections::BTreeMap;
 
@@ -23,12 +24,13 @@ const MAX_CHANNELS: usize = 64;
 /// (`vertex_indices` or `vertex_index`); `red`, `green`, `blue`, `alpha` are a colour, `s`, `t` (or `u`, `v`) texture
 /// coordinates, as is the list `texcoord` of faces; `weight_0`, `weight_1` one after the other are the channel `weight`
 /// of two numbers, and so on up to four; `group` and `material` of faces are numbers whose names stand in comments
-/// (`comment group 0 top`); normals are ignored, other scalars of vertices are channels. Other
+/// (`comment group 0 top`); strips of triangles (`tristrips`) stand for faces; normals are ignored, other scalars of vertices are channels. Other
 /// elements and lists are left out with a note.
 pub(super) const PLY: Reader = Reader {
     name: "ply",
     media_type: "model/ply",
     doc: "Stanford PLY, text or binary: polygons, further numbers of vertices as channels",
+    doubles_vertices: false,
     read: |file, limits| read(file.bytes, limits).map_err(|detail| vec![detail]),
 };
 
@@ -37,7 +39,7 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     let body = &bytes[header.length..];
     match header.encoding {
         Encoding::Ascii => {
-            let text = super::text::text(body)?;
+            let text = super::text::text(body);
             elements(&header, Ascii::new(&text, header.lines + 1), limits)
         }
         Encoding::LittleEndian => elements(&header, Binary::new(body, header.length, false), limits),
@@ -57,16 +59,21 @@ fn elements(header: &Header, mut body: impl Body, limits: &ReadLimits) -> Result
     };
     let named = |name: &str| header.elements.iter().filter(|element| element.name == name).count();
     for name in ["vertex", "face"] {
-        if named(name) != 1 {
+        // without faces it is a point cloud, or has strips in place of them
+        if named(name) != 1 && (name == "vertex" || named(name) > 1) {
             let detail = format!("the header has {} elements \"{name}\"; a mesh has one", named(name));
             return Err(detail);
         }
+    }
+    if named("face") > 0 && named("tristrips") > 0 {
+        return Err("the header has faces and strips of triangles; give one of them".to_owned());
     }
     for element in &header.elements {
         body.holds(element)?;
         match element.name.as_str() {
             "vertex" => reading.vertices(element, &mut body)?,
             "face" => reading.faces(element, &mut body)?,
+            "tristrips" => strips::read(element, &mut body, &mut reading.mesh)?,
             name => {
                 for _ in 0..element.count {
                     element.properties.iter().try_for_each(|property| body.pass(property))?;
@@ -211,8 +218,10 @@ impl Reading {
         self.mesh.expect_faces(element.count)?;
         let is_name = |p: &Property| p.list.is_none() && p.kind.is_whole() && NAMED.contains(&p.name.as_str());
         let is_uvs = |p: &Property| p.list.is_some() && p.name == "texcoord";
-        for property in element.properties.iter().filter(|p| !is_indices(p) && !is_uvs(p) && !is_name(p)) {
-            self.note(format!("the property {} of faces is left out", quoted(&property.name)));
+        let others = element.properties.iter().filter(|p| !is_indices(p) && !is_uvs(p) && !is_name(p));
+        let others: Vec<String> = others.map(|property| quoted(&property.name)).collect();
+        if !others.is_empty() {
+            self.note(format!("properties of faces are left out: {}", others.join(", ")));
         }
         let (mut face, mut uvs): (Vec<u32>, Vec<f64>) = (Vec::new(), Vec::new());
         let n = usize::try_from(self.n_vertices).unwrap_or(usize::MAX);

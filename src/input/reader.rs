@@ -5,6 +5,7 @@ use crate::scheme::tags::Boundary;
 use crate::shape::attachments::Channel;
 use crate::shape::check::FaceList;
 use crate::shape::labels::FaceSet;
+use crate::shape::looks::Look;
 
 /// A way to read a mesh from the bytes of a file.
 #[derive(Debug)]
@@ -15,8 +16,11 @@ pub struct Reader {
     pub media_type: &'static str,
     /// One sentence for the catalogue.
     pub doc: &'static str,
-    /// Reads a file. No more memory is taken than the [`weight`](super::room::weight) of the length of the bytes, and
-    /// of those of the files beside it, whatever counts they claim. Refusals are sentences that name what is wrong by line or byte.
+    /// Whether files have a vertex once for each set of numbers that it carries.
+    pub doubles_vertices: bool,
+    /// Reads a file. No more memory is taken than the [`weight`](super::room::weight) of the length of the bytes and of
+    /// those of the files beside it, whatever counts they claim. Refusals are sentences that name what is wrong by line
+    /// or byte.
     pub read: fn(&File<'_>, &ReadLimits) -> Result<ReadMesh, Vec<String>>,
 }
 
@@ -58,6 +62,8 @@ pub struct ReadMesh {
     pub groups: Vec<FaceSet>,
     /// Materials with their faces.
     pub materials: Vec<FaceSet>,
+    /// How the first of these materials look.
+    pub looks: Vec<Look>,
     /// Numbers that vertices carry.
     pub channels: Vec<Channel>,
     /// What was left out or changed, in sentences.

@@ -23,6 +23,7 @@ pub(super) const STL: Reader = Reader {
     name: "stl",
     media_type: "model/stl",
     doc: "STL, text or binary; equal corners are joined",
+    doubles_vertices: false,
     read: |file, limits| read(file.bytes, limits).map_err(|detail| vec![detail]),
 };
 
@@ -82,7 +83,7 @@ impl Soup {
     }
 
     fn read_text(&mut self, bytes: &[u8]) -> Result<(), String> {
-        let text = text(bytes)?;
+        let text = text(bytes);
         let mut words = Words::new(&text, 1, None);
         while let Some(word) = words.next() {
             if !is(word, "solid") {

@@ -2,17 +2,27 @@
 
 use std::borrow::Cow;
 
-/// The text of a file. Names may be in any encoding; what is no UTF-8 in them is replaced. Lines may all end in
-/// carriage returns alone.
-///
-/// # Errors
-/// Text of 16-bit units.
-pub(super) fn text(bytes: &[u8]) -> Result<Cow<'_, str>, String> {
-    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
-        return Err("the text is UTF-16; save it as UTF-8".to_owned());
-    }
-    let text = String::from_utf8_lossy(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes));
-    Ok(if text.contains('\r') && !text.contains('\n') { Cow::Owned(text.replace('\r', "\n")) } else { text })
+/// The text of a file: UTF-16 with its mark, else UTF-8. Names may be in any encoding; what is none of these in them is
+/// replaced. Lines may all end in carriage returns alone.
+pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
+    let text = match bytes {
+        [0xff, 0xfe, rest @ ..] => Cow::Owned(of_units(rest, u16::from_le_bytes)),
+        [0xfe, 0xff, rest @ ..] => Cow::Owned(of_units(rest, u16::from_be_bytes)),
+        _ => String::from_utf8_lossy(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes)),
+    };
+    if text.contains('\r') && !text.contains('\n') { Cow::Owned(text.replace('\r', "\n")) } else { text }
+}
+
+/// The text of 16-bit units.
+fn of_units(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> String {
+    let units = bytes.as_chunks().0.iter().map(|&bytes| unit(bytes));
+    char::decode_utf16(units).map(|letter| letter.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
+}
+
+/// The line without a comment; a `#` within a word belongs to a name.
+pub(super) fn without_comment(line: &str) -> &str {
+    let starts = |(at, _): &(usize, &str)| line[..*at].chars().next_back().is_none_or(char::is_whitespace);
+    line.match_indices('#').find(starts).map_or(line, |(at, _)| &line[..at])
 }
 
 /// A fault in a line, counted from 1.

@@ -15,6 +15,8 @@ pub enum Item<'a> {
     Numbers(Cow<'a, [f64]>),
     /// Many indices.
     Indices(Cow<'a, [u32]>),
+    /// Bytes of a file.
+    Bytes(Cow<'a, [u8]>),
     /// Several items.
     List(Vec<Item<'a>>),
 }
@@ -47,6 +49,10 @@ impl Item<'_> {
             Self::Indices(xs) => {
                 start(5, length(xs.len()));
                 xs.iter().for_each(|x| out.extend(x.to_le_bytes()));
+            }
+            Self::Bytes(bytes) => {
+                start(7, length(bytes.len()));
+                out.extend(&**bytes);
             }
             Self::List(items) => {
                 start(6, length(items.len()));

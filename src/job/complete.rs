@@ -1,5 +1,6 @@
 //! Jobs whose level is known.
 
+use super::details::DetailOutput;
 use super::entry::{InputEntry, JobEntries};
 use super::input::Input;
 use super::key::{self, Key};
@@ -42,6 +43,7 @@ pub struct Job {
     steps: Box<[Scheduled]>,
     keys: Vec<Key>,
     refined_keys: Vec<Key>,
+    pub(super) details: Vec<DetailOutput>,
 }
 
 impl Job {
@@ -78,6 +80,10 @@ impl Job {
         reached: Option<Reached>,
         mut faults: Vec<Fault>,
     ) -> Result<Self, Vec<Fault>> {
+        let details = details(&checked, levels).unwrap_or_else(|found| {
+            faults.extend(found);
+            Vec::new()
+        });
         let Checked { input, entry, plan, mut outputs, frame } = checked;
         let steps = plan.schedule(levels).unwrap_or_else(|fault| {
             faults.push(fault.under("/plan"));
@@ -97,7 +103,8 @@ impl Job {
             hard_edges::settle(options, refines && plan.smooths());
         }
         let (keys, refined_keys) = key::artifacts(&input, &plan, levels, frame, &outputs);
-        Ok(Self { input, entry, plan, levels, reached, outputs, frame, steps: steps.into(), keys, refined_keys })
+        let steps = steps.into();
+        Ok(Self { input, entry, plan, levels, reached, outputs, frame, steps, keys, refined_keys, details })
     }
 
     /// The operators in the order in which they are applied, each with the numbers of its place.
@@ -125,4 +132,61 @@ impl Job {
     pub fn entries(&self, output: &Output) -> JobEntries {
         JobEntries { input: self.entry, output: output.index }
     }
+
+    /// The keys of all results to which its outputs refer.
+    pub fn detail_keys(&self) -> impl Iterator<Item = Key> + '_ {
+        self.details.iter().map(|detail| detail.key)
+    }
+
+    /// The jobs of the results to which an output refers, by ascending levels.
+    pub fn details(&self, output: &Output) -> Vec<Self> {
+        let of = self.outputs.iter().position(|known| known.name == output.name);
+        self.jobs(|detail| Some(detail.of) == of)
+    }
+
+    /// The job of a result to which an output refers.
+    pub fn detail(&self, key: &Key) -> Option<Self> {
+        self.jobs(|detail| detail.key == *key).pop()
+    }
+
+    fn jobs(&self, wanted: impl Fn(&DetailOutput) -> bool) -> Vec<Self> {
+        let mut wanted = self.details.iter().filter(|detail| wanted(detail)).peekable();
+        if wanted.peek().is_none() {
+            return Vec::new();
+        }
+        let (input, plan) = (self.input.clone(), self.plan.clone());
+        let checked = Checked { input, entry: self.entry, plan, outputs: Vec::new(), frame: self.frame };
+        // each was made when the job was
+        wanted.filter_map(|detail| job_of(detail, &checked).ok()).collect()
+    }
+}
+
+/// The results to which the outputs of a job at a level refer, as if each were the output of a job of its own.
+///
+/// # Errors
+/// Levels beyond that of the job, or at which there is no such job.
+fn details(checked: &Checked, levels: u32) -> Result<Vec<DetailOutput>, Vec<Fault>> {
+    let mut found = Vec::new();
+    for (of, output) in checked.outputs.iter().enumerate() {
+        let Some(details) = output.format.details(&output.options) else { continue };
+        let fault = |detail: String| vec![output.fault(Fault::new(format!("/{}", details.option), detail))];
+        if details.levels.last() != Some(&levels) {
+            return Err(fault(format!("the last level of detail is that of the job, {levels}; end the list with it")));
+        }
+        for &levels in &details.levels {
+            let options = output.options.without(details.option);
+            let output = Output { format: details.format, options, ..output.clone() };
+            let detail = DetailOutput { of, levels, output, key: Key::LEAST };
+            let job = job_of(&detail, checked).map_err(|faults| {
+                let said: Vec<String> = faults.into_iter().map(|fault| fault.detail).collect();
+                fault(format!("at level {levels}: {}", said.join("; ")))
+            })?;
+            found.push(DetailOutput { key: job.keys()[0], ..detail });
+        }
+    }
+    Ok(found)
+}
+
+fn job_of(detail: &DetailOutput, checked: &Checked) -> Result<Job, Vec<Fault>> {
+    Job::new(Checked { outputs: vec![detail.output.clone()], ..checked.clone() }, detail.levels, None, Vec::new())
 }

@@ -9,7 +9,7 @@ use super::search::Search;
 use super::steering;
 use crate::analysis::limit::{LimitError, check};
 use crate::fault::{Fault, under};
-use crate::output::surface;
+use crate::output::{ShapeKind, surface};
 use crate::scheme::forecast::check_delta;
 use crate::scheme::plan::{Plan, PlanInput, Subject};
 use crate::shape::frame::Frame;
@@ -43,8 +43,8 @@ impl Draft {
         let kind = input.shape_kind();
         for output in &outputs {
             faults.extend(frame_fault(&input, output));
-            if let Err(detail) = (output.format.facts().holds)(kind, &output.options) {
-                faults.push(output.fault(Fault::new("/format", detail)));
+            if let Err(fault) = held(output, kind) {
+                faults.push(fault);
             } else if let Err(fault) = output.format.suits(kind, input.attachments(), &output.options) {
                 faults.push(output.fault(fault));
             }
@@ -76,6 +76,21 @@ impl Draft {
         }
     }
 
+    /// The faults of all but an input that is wrong itself, of which the kind alone is known.
+    pub fn faults_but_for_input(
+        kind: ShapeKind,
+        plan: Option<&PlanInput>,
+        levels: Option<Levels>,
+        outputs: &[Output],
+    ) -> Vec<Fault> {
+        let subject = Subject { is_mesh: kind == ShapeKind::Mesh, ..Subject::default() };
+        let mut faults: Vec<Fault> = levels::check(plan.is_some(), levels).err().into_iter().collect();
+        faults.extend(outputs.iter().filter_map(|output| held(output, kind).err()));
+        let resolved = plan.map(|plan| Plan::resolve(plan, subject).map_err(|found| under("/plan", found)));
+        faults.extend(resolved.and_then(Result::err).into_iter().flatten());
+        faults
+    }
+
     /// Bytes that its input and its steps take in memory.
     pub fn bytes(&self) -> u64 {
         match self {
@@ -83,6 +98,12 @@ impl Draft {
             Self::Search(search) => search.bytes(),
         }
     }
+}
+
+/// Whether the format of an output can hold what its options make of a shape of this kind.
+fn held(output: &Output, kind: ShapeKind) -> Result<(), Fault> {
+    let held = (output.format.facts().holds)(kind, &output.options);
+    held.map_err(|detail| output.fault(Fault::new("/format", detail)))
 }
 
 /// Why an output cannot show the frame that it names, or all frames where it names none.

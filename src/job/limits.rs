@@ -7,7 +7,7 @@ use super::complete::Job;
 use super::input::Input;
 use super::key::Key;
 use super::limit_cost::{limit_patches, limit_surface};
-use super::memory::{carried, compared_discs, needed, on_demand};
+use super::memory::{self, carried, compared_discs, needed, on_demand};
 use super::output::Output;
 use super::time;
 use crate::analysis::limit::Cost;
@@ -172,7 +172,9 @@ impl Limits {
         }
         check_fits(job, &counts)?;
         let (limit_rows, limit_bytes) = limit_surface(job, &forecast);
-        let forecast = Forecast { work: forecast.work.saturating_add(limit_rows), ..forecast };
+        let (detail_bytes, detail_work) = memory::details(job, &forecast, &carried);
+        let work = forecast.work.saturating_add(limit_rows).saturating_add(detail_work);
+        let forecast = Forecast { work, ..forecast };
         let local = if limit_rows > 0 { limit_patches(job, &forecast) } else { Cost::default() };
         let compared = if limit_rows > 0 { compared_discs(job, &forecast) } else { 0 };
         let limit_bytes = limit_bytes.saturating_add(local.bytes).saturating_add(compared);
@@ -183,7 +185,7 @@ impl Limits {
             .max()
             .unwrap_or(0);
         let needed = needed(job, &forecast, &sizes, &carried);
-        let mut memory_bytes = needed.saturating_add(limit_bytes).saturating_add(options);
+        let mut memory_bytes = needed.saturating_add(limit_bytes).saturating_add(options).saturating_add(detail_bytes);
         let is_large = memory_bytes > self.max_held_bytes.into();
         let held_levels = if is_large { job.held_levels() } else { None };
         if let Some(levels) = held_levels {

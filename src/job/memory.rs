@@ -129,6 +129,19 @@ pub(super) fn memory(forecast: &Forecast, sizes: &[Size], carried: &Carried) -> 
     parts.iter().fold(0, |sum: u128, (n, bytes)| sum.saturating_add(n.saturating_mul(*bytes)))
 }
 
+/// Bytes of the coarser levels of detail of a mesh, which are held with the finest one, and the share of its work that
+/// they take.
+pub(super) fn details(job: &Job, forecast: &Forecast, carried: &Carried) -> (u128, u128) {
+    let last = forecast.levels.last().map_or(1, |count| count.corners.max(1));
+    let coarser = job.details.iter().filter(|detail| detail.levels != job.levels);
+    coarser.fold((0, 0), |(bytes, work), detail| {
+        let count = forecast.levels.get(detail.levels as usize).copied().unwrap_or_default();
+        let level = Forecast { levels: vec![count], peak: count, work: 0, topology_bytes: 0 };
+        let share = forecast.work.saturating_mul(count.corners) / last;
+        (memory(&level, &[], carried).saturating_add(bytes), share.saturating_add(work))
+    })
+}
+
 /// Rows that are on their way from the sweep to the output at once, at most.
 const ROWS_ON_THE_WAY: u128 = 1 << 20;
 /// Bytes of a row on its way: its point in a window of a patch, and twice (one is made while the other is written) as

@@ -5,6 +5,7 @@ mod analysis;
 pub mod codec;
 mod complete;
 mod curves;
+mod details;
 mod draft;
 mod entry;
 mod error;

@@ -11,10 +11,11 @@ use super::limits::Admitted;
 use super::output::Output;
 use super::work::{KeepNothing, KeepWork, refined};
 use crate::analysis::curve;
-use crate::output::scene::{Control, Curve, Scene, Shape};
+use crate::output::scene::{Control, Curve, Detail, Scene, Shape};
 use crate::refine::{RefinedMesh, StreamedMesh};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::tags::Boundary;
+use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
 use crate::watch::{Stage, Watch};
@@ -66,7 +67,8 @@ fn draw(
     let warnings = curve::warnings(&job.plan, job.levels, watch).map_err(RunError::Stopped)?;
     let control = &ControlPolygons { polygons, curves: OnceLock::new() };
     let shape = Shape::Curves(&refined);
-    write(&Scene { shape, control, warnings: &warnings, frame: job.frame }, output, out, watch)
+    let scene = Scene { shape, control, warnings: &warnings, frame: job.frame, details: &[] };
+    write(&scene, output, out, watch)
 }
 
 /// Refines and writes a mesh.
@@ -85,17 +87,33 @@ fn form(
         let streamed = streamed.map_err(|error| RunError::of_limit(error.into(), mesh.attributes.as_ref(), ""))?;
         let Some(streamed) = streamed else { return Err(RunError::too_large()) };
         let (shape, warnings) = (Shape::Mesh(&streamed), mesh.warnings());
-        return write(&Scene { shape, control, warnings: &warnings, frame: job.frame }, output, out, watch);
+        let scene = Scene { shape, control, warnings: &warnings, frame: job.frame, details: &[] };
+        return write(&scene, output, out, watch);
     }
     let refined = &*refined(job, mesh, output, kept, watch)?;
     let shape = Shape::Mesh(&refined.mesh);
-    write(&Scene { shape, control, warnings: &refined.warnings, frame: job.frame }, output, out, watch)
+    let jobs = job.details(output);
+    let coarser = jobs.iter().filter(|coarser| coarser.levels != job.levels);
+    let coarser: Result<Vec<_>, RunError> =
+        coarser.map(|coarser| self::refined(coarser, mesh, &coarser.outputs[0], kept, watch)).collect();
+    let coarser = coarser?;
+    let shapes = coarser.iter().map(|coarser| Shape::Mesh(&coarser.mesh)).chain([shape]);
+    let address = |job: &Job| format!("{}.{}", job.keys()[0], job.outputs[0].format.extension());
+    let details: Vec<Detail<'_>> = jobs
+        .iter()
+        .zip(shapes)
+        .map(|(job, shape)| Detail { shape, options: &job.outputs[0].options, uri: address(job) })
+        .collect();
+    let (warnings, frame) = (&refined.warnings, job.frame);
+    write(&Scene { shape, control, warnings, frame, details: &details }, output, out, watch)
 }
 
 fn write(scene: &Scene<'_>, output: &Output, out: &mut dyn Write, watch: &Watch) -> Result<Report, RunError> {
     watch.enter(Stage::Encode);
     output.format.write(scene, &output.options, out, watch)?;
-    Ok(Report { warnings: scene.warnings.to_vec() })
+    let carried = if let Shape::Mesh(mesh) = scene.shape { mesh.attachments() } else { Attachments::none() };
+    let left_out = output.format.leaves_out(carried, &output.options);
+    Ok(Report { warnings: scene.warnings.iter().cloned().chain(left_out).collect() })
 }
 
 /// Polygons as they were given.

@@ -8,9 +8,11 @@ use crate::shape::attributes::Attributes;
 use crate::shape::creases::Sharp;
 use crate::shape::directions::Direction;
 use crate::shape::labels::Labels;
+use crate::shape::looks::{Alpha, Look};
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
-use crate::shape::repairs::{Faces, Repair};
+use crate::shape::repairs::{Edges, Faces, Repair};
+use crate::shape::textures::{Filter, Texture};
 use crate::shape::topology::{Topology, index};
 use crate::shape::uvs::Uvs;
 
@@ -90,6 +92,9 @@ pub(super) fn connectivity(mesh: &Mesh) -> Item<'_> {
 fn repair(repair: &Repair) -> Item<'_> {
     let count = |n: usize| Item::Integer(n as u64);
     let some = |Faces { count, first }: &Faces| [Item::Integer(*count as u64), Item::Indices(first.clone().into())];
+    let edges_of = |kind, Edges { count: n, first }: &Edges| {
+        vec![Item::text(kind), count(*n), Item::Indices(first.concat().into())]
+    };
     Item::List(match repair {
         Repair::Read(note) => vec![Item::text("read"), Item::text(note)],
         Repair::Welded { merged, pairs } => {
@@ -104,13 +109,20 @@ fn repair(repair: &Repair) -> Item<'_> {
         Repair::LeftOut(faces) => [Item::text("left out")].into_iter().chain(some(faces)).collect(),
         Repair::Turned(faces) => [Item::text("turned")].into_iter().chain(some(faces)).collect(),
         Repair::Paired { pairs, left } => vec![Item::text("paired"), count(*pairs), count(*left)],
-        Repair::Split { from, added } => vec![Item::text("split"), Item::Integer(u64::from(*from)), count(*added)],
+        Repair::Split { added, first } => {
+            vec![Item::text("split"), count(*added), Item::Indices(first.concat().into())]
+        }
+        Repair::Crowded(edges) => edges_of("crowded", edges),
+        Repair::Opposed(edges) => edges_of("opposed", edges),
+        Repair::Doubled(edges) => edges_of("doubled", edges),
+        Repair::Repeating(faces) => [Item::text("repeating")].into_iter().chain(some(faces)).collect(),
+        Repair::LostNumbers(name, merged) => vec![Item::text("lost numbers"), Item::text(name), count(*merged)],
     })
 }
 
 /// What a mesh carries, where there is any: a list for each kind that is given. Pairs of places count beside creases.
 fn attachments(attachments: &Attachments, creased: bool) -> Option<Item<'_>> {
-    let Attachments { channels, groups, materials, uvs } = attachments;
+    let Attachments { channels, groups, materials, looks, uvs } = attachments;
     let mut kinds = Vec::new();
     if !channels.is_empty() {
         kinds.push(Item::text("channels"));
@@ -125,6 +137,9 @@ fn attachments(attachments: &Attachments, creased: bool) -> Option<Item<'_>> {
             kinds.push(Item::List(vec![Item::text(kind), Item::List(names), Item::Indices(of_faces.into())]));
         }
     }
+    if !looks.is_empty() {
+        kinds.push(Item::List([Item::text("looks")].into_iter().chain(looks.iter().map(look)).collect()));
+    }
     if let Some(Uvs { values, topology, corners, pairs, linear }) = uvs {
         let linear = Item::Integer(u64::from(*linear));
         let corners = Item::Indices(corners.into());
@@ -135,6 +150,36 @@ fn attachments(attachments: &Attachments, creased: bool) -> Option<Item<'_>> {
         kinds.push(Item::List(items));
     }
     (!kinds.is_empty()).then_some(Item::List(kinds))
+}
+
+/// How a material looks, with the bytes of its picture.
+fn look<'a>(look: &'a Look) -> Item<'a> {
+    let Look { color, metallic, roughness, double_sided, alpha, texture } = look;
+    let mut items = Vec::new();
+    let mut said = |name, value: Option<Item<'a>>| {
+        items.extend(value.map(|value| Item::List(vec![Item::text(name), value])));
+    };
+    said("color", color.map(|color| Item::Numbers(color.to_vec().into())));
+    said("metallic", metallic.map(Item::Number));
+    said("roughness", roughness.map(Item::Number));
+    said("double sided", double_sided.map(u64::from).map(Item::Integer));
+    said(
+        "alpha",
+        alpha.map(|alpha| {
+            let cutoff = if let Alpha::Mask(cutoff) = alpha { Some(Item::Number(cutoff)) } else { None };
+            Item::List([Item::text(alpha.name())].into_iter().chain(cutoff).collect())
+        }),
+    );
+    said(
+        "texture",
+        texture.as_ref().map(|Texture { image, wrap, magnify, minify }| {
+            let filter = |filter: &Option<Filter>| Item::text(filter.map_or("", Filter::name));
+            let wrap = wrap.iter().map(|wrap| Item::text(wrap.name()));
+            let bytes = Item::Bytes(image.bytes().into());
+            Item::List([bytes, filter(magnify), filter(minify)].into_iter().chain(wrap).collect())
+        }),
+    );
+    Item::List(items)
 }
 
 /// What is sharp, if anything is.

@@ -9,9 +9,11 @@ use crate::scheme::plan::{MAX_LEVELS, Plan, Scheduled};
 use crate::shape::attachments::Attachments;
 use crate::shape::attributes::Attributes;
 use crate::shape::labels::Labels;
+use crate::shape::looks::images;
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
 use crate::shape::repairs::Repair;
+use crate::shape::textures::Image;
 use crate::shape::topology::Topology;
 
 /// Bytes of a corner of a topology: its vertex, in a list that was read and may have room for two, its edge, the two
@@ -106,8 +108,11 @@ fn of_repair(repair: &Repair) -> usize {
         Repair::Read(note) => note.capacity(),
         Repair::Welded { merged: _, pairs } => list(pairs),
         Repair::LostParameters(lost) => list(lost),
-        Repair::LeftOut(faces) | Repair::Turned(faces) => list(&faces.first),
-        Repair::Paired { pairs: _, left: _ } | Repair::Split { from: _, added: _ } => 0,
+        Repair::LeftOut(faces) | Repair::Turned(faces) | Repair::Repeating(faces) => list(&faces.first),
+        Repair::Crowded(edges) | Repair::Opposed(edges) | Repair::Doubled(edges) => list(&edges.first),
+        Repair::Split { added: _, first } => list(first),
+        Repair::LostNumbers(name, _) => name.capacity(),
+        Repair::Paired { pairs: _, left: _ } => 0,
     }
 }
 
@@ -119,12 +124,13 @@ fn of_topology(topology: &Topology) -> usize {
 }
 
 fn of_attachments(attachments: &Attachments) -> usize {
-    let Attachments { channels, groups, materials, uvs } = attachments;
+    let Attachments { channels, groups, materials, looks, uvs } = attachments;
     let numbers: usize = channels.iter().map(|channel| list(&channel.values) + channel.name.capacity()).sum();
     let uvs = uvs
         .as_ref()
         .map_or(0, |uvs| list(&uvs.values) + of_topology(&uvs.topology) + list(&uvs.corners) + list(&uvs.pairs));
-    list(channels) + numbers + of_labels(groups) + of_labels(materials) + uvs
+    let looks = list(looks) + images(looks).iter().map(|image| size_of::<Image>() + image.bytes().len()).sum::<usize>();
+    list(channels) + numbers + of_labels(groups) + of_labels(materials) + looks + uvs
 }
 
 fn of_labels(Labels { names, of_faces }: &Labels) -> usize {

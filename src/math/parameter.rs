@@ -6,7 +6,7 @@ mod resolve;
 use crate::math::expression::Expression;
 
 /// Longest name, characters.
-const MAX_NAME: usize = 64;
+pub const MAX_NAME: usize = 64;
 
 /// What a client wrote for one parameter, before its kind is known.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,6 +57,11 @@ impl Parameter {
     /// A number in `[min, max]`, without a unit.
     pub const fn number(name: &'static str, [min, max]: [f64; 2], default: Default, doc: &'static str) -> Self {
         Self { name, kind: Kind::Number { min, max }, unit: "", default, doc }
+    }
+
+    /// Whether leaving it out is a fault.
+    pub fn is_required(&self) -> bool {
+        matches!(self.default, Default::Required)
     }
 
     /// One of some names, the first when it is left out.
@@ -208,6 +213,11 @@ impl Values {
         self.0.iter().filter(|entry| !entry.usual).map(|entry| (entry.name, &entry.value))
     }
 
+    /// The values but for one of a name.
+    pub fn without(&self, name: &str) -> Self {
+        Self(self.0.iter().filter(|entry| entry.name != name).cloned().collect())
+    }
+
     /// The value of a declared parameter.
     pub fn get(&self, name: &str) -> &Value {
         self.0.iter().find(|entry| entry.name == name).map_or(&Value::Absent, |entry| &entry.value)
@@ -246,6 +256,11 @@ impl Values {
     /// Whether a list of choices contains `item`.
     pub fn has(&self, name: &str, item: &str) -> bool {
         matches!(self.get(name), Value::Choices(items) if items.contains(&item))
+    }
+
+    /// A list of numbers, empty when absent.
+    pub fn numbers(&self, name: &str) -> &[f64] {
+        if let Value::Numbers(x) = self.get(name) { x } else { &[] }
     }
 
     /// A colour, or `None` when absent.

@@ -46,6 +46,19 @@ pub enum Content {
     Text,
     /// Other bytes.
     Binary,
+    /// Bytes that the format has compressed.
+    Packed,
+}
+
+/// Results that other bytes refer to: the same shape at some levels.
+#[derive(Debug)]
+pub struct Details {
+    /// The format of these results.
+    pub format: &'static dyn Format,
+    /// The option that asks for them.
+    pub option: &'static str,
+    /// Levels, in ascending order, the last of which is that of the job.
+    pub levels: Vec<u32>,
 }
 
 /// A way to write a scene as bytes.
@@ -67,6 +80,11 @@ pub trait Format: fmt::Debug + Send + Sync {
     /// The fault, with a pointer below the output.
     fn fits(&self, _counts: &Counts, _options: &Values) -> Result<(), Fault> {
         Ok(())
+    }
+
+    /// What the format leaves out of what a mesh carries although it may be missed, as a sentence.
+    fn leaves_out(&self, _carried: &Attachments, _options: &Values) -> Option<String> {
+        None
     }
 
     /// Bytes that `counts` will take.
@@ -94,6 +112,12 @@ pub trait Format: fmt::Debug + Send + Sync {
     /// the faces: then they can be made while they are written.
     fn streams(&self, _mesh: &Mesh, _options: &Values) -> &'static [Tile] {
         &[]
+    }
+
+    /// The levels of refinement whose results the bytes refer to, and the format of these, which takes all options but
+    /// the one that asks for them.
+    fn details(&self, _options: &Values) -> Option<Details> {
+        None
     }
 
     /// Writes the scene.

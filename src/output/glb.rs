@@ -4,17 +4,21 @@ use std::io::{self, Write};
 
 use crate::fault::Fault;
 use crate::math::parameter::Values;
-use crate::output::counts::Counts;
+use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
-use crate::output::gltf_amounts::{self, Amounts, Contents, split_vertices, with_normals};
+use crate::output::gltf_amounts::{self, Amounts, Contents, split_vertices};
+use crate::output::gltf_bin;
 use crate::output::gltf_buffer::{Buffer, buffered};
 use crate::output::gltf_document::{PARAMETERS, document};
+use crate::output::gltf_pack::Packed;
+use crate::output::gltf_packing::{self, Packing};
 use crate::output::hard_edges;
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
 use crate::output::stream::holds_space;
+use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
@@ -49,30 +53,37 @@ impl Format for Glb {
         FACTS
     }
 
+    fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
+        gltf_packing::suits(kind, options)
+    }
+
     fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
         gltf_amounts::fits(counts, options)?;
+        gltf_packing::fits(counts, options)?;
         let length = check_length(self.size(counts, options).bytes());
         length.map(drop).map_err(|detail| Fault::new("/format", detail))
     }
 
     fn size(&self, counts: &Counts, options: &Values) -> Size {
-        let binary = Amounts::of(counts, options).bytes();
-        let bytes = file(Contents::of(counts, options).room(), binary);
+        let (amounts, contents) = (Amounts::of(counts, options), Contents::of(counts, options));
+        if let Some(packing) = Packing::of(options) {
+            return Size::AtMost(file(contents.packed_room(), amounts.packed_bytes(packing)));
+        }
+        let bytes = file(contents.room(), amounts.bytes());
         // how many vertices are split depends on what becomes of their edges
         if split_vertices(counts, options) > 0 { Size::AtMost(bytes) } else { Size::Exact(bytes) }
     }
 
-    fn streams(&self, mesh: &Mesh, options: &Values) -> &'static [Tile] {
-        match with_normals(options) {
-            false => &[Tile::Quad, Tile::Triangle],
-            // vertices on sharp edges have copies with normals of their own
-            true if mesh.creases.is_empty() && hard_edges::angle(options).is_none() => &[Tile::Quad],
-            true => &[],
-        }
+    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
+        hard_edges::memory(counts, options).saturating_add(gltf_amounts::packing_memory(counts, options))
     }
 
-    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
-        hard_edges::memory(counts, options)
+    fn work(&self, _: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
+        gltf_amounts::packing_work(counts, options)
+    }
+
+    fn streams(&self, mesh: &Mesh, options: &Values) -> &'static [Tile] {
+        gltf_bin::streams(mesh, options)
     }
 
     fn write(
@@ -82,36 +93,49 @@ impl Format for Glb {
         out: &mut dyn Write,
         watch: &Watch,
     ) -> Result<(), FormatError> {
-        buffered(scene, options, watch, |buffer| write(buffer, out, watch))
+        buffered(scene, options, watch, |buffer| match Packing::of(options) {
+            Some(packing) => write_packed(&Packed::of(buffer, packing, watch)?, out),
+            None => write(buffer, out, watch),
+        })
     }
 }
 
 fn write(buffer: &Buffer<'_>, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
-    let room = buffer.contents().room();
+    let json = padded(document(buffer, None)?, buffer.contents().room())?;
     let binary = buffer.amounts.bytes();
+    container(&json, binary, out)?;
+    if binary > 0 { buffer.write(out, watch) } else { Ok(()) }
+}
+
+/// Writes all before the binary of so many bytes, for which there is no chunk where it is empty.
+fn container(json: &[u8], binary: u128, out: &mut dyn Write) -> Result<(), FormatError> {
+    let room = json.len() as u128;
     let file = check_length(file(room, binary)).map_err(FormatError::Unfit)?;
     let [room, binary] = [room, binary].map(|part| u32::try_from(part).expect("the parts are shorter than the file"));
-    let json = padded(document(buffer, None)?, room)?;
     out.write_all(b"glTF")?;
     out.write_all([2, file].map(u32::to_le_bytes).as_flattened())?;
     chunk(*b"JSON", room, out)?;
-    out.write_all(&json)?;
-    if binary > 0 {
-        chunk(*b"BIN\0", binary, out)?;
-        buffer.write(out, watch)?;
-    }
-    Ok(())
+    out.write_all(json)?;
+    if binary > 0 { chunk(*b"BIN\0", binary, out) } else { Ok(()) }
+}
+
+fn write_packed(packed: &Packed, out: &mut dyn Write) -> Result<(), FormatError> {
+    let document = packed.document(None)?;
+    let room = document.len().next_multiple_of(4) as u128;
+    container(&padded(document, room)?, packed.bytes.len() as u128, out)?;
+    Ok(out.write_all(&packed.bytes)?)
 }
 
 /// The document with spaces up to the length that was forecast for it.
-fn padded(mut json: Vec<u8>, room: u32) -> Result<Vec<u8>, FormatError> {
+fn padded(mut json: Vec<u8>, room: u128) -> Result<Vec<u8>, FormatError> {
     let length = json.len();
-    if length > room as usize {
+    if length as u128 > room {
         // cut short it would be no JSON, and the length of the file was promised
         let detail = format!("the glTF document takes {length} bytes, {room} were forecast");
         return Err(FormatError::Io(io::Error::other(detail)));
     }
-    json.resize(room as usize, b' ');
+    // what is longer than memory fails in the container, whose length is counted in 32 bits
+    json.resize(usize::try_from(room).unwrap_or(length), b' ');
     Ok(json)
 }
 

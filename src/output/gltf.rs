@@ -6,18 +6,24 @@ use base64::engine::general_purpose::STANDARD;
 use base64::write::EncoderWriter;
 
 use crate::fault::Fault;
-use crate::math::parameter::Values;
-use crate::output::counts::Counts;
+use crate::math::parameter::{Parameter, Values};
+use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::format::{Content, Details, Format, FormatFacts};
 use crate::output::gltf_amounts::{self, Amounts, Contents};
-use crate::output::gltf_buffer::{Buffer, buffered};
+use crate::output::gltf_bin::GltfBin;
+use crate::output::gltf_buffer::buffered;
 use crate::output::gltf_document::{PARAMETERS, document};
+use crate::output::gltf_levels::{self, LOD};
+use crate::output::gltf_pack::Packed;
+use crate::output::gltf_packing::{self, Packing};
 use crate::output::hard_edges;
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
 use crate::output::stream::holds_space;
+use crate::shape::attachments::Attachments;
+use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
 const URI: &str = "data:application/octet-stream;base64,";
@@ -26,13 +32,24 @@ const URI: &str = "data:application/octet-stream;base64,";
 #[derive(Debug)]
 pub(super) struct Gltf;
 
+/// The options of both containers, and the one that takes several files.
+const ALL_PARAMETERS: &[Parameter] = &{
+    let mut all = [LOD; PARAMETERS.len() + 1];
+    let mut i = 0;
+    while i < PARAMETERS.len() {
+        all[i] = PARAMETERS[i];
+        i += 1;
+    }
+    all
+};
+
 const FACTS: &FormatFacts = &FormatFacts {
     name: "gltf",
     extension: "gltf",
     media_type: "model/gltf+json",
     content: Content::Json,
     doc: "Self-contained glTF 2.0 in JSON: as glb, with the numbers as base64",
-    parameters: PARAMETERS,
+    parameters: ALL_PARAMETERS,
     holds_frames: true,
     holds: |kind, _| holds_space("gltf", kind),
 };
@@ -42,18 +59,40 @@ impl Format for Gltf {
         FACTS
     }
 
-    fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
-        gltf_amounts::fits(counts, options)
+    fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
+        gltf_levels::suits(kind, options)?;
+        gltf_packing::suits(kind, options)
     }
 
-    fn size(&self, counts: &Counts, options: &Values) -> Size {
-        let binary = Amounts::of(counts, options).bytes();
-        let json = Contents::of(counts, options).room();
-        Size::AtMost(total(&[(json, 1), (URI.len() as u128, 1), (binary.div_ceil(3), 4)]))
+    fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
+        gltf_amounts::fits(counts, options)?;
+        gltf_levels::fits(counts, options)?;
+        gltf_packing::fits(counts, options)
     }
 
     fn memory(&self, counts: &Counts, options: &Values) -> u128 {
-        hard_edges::memory(counts, options)
+        hard_edges::memory(counts, options).saturating_add(gltf_amounts::packing_memory(counts, options))
+    }
+
+    fn work(&self, _: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
+        gltf_amounts::packing_work(counts, options)
+    }
+
+    fn size(&self, counts: &Counts, options: &Values) -> Size {
+        let (amounts, contents) = (Amounts::of(counts, options), Contents::of(counts, options));
+        if let Some(size) = gltf_levels::size(contents, options) {
+            return size;
+        }
+        let (json, binary) = match Packing::of(options) {
+            Some(packing) => (contents.packed_room(), amounts.packed_bytes(packing)),
+            None => (contents.room(), amounts.bytes()),
+        };
+        Size::AtMost(total(&[(json, 1), (URI.len() as u128, 1), (binary.div_ceil(3), 4)]))
+    }
+
+    fn details(&self, options: &Values) -> Option<Details> {
+        let levels = gltf_levels::of(options)?;
+        Some(Details { format: &GltfBin, option: LOD.name, levels })
     }
 
     fn write(
@@ -63,18 +102,31 @@ impl Format for Gltf {
         out: &mut dyn Write,
         watch: &Watch,
     ) -> Result<(), FormatError> {
-        buffered(scene, options, watch, |buffer| write(buffer, out, watch))
+        if !scene.details.is_empty() {
+            return gltf_levels::write(scene, out, watch);
+        }
+        buffered(scene, options, watch, |buffer| match Packing::of(options) {
+            Some(packing) => {
+                let packed = Packed::of(buffer, packing, watch)?;
+                write(&packed.document(Some(URI))?, out, |out| Ok(out.write_all(&packed.bytes)?))
+            }
+            None => write(&document(buffer, Some(URI))?, out, |out| buffer.write(out, watch)),
+        })
     }
 }
 
-fn write(buffer: &Buffer<'_>, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
-    let json = document(buffer, Some(URI))?;
+/// Writes a document with the bytes of its buffer where their address starts.
+fn write(
+    json: &[u8],
+    out: &mut dyn Write,
+    write_bytes: impl FnOnce(&mut dyn Write) -> Result<(), FormatError>,
+) -> Result<(), FormatError> {
     let Some(start) = json.windows(URI.len()).position(|text| text == URI.as_bytes()) else {
-        return Ok(out.write_all(&json)?);
+        return Ok(out.write_all(json)?);
     };
     let (before, after) = json.split_at(start + URI.len());
     out.write_all(before)?;
     let mut base64 = EncoderWriter::new(out, &STANDARD);
-    buffer.write(&mut base64, watch)?;
+    write_bytes(&mut base64)?;
     Ok(base64.finish()?.write_all(after)?)
 }

@@ -4,6 +4,8 @@ use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::gltf_animation::{self, FRAME_RATE};
+use crate::output::gltf_looks;
+use crate::output::gltf_packing::Packing;
 use crate::output::gltf_views::NUMBER;
 use crate::output::hard_edges;
 use crate::output::numbers::total;
@@ -15,8 +17,12 @@ use crate::shape::labels::by_labels;
 /// Bytes of a position or a normal.
 pub(super) const VECTOR: u128 = 12;
 
-/// Bytes of three indices.
-pub(super) const TRIANGLE: u128 = 12;
+/// Bytes of a position and of a normal in whole numbers, with what fills them up to a multiple of 4.
+const PLACE: u128 = 8;
+const DIRECTION: u128 = 4;
+
+/// Most vertices whose indices take 16 bits: the largest number that 16 bits hold starts a new strip in some programs.
+const SHORT_INDICES: u128 = 65_535;
 
 /// Bytes of the origin of a vertex: dimension and number of the input cell.
 pub(super) const ORIGIN: u128 = 8;
@@ -25,11 +31,28 @@ pub(super) const ORIGIN: u128 = 8;
 /// name, and the target of the first primitive.
 const TARGET: u128 = 1_024;
 
+/// Bytes at most that the document of a packed model takes more: the names of extensions and a second buffer, then each
+/// view for what is encoded, and each mesh for its errors and where its node puts it.
+const PACKED: u128 = 512;
+const PACKED_VIEW: u128 = 256;
+const PACKED_MESH: u128 = 384;
+
 /// Bytes at most of an animation: two accessors, two views, a sampler and its channel.
 const ANIMATION: u128 = 1_024;
 
-/// Bytes at most of a target in each further primitive: the numbers of two accessors.
+/// Bytes at most of the mesh and the node of a group besides its name, and of its channel in an animation.
+const GROUP: u128 = 256;
+
+/// Bytes at most of a target in each further primitive: the numbers of two accessors, a weight and a name.
 const TARGET_OF_PART: u128 = 64;
+
+/// Bytes of memory that a vertex takes while it is packed, besides those of the buffer: its numbers in the new order,
+/// as vectors, and as the codec reads them. Measured: 61.
+const VERTEX_BYTES: u128 = 80;
+
+/// The same of a triangle: its corners before and after, the triangles of its vertices, and its place among all.
+/// Measured: 73.
+const TRIANGLE_BYTES: u128 = 96;
 
 /// Input cells whose numbers f32 holds exactly.
 const CELLS: usize = 1 << 24;
@@ -54,6 +77,25 @@ pub(super) fn fits(counts: &Counts, options: &Values) -> Result<(), Fault> {
         return Err(Fault::new(format!("/{}", FRAME_RATE.name), detail));
     }
     check_origins([vertices, counts.input_edges, counts.input_faces], ids).map_err(|detail| Fault::new("/ids", detail))
+}
+
+/// Bytes of memory that packing takes besides those of the result.
+pub(super) fn packing_memory(counts: &Counts, options: &Values) -> u128 {
+    if Packing::of(options).is_none() {
+        return 0;
+    }
+    let amounts = Amounts::of(counts, options);
+    let loose = amounts.bytes();
+    total(&[(loose, 2), (amounts.vertices, VERTEX_BYTES), (amounts.triangles, TRIANGLE_BYTES)])
+}
+
+/// The time that packing takes, in rows of 100 ns: one a triangle and one a vertex.
+pub(super) fn packing_work(counts: &Counts, options: &Values) -> u128 {
+    if Packing::of(options).is_none() {
+        return 0;
+    }
+    let amounts = Amounts::of(counts, options);
+    amounts.vertices.saturating_add(amounts.triangles)
 }
 
 /// Whether normals are asked for.
@@ -85,6 +127,8 @@ pub(super) struct Amounts {
     pub(super) targets: u128,
     /// Frames a second of their animation, if there is one.
     pub(super) frame_rate: Option<f64>,
+    /// Bytes of pictures, a multiple of 4.
+    pub(super) images: u128,
 }
 
 impl Amounts {
@@ -102,6 +146,7 @@ impl Amounts {
             triangles: if faces == 0 { 0 } else { counts.half_edges.saturating_sub(faces.saturating_mul(2)) },
             targets: counts.frames as u128,
             frame_rate: options.number(FRAME_RATE.name),
+            images: bytes_of_images(&counts.attachments, faces > 0),
         }
     }
 
@@ -119,6 +164,7 @@ impl Amounts {
                     triangles: mesh.n_half_edges() as u128 - 2 * faces,
                     targets: 0,
                     frame_rate: None,
+                    images: bytes_of_images(mesh.attachments(), faces > 0),
                 }
             }
             Shape::Curves(curves) => Self {
@@ -130,19 +176,54 @@ impl Amounts {
                 triangles: 0,
                 targets: 0,
                 frame_rate: None,
+                images: 0,
             },
         }
     }
 
+    /// Bytes of three indices.
+    pub(super) fn triangle(&self) -> u128 {
+        if self.vertices <= SHORT_INDICES { 6 } else { 12 }
+    }
+
+    /// Bytes of all indices, with what fills them up to a multiple of 4.
+    pub(super) fn indices(&self) -> u128 {
+        self.triangles.saturating_mul(self.triangle()).checked_next_multiple_of(4).unwrap_or(u128::MAX)
+    }
+
     /// Length of the buffer in bytes, a multiple of 4.
     pub(super) fn bytes(&self) -> u128 {
-        let vectors = if self.normals { 2 } else { 1 };
+        self.bytes_of(VECTOR * if self.normals { 2 } else { 1 })
+    }
+
+    /// Length of the buffer of a packed model, at most: views are encoded where that makes them shorter.
+    pub(super) fn packed_bytes(&self, packing: Packing) -> u128 {
+        if !packing.quantizes {
+            return self.bytes();
+        }
+        self.bytes_of(PLACE + if self.normals { DIRECTION } else { 0 })
+    }
+
+    /// Length of the buffer whose vertices take so many bytes for position and normal, in each frame.
+    fn bytes_of(&self, vectors: u128) -> u128 {
         let (origin, face) = if self.ids { (ORIGIN, 4) } else { (0, 0) };
         let uvs = if self.uvs { 2 * NUMBER } else { 0 };
-        let vertex = vectors * VECTOR * (1 + self.targets) + self.numbers * NUMBER + uvs + origin;
+        let vertex = vectors * (1 + self.targets) + self.numbers * NUMBER + uvs + origin;
         let [moments, weights] = self.frame_rate.map_or([0; 2], |_| gltf_animation::lengths(self.targets));
-        total(&[(self.vertices, vertex), (self.triangles, TRIANGLE + face), (moments, 1), (weights, 1)])
+        total(&[
+            (self.vertices, vertex),
+            (self.indices(), 1),
+            (self.triangles, face),
+            (moments, 1),
+            (weights, 1),
+            (self.images, 1),
+        ])
     }
+}
+
+/// Bytes of the pictures of a mesh, which it shows where it has faces.
+fn bytes_of_images(attachments: &Attachments, has_faces: bool) -> u128 {
+    if has_faces { gltf_looks::bytes_of_images(&attachments.looks) } else { 0 }
 }
 
 /// What decides on the length of a document.
@@ -178,6 +259,13 @@ impl<'a> Contents<'a> {
         }
     }
 
+    /// Most bytes of the document of a packed model: views may say where they are encoded.
+    pub(super) fn packed_room(&self) -> u128 {
+        let channels = self.attachments.channels.len() as u128;
+        let groups = self.attachments.groups.names.len() as u128;
+        total(&[(self.room(), 1), (PACKED, 1), (PACKED_VIEW, 6 + channels), (PACKED_MESH, 1 + groups)])
+    }
+
     /// Most bytes of the document, a multiple of 4: 1,536 for a mesh, for curves 768 and 384 a polygon, and more for
     /// what is told beyond the shape.
     pub(super) fn room(&self) -> u128 {
@@ -191,15 +279,17 @@ impl<'a> Contents<'a> {
         if self.attachments.is_empty() && !self.ids {
             return plain + framed;
         }
-        let Attachments { channels, groups, materials, uvs } = self.attachments;
+        let Attachments { channels, groups, materials, looks, uvs } = self.attachments;
         let name_bytes: usize = channels.iter().map(|channel| channel.name.len()).sum();
         let (channels, names) = (channels.len() as u128 + u128::from(uvs.is_some()), name_bytes as u128);
         let parts = by_labels(groups, materials, self.input_faces).len() as u128;
         // every name of a group and of a material may need a backslash for each byte
         let longest = |names: &[String]| names.iter().map(|name| 2 * name.len() as u128).max().unwrap_or(0);
         let labels = longest(&groups.names) + longest(&materials.names);
-        let part = 768 + names + 16 * channels + labels + self.targets.saturating_mul(TARGET_OF_PART);
-        let room = total(&[(plain + framed, 1), (512, 1), (384, channels), (part, parts)]);
+        let group = if groups.is_empty() { 0 } else { GROUP + 2 * longest(&groups.names) };
+        let part = 768 + names + 16 * channels + labels + group + self.targets.saturating_mul(TARGET_OF_PART);
+        let looks = gltf_looks::room(looks);
+        let room = total(&[(plain + framed, 1), (512, 1), (384, channels), (part, parts), (looks, 1)]);
         room.saturating_add(3) / 4 * 4
     }
 }

@@ -38,7 +38,7 @@ pub(super) fn numbers(targets: usize, rate: f64) -> Vec<u8> {
     moments.chain(weights).flat_map(f32::to_le_bytes).collect()
 }
 
-/// Adds the animation of the last node of a document to it.
+/// Adds the animation of all nodes with meshes of a document to it.
 pub(super) fn animate(root: &mut Root, targets: usize, rate: f64) {
     let (n, [moments, weights]) = (targets as u128, lengths(targets as u128));
     let scalars = |view, count| accessor(view, 0, count, ComponentType::F32, Type::Scalar);
@@ -49,14 +49,17 @@ pub(super) fn animate(root: &mut Root, targets: usize, rate: f64) {
     let output = root.push(scalars(view, (n + 1) * n));
     let interpolation = Valid(Interpolation::Linear);
     let sampler = Sampler { extensions: None, extras: Extras::default(), input, interpolation, output };
-    let node = Index::new(index(root.nodes.len() - 1));
-    let path = Valid(Property::MorphTargetWeights);
-    let target = Target { extensions: None, extras: Extras::default(), node, path };
-    let channel = Channel { sampler: Index::new(0), target, extensions: None, extras: Extras::default() };
+    let is_shown = |node: &u32| root.nodes[*node as usize].mesh.is_some();
+    let channel = |node: u32| {
+        let (node, path) = (Index::new(node), Valid(Property::MorphTargetWeights));
+        let target = Target { extensions: None, extras: Extras::default(), node, path };
+        Channel { sampler: Index::new(0), target, extensions: None, extras: Extras::default() }
+    };
+    let channels = (0..index(root.nodes.len())).filter(is_shown).map(channel).collect();
     root.animations = vec![Animation {
         extensions: None,
         extras: Extras::default(),
-        channels: vec![channel],
+        channels,
         name: Some("frames".into()),
         samplers: vec![sampler],
     }];

@@ -1,4 +1,4 @@
-//! The binary half of glTF: f32 positions, normals and channels, then u32 indices.
+//! The binary half of glTF: f32 positions, normals and channels, then u16 or u32 indices.
 
 use std::io::Write;
 use std::ops::Range;
@@ -22,6 +22,7 @@ use crate::output::stream::{BLOCK, Stream};
 use crate::output::vertex_sides::{Sides, SplitSides};
 use crate::shape::attachments::Attachments;
 use crate::shape::labels::{LabelledFaces, by_labels};
+use crate::shape::looks::images;
 use crate::watch::{Stopped, Watch};
 
 /// The middle of the model is moved to the origin when it is farther away than this many times half its longest side.
@@ -194,9 +195,14 @@ impl<'a> Buffer<'a> {
             }
         }
         self.write_carried(mesh, &mut stream)?;
+        let short = self.amounts.triangle() == 6;
         for range in self.faces.iter().flat_map(|section| &section.ranges) {
-            stream.faces_in(mesh, range.clone(), |_, faces, out| indices(faces, out))?;
+            stream.faces_in(mesh, range.clone(), |_, faces, out| {
+                if short { short_indices(faces, out) } else { indices(faces, out) }
+            })?;
         }
+        let filled = self.amounts.indices() - self.amounts.triangles * self.amounts.triangle();
+        stream.bytes(&[0; 4][..usize::try_from(filled).expect("it is less than 4")])?;
         if self.amounts.ids {
             for range in self.faces.iter().flat_map(|section| &section.ranges) {
                 stream.faces_in(mesh, range.clone(), |start, faces, out| {
@@ -215,7 +221,21 @@ impl<'a> Buffer<'a> {
                 target.write_normals(&normals, &mut stream, watch)?;
             }
         }
-        self.amounts.frame_rate.map_or(Ok(()), |rate| stream.bytes(&animation::numbers(self.targets.len(), rate)))
+        if let Some(rate) = self.amounts.frame_rate {
+            stream.bytes(&animation::numbers(self.targets.len(), rate))?;
+        }
+        self.write_images(&mut stream)
+    }
+
+    /// The bytes of all pictures, filled up to a multiple of 4.
+    fn write_images(&self, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+        let all = if self.amounts.images > 0 { images(&self.attachments().looks) } else { Vec::new() };
+        let mut written = 0;
+        for image in all {
+            stream.bytes(image.bytes())?;
+            written += image.bytes().len();
+        }
+        stream.bytes(&[0; 4][..written.wrapping_neg() % 4])
     }
 
     /// Channels, texture coordinates, and the origins of vertices where they are asked for.
@@ -321,5 +341,14 @@ fn indices(faces: &FaceChunk, out: &mut Bytes) {
     } else {
         let slots = out.rows::<12>(faces.vertices.len() - 2 * faces.len()).iter_mut();
         slots.zip(faces.iter().flat_map(triangles)).for_each(|(slot, triangle)| *slot = index_bytes(triangle));
+    }
+}
+
+/// The same of meshes whose vertices have numbers of 16 bits.
+fn short_indices(faces: &FaceChunk, out: &mut Bytes) {
+    let short = |v: u32| u16::try_from(v).expect("there are at most 65,535 vertices").to_le_bytes();
+    let slots = out.rows::<6>(faces.vertices.len() - 2 * faces.len()).iter_mut();
+    for (slot, triangle) in slots.zip(faces.iter().flat_map(triangles)) {
+        slot.copy_from_slice(triangle.map(short).as_flattened());
     }
 }

@@ -1,30 +1,31 @@
-//! The JSON half of glTF: nodes, one mesh with its materials, and where its numbers lie in the buffer.
+//! The JSON half of glTF: nodes, meshes with their materials, and where its numbers lie in the buffer.
 
 use std::collections::BTreeMap;
 
 use gltf::json::accessor::{ComponentType, Type};
-use gltf::json::material::{AlphaMode, PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked::{self, Valid};
-use gltf::json::{self, Accessor, Asset, Extras, Index, Material, Mesh, Node, Root, Scene};
+use gltf::json::{self, Accessor, Asset, Extras, Index, Mesh, Node, Root, Scene};
 use serde_json::value::{RawValue, to_raw_value};
 use serde_json::{Map, Value, json};
 
 use crate::math::parameter::{Default as Otherwise, Kind, Parameter};
 use crate::output::bounds::Bounds;
 use crate::output::error::FormatError;
-use crate::output::gltf_amounts::{ORIGIN, TRIANGLE, VECTOR};
+use crate::output::gltf_amounts::{ORIGIN, VECTOR};
 use crate::output::gltf_animation::{FRAME_RATE, animate};
 use crate::output::gltf_buffer::{Buffer, PrimitiveFaces, PrimitiveVertices};
+use crate::output::gltf_looks::{self, Looks};
+use crate::output::gltf_packing::{COMPRESSION, VERTEX_ORDER};
 use crate::output::gltf_targets::MorphTarget;
 use crate::output::gltf_views::{NUMBER, Views, accessor, length};
 use crate::output::hard_edges::CREASE_ANGLE;
 use crate::output::numbers::rounded;
 use crate::output::options::{IDS, POSITIONS};
 use crate::shape::frame::{Frame, Unit, Up};
+use crate::shape::topology::index;
 
-/// Linear base colours of surfaces and of curves.
-const SURFACE: [f32; 4] = [0.3, 0.47, 0.65, 1.0];
+/// Linear base colour of curves.
 const CURVE: [f32; 4] = [0.03, 0.06, 0.1, 1.0];
 
 /// Options of both containers.
@@ -41,6 +42,8 @@ pub(super) const PARAMETERS: &[Parameter] = &[
     POSITIONS,
     IDS,
     FRAME_RATE,
+    COMPRESSION,
+    VERTEX_ORDER,
 ];
 
 /// The document that describes `buffer`, whose bytes are found at `uri` (in the container's own chunk without one).
@@ -48,6 +51,18 @@ pub(super) const PARAMETERS: &[Parameter] = &[
 /// # Errors
 /// More polygons than 32-bit indices reach.
 pub(super) fn document(buffer: &Buffer<'_>, uri: Option<&str>) -> Result<Vec<u8>, FormatError> {
+    let mut root = model(buffer)?;
+    root.buffers.iter_mut().for_each(|buffer| buffer.uri = uri.map(Into::into));
+    root.to_vec().map_err(|error| unwritten(&error))
+}
+
+/// What the document says, without where the bytes of its buffer are.
+///
+/// Faces of a group are a mesh of a node of their own, both named by the group, below the node of all others.
+///
+/// # Errors
+/// More polygons than 32-bit indices reach.
+pub(super) fn model(buffer: &Buffer<'_>) -> Result<Root, FormatError> {
     if u32::try_from(buffer.parts.len()).is_err() {
         let n = buffer.parts.len();
         return Err(FormatError::Unfit(format!("{n} polygons, glTF holds at most {}; ask for json", u32::MAX)));
@@ -55,28 +70,62 @@ pub(super) fn document(buffer: &Buffer<'_>, uri: Option<&str>) -> Result<Vec<u8>
     let mut root = Root { asset: asset(), scene: Some(Index::new(0)), ..Root::default() };
     let mut node = Node { name: Some("planish".into()), translation: translation(buffer), ..Node::default() };
     root.scenes = vec![Scene { extensions: None, extras: Extras::default(), name: None, nodes: vec![Index::new(0)] }];
-    let primitives = if buffer.is_mesh() { surface(buffer, &mut root)? } else { curves(buffer, &mut root) };
-    if !primitives.is_empty() {
-        node.mesh = Some(Index::new(0));
+    let parts = if buffer.is_mesh() { surface(buffer, &mut root)? } else { curves(buffer, &mut root) };
+    let mut groups = Vec::new();
+    for GroupPrimitives { group, primitives } in parts {
+        let mesh = Some(Index::new(index(root.meshes.len())));
+        let name = group.map(|group| buffer.attachments().groups.names[group].clone());
         let (extras, weights) = (target_names(buffer)?, buffer.targets.iter().map(|_| 0.0).collect());
         let weights = Some(weights).filter(|weights: &Vec<f32>| !weights.is_empty());
-        root.meshes = vec![Mesh { extensions: None, extras, name: None, primitives, weights }];
-        root.buffers = vec![json::Buffer {
-            byte_length: length(buffer.amounts.bytes()).into(),
-            name: None,
-            uri: uri.map(Into::into),
-            extensions: None,
-            extras: Extras::default(),
-        }];
+        root.meshes.push(Mesh { extensions: None, extras, name: name.clone(), primitives, weights });
+        match name {
+            None => node.mesh = mesh,
+            name => groups.push(Node { name, mesh, ..Node::default() }),
+        }
+    }
+    if !root.meshes.is_empty() {
+        root.buffers = vec![buffer_of(buffer.amounts.bytes())];
     }
     root.nodes = framed(node, buffer.frame);
+    let first = root.nodes.len();
+    if let Some(node) = root.nodes.last_mut().filter(|_| !groups.is_empty()) {
+        node.children = Some((first..first + groups.len()).map(|child| Index::new(index(child))).collect());
+    }
+    root.nodes.extend(groups);
     if let Some(rate) = buffer.amounts.frame_rate.filter(|_| !root.meshes.is_empty()) {
         animate(&mut root, buffer.targets.len(), rate);
     }
-    root.to_vec().map_err(|error| unwritten(&error))
+    if !root.textures.is_empty() {
+        Looks::of(buffer.attachments()).add_images(&mut root);
+    }
+    Ok(root)
 }
 
-fn unwritten(error: &serde_json::Error) -> FormatError {
+/// A buffer of so many bytes, wherever they are.
+pub(super) fn buffer_of(bytes: u128) -> json::Buffer {
+    json::Buffer {
+        byte_length: length(bytes).into(),
+        name: None,
+        uri: None,
+        extensions: None,
+        extras: Extras::default(),
+    }
+}
+
+/// The primitives of the faces of one group, or of those in none.
+struct GroupPrimitives {
+    group: Option<usize>,
+    primitives: Vec<Primitive>,
+}
+
+impl GroupPrimitives {
+    /// Those in no group; none where there are none.
+    fn ungrouped(primitives: Vec<Primitive>) -> Vec<Self> {
+        if primitives.is_empty() { Vec::new() } else { vec![Self { group: None, primitives }] }
+    }
+}
+
+pub(super) fn unwritten(error: &serde_json::Error) -> FormatError {
     FormatError::Unfit(format!("the glTF document cannot be written: {error}"))
 }
 
@@ -110,27 +159,11 @@ fn framed(mut node: Node, frame: Frame) -> Vec<Node> {
     vec![Node { name, matrix, scale, children: Some(vec![Index::new(1)]), ..Node::default() }, node]
 }
 
-/// The look of surfaces; with colours of their own they are white, and see-through where these say so.
-fn look(base: [f32; 4], name: Option<&str>, alpha: bool) -> Material {
-    Material {
-        name: name.map(Into::into),
-        double_sided: true,
-        alpha_mode: Valid(if alpha { AlphaMode::Blend } else { AlphaMode::Opaque }),
-        pbr_metallic_roughness: PbrMetallicRoughness {
-            base_color_factor: PbrBaseColorFactor(base),
-            metallic_factor: StrengthFactor(0.0),
-            roughness_factor: StrengthFactor(0.5),
-            ..PbrMetallicRoughness::default()
-        },
-        ..Material::default()
-    }
-}
-
 /// One primitive for each polygon with points.
-fn curves(buffer: &Buffer<'_>, root: &mut Root) -> Vec<Primitive> {
+fn curves(buffer: &Buffer<'_>, root: &mut Root) -> Vec<GroupPrimitives> {
     let mut primitives = Vec::with_capacity(buffer.parts.len());
     if buffer.amounts.vertices == 0 {
-        return primitives;
+        return Vec::new();
     }
     let view = Views::of(root).vertices(buffer.amounts.vertices, VECTOR);
     let mut start = 0;
@@ -144,41 +177,43 @@ fn curves(buffer: &Buffer<'_>, root: &mut Root) -> Vec<Primitive> {
         };
         primitives.push(primitive(BTreeMap::from([(Valid(Semantic::Positions), positions)]), mode));
     }
-    root.materials = vec![look(CURVE, None, false)];
-    primitives
+    root.materials = vec![gltf_looks::surface(CURVE, None)];
+    GroupPrimitives::ungrouped(primitives)
 }
 
 /// One primitive for each group and material, or points where there are no faces.
-fn surface(buffer: &Buffer<'_>, root: &mut Root) -> Result<Vec<Primitive>, FormatError> {
+fn surface(buffer: &Buffer<'_>, root: &mut Root) -> Result<Vec<GroupPrimitives>, FormatError> {
     let Some(part) = buffer.parts.first().filter(|part| part.len() > 0) else { return Ok(Vec::new()) };
     let attributes = attributes(buffer, part, root);
-    let color = buffer.attachments().color().map(|(_, channel)| channel.width);
-    let base = if color.is_some() { [1.0; 4] } else { SURFACE };
-    let look = |name| look(base, name, color == Some(4));
+    let looks = Looks::of(buffer.attachments());
     if buffer.faces.is_empty() {
-        root.materials = vec![look(None)];
+        looks.add(None, root);
         let targets = targets(buffer, root);
-        return Ok(vec![Primitive { targets, ..primitive(attributes, Mode::Points) }]);
+        return Ok(GroupPrimitives::ungrouped(vec![Primitive { targets, ..primitive(attributes, Mode::Points) }]));
     }
-    let triangles = buffer.amounts.triangles;
-    let corners = Views::of(root).indices(triangles * TRIANGLE);
+    let (triangles, triangle) = (buffer.amounts.triangles, buffer.amounts.triangle());
+    let component = if triangle == 6 { ComponentType::U16 } else { ComponentType::U32 };
+    let corners = Views::of(root).indices(triangles * triangle);
     let origins = buffer.amounts.ids.then(|| Views::of(root).loose(triangles * 4));
     let targets = targets(buffer, root);
     let mut known: Vec<Option<usize>> = Vec::new();
-    let mut primitives = Vec::with_capacity(buffer.faces.len());
+    let mut groups: Vec<GroupPrimitives> = Vec::new();
     let mut start = 0;
     for section in &buffer.faces {
         let material = known.iter().position(|&material| material == section.material).unwrap_or_else(|| {
-            let name = section.material.map(|material| buffer.attachments().materials.names[material].as_str());
-            root.materials.push(look(name));
+            looks.add(section.material, root);
             known.push(section.material);
             known.len() - 1
         });
-        let (n, component) = (section.triangles, ComponentType::U32);
-        let indices = root.push(accessor(corners, start * TRIANGLE, 3 * n, component, Type::Scalar));
-        let faces = origins.map(|view| root.push(accessor(view, start * 4, n, component, Type::Scalar)));
+        let n = section.triangles;
+        let indices = root.push(accessor(corners, start * triangle, 3 * n, component, Type::Scalar));
+        let faces = origins.map(|view| root.push(accessor(view, start * 4, n, ComponentType::U32, Type::Scalar)));
         start += n;
-        primitives.push(Primitive {
+        let group = groups.iter().position(|known| known.group == section.group).unwrap_or_else(|| {
+            groups.push(GroupPrimitives { group: section.group, primitives: Vec::new() });
+            groups.len() - 1
+        });
+        groups[group].primitives.push(Primitive {
             indices: Some(indices),
             material: Some(Index::new(u32::try_from(material).expect("there are few materials"))),
             extras: extras(buffer, section, faces)?,
@@ -186,7 +221,7 @@ fn surface(buffer: &Buffer<'_>, root: &mut Root) -> Result<Vec<Primitive>, Forma
             ..primitive(attributes.clone(), Mode::Triangles)
         });
     }
-    Ok(primitives)
+    Ok(groups)
 }
 
 /// What a primitive says beyond glTF: its group, and the accessor with the input face of each triangle.

@@ -8,7 +8,7 @@ use gltf::json::{Accessor, Extras, Index, Root};
 /// Bytes of one number of a channel.
 pub(super) const NUMBER: u128 = 4;
 
-/// The views of a document, each starting where the one before ends.
+/// The views of a document, each starting at the first multiple of 4 where the one before has ended.
 pub(super) struct Views<'a>(&'a mut Root);
 
 impl<'a> Views<'a> {
@@ -35,7 +35,8 @@ impl<'a> Views<'a> {
 
     fn add(self, bytes: u128, byte_stride: Option<Stride>, target: Option<Target>) -> u32 {
         let views = &mut self.0.buffer_views;
-        let start = views.last().map_or(0, |last| last.byte_offset.map_or(0, |start| start.0) + last.byte_length.0);
+        let end = |last: &View| last.byte_offset.map_or(0, |start| start.0) + last.byte_length.0;
+        let start = views.last().map_or(0, end).next_multiple_of(4);
         views.push(View {
             buffer: Index::new(0),
             byte_length: length(bytes).into(),

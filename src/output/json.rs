@@ -1,6 +1,7 @@
 //! JSON in the notation of requests: every format's fallback, holding everything at full precision.
 
 mod carried;
+mod looks;
 mod row;
 mod sections;
 

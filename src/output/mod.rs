@@ -1,6 +1,7 @@
 //! Formats: each writes a scene; the registry is the only place that lists them.
 
 pub mod hard_edges;
+pub mod mtl;
 pub mod normals;
 pub mod scene;
 pub mod surface;
@@ -16,8 +17,16 @@ mod glb;
 mod gltf;
 mod gltf_amounts;
 mod gltf_animation;
+mod gltf_bin;
 mod gltf_buffer;
+mod gltf_codec;
 mod gltf_document;
+mod gltf_grid;
+mod gltf_levels;
+mod gltf_looks;
+mod gltf_order;
+mod gltf_pack;
+mod gltf_packing;
 mod gltf_targets;
 mod gltf_views;
 mod json;
@@ -41,13 +50,24 @@ mod vertex_sums;
 
 pub use counts::{Counts, ShapeKind};
 pub use error::FormatError;
-pub use format::{Content, Format, FormatFacts};
+pub use format::{Content, Details, Format, FormatFacts};
 pub use options::{LIMIT, POSITIONS, TANGENTS};
 pub use size::Size;
 
 /// Every format, in the order of the documentation.
-pub const FORMATS: &[&dyn Format] =
-    &[&json::Json, &stats::Stats, &obj::Obj, &glb::Glb, &gltf::Gltf, &ply::Ply, &stl::Stl, &png::Png, &svg::Svg];
+pub const FORMATS: &[&dyn Format] = &[
+    &json::Json,
+    &stats::Stats,
+    &obj::Obj,
+    &mtl::Mtl,
+    &glb::Glb,
+    &gltf::Gltf,
+    &gltf_bin::GltfBin,
+    &ply::Ply,
+    &stl::Stl,
+    &png::Png,
+    &svg::Svg,
+];
 
 /// The format of a name.
 pub fn named(name: &str) -> Option<&'static dyn Format> {

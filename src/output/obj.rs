@@ -2,12 +2,14 @@
 
 use std::io::Write;
 
-use crate::math::parameter::Values;
+use crate::fault::Fault;
+use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::colors::within;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::hard_edges::HardEdges;
+use crate::output::mtl::check_file_name;
 use crate::output::normals;
 use crate::output::numbers::{REAL, digits, real, total, whole};
 use crate::output::options::{IDS, POSITIONS};
@@ -18,20 +20,28 @@ use crate::output::split_vertices::SplitVertices;
 use crate::output::stream::{Stream, holds_space};
 use crate::output::surface::{NORMALS, with_normals};
 use crate::output::text::RowStyle;
+use crate::shape::attachments::Attachments;
 use crate::shape::creases::Tags;
 use crate::shape::labels::Labels;
 use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
-/// The first lines: who wrote the file, and what coordinates mean.
-fn header(frame: Frame) -> String {
-    ["planish".to_owned()]
-        .into_iter()
-        .chain(frame.remarks())
-        .map(|remark| format!("# {remark}\n"))
-        .collect::<Vec<_>>()
-        .concat()
+/// The option of a library of materials.
+const LIBRARY: Parameter = Parameter {
+    name: "mtllib",
+    kind: Kind::Name,
+    unit: "",
+    default: Default::Absent,
+    doc: "The name of a file beside this one with the materials, as the format \"mtl\" writes it; left out, none is \
+          named.",
+};
+
+/// The first lines: who wrote the file, what coordinates mean, and where the materials are.
+fn header(frame: Frame, options: &Values) -> String {
+    let remarks = ["planish".to_owned()].into_iter().chain(frame.remarks()).map(|remark| format!("# {remark}\n"));
+    let library = options.name(LIBRARY.name).map(|name| format!("mtllib {name}\n"));
+    remarks.chain(library).collect::<Vec<_>>().concat()
 }
 
 /// The lines of vertices, texture coordinates, normals and faces.
@@ -53,8 +63,8 @@ const UNNAMED: &str = "default";
 /// Numbers are the shortest decimals that read back as the same f64. A closed curve repeats its first index; missing
 /// coordinates of points are 0. Unit and up axis stand in comments where they are not the defaults. The channel `color`
 /// stands behind the coordinates (red, green, blue), other channels have no place. Groups and materials are `g` and
-/// `usemtl`, "default" for faces without; there is no library of materials. Origins are comments before the first
-/// vertex and face of each input cell. Where the mesh stands as it was given, tags `t crease` and `t corner` after the
+/// `usemtl`, "default" for faces without; how they look stands in a library of its own, the format "mtl". Origins are
+/// comments before the first vertex and face of each input cell. Where the mesh stands as it was given, tags `t crease` and `t corner` after the
 /// faces tell what is sharp.
 #[derive(Debug)]
 pub(super) struct Obj;
@@ -65,7 +75,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     media_type: "model/obj",
     content: Content::Text,
     doc: "Wavefront OBJ: polygons as they are, shortest decimals that read back exactly",
-    parameters: &[POSITIONS, NORMALS, IDS],
+    parameters: &[POSITIONS, NORMALS, IDS, LIBRARY],
     holds_frames: false,
     holds: |kind, _| holds_space("obj", kind),
 };
@@ -75,10 +85,14 @@ impl Format for Obj {
         FACTS
     }
 
+    fn suits(&self, _: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
+        check_file_name(&LIBRARY, options)
+    }
+
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         let index = digits(counts.vertices);
         let row = 3 * (1 + REAL);
-        let header = header(counts.frame).len() as u128;
+        let header = header(counts.frame, options).len() as u128;
         Size::AtMost(match counts.kind {
             ShapeKind::Curves { .. } => total(&[
                 (1, header),
@@ -114,7 +128,7 @@ impl Format for Obj {
         watch: &Watch,
     ) -> Result<(), FormatError> {
         let mut stream = Stream::new(out, watch);
-        stream.bytes(header(scene.frame).as_bytes())?;
+        stream.bytes(header(scene.frame, options).as_bytes())?;
         match scene.shape {
             Shape::Curves(curves) => write_curves(curves, &mut stream),
             Shape::Mesh(mesh) => {

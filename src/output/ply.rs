@@ -65,6 +65,11 @@ impl Format for Ply {
         check_face(counts.largest_face, Layout::of(options)).map_err(|detail| Fault::new("/face_sizes", detail))
     }
 
+    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Option<String> {
+        let sentence = || "how materials look is left out, as ply has no place for it; ask for glb";
+        (!carried.looks.is_empty()).then(sentence).map(str::to_owned)
+    }
+
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         match counts.kind {
             ShapeKind::Mesh => mesh_size(counts, Layout::of(options)),

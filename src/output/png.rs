@@ -72,7 +72,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     name: "png",
     extension: "png",
     media_type: "image/png",
-    content: Content::Binary,
+    content: Content::Packed,
     doc: "A picture in pixels: a lit mesh with hidden lines removed, or curves with their control polygons.",
     parameters: PARAMETERS,
     holds_frames: false,
@@ -108,7 +108,7 @@ impl Format for Png {
 
     fn memory(&self, counts: &Counts, options: &Values) -> u128 {
         let vertices = counts.vertices.saturating_add(hard_edges::split_vertices(counts, options));
-        let colors = coat::memory(options, vertices, counts.triangles(), counts.uvs);
+        let colors = coat::memory(options, vertices, counts);
         let pieces = counts.vertices.saturating_add(counts.input_edges as u128);
         let isolines = if options.has("show", ISOLINES) { pieces.saturating_mul(8) } else { 0 };
         let wires = if options.has("show", "wireframe") { counts.half_edges.saturating_mul(WIRE_BYTES) } else { 0 };
@@ -119,7 +119,8 @@ impl Format for Png {
     }
 
     fn work(&self, mesh: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
-        mesh.map_or(0, |mesh| forecast::work(mesh, counts, &Options::new(options, counts.frame)))
+        let drawn = mesh.map_or(0, |mesh| forecast::work(mesh, counts, &Options::new(options, counts.frame)));
+        drawn.saturating_add(coat::work(&counts.attachments, options))
     }
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 
+use crate::math::parameter::Values;
 pub use crate::shape::frame::Frame;
 pub use crate::shape::source::{Curve, FaceChunk, MeshSource, OnDemandSource, Origin};
 
@@ -20,6 +21,19 @@ pub struct Scene<'a> {
     pub warnings: &'a [String],
     /// What its coordinates mean.
     pub frame: Frame,
+    /// The shape at levels whose results the writer refers to, the coarsest first.
+    pub details: &'a [Detail<'a>],
+}
+
+/// A shape at some level, whose result is found elsewhere.
+#[derive(Debug, Clone)]
+pub struct Detail<'a> {
+    /// The shape.
+    pub shape: Shape<'a>,
+    /// The options of its result, which may have other defaults than those of the one that refers to it.
+    pub options: &'a Values,
+    /// Where its result is, relative to the one that refers to it.
+    pub uri: String,
 }
 
 /// The shape as it was given, made when a writer asks for it.

@@ -18,6 +18,7 @@ use crate::output::size::Size;
 use crate::output::split_vertices::SplitVertices;
 use crate::output::stream::Stream;
 use crate::output::surface::NORMALS;
+use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
@@ -55,6 +56,11 @@ const FACTS: &FormatFacts = &FormatFacts {
 impl Format for Stl {
     fn facts(&self) -> &'static FormatFacts {
         FACTS
+    }
+
+    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Option<String> {
+        let sentence = || "how materials look is left out, as stl has no place for it; ask for glb";
+        (!carried.looks.is_empty()).then(sentence).map(str::to_owned)
     }
 
     fn size(&self, counts: &Counts, _options: &Values) -> Size {

@@ -22,12 +22,14 @@ mod project;
 mod shade;
 #[cfg(test)]
 mod tests;
+mod texels;
 mod tiles;
 mod triangle;
 
 pub use camera::{Camera, Projection, View};
 pub use forecast::Forecast;
 pub use model::{Crowding, Model, Normals, Strokes, Surface};
-pub use paint::Paint;
+pub use paint::{Paint, Swatch};
 pub use pixmap::Pixmap;
+pub use texels::{Beyond, Cover, Texels};
 pub use tiles::{MAX_SIDE_PX, render};

@@ -1,8 +1,10 @@
 //! Paint: colours that vary over a surface, from its vertices, its triangles or a pattern.
 
 #![expect(clippy::cast_possible_truncation, reason = "colours need no more than the precision of f32")]
+#![expect(clippy::cast_sign_loss, reason = "numbers of swatches are not negative")]
 
 use super::shade::Vec3f;
+use super::texels::Cover;
 
 /// Colours of a surface, linear light from 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,9 +23,29 @@ pub enum Paint<'a> {
         /// The colours.
         colors: [Vec3f; 2],
     },
+    /// Pictures.
+    Covers {
+        /// Texture coordinates of corners.
+        places: &'a [[f64; 2]],
+        /// For each triangle the places of its corners.
+        corners: &'a [[u32; 3]],
+        /// For each triangle the number of its swatch.
+        numbers: &'a [u32],
+        /// What there is to choose from, fewer than 2^24.
+        swatches: &'a [Swatch],
+    },
 }
 
-/// How paint varies over one triangle in a tile: of the pattern the place, else the colour.
+/// A colour, and perhaps a picture that it is multiplied with.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Swatch {
+    /// Linear light from 0 to 1.
+    pub color: Vec3f,
+    /// The picture.
+    pub cover: Option<Cover>,
+}
+
+/// How paint varies over one triangle in a tile: of patterns and pictures the place, else the colour.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Tint {
     /// At pixel (0, 0) of the tile, to the right and down: sums over the corners, and of their weights.
@@ -49,13 +71,32 @@ impl Paint<'_> {
                 };
                 places.map(|place| [place[0] - near(0), place[1] - near(1), 0.0])
             }
+            Self::Covers { places, corners, numbers, swatches } => {
+                let number = f64::from(numbers[id]);
+                let Some(cover) = &swatches[numbers[id] as usize].cover else { return [[0.0, 0.0, number]; 3] };
+                let places = corners[id].map(|place| places[place as usize]);
+                let least = |k: usize| places.iter().map(|place| place[k]).fold(f64::INFINITY, f64::min);
+                let shift = [0, 1].map(|k| cover.period(k, least(k)));
+                places.map(|place| [place[0] - shift[0], place[1] - shift[1], number])
+            }
         }
     }
 
     /// The colour at a place in the tile, pixels.
     pub(super) fn color(&self, tint: &Tint, place: [f32; 2]) -> Vec3f {
-        let Self::Squares { colors, .. } = self else { return tint.at(place) };
-        let (at, wide) = (tint.at(place), tint.footprint(place));
+        let at = tint.at(place);
+        let colors = match self {
+            Self::Vertices(_) | Self::Triangles(_) => return at,
+            Self::Covers { swatches, .. } => {
+                // the number is the same at all corners, but for what blending them rounds
+                let swatch = &swatches[((at[2] + 0.5) as usize).min(swatches.len() - 1)];
+                let Some(cover) = &swatch.cover else { return swatch.color };
+                let light = cover.light([at[0], at[1]], tint.footprint(place));
+                return std::array::from_fn(|k| swatch.color[k] * light[k]);
+            }
+            Self::Squares { colors, .. } => colors,
+        };
+        let wide = tint.footprint(place);
         let share = 0.5 + 0.5 * stripes(at[0], wide[0]) * stripes(at[1], wide[1]);
         std::array::from_fn(|k| share * colors[0][k] + (1.0 - share) * colors[1][k])
     }

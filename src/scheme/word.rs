@@ -4,6 +4,7 @@ use super::letter::Letter;
 use super::operator::{Operator, Role};
 use super::ops::OPERATORS;
 use super::parameters::{ARITIES, ARITY};
+use crate::fault::did_you_mean;
 use crate::math::parameter::Value;
 
 /// Longest text of a word, bytes.
@@ -50,7 +51,10 @@ pub enum WordError {
     #[error("groups are nested deeper than {MAX_DEPTH}; write them out")]
     TooDeep,
     /// A letter that is no operator.
-    #[error("\"{letter}\" at character {at} is no operator; known are {known}", known = known())]
+    #[error(
+        "\"{letter}\" at character {at} is no operator; {meant}known are {known}",
+        meant = meant(*letter), known = known()
+    )]
     UnknownLetter {
         /// The letter.
         letter: char,
@@ -71,6 +75,12 @@ pub enum WordError {
         /// The arity asked for.
         arity: u32,
     },
+}
+
+/// The letter in the other case, where that is an operator.
+fn meant(letter: char) -> String {
+    let known: Vec<String> = OPERATORS.iter().filter_map(|op| op.facts().letter).map(String::from).collect();
+    did_you_mean(&letter.to_string(), known.iter().map(String::as_str))
 }
 
 fn known() -> String {

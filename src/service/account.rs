@@ -41,8 +41,8 @@ impl Account {
     /// [buffers that are kept](kept_buffers); a ninety-sixth to kept work; the long lane gets the rest, which is more
     /// than two fifths.
     ///
-    /// The parts are chosen so that the default of 12 GiB holds a job of 8 GiB, and that 2 GiB still read a body of the
-    /// default length, whose parsing may take 32 times its bytes.
+    /// The parts are chosen so that the default of 12 GiB holds a job of 8 GiB, and reads a body of the default length,
+    /// whose parsing may take 36 times its bytes.
     pub fn new(total: u64, cache: u64) -> Self {
         let share = |name, part: u64| Arc::new(Share::new(name, total / part));
         let cache_bytes = cache.min(total / 4);

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use super::account::{Account, Full};
 use super::clock::Clock;
-use super::computation::{Computation, Failure, Outcome, Phase};
+use super::computation::{Computation, Failure, Outcome, Phase, Timings};
 use super::jobs::{JobSummary, Jobs, State};
 use super::kept_work::KeptWork;
 use super::lent::{InFlight, Lent};
@@ -268,6 +268,25 @@ impl Desk {
             desk.jobs.settle(&id, &computation, state);
         });
         Ok(())
+    }
+
+    /// Keeps a record of a job whose artifact is there, so that what it refers to can be made.
+    ///
+    /// # Errors
+    /// [`Busy`] when there is no room for the record.
+    pub fn record(
+        &self,
+        id: Key,
+        summary: JobSummary,
+        (manifest, timings): (Arc<Manifest>, Timings),
+        peer: Peer,
+    ) -> Result<(), Busy> {
+        if self.jobs.get(&id).is_some() {
+            return Ok(());
+        }
+        let memory = |bytes| self.peers.charge(&self.account.records, Kind::RecordBytes, peer, bytes);
+        let put = self.jobs.put(memory, id, summary, 0, State::Done(manifest, timings));
+        put.map_err(|_| self.pool.busy(Lane::Long))
     }
 
     /// Has an artifact that was just made brought to disk, in the background of its answer.

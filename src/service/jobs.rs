@@ -34,8 +34,17 @@ pub struct JobSummary {
     pub estimate: Estimate,
     /// How close to the limit it comes, where a tolerance was asked for.
     pub reached: Option<Reached>,
+    /// Keys of the results to which its output refers.
+    pub details: Vec<Key>,
     /// The request as it was sent, so that an evicted result can be made again.
     pub request: Bytes,
+}
+
+impl JobSummary {
+    /// The keys of its output and of all that it refers to.
+    fn artifacts(&self) -> impl Iterator<Item = Key> + '_ {
+        std::iter::once(self.output.2).chain(self.details.iter().copied())
+    }
 }
 
 /// One tenant's interest in a computation, by the job's id.
@@ -125,7 +134,7 @@ impl Jobs {
         let age = table.next;
         table.next += 1;
         table.by_age.insert(age, id);
-        table.by_artifact.insert((summary.output.2, id));
+        table.by_artifact.extend(summary.artifacts().map(|key| (key, id)));
         let record = Record { id, summary: Arc::new(summary), attempts, state, _memory: Arc::new(memory) };
         table.records.insert(id, (age, record));
         drop(table);
@@ -172,7 +181,9 @@ impl Table {
     fn forget(&mut self, id: &Key) -> Option<Record> {
         let (age, record) = self.records.remove(id)?;
         self.by_age.remove(&age);
-        self.by_artifact.remove(&(record.summary.output.2, *id));
+        for key in record.summary.artifacts() {
+            self.by_artifact.remove(&(key, *id));
+        }
         Some(record)
     }
 }

@@ -18,4 +18,5 @@ pub mod streaming;
 pub mod task;
 pub mod tiers;
 pub mod under_way;
+pub mod variant;
 pub mod writer;

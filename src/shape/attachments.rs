@@ -1,7 +1,8 @@
 //! What a mesh carries besides its shape: channels of numbers on its vertices, and names on its faces.
 
-use super::check::Checked;
+use super::connect::Checked;
 use super::labels::{FaceSet, Labels};
+use super::looks::Look;
 use super::uvs::{Uvs, UvsInput};
 use crate::fault::{Fault, token, under};
 
@@ -62,6 +63,8 @@ pub struct AttachmentsInput {
     pub groups: Vec<FaceSet>,
     /// Materials of faces.
     pub materials: Vec<FaceSet>,
+    /// How the first of these materials look.
+    pub looks: Vec<Look>,
     /// Texture coordinates.
     pub uvs: Option<UvsInput>,
 }
@@ -75,13 +78,15 @@ pub struct Attachments {
     pub groups: Labels,
     /// Materials of faces.
     pub materials: Labels,
+    /// How each material looks; empty where nothing is said of any.
+    pub looks: Vec<Look>,
     /// Texture coordinates.
     pub uvs: Option<Uvs>,
 }
 
 /// Nothing at all.
 static NONE: Attachments =
-    Attachments { channels: Vec::new(), groups: Labels::NONE, materials: Labels::NONE, uvs: None };
+    Attachments { channels: Vec::new(), groups: Labels::NONE, materials: Labels::NONE, looks: Vec::new(), uvs: None };
 
 impl Attachments {
     /// Nothing at all.
@@ -104,6 +109,11 @@ impl Attachments {
         self.channels.iter().enumerate().find(|(_, channel)| channel.is_color())
     }
 
+    /// How the faces of a material look, as far as that is said.
+    pub fn look(&self, material: Option<usize>) -> Look {
+        material.and_then(|material| self.looks.get(material)).cloned().unwrap_or_default()
+    }
+
     /// Numbers that a vertex carries in all channels.
     pub fn width(&self) -> usize {
         self.channels.iter().map(|channel| channel.width).sum()
@@ -118,9 +128,11 @@ impl Attachments {
         n_vertices: usize,
         Checked { topology, split_from, turned }: &Checked,
     ) -> Result<Self, Vec<Fault>> {
-        let AttachmentsInput { mut channels, groups, materials, uvs } = input;
+        let AttachmentsInput { mut channels, groups, materials, mut looks, uvs } = input;
         let n_faces = topology.n_faces();
         let mut faults = check_channels(&channels, n_vertices);
+        let found = looks.iter().enumerate().flat_map(|(i, look)| under(&format!("/{i}"), look.check(uvs.is_some())));
+        faults.extend(under("/materials", found.take(20).collect()));
         let mut labels = |sets: Vec<FaceSet>, place: &str| {
             Labels::new(sets, n_faces).map_err(|found| faults.extend(under(place, found))).unwrap_or_default()
         };
@@ -136,7 +148,8 @@ impl Attachments {
             }
         }
         channels.sort_by(|a, b| a.name.cmp(&b.name));
-        Ok(Self { channels, groups, materials, uvs })
+        looks.resize(if looks.iter().all(Look::is_silent) { 0 } else { materials.names.len() }, Look::default());
+        Ok(Self { channels, groups, materials, looks, uvs })
     }
 }
 

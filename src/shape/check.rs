@@ -1,17 +1,17 @@
-//! Checks of a face list, and the topology of one that passes.
+//! Face lists, and checks of them.
 
 use rayon::prelude::*;
 
 use super::indices::MAX_REPORTED;
-use super::topology::{Faces, NONE, Topology, index};
+use super::topology::index;
 use crate::fault::Fault;
 use crate::math::sharing::is_small;
 
 /// A face list: face `f` has the vertices `vertices[starts[f]..starts[f + 1]]`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FaceList {
-    starts: Vec<u32>,
-    vertices: Vec<u32>,
+    pub(super) starts: Vec<u32>,
+    pub(super) vertices: Vec<u32>,
 }
 
 impl Default for FaceList {
@@ -67,6 +67,11 @@ impl FaceList {
         &self.vertices
     }
 
+    /// The same faces with other vertices at their corners.
+    pub(super) fn with_vertices(&self, vertices: Vec<u32>) -> Self {
+        Self { starts: self.starts.clone(), vertices }
+    }
+
     pub(super) fn reverse(&mut self, f: usize) {
         self.vertices[self.starts[f] as usize..self.starts[f + 1] as usize].reverse();
     }
@@ -82,110 +87,36 @@ pub enum Winding {
     Repair,
 }
 
-/// A topology with what was changed to get it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Checked {
-    /// The topology of the faces.
-    pub topology: Topology,
-    /// For each vertex appended by splitting fans apart: the vertex it was split from.
-    pub split_from: Vec<u32>,
-    /// Faces that were turned.
-    pub turned: Vec<u32>,
+/// What to do with faces that are no manifold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum NonManifold {
+    /// They are a fault.
+    #[default]
+    Refuse,
+    /// They are cut into manifold pieces.
+    Split,
 }
 
-impl Topology {
-    /// Builds the topology of `faces` over `n_vertices` vertices.
-    ///
-    /// Edges are numbered by first appearance when the faces are scanned in order, corner by corner. A vertex that
-    /// joins several fans of faces is split into one vertex a fan; the fan of the lowest corner keeps the number.
-    ///
-    /// # Errors
-    /// Every fault with a pointer `/faces/...`: faces of fewer than three vertices, repeated or missing vertices, edges
-    /// with three faces or more, components that cannot be oriented or are wound inconsistently.
-    pub fn of_faces(n_vertices: usize, mut faces: FaceList, winding: Winding) -> Result<Checked, Vec<Fault>> {
-        check_faces(n_vertices, &faces)?;
-        let mut sides = sides(n_vertices, &faces);
-        check_edges(&faces, &sides)?;
-        let turned = orient(&mut faces, &sides, winding)?;
-        if !turned.is_empty() {
-            sides = self::sides(n_vertices, &faces);
-        }
-        let mut topology = connect(n_vertices, faces, &sides);
-        let split_from = topology.part_fans();
-        Ok(Checked { topology, split_from, turned })
-    }
-
-    /// The topology of some of its faces, in this order, and for each vertex there the one that it is here; ascending,
-    /// but for those that are added where fans are split apart.
-    ///
-    /// # Errors
-    /// None are known, as a part of an oriented manifold is one.
-    pub fn part(&self, faces: &[u32]) -> Result<(Self, Vec<u32>), Vec<Fault>> {
-        let mut vertices: Vec<u32> = faces.iter().flat_map(|&f| self.face(f as usize)).copied().collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        let number = |v: &u32| vertices.binary_search(v).map_or(NONE, index);
-        let faces = faces.iter().map(|&f| self.face(f as usize).iter().map(number)).collect();
-        let Checked { topology, split_from, .. } = Self::of_faces(vertices.len(), faces, Winding::Refuse)?;
-        let copies: Vec<u32> = split_from.iter().map(|&v| vertices[v as usize]).collect();
-        vertices.extend(copies);
-        Ok((topology, vertices))
-    }
-
-    /// Finds each vertex's first corner; splits vertices with several fans. Returns the origins of the added vertices.
-    fn part_fans(&mut self) -> Vec<u32> {
-        let mut seen = vec![false; self.n_half_edges()];
-        let mut split_from = Vec::new();
-        for half_edge in 0..index(self.n_half_edges()) {
-            if seen[half_edge as usize] {
-                continue;
-            }
-            let start = self.fan_start(half_edge);
-            let fan: Vec<u32> = super::topology::Ring::from(self, start).collect();
-            for &c in &fan {
-                seen[c as usize] = true;
-            }
-            let vertex = self.vertex(half_edge);
-            if self.outgoing[vertex as usize] == NONE {
-                self.outgoing[vertex as usize] = start;
-            } else {
-                let added = index(self.n_vertices);
-                self.n_vertices += 1;
-                self.outgoing.push(start);
-                split_from.push(vertex);
-                for c in fan {
-                    self.vertices[c as usize] = added;
-                }
-            }
-        }
-        split_from
-    }
-
-    /// The first corner, counter-clockwise, of the fan that holds `half_edge`: at the boundary, or `half_edge` itself.
-    fn fan_start(&self, half_edge: u32) -> u32 {
-        let mut at = half_edge;
-        loop {
-            let twin = self.twin(at);
-            if twin == NONE {
-                return at;
-            }
-            at = self.next(twin);
-            if at == half_edge {
-                return half_edge;
-            }
-        }
-    }
-}
-
-/// Turns faces so that neighbours run along their edges in opposite directions. Returns those that were turned.
+/// Turns faces so that neighbours run along their edges in opposite directions. Returns those that were turned. Faces
+/// that are cut later are turned as far as that can be done.
 ///
 /// # Errors
-/// As [`Topology::of_faces`].
-pub fn oriented(n_vertices: usize, faces: &mut FaceList, winding: Winding) -> Result<Vec<u32>, Vec<Fault>> {
-    check_faces(n_vertices, faces)?;
+/// As [`Topology::of_faces`](super::topology::Topology::of_faces).
+pub fn oriented(
+    n_vertices: usize,
+    faces: &mut FaceList,
+    winding: Winding,
+    non_manifold: NonManifold,
+) -> Result<Vec<u32>, Vec<Fault>> {
+    check_faces(n_vertices, faces, non_manifold)?;
     let sides = sides(n_vertices, faces);
-    check_edges(faces, &sides)?;
-    orient(faces, &sides, winding)
+    if non_manifold == NonManifold::Refuse {
+        check_edges(faces, &sides)?;
+        return orient(faces, &sides, winding);
+    }
+    let turned = if winding == Winding::Repair { turns(faces, &sides).0 } else { Vec::new() };
+    turned.iter().for_each(|&f| faces.reverse(f as usize));
+    Ok(turned)
 }
 
 /// Reports the first of some faults, and how many there are. The others are not kept: their sentences would be longer
@@ -203,7 +134,8 @@ fn report(mut faults: impl Iterator<Item = Fault>) -> Result<(), Vec<Fault>> {
     Err(faults)
 }
 
-fn check_faces(n_vertices: usize, faces: &FaceList) -> Result<(), Vec<Fault>> {
+/// Checks the vertices of each face by themselves; faces that are cut later may visit a vertex again.
+pub(super) fn check_faces(n_vertices: usize, faces: &FaceList, non_manifold: NonManifold) -> Result<(), Vec<Fault>> {
     let check = |f: usize| -> Option<Fault> {
         let face = faces.face(f);
         let place = || format!("/faces/{f}");
@@ -214,12 +146,18 @@ fn check_faces(n_vertices: usize, faces: &FaceList) -> Result<(), Vec<Fault>> {
             let detail = format!("there is no vertex {}; the mesh has {n_vertices}, counted from 0", face[j]);
             return Some(Fault::new(format!("{}/{j}", place()), detail));
         }
+        if non_manifold == NonManifold::Split {
+            return None;
+        }
         let mut sorted = face.to_vec();
         sorted.sort_unstable();
         let repeated = sorted.windows(2).find(|pair| pair[0] == pair[1])?;
         Some(Fault::new(
             place(),
-            format!("vertex {} occurs twice; a face visits each of its vertices once", repeated[0]),
+            format!(
+                "vertex {} occurs twice; a face visits each of its vertices once; \"non_manifold\": \"split\" parts it",
+                repeated[0]
+            ),
         ))
     };
     let all = 0..index(faces.len());
@@ -233,10 +171,10 @@ fn check_faces(n_vertices: usize, faces: &FaceList) -> Result<(), Vec<Fault>> {
 }
 
 /// One side of an edge: the edge as (lower vertex, higher vertex), then the corner.
-type Side = ((u32, u32), u32);
+pub(super) type Side = ((u32, u32), u32);
 
 /// All sides, those of one edge next to each other, by ascending corner: sorted into the lower vertices, then at each.
-fn sides(n_vertices: usize, faces: &FaceList) -> Vec<Side> {
+pub(super) fn sides(n_vertices: usize, faces: &FaceList) -> Vec<Side> {
     let all = || {
         (0..faces.len()).flat_map(|f| {
             let face = faces.face(f);
@@ -264,37 +202,49 @@ fn sides(n_vertices: usize, faces: &FaceList) -> Vec<Side> {
     sides
 }
 
-fn groups(sides: &[Side]) -> impl Iterator<Item = &[Side]> {
+/// The sides of each edge.
+pub(super) fn groups(sides: &[Side]) -> impl Iterator<Item = &[Side]> {
     sides.chunk_by(|a, b| a.0 == b.0)
 }
 
-fn face_of(faces: &FaceList, half_edge: u32) -> usize {
+/// Whether a side runs from the lower vertex to the higher one.
+pub(super) fn forward(faces: &FaceList, side: &Side) -> bool {
+    faces.vertices[side.1 as usize] == side.0.0
+}
+
+/// The face of a half-edge.
+pub(super) fn owner(faces: &FaceList, half_edge: u32) -> usize {
     faces.starts.partition_point(|&start| start <= half_edge) - 1
 }
 
-fn check_edges(faces: &FaceList, sides: &[Side]) -> Result<(), Vec<Fault>> {
+/// Checks that each edge has two faces at most.
+pub(super) fn check_edges(faces: &FaceList, sides: &[Side]) -> Result<(), Vec<Fault>> {
     let crowded = groups(sides).filter(|group| group.len() > 2).map(|group| {
         let ((a, b), half_edge) = group[2];
-        let all: Vec<String> = group.iter().take(8).map(|side| face_of(faces, side.1).to_string()).collect();
-        let detail = format!("edge ({a}, {b}) has {} faces ({}); at most 2 are allowed", group.len(), all.join(", "));
-        Fault::new(format!("/faces/{}", face_of(faces, half_edge)), detail)
+        let all: Vec<String> = group.iter().take(8).map(|side| owner(faces, side.1).to_string()).collect();
+        let (n, all) = (group.len(), all.join(", "));
+        let remedy = "\"non_manifold\": \"split\" cuts the mesh there";
+        let detail = format!("edge ({a}, {b}) has {n} faces ({all}); at most 2 are allowed; {remedy}");
+        Fault::new(format!("/faces/{}", owner(faces, half_edge)), detail)
     });
     report(crowded)
 }
 
 /// Turns faces so that neighbours agree, or reports why they do not. Returns the faces turned.
-fn orient(faces: &mut FaceList, sides: &[Side], winding: Winding) -> Result<Vec<u32>, Vec<Fault>> {
-    let forward = |faces: &FaceList, side: &Side| faces.vertices[side.1 as usize] == side.0.0;
+pub(super) fn orient(faces: &mut FaceList, sides: &[Side], winding: Winding) -> Result<Vec<u32>, Vec<Fault>> {
     let disagree = |group: &[Side]| group.len() == 2 && forward(faces, &group[0]) == forward(faces, &group[1]);
     let wrong: Vec<&[Side]> = groups(sides).filter(|group| disagree(group)).collect();
     if wrong.is_empty() {
         return Ok(Vec::new());
     }
-    let turned = turns(faces, sides)?;
+    let (turned, conflict) = turns(faces, sides);
+    if let Some(conflict) = conflict {
+        return Err(vec![conflict]);
+    }
     if winding == Winding::Refuse {
         let faults = wrong.iter().map(|group| {
             let ((a, b), half_edge) = group[1];
-            let (f, g) = (face_of(faces, group[0].1), face_of(faces, half_edge));
+            let (f, g) = (owner(faces, group[0].1), owner(faces, half_edge));
             let detail = format!(
                 "faces {f} and {g} run along edge ({a}, {b}) in the same direction; turn one of them, or set \
                  \"orient\": \"repair\""
@@ -312,16 +262,18 @@ fn orient(faces: &mut FaceList, sides: &[Side], winding: Winding) -> Result<Vec<
 /// A neighbouring face, whether it runs along the common edge in the same direction, and that edge.
 type Neighbour = (usize, bool, (u32, u32));
 
-/// The faces to turn so that all agree with the lowest face of their component, by a search over neighbours.
-fn turns(faces: &FaceList, sides: &[Side]) -> Result<Vec<u32>, Vec<Fault>> {
+/// The faces to turn so that all agree with the lowest face of their component, by a search over neighbours, and the
+/// first two neighbours that cannot agree.
+pub(super) fn turns(faces: &FaceList, sides: &[Side]) -> (Vec<u32>, Option<Fault>) {
     let mut neighbours: Vec<Vec<Neighbour>> = vec![Vec::new(); faces.len()];
     for group in groups(sides).filter(|group| group.len() == 2) {
-        let [f, g] = [face_of(faces, group[0].1), face_of(faces, group[1].1)];
+        let [f, g] = [owner(faces, group[0].1), owner(faces, group[1].1)];
         let same = faces.vertices[group[0].1 as usize] == faces.vertices[group[1].1 as usize];
         neighbours[f].push((g, same, group[0].0));
         neighbours[g].push((f, same, group[0].0));
     }
     let mut turn: Vec<Option<bool>> = vec![None; faces.len()];
+    let mut conflict = None;
     for first in 0..faces.len() {
         if turn[first].is_some() {
             continue;
@@ -334,50 +286,15 @@ fn turns(faces: &FaceList, sides: &[Side]) -> Result<Vec<u32>, Vec<Fault>> {
                 if turn[g].is_none() {
                     turn[g] = wanted;
                     waiting.push(g);
-                } else if turn[g] != wanted {
+                } else if turn[g] != wanted && conflict.is_none() {
                     let detail = format!(
                         "the faces cannot be oriented: around edge ({a}, {b}) they form a one-sided strip; cut the \
-                         mesh along it"
+                         mesh along it, or set \"non_manifold\": \"split\""
                     );
-                    return Err(vec![Fault::new(format!("/faces/{g}"), detail)]);
+                    conflict = Some(Fault::new(format!("/faces/{g}"), detail));
                 }
             }
         }
     }
-    Ok((0..index(faces.len())).filter(|&f| turn[f as usize] == Some(true)).collect())
-}
-
-/// The topology of checked faces, but for [`Topology::part_fans`].
-fn connect(n_vertices: usize, faces: FaceList, sides: &[Side]) -> Topology {
-    let n_half_edges = faces.vertices.len();
-    let mut opposite = vec![NONE; n_half_edges];
-    for group in groups(sides).filter(|group| group.len() == 2) {
-        opposite[group[0].1 as usize] = group[1].1;
-        opposite[group[1].1 as usize] = group[0].1;
-    }
-    let mut edge_of = vec![NONE; n_half_edges];
-    let mut halves = Vec::with_capacity(sides.len());
-    for half_edge in 0..n_half_edges {
-        let other = opposite[half_edge];
-        if other == NONE || (other as usize) > half_edge {
-            edge_of[half_edge] = index(halves.len());
-            halves.push([index(half_edge), other]);
-        } else {
-            edge_of[half_edge] = edge_of[other as usize];
-        }
-    }
-    let all = |size: u32| faces.starts.windows(2).all(|pair| pair[1] - pair[0] == size);
-    let (quads, triangles) = (all(4), all(3));
-    let FaceList { starts, vertices } = faces;
-    let layout = if quads {
-        Faces::Quads
-    } else if triangles {
-        Faces::Triangles
-    } else {
-        let owner = starts.windows(2).enumerate();
-        let owner = owner.flat_map(|(f, pair)| std::iter::repeat_n(index(f), (pair[1] - pair[0]) as usize)).collect();
-        Faces::Mixed { starts, owner }
-    };
-    let outgoing = vec![NONE; n_vertices];
-    Topology { n_vertices, faces: layout, vertices, edge_of, halves, outgoing }
+    ((0..index(faces.len())).filter(|&f| turn[f as usize] == Some(true)).collect(), conflict)
 }

@@ -9,7 +9,8 @@
 
 use rayon::prelude::*;
 
-use super::check::{Checked, FaceList, Winding};
+use super::check::{FaceList, Winding};
+use super::connect::Checked;
 use super::topology::{Faces, NONE, Topology, index};
 use crate::fault::Fault;
 

@@ -116,10 +116,10 @@ impl Pairs {
         let mut sharp = Sharp::new();
         for e in 0..topology.n_edges() {
             let [a, b] = topology.ends(e).map(given);
-            if let Some((_, value)) = missing.remove(&(a.min(b), a.max(b)))
-                && value > 0.0
-                && !topology.is_boundary_edge(e)
-            {
+            let ends = (a.min(b), a.max(b));
+            let Some(&(_, value)) = self.0.get(&ends) else { continue };
+            missing.remove(&ends);
+            if value > 0.0 && !topology.is_boundary_edge(e) {
                 sharp.push((index(e), value));
             }
         }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::attachments::{Attachments, AttachmentsInput};
 use super::attributes::Attributes;
-use super::check::{FaceList, Winding};
+use super::check::{FaceList, NonManifold, Winding};
 use super::creases::{INFINITE_SHARPNESS, Pairs, Sharp, Tags, check_corners};
 use super::directions::Directions;
 use super::indices::check_indices;
@@ -67,6 +67,8 @@ pub struct MeshInput {
     pub longitude: Vec<[u64; 2]>,
     /// What to do with inconsistent winding.
     pub winding: Winding,
+    /// What to do with faces that are no manifold.
+    pub non_manifold: NonManifold,
     /// What the mesh carries besides its shape.
     pub attachments: AttachmentsInput,
     /// What its reader says of it, in sentences.
@@ -118,7 +120,7 @@ impl Mesh {
         let corners = check_corners(&input.corners, n, &mut faults);
         let pairs = Pairs::check(&input.creases, n, &mut faults);
         let holes = check_indices("/holes", "face", &input.holes, ("mesh", n_faces), &mut faults);
-        let checked = match Topology::of_faces(n, input.faces, input.winding) {
+        let (checked, cut) = match Topology::of_any_faces(n, input.faces, input.winding, input.non_manifold) {
             Ok(checked) => checked,
             Err(found) => {
                 faults.extend(found);
@@ -150,7 +152,7 @@ impl Mesh {
         };
         let (positions, frames) = (coordinates(input.positions), input.frames.into_iter().map(coordinates).collect());
         let mut repairs: Vec<Repair> = input.notes.into_iter().map(Repair::Read).chain(input.repairs).collect();
-        repairs.extend((n..).zip(&checked.split_from).map(|(added, &from)| Repair::Split { from, added }));
+        repairs.extend(cut.into_iter().chain(Repair::split(n, &checked.split_from)));
         repairs.extend(Faces::some(&checked.turned).map(Repair::Turned));
         let (fixed, semi_sharp_corners): (Sharp, Sharp) = on_all_parts(corners, n, &checked.split_from)
             .into_iter()

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use super::attachments::Channel;
 use super::attributes::Attributes;
 use super::check::{FaceList, oriented};
 use super::mesh::MeshInput;
@@ -36,6 +37,10 @@ impl MeshInput {
             self.repairs.push(Repair::Welded { merged: welded.merged(), pairs: welded.pairs.clone() });
             let lost = self.attributes.as_ref().and_then(|attributes| lost_parameters(attributes, &welded));
             self.repairs.extend(lost);
+            self.repairs.extend(self.attachments.channels.iter().filter_map(|channel| lost_numbers(channel, &welded)));
+            if let Some(uvs) = &mut self.attachments.uvs {
+                uvs.join(&self.faces, &welded);
+            }
         }
         self.repairs.extend(Faces::some(&result.gone).map(Repair::LeftOut));
         self.positions = welded.kept.iter().map(|&v| self.positions[v as usize]).collect();
@@ -69,7 +74,8 @@ impl MeshInput {
     #[must_use]
     pub fn paired(mut self) -> Self {
         let mut faces = self.faces.clone();
-        let Ok(changed) = oriented(self.positions.len(), &mut faces, self.winding) else { return self };
+        let (n, winding) = (self.positions.len(), self.winding);
+        let Ok(changed) = oriented(n, &mut faces, winding, self.non_manifold) else { return self };
         if self.positions.iter().flatten().any(|x| !x.is_finite()) {
             return self;
         }
@@ -134,6 +140,15 @@ impl MeshInput {
         }
         self.faces = faces;
     }
+}
+
+/// How many merged vertices carry other numbers in a channel than those that stayed.
+fn lost_numbers(Channel { name, width, values }: &Channel, welded: &Welded) -> Option<Repair> {
+    let rows: Vec<&[f64]> = values.chunks_exact((*width).max(1)).collect();
+    let is_whole = rows.len() == welded.image.len();
+    let differ = |&(v, &new): &(usize, &u32)| rows[v] != rows[welded.kept[new as usize] as usize];
+    let n = if is_whole { welded.image.iter().enumerate().filter(differ).count() } else { 0 };
+    (n > 0).then(|| Repair::LostNumbers(name.clone(), n))
 }
 
 /// The parameters in which merged vertices differ from those that stayed, each with the first such pair.

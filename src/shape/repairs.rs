@@ -2,8 +2,11 @@
 
 use std::fmt;
 
+use super::topology::index;
+
 /// Most entries of a repair that are named one by one.
 const NAMED: usize = 20;
+const VERTICES: [&str; 2] = ["vertex", "vertices"];
 
 /// One repair of a mesh, or a note on it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -30,13 +33,66 @@ pub enum Repair {
         /// Triangles that are left.
         left: usize,
     },
-    /// A vertex joined several fans of faces, and another was split from it.
+    /// Edges with more than two faces, where the mesh was cut.
+    Crowded(Edges),
+    /// Edges along which two faces run in the same direction, where the mesh was cut.
+    Opposed(Edges),
+    /// Faces that visit a vertex again, which was split.
+    Repeating(Faces),
+    /// Vertices that joined several fans of faces, from which others were split: how many were added, and the first of
+    /// them, each with the one that it was split from.
     Split {
-        /// The vertex.
-        from: u32,
-        /// The one that was added.
+        /// How many.
         added: usize,
+        /// The first of them.
+        first: Vec<[u32; 2]>,
     },
+    /// Edges of the boundary that lie where others do.
+    Doubled(Edges),
+    /// Merged vertices carried other numbers in this channel than those that stayed: how many.
+    LostNumbers(String, usize),
+}
+
+impl Repair {
+    /// Vertices from number `n` on that were split from these.
+    pub(super) fn split(n: usize, split_from: &[u32]) -> Option<Self> {
+        let first = (n..).zip(split_from).take(NAMED).map(|(added, &from)| [index(added), from]).collect();
+        (!split_from.is_empty()).then_some(Self::Split { added: split_from.len(), first })
+    }
+}
+
+/// Some edges: how many, and the ends of the first of them.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Edges {
+    /// How many.
+    pub count: usize,
+    /// The ends of the first of them.
+    pub first: Vec<[u32; 2]>,
+}
+
+impl Edges {
+    /// The edges with these ends; `None` where there are none.
+    pub(super) fn some(mut ends: impl Iterator<Item = [u32; 2]>) -> Option<Self> {
+        let first: Vec<[u32; 2]> = ends.by_ref().take(NAMED).collect();
+        (!first.is_empty()).then(|| Self { count: first.len() + ends.count(), first })
+    }
+}
+
+impl fmt::Display for Edges {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let list: Vec<String> = self.first.iter().map(|[a, b]| format!("({a}, {b})")).collect();
+        f.write_str(&listed(&list, self.count))
+    }
+}
+
+/// The first of some things, with an ellipsis where there are more.
+fn listed(first: &[String], count: usize) -> String {
+    format!("{}{}", first.join(", "), if count > first.len() { ", ..." } else { "" })
+}
+
+/// "edge" or "edges" and the like, with their number.
+fn counted(n: usize, [one, many]: [&str; 2]) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
 }
 
 /// Some faces: how many, and the first of them.
@@ -59,8 +115,7 @@ impl Faces {
 impl fmt::Display for Faces {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let list: Vec<String> = self.first.iter().map(u32::to_string).collect();
-        let more = if self.count > list.len() { ", ..." } else { "" };
-        write!(f, "{}{more}", list.join(", "))
+        f.write_str(&listed(&list, self.count))
     }
 }
 
@@ -69,10 +124,8 @@ impl fmt::Display for Repair {
         match self {
             Self::Read(note) => f.write_str(note),
             Self::Welded { merged, pairs } => {
-                let vertices = if *merged == 1 { "vertex" } else { "vertices" };
                 let list: Vec<String> = pairs.iter().map(|[from, into]| format!("{from} into {into}")).collect();
-                let more = if *merged > pairs.len() { ", ..." } else { "" };
-                write!(f, "welding merged {merged} {vertices}: {}{more}", list.join(", "))
+                write!(f, "welding merged {}: {}", counted(*merged, VERTICES), listed(&list, *merged))
             }
             Self::LostParameters(lost) => {
                 let list: Vec<String> =
@@ -85,8 +138,31 @@ impl fmt::Display for Repair {
             Self::Paired { pairs, left } => {
                 write!(f, "{pairs} pairs of triangles were joined into quads; {left} triangles are left")
             }
-            Self::Split { from, added } => {
-                write!(f, "vertex {from} joined several fans of faces; vertex {added} was split from it")
+            Self::Crowded(edges) => {
+                let n = counted(edges.count, ["edge has", "edges have"]);
+                write!(f, "{n} more than two faces, and the mesh is cut there: {edges}")
+            }
+            Self::Opposed(edges) => {
+                let n = counted(edges.count, ["edge has", "edges have"]);
+                let remedy = "\"orient\": \"repair\" turns faces";
+                write!(f, "{n} two faces that run the same way, and the mesh is cut there ({remedy}): {edges}")
+            }
+            Self::Repeating(faces) => {
+                let n = counted(faces.count, ["face visits", "faces visit"]);
+                write!(f, "{n} a vertex more than once, which is split there: {faces}")
+            }
+            Self::Split { added, first } => {
+                let list: Vec<String> = first.iter().map(|[added, from]| format!("{added} from {from}")).collect();
+                let n = counted(*added, ["vertex was", "vertices were"]);
+                write!(f, "{n} split from others, which joined several fans of faces: {}", listed(&list, *added))
+            }
+            Self::Doubled(edges) => {
+                let n = counted(edges.count, ["edge of the boundary lies", "edges of the boundary lie"]);
+                write!(f, "{n} where others do, and gaps open along them; \"weld\": 0 joins them: {edges}")
+            }
+            Self::LostNumbers(name, merged) => {
+                let n = counted(*merged, ["merged vertex differs", "merged vertices differ"]);
+                write!(f, "{n} in the channel \"{name}\", and those that stayed keep theirs")
             }
         }
     }

@@ -1,11 +1,13 @@
 //! Texture coordinates of face corners: a mesh of its own whose vertices are the places that corners share, and whose
 //! boundaries are the seams.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::check::{FaceList, Winding};
 use super::pair::Diagonal;
 use super::topology::{NONE, Topology, index};
+use super::weld::Welded;
 use crate::fault::Fault;
 
 /// Where texture coordinates are interpolated linearly (sharp), as OpenSubdiv means it.
@@ -42,6 +44,26 @@ impl UvsInput {
     pub(super) fn fits(&self, faces: &FaceList) -> bool {
         let sizes = |faces: &FaceList| (0..faces.len()).map(|f| faces.face(f).len()).collect::<Vec<_>>();
         sizes(&self.faces) == sizes(faces)
+    }
+
+    /// Joins equal values at vertices that were merged; where they differ, a seam stays. The faces have the vertices
+    /// from before.
+    pub(super) fn join(&mut self, faces: &FaceList, welded: &Welded) {
+        if !self.fits(faces) || self.faces.vertices().iter().any(|&value| value as usize >= self.values.len()) {
+            return;
+        }
+        let mut n_merged = vec![0_u32; welded.kept.len()];
+        welded.image.iter().for_each(|&new| n_merged[new as usize] += 1);
+        let mut known: BTreeMap<(u32, [u64; 2]), u32> = BTreeMap::new();
+        let joined = faces.vertices().iter().zip(self.faces.vertices()).map(|(&v, &value)| {
+            let new = welded.image[v as usize];
+            if n_merged[new as usize] < 2 {
+                return value;
+            }
+            let bits = self.values[value as usize].map(|x| (x + 0.0).to_bits());
+            *known.entry((new, bits)).or_insert(value)
+        });
+        self.faces = self.faces.with_vertices(joined.collect());
     }
 
     /// Follows faces that were turned. What does not fit is left for [`Uvs::new`] to refuse.

@@ -37,7 +37,7 @@ pub struct ProblemAnswer {
 /// One fault of a request.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct FaultAnswer {
-    /// JSON pointer into the request.
+    /// JSON pointer into the request; where the query says the job, a question mark and the name of the parameter.
     pub pointer: String,
     /// What is wrong there and what would be right.
     pub detail: String,

@@ -29,10 +29,37 @@ pub struct ParameterEntry {
     pub default: Value,
     /// Bounds, choices or fields, by kind.
     #[serde(flatten)]
-    #[schema(value_type = Object)]
-    pub bounds: Value,
+    pub bounds: BoundsEntry,
     /// What the parameter does.
     pub doc: &'static str,
+}
+
+/// What bounds a parameter, by its kind.
+#[derive(Debug, Clone, Default, Serialize, ToSchema)]
+pub struct BoundsEntry {
+    /// The kind of its values.
+    pub kind: &'static str,
+    /// The smallest number allowed; null where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<f64>)]
+    pub min: Option<Value>,
+    /// The largest number allowed; null where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<f64>)]
+    pub max: Option<Value>,
+    /// The names to choose from.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub choices: Option<&'static [&'static str]>,
+    /// The variable that an expression may use.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub variable: Option<&'static str>,
+    /// The fields of an object.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(no_recursion)]
+    pub fields: Option<Vec<ParameterEntry>>,
+    /// The most entries of a list.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub most: Option<usize>,
 }
 
 /// One preset.
@@ -96,12 +123,13 @@ pub struct ReaderEntry {
 }
 
 impl ParameterEntry {
-    fn new(parameter: &Parameter) -> Self {
+    /// What the catalogue says of a parameter.
+    pub(crate) fn new(parameter: &Parameter) -> Self {
         Self {
             name: parameter.name,
             expects: parameter.kind.expected(),
             unit: parameter.unit,
-            required: matches!(parameter.default, Default::Required),
+            required: parameter.is_required(),
             default: default(parameter.default),
             bounds: bounds(&parameter.kind),
             doc: parameter.doc,
@@ -130,24 +158,27 @@ fn number(x: f64) -> Value {
     if x.fract() == 0.0 && x.abs() < 1e15 { json!(x as i64) } else { json!(x) }
 }
 
-fn bounds(kind: &Kind) -> Value {
-    let bound = |x: f64| if x.is_finite() { number(x) } else { Value::Null };
+fn bounds(kind: &Kind) -> BoundsEntry {
+    let bound = |x: f64| Some(if x.is_finite() { number(x) } else { Value::Null });
+    let of = |kind| BoundsEntry { kind, ..BoundsEntry::default() };
     match kind {
-        Kind::Number { min, max } => json!({ "kind": "number", "min": bound(*min), "max": bound(*max) }),
-        Kind::Integer { min, max } => json!({ "kind": "integer", "min": min, "max": max }),
-        Kind::Flag => json!({ "kind": "flag" }),
-        Kind::Choice(names) => json!({ "kind": "choice", "choices": names }),
-        Kind::Name => json!({ "kind": "name" }),
-        Kind::Choices(names) => json!({ "kind": "choices", "choices": names }),
-        Kind::Expression { variable } => json!({ "kind": "expression", "variable": variable }),
-        Kind::Expressions { variable, most } => json!({ "kind": "expressions", "variable": variable, "most": most }),
-        Kind::Numbers { most } => json!({ "kind": "numbers", "most": most }),
-        Kind::Color => json!({ "kind": "color" }),
-        Kind::Vector => json!({ "kind": "vector" }),
-        Kind::Direction => json!({ "kind": "direction" }),
-        Kind::Group(fields) => json!({ "kind": "group", "fields": ParameterEntry::all(fields) }),
+        Kind::Number { min, max } => BoundsEntry { min: bound(*min), max: bound(*max), ..of("number") },
+        Kind::Integer { min, max } => BoundsEntry { min: Some(json!(min)), max: Some(json!(max)), ..of("integer") },
+        Kind::Flag => of("flag"),
+        Kind::Choice(names) => BoundsEntry { choices: Some(names), ..of("choice") },
+        Kind::Name => of("name"),
+        Kind::Choices(names) => BoundsEntry { choices: Some(names), ..of("choices") },
+        Kind::Expression { variable } => BoundsEntry { variable: Some(variable), ..of("expression") },
+        Kind::Expressions { variable, most } => {
+            BoundsEntry { variable: Some(variable), most: Some(*most), ..of("expressions") }
+        }
+        Kind::Numbers { most } => BoundsEntry { most: Some(*most), ..of("numbers") },
+        Kind::Color => of("color"),
+        Kind::Vector => of("vector"),
+        Kind::Direction => of("direction"),
+        Kind::Group(fields) => BoundsEntry { fields: Some(ParameterEntry::all(fields)), ..of("group") },
         Kind::Groups { fields, most } => {
-            json!({ "kind": "groups", "fields": ParameterEntry::all(fields), "most": most })
+            BoundsEntry { fields: Some(ParameterEntry::all(fields)), most: Some(*most), ..of("groups") }
         }
     }
 }

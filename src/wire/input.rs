@@ -8,11 +8,12 @@ use super::mesh::MeshRequest;
 use super::object;
 use super::polygon::{PolygonRequest, polygons};
 use super::text::{Held, MeshFile, TextRequest, within};
+use super::weld::WeldRequest;
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
 use crate::job::{Input, InputEntry};
 use crate::scheme::tags::Boundary;
-use crate::shape::check::Winding;
+use crate::shape::check::{NonManifold, Winding};
 use crate::shape::frame::{Frame, Unit, Up};
 use crate::shape::mesh::{Mesh, MeshInput};
 
@@ -39,9 +40,13 @@ pub struct InputRequest {
     pub up: Option<UpRequest>,
     /// What to do with faces whose winding disagrees with their neighbours': `refuse` (default) or `repair`.
     pub orient: Option<OrientRequest>,
-    /// Merge vertices of a mesh that are at most so far apart, in model units; 0 merges equal positions.
-    #[schema(minimum = 0)]
-    pub weld: Option<f64>,
+    /// Merge vertices of a mesh that are at most so far apart, in model units; 0 merges equal positions. When it is
+    /// left out, files of formats that double vertices (`gltf`, `glb`) are welded at equal positions where there is a
+    /// plan; `false` keeps their vertices apart.
+    pub weld: Option<WeldRequest>,
+    /// What to do with faces that are no manifold, as where an edge has three: `refuse` (default where there is a plan)
+    /// or `split`, which cuts the mesh into manifold pieces; without a plan that is what is drawn and converted.
+    pub non_manifold: Option<NonManifoldRequest>,
     /// Join pairs of triangles of a mesh into quads, where there is one way to do it.
     #[serde(default)]
     pub pair_quads: bool,
@@ -57,6 +62,16 @@ choice! {
         Refuse = "refuse",
         /// Turn faces to agree with the lowest of their component.
         Repair = "repair",
+    }
+}
+
+choice! {
+    /// What to do with faces that are no manifold.
+    pub enum NonManifoldRequest means NonManifold {
+        /// Refuse the mesh.
+        Refuse = "refuse",
+        /// Cut it into manifold pieces.
+        Split = "split",
     }
 }
 
@@ -84,6 +99,15 @@ choice! {
     }
 }
 
+/// What becomes of an input.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// It is refined by a plan.
+    Refine,
+    /// It is converted or drawn as it is.
+    Keep,
+}
+
 /// A checked input.
 #[derive(Debug, Clone)]
 pub struct Resolved {
@@ -101,31 +125,38 @@ impl InputRequest {
         Frame { unit: self.unit.map(Into::into).unwrap_or_default(), up: self.up.map(Into::into).unwrap_or_default() }
     }
 
-    /// Checks the input; mesh files may be as large as `limits` say.
+    /// Whether there is exactly one kind of input.
+    pub(super) fn is_one(&self) -> bool {
+        let is_file = self.text.is_some() || self.file.is_some();
+        let given = [self.mesh.is_some(), is_file, self.polygon.is_some(), self.polygons.is_some()];
+        given.iter().filter(|given| **given).count() == 1
+    }
+
+    /// Checks the input, with the defaults for what becomes of it; mesh files may be as large as `limits` say.
     ///
     /// # Errors
     /// All faults, with pointers below the input.
-    pub fn resolve(mut self, limits: &ReadLimits) -> Result<Resolved, Vec<Fault>> {
-        let (text, file) = (self.text.take(), self.file.take());
-        let is_file = text.is_some() || file.is_some();
-        let given = [self.mesh.is_some(), is_file, self.polygon.is_some(), self.polygons.is_some()];
-        if given.iter().filter(|given| **given).count() != 1 {
+    pub fn resolve(mut self, purpose: Purpose, limits: &ReadLimits) -> Result<Resolved, Vec<Fault>> {
+        if !self.is_one() {
             let detail = "give exactly one of \"mesh\", \"text\", \"polygon\" and \"polygons\"";
             return Err(vec![Fault::new("", detail)]);
         }
+        let (text, file) = (self.text.take(), self.file.take());
         if let Some(mesh) = self.mesh.take() {
             let under = |found| under("/mesh", found);
             self.keeps_vertices(&mesh)?;
             let input = mesh.input(self.winding()).map_err(under)?;
-            let input = Input::Mesh(self.mesh(input)?.map_err(under)?);
+            let input = Input::Mesh(self.mesh(input, self.distance(), purpose)?.map_err(under)?);
             return Ok(Resolved { input, entry: InputEntry::Mesh, boundary: None });
         }
         let in_text = |found| under("/text", found);
         if let Some(file) = text.map(TextRequest::file).transpose().map_err(|fault| in_text(vec![fault]))?.or(file) {
-            let Held { mesh, boundary, lines } = file.read(self.winding(), limits).map_err(in_text)?;
+            let Held { mesh, boundary, lines, is_doubled } = file.read(self.winding(), limits).map_err(in_text)?;
+            let usual = (is_doubled && self.weld.is_none() && purpose == Purpose::Refine).then_some(0.0);
+            let distance = self.distance().or(usual);
             // repairs leave faces out, or join them
-            let lines = if self.weld.is_some() || self.pair_quads { Vec::new() } else { lines };
-            let mesh = self.mesh(mesh)?.map_err(|found| in_text(within(found, &lines)))?;
+            let lines = if distance.is_some() || self.pair_quads { Vec::new() } else { lines };
+            let mesh = self.mesh(mesh, distance, purpose)?.map_err(|found| in_text(within(found, &lines)))?;
             return Ok(Resolved { input: Input::Mesh(mesh), entry: InputEntry::Text, boundary });
         }
         self.has_no_mesh()?;
@@ -142,18 +173,35 @@ impl InputRequest {
         self.orient.map(Into::into).unwrap_or_default()
     }
 
-    /// Repairs and checks a mesh: faults of the repairs, or those of the mesh.
-    fn mesh(&self, input: MeshInput) -> Result<Result<Mesh, Vec<Fault>>, Vec<Fault>> {
-        let input = match self.weld {
-            Some(distance) => input.welded(distance).map_err(|fault| vec![fault])?,
-            None => input,
-        };
-        Ok(Mesh::new(if self.pair_quads { input.paired() } else { input }))
+    /// The distance within which vertices are merged, where it is given.
+    fn distance(&self) -> Option<f64> {
+        if let Some(WeldRequest::Within(distance)) = self.weld { Some(distance) } else { None }
+    }
+
+    /// Repairs and checks a mesh, whose vertices are merged within a distance where there is one: faults of the
+    /// repairs, or those of the mesh.
+    fn mesh(
+        &self,
+        mut input: MeshInput,
+        distance: Option<f64>,
+        purpose: Purpose,
+    ) -> Result<Result<Mesh, Vec<Fault>>, Vec<Fault>> {
+        let usual = if purpose == Purpose::Refine { NonManifold::Refuse } else { NonManifold::Split };
+        input.non_manifold = self.non_manifold.map_or(usual, Into::into);
+        if let Some(distance) = distance {
+            input = input.welded(distance).map_err(|fault| vec![fault])?;
+        }
+        let mesh = Mesh::new(if self.pair_quads { input.paired() } else { input });
+        Ok(mesh.map(|mut mesh| {
+            let doubled = if purpose == Purpose::Refine { mesh.doubled_boundary() } else { None };
+            mesh.repairs.extend(doubled);
+            mesh
+        }))
     }
 
     /// Nothing is to be repaired by the places of vertices, of which a mesh with frames has several.
     fn keeps_vertices(&self, mesh: &MeshRequest) -> Result<(), Vec<Fault>> {
-        let given = [("weld", self.weld.is_some()), ("pair_quads", self.pair_quads)];
+        let given = [("weld", self.distance().is_some()), ("pair_quads", self.pair_quads)];
         let fault = |(name, _)| {
             let detail = format!("\"{name}\" goes by positions, and frames have several each; leave it out");
             Fault::new(format!("/{name}"), detail)
@@ -171,6 +219,9 @@ impl InputRequest {
         }
         if self.weld.is_some() {
             faults.push(Fault::new("/weld", "only meshes are welded; leave it out"));
+        }
+        if self.non_manifold.is_some() {
+            faults.push(Fault::new("/non_manifold", "only meshes have edges with several faces; leave it out"));
         }
         if self.pair_quads {
             faults.push(Fault::new("/pair_quads", "only meshes have triangles; leave it out"));

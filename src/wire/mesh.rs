@@ -5,6 +5,7 @@ use utoipa::ToSchema;
 
 use super::channels::ChannelsRequest;
 use super::choice::choice;
+use super::material::{MaterialRequest, materials};
 use super::polygon::PointParameters;
 use super::{fixed, object, schema};
 use crate::fault::Fault;
@@ -59,10 +60,10 @@ pub struct MeshRequest {
     #[serde(default, deserialize_with = "object::list")]
     #[schema(max_items = 256)]
     pub groups: Vec<FaceSetRequest>,
-    /// Materials of faces; a face has one of them at most.
+    /// Materials of faces, and how they look; a face has one of them at most.
     #[serde(default, deserialize_with = "object::list")]
     #[schema(max_items = 256)]
-    pub materials: Vec<FaceSetRequest>,
+    pub materials: Vec<MaterialRequest>,
     /// Texture coordinates of face corners.
     #[serde(default, deserialize_with = "object::optional")]
     pub uvs: Option<UvsRequest>,
@@ -171,10 +172,12 @@ impl MeshRequest {
         }
         let corners = self.corners.iter().map(|corner| (corner.vertex, corner.sharpness)).collect();
         let creases = self.creases.iter().map(|crease| (crease.edge, crease.sharpness)).collect();
+        let (materials, looks) = materials(self.materials)?;
         let attachments = AttachmentsInput {
             channels: self.channels.0,
             groups: face_sets(self.groups),
-            materials: face_sets(self.materials),
+            materials,
+            looks,
             uvs: self.uvs.map(UvsRequest::resolve),
         };
         Ok(MeshInput {

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::literal::WireFields;
+use super::literal::{WireFields, WireLiteral};
 use crate::fault::{Fault, did_you_mean, shortened, under};
 use crate::job::Output;
 use crate::math::parameter::{Default, Kind, Literal, Parameter, Values};
@@ -26,6 +26,23 @@ impl OutputRequest {
     /// The output of a format with its default options, where the request names none.
     pub fn of_format(name: &str) -> Self {
         Self { fields: WireFields(vec![("format".into(), Literal::Text(name.into()))]), is_chosen: true }
+    }
+
+    /// Sets a field, whatever the request says of it.
+    pub(crate) fn set(&mut self, name: &str, WireLiteral(value): WireLiteral) {
+        self.is_chosen = false;
+        match self.fields.0.iter_mut().find(|(known, _)| known == name) {
+            Some((_, known)) => *known = value,
+            None => self.fields.0.push((name.to_owned(), value)),
+        }
+    }
+
+    /// Checks it by itself.
+    ///
+    /// # Errors
+    /// All faults, with pointers below the output.
+    pub(crate) fn check(&self) -> Result<(), Vec<Fault>> {
+        output(self, 0).map(drop)
     }
 
     /// The name of its format, where it is a text.
@@ -93,7 +110,7 @@ fn known_format(value: &Literal) -> Result<&'static dyn Format, Vec<Fault>> {
 }
 
 /// The field that formats have in common.
-const FRAME: &[Parameter] = &[Parameter {
+pub(super) const FRAME: &[Parameter] = &[Parameter {
     name: "frame",
     kind: Kind::Integer { min: 0, max: MAX_FRAMES.cast_signed() as i64 - 1 },
     unit: "",

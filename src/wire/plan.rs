@@ -5,6 +5,7 @@ use utoipa::ToSchema;
 
 use super::choice::choice;
 use super::literal::WireFields;
+use super::schema;
 use crate::scheme::extent::Ends;
 use crate::scheme::plan::PlanInput;
 use crate::scheme::tags::Boundary;
@@ -26,6 +27,7 @@ pub struct PlanRequest {
     /// End rule of open polygons; `clamped` when left out.
     pub ends: Option<EndsRequest>,
     /// Seed of random perturbation; without effect on plans that have none.
+    #[schema(schema_with = schema::seed)]
     pub seed: Option<u64>,
 }
 

@@ -4,7 +4,7 @@ use serde::de::{DeserializeOwned, IgnoredAny};
 use serde_path_to_error::{Path, Segment};
 
 use super::object::Object;
-use crate::fault::{Fault, cut, shortened, token};
+use crate::fault::{Fault, cut, did_you_mean, shortened, token};
 
 /// Most characters of a sentence about what does not fit: the longest of our own has half of them.
 const MOST_DETAIL: usize = 1000;
@@ -49,12 +49,43 @@ fn refusal(error: &serde_json::Error, pointer: String, bytes: &[u8]) -> ReadErro
     if fits_json && broken.is_none() {
         let detail = text.split(" at line ").next().unwrap_or(&text).to_owned();
         let detail = if beyond { "the number is too large; the largest is about 1.8e308".to_owned() } else { detail };
-        ReadError::Unfit(vec![Fault::new(pointer, plain(&detail))])
+        ReadError::Unfit(vec![placed(pointer, &detail)])
     } else {
         let deep = text.starts_with("recursion limit");
-        let remedy = if deep { "; lists and objects are nested too deep" } else { "" };
+        let remedy = match broken.as_ref().unwrap_or(error) {
+            _ if deep => "; lists and objects are nested too deep",
+            error if is_no_number(bytes, error) => "; JSON has neither NaN nor Infinity, all numbers are finite",
+            _ => "",
+        };
         ReadError::NotJson(format!("the body is not JSON: {text}{remedy}"))
     }
+}
+
+/// Whether at the place of an error stands what other languages write for a number that is none.
+fn is_no_number(bytes: &[u8], error: &serde_json::Error) -> bool {
+    let line = bytes.split(|&byte| byte == b'\n').nth(error.line().saturating_sub(1)).unwrap_or_default();
+    let word = |start: usize| line.get(start..).unwrap_or_default().trim_ascii_start();
+    // the column is that of the letter at which reading stopped, up to three behind the first one
+    let at = [3, 2, 1, 0].map(|before| word(error.column().saturating_sub(before)));
+    let is_name =
+        |word: &[u8], name: &str| word.get(..name.len()).is_some_and(|w| w.eq_ignore_ascii_case(name.as_bytes()));
+    at.iter().any(|word| ["nan", "-nan", "inf", "-inf"].iter().any(|name| is_name(word, name)))
+}
+
+/// The fault at its place: a field that is missing or written twice has one of its own, and a field that is unknown may
+/// be spelled like one that is known.
+fn placed(pointer: String, detail: &str) -> Fault {
+    if let Some(name) = detail.strip_prefix("missing field `").and_then(|rest| rest.strip_suffix('`')) {
+        return Fault::new(format!("{pointer}/{}", token(name)), format!("\"{name}\" is missing, and has to be given"));
+    }
+    let sentence = plain(detail);
+    if let Some(name) = sentence.strip_prefix("duplicate field \"").and_then(|rest| rest.strip_suffix('"')) {
+        return Fault::new(format!("{pointer}/{}", token(name)), format!("{sentence}; write it once"));
+    }
+    let unknown = detail.strip_prefix("unknown field `").and_then(|rest| rest.rsplit_once("`, expected "));
+    let Some((name, known)) = unknown else { return Fault::new(pointer, sentence) };
+    let meant = did_you_mean(name, known.split('`').skip(1).step_by(2));
+    Fault::new(pointer, sentence.replacen("\", expected", &format!("\"; {meant}expected"), 1))
 }
 
 /// The sentence with what it repeats of the request shortened: an unknown name or a text in the wrong place may be as

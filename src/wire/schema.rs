@@ -2,15 +2,18 @@
 
 use utoipa::openapi::schema::{AdditionalProperties, SchemaType};
 use utoipa::openapi::{ArrayBuilder, Object, ObjectBuilder, OneOfBuilder, RefOr, Schema, Type};
-use utoipa::{PartialSchema, ToSchema};
 
-use super::output::OutputRequest;
 use crate::input::READERS;
-use crate::output::FORMATS;
 use crate::shape::mesh::MAX_FRAMES;
 
-fn of(kind: Type) -> ObjectBuilder {
-    ObjectBuilder::new().schema_type(SchemaType::new(kind))
+/// What is of this type.
+pub(super) fn of(kind: Type) -> ObjectBuilder {
+    only(SchemaType::new(kind))
+}
+
+/// What is of one of these types.
+pub(super) fn only(kinds: SchemaType) -> ObjectBuilder {
+    ObjectBuilder::new().schema_type(kinds)
 }
 
 fn index() -> Object {
@@ -28,10 +31,9 @@ fn listed(item: Object, least: usize, most: Option<usize>, doc: &str) -> ArrayBu
 
 /// The format of a mesh file.
 pub(super) fn file_format() -> RefOr<Schema> {
-    let names: Vec<&str> = READERS.iter().map(|reader| reader.name).collect();
-    let doc = format!("The format of the file: `{}`, or `json` for a mesh as `input.mesh` has it.", names.join("`, `"));
-    let pattern = format!("^({}|json)$", names.join("|"));
-    of(Type::String).description(Some(doc)).pattern(Some(pattern)).into()
+    let names = READERS.iter().map(|reader| reader.name).chain(["json"]);
+    let doc = "The format of the file, see `/v1/readers`; `json` is a mesh as `input.mesh` has it.";
+    of(Type::String).description(Some(doc)).enum_values(Some(names)).into()
 }
 
 /// Positions in space.
@@ -96,6 +98,15 @@ pub(super) fn channels() -> RefOr<Schema> {
     of(Type::Object).additional_properties(Some(properties)).description(Some(doc)).into()
 }
 
+/// A colour with or without alpha.
+pub(super) fn color() -> RefOr<Schema> {
+    let component = of(Type::Number).minimum(Some(0)).maximum(Some(1));
+    let doc = "Red, green, blue and perhaps alpha (1 when left out), sRGB from 0 to 1.";
+    let kind = SchemaType::Array(vec![Type::Array, Type::Null]);
+    let list = ArrayBuilder::new().items(component).min_items(Some(3)).max_items(Some(4));
+    list.schema_type(kind).description(Some(doc)).into()
+}
+
 /// Edges as pairs of vertices.
 pub(super) fn edges() -> RefOr<Schema> {
     lists(index(), 2, Some(2), "Edges as pairs of vertices, in any order.")
@@ -106,25 +117,15 @@ pub(super) fn pairs() -> RefOr<Schema> {
     lists(index(), 2, Some(2), "Pairs of vertices at the same place.")
 }
 
+/// The seed of random perturbation.
+pub(super) fn seed() -> RefOr<Schema> {
+    let most = usize::try_from(u64::MAX).expect("pointers have 64 bits");
+    let seed = only(SchemaType::from_iter([Type::Integer, Type::Null])).minimum(Some(0)).maximum(Some(most));
+    seed.description(Some("Seed of random perturbation; without effect on plans that have none.")).into()
+}
+
 /// How many there are of each number; as JSON has it, the numbers are texts.
 pub(super) fn histogram() -> RefOr<Schema> {
     let properties = AdditionalProperties::from(of(Type::Integer).minimum(Some(0)));
     of(Type::Object).additional_properties(Some(properties)).description(Some("How many there are of each.")).into()
 }
-
-impl PartialSchema for OutputRequest {
-    fn schema() -> RefOr<Schema> {
-        let names = FORMATS.iter().map(|format| format.name());
-        let format = of(Type::String).enum_values(Some(names)).description(Some("The format, see `/v1/formats`."));
-        let doc = "Name among the outputs of the job; the format's when left out.";
-        let name = of(Type::String).pattern(Some("^[A-Za-z0-9._-]{1,64}$")).description(Some(doc));
-        let doc = "The frame of a mesh that it shows, as if the mesh had these positions alone.";
-        let frame = of(Type::Integer).minimum(Some(0)).maximum(Some(MAX_FRAMES - 1)).description(Some(doc));
-        let output = of(Type::Object).property("format", format).property("name", name).property("frame", frame);
-        let doc = "One result: a `format`, a `name`, and the format's options, see `/v1/formats`.";
-        let output = output.required("format");
-        output.additional_properties(Some(AdditionalProperties::FreeForm(true))).description(Some(doc)).into()
-    }
-}
-
-impl ToSchema for OutputRequest {}

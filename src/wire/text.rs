@@ -10,7 +10,7 @@ use super::mesh::MeshRequest;
 use super::read::{ReadError, read};
 use super::schema;
 use crate::fault::{Fault, did_you_mean, shortened};
-use crate::input::{self, Alone, Beside, File, ReadLimits};
+use crate::input::{self, Alone, Beside, File, ReadLimits, WithLibrary};
 use crate::scheme::tags::Boundary;
 use crate::shape::check::Winding;
 use crate::shape::mesh::MeshInput;
@@ -26,6 +26,8 @@ pub struct TextRequest {
     pub data: String,
     /// How `data` holds it: `text` (default), or `base64` for files that are no text.
     pub encoding: Option<EncodingRequest>,
+    /// The library of materials (MTL) of an OBJ file, whatever name the file gives it.
+    pub mtl: Option<String>,
 }
 
 choice! {
@@ -58,13 +60,15 @@ pub(super) struct Held {
     pub(super) boundary: Option<Boundary>,
     /// The line of each face, where files have such; else empty.
     pub(super) lines: Vec<u32>,
+    /// Whether files of its format have a vertex once for each set of numbers that it carries.
+    pub(super) is_doubled: bool,
 }
 
 impl TextRequest {
     /// The file.
     ///
     /// # Errors
-    /// What is no base64.
+    /// What is no base64, and a library beside a file that can have none.
     pub fn file(self) -> Result<MeshFile, Fault> {
         let bytes = match self.encoding {
             None | Some(EncodingRequest::Text) => self.data.into_bytes(),
@@ -72,11 +76,33 @@ impl TextRequest {
                 input::from_base64(&self.data).map_err(|detail| Fault::new("/data", detail))?
             }
         };
-        Ok(MeshFile { format: self.format, bytes, beside: Arc::new(Alone) })
+        let beside: Arc<dyn Beside> = match self.mtl {
+            None => Arc::new(Alone),
+            Some(library) if self.format == "obj" => Arc::new(WithLibrary(library.into_bytes())),
+            Some(_) => return Err(Fault::new("/mtl", "only OBJ files have a library of materials; leave it out")),
+        };
+        Ok(MeshFile { format: self.format, bytes, beside })
     }
 }
 
 impl MeshFile {
+    /// Why the file could not be read as what it is said to be: what it is, where its first bytes tell, else these
+    /// sentences.
+    fn unread(&self, name: &str, details: Vec<String>) -> Vec<Fault> {
+        if let Some(what) = input::foreign(&self.bytes) {
+            let known: Vec<&str> = input::READERS.iter().map(|reader| reader.name).collect();
+            let detail = format!("the file is {what}; meshes are read from {} and json", known.join(", "));
+            return vec![Fault::new("/data", detail)];
+        }
+        if let Some(own) = input::own(&self.bytes).filter(|own| *own != name) {
+            return vec![Fault::new(
+                "/format",
+                format!("the file begins like {own}, not like {name}; read it as {own}"),
+            )];
+        }
+        details.into_iter().map(|detail| Fault::new("/data", detail)).collect()
+    }
+
     /// Reads the file.
     ///
     /// # Errors
@@ -89,7 +115,7 @@ impl MeshFile {
                 ReadError::Unfit(faults) => at_data(faults),
             })?;
             let mesh = request.input(winding).map_err(at_data)?;
-            return Ok(Held { mesh, boundary: None, lines: Vec::new() });
+            return Ok(Held { mesh, boundary: None, lines: Vec::new(), is_doubled: false });
         }
         let Some(reader) = input::named(&self.format) else {
             let known: Vec<&str> = input::READERS.iter().map(|reader| reader.name).chain(["json"]).collect();
@@ -98,11 +124,25 @@ impl MeshFile {
                 format!("there is no reader \"{}\"; {meant}known are {}", shortened(&self.format), known.join(", "));
             return Err(vec![Fault::new("/format", detail)]);
         };
-        let refused = |details: Vec<String>| details.into_iter().map(|detail| Fault::new("/data", detail)).collect();
+        let refused = |details: Vec<String>| self.unread(reader.name, details);
         let file = File { bytes: &self.bytes, beside: &*self.beside };
-        let mut mesh = (reader.read)(&file, limits).map_err::<Vec<Fault>, _>(refused)?;
+        let mut mesh = (reader.read)(&file, limits).map_err(refused)?;
+        if mesh.faces.is_empty() {
+            return Err(vec![Fault::new("/data", without_faces(mesh.positions.len(), &mesh.notes))]);
+        }
         let (boundary, lines) = (mesh.boundary, std::mem::take(&mut mesh.lines));
-        Ok(Held { mesh: mesh.into_input(winding), boundary, lines })
+        Ok(Held { mesh: mesh.into_input(winding), boundary, lines, is_doubled: reader.doubles_vertices })
+    }
+}
+
+/// Why a file without faces is refused.
+fn without_faces(n_points: usize, notes: &[String]) -> String {
+    let others = if notes.is_empty() { String::new() } else { format!(" ({})", notes.join("; ")) };
+    match n_points {
+        0 => format!("the file holds no mesh: neither vertices nor faces{others}"),
+        n => format!(
+            "the file is a point cloud: {n} points and no faces{others}; make a surface of them first, as MeshLab does"
+        ),
     }
 }
 

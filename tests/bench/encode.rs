@@ -36,7 +36,13 @@ pub(crate) fn measure(table: &mut Table) {
 }
 
 fn written(mesh: &RefinedMesh, (name, option): (&str, Option<(&str, &str)>), table: &mut Table, what: &str, aim: Aim) {
-    let scene = Scene { shape: Shape::Mesh(mesh), control: &Shape::Mesh(mesh), warnings: &[], frame: Frame::default() };
+    let scene = Scene {
+        shape: Shape::Mesh(mesh),
+        control: &Shape::Mesh(mesh),
+        warnings: &[],
+        frame: Frame::default(),
+        details: &[],
+    };
     let format = planish::output::named(name).expect("a format of the catalogue");
     let given = option.map(|(name, value)| (name.to_owned(), Literal::Text(value.to_owned())));
     let values = Values::resolve(format.facts().parameters, given.as_slice()).expect("options of the format");

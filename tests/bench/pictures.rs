@@ -69,7 +69,13 @@ fn written(mesh: &RefinedMesh) -> (Duration, Duration, usize) {
     let png = planish::output::named("png").expect("png is a format");
     let size = ["width", "height"].map(|name| (name.to_owned(), Literal::Number(f64::from(SIDE))));
     let options = Values::resolve(png.facts().parameters, &size).expect("a picture that is allowed");
-    let scene = Scene { shape: Shape::Mesh(mesh), control: &Shape::Mesh(mesh), warnings: &[], frame: Frame::default() };
+    let scene = Scene {
+        shape: Shape::Mesh(mesh),
+        control: &Shape::Mesh(mesh),
+        warnings: &[],
+        frame: Frame::default(),
+        details: &[],
+    };
     let mut bytes = Vec::new();
     let mut encoding = Duration::MAX;
     let all = best(|| {

@@ -4,9 +4,15 @@
 needs() {
   local command=$1
   shift
-  if command -v "$command" >/dev/null; then
-    return
+  if ! command -v "$command" >/dev/null; then
+    installs "$command" "$@"
   fi
+}
+
+# Installs Debian packages, where that is possible.
+installs() {
+  local command=$1
+  shift
   local root=()
   if [ "$(id -u)" -ne 0 ]; then
     root=(sudo -n)
@@ -31,4 +37,33 @@ needs_rust() {
   fi
   needs cc gcc libc6-dev
   needs make make
+}
+
+# Installs the npm packages that the tests need into a folder, at the versions and with the hashes of the lock file. Once
+# they are there, that needs no network.
+needs_npm_packages() {
+  local out=$1
+  needs node nodejs
+  needs npm npm
+  mkdir -p "$out"
+  cp tests/e2e/package.json tests/e2e/package-lock.json "$out/"
+  if ! cmp -s tests/e2e/package-lock.json "$out/node_modules/installed.json"; then
+    npm ci --prefix "$out" --ignore-scripts --no-audit --no-fund --loglevel=error --prefer-offline
+    cp tests/e2e/package-lock.json "$out/node_modules/installed.json"
+  fi
+}
+
+# Installs the Python packages that the tests need into an environment of their own, at the versions of
+# tests/e2e/requirements.txt.
+needs_python_packages() {
+  local out=$1
+  needs python3 python3
+  if ! python3 -c 'import ensurepip, venv' 2>/dev/null; then
+    installs "venv of python3" python3-venv
+  fi
+  if ! cmp -s tests/e2e/requirements.txt "$out/installed.txt"; then
+    python3 -m venv --clear "$out"
+    "$out/bin/python" -m pip install --quiet --disable-pip-version-check --no-deps -r tests/e2e/requirements.txt
+    cp tests/e2e/requirements.txt "$out/installed.txt"
+  fi
 }

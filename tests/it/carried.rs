@@ -4,6 +4,8 @@ mod files;
 mod frames;
 mod isolines;
 mod laws;
+mod libraries;
+mod looks;
 mod morphs;
 mod read;
 mod refused;

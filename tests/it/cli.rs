@@ -1,6 +1,9 @@
 //! The command line: the same jobs as over HTTP, to the same bytes.
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+mod batch;
+mod flags;
+
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
@@ -13,6 +16,13 @@ use serde_json::{Value, json};
 use crate::http::jobs::{endless, formats, mesh, polygon, with};
 use crate::http::server::Folder;
 use crate::support::render;
+
+/// The codes that commands end with, see `planish --help`.
+const OTHER: i32 = 1;
+const USAGE: i32 = 2;
+const REFUSED: i32 = 3;
+const LIMIT: i32 = 4;
+const FILES: i32 = 5;
 
 /// The program, away from the settings of whoever runs the tests.
 pub(crate) fn planish() -> Command {
@@ -28,11 +38,16 @@ fn run(arguments: &[&str]) -> Output {
     planish().args(arguments).output().unwrap()
 }
 
-/// Runs with something on standard input.
+/// Runs with a job on standard input.
 fn piped(arguments: &[&str], input: &Value) -> Output {
+    fed(arguments, input.to_string().as_bytes())
+}
+
+/// Runs with something on standard input.
+fn fed(arguments: &[&str], input: &[u8]) -> Output {
     let mut child =
         planish().args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    child.stdin.take().unwrap().write_all(input.to_string().as_bytes()).unwrap();
+    child.stdin.take().unwrap().write_all(input).unwrap();
     child.wait_with_output().unwrap()
 }
 
@@ -46,10 +61,10 @@ fn saved(folder: &Folder, job: &Value) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-/// Fails with code 1 and one of these sentences.
-fn refused(output: &Output, parts: &[&str]) {
+/// Fails with a code and sentences that have these parts.
+fn fails(code: i32, output: &Output, parts: &[&str]) {
     let said = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert_eq!(output.status.code(), Some(code), "{said}");
     assert!(output.stdout.is_empty(), "nothing but an answer goes to standard output");
     for part in parts {
         assert!(said.contains(part), "{part:?} in {said}");
@@ -116,7 +131,7 @@ fn a_dash_is_a_standard_stream() {
     }
     let one = piped(&["render", "-", "-o", "-"], &with(mesh(1), "obj"));
     assert_eq!(one.stdout, render(&with(mesh(1), "obj")).unwrap().0, "the job's only output");
-    refused(&piped(&["render", "-", "-o", "-"], &mesh(1)), &["--format"]);
+    fails(USAGE, &piped(&["render", "-", "-o", "-"], &mesh(1)), &["--format"]);
 }
 
 #[test]
@@ -132,33 +147,35 @@ fn the_options_of_the_output_that_fits_are_used() {
 }
 
 #[test]
-fn mistakes_are_named_with_their_place_and_end_with_code_1() {
+fn mistakes_are_named_with_their_place_and_end_with_the_code_of_their_kind() {
     let folder = Folder::new();
     let target = folder.path().join("out.glb");
     let render = |job: &Value| run(&["render", &saved(&folder, job), "-o", target.to_str().unwrap()]);
     let mut typo = mesh(2);
     typo["level"] = json!(2);
-    refused(&render(&typo), &["/level", "unknown field", "levels"]);
+    fails(REFUSED, &render(&typo), &["job.json: /level", "unknown field", "levels"]);
     let mut index = mesh(2);
     index["input"]["mesh"]["faces"][2][0] = json!(80);
-    refused(&render(&index), &["/input/mesh/faces/2/0", "80"]);
-    refused(&render(&mesh(40)), &["at most"]);
+    fails(REFUSED, &render(&index), &["/input/mesh/faces/2/0", "80"]);
+    fails(LIMIT, &render(&mesh(40)), &["at most"]);
     let drawing = folder.path().join("out.svg");
-    refused(&run(&["render", &saved(&folder, &mesh(1)), "-o", drawing.to_str().unwrap()]), &["/outputs: "]);
+    let output = run(&["render", &saved(&folder, &mesh(1)), "-o", drawing.to_str().unwrap()]);
+    fails(REFUSED, &output, &["job.json: --output: "]);
     assert!(!target.exists() && !drawing.exists(), "a job that fails leaves no file");
     let mut far = mesh(1);
     far["input"]["mesh"]["positions"][0] = json!([1e300, 0, 0]);
     far["outputs"] = json!([{ "format": "obj" }, { "format": "stl" }]);
     let file = folder.path().join("out.stl");
-    refused(&run(&["render", &saved(&folder, &far), "-o", file.to_str().unwrap()]), &["/outputs/1: "]);
-    refused(&run(&["render", "/nowhere/job.json", "-o", "out.glb"]), &["/nowhere/job.json"]);
+    fails(REFUSED, &run(&["render", &saved(&folder, &far), "-o", file.to_str().unwrap()]), &["/outputs/1: "]);
+    fails(FILES, &run(&["render", "/nowhere/job.json", "-o", "out.glb"]), &["/nowhere/job.json"]);
     let half = folder.path().join("half.json");
     std::fs::write(&half, "{\"input\": ").unwrap();
-    refused(&run(&["render", half.to_str().unwrap(), "-o", "x.glb"]), &["not JSON", "line 1"]);
-    refused(&run(&["render", &saved(&folder, &mesh(1)), "-o", "x.fbx"]), &[".fbx", "--format"]);
-    refused(&run(&["render", &saved(&folder, &mesh(1)), "-o", "/nowhere/x.glb"]), &["/nowhere/x.glb"]);
-    refused(&run(&["render", &saved(&folder, &mesh(4)), "-o", "x.glb", "--max-faces", "100"]), &["100 faces"]);
-    assert_eq!(run(&["rendre"]).status.code(), Some(2), "a wrong command line is no failed job");
+    fails(REFUSED, &run(&["render", half.to_str().unwrap(), "-o", "x.glb"]), &["it is not JSON", "line 1"]);
+    fails(USAGE, &run(&["render", &saved(&folder, &mesh(1)), "-o", "x.fbx"]), &[".fbx", "--format"]);
+    fails(FILES, &run(&["render", &saved(&folder, &mesh(1)), "-o", "/nowhere/x.glb"]), &["/nowhere/x.glb"]);
+    let small = run(&["render", &saved(&folder, &mesh(4)), "-o", "x.glb", "--max-faces", "100"]);
+    fails(LIMIT, &small, &["100 faces", "--max-faces allows more"]);
+    assert_eq!(run(&["rendre"]).status.code(), Some(USAGE), "a wrong command line is no failed job");
 }
 
 #[test]
@@ -171,7 +188,7 @@ fn an_estimate_is_that_of_the_service() {
     let answered =
         crate::http::server::story(settings, async |server| server.post("/v1/estimate", &mesh(3)).await.json());
     assert_eq!(estimate, answered);
-    refused(&piped(&["estimate", "-"], &json!({ "input": {} })), &["/input"]);
+    fails(REFUSED, &piped(&["estimate", "-"], &json!({ "input": {} })), &["/input"]);
 }
 
 #[test]
@@ -185,7 +202,7 @@ fn presets_are_listed_and_explained() {
         }
         assert!(one.contains(preset.source), "{one}");
     }
-    refused(&run(&["presets", "nurbs"]), &["nurbs", "planish presets"]);
+    fails(USAGE, &run(&["presets", "nurbs"]), &["nurbs", "planish presets"]);
 }
 
 #[test]
@@ -199,7 +216,7 @@ fn help_lists_every_setting_with_its_variable_and_default() {
     }
     let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(help.matches("[default: ").count() >= Settings::default().list().len(), "{help}");
-    for (command, word) in [("render", "--output"), ("estimate", "JOB"), ("presets", "NAME"), ("health", "--url")] {
+    for (command, word) in [("render", "--output"), ("estimate", "INPUT"), ("presets", "NAME"), ("health", "--url")] {
         assert!(text(&run(&[command, "--help"]).stdout).contains(word), "{command}");
     }
 }
@@ -214,8 +231,8 @@ fn settings_come_from_flags_then_variables_then_the_file() {
         command.args(["serve", "--listen", "127.0.0.1:0", "--cache-bytes", "0", "--config"]).arg(file);
         command
     };
-    refused(&with_file(&file).output().unwrap(), &["max-wait"]);
-    refused(&with_file(&folder.path().join("none.toml")).output().unwrap(), &["none.toml"]);
+    fails(USAGE, &with_file(&file).output().unwrap(), &["max-wait"]);
+    fails(USAGE, &with_file(&folder.path().join("none.toml")).output().unwrap(), &["none.toml"]);
     std::fs::write(&file, "max-faces = 1\nmax-queue = 2\nmax-vertices = 3\ndata-dir = \"\"\n").unwrap();
     let mut command = with_file(&file);
     command.args(["--max-faces", "100"]).env("PLANISH_MAX_FACES", "10").env("PLANISH_MAX_QUEUE", "20");
@@ -247,7 +264,7 @@ fn a_service_serves_until_it_is_told_to_end_and_ends_well() {
 #[test]
 fn a_service_with_an_endless_job_ends_in_time_too() {
     let mut command = planish();
-    command.args(["serve", "--listen", "127.0.0.1:0", "--cache-bytes", "0", "--shutdown-timeout-s", "1"]);
+    command.args(["serve", "--listen", "localhost:0", "--cache-bytes", "0kB", "--shutdown-timeout-s", "1s"]);
     let (service, url) = started(&mut command);
     let later = post(&url, &with(endless(), "stats"), "prefer: wait=0\r\n");
     assert!(later.starts_with("HTTP/1.1 202"), "{later}");
@@ -264,16 +281,22 @@ fn health_tells_by_its_code_whether_a_service_is_ready() {
         assert!(start.elapsed() < crate::http::server::PATIENCE, "never ready");
     }
     assert_eq!(ended(service), Some(0));
-    refused(&run(&["health", "--url", &format!("http://{url}")]), &["no answer"]);
+    fails(OTHER, &run(&["health", "--url", &format!("http://{url}")]), &["no answer"]);
 }
 
 #[test]
 fn a_service_that_cannot_start_says_why() {
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let address = taken.local_addr().unwrap().to_string();
-    refused(&run(&["serve", "--listen", &address, "--cache-bytes", "0"]), &[&address, "--listen"]);
-    refused(&run(&["serve", "--listen", "127.0.0.1:0", "--data-dir", "/dev/null/x"]), &["--data-dir"]);
-    refused(&run(&["serve", "--max-queue", "0"]), &["max_queue"]);
+    fails(OTHER, &run(&["serve", "--listen", &address, "--cache-bytes", "0"]), &[&address, "--listen"]);
+    fails(OTHER, &run(&["serve", "--listen", "127.0.0.1:0", "--data-dir", "/dev/null/x"]), &["--data-dir"]);
+    fails(USAGE, &run(&["serve", "--max-queue", "0"]), &["max_queue"]);
+    fails(USAGE, &run(&["serve", "--cache-bytes", "lots"]), &["--cache-bytes", "64MiB"]);
+    fails(USAGE, &run(&["serve", "--listen", "8080"]), &["--listen", "localhost:8080"]);
+    fails(USAGE, &run(&["serve", "--log", "wran"]), &["did you mean \"warn\"?"]);
+    let with = |name: &str, value: &str| planish().arg("serve").env(name, value).output().unwrap();
+    fails(USAGE, &with("PLANISH_LISTN", ":0"), &["PLANISH_LISTN", "did you mean PLANISH_LISTEN?"]);
+    fails(USAGE, &with("PLANISH_LOG", "inof"), &["PLANISH_LOG", "did you mean \"info\"?"]);
 }
 
 /// A service under its own process; ended when the test is.
@@ -348,13 +371,14 @@ fn mesh_files_are_converted_drawn_and_refined() {
         assert!(run(&["render", &job, "-o", &file]).status.success(), "{from}");
         let output = run(&["render", &file, "-o", &path("cube.png")]);
         assert!(output.status.success() && output.stderr.is_empty(), "{from}: {}", text(&output.stderr));
-        let output = run(&["render", &file, "--pair-quads", "--weld", "0", "--repair", "-o", &path("out.json")]);
+        let output =
+            run(&["render", &file, "--pair-quads", "--weld", "0", "--orient", "repair", "-o", &path("out.json")]);
         assert!(output.status.success(), "{from}: {}", text(&output.stderr));
         let found: Value = serde_json::from_slice(&std::fs::read(path("out.json")).unwrap()).unwrap();
         assert_eq!((found["positions"].as_array().unwrap().len(), found["faces"].as_array().unwrap().len()), (8, 6));
     }
     let refined = run(&["render", &path("cube.OBJ"), "-o", "-", "--format", "json"]);
-    refused(&refined, &["cannot read"]);
+    fails(FILES, &refined, &["cannot be read"]);
     let options = ["--preset", "catmull-clark", "--levels", "2", "--format", "json", "-o", "-"];
     let refined = run(&[&["render", path("cube.obj").as_str()][..], &options].concat());
     assert_eq!(refined.stdout, render(&with(mesh(2), "json")).unwrap().0);
@@ -364,12 +388,10 @@ fn mesh_files_are_converted_drawn_and_refined() {
 }
 
 #[test]
-fn broken_mesh_files_are_told_by_line_and_flags_of_meshes_are_not_for_jobs() {
+fn broken_mesh_files_are_told_by_line() {
     let folder = Folder::new();
     let path = folder.path().join("broken.off");
     std::fs::write(&path, "OFF\n1 1 0\n0 0 zero\n3 0 0 0\n").unwrap();
     let output = run(&["render", path.to_str().unwrap(), "-o", "-", "--format", "glb"]);
-    refused(&output, &["  line 3: vertex 0: \"zero\" is no number"]);
-    let job = saved(&folder, &with(mesh(1), "glb"));
-    refused(&run(&["render", &job, "--levels", "2", "-o", "-"]), &["is a job, which says preset, levels, weld"]);
+    fails(REFUSED, &output, &["broken.off: line 3: vertex 0: \"zero\" is no number"]);
 }

@@ -119,7 +119,7 @@ fn options(name: &str, given: &[(&str, Literal)]) -> Values {
 fn attempt(format: &dyn Format, options: &Values, shape: Shape<'_>) -> Result<Vec<u8>, FormatError> {
     let mut out = Vec::new();
     format.write(
-        &Scene { shape, control: &shape, warnings: &[], frame: Frame::default() },
+        &Scene { shape, control: &shape, warnings: &[], frame: Frame::default(), details: &[] },
         options,
         &mut out,
         &Watch::new(),
@@ -300,7 +300,7 @@ fn json_carries_warnings_as_far_as_its_forecast_allows() {
         let warnings: Vec<String> = (0..n).map(|i| format!("\"odd\" vertex {i}")).collect();
         let mut out = Vec::new();
         json.write(
-            &Scene { shape, control: &shape, warnings: &warnings, frame: Frame::default() },
+            &Scene { shape, control: &shape, warnings: &warnings, frame: Frame::default(), details: &[] },
             &options("json", &[]),
             &mut out,
             &Watch::new(),
@@ -397,7 +397,7 @@ fn a_stopped_watch_and_a_full_disk_end_every_writer() {
     }
     let net = cube();
     let shape = Shape::Mesh(&net);
-    let scene = Scene { shape, control: &shape, warnings: &[], frame: Frame::default() };
+    let scene = Scene { shape, control: &shape, warnings: &[], frame: Frame::default(), details: &[] };
     let stopped = Watch::new();
     stopped.stop();
     for (format, options) in variants() {

@@ -25,6 +25,7 @@ mod robustness;
 mod sections;
 mod settings;
 mod shapes;
+mod small_gltf;
 mod stats;
 mod store;
 mod support;

@@ -57,7 +57,7 @@ fn every_route_of_the_service_is_described() {
     let lists = list.split("routes!(").skip(1).map(|rest| rest.split(')').next().unwrap());
     let handlers = lists.flat_map(|handlers| handlers.split(',')).map(|name| name.rsplit("::").next().unwrap().trim());
     // HEAD is answered by the handler of GET
-    let routes: BTreeSet<&str> = handlers.chain(["artifact_head"]).collect();
+    let routes: BTreeSet<&str> = handlers.chain(["artifact_head", "kroki_head", "link_head"]).collect();
     assert_eq!(described, routes);
 }
 
@@ -88,8 +88,19 @@ fn every_operation_says_what_it_takes_and_answers() {
                 assert!(response["content"].as_object().is_some_and(|content| !content.is_empty()), "{place} {status}");
             }
         }
-        assert!(responses.contains_key("default"), "{place} may be refused");
+        for status in ["400", "403", "414", "431", "500", "503"] {
+            assert!(responses.contains_key(status), "{place} may be refused with {status}");
+        }
+        assert!(method == "head" || has_example(operation), "{place} has an example");
     }
+}
+
+/// Whether an operation shows a parameter, a body, or an answer.
+fn has_example(operation: &Value) -> bool {
+    let parameters = operation["parameters"].as_array().into_iter().flatten();
+    let contents = [&operation["requestBody"], &operation["responses"]["200"]];
+    let contents = contents.into_iter().filter_map(|body| body["content"].as_object()).flat_map(|all| all.values());
+    parameters.chain(contents).any(|shown| shown.get("example").is_some() || shown.get("examples").is_some())
 }
 
 #[test]
@@ -102,13 +113,15 @@ fn results_come_in_every_format_of_the_registry() {
         for format in FORMATS {
             assert!(response["content"].get(format.media_type()).is_some(), "{path}: {}", format.name());
         }
+        let first = response["content"].as_object().unwrap().keys().next().unwrap();
+        assert!(!first.contains("json"), "{path}: generators take the first for what comes, {first}");
         for header in ["ETag", "Cache-Status", "Server-Timing", "Content-Location"] {
             assert!(response["headers"].get(header).is_some(), "{path}: {header}");
         }
     }
-    let format = &document["components"]["schemas"]["OutputRequest"]["properties"]["format"]["enum"];
-    let names: Vec<&str> = FORMATS.iter().map(|format| format.name()).collect();
-    assert_eq!(format, &serde_json::json!(names));
+    let variants = document["components"]["schemas"]["OutputRequest"]["discriminator"]["mapping"].as_object().unwrap();
+    let names: BTreeSet<&str> = FORMATS.iter().map(|format| format.name()).collect();
+    assert_eq!(variants.keys().map(String::as_str).collect::<BTreeSet<_>>(), names);
 }
 
 #[test]
@@ -117,10 +130,14 @@ fn every_field_of_a_job_is_described_and_no_other_is_allowed() {
     let schemas = &document["components"]["schemas"];
     for (name, fields) in [
         ("JobRequest", &["spec", "input", "plan", "levels", "outputs"][..]),
-        ("InputRequest", &["mesh", "polygon", "polygons", "orient"]),
+        ("MeshInput", &["mesh", "unit", "up", "orient", "weld", "pair_quads"]),
+        ("TextInput", &["text", "orient"]),
+        ("PolygonInput", &["polygon", "unit", "up"]),
         ("MeshRequest", &["positions", "faces", "corners", "holes"]),
         ("PolygonRequest", &["points", "closed", "corners"]),
-        ("PlanRequest", &["preset", "word", "parameters", "boundary", "ends", "seed"]),
+        ("CatmullClarkPlan", &["preset", "parameters", "boundary", "ends", "seed"]),
+        ("WordPlan", &["word", "parameters", "boundary", "ends", "seed"]),
+        ("GlbOutput", &["format", "name", "frame", "positions"]),
     ] {
         assert_eq!(schemas[name]["additionalProperties"], false, "{name}");
         for field in fields {

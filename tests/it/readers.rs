@@ -4,7 +4,9 @@
 mod beside;
 mod broken;
 mod bytes;
+mod doubled;
 mod everything;
+mod foreign;
 mod gltf;
 mod kinds;
 mod repairs;

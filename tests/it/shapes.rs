@@ -2,6 +2,7 @@
 
 mod dual_order;
 mod faults;
+mod non_manifold;
 mod numbering;
 mod order;
 mod own_connectivity;

@@ -41,7 +41,7 @@ fn other_texts_are_refused_at_their_place() {
     rejects("", "the word is empty; write at least one operator (U, D, C, A, P)");
     rejects("()", "expected an operator in the group at character 2");
     rejects("X", "\"X\" at character 1 is no operator; known are U, D, C, A, P");
-    rejects("Uc", "\"c\" at character 2 is no operator; known are U, D, C, A, P");
+    rejects("Uc", "\"c\" at character 2 is no operator; did you mean \"C\"? known are U, D, C, A, P");
     rejects("U C", "\" \" at character 2 is no operator; known are U, D, C, A, P");
     rejects("UÜC", "\"Ü\" at character 2 is no operator; known are U, D, C, A, P");
     rejects("U)", "\")\" at character 2 is no operator; known are U, D, C, A, P");

@@ -139,7 +139,7 @@ impl Document<'_> {
     }
 
     /// The bytes of a view and the distance of its rows.
-    fn view(&self, index: Index<View>) -> Result<(&[u8], Option<usize>), String> {
+    pub(super) fn view(&self, index: Index<View>) -> Result<(&[u8], Option<usize>), String> {
         let i = index.value();
         let view = self.root.buffer_views.get(i).ok_or_else(|| format!("there is no bufferView {i}"))?;
         let b = view.buffer.value();

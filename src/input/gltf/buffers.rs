@@ -1,8 +1,10 @@
 //! The JSON half of glTF with the bytes that it speaks of.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 use gltf::json::Root;
+use serde_json::value::RawValue;
 
 use super::census;
 use super::transform::Placement;
@@ -17,7 +19,28 @@ const HEADER: usize = 12;
 const CHUNK: usize = 8;
 
 /// Extensions that a file may require, as they do not touch what is read here.
-const HARMLESS: &[&str] = &["KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual", "KHR_materials_"];
+const HARMLESS: &[&str] = &[
+    "KHR_mesh_quantization",
+    "KHR_texture_",
+    "EXT_texture_",
+    "MSFT_texture_",
+    "KHR_lights_",
+    "EXT_lights_",
+    "KHR_materials_",
+    "KHR_technique_webgl",
+    "KHR_techniques_webgl",
+    "KHR_xmp",
+];
+
+/// What is said of files of the version before.
+const OLD: &str = "the file is glTF 1.0, which is built otherwise; 2.0 is read: convert it";
+
+/// Whether a document is of version 1, where lists are objects.
+fn is_old(json: &[u8]) -> bool {
+    let Ok(document) = serde_json::from_slice::<BTreeMap<String, &RawValue>>(json) else { return false };
+    let text = |name: &str| document.get(name).map_or("", |value| value.get());
+    !text("asset").contains("\"2.") && ["meshes", "accessors", "buffers"].iter().any(|list| text(list).starts_with('{'))
+}
 
 /// A document and its buffers.
 #[derive(Debug)]
@@ -27,6 +50,8 @@ pub(super) struct Document<'a> {
     pub(super) placements: Vec<Option<Box<Placement>>>,
     /// The bytes of each buffer, no more than it says it has.
     pub(super) buffers: Vec<Cow<'a, [u8]>>,
+    /// The files beside it.
+    beside: &'a dyn Beside,
 }
 
 impl<'a> Document<'a> {
@@ -34,7 +59,7 @@ impl<'a> Document<'a> {
     pub(super) fn of_json(
         json: &[u8],
         binary: Option<&'a [u8]>,
-        beside: &dyn Beside,
+        beside: &'a dyn Beside,
         room: &mut Room,
     ) -> Result<Self, String> {
         let json = json.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(json);
@@ -42,8 +67,12 @@ impl<'a> Document<'a> {
         // a text in the wrong place would be repeated in full
         let no_gltf =
             |error: serde_json::Error| format!("the document is no glTF: {}", fault::cut(&error.to_string(), 200));
-        let root = Root::from_slice(json).map_err(no_gltf)?;
+        let no_root = |error| if is_old(json) { OLD.to_owned() } else { no_gltf(error) };
+        let root = Root::from_slice(json).map_err(no_root)?;
         let placements = Placement::all(json).map_err(no_gltf)?;
+        if root.asset.version.starts_with("1.") {
+            return Err(OLD.to_owned());
+        }
         if !root.asset.version.starts_with("2.") {
             return Err(format!("version {} of glTF; 2.0 is read", quoted(&root.asset.version)));
         }
@@ -58,12 +87,7 @@ impl<'a> Document<'a> {
         for (i, buffer) in root.buffers.iter().enumerate() {
             let bytes: Cow<'a, [u8]> = match (&buffer.uri, binary) {
                 (Some(uri), _) => {
-                    let bytes = if uri.starts_with("data:") {
-                        room.take(uri.len()).and_then(|()| embedded(uri))
-                    } else {
-                        neighbour(uri, beside, room)
-                    };
-                    Cow::Owned(bytes.map_err(|detail| format!("buffer {i}: {detail}"))?)
+                    Cow::Owned(referred(uri, beside, room).map_err(|detail| format!("buffer {i}: {detail}"))?)
                 }
                 (None, Some(binary)) if i == 0 => Cow::Borrowed(binary),
                 (None, _) => return Err(format!("buffer {i} has no data; give it a data URI, or send glb")),
@@ -74,7 +98,7 @@ impl<'a> Document<'a> {
                 .ok_or_else(|| format!("buffer {i} says it has {claimed} bytes, and has {found}; send it whole"))?;
             buffers.push(cut(bytes, length));
         }
-        Ok(Self { root, placements, buffers })
+        Ok(Self { root, placements, buffers, beside })
     }
 
     /// A document in the binary container.
@@ -88,7 +112,10 @@ impl<'a> Document<'a> {
             return Err("byte 0: a GLB starts with \"glTF\"; read the text form as gltf".to_owned());
         }
         if version != 2 {
-            return Err(format!("byte 4: version {version} of GLB; 2 is read"));
+            return Err(match version {
+                1 => format!("byte 4: {OLD}"),
+                _ => format!("byte 4: version {version} of GLB; 2 is read"),
+            });
         }
         if length as usize != bytes.len() {
             return Err(format!(
@@ -130,6 +157,22 @@ fn cut(bytes: Cow<'_, [u8]>, length: usize) -> Cow<'_, [u8]> {
             bytes.truncate(length);
             Cow::Owned(bytes)
         }
+    }
+}
+
+impl Document<'_> {
+    /// The bytes that a URI leads to, embedded or beside the document.
+    pub(super) fn referred(&self, uri: &str, room: &mut Room) -> Result<Vec<u8>, String> {
+        referred(uri, self.beside, room)
+    }
+}
+
+/// The bytes that a URI leads to.
+fn referred(uri: &str, beside: &dyn Beside, room: &mut Room) -> Result<Vec<u8>, String> {
+    if uri.starts_with("data:") {
+        room.take(uri.len()).and_then(|()| embedded(uri))
+    } else {
+        neighbour(uri, beside, room)
     }
 }
 

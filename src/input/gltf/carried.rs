@@ -95,8 +95,6 @@ pub(super) struct Groups {
     taken: Vec<Range<u64>>,
     /// Faces of nodes that are in no other group.
     nodes: Vec<FaceSet>,
-    /// Nodes with faces.
-    n_nodes: usize,
 }
 
 impl Groups {
@@ -112,7 +110,6 @@ impl Groups {
 
     /// Ends a node with these faces.
     pub(super) fn node(&mut self, name: String, faces: Range<usize>) {
-        self.n_nodes += usize::from(!faces.is_empty());
         let mut free = Vec::new();
         let mut next = faces.start as u64;
         for range in self.taken.drain(..) {
@@ -125,9 +122,9 @@ impl Groups {
         }
     }
 
-    /// The groups. One node alone tells nothing apart.
+    /// The groups. One node alone with faces in no other group tells nothing apart.
     pub(super) fn finish(self) -> Vec<FaceSet> {
-        let nodes = if self.n_nodes > 1 { self.nodes } else { Vec::new() };
+        let nodes = if self.nodes.len() > 1 { self.nodes } else { Vec::new() };
         self.told.into_iter().chain(nodes).collect()
     }
 }

@@ -1,21 +1,22 @@
 //! The nodes of the scene, and the triangles of their meshes.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use gltf::json::accessor::Accessor;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked::Valid;
-use gltf::json::{Index, Node};
+use gltf::json::{Index, Material, Node};
 
 use super::accessor::AccessorRows;
 use super::buffers::Document;
 use super::carried::{Channels, Groups, group, name};
+use super::looks;
 use super::transform::Transform;
 use crate::input::collect::Collected;
+use crate::input::colors::encoded;
 use crate::input::reader::{ReadLimits, ReadMesh, Uvs};
 use crate::input::room::{GROWN, Room};
-use crate::math::functions::pow;
 use crate::shape::attachments::Channel;
 use crate::shape::labels::FaceSet;
 use crate::shape::topology::index;
@@ -55,11 +56,13 @@ pub(super) fn read(
         primitives: 0,
         corners: 0,
         uvs: Some(Vec::new()),
+        without_uvs: 0,
         colors: Some(Vec::new()),
         color_width: 3,
         materials: BTreeMap::new(),
         channels: Channels::default(),
         groups: Groups::default(),
+        shared: Shared::at(Transform::IDENTITY),
         degenerate: 0,
         other: 0,
         is_posed: false,
@@ -95,8 +98,10 @@ struct Reading<'a> {
     most_primitives: usize,
     primitives: usize,
     corners: usize,
-    /// Texture coordinates of vertices, as long as all have them.
+    /// Texture coordinates of vertices, zero for those that have none.
     uvs: Option<Vec<[f64; 2]>>,
+    /// Number of those that have none.
+    without_uvs: usize,
     /// Red, green, blue and alpha of vertices, as long as all have them.
     colors: Option<Vec<f64>>,
     color_width: usize,
@@ -105,9 +110,25 @@ struct Reading<'a> {
     /// Attributes of applications.
     channels: Channels,
     groups: Groups,
+    shared: Shared,
     degenerate: usize,
     other: usize,
     is_posed: bool,
+}
+
+/// Vertices that primitives of one place share: those of the nodes one after another with one transform, as long as no
+/// mesh comes a second time.
+struct Shared {
+    transform: Transform,
+    meshes: BTreeSet<usize>,
+    /// Where vertices start, and how many they are.
+    vertices: BTreeMap<Attributes, (usize, usize)>,
+}
+
+impl Shared {
+    fn at(transform: Transform) -> Self {
+        Self { transform, meshes: BTreeSet::new(), vertices: BTreeMap::new() }
+    }
 }
 
 /// Accessors that make the vertices of a primitive: places, texture coordinates, colours, then those of applications by
@@ -159,7 +180,10 @@ impl Reading<'_> {
         let mesh = self.document.root.meshes.get(m).ok_or_else(|| format!("node {i}: there is no mesh {m}"))?;
         self.is_posed |= node.skin.is_some();
         let first = self.mesh.mesh.faces.len();
-        let mut shared: BTreeMap<Attributes, (usize, usize)> = BTreeMap::new();
+        if self.shared.transform != *transform || self.shared.meshes.contains(&m) {
+            self.shared = Shared::at(*transform);
+        }
+        self.shared.meshes.insert(m);
         for (p, primitive) in mesh.primitives.iter().enumerate() {
             let place = |detail: String| format!("mesh {m}, primitive {p}: {detail}");
             self.primitives += 1;
@@ -167,7 +191,7 @@ impl Reading<'_> {
             if self.primitives > most {
                 return Err(place(format!("the file comes to more than {most} primitives; send fewer")));
             }
-            self.primitive(primitive, transform, &mut shared).map_err(place)?;
+            self.primitive(primitive, transform).map_err(place)?;
         }
         let name = node.name.clone().or_else(|| mesh.name.clone()).unwrap_or_else(|| format!("node {i}"));
         let faces = first..self.mesh.mesh.faces.len();
@@ -176,12 +200,7 @@ impl Reading<'_> {
         Ok(())
     }
 
-    fn primitive(
-        &mut self,
-        primitive: &Primitive,
-        transform: &Transform,
-        shared: &mut BTreeMap<Attributes, (usize, usize)>,
-    ) -> Result<(), String> {
+    fn primitive(&mut self, primitive: &Primitive, transform: &Transform) -> Result<(), String> {
         let Valid(mode) = primitive.mode else { return Err("its mode is not known".to_owned()) };
         if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
             self.other += 1;
@@ -195,12 +214,12 @@ impl Reading<'_> {
         let own: Vec<_> =
             primitive.attributes.iter().filter_map(|(semantic, &at)| Some((name(semantic)?, at))).collect();
         let key = Attributes { known, own: own.iter().map(|(name, at)| (name.clone(), at.value())).collect() };
-        let (start, n) = if let Some(&known) = shared.get(&key) {
+        let (start, n) = if let Some(&known) = self.shared.vertices.get(&key) {
             known
         } else {
             let found = self.vertices(positions, others, transform)?;
             self.channels.take(self.document, &own, found, &mut self.room);
-            shared.insert(key, found);
+            self.shared.vertices.insert(key, found);
             found
         };
         let order = self.order(primitive, n)?;
@@ -280,8 +299,7 @@ impl Reading<'_> {
         let rows = self.document.rows(positions, &mut self.room)?;
         let places = rows.rows::<3>().ok_or("POSITION is to be VEC3")?;
         let n = places.len();
-        self.room
-            .take(n * (POSITION + if uvs.is_some() { UV } else { 0 } + if colors.is_some() { COLOR } else { 0 }))?;
+        self.room.take(n * (POSITION + UV + if colors.is_some() { COLOR } else { 0 }))?;
         for (i, place) in places.iter().enumerate() {
             let place = transform.point(*place);
             if place.iter().any(|x| !x.is_finite()) {
@@ -293,7 +311,10 @@ impl Reading<'_> {
         match (uvs.as_ref().and_then(|rows| rows.rows::<2>()), &mut self.uvs) {
             // the origin of glTF is the upper left corner of a picture
             (Some(rows), Some(all)) => all.extend(rows.iter().map(|[u, v]| [*u, 1.0 - v])),
-            (None, _) if places.is_empty() => {}
+            (None, Some(all)) => {
+                self.without_uvs += n;
+                all.resize(all.len() + n, [0.0; 2]);
+            }
             _ => self.uvs = None,
         }
         match (colors.as_ref().filter(|rows| rows.width > 2), &mut self.colors) {
@@ -322,7 +343,7 @@ impl Reading<'_> {
         Ok(Some(found))
     }
 
-    fn finish(self) -> ReadMesh {
+    fn finish(mut self) -> ReadMesh {
         let mut mesh = self.mesh.mesh;
         let mut note = |n: usize, what: &str| {
             if n > 0 {
@@ -334,7 +355,11 @@ impl Reading<'_> {
         if self.is_posed {
             mesh.notes.push("skins and morph targets are not applied".to_owned());
         }
-        if let Some(uvs) = self.uvs.filter(|uvs| !uvs.is_empty()) {
+        let textured = |material: &Material| material.pbr_metallic_roughness.base_color_texture.is_some();
+        let textured = self.document.root.materials.iter().any(textured);
+        let some_uvs =
+            |uvs: &Vec<[f64; 2]>| self.without_uvs == 0 && !uvs.is_empty() || textured && self.without_uvs < uvs.len();
+        if let Some(uvs) = self.uvs.take().filter(some_uvs) {
             mesh.uvs = Some(Uvs { values: uvs, corners: mesh.faces.vertices().to_vec() });
         }
         if let Some(colors) = self.colors.filter(|colors| !colors.is_empty()) {
@@ -344,14 +369,7 @@ impl Reading<'_> {
         }
         self.channels.finish(&mut mesh);
         mesh.groups = self.groups.finish();
-        let materials = &self.document.root.materials;
-        let name_of = |i: usize| materials.get(i).and_then(|material| material.name.clone());
-        // one nameless material says no more of its faces than none
-        let nameless: Vec<usize> = self.materials.keys().copied().filter(|&i| name_of(i).is_none()).collect();
-        let is_none = |i: usize| nameless == [i];
-        let sets = self.materials.into_iter().filter(|&(i, _)| !is_none(i));
-        let name = |i: usize| name_of(i).unwrap_or_else(|| format!("material {i}"));
-        mesh.materials = sets.map(|(i, faces)| FaceSet { name: name(i), faces }).collect();
+        looks::finish(self.document, self.materials, &mut self.room, &mut mesh);
         mesh
     }
 }
@@ -364,10 +382,4 @@ fn triangle(mode: Mode, order: &[u32], t: usize) -> [u32; 3] {
         Mode::TriangleFan => [order[t + 1], order[t + 2], order[0]],
         _ => [order[3 * t], order[3 * t + 1], order[3 * t + 2]],
     }
-}
-
-/// A component of a colour in linear light, as sRGB; full light is 1 without rounding. Source: IEC 61966-2-1 (1999),
-/// section 5.2.
-fn encoded(x: f64) -> f64 {
-    if x <= 0.003_130_8 { 12.92 * x } else { 1.0 - 1.055 * (1.0 - pow(x, 1.0 / 2.4)) }
 }

@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use super::looks;
 use super::row::{faces, row, vectors};
 use crate::math::parameter::Values;
 use crate::output::counts::Counts;
@@ -13,6 +14,7 @@ use crate::output::stream::Stream;
 use crate::shape::attachments::Channel;
 use crate::shape::creases::Tags;
 use crate::shape::labels::Labels;
+use crate::shape::looks::Look;
 
 /// Most bytes of these entries.
 pub(super) fn size(counts: &Counts, options: &Values) -> u128 {
@@ -46,7 +48,8 @@ pub(super) fn size(counts: &Counts, options: &Values) -> u128 {
     let tag = br#"{"edge":[,],"sharpness":},"#.len() as u128 + 2 * digits(counts.vertices) + REAL;
     let frame = br#","corners":[],"creases":[]"#.len() as u128;
     let tags = total(&[(1, frame), (counts.tags as u128, tag)]);
-    [channels, uvs, tags, labels(&attachments.groups), labels(&attachments.materials), origins, isolines]
+    let names = [&attachments.groups, &attachments.materials].map(labels);
+    [channels, uvs, tags, names[0], names[1], looks::size(&attachments.looks), origins, isolines]
         .into_iter()
         .fold(0, u128::saturating_add)
 }
@@ -64,10 +67,11 @@ pub(super) fn write(mesh: &dyn MeshSource, options: &Values, stream: &mut Stream
     if !attachments.channels.is_empty() {
         stream.bytes(b"}")?;
     }
-    for (kind, labels) in [("groups", &attachments.groups), ("materials", &attachments.materials)] {
+    let sets = [("groups", &attachments.groups, &[][..]), ("materials", &attachments.materials, &attachments.looks)];
+    for (kind, labels, looks) in sets {
         if !labels.is_empty() {
             stream.bytes(format!(",\"{kind}\":[").as_bytes())?;
-            write_labels(mesh, labels, stream)?;
+            write_labels(mesh, labels, looks, stream)?;
             stream.bytes(b"]")?;
         }
     }
@@ -156,8 +160,13 @@ fn write_channel(mesh: &dyn MeshSource, i: usize, stream: &mut Stream<'_>) -> Re
     })
 }
 
-/// The output faces of each name.
-fn write_labels(mesh: &dyn MeshSource, labels: &Labels, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+/// The output faces of each name, and how they look, where that is said.
+fn write_labels(
+    mesh: &dyn MeshSource,
+    labels: &Labels,
+    looks: &[Look],
+    stream: &mut Stream<'_>,
+) -> Result<(), FormatError> {
     let mut ranges = vec![Vec::new(); labels.names.len()];
     for face in 0..mesh.input_cells()[2] {
         let range = mesh.faces_of(face);
@@ -173,7 +182,11 @@ fn write_labels(mesh: &dyn MeshSource, labels: &Labels, stream: &mut Stream<'_>)
         for range in ranges {
             stream.each(range, |face, out| listed(face as u64, Some(face) == first, out))?;
         }
-        stream.bytes(b"]}")?;
+        stream.bytes(b"]")?;
+        if let Some(look) = looks.get(i) {
+            looks::write(look, stream)?;
+        }
+        stream.bytes(b"}")?;
     }
     Ok(())
 }

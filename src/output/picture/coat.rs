@@ -1,15 +1,18 @@
 //! What gives the surface of a picture its colours: a channel of its vertices, its texture coordinates, its groups or
 //! materials.
 
-use super::options::{Options, shown_as};
+use super::options::{COLOR, Options, shown_as};
+use super::skin;
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::colors::{linear, mark, scale};
-use crate::output::counts::ShapeKind;
+use crate::output::counts::{Counts, ShapeKind};
+use crate::output::error::FormatError;
 use crate::output::scene::{FaceChunk, MeshSource, in_chunks, triangles};
-use crate::raster::{Paint, Surface};
+use crate::raster::{Paint, Surface, Swatch};
 use crate::shape::attachments::{Attachments, COLOR as COLORS};
 use crate::shape::labels::Labels;
+use crate::shape::topology::index;
 use crate::watch::{Stopped, Watch};
 
 /// The choice that refers to faces of the input.
@@ -21,8 +24,9 @@ pub(crate) const COLOR_BY: Parameter = Parameter {
     kind: Kind::Choice(&["none", "channel", "uvs", "groups", "materials", FACES]),
     unit: "",
     default: Default::Text("none"),
-    doc: "What the colours of a mesh follow: nothing, a channel of its vertices, squares an eighth wide in its texture \
-          coordinates, the groups or materials of its faces, or the faces of the input that they came of.",
+    doc: "What the colours of a mesh follow: nothing but what its materials say of their looks, unless `color` is \
+          given; a channel of its vertices, squares an eighth wide in its texture coordinates, the names of the groups \
+          or materials of its faces, or the faces of the input that they came of.",
 };
 
 /// The channel that colours follow.
@@ -80,9 +84,26 @@ pub(crate) fn follows_faces(options: &Values) -> bool {
     options.choice(COLOR_BY.name) == Some(FACES)
 }
 
-/// Bytes of memory for the colours of so many vertices, triangles and places with texture coordinates.
-pub(crate) fn memory(options: &Values, vertices: u128, triangles: u128, uvs: u128) -> u128 {
+/// Whether colours are those of materials.
+fn follows_looks(carried: &Attachments, options: &Values) -> bool {
+    options.choice(COLOR_BY.name).is_none_or(|by| by == "none")
+        && options.color(COLOR.name).is_none()
+        && skin::is_said(carried)
+}
+
+/// Work that colours take, rows.
+pub(crate) fn work(carried: &Attachments, options: &Values) -> u128 {
+    if follows_looks(carried, options) { skin::work(carried) } else { 0 }
+}
+
+/// Bytes of memory for the colours of so many vertices, of the triangles and places with texture coordinates.
+pub(crate) fn memory(options: &Values, vertices: u128, counts: &Counts) -> u128 {
+    let (triangles, uvs) = (counts.triangles(), counts.uvs);
     match options.choice(COLOR_BY.name) {
+        _ if follows_looks(&counts.attachments, options) => {
+            let places = uvs.saturating_mul(16).saturating_add(triangles.saturating_mul(12 + 4));
+            places.saturating_add(skin::memory(&counts.attachments))
+        }
         // a channel of four numbers, and the colour
         Some("channel") => vertices.saturating_mul(32 + 12),
         Some("uvs") => uvs.saturating_mul(16).saturating_add(triangles.saturating_mul(12)),
@@ -109,6 +130,17 @@ pub(super) enum Coat {
         /// In linear light.
         colors: [[f32; 3]; 2],
     },
+    /// The pictures of materials.
+    Covers {
+        /// Texture coordinates.
+        places: Vec<[f64; 2]>,
+        /// The places at the corners of each triangle.
+        corners: Vec<[u32; 3]>,
+        /// The number of the material of each triangle.
+        numbers: Vec<u32>,
+        /// What each material looks like, and at the end what faces without do.
+        swatches: Vec<Swatch>,
+    },
 }
 
 impl Coat {
@@ -118,20 +150,23 @@ impl Coat {
         options: &Options<'_>,
         plain: [u8; 4],
         watch: &Watch,
-    ) -> Result<Self, Stopped> {
+    ) -> Result<Self, FormatError> {
         let carried = mesh.attachments();
-        match options.values.choice(COLOR_BY.name) {
+        if follows_looks(carried, options.values) {
+            return by_looks(mesh, plain, watch);
+        }
+        Ok(match options.values.choice(COLOR_BY.name) {
             Some("channel") => {
                 let name = options.values.name(CHANNEL.name).unwrap_or(COLORS);
                 let channel = carried.channels.iter().position(|channel| channel.name == name);
-                channel.map_or(Ok(Self::Plain(plain)), |channel| by_channel(mesh, channel, watch))
+                channel.map_or(Ok(Self::Plain(plain)), |channel| by_channel(mesh, channel, watch))?
             }
-            Some("uvs") => by_uvs(mesh, plain, watch),
-            Some("groups") => by_labels(mesh, &carried.groups, plain, watch),
-            Some("materials") => by_labels(mesh, &carried.materials, plain, watch),
-            Some(FACES) => by_origin(mesh, |face| mark(face as usize), watch),
-            _ => Ok(Self::Plain(plain)),
-        }
+            Some("uvs") => by_uvs(mesh, plain, watch)?,
+            Some("groups") => by_labels(mesh, &carried.groups, plain, watch)?,
+            Some("materials") => by_labels(mesh, &carried.materials, plain, watch)?,
+            Some(FACES) => Self::Triangles(by_origin(mesh, |face| mark(face as usize), watch)?),
+            _ => Self::Plain(plain),
+        })
     }
 
     /// As the rasteriser takes it.
@@ -142,6 +177,9 @@ impl Coat {
             Self::Triangles(colors) => Surface::Painted(Paint::Triangles(colors)),
             Self::Squares { places, corners, colors } => {
                 Surface::Painted(Paint::Squares { places, corners, colors: *colors })
+            }
+            Self::Covers { places, corners, numbers, swatches } => {
+                Surface::Painted(Paint::Covers { places, corners, numbers, swatches })
             }
         }
     }
@@ -172,13 +210,25 @@ fn by_channel(mesh: &dyn MeshSource, channel: usize, watch: &Watch) -> Result<Co
 }
 
 fn by_uvs(mesh: &dyn MeshSource, plain: [u8; 4], watch: &Watch) -> Result<Coat, Stopped> {
-    let Some(source) = mesh.uvs() else { return Ok(Coat::Plain(plain)) };
+    let Some((mut places, corners)) = places(mesh, watch)? else { return Ok(Coat::Plain(plain)) };
+    places.iter_mut().flatten().for_each(|x| *x *= SQUARES);
+    let dark = shown_as(plain);
+    let light = dark.map(|x| single(f64::from(x) + PALE * (1.0 - f64::from(x))));
+    Ok(Coat::Squares { places, corners, colors: [light, dark] })
+}
+
+/// Texture coordinates, and for each triangle which of them its corners have.
+type Places = (Vec<[f64; 2]>, Vec<[u32; 3]>);
+
+/// The texture coordinates of a mesh, if it has some.
+fn places(mesh: &dyn MeshSource, watch: &Watch) -> Result<Option<Places>, Stopped> {
+    let Some(source) = mesh.uvs() else { return Ok(None) };
     let mut places = Vec::with_capacity(source.n_points());
     let mut chunk = Vec::new();
     in_chunks(source.n_points(), |range| {
         watch.check()?;
         source.values(range, &mut chunk);
-        places.extend(chunk.iter().map(|uv| uv.map(|x| SQUARES * x)));
+        places.extend_from_slice(&chunk);
         Ok(())
     })?;
     let mut corners = Vec::with_capacity(mesh.n_half_edges().saturating_sub(2 * mesh.n_faces()));
@@ -189,19 +239,31 @@ fn by_uvs(mesh: &dyn MeshSource, plain: [u8; 4], watch: &Watch) -> Result<Coat, 
         corners.extend(faces.iter().flat_map(triangles));
         Ok(())
     })?;
-    let dark = shown_as(plain);
-    let light = dark.map(|x| single(f64::from(x) + PALE * (1.0 - f64::from(x))));
-    Ok(Coat::Squares { places, corners, colors: [light, dark] })
+    Ok(Some((places, corners)))
+}
+
+/// What materials look like.
+fn by_looks(mesh: &dyn MeshSource, plain: [u8; 4], watch: &Watch) -> Result<Coat, FormatError> {
+    let carried = mesh.attachments();
+    let swatches = skin::swatches(carried, shown_as(plain), watch)?;
+    let none = swatches.len() - 1;
+    let number = |face| carried.materials.number(face).unwrap_or(none);
+    let places = if skin::has_images(carried) { places(mesh, watch)? } else { None };
+    let Some((places, corners)) = places else {
+        return Ok(Coat::Triangles(by_origin(mesh, |face| swatches[number(face)].color, watch)?));
+    };
+    Ok(Coat::Covers { places, corners, numbers: by_origin(mesh, |face| index(number(face)), watch)?, swatches })
 }
 
 fn by_labels(mesh: &dyn MeshSource, labels: &Labels, plain: [u8; 4], watch: &Watch) -> Result<Coat, Stopped> {
     let plain = shown_as(plain);
     let marks: Vec<[f32; 3]> = (0..labels.names.len()).map(mark).collect();
-    by_origin(mesh, |face| labels.number(face).map_or(plain, |label| marks[label]), watch)
+    let color = |face| labels.number(face).map_or(plain, |label| marks[label]);
+    Ok(Coat::Triangles(by_origin(mesh, color, watch)?))
 }
 
-/// A colour for each face of the input.
-fn by_origin(mesh: &dyn MeshSource, color: impl Fn(u32) -> [f32; 3], watch: &Watch) -> Result<Coat, Stopped> {
+/// For each triangle what the face of the input has that it came of.
+fn by_origin<T: Copy>(mesh: &dyn MeshSource, color: impl Fn(u32) -> T, watch: &Watch) -> Result<Vec<T>, Stopped> {
     let mut colors = Vec::with_capacity(mesh.n_half_edges().saturating_sub(2 * mesh.n_faces()));
     let mut faces = FaceChunk::default();
     in_chunks(mesh.n_faces(), |range| {
@@ -217,7 +279,7 @@ fn by_origin(mesh: &dyn MeshSource, color: impl Fn(u32) -> [f32; 3], watch: &Wat
         }
         Ok(())
     })?;
-    Ok(Coat::Triangles(colors))
+    Ok(colors)
 }
 
 fn single(x: f64) -> f32 {

@@ -7,3 +7,4 @@ pub(super) mod mesh;
 pub(super) mod options;
 pub(super) mod paint;
 pub(super) mod sections;
+mod skin;

@@ -46,7 +46,7 @@ pub(crate) const COLOR: Parameter = Parameter {
     kind: Kind::Color,
     unit: "",
     default: Default::Absent,
-    doc: "Colour of the refined shape; left out, a calm blue.",
+    doc: "Colour of the refined shape, whatever its materials; left out, theirs, and a calm blue where they have none.",
 };
 
 /// The camera.

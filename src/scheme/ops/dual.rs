@@ -19,7 +19,8 @@ use crate::scheme::settings::Settings;
 use crate::scheme::step::{Action, Step, Values};
 use crate::scheme::step_error::StepError;
 use crate::scheme::window::Window;
-use crate::shape::check::{Checked, FaceList, Winding};
+use crate::shape::check::{FaceList, Winding};
+use crate::shape::connect::Checked;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 

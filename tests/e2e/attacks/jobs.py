@@ -3,7 +3,7 @@
 import json
 import math
 
-BODY_BYTES = 4_190_000  # just below the longest body that is read, 4 MiB
+BODY_BYTES = 4_190_000  # 4 MiB, an eighth of the longest body that is read
 
 CUBE = [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]
 CUBE_FACES = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]

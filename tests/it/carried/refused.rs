@@ -55,6 +55,7 @@ fn a_channel_is_given_once() {
     let text = r#"{"input":{"mesh":{"positions":[[0,0,0],[1,0,0],[0,1,0]],"faces":[[0,1,2]],
         "channels":{"w":[1,2,3],"w":[1,2,3]}}},"outputs":[{"format":"json"}]}"#;
     let faults = crate::support::parsed(text.as_bytes()).expect_err("it is given twice");
+    assert_eq!(faults[0].pointer, "/input/mesh/channels/w");
     assert!(faults[0].detail.contains("duplicate field \"w\""), "{faults:?}");
 }
 
@@ -82,7 +83,7 @@ fn names_of_faces_that_do_not_fit_are_named() {
         (json!([named("a b", json!([0]))]), "/0/name"),
         (json!([named("a\nb", json!([0]))]), "/0/name"),
         (json!([named(&"x".repeat(65), json!([0]))]), "/0/name"),
-        (json!([{ "faces": [0] }]), "/0"),
+        (json!([{ "faces": [0] }]), "/0/name"),
         (json!((0..257).map(|i| named(&i.to_string(), json!([]))).collect::<Vec<_>>()), ""),
     ] {
         for kind in ["groups", "materials"] {

@@ -153,7 +153,7 @@ fn what_a_mesh_does_not_carry_cannot_be_shown() {
         (json!({}), json!({ "color_by": "uvs" }), "color_by", "no texture coordinates"),
         (json!({}), json!({ "color_by": "groups" }), "color_by", "no groups"),
         (json!({}), json!({ "color_by": "materials" }), "color_by", "no materials"),
-        (json!({}), json!({ "color_by": "height" }), "color_by", "not one of none, channel"),
+        (json!({}), json!({ "color_by": "height" }), "color_by", "expected one of none, channel"),
     ] {
         let faults = render(&job(&carried, &options)).map(|_| "drawn").expect_err("it is refused");
         assert_eq!(faults[0].pointer, format!("/outputs/0/{place}"));

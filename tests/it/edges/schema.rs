@@ -60,20 +60,44 @@ impl Document {
     }
 
     /// Every place within a value that a schema knows, with the schema there: fields, and first entries of lists.
-    pub(super) fn places<'a>(&'a self, schema: &'a Value, at: &str, found: &mut Vec<(String, &'a Value)>) {
+    pub(super) fn places<'a>(
+        &'a self,
+        schema: &'a Value,
+        value: &Value,
+        at: &str,
+        found: &mut Vec<(String, &'a Value)>,
+    ) {
         let schema = self.meant(schema);
-        for one in schema["oneOf"].as_array().into_iter().flatten() {
-            self.places(one, at, found);
+        for one in schema["oneOf"].as_array().into_iter().flatten().filter(|one| self.takes(one, value)) {
+            self.places(one, value, at, found);
         }
-        for (name, field) in schema["properties"].as_object().into_iter().flatten() {
+        let fields = schema["properties"].as_object().into_iter().flatten();
+        let fields = fields.filter_map(|(name, field)| Some((name.as_str(), field, value.get(name)?)));
+        let first = value.get(0).filter(|_| schema["items"].is_object()).map(|first| ("0", &schema["items"], first));
+        for (name, schema, value) in fields.chain(first) {
             let at = format!("{at}/{name}");
-            found.push((at.clone(), field));
-            self.places(field, &at, found);
+            found.push((at.clone(), schema));
+            self.places(schema, value, &at, found);
         }
-        if schema["items"].is_object() {
-            let at = format!("{at}/0");
-            found.push((at.clone(), &schema["items"]));
-            self.places(&schema["items"], &at, found);
+    }
+
+    /// Every place that values of a schema can have, but for the fields of what one of its fields chooses by name.
+    pub(super) fn possible(&self, schema: &Value, at: &str, found: &mut Vec<String>) {
+        let schema = self.meant(schema);
+        if !schema["discriminator"].is_null() {
+            return;
+        }
+        for one in schema["oneOf"].as_array().into_iter().flatten() {
+            self.possible(one, at, found);
+        }
+        let fields = schema["properties"].as_object().into_iter().flatten().map(|(name, field)| (name.as_str(), field));
+        for (name, schema) in fields.chain(schema["items"].is_object().then(|| ("0", &schema["items"]))) {
+            let at = format!("{at}/{name}");
+            found.push(at.clone());
+            // whatever a word takes stands among its parameters
+            if at != "/plan/parameters" {
+                self.possible(schema, &at, found);
+            }
         }
     }
 }
@@ -88,5 +112,6 @@ fn within(schema: &Value, value: &Value) -> bool {
             && schema["maximum"].as_f64().is_none_or(|most| x <= most)
             && schema["exclusiveMinimum"].as_f64().is_none_or(|beyond| x > beyond)
     });
-    ranged && value.as_array().is_none_or(|items| length("minItems", "maxItems", items.len()))
+    let written = value.as_str().is_none_or(|text| length("minLength", "maxLength", text.chars().count()));
+    ranged && written && value.as_array().is_none_or(|items| length("minItems", "maxItems", items.len()))
 }

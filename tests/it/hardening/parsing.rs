@@ -3,6 +3,7 @@
 use allocation_counter::measure;
 use planish::input::{self, ReadLimits};
 use planish::wire::JobRequest;
+use planish::wire::input::Purpose;
 use planish::wire::read::read;
 
 /// One more than a power of two: lists that double their room have just done so, and hold old and new at once.
@@ -360,7 +361,7 @@ fn c3_inputs_say_what_they_hold() {
         r#"{"input":{"polygon":{"points":[[0,0],[1,0],[1,1],[0,1]],"closed":true}},"outputs":[{"format":"stats"}]}"#;
     for job in [grid(2, 0), grid(90, 0), mixed(90), square.to_owned()] {
         let mut kept = None;
-        let read = || read::<JobRequest>(job.as_bytes()).unwrap().input.resolve(&ReadLimits::default());
+        let read = || read::<JobRequest>(job.as_bytes()).unwrap().input.resolve(Purpose::Keep, &ReadLimits::default());
         let held = measure(|| kept = Some(read().unwrap().input)).bytes_current;
         let said = kept.unwrap().bytes();
         let held = u64::try_from(held).unwrap();

@@ -144,7 +144,9 @@ huge JSON: Bodies that are too long, nested too deeply, or hold lists of many wr
 - long_lists_are_refused_in_words_not_in_kind
 - c3_no_request_takes_more_than_its_weight
 compressed bodies: A short compressed body that would unpack into a very long one.
-- a_gzip_bomb_is_never_unpacked
+- a_bomb_is_inflated_no_further_than_a_body_may_be_long
+- a_frame_that_asks_for_a_large_window_is_refused
+- addresses_are_bounded_as_they_come_and_inflated
 - a_body_of_another_kind_is_415
 slow clients: Half a header, silence, a body that stalls, an answer that is not read, and many idle connections.
 - half_a_header_is_not_waited_for

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use axum::http::HeaderMap;
+use base64::Engine;
 use serde_json::Value;
 
 use super::jobs::{mesh, polygon, with};
@@ -75,7 +76,12 @@ async fn results(server: &Server) -> Vec<(&'static str, String)> {
         "artifact-range-beyond",
         exchange(server, Asked::get(place.clone()).with("range", "bytes=9999999-")).await,
     ));
-    told.push(("artifact-not-modified", exchange(server, Asked::get(place).with("if-none-match", etag)).await));
+    told.push(("artifact-not-modified", exchange(server, Asked::get(place.clone()).with("if-none-match", etag)).await));
+
+    let place = made.header("content-location");
+    let coded = || Asked::get(place).with("accept-encoding", "zstd, br, gzip");
+    told.push(("artifact-coded", exchange(server, coded()).await));
+    told.extend(ways(server).await);
 
     let held = server.hold().await;
     let later = || Asked::post("/v1/render", &with(mesh(2), "obj")).with("prefer", "wait=0");
@@ -86,6 +92,20 @@ async fn results(server: &Server) -> Vec<(&'static str, String)> {
     drop(held);
     server.settled(&location).await;
     told.push(("job-done", exchange(server, Asked::get(location)).await));
+    told
+}
+
+/// Other ways to say what is asked for: a mesh file and a query, an address.
+async fn ways(server: &Server) -> Vec<(&'static str, String)> {
+    let mut file = Asked::post("/v1/render?preset=loop&levels=2&format=stl", &Value::Null);
+    file.headers[0].1 = "model/obj".into();
+    file.body = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n".into();
+    let mut told = vec![("render-file", exchange(server, file).await)];
+    let base64url = |job: &Value| base64::engine::general_purpose::URL_SAFE_NO_PAD.encode(job.to_string());
+    let link = format!("/v1/render?job={}", base64url(&with(polygon(2), "svg")));
+    told.push(("render-link", exchange(server, Asked::get(link)).await));
+    let kroki = format!("/kroki/svg/{}", base64url(&polygon(2)));
+    told.push(("kroki", exchange(server, Asked::get(kroki)).await));
     told
 }
 
@@ -131,7 +151,7 @@ async fn refusals(server: &Server) -> Vec<(&'static str, String)> {
     for (name, asked) in [
         ("refused-400-half-a-json", half),
         ("refused-404-no-such-page", Asked::get("/v2")),
-        ("refused-405-get-on-render", Asked::get("/v1/render")),
+        ("refused-405-get-on-estimate", Asked::get("/v1/estimate")),
         ("refused-406-svg-of-a-mesh", Asked::post("/v1/render", &mesh(1)).with("accept", "image/svg+xml")),
         ("refused-415-text", text),
         ("refused-422-typo", Asked::post("/v1/render", &typo)),

@@ -45,6 +45,8 @@ fn check(format: &str, is_mesh: bool, answer: &Answer) {
             assert_eq!(lines(answer, elements.0), elements.1);
         }
         "glb" | "gltf" => check_gltf(is_mesh, &answer.body),
+        // 26 vertices with positions and normals, 48 triangles
+        "gltf-bin" => assert_eq!(answer.body.len(), 26 * 24 + 48 * 6),
         "ply" => {
             assert!(answer.body.starts_with(b"ply\nformat binary_little_endian 1.0\n"));
             assert_eq!(lines(answer, if is_mesh { "element vertex 26" } else { "element vertex 8" }), 1);

@@ -47,9 +47,23 @@ fn accept_chooses_the_format_where_no_output_does() {
 }
 
 #[test]
-fn an_output_that_names_its_format_is_answered_whatever_accept_says() {
+fn an_output_that_accept_does_not_allow_is_refused_and_the_refusal_says_what_is_acceptable() {
     story(settings(), async |server| {
-        assert_eq!(chosen(server, &with(mesh(1), "obj"), Some("image/png")).await, "model/obj");
+        let job = with(mesh(1), "obj");
+        // what was answered before, too
+        server.render(&job).await.ok();
+        for accept in ["image/png", "application/json", "*/*, model/obj;q=0", "model/*;q=0, image/*", "text/html"] {
+            let answer = server.post_with("/v1/render", &job, &[("accept", accept)]).await;
+            let problem = answer.problem(406, "not-acceptable");
+            let detail = problem["detail"].as_str().unwrap();
+            assert!(detail.contains("accept model/obj, or"), "Accept: {accept}: {detail}");
+        }
+        let fitting = [None, Some("*/*"), Some("model/*"), Some("image/png, */*;q=0.1"), Some("*/*;q=0, model/obj")];
+        for accept in fitting {
+            assert_eq!(chosen(server, &job, accept).await, "model/obj", "Accept: {accept:?}");
+        }
+        let unknown = server.post_with("/v1/render", &with(mesh(1), "png "), &[("accept", "image/jpeg")]).await;
+        unknown.problem(422, "invalid-job");
     });
 }
 

@@ -110,7 +110,8 @@ fn each_fault_of_a_mesh_is_named_with_its_index() {
         let mut input = cube();
         input["mesh"]["faces"][2][1] = json!(77);
         input["mesh"]["faces"][4] = json!([1, 1, 2]);
-        let answer = server.post("/v1/validate", &json!({ "input": input })).await.ok().json();
+        let question = json!({ "input": input, "plan": { "word": "UC" }, "levels": 1 });
+        let answer = server.post("/v1/validate", &question).await.ok().json();
         assert_eq!(answer["valid"], false);
         assert_eq!(answer["errors"][0]["pointer"], "/input/mesh/faces/2/1", "{answer}");
         assert!(answer["errors"][1]["pointer"].as_str().unwrap().starts_with("/input/mesh/faces/4"), "{answer}");
@@ -123,12 +124,48 @@ fn winding_is_refused_or_repaired_as_asked() {
     story(settings(), async |server| {
         let mut input = cube();
         input["mesh"]["faces"][1].as_array_mut().unwrap().reverse();
-        let refused = server.post("/v1/validate", &json!({ "input": input })).await.ok().json();
+        let mut question = json!({ "input": input, "plan": { "word": "UC" }, "levels": 1 });
+        let refused = server.post("/v1/validate", &question).await.ok().json();
         assert_eq!(refused["valid"], false, "{refused}");
-        input["orient"] = json!("repair");
-        let repaired = server.post("/v1/validate", &json!({ "input": input })).await.ok().json();
+        question["input"]["orient"] = json!("repair");
+        let repaired = server.post("/v1/validate", &question).await.ok().json();
         assert_eq!(repaired["valid"], true, "{repaired}");
         assert!(!repaired["warnings"].as_array().unwrap().is_empty(), "{repaired}");
+    });
+}
+
+/// What is wrong with the parts of a job is told at once, whichever of them is wrong; nothing is passed over.
+#[test]
+fn a_question_looks_at_the_whole_job() {
+    story(settings(), async |server| {
+        let pointers = async |job: &serde_json::Value| -> Vec<String> {
+            let answer = server.post("/v1/validate", job).await.ok().json();
+            let errors = answer["errors"].as_array().unwrap();
+            assert_eq!(answer["valid"], errors.is_empty(), "{answer}");
+            errors.iter().map(|error| error["pointer"].as_str().unwrap().to_owned()).collect()
+        };
+        let plan = json!({ "preset": "catmull-clark" });
+        let fine = json!({ "spec": 1, "input": cube(), "plan": plan, "levels": 2, "outputs": [{ "format": "glb" }] });
+        assert_eq!(pointers(&fine).await, [""; 0]);
+        for (part, value, pointer) in [
+            ("/spec", json!(2), "/spec"),
+            ("/plan/preset", json!("catmul-clark"), "/plan/preset"),
+            ("/levels", json!(65), "/levels"),
+            ("/levels", json!(null), "/levels"),
+            ("/outputs/0/format", json!("svg"), "/outputs/0/format"),
+            ("/outputs/0/format", json!("gbl"), "/outputs/0/format"),
+        ] {
+            let mut wrong = fine.clone();
+            *wrong.pointer_mut(part).unwrap() = value;
+            assert_eq!(pointers(&wrong).await, [pointer], "{wrong}");
+        }
+        let mut input = cube();
+        input["mesh"]["faces"][2][1] = json!(77);
+        let outputs = json!([{ "format": "png", "width": 1 }, { "format": "svg" }]);
+        let plan = json!({ "word": "UX", "parameters": { "dleta": 1 } });
+        let wrong = json!({ "spec": 2, "input": input, "plan": plan, "outputs": outputs });
+        let expected = ["/spec", "/input/mesh/faces/2/1", "/outputs/0/width", "/levels", "/plan/word"];
+        assert_eq!(pointers(&wrong).await, [&expected[..], &["/plan/parameters/dleta"]].concat());
     });
 }
 

@@ -22,7 +22,7 @@ pub(super) fn floats(values: &[f32]) -> Vec<u8> {
 }
 
 /// A document over one buffer of sections, each a view of its own.
-fn document(sections: &[Vec<u8>], rest: &Value) -> Value {
+pub(super) fn document(sections: &[Vec<u8>], rest: &Value) -> Value {
     let mut bytes = Vec::new();
     let views: Vec<Value> = sections
         .iter()

@@ -200,7 +200,7 @@ fn binary_files_travel_in_base64() {
 }
 
 /// Base64 without padding.
-fn base64(bytes: &[u8]) -> String {
+pub(super) fn base64(bytes: &[u8]) -> String {
     let letters = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let bit = |i: usize| bytes.get(i / 8).map_or(0, |byte| usize::from(byte >> (7 - i % 8) & 1));
     let letter = |i: usize| char::from(letters[(0..6).fold(0, |sum, k| 2 * sum + bit(6 * i + k))]);

@@ -263,8 +263,11 @@ fn duplicate_and_unknown_fields_are_refused_at_their_place() {
         assert_eq!(found[0].pointer, pointer, "{text}: {found:?}");
         assert!(found[0].detail.contains(detail), "{text}: {found:?}");
     };
-    check(r#"{"input":{},"input":{}}"#, "", "duplicate field");
-    check(r#"{"inptu":{}}"#, "/inptu", "unknown field \"inptu\"");
+    check(r#"{"input":{},"input":{}}"#, "/input", "duplicate field");
+    check("{}", "/input", "\"input\" is missing");
+    check(r#"{"input":{"mesh":{"positions":[]}}}"#, "/input/mesh/faces", "\"faces\" is missing");
+    check(r#"{"inptu":{}}"#, "/inptu", "unknown field \"inptu\"; did you mean \"input\"? expected one of");
+    check(r#"{"input":{"up":"Z"}}"#, "/input/up", "did you mean \"z\"? expected one of \"y\", \"z\"");
     check(r#"{"input":{"mesh":{"vertices":[]}}}"#, "/input/mesh/vertices", "unknown field \"vertices\"");
     check(r#"{"input":{"polygon":{"points":[[0],["x"]]}}}"#, "/input/polygon/points/1/0", "expected a number");
     check(r#"{"input":{"mesh":{"positions":[[0,0]],"faces":[]}}}"#, "/input/mesh/positions/0", "three numbers");
@@ -274,10 +277,10 @@ fn duplicate_and_unknown_fields_are_refused_at_their_place() {
         let input = r#"{"polygon":{"points":[[0],[1]]}}"#;
         format!(r#"{{"input":{input},"levels":1,"outputs":[{{"format":"json"}}],"plan":{plan}}}"#)
     };
-    check(&job(r#"{"word":"UC","parameters":{"delta":1,"delta":2}}"#), "/plan/parameters", "duplicate field");
-    check(&job(r#"{"word":"UC","parameters":{"dleta":1}}"#), "/plan/parameters/dleta", "unknown parameter");
+    check(&job(r#"{"word":"UC","parameters":{"delta":1,"delta":2}}"#), "/plan/parameters/delta", "duplicate field");
+    check(&job(r#"{"word":"UC","parameters":{"dleta":1}}"#), "/plan/parameters/dleta", "did you mean \"delta\"?");
     check(&job(r#"{"word":"UC","preset":"chaikin"}"#), "/plan/word", "leave one of them out");
-    check(&job(r#"{"preset":"chakin"}"#), "/plan/preset", "known are chaikin");
+    check(&job(r#"{"preset":"chakin"}"#), "/plan/preset", "did you mean \"chaikin\"? known are chaikin");
     check(&job("{}"), "/plan", "a \"preset\" or a \"word\"");
     check(&job("7"), "/plan", "expected an object");
 }

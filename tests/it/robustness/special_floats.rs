@@ -129,5 +129,7 @@ fn numbers_beyond_f64_are_faults_of_their_place() {
         let job = format!(r#"{{"input":{{"polygon":{{"points":[[0],[{nothing}]]}}}}}}"#);
         let found = parsed(job.as_bytes()).expect_err("that is no JSON");
         assert!(found[0].detail.starts_with("the body is not JSON"), "{nothing}: {found:?}");
+        let told = found[0].detail.ends_with("; JSON has neither NaN nor Infinity, all numbers are finite");
+        assert_eq!(told, nothing.to_lowercase().contains('n'), "{nothing}: {found:?}");
     }
 }

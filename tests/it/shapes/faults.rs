@@ -27,7 +27,7 @@ fn check(fields: Value, expected: &[(&str, &str)]) {
     }
     let expected: Vec<_> = expected.iter().map(|(at, detail)| (format!("/input/mesh{at}"), *detail)).collect();
     let expected: Vec<_> = expected.iter().map(|(at, detail)| (at.as_str(), *detail)).collect();
-    check_input(&json!({ "mesh": mesh }), &expected);
+    check_input(&json!({ "mesh": mesh, "non_manifold": "refuse" }), &expected);
 }
 
 #[test]
@@ -38,7 +38,10 @@ fn faces_are_told_apart_by_their_faults() {
     check(json!({ "faces": [[0, 1, 5]] }), &[("/faces/0/2", "there is no vertex 5; the mesh has 5, counted from 0")]);
     check(
         json!({ "faces": [[0, 1, 2, 1]] }),
-        &[("/faces/0", "vertex 1 occurs twice; a face visits each of its vertices once")],
+        &[(
+            "/faces/0",
+            "vertex 1 occurs twice; a face visits each of its vertices once; \"non_manifold\": \"split\" parts it",
+        )],
     );
 }
 
@@ -57,7 +60,10 @@ fn huge_indices_are_out_of_range() {
 fn an_edge_has_at_most_two_faces() {
     check(
         json!({ "faces": [[0, 1, 2], [1, 0, 3], [0, 1, 4]] }),
-        &[("/faces/2", "edge (0, 1) has 3 faces (0, 1, 2); at most 2 are allowed")],
+        &[(
+            "/faces/2",
+            "edge (0, 1) has 3 faces (0, 1, 2); at most 2 are allowed; \"non_manifold\": \"split\" cuts the mesh there",
+        )],
     );
 }
 
@@ -79,12 +85,18 @@ fn a_one_sided_strip_is_refused_naming_an_edge() {
     let faces = json!([[0, 2, 3, 1], [2, 4, 5, 3], [4, 1, 0, 5]]);
     let positions = json!([[0, 0, 0], [0, 0, 1], [2, 0, 0], [2, 0, 1], [1, 2, 0], [1, 2, 1]]);
     for orient in ["refuse", "repair"] {
-        let input = json!({ "mesh": { "positions": positions, "faces": faces }, "orient": orient });
+        let input =
+            json!({ "mesh": { "positions": positions, "faces": faces }, "orient": orient, "non_manifold": "refuse" });
         let found = support::faults(json!({ "input": input }));
         let [fault] = found.as_slice() else { panic!("one fault, not {found:?}") };
         assert!(fault.pointer.starts_with("/input/mesh/faces/"), "{fault}");
         assert!(fault.detail.starts_with("the faces cannot be oriented: around edge ("), "{fault}");
-        assert!(fault.detail.ends_with("they form a one-sided strip; cut the mesh along it"), "{fault}");
+        assert!(
+            fault
+                .detail
+                .ends_with("they form a one-sided strip; cut the mesh along it, or set \"non_manifold\": \"split\""),
+            "{fault}"
+        );
     }
 }
 
@@ -133,7 +145,10 @@ fn all_faults_of_a_mesh_are_told_together() {
             ("/holes/0", "there is no face 7; the mesh has 3, counted from 0"),
             ("/faces/0", "a face of 2 vertices; a face has at least 3"),
             ("/faces/1/2", "there is no vertex 9; the mesh has 5, counted from 0"),
-            ("/faces/2", "vertex 2 occurs twice; a face visits each of its vertices once"),
+            (
+                "/faces/2",
+                "vertex 2 occurs twice; a face visits each of its vertices once; \"non_manifold\": \"split\" parts it",
+            ),
         ],
     );
 }

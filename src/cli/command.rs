@@ -1,0 +1,133 @@
+//! The commands and their flags.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap_complete::Shell;
+
+use super::analyse::Question;
+use super::error::{CODES, CliError};
+use super::estimate::EstimateOptions;
+use super::render::RenderOptions;
+use super::validate::ValidateOptions;
+use super::{catalogue, health, serve, shell};
+use crate::config::{Given, Setting, Settings};
+
+/// Refines control polygons and control meshes by subdivision.
+#[derive(Debug, Parser)]
+#[command(name = "planish", version, about, max_term_width = 110, after_help = CODES)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Serve jobs over HTTP.
+    ///
+    /// Every setting is a flag, an environment variable and a key of the TOML file; the flag wins over the variable,
+    /// the variable over the file. Sizes are written as 64MiB or 500kB, times as 30s or 5min. GET /v1/limits tells
+    /// those of a running service.
+    Serve {
+        /// Settings file (TOML); its keys are the names of the flags.
+        #[arg(long, env = "PLANISH_CONFIG")]
+        config: Option<PathBuf>,
+        #[command(flatten)]
+        given: Box<Given>,
+    },
+    /// Render jobs, or mesh files, to files; the format follows the extension.
+    ///
+    /// Inputs are rendered one after another, each with all threads; one that fails does not stop the others. Flags
+    /// say what a job says, and take the place of what it says itself. Lists are written with commas (`--show
+    /// surface,wireframe`), objects as names with values (`--camera azimuth-deg=40,zoom=2`).
+    #[command(after_help = CODES)]
+    Render(Box<RenderOptions>),
+    /// Tell what a job, or a mesh file, would come to, without running it.
+    #[command(after_help = CODES)]
+    Estimate(Box<EstimateOptions>),
+    /// Tell what is wrong with jobs, or mesh files, and what their meshes are like, as JSON; ends with 3 where
+    /// something is wrong.
+    #[command(after_help = CODES)]
+    Validate(Box<ValidateOptions>),
+    /// Tell what can be said of a plan: masks, smoothness with its proofs, limit and tangent weights.
+    #[command(after_help = CODES)]
+    Analyse(Box<Question>),
+    /// List the presets, or one with its parameters.
+    Presets {
+        /// Name of a preset.
+        name: Option<String>,
+    },
+    /// List the operators of words, or one with its parameters.
+    Operators {
+        /// Letter of an operator.
+        letter: Option<String>,
+    },
+    /// List the formats that are written and the kinds of files that are read, or one format with its options.
+    Formats {
+        /// Name of a format.
+        name: Option<String>,
+    },
+    /// Ask a running service whether it is ready; for health checks.
+    Health {
+        /// Address of the service.
+        #[arg(long, default_value = "http://127.0.0.1:8080")]
+        url: String,
+    },
+    /// Print what a shell needs to complete commands and flags.
+    Completions {
+        /// The shell.
+        shell: Shell,
+    },
+    /// Print the manual page of planish, or of one command.
+    Man {
+        /// Name of a command.
+        command: Option<String>,
+    },
+}
+
+impl Cli {
+    /// The command line of this process.
+    pub fn from_command_line() -> Self {
+        Self::from_arg_matches(&whole().get_matches()).unwrap_or_else(|error| error.exit())
+    }
+}
+
+/// The command line; its help tells the default of every setting.
+fn whole() -> clap::Command {
+    let defaults = Settings::default().list();
+    let with_defaults = |serve: clap::Command| {
+        defaults.iter().fold(serve, |serve, setting| {
+            let Setting { name, variable, doc, .. } = setting;
+            let help = format!("{doc} [env: {variable}] [default: {}]", setting.told());
+            serve.mut_arg(name, |arg| arg.help(help).long_help(None))
+        })
+    };
+    Cli::command().mut_subcommand("serve", with_defaults)
+}
+
+/// Runs a command.
+pub fn run(cli: Cli) -> ExitCode {
+    let done = match cli.command {
+        Command::Serve { config, given } => serve::serve(*given, config.as_deref()),
+        Command::Render(options) => options.render(),
+        Command::Estimate(options) => options.estimate(),
+        Command::Validate(options) => options.validate(),
+        Command::Analyse(question) => question.analyse(),
+        Command::Presets { name } => catalogue::list_presets(name.as_deref()),
+        Command::Operators { letter } => catalogue::list_operators(letter.as_deref()),
+        Command::Formats { name } => catalogue::list_formats(name.as_deref()),
+        Command::Health { url } => health::health(&url),
+        Command::Completions { shell } => shell::completions(shell, whole()),
+        Command::Man { command } => shell::man(command.as_deref(), whole()),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error @ CliError { kind, .. }) => {
+            if !error.details.is_empty() {
+                eprintln!("planish: {error}");
+            }
+            ExitCode::from(kind as u8)
+        }
+    }
+}

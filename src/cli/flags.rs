@@ -1,0 +1,236 @@
+//! The flags that say what a job says: made of the declarations of its input, its plan and the options of formats, so
+//! that each is written once.
+
+use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
+use clap::{Arg, ArgAction, ArgMatches, Command};
+use serde_json::{Value, json};
+
+use crate::math::parameter::{Kind, Parameter};
+use crate::scheme::parameters::WORD_PARAMETERS;
+use crate::scheme::presets::PRESETS;
+use crate::wire::catalogue::ParameterEntry;
+use crate::wire::fields::{Field, OutputField, Part, Takes, fields, output_fields};
+use crate::wire::written::{number, separator, written};
+
+/// Flags that say what a job says; on a job they take the place of what it says itself.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct JobFlags {
+    /// What they say of the input, the plan and the levels: the flag, the place in a job, the value.
+    pub(super) fields: Vec<(String, String, Value)>,
+    /// What they say of the output.
+    pub(super) options: Vec<(&'static str, Value)>,
+}
+
+impl clap::Args for JobFlags {
+    fn augment_args(command: Command) -> Command {
+        command.args(arguments())
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        command.args(arguments())
+    }
+}
+
+impl clap::FromArgMatches for JobFlags {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let last = |id: &str| matches.get_many::<String>(id).and_then(|mut values| values.next_back().cloned());
+        let mut found = Self::default();
+        for field in fields() {
+            let part = if field.part == Part::Input { "input" } else { "plan" };
+            if let Some(text) = last(&dashed(&field.name)) {
+                found.say(&dashed(&field.name), format!("/{part}/{}", field.name), field.value(&text));
+            }
+        }
+        if let Some(text) = last("levels") {
+            found.say("levels", "/levels".to_owned(), number(&text));
+        }
+        if let Some(text) = last("tolerance") {
+            found.say("tolerance", "/levels".to_owned(), json!({ "tolerance": number(&text) }));
+        }
+        let parameters =
+            matches.get_many::<String>("parameter").into_iter().flatten().filter_map(|p| p.split_once('='));
+        let preset = last("preset");
+        for (name, text) in parameters {
+            let name = name.trim().replace('-', "_");
+            let value = declared(preset.as_deref(), &name).map_or_else(|| number(text), |kind| written(kind, text));
+            found.say(&format!("parameter {name}"), format!("/plan/parameters/{name}"), value);
+        }
+        for field in output_fields() {
+            let texts = matches.get_many::<String>(&dashed(field.name)).into_iter().flatten();
+            let texts: Vec<&str> = texts.map(String::as_str).collect();
+            if let Some(last) = texts.last() {
+                let text = separator(field.kind()).map_or_else(|| (*last).to_owned(), |between| texts.join(between));
+                found.options.push((field.name, field.value(&text)));
+            }
+        }
+        Ok(found)
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl JobFlags {
+    fn say(&mut self, flag: &str, pointer: String, value: Value) {
+        self.fields.push((format!("--{flag}"), pointer, value));
+    }
+
+    /// Writes what the flags say of input, plan and levels into a job; a scheme that they name takes the place of the
+    /// whole plan.
+    pub(super) fn onto(&self, job: &mut Value) {
+        if self.fields.iter().any(|(_, pointer, _)| ["/plan/preset", "/plan/word"].contains(&pointer.as_str())) {
+            job["plan"] = json!({});
+        }
+        for (_, pointer, value) in &self.fields {
+            let place = pointer.split('/').skip(1).fold(&mut *job, |at, name| &mut at[name]);
+            *place = value.clone();
+        }
+    }
+
+    /// The flag that says something of a place.
+    pub(super) fn says(&self, pointer: &str) -> Option<&str> {
+        self.fields.iter().find(|(_, known, _)| known == pointer).map(|(flag, ..)| flag.as_str())
+    }
+}
+
+/// The name of a field as flags have it.
+pub(super) fn dashed(name: &str) -> String {
+    name.replace('_', "-")
+}
+
+/// What may be written for a parameter: as the preset declares it, else as words or other presets do.
+fn declared(preset: Option<&str>, name: &str) -> Option<&'static Kind> {
+    let own = PRESETS.iter().filter(|known| Some(known.name) == preset).flat_map(|preset| preset.parameters);
+    let others = PRESETS.iter().flat_map(|preset| preset.parameters);
+    let mut all = own.chain(WORD_PARAMETERS).chain(others);
+    all.find(|parameter| parameter.name == name).map(|parameter| &parameter.kind)
+}
+
+fn arguments() -> Vec<Arg> {
+    let (input, plan): (Vec<Field>, Vec<Field>) = fields().into_iter().partition(|field| field.part == Part::Input);
+    let levels = Arg::new("levels").long("levels").value_name("N").help("How often the scheme is applied");
+    let tolerance = Arg::new("tolerance")
+        .long("tolerance")
+        .value_name("DISTANCE")
+        .conflicts_with("levels")
+        .help("In place of --levels: the first level that is so close to the limit, in model units");
+    let parameter = Arg::new("parameter")
+        .short('p')
+        .long("parameter")
+        .value_name("NAME=VALUE")
+        .action(ArgAction::Append)
+        .value_parser(|text: &str| match text.split_once('=') {
+            Some((name, _)) if !name.trim().is_empty() => Ok(text.to_owned()),
+            _ => Err("write it as NAME=VALUE, for example w=0.05 or alpha=pi/6"),
+        })
+        .help("A parameter of the preset or of the word, for example w=0.05; can be given several times");
+    let scheme = plan.iter().map(of_field).chain([levels, tolerance, parameter]);
+    let scheme = scheme.map(|arg| arg.help_heading("Scheme").allow_hyphen_values(true));
+    let input = input.iter().map(|field| of_field(field).help_heading("Input").allow_hyphen_values(true));
+    let output = output_fields();
+    let output = output.iter().map(|field| of_option(field).help_heading("Options of the output"));
+    input.chain(scheme).chain(output).collect()
+}
+
+fn of_field(field: &Field) -> Arg {
+    let doc = field.doc.replace("/v1/presets", "planish presets").replace("/v1/operators", "planish operators");
+    let arg = Arg::new(dashed(&field.name)).long(dashed(&field.name)).help(doc.trim_end_matches('.').to_owned());
+    match &field.takes {
+        Takes::Flag => switch(arg),
+        Takes::Text(choices) if field.name == "preset" && choices.is_empty() => arg
+            .value_name("NAME")
+            .value_parser(Hint(PRESETS.iter().map(|preset| preset.name.to_owned()).collect()))
+            .hide_possible_values(true),
+        Takes::Text(choices) => arg.value_name(field.name.to_uppercase()).value_parser(Hint(choices.clone())),
+        Takes::Scalar => arg.value_name("NUMBER"),
+    }
+}
+
+fn of_option(field: &OutputField) -> Arg {
+    let name = dashed(field.name);
+    let arg = Arg::new(name.clone()).long(name).help(told(field)).hide_short_help(true).allow_hyphen_values(true);
+    let hint = |names: &[&str]| Hint(names.iter().map(|name| (*name).to_owned()).collect());
+    let arg = if separator(field.kind()).is_some() { arg.action(ArgAction::Append) } else { arg };
+    match field.kind() {
+        Kind::Flag => switch(arg).allow_hyphen_values(false),
+        Kind::Choice(names) | Kind::Choices(names) => {
+            arg.value_name(field.name.to_uppercase()).value_parser(hint(names)).hide_possible_values(true)
+        }
+        Kind::Group(_) => arg.value_name("NAME=VALUE,..."),
+        Kind::Groups { .. } => arg.value_name("NAME=VALUE,...;..."),
+        Kind::Vector | Kind::Direction => arg.value_name("X,Y,Z"),
+        Kind::Number { .. } | Kind::Integer { .. } => arg.value_name("NUMBER"),
+        _ => arg.value_name(field.name.to_uppercase()),
+    }
+}
+
+/// A flag that stands for `true` where nothing is said.
+fn switch(arg: Arg) -> Arg {
+    arg.num_args(0..=1)
+        .require_equals(true)
+        .default_missing_value("true")
+        .value_name("true|false")
+        .hide_possible_values(true)
+}
+
+/// What an option means, and what each format that knows it takes.
+fn told(field: &OutputField) -> String {
+    let mut ways: Vec<(Vec<&str>, String)> = Vec::new();
+    for &(format, parameter) in &field.declared {
+        let way = way(parameter);
+        match ways.iter_mut().find(|(_, known)| *known == way) {
+            Some((formats, _)) => formats.push(format),
+            None => ways.push((vec![format], way)),
+        }
+    }
+    let ways: Vec<String> = ways.iter().map(|(formats, way)| format!("[{}: {way}]", formats.join(", "))).collect();
+    format!("{} {}", field.declared[0].1.doc, ways.join(" "))
+}
+
+fn way(parameter: &Parameter) -> String {
+    let entry = ParameterEntry::new(parameter);
+    let blank = if entry.unit.is_empty() { "" } else { ", " };
+    let expects = match parameter.kind {
+        Kind::Choice(names) => names.join(", "),
+        Kind::Choices(names) => format!("some of {}, with commas between", names.join(",")),
+        Kind::Group(fields) => objects(fields),
+        Kind::Groups { fields, .. } => format!("{}; semicolons between several", objects(fields)),
+        Kind::Color => "a colour like #fff or #ff8800, or transparent".to_owned(),
+        Kind::Vector | Kind::Direction => "three numbers like 0,0,1".to_owned(),
+        _ => entry.expects,
+    };
+    let default = match &entry.default {
+        Value::Null | Value::Object(_) => String::new(),
+        Value::String(text) => format!("; default {text}"),
+        other => format!("; default {other}"),
+    };
+    format!("{expects}{blank}{}{default}", entry.unit)
+}
+
+fn objects(fields: &[Parameter]) -> String {
+    let names: Vec<&str> = fields.iter().map(|field| field.name).collect();
+    format!("as name=value,name=value with the names {}", names.join(", "))
+}
+
+/// Texts that completions offer; what is given is checked with the job.
+#[derive(Debug, Clone)]
+struct Hint(Vec<String>);
+
+impl TypedValueParser for Hint {
+    type Value = String;
+
+    fn parse_ref(
+        &self,
+        command: &Command,
+        arg: Option<&Arg>,
+        value: &std::ffi::OsStr,
+    ) -> Result<Self::Value, clap::Error> {
+        StringValueParser::new().parse_ref(command, arg, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        if self.0.is_empty() { None } else { Some(Box::new(self.0.iter().map(PossibleValue::new))) }
+    }
+}

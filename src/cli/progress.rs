@@ -1,0 +1,120 @@
+//! What a command says while it goes through its inputs: one bar on a terminal, notes and failures as lines, a summary.
+
+use std::collections::BTreeMap;
+use std::io::{self, IsTerminal};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::error::{CliError, Kind};
+use super::inputs::Source;
+use crate::job::amounts::thousands;
+use crate::watch::Watch;
+
+/// Parts of the bar for each input: as fine as a wide terminal shows.
+const PARTS: u64 = 500;
+
+/// The progress of a command over its inputs.
+#[derive(Debug)]
+pub(super) struct Progress {
+    bar: Option<ProgressBar>,
+    is_quiet: bool,
+    inputs: usize,
+    /// Inputs that are behind it.
+    past: u64,
+    failed: BTreeMap<Kind, u64>,
+    begun: Instant,
+}
+
+impl Progress {
+    /// Begins; the bar is shown where standard error is a terminal, unless nothing is to be said.
+    pub(super) fn new(inputs: usize, is_quiet: bool) -> Self {
+        let is_shown = io::stderr().is_terminal() && !is_quiet;
+        let bar = is_shown.then(|| {
+            let bar = ProgressBar::new(PARTS.saturating_mul(inputs as u64));
+            let template = if inputs > 1 { "{wide_bar} {msg} {elapsed}" } else { "{wide_bar} {percent}% {elapsed}" };
+            ProgressStyle::with_template(template).into_iter().for_each(|style| bar.set_style(style));
+            bar
+        });
+        Self { bar, is_quiet, inputs, past: 0, failed: BTreeMap::new(), begun: Instant::now() }
+    }
+
+    /// Says what happens to be known of an input.
+    pub(super) fn note(&self, source: &Source, text: &str) {
+        if !self.is_quiet {
+            self.say(&format!("planish: {source}: note: {text}"));
+        }
+    }
+
+    fn say(&self, line: &str) {
+        match &self.bar {
+            Some(bar) => bar.suspend(|| eprintln!("{line}")),
+            None => eprintln!("{line}"),
+        }
+    }
+
+    /// Takes note of what became of an input.
+    pub(super) fn done(&mut self, source: &Source, outcome: Result<(), CliError>) {
+        self.past += 1;
+        if let Err(error) = outcome {
+            *self.failed.entry(error.kind).or_default() += 1;
+            self.say(&format!("planish: {source}: {error}"));
+        }
+        if let Some(bar) = &self.bar {
+            bar.set_position(PARTS * self.past);
+            bar.set_message(format!("{} of {}", self.past, self.inputs));
+        }
+    }
+
+    /// Shows how far `task`, of so much work, is while it runs.
+    pub(super) fn during<T>(&self, watch: &Watch, work: u128, task: impl FnOnce() -> T) -> T {
+        let Some(bar) = &self.bar else { return task() };
+        let ended = AtomicBool::new(false);
+        let show = || {
+            while !ended.load(Ordering::Relaxed) {
+                let part = u128::from(watch.done()) * u128::from(PARTS) / work.max(1);
+                bar.set_position(PARTS * self.past + u64::try_from(part).map_or(PARTS, |part| part.min(PARTS)));
+                thread::sleep(Duration::from_millis(50));
+            }
+        };
+        thread::scope(|scope| {
+            scope.spawn(show);
+            let result = task();
+            ended.store(true, Ordering::Relaxed);
+            result
+        })
+    }
+
+    /// Ends with a summary, where there are several inputs, and with the kind of failure, if any.
+    pub(super) fn end(self, what: &str) -> Result<(), CliError> {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+        let failed: u64 = self.failed.values().sum();
+        if self.inputs > 1 && !self.is_quiet {
+            let took = self.begun.elapsed().as_secs_f64();
+            let (all, well) = (thousands(self.past.into()), thousands((self.past - failed).into()));
+            let kinds: Vec<String> = self.failed.iter().map(|(kind, n)| counted(*kind, *n)).collect();
+            let kinds = if kinds.is_empty() { String::new() } else { format!("; {}", kinds.join(", ")) };
+            eprintln!("planish: {well} of {all} inputs {what} in {took:.1} s{kinds}");
+        }
+        match self.failed.keys().copied().collect::<Vec<_>>().as_slice() {
+            [] => Ok(()),
+            [one] => Err(CliError::told(*one)),
+            _ => Err(CliError::told(Kind::Other)),
+        }
+    }
+}
+
+fn counted(kind: Kind, n: u64) -> String {
+    let n = thousands(n.into());
+    match kind {
+        Kind::Refused => format!("{n} refused"),
+        Kind::TooLarge => format!("{n} beyond a limit"),
+        Kind::Files => format!("{n} not read or written"),
+        Kind::Usage => format!("{n} with flags that do not fit"),
+        Kind::Other => format!("{n} stopped"),
+    }
+}

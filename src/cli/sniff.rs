@@ -1,0 +1,36 @@
+//! What an input is, by its first bytes, where its name does not tell.
+
+use crate::input;
+
+/// The name of the reader, `json` for the JSON of a mesh, or `job`.
+///
+/// # Errors
+/// A sentence, where the bytes are nothing that is known.
+pub(super) fn sniffed(bytes: &[u8]) -> Result<&'static str, String> {
+    if bytes.trim_ascii_start().starts_with(b"{") {
+        return Ok(of_json(bytes));
+    }
+    let reader = input::of_bytes(bytes).map(|reader| reader.name);
+    reader.ok_or_else(|| {
+        let text = input::is_text(bytes).then_some("plain text");
+        let what = input::foreign(bytes).or(text).map(|what| format!("it is {what}; ")).unwrap_or_default();
+        format!(
+            "{what}it is no job (JSON), and no mesh file that is known by its first bytes; name its kind with \
+             --input-format"
+        )
+    })
+}
+
+/// What a JSON object is.
+fn of_json(bytes: &[u8]) -> &'static str {
+    #[derive(serde::Deserialize)]
+    struct Head {
+        positions: Option<serde::de::IgnoredAny>,
+        asset: Option<serde::de::IgnoredAny>,
+    }
+    match serde_json::from_slice::<Head>(bytes) {
+        Ok(Head { positions: Some(_), .. }) => "json",
+        Ok(Head { asset: Some(_), .. }) => "gltf",
+        _ => "job",
+    }
+}

@@ -1,0 +1,163 @@
+//! Where outputs go.
+
+use std::collections::HashMap;
+use std::path::{Component, Path, PathBuf};
+
+use super::error::CliError;
+use super::inputs::Source;
+use crate::output::{self, FORMATS, Format};
+
+/// What patterns take of the path of an input: the name without its extension, the name, and the folder.
+const PLACEHOLDERS: [&str; 3] = ["stem", "name", "dir"];
+
+/// Where the outputs of a command go.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Target {
+    /// To standard output.
+    Standard,
+    /// Into one file.
+    File(PathBuf),
+    /// Into files of their own: a path with placeholders.
+    Pattern(String),
+}
+
+impl Target {
+    /// What `-o` means for so many inputs, of which there may be more another time where they are `open`; `format` is
+    /// that of `--format`.
+    pub(super) fn new(
+        path: &Path,
+        (inputs, open): (usize, bool),
+        format: Option<&'static dyn Format>,
+    ) -> Result<Self, CliError> {
+        if path == Path::new("-") {
+            return match inputs {
+                1 => Ok(Self::Standard),
+                _ => Err(CliError::usage("--output: several inputs cannot go to standard output; give a folder")),
+            };
+        }
+        let text = path.to_str();
+        if let Some(pattern) = text.filter(|text| text.contains('{')) {
+            check(pattern)?;
+            return Ok(Self::Pattern(pattern.to_owned()));
+        }
+        let says_folder = text.is_some_and(|text| text.ends_with(std::path::is_separator)) || path.is_dir();
+        let is_format = path.extension().and_then(|e| e.to_str()).is_some_and(|e| of_extension(e).is_some());
+        if !says_folder && inputs == 1 && (is_format || !open) {
+            return Ok(Self::File(path.to_owned()));
+        }
+        if !says_folder && is_format {
+            let detail = format!(
+                "--output: {inputs} inputs cannot go to the one file {}; give a folder, as in -o out/ --format glb, \
+                 or a pattern, as in -o 'out/{{stem}}.glb'",
+                path.display()
+            );
+            return Err(CliError::usage(detail));
+        }
+        let (Some(format), Some(text)) = (format, text) else {
+            let detail = "--output: a folder does not tell the format; name one, as in --format glb, or give a \
+                          pattern, as in -o 'out/{stem}.glb'";
+            return Err(CliError::usage(detail));
+        };
+        let folder = text.trim_end_matches(std::path::is_separator);
+        let root = if folder.is_empty() { "/" } else { "" };
+        Ok(Self::Pattern(format!("{root}{folder}/{{stem}}.{}", format.extension())))
+    }
+
+    /// Whether folders are made for the files where they are missing.
+    pub(super) fn makes_folders(&self) -> bool {
+        matches!(self, Self::Pattern(_))
+    }
+
+    /// The extension of the files.
+    pub(super) fn extension(&self) -> Option<&str> {
+        let path = match self {
+            Self::Standard => return None,
+            Self::File(path) => path.as_path(),
+            Self::Pattern(pattern) => Path::new(pattern),
+        };
+        path.extension().and_then(|extension| extension.to_str())
+    }
+
+    /// The file of each input; `None` is standard output.
+    ///
+    /// # Errors
+    /// Where two inputs would go into one file, or an output would take the place of an input.
+    pub(super) fn of_all(&self, inputs: &[Source]) -> Result<Vec<Option<PathBuf>>, CliError> {
+        let targets: Vec<Option<PathBuf>> = inputs.iter().map(|input| self.of(input)).collect();
+        let mut taken: HashMap<PathBuf, &Source> = HashMap::new();
+        for (target, input) in targets.iter().zip(inputs).filter_map(|(target, input)| Some((target.as_ref()?, input)))
+        {
+            if let Some(other) = taken.insert(target.components().collect(), input) {
+                let detail = format!(
+                    "{other} and {input} would both become {}; tell them apart, as in -o 'out/{{name}}.glb' or \
+                     -o 'out/{{dir}}/{{stem}}.glb'; nothing was rendered",
+                    target.display()
+                );
+                return Err(CliError::usage(detail));
+            }
+        }
+        if inputs.len() > 1 {
+            keeps_inputs(&targets, inputs)?;
+        }
+        Ok(targets)
+    }
+
+    fn of(&self, input: &Source) -> Option<PathBuf> {
+        match self {
+            Self::Standard => None,
+            Self::File(path) => Some(path.clone()),
+            Self::Pattern(pattern) => Some(filled(pattern, input.path()).into()),
+        }
+    }
+}
+
+/// A pattern with the parts of a path in place of its placeholders; folders lead downwards only.
+fn filled(pattern: &str, path: &Path) -> String {
+    let inner = path.parent().into_iter().flat_map(Path::components);
+    let inner: PathBuf = inner.filter(|part| matches!(part, Component::Normal(_))).collect();
+    let parts = [path.file_stem(), path.file_name(), Some(inner.as_os_str())];
+    let part = |name: &str| {
+        let at = PLACEHOLDERS.iter().position(|known| *known == name)?;
+        let text = parts[at].unwrap_or_default().to_string_lossy();
+        Some(if text.is_empty() { ".".to_owned() } else { text.into_owned() })
+    };
+    let mut pieces = pattern.split('{');
+    let first = pieces.next().unwrap_or_default().to_owned();
+    pieces
+        .filter_map(|piece| piece.split_once('}'))
+        .fold(first, |text, (name, rest)| text + &part(name).unwrap_or_default() + rest)
+}
+
+/// The format whose files have an extension, in any case of letters; of several the first, or the one of that name.
+pub(super) fn of_extension(extension: &str) -> Option<&'static dyn Format> {
+    let extension = extension.to_ascii_lowercase();
+    let by_extension = || FORMATS.iter().copied().find(|format| format.extension() == extension);
+    output::named(&extension).or_else(by_extension)
+}
+
+/// Whether a pattern has known placeholders only, and one that tells inputs apart.
+fn check(pattern: &str) -> Result<(), CliError> {
+    let known = "{stem} (name without extension), {name} (name), {dir} (folder)";
+    let names = pattern.split('{').skip(1).map(|rest| rest.split_once('}').map_or(rest, |(name, _)| name));
+    for name in names {
+        if !PLACEHOLDERS.contains(&name) {
+            return Err(CliError::usage(format!("--output: there is no placeholder {{{name}}}; known are {known}")));
+        }
+    }
+    Ok(())
+}
+
+/// Whether no output would take the place of an input.
+fn keeps_inputs(targets: &[Option<PathBuf>], inputs: &[Source]) -> Result<(), CliError> {
+    let real = |path: &Path| path.canonicalize().ok();
+    let read: HashMap<PathBuf, &Source> =
+        inputs.iter().filter_map(|input| Some((real(input.path())?, input))).collect();
+    let hit = targets.iter().flatten().find_map(|target| Some((target, read.get(&real(target)?)?)));
+    hit.map_or(Ok(()), |(target, input)| {
+        let detail = format!(
+            "the output {} would take the place of the input {input}; name another folder; nothing was rendered",
+            target.display()
+        );
+        Err(CliError::usage(detail))
+    })
+}

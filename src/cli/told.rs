@@ -1,0 +1,114 @@
+//! Faults in the words of the command line: where a request has a pointer, it has a flag.
+
+use super::error::{CliError, Kind};
+use super::flags::{JobFlags, dashed};
+use crate::fault::Fault;
+use crate::job::limits::Refusal;
+use crate::wire::read::ReadError;
+
+/// Who says what a job is to be.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Teller<'a> {
+    /// The flags.
+    pub(super) flags: &'a JobFlags,
+    /// Whether the input is a mesh file, so that all else is said by flags.
+    pub(super) is_file: bool,
+    /// What tells the format, where a flag does.
+    pub(super) format: Option<&'static str>,
+}
+
+impl Teller<'_> {
+    /// The refusal of an input.
+    pub(super) fn refused(&self, faults: Vec<Fault>) -> CliError {
+        let faults: Vec<Fault> = faults.into_iter().map(|fault| self.told(fault)).collect();
+        CliError::faults(Kind::Refused, &faults)
+    }
+
+    /// The refusal of what is no job.
+    pub(super) fn unread(&self, error: ReadError) -> CliError {
+        match error {
+            ReadError::NotJson(detail) => CliError::refused(detail.replacen("the body is not", "it is not", 1)),
+            ReadError::Unfit(faults) => self.refused(faults),
+        }
+    }
+
+    /// The refusal of a job that cannot be done, or not here.
+    pub(super) fn not_admitted(&self, refusal: Refusal) -> CliError {
+        match refusal {
+            Refusal::Impossible(faults) => self.refused(faults),
+            Refusal::TooLarge { detail, .. } => {
+                let remedy = if detail.contains(" faces") { "; --max-faces allows more" } else { "" };
+                CliError::too_large(detail.replace("this server allows", "the limit is") + remedy)
+            }
+            Refusal::Stopped => CliError::other("the forecast of the job was stopped"),
+        }
+    }
+
+    /// A fault with flags in place of pointers.
+    pub(super) fn told(&self, fault: Fault) -> Fault {
+        let Fault { pointer, mut detail, other } = fault;
+        if let Some(at) = other {
+            let end = detail[at..].find([' ', ',', ';', ')']).map_or(detail.len(), |length| at + length);
+            if let Some(flag) = self.flag(&detail[at..end]) {
+                detail.replace_range(at..end, &flag);
+            }
+        }
+        match self.flag(&pointer) {
+            Some(flag) => Fault::new(flag, in_flags(&detail)),
+            None => Fault::new(pointer, detail),
+        }
+    }
+
+    /// The flag of a place in a job; `None` where no flag says something of it.
+    fn flag(&self, pointer: &str) -> Option<String> {
+        let mut parts = pointer.split('/').skip(1);
+        let (part, name) = (parts.next().unwrap_or_default(), parts.next());
+        match (part, name) {
+            ("input", Some("text")) if self.is_file => {
+                Some(if parts.next() == Some("format") { "--input-format".to_owned() } else { String::new() })
+            }
+            ("input", None) if self.is_file => Some(String::new()),
+            ("levels", _) => match self.flags.says("/levels") {
+                Some(flag) => Some(flag.to_owned()),
+                None => self.is_file.then(|| "--levels".to_owned()),
+            },
+            ("plan", None) => {
+                let named = ["/plan/word", "/plan/preset"].iter().find_map(|place| self.flags.says(place));
+                named.map(str::to_owned).or_else(|| self.is_file.then(|| "--preset".to_owned()))
+            }
+            ("plan", Some("parameters")) => {
+                let name = parts.next()?;
+                let flag = self.flags.says(&format!("/plan/parameters/{name}")).map(str::to_owned);
+                flag.or_else(|| self.is_file.then(|| format!("--parameter {name}")))
+            }
+            ("input" | "plan", Some(name)) => {
+                let flag = self.flags.says(&format!("/{part}/{name}")).map(str::to_owned);
+                flag.or_else(|| self.is_file.then(|| format!("--{}", dashed(name))))
+            }
+            ("outputs", index) => {
+                index.map_or_else(|| self.format.map(str::to_owned), |_| self.option(parts.next(), parts.next()))
+            }
+            _ => None,
+        }
+    }
+
+    /// The flag of an output, or of an option of it.
+    fn option(&self, name: Option<&str>, inner: Option<&str>) -> Option<String> {
+        match name {
+            None | Some("format") => self.format.map(str::to_owned),
+            Some(name) if self.format.is_some() || self.flags.options.iter().any(|(known, _)| *known == name) => {
+                let inner = inner.map_or_else(String::new, |inner| format!(" {inner}"));
+                Some(format!("--{}{inner}", dashed(name)))
+            }
+            Some(_) => None,
+        }
+    }
+}
+
+/// A sentence about a flag, which has no type of JSON.
+fn in_flags(detail: &str) -> String {
+    let detail = detail.strip_prefix("invalid type: string ").unwrap_or(detail);
+    detail
+        .replace("{\"tolerance\": t}", "a --tolerance")
+        .replace("an object with a \"tolerance\"", "a --tolerance in place of it")
+}

@@ -1,0 +1,83 @@
+//! `planish validate`: what is wrong with jobs and mesh files, and what meshes are like.
+
+use std::path::PathBuf;
+
+use serde_json::{Value, json};
+
+use super::error::{CliError, Kind};
+use super::inputs::{Source, inputs};
+use super::job::JobOptions;
+use super::say::answer;
+use super::told::Teller;
+use crate::fault::Fault;
+use crate::http::validate::report;
+use crate::job::limits::Limits;
+use crate::wire::job::Examined;
+
+/// What is looked at.
+#[derive(Debug, Clone, clap::Args)]
+pub(crate) struct ValidateOptions {
+    /// Jobs (JSON) or mesh files; - is standard input, and patterns like 'parts/*.obj' are looked up.
+    #[arg(required = true, value_name = "INPUT")]
+    inputs: Vec<PathBuf>,
+    /// Print nothing; the exit code tells.
+    #[arg(short, long)]
+    quiet: bool,
+    #[command(flatten)]
+    options: JobOptions,
+}
+
+impl ValidateOptions {
+    /// Prints what `POST /v1/validate` answers: of one input as it is there, of several a line each, with the `input`.
+    pub(super) fn validate(&self) -> Result<(), CliError> {
+        self.options.check()?;
+        let sources = inputs(&self.inputs)?;
+        let mut worst = None;
+        for source in &sources {
+            let found = match self.examined(source) {
+                Ok(found) => found,
+                Err(error) if error.kind == Kind::Refused => of_refusal(&error),
+                Err(error) => {
+                    eprintln!("planish: {source}: {error}");
+                    worst = worst.max(Some(error.kind));
+                    continue;
+                }
+            };
+            if found["valid"] != true {
+                worst = worst.max(Some(Kind::Refused));
+            }
+            if !self.quiet {
+                print(source, &found, sources.len() == 1)?;
+            }
+        }
+        worst.map_or(Ok(()), |kind| Err(CliError::told(kind)))
+    }
+
+    /// What is found of an input, as JSON.
+    fn examined(&self, source: &Source) -> Result<Value, CliError> {
+        let mut loaded = self.options.load(source)?;
+        loaded.settle(&self.options)?;
+        let teller = Teller { flags: &self.options.flags, is_file: loaded.is_file, format: loaded.format };
+        let Examined { faults, input, plan } = loaded.request.examine(&Limits::default().reading());
+        let faults: Vec<Fault> = faults.into_iter().map(|fault| teller.told(fault)).collect();
+        serde_json::to_value(report(Examined { faults, input, plan })).map_err(CliError::other)
+    }
+}
+
+/// What is found of an input that could not be read as a job or a mesh.
+fn of_refusal(error: &CliError) -> Value {
+    let faults: Vec<Value> = error.details.iter().map(|detail| json!({ "pointer": "", "detail": detail })).collect();
+    json!({ "valid": false, "errors": faults, "warnings": [] })
+}
+
+fn print(source: &Source, found: &Value, is_only: bool) -> Result<(), CliError> {
+    if is_only {
+        let text = serde_json::to_string_pretty(found).map_err(CliError::other)?;
+        return answer(format!("{text}\n").as_bytes());
+    }
+    let mut line = json!({ "input": source.to_string() });
+    for (name, value) in found.as_object().into_iter().flatten() {
+        line[name] = value.clone();
+    }
+    answer(format!("{line}\n").as_bytes())
+}

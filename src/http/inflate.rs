@@ -1,0 +1,104 @@
+//! Bodies that come compressed: inflated in the lane for reading, piece by piece, no further than a body may be long,
+//! with the memory of what comes out taken from the account before it is there.
+
+use std::io::Read;
+use std::sync::Arc;
+
+use flate2::bufread::MultiGzDecoder;
+
+use super::app::App;
+use super::charge::Charge;
+use super::client::Client;
+use super::content::Coding;
+use super::problem::{self, Problem};
+use crate::job::amounts::in_bytes;
+use crate::watch::Watch;
+
+/// How far back Zstandard may refer, as a power of two: 8 MiB, what RFC 8878 asks of every decoder. Twice of it takes
+/// twice the memory of each body that is inflated; half of it refuses what `zstd -19` makes of large files.
+const WINDOW_LOG: u32 = 23;
+/// Memory of a decoder: its window, what it has not handed out yet, and its tables.
+const DECODER_BYTES: u64 = (1 << WINDOW_LOG) + (1 << 20);
+/// Bytes that are inflated at once, between which the bounds are looked at.
+/// Half of it asks twice as often; twice of it lets a bomb pass its bound by twice as much.
+const PIECE_BYTES: usize = 64 << 10;
+
+/// The bytes of a body as they were before they were compressed.
+///
+/// # Errors
+/// What is not of this coding, or comes to more than a body may have; 503 when too much is being read already.
+pub(super) async fn inflated(
+    app: &Arc<App>,
+    client: &Client,
+    coding: Coding,
+    packed: Vec<u8>,
+    charge: Charge,
+) -> Result<(Vec<u8>, Charge), Problem> {
+    if coding == Coding::Identity {
+        return Ok((packed, charge));
+    }
+    let (of_lane, of_client) = (app.clone(), client.clone());
+    let inflating = app.desk.read(client.peer(), DECODER_BYTES, move |watch| {
+        let inflated = inflate(&of_lane, &of_client, coding, &packed, watch);
+        drop((packed, charge));
+        inflated
+    });
+    inflating.await?
+}
+
+fn inflate(
+    app: &App,
+    client: &Client,
+    coding: Coding,
+    packed: &[u8],
+    watch: &Watch,
+) -> Result<(Vec<u8>, Charge), Problem> {
+    let limit = app.settings.max_body_bytes;
+    let (mut bytes, mut charge, mut piece) = (Vec::new(), Charge::default(), vec![0; PIECE_BYTES]);
+    let mut decoder = decoder(coding, packed).map_err(|error| broken(&error))?;
+    loop {
+        watch.check().map_err(|_| Problem::new(problem::SLOW, "inflating the body took too long; send it as it is"))?;
+        let n = decoder.read(&mut piece).map_err(|error| broken(&error))?;
+        if n == 0 {
+            return Ok((bytes, charge));
+        }
+        let length = bytes.len() + n;
+        if length as u64 > limit {
+            return Err(too_long(length as u64, limit));
+        }
+        if length > bytes.capacity() {
+            let most = usize::try_from(limit).unwrap_or(usize::MAX);
+            let capacity = (2 * bytes.capacity()).min(most).max(length);
+            charge.cover(app, client, capacity)?;
+            bytes.reserve_exact(capacity - bytes.len());
+        }
+        bytes.extend_from_slice(&piece[..n]);
+    }
+}
+
+fn decoder(coding: Coding, packed: &[u8]) -> std::io::Result<Box<dyn Read + '_>> {
+    Ok(match coding {
+        Coding::Identity => Box::new(packed),
+        Coding::Gzip => Box::new(MultiGzDecoder::new(packed)),
+        Coding::Zstd => {
+            let mut decoder = zstd::stream::read::Decoder::with_buffer(packed)?;
+            decoder.window_log_max(WINDOW_LOG)?;
+            Box::new(decoder)
+        }
+    })
+}
+
+fn broken(error: &std::io::Error) -> Problem {
+    let detail = format!("the body is not what Content-Encoding says: {error}; send it again, or as it is");
+    Problem::new(problem::NOT_CODED, detail)
+}
+
+/// The refusal of a body that has so many bytes or more.
+pub(super) fn too_long(length: u64, limit: u64) -> Problem {
+    let limit = in_bytes(limit.into());
+    let detail = format!(
+        "the body has {length} bytes or more; this server reads {limit} (max-body-bytes): send a smaller input, or \
+         start the server with a larger --max-body-bytes"
+    );
+    Problem::new(problem::BODY_TOO_LONG, detail)
+}

@@ -1,0 +1,160 @@
+//! GET /v1/render and GET /kroki/{format}/{data}: jobs that stand in their addresses, for pictures of pages and loaders
+//! of models, which cannot post.
+
+use std::io::Read;
+
+use axum::body::Bytes;
+use axum::extract::{Path, RawQuery, State};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri, header};
+use axum::response::{IntoResponse, Response};
+use base64::Engine;
+use base64::alphabet::URL_SAFE;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use flate2::read::ZlibDecoder;
+
+use super::address::MOST_LINK_BYTES;
+use super::app::{App, Shared};
+use super::body::Sent;
+use super::client::Client;
+use super::problem::{self, Problem};
+use super::render::{Wanted, rendered};
+use super::{memo, streaming};
+use crate::fault::{Fault, shortened};
+use crate::output::{self, FORMATS};
+
+/// Most bytes of a job in an address, inflated.
+/// It is a promise of the interface. Half of it refuses meshes that still fit into an address; twice of it lets an
+/// address hold twice as much memory that no account knows.
+const MOST_JOB_BYTES: usize = 64 << 10;
+/// How long a page may keep the result of an address. The job decides the result, but a new version of planish may find
+/// another one: with a day pages learn of it the next day, and what they ask for again until then costs nothing; half
+/// or twice of it changes that time alone.
+const CACHE_CONTROL: &str = "public, max-age=86400";
+/// Padding may be left out.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &URL_SAFE,
+    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
+);
+
+/// Renders the job that stands in the address, and answers with the bytes, as POST does with the same job.
+///
+/// `job` is base64url (RFC 4648, 5) of the job's JSON, as it is or compressed by zlib: at most 8 KiB of address and
+/// 64 KiB of JSON. A result that is not there in time is answered 503, and is kept for whoever asks again.
+#[utoipa::path(
+    get, path = "/v1/render", tag = "jobs",
+    params(
+        ("job" = String, Query, description = "The job as JSON, perhaps compressed by zlib, in base64url",
+            example = "eyJpbnB1dCI6eyJwb2x5Z29uIjp7InBvaW50cyI6W1swLDBdLFsxLDBdLFsxLDFdXSwiY2xvc2VkIjp0cnVlfX0sIn\
+                BsYW4iOnsicHJlc2V0IjoiY2hhaWtpbiJ9LCJsZXZlbHMiOjIsIm91dHB1dHMiOlt7ImZvcm1hdCI6InN2ZyJ9XX0"),
+        ("keep" = Option<bool>, Query,
+            description = "`true` keeps the result even where it has more than `keep_at_most_bytes`"),
+        ("If-None-Match" = Option<String>, Header, description = "ETags of results that the client has"),
+    ),
+    responses(
+        (status = 200, description = "The bytes of the result, in the format that `outputs` or `Accept` asks for"),
+        (status = 304, description = "The client has it already (`If-None-Match`)"),
+    )
+)]
+pub(super) async fn link(
+    State(app): State<Shared>,
+    client: Client,
+    headers: HeaderMap,
+    uri: Uri,
+    RawQuery(query): RawQuery,
+) -> Response {
+    let at = "?job";
+    let query = query.unwrap_or_default();
+    let given = form_urlencoded::parse(query.as_bytes()).find(|(name, _)| name == "job").map(|(_, job)| job);
+    let wanted = given.ok_or_else(|| {
+        let detail = "the address says no job; give its JSON in base64url, as it is or compressed by zlib, or POST it";
+        Problem::invalid(vec![Fault::new(at, detail)])
+    });
+    let wanted = wanted.and_then(|job| wanted_by(&headers, &uri, &job, at));
+    let wanted = wanted.and_then(|wanted| Ok(Wanted { keep: streaming::asks_to_keep(Some(&query))?, ..wanted }));
+    answered(&app, &client, &headers, wanted).await.unwrap_or_else(IntoResponse::into_response)
+}
+
+/// Renders a job as Kroki's clients ask for it: the format in the address, and behind it the job without `outputs`,
+/// compressed by zlib, in base64url.
+#[utoipa::path(
+    get, path = "/kroki/{format}/{data}", tag = "jobs",
+    params(
+        ("format" = String, Path, description = "The name of a format, see /v1/formats", example = "svg"),
+        ("data" = String, Path, description = "The job without `outputs`, as `job` of GET /v1/render",
+            example = "eyJpbnB1dCI6eyJwb2x5Z29uIjp7InBvaW50cyI6W1swLDBdLFsxLDBdLFsxLDFdXSwiY2xvc2VkIjp0cnVlfX0sIn\
+                BsYW4iOnsicHJlc2V0IjoiY2hhaWtpbiJ9LCJsZXZlbHMiOjJ9"),
+        ("If-None-Match" = Option<String>, Header, description = "ETags of results that the client has"),
+    ),
+    responses(
+        (status = 200, description = "The bytes of the result"),
+        (status = 304, description = "The client has it already (`If-None-Match`)"),
+    )
+)]
+pub(super) async fn kroki(
+    State(app): State<Shared>,
+    client: Client,
+    headers: HeaderMap,
+    uri: Uri,
+    path: Result<Path<(String, String)>, axum::extract::rejection::PathRejection>,
+) -> Response {
+    let wanted = || {
+        let unknown = |detail: String| Problem::new(problem::NOT_FOUND, detail);
+        let Path((name, data)) = path.map_err(|_| unknown("the address is no text in UTF-8".to_owned()))?;
+        let format = output::named(&name).ok_or_else(|| {
+            let known: Vec<&str> = FORMATS.iter().map(|format| format.name()).collect();
+            unknown(format!("there is no format \"{}\"; known are {}", shortened(&name), known.join(", ")))
+        })?;
+        Ok(Wanted { format: Some(format), ..wanted_by(&headers, &uri, &data, "")? })
+    };
+    answered(&app, &client, &headers, wanted()).await.unwrap_or_else(IntoResponse::into_response)
+}
+
+/// What an address asks for whose job is written like this, at this place.
+fn wanted_by(headers: &HeaderMap, address: &Uri, job: &str, at: &str) -> Result<Wanted, Problem> {
+    let length = address.path_and_query().map_or(0, |both| both.as_str().len());
+    if length > MOST_LINK_BYTES {
+        let detail = format!("the address has {length} bytes, at most {MOST_LINK_BYTES} are read; POST the job");
+        return Err(Problem::new(problem::URI_TOO_LONG, detail));
+    }
+    let sent = Sent::job(decoded(job, at)?);
+    Ok(Wanted { sent, identity: Some(memo::link_identity(headers, address)), format: None, keep: false })
+}
+
+/// The JSON of a job in an address.
+fn decoded(job: &str, at: &str) -> Result<Bytes, Problem> {
+    let wrong = |detail: String| Problem::invalid(vec![Fault::new(at, detail)]);
+    let is_json = |bytes: &[u8]| bytes.trim_ascii_start().starts_with(b"{");
+    if is_json(job.as_bytes()) {
+        return Ok(Bytes::copy_from_slice(job.as_bytes()));
+    }
+    let bytes = BASE64.decode(job).map_err(|error| wrong(format!("it is no base64url: {error}")))?;
+    if is_json(&bytes) {
+        return Ok(bytes.into());
+    }
+    let mut json = Vec::new();
+    let inflating = ZlibDecoder::new(&bytes[..]).take(MOST_JOB_BYTES as u64 + 1).read_to_end(&mut json);
+    inflating.map_err(|error| wrong(format!("it is neither JSON nor compressed by zlib: {error}")))?;
+    if json.len() > MOST_JOB_BYTES {
+        let detail = format!("the job in the address has more than {MOST_JOB_BYTES} bytes; POST it");
+        return Err(Problem::new(problem::BODY_TOO_LONG, detail));
+    }
+    Ok(json.into())
+}
+
+/// The answer to a request by an address: the result or a refusal, and nothing that could be taken for the result.
+async fn answered(
+    app: &std::sync::Arc<App>,
+    client: &Client,
+    headers: &HeaderMap,
+    wanted: Result<Wanted, Problem>,
+) -> Result<Response, Problem> {
+    let mut response = rendered(app, client, headers, wanted?).await?;
+    match response.status() {
+        StatusCode::ACCEPTED => Err(Problem::unfinished()),
+        StatusCode::OK | StatusCode::NOT_MODIFIED => {
+            response.headers_mut().insert(header::CACHE_CONTROL, HeaderValue::from_static(CACHE_CONTROL));
+            Ok(response)
+        }
+        _ => Ok(response),
+    }
+}

@@ -1,0 +1,183 @@
+//! Materials of glTF: names, faces, how they look, and what of that is left out.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use gltf::json::material::{AlphaCutoff, AlphaMode, Material};
+use gltf::json::texture::{Info, MagFilter, MinFilter, Sampler, WrappingMode};
+use gltf::json::validation::Checked::{self, Valid};
+
+use super::buffers::Document;
+use crate::input::colors::encoded;
+use crate::input::reader::ReadMesh;
+use crate::input::room::Room;
+use crate::input::text::quoted;
+use crate::shape::labels::FaceSet;
+use crate::shape::looks::{Alpha, Look, PLAIN, PLAIN_SURFACE};
+use crate::shape::textures::{Filter, Image, Texture, Wrap};
+
+/// The extension that moves, turns and scales pictures.
+const TRANSFORM: &str = "KHR_texture_transform";
+
+/// Hands over the materials with their faces, given by the numbers of materials, in their order.
+pub(super) fn finish(document: &Document<'_>, faces: BTreeMap<usize, Vec<u64>>, room: &mut Room, mesh: &mut ReadMesh) {
+    let mut looks = Looks { document, images: BTreeMap::new(), left_out: BTreeMap::new(), has_uvs: mesh.uvs.is_some() };
+    let materials = &document.root.materials;
+    let name_of = |i: usize| materials.get(i).and_then(|material| material.name.clone());
+    let nameless = faces.keys().filter(|&&i| name_of(i).is_none()).count();
+    for (i, faces) in faces {
+        let look = materials.get(i).map(|material| looks.of(material, room)).unwrap_or_default();
+        // one nameless material that looks like nothing in particular says no more of its faces than none
+        if nameless == 1 && name_of(i).is_none() && (look.is_silent() || is_usual(&look)) {
+            continue;
+        }
+        mesh.materials.push(FaceSet { name: name_of(i).unwrap_or_else(|| format!("material {i}")), faces });
+        mesh.looks.push(look);
+    }
+    for (what, n) in looks.left_out {
+        mesh.notes.push(format!("{what}: {n}"));
+    }
+    let extensions: Vec<String> = (document.root.extensions_used.iter())
+        .filter(|name| name.starts_with("KHR_materials_") || *name == TRANSFORM)
+        .map(|name| quoted(name))
+        .collect();
+    if !extensions.is_empty() {
+        mesh.notes.push(format!("extensions of materials are left out: {}", extensions.join(", ")));
+    }
+}
+
+/// Whether it is the look that glTF gives to whatever has no material.
+fn is_usual(look: &Look) -> bool {
+    let plain = (look.metallic, look.roughness, look.double_sided) == (Some(1.0), Some(1.0), Some(false));
+    plain && look.color == Some([1.0; 4]) && look.alpha == Some(Alpha::Opaque) && look.texture.is_none()
+}
+
+/// Reads looks, each picture once.
+struct Looks<'a> {
+    document: &'a Document<'a>,
+    /// The pictures by their numbers; those that cannot be read are nothing.
+    images: BTreeMap<usize, Option<Arc<Image>>>,
+    /// What is left out, and how often.
+    left_out: BTreeMap<String, usize>,
+    has_uvs: bool,
+}
+
+impl Looks<'_> {
+    /// How a material looks. What planish writes where nothing is said is read as nothing.
+    fn of(&mut self, material: &Material, room: &mut Room) -> Look {
+        self.note_left_out(material);
+        let pbr = &material.pbr_metallic_roughness;
+        let surface = [pbr.metallic_factor.0, pbr.roughness_factor.0];
+        let factor = pbr.base_color_factor.0;
+        let texture = pbr.base_color_texture.as_ref().and_then(|info| self.texture(info, room));
+        let is_plain = bits(&factor) == bits(&PLAIN) && bits(&surface) == bits(&PLAIN_SURFACE);
+        if is_plain && material.double_sided && texture.is_none() {
+            return Look::default();
+        }
+        let within = |x: f32| f64::from(x).clamp(0.0, 1.0);
+        let [red, green, blue, alpha] = factor.map(within);
+        let AlphaCutoff(cutoff) = material.alpha_cutoff.unwrap_or_default();
+        Look {
+            color: Some([encoded(red), encoded(green), encoded(blue), alpha]),
+            metallic: Some(within(surface[0])),
+            roughness: Some(within(surface[1])),
+            double_sided: Some(material.double_sided),
+            alpha: Some(match material.alpha_mode {
+                Valid(AlphaMode::Mask) => Alpha::Mask(within(cutoff)),
+                Valid(AlphaMode::Blend) => Alpha::Blend,
+                _ => Alpha::Opaque,
+            }),
+            texture,
+        }
+    }
+
+    fn leave_out(&mut self, what: impl Into<String>) {
+        *self.left_out.entry(what.into()).or_default() += 1;
+    }
+
+    fn note_left_out(&mut self, material: &Material) {
+        let pbr = &material.pbr_metallic_roughness;
+        let glows = material.emissive_factor.0.iter().any(|&x| x > 0.0);
+        let kinds = [
+            ("textures of metalness and roughness are left out", pbr.metallic_roughness_texture.is_some()),
+            ("textures of normals are left out", material.normal_texture.is_some()),
+            ("textures of occlusion are left out", material.occlusion_texture.is_some()),
+            ("light that materials give off is left out", glows || material.emissive_texture.is_some()),
+        ];
+        kinds.into_iter().filter(|(_, is_there)| *is_there).for_each(|(what, _)| self.leave_out(what));
+    }
+
+    fn texture(&mut self, info: &Info, room: &mut Room) -> Option<Texture> {
+        if info.tex_coord != 0 {
+            self.leave_out("textures that lie by another set of texture coordinates than the first are left out");
+            return None;
+        }
+        if !self.has_uvs {
+            self.leave_out("textures without texture coordinates are left out");
+            return None;
+        }
+        let root = &self.document.root;
+        let texture = root.textures.get(info.index.value());
+        let Some(texture) = texture else {
+            self.leave_out(format!("textures that are not in the file are left out, such as {}", info.index.value()));
+            return None;
+        };
+        let sampler = texture.sampler.and_then(|sampler| root.samplers.get(sampler.value()));
+        let image = self.image(texture.source.value(), room)?;
+        Some(sampler.map_or_else(|| Texture::new(image.clone()), |sampler| sampled(image.clone(), sampler)))
+    }
+
+    /// A picture by its number; one that cannot be read is named in a note.
+    fn image(&mut self, i: usize, room: &mut Room) -> Option<Arc<Image>> {
+        if let Some(known) = self.images.get(&i) {
+            return known.clone();
+        }
+        let found = self.read(i, room).map(Arc::new);
+        let found =
+            found.map_err(|detail| self.leave_out(format!("pictures that are left out, as of one {detail}"))).ok();
+        self.images.insert(i, found.clone());
+        found
+    }
+
+    fn read(&self, i: usize, room: &mut Room) -> Result<Image, String> {
+        let image = self.document.root.images.get(i).ok_or("that it has no PNG or JPEG can be said")?;
+        let bytes = match (&image.uri, image.buffer_view) {
+            (Some(uri), _) => self.document.referred(uri, room)?,
+            (None, Some(view)) => {
+                let (bytes, _) = self.document.view(view)?;
+                room.take(bytes.len())?;
+                bytes.to_vec()
+            }
+            (None, None) => return Err("it has neither a URI nor a bufferView".to_owned()),
+        };
+        Image::new(bytes)
+    }
+}
+
+fn bits<const N: usize>(numbers: &[f32; N]) -> [u32; N] {
+    numbers.map(f32::to_bits)
+}
+
+/// A picture as a sampler shows it.
+fn sampled(image: Arc<Image>, sampler: &Sampler) -> Texture {
+    let wrap = |wrap: &Checked<WrappingMode>| match wrap {
+        Valid(WrappingMode::ClampToEdge) => Wrap::ClampToEdge,
+        Valid(WrappingMode::MirroredRepeat) => Wrap::MirroredRepeat,
+        _ => Wrap::Repeat,
+    };
+    let magnify = match sampler.mag_filter {
+        Some(Valid(MagFilter::Nearest)) => Some(Filter::Nearest),
+        Some(Valid(MagFilter::Linear)) => Some(Filter::Linear),
+        _ => None,
+    };
+    let minify = match sampler.min_filter {
+        Some(Valid(MinFilter::Nearest)) => Some(Filter::Nearest),
+        Some(Valid(MinFilter::Linear)) => Some(Filter::Linear),
+        Some(Valid(MinFilter::NearestMipmapNearest)) => Some(Filter::NearestMipmapNearest),
+        Some(Valid(MinFilter::LinearMipmapNearest)) => Some(Filter::LinearMipmapNearest),
+        Some(Valid(MinFilter::NearestMipmapLinear)) => Some(Filter::NearestMipmapLinear),
+        Some(Valid(MinFilter::LinearMipmapLinear)) => Some(Filter::LinearMipmapLinear),
+        _ => None,
+    };
+    Texture { image, wrap: [wrap(&sampler.wrap_s), wrap(&sampler.wrap_t)], magnify, minify }
+}

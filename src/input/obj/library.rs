@@ -1,0 +1,220 @@
+//! Libraries of materials (MTL): colours, how see-through they are, metalness, roughness, and a picture.
+//!
+//! Sources: Wavefront Technologies, Advanced Visualizer Manual (1995), chapter 5; for `Pm` and `Pr` the extension of
+//! Exocortex Clara.io (2015).
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use crate::input::beside::Beside;
+use crate::input::text::{number, numbers, quoted, text, without_comment};
+use crate::shape::labels::FaceSet;
+use crate::shape::looks::Look;
+use crate::shape::textures::{Image, Texture, Wrap};
+
+/// Most bytes of a library, and of a picture. Half of it would refuse pictures that cameras make; twice of it says no
+/// more of a surface.
+const MOST_BYTES: u64 = 64 << 20;
+
+/// Statements that are told of where they are left out.
+const MOST_TOLD: usize = 8;
+
+/// How many numbers follow an option of a picture, at most.
+const OPTIONS: &[(&str, usize)] = &[
+    ("-blendu", 1),
+    ("-blendv", 1),
+    ("-boost", 1),
+    ("-bm", 1),
+    ("-cc", 1),
+    ("-clamp", 1),
+    ("-colorspace", 1),
+    ("-imfchan", 1),
+    ("-mm", 2),
+    ("-o", 3),
+    ("-s", 3),
+    ("-t", 3),
+    ("-texres", 1),
+    ("-type", 1),
+];
+
+/// Statements that say the same of every surface, or what is read elsewhere.
+const PASSED_OVER: &[&str] = &["illum", "Ni", "Ns", "Ka"];
+
+/// A library that is read.
+#[derive(Debug, Default)]
+pub(super) struct Library {
+    materials: BTreeMap<String, Entry>,
+    /// What is left out, and how often.
+    left_out: BTreeMap<String, usize>,
+    notes: Vec<String>,
+}
+
+/// What a library says of a material.
+#[derive(Debug, Default)]
+struct Entry {
+    color: Option<[f64; 3]>,
+    /// Alpha, and what remains of 1: the first counts.
+    alpha: [Option<f64>; 2],
+    metallic: Option<f64>,
+    roughness: Option<f64>,
+    /// The name of a picture, and what lies beyond its sides.
+    picture: Option<(String, Wrap)>,
+}
+
+impl Library {
+    /// Reads the libraries of these names beside a file, or the one that came along with it.
+    pub(super) fn beside(beside: &dyn Beside, names: &[String]) -> Self {
+        let mut library = Self::default();
+        if let Some(bytes) = beside.library() {
+            library.add(bytes, "");
+            return library;
+        }
+        for name in names {
+            let read = |name| beside.read(name, MOST_BYTES).map(|bytes| (bytes, folder(name)));
+            // a name may have blanks, or be several names
+            let several = || name.split(' ').map(read).collect::<Result<Vec<_>, _>>();
+            match read(name).map(|one| vec![one]).or_else(|detail| several().map_err(|_| detail)) {
+                Ok(found) => found.iter().for_each(|(bytes, folder)| library.add(bytes, folder)),
+                Err(detail) => library.notes.push(format!("how materials look is left out: {detail}")),
+            }
+        }
+        library
+    }
+
+    /// Hands over how these materials look, and names what is left out.
+    pub(super) fn looks(
+        mut self,
+        materials: &[FaceSet],
+        has_uvs: bool,
+        beside: &dyn Beside,
+        notes: &mut Vec<String>,
+    ) -> Vec<Look> {
+        if materials.is_empty() {
+            return Vec::new();
+        }
+        let mut images: BTreeMap<String, Option<Arc<Image>>> = BTreeMap::new();
+        let mut looks = Vec::with_capacity(materials.len());
+        for material in materials {
+            let entry = self.materials.remove(&material.name).unwrap_or_default();
+            let mut look = entry.look();
+            if let Some((name, wrap)) = entry.picture {
+                let image = images.entry(name.clone()).or_insert_with(|| {
+                    let image = beside.read(&name, MOST_BYTES).and_then(Image::new);
+                    let note = |detail| notes.push(format!("the texture {} is left out: {detail}", quoted(&name)));
+                    image.map(Arc::new).map_err(note).ok()
+                });
+                if has_uvs {
+                    look.texture = image.clone().map(|image| Texture { wrap: [wrap; 2], ..Texture::new(image) });
+                } else {
+                    self.leave_out("textures without texture coordinates".to_owned());
+                }
+            }
+            looks.push(look);
+        }
+        notes.append(&mut self.notes);
+        if !self.left_out.is_empty() {
+            let told = self.left_out.iter().take(MOST_TOLD).map(|(what, n)| format!("{what} ({n})"));
+            let told: Vec<String> = told.collect();
+            let more = if self.left_out.len() > MOST_TOLD { ", and more" } else { "" };
+            notes.push(format!("what libraries say of materials beyond this is left out: {}{more}", told.join(", ")));
+        }
+        looks
+    }
+
+    fn leave_out(&mut self, what: String) {
+        *self.left_out.entry(what).or_default() += 1;
+    }
+
+    /// Adds the materials of a library, whose pictures lie in a folder. Materials that are known keep what they have.
+    fn add(&mut self, bytes: &[u8], folder: &str) {
+        let text = text(bytes);
+        let mut current: Option<(String, Entry)> = None;
+        for line in text.lines() {
+            let line = without_comment(line).trim();
+            let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+            if keyword == "newmtl" {
+                self.keep(current.replace((rest.trim().to_owned(), Entry::default())));
+            } else if let Some((_, entry)) = &mut current
+                && let Err(what) = entry.say(keyword, rest.trim(), folder)
+            {
+                self.leave_out(what);
+            }
+        }
+        self.keep(current);
+    }
+
+    fn keep(&mut self, material: Option<(String, Entry)>) {
+        if let Some((name, entry)) = material {
+            self.materials.entry(name).or_insert(entry);
+        }
+    }
+}
+
+impl Entry {
+    /// Takes a statement.
+    ///
+    /// # Errors
+    /// What is left out.
+    fn say(&mut self, keyword: &str, rest: &str, folder: &str) -> Result<(), String> {
+        let mut words = rest.split_ascii_whitespace();
+        let within = |x: f64| x.clamp(0.0, 1.0);
+        let one = || words.clone().last().and_then(|word| number(word).ok()).map(within);
+        match keyword {
+            "" => {}
+            "Kd" => {
+                let color = numbers::<3>(&mut words, "a colour").map_err(|_| "Kd without three numbers".to_owned())?;
+                self.color = Some(color.map(within));
+            }
+            "d" => self.alpha[0] = one(),
+            "Tr" => self.alpha[1] = one().map(|x| 1.0 - x),
+            "Pm" => self.metallic = one(),
+            "Pr" => self.roughness = one(),
+            "map_Kd" => return self.picture(rest, folder),
+            // black light is none
+            "Ke" | "Ks" if !rest.contains(|c: char| c.is_ascii_digit() && c != '0') => {}
+            _ if PASSED_OVER.contains(&keyword) => {}
+            _ => return Err(quoted(keyword)),
+        }
+        Ok(())
+    }
+
+    /// Takes a picture: options, then a name.
+    fn picture(&mut self, rest: &str, folder: &str) -> Result<(), String> {
+        let (mut rest, mut wrap, mut moved) = (rest, Wrap::Repeat, Ok(()));
+        while rest.starts_with('-') {
+            let (option, after) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
+            let Some(&(_, most)) = OPTIONS.iter().find(|(name, _)| *name == option) else { break };
+            rest = after.trim_start();
+            for i in 0..most {
+                let (word, after) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
+                // the second and third number of most options may be missing
+                if i > 0 && number(word).is_err() {
+                    break;
+                }
+                if option == "-clamp" && word == "on" {
+                    wrap = Wrap::ClampToEdge;
+                }
+                rest = after.trim_start();
+            }
+            if matches!(option, "-o" | "-s" | "-t") {
+                moved = Err(format!("{} of map_Kd", quoted(option)));
+            }
+        }
+        self.picture = (!rest.is_empty()).then(|| (format!("{folder}{rest}"), wrap));
+        moved
+    }
+
+    fn look(&self) -> Look {
+        let Self { color, alpha: [alpha, through], metallic, roughness, picture: _ } = self;
+        let alpha = alpha.or(*through);
+        let is_said = color.is_some() || alpha.is_some();
+        let [red, green, blue] = color.unwrap_or([1.0; 3]);
+        let color = is_said.then(|| [red, green, blue, alpha.unwrap_or(1.0)]);
+        Look { color, metallic: *metallic, roughness: *roughness, ..Look::default() }
+    }
+}
+
+/// The folder of a file with the stroke behind it; nothing for a file beside the first one.
+fn folder(name: &str) -> &str {
+    &name[..name.rfind(['/', '\\']).map_or(0, |at| at + 1)]
+}

@@ -1,0 +1,63 @@
+//! How materials look, in the notation of requests.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+use crate::output::error::FormatError;
+use crate::output::numbers::{REAL, reals};
+use crate::output::stream::Stream;
+use crate::shape::looks::{Alpha, Look};
+use crate::shape::textures::{Filter, Texture};
+
+/// Most bytes of the entries of a material without numbers and pictures.
+const FRAME: u128 = 512;
+
+/// Bytes of a picture that are written at once, a multiple of three: half and twice of it make the same text.
+const PART: usize = 48 << 10;
+
+/// Most bytes of these entries.
+pub(super) fn size(looks: &[Look]) -> u128 {
+    let picture = |texture: &Texture| (texture.image.bytes().len() as u128).div_ceil(3) * 4;
+    looks.iter().map(|look| FRAME + 7 * (REAL + 1) + look.texture.as_ref().map_or(0, picture)).sum()
+}
+
+/// Writes the entries of what is said, each after a comma.
+pub(super) fn write(look: &Look, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    let Look { color, metallic, roughness, double_sided, alpha, texture } = look;
+    let mut out = Vec::new();
+    if let Some(color) = color {
+        out.extend_from_slice(br#","color":["#);
+        reals(&mut out, color, b',');
+        out.push(b']');
+    }
+    let cutoff = if let Some(Alpha::Mask(cutoff)) = *alpha { Some(cutoff) } else { None };
+    for (name, number) in [("metallic", *metallic), ("roughness", *roughness), ("alpha_cutoff", cutoff)] {
+        if let Some(number) = number {
+            out.extend_from_slice(format!(r#","{name}":"#).as_bytes());
+            reals(&mut out, &[number], b',');
+        }
+    }
+    if let Some(alpha) = alpha {
+        out.extend_from_slice(format!(r#","alpha_mode":"{}""#, alpha.name()).as_bytes());
+    }
+    if let Some(double_sided) = double_sided {
+        out.extend_from_slice(format!(r#","double_sided":{double_sided}"#).as_bytes());
+    }
+    stream.bytes(&out)?;
+    texture.as_ref().map_or(Ok(()), |texture| write_texture(texture, stream))
+}
+
+fn write_texture(texture: &Texture, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    let Texture { image, wrap: [s, t], magnify, minify } = texture;
+    let (s, t, kind) = (s.name(), t.name(), image.kind().media_type());
+    let filter = |name: &str, filter: &Option<Filter>| {
+        filter.map_or_else(String::new, |filter| format!(r#","{name}":"{}""#, filter.name()))
+    };
+    let filters = filter("mag_filter", magnify) + &filter("min_filter", minify);
+    let head = format!(r#","texture":{{"wrap_s":"{s}","wrap_t":"{t}"{filters},"image":"data:{kind};base64,"#);
+    stream.bytes(head.as_bytes())?;
+    for part in image.bytes().chunks(PART) {
+        stream.bytes(STANDARD.encode(part).as_bytes())?;
+    }
+    stream.bytes(br#""}"#)
+}

@@ -1,0 +1,120 @@
+//! What the materials of a mesh look like in a picture: a colour each, and perhaps a picture over it.
+
+use std::io::Cursor;
+use std::sync::Arc;
+
+use image::{ImageFormat, ImageReader};
+use zune_jpeg::JpegDecoder;
+use zune_jpeg::zune_core::bytestream::ZCursor;
+use zune_jpeg::zune_core::colorspace::ColorSpace;
+use zune_jpeg::zune_core::options::DecoderOptions;
+
+use crate::output::colors::linear;
+use crate::output::error::FormatError;
+use crate::output::numbers::rounded;
+use crate::raster::{Beyond, Cover, Swatch, Texels};
+use crate::shape::attachments::Attachments;
+use crate::shape::looks::{Look, images};
+use crate::shape::textures::{Filter, Image, ImageKind, Texture, Wrap};
+use crate::watch::Watch;
+
+/// Bytes of memory for each pixel while a picture is decoded: as it is stored (at most 8), its coefficients (6) or its
+/// bytes (3), and what is kept of it with its smaller copies (4).
+const PIXEL_BYTES: u128 = 18;
+/// Pixels of such a picture that are decoded in the time of a row, 100 ns.
+const PIXELS_A_ROW: u128 = 4;
+
+/// Whether materials give faces a look of their own.
+pub(super) fn is_said(carried: &Attachments) -> bool {
+    carried.looks.iter().any(|look| look.color.is_some() || look.texture.is_some())
+}
+
+/// Whether some material has a picture.
+pub(super) fn has_images(carried: &Attachments) -> bool {
+    carried.looks.iter().any(|look| look.texture.is_some())
+}
+
+/// Bytes of memory for the pictures of materials.
+pub(super) fn memory(carried: &Attachments) -> u128 {
+    pixels(carried) * PIXEL_BYTES
+}
+
+/// Work that it takes to decode them, rows.
+pub(super) fn work(carried: &Attachments) -> u128 {
+    pixels(carried) / PIXELS_A_ROW
+}
+
+fn pixels(carried: &Attachments) -> u128 {
+    images(&carried.looks).iter().map(|image| image.size().map(u128::from).iter().product::<u128>()).sum()
+}
+
+/// A swatch for each material, and at the end one for faces without.
+///
+/// # Errors
+/// A picture that cannot be decoded, or a stopped watch.
+pub(super) fn swatches(carried: &Attachments, plain: [f32; 3], watch: &Watch) -> Result<Vec<Swatch>, FormatError> {
+    let images = images(&carried.looks);
+    let mut texels = Vec::with_capacity(images.len());
+    for image in &images {
+        watch.check()?;
+        texels.push(Arc::new(decoded(image)?));
+    }
+    let cover = |texture: &Texture| {
+        let image = images.iter().position(|image| **image == texture.image)?;
+        Some(cover(texture, texels[image].clone()))
+    };
+    let swatch = |look: &Look| Swatch { color: color(look, plain), cover: look.texture.as_ref().and_then(cover) };
+    let nothing = Swatch { color: plain, cover: None };
+    Ok(carried.looks.iter().map(swatch).chain([nothing]).collect())
+}
+
+/// The colour of a material, linear light; white under a picture, where nothing is said.
+fn color(look: &Look, plain: [f32; 3]) -> [f32; 3] {
+    let said = look.color.map(|color| std::array::from_fn(|k| rounded(linear(k, color[k]))));
+    said.unwrap_or(if look.texture.is_some() { [1.0; 3] } else { plain })
+}
+
+fn cover(texture: &Texture, texels: Arc<Texels>) -> Cover {
+    let beyond = texture.wrap.map(|wrap| match wrap {
+        Wrap::Repeat => Beyond::Repeat,
+        Wrap::MirroredRepeat => Beyond::Mirror,
+        Wrap::ClampToEdge => Beyond::Edge,
+    });
+    Cover { texels, beyond, nearest: texture.magnify == Some(Filter::Nearest) }
+}
+
+/// The pixels of a picture; its alpha does not count.
+fn decoded(image: &Image) -> Result<Texels, FormatError> {
+    let size = image.size().map(|side| side as usize);
+    let bytes = match image.kind() {
+        ImageKind::Png => png(image),
+        ImageKind::Jpeg => jpeg(image),
+    };
+    let bytes = bytes.map_err(|detail| {
+        let kind = image.kind().media_type();
+        FormatError::Unfit(format!("a texture ({kind}, {} x {}) cannot be decoded: {detail}", size[0], size[1]))
+    })?;
+    let (pixels, rest) = bytes.as_chunks::<3>();
+    if pixels.len() != size[0] * size[1] || !rest.is_empty() {
+        return Err(FormatError::Unfit("a texture has not the size that its head says; send it whole".to_owned()));
+    }
+    Ok(Texels::new(size, pixels.to_vec()))
+}
+
+fn png(image: &Image) -> Result<Vec<u8>, String> {
+    let [width, height] = image.size();
+    let mut reader = ImageReader::with_format(Cursor::new(image.bytes()), ImageFormat::Png);
+    let mut limits = image::Limits::default();
+    (limits.max_image_width, limits.max_image_height) = (Some(width), Some(height));
+    limits.max_alloc = Some(u64::from(width) * u64::from(height) * 8 + (1 << 20));
+    reader.limits(limits);
+    Ok(reader.decode().map_err(|error| error.to_string())?.into_rgb8().into_raw())
+}
+
+/// Decoded without instructions that only some machines have, so that all get the same bytes.
+fn jpeg(image: &Image) -> Result<Vec<u8>, String> {
+    let [width, height] = image.size().map(|side| side as usize);
+    let options = DecoderOptions::default().set_max_width(width).set_max_height(height);
+    let options = options.jpeg_set_out_colorspace(ColorSpace::RGB);
+    JpegDecoder::new_with_options(ZCursor::new(image.bytes()), options).decode().map_err(|error| error.to_string())
+}

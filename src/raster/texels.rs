@@ -1,0 +1,189 @@
+//! Pictures on surfaces: looked up in linear light, with smaller copies for where they are shown small.
+
+#![expect(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "sides of pictures are below 2^24, and places are brought into them"
+)]
+
+use std::sync::{Arc, LazyLock};
+
+use rayon::prelude::*;
+
+use super::pixmap::{ENCODING, linear};
+use super::shade::Vec3f;
+
+/// Linear light of every sRGB byte.
+static LIGHT: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|byte| linear(byte as u8)));
+
+/// Texels within a pixel up to which a copy is shown; beyond it the next smaller one is.
+/// Half of it blurs what is shown at its own size; twice of it lets fine patterns flicker.
+const MOST_A_PIXEL: f32 = 1.5;
+
+/// What lies beyond the sides of a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Beyond {
+    /// The picture again.
+    Repeat,
+    /// The picture turned over, then as it is, in turns.
+    Mirror,
+    /// The pixels along the side.
+    Edge,
+}
+
+/// A picture and copies of it, each half as wide and high as the one before.
+#[derive(Debug, PartialEq)]
+pub struct Texels(Vec<Copy>);
+
+#[derive(Debug, PartialEq)]
+struct Copy {
+    size: [usize; 2],
+    /// sRGB, row after row from the top.
+    bytes: Vec<[u8; 3]>,
+}
+
+impl Texels {
+    /// A picture of `width x height` pixels, at least one each, given as sRGB bytes row after row from the top.
+    pub fn new([width, height]: [usize; 2], bytes: Vec<[u8; 3]>) -> Self {
+        let mut copies = vec![Copy { size: [width, height], bytes }];
+        while let Some(smaller) = copies.last().and_then(Copy::halved) {
+            copies.push(smaller);
+        }
+        Self(copies)
+    }
+}
+
+impl Copy {
+    /// The picture half as wide and high, if that is smaller: each pixel is the mean of four, in linear light.
+    fn halved(&self) -> Option<Self> {
+        let [width, height] = self.size;
+        let size @ [columns, _] = [width.div_ceil(2), height.div_ceil(2)];
+        if size == self.size {
+            return None;
+        }
+        let pixel = |i: usize| {
+            let (x, y) = (2 * (i % columns), 2 * (i / columns));
+            let four = [[0, 0], [1, 0], [0, 1], [1, 1]];
+            let four = four.map(|[right, down]| self.at((x + right).min(width - 1), (y + down).min(height - 1)));
+            std::array::from_fn(|k| ENCODING.byte(0.25 * (four[0][k] + four[1][k] + four[2][k] + four[3][k])))
+        };
+        Some(Self { size, bytes: (0..size[0] * size[1]).into_par_iter().map(pixel).collect() })
+    }
+
+    fn at(&self, x: usize, y: usize) -> Vec3f {
+        self.bytes[y * self.size[0] + x].map(|byte| LIGHT[usize::from(byte)])
+    }
+}
+
+/// A picture as it is laid over a surface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cover {
+    /// The picture.
+    pub texels: Arc<Texels>,
+    /// What lies beyond its sides: left and right, above and below.
+    pub beyond: [Beyond; 2],
+    /// Whether the nearest pixel is shown, and no mean of four.
+    pub nearest: bool,
+}
+
+impl Cover {
+    /// By how much texture coordinates of which `least` is the least along an axis may be made less, so that they show
+    /// the same and leave more digits: whole periods of the picture.
+    pub(super) fn period(&self, axis: usize, least: f64) -> f64 {
+        match self.beyond[axis] {
+            Beyond::Repeat => least.floor(),
+            Beyond::Mirror => 2.0 * (0.5 * least).floor(),
+            Beyond::Edge => 0.0,
+        }
+    }
+
+    /// The light at texture coordinates, the second from the lower side upwards, where a pixel is so wide in them.
+    pub(super) fn light(&self, [u, v]: [f32; 2], wide: [f32; 2]) -> Vec3f {
+        let [mut columns, mut rows] = [wide[0], wide[1]];
+        let whole = self.texels.0[0].size;
+        (columns, rows) = (columns * whole[0] as f32, rows * whole[1] as f32);
+        let mut copy = 0;
+        while columns.max(rows) > MOST_A_PIXEL && copy + 1 < self.texels.0.len() {
+            (columns, rows, copy) = (0.5 * columns, 0.5 * rows, copy + 1);
+        }
+        let copy = &self.texels.0[copy];
+        let [x, y] = [(0, u), (1, 1.0 - v)].map(|(axis, t)| t * copy.size[axis] as f32);
+        let index = |axis: usize, i: f32| self.index(axis, i, copy.size[axis]);
+        if self.nearest {
+            return copy.at(index(0, x.floor()), index(1, y.floor()));
+        }
+        let ([left, above], [x, y]) = ([(x - 0.5).floor(), (y - 0.5).floor()], [x - 0.5, y - 0.5]);
+        let (x, y) = ((x - left).clamp(0.0, 1.0), (y - above).clamp(0.0, 1.0));
+        let columns = [index(0, left), index(0, left + 1.0)];
+        let rows = [index(1, above), index(1, above + 1.0)];
+        let [a, b, c, d] = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[i, j]| copy.at(columns[i], rows[j]));
+        std::array::from_fn(|k| {
+            let (upper, lower) = (a[k] + x * (b[k] - a[k]), c[k] + x * (d[k] - c[k]));
+            upper + y * (lower - upper)
+        })
+    }
+
+    /// The column or row that shows number `i` of `n`, a whole number; what is no number is the first.
+    fn index(&self, axis: usize, i: f32, n: usize) -> usize {
+        let last = n - 1;
+        let period = |n: usize| {
+            let n = n as f32;
+            // rounding may lead to the end of the period, which is its start
+            ((i - n * (i / n).floor()).max(0.0) as usize).min(n as usize - 1)
+        };
+        match self.beyond[axis] {
+            Beyond::Repeat => period(n),
+            Beyond::Edge => (i.max(0.0) as usize).min(last),
+            Beyond::Mirror => {
+                let there = period(2 * n);
+                there.min(2 * n - 1 - there)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two columns, black and white, over two rows of grey.
+    fn texels() -> Arc<Texels> {
+        Arc::new(Texels::new([2, 2], vec![[0; 3], [255; 3], [188; 3], [188; 3]]))
+    }
+
+    fn light(cover: &Cover, place: [f32; 2], wide: f32) -> f64 {
+        f64::from(cover.light(place, [wide; 2])[0])
+    }
+
+    #[test]
+    fn pixels_are_found_from_the_lower_left_and_blended_in_linear_light() {
+        let cover = Cover { texels: texels(), beyond: [Beyond::Edge; 2], nearest: false };
+        let grey = f64::from(linear(188));
+        for (place, expected) in
+            [([0.25, 0.75], 0.0), ([0.75, 0.75], 1.0), ([0.25, 0.25], grey), ([0.5, 0.75], 0.5), ([0.0, 1.0], 0.0)]
+        {
+            assert!((light(&cover, place, 0.0) - expected).abs() < 1e-6, "{place:?}");
+        }
+        // the smallest copy is the mean of all
+        let mean = 0.25 * (1.0 + 2.0 * grey);
+        assert!((light(&cover, [0.9, 0.9], 7.0) - mean).abs() < 5e-3);
+        assert!(light(&cover, [f32::NAN, f32::INFINITY], f32::NAN).is_finite());
+    }
+
+    #[test]
+    fn beyond_its_sides_a_picture_repeats_is_mirrored_or_ends() {
+        let column = |beyond, u: f32| {
+            let cover = Cover { texels: texels(), beyond: [beyond, Beyond::Edge], nearest: true };
+            cover.light([u, 0.75], [0.0; 2])[0] > 0.5
+        };
+        for (beyond, expected) in [
+            (Beyond::Repeat, [true, false, true, false, true]),
+            (Beyond::Mirror, [false, false, true, true, false]),
+            (Beyond::Edge, [false, false, true, true, true]),
+        ] {
+            let found = [-0.25, 0.25, 0.75, 1.25, 1.75].map(|u| column(beyond, u));
+            assert_eq!(found, expected, "{beyond:?}");
+        }
+    }
+}

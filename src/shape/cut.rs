@@ -1,0 +1,154 @@
+//! Faces that are no manifold, cut into pieces that are.
+//!
+//! The rule. Along each edge its faces are paired in the order of their numbers: each face with the first one before it
+//! that has no partner yet and runs along the edge in the other direction; no face with itself. What has no partner is
+//! a boundary. Then each vertex is split into one for each fan of faces that stay neighbours around it.
+//!
+//! Faces that wind around an edge or a vertex may still meet themselves there. So where more than two sides join the
+//! same two vertices after the split, all of them become boundaries, and where a face visits a vertex again, so do its
+//! two sides at each later visit, and vertices are split again. Two sides that then join the same two vertices are
+//! paired. Then no two sides of different edges join the same two vertices: the faces by themselves tell the pieces.
+
+use super::check::{FaceList, NonManifold, Side, Winding, check_faces, forward, groups, owner, sides, turns};
+use super::connect::{Checked, connect};
+use super::repairs::{Edges, Faces, Repair};
+use super::topology::{NONE, Topology, index};
+use crate::fault::Fault;
+
+impl Topology {
+    /// The topology of faces that need be no manifold, with what was cut. A manifold is given as
+    /// [`Topology::of_faces`] gives it, under [`NonManifold::Refuse`] nothing else is.
+    ///
+    /// # Errors
+    /// As [`Topology::of_faces`]; when faces are cut, of fewer than three vertices and missing vertices only.
+    pub fn of_any_faces(
+        n_vertices: usize,
+        faces: FaceList,
+        winding: Winding,
+        non_manifold: NonManifold,
+    ) -> Result<(Checked, Vec<Repair>), Vec<Fault>> {
+        if non_manifold == NonManifold::Refuse {
+            return Self::of_faces(n_vertices, faces, winding).map(|checked| (checked, Vec::new()));
+        }
+        match Self::of_faces(n_vertices, faces.clone(), winding) {
+            Ok(checked) => Ok((checked, Vec::new())),
+            Err(_) => cut(n_vertices, faces, winding),
+        }
+    }
+}
+
+fn cut(n_vertices: usize, mut faces: FaceList, winding: Winding) -> Result<(Checked, Vec<Repair>), Vec<Fault>> {
+    check_faces(n_vertices, &faces, NonManifold::Split)?;
+    let mut all = sides(n_vertices, &faces);
+    let turned = if winding == Winding::Repair { turns(&faces, &all).0 } else { Vec::new() };
+    if !turned.is_empty() {
+        turned.iter().for_each(|&f| faces.reverse(f as usize));
+        all = sides(n_vertices, &faces);
+    }
+    let repairs = misfits(&faces, &all);
+    let mut opposite = pairs(&faces, &all);
+    drop(all);
+    let build = |opposite: &[u32]| {
+        let mut topology = connect(n_vertices, faces.clone(), opposite);
+        let split_from = topology.part_fans();
+        (topology, split_from)
+    };
+    let (mut topology, mut split_from) = build(&opposite);
+    let parted = faces.with_vertices(topology.vertices.clone());
+    let mut all = sides(topology.n_vertices(), &parted);
+    let is_parted = part(&parted, &all, &mut opposite);
+    if is_parted {
+        (topology, _) = build(&opposite);
+        all = sides(topology.n_vertices(), &faces.with_vertices(topology.vertices.clone()));
+    }
+    if rejoin(&all, &mut opposite) || is_parted {
+        (topology, split_from) = build(&opposite);
+    }
+    Ok((Checked { topology, split_from, turned }, repairs))
+}
+
+/// What keeps faces from being a manifold, kind by kind.
+fn misfits(faces: &FaceList, sides: &[Side]) -> Vec<Repair> {
+    let ends = |group: &[Side]| [group[0].0.0, group[0].0.1];
+    let opposed = |group: &&[Side]| group.len() == 2 && forward(faces, &group[0]) == forward(faces, &group[1]);
+    let crowded = Edges::some(groups(sides).filter(|group| group.len() > 2).map(ends));
+    let opposed = Edges::some(groups(sides).filter(opposed).map(ends));
+    let repeats = |&f: &u32| {
+        let mut face = faces.face(f as usize).to_vec();
+        face.sort_unstable();
+        face.windows(2).any(|pair| pair[0] == pair[1])
+    };
+    let repeating: Vec<u32> = (0..index(faces.len())).filter(repeats).collect();
+    let repeating = Faces::some(&repeating).map(Repair::Repeating);
+    crowded.map(Repair::Crowded).into_iter().chain(opposed.map(Repair::Opposed)).chain(repeating).collect()
+}
+
+/// For each half-edge the one that it is paired with along its edge, or [`NONE`].
+fn pairs(faces: &FaceList, sides: &[Side]) -> Vec<u32> {
+    let mut opposite = vec![NONE; faces.n_half_edges()];
+    for group in groups(sides) {
+        // the sides that wait for a partner, all of one direction, and how many of them have one
+        let (mut waiting, mut taken): (Vec<&Side>, usize) = (Vec::new(), 0);
+        for side in group {
+            match waiting.get(taken) {
+                Some(first) if forward(faces, first) != forward(faces, side) => {
+                    // if the first is of the same face, so are all that wait
+                    if owner(faces, first.1) != owner(faces, side.1) {
+                        join(&mut opposite, first.1, side.1);
+                        taken += 1;
+                    }
+                }
+                _ => waiting.push(side),
+            }
+        }
+    }
+    opposite
+}
+
+fn join(opposite: &mut [u32], a: u32, b: u32) {
+    opposite[a as usize] = b;
+    opposite[b as usize] = a;
+}
+
+/// Pairs the two sides that join the same two vertices, which are split already. Whether there are such.
+fn rejoin(sides: &[Side], opposite: &mut [u32]) -> bool {
+    let mut is_joined = false;
+    for group in groups(sides) {
+        if let [a, b] = group
+            && opposite[a.1 as usize] == NONE
+            && opposite[b.1 as usize] == NONE
+        {
+            join(opposite, a.1, b.1);
+            is_joined = true;
+        }
+    }
+    is_joined
+}
+
+/// Makes boundaries of the sides of faces, whose vertices are split already, that still meet themselves. Whether there
+/// are such.
+fn part(faces: &FaceList, sides: &[Side], opposite: &mut [u32]) -> bool {
+    let mut parted = Vec::new();
+    for group in groups(sides).filter(|group| group.len() > 2) {
+        parted.extend(group.iter().map(|side| side.1));
+    }
+    let mut start = 0;
+    for f in 0..faces.len() {
+        let face = faces.face(f);
+        let mut visits: Vec<(u32, usize)> = face.iter().copied().zip(0..).collect();
+        visits.sort_unstable();
+        for pair in visits.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+            let at = pair[1].1;
+            let before = (at + face.len() - 1) % face.len();
+            parted.extend([index(start + at), index(start + before)]);
+        }
+        start += face.len();
+    }
+    for &half_edge in &parted {
+        let other = std::mem::replace(&mut opposite[half_edge as usize], NONE);
+        if other != NONE {
+            opposite[other as usize] = NONE;
+        }
+    }
+    !parted.is_empty()
+}

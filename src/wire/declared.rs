@@ -1,0 +1,110 @@
+//! Schemas of parameters, from their declarations.
+
+use utoipa::openapi::schema::{AdditionalProperties, SchemaType};
+use utoipa::openapi::{Array, ArrayBuilder, Object, ObjectBuilder, OneOfBuilder, RefOr, Schema, Type};
+
+use super::schema::{of, only};
+use crate::math::expression;
+use crate::math::parameter::{Default, Kind, MAX_NAME, Parameter};
+
+/// Adds a property for each parameter to the schema of the object that holds them.
+pub(super) fn with_all(object: ObjectBuilder, declared: &[Parameter]) -> ObjectBuilder {
+    declared.iter().fold(object, |object, parameter| {
+        let object = object.property(parameter.name, described(parameter));
+        if parameter.is_required() { object.required(parameter.name) } else { object }
+    })
+}
+
+/// The schema of an object with these parameters and no other fields.
+pub(super) fn object(declared: &[Parameter]) -> ObjectBuilder {
+    with_all(of(Type::Object), declared).additional_properties(Some(AdditionalProperties::FreeForm(false)))
+}
+
+/// The schema of a parameter, with what it does, its unit and its default.
+///
+/// The default stands in the sentence alone: generators take a field with the keyword `default` for one that is always
+/// there.
+fn described(parameter: &Parameter) -> RefOr<Schema> {
+    let mut doc = parameter.doc.trim_end_matches('.').to_owned();
+    doc.push('.');
+    if !parameter.unit.is_empty() {
+        doc.push_str(&format!(" In {}.", parameter.unit));
+    }
+    let usual = match parameter.default {
+        Default::Absent | Default::Required | Default::Fields => None,
+        Default::Number(x) => Some(x.to_string()),
+        Default::Flag(x) => Some(x.to_string()),
+        Default::Text(x) => Some(x.to_owned()),
+        Default::Texts(x) => Some(x.join(", ")),
+    };
+    if let Some(usual) = usual {
+        doc.push_str(&format!(" `{usual}` when left out."));
+    }
+    value(&parameter.kind, &doc)
+}
+
+/// The schema of what may be written for a kind of parameter.
+fn value(kind: &Kind, doc: &str) -> RefOr<Schema> {
+    let doc = Some(doc);
+    match kind {
+        Kind::Number { min, max } => number(*min, *max).description(doc).into(),
+        Kind::Integer { min, max } => {
+            of(Type::Integer).minimum(Some(whole(*min))).maximum(Some(whole(*max))).description(doc).into()
+        }
+        Kind::Flag => of(Type::Boolean).description(doc).into(),
+        Kind::Choice(names) => one_of(names).description(doc).into(),
+        Kind::Name => of(Type::String).min_length(Some(1)).max_length(Some(MAX_NAME)).description(doc).into(),
+        Kind::Choices(names) => {
+            let list = ArrayBuilder::new().items(one_of(names)).unique_items(true);
+            list.max_items(Some(names.len())).description(doc).into()
+        }
+        Kind::Expression { .. } => any_number().description(doc).into(),
+        Kind::Expressions { most, .. } => {
+            let either = OneOfBuilder::new().item(any_number()).item(numbers(1, *most));
+            either.description(doc).into()
+        }
+        Kind::Numbers { most } => described_list(numbers(1, *most), doc),
+        Kind::Vector | Kind::Direction => described_list(numbers(3, 3), doc),
+        Kind::Color => {
+            let pattern = "^(#([0-9a-fA-F]{3}|[0-9a-fA-F]{6}|[0-9a-fA-F]{8})|transparent)$";
+            of(Type::String).pattern(Some(pattern)).description(doc).into()
+        }
+        Kind::Group(fields) => object(fields).description(doc).into(),
+        Kind::Groups { fields, most } => {
+            let list = ArrayBuilder::new().items(object(fields));
+            list.min_items(Some(1)).max_items(Some(*most)).description(doc).into()
+        }
+    }
+}
+
+/// A bound of a whole number; the widest is that of 64 bits.
+fn whole(bound: i64) -> isize {
+    isize::try_from(bound).expect("pointers have 64 bits")
+}
+
+fn one_of(names: &[&'static str]) -> ObjectBuilder {
+    of(Type::String).enum_values(Some(names.iter().copied()))
+}
+
+/// A number within bounds, or the text of an expression, of which the schema knows the characters alone.
+fn number(min: f64, max: f64) -> ObjectBuilder {
+    let finite = |bound: f64| bound.is_finite().then_some(bound);
+    only(SchemaType::from_iter([Type::Number, Type::String]))
+        .minimum(finite(min))
+        .maximum(finite(max))
+        .min_length(Some(1))
+        .max_length(Some(expression::MAX_BYTES))
+        .pattern(Some("^[A-Za-z0-9_ .,()+*/^-]+$"))
+}
+
+fn any_number() -> ObjectBuilder {
+    number(f64::NEG_INFINITY, f64::INFINITY)
+}
+
+fn numbers(least: usize, most: usize) -> ArrayBuilder {
+    ArrayBuilder::new().items(Object::from(any_number())).min_items(Some(least)).max_items(Some(most))
+}
+
+fn described_list(list: ArrayBuilder, doc: Option<&str>) -> RefOr<Schema> {
+    Schema::from(Array::from(list.description(doc))).into()
+}

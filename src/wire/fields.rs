@@ -1,0 +1,160 @@
+//! The fields of a job that a short text can give, for flags and for queries: read off the declarations of the job, so
+//! that no list of them is kept by hand.
+
+use serde_json::Value;
+use utoipa::{PartialSchema, ToSchema};
+
+use super::input::InputRequest;
+use super::output::FRAME;
+use super::plan::PlanRequest;
+use super::written::{number, written};
+use crate::math::parameter::{Kind, Parameter};
+use crate::output::FORMATS;
+
+/// The part of a job that has a field.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Part {
+    /// `input`.
+    Input,
+    /// `plan`.
+    Plan,
+}
+
+/// What a field takes.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Takes {
+    /// `true` or `false`.
+    Flag,
+    /// A text, or one of these texts where there are some.
+    Text(Vec<String>),
+    /// A number, or a flag.
+    Scalar,
+}
+
+/// A field of the input or of the plan.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Field {
+    /// The part that has it.
+    pub(crate) part: Part,
+    /// The name.
+    pub(crate) name: String,
+    /// What it means.
+    pub(crate) doc: String,
+    /// What it takes.
+    pub(crate) takes: Takes,
+}
+
+/// An option of outputs, with the formats that know it: each declares it by itself.
+#[derive(Debug, Clone)]
+pub(crate) struct OutputField {
+    /// The name.
+    pub(crate) name: &'static str,
+    /// The declarations, each with the format that makes it; at least one.
+    pub(crate) declared: Vec<(&'static str, &'static Parameter)>,
+}
+
+impl Field {
+    /// The JSON of a text.
+    pub(crate) fn value(&self, text: &str) -> Value {
+        match self.takes {
+            Takes::Text(_) => text.into(),
+            Takes::Flag | Takes::Scalar => text.parse().map_or_else(|_| number(text), Value::Bool),
+        }
+    }
+}
+
+impl OutputField {
+    /// What may be written; declarations of one name differ in their bounds only.
+    pub(crate) fn kind(&self) -> &'static Kind {
+        &self.declared[0].1.kind
+    }
+
+    /// The JSON of a text.
+    pub(crate) fn value(&self, text: &str) -> Value {
+        written(self.kind(), text)
+    }
+}
+
+/// The fields of the input and the plan of a job that take a text, a number or a flag, in their order.
+pub(crate) fn fields() -> Vec<Field> {
+    [of::<InputRequest>(Part::Input), of::<PlanRequest>(Part::Plan)].concat()
+}
+
+/// The options of all formats, each name once, in the order of the formats.
+pub(crate) fn output_fields() -> Vec<OutputField> {
+    let mut found = vec![OutputField { name: FRAME[0].name, declared: vec![("every format", &FRAME[0])] }];
+    for (format, parameter) in FORMATS.iter().flat_map(|f| f.facts().parameters.iter().map(|p| (f.name(), p))) {
+        match found.iter_mut().find(|field| field.name == parameter.name) {
+            Some(field) => field.declared.push((format, parameter)),
+            None => found.push(OutputField { name: parameter.name, declared: vec![(format, parameter)] }),
+        }
+    }
+    found
+}
+
+/// The simple fields of a part.
+fn of<T: ToSchema>(part: Part) -> Vec<Field> {
+    let mut referred = Vec::new();
+    T::schemas(&mut referred);
+    let json = |schema| serde_json::to_value(schema).unwrap_or_default();
+    let referred: Vec<(String, Value)> = referred.into_iter().map(|(name, schema)| (name, json(schema))).collect();
+    let mut found = Vec::new();
+    let mut declared = Vec::new();
+    properties(&json(<T as PartialSchema>::schema()), &mut declared);
+    for (name, schema) in declared {
+        let mut met = Met { doc: None, types: Vec::new(), choices: Vec::new() };
+        met.read(&schema, &referred);
+        let known = found.iter().any(|field: &Field| field.name == name);
+        if let (Some(takes), false) = (met.takes(), known) {
+            found.push(Field { part, name, doc: met.doc.unwrap_or_default().replace('\n', " "), takes });
+        }
+    }
+    found
+}
+
+/// The properties of an object, or of all alternatives of one.
+fn properties(schema: &Value, found: &mut Vec<(String, Value)>) {
+    let own = schema["properties"].as_object().into_iter().flatten();
+    found.extend(own.map(|(name, schema)| (name.clone(), schema.clone())));
+    alternatives(schema).for_each(|schema| properties(schema, found));
+}
+
+fn alternatives(schema: &Value) -> impl Iterator<Item = &Value> {
+    ["oneOf", "anyOf", "allOf"].into_iter().filter_map(|of| schema[of].as_array()).flatten()
+}
+
+/// What was met in the schema of a field.
+struct Met {
+    doc: Option<String>,
+    types: Vec<String>,
+    choices: Vec<String>,
+}
+
+impl Met {
+    fn read(&mut self, schema: &Value, referred: &[(String, Value)]) {
+        if let (Some(doc), None) = (schema["description"].as_str(), &self.doc) {
+            self.doc = Some(doc.to_owned());
+        }
+        let types = schema["type"].as_array().map_or(std::slice::from_ref(&schema["type"]), Vec::as_slice);
+        self.types.extend(types.iter().filter_map(Value::as_str).map(str::to_owned));
+        self.choices.extend(schema["enum"].as_array().into_iter().flatten().filter_map(Value::as_str).map(Into::into));
+        alternatives(schema).for_each(|schema| self.read(schema, referred));
+        let name = schema["$ref"].as_str().and_then(|place| place.rsplit('/').next());
+        if let Some((_, schema)) = referred.iter().find(|(known, _)| Some(known.as_str()) == name) {
+            self.read(schema, referred);
+        }
+    }
+
+    /// What a field of these types takes; nothing where it is no simple one.
+    fn takes(&self) -> Option<Takes> {
+        let mut types: Vec<&str> = self.types.iter().map(String::as_str).filter(|name| *name != "null").collect();
+        types.dedup();
+        match types.as_slice() {
+            ["boolean"] => Some(Takes::Flag),
+            ["string"] => Some(Takes::Text(self.choices.clone())),
+            [] => None,
+            types if types.iter().all(|name| ["boolean", "number", "integer"].contains(name)) => Some(Takes::Scalar),
+            _ => None,
+        }
+    }
+}

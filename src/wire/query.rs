@@ -1,0 +1,186 @@
+//! Jobs as the query of an address says them, beside a mesh file: names with dots for the places in the job, and texts
+//! that are typed by what the job, presets, operators and formats declare.
+
+use std::sync::LazyLock;
+
+use base64::Engine;
+use serde_json::{Map, Value, json};
+
+use super::fields::{Field, Part, fields, output_fields};
+use super::job::JobRequest;
+use super::read::{ReadError, read};
+use super::text::MeshFile;
+use super::written::{number, written};
+use crate::fault::{Fault, did_you_mean, shortened};
+use crate::math::parameter::{Kind, Parameter};
+use crate::output;
+use crate::scheme::parameters::WORD_PARAMETERS;
+use crate::scheme::presets::PRESETS;
+
+/// What a query says that is no part of the job.
+const BESIDE_THE_JOB: &[&str] = &["keep"];
+/// Names of what is no field of the plan; the others of those without dots are such fields.
+const NAMES: [&str; 2] = ["levels", "format"];
+/// First names of those with dots, and their places in the job. The one output has the name `output` until the job is
+/// whole.
+const FAMILIES: [(&str, &[&str]); 4] =
+    [("parameters", &["plan", "parameters"]), ("output", &["output"]), ("input", &["input"]), ("levels", &["levels"])];
+
+/// The fields that are declared, read off once.
+static FIELDS: LazyLock<Vec<Field>> = LazyLock::new(fields);
+
+/// The job that a query says, but for its input, as JSON.
+///
+/// # Errors
+/// Names that are unknown or stand twice; their faults point at them as `?name`.
+pub fn job(query: &str) -> Result<Map<String, Value>, Vec<Fault>> {
+    let pairs: Vec<_> = form_urlencoded::parse(query.as_bytes()).collect();
+    let pairs: Vec<_> = pairs.iter().filter(|(name, _)| !BESIDE_THE_JOB.contains(&&**name)).collect();
+    let given = |wanted: &str| pairs.iter().find(|(name, _)| name == wanted).map(|(_, text)| &**text);
+    let declared = Declared {
+        parameters: match given("preset") {
+            Some(preset) => PRESETS.iter().find(|known| known.name == preset).map_or(&[], |known| known.parameters),
+            None => WORD_PARAMETERS,
+        },
+        options: given("format").and_then(output::named).map(|format| format.facts().parameters),
+    };
+    let (mut job, mut faults) = (Map::new(), Vec::new());
+    for (name, text) in &pairs {
+        let put = place(name).and_then(|place| put(&mut job, &place, declared.typed(name, text)));
+        faults.extend(put.err().map(|detail| Fault::new(format!("?{}", shortened(name)), detail)));
+    }
+    if let Some(output) = job.remove("output") {
+        job.insert("outputs".to_owned(), Value::Array(vec![output]));
+    }
+    job.entry("input").or_insert_with(|| Value::Object(Map::new()));
+    if faults.is_empty() { Ok(job) } else { Err(faults) }
+}
+
+/// The job of a mesh file and a query.
+///
+/// # Errors
+/// As [`job`], and what does not fit into a job.
+pub fn job_of_file(query: &str, file: MeshFile) -> Result<JobRequest, ReadError> {
+    let job = Value::Object(job(query).map_err(ReadError::Unfit)?);
+    let mut request: JobRequest = read(job.to_string().as_bytes())?;
+    request.input.file = Some(file);
+    Ok(request)
+}
+
+/// The text of the job of a mesh file and a query that were read before: the file stands in it in base64.
+pub fn job_text(query: &str, format: &str, bytes: &[u8]) -> String {
+    let mut job = job(query).unwrap_or_default();
+    if let Some(Value::Object(input)) = job.get_mut("input") {
+        let data = base64::engine::general_purpose::STANDARD.encode(bytes);
+        input.insert("text".to_owned(), json!({ "format": format, "data": data, "encoding": "base64" }));
+    }
+    Value::Object(job).to_string()
+}
+
+/// The name in a query of a place in its job: `?parameters.w` for `/plan/parameters/w`, and nothing for the file.
+pub fn name_of(pointer: &str) -> String {
+    let is = |place: &str| pointer.strip_prefix(place).filter(|rest| rest.is_empty() || rest.starts_with('/'));
+    let named = |name: String| format!("?{}", name.trim_matches('.').replace("~1", "/").replace("~0", "~"));
+    let dotted = |rest: &str| rest.replace('/', ".");
+    if is("/input/text").is_some() || pointer == "/input" || pointer.is_empty() {
+        String::new()
+    } else if let Some(rest) = is("/outputs/0") {
+        let rest = if rest == "/format" { "" } else { rest };
+        if rest.is_empty() { "?format".to_owned() } else { named(format!("output{}", dotted(rest))) }
+    } else if pointer == "/outputs" {
+        "?format".to_owned()
+    } else if let Some(rest) = is("/plan") {
+        if rest.is_empty() { "?preset".to_owned() } else { named(dotted(rest)) }
+    } else if pointer.starts_with('/') {
+        named(dotted(pointer))
+    } else {
+        pointer.to_owned()
+    }
+}
+
+/// The fields of the plan.
+fn plan_fields() -> impl Iterator<Item = &'static str> {
+    FIELDS.iter().filter(|field| field.part == Part::Plan).map(|field| field.name.as_str())
+}
+
+/// Where in a job a name leads.
+fn place(name: &str) -> Result<Vec<String>, String> {
+    let of = |places: &[&str], rest: &[&str]| places.iter().chain(rest).map(|&part| part.to_owned()).collect();
+    match name {
+        "levels" => return Ok(of(&["levels"], &[])),
+        "format" => return Ok(of(&["output", "format"], &[])),
+        name if plan_fields().any(|known| known == name) => return Ok(of(&["plan"], &[name])),
+        _ => {}
+    }
+    let parts: Vec<&str> = name.split('.').collect();
+    let family = FAMILIES.iter().find(|(known, _)| parts.len() > 1 && *known == parts[0]);
+    if let Some((_, place)) = family.filter(|_| parts.iter().all(|part| !part.is_empty())) {
+        return Ok(of(place, &parts[1..]));
+    }
+    let known: Vec<&str> = plan_fields().chain(NAMES).chain(BESIDE_THE_JOB.iter().copied()).collect();
+    Err(format!(
+        "there is no such parameter; {}known are {}, and parameters.NAME, output.OPTION, input.FIELD, levels.tolerance",
+        did_you_mean(name, known.iter().copied()),
+        known.join(", ")
+    ))
+}
+
+/// Puts a value at its place.
+fn put(job: &mut Map<String, Value>, place: &[String], value: Value) -> Result<(), String> {
+    let Some((last, before)) = place.split_last() else { return Ok(()) };
+    let mut at = job;
+    for part in before {
+        let inner = at.entry(part.clone()).or_insert_with(|| Value::Object(Map::new()));
+        at = inner.as_object_mut().ok_or("it is given as a whole and in parts; give one of them")?;
+    }
+    match at.insert(last.clone(), value) {
+        None => Ok(()),
+        Some(_) => Err("it is given twice; give it once".to_owned()),
+    }
+}
+
+/// What is declared of the parameters of a plan, and of the options of a format, where one is named.
+struct Declared {
+    parameters: &'static [Parameter],
+    options: Option<&'static [Parameter]>,
+}
+
+impl Declared {
+    /// The value that a text stands for; what stands for none is left as it is, to be refused with a reason.
+    fn typed(&self, name: &str, text: &str) -> Value {
+        let (family, rest) = name.split_once('.').unwrap_or(("", name));
+        let field = |part| FIELDS.iter().find(|field| field.part == part && field.name == rest);
+        let field = match family {
+            "" => field(Part::Plan),
+            "input" => field(Part::Input),
+            _ => None,
+        };
+        match (self.kind(family, rest), field) {
+            (Some(Kind::Flag), _) if text.is_empty() => Value::Bool(true),
+            (Some(kind), _) => written(&kind, text),
+            (None, Some(field)) => field.value(text),
+            (None, None) if matches!(name, "format" | "output.name") => text.into(),
+            (None, None) => number(text),
+        }
+    }
+
+    /// What may be written for a parameter or an option.
+    fn kind(&self, family: &str, name: &str) -> Option<Kind> {
+        let mut parts = name.split('.');
+        let first = parts.next()?;
+        let named = |declared: &'static [Parameter], name: &str| {
+            declared.iter().find(|parameter| parameter.name == name).map(|parameter| parameter.kind)
+        };
+        let mut kind = match (family, self.options) {
+            ("parameters", _) => named(self.parameters, first)?,
+            ("output", Some(options)) if named(options, first).is_some() => named(options, first)?,
+            ("output", _) => *output_fields().iter().find(|field| field.name == first)?.kind(),
+            _ => return None,
+        };
+        for part in parts {
+            let Kind::Group(fields) = kind else { return None };
+            kind = named(fields, part)?;
+        }
+        Some(kind)
+    }
+}

@@ -1,0 +1,81 @@
+//! Values written as plain texts, in the flags of a command line or in the query of an address, where no JSON is
+//! written.
+
+use serde_json::{Map, Number, Value};
+
+use crate::math::parameter::{Kind, Parameter};
+
+/// The JSON that stands for the text of a parameter. A list is written with commas (`0,0,1`), an object as
+/// `azimuth_deg=40,zoom=2` (names with dashes or underscores), and a list of objects as those with semicolons between
+/// them; lists and objects may as well be written as JSON. What does not fit stays a text, which the checks of the job
+/// then refuse.
+pub(crate) fn written(kind: &Kind, text: &str) -> Value {
+    if let (true, Ok(json)) = (text.starts_with(['[', '{']), serde_json::from_str(text)) {
+        return json;
+    }
+    match kind {
+        Kind::Number { .. } | Kind::Integer { .. } | Kind::Expression { .. } => number(text),
+        Kind::Flag => text.parse().map_or_else(|_| text.into(), Value::Bool),
+        Kind::Choice(_) | Kind::Name | Kind::Color => text.into(),
+        Kind::Choices(_) if text.is_empty() => Value::Array(Vec::new()),
+        Kind::Choices(_) => text.split(',').map(|item| Value::from(item.trim())).collect(),
+        Kind::Numbers { .. } | Kind::Vector | Kind::Direction => items(text).into_iter().map(number).collect(),
+        Kind::Expressions { .. } => match items(text).as_slice() {
+            [one] => number(one),
+            several => several.iter().map(|item| number(item)).collect(),
+        },
+        Kind::Group(fields) => group(fields, text),
+        Kind::Groups { fields, .. } => text.split(';').map(|item| group(fields, item)).collect(),
+    }
+}
+
+/// What separates the values of several flags of one name, where their parameter takes several.
+pub(crate) fn separator(kind: &Kind) -> Option<&'static str> {
+    match kind {
+        Kind::Choices(_) | Kind::Numbers { .. } | Kind::Expressions { .. } | Kind::Group(_) => Some(","),
+        Kind::Groups { .. } => Some(";"),
+        _ => None,
+    }
+}
+
+/// A number as JSON has it; else, as for an expression like `pi/6`, the text.
+pub(crate) fn number(text: &str) -> Value {
+    let text = text.trim();
+    if let Ok(whole) = text.parse::<u64>() {
+        return whole.into();
+    }
+    text.parse().ok().and_then(Number::from_f64).map_or_else(|| text.into(), Value::Number)
+}
+
+/// The parts of a text between commas that stand in no parentheses.
+fn items(text: &str) -> Vec<&str> {
+    let mut depth = 0_usize;
+    text.split(|c| {
+        match c {
+            '(' => depth += 1,
+            ')' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        c == ',' && depth == 0
+    })
+    .map(str::trim)
+    .collect()
+}
+
+/// The object of a text like `eye=1,2,3,zoom=2`: an item without a name goes on with the one before.
+fn group(fields: &[Parameter], text: &str) -> Value {
+    let mut found: Vec<(String, String)> = Vec::new();
+    for item in items(text) {
+        match (item.split_once('='), found.last_mut()) {
+            (Some((name, value)), _) => found.push((name.trim().replace('-', "_"), value.trim().to_owned())),
+            (None, Some((_, value))) => *value = format!("{value},{item}"),
+            (None, None) => return text.into(),
+        }
+    }
+    let field = |(name, value): (String, String)| {
+        let known = fields.iter().find(|field| field.name == name);
+        let value = known.map_or_else(|| number(&value), |field| written(&field.kind, &value));
+        (name, value)
+    };
+    Value::Object(found.into_iter().map(field).collect::<Map<_, _>>())
+}

@@ -1,0 +1,141 @@
+//! Vertices that files have several times, as they have several normals, colours or texture coordinates.
+
+use serde_json::{Value, json};
+
+use super::gltf::{document, floats};
+use crate::support;
+use crate::support::nets::{self, Net, same_surface};
+
+/// A cube as every exporter writes it: four vertices a side, with normals and texture coordinates of their own.
+fn cube_of_24() -> Value {
+    let net = nets::cube();
+    let (mut places, mut normals, mut uvs, mut order) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for (f, face) in net.faces.iter().enumerate() {
+        let corner = |j: usize| net.positions[face[j]];
+        let [a, b, c] = [corner(0), corner(1), corner(2)];
+        let normal = nets::triangle_normal(a, b, c);
+        for (j, &v) in face.iter().enumerate() {
+            #[expect(clippy::cast_possible_truncation, reason = "the numbers of a cube are small and whole")]
+            places.extend(net.positions[v].map(|x| x as f32));
+            #[expect(clippy::cast_possible_truncation, reason = "the normals of a cube are small and whole")]
+            normals.extend(normal.map(|x| x as f32));
+            uvs.extend([[0., 1.], [1., 1.], [1., 0.], [0., 0.]][j]);
+        }
+        let start = u8::try_from(4 * f).unwrap_or(0);
+        order.extend([0, 1, 2, 0, 2, 3].map(|j| start + j));
+    }
+    document(
+        &[floats(&places), floats(&normals), floats(&uvs), order],
+        &json!({
+            "accessors": [
+                { "bufferView": 0, "componentType": 5126, "count": 24, "type": "VEC3" },
+                { "bufferView": 1, "componentType": 5126, "count": 24, "type": "VEC3" },
+                { "bufferView": 2, "componentType": 5126, "count": 24, "type": "VEC2" },
+                { "bufferView": 3, "componentType": 5121, "count": 36, "type": "SCALAR" },
+            ],
+            "meshes": [{ "primitives": [{
+                "attributes": { "POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2 }, "indices": 3,
+            }] }],
+            "nodes": [{ "mesh": 0 }], "scenes": [{ "nodes": [0] }], "scene": 0,
+        }),
+    )
+}
+
+fn text(file: &Value) -> Value {
+    json!({ "text": { "format": "gltf", "data": file.to_string() }, "pair_quads": true })
+}
+
+fn refined(input: &Value, levels: u32) -> Value {
+    support::json(json!({ "input": input, "plan": { "preset": "catmull-clark" }, "levels": levels }))
+}
+
+#[test]
+fn a_cube_of_24_vertices_is_refined_like_that_of_8() {
+    let doubled = refined(&text(&cube_of_24()), 3);
+    let cube = refined(&nets::cube().input(), 3);
+    same_surface(&Net::of(&doubled), &Net::of(&cube), 1e-6).expect("the same surface");
+    let warnings = doubled["warnings"].to_string();
+    assert!(warnings.contains("welding merged 16 vertices"), "{warnings}");
+    // each side keeps its own square of texture coordinates: its 4 corners are 24 places after all
+    let uvs = &doubled["uvs"];
+    assert_eq!(uvs["faces"].as_array().map(Vec::len), Some(384));
+    let corners: Vec<&Value> = uvs["values"].as_array().into_iter().flatten().take(24).collect();
+    let is = |value: &Value, k: usize, x: f64| value[k].as_f64() == Some(x);
+    let at = |u: f64, v: f64| corners.iter().filter(|value| is(value, 0, u) && is(value, 1, v)).count();
+    assert_eq!([at(0., 0.), at(1., 0.), at(0., 1.), at(1., 1.)], [6; 4]);
+}
+
+#[test]
+fn they_stay_apart_where_that_is_asked_for_and_nothing_is_refined_with_gaps_unsaid() {
+    let mut input = text(&cube_of_24());
+    input["weld"] = json!(false);
+    let torn = refined(&input, 1);
+    let warnings = torn["warnings"].to_string();
+    assert!(warnings.contains("24 edges of the boundary lie where others do"), "{warnings}");
+    assert_eq!(Net::of(&torn).positions.len(), 6 * 9);
+    // a conversion keeps what the file says
+    let kept = support::json(json!({ "input": text(&cube_of_24()) }));
+    assert_eq!(Net::of(&kept).positions.len(), 24);
+    assert!(kept.get("warnings").is_none_or(|warnings| !warnings.to_string().contains("edges")), "{kept}");
+    for (wrong, sentence) in [(json!(true), "true says no distance"), (json!("0"), "a distance of at least 0")] {
+        input["weld"] = wrong;
+        let faults = support::parsed(json!({ "input": input }).to_string().as_bytes()).expect_err("it is refused");
+        assert!(faults[0].pointer == "/input/weld" && faults[0].detail.contains(sentence), "{faults:?}");
+    }
+}
+
+/// Formats that say which corners share a vertex are taken at their word; they are told of gaps all the same.
+#[test]
+fn an_obj_with_gaps_is_told_of_them_with_the_remedy() {
+    let obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nf 1 2 3 4\nf 5 6 7 8\n";
+    let input = json!({ "text": { "format": "obj", "data": obj } });
+    let expected = "2 edges of the boundary lie where others do, and gaps open along them; \"weld\": 0 joins them: \
+                    (1, 2), (7, 4)";
+    assert_eq!(refined(&input, 1)["warnings"], json!([expected]));
+    let mut welded = input.clone();
+    welded["weld"] = json!(0);
+    assert_eq!(refined(&welded, 1)["warnings"], json!(["welding merged 2 vertices: 4 into 1, 7 into 2"]));
+    assert!(support::json(json!({ "input": input })).get("warnings").is_none());
+}
+
+/// What was written comes back under a plan as the mesh that was written, its seams included.
+#[test]
+fn our_own_files_are_refined_as_the_mesh_that_was_written() {
+    let job: Value = serde_json::from_str(include_str!("../../../api/examples/jobs/cube-uvs-obj.json")).expect("a job");
+    let mut mesh = json!({ "mesh": job["input"]["mesh"] });
+    // no file says how texture coordinates are interpolated
+    mesh["mesh"]["uvs"]["interpolation"] = json!("all");
+    for format in ["glb", "gltf"] {
+        let written = json!({ "input": mesh, "outputs": [{ "format": format }] });
+        let (bytes, _) = support::render(&written).expect("it is written");
+        let data = super::round_trips::base64(&bytes);
+        let file = json!({ "format": format, "data": data, "encoding": "base64" });
+        let input = json!({ "text": file, "pair_quads": true });
+        let (read, given) = (refined(&input, 2), refined(&mesh, 2));
+        same_surface(&Net::of(&read), &Net::of(&given), 1e-6).expect("the same surface");
+        // as many places, and at every corner of every face the same texture coordinates
+        assert_eq!(read["uvs"]["values"].as_array().map(Vec::len), given["uvs"]["values"].as_array().map(Vec::len));
+        assert_eq!(corners(&read), corners(&given), "{format}");
+    }
+}
+
+/// Position and texture coordinates at all corners of all faces, rounded, in ascending order.
+fn corners(result: &Value) -> Vec<[i64; 5]> {
+    let number = |value: &Value, k: usize| {
+        #[expect(clippy::cast_possible_truncation, reason = "the numbers are small")]
+        let rounded = (value[k].as_f64().unwrap_or(f64::NAN) * 1e5).round() as i64;
+        rounded
+    };
+    let mut found = Vec::new();
+    let faces = result["faces"].as_array().into_iter().flatten();
+    for (face, places) in faces.zip(result["uvs"]["faces"].as_array().into_iter().flatten()) {
+        let both = face.as_array().into_iter().flatten().zip(places.as_array().into_iter().flatten());
+        for (v, place) in both.map(|(v, place)| (v.as_u64().unwrap_or(0), place.as_u64().unwrap_or(0))) {
+            let at = |list: &Value, i: u64| list[usize::try_from(i).unwrap_or(0)].clone();
+            let (p, uv) = (at(&result["positions"], v), at(&result["uvs"]["values"], place));
+            found.push([number(&p, 0), number(&p, 1), number(&p, 2), number(&uv, 0), number(&uv, 1)]);
+        }
+    }
+    found.sort_unstable();
+    found
+}
