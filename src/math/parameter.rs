@@ -214,6 +214,7 @@ impl Values {
     }
 
     /// The values but for one of a name.
+    #[must_use]
     pub fn without(&self, name: &str) -> Self {
         Self(self.0.iter().filter(|entry| entry.name != name).cloned().collect())
     }
