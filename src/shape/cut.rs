@@ -37,6 +37,11 @@ impl Topology {
     }
 }
 
+/// Vertices that a cut may add for each face, and beyond that. Meshes that are wrong here and there take far less than
+/// one a face; with three, faces over the same few vertices take more memory than was booked for their text.
+const ADDED_A_FACE: usize = 2;
+const ADDED: usize = 1000;
+
 fn cut(n_vertices: usize, mut faces: FaceList, winding: Winding) -> Result<(Checked, Vec<Repair>), Vec<Fault>> {
     check_faces(n_vertices, &faces, NonManifold::Split)?;
     let mut all = sides(n_vertices, &faces);
@@ -54,6 +59,12 @@ fn cut(n_vertices: usize, mut faces: FaceList, winding: Winding) -> Result<(Chec
         (topology, split_from)
     };
     let (mut topology, mut split_from) = build(&opposite);
+    let (added, n_faces) = (split_from.len(), faces.len());
+    if added > ADDED_A_FACE * n_faces + ADDED {
+        let most = ADDED_A_FACE * n_faces + ADDED;
+        let detail = format!("a cut into manifold pieces adds {added} vertices; {n_faces} faces may take {most}");
+        return Err(vec![Fault::new("/faces", detail + ", as they are no surface otherwise")]);
+    }
     let parted = faces.with_vertices(topology.vertices.clone());
     let mut all = sides(topology.n_vertices(), &parted);
     let is_parted = part(&parted, &all, &mut opposite);
