@@ -111,11 +111,10 @@ fn complete(path: &str, operation: &mut Operation) {
     refuse(operation, ANYWHERE);
     if let Some(RefOr::T(body)) = &mut operation.request_body {
         body.required = Some(Required::True);
-        let is_job = |media_type: &str| media_type == "application/json" && path != "/v1/analyses";
-        let jobs = body.content.iter_mut().filter(|(media_type, _)| is_job(media_type));
+        let jobs = body.content.iter_mut().filter(|(media_type, _)| *media_type == "application/json");
         for (_, content) in jobs {
             if let RefOr::T(content) = content {
-                content.examples = job_examples();
+                content.examples = if path == "/v1/analyses" { analysis_examples() } else { job_examples() };
             }
         }
         refuse(operation, BODY);
@@ -195,6 +194,13 @@ fn job_examples() -> BTreeMap<String, RefOr<Example>> {
         (name.to_owned(), ExampleBuilder::new().summary(summary).value(Some(job)).build().into())
     };
     jobs.into_iter().map(example).collect()
+}
+
+/// A question about a scheme, by name.
+fn analysis_examples() -> BTreeMap<String, RefOr<Example>> {
+    let question = json!({ "plan": { "preset": "four-point", "parameters": { "w": "1/16" } }, "grid": 3 });
+    let example = ExampleBuilder::new().summary("A scheme for curves").value(Some(question)).build();
+    BTreeMap::from([("curve".to_owned(), example.into())])
 }
 
 /// Adds the mesh files that a body may be.

@@ -5,6 +5,7 @@ use utoipa::ToSchema;
 
 use super::object;
 use super::plan::PlanRequest;
+use super::variants::PlanSchema;
 use crate::analysis::Level;
 use crate::analysis::smoothness::{BasicFunction, Report, Smoothness, Symbol, Weights};
 use crate::fault::Fault;
@@ -23,6 +24,7 @@ pub struct AnalysisRequest {
     pub spec: Option<u64>,
     /// The plan, as in a job; its scheme for polygons is analysed.
     #[serde(deserialize_with = "object::one")]
+    #[schema(value_type = PlanSchema)]
     pub plan: PlanRequest,
     /// Most products of matrices that the search for the joint spectral radius looks at; 100,000 when left out. The
     /// more there are, the narrower the intervals.
