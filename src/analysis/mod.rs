@@ -4,6 +4,9 @@ pub mod circles;
 pub mod curve;
 pub mod limit;
 mod no_level;
+pub mod smoothness;
+mod study;
 pub mod tolerance;
 
 pub use no_level::NoLevel;
+pub use study::{Level, Study};

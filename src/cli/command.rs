@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
 
+use super::analyse::Question;
 use super::error::{CODES, CliError};
 use super::estimate::EstimateOptions;
 use super::render::RenderOptions;
@@ -49,6 +50,9 @@ enum Command {
     /// something is wrong.
     #[command(after_help = CODES)]
     Validate(Box<ValidateOptions>),
+    /// Tell what can be said of a plan: masks, smoothness with its proofs, limit and tangent weights.
+    #[command(after_help = CODES)]
+    Analyse(Box<Question>),
     /// List the presets, or one with its parameters.
     Presets {
         /// Name of a preset.
@@ -109,6 +113,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Render(options) => options.render(),
         Command::Estimate(options) => options.estimate(),
         Command::Validate(options) => options.validate(),
+        Command::Analyse(question) => question.analyse(),
         Command::Presets { name } => catalogue::list_presets(name.as_deref()),
         Command::Operators { letter } => catalogue::list_operators(letter.as_deref()),
         Command::Formats { name } => catalogue::list_formats(name.as_deref()),

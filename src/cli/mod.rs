@@ -1,5 +1,6 @@
 //! The command line: the same jobs as over HTTP, by the same path, to the same bytes.
 
+mod analyse;
 mod catalogue;
 mod command;
 mod error;

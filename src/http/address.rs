@@ -1,4 +1,4 @@
-//! The addresses of artifacts, and their ETags.
+//! The addresses of artifacts, and their entity tags.
 
 use axum::http::Uri;
 

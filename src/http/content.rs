@@ -134,8 +134,8 @@ fn unknown(headers: &HeaderMap, takes_files: bool, body: &[u8]) -> Problem {
     let mut detail = format!("{said}{shown}; send the job as Content-Type: application/json");
     if takes_files {
         let types: Vec<&str> = READERS.iter().map(|reader| reader.media_type).collect();
-        detail += &format!(
-            ", or a mesh file as {}; curl says so with -H 'Content-Type: {}'",
+        detail = format!(
+            "{detail}, or a mesh file as {}; curl says so with -H 'Content-Type: {}'",
             types.join(", "),
             types.first().unwrap_or(&"model/obj")
         );

@@ -111,7 +111,8 @@ fn complete(path: &str, operation: &mut Operation) {
     refuse(operation, ANYWHERE);
     if let Some(RefOr::T(body)) = &mut operation.request_body {
         body.required = Some(Required::True);
-        let jobs = body.content.iter_mut().filter(|(media_type, _)| *media_type == "application/json");
+        let is_job = |media_type: &str| media_type == "application/json" && path != "/v1/analyses";
+        let jobs = body.content.iter_mut().filter(|(media_type, _)| is_job(media_type));
         for (_, content) in jobs {
             if let RefOr::T(content) = content {
                 content.examples = job_examples();
@@ -143,6 +144,12 @@ fn complete(path: &str, operation: &mut Operation) {
             refuse(operation, &[problem::NOT_ACCEPTABLE]);
         }
         "/v1/estimate" => refuse(operation, FORECAST),
+        "/v1/analyses" => {
+            headers(operation, "200", RESULT);
+            headers(operation, "304", &["ETag", "Content-Location", "Vary"]);
+            refuse(operation, &[problem::TIMED_OUT]);
+            refuse(operation, COMPUTED);
+        }
         path if path.starts_with("/v1/artifacts/") => {
             bytes(operation, "200", &[RESULT, KEPT].concat());
             bytes(operation, "206", &[RESULT, KEPT, &["Content-Range"]].concat());

@@ -1,6 +1,7 @@
 //! The HTTP interface: one file a resource, listed in `routes`.
 
 mod address;
+mod analyses;
 mod answer;
 mod app;
 mod artifacts;

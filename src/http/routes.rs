@@ -5,7 +5,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::app::Shared;
-use super::{artifacts, catalogue, estimate, health, jobs, links, pages, render, validate};
+use super::{analyses, artifacts, catalogue, estimate, health, jobs, links, pages, render, validate};
 
 /// All routes and their descriptions.
 pub(super) fn all() -> OpenApiRouter<Shared> {
@@ -13,7 +13,8 @@ pub(super) fn all() -> OpenApiRouter<Shared> {
     let artifacts = OpenApiRouter::new()
         .routes(routes!(render::render, links::link))
         .routes(routes!(links::kroki))
-        .routes(routes!(artifacts::artifact));
+        .routes(routes!(artifacts::artifact))
+        .routes(routes!(analyses::analyse));
     let texts = OpenApiRouter::new()
         .routes(routes!(jobs::job, jobs::forget))
         .routes(routes!(estimate::estimate))

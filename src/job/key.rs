@@ -7,7 +7,10 @@ use super::codec::Item;
 use super::input::Input;
 use super::output::Output;
 use super::shape_items::{connectivity, input, mesh};
+use crate::analysis::smoothness::Symbol;
+use crate::analysis::{Level, Study};
 use crate::math::expression::{Expression, Instruction};
+use crate::math::mask::Mask;
 use crate::math::parameter::{Value, Values};
 use crate::output::{LIMIT, TANGENTS, surface};
 use crate::scheme::letter::Letter;
@@ -136,6 +139,31 @@ pub(super) fn search(shape: &Input, refined: &Plan, tolerance: f64, places: &[&s
         Item::Integer(u64::from(refined.perturbation.is_some())),
         Item::Number(tolerance),
         Item::List(places.iter().map(|place| Item::text(place)).collect()),
+    ];
+    hashed(&Item::List(items))
+}
+
+/// Key of an analysis: over the results version, the masks, exactly where they are known so, and what was asked for.
+pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>) -> Key {
+    let Study { settled, levels } = study;
+    // order and residual follow from the mask
+    let Symbol { arity, first, mask, is_exact, order: _, residual: _ } = settled;
+    let level = |level: &Level| {
+        // the rest follows from these and the settled scheme
+        let Level { alpha, mask: Mask { first, values }, order: _, distance: _, keeps_circles: _ } = level;
+        let first = Item::Integer(i64::from(*first).cast_unsigned());
+        Item::List(vec![Item::Number(*alpha), first, Item::Numbers(values.clone().into())])
+    };
+    let items = vec![
+        Item::text("planish analysis"),
+        Item::Integer(u64::from(RESULTS_VERSION)),
+        Item::Integer(arity.cast_unsigned()),
+        Item::Integer(first.cast_unsigned()),
+        Item::List(mask.iter().map(|a| Item::text(&a.to_string())).collect()),
+        Item::Integer(u64::from(*is_exact)),
+        Item::List(levels.iter().map(level).collect()),
+        Item::Integer(nodes),
+        Item::List(grid.iter().map(|grid| Item::Integer(u64::from(*grid))).collect()),
     ];
     hashed(&Item::List(items))
 }

@@ -1,6 +1,7 @@
 //! The job: what is to be made, under which limits, by which key; pure, without I/O, clock or randomness.
 
 pub mod amounts;
+mod analysis;
 pub mod codec;
 mod complete;
 mod curves;
@@ -24,6 +25,7 @@ mod steering;
 mod time;
 mod work;
 
+pub use analysis::{Analysis, DEFAULT_NODES, Findings, MAX_NODES, MAX_VALUES};
 pub use complete::Job;
 pub use draft::Draft;
 pub use entry::{InputEntry, JobEntries, JobFault, JobPart};

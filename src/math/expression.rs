@@ -1,25 +1,33 @@
 //! Expressions in one variable: text to a short bytecode, bounded in length, depth and size.
 
+mod error;
+
+use std::sync::Arc;
+
 use crate::fault::shortened;
 use crate::math::functions as f;
 
-/// Longest text of an expression, bytes.
-pub const MAX_BYTES: usize = 1024;
-/// Deepest nesting of parentheses, functions and signs.
-pub const MAX_DEPTH: usize = 32;
-/// Most instructions of a compiled expression.
-pub const MAX_INSTRUCTIONS: usize = 256;
+pub use error::{ExpressionError, MAX_BYTES, MAX_DEPTH, MAX_INSTRUCTIONS};
 
 /// A compiled expression in at most one variable; constant parts are folded.
 ///
 /// Grammar: `sum := product (('+'|'-') product)*`, `product := sign (('*'|'/') sign)*`,
 /// `sign := ('-'|'+') sign | power`, `power := atom ['^' sign]` (right-associative, tighter than the sign before it),
 /// `atom := number | name | name '(' sum (',' sum)* ')' | '(' sum ')'`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Expression {
     code: Vec<Instruction>,
     /// Name of the variable; empty where it does not occur.
     variable: &'static str,
+    /// What was written, for whoever reads it without rounding.
+    text: Arc<str>,
+}
+
+impl PartialEq for Expression {
+    /// Expressions with the same values are one, however they were written.
+    fn eq(&self, other: &Self) -> bool {
+        self.code == other.code && self.variable == other.variable
+    }
 }
 
 /// One step of the stack machine.
@@ -78,55 +86,15 @@ operations! {
     }
 }
 
-/// Why a text is no expression, or has no value.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum ExpressionError {
-    /// The text is longer than [`MAX_BYTES`].
-    #[error("the expression has {0} bytes, at most {MAX_BYTES} are allowed; shorten it")]
-    TooLong(usize),
-    /// Nested deeper than [`MAX_DEPTH`].
-    #[error("the expression is nested deeper than {MAX_DEPTH} at character {0}; flatten it")]
-    TooDeep(usize),
-    /// More than [`MAX_INSTRUCTIONS`] after folding.
-    #[error("the expression has more than {MAX_INSTRUCTIONS} operations; shorten it")]
-    TooLarge,
-    /// Something else was expected at a character.
-    #[error("expected {expected} at character {at} of \"{text}\"")]
-    Expected {
-        /// What would be right.
-        expected: &'static str,
-        /// Position in characters, from 1.
-        at: usize,
-        /// The text, shortened.
-        text: String,
-    },
-    /// A name that is neither constant, variable nor function.
-    #[error("unknown name \"{name}\"; known here: {known}")]
-    UnknownName {
-        /// The name, shortened.
-        name: String,
-        /// What may be used.
-        known: String,
-    },
-    /// A value that is not finite.
-    #[error(
-        "the expression is not finite ({value}){}; change the expression or the parameter",
-        if .variable.is_empty() { String::new() } else { format!(" at {variable} = {at}") }
-    )]
-    NotFinite {
-        /// Infinity or NaN.
-        value: f64,
-        /// The variable's name.
-        variable: &'static str,
-        /// The value of the variable.
-        at: f64,
-    },
-}
-
 impl Expression {
     /// The expression that is always `value`.
     pub fn constant(value: f64) -> Self {
-        Self { code: vec![Instruction::Constant(value + 0.0)], variable: "" }
+        Self { code: vec![Instruction::Constant(value + 0.0)], variable: "", text: format!("{:?}", value + 0.0).into() }
+    }
+
+    /// The constant of a value that is written in another way, too.
+    pub fn written(value: f64, text: &str) -> Self {
+        Self { text: text.into(), ..Self::constant(value) }
     }
 
     /// Compiles `text`, in which `variable` may occur (none when empty).
@@ -137,17 +105,15 @@ impl Expression {
         if text.len() > MAX_BYTES {
             return Err(ExpressionError::TooLong(text.len()));
         }
-        let mut parser = Parser { text, at: 0, depth: 0, variable, code: Vec::new() };
-        parser.sum()?;
-        parser.skip_space();
-        if parser.at < text.len() {
-            return Err(parser.expected("an operator or the end"));
-        }
-        if parser.code.len() > MAX_INSTRUCTIONS {
-            return Err(ExpressionError::TooLarge);
-        }
-        let occurs = parser.code.contains(&Instruction::Variable);
-        Ok(Self { code: parser.code, variable: if occurs { variable } else { "" } })
+        let mut code: Vec<Instruction> = Vec::new();
+        read(text, variable, &mut code)?;
+        let occurs = code.contains(&Instruction::Variable);
+        Ok(Self { code, variable: if occurs { variable } else { "" }, text: text.into() })
+    }
+
+    /// What was written.
+    pub fn text(&self) -> &str {
+        &self.text
     }
 
     /// The value at `x` of the variable.
@@ -190,15 +156,75 @@ impl Expression {
     }
 }
 
-struct Parser<'a> {
+/// What a text is read into, in the order of a stack machine.
+pub trait Sink {
+    /// A number as it is written, and rounded; constants by name are not written in digits.
+    fn constant(&mut self, digits: Option<&str>, value: f64) -> Result<(), ExpressionError>;
+    /// The variable.
+    fn variable(&mut self) -> Result<(), ExpressionError>;
+    /// A function of the top.
+    fn unary(&mut self, op: Unary) -> Result<(), ExpressionError>;
+    /// A function of the top two.
+    fn binary(&mut self, op: Binary) -> Result<(), ExpressionError>;
+}
+
+/// Reads a text that is not too long.
+///
+/// # Errors
+/// [`ExpressionError`].
+pub fn read<S: Sink>(text: &str, variable: &str, sink: &mut S) -> Result<(), ExpressionError> {
+    let mut parser = Parser { text, at: 0, depth: 0, variable, sink };
+    parser.sum()?;
+    parser.skip_space();
+    if parser.at < text.len() { Err(parser.expected("an operator or the end")) } else { Ok(()) }
+}
+
+impl Sink for Vec<Instruction> {
+    fn constant(&mut self, _: Option<&str>, value: f64) -> Result<(), ExpressionError> {
+        emit(self, Instruction::Constant(value))
+    }
+
+    fn variable(&mut self) -> Result<(), ExpressionError> {
+        emit(self, Instruction::Variable)
+    }
+
+    fn unary(&mut self, op: Unary) -> Result<(), ExpressionError> {
+        emit(self, Instruction::Unary(op))
+    }
+
+    fn binary(&mut self, op: Binary) -> Result<(), ExpressionError> {
+        emit(self, Instruction::Binary(op))
+    }
+}
+
+/// Appends an operation, folding it when its operands are constants.
+fn emit(code: &mut Vec<Instruction>, instruction: Instruction) -> Result<(), ExpressionError> {
+    let folded = match (instruction, code.as_slice()) {
+        (Instruction::Unary(op), [.., Instruction::Constant(x)]) => Some((1, op.apply(*x))),
+        (Instruction::Binary(op), [.., Instruction::Constant(x), Instruction::Constant(y)]) => {
+            Some((2, op.apply(*x, *y)))
+        }
+        _ => None,
+    };
+    if let Some((operands, value)) = folded {
+        code.truncate(code.len() - operands);
+        code.push(Instruction::Constant(value));
+    } else {
+        code.push(instruction);
+    }
+    // the stack never holds more than the instructions, so this bounds it too
+    if code.len() > MAX_INSTRUCTIONS { Err(ExpressionError::TooLarge) } else { Ok(()) }
+}
+
+struct Parser<'a, S> {
     text: &'a str,
     at: usize,
     depth: usize,
     variable: &'a str,
-    code: Vec<Instruction>,
+    sink: &'a mut S,
 }
 
-impl Parser<'_> {
+impl<S: Sink> Parser<'_, S> {
     fn rest(&self) -> &[u8] {
         &self.text.as_bytes()[self.at..]
     }
@@ -220,30 +246,11 @@ impl Parser<'_> {
         ExpressionError::Expected { expected, at, text: shortened(self.text) }
     }
 
-    /// Appends an operation, folding it when its operands are constants.
-    fn emit(&mut self, instruction: Instruction) -> Result<(), ExpressionError> {
-        let folded = match (instruction, self.code.as_slice()) {
-            (Instruction::Unary(op), [.., Instruction::Constant(x)]) => Some((1, op.apply(*x))),
-            (Instruction::Binary(op), [.., Instruction::Constant(x), Instruction::Constant(y)]) => {
-                Some((2, op.apply(*x, *y)))
-            }
-            _ => None,
-        };
-        if let Some((operands, value)) = folded {
-            self.code.truncate(self.code.len() - operands);
-            self.code.push(Instruction::Constant(value));
-        } else {
-            self.code.push(instruction);
-        }
-        // the stack never holds more than the instructions, so this bounds it too
-        if self.code.len() > MAX_INSTRUCTIONS { Err(ExpressionError::TooLarge) } else { Ok(()) }
-    }
-
     fn sum(&mut self) -> Result<(), ExpressionError> {
         self.product()?;
         while let Some(sign) = self.take(b"+-") {
             self.product()?;
-            self.emit(Instruction::Binary(if sign == b'+' { Binary::Add } else { Binary::Subtract }))?;
+            self.sink.binary(if sign == b'+' { Binary::Add } else { Binary::Subtract })?;
         }
         Ok(())
     }
@@ -252,7 +259,7 @@ impl Parser<'_> {
         self.sign()?;
         while let Some(sign) = self.take(b"*/") {
             self.sign()?;
-            self.emit(Instruction::Binary(if sign == b'*' { Binary::Multiply } else { Binary::Divide }))?;
+            self.sink.binary(if sign == b'*' { Binary::Multiply } else { Binary::Divide })?;
         }
         Ok(())
     }
@@ -265,7 +272,7 @@ impl Parser<'_> {
         match self.take(b"+-") {
             Some(b'-') => {
                 self.sign()?;
-                self.emit(Instruction::Unary(Unary::Negate))?;
+                self.sink.unary(Unary::Negate)?;
             }
             Some(_) => self.sign()?,
             None => self.power()?,
@@ -278,7 +285,7 @@ impl Parser<'_> {
         self.atom()?;
         if self.take(b"^").is_some() {
             self.sign()?;
-            self.emit(Instruction::Binary(Binary::Power))?;
+            self.sink.binary(Binary::Power)?;
         }
         Ok(())
     }
@@ -319,8 +326,9 @@ impl Parser<'_> {
         if !value.is_finite() {
             return Err(ExpressionError::NotFinite { value, variable: "", at: 0.0 });
         }
+        let digits = &self.text[self.at..self.at + end];
         self.at += end;
-        self.emit(Instruction::Constant(value))
+        self.sink.constant(Some(digits), value)
     }
 
     fn name(&mut self) -> Result<(), ExpressionError> {
@@ -328,7 +336,7 @@ impl Parser<'_> {
         let name = &self.text[self.at..self.at + length];
         if name == self.variable {
             self.at += length;
-            return self.emit(Instruction::Variable);
+            return self.sink.variable();
         }
         let constant = match name {
             "pi" => Some(std::f64::consts::PI),
@@ -337,7 +345,7 @@ impl Parser<'_> {
         };
         if let Some(value) = constant {
             self.at += length;
-            return self.emit(Instruction::Constant(value));
+            return self.sink.constant(None, value);
         }
         let unary = Unary::named(name).filter(|op| *op != Unary::Negate);
         let binary = Binary::named(name);
@@ -351,14 +359,14 @@ impl Parser<'_> {
         self.sum()?;
         if let Some(op) = unary {
             self.close()?;
-            return self.emit(Instruction::Unary(op));
+            return self.sink.unary(op);
         }
         if self.take(b",").is_none() {
             return Err(self.expected("\",\" and a second argument"));
         }
         self.sum()?;
         self.close()?;
-        binary.map_or(Ok(()), |op| self.emit(Instruction::Binary(op)))
+        binary.map_or(Ok(()), |op| self.sink.binary(op))
     }
 
     fn unknown(&self, name: &str) -> ExpressionError {

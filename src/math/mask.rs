@@ -18,13 +18,6 @@ impl Mask {
         Some(Self { first, values: values[from..=to].to_vec() })
     }
 
-    /// A mask that is its own mirror image, from its middle entry outwards.
-    pub fn symmetric(middle: f64, outwards: &[f64]) -> Option<Self> {
-        let reach = i32::try_from(outwards.len()).ok()?;
-        let values: Vec<f64> = outwards.iter().rev().chain([&middle]).chain(outwards).copied().collect();
-        Self::new(-reach, &values)
-    }
-
     /// Index of the last entry.
     pub fn last(&self) -> i32 {
         let width = i32::try_from(self.values.len() - 1).expect("masks have at most a few hundred entries");

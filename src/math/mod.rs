@@ -1,10 +1,16 @@
 //! Numbers and weights: floor 0, which knows no nets.
 
+pub mod elimination;
+pub mod exact;
+pub mod exactly;
 pub mod expression;
 pub mod functions;
 pub mod mask;
+pub mod number;
 pub mod parameter;
 pub mod planar;
 pub mod rows;
 pub mod sharing;
+pub mod spectrum;
 pub mod vector;
+pub mod weight;

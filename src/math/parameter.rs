@@ -190,12 +190,21 @@ pub enum Value {
 #[derive(Debug, Clone, PartialEq, std::default::Default)]
 pub struct Values(Vec<Entry>);
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 struct Entry {
     name: &'static str,
     value: Value,
     /// Whether it is the value that the parameter has when it is left out.
     usual: bool,
+    /// What numbers were written as, for whoever reads them without rounding.
+    written: Option<Literal>,
+}
+
+impl PartialEq for Entry {
+    /// Equal values are equal, however they were written.
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name && self.value == other.value && self.usual == other.usual
+    }
 }
 
 impl Values {
@@ -205,6 +214,7 @@ impl Values {
     }
 
     /// The values but for one of a name.
+    #[must_use]
     pub fn without(&self, name: &str) -> Self {
         Self(self.0.iter().filter(|entry| entry.name != name).cloned().collect())
     }
@@ -217,6 +227,11 @@ impl Values {
     /// A number, or `None` when absent.
     pub fn number(&self, name: &str) -> Option<f64> {
         if let Value::Number(x) = self.get(name) { Some(*x) } else { None }
+    }
+
+    /// What a number was written as, or the numbers of a list.
+    pub fn written(&self, name: &str) -> Option<&Literal> {
+        self.0.iter().find(|entry| entry.name == name)?.written.as_ref()
     }
 
     /// A whole number, or `None` when absent.

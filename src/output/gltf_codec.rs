@@ -125,7 +125,7 @@ mod tests {
             let length = v.iter().map(|x| x * x).sum::<f32>().sqrt();
             v.map(|x| x / length)
         };
-        let rows: Vec<[f32; 3]> = all.filter(|v| *v != [0.0; 3]).map(unit).collect();
+        let rows: Vec<[f32; 3]> = all.filter(|v| v.iter().any(|&x| x != 0.0)).map(unit).collect();
         let found = decoded(&Encoded::directions(&rows, &mut workspace()).expect("it is encoded"));
         for (row, found) in rows.iter().zip(found.as_chunks::<4>().0) {
             let found = unit([found[0], found[1], found[2]].map(|x| f32::from(x.cast_signed())));

@@ -272,20 +272,18 @@ impl Packer<'_> {
         let told = &mut root.buffer_views[view];
         told.byte_length = (bytes.len() as u64).into();
         told.byte_stride = stride.map(Stride);
-        let offset = match encoded.filter(|encoded| encoded.bytes.len().next_multiple_of(4) < bytes.len()) {
-            Some(encoded) => {
-                views.push((view, encoded.told(all.len())));
-                all.extend_from_slice(&encoded.bytes);
-                let offset = decoded.next_multiple_of(4);
-                *decoded = offset + bytes.len() as u64;
-                told.buffer = Index::new(1);
-                offset
-            }
-            None => {
-                let offset = all.len() as u64;
-                all.extend_from_slice(&bytes);
-                offset
-            }
+        let shorter = encoded.filter(|encoded| encoded.bytes.len().next_multiple_of(4) < bytes.len());
+        let offset = if let Some(encoded) = shorter {
+            views.push((view, encoded.told(all.len())));
+            all.extend_from_slice(&encoded.bytes);
+            let offset = decoded.next_multiple_of(4);
+            *decoded = offset + bytes.len() as u64;
+            told.buffer = Index::new(1);
+            offset
+        } else {
+            let offset = all.len() as u64;
+            all.extend_from_slice(&bytes);
+            offset
         };
         told.byte_offset = (offset > 0).then(|| offset.into());
     }

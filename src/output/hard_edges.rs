@@ -81,7 +81,8 @@ impl HardEdges {
         let (normals, sides) = faces(mesh, watch)?;
         // the sine of the complement, which is exact at 0 and 90 degrees
         let cosine = sin((90.0 - angle) * (std::f64::consts::PI / 180.0)) - SLACK;
-        let is_hard = |[n, m]: [[f64; 3]; 2]| n != [0.0; 3] && m != [0.0; 3] && dot(n, m) < cosine;
+        let has_area = |normal: [f64; 3]| normal.iter().any(|&x| x != 0.0);
+        let is_hard = |[n, m]: [[f64; 3]; 2]| has_area(n) && has_area(m) && dot(n, m) < cosine;
         let edges = sides.chunk_by(|a, b| a[..2] == b[..2]).filter(|sides| match sides {
             [_] => false,
             [[.., f], [.., g]] => is_hard([f, g].map(|&face| normals[face as usize])),
@@ -130,8 +131,11 @@ fn edges_of(face: &[u32]) -> impl Iterator<Item = [u32; 2]> {
     face.iter().zip(face.iter().cycle().skip(1)).map(|(&a, &b)| [a.min(b), a.max(b)])
 }
 
-/// The unit normals of all faces, and each side of an edge as its ends, the lower first, and its face, ascending.
-fn faces(mesh: &dyn MeshSource, watch: &Watch) -> Result<(Vec<[f64; 3]>, Vec<[u32; 3]>), FormatError> {
+/// A side of an edge: its ends, the lower first, and its face.
+type Side = [u32; 3];
+
+/// The unit normals of all faces, and the sides of all edges, ascending.
+fn faces(mesh: &dyn MeshSource, watch: &Watch) -> Result<(Vec<[f64; 3]>, Vec<Side>), FormatError> {
     let positions = Positions::of_mesh(mesh).held(watch)?;
     let scale = normals::scale(positions.rows());
     let mut normals = Vec::with_capacity(mesh.n_faces());

@@ -4,6 +4,7 @@
 pub mod anchor;
 pub mod annotations;
 pub mod creases;
+pub mod curve_rule;
 pub mod extent;
 pub mod forecast;
 pub mod letter;

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::curve_rule::CurveRule;
 use super::forecast::Census;
 use super::mesh_net::MeshNet;
 use super::polygon_net::PolygonNet;
@@ -79,6 +80,8 @@ pub struct Facts {
     pub source: &'static str,
     /// To which nets it can be applied.
     pub nets: Nets,
+    /// What it does to polygons between their ends, where that is linear.
+    pub curve: Option<CurveRule>,
     /// What it means for the parameters that change along a plan.
     pub role: Role,
     /// The plan parameters that it uses.
@@ -126,6 +129,7 @@ impl Facts {
         doc: "",
         source: "",
         nets: Nets::Both,
+        curve: None,
         role: Role::Smooth,
         uses: &[],
         parameters: &[],

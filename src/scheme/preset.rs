@@ -7,9 +7,10 @@ use super::rules::LatitudeRule;
 use super::rules::Rules;
 use super::word::lettered;
 use crate::fault::Fault;
+use crate::math::exactly;
 use crate::math::expression::Expression;
-use crate::math::mask::Mask;
 use crate::math::parameter::{Parameter, Value, Values};
+use crate::math::weight::Weight;
 use crate::shape::tile::Tile;
 
 /// A named scheme.
@@ -96,10 +97,34 @@ pub(super) fn letters(word: &str) -> Vec<Letter> {
     word.chars().map(|letter| Letter::plain(operator(letter))).collect()
 }
 
-/// A scheme that is one mask; without entries there is none.
-pub(super) fn masked(arity: u32, mask: Option<Mask>) -> Result<Spelling, Vec<Fault>> {
+/// A scheme that is one mask, whose first entry has the index `first`; zeros at its ends are left out.
+pub(super) fn masked(arity: u32, first: i32, weights: &[Weight]) -> Result<Spelling, Vec<Fault>> {
     let none = || vec![Fault::new("/mask", "every entry of the mask is 0; give the weights of the scheme")];
+    let from = weights.iter().position(|weight| weight.value != 0.0).ok_or_else(none)?;
+    let to = weights.iter().rposition(|weight| weight.value != 0.0).ok_or_else(none)?;
+    let first = i32::try_from(from).ok().and_then(|from| first.checked_add(from)).ok_or_else(none)?;
     let mut letter = Letter::plain(&Masked).with(&ARITY, Value::Integer(arity.into()));
-    letter.settings.set_mask(mask.ok_or_else(none)?);
+    letter.settings.set_weights(first, &weights[from..=to]);
     Ok(Spelling::of(vec![letter]))
+}
+
+/// A scheme whose mask is its own mirror image, from its middle entry outwards.
+pub(super) fn mirrored(arity: u32, middle: Weight, outwards: Vec<Weight>) -> Result<Spelling, Vec<Fault>> {
+    let reach = i32::try_from(outwards.len()).unwrap_or(i32::MAX);
+    let weights: Vec<Weight> = outwards.iter().rev().cloned().chain([middle]).chain(outwards.iter().cloned()).collect();
+    masked(arity, -reach, &weights)
+}
+
+/// A number that a preset was given, with its exact value; 0 where it is absent.
+pub(super) fn weight(values: &Values, name: &str) -> Weight {
+    Weight { value: values.number(name).unwrap_or(0.0), exact: values.written(name).and_then(exactly::literal) }
+}
+
+/// The constant function of a weight.
+pub(super) fn constant(weight: &Weight) -> Expression {
+    match &weight.exact {
+        Some(exact) => Expression::written(weight.value, &exact.to_string()),
+        // no text of digits, so that it is not taken for one
+        None => Expression::written(weight.value, ""),
+    }
 }

@@ -28,7 +28,7 @@ fn described(parameter: &Parameter) -> RefOr<Schema> {
     let mut doc = parameter.doc.trim_end_matches('.').to_owned();
     doc.push('.');
     if !parameter.unit.is_empty() {
-        doc.push_str(&format!(" In {}.", parameter.unit));
+        doc = format!("{doc} In {}.", parameter.unit);
     }
     let usual = match parameter.default {
         Default::Absent | Default::Required | Default::Fields => None,
@@ -38,7 +38,7 @@ fn described(parameter: &Parameter) -> RefOr<Schema> {
         Default::Texts(x) => Some(x.join(", ")),
     };
     if let Some(usual) = usual {
-        doc.push_str(&format!(" `{usual}` when left out."));
+        doc = format!("{doc} `{usual}` when left out.");
     }
     value(&parameter.kind, &doc)
 }

@@ -1,5 +1,6 @@
 //! Request and answer types: the only serde of jobs; used by http and cli.
 
+pub mod analysis;
 pub mod answer;
 pub mod catalogue;
 mod channels;

@@ -76,10 +76,13 @@ impl TextRequest {
                 input::from_base64(&self.data).map_err(|detail| Fault::new("/data", detail))?
             }
         };
+        let is_known = self.format == "json" || input::named(&self.format).is_some();
         let beside: Arc<dyn Beside> = match self.mtl {
-            None => Arc::new(Alone),
             Some(library) if self.format == "obj" => Arc::new(WithLibrary(library.into_bytes())),
-            Some(_) => return Err(Fault::new("/mtl", "only OBJ files have a library of materials; leave it out")),
+            Some(_) if is_known => {
+                return Err(Fault::new("/mtl", "only OBJ files have a library of materials; leave it out"));
+            }
+            _ => Arc::new(Alone),
         };
         Ok(MeshFile { format: self.format, bytes, beside })
     }

@@ -11,6 +11,7 @@ use super::input::InputRequest;
 use super::output::{FRAME, OutputRequest};
 use super::plan::PlanRequest;
 use super::schema::of;
+use crate::math::parameter::Parameter;
 use crate::output::FORMATS;
 use crate::scheme::ops::OPERATORS;
 use crate::scheme::parameters::WORD_PARAMETERS;
@@ -106,7 +107,7 @@ impl ToSchema for PlanSchema {
         PlanRequest::schemas(schemas);
         let presets = PRESETS.iter().map(|preset| {
             let parameters = object(preset.parameters).description(Some("Parameters of the preset."));
-            let is_needed = preset.parameters.iter().any(|parameter| parameter.is_required());
+            let is_needed = preset.parameters.iter().any(Parameter::is_required);
             (preset.name, plan(("preset", chosen(preset.name)), parameters, is_needed, preset.doc))
         });
         schemas.extend(chosen_by(PRESET, "preset", "A preset with its parameters.", presets.collect()));

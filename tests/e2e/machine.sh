@@ -39,8 +39,8 @@ needs_rust() {
   needs make make
 }
 
-# Installs the npm packages that the tests need into a folder, at the versions and with the hashes of the lock file. Once
-# they are there, that needs no network.
+# Installs the npm packages that the tests need into a folder, at the versions and with the hashes of the lock file.
+# Once they are there, that needs no network.
 needs_npm_packages() {
   local out=$1
   needs node nodejs

@@ -1,6 +1,7 @@
 //! The service as its clients see it: a real server on a free port, asked over TCP.
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+mod analyses;
 mod browsers;
 mod caching;
 mod catalogue;

@@ -1,5 +1,6 @@
 //! One binary, one story a file.
 
+mod analysis;
 mod cache;
 mod carried;
 mod cli;

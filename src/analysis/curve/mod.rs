@@ -3,6 +3,7 @@
 mod convergence;
 mod cycle;
 mod distance;
+mod exact_cycle;
 mod limit;
 mod rows;
 mod tolerance;
@@ -10,6 +11,7 @@ mod tolerance;
 pub use convergence::warnings;
 pub use cycle::{Cycle, NoMask};
 pub use distance::{Distances, MAX_WORK, NoBound};
+pub use exact_cycle::ExactCycle;
 pub use limit::{Limit, NoLimit, check, refine_to_limit};
 pub use rows::{LimitRows, Row};
 pub use tolerance::{Reached, reach, search_bytes};

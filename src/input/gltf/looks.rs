@@ -12,6 +12,7 @@ use crate::input::colors::encoded;
 use crate::input::reader::ReadMesh;
 use crate::input::room::Room;
 use crate::input::text::quoted;
+use crate::shape::attachments::COLOR;
 use crate::shape::labels::FaceSet;
 use crate::shape::looks::{Alpha, Look, PLAIN, PLAIN_SURFACE};
 use crate::shape::textures::{Filter, Image, Texture, Wrap};
@@ -21,7 +22,11 @@ const TRANSFORM: &str = "KHR_texture_transform";
 
 /// Hands over the materials with their faces, given by the numbers of materials, in their order.
 pub(super) fn finish(document: &Document<'_>, faces: BTreeMap<usize, Vec<u64>>, room: &mut Room, mesh: &mut ReadMesh) {
-    let mut looks = Looks { document, images: BTreeMap::new(), left_out: BTreeMap::new(), has_uvs: mesh.uvs.is_some() };
+    // what is white below colours of vertices looks like nothing in particular
+    let is_colored = mesh.channels.iter().any(|channel| channel.name == COLOR);
+    let plain = if is_colored { [1.0; 4] } else { PLAIN };
+    let has_uvs = mesh.uvs.is_some();
+    let mut looks = Looks { document, images: BTreeMap::new(), left_out: BTreeMap::new(), has_uvs, plain };
     let materials = &document.root.materials;
     let name_of = |i: usize| materials.get(i).and_then(|material| material.name.clone());
     let nameless = faces.keys().filter(|&&i| name_of(i).is_none()).count();
@@ -60,6 +65,8 @@ struct Looks<'a> {
     /// What is left out, and how often.
     left_out: BTreeMap<String, usize>,
     has_uvs: bool,
+    /// The colour that planish writes where nothing is said.
+    plain: [f32; 4],
 }
 
 impl Looks<'_> {
@@ -70,7 +77,7 @@ impl Looks<'_> {
         let surface = [pbr.metallic_factor.0, pbr.roughness_factor.0];
         let factor = pbr.base_color_factor.0;
         let texture = pbr.base_color_texture.as_ref().and_then(|info| self.texture(info, room));
-        let is_plain = bits(&factor) == bits(&PLAIN) && bits(&surface) == bits(&PLAIN_SURFACE);
+        let is_plain = bits(&factor) == bits(&self.plain) && bits(&surface) == bits(&PLAIN_SURFACE);
         if is_plain && material.double_sided && texture.is_none() {
             return Look::default();
         }

@@ -25,7 +25,8 @@ impl Values {
             match parameter.value(written) {
                 Ok(value) => {
                     let usual = written.is_none() || parameter.value(None).is_ok_and(|usual| usual == value);
-                    values.push(Entry { name: parameter.name, value, usual });
+                    let written = parameter.written(written);
+                    values.push(Entry { name: parameter.name, value, usual, written });
                 }
                 Err(found) => faults.extend(under(&format!("/{}", parameter.name), found)),
             }
@@ -37,7 +38,7 @@ impl Values {
     pub fn usual(declared: &[Parameter]) -> Self {
         let entry = |parameter: &Parameter| {
             let value = parameter.value(None).unwrap_or(Value::Absent);
-            Entry { name: parameter.name, value, usual: true }
+            Entry { name: parameter.name, value, usual: true, written: parameter.written(None) }
         };
         Self(declared.iter().map(entry).collect())
     }
@@ -45,7 +46,8 @@ impl Values {
     /// Sets the value of a parameter, if it is one of those declared.
     pub fn set(&mut self, parameter: &Parameter, value: Value) {
         if let Some(entry) = self.0.iter_mut().find(|entry| entry.name == parameter.name) {
-            *entry = Entry { usual: parameter.value(None).is_ok_and(|usual| usual == value), value, ..*entry };
+            let usual = parameter.value(None).is_ok_and(|usual| usual == value);
+            *entry = Entry { name: parameter.name, value, usual, written: None };
         }
     }
 }
@@ -59,6 +61,16 @@ fn unknown(name: &str, declared: &[Parameter]) -> String {
 }
 
 impl Parameter {
+    /// What the numbers of a value were written as.
+    fn written(&self, written: Option<&Literal>) -> Option<Literal> {
+        match (self.kind, self.default, written) {
+            (Kind::Number { .. } | Kind::Numbers { .. }, _, Some(literal)) => Some(literal.clone()),
+            (Kind::Number { .. }, Default::Number(x), None) => Some(Literal::Number(x)),
+            (Kind::Number { .. }, Default::Text(text), None) => Some(Literal::Text(text.into())),
+            _ => None,
+        }
+    }
+
     /// The value for what was written, or for the default when nothing was.
     fn value(&self, written: Option<&Literal>) -> Result<Value, Vec<Fault>> {
         match (written, self.default) {

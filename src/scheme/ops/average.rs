@@ -7,6 +7,7 @@ use super::ring_average::{self, Around};
 use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::creases::{Blend, Creases, Rule};
+use crate::scheme::curve_rule::{CurveRule, triple};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Facts, Follows, Operator, Role, SplineStep};
 use crate::scheme::parameters::{DEFAULT_MU, SPLIT};
@@ -33,6 +34,7 @@ static FACTS: Facts = Facts {
      for points of edges, 1 for points inside faces; with split triangle mu P + (1 - mu) times the mean of the \
      neighbours, where V has the weight f. Boundaries and creases follow the curve rule, corners stay.",
     source: "Zhang and Wang 2002, formulas (2) and (5); Zorin and Schroeder, CAGD 18 (2001), 429-454",
+    curve: Some(CurveRule::Triple),
     role: Role::Average,
     uses: &["kernel", "mu"],
     parameters: &[SPLIT],
@@ -65,11 +67,10 @@ impl Operator for Average {
             Preimage::Point(j) if old.is_corner(old.control(j)) => old.add(j, 1.0, out),
             Preimage::Point(j) => {
                 // two D: the means of the pairs before and after, with the kernel as weight of vertices, and their mean
-                let [a, b, c] = [j - 1, j, j + 1].map(|i| old.weight(i, f, first));
-                let (before, after) = (2.0 * (a + b), 2.0 * (b + c));
-                old.add(j - 1, a / before, out);
-                old.add(j, b / before + b / after, out);
-                old.add(j + 1, c / after, out);
+                let [a, b, c] = triple(&[j - 1, j, j + 1].map(|i| old.weight(i, f, first)));
+                old.add(j - 1, a, out);
+                old.add(j, b, out);
+                old.add(j + 1, c, out);
             }
         });
         let rows = if net.is_uniform(values.first) { rows.repeating(net.period(), 4 * net.period()) } else { rows };

@@ -3,6 +3,8 @@
 use super::dual::cannot_carry;
 use super::masked::apply;
 use crate::math::mask::Mask;
+use crate::math::number::Number;
+use crate::scheme::curve_rule::CurveRule;
 use crate::scheme::operator::{Facts, Nets, Operator, Role};
 use crate::scheme::parameters::ARITY;
 use crate::scheme::polygon_net::PolygonNet;
@@ -23,6 +25,7 @@ static FACTS: Facts = Facts {
      further back the second, and so on. U3 A^(g-1) gives the B-spline of degree g.",
     source: "Zhang and Wang 2002, section 4.2; Lane and Riesenfeld, IEEE PAMI 2 (1980), 35-46",
     nets: Nets::Polygons("A averages the points of polygons; meshes take U, D, C and P"),
+    curve: Some(CurveRule::Window),
     role: Role::Average,
     parameters: &[ARITY],
     needs_upsampling: Some("A needs a U before it: it averages as many points as the arity of the last U"),
@@ -44,7 +47,7 @@ impl Operator for BoxAverage {
         if !net.corners.is_empty() && window.shifts() {
             return Err(cannot_carry("corners"));
         }
-        let mask = Mask { first: window.first, values: vec![1.0 / f64::from(d); d as usize] };
+        let mask = Mask { first: window.first, values: vec![f64::ratio(1, d.into()); d as usize] };
         let (landed, rows) = apply(net, window, mask)?;
         Ok(Step { net: landed.shifted(u32::from(window.shifts())), action: Action::Blend(rows) })
     }

@@ -3,6 +3,7 @@
 use super::masked::apply;
 use crate::math::functions::sin;
 use crate::math::mask::Mask;
+use crate::scheme::curve_rule::{CurveRule, spread};
 use crate::scheme::extent::Extent;
 use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
 use crate::scheme::parameters::{ARITY, AVERAGES, FIRST, MASK};
@@ -22,18 +23,12 @@ pub struct Circle;
 impl Circle {
     /// The mask at alpha, centred on 0 or half a step before it; `None` where it has a pole.
     pub fn mask(arity: u32, averages: u32, alpha: f64) -> Option<Mask> {
-        let d = f64::from(arity);
-        let angle = alpha / d;
+        let angle = alpha / f64::from(arity);
         let term = |j: u32| {
-            let k = f64::from(j + 1);
+            let k = f64::from(j);
             if angle == 0.0 { k } else { sin(k * angle) / sin(angle) }
         };
-        let mut values: Vec<f64> = (0..arity).chain((0..arity - 1).rev()).map(term).collect();
-        for _ in 0..averages {
-            values = summed(&values, arity as usize);
-        }
-        let sum: f64 = values.iter().sum();
-        let scaled: Vec<f64> = values.iter().map(|a| d * a / sum).collect();
+        let scaled = spread(arity, averages, term);
         if scaled.iter().any(|a| !a.is_finite() || a.abs() > 1e9) {
             return None;
         }
@@ -42,17 +37,12 @@ impl Circle {
     }
 }
 
-/// The product with `1 + z + ... + z^(d-1)`.
-fn summed(values: &[f64], d: usize) -> Vec<f64> {
-    let n = values.len() + d - 1;
-    (0..n).map(|j| values[(j + 1).saturating_sub(d)..values.len().min(j + 1)].iter().sum()).collect()
-}
-
 static FACTS: Facts = Facts {
     name: "circle-mask",
     doc: "A level of the d-ary scheme that keeps circles of angle alpha a point. Used by the preset d-ary-circle.",
     source: "after Zhang and Wang 2002, section 4.2; space {1, ..., t^(m-1), cos t, sin t}",
     nets: Nets::Polygons("this scheme refines polygons"),
+    curve: Some(CurveRule::Circle),
     role: Role::Upsample,
     children: Children::Vertices,
     parameters: &[ARITY, AVERAGES, MASK, FIRST],

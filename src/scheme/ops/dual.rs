@@ -9,6 +9,7 @@ use crate::fault::Fault;
 use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
+use crate::scheme::curve_rule::{CurveRule, pair};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Children, Facts, Operator, Role, SplineStep};
 use crate::scheme::parameters::SPLIT;
@@ -40,6 +41,7 @@ static FACTS: Facts = Facts {
      at the mean of its vertices (weights f^2 for V, f for E, 1 for F in the first average after a U); one face for \
      each interior vertex.",
     source: "Lane and Riesenfeld, IEEE PAMI 2 (1980), 35-46; Zhang and Wang 2002, formula (2)",
+    curve: Some(CurveRule::Pair),
     role: Role::Average,
     uses: &["kernel"],
     parameters: &[SPLIT],
@@ -76,9 +78,9 @@ impl Operator for Dual {
             Preimage::End(end) => out.add(index(end), 1.0),
             Preimage::Point(j) => {
                 let (left, right) = (j - back, j - back + 1);
-                let (a, b) = (old.weight(left, f, first), old.weight(right, f, first));
-                old.add(left, a / (a + b), out);
-                old.add(right, b / (a + b), out);
+                let [a, b] = pair(&old.weight(left, f, first), &old.weight(right, f, first));
+                old.add(left, a, out);
+                old.add(right, b, out);
             }
         });
         let rows = if net.is_uniform(values.first) { rows.repeating(net.period(), 4 * net.period()) } else { rows };

@@ -2,6 +2,7 @@
 
 use crate::math::mask::Mask;
 use crate::math::rows::{RowSource, Rows, RowsBy};
+use crate::scheme::curve_rule::CurveRule;
 use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
 use crate::scheme::parameters::{ARITY, FIRST, MASK};
 use crate::scheme::polygon_net::PolygonNet;
@@ -21,6 +22,7 @@ static FACTS: Facts = Facts {
     doc: "A level of a linear curve scheme of arity d: q[j] = sum over i of a[j - d i] p[i]. Used by presets.",
     source: "Dyn, Subdivision schemes in CAGD, 1992, section 2",
     nets: Nets::Polygons("this scheme refines polygons"),
+    curve: Some(CurveRule::Mask),
     role: Role::Upsample,
     parameters: &[ARITY, MASK, FIRST],
     children: Children::Vertices,

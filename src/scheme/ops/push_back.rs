@@ -9,6 +9,7 @@ use crate::math::functions::{ratio, sin};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
 use crate::scheme::creases::{Creases, Rule};
+use crate::scheme::curve_rule::{CurveRule, between};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Facts, Follows, Nets, Operator, Role, SplineStep};
 use crate::scheme::polygon_anchor::PolygonAnchor;
@@ -34,6 +35,7 @@ pub const CIRCULAR_PUSH_BACK: PushBack = PushBack(Share::Circular);
 static LINEAR: Facts = Facts {
     letter: Some('P'),
     name: "push-back",
+    curve: Some(CurveRule::PushBack { compensated: true }),
     follows: Follows::Creases,
     pointwise: true,
     symmetric: true,
@@ -42,6 +44,7 @@ static LINEAR: Facts = Facts {
 
 static CIRCULAR: Facts = Facts {
     name: "circular-push-back",
+    curve: Some(CurveRule::PushBack { compensated: false }),
     nets: Nets::Polygons("this scheme refines polygons"),
     needs_alpha: true,
     ..COMMON
@@ -72,7 +75,7 @@ enum Share {
 impl Share {
     /// The share in the displacement of the vertex that is `steps` of `d` away from the other one.
     fn of(self, steps: isize, d: isize, values: &Values<'_>) -> f64 {
-        let linear = ratio(steps.unsigned_abs(), d.unsigned_abs());
+        let [_, linear]: [f64; 2] = between(steps as i64, d as i64);
         match self {
             Self::Linear => values.compensation * linear,
             Self::Circular if values.alpha == 0.0 => linear,

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
+use crate::scheme::curve_rule::{CurveRule, between};
 use crate::scheme::local::Local;
 use crate::scheme::local_mesh::MeshLocal;
 use crate::scheme::mesh_net::MeshNet;
@@ -32,6 +32,7 @@ static FACTS: Facts = Facts {
      quads; arity d splits quads into d x d bilinearly, after a U where a mesh has other faces. With split triangle \
      every triangle becomes d x d triangles.",
     source: "Zhang and Wang 2002, formulas (1) and (4); Zorin and Schroeder, CAGD 18 (2001), 429-454",
+    curve: Some(CurveRule::Interpolate),
     role: Role::Upsample,
     uses: &["alpha", "split"],
     parameters: &[ARITY, SPLIT],
@@ -64,13 +65,13 @@ impl Operator for Upsample {
             Preimage::End(end) => out.add(index(end), 1.0),
             Preimage::Point(j) => {
                 let d = steps(arity);
-                let (i, j) = (j.div_euclid(d), j.rem_euclid(d).unsigned_abs());
-                let d = arity as usize;
+                let (i, j) = (j.div_euclid(d), j.rem_euclid(d));
                 if j == 0 {
                     old.add(i, 1.0, out);
                 } else {
-                    old.add(i, ratio(d - j, d), out);
-                    old.add(i + 1, ratio(j, d), out);
+                    let [first, second] = between(j as i64, arity.into());
+                    old.add(i, first, out);
+                    old.add(i + 1, second, out);
                 }
             }
         });

@@ -2,12 +2,11 @@
 
 use super::ternary::real;
 use crate::fault::Fault;
-use crate::math::expression::Expression;
 use crate::math::parameter::{Default, Parameter, Value, Values};
 use crate::scheme::letter::Letter;
 use crate::scheme::ops::{CIRCULAR_PUSH_BACK, Circle};
 use crate::scheme::parameters::{ARITY, AVERAGES};
-use crate::scheme::preset::{Preset, Refines, Spelling};
+use crate::scheme::preset::{Preset, Refines, Spelling, constant, weight};
 
 pub(super) const D_ARY_CIRCLE: Preset = Preset {
     name: "d-ary-circle",
@@ -33,10 +32,10 @@ pub(super) const fn angle(doc: &'static str) -> Parameter {
 fn spell(values: &Values) -> Result<Spelling, Vec<Fault>> {
     let whole = |name: &str| values.integer(name).and_then(|n| u32::try_from(n).ok()).unwrap_or(1);
     let (arity, averages) = (whole("arity"), whole("averages"));
-    let delta = values.number("delta").unwrap_or(0.0);
+    let delta = weight(values, "delta");
     let circle = Letter::plain(&Circle).with(&ARITY, Value::Integer(arity.into()));
     let mut cycle = vec![circle.with(&AVERAGES, Value::Integer(averages.into()))];
-    if delta != 0.0 {
+    if delta.value != 0.0 {
         if averages * (arity - 1) % 2 == 1 {
             let detail = "an odd number of averages of an even arity leaves no point for the push-back; choose another \
                           number of averages, or delta 0";
@@ -45,5 +44,5 @@ fn spell(values: &Values) -> Result<Spelling, Vec<Fault>> {
         cycle.push(Letter::plain(&CIRCULAR_PUSH_BACK));
     }
     let alpha = values.number("alpha").unwrap_or(0.0);
-    Ok(Spelling { alpha, delta: Expression::constant(delta), ..Spelling::of(cycle) })
+    Ok(Spelling { alpha, delta: constant(&delta), ..Spelling::of(cycle) })
 }

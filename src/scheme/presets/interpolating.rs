@@ -1,9 +1,10 @@
 //! Interpolating curve schemes.
 
 use super::ternary::real;
-use crate::math::expression::Expression;
+use crate::math::number::Number;
 use crate::math::parameter::Default;
-use crate::scheme::preset::{Preset, Refines, Spelling, letters};
+use crate::math::weight::Weight;
+use crate::scheme::preset::{Preset, Refines, Spelling, constant, letters, weight};
 
 pub(super) const FOUR_POINT: Preset = Preset {
     name: "four-point",
@@ -13,7 +14,7 @@ pub(super) const FOUR_POINT: Preset = Preset {
     parameters: &[real("w", Default::Number(1.0 / 16.0), "Tension; half the alpha of the lecture.")],
     refines: Refines::Curves,
     spell: |values| {
-        let w = values.number("w").unwrap_or(1.0 / 16.0);
-        Ok(Spelling { compensation: Expression::constant(16.0 * w), ..Spelling::of(letters("UCP")) })
+        let compensation = constant(&(Weight::whole(16) * weight(values, "w")));
+        Ok(Spelling { compensation, ..Spelling::of(letters("UCP")) })
     },
 };

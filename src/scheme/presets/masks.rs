@@ -1,10 +1,13 @@
 //! Schemes given by their masks: a client's own, and the 2n-point interpolation of Deslauriers and Dubuc.
 
 use crate::fault::Fault;
-use crate::math::mask::Mask;
-use crate::math::parameter::{Parameter, Value, Values};
+use crate::math::exact::Exact;
+use crate::math::exactly;
+use crate::math::number::Number;
+use crate::math::parameter::{Literal, Parameter, Value, Values};
+use crate::math::weight::Weight;
 use crate::scheme::parameters;
-use crate::scheme::preset::{Preset, Refines, Spelling, masked};
+use crate::scheme::preset::{Preset, Refines, Spelling, masked, mirrored};
 
 pub(super) const TWO_N_POINT: Preset = Preset {
     name: "two-n-point",
@@ -16,17 +19,13 @@ pub(super) const TWO_N_POINT: Preset = Preset {
     refines: Refines::Curves,
     spell: |values| {
         let n = values.integer("n").and_then(|n| u128::try_from(n).ok()).unwrap_or(2);
-        let mut outwards = Vec::new();
-        for j in 1..=n {
-            outwards.push(deslauriers_dubuc(n, j));
-            outwards.push(0.0);
-        }
-        masked(2, Mask::symmetric(1.0, &outwards))
+        let outwards = (1..=n).flat_map(|j| [deslauriers_dubuc(n, j), Weight::whole(0)]).collect();
+        mirrored(2, Weight::whole(1), outwards)
     },
 };
 
 /// The weight at offset 2j - 1, from exact integers, rounded once.
-fn deslauriers_dubuc(n: u128, j: u128) -> f64 {
+fn deslauriers_dubuc(n: u128, j: u128) -> Weight {
     let odds = (1..=n).flat_map(|i| [2 * i - 1, 2 * i - 1]);
     let twos = std::iter::repeat_n(2, usize::try_from(2 * n - 1).unwrap_or(0));
     let factorials = (1..n + j).chain(1..=n - j);
@@ -42,7 +41,8 @@ fn deslauriers_dubuc(n: u128, j: u128) -> f64 {
     }
     // the denominator is a power of two, so that the quotient is rounded once
     #[expect(clippy::cast_precision_loss, reason = "this is the one rounding")]
-    let weight = numerator as f64 / denominator as f64;
+    let value = numerator as f64 / denominator as f64;
+    let weight = Weight { value, exact: Some(Exact::new(numerator.into(), denominator.into())) };
     if j % 2 == 1 { weight } else { -weight }
 }
 
@@ -63,6 +63,10 @@ pub(super) const MASK: Preset = Preset {
 fn own(values: &Values) -> Result<Spelling, Vec<Fault>> {
     let arity = values.integer("arity").and_then(|d| u32::try_from(d).ok()).unwrap_or(2);
     let first = values.integer("first").and_then(|first| i32::try_from(first).ok()).unwrap_or(0);
-    let Value::Numbers(entries) = values.get("mask") else { return masked(arity, None) };
-    masked(arity, Mask::new(first, entries))
+    let Value::Numbers(entries) = values.get("mask") else { return masked(arity, first, &[]) };
+    let written = if let Some(Literal::List(items)) = values.written("mask") { items.as_slice() } else { &[] };
+    let exact = |i: usize| written.get(i).and_then(exactly::literal);
+    let weights: Vec<Weight> =
+        entries.iter().enumerate().map(|(i, &value)| Weight { value, exact: exact(i) }).collect();
+    masked(arity, first, &weights)
 }

@@ -1,40 +1,53 @@
 //! The blending ternary scheme and the schemes that it contains.
 
 use crate::fault::Fault;
-use crate::math::mask::Mask;
-use crate::math::parameter::{Default, Parameter, Values};
-use crate::scheme::preset::{Preset, Refines, Spelling, masked};
+use crate::math::number::Number;
+use crate::math::parameter::{Default, Parameter};
+use crate::math::weight::Weight;
+use crate::scheme::preset::{Preset, Refines, Spelling, mirrored, weight};
 
 const HUANG_TAN: &str = "Huang and Tan, Acta Electronica Sinica 49 (2021), 90-98";
 
 /// Parameters of rule (8).
 struct Blend {
-    eta: f64,
-    theta: f64,
+    eta: Weight,
+    theta: Weight,
     /// `omega delta`.
-    omega_delta: f64,
-    omega: f64,
+    omega_delta: Weight,
+    omega: Weight,
     /// `lambda (1 + omega)`.
-    lambda: f64,
+    lambda: Weight,
 }
 
 /// Rule (8) with the products that stay finite where delta or lambda do not:
 /// `p[3i] <- (eta, theta - 2 eta, 1 + 2 eta - 2 theta, ...)`,
 /// `p[3i+1] <- (-omega delta, lambda (1+omega), (1-lambda)(1+omega), -omega (1-delta))` on `i-1 .. i+2`, `p[3i+2]`
 /// mirrored.
-fn blend(rule: &Blend) -> Result<Spelling, Vec<Fault>> {
-    let Blend { eta, theta, omega_delta, omega, lambda } = *rule;
-    let outwards = [lambda, 1.0 + omega - lambda, theta - 2.0 * eta, -omega_delta, omega_delta - omega, eta];
-    masked(3, Mask::symmetric(1.0 + 2.0 * eta - 2.0 * theta, &outwards))
+fn blend(rule: Blend) -> Result<Spelling, Vec<Fault>> {
+    let Blend { eta, theta, omega_delta, omega, lambda } = rule;
+    let middle = whole(1) + whole(2) * eta.clone() - whole(2) * theta.clone();
+    let outwards = vec![
+        lambda.clone(),
+        whole(1) + omega.clone() - lambda,
+        theta - whole(2) * eta.clone(),
+        -omega_delta.clone(),
+        omega_delta - omega,
+        eta,
+    ];
+    mirrored(3, middle, outwards)
+}
+
+fn whole(n: i64) -> Weight {
+    Weight::whole(n)
+}
+
+fn ratio(a: i64, b: i64) -> Weight {
+    Weight::ratio(a, b)
 }
 
 /// A number of usual size.
 pub(super) const fn real(name: &'static str, default: Default, doc: &'static str) -> Parameter {
     Parameter::number(name, [-1e3, 1e3], default, doc)
-}
-
-fn number(values: &Values, name: &str) -> f64 {
-    values.number(name).unwrap_or(0.0)
 }
 
 pub(super) const BLENDING: Preset = Preset {
@@ -51,13 +64,13 @@ pub(super) const BLENDING: Preset = Preset {
     ],
     refines: Refines::Curves,
     spell: |values| {
-        let omega = number(values, "omega");
-        blend(&Blend {
-            eta: number(values, "eta"),
-            theta: number(values, "theta"),
-            omega_delta: omega * number(values, "delta"),
+        let omega = weight(values, "omega");
+        blend(Blend {
+            eta: weight(values, "eta"),
+            theta: weight(values, "theta"),
+            omega_delta: omega.clone() * weight(values, "delta"),
+            lambda: weight(values, "lambda") * (whole(1) + omega.clone()),
             omega,
-            lambda: number(values, "lambda") * (1.0 + omega),
         })
     },
 };
@@ -67,19 +80,19 @@ pub(super) const C4: Preset = Preset {
     doc: "Rule (9): the five-point ternary scheme with symbol (1+z+z^2)^5 (eta + (1/81 - 2 eta) z + eta z^2), C4 \
           exactly for 0 < eta < 1/81; eta = 1/243 is the quintic B-spline.",
     source: HUANG_TAN,
-    parameters: &[real("eta", Default::Number(1.0 / 243.0), "Shape; C4 for 0 < eta < 1/81.")],
+    parameters: &[real("eta", Default::Text("1/243"), "Shape; C4 for 0 < eta < 1/81.")],
     refines: Refines::Curves,
     spell: |values| {
-        let eta = number(values, "eta");
-        let outwards = [
-            5.0 / 9.0 - 9.0 * eta,
-            10.0 / 27.0,
-            5.0 / 27.0 + 5.0 * eta,
-            5.0 / 81.0 + 6.0 * eta,
-            1.0 / 81.0 + 3.0 * eta,
-            eta,
+        let eta = || weight(values, "eta");
+        let outwards = vec![
+            ratio(5, 9) - whole(9) * eta(),
+            ratio(10, 27),
+            ratio(5, 27) + whole(5) * eta(),
+            ratio(5, 81) + whole(6) * eta(),
+            ratio(1, 81) + whole(3) * eta(),
+            eta(),
         ];
-        masked(3, Mask::symmetric(17.0 / 27.0 - 12.0 * eta, &outwards))
+        mirrored(3, ratio(17, 27) - whole(12) * eta(), outwards)
     },
 };
 
@@ -93,16 +106,16 @@ macro_rules! b_spline {
             source: HUANG_TAN,
             parameters: &[],
             refines: Refines::Curves,
-            spell: |_| masked(3, Mask::symmetric($middle / $over, &[$($entry / $over),*])),
+            spell: |_| mirrored(3, ratio($middle, $over), vec![$(ratio($entry, $over)),*]),
         };
     };
 }
 
-b_spline!(LINEAR, "ternary-linear", "1", 3.0, [3.0, 2.0, 1.0]);
-b_spline!(QUADRATIC, "ternary-quadratic", "2", 9.0, [7.0, 6.0, 3.0, 1.0]);
-b_spline!(CUBIC, "ternary-cubic", "3", 27.0, [19.0, 16.0, 10.0, 4.0, 1.0]);
-b_spline!(QUARTIC, "ternary-quartic", "4", 81.0, [51.0, 45.0, 30.0, 15.0, 5.0, 1.0]);
-b_spline!(QUINTIC, "ternary-quintic", "5", 243.0, [141.0, 126.0, 90.0, 50.0, 21.0, 6.0, 1.0]);
+b_spline!(LINEAR, "ternary-linear", "1", 3, [3, 2, 1]);
+b_spline!(QUADRATIC, "ternary-quadratic", "2", 9, [7, 6, 3, 1]);
+b_spline!(CUBIC, "ternary-cubic", "3", 27, [19, 16, 10, 4, 1]);
+b_spline!(QUARTIC, "ternary-quartic", "4", 81, [51, 45, 30, 15, 5, 1]);
+b_spline!(QUINTIC, "ternary-quintic", "5", 243, [141, 126, 90, 50, 21, 6, 1]);
 
 pub(super) const THREE_POINT: Preset = Preset {
     name: "ternary-three-point",
@@ -112,9 +125,10 @@ pub(super) const THREE_POINT: Preset = Preset {
     parameters: &[real("alpha", Default::Number(0.25), "Shape; C1 for 2/9 < alpha < 1/3.")],
     refines: Refines::Curves,
     spell: |values| {
-        let alpha = number(values, "alpha");
-        let omega = 1.0 / 3.0 - alpha;
-        blend(&Blend { eta: 0.0, theta: 0.0, omega_delta: omega, omega, lambda: 4.0 / 3.0 - 2.0 * alpha })
+        let alpha = weight(values, "alpha");
+        let omega = ratio(1, 3) - alpha.clone();
+        let lambda = ratio(4, 3) - whole(2) * alpha;
+        blend(Blend { eta: whole(0), theta: whole(0), omega_delta: omega.clone(), omega, lambda })
     },
 };
 
@@ -126,9 +140,9 @@ pub(super) const FOUR_POINT: Preset = Preset {
     parameters: &[real("mu", Default::Number(0.1), "Shape; C2 for 1/15 < mu < 1/9.")],
     refines: Refines::Curves,
     spell: |values| {
-        let mu = number(values, "mu");
-        let (omega_delta, lambda) = (1.0 / 18.0 + mu / 6.0, 13.0 / 18.0 + mu / 2.0);
-        blend(&Blend { eta: 0.0, theta: 0.0, omega_delta, omega: 1.0 / 9.0, lambda })
+        let mu = || weight(values, "mu");
+        let (omega_delta, lambda) = (ratio(1, 18) + mu() / whole(6), ratio(13, 18) + mu() / whole(2));
+        blend(Blend { eta: whole(0), theta: whole(0), omega_delta, omega: ratio(1, 9), lambda })
     },
 };
 
@@ -143,11 +157,11 @@ pub(super) const PAN: Preset = Preset {
     ],
     refines: Refines::Curves,
     spell: |values| {
-        let (alpha, beta) = (number(values, "alpha"), number(values, "beta"));
-        let omega = (3.0 - 4.0 * alpha) / 27.0;
-        let omega_delta = (-2.0 + (1.0 - alpha) * (5.0 + 3.0 * beta)) / 54.0;
-        let lambda = (32.0 + (1.0 - alpha) * (7.0 + 9.0 * beta)) / 54.0;
-        blend(&Blend { eta: 0.0, theta: 4.0 * alpha / 27.0, omega_delta, omega, lambda })
+        let (alpha, beta) = (|| weight(values, "alpha"), || weight(values, "beta"));
+        let omega = (whole(3) - whole(4) * alpha()) / whole(27);
+        let omega_delta = (whole(-2) + (whole(1) - alpha()) * (whole(5) + whole(3) * beta())) / whole(54);
+        let lambda = (whole(32) + (whole(1) - alpha()) * (whole(7) + whole(9) * beta())) / whole(54);
+        blend(Blend { eta: whole(0), theta: whole(4) * alpha() / whole(27), omega_delta, omega, lambda })
     },
 };
 
@@ -160,14 +174,14 @@ pub(super) const REHAN: Preset = Preset {
     parameters: &[real("alpha", Default::Required, "Shape."), real("beta", Default::Required, "Shape.")],
     refines: Refines::Curves,
     spell: |values| {
-        let (alpha, beta) = (number(values, "alpha"), number(values, "beta"));
-        let bend = (1.0 - alpha) * beta;
-        blend(&Blend {
-            eta: -alpha,
-            theta: 2.0 * alpha,
-            omega_delta: 5.0 / 81.0 + bend,
-            omega: 1.0 / 9.0 + 2.0 * bend,
-            lambda: 20.0 / 27.0 + bend,
+        let alpha = || weight(values, "alpha");
+        let bend = (whole(1) - alpha()) * weight(values, "beta");
+        blend(Blend {
+            eta: -alpha(),
+            theta: whole(2) * alpha(),
+            omega_delta: ratio(5, 81) + bend.clone(),
+            omega: ratio(1, 9) + whole(2) * bend.clone(),
+            lambda: ratio(20, 27) + bend,
         })
     },
 };
@@ -184,13 +198,13 @@ pub(super) const NOVARA: Preset = Preset {
     ],
     refines: Refines::Curves,
     spell: |values| {
-        let (alpha, beta, gamma) = (number(values, "alpha"), number(values, "beta"), number(values, "gamma"));
-        blend(&Blend {
-            eta: 0.0,
-            theta: 1.0 / 9.0 - alpha,
-            omega_delta: -beta,
-            omega: -beta - gamma,
-            lambda: (2.0 + 3.0 * gamma - 6.0 * beta) / 3.0,
+        let (beta, gamma) = (|| weight(values, "beta"), || weight(values, "gamma"));
+        blend(Blend {
+            eta: whole(0),
+            theta: ratio(1, 9) - weight(values, "alpha"),
+            omega_delta: -beta(),
+            omega: -beta() - gamma(),
+            lambda: (whole(2) + whole(3) * gamma() - whole(6) * beta()) / whole(3),
         })
     },
 };

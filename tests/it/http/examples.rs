@@ -120,6 +120,7 @@ async fn questions(server: &Server) -> Vec<(&'static str, String)> {
         ("estimate", Asked::post("/v1/estimate", &mesh(3))),
         ("validate", Asked::post("/v1/validate", &input)),
         ("validate-faults", Asked::post("/v1/validate", &wrong)),
+        ("analyses", Asked::post("/v1/analyses", &serde_json::json!({ "plan": { "preset": "chaikin" } }))),
         ("preset", Asked::get("/v1/presets/four-point")),
         ("operator", Asked::get("/v1/operators/U")),
         ("presets", Asked::get("/v1/presets")),

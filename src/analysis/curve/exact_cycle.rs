@@ -1,0 +1,179 @@
+//! One application of a plan's cycle to polygons as one mask without rounding, in the limit alpha = 0.
+
+use num_traits::{One, Zero};
+
+use crate::math::exact::{Exact, bounded};
+use crate::math::exactly;
+use crate::math::number::Number;
+use crate::scheme::curve_rule::{CurveRule, between, pair, spread, triple};
+use crate::scheme::operator::Role;
+use crate::scheme::parameters::AVERAGES;
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::window::Window;
+
+/// One application of a cycle without rounding: `q[j] = sum over i of a[j - d i] p[i]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExactCycle {
+    /// Arity d of the whole cycle.
+    pub arity: i64,
+    /// Index of the first entry.
+    pub first: i64,
+    /// Entries of the mask a.
+    pub mask: Vec<Exact>,
+}
+
+impl ExactCycle {
+    /// The cycle to which those of a plan come ever closer; `None` where some weight is no fraction that is known.
+    pub fn settled(plan: &Plan) -> Option<Self> {
+        let settled = Plan { alpha: 0.0, compensation_alpha: None, ..plan.clone() };
+        let steps = settled.schedule(1).ok()?;
+        let mut state = State::new();
+        for step in steps.iter().filter(|step| step.level == 1) {
+            state.apply(plan, step)?;
+        }
+        Some(Self { arity: state.arity, first: state.points.first, mask: state.points.values })
+    }
+}
+
+/// Points with indices, 0 outside.
+#[derive(Clone)]
+struct Points {
+    first: i64,
+    values: Vec<Exact>,
+}
+
+impl Points {
+    fn at(&self, i: i64) -> Exact {
+        let found = usize::try_from(i - self.first).ok().and_then(|place| self.values.get(place));
+        found.cloned().unwrap_or_else(Exact::zero)
+    }
+
+    fn last(&self) -> i64 {
+        self.first + i64::try_from(self.values.len()).unwrap_or(0) - 1
+    }
+
+    /// The points from one index to another, as far as their digits are not too many.
+    fn made(first: i64, last: i64, point: impl Fn(i64) -> Exact) -> Option<Self> {
+        let values: Option<Vec<Exact>> = (first..=last).map(|j| bounded(point(j))).collect();
+        Some(Self { first, values: values? })
+    }
+}
+
+/// What has become of 1 at point 0.
+struct State {
+    points: Points,
+    /// What entered the last upsampling.
+    anchor: Points,
+    arity: i64,
+    /// The arity of the last upsampling, at whose multiples vertices stand.
+    last_arity: i64,
+    duals: u32,
+    averages: usize,
+}
+
+impl State {
+    fn new() -> Self {
+        let points = Points { first: 0, values: vec![Exact::one()] };
+        Self { anchor: points.clone(), points, arity: 1, last_arity: 1, duals: 0, averages: 0 }
+    }
+
+    fn apply(&mut self, plan: &Plan, step: &Scheduled) -> Option<()> {
+        let settings = &step.letter.settings;
+        let facts = step.letter.facts();
+        let duals = self.duals;
+        self.points = match facts.curve? {
+            CurveRule::Interpolate => self.upsampled(i64::from(settings.arity()), |points, d| {
+                Points::made(d * points.first - (d - 1), d * points.last() + (d - 1), |j| {
+                    let (i, part) = (j.div_euclid(d), j.rem_euclid(d));
+                    let [before, after] = between::<Exact>(part, d);
+                    before * points.at(i) + after * points.at(i + 1)
+                })
+            })?,
+            CurveRule::Mask => {
+                let mask = Points { first: settings.mask()?.first.into(), values: settings.exact_mask()?.to_vec() };
+                self.masked(settings.arity().into(), &mask)?
+            }
+            CurveRule::Circle => {
+                let weights = spread(settings.arity(), settings.whole(&AVERAGES)?, |k| Exact::whole(k.into()));
+                let mask = Points { first: settings.mask()?.first.into(), values: weights };
+                self.masked(settings.arity().into(), &mask)?
+            }
+            CurveRule::Pair => {
+                let (weight, back) = (self.weights(plan)?, i64::from(duals % 2));
+                self.duals += 1;
+                let old = &self.points;
+                Points::made(old.first - 1 + back, old.last() + back, |j| {
+                    let [a, b] = pair(&weight(j - back), &weight(j - back + 1));
+                    a * old.at(j - back) + b * old.at(j - back + 1)
+                })?
+            }
+            CurveRule::Triple => {
+                let (weight, old) = (self.weights(plan)?, &self.points);
+                Points::made(old.first - 1, old.last() + 1, |j| {
+                    let [a, b, c] = triple(&[j - 1, j, j + 1].map(&weight));
+                    a * old.at(j - 1) + b * old.at(j) + c * old.at(j + 1)
+                })?
+            }
+            CurveRule::Window => {
+                let window = Window::mean(settings.arity(), duals % 2 == 1);
+                let (from, to) = (i64::from(window.first), i64::from(window.last));
+                self.duals += u32::from(window.shifts());
+                let (share, old) = (Exact::ratio(1, settings.arity().into()), &self.points);
+                Points::made(old.first + from, old.last() + to, |j| {
+                    (j - to..=j - from).map(|i| old.at(i)).sum::<Exact>() * &share
+                })?
+            }
+            CurveRule::PushBack { compensated } => self.pushed_back(plan, compensated)?,
+        };
+        self.averages += usize::from(facts.role == Role::Average);
+        Some(())
+    }
+
+    fn upsampled(&mut self, d: i64, made: impl Fn(&Points, i64) -> Option<Points>) -> Option<Points> {
+        self.anchor = self.points.clone();
+        self.arity = self.arity.checked_mul(d)?;
+        (self.last_arity, self.duals, self.averages) = (d, 0, 0);
+        made(&self.points, d)
+    }
+
+    fn masked(&mut self, d: i64, mask: &Points) -> Option<Points> {
+        self.upsampled(d, |points, d| {
+            Points::made(d * points.first + mask.first, d * points.last() + mask.last(), |j| {
+                (points.first..=points.last()).map(|i| mask.at(j - d * i) * points.at(i)).sum()
+            })
+        })
+    }
+
+    /// The weights of points in the next average: the kernel at vertices, 1 elsewhere.
+    fn weights(&self, plan: &Plan) -> Option<impl Fn(i64) -> Exact + use<>> {
+        let kernel = match plan.kernel.get(self.averages) {
+            Some(kernel) => exactly::value(kernel, "alpha", &Exact::zero())?,
+            None => Exact::one(),
+        };
+        if (&kernel + Exact::one()).is_zero() {
+            return None;
+        }
+        let d = self.last_arity;
+        Some(move |i: i64| if i.rem_euclid(d) == 0 { kernel.clone() } else { Exact::one() })
+    }
+
+    fn pushed_back(&self, plan: &Plan, compensated: bool) -> Option<Points> {
+        let zero = Exact::zero();
+        let delta = exactly::value(&plan.delta, "", &zero)?;
+        let compensation = if compensated { exactly::value(&plan.compensation, "alpha", &zero)? } else { Exact::one() };
+        let (d, points, anchor) = (self.last_arity, &self.points, &self.anchor);
+        let displacement = |i: i64| &delta * (anchor.at(i) - points.at(d * i));
+        let first = anchor.first.min(points.first.div_euclid(d));
+        let last = anchor.last().max(points.last().div_euclid(d) + 1);
+        Points::made(d * first - (d - 1), d * last + (d - 1), |j| {
+            let (i, part) = (j.div_euclid(d), j.rem_euclid(d));
+            let [before, after] = between::<Exact>(part, d);
+            let pushed = if part == 0 {
+                displacement(i)
+            } else {
+                (before * displacement(i) + after * displacement(i + 1)) * &compensation
+            };
+            points.at(j) + pushed
+        })
+    }
+}

@@ -1,0 +1,142 @@
+//! A lower bound of the joint spectral radius: a product of matrices with an eigenvalue that is proved.
+//!
+//! Eigenvalues of products in f64 say where to look. The proof is exact: the characteristic polynomial of a product of
+//! l matrices has the leading coefficient 1, so that it has a real zero of at least t where it is not positive at t,
+//! and then the joint spectral radius is at least `t^(1/l)`.
+
+use std::cmp::Ordering;
+
+use num_traits::Signed;
+
+use super::matrices::{ExactMatrix, multiply, product};
+use crate::math::elimination::determinant_sign;
+use crate::math::exact::{self, Exact, below, binary, rounded};
+use crate::math::functions::pow;
+use crate::math::number::Number;
+use crate::math::spectrum::eigenvalues;
+
+/// Most products that are looked at.
+/// It is words of up to seven letters for binary schemes, of four for ternary ones. All extremal products that are
+/// known here have two letters at most; half of it saves half the time, twice of it takes one letter more.
+const MAX_WORDS: usize = 256;
+/// Largest matrices whose eigenvalues are proved.
+/// The 2n-point schemes come to 28 for n = 16. Half of it leaves those from n = 9 on without a bound; twice of it takes
+/// some thirty times as long, as the numbers of the elimination grow.
+const MAX_SIZE: usize = 32;
+/// Most products whose eigenvalue is tried to be proved.
+/// The first succeeds unless its eigenvalues are complex or double. Half and twice of it change nothing else.
+const MAX_PROOFS: usize = 8;
+/// A longer word has to be better by so much, so that powers of a word do not stand for it.
+const BETTER: f64 = 1e-10;
+
+/// A lower bound of the joint spectral radius, `t^(1/l)`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lower {
+    /// The matrices whose product has an eigenvalue of a size of at least t, the first factor first; none where it is
+    /// the mean of all that has it.
+    pub word: Vec<usize>,
+    /// The bound t of the eigenvalue.
+    pub eigenvalue: Exact,
+    /// The bound of the joint spectral radius in f64, rounded down.
+    pub value: f64,
+}
+
+impl Lower {
+    fn new(word: Vec<usize>, eigenvalue: Exact) -> Self {
+        let length = i32::try_from(word.len().max(1)).unwrap_or(1);
+        let root = |t: &Exact| pow(rounded(t), 1.0 / f64::from(length)).next_up();
+        let mut value = if length == 1 { below(&eigenvalue) } else { root(&eigenvalue) };
+        while value > 0.0 && binary(value).pow(length) > eigenvalue {
+            value = value.next_down();
+        }
+        Self { word, eigenvalue, value }
+    }
+
+    /// Whether the joint spectral radius is known to be at least `x >= 0`.
+    pub fn reaches(&self, x: &Exact) -> bool {
+        self.eigenvalue >= x.pow(i32::try_from(self.word.len().max(1)).unwrap_or(1))
+    }
+}
+
+/// A word and what its eigenvalue comes to.
+struct Candidate {
+    word: Vec<usize>,
+    eigenvalue: f64,
+    rate: f64,
+}
+
+/// The best lower bound that the products of some length prove.
+pub(super) fn bound(matrices: &[ExactMatrix]) -> Lower {
+    let mut candidates = if matrices[0].len() > MAX_SIZE { Vec::new() } else { candidates(matrices) };
+    candidates.sort_by(|a, b| b.rate.total_cmp(&a.rate).then(a.word.len().cmp(&b.word.len())));
+    let best = candidates.first().map_or(0.0, |candidate| candidate.rate);
+    // among those that are as good as the best the shortest first
+    candidates.sort_by_key(|candidate| if candidate.rate >= best * (1.0 - BETTER) { candidate.word.len() } else { 99 });
+    let proved = candidates.iter().take(MAX_PROOFS).find_map(|candidate| proved(matrices, candidate));
+    // the mean of the matrices has the eigenvalue 1/d, as every column of their sum adds up to b(1) = 1
+    let usual = || Lower::new(Vec::new(), Exact::ratio(1, i64::try_from(matrices.len()).unwrap_or(1)));
+    proved.unwrap_or_else(usual)
+}
+
+fn candidates(matrices: &[ExactMatrix]) -> Vec<Candidate> {
+    let n = matrices[0].len();
+    let flat: Vec<Vec<f64>> = matrices.iter().map(|matrix| matrix.iter().flatten().map(rounded).collect()).collect();
+    let identity: Vec<f64> = (0..n * n).map(|k| if k % (n + 1) == 0 { 1.0 } else { 0.0 }).collect();
+    let mut found = Vec::new();
+    let mut words = vec![(Vec::new(), identity)];
+    let mut looked_at = 0;
+    while looked_at + words.len() * flat.len() <= MAX_WORDS {
+        let mut longer = Vec::with_capacity(words.len() * flat.len());
+        for (word, left) in &words {
+            for (e, right) in flat.iter().enumerate() {
+                let mut matrix = Vec::new();
+                multiply(left, right, n, &mut matrix);
+                let word: Vec<usize> = word.iter().copied().chain([e]).collect();
+                looked_at += 1;
+                found.extend(candidate(&word, &matrix, n));
+                longer.push((word, matrix));
+            }
+        }
+        words = longer;
+    }
+    found
+}
+
+fn candidate(word: &[usize], matrix: &[f64], n: usize) -> Option<Candidate> {
+    // turned around it is the same: only the first of all turns is looked at
+    let turned = |by: usize| word[by..].iter().chain(&word[..by]);
+    if (1..word.len()).any(|by| turned(by).lt(word.iter())) {
+        return None;
+    }
+    let first = *eigenvalues(matrix, n)?.iter().find(|x| x.im == 0.0)?;
+    #[expect(clippy::cast_precision_loss, reason = "words are short")]
+    let rate = pow(first.modulus(), 1.0 / word.len() as f64);
+    (rate > 0.0).then_some(Candidate { word: word.to_vec(), eigenvalue: first.re, rate })
+}
+
+/// The bound of a candidate, as far as it can be proved.
+fn proved(matrices: &[ExactMatrix], candidate: &Candidate) -> Option<Lower> {
+    let mut factors = candidate.word.iter().map(|&e| &matrices[e]);
+    let first = factors.next()?.clone();
+    let matrix = factors.fold(first, |left, right| product(&left, right));
+    let x = candidate.eigenvalue;
+    let simple = exact::simple(x).filter(|t| sign(&matrix, t) == Ordering::Equal);
+    let slightly = |share: f64| Some(binary(x * (1.0 - share)));
+    let tried = [simple, slightly(1e-13), slightly(1e-12), slightly(1e-10), slightly(1e-8), slightly(1e-6)];
+    let holds = |t: &Exact| {
+        // at -t the sign of the leading term is that of (-1)^N
+        let flips = t.is_negative() && matrix.len() % 2 == 1;
+        let sign = sign(&matrix, t);
+        (if flips { sign.reverse() } else { sign }) != Ordering::Greater
+    };
+    let found = tried.into_iter().flatten().find(holds)?;
+    Some(Lower::new(candidate.word.clone(), found.abs()))
+}
+
+/// The sign of `det(t - matrix)`.
+fn sign(matrix: &ExactMatrix, t: &Exact) -> Ordering {
+    let shifted = |(i, row): (usize, &Vec<Exact>)| -> Vec<Exact> {
+        row.iter().enumerate().map(|(k, x)| if i == k { t - x } else { -x.clone() }).collect()
+    };
+    determinant_sign(&matrix.iter().enumerate().map(shifted).collect::<Vec<_>>())
+}

@@ -1,0 +1,56 @@
+//! The matrices whose products say how differences of the data go on: for a residual b with entries 0 to n,
+//! `N = max(1, ceil(n / (d-1)))` and e from 0 to d - 1, `(T_e)[p][q] = b[r + p - d i(q)]` with `r = e + d N` and
+//! `i(q) = floor((r + N - 1) / d) - (N - 1) + q`.
+//!
+//! Source: Daubechies and Lagarias, SIAM Journal on Mathematical Analysis 23 (1992), 1031-1079.
+
+use num_traits::{Signed, Zero};
+
+use crate::math::exact::Exact;
+
+/// A square matrix of fractions, row by row.
+pub(super) type ExactMatrix = Vec<Vec<Exact>>;
+
+/// The matrices `T_0, ..., T_(d-1)` of a residual.
+pub(super) fn of_residual(residual: &[Exact], arity: i64) -> Vec<ExactMatrix> {
+    let last = i64::try_from(residual.len()).unwrap_or(1) - 1;
+    let n = (last + arity - 2).div_euclid(arity - 1).max(1);
+    let entry = |j: i64| {
+        let found = usize::try_from(j).ok().and_then(|j| residual.get(j));
+        found.cloned().unwrap_or_else(Exact::zero)
+    };
+    let matrix = |e: i64| {
+        let r = e + arity * n;
+        let i = (r + n - 1).div_euclid(arity) - (n - 1);
+        (0..n).map(|p| (0..n).map(|q| entry(r + p - arity * (i + q))).collect()).collect()
+    };
+    (0..arity).map(matrix).collect()
+}
+
+/// The product of two square matrices.
+pub(super) fn product(a: &ExactMatrix, b: &ExactMatrix) -> ExactMatrix {
+    let cell = |row: &[Exact], k: usize| {
+        let terms = row.iter().zip(b).filter(|(x, other)| !x.is_zero() && !other[k].is_zero());
+        terms.map(|(x, other)| x * &other[k]).sum()
+    };
+    a.iter().map(|row| (0..b.len()).map(|k| cell(row, k)).collect()).collect()
+}
+
+/// The greatest sum of sizes in a row.
+pub(super) fn row_norm(a: &ExactMatrix) -> Exact {
+    let sums = a.iter().map(|row| row.iter().map(|x| x.abs()).sum::<Exact>());
+    sums.max().unwrap_or_else(Exact::zero)
+}
+
+/// The product of two n x n matrices of f64, row by row.
+pub(super) fn multiply(a: &[f64], b: &[f64], n: usize, out: &mut Vec<f64>) {
+    out.clear();
+    out.resize(n * n, 0.0);
+    for (row, result) in a.chunks_exact(n).zip(out.chunks_exact_mut(n)) {
+        for (x, other) in row.iter().zip(b.chunks_exact(n)) {
+            if *x != 0.0 {
+                result.iter_mut().zip(other).for_each(|(sum, y)| *sum += x * y);
+            }
+        }
+    }
+}

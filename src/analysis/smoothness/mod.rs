@@ -1,0 +1,22 @@
+//! What can be said of a curve scheme from its mask alone: the factors of its symbol, certified bounds of its
+//! smoothness, and what happens around a point.
+
+mod local;
+mod lower;
+mod matrices;
+mod norms;
+mod report;
+mod stability;
+mod symbol;
+mod upper;
+mod values;
+mod verdict;
+
+pub use local::Weights;
+pub use lower::Lower;
+pub use norms::Certificate;
+pub use report::Report;
+pub use symbol::Symbol;
+pub use upper::Upper;
+pub use values::BasicFunction;
+pub use verdict::{Radius, Smoothness};

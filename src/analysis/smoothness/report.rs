@@ -1,0 +1,48 @@
+//! All that is said of one scheme.
+
+use super::local::{Neighbourhood, Weights};
+use super::symbol::Symbol;
+use super::values::BasicFunction;
+use super::verdict::Smoothness;
+use crate::math::spectrum::Eigenvalue;
+use crate::watch::{Stopped, Watch};
+
+/// All that is said of one scheme.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// The mask and its factors.
+    pub symbol: Symbol,
+    /// How smooth limits are.
+    pub smoothness: Smoothness,
+    /// Weights of the limit point at a point, where limits are proved to be continuous.
+    pub limit_mask: Option<Weights>,
+    /// Weights of the tangent there per unit of the parameter, where limits are proved to be C^1.
+    pub tangent_mask: Option<Weights>,
+    /// The eigenvalues of the local matrix, the largest first; `None` where they were not found.
+    pub local_eigenvalues: Option<Vec<Eigenvalue>>,
+}
+
+impl Report {
+    /// The report on a scheme, with so many products of matrices in the search for bounds.
+    ///
+    /// # Errors
+    /// [`Stopped`].
+    pub fn of(symbol: Symbol, budget: u64, watch: &Watch) -> Result<Self, Stopped> {
+        let smoothness = Smoothness::of(&symbol, budget, watch)?;
+        watch.check()?;
+        let around = Neighbourhood::new(&symbol);
+        let limit_mask = if smoothness.proved_c >= 0 { around.limit_mask() } else { None };
+        watch.check()?;
+        let tangent_mask = if smoothness.proved_c >= 1 { around.tangent_mask() } else { None };
+        let local_eigenvalues = around.eigenvalues();
+        Ok(Self { smoothness, limit_mask, tangent_mask, local_eigenvalues, symbol })
+    }
+
+    /// Values of the basic limit function, where it is proved to be there.
+    ///
+    /// # Errors
+    /// [`Stopped`].
+    pub fn basic_function(&self, grid: u32, watch: &Watch) -> Result<Option<BasicFunction>, Stopped> {
+        self.limit_mask.as_ref().map(|limit| BasicFunction::of(&self.symbol, limit, grid, watch)).transpose()
+    }
+}

@@ -1,0 +1,362 @@
+//! Upper bounds of the joint spectral radius, by branch and bound.
+//!
+//! For any norm, any t and any finite tree of products in which every matrix follows every inner one: if the norm of
+//! each leaf of l factors is at most `t^l`, the joint spectral radius is at most t, as every long product falls apart
+//! into leaves. The norm is the greatest row sum in some coordinates. Products are computed in f64 together with a
+//! bound of their rounding errors, which is added to the norms.
+//!
+//! Source: Gripenberg, Linear Algebra and its Applications 234 (1996), 43-60.
+
+use num_traits::{One, Signed, Zero};
+
+use super::lower::Lower;
+use super::matrices::{ExactMatrix, multiply, product, row_norm};
+use crate::math::exact::{Exact, above, binary, rounded};
+use crate::math::functions::{pow, sqrt};
+use crate::watch::{Stopped, Watch};
+
+/// Longest products that are looked at.
+/// Trees that are finished have leaves of far fewer factors. With half of it some near-extremal products stay open,
+/// twice of it spends the budget on a single branch.
+const MAX_LENGTH: usize = 2048;
+/// Relative error of one operation on f64, twice what it is at most.
+const UNIT: f64 = f64::EPSILON;
+/// By what shares of the lower bound the upper one is tried to lie above it, one after another.
+/// Each step narrows the interval to a half or a third. Finer ones try more trees for less.
+const GAPS: [f64; 16] = [1.0, 0.5, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 1e-3, 5e-4, 2e-4, 1e-4, 1e-5, 1e-6];
+/// Largest matrices that are put into other coordinates than stretched ones, exactly.
+/// The 2n-point schemes come to 28 for n = 16. Half of it leaves those from n = 8 on wider intervals; twice of it takes
+/// eight times as long and more, as the fractions grow.
+const MAX_TURNED: usize = 28;
+/// Size of the matrices a product of which counts as one of the budget; larger ones count as many times as they take
+/// longer.
+/// It is that of the 16-point scheme. Half and twice of it let eight times as few or as many products of larger ones be
+/// looked at.
+const USUAL_SIZE: usize = 14;
+/// Products that choose the coordinates.
+const TRIAL_WORDS: usize = 256;
+
+/// An upper bound of the joint spectral radius.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Upper {
+    /// The bound, where one application of all matrices gives it.
+    pub exact: Option<Exact>,
+    /// The bound in f64, rounded up.
+    pub value: f64,
+    /// The norm in which it was found.
+    pub norm: &'static str,
+    /// Products that were looked at.
+    pub nodes: u64,
+}
+
+impl Upper {
+    /// Whether the joint spectral radius is known to be below `x`.
+    pub fn stays_below(&self, x: &Exact) -> bool {
+        self.exact.as_ref().map_or_else(|| binary(self.value) < *x, |bound| bound < x)
+    }
+}
+
+/// Matrices in coordinates of their own.
+struct Family {
+    norm: &'static str,
+    n: usize,
+    matrices: Vec<Vec<f64>>,
+}
+
+/// The least upper bound that some number of products gives; at the `thresholds`, where smoothness is decided, it is
+/// tried to come below them in the first place.
+///
+/// # Errors
+/// [`Stopped`].
+pub(super) fn bound(
+    matrices: &[ExactMatrix],
+    lower: &Lower,
+    thresholds: &[Exact],
+    budget: u64,
+    watch: &Watch,
+) -> Result<Upper, Stopped> {
+    let one_step = matrices.iter().map(row_norm).max().unwrap_or_else(Exact::zero);
+    let value = above(&one_step);
+    let mut best = Upper { norm: "row sums", value, exact: Some(one_step.clone()), nodes: 0 };
+    if lower.reaches(&one_step) {
+        return Ok(best);
+    }
+    let mut ladder: Vec<f64> = GAPS.iter().map(|gap| lower.value * (1.0 + gap)).collect();
+    let decisive = thresholds.iter().map(|x| rounded(x) * (1.0 - 1e-9)).filter(|x| *x > lower.value);
+    ladder.extend(decisive);
+    ladder.sort_by(|a, b| b.total_cmp(a));
+    let families = families(matrices, lower.value);
+    let mut left = budget;
+    for (place, family) in families.iter().enumerate() {
+        // the coordinates that look best may use half of what is there, the next half of the rest
+        let share = if place + 1 == families.len() { left } else { left / 2 };
+        let climbed = family.climb(&ladder, share, watch)?;
+        left -= climbed.nodes;
+        best.nodes += climbed.nodes;
+        if climbed.bound < best.value {
+            best = Upper { norm: family.norm, value: climbed.bound, exact: None, ..best };
+        }
+    }
+    Ok(best)
+}
+
+/// The coordinates in which norms are taken, those first in which products of some length have the least norms.
+fn families(matrices: &[ExactMatrix], lower: f64) -> Vec<Family> {
+    let n = matrices[0].len();
+    let transposed: Vec<ExactMatrix> = matrices.iter().map(transpose).collect();
+    let mut families = vec![
+        Family::new("row sums", matrices),
+        Family::new("column sums", &transposed),
+        Family::new("weighted row sums", &scaled(matrices)),
+        Family::new("weighted column sums", &scaled(&transposed)),
+    ];
+    let turned = [("ellipsoidal row sums", matrices), ("ellipsoidal column sums", &transposed)];
+    for (norm, all) in turned.into_iter().filter(|_| n <= MAX_TURNED) {
+        families.extend(in_ellipsoid(all, lower, n).map(|all| Family::new(norm, &all)));
+    }
+    let mut rated: Vec<(f64, Family)> = families.into_iter().map(|family| (family.trial(), family)).collect();
+    rated.sort_by(|a, b| a.0.total_cmp(&b.0));
+    rated.truncate(2);
+    rated.into_iter().map(|(_, family)| family).collect()
+}
+
+fn transpose(matrix: &ExactMatrix) -> ExactMatrix {
+    (0..matrix.len()).map(|k| matrix.iter().map(|row| row[k].clone()).collect()).collect()
+}
+
+/// The matrices in coordinates that are stretched by the eigenvector of the sum of their sizes, so that no row stands
+/// out; `D^-1 T D` exactly, with powers of two in D.
+fn scaled(matrices: &[ExactMatrix]) -> Vec<ExactMatrix> {
+    let n = matrices[0].len();
+    let mut stretch = vec![1.0; n];
+    for _ in 0..32 {
+        let row = |p: usize| {
+            let of_one = |matrix: &ExactMatrix| -> f64 {
+                matrix[p].iter().zip(&stretch).map(|(x, s)| rounded(x).abs() * s).sum()
+            };
+            matrices.iter().map(of_one).fold(0.0, f64::max)
+        };
+        let next: Vec<f64> = (0..n).map(row).collect();
+        let most = next.iter().fold(0.0, |most: f64, x| most.max(*x));
+        if most == 0.0 {
+            break;
+        }
+        stretch = next.iter().zip(&stretch).map(|(x, s)| (x / most + s).max(1e-6) / 2.0).collect();
+    }
+    let stretch: Vec<Exact> = stretch.iter().map(|&s| short(s)).collect();
+    let entry = |p: usize, (q, x): (usize, &Exact)| x * &stretch[q] / &stretch[p];
+    let row = |(p, row): (usize, &Vec<Exact>)| row.iter().enumerate().map(|cell| entry(p, cell)).collect();
+    matrices.iter().map(|matrix| matrix.iter().enumerate().map(row).collect()).collect()
+}
+
+/// A number with few digits near a positive one.
+fn short(x: f64) -> Exact {
+    const DIGITS: f64 = 4096.0;
+    let rounded = (x * DIGITS).round();
+    binary(if rounded == 0.0 { 1.0 / DIGITS } else { rounded / DIGITS })
+}
+
+/// The matrices in coordinates in which an ellipsoid that they leave nearly invariant is a ball: `L^T T L^-T` exactly,
+/// with `P = L L^T` the limit of `P <- I + sum T^T P T / (d rho^2)` and short entries in L.
+fn in_ellipsoid(matrices: &[ExactMatrix], lower: f64, n: usize) -> Option<Vec<ExactMatrix>> {
+    let flat: Vec<Vec<f64>> = matrices.iter().map(|matrix| matrix.iter().flatten().map(rounded).collect()).collect();
+    let identity = |k: usize| if k % (n + 1) == 0 { 1.0 } else { 0.0 };
+    let mut p: Vec<f64> = (0..n * n).map(identity).collect();
+    let share = 1.0 / (lower * lower * 1.02);
+    let (mut half, mut whole) = (Vec::new(), Vec::new());
+    for _ in 0..60 {
+        let mut next: Vec<f64> = (0..n * n).map(|k| 1e-2 * identity(k)).collect();
+        for t in &flat {
+            let turned: Vec<f64> = (0..n * n).map(|k| t[(k % n) * n + k / n]).collect();
+            multiply(&turned, &p, n, &mut half);
+            multiply(&half, t, n, &mut whole);
+            next.iter_mut().zip(&whole).for_each(|(sum, x)| *sum += share * x);
+        }
+        let trace: f64 = (0..n).map(|i| next[i * n + i]).sum();
+        #[expect(clippy::cast_precision_loss, reason = "matrices are small")]
+        let scale = n as f64 / trace;
+        p = next.iter().map(|x| x * scale).collect();
+    }
+    let l = cholesky(&p, n)?;
+    // upper triangular: L^T
+    let to: ExactMatrix = (0..n)
+        .map(|i| (0..n).map(|k| if k < i { Exact::zero() } else { coarse(l[k * n + i], i == k) }).collect())
+        .collect();
+    let back = inverse_of_upper(&to);
+    Some(matrices.iter().map(|t| product(&product(&to, t), &back)).collect())
+}
+
+/// A number with few digits; not 0 on the diagonal.
+fn coarse(x: f64, diagonal: bool) -> Exact {
+    if diagonal { short(x) } else { binary((x * 4096.0).round() / 4096.0) }
+}
+
+fn cholesky(p: &[f64], n: usize) -> Option<Vec<f64>> {
+    let mut l = vec![0.0; n * n];
+    for i in 0..n {
+        for k in 0..=i {
+            let sum: f64 = (0..k).map(|m| l[i * n + m] * l[k * n + m]).sum();
+            let rest = p[i * n + k] - sum;
+            l[i * n + k] = if i > k {
+                rest / l[k * n + k]
+            } else if rest > 0.0 {
+                sqrt(rest)
+            } else {
+                return None;
+            };
+        }
+    }
+    Some(l)
+}
+
+fn inverse_of_upper(u: &ExactMatrix) -> ExactMatrix {
+    let n = u.len();
+    let mut inverse = vec![vec![Exact::zero(); n]; n];
+    for k in 0..n {
+        inverse[k][k] = Exact::one() / &u[k][k];
+        for i in (0..k).rev() {
+            let sum: Exact = (i + 1..=k).map(|m| &u[i][m] * &inverse[m][k]).sum();
+            inverse[i][k] = -sum / &u[i][i];
+        }
+    }
+    inverse
+}
+
+impl Family {
+    fn new(norm: &'static str, matrices: &[ExactMatrix]) -> Self {
+        let n = matrices[0].len();
+        let flat = |matrix: &ExactMatrix| matrix.iter().flatten().map(rounded).collect();
+        Self { norm, n, matrices: matrices.iter().map(flat).collect() }
+    }
+
+    /// The greatest l-th root of the norms of all products of l factors.
+    fn trial(&self) -> f64 {
+        let mut products = vec![self.matrices[0].clone()];
+        products.extend(self.matrices[1..].iter().cloned());
+        let mut length = 1.0;
+        let most = TRIAL_WORDS / usize::try_from(price(self.n)).unwrap_or(1);
+        while products.len() * self.matrices.len() <= most {
+            let mut longer = Vec::with_capacity(products.len() * self.matrices.len());
+            for left in &products {
+                for right in &self.matrices {
+                    let mut matrix = Vec::new();
+                    multiply(left, right, self.n, &mut matrix);
+                    longer.push(matrix);
+                }
+            }
+            (products, length) = (longer, length + 1.0);
+        }
+        let norms = products.iter().map(|matrix| norm(matrix, self.n));
+        pow(norms.fold(0.0, f64::max), 1.0 / length)
+    }
+}
+
+/// As how many products one of this size counts.
+pub(super) fn price(n: usize) -> u64 {
+    (n.pow(3) as u64).div_ceil(USUAL_SIZE.pow(3) as u64)
+}
+
+fn norm(matrix: &[f64], n: usize) -> f64 {
+    matrix.chunks_exact(n).map(|row| row.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max)
+}
+
+/// What is known of products of matrices over some t: those of l factors have norms of at most `most t^l`.
+#[derive(Debug, Clone, Copy)]
+struct Known {
+    bound: f64,
+    most: f64,
+}
+
+/// The least bound that was reached, and the products that were looked at.
+struct Climbed {
+    bound: f64,
+    nodes: u64,
+}
+
+impl Family {
+    /// Goes down a ladder of bounds for as long as trees of products prove them.
+    fn climb(&self, ladder: &[f64], budget: u64, watch: &Watch) -> Result<Climbed, Stopped> {
+        let one_step = self.matrices.iter().map(|matrix| norm(matrix, self.n)).fold(0.0, f64::max);
+        let mut known = Known { bound: one_step * (1.0 + 64.0 * UNIT), most: 1.0 };
+        let mut left = budget;
+        for &bound in ladder.iter().filter(|bound| **bound < one_step) {
+            let mut tree = Tree::new(self, bound, left, watch);
+            let proved = tree.holds(known)?;
+            left = tree.left;
+            let Some(most) = proved else { break };
+            known = Known { bound, most };
+        }
+        Ok(Climbed { bound: known.bound, nodes: budget - left })
+    }
+}
+
+/// The tree of products of matrices over some t, whose leaves are to have norms of at most 1.
+struct Tree<'a> {
+    n: usize,
+    bound: f64,
+    matrices: Vec<Vec<f64>>,
+    norms: Vec<f64>,
+    left: u64,
+    watch: &'a Watch,
+}
+
+/// A product on the way down the tree.
+struct Node {
+    matrix: Vec<f64>,
+    norm: f64,
+    /// What all roundings come to so far, each as large as the products after it may have made it.
+    error: f64,
+}
+
+impl<'a> Tree<'a> {
+    fn new(family: &Family, bound: f64, left: u64, watch: &'a Watch) -> Self {
+        let over = |matrix: &Vec<f64>| matrix.iter().map(|x| x / bound).collect::<Vec<f64>>();
+        let matrices: Vec<Vec<f64>> = family.matrices.iter().map(over).collect();
+        let norms = matrices.iter().map(|matrix| norm(matrix, family.n)).collect();
+        Self { n: family.n, bound, matrices, norms, left, watch }
+    }
+
+    /// Whether all leaves are found within the budget: then the greatest norm of a product, whatever its length. A
+    /// rounding error grows on its way down the tree as products do, of which something is `known`.
+    fn holds(&mut self, known: Known) -> Result<Option<f64>, Stopped> {
+        let (n, price) = (self.n, price(self.n));
+        let growth = known.bound / self.bound * (1.0 + 4.0 * UNIT);
+        #[expect(clippy::cast_precision_loss, reason = "matrices are small")]
+        let gamma = (n + 6) as f64 * UNIT;
+        let identity: Vec<f64> = (0..n * n).map(|k| if k % (n + 1) == 0 { 1.0 } else { 0.0 }).collect();
+        let mut path = vec![Node { matrix: identity, norm: 1.0, error: 0.0 }];
+        let mut next = vec![0];
+        let mut spare = Vec::new();
+        let mut most: f64 = 1.0;
+        while let (Some(place), Some(before)) = (next.last_mut(), path.last()) {
+            let factor = *place;
+            *place += 1;
+            if factor == self.matrices.len() {
+                next.pop();
+                path.pop();
+                continue;
+            }
+            let Some(left) = self.left.checked_sub(price).filter(|_| path.len() <= MAX_LENGTH) else {
+                return Ok(None);
+            };
+            self.left = left;
+            self.watch.advance(price);
+            if path.len().is_multiple_of(256) || self.left % 1024 < price {
+                self.watch.check()?;
+            }
+            let mut matrix = std::mem::take(&mut spare);
+            multiply(&before.matrix, &self.matrices[factor], n, &mut matrix);
+            let error = before.error * growth + gamma * before.norm * self.norms[factor];
+            let norm = norm(&matrix, n);
+            let greatest = norm * (1.0 + gamma) + known.most * error * (1.0 + gamma);
+            if greatest <= 1.0 {
+                spare = matrix;
+            } else {
+                most = most.max(greatest);
+                path.push(Node { matrix, norm, error });
+                next.push(0);
+            }
+        }
+        Ok(Some(most))
+    }
+}

@@ -1,0 +1,55 @@
+//! Values of the basic limit function, the limit of 1 at one point and 0 at all others.
+
+use num_traits::ToPrimitive;
+
+use super::local::Weights;
+use super::symbol::Symbol;
+use crate::math::exact::rounded;
+use crate::watch::{Stopped, Watch};
+
+/// Values at `(first + k) / d^grid`, k = 0, 1, ...
+#[derive(Debug, Clone, PartialEq)]
+pub struct BasicFunction {
+    /// The steps g of the grid, whose points are `d^-g` apart.
+    pub grid: u32,
+    /// Index of the first point of the grid.
+    pub first: i64,
+    /// Values.
+    pub values: Vec<f64>,
+}
+
+impl BasicFunction {
+    /// How many values a grid has; `None` where they cannot be counted.
+    pub fn count(symbol: &Symbol, grid: u32) -> Option<u64> {
+        let [from, to] = symbol.support();
+        let steps = u64::try_from(symbol.arity).ok()?.checked_pow(grid)?;
+        steps.checked_mul((to - from).ceil().to_integer().to_u64()?)?.checked_add(1)
+    }
+
+    /// The values, with the weights of limit points: the impulse is refined so many times, and its points are moved to
+    /// their limits.
+    ///
+    /// # Errors
+    /// [`Stopped`].
+    pub(super) fn of(symbol: &Symbol, limit: &Weights, grid: u32, watch: &Watch) -> Result<Self, Stopped> {
+        let mask: Vec<f64> = symbol.mask.iter().map(rounded).collect();
+        let d = usize::try_from(symbol.arity).unwrap_or(1);
+        let (mut first, mut points) = (0, vec![1.0]);
+        for _ in 0..grid {
+            watch.check()?;
+            let mut next = vec![0.0; d * (points.len() - 1) + mask.len()];
+            for (i, p) in points.iter().enumerate() {
+                mask.iter().enumerate().for_each(|(j, a)| next[d * i + j] += a * p);
+            }
+            (first, points) = (symbol.arity * first + symbol.first, next);
+        }
+        // the limit of point k is the sum of weights[i] p[k + first of the weights + i]
+        let weights: Vec<f64> = limit.values.iter().map(rounded).collect();
+        let reach = weights.len() - 1;
+        let at = |place: usize| place.checked_sub(reach).and_then(|place| points.get(place)).copied().unwrap_or(0.0);
+        let sum = |k: usize| weights.iter().enumerate().map(|(i, w)| w * at(k + i)).sum();
+        let values: Vec<f64> = (0..points.len() + reach).map(sum).collect();
+        let width = i64::try_from(reach).unwrap_or(0);
+        Ok(Self { grid, first: first - limit.first - width, values })
+    }
+}

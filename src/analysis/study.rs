@@ -1,0 +1,126 @@
+//! What a plan comes to as a curve scheme: one mask, or the masks of its levels and the one that they come close to.
+
+use crate::analysis::curve::{Cycle, ExactCycle, NoMask};
+use crate::analysis::smoothness::Symbol;
+use crate::math::functions::{cos, sin, sqrt};
+use crate::math::mask::Mask;
+use crate::scheme::plan::Plan;
+use crate::watch::Watch;
+
+/// Longest masks that are analysed.
+/// Those of clients have 129 entries at most. Half of it refuses cycles of three upsamplings and many averages; twice
+/// of it takes eight times as long.
+const MAX_ENTRIES: usize = 512;
+/// Most levels that are listed.
+/// Cosines of an angle that is halved come four times as close at each level, 16 of them to 1e-9 of where they were.
+/// Half of it shows less of how they do; twice of it lists masks that differ in their last digits.
+const MAX_LEVELS: u32 = 16;
+/// Masks that differ by less count as equal.
+/// It is some five roundings of 1; half of it lists levels that differ by rounding, twice of it leaves out one that
+/// does not.
+const SAME: f64 = 1e-15;
+/// What a symbol may leave at a zero, over the sum of its coefficients' sizes.
+/// It is some thousand roundings; half of it misses zeros of long masks, twice of it takes one for a zero that is twice
+/// as far away.
+const ZERO: f64 = 1e-12;
+
+/// A plan as a curve scheme.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Study {
+    /// The scheme, or the one that those of the levels come close to.
+    pub settled: Symbol,
+    /// The schemes of the levels, where they change.
+    pub levels: Vec<Level>,
+}
+
+/// The scheme of one level.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Level {
+    /// The parameter spacing that entered its upsampling, radians.
+    pub alpha: f64,
+    /// Its mask.
+    pub mask: Mask,
+    /// The order of its sum rules.
+    pub order: usize,
+    /// The norm of its difference from the settled scheme.
+    pub distance: f64,
+    /// Whether cosine and sine with this spacing are refined to combinations of themselves.
+    pub keeps_circles: bool,
+}
+
+impl Study {
+    /// What a plan on polygons comes to.
+    ///
+    /// # Errors
+    /// [`NoMask`].
+    pub fn of(plan: &Plan, watch: &Watch) -> Result<Self, NoMask> {
+        let cycle = Cycle::settled(plan, watch)?;
+        if cycle.mask.values.len() > MAX_ENTRIES {
+            return Err(NoMask::TooWide);
+        }
+        let exact = ExactCycle::settled(plan);
+        let exact = exact.and_then(|cycle| Symbol::exact(cycle.arity, cycle.first, &cycle.mask));
+        let settled = exact.or_else(|| Symbol::beside(cycle.arity, &cycle.mask)).ok_or(NoMask::Unsettled)?;
+        let levels = if is_static(plan) { Vec::new() } else { levels(plan, &cycle, watch)? };
+        Ok(Self { settled, levels })
+    }
+
+    /// By what the distance of a level from the settled scheme is divided at the next, as the last levels show that
+    /// can be told from rounding.
+    pub fn rate(&self) -> Option<f64> {
+        let pairs = self.levels.windows(2).map(|pair| (pair[0].distance, pair[1].distance));
+        pairs.filter(|(_, next)| *next > 1e-9).last().map(|(before, next)| next / before)
+    }
+}
+
+/// Whether all levels have the same rules.
+fn is_static(plan: &Plan) -> bool {
+    let follows = |letter: &crate::scheme::letter::Letter| letter.facts().needs_alpha;
+    let in_alpha = plan.kernel.iter().any(|kernel| !kernel.is_constant())
+        || !plan.compensation.is_constant()
+        || plan.word.cycle.iter().any(follows);
+    let alphas = [plan.alpha, plan.compensation_alpha.unwrap_or(plan.alpha)];
+    !in_alpha || alphas == [0.0; 2]
+}
+
+fn levels(plan: &Plan, settled: &Cycle, watch: &Watch) -> Result<Vec<Level>, NoMask> {
+    let mut found = Vec::new();
+    for level in 0..MAX_LEVELS {
+        let cycle = Cycle::of(plan, level, watch)?;
+        let steps = plan.schedule(level + 1).map_err(|fault| NoMask::NoValue(fault.detail))?;
+        let alpha = steps.iter().find(|step| step.level == level + 1).map_or(0.0, |step| step.alpha);
+        let distance = distance(&cycle, settled);
+        if distance <= SAME {
+            break;
+        }
+        let order = Symbol::beside(cycle.arity, &cycle.mask).map_or(0, |symbol| symbol.order);
+        let keeps_circles = keeps_circles(&cycle, alpha);
+        found.push(Level { alpha, mask: cycle.mask, order, distance, keeps_circles });
+    }
+    Ok(found)
+}
+
+/// The norm of the difference: the greatest sum of sizes in a residue class.
+fn distance(a: &Cycle, b: &Cycle) -> f64 {
+    let first = a.mask.first.min(b.mask.first);
+    let last = a.mask.last().max(b.mask.last());
+    let difference = |j: i32| (a.at(j.into()) - b.at(j.into())).abs();
+    let class = |r: i64| (first..=last).filter(|&j| i64::from(j).rem_euclid(a.arity) == r).map(difference).sum::<f64>();
+    (0..a.arity).map(class).fold(0.0, f64::max)
+}
+
+/// Whether the symbol vanishes at all other d-th roots that `exp(i alpha)` has beside `exp(i alpha / d)`.
+fn keeps_circles(cycle: &Cycle, alpha: f64) -> bool {
+    #[expect(clippy::cast_precision_loss, reason = "arities are small")]
+    let (d, count) = (cycle.arity as f64, cycle.arity);
+    let size: f64 = cycle.mask.values.iter().map(|a| a.abs()).sum();
+    (1..count).all(|turn| {
+        #[expect(clippy::cast_precision_loss, reason = "arities are small")]
+        let angle = (alpha + 2.0 * std::f64::consts::PI * turn as f64) / d;
+        let part = |function: fn(f64) -> f64| -> f64 {
+            (cycle.mask.first..).zip(&cycle.mask.values).map(|(j, a)| a * function(f64::from(j) * angle)).sum()
+        };
+        let (re, im) = (part(cos), part(sin));
+        sqrt(re * re + im * im) <= ZERO * size
+    })
+}

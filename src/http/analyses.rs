@@ -1,0 +1,130 @@
+//! POST /v1/analyses: what can be said of a plan.
+
+use std::io::Write;
+use std::sync::Arc;
+
+use axum::body::Body;
+use axum::extract::State;
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+
+use super::answer::{self, Artifact, Lost};
+use super::app::{App, Shared};
+use super::client::Client;
+use super::content::Takes;
+use super::negotiate::{self, ByteRange};
+use super::problem::Problem;
+use super::variants::coded;
+use super::{address, body};
+use crate::job::key::Key;
+use crate::job::{Analysis, KeepWork, Report, RunError};
+use crate::output::named;
+use crate::service::computation::Phase;
+use crate::service::task::{Cost, Task};
+use crate::watch::Watch;
+use crate::wire::analysis::{AnalysisAnswer, AnalysisRequest};
+use crate::wire::read::{read, weight};
+
+/// Bytes of an answer at most: masks of 512 entries with the longest fractions, and the values of a fine grid.
+/// It only bounds what is booked beforehand. Half of it may be passed by masks of many digits; twice of it lets half as
+/// many analyses run.
+const ANSWER_BYTES: u128 = 4 << 20;
+
+/// Says what can be said of a plan for curves: mask, sum rules, support, certified smoothness, limit and tangent masks.
+///
+/// Everything is read off the operators' weights, without rounding where they are fractions. `proved_c` and
+/// `disproved_c` are proofs; the intervals are as narrow as `nodes` lets them be, and never wrong. A plan and its word,
+/// and parameters of the same value, have the same answer and `ETag`.
+#[utoipa::path(
+    post, path = "/v1/analyses", tag = "questions", request_body = AnalysisRequest,
+    params(("If-None-Match" = Option<String>, Header, description = "ETags of answers that the client has")),
+    responses(
+        (status = 200, description = "What can be said", body = AnalysisAnswer),
+        (status = 304, description = "The client has the answer already (`If-None-Match`)"),
+    )
+)]
+pub(super) async fn analyse(State(app): State<Shared>, client: Client, headers: HeaderMap, body: Body) -> Response {
+    answered(&app, &client, &headers, body).await.unwrap_or_else(IntoResponse::into_response)
+}
+
+async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
+    let sent = body::collect(app, client, headers, Takes::Jobs, body).await?;
+    let bytes = weight(sent.bytes.len() as u64);
+    let analysis = app.desk.read(client.peer(), bytes, move |watch| {
+        let request: AnalysisRequest = read(&sent.bytes)?;
+        request.resolve(watch).map_err(Problem::invalid)
+    });
+    let task = Arc::new(AnalysisTask(analysis.await??));
+    let key = task.key();
+    if let Some(tag) = negotiate::has_already(headers, &key) {
+        return Ok(not_modified(&key, tag));
+    }
+    if let Some(manifest) = app.desk.find(key).await {
+        // what turns out to be damaged has been dropped, and is made again
+        match whole(app, headers, Artifact::kept(manifest, client.peer()), &key).await {
+            Err(Lost::Gone) => {}
+            answered => return Ok(answered?),
+        }
+    }
+    let interest = app.desk.compute(task, client.peer())?;
+    match interest.computation.finished().await {
+        Phase::Done(outcome) => {
+            let found = Artifact::made(&outcome, interest.provenance, client.peer());
+            Ok(whole(app, headers, found, &key).await?)
+        }
+        Phase::Failed(failure) => Err(Problem::of_failure(failure, |refused| refused.fault)),
+        Phase::Queued | Phase::Running => Err(Problem::cancelled()),
+    }
+}
+
+/// The address of an answer: kept artifacts of its media type have it.
+fn place(key: &Key) -> String {
+    let json = named("json").expect("json is among the formats");
+    address::address(key, json)
+}
+
+async fn whole(app: &Arc<App>, headers: &HeaderMap, found: Artifact, key: &Key) -> Result<Response, Lost> {
+    let found = coded(app, headers, found).await;
+    let head = answer::headers(&found, &place(key));
+    answer::bytes(app, found, head, ByteRange::Whole).await
+}
+
+fn not_modified(key: &Key, tag: String) -> Response {
+    let mut headers = HeaderMap::new();
+    headers.insert(header::VARY, HeaderValue::from_static(answer::VARY));
+    if let (Ok(tag), Ok(address)) = (HeaderValue::try_from(tag), HeaderValue::try_from(place(key))) {
+        headers.insert(header::ETAG, tag);
+        headers.insert(header::CONTENT_LOCATION, address);
+    }
+    (StatusCode::NOT_MODIFIED, headers).into_response()
+}
+
+/// An analysis under way.
+#[derive(Debug)]
+struct AnalysisTask(Analysis);
+
+impl Task for AnalysisTask {
+    fn key(&self) -> Key {
+        self.0.key()
+    }
+
+    fn cost(&self) -> Cost {
+        Cost {
+            memory_bytes: self.0.bytes().into(),
+            time_ms: self.0.milliseconds().into(),
+            work: self.0.work().into(),
+            result_bytes: ANSWER_BYTES,
+        }
+    }
+
+    fn media_type(&self) -> &str {
+        "application/json"
+    }
+
+    fn run(&self, out: &mut dyn Write, _: &dyn KeepWork, watch: &Watch) -> Result<Report, RunError> {
+        let findings = self.0.run(watch).map_err(RunError::Stopped)?;
+        let bytes = serde_json::to_vec(&AnalysisAnswer::new(&findings)).expect("numbers and text");
+        out.write_all(&bytes).map_err(RunError::Io)?;
+        Ok(Report::default())
+    }
+}

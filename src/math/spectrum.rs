@@ -1,0 +1,193 @@
+//! Eigenvalues of small dense matrices of real numbers.
+//!
+//! Source: Golub and Van Loan, Matrix Computations, 4th edition, sections 7.4 and 7.5: reduction to Hessenberg form by
+//! elimination, then QR steps with Francis' double shift.
+
+use std::cmp::Ordering;
+
+use crate::math::functions::sqrt;
+
+/// Most QR steps for one eigenvalue.
+/// Two or three do as a rule. Half of it gives up on rare matrices; twice of it changes nothing for others.
+const MAX_STEPS: usize = 60;
+/// Every so many steps without success the shift is another one, so that steps do not go in circles.
+const ODD_SHIFT: usize = 10;
+
+/// An eigenvalue: real and imaginary part.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Eigenvalue {
+    /// Real part.
+    pub re: f64,
+    /// Imaginary part.
+    pub im: f64,
+}
+
+impl Eigenvalue {
+    /// Its distance from 0.
+    pub fn modulus(self) -> f64 {
+        sqrt(self.re * self.re + self.im * self.im)
+    }
+}
+
+/// The eigenvalues of an n x n matrix, row by row, the largest first: those of one modulus in the order of their real,
+/// then of their imaginary parts. `None` when the steps do not converge.
+pub fn eigenvalues(matrix: &[f64], n: usize) -> Option<Vec<Eigenvalue>> {
+    let mut h = Hessenberg { a: matrix.to_vec(), n };
+    h.reduce();
+    let mut found = h.decompose()?;
+    // moduli that differ by rounding count as one, so that the order is that of the parts then
+    found.sort_by(|x, y| {
+        let (a, b) = (x.modulus(), y.modulus());
+        let close = (a - b).abs() <= 1e-13 * (a + b);
+        let by_parts = || y.re.total_cmp(&x.re).then(y.im.total_cmp(&x.im));
+        if close { by_parts() } else { b.partial_cmp(&a).unwrap_or(Ordering::Equal) }
+    });
+    Some(found)
+}
+
+struct Hessenberg {
+    a: Vec<f64>,
+    n: usize,
+}
+
+impl Hessenberg {
+    fn at(&self, i: usize, j: usize) -> f64 {
+        self.a[i * self.n + j]
+    }
+
+    fn put(&mut self, i: usize, j: usize, x: f64) {
+        self.a[i * self.n + j] = x;
+    }
+
+    /// Makes everything below the first subdiagonal 0 by similarity transformations.
+    fn reduce(&mut self) {
+        let n = self.n;
+        for m in 1..n.saturating_sub(1) {
+            let pivot =
+                (m..n).fold(m, |best, i| if self.at(i, m - 1).abs() > self.at(best, m - 1).abs() { i } else { best });
+            let x = self.at(pivot, m - 1);
+            if x == 0.0 {
+                continue;
+            }
+            if pivot != m {
+                (0..n).for_each(|j| self.a.swap(pivot * n + j, m * n + j));
+                (0..n).for_each(|i| self.a.swap(i * n + pivot, i * n + m));
+            }
+            for i in m + 1..n {
+                let factor = self.at(i, m - 1) / x;
+                if factor == 0.0 {
+                    continue;
+                }
+                (0..n).for_each(|j| self.a[i * n + j] -= factor * self.at(m, j));
+                (0..n).for_each(|k| self.a[k * n + m] += factor * self.at(k, i));
+            }
+        }
+        for i in 2..n {
+            (0..i - 1).for_each(|j| self.put(i, j, 0.0));
+        }
+    }
+
+    /// Splits off one or two eigenvalues after another from the end.
+    fn decompose(&mut self) -> Option<Vec<Eigenvalue>> {
+        let norm: f64 = self.a.iter().map(|x| x.abs()).sum();
+        let mut found = Vec::with_capacity(self.n);
+        let (mut end, mut steps) = (self.n, 0);
+        while end > 0 {
+            let start = self.block(end, norm);
+            match end - start {
+                1 => {
+                    found.push(Eigenvalue { re: self.at(end - 1, end - 1), im: 0.0 });
+                    (end, steps) = (end - 1, 0);
+                }
+                2 => {
+                    found.extend(self.pair(end - 2));
+                    (end, steps) = (end - 2, 0);
+                }
+                _ if steps == MAX_STEPS => return None,
+                _ => {
+                    steps += 1;
+                    self.step(start, end, steps.is_multiple_of(ODD_SHIFT));
+                }
+            }
+        }
+        Some(found)
+    }
+
+    /// The first row of the last block that does not fall apart.
+    fn block(&mut self, end: usize, norm: f64) -> usize {
+        for i in (1..end).rev() {
+            let around = self.at(i - 1, i - 1).abs() + self.at(i, i).abs();
+            let scale = if around == 0.0 { norm } else { around };
+            if self.at(i, i - 1).abs() <= f64::EPSILON * scale {
+                self.put(i, i - 1, 0.0);
+                return i;
+            }
+        }
+        0
+    }
+
+    /// The eigenvalues of the two by two block at `i`.
+    fn pair(&self, i: usize) -> [Eigenvalue; 2] {
+        let [a, b, c, d] = [self.at(i, i), self.at(i, i + 1), self.at(i + 1, i), self.at(i + 1, i + 1)];
+        let half = (a - d) / 2.0;
+        let square = half * half + b * c;
+        if square < 0.0 {
+            let (re, im) = (f64::midpoint(a, d), sqrt(-square));
+            return [Eigenvalue { re, im }, Eigenvalue { re, im: -im }];
+        }
+        // the larger summand first, so that nothing cancels
+        let far = half + if half < 0.0 { -sqrt(square) } else { sqrt(square) };
+        let near = if far == 0.0 { 0.0 } else { -b * c / far };
+        [far, near].map(|x| Eigenvalue { re: d + x, im: 0.0 })
+    }
+
+    /// A QR step with two shifts on the rows and columns from `start` to before `end`, which are three at least.
+    fn step(&mut self, start: usize, end: usize, odd: bool) {
+        let last = end - 1;
+        let (mut trace, mut determinant) = {
+            let [a, b, c, d] =
+                [self.at(last - 1, last - 1), self.at(last - 1, last), self.at(last, last - 1), self.at(last, last)];
+            (a + d, a * d - b * c)
+        };
+        if odd {
+            let s = self.at(last, last - 1).abs() + self.at(last - 1, last - 2).abs();
+            (trace, determinant) = (1.5 * s, s * s);
+        }
+        let (h00, h10) = (self.at(start, start), self.at(start + 1, start));
+        let mut x = h00 * h00 + self.at(start, start + 1) * h10 - trace * h00 + determinant;
+        let mut y = h10 * (h00 + self.at(start + 1, start + 1) - trace);
+        let mut z = h10 * self.at(start + 2, start + 1);
+        for k in start..last {
+            let rows = 3.min(end - k);
+            self.reflect(k, rows, [x, y, if rows == 3 { z } else { 0.0 }], start, end);
+            x = self.at(k + 1, k);
+            y = if k + 2 < end { self.at(k + 2, k) } else { 0.0 };
+            z = if k + 3 < end { self.at(k + 3, k) } else { 0.0 };
+        }
+        for i in start + 2..end {
+            (start..i - 1).for_each(|j| self.put(i, j, 0.0));
+        }
+    }
+
+    /// Applies the reflection that turns `v` into a multiple of the first unit vector, from both sides.
+    fn reflect(&mut self, k: usize, rows: usize, v: [f64; 3], start: usize, end: usize) {
+        let length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        if length == 0.0 {
+            return;
+        }
+        let mut u = v;
+        u[0] += if v[0] < 0.0 { -length } else { length };
+        let square = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+        let from = if k > start { k - 1 } else { start };
+        for j in from..end {
+            let product: f64 = (0..rows).map(|i| u[i] * self.at(k + i, j)).sum();
+            let factor = 2.0 * product / square;
+            (0..rows).for_each(|i| self.a[(k + i) * self.n + j] -= factor * u[i]);
+        }
+        for i in start..end.min(k + 4) {
+            let product: f64 = (0..rows).map(|j| u[j] * self.at(i, k + j)).sum();
+            let factor = 2.0 * product / square;
+            (0..rows).for_each(|j| self.a[i * self.n + k + j] -= factor * u[j]);
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! What is said of schemes: the reference rows, known facts, laws, and which questions are the same.
+#![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+mod facts;
+mod laws;
+mod rows;
+mod same;
+
+use planish::fault::Fault;
+use planish::watch::Watch;
+use planish::wire::analysis::{AnalysisAnswer, AnalysisRequest};
+use planish::wire::read::read;
+use serde_json::{Value, json};
+
+fn question(question: &Value) -> AnalysisRequest {
+    read(question.to_string().as_bytes()).unwrap()
+}
+
+/// The answer to a question.
+fn asked(asked: &Value) -> Value {
+    let watch = Watch::new();
+    let analysis = question(asked).resolve(&watch).unwrap_or_else(|faults| panic!("{asked}: {faults:?}"));
+    let findings = analysis.run(&watch).unwrap();
+    serde_json::to_value(AnalysisAnswer::new(&findings)).unwrap()
+}
+
+fn refused(asked: &Value) -> Vec<Fault> {
+    question(asked).resolve(&Watch::new()).map(|_| ()).expect_err("a refusal")
+}
+
+fn key(asked: &Value) -> String {
+    question(asked).resolve(&Watch::new()).unwrap().key().to_string()
+}
+
+/// The answer about a preset, with a small search.
+fn preset(name: &str, parameters: &Value) -> Value {
+    asked(&json!({ "plan": { "preset": name, "parameters": parameters }, "nodes": 20_000 }))
+}
+
+/// The answer about a word, with a small search.
+fn word(word: &str, parameters: &Value) -> Value {
+    asked(&json!({ "plan": { "word": word, "parameters": parameters }, "nodes": 20_000 }))
+}
+
+/// What is proved and disproved.
+fn smoothness(answer: &Value) -> (i64, Option<i64>) {
+    let smoothness = &answer["smoothness"];
+    (smoothness["proved_c"].as_i64().unwrap(), smoothness["disproved_c"].as_i64())
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap_or_else(|| panic!("{value} is no list")).iter().map(|x| x.as_f64().unwrap()).collect()
+}
+
+fn texts(value: &Value) -> Vec<String> {
+    value
+        .as_array()
+        .unwrap_or_else(|| panic!("{value} is no list"))
+        .iter()
+        .map(|x| x.as_str().unwrap().into())
+        .collect()
+}
