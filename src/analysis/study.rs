@@ -69,7 +69,7 @@ impl Study {
     /// can be told from rounding.
     pub fn rate(&self) -> Option<f64> {
         let pairs = self.levels.windows(2).map(|pair| (pair[0].distance, pair[1].distance));
-        pairs.filter(|(_, next)| *next > 1e-9).last().map(|(before, next)| next / before)
+        pairs.rev().find(|(_, next)| *next > 1e-9).map(|(before, next)| next / before)
     }
 }
 
@@ -80,7 +80,7 @@ fn is_static(plan: &Plan) -> bool {
         || !plan.compensation.is_constant()
         || plan.word.cycle.iter().any(follows);
     let alphas = [plan.alpha, plan.compensation_alpha.unwrap_or(plan.alpha)];
-    !in_alpha || alphas == [0.0; 2]
+    !in_alpha || alphas.iter().all(|&alpha| alpha == 0.0)
 }
 
 fn levels(plan: &Plan, settled: &Cycle, watch: &Watch) -> Result<Vec<Level>, NoMask> {

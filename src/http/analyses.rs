@@ -117,7 +117,7 @@ impl Task for AnalysisTask {
         }
     }
 
-    fn media_type(&self) -> &str {
+    fn media_type(&self) -> &'static str {
         "application/json"
     }
 

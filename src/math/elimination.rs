@@ -27,7 +27,7 @@ pub fn determinant_sign(matrix: &[Vec<Exact>]) -> Ordering {
                 row[j] = (&row[j] * &top[k] - &row[k] * &top[j]) / &before;
             }
         }
-        before = rows[k][k].clone();
+        before.clone_from(&rows[k][k]);
     }
     match (before.sign(), flips) {
         (Sign::NoSign, _) => Ordering::Equal,
@@ -69,7 +69,7 @@ pub fn left_null_vector(matrix: &[Vec<Exact>]) -> Option<Vec<Exact>> {
                 row[j] = (&row[j] * &top[column] - &factor * &top[j]) / &before;
             }
         }
-        before = rows[at][column].clone();
+        before.clone_from(&rows[at][column]);
         pivots.push(column);
     }
     let free = free?;

@@ -159,12 +159,24 @@ impl Expression {
 /// What a text is read into, in the order of a stack machine.
 pub trait Sink {
     /// A number as it is written, and rounded; constants by name are not written in digits.
+    ///
+    /// # Errors
+    /// [`ExpressionError`].
     fn constant(&mut self, digits: Option<&str>, value: f64) -> Result<(), ExpressionError>;
     /// The variable.
+    ///
+    /// # Errors
+    /// [`ExpressionError`].
     fn variable(&mut self) -> Result<(), ExpressionError>;
     /// A function of the top.
+    ///
+    /// # Errors
+    /// [`ExpressionError`].
     fn unary(&mut self, op: Unary) -> Result<(), ExpressionError>;
     /// A function of the top two.
+    ///
+    /// # Errors
+    /// [`ExpressionError`].
     fn binary(&mut self, op: Binary) -> Result<(), ExpressionError>;
 }
 

@@ -109,7 +109,7 @@ pub(super) fn masked(arity: u32, first: i32, weights: &[Weight]) -> Result<Spell
 }
 
 /// A scheme whose mask is its own mirror image, from its middle entry outwards.
-pub(super) fn mirrored(arity: u32, middle: Weight, outwards: Vec<Weight>) -> Result<Spelling, Vec<Fault>> {
+pub(super) fn mirrored(arity: u32, middle: Weight, outwards: &[Weight]) -> Result<Spelling, Vec<Fault>> {
     let reach = i32::try_from(outwards.len()).unwrap_or(i32::MAX);
     let weights: Vec<Weight> = outwards.iter().rev().cloned().chain([middle]).chain(outwards.iter().cloned()).collect();
     masked(arity, -reach, &weights)

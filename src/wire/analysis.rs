@@ -196,7 +196,7 @@ pub struct SmoothnessAnswer {
     /// second number; null where the scheme has no sum rules.
     pub holder: Option<[f64; 2]>,
     /// Bounds of the joint spectral radius rho of the residual's matrices, from below and above; the exponent is
-    /// K - 1 - log_arity(rho).
+    /// `K - 1 - log_arity(rho)`.
     pub joint_spectral_radius: Option<[f64; 2]>,
     /// The product of matrices, by their numbers, with an eigenvalue that proves the lower bound; empty where it is the
     /// mean of all matrices.
@@ -242,7 +242,7 @@ impl AnalysisAnswer {
         let proved = findings.report.smoothness.proved_c;
         let two = findings.levels.iter().all(|level| level.order >= 2);
         let conclusion = ConclusionAnswer {
-            proved_c: proved.min(if two { 1 } else { 0 }),
+            proved_c: proved.min(i64::from(two)),
             theorem: THEOREM,
             assumptions: vec![
                 "the masks of later levels go on coming closer as those of the levels listed do".to_owned(),

@@ -83,7 +83,7 @@ impl<'a> Neighbourhood<'a> {
     pub(super) fn limit_mask(&self) -> Option<Weights> {
         let vector = self.left_eigenvector(&Exact::one())?;
         let sum: Exact = vector.iter().sum();
-        self.weights(vector, &sum)
+        self.weights(&vector, &sum)
     }
 
     /// The weights of the tangent per unit of the parameter: the left eigenvector for 1/d, which gives 1 for the
@@ -91,10 +91,10 @@ impl<'a> Neighbourhood<'a> {
     pub(super) fn tangent_mask(&self) -> Option<Weights> {
         let vector = self.left_eigenvector(&Exact::ratio(1, self.symbol.arity))?;
         let slope: Exact = (self.first..).zip(&vector).map(|(i, t)| Exact::whole(i) * t).sum();
-        self.weights(vector, &slope)
+        self.weights(&vector, &slope)
     }
 
-    fn weights(&self, vector: Vec<Exact>, over: &Exact) -> Option<Weights> {
+    fn weights(&self, vector: &[Exact], over: &Exact) -> Option<Weights> {
         if over.is_zero() {
             return None;
         }

@@ -38,7 +38,7 @@ pub(super) fn product(a: &ExactMatrix, b: &ExactMatrix) -> ExactMatrix {
 
 /// The greatest sum of sizes in a row.
 pub(super) fn row_norm(a: &ExactMatrix) -> Exact {
-    let sums = a.iter().map(|row| row.iter().map(|x| x.abs()).sum::<Exact>());
+    let sums = a.iter().map(|row| row.iter().map(Exact::abs).sum::<Exact>());
     sums.max().unwrap_or_else(Exact::zero)
 }
 

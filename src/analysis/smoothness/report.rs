@@ -35,7 +35,7 @@ impl Report {
         watch.check()?;
         let tangent_mask = if smoothness.proved_c >= 1 { around.tangent_mask() } else { None };
         let local_eigenvalues = around.eigenvalues();
-        Ok(Self { smoothness, limit_mask, tangent_mask, local_eigenvalues, symbol })
+        Ok(Self { symbol, smoothness, limit_mask, tangent_mask, local_eigenvalues })
     }
 
     /// Values of the basic limit function, where it is proved to be there.

@@ -7,7 +7,7 @@
 //!
 //! Source: Gripenberg, Linear Algebra and its Applications 234 (1996), 43-60.
 
-use num_traits::{One, Signed, Zero};
+use num_traits::{One, Zero};
 
 use super::lower::Lower;
 use super::matrices::{ExactMatrix, multiply, product, row_norm};
@@ -160,7 +160,7 @@ fn short(x: f64) -> Exact {
 /// with `P = L L^T` the limit of `P <- I + sum T^T P T / (d rho^2)` and short entries in L.
 fn in_ellipsoid(matrices: &[ExactMatrix], lower: f64, n: usize) -> Option<Vec<ExactMatrix>> {
     let flat: Vec<Vec<f64>> = matrices.iter().map(|matrix| matrix.iter().flatten().map(rounded).collect()).collect();
-    let identity = |k: usize| if k % (n + 1) == 0 { 1.0 } else { 0.0 };
+    let identity = |k: usize| if k.is_multiple_of(n + 1) { 1.0 } else { 0.0 };
     let mut p: Vec<f64> = (0..n * n).map(identity).collect();
     let share = 1.0 / (lower * lower * 1.02);
     let (mut half, mut whole) = (Vec::new(), Vec::new());
@@ -257,7 +257,7 @@ pub(super) fn price(n: usize) -> u64 {
 }
 
 fn norm(matrix: &[f64], n: usize) -> f64 {
-    matrix.chunks_exact(n).map(|row| row.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max)
+    matrix.chunks_exact(n).map(|row| row.iter().copied().map(f64::abs).sum::<f64>()).fold(0.0, f64::max)
 }
 
 /// What is known of products of matrices over some t: those of l factors have norms of at most `most t^l`.

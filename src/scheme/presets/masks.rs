@@ -19,8 +19,8 @@ pub(super) const TWO_N_POINT: Preset = Preset {
     refines: Refines::Curves,
     spell: |values| {
         let n = values.integer("n").and_then(|n| u128::try_from(n).ok()).unwrap_or(2);
-        let outwards = (1..=n).flat_map(|j| [deslauriers_dubuc(n, j), Weight::whole(0)]).collect();
-        mirrored(2, Weight::whole(1), outwards)
+        let outwards: Vec<Weight> = (1..=n).flat_map(|j| [deslauriers_dubuc(n, j), Weight::whole(0)]).collect();
+        mirrored(2, Weight::whole(1), &outwards)
     },
 };
 

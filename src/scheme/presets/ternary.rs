@@ -34,7 +34,7 @@ fn blend(rule: Blend) -> Result<Spelling, Vec<Fault>> {
         omega_delta - omega,
         eta,
     ];
-    mirrored(3, middle, outwards)
+    mirrored(3, middle, &outwards)
 }
 
 fn whole(n: i64) -> Weight {
@@ -92,7 +92,7 @@ pub(super) const C4: Preset = Preset {
             ratio(1, 81) + whole(3) * eta(),
             eta(),
         ];
-        mirrored(3, ratio(17, 27) - whole(12) * eta(), outwards)
+        mirrored(3, ratio(17, 27) - whole(12) * eta(), &outwards)
     },
 };
 
@@ -106,7 +106,7 @@ macro_rules! b_spline {
             source: HUANG_TAN,
             parameters: &[],
             refines: Refines::Curves,
-            spell: |_| mirrored(3, ratio($middle, $over), vec![$(ratio($entry, $over)),*]),
+            spell: |_| mirrored(3, ratio($middle, $over), &[$(ratio($entry, $over)),*]),
         };
     };
 }
