@@ -66,7 +66,7 @@ proptest! {
         scale in -12..12_i32,
         far in prop_oneof![Just(0.0), Just(1e3), Just(-1e6)],
     ) {
-        let factor = 10_f64.powi(scale);
+        let factor = planish::math::functions::pow(10.0, f64::from(scale));
         let mut net = net;
         net.positions.iter_mut().flatten().for_each(|x| *x = (*x + far) * factor);
         let told = written(&job(&net.to_json(), &json!({ "format": "json" })));

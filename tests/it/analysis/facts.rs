@@ -42,7 +42,7 @@ fn a_b_spline_of_degree_g_is_c_g_minus_1_and_not_c_g_by_refinement_of_any_arity(
             assert_eq!(answer["generation_degree"], json!(degree));
             assert_eq!(answer["reproduction_degree"], json!(1), "arity {arity}, degree {degree}");
             let support = numbers(&answer["support"]);
-            assert!((support[1] - support[0] - degree as f64 - 1.0).abs() < 1e-15);
+            assert!((support[1] - support[0] - f64::from(u8::try_from(degree).unwrap()) - 1.0).abs() < 1e-15);
         }
     }
     for degree in 1..=12_i64 {
@@ -224,8 +224,8 @@ fn the_basic_limit_function_of_the_cubic_b_spline_is_the_b_spline() {
     };
     let values = numbers(&function["values"]);
     assert!(values.len() >= 31);
-    for (k, value) in values.iter().enumerate() {
-        let x = from + k as f64 * step;
+    for (k, value) in (0_u16..).zip(&values) {
+        let x = from + f64::from(k) * step;
         assert!((value - spline(x)).abs() < 1e-14, "{x}: {value}");
     }
 }

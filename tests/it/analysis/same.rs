@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use super::{asked, key, refused};
 
+#[expect(clippy::needless_pass_by_value, reason = "plans are written where they are handed over")]
 fn plan(plan: Value) -> Value {
     json!({ "plan": plan })
 }
