@@ -14,7 +14,7 @@ use crate::watch::{Stopped, Watch};
 /// It decides four-point schemes to 5e-4 of the end of their range, in some 10 ms. Half of it widens intervals by a
 /// third, twice of it takes twice as long.
 pub const DEFAULT_NODES: u64 = 100_000;
-/// Most products that may be asked for: some 20 s for the 16-point scheme.
+/// Most products that may be asked for: a hundred times the usual number.
 /// Half of it leaves intervals wider, twice of it lets one request hold a thread for twice as long.
 pub const MAX_NODES: u64 = 10_000_000;
 /// Most values of the basic limit function.
@@ -24,7 +24,8 @@ pub const MAX_VALUES: u64 = 1 << 14;
 /// Products that take as long as a millisecond of one core, with matrices of the usual size.
 const NODES_A_MS: u64 = 400;
 /// Bytes of memory that an analysis takes at most: the exact matrices and their products.
-/// Measured: 20 MiB for the 32-point scheme. Half of it is more than others need; twice of it lets half as many run.
+/// It is reckoned from the widest masks: 129 entries, and products of that many fractions. Half of it is enough for all
+/// presets; twice of it lets half as many analyses run at once.
 const BYTES: u64 = 64 << 20;
 
 /// What is asked about a plan.
