@@ -122,7 +122,8 @@ fn formats_agree_on_what_is_parted() {
 fn pictures_show_the_edge() {
     let net = nets::cube();
     let edges: Vec<[usize; 2]> = net.edges().into_iter().map(|(a, b)| [a, b]).collect();
-    let output = |shading: &str| json!({ "format": "png", "width": 64, "height": 48, "shading": shading });
+    let output =
+        |shading: &str| json!({ "format": "png", "width": 64, "height": 48, "shading": shading, "crease_angle": 180 });
     let picture =
         |edges: &[[usize; 2]], shading| render(&job(&net, edges, 1.0, 0, &output(shading))).expect("a picture").0;
     assert_ne!(picture(&edges, "smooth"), picture(&[], "smooth"));
