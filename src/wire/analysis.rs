@@ -68,7 +68,7 @@ pub struct ChangingAnswer {
     /// New points for each old one in one application of the cycle.
     pub arity: i64,
     /// The first levels, until their masks no longer differ from the static limit.
-    pub levels: Vec<LevelAnswer>,
+    pub levels: Vec<LevelMaskAnswer>,
     /// By what the distance of a level from the static limit is multiplied at the next, as the last levels show it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rate: Option<f64>,
@@ -82,7 +82,7 @@ pub struct ChangingAnswer {
 
 /// One level.
 #[derive(Debug, Clone, Serialize, ToSchema)]
-pub struct LevelAnswer {
+pub struct LevelMaskAnswer {
     /// The parameter spacing that enters its first upsampling, radians.
     pub alpha: f64,
     /// Its mask.
@@ -252,7 +252,7 @@ impl AnalysisAnswer {
         Self::Changing(Box::new(ChangingAnswer {
             kind: "curve",
             arity: scheme.arity,
-            levels: findings.levels.iter().map(LevelAnswer::new).collect(),
+            levels: findings.levels.iter().map(LevelMaskAnswer::new).collect(),
             rate: findings.rate,
             exponentials: findings.levels.iter().all(|level| level.keeps_circles),
             static_limit: scheme,
@@ -261,7 +261,7 @@ impl AnalysisAnswer {
     }
 }
 
-impl LevelAnswer {
+impl LevelMaskAnswer {
     fn new(level: &Level) -> Self {
         let mask = MaskAnswer::rounded(&level.mask);
         Self { alpha: level.alpha, mask, sum_rules: level.order, distance: level.distance }

@@ -294,3 +294,23 @@ fn lines_fit_120_columns() {
         }
     }
 }
+
+/// Of two schemas of one name the OpenAPI document would have one, and clients would read answers by the wrong one.
+#[test]
+fn schemas_have_names_of_their_own() {
+    let derives = |line: &&String| line.starts_with("#[derive(") && line.contains("ToSchema");
+    let mut names = Vec::new();
+    for source in sources() {
+        for (i, _) in source.lines.iter().enumerate().filter(|(_, line)| derives(line)) {
+            let declared = source.lines[i..].iter().find_map(|line| {
+                let (_, rest) = line.split_once("struct ").or_else(|| line.split_once("enum "))?;
+                line.starts_with("pub").then(|| rest.split([' ', '<', '(', ';']).next().map(str::to_owned))?
+            });
+            names.extend(declared);
+        }
+    }
+    let n = names.len();
+    names.sort_unstable();
+    names.dedup();
+    assert!(n > 30 && names.len() == n, "{n} schemas have {} names: {names:?}", names.len());
+}
