@@ -335,7 +335,8 @@ fn limits_of_dual_schemes_lie_on_the_surface() {
 /// Every output of a mesh knows where its points stand, and which normals it has.
 #[test]
 fn all_writers_take_the_limit() {
-    for format in FORMATS {
+    // a library of materials says nothing of places
+    for format in FORMATS.iter().filter(|format| format.name() != "mtl") {
         let name = format.name();
         let bytes = |positions: &str, normals: &str| {
             let mut output = json!({ "format": name, "positions": positions, "normals": normals });
