@@ -4,6 +4,7 @@ use crate::analysis::curve::{Cycle, ExactCycle, NoMask};
 use crate::analysis::smoothness::Symbol;
 use crate::math::functions::{cos, sin, sqrt};
 use crate::math::mask::Mask;
+use crate::scheme::letter::Letter;
 use crate::scheme::plan::Plan;
 use crate::watch::Watch;
 
@@ -75,7 +76,7 @@ impl Study {
 
 /// Whether all levels have the same rules.
 fn is_static(plan: &Plan) -> bool {
-    let follows = |letter: &crate::scheme::letter::Letter| letter.facts().needs_alpha;
+    let follows = |letter: &Letter| letter.facts().needs_alpha;
     let in_alpha = plan.kernel.iter().any(|kernel| !kernel.is_constant())
         || !plan.compensation.is_constant()
         || plan.word.cycle.iter().any(follows);
