@@ -114,7 +114,8 @@ impl Cover {
             return copy.at(index(0, x.floor()), index(1, y.floor()));
         }
         let ([left, above], [x, y]) = ([(x - 0.5).floor(), (y - 0.5).floor()], [x - 0.5, y - 0.5]);
-        let (x, y) = ((x - left).clamp(0.0, 1.0), (y - above).clamp(0.0, 1.0));
+        // places beyond the numbers have no share: what is no number is 0 here, where `clamp` would keep it
+        let (x, y) = ((x - left).max(0.0).min(1.0), (y - above).max(0.0).min(1.0));
         let columns = [index(0, left), index(0, left + 1.0)];
         let rows = [index(1, above), index(1, above + 1.0)];
         let [a, b, c, d] = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[i, j]| copy.at(columns[i], rows[j]));
