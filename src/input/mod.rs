@@ -16,7 +16,7 @@ mod sniff;
 mod stl;
 mod text;
 
-pub use crate::shape::attachments::Channel;
+pub use crate::shape::attachments::ChannelInput;
 pub use crate::shape::labels::FaceSet;
 pub use crate::shape::looks::Look;
 pub use base64::decode as from_base64;

@@ -2,7 +2,7 @@
 
 use super::beside::File;
 use crate::scheme::tags::Boundary;
-use crate::shape::attachments::Channel;
+use crate::shape::attachments::ChannelInput;
 use crate::shape::check::FaceList;
 use crate::shape::labels::FaceSet;
 use crate::shape::looks::Look;
@@ -65,7 +65,7 @@ pub struct ReadMesh {
     /// How the first of these materials look.
     pub looks: Vec<Look>,
     /// Numbers that vertices carry.
-    pub channels: Vec<Channel>,
+    pub channels: Vec<ChannelInput>,
     /// What was left out or changed, in sentences.
     pub notes: Vec<String>,
 }
