@@ -22,7 +22,7 @@ pub use crate::shape::looks::Look;
 pub use base64::decode as from_base64;
 pub use beside::{Alone, Beside, File, WithLibrary};
 pub use kind::{foreign, is_text, own};
-pub use reader::{ReadLimits, ReadMesh, Reader, Uvs};
+pub use reader::{ReadLimits, ReadMesh, Reader, Uvs, Vertices};
 pub use room::weight;
 
 /// Every reader, in the order of the documentation.

@@ -14,7 +14,7 @@ use self::faces::Faces;
 use self::library::Library;
 use super::beside::File;
 use super::collect::Collected;
-use super::reader::{ReadLimits, ReadMesh, Reader};
+use super::reader::{ReadLimits, ReadMesh, Reader, Vertices};
 use super::text::{at_line, number, numbers, quoted, text, without_comment};
 use crate::shape::attachments::ChannelInput;
 
@@ -57,7 +57,7 @@ pub(super) const OBJ: Reader = Reader {
     name: "obj",
     media_type: "model/obj",
     doc: "Wavefront OBJ: polygons, with crease, corner, hole and boundary tags",
-    doubles_vertices: false,
+    vertices: Vertices::Shared,
     read,
 };
 

@@ -3,7 +3,7 @@
 //! Source: The Geometry Center, Geomview Manual 1.9 (2014), section 4.2.5.
 
 use super::collect::{Collected, vertex_index};
-use super::reader::{ReadLimits, ReadMesh, Reader, Uvs};
+use super::reader::{ReadLimits, ReadMesh, Reader, Uvs, Vertices};
 use super::text::{Words, at_line, count, number, quoted, text};
 use crate::shape::attachments::ChannelInput;
 
@@ -18,7 +18,7 @@ pub(super) const OFF: Reader = Reader {
     name: "off",
     media_type: "model/off",
     doc: "Geomview OFF, COFF, NOFF, STOFF: polygons as text",
-    doubles_vertices: false,
+    vertices: Vertices::Shared,
     read: |file, limits| read(file.bytes, limits).map_err(|detail| vec![detail]),
 };
 

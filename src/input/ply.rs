@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use self::body::{Ascii, Binary, Body};
 use self::header::{Element, Encoding, Header, NAMED, Property, Scalar};
 use super::collect::{Collected, vertex_index};
-use super::reader::{ReadLimits, ReadMesh, Reader, Uvs};
+use super::reader::{ReadLimits, ReadMesh, Reader, Uvs, Vertices};
 use super::text::quoted;
 use crate::shape::attachments::ChannelInput;
 use crate::shape::labels::FaceSet;
@@ -30,7 +30,7 @@ pub(super) const PLY: Reader = Reader {
     name: "ply",
     media_type: "model/ply",
     doc: "Stanford PLY, text or binary: polygons, further numbers of vertices as channels",
-    doubles_vertices: false,
+    vertices: Vertices::Shared,
     read: |file, limits| read(file.bytes, limits).map_err(|detail| vec![detail]),
 };
 

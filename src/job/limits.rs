@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::amounts::{in_bytes, thousands};
 use super::complete::Job;
 use super::input::Input;
 use super::key::Key;
@@ -13,6 +12,7 @@ use super::time;
 use crate::analysis::limit::Cost;
 use crate::fault::Fault;
 use crate::input::ReadLimits;
+use crate::math::amounts::{in_bytes, thousands};
 use crate::output::{Counts, Size};
 use crate::refine::{mesh_net, polygon_net, seam_net};
 use crate::scheme::forecast::{self, Count, Forecast, ForecastError};

@@ -7,13 +7,13 @@ use super::input::Input;
 use crate::scheme::forecast;
 use crate::scheme::plan::{MAX_LEVELS, Plan, Scheduled};
 use crate::shape::attachments::{Attachments, Channel};
-use crate::shape::seams::Seams;
 use crate::shape::attributes::Attributes;
 use crate::shape::labels::Labels;
 use crate::shape::looks::images;
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
 use crate::shape::repairs::Repair;
+use crate::shape::seams::Seams;
 use crate::shape::textures::Image;
 use crate::shape::topology::Topology;
 
@@ -125,8 +125,9 @@ fn of_topology(topology: &Topology) -> usize {
 
 fn of_attachments(attachments: &Attachments) -> usize {
     let Attachments { channels, groups, materials, looks, uvs, unfolded } = attachments;
-    let of_channel =
-        |channel: &Channel| list(&channel.values) + channel.name.capacity() + channel.seams.as_ref().map_or(0, of_seams);
+    let of_channel = |channel: &Channel| {
+        list(&channel.values) + channel.name.capacity() + channel.seams.as_ref().map_or(0, of_seams)
+    };
     let numbers: usize = channels.iter().map(of_channel).sum();
     let uvs = uvs.as_ref().map_or(0, |uvs| list(&uvs.values) + of_seams(&uvs.seams));
     // one that is alone has the places of all

@@ -47,7 +47,12 @@ pub fn refine_by_rows(
 
 /// What is refined of the vertices of a mesh: positions, then channels, then the positions of other frames.
 pub fn numbers(mesh: &Mesh) -> Vec<Points> {
-    let channels = mesh.attachments.channels.iter().filter(|channel| channel.seams.is_none()).map(|c| Points::new(c.values.clone(), c.width));
+    let channels = mesh
+        .attachments
+        .channels
+        .iter()
+        .filter(|channel| channel.seams.is_none())
+        .map(|c| Points::new(c.values.clone(), c.width));
     let frames = mesh.frames.iter().map(|frame| Points::new(frame.clone(), 3));
     std::iter::once(Points::new(mesh.positions.clone(), 3)).chain(channels).chain(frames).collect()
 }

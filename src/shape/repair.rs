@@ -63,6 +63,14 @@ impl MeshInput {
         Ok(self)
     }
 
+    /// Gives each corner of each face a vertex of its own. Vertices of no face, and all that goes by vertices, are gone.
+    #[must_use]
+    pub fn parted(mut self) -> Self {
+        self.positions = self.faces.vertices().iter().map(|&v| self.positions[v as usize]).collect();
+        self.faces = self.faces.with_vertices((0..index(self.positions.len())).collect());
+        self
+    }
+
     /// Joins pairs of triangles into quads where there is one way to do it; faces are turned first as `winding` says.
     ///
     /// A mesh with faults is given back as it is, for [`super::mesh::Mesh::new`] to refuse.

@@ -192,7 +192,8 @@ pub fn joint(sets: &[&Seams], mesh: &Topology) -> Result<Arc<Topology>, Vec<Faul
     if let [one] = sets {
         return Ok(one.topology.clone());
     }
-    let is_inner = |seams: &&Seams, half_edge| !seams.topology.is_boundary_edge(seams.topology.edge(half_edge) as usize);
+    let is_inner =
+        |seams: &&Seams, half_edge| !seams.topology.is_boundary_edge(seams.topology.edge(half_edge) as usize);
     let joined = |half_edge: u32| sets.iter().all(|seams| is_inner(seams, half_edge));
     Fans { mesh, joined }.topology().map(|(topology, _)| Arc::new(topology))
 }
@@ -205,7 +206,8 @@ fn corner_values(
     turned: &[u32],
 ) -> Result<Vec<u32>, Vec<Fault>> {
     let wrong = values.iter().enumerate().filter(|(_, x)| !x.is_finite());
-    let place = |k: usize| if width > 1 { format!("/values/{}/{}", k / width, k % width) } else { format!("/values/{k}") };
+    let place =
+        |k: usize| if width > 1 { format!("/values/{}/{}", k / width, k % width) } else { format!("/values/{k}") };
     let mut faults: Vec<Fault> =
         wrong.take(20).map(|(k, x)| Fault::new(place(k), format!("{x} is not a finite number"))).collect();
     if faces.len() != mesh.n_faces() {

@@ -48,7 +48,9 @@ impl<'de> Visitor<'de> for ChannelsVisitor {
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
         let channels = fields(map, MAX_CHANNELS, &format!("more than {MAX_CHANNELS} channels"))?;
         let channel = |(name, request)| match request {
-            ChannelRequest::Vertices(rows) => ChannelInput { name, width: rows.width, values: rows.values, seams: None },
+            ChannelRequest::Vertices(rows) => {
+                ChannelInput { name, width: rows.width, values: rows.values, seams: None }
+            }
             ChannelRequest::Corners(CornerChannelRequest { values, faces, interpolation }) => {
                 let interpolation = interpolation.map_or(Interpolation::None, Into::into);
                 let seams = Some(SeamsInput { faces: face_list(&faces), interpolation });
