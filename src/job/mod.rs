@@ -16,6 +16,7 @@ mod limit_cost;
 pub mod limits;
 mod memory;
 mod output;
+mod places;
 mod run;
 mod search;
 mod shape_items;

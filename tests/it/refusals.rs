@@ -144,7 +144,7 @@ fn faults_of_parameters_point_at_the_entry_that_carries_them() {
 /// JSON knows one kind of number, and a schema's "integer" is any number without a fraction.
 #[test]
 fn whole_numbers_may_be_written_with_a_point() {
-    let plain = json!({ "spec": 1, "levels": 2, "plan": { "preset": "catmull-clark" }, "input": { "mesh": {
+    let plain = json!({ "spec": 1, "levels": 2, "outputs": [{ "format": "json" }], "plan": { "preset": "catmull-clark" }, "input": { "mesh": {
         "positions": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [2, 1, 0]],
         "faces": [[0, 1, 2, 3], [1, 4, 5, 2]], "holes": [1],
         "corners": [{ "vertex": 2, "sharpness": 10 }], "creases": [{ "edge": [1, 2], "sharpness": 3 }],
