@@ -6,11 +6,13 @@ use pdf_writer::types::{LineCapStyle, LineJoinStyle};
 use pdf_writer::{Content, Name, Str};
 use ttf_parser::OutlineBuilder;
 
-use super::POINTS;
 use super::fonts::Font;
 use crate::drawing::error::DrawError;
 use crate::drawing::scene::{Cap, Color, Discs, Drawing, Group, Item, Lettering, Mark, Picture, Point, Stroke, Text};
 use crate::watch::Watch;
+
+/// Points in a pixel: 96 pixels and 72 points are an inch.
+pub(super) const POINTS: f32 = 0.75;
 
 /// What is drawn, and what is needed for it.
 pub(super) struct Sheet<'a> {
