@@ -224,7 +224,8 @@ fn share(byte: u8) -> f32 {
     (f32::from(byte) / 255.0 * 10_000.0).round() / 10_000.0
 }
 
-/// How far the inner points of a cubic that is a quarter of a circle stand from its ends, in radii: `4 (sqrt 2 - 1) / 3`.
+/// How far the inner points of a cubic that is a quarter of a circle stand from its ends, in radii:
+/// `4 (sqrt 2 - 1) / 3`.
 const QUARTER: f32 = 0.552_284_8;
 
 fn circle(content: &mut Content, [x, y]: Point, radius: f32) {

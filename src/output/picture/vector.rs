@@ -50,8 +50,8 @@ pub(crate) fn holds(kind: ShapeKind, options: &Values) -> Result<(), String> {
     match kind {
         ShapeKind::Mesh if asked(options) => Ok(()),
         ShapeKind::Mesh => {
-            let reason = "svg and pdf draw curves, and of a mesh only sections; name planes in \"sections\", or ask for \
-                          \"png\" to see the mesh";
+            let reason = "svg and pdf draw curves, and of a mesh only sections; name planes in \"sections\", or ask \
+                          for \"png\" to see the mesh";
             Err(reason.into())
         }
         ShapeKind::Curves { .. } => options::drawable(kind),
