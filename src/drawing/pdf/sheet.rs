@@ -153,7 +153,11 @@ impl<'a> Artist<'a> {
         for outline in outlines {
             self.watch.check()?;
             self.trace(outline);
-            self.content.close_path().fill_nonzero();
+            self.content.close_path();
+        }
+        // a path without points ends here as well
+        if outlines.iter().any(|outline| !outline.is_empty()) {
+            self.content.fill_even_odd();
         }
         Ok(())
     }
