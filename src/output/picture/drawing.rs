@@ -54,7 +54,7 @@ pub(crate) fn drawing(scene: &Scene<'_>, options: &Options<'_>, watch: &Watch) -
         artist.points(curves, 3.1, 0.8, options.color(CURVE), "vertices", &mut plot)?;
     }
     if shows("points") {
-        artist.points(control, 4.1, 1.5, options.point_color(POINT), "points", &mut plot)?;
+        artist.points(control, 5.2, 1.5, options.point_color(POINT), "points", &mut plot)?;
     }
     sheet.finish(plot, options)
 }
@@ -164,6 +164,6 @@ fn crowded(centres: &[Point], unit: f32) -> f32 {
     #[expect(clippy::cast_precision_loss, reason = "fewer than 2^52 points")]
     let mean = if centres.len() > 1 { steps.sum::<f64>() / (centres.len() - 1) as f64 } else { f64::INFINITY };
     #[expect(clippy::cast_possible_truncation, reason = "a size needs no last digit")]
-    let scale = (0.5 * mean as f32 / (5.6 * unit)).clamp(0.25, 1.0);
+    let scale = (0.5 * mean as f32 / (5.6 * unit)).clamp(0.4, 1.0);
     scale
 }

@@ -12,6 +12,7 @@ use crate::output::counts::ShapeKind;
 use crate::output::error::FormatError;
 use crate::output::numbers::rounded;
 use crate::output::scene::Curve;
+use crate::raster::View;
 
 /// What the picture is.
 pub(crate) const TITLE: Parameter = Parameter {
@@ -56,6 +57,9 @@ pub(crate) const TEXT_SIZE: Parameter = Parameter {
     doc: "By what the usual size of letters is multiplied, which keeps its proportion to the picture.",
 };
 
+/// How much smaller curves are beside their combs, so that usual teeth stay in the picture: they are an eighth of it
+/// long on each side. Longer teeth may leave it.
+const COMB_ZOOM: f64 = 0.8;
 /// Colour of titles.
 const INK: Color = [15, 23, 42, 255];
 
@@ -237,7 +241,9 @@ fn whole(options: &Options<'_>, head: f32) -> Part {
 fn easel(shown: &[&Curve], options: &Options<'_>, [left, top, width, height]: Part) -> Easel {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole numbers of pixels")]
     let size = [width, height].map(|side| side as u32);
-    Easel::within(shown, options.view(), size, [left, top].map(f64::from))
+    let view = options.view();
+    let zoom = if options.shows("comb", &[]) { COMB_ZOOM * view.zoom } else { view.zoom };
+    Easel::within(shown, View { zoom, ..view }, size, [left, top].map(f64::from))
 }
 
 /// Of functions: how many steps of the control polygon the picture shows, 1 where polygons differ in that; none of curves
