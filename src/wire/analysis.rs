@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::object;
 use super::plan::PlanRequest;
 use super::variants::PlanSchema;
+use super::{object, whole};
 use crate::analysis::Level;
 use crate::analysis::smoothness::{BasicFunction, Report, Smoothness, Symbol, Weights};
 use crate::fault::Fault;
@@ -21,6 +21,7 @@ use crate::watch::Watch;
 pub struct AnalysisRequest {
     /// Version of this notation; 1 when left out.
     #[schema(minimum = 1, maximum = 1, default = 1)]
+    #[serde(default, deserialize_with = "whole::optional")]
     pub spec: Option<u64>,
     /// The plan, as in a job; its scheme for polygons is analysed.
     #[serde(deserialize_with = "object::one")]
@@ -29,6 +30,7 @@ pub struct AnalysisRequest {
     /// Most products of matrices that the search for the joint spectral radius looks at; 100,000 when left out. The
     /// more there are, the narrower the intervals.
     #[schema(minimum = 0, maximum = 10_000_000, default = 100_000)]
+    #[serde(default, deserialize_with = "whole::optional")]
     pub nodes: Option<u64>,
     /// Asks for values of the basic limit function at the multiples of `arity^-grid`.
     #[schema(minimum = 0, maximum = 14)]

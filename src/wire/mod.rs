@@ -5,6 +5,7 @@ pub mod answer;
 pub mod catalogue;
 mod channels;
 mod choice;
+mod corners;
 mod declared;
 pub(crate) mod fields;
 mod fixed;
@@ -25,6 +26,7 @@ mod schema;
 pub mod text;
 mod variants;
 pub mod weld;
+mod whole;
 pub(crate) mod written;
 
 pub use job::JobRequest;
