@@ -15,6 +15,12 @@ pub(super) fn linear(k: usize, x: f64) -> f64 {
     }
 }
 
+/// The component of a colour, sRGB from 0 to 1, whose linear light is `x`: what [`linear`] undoes.
+pub(super) fn encoded(x: f64) -> f64 {
+    let x = within(x);
+    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * pow(x, 1.0 / 2.4) - 0.055 }
+}
+
 /// A component as a byte.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the number is rounded, within 0 to 255")]
 pub(super) fn byte(x: f64) -> u8 {

@@ -7,15 +7,19 @@ use image::{ExtendedColorType, ImageEncoder};
 
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::output::color_maps::COLOR_MAP;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::hard_edges::{self, CREASE_ANGLE};
 use crate::output::options::{ISOLINES, POSITIONS};
-use crate::output::picture::coat::{self, CHANNEL, COLOR_BY};
+use crate::output::picture::coat::{self, CHANNEL, COLOR_BY, COMPONENT};
 use crate::output::picture::drawing::Drawing;
+use crate::output::picture::legend::LEGEND;
+use crate::output::picture::number_scale::{self, RANGE};
 use crate::output::picture::options::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH};
-use crate::output::picture::{forecast, mesh, paint};
+use crate::output::picture::shading::{self, SHADING, STRIPE_DIRECTION, STRIPES};
+use crate::output::picture::{forecast, look, mesh, paint};
 use crate::output::scene::{Scene, Shape};
 use crate::output::size::Size;
 use crate::shape::attachments::Attachments;
@@ -45,13 +49,9 @@ const PARAMETERS: &[Parameter] = &[
               control net and its points; of curves the curve, the control polygon and its points. Left out: the \
               surface, or all of a curve.",
     },
-    Parameter {
-        name: "shading",
-        kind: Kind::Choice(&["smooth", "flat"]),
-        unit: "",
-        default: Default::Text("smooth"),
-        doc: "Whether light sees a smooth surface or its faces.",
-    },
+    SHADING,
+    STRIPES,
+    STRIPE_DIRECTION,
     POSITIONS,
     Parameter {
         name: "normals",
@@ -65,6 +65,10 @@ const PARAMETERS: &[Parameter] = &[
     COLOR,
     COLOR_BY,
     CHANNEL,
+    COMPONENT,
+    COLOR_MAP,
+    RANGE,
+    LEGEND,
     CAMERA,
 ];
 
@@ -89,7 +93,9 @@ impl Format for Png {
             ShapeKind::Mesh => &["surface", "wireframe", "isolines", "control", "points"],
             ShapeKind::Curves { .. } => &["control", "points", "curve"],
         };
+        shading::check(kind, options)?;
         coat::check(kind, carried, options)?;
+        number_scale::check(options, look::are_numbers(carried, options))?;
         options::shows_only(fitting, kind, options)
     }
 
@@ -113,14 +119,17 @@ impl Format for Png {
         let isolines = if options.has("show", ISOLINES) { pieces.saturating_mul(8) } else { 0 };
         let wires = if options.has("show", "wireframe") { counts.half_edges.saturating_mul(WIRE_BYTES) } else { 0 };
         let pixels = options::size(options).map(u128::from).iter().product::<u128>() * PIXEL_BYTES;
-        [isolines, wires, pixels, hard_edges::memory(counts, options)]
+        let numbers = look::memory(options, vertices, counts);
+        [isolines, wires, numbers, pixels, hard_edges::memory(counts, options)]
             .iter()
             .fold(colors, |sum: u128, bytes| sum.saturating_add(*bytes))
     }
 
     fn work(&self, mesh: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
         let drawn = mesh.map_or(0, |mesh| forecast::work(mesh, counts, &Options::new(options, counts.frame)));
-        drawn.saturating_add(coat::work(&counts.attachments, options))
+        let [width, height] = options::size(options).map(u128::from);
+        let looks = look::work(options, counts, width * height);
+        drawn.saturating_add(looks).saturating_add(coat::work(&counts.attachments, options))
     }
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {

@@ -12,6 +12,7 @@ mod bins;
 mod camera;
 mod clip;
 mod facets;
+mod finish;
 mod forecast;
 
 mod line;
@@ -27,6 +28,7 @@ mod tiles;
 mod triangle;
 
 pub use camera::{Camera, Projection, View};
+pub use finish::{Finish, Pattern, Stripes};
 pub use forecast::Forecast;
 pub use model::{Crowding, Model, Normals, Strokes, Surface};
 pub use paint::{Paint, Swatch};

@@ -76,13 +76,8 @@ impl Lamps {
 
     /// Adds the light of the waiting spots to `light`, linear and premultiplied.
     pub(super) fn illuminate(&self, spots: &mut Spots, light: &mut [[f32; 4]]) {
-        let [red, green, blue] = lit(self, spots);
-        for i in 0..spots.waiting {
-            let share = spots.share[i];
-            let sum = &mut light[spots.pixel[i] as usize];
-            *sum = [sum[0] + share * red[i], sum[1] + share * green[i], sum[2] + share * blue[i], sum[3] + share];
-        }
-        spots.waiting = 0;
+        let colors = lit(self, spots);
+        spots.add(colors, light);
     }
 
     /// Linear light that reaches the viewer from the pixel coordinates `place`. The normal need not have length one; it
@@ -177,6 +172,21 @@ impl Spots {
         let none = [0.0; LANES];
         let color = color.map(|c| [c; LANES]);
         Self { normal: [none; 3], color, place: [none; 2], back: none, share: none, pixel: [0; LANES], waiting: 0 }
+    }
+
+    /// Adds the colours of the waiting spots as they are to `light`, linear and premultiplied.
+    pub(super) fn shown(&mut self, light: &mut [[f32; 4]]) {
+        self.add(self.color, light);
+    }
+
+    /// Adds red, green and blue of the waiting spots to `light`.
+    fn add(&mut self, [red, green, blue]: [[f32; LANES]; 3], light: &mut [[f32; 4]]) {
+        for i in 0..self.waiting {
+            let share = self.share[i];
+            let sum = &mut light[self.pixel[i] as usize];
+            *sum = [sum[0] + share * red[i], sum[1] + share * green[i], sum[2] + share * blue[i], sum[3] + share];
+        }
+        self.waiting = 0;
     }
 
     /// Sets the colour of the next spot.

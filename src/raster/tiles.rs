@@ -154,17 +154,22 @@ impl Desk {
                 let (facet, tint) = self.facets.of(model, owner, origin);
                 let [right, down, share] = CENTRES[held];
                 let place = [x + right, y + down];
-                if let (Some(paint), Some(tint)) = (&model.paint, tint) {
-                    self.spots.color(paint.color(tint, place));
+                let paint = model.paint.as_ref().zip(tint).map(|(paint, tint)| paint.color(tint, place));
+                let finished = model.finisher.as_ref().map(|finisher| {
+                    let normal = |place| facet.normal(place);
+                    finisher.color(paint.unwrap_or(lamps.outside), normal, place, corner, facet.back)
+                });
+                if let Some(color) = finished.or(paint) {
+                    self.spots.color(color);
                 }
                 let global = [corner[0] + place[0], corner[1] + place[1]];
                 self.spots.push((pixel, share), facet.normal(place), global, facet.back);
                 if self.spots.full() {
-                    lamps.illuminate(&mut self.spots, &mut self.light);
+                    shine(&mut self.spots, model, lamps, &mut self.light);
                 }
             }
         }
-        lamps.illuminate(&mut self.spots, &mut self.light);
+        shine(&mut self.spots, model, lamps, &mut self.light);
     }
 
     /// Draws a layer of lines: first the coverage of all of them, then their colour once, so that joints do not show.
@@ -189,6 +194,15 @@ impl Desk {
             *light = std::array::from_fn(|k| cover * layer.light[k] + rest * light[k]);
         }
         Ok(())
+    }
+}
+
+/// Adds the light of the waiting spots: their colours as they are where the surface has a finish.
+fn shine(spots: &mut Spots, model: &BinnedModel<'_>, lamps: &Lamps, light: &mut [[f32; 4]]) {
+    if model.finisher.is_some() {
+        spots.shown(light);
+    } else {
+        lamps.illuminate(spots, light);
     }
 }
 

@@ -4,8 +4,10 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-use super::coat::Coat;
+use super::look::Look;
 use super::options::Options;
+use super::outlines::outlines;
+use super::{legend, shading};
 use crate::math::vector::unit;
 use crate::output::error::FormatError;
 use crate::output::hard_edges::HardEdges;
@@ -15,8 +17,9 @@ use crate::output::split_vertices::SplitVertices;
 use crate::raster::{Camera, Crowding, Model, Normals, Strokes, Surface, render};
 use crate::watch::{Stopped, Watch};
 
-pub(super) const DEFAULT_SHOW: &[&str] = &["surface"];
-const SURFACE: [u8; 4] = [112, 160, 222, 255];
+const DEFAULT_SHOW: &[&str] = &["surface"];
+/// What a drawing of lines shows when nothing else is said.
+const DRAWN: &[&str] = &["surface", "isolines"];
 const WIRE: [u8; 4] = [22, 38, 66, 255];
 const CONTROL: [u8; 4] = [217, 93, 57, 255];
 const POINT: [u8; 4] = [176, 58, 32, 255];
@@ -28,10 +31,11 @@ pub(crate) fn picture(
     options: &Options<'_>,
     watch: &Watch,
 ) -> Result<Vec<u8>, FormatError> {
-    let shows = |item| options.shows(item, DEFAULT_SHOW);
+    let shows = |item| shows(options, item);
     let body = shows("surface") || shows("wireframe") || shows("isolines");
-    let shaded = shows("surface") && !options.flat();
-    let hard = if shaded { HardEdges::of(scene.shape, options.values, watch)? } else { HardEdges::default() };
+    let drawn = shows("surface") && shading::is_drawing(options.values);
+    let shaded = shows("surface") && !options.flat() && !drawn;
+    let hard = if shaded || drawn { HardEdges::of(scene.shape, options.values, watch)? } else { HardEdges::default() };
     let split_vertices = if shaded { SplitVertices::of(scene.shape, &hard, watch)? } else { None };
     // copies of vertices stand after all others, so that the edges of the mesh are the same ones
     let sides = split_vertices.as_ref().map_or(mesh, |split_vertices| split_vertices);
@@ -39,13 +43,22 @@ pub(crate) fn picture(
     let triangles = if body { triangulated(sides, watch)? } else { Vec::new() };
     let smooth = if shaded { normals::of(sides, &positions, watch)? } else { Vec::new() };
     let flat = if shows("surface") && options.flat() { face_normals(mesh, &positions, watch)? } else { Vec::new() };
-    let coat = if shows("surface") { Some(Coat::of(sides, options, options.color(SURFACE), watch)?) } else { None };
     let wires = if shows("wireframe") { edges(mesh, watch)? } else { Vec::new() };
     let isolines = if shows("isolines") { isolines(mesh, watch)? } else { Vec::new() };
     let net = match scene.control.shape() {
         Shape::Mesh(net) if shows("control") || shows("points") => Net::of(net, watch)?,
         _ => Net::default(),
     };
+    let strip = if shows("surface") { legend::width(mesh.attachments(), options) } else { 0 };
+    let size = [options.size[0] - strip, options.size[1]];
+    let camera = Camera::framing(&options.view(), &[&positions, &net.positions], size[0], size[1]);
+    let look = if shows("surface") {
+        Some(Look::of(scene, sides, [&positions, &smooth], options, &camera, watch)?)
+    } else {
+        None
+    };
+    let outlines =
+        if drawn { outlines(mesh, &positions, &hard.and(mesh.sharp_edges()), &camera, watch)? } else { Vec::new() };
     let unit = options.unit_px();
     let ring = options.background;
     let ring = if ring[3] == 255 { ring } else { [255; 4] };
@@ -63,7 +76,10 @@ pub(crate) fn picture(
         strokes.push(Strokes { crowding: Crowding::Fade, ..line(&positions[..], &wires[..], 1.3, WIRE) });
     }
     if shows("isolines") {
-        strokes.push(line(&positions, &isolines, 2.2, WIRE));
+        strokes.push(line(&positions, &isolines, if drawn { 1.1 } else { 2.2 }, WIRE));
+    }
+    if drawn {
+        strokes.push(line(&positions, &outlines, 2.6, WIRE));
     }
     if shows("control") {
         strokes.push(line(&net.positions, &net.edges, thin, CONTROL));
@@ -76,11 +92,19 @@ pub(crate) fn picture(
         positions: &positions,
         triangles: &triangles,
         normals: if options.flat() { Normals::Triangles(&flat) } else { Normals::Vertices(&smooth) },
-        surface: coat.as_ref().map_or(Surface::Unseen, Coat::surface),
+        surface: look.as_ref().map_or(Surface::Unseen, Look::surface),
         strokes: &strokes,
     };
-    let camera = Camera::framing(&options.view(), &[&positions, &net.positions], options.size[0], options.size[1]);
-    Ok(render(&model, &camera, options.background, options.size, watch)?.bytes)
+    let pixels = render(&model, &camera, options.background, size, watch)?.bytes;
+    match look.as_ref().and_then(Look::scale) {
+        Some(scale) if strip > 0 => legend::beside(&pixels, &scale, strip, options, watch),
+        _ => Ok(pixels),
+    }
+}
+
+/// Whether a picture of a mesh shows something.
+pub(super) fn shows(options: &Options<'_>, item: &str) -> bool {
+    options.shows(item, if shading::is_drawing(options.values) { DRAWN } else { DEFAULT_SHOW })
 }
 
 /// The control net: its points, edges and, for discs, each used point joined to itself.
@@ -115,7 +139,7 @@ fn positions<'a>(mesh: &'a dyn MeshSource, watch: &Watch) -> Result<Cow<'a, [[f6
     Ok(all.into())
 }
 
-fn each_face(mesh: &dyn MeshSource, watch: &Watch, mut each: impl FnMut(&[u32])) -> Result<(), Stopped> {
+pub(super) fn each_face(mesh: &dyn MeshSource, watch: &Watch, mut each: impl FnMut(&[u32])) -> Result<(), Stopped> {
     let mut chunk = FaceChunk::default();
     in_chunks(mesh.n_faces(), |range| {
         watch.check()?;

@@ -3,8 +3,13 @@
 pub(super) mod coat;
 pub(super) mod drawing;
 pub(super) mod forecast;
+pub(super) mod legend;
+pub(super) mod look;
 pub(super) mod mesh;
+pub(super) mod number_scale;
 pub(super) mod options;
+mod outlines;
 pub(super) mod paint;
 pub(super) mod sections;
+pub(super) mod shading;
 mod skin;
