@@ -36,6 +36,7 @@ mod nearest;
 mod numbers;
 mod obj;
 mod options;
+mod pdf;
 mod picture;
 mod ply;
 mod png;
@@ -70,6 +71,7 @@ pub const FORMATS: &[&dyn Format] = &[
     &stl::Stl,
     &png::Png,
     &svg::Svg,
+    &pdf::Pdf,
 ];
 
 /// The format of a name.

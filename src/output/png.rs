@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 
+use crate::drawing::pixels;
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::color_maps::COLOR_MAP;
@@ -14,12 +15,11 @@ use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::hard_edges::{self, CREASE_ANGLE};
 use crate::output::options::{ISOLINES, POSITIONS};
 use crate::output::picture::coat::{self, CHANNEL, COLOR_BY, COMPONENT};
-use crate::output::picture::drawing::Drawing;
 use crate::output::picture::legend::LEGEND;
 use crate::output::picture::number_scale::{self, RANGE};
 use crate::output::picture::options::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH};
 use crate::output::picture::shading::{self, SHADING, STRIPE_DIRECTION, STRIPES};
-use crate::output::picture::{forecast, look, mesh, paint};
+use crate::output::picture::{drawing, forecast, look, mesh};
 use crate::output::scene::{Scene, Shape};
 use crate::output::size::Size;
 use crate::shape::attachments::Attachments;
@@ -141,7 +141,7 @@ impl Format for Png {
             Shape::Curves(curves) => {
                 let dimension = curves.iter().map(|c| c.dimension).max().unwrap_or(1);
                 options::drawable(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
-                paint::paint(&Drawing::of(scene, &options, watch)?, watch)?
+                pixels(&drawing::drawing(scene, &options, watch)?, watch)?
             }
         };
         watch.check()?;

@@ -1,11 +1,10 @@
 //! The legend of a picture: a bar with the colours of numbers, in a strip of its own at the right.
 
 use super::coat;
-use super::drawing::{Drawing, Item};
 use super::number_scale::NumberScale;
 use super::options::Options;
-use super::paint;
-use super::shading;
+use super::shading::{self, Measure};
+use crate::drawing::{Color, Drawing, Label, Weight, color_bar, pixels};
 use crate::math::parameter::{Default, Kind, Parameter, Value};
 use crate::output::error::FormatError;
 use crate::shape::attachments::Attachments;
@@ -24,12 +23,14 @@ pub(crate) const LEGEND: Parameter = Parameter {
 /// Width and height from which a picture has a legend unasked, pixels.
 /// In half of it the numbers take a third of the picture; twice of it leaves thumbnails of usual size without.
 const LEAST_PX: [u32; 2] = [320, 200];
-/// Width of the strip, in units of line width.
-const STRIP: f32 = 120.0;
-/// Width of the bar, in units of line width.
-const BAR: f32 = 20.0;
+/// Width of the strip, in units of line width: room for the longest number and what the numbers are.
+const STRIP: f32 = 132.0;
+/// Left end and width of the bar, in units of line width.
+const BAR: [f32; 2] = [8.0, 22.0];
 /// Share of the height that the bar takes.
-const TALL: f32 = 0.6;
+const TALL: f32 = 0.62;
+/// Size of the font, in units of line width, and least, pixels: below it letters cannot be read.
+const FONT: [f32; 2] = [15.0, 9.0];
 
 /// Width of the legend of a picture of a mesh that carries this, pixels; 0 without one.
 pub(super) fn width(carried: &Attachments, options: &Options<'_>) -> u32 {
@@ -40,42 +41,58 @@ pub(super) fn width(carried: &Attachments, options: &Options<'_>) -> u32 {
         _ => has_room,
     };
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a strip is some hundred pixels wide")]
-    let strip = (STRIP * options.unit_px()) as u32;
+    let strip = (STRIP / FONT[0] * font_px(options)) as u32;
     if are_numbers && is_asked { strip.min(options.size[0] / 2) } else { 0 }
 }
 
 /// The rows of a picture with a strip of `width` pixels at their right, in which the legend of a scale stands.
 pub(super) fn beside(
-    pixels: &[u8],
+    shown: &[u8],
     scale: &NumberScale,
     width: u32,
+    carried: &Attachments,
     options: &Options<'_>,
     watch: &Watch,
 ) -> Result<Vec<u8>, FormatError> {
-    let strip = paint::paint(&drawing(scale, width, options), watch)?;
-    let rows =
-        |bytes: &[u8], width: u32| bytes.chunks_exact(4 * width as usize).map(<[u8]>::to_vec).collect::<Vec<_>>();
-    let left = rows(pixels, options.size[0] - width);
+    let unit = font_px(options) / FONT[0];
+    #[expect(clippy::cast_precision_loss, reason = "pictures are bounded")]
+    let height = options.size[1] as f32;
+    let bar = [BAR[0] * unit, (0.5 * (1.0 - TALL) * height + unit * FONT[0]).floor(), BAR[1] * unit, TALL * height];
+    let table = scale.map.bytes();
+    let color = |share: f64| -> Color {
+        let x = (1.0 - share) * scale.low + share * scale.high;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place in a table")]
+        let place = (f64::from(scale.share(x)) * crate::math::functions::real(table.len() - 1) + 0.5) as usize;
+        let [r, g, b] = table[place.min(table.len() - 1)];
+        [r, g, b, 255]
+    };
+    // names of channels may hold what cannot be set
+    let label = Label::parse(&title(carried, options), Weight::Regular).ok();
+    let items = color_bar(bar, [scale.low, scale.high], color, label, unit * FONT[0]);
+    let size = [width, options.size[1]];
+    let strip = pixels(&Drawing { size, background: options.background, title: String::new(), items }, watch)?;
+    let rows = |bytes: &[u8], width: u32| -> Vec<Vec<u8>> {
+        bytes.chunks_exact(4 * width as usize).map(<[u8]>::to_vec).collect()
+    };
+    let left = rows(shown, options.size[0] - width);
     Ok(left.into_iter().zip(rows(&strip, width)).flat_map(|(left, right)| [left, right]).flatten().collect())
 }
 
-fn drawing(scale: &NumberScale, width: u32, options: &Options<'_>) -> Drawing {
-    let unit = options.unit_px();
-    #[expect(clippy::cast_precision_loss, reason = "pictures are bounded")]
-    let height = options.size[1] as f32;
-    let table = scale.map.bytes();
-    let (left, right) = (0.1 * STRIP * unit, (0.1 * STRIP + BAR) * unit);
-    let (top, rows) = ((0.5 * (1.0 - TALL) * height).floor(), (TALL * height).floor());
-    let mut items = Vec::new();
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss, reason = "rows")]
-    for row in 0..rows as u32 {
-        let down = f64::from(row) + 0.5;
-        let x = scale.high + (scale.low - scale.high) * (down / f64::from(rows));
-        let place = (scale.share(x) * (table.len() - 1) as f32 + 0.5) as usize;
-        let y = top + row as f32 + 0.5;
-        let color = table[place.min(table.len() - 1)];
-        let run = vec![[left, y], [right, y]];
-        items.push(Item::Lines { runs: vec![run], width_px: 1.0, color: [color[0], color[1], color[2], 255] });
+/// Size of the font, pixels.
+fn font_px(options: &Options<'_>) -> f32 {
+    (FONT[0] * options.unit_px()).max(FONT[1])
+}
+
+/// What the numbers are, with their unit.
+fn title(carried: &Attachments, options: &Options<'_>) -> String {
+    let unit = options.frame.unit.name();
+    match shading::measure(options.values) {
+        Some(Measure::Gaussian) => format!("Gaussian, 1/{unit}^2"),
+        Some(Measure::Mean) => format!("mean, 1/{unit}"),
+        Some(Measure::Distance) => format!("distance, {unit}"),
+        None => {
+            let name = coat::numbers_of(carried, options.values).unwrap_or_default();
+            ['\\', '_', '^', '{', '}'].iter().fold(name.to_owned(), |name, c| name.replace(*c, &format!("\\{c}")))
+        }
     }
-    Drawing { size: [width, options.size[1]], background: options.background, items }
 }

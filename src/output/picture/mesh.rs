@@ -97,7 +97,7 @@ pub(crate) fn picture(
     };
     let pixels = render(&model, &camera, options.background, size, watch)?.bytes;
     match look.as_ref().and_then(Look::scale) {
-        Some(scale) if strip > 0 => legend::beside(&pixels, &scale, strip, options, watch),
+        Some(scale) if strip > 0 => legend::beside(&pixels, &scale, strip, mesh.attachments(), options, watch),
         _ => Ok(pixels),
     }
 }

@@ -9,7 +9,7 @@ pub(super) mod mesh;
 pub(super) mod number_scale;
 pub(super) mod options;
 mod outlines;
-pub(super) mod paint;
 pub(super) mod sections;
 pub(super) mod shading;
 mod skin;
+pub(super) mod vector;
