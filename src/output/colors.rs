@@ -42,6 +42,15 @@ pub(super) fn scale(t: f64) -> [f32; 3] {
     lab(22.0 + 69.0 * t, 44.0 * (1.0 - 1.9 * t * (1.0 - t)), 300.0 - 205.0 * t)
 }
 
+/// The colour of a number with a sign, from 0 (blue) over a half (pale, for none) to 1 (red), in linear light.
+///
+/// In CIELAB, with s from -1 to 1, `L = 94 - 50 |s|`, `C = 64 |s|`, `h` 285 degrees below and 30 above: both sides
+/// grow alike, and stay apart for who cannot tell red from green.
+pub(super) fn signed(t: f64) -> [f32; 3] {
+    let s = 2.0 * within(t) - 1.0;
+    lab(94.0 - 50.0 * s.abs(), 64.0 * s.abs(), if s < 0.0 { 285.0 } else { 30.0 })
+}
+
 /// The colour of the thing with this number among others, in linear light: hues a golden angle apart, of two
 /// lightnesses.
 pub(super) fn mark(number: usize) -> [f32; 3] {

@@ -16,6 +16,9 @@ pub(super) struct Curvatures {
     /// Mean curvature, half the sum of the principal ones, 1 / model units: positive where the surface bends away from
     /// its normal, as a sphere does whose normals point outwards.
     pub(super) mean: Vec<f64>,
+    /// Area of the faces around each vertex as it is seen along its normal, in units of a power of two that is near
+    /// half the longest side of the mesh squared; 0 where nothing defines a curvature.
+    pub(super) areas: Vec<f64>,
 }
 
 /// Twice the area, in units of half the longest side of the mesh squared, from which the faces around a vertex define a
@@ -60,7 +63,9 @@ pub(super) fn curvatures(
     let of_all = |sums: &[[f64; 3]], unit: f64| -> Vec<f64> {
         sums.par_iter().enumerate().map(|(v, sum)| over_area(v, sum, unit)).collect()
     };
-    let mut found = Curvatures { gaussian: of_all(&image, scale * scale), mean: of_all(&mixed, scale) };
+    let areas = area.par_iter().zip(unit_normals).map(|(area, n)| dot(*area, *n));
+    let areas = areas.map(|area| if area > LEAST_AREA { area } else { 0.0 }).collect();
+    let mut found = Curvatures { gaussian: of_all(&image, scale * scale), mean: of_all(&mixed, scale), areas };
     drop((area, mixed, image));
     let ends = Ends::of(mesh, watch)?;
     for values in [&mut found.gaussian, &mut found.mean] {
@@ -135,5 +140,5 @@ fn each_face(mesh: &dyn MeshSource, watch: &Watch, mut each: impl FnMut(&[u32]))
     })
 }
 
-/// Bytes of memory a vertex: three sums while they are made, then both curvatures, what ends, and what is put there.
-pub(super) const VERTEX_BYTES: u128 = 3 * 24 + 2 * 8 + 4 + 1 + 4 + 8 + 16;
+/// Bytes of memory a vertex: three sums while they are made, then both curvatures, areas, what ends, and what is put there.
+pub(super) const VERTEX_BYTES: u128 = 3 * 24 + 3 * 8 + 4 + 1 + 4 + 8 + 16;

@@ -41,12 +41,12 @@ pub struct Stripes {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pattern {
     /// `count` dark bands between the axis `a` and its opposite, equally high in `r . a`: dark where
-    /// `count (1 + r . a)`, rounded down, is odd.
+    /// `count (1 + r . a) + 1 / 2`, rounded down, is odd. Both ends are in the middle of light bands.
     Zebra,
     /// The mirror images of `count` thin strips of light around half of the axis, which they are parallel to, far away:
     /// at equal steps of the angle of `r` around the axis, each a fifth of a step wide.
     ReflectionLines,
-    /// Lines of equal `n . a`, at `count` equal steps from 0 to 1 and from 0 to -1.
+    /// Lines of equal `n . a`: 0 and the steps of `1 / count` on both sides of it, without the ends 1 and -1.
     Isophotes,
 }
 
@@ -138,7 +138,7 @@ impl Finisher {
         let twice = 2.0 * dot(n, ray);
         let mirrored: Vec3f = std::array::from_fn(|k| ray[k] - twice * n[k]);
         if stripes.pattern == Pattern::Zebra {
-            return stripes.count * (1.0 + dot(mirrored, self.axes[0]));
+            return stripes.count * (1.0 + dot(mirrored, self.axes[0])) + 0.5;
         }
         let [x, y] = [dot(mirrored, self.axes[1]), dot(mirrored, self.axes[2])].map(f64::from);
         stripes.count * (atan2(x, y) / std::f64::consts::PI) as f32
@@ -165,8 +165,9 @@ impl Finisher {
         let warm = [1.06, 0.99, 0.93];
         let cool = [0.16, 0.20, 0.29];
         std::array::from_fn(|k| {
-            let diffuse = 0.10 + 0.98 * key * key * warm[k] + fill * cool[k];
-            (color[k] * diffuse * (1.0 - 0.55 * rim) + 0.16 * spot + 0.05 * rim * fill).min(1.0)
+            let diffuse = 0.15 + 1.12 * key * key * warm[k] + fill * cool[k];
+            let matt = color[k] * diffuse * (1.0 - 0.45 * rim);
+            matt + (0.22 * spot + 0.10 * rim * fill) * positive(1.0 - matt)
         })
     }
 }
@@ -190,7 +191,8 @@ impl Stripes {
                 }
             }
             Pattern::Isophotes => {
-                let off = (at - (at + 0.5).floor()).abs();
+                let last = self.count - 1.0;
+                let off = (at - (at + 0.5).floor().clamp(-last, last)).abs();
                 let off_px = if wide > 1e-6 { off / wide } else { off * 1e6 };
                 let line = (0.5 * self.width_px + 0.5 - off_px).clamp(0.0, 1.0);
                 // where steps are narrower than two lines, what is dark of them on average

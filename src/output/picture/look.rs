@@ -25,6 +25,10 @@ const SURFACE: [u8; 4] = [112, 160, 222, 255];
 /// Half of it shows what rounding to f32 does to flat meshes of 100 vertices a side, twice of it hides faint bulges.
 const FLAT: f64 = 1e-3;
 
+/// Distances that count as none, in half the longest side of the mesh: ten times what rounding to f32 moves a point.
+/// Half of it and twice of it differ for meshes of single precision only, where the picture shows the roundings.
+const SAME: f64 = 1e-6;
+
 /// A surface as it is to be shown.
 #[derive(Debug)]
 pub(super) struct Look {
@@ -82,7 +86,7 @@ fn by_curvature(
         Measure::Gaussian => (found.gaussian, flat * flat),
         _ => (found.mean, flat),
     };
-    let scale = NumberScale::new(options, ColorMap::SIGNED, || symmetric(&numbers, least));
+    let scale = NumberScale::new(options, ColorMap::SIGNED, || symmetric(&numbers, &found.areas, least));
     Ok(Coat::numbers(&numbers, scale))
 }
 
@@ -99,7 +103,9 @@ fn by_distance(
     let mut distances = Triangles::of(control, corners.rows(), watch)?.distances(positions, watch)?;
     // where the net has no faces there is no distance
     distances.iter_mut().filter(|distance| !distance.is_finite()).for_each(|distance| *distance = 0.0);
-    let scale = NumberScale::new(options, ColorMap::VIRIDIS, || [0.0, extent(&distances)[1]]);
+    // what is less comes of rounding
+    let least = SAME / normals::scale(positions);
+    let scale = NumberScale::new(options, ColorMap::VIRIDIS, || [0.0, extent(&distances)[1].max(least)]);
     Ok(Coat::numbers(&distances, scale))
 }
 
@@ -125,13 +131,13 @@ pub(crate) fn memory(options: &Values, vertices: u128, counts: &Counts) -> u128 
     let lines = if shading::is_drawing(options) { counts.half_edges.saturating_mul(outlines::CORNER_BYTES) } else { 0 };
     lines
         + match shading::measure(options) {
-            // the numbers, and a copy of them to find their range
+            // numbers and their shares
             Some(Measure::Distance) => {
                 // a mesh has fewer triangles than sides of edges
                 let net = (counts.input_edges as u128).saturating_mul(2 * nearest::TRIANGLE_BYTES);
                 vertices.saturating_mul(8 + 4).saturating_add(net).saturating_add(counts.control.saturating_mul(24))
             }
-            Some(_) => vertices.saturating_mul(mesh_curvature::VERTEX_BYTES + 8 + 4),
+            Some(_) => vertices.saturating_mul(mesh_curvature::VERTEX_BYTES + 16 + 4),
             None => 0,
         }
 }

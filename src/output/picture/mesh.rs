@@ -91,7 +91,11 @@ pub(crate) fn picture(
     let model = Model {
         positions: &positions,
         triangles: &triangles,
-        normals: if options.flat() { Normals::Triangles(&flat) } else { Normals::Vertices(&smooth) },
+        normals: match (drawn, options.flat()) {
+            (true, _) => Normals::Planes,
+            (_, true) => Normals::Triangles(&flat),
+            _ => Normals::Vertices(&smooth),
+        },
         surface: look.as_ref().map_or(Surface::Unseen, Look::surface),
         strokes: &strokes,
     };

@@ -39,7 +39,7 @@ pub(crate) const STRIPES: Parameter = Parameter {
     default: Default::Absent,
     doc: "How many stripes shading zebra, reflection-lines and isophotes shows: dark bands from one end of their axis \
           to the other, strips of light around half of it, lines between the angles of 90 and 0 degrees. Left out, \
-          14, 18 and 12.",
+          12, 18 and 12.",
 };
 
 /// More would be finer than the pixels of the largest pictures.
@@ -65,7 +65,7 @@ const DISTANCE: &str = "distance";
 
 /// Patterns, and how many stripes each has when nothing is said.
 const PATTERNS: [(&str, Pattern, u8); 3] = [
-    (ZEBRA, Pattern::Zebra, 14),
+    (ZEBRA, Pattern::Zebra, 12),
     (REFLECTION_LINES, Pattern::ReflectionLines, 18),
     (ISOPHOTES, Pattern::Isophotes, 12),
 ];

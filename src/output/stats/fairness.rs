@@ -2,27 +2,26 @@
 
 use serde_json::{Value, json};
 
-use crate::math::functions::{atan2, real};
+use crate::math::functions::atan2;
 use crate::math::vector::{cross, dot, length, mean};
 use crate::output::error::FormatError;
 use crate::output::hard_edges::{self, HardEdges};
 use crate::output::mesh_curvature::{self, curvatures};
 use crate::output::normals;
 use crate::output::positions::Positions;
-use crate::output::scene::{FaceChunk, MeshSource, Shape, in_chunks};
+use crate::output::scene::{MeshSource, Shape};
 use crate::output::split_vertices::SplitVertices;
-use crate::watch::{Stopped, Watch};
+use crate::watch::Watch;
 
 /// Bytes of memory a vertex and a corner: curvatures and how much each vertex counts; edges with normals of their
 /// faces, of which there are fewer than a third of the corners.
-pub(super) const BYTES: [u128; 2] = [mesh_curvature::VERTEX_BYTES + 8, 12 + 24 / 3];
+pub(super) const BYTES: [u128; 2] = [mesh_curvature::VERTEX_BYTES, 12 + 24 / 3];
 
 /// Most bytes of the entries.
 pub(super) const LENGTH: u128 = 1_024;
 
 /// Adds the entries to a report: `curvature`, where `gaussian` and `mean` have the least and the greatest value among
-/// the vertices with their places and the mean over the surface (a vertex counts as its share of the area of its
-/// faces), and `normal_jump`, the largest angle between the normals of two faces at an edge, the ends of that edge and
+/// the vertices with their places and the mean over the surface (a vertex counts as the area of its faces), and `normal_jump`, the largest angle between the normals of two faces at an edge, the ends of that edge and
 /// its middle; null where no edge has two faces.
 pub(super) fn add(found: &mut Value, mesh: &dyn MeshSource, watch: &Watch) -> Result<(), FormatError> {
     let split = SplitVertices::of(Shape::Mesh(mesh), &HardEdges::default(), watch)?;
@@ -31,31 +30,12 @@ pub(super) fn add(found: &mut Value, mesh: &dyn MeshSource, watch: &Watch) -> Re
     let rows = positions.rows();
     let unit_normals = normals::of(sides, rows, watch)?;
     let bends = curvatures(sides, rows, &unit_normals, watch)?;
-    let shares = shares(sides, rows, watch)?;
     found["curvature"] = json!({
-        "gaussian": range(&bends.gaussian, &shares, rows),
-        "mean": range(&bends.mean, &shares, rows),
+        "gaussian": range(&bends.gaussian, &bends.areas, rows),
+        "mean": range(&bends.mean, &bends.areas, rows),
     });
     found["normal_jump"] = jump(mesh, rows, watch)?;
     Ok(())
-}
-
-/// For each vertex the sum of the areas of its faces, each divided by their number of corners; model units of the
-/// scale squared.
-fn shares(mesh: &dyn MeshSource, rows: &[[f64; 3]], watch: &Watch) -> Result<Vec<f64>, Stopped> {
-    let scale = normals::scale(rows);
-    let mut shares = vec![0.0; mesh.n_vertices()];
-    let mut chunk = FaceChunk::default();
-    in_chunks(mesh.n_faces(), |range| {
-        watch.check()?;
-        mesh.faces(range, &mut chunk);
-        for face in chunk.iter() {
-            let share = length(normals::area_vector(face, rows, scale)) / real(face.len());
-            face.iter().for_each(|&v| shares[v as usize] += share);
-        }
-        Ok(())
-    })?;
-    Ok(shares)
 }
 
 /// The range of numbers of vertices; of those that count for nothing there is none.
