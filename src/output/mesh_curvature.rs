@@ -76,8 +76,13 @@ pub(super) fn curvatures(
 
 /// Twice the mixed area vector of a face and the polygon of its normals, of positions multiplied by `scale`.
 fn mixed_area(face: &[u32], positions: &[[f64; 3]], unit_normals: &[[f64; 3]], scale: f64) -> [f64; 3] {
-    let spoke = |rows: &[[f64; 3]], v: u32| minus(rows[v as usize], rows[face[0] as usize]);
-    let both = |v: u32| [times(scale, spoke(positions, v)), spoke(unit_normals, v)];
+    let first = face[0] as usize;
+    let both = |v: u32| {
+        let v = v as usize;
+        // scaled first, so that no difference overflows
+        let spoke = minus(times(scale, positions[v]), times(scale, positions[first]));
+        [spoke, minus(unit_normals[v], unit_normals[first])]
+    };
     let mut sum = [0.0; 3];
     let [mut p, mut n] = both(face[1]);
     for &v in &face[2..] {

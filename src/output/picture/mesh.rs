@@ -76,10 +76,10 @@ pub(crate) fn picture(
         strokes.push(Strokes { crowding: Crowding::Fade, ..line(&positions[..], &wires[..], 1.3, WIRE) });
     }
     if shows("isolines") {
-        strokes.push(line(&positions, &isolines, if drawn { 1.1 } else { 2.2 }, WIRE));
+        strokes.push(line(&positions, &isolines, if drawn { 1.2 } else { 2.2 }, WIRE));
     }
     if drawn {
-        strokes.push(line(&positions, &outlines, 2.6, WIRE));
+        strokes.push(line(&positions, &outlines, 3.2, WIRE));
     }
     if shows("control") {
         strokes.push(line(&net.positions, &net.edges, thin, CONTROL));
