@@ -51,7 +51,7 @@ mod vertex_sums;
 pub use counts::{Counts, ShapeKind};
 pub use error::FormatError;
 pub use format::{Content, Details, Format, FormatFacts};
-pub use options::{LIMIT, POSITIONS, TANGENTS};
+pub use options::{DIRECTIONS, LIMIT, POSITIONS, TANGENTS};
 pub use size::Size;
 
 /// Every format, in the order of the documentation.

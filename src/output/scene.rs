@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use crate::math::parameter::Values;
 pub use crate::shape::frame::Frame;
+use crate::shape::mesh::Mesh;
 pub use crate::shape::source::{Curve, FaceChunk, MeshSource, OnDemandSource, Origin};
 
 /// Rows that one chunk holds at most; writers ask for ranges no longer than this.
@@ -40,6 +41,11 @@ pub struct Detail<'a> {
 pub trait Control: fmt::Debug + Sync {
     /// The shape.
     fn shape(&self) -> Shape<'_>;
+
+    /// The mesh of the input with its tags, where it is one.
+    fn mesh(&self) -> Option<&Mesh> {
+        None
+    }
 }
 
 impl Control for Shape<'_> {

@@ -3,6 +3,7 @@
 pub(super) mod coat;
 pub(super) mod drawing;
 pub(super) mod forecast;
+pub(super) mod lines;
 pub(super) mod mesh;
 pub(super) mod options;
 pub(super) mod paint;
