@@ -17,8 +17,9 @@ use crate::output::picture::options::{
     self, BACKGROUND, CAMERA, COLOR, CONTROL_COLOR, DPI, GROUNDING, HEIGHT, LINE_WIDTH, Options, POINT_COLOR, QUALITY,
     WIDTH, WIRE_COLOR,
 };
+use crate::output::picture::outline::{self, Outline};
 use crate::output::picture::{forecast, lines, mesh, paint};
-use crate::output::scene::{Scene, Shape};
+use crate::output::scene::{Frame, Scene, Shape};
 use crate::output::size::Size;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
@@ -144,6 +145,10 @@ impl Format for Png {
     fn work(&self, mesh: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
         let drawn = mesh.map_or(0, |mesh| forecast::work(mesh, counts, &Options::new(options, counts.frame)));
         drawn.saturating_add(coat::work(&counts.attachments, options))
+    }
+
+    fn side_px(&self, outline: &Outline, frame: Frame, options: &Values) -> Option<f64> {
+        Some(outline::side_px(outline, &Options::new(options, frame)))
     }
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {

@@ -10,8 +10,9 @@ use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::options::POSITIONS;
 use crate::output::picture::drawing::{Drawing, Item};
 use crate::output::picture::options::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH};
+use crate::output::picture::outline::{self, Outline};
 use crate::output::picture::sections;
-use crate::output::scene::{Scene, Shape};
+use crate::output::scene::{Frame, Scene, Shape};
 use crate::output::sections::{SECTIONS, asked, planes};
 use crate::output::size::Size;
 use crate::output::surface::NORMALS;
@@ -96,6 +97,10 @@ impl Format for Svg {
             ShapeKind::Curves { .. } => counts.vertices.saturating_add(counts.control).saturating_add(counts.polygons),
         };
         Size::AtMost(points.saturating_mul(160).saturating_add(2048))
+    }
+
+    fn side_px(&self, outline: &Outline, frame: Frame, options: &Values) -> Option<f64> {
+        Some(outline::side_px(outline, &Options::new(options, frame)))
     }
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {

@@ -42,7 +42,7 @@ const DARK: [f32; 2] = [0.42, 0.34];
 const SOLE: f64 = 0.03;
 /// A model lower than this share of its longer side is a sheet.
 const SHEET: f64 = 0.05;
-/// By this share of half its longer side the middle has to be inside what the model stands on.
+/// By this share of half its longer side the centre has to be inside what the model stands on.
 const FIRM: f64 = 0.01;
 /// Directions in which it is asked how far the ground is touched.
 /// Half of it takes corners of a triangle of feet for sides, twice of it takes twice as long.
@@ -179,7 +179,24 @@ impl Frame {
         self.axes.map(|axis| dot(axis, from) / self.half)
     }
 
-    /// Whether the middle of the model is over the hull of what touches the ground.
+    /// The centre of the surface on the ground: the mean of the centres of its triangles, weighted by their areas, added
+    /// up in parts whose borders depend on the number of triangles only.
+    fn centre(&self, model: &Model<'_>) -> [f64; 2] {
+        let of = |list: &[[u32; 3]]| {
+            list.iter().filter_map(|&triangle| corners(model, triangle)).fold([0.0; 3], |sum, corners| {
+                let [a, b, c] = corners.map(|p| self.place(p));
+                let across = cross(minus(b, a), minus(c, a));
+                let area = dot(across, across).sqrt();
+                let third = area / 3.0;
+                [sum[0] + third * (a[0] + b[0] + c[0]), sum[1] + third * (a[1] + b[1] + c[1]), sum[2] + area]
+            })
+        };
+        let parts: Vec<Vector> = model.triangles.par_chunks(PART).map(of).collect();
+        let [x, y, area] = parts.into_iter().fold([0.0; 3], plus);
+        if area > 0.0 { [x / area, y / area] } else { [0.0; 2] }
+    }
+
+    /// Whether the centre of the surface is over the hull of what touches the ground.
     fn is_stood_on(&self, model: &Model<'_>) -> bool {
         if self.height < SHEET * 2.0 * self.half {
             return false;
@@ -189,10 +206,15 @@ impl Frame {
         let none = [f64::NEG_INFINITY; DIRECTIONS];
         let join = |a: [f64; DIRECTIONS], b: [f64; DIRECTIONS]| std::array::from_fn(|k| a[k].max(b[k]));
         let sole = SOLE * self.height / self.half;
+        let [x, y] = self.centre(model);
+        let beside = |p: &Vector| [p[0] - x, p[1] - y];
         let of = |list: &[[u32; 3]]| {
             let corners = list.iter().filter_map(|&triangle| corners(model, triangle)).flatten();
             let touching = corners.map(|p| self.place(p)).filter(|p| p[2] <= sole);
-            touching.fold(none, |far, p| join(far, directions.map(|[x, y]| p[0] * x + p[1] * y)))
+            touching.fold(none, |far, p| {
+                let [right, ahead] = beside(&p);
+                join(far, directions.map(|[x, y]| right * x + ahead * y))
+            })
         };
         let far = model.triangles.par_chunks(PART).map(of).reduce(|| none, join);
         far.iter().all(|&far| far > FIRM)

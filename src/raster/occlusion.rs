@@ -40,7 +40,7 @@ const TURNS: usize = 16;
 const LEAST_SINE: f32 = 0.12;
 /// What is taken of the light where every place asked stands upright beside.
 /// It is a choice of looks: at half of it hollows hardly show, twice of it makes them black.
-const STRENGTH: f32 = 1.25;
+const STRENGTH: f32 = 2.2;
 /// Least share of light that is left.
 const LEAST_OPEN: f32 = 0.3;
 

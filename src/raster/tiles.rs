@@ -34,8 +34,8 @@ pub struct Look {
 pub enum Ground {
     /// Never.
     None,
-    /// Where the model stands on the ground: the middle of its box is over the hull of what is near the ground, and it
-    /// is no flat sheet.
+    /// Where the model stands on the ground: the centre of its surface is over the hull of what is near the ground, and
+    /// it is no flat sheet.
     Stood,
     /// Always.
     Always,

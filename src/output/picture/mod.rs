@@ -6,6 +6,7 @@ pub(super) mod forecast;
 pub(super) mod lines;
 pub(super) mod mesh;
 pub(super) mod options;
+pub(super) mod outline;
 pub(super) mod paint;
 pub(super) mod sections;
 mod skin;

@@ -66,9 +66,9 @@ pub(crate) const GROUNDING: Parameter = Parameter {
     unit: "",
     default: Default::Text("auto"),
     doc: "Less light in hollows (\"occlusion\"), and with it a soft shadow on the ground, the level plane through the \
-          lowest point (\"shadow\"). \"auto\" is \"occlusion\", and \"shadow\" where the model stands: the middle of \
-          its box is over the hull of what is near the ground, and it is no flat sheet. The ground is only seen from \
-          above.",
+          lowest point (\"shadow\"). \"auto\" is \"occlusion\", and \"shadow\" where the model stands: the centre of \
+          its surface is over the hull of what is near the ground, and it is no flat sheet. The ground is only seen \
+          from above.",
 };
 
 /// How large the picture is on paper.
