@@ -62,6 +62,8 @@ pub struct Strokes<'a> {
     pub color: [u8; 4],
     /// What happens when lines stand closer than they are wide.
     pub crowding: Crowding,
+    /// How much of their colour is seen where the surface hides them, 0 to 1.
+    pub hidden: f32,
 }
 
 /// What happens when lines stand closer than they are wide.

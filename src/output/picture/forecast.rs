@@ -1,6 +1,6 @@
 //! What a picture of a mesh will take to draw, told by where the input stands in it.
 
-use super::mesh;
+use super::lines;
 use super::options::Options;
 use crate::output::counts::Counts;
 use crate::raster::{Camera, Forecast};
@@ -14,8 +14,7 @@ const CORNERS_A_ROW: u128 = 2;
 /// Rows of a table, 100 ns each. The refined mesh covers about what the input does, face by face, as both are framed
 /// alike.
 pub(crate) fn work(input: &Mesh, counts: &Counts, options: &Options<'_>) -> u128 {
-    let shows = |item| mesh::shows(options, item);
-    if !(shows("surface") || shows("wireframe") || shows("isolines")) {
+    if !lines::shows_body(options) {
         return 0;
     }
     let topology = &input.topology;

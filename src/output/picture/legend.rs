@@ -1,24 +1,14 @@
 //! The legend of a picture: a bar with the colours of numbers, in a strip of its own at the right.
 
 use super::coat;
-use super::number_scale::NumberScale;
+use super::number_scale::{LEGEND, NumberScale};
 use super::options::Options;
 use super::shading::{self, Measure};
 use crate::drawing::{Color, Drawing, Label, Weight, color_bar, pixels};
-use crate::math::parameter::{Default, Kind, Parameter, Value};
+use crate::math::parameter::Value;
 use crate::output::error::FormatError;
 use crate::shape::attachments::Attachments;
 use crate::watch::Watch;
-
-/// Whether there is a legend.
-pub(crate) const LEGEND: Parameter = Parameter {
-    name: "legend",
-    kind: Kind::Flag,
-    unit: "",
-    default: Default::Absent,
-    doc: "Whether a bar at the right says which colour stands for which number. Left out, it does where colours are \
-          numbers and the picture is at least 320 x 200 pixels.",
-};
 
 /// Width and height from which a picture has a legend unasked, pixels.
 /// In half of it the numbers take a third of the picture; twice of it leaves thumbnails of usual size without.
@@ -71,11 +61,13 @@ pub(super) fn beside(
     let items = color_bar(bar, [scale.low, scale.high], color, label, unit * FONT[0]);
     let size = [width, options.size[1]];
     let strip = pixels(&Drawing { size, background: options.background, title: String::new(), items }, watch)?;
-    let rows = |bytes: &[u8], width: u32| -> Vec<Vec<u8>> {
-        bytes.chunks_exact(4 * width as usize).map(<[u8]>::to_vec).collect()
-    };
-    let left = rows(shown, options.size[0] - width);
-    Ok(left.into_iter().zip(rows(&strip, width)).flat_map(|(left, right)| [left, right]).flatten().collect())
+    let [left, right] = [options.size[0] - width, width].map(|width| 4 * width as usize);
+    let mut all = Vec::with_capacity(shown.len() + strip.len());
+    for (shown, strip) in shown.chunks_exact(left).zip(strip.chunks_exact(right)) {
+        all.extend_from_slice(shown);
+        all.extend_from_slice(strip);
+    }
+    Ok(all)
 }
 
 /// Size of the font, pixels.

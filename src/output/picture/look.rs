@@ -1,9 +1,9 @@
 //! What the surface of a picture looks like: its colours, its finish, and the numbers that its colours stand for.
 
 use super::coat::{self, Coat};
+use super::contours;
 use super::number_scale::{NumberScale, extent, symmetric};
 use super::options::Options;
-use super::outlines;
 use super::shading::{self, Measure};
 use crate::math::parameter::Values;
 use crate::output::color_maps::ColorMap;
@@ -38,12 +38,12 @@ pub(super) struct Look {
 }
 
 impl Look {
-    /// That of a mesh of these positions and normals, which differs from the shape of the scene in that some of its
+    /// That of a mesh of these positions, which differs from the shape of the scene in that some of its
     /// vertices are split.
     pub(super) fn of(
         scene: &Scene<'_>,
         mesh: &dyn MeshSource,
-        [positions, unit_normals]: [&[[f64; 3]]; 2],
+        positions: &[[f64; 3]],
         options: &Options<'_>,
         camera: &Camera,
         watch: &Watch,
@@ -52,7 +52,7 @@ impl Look {
         let finish = shading::finish(options, camera.right());
         let coat = match (shading::measure(options.values), finish) {
             (Some(Measure::Distance), _) => by_distance(scene, positions, options.values, watch)?,
-            (Some(measure), _) => by_curvature(measure, mesh, [positions, unit_normals], options.values, watch)?,
+            (Some(measure), _) => by_curvature(measure, mesh, positions, options.values, watch)?,
             (None, Some(_)) => Coat::Plain(color),
             (None, None) => Coat::of(mesh, options, color, watch)?,
         };
@@ -76,11 +76,11 @@ impl Look {
 fn by_curvature(
     measure: Measure,
     mesh: &dyn MeshSource,
-    [positions, unit_normals]: [&[[f64; 3]]; 2],
+    positions: &[[f64; 3]],
     options: &Values,
     watch: &Watch,
 ) -> Result<Coat, FormatError> {
-    let found = curvatures(mesh, positions, unit_normals, watch)?;
+    let found = curvatures(mesh, positions, watch)?;
     let flat = FLAT * normals::scale(positions);
     let (numbers, least) = match measure {
         Measure::Gaussian => (found.gaussian, flat * flat),
@@ -127,17 +127,20 @@ pub(crate) fn work(options: &Values, counts: &Counts, pixels: u128) -> u128 {
 }
 
 /// Bytes of memory for the numbers of so many vertices, besides those for their shares.
-pub(crate) fn memory(options: &Values, vertices: u128, counts: &Counts) -> u128 {
-    let lines = if shading::is_drawing(options) { counts.half_edges.saturating_mul(outlines::CORNER_BYTES) } else { 0 };
-    lines
-        + match shading::measure(options) {
-            // numbers and their shares
-            Some(Measure::Distance) => {
-                // a mesh has fewer triangles than sides of edges
-                let net = (counts.input_edges as u128).saturating_mul(2 * nearest::TRIANGLE_BYTES);
-                vertices.saturating_mul(8 + 4).saturating_add(net).saturating_add(counts.control.saturating_mul(24))
-            }
-            Some(_) => vertices.saturating_mul(mesh_curvature::VERTEX_BYTES + 16 + 4),
-            None => 0,
+pub(crate) fn memory(options: &Values, vertices: u128, pixels: u128, counts: &Counts) -> u128 {
+    let lines = if shading::is_drawing(options) { counts.half_edges.saturating_mul(contours::CORNER_BYTES) } else { 0 };
+    // the picture without its legend, and the legend, twice
+    let legend = if are_numbers(&counts.attachments, options) { pixels.saturating_mul(8) } else { 0 };
+    let numbers = match shading::measure(options) {
+        // numbers and their shares, and the tree
+        Some(Measure::Distance) => {
+            // a mesh has fewer triangles than sides of edges
+            let net = (counts.input_edges as u128).saturating_mul(2 * nearest::TRIANGLE_BYTES);
+            vertices.saturating_mul(8 + 4).saturating_add(net).saturating_add(counts.control.saturating_mul(24))
         }
+        // and what their range is found in
+        Some(_) => vertices.saturating_mul(mesh_curvature::VERTEX_BYTES + 16 + 4),
+        None => 0,
+    };
+    lines.saturating_add(legend).saturating_add(numbers)
 }

@@ -1,14 +1,16 @@
 //! Pictures: what the formats that draw have in common.
 
 pub(super) mod coat;
+mod contours;
 pub(super) mod drawing;
 pub(super) mod forecast;
 pub(super) mod legend;
+pub(super) mod lines;
 pub(super) mod look;
 pub(super) mod mesh;
 pub(super) mod number_scale;
 pub(super) mod options;
-mod outlines;
+pub(super) mod outline;
 pub(super) mod sections;
 pub(super) mod shading;
 mod skin;

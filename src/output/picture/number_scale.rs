@@ -19,6 +19,16 @@ pub(crate) const RANGE: Parameter = Parameter {
           to the largest; of channels the least to the greatest.",
 };
 
+/// Whether there is a legend.
+pub(crate) const LEGEND: Parameter = Parameter {
+    name: "legend",
+    kind: Kind::Flag,
+    unit: "",
+    default: Default::Absent,
+    doc: "Whether a bar at the right says which colour stands for which number. Left out, it does where colours are \
+          numbers and the picture is at least 320 x 200 pixels.",
+};
+
 /// Share of the surface whose curvature is within the range that is found for it.
 /// Curvature grows without bound towards extraordinary vertices of many schemes, and is large on small details: at
 /// 97.5 % these pale the rest of meshes with details, at 90 % a tenth of all surfaces has the colours of the ends.
@@ -85,7 +95,7 @@ pub(super) fn extent(numbers: &[f64]) -> [f64; 2] {
 
 /// Refuses a range, a map or a legend where colours are no numbers, and ranges that are none.
 pub(crate) fn check(options: &Values, are_numbers: bool) -> Result<(), Fault> {
-    for option in [RANGE.name, COLOR_MAP.name, super::legend::LEGEND.name] {
+    for option in [RANGE.name, COLOR_MAP.name, LEGEND.name] {
         if !are_numbers && *options.get(option) != Value::Absent {
             let detail = "colours are numbers under \"shading\" gaussian-curvature, mean-curvature and distance, and \
                           where \"color_by\" shows one component of a channel; leave it out";

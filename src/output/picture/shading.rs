@@ -4,6 +4,7 @@ use super::options::Options;
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
 use crate::output::counts::ShapeKind;
+use crate::output::options::ISOLINES;
 use crate::raster::{Finish, Pattern, Stripes};
 
 /// How a surface is shown.
@@ -95,6 +96,14 @@ pub(super) fn measure(options: &Values) -> Option<Measure> {
     }
 }
 
+/// What pictures of meshes show when nothing is said, and what a drawing of lines shows.
+const DEFAULT_SHOW: [&[&str]; 2] = [&["surface"], &["surface", ISOLINES]];
+
+/// Whether a picture of a mesh shows something.
+pub(super) fn shows(options: &Options<'_>, item: &str) -> bool {
+    options.shows(item, DEFAULT_SHOW[usize::from(is_drawing(options.values))])
+}
+
 /// Whether the surface is a drawing of its lines.
 pub(super) fn is_drawing(options: &Values) -> bool {
     options.choice(SHADING.name) == Some(HIDDEN_LINE)
@@ -158,11 +167,6 @@ pub(crate) fn check(kind: ShapeKind, options: &Values) -> Result<(), Fault> {
     }
     if (measure(options).is_some() || shading == "normals") && options.color("color").is_some() {
         return Err(Fault::new("/color", format!("the colours of \"{shading}\" are numbers; leave it out")));
-    }
-    if [Some(Measure::Gaussian), Some(Measure::Mean)].contains(&measure(options))
-        && options.choice("normals") == Some("none")
-    {
-        return Err(Fault::new("/normals", "curvature is how normals turn; ask for \"area\" or \"limit\""));
     }
     for option in [STRIPES, STRIPE_DIRECTION] {
         if pattern(options).is_none() && *options.get(option.name) != Value::Absent {

@@ -7,7 +7,6 @@ use crate::math::vector::{cross, dot, length, mean};
 use crate::output::error::FormatError;
 use crate::output::hard_edges::{self, HardEdges};
 use crate::output::mesh_curvature::{self, curvatures};
-use crate::output::normals;
 use crate::output::positions::Positions;
 use crate::output::scene::{MeshSource, Shape};
 use crate::output::split_vertices::SplitVertices;
@@ -28,8 +27,7 @@ pub(super) fn add(found: &mut Value, mesh: &dyn MeshSource, watch: &Watch) -> Re
     let sides = split.as_ref().map_or(mesh, |split| split);
     let positions = Positions::of_mesh(sides).held(watch)?;
     let rows = positions.rows();
-    let unit_normals = normals::of(sides, rows, watch)?;
-    let bends = curvatures(sides, rows, &unit_normals, watch)?;
+    let bends = curvatures(sides, rows, watch)?;
     found["curvature"] = json!({
         "gaussian": range(&bends.gaussian, &bends.areas, rows),
         "mean": range(&bends.mean, &bends.areas, rows),

@@ -2,19 +2,19 @@
 
 use rayon::prelude::*;
 
-use super::mesh::each_face;
 use crate::output::normals;
-use crate::output::scene::MeshSource;
+use crate::output::scene::{MeshSource, each_face};
 use crate::raster::Camera;
 use crate::shape::topology::index;
 use crate::watch::{Stopped, Watch};
 
-/// Bytes of memory a corner of the mesh: a side of an edge (12), and half of an edge as it is drawn (measured: 52).
-pub(crate) const CORNER_BYTES: u128 = 12 + 26 + 1;
+/// Bytes of memory a corner of the mesh: a side of an edge (12), half of an edge as it is drawn (measured:
+/// 52), a face, and a share of the edges of the input, which are drawn too.
+pub(crate) const CORNER_BYTES: u128 = 12 + 26 + 1 + 10;
 
 /// The edges of a mesh that are drawn: those of one face, or of more than two, those `hard` (the lower end first,
 /// ascending), and those between a face whose outside the camera sees and one whose inside it would see.
-pub(super) fn outlines(
+pub(super) fn contours(
     mesh: &dyn MeshSource,
     positions: &[[f64; 3]],
     hard: &[[u32; 2]],
