@@ -23,6 +23,7 @@ pub mod query;
 pub mod read;
 mod report;
 mod schema;
+pub mod surface_analysis;
 pub mod text;
 mod variants;
 pub mod weld;
