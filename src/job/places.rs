@@ -17,7 +17,7 @@ pub(super) fn add_places(job: &Job, forecast: &mut Forecast, cap: u128, watch: &
         let places = forecast::of_mesh(net, job.steps(), cap, watch)?;
         let levels = forecast.levels.iter_mut().zip(&places.levels).chain([(&mut forecast.peak, &places.peak)]);
         levels.for_each(|(count, places)| *slot(count) = slot(count).saturating_add(places.vertices));
-        Ok(places.work)
+        Ok::<_, ForecastError>(places.work)
     };
     let (mut work, mut n) = (0_u128, 0);
     for places in mesh.attachments.places() {
