@@ -185,7 +185,10 @@ fn fill(
         }
         missing = rest;
     }
-    missing.into_iter().map(|v| &mut values[v as usize]).filter(|x| x.is_nan()).for_each(|x| *x = 0.0);
+    for v in missing {
+        let own = values[v as usize];
+        values[v as usize] = if own.is_nan() { 0.0 } else { own };
+    }
     Ok(())
 }
 
