@@ -186,8 +186,10 @@ fn fill(
         missing = rest;
     }
     for v in missing {
-        let own = values[v as usize];
-        values[v as usize] = if own.is_nan() { 0.0 } else { own };
+        let value = &mut values[v as usize];
+        if value.is_nan() {
+            *value = 0.0;
+        }
     }
     Ok(())
 }

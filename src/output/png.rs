@@ -14,13 +14,15 @@ use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::hard_edges::{self, CREASE_ANGLE};
 use crate::output::options::POSITIONS;
 use crate::output::picture::coat::{self, CHANNEL, COLOR_BY, COMPONENT};
-use crate::output::picture::number_scale::{self, LEGEND, RANGE};
+use crate::output::picture::number_scale::{self, COLOR_BAR, RANGE};
 use crate::output::picture::options::{
-    self, BACKGROUND, CAMERA, COLOR, CONTROL_COLOR, DPI, GROUNDING, HEIGHT, LINE_WIDTH, Options, POINT_COLOR, QUALITY,
-    WIDTH, WIRE_COLOR,
+    self, BACKGROUND, CAMERA, COLOR, COMB_SCALE, CONTROL_COLOR, DPI, FILL, GROUNDING, HEIGHT, LINE_WIDTH, Options,
+    POINT_COLOR, POINT_SIZE, QUALITY, WIDTH, WIRE_COLOR,
 };
 use crate::output::picture::outline::{self, Outline};
+use crate::output::picture::plot::{self, LEGEND, TEXT_SIZE, TITLE, X_LABEL, Y_LABEL};
 use crate::output::picture::shading::{self, SHADING, STRIPE_DIRECTION, STRIPES};
+use crate::output::picture::styles::STYLES;
 use crate::output::picture::{drawing, forecast, lines, look, mesh};
 use crate::output::scene::{Frame, Scene, Shape};
 use crate::output::size::Size;
@@ -59,14 +61,21 @@ const PARAMETERS: &[Parameter] = &[
             "seams",
             "extraordinary",
             "curve",
+            "vertices",
+            "comb",
+            "tangents",
+            "axes",
+            "grid",
+            "legend",
         ]),
         unit: "",
         default: Default::Absent,
         doc: "What is drawn: of a mesh its surface, its wireframe, the edges of the input on it (isolines), the \
               control net and its points, and what is tagged of the input as coloured lines and dots: creases (red), \
               latitude (green) and longitude lines (purple), seams of texture coordinates (orange), extraordinary \
-              vertices (yellow); of curves the curve, the control polygon and its points. Left out: the surface, or \
-              all of a curve.",
+              vertices (yellow); of curves the curve, the control polygon and its points, the points of the curve \
+              (vertices), a curvature comb, tangents, axes, a grid, a legend. Left out: the surface, or a curve with \
+              its control polygon and points.",
     },
     SHADING,
     STRIPES,
@@ -88,11 +97,20 @@ const PARAMETERS: &[Parameter] = &[
     COMPONENT,
     COLOR_MAP,
     RANGE,
-    LEGEND,
+    COLOR_BAR,
     LINE_WIDTH,
     WIRE_COLOR,
     CONTROL_COLOR,
     POINT_COLOR,
+    POINT_SIZE,
+    STYLES,
+    FILL,
+    COMB_SCALE,
+    TITLE,
+    X_LABEL,
+    Y_LABEL,
+    LEGEND,
+    TEXT_SIZE,
     CAMERA,
 ];
 
@@ -115,10 +133,11 @@ impl Format for Png {
     fn suits(&self, kind: ShapeKind, carried: &Attachments, options: &Values) -> Result<(), Fault> {
         let fitting: &[&str] = match kind {
             ShapeKind::Mesh => lines::SHOWN,
-            ShapeKind::Curves { .. } => &["control", "points", "curve"],
+            ShapeKind::Curves { .. } => drawing::CURVE_ITEMS,
         };
         shading::check(kind, options)?;
         coat::check(kind, carried, options)?;
+        plot::check(kind, options)?;
         number_scale::check(options, look::are_numbers(carried, options))?;
         options::shows_only(fitting, kind, options)
     }

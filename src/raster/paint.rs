@@ -13,11 +13,20 @@ pub enum Paint<'a> {
     Vertices(&'a [Vec3f]),
     /// One a triangle.
     Triangles(&'a [Vec3f]),
-    /// The colours of a table by numbers from 0 (the first of it) to 1 (the last), one a vertex, blended over the
-    /// triangle before the colour is looked up; what is beyond has the colour of the end.
+    /// One at each corner of a triangle, blended over it.
+    Corners {
+        /// What there is to choose from.
+        colors: &'a [Vec3f],
+        /// For each triangle the colours of its corners.
+        corners: &'a [[u32; 3]],
+    },
+    /// The colours of a table by numbers from 0 (the first of it) to 1 (the last), blended over the triangle before the
+    /// colour is looked up; what is beyond has the colour of the end.
     Scale {
         /// The numbers, within a hundred.
         shares: &'a [f32],
+        /// For each triangle the numbers of its corners; those of its vertices, where it is left out.
+        corners: Option<&'a [[u32; 3]]>,
         /// At least one colour.
         table: &'a [Vec3f],
     },
@@ -70,7 +79,11 @@ impl Paint<'_> {
         match self {
             Self::Vertices(colors) => triangle.map(|v| colors[v as usize].map(f64::from)),
             Self::Triangles(colors) => [colors[id].map(f64::from); 3],
-            Self::Scale { shares, .. } => triangle.map(|v| [f64::from(shares[v as usize]), 0.0, 0.0]),
+            Self::Corners { colors, corners } => corners[id].map(|at| colors[at as usize].map(f64::from)),
+            Self::Scale { shares, corners, .. } => {
+                let places = corners.map_or(triangle, |corners| corners[id]);
+                places.map(|at| [f64::from(shares[at as usize]), 0.0, 0.0])
+            }
             Self::Squares { places, corners, .. } => {
                 let places = corners[id].map(|place| places[place as usize]);
                 // moved by whole pairs of squares, so that f32 has room for the rest
@@ -95,7 +108,7 @@ impl Paint<'_> {
     pub(super) fn color(&self, tint: &Tint, place: [f32; 2]) -> Vec3f {
         let at = tint.at(place);
         let colors = match self {
-            Self::Vertices(_) | Self::Triangles(_) => return at,
+            Self::Vertices(_) | Self::Triangles(_) | Self::Corners { .. } => return at,
             Self::Scale { table, .. } => return looked_up(table, at[0]),
             Self::Covers { swatches, .. } => {
                 // the number is the same at all corners, but for what blending them rounds

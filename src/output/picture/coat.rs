@@ -1,6 +1,8 @@
 //! What gives the surface of a picture its colours: a channel of its vertices, its texture coordinates, its groups or
 //! materials.
 
+use std::ops::Range;
+
 use super::number_scale::{NumberScale, extent};
 use super::options::{COLOR, Options, shown_as};
 use super::skin;
@@ -14,6 +16,7 @@ use crate::output::scene::{FaceChunk, MeshSource, in_chunks, triangles};
 use crate::raster::{Paint, Surface, Swatch};
 use crate::shape::attachments::{Attachments, COLOR as COLORS};
 use crate::shape::labels::Labels;
+use crate::shape::source::PlaceSource;
 use crate::shape::topology::index;
 use crate::watch::{Stopped, Watch};
 
@@ -136,7 +139,10 @@ pub(crate) fn memory(options: &Values, vertices: u128, counts: &Counts) -> u128 
             places.saturating_add(skin::memory(&counts.attachments))
         }
         // a channel of four numbers, one component of it, and the colour
-        Some("channel") => vertices.saturating_mul(32 + 8 + 12),
+        Some("channel") => {
+            let corners = if counts.seamed > 0 { triangles.saturating_mul(12) } else { 0 };
+            vertices.max(counts.seamed).saturating_mul(32 + 8 + 12).saturating_add(corners)
+        }
         Some("uvs") => uvs.saturating_mul(16).saturating_add(triangles.saturating_mul(12)),
         Some("groups" | "materials" | FACES) => triangles.saturating_mul(12),
         _ => 0,
@@ -150,10 +156,12 @@ pub(super) enum Coat {
     Plain([u8; 4]),
     /// One a vertex, in linear light.
     Vertices(Vec<[f32; 3]>),
-    /// Numbers of vertices.
+    /// Numbers of vertices, or of corners.
     Numbers {
         /// Their shares of the table.
         shares: Vec<f32>,
+        /// The numbers at the corners of each triangle, where they are not those of its vertices.
+        corners: Option<Vec<[u32; 3]>>,
         /// Colours in linear light.
         table: Vec<[f32; 3]>,
         /// What the colours stand for.
@@ -161,6 +169,13 @@ pub(super) enum Coat {
     },
     /// One a triangle, in linear light.
     Triangles(Vec<[f32; 3]>),
+    /// One at each place, in linear light.
+    Corners {
+        /// Of places.
+        colors: Vec<[f32; 3]>,
+        /// The places at the corners of each triangle.
+        corners: Vec<[u32; 3]>,
+    },
     /// Squares in texture coordinates.
     Squares {
         /// In sides of squares.
@@ -210,8 +225,9 @@ impl Coat {
     }
 
     /// Numbers of vertices as colours.
-    pub(super) fn numbers(numbers: &[f64], scale: NumberScale) -> Self {
-        Self::Numbers { shares: numbers.iter().map(|&x| scale.share(x)).collect(), table: scale.map.table(), scale }
+    pub(super) fn numbers(numbers: &[f64], corners: Option<Vec<[u32; 3]>>, scale: NumberScale) -> Self {
+        let shares = numbers.iter().map(|&x| scale.share(x)).collect();
+        Self::Numbers { shares, corners, table: scale.map.table(), scale }
     }
 
     /// As the rasteriser takes it.
@@ -227,7 +243,8 @@ impl Coat {
         Some(match self {
             Self::Plain(_) => return None,
             Self::Vertices(colors) => Paint::Vertices(colors),
-            Self::Numbers { shares, table, .. } => Paint::Scale { shares, table },
+            Self::Numbers { shares, corners, table, .. } => Paint::Scale { shares, corners: corners.as_deref(), table },
+            Self::Corners { colors, corners } => Paint::Corners { colors, corners },
             Self::Triangles(colors) => Paint::Triangles(colors),
             Self::Squares { places, corners, colors } => Paint::Squares { places, corners, colors: *colors },
             Self::Covers { places, corners, numbers, swatches } => Paint::Covers { places, corners, numbers, swatches },
@@ -237,22 +254,42 @@ impl Coat {
 
 fn by_channel(mesh: &dyn MeshSource, channel: usize, options: &Values, watch: &Watch) -> Result<Coat, Stopped> {
     let width = mesh.attachments().channels[channel].width;
-    let mut values = Vec::with_capacity(width * mesh.n_vertices());
-    let mut chunk = Vec::new();
-    in_chunks(mesh.n_vertices(), |range| {
-        watch.check()?;
-        mesh.channel(channel, range, &mut chunk);
-        values.extend_from_slice(&chunk);
-        Ok(())
-    })?;
+    let places = mesh.channel_places(channel);
+    let values = match &places {
+        Some(places) => values(places.n_places(), width, |range, out| places.values(range, out), watch)?,
+        None => values(mesh.n_vertices(), width, |range, out| mesh.channel(channel, range, out), watch)?,
+    };
+    let corners = places.map(|places| corners(mesh, places.as_ref(), watch)).transpose()?;
     let component = component(options).or((width == 1).then_some(0));
     if let Some(component) = component.filter(|component| *component < width) {
         let numbers: Vec<f64> = values.into_iter().skip(component).step_by(width).collect();
         let scale = NumberScale::new(options, ColorMap::EVEN, || extent(&numbers));
-        return Ok(Coat::numbers(&numbers, scale));
+        return Ok(Coat::numbers(&numbers, corners, scale));
     }
     let color = |row: &[f64]| std::array::from_fn(|k| single(linear(k, row[k])));
-    Ok(Coat::Vertices(values.chunks_exact(width).map(color).collect()))
+    let colors = values.chunks_exact(width).map(color).collect();
+    Ok(match corners {
+        Some(corners) => Coat::Corners { colors, corners },
+        None => Coat::Vertices(colors),
+    })
+}
+
+/// All of `n x width` values, which `some` gives in ranges.
+fn values(
+    n: usize,
+    width: usize,
+    some: impl Fn(Range<usize>, &mut Vec<f64>),
+    watch: &Watch,
+) -> Result<Vec<f64>, Stopped> {
+    let mut values = Vec::with_capacity(width * n);
+    let mut chunk = Vec::new();
+    in_chunks(n, |range| {
+        watch.check()?;
+        some(range, &mut chunk);
+        values.extend_from_slice(&chunk);
+        Ok(())
+    })?;
+    Ok(values)
 }
 
 fn by_uvs(mesh: &dyn MeshSource, plain: [u8; 4], watch: &Watch) -> Result<Coat, Stopped> {
@@ -269,14 +306,12 @@ type Places = (Vec<[f64; 2]>, Vec<[u32; 3]>);
 /// The texture coordinates of a mesh, if it has some.
 fn places(mesh: &dyn MeshSource, watch: &Watch) -> Result<Option<Places>, Stopped> {
     let Some(source) = mesh.uvs() else { return Ok(None) };
-    let mut places = Vec::with_capacity(source.n_points());
-    let mut chunk = Vec::new();
-    in_chunks(source.n_points(), |range| {
-        watch.check()?;
-        source.values(range, &mut chunk);
-        places.extend_from_slice(&chunk);
-        Ok(())
-    })?;
+    let places = values(source.n_places(), 2, |range, out| source.values(range, out), watch)?;
+    Ok(Some((places.as_chunks().0.to_vec(), corners(mesh, source.as_ref(), watch)?)))
+}
+
+/// The places at the corners of each triangle.
+fn corners(mesh: &dyn MeshSource, source: &dyn PlaceSource, watch: &Watch) -> Result<Vec<[u32; 3]>, Stopped> {
     let mut corners = Vec::with_capacity(mesh.n_half_edges().saturating_sub(2 * mesh.n_faces()));
     let mut faces = FaceChunk::default();
     in_chunks(mesh.n_faces(), |range| {
@@ -285,7 +320,7 @@ fn places(mesh: &dyn MeshSource, watch: &Watch) -> Result<Option<Places>, Stoppe
         corners.extend(faces.iter().flat_map(triangles));
         Ok(())
     })?;
-    Ok(Some((places, corners)))
+    Ok(corners)
 }
 
 /// What materials look like.

@@ -1,7 +1,7 @@
 //! The legend of a picture: a bar with the colours of numbers, in a strip of its own at the right.
 
 use super::coat;
-use super::number_scale::{LEGEND, NumberScale};
+use super::number_scale::{COLOR_BAR, NumberScale};
 use super::options::Options;
 use super::shading::{self, Measure};
 use crate::drawing::{Color, Drawing, Label, Weight, color_bar, pixels};
@@ -26,7 +26,7 @@ const FONT: [f32; 2] = [15.0, 9.0];
 pub(super) fn width(carried: &Attachments, options: &Options<'_>) -> u32 {
     let are_numbers = shading::measure(options.values).is_some() || coat::numbers_of(carried, options.values).is_some();
     let has_room = options.size.iter().zip(LEAST_PX).all(|(side, least)| *side >= least);
-    let is_asked = match options.values.get(LEGEND.name) {
+    let is_asked = match options.values.get(COLOR_BAR.name) {
         Value::Flag(asked) => *asked,
         _ => has_room,
     };

@@ -87,7 +87,7 @@ fn by_curvature(
         _ => (found.mean, flat),
     };
     let scale = NumberScale::new(options, ColorMap::SIGNED, || symmetric(&numbers, &found.areas, least));
-    Ok(Coat::numbers(&numbers, scale))
+    Ok(Coat::numbers(&numbers, None, scale))
 }
 
 fn by_distance(
@@ -106,7 +106,7 @@ fn by_distance(
     // what is less comes of rounding
     let least = SAME / normals::scale(positions);
     let scale = NumberScale::new(options, ColorMap::VIRIDIS, || [0.0, extent(&distances)[1].max(least)]);
-    Ok(Coat::numbers(&distances, scale))
+    Ok(Coat::numbers(&distances, None, scale))
 }
 
 /// Whether colours stand for numbers.

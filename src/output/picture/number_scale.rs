@@ -20,8 +20,8 @@ pub(crate) const RANGE: Parameter = Parameter {
 };
 
 /// Whether there is a legend.
-pub(crate) const LEGEND: Parameter = Parameter {
-    name: "legend",
+pub(crate) const COLOR_BAR: Parameter = Parameter {
+    name: "color_bar",
     kind: Kind::Flag,
     unit: "",
     default: Default::Absent,
@@ -95,7 +95,7 @@ pub(super) fn extent(numbers: &[f64]) -> [f64; 2] {
 
 /// Refuses a range, a map or a legend where colours are no numbers, and ranges that are none.
 pub(crate) fn check(options: &Values, are_numbers: bool) -> Result<(), Fault> {
-    for option in [RANGE.name, COLOR_MAP.name, LEGEND.name] {
+    for option in [RANGE.name, COLOR_MAP.name, COLOR_BAR.name] {
         if !are_numbers && *options.get(option) != Value::Absent {
             let detail = "colours are numbers under \"shading\" gaussian-curvature, mean-curvature and distance, and \
                           where \"color_by\" shows one component of a channel; leave it out";

@@ -26,7 +26,7 @@ fn the_colours_of_a_torus_are_those_of_its_curvature() {
         [("gaussian-curvature", |c| c / (2.0 + c)), ("mean-curvature", |c| (1.0 + c) / (2.0 + c))];
     for (shading, curvature) in closed_forms {
         let options = json!({ "shading": shading, "camera": above, "color_map": "viridis", "range": [-1, 1],
-            "legend": false, "crease_angle": 180 });
+            "color_bar": false, "crease_angle": 180 });
         let (width, pixels) = picture(&torus(128, 96).input(), &options);
         let scale = 6.0 / (0.88 * 120.0);
         let mut seen = 0;
@@ -174,7 +174,7 @@ fn a_legend_shows_the_colours_of_the_range_from_below_to_above() {
     let without = picture(
         &torus(24, 16).input(),
         &json!({ "shading": "mean-curvature", "width": 400, "height": 300,
-        "color_map": "viridis", "legend": false }),
+        "color_map": "viridis", "color_bar": false }),
     );
     assert_ne!(without.1, pixels);
 }

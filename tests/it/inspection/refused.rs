@@ -37,7 +37,7 @@ fn what_an_inspection_cannot_show_is_refused() {
         (&cube, json!({ "shading": "zebra", "stripes": 0 }), "stripes", "from 1 to 256"),
         (&cube, json!({ "shading": "zebra", "stripe_direction": [0, 0, 0] }), "stripe_direction", "has no direction"),
         (&cube, json!({ "range": [0, 1] }), "range", "colours are numbers under"),
-        (&cube, json!({ "legend": true }), "legend", "colours are numbers under"),
+        (&cube, json!({ "color_bar": true }), "color_bar", "colours are numbers under"),
         (&cube, json!({ "component": 0 }), "component", "\"color_by\" is \"channel\""),
         (&cube, json!({ "color_by": "channel", "channel": "pair", "component": 2 }), "component", "components 0 to 1"),
     ] {
