@@ -18,6 +18,7 @@ mod limit_cost;
 pub mod limits;
 mod memory;
 mod output;
+mod places;
 mod run;
 mod search;
 mod shape_items;

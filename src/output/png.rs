@@ -142,6 +142,10 @@ impl Format for Png {
         options::shows_only(fitting, kind, options)
     }
 
+    fn leaves_out(&self, carried: &Attachments, options: &Values) -> Option<String> {
+        coat::left_out(carried, options)
+    }
+
     /// The length of the rows stored without compression, which the encoder never exceeds, and a kilobyte around them.
     fn size(&self, _: &Counts, options: &Values) -> Size {
         let [width, height] = options::size(options).map(u128::from);
