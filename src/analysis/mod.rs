@@ -3,7 +3,9 @@
 pub mod circles;
 pub mod curve;
 pub mod limit;
+pub mod matrices;
 mod no_level;
+pub mod scan;
 pub mod smoothness;
 mod study;
 pub mod tolerance;

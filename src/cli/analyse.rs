@@ -8,8 +8,8 @@ use super::say::answer;
 use crate::fault::Fault;
 use crate::math::parameter::Literal;
 use crate::watch::Watch;
-use crate::wire::analysis::{AnalysisAnswer, AnalysisRequest};
-use crate::wire::literal::WireFields;
+use crate::wire::analysis::{AnalysisAnswer, AnalysisRequest, MatricesRequest, ScanRequest, SmallPolygon};
+use crate::wire::literal::{WireFields, WireLiteral};
 use crate::wire::plan::PlanRequest;
 use crate::wire::read::{ReadError, read};
 
@@ -34,6 +34,15 @@ pub(crate) struct Question {
     /// Asks for values of the basic limit function at the multiples of arity^-grid.
     #[arg(long)]
     grid: Option<u32>,
+    /// Asks for the matrices of one step on a closed polygon of so many points, 5 when no number is given.
+    #[arg(long, value_name = "POINTS", num_args = 0..=1, default_missing_value = "5")]
+    matrices: Option<u32>,
+    /// Asks what is proved at values of a parameter, such as eta=0..1/60, and between them.
+    #[arg(long, value_name = "NAME=FROM..TO")]
+    scan: Option<String>,
+    /// Equal steps of the scan.
+    #[arg(long, requires = "scan")]
+    steps: Option<u32>,
 }
 
 impl Question {
@@ -48,7 +57,10 @@ impl Question {
     }
 
     fn request(&self) -> Result<AnalysisRequest, CliError> {
-        let Self { file, preset, word, parameters, nodes, grid } = self;
+        let Self { file, preset, word, parameters, nodes, grid, matrices, scan, steps } = self;
+        let of = |points| MatricesRequest::Of(SmallPolygon { points: Some(points), powers: None });
+        let matrices = matrices.map(of);
+        let scan = scan.as_deref().map(|text| scanned(text, *steps)).transpose()?;
         if let Some(path) = file {
             let source = Source::of(path);
             let bytes = source.read().map_err(|error| error.about(&source))?;
@@ -58,6 +70,8 @@ impl Question {
             })?;
             request.nodes = nodes.or(request.nodes);
             request.grid = grid.or(request.grid);
+            request.matrices = matrices.or(request.matrices);
+            request.scan = scan.or(request.scan);
             return Ok(request);
         }
         let parameters = parameters.iter().map(|text| parameter(text)).collect::<Result<Vec<_>, _>>()?;
@@ -67,7 +81,7 @@ impl Question {
             parameters: WireFields(parameters),
             ..PlanRequest::default()
         };
-        Ok(AnalysisRequest { spec: None, plan, nodes: *nodes, grid: *grid })
+        Ok(AnalysisRequest { spec: None, plan, nodes: *nodes, grid: *grid, matrices, scan })
     }
 }
 
@@ -75,10 +89,19 @@ fn parameter(text: &str) -> Result<(String, Literal), CliError> {
     let (name, value) = text
         .split_once('=')
         .ok_or_else(|| CliError::usage(format!("\"{text}\" is no parameter; write NAME=VALUE, such as w=1/16")))?;
-    // whole numbers are written as numbers, everything else as text, whose value is exact
-    let one =
-        |text: &str| text.parse::<i32>().map_or_else(|_| Literal::Text(text.into()), |n| Literal::Number(n.into()));
     let is_list = name == "mask" || name == "kernel" && value.contains(',');
     let value = if is_list { Literal::List(value.split(',').map(one).collect()) } else { one(value) };
     Ok((name.to_owned(), value))
+}
+
+/// Whole numbers are written as numbers, everything else as text, whose value is exact.
+fn one(text: &str) -> Literal {
+    text.parse::<i32>().map_or_else(|_| Literal::Text(text.into()), |n| Literal::Number(n.into()))
+}
+
+fn scanned(text: &str, steps: Option<u32>) -> Result<ScanRequest, CliError> {
+    let parts = text.split_once('=').and_then(|(name, range)| Some((name, range.split_once("..")?)));
+    let (parameter, (from, to)) = parts
+        .ok_or_else(|| CliError::usage(format!("\"{text}\" is no scan; write NAME=FROM..TO, such as eta=0..1/60")))?;
+    Ok(ScanRequest { parameter: parameter.to_owned(), from: WireLiteral(one(from)), to: WireLiteral(one(to)), steps })
 }

@@ -15,9 +15,11 @@ pub mod key;
 mod levels;
 mod limit_cost;
 pub mod limits;
+mod matrices;
 mod memory;
 mod output;
 mod run;
+mod scan;
 mod search;
 mod shape_items;
 mod size;
@@ -25,14 +27,18 @@ mod steering;
 mod time;
 mod work;
 
-pub use analysis::{Analysis, DEFAULT_NODES, Findings, MAX_NODES, MAX_VALUES};
+pub use analysis::{
+    Analysis, DEFAULT_NODES, DEFAULT_SCAN_NODES, Findings, MAX_NODES, MAX_VALUES, SchemeFindings, Wishes,
+};
 pub use complete::Job;
 pub use draft::Draft;
 pub use entry::{InputEntry, JobEntries, JobFault, JobPart};
 pub use error::RunError;
 pub use input::Input;
 pub use levels::Levels;
+pub use matrices::{FoundMatrices, MatricesWish};
 pub use output::Output;
 pub use run::{Report, run, run_keeping};
+pub use scan::{MAX_STEPS, ScanWish};
 pub use search::{Search, SearchCost, SearchError};
 pub use work::{KeepNothing, KeepWork, Refined, Work};

@@ -1,5 +1,11 @@
 //! Analyses: the question, and the answer with every number named.
 
+mod matrices;
+mod scan;
+
+pub use matrices::{MatricesAnswer, MatricesRequest, MatrixAnswer, PowersAnswer, SmallPolygon, StepMatrixAnswer};
+pub use scan::{ExactAnswer, ScanAnswer, ScanIntervalAnswer, ScanRequest, ScanValueAnswer};
+
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -7,9 +13,9 @@ use super::object;
 use super::plan::PlanRequest;
 use super::variants::PlanSchema;
 use crate::analysis::Level;
-use crate::analysis::smoothness::{BasicFunction, Report, Smoothness, Symbol, Weights};
+use crate::analysis::smoothness::{BasicFunction, Reduction, Smoothness, Symbol, Weights};
 use crate::fault::Fault;
-use crate::job::{Analysis, Findings};
+use crate::job::{Analysis, Findings, SchemeFindings, Wishes};
 use crate::math::exact::{Exact, rounded};
 use crate::math::mask::Mask;
 use crate::math::spectrum::Eigenvalue;
@@ -26,13 +32,17 @@ pub struct AnalysisRequest {
     #[serde(deserialize_with = "object::one")]
     #[schema(value_type = PlanSchema)]
     pub plan: PlanRequest,
-    /// Most products of matrices that the search for the joint spectral radius looks at; 100,000 when left out. The
-    /// more there are, the narrower the intervals.
+    /// Most products of matrices that the search for the joint spectral radius looks at; 100,000 when left out, and
+    /// 10,000 at each value of a scan. The more there are, the narrower the intervals.
     #[schema(minimum = 0, maximum = 10_000_000, default = 100_000)]
     pub nodes: Option<u64>,
     /// Asks for values of the basic limit function at the multiples of `arity^-grid`.
     #[schema(minimum = 0, maximum = 14)]
     pub grid: Option<u32>,
+    /// Asks for the matrices of one step on a small closed polygon: `true`, or the number of its points.
+    pub matrices: Option<MatricesRequest>,
+    /// Asks what is proved at each of many values of a parameter instead.
+    pub scan: Option<ScanRequest>,
 }
 
 impl AnalysisRequest {
@@ -43,7 +53,13 @@ impl AnalysisRequest {
     pub fn resolve(self, watch: &Watch) -> Result<Analysis, Vec<Fault>> {
         let spec = self.spec.filter(|spec| *spec != 1);
         let unknown = spec.map(|spec| Fault::new("/spec", format!("{spec} is unknown; this server speaks 1")));
-        match (Analysis::new(&self.plan.resolve(), self.nodes, self.grid, watch), unknown) {
+        let wishes = Wishes {
+            nodes: self.nodes,
+            grid: self.grid,
+            matrices: self.matrices.and_then(MatricesRequest::resolve),
+            scan: self.scan.map(ScanRequest::resolve),
+        };
+        match (Analysis::new(&self.plan.resolve(), &wishes, watch), unknown) {
             (Ok(analysis), None) => Ok(analysis),
             (analysis, unknown) => Err(unknown.into_iter().chain(analysis.err().unwrap_or_default()).collect()),
         }
@@ -58,6 +74,8 @@ pub enum AnalysisAnswer {
     Stationary(Box<SchemeAnswer>),
     /// The mask changes from level to level.
     Changing(Box<ChangingAnswer>),
+    /// A parameter was scanned.
+    Scan(Box<ScanAnswer>),
 }
 
 /// What can be said of a plan whose mask changes from level to level.
@@ -147,6 +165,9 @@ pub struct SchemeAnswer {
     /// Values of the basic limit function, where they were asked for and convergence is proved.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub basic_limit_function: Option<ValuesAnswer>,
+    /// The matrices of one step, where they were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub matrices: Option<MatricesAnswer>,
 }
 
 /// Numbers with indices.
@@ -209,8 +230,21 @@ pub struct SmoothnessAnswer {
     /// Whether the integer shifts of the basic limit function are proved to be stable: sub-symbols without a common
     /// zero, and no zeros of the residual on cycles of roots of unity.
     pub stable: bool,
+    /// Where they are not, the scheme with stable shifts of whose basic limit function that of this scheme is a
+    /// combination: both are C^k for the same k, so that `disproved_c` and the upper end of `holder` are those of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reduction: Option<ReductionAnswer>,
     /// What the statements rest on beyond what was computed exactly.
     pub assumptions: Vec<&'static str>,
+}
+
+/// A basic limit function as a combination of shifts of that of a scheme with stable shifts.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct ReductionAnswer {
+    /// The mask of the scheme with stable shifts.
+    pub mask: MaskAnswer,
+    /// The weights q of its shifts: the basic limit function at x is the sum of q[j] times the other one at x - j.
+    pub combination: MaskAnswer,
 }
 
 /// A proof that limits are C^k.
@@ -235,14 +269,19 @@ const THEOREM: &str = "Dyn and Levin 1995: level schemes whose distances from a 
 impl AnalysisAnswer {
     /// The answer of an analysis.
     pub fn new(findings: &Findings<'_>) -> Self {
-        let scheme = SchemeAnswer::new(&findings.report, findings.values.as_ref());
+        match findings {
+            Findings::Scheme(findings) => Self::of_scheme(findings),
+            Findings::Scan(scan, scanned) => Self::Scan(Box::new(ScanAnswer::new(scan, scanned))),
+        }
+    }
+
+    fn of_scheme(findings: &SchemeFindings<'_>) -> Self {
+        let scheme = SchemeAnswer::new(findings);
         if findings.levels.is_empty() {
             return Self::Stationary(Box::new(scheme));
         }
-        let proved = findings.report.smoothness.proved_c;
-        let two = findings.levels.iter().all(|level| level.order >= 2);
         let conclusion = ConclusionAnswer {
-            proved_c: proved.min(i64::from(two)),
+            proved_c: findings.proved_c,
             theorem: THEOREM,
             assumptions: vec![
                 "the masks of later levels go on coming closer as those of the levels listed do".to_owned(),
@@ -269,7 +308,8 @@ impl LevelMaskAnswer {
 }
 
 impl SchemeAnswer {
-    fn new(report: &Report, values: Option<&BasicFunction>) -> Self {
+    fn new(findings: &SchemeFindings<'_>) -> Self {
+        let SchemeFindings { report, values, matrices, .. } = findings;
         let symbol = &report.symbol;
         let known = symbol.is_exact;
         let weights = |weights: &Weights| MaskAnswer::new(weights.first, &weights.values, known);
@@ -293,7 +333,8 @@ impl SchemeAnswer {
             tangent_mask: report.tangent_mask.as_ref().map(weights),
             local_eigenvalues: eigenvalues.iter().map(|x| x.re).collect(),
             local_eigenvalues_imaginary: imaginary.iter().any(|x| *x != 0.0).then_some(imaginary),
-            basic_limit_function: values.map(|values| ValuesAnswer::new(values, symbol.arity)),
+            basic_limit_function: values.as_ref().map(|values| ValuesAnswer::new(values, symbol.arity)),
+            matrices: matrices.as_ref().map(|matrices| MatricesAnswer::new(matrices, known)),
         }
     }
 }
@@ -313,7 +354,12 @@ impl SmoothnessAnswer {
         let certificate =
             |c: &crate::analysis::smoothness::Certificate| CertificateAnswer { k: c.k, l: c.l, norm: c.norm };
         let rounded = (!known).then_some(ROUNDED);
-        let unstable = (radius.is_some() && !smoothness.is_stable).then_some(UNSTABLE);
+        let is_open = radius.is_some() && !smoothness.is_stable && smoothness.reduction.is_none();
+        let unstable = is_open.then_some(UNSTABLE);
+        let reduction = |reduction: &Reduction| ReductionAnswer {
+            mask: MaskAnswer::new(reduction.symbol.first, &reduction.symbol.mask, true),
+            combination: MaskAnswer::new(0, &reduction.combination, true),
+        };
         Self {
             certificates: smoothness.certificates.iter().map(certificate).collect(),
             proved_c: smoothness.proved_c,
@@ -324,6 +370,7 @@ impl SmoothnessAnswer {
             norm: radius.map(|radius| radius.upper.norm),
             nodes: radius.map_or(0, |radius| radius.upper.nodes),
             stable: smoothness.is_stable,
+            reduction: smoothness.reduction.as_ref().map(reduction),
             assumptions: rounded.into_iter().chain(unstable).collect(),
         }
     }

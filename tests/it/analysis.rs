@@ -1,10 +1,13 @@
 //! What is said of schemes: the reference rows, known facts, laws, and which questions are the same.
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+mod claims;
 mod facts;
 mod laws;
+mod matrices;
 mod rows;
 mod same;
+mod scans;
 
 use planish::fault::Fault;
 use planish::watch::Watch;

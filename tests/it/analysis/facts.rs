@@ -76,8 +76,14 @@ fn the_ternary_five_point_scheme_is_c4_exactly_for_eta_between_0_and_1_over_81()
         let (proved, disproved) = c4(eta);
         assert!(proved == 3 && disproved == Some(4), "eta = {eta}: {proved}, {disproved:?}");
     }
-    // the residual 1 - z + z^2 vanishes at the other third roots of -1, so that shifts are not stable there
-    assert_eq!(c4("1/81"), (3, None));
+    // the residual 1 - z + z^2 vanishes at the other third roots of -1, so that shifts are not stable there: the basic
+    // limit function is the mean of two neighbouring quartic B-splines
+    assert_eq!(c4("1/81"), (3, Some(4)));
+    let end = preset("ternary-c4", &json!({ "eta": "1/81" }));
+    let reduction = &end["smoothness"]["reduction"];
+    assert_eq!(texts(&reduction["combination"]["exact"]), ["1/2", "1/2"]);
+    assert_eq!(reduction["mask"]["exact"], preset("ternary-quartic", &json!({}))["mask"]["exact"]);
+    assert_eq!(end["smoothness"]["holder"], json!([4.0, 4.0]));
     let (quintic, spline) = (preset("ternary-c4", &json!({})), preset("ternary-quintic", &json!({})));
     assert_eq!(quintic, spline, "eta = 1/243 is the quintic B-spline");
     assert_eq!(quintic["sum_rules"], json!(6));
@@ -125,7 +131,7 @@ fn the_static_push_back_is_c3_exactly_between_minus_2_and_0() {
     }
     assert_eq!(family("-1/2"), (4, Some(5)), "the quintic B-spline");
     assert_eq!(family("0"), (2, Some(3)), "the cubic B-spline");
-    assert_eq!(family("-2"), (2, None), "shifts are not stable there");
+    assert_eq!(family("-2"), (2, Some(3)), "the mean of three neighbouring cubic B-splines");
     assert_eq!(family("1/2"), (2, Some(3)));
     assert_eq!(family("1"), (1, Some(2)));
     let half = numbers(&word("UCP", &json!({ "delta": "1/2" }))["smoothness"]["holder"]);
@@ -189,13 +195,28 @@ fn a_plan_that_follows_alpha_tells_its_levels_and_what_follows_from_their_limit(
 }
 
 #[test]
-fn where_stability_is_not_proved_nothing_is_disproved() {
-    // all zeros of (1 + z^3)/2 are third roots of -1, of a cycle under z -> z^2
-    let unstable = json!({ "arity": 2, "first": 0, "mask": ["1/2", "1/2", 0, "1/2", "1/2"] });
-    let answer = preset("mask", &unstable);
+fn schemes_without_stable_shifts_are_as_smooth_as_those_that_they_are_combined_of() {
+    // all zeros of (1 + z^3)/2 are third roots of -1, of a cycle under z -> z^2; then two sub-symbols with the zero -2
+    let of_cycle = json!({ "arity": 2, "first": 0, "mask": ["1/2", "1/2", 0, "1/2", "1/2"] });
+    let of_divisor = json!({ "arity": 2, "first": 0, "mask": ["1/3", "2/3", "1/2", "1/3", "1/6"] });
+    for (parameters, combination, found) in
+        [(of_cycle, ["1/3", "1/3", "1/3"].as_slice(), (0, Some(1))), (of_divisor, &["2/3", "1/3"], (1, Some(2)))]
+    {
+        let answer = preset("mask", &parameters);
+        assert_eq!(answer["smoothness"]["stable"], false, "{answer}");
+        assert_eq!(smoothness(&answer), found, "{answer}");
+        assert_eq!(texts(&answer["smoothness"]["reduction"]["combination"]["exact"]), combination, "{answer}");
+        assert_eq!(answer["smoothness"]["assumptions"], json!([]));
+    }
+}
+
+#[test]
+fn where_stability_is_not_proved_of_rounded_masks_nothing_is_disproved() {
+    let rounded = json!({ "arity": 2, "first": 0, "mask": ["1/2 + 0*pi", "1/2", 0, "1/2", "1/2"] });
+    let answer = preset("mask", &rounded);
     assert_eq!(answer["smoothness"]["stable"], false, "{answer}");
     assert_eq!(answer["smoothness"]["disproved_c"], Value::Null);
-    assert_eq!(answer["smoothness"]["assumptions"].as_array().unwrap().len(), 1);
+    assert_eq!(answer["smoothness"]["assumptions"].as_array().unwrap().len(), 2);
 }
 
 #[test]
