@@ -8,6 +8,7 @@ mod no_level;
 pub mod scan;
 pub mod smoothness;
 mod study;
+pub mod surface;
 pub mod tolerance;
 
 pub use no_level::NoLevel;

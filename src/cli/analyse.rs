@@ -43,6 +43,9 @@ pub(crate) struct Question {
     /// Equal steps of the scan.
     #[arg(long, requires = "scan")]
     steps: Option<u32>,
+    /// Asks about the scheme for surfaces, at vertices of these valences, separated by commas.
+    #[arg(long, value_delimiter = ',')]
+    valences: Vec<u64>,
 }
 
 impl Question {
@@ -51,16 +54,17 @@ impl Question {
         let watch = Watch::new();
         let refused = |faults: Vec<Fault>| CliError::faults(Kind::Refused, &faults);
         let analysis = self.request()?.resolve(&watch).map_err(refused)?;
-        let findings = analysis.run(&watch).map_err(CliError::other)?;
-        let text = serde_json::to_string_pretty(&AnalysisAnswer::new(&findings)).map_err(CliError::other)?;
+        let found = AnalysisAnswer::of(&analysis, &watch).map_err(CliError::other)?;
+        let text = serde_json::to_string_pretty(&found).map_err(CliError::other)?;
         answer(format!("{text}\n").as_bytes())
     }
 
     fn request(&self) -> Result<AnalysisRequest, CliError> {
-        let Self { file, preset, word, parameters, nodes, grid, matrices, scan, steps } = self;
+        let Self { file, preset, word, parameters, nodes, grid, matrices, scan, steps, valences } = self;
         let of = |points| MatricesRequest::Of(SmallPolygon { points: Some(points), powers: None });
         let matrices = matrices.map(of);
         let scan = scan.as_deref().map(|text| scanned(text, *steps)).transpose()?;
+        let valences = (!valences.is_empty()).then(|| valences.clone());
         if let Some(path) = file {
             let source = Source::of(path);
             let bytes = source.read().map_err(|error| error.about(&source))?;
@@ -72,6 +76,7 @@ impl Question {
             request.grid = grid.or(request.grid);
             request.matrices = matrices.or(request.matrices);
             request.scan = scan.or(request.scan);
+            request.valences = valences.or(request.valences);
             return Ok(request);
         }
         let parameters = parameters.iter().map(|text| parameter(text)).collect::<Result<Vec<_>, _>>()?;
@@ -81,7 +86,7 @@ impl Question {
             parameters: WireFields(parameters),
             ..PlanRequest::default()
         };
-        Ok(AnalysisRequest { spec: None, plan, nodes: *nodes, grid: *grid, matrices, scan })
+        Ok(AnalysisRequest { spec: None, plan, nodes: *nodes, grid: *grid, matrices, scan, valences })
     }
 }
 

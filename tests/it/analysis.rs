@@ -8,6 +8,7 @@ mod matrices;
 mod rows;
 mod same;
 mod scans;
+mod surfaces;
 
 use planish::fault::Fault;
 use planish::watch::Watch;
@@ -23,8 +24,7 @@ fn question(question: &Value) -> AnalysisRequest {
 fn asked(asked: &Value) -> Value {
     let watch = Watch::new();
     let analysis = question(asked).resolve(&watch).unwrap_or_else(|faults| panic!("{asked}: {faults:?}"));
-    let findings = analysis.run(&watch).unwrap();
-    serde_json::to_value(AnalysisAnswer::new(&findings)).unwrap()
+    serde_json::to_value(AnalysisAnswer::of(&analysis, &watch).unwrap()).unwrap()
 }
 
 fn refused(asked: &Value) -> Vec<Fault> {

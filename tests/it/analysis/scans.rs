@@ -1,6 +1,7 @@
 //! Scans: what is proved at each value of a parameter, and where proofs end.
 
 use planish::watch::Watch;
+use planish::wire::analysis::AnalysisAnswer;
 use serde_json::{Value, json};
 
 use super::{asked, key, question, refused};
@@ -90,8 +91,8 @@ fn scans_that_cannot_be_are_refused_with_a_reason() {
         ),
         (
             json!({ "plan": { "preset": "catmull-clark" }, "scan": { "parameter": "w", "from": 1, "to": 2 } }),
-            "/plan/preset",
-            "only schemes for curves",
+            "/scan",
+            "scans are of schemes for curves",
         ),
         (
             json!({ "plan": { "preset": "four-point" }, "nodes": 100_000,
@@ -123,5 +124,5 @@ fn a_scan_has_one_key_whatever_the_plan_says_of_its_parameter_and_stops_when_ask
     let watch = Watch::new();
     let analysis = question(&scan(json!(0), json!(0))).resolve(&watch).unwrap();
     watch.stop();
-    assert!(analysis.run(&watch).is_err());
+    assert!(AnalysisAnswer::of(&analysis, &watch).is_err());
 }
