@@ -9,6 +9,7 @@ pub mod scan;
 pub mod smoothness;
 mod study;
 pub mod surface;
+pub mod theorems;
 pub mod tolerance;
 
 pub use no_level::NoLevel;

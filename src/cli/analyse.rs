@@ -6,6 +6,7 @@ use super::error::{CliError, Kind};
 use super::inputs::Source;
 use super::say::answer;
 use crate::fault::Fault;
+use crate::job::Form;
 use crate::math::parameter::Literal;
 use crate::watch::Watch;
 use crate::wire::analysis::{AnalysisAnswer, AnalysisRequest, MatricesRequest, ScanRequest, SmallPolygon};
@@ -46,21 +47,56 @@ pub(crate) struct Question {
     /// Asks about the scheme for surfaces, at vertices of these valences, separated by commas.
     #[arg(long, value_delimiter = ',')]
     valences: Vec<u64>,
+    /// How it is answered: as json with every number by its name, as markdown to read, or as a figure (svg, png). Left
+    /// out, the extension of the output tells; standard output gets json.
+    #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(Form::ALL.map(Form::name)))]
+    format: Option<String>,
+    /// The file to write; standard output when left out.
+    #[arg(short, long)]
+    output: Option<PathBuf>,
 }
 
 impl Question {
-    /// Prints what can be said as JSON.
+    /// Prints what can be said, or writes it to a file.
     pub(super) fn analyse(&self) -> Result<(), CliError> {
         let watch = Watch::new();
+        let form = self.form()?;
         let refused = |faults: Vec<Fault>| CliError::faults(Kind::Refused, &faults);
-        let analysis = self.request()?.resolve(&watch).map_err(refused)?;
+        let analysis = self.request()?.resolve(form, &watch).map_err(refused)?;
         let found = AnalysisAnswer::of(&analysis, &watch).map_err(CliError::other)?;
-        let text = serde_json::to_string_pretty(&found).map_err(CliError::other)?;
-        answer(format!("{text}\n").as_bytes())
+        let mut bytes = Vec::new();
+        if form == Form::Json {
+            // for people; programs read either
+            serde_json::to_writer_pretty(&mut bytes, &found).map_err(CliError::other)?;
+            bytes.push(b'\n');
+        } else {
+            found.write(form, &mut bytes, &watch).map_err(CliError::other)?;
+        }
+        match &self.output {
+            None => answer(&bytes),
+            Some(path) if path.as_os_str() == "-" => answer(&bytes),
+            Some(path) => std::fs::write(path, &bytes)
+                .map_err(|error| CliError::files(format!("cannot write {}: {error}", path.display()))),
+        }
+    }
+
+    fn form(&self) -> Result<Form, CliError> {
+        let named = |name: &str| Form::ALL.into_iter().find(|form| form.name() == name);
+        if let Some(form) = self.format.as_deref().and_then(named) {
+            return Ok(form);
+        }
+        let Some(extension) = self.output.as_ref().and_then(|path| path.extension()) else { return Ok(Form::Json) };
+        let found = Form::ALL.into_iter().find(|form| extension == form.extension());
+        let unknown = || {
+            let known = Form::ALL.map(Form::extension).join(", ");
+            CliError::usage(format!("--output: analyses have the extensions {known}; name a format with --format"))
+        };
+        found.ok_or_else(unknown)
     }
 
     fn request(&self) -> Result<AnalysisRequest, CliError> {
-        let Self { file, preset, word, parameters, nodes, grid, matrices, scan, steps, valences } = self;
+        let Self { file, preset, word, parameters, nodes, grid, matrices, scan, steps, valences, format: _, output: _ } =
+            self;
         let of = |points| MatricesRequest::Of(SmallPolygon { points: Some(points), powers: None });
         let matrices = matrices.map(of);
         let scan = scan.as_deref().map(|text| scanned(text, *steps)).transpose()?;

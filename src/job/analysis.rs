@@ -6,6 +6,7 @@ use super::scan::{self, ScanWish};
 use crate::analysis::curve::NoMask;
 use crate::analysis::scan::{MOST_BETWEEN, Scan, Scanned};
 use crate::analysis::smoothness::{BasicFunction, Report};
+use crate::analysis::theorems::{Decay, Theorem, theorems};
 use crate::analysis::{Level, Study};
 use crate::fault::{Fault, under};
 use crate::scheme::plan::{Plan, PlanInput, Subject};
@@ -33,6 +34,11 @@ const BYTES: u64 = 64 << 20;
 /// Two hundred values take some seconds. Half of it leaves ends of ranges wider, twice of it takes twice as long where
 /// nothing is decided.
 pub const DEFAULT_SCAN_NODES: u64 = 10_000;
+/// Most values of a function that is plotted without a grid of its own: two for each pixel.
+/// Half of it shows corners where there are none; twice of it makes figures in lines twice as long.
+const PLOTTED: u64 = 1 << 10;
+/// Finest grid that is looked at for a plot: binary schemes have no finer one of so many values.
+const MAX_GRID: u32 = 10;
 /// Milliseconds of an analysis without its products: those that look for an eigenvalue, and choose a norm.
 /// It is that of masks of some ten entries. Half of it books scans of longer masks too short; twice of it lets fewer
 /// scans run at once.
@@ -63,6 +69,8 @@ pub struct Wishes {
     pub matrices: Option<MatricesWish>,
     /// The parameter that is scanned.
     pub scan: Option<ScanWish>,
+    /// Whether functions are plotted: then the grid is as fine as a plot shows, where none is named.
+    pub is_plotted: bool,
 }
 
 /// What an analysis has found.
@@ -87,8 +95,14 @@ pub struct SchemeFindings<'a> {
     pub proved_c: i64,
     /// Values of the basic limit function, where they were asked for and there is one.
     pub values: Option<BasicFunction>,
+    /// Values of its derivatives, as far as they are proved to be continuous.
+    pub derivatives: Vec<BasicFunction>,
     /// The matrices of one step, where they were asked for.
     pub matrices: Option<FoundMatrices<'a>>,
+    /// The theorems of the first paper, where levels change.
+    pub theorems: Vec<Theorem>,
+    /// How quickly levels come close to the settled scheme.
+    pub decay: Option<Decay>,
 }
 
 impl Analysis {
@@ -161,14 +175,19 @@ impl Analysis {
         match &self.asked {
             Asked::Scheme { study, grid, matrices } => {
                 let report = Report::of(study.settled.clone(), self.nodes, watch)?;
-                let values = match grid {
-                    Some(grid) => report.basic_function(*grid, watch)?,
-                    None => None,
+                let (values, derivatives) = match grid {
+                    Some(grid) => (report.basic_function(*grid, watch)?, report.derivatives(*grid, watch)?),
+                    None => (None, Vec::new()),
                 };
                 let proved_c = study.concluded(report.smoothness.proved_c);
                 let (levels, rate) = (study.levels.as_slice(), study.rate());
                 let matrices = matrices.as_ref().map(|matrices| matrices.found(&report));
-                Ok(Findings::Scheme(Box::new(SchemeFindings { report, levels, rate, proved_c, values, matrices })))
+                let converges = report.smoothness.proved_c >= 0;
+                let theorems = if levels.is_empty() { Vec::new() } else { theorems(study, converges) };
+                let decay = Decay::of(study);
+                let found =
+                    SchemeFindings { report, levels, rate, proved_c, values, derivatives, matrices, theorems, decay };
+                Ok(Findings::Scheme(Box::new(found)))
             }
             Asked::Scan(scan) => {
                 Ok(Findings::Scan(scan, scan.run(|input| self::study(input, watch), self.nodes, watch)?))
@@ -179,9 +198,11 @@ impl Analysis {
 
 fn scheme(input: &PlanInput, wishes: &Wishes, watch: &Watch) -> Result<Asked, Vec<Fault>> {
     let study = study(input, watch).map_err(|found| under("/plan", found))?;
-    let grid = wishes.grid;
+    let count = |grid: u32| BasicFunction::count(&study.settled, grid);
+    let plotted = || (1..=MAX_GRID).take_while(|grid| count(*grid).is_some_and(|n| n <= PLOTTED)).last().unwrap_or(1);
+    let grid = wishes.grid.or_else(|| wishes.is_plotted.then(plotted));
     if let Some(grid) = grid
-        && BasicFunction::count(&study.settled, grid).is_none_or(|count| count > MAX_VALUES)
+        && count(grid).is_none_or(|count| count > MAX_VALUES)
     {
         let detail = format!("a grid of {grid} steps has more than {MAX_VALUES} values here; ask for a coarser one");
         return Err(vec![Fault::new("/grid", detail)]);

@@ -4,6 +4,7 @@
 use std::fmt;
 
 use super::codec::Item;
+use super::form::Form;
 use super::input::Input;
 use super::output::Output;
 use super::shape_items::{connectivity, input, mesh};
@@ -181,6 +182,15 @@ pub(super) fn surface_analysis(settled: &Plan, follows_alpha: bool, valences: &[
         Item::Integer(nodes),
     ];
     hashed(&Item::List(items))
+}
+
+/// The key of an analysis in a form: that of what it finds for the usual one.
+pub(super) fn in_form(key: Key, form: Form) -> Key {
+    if form == Form::default() {
+        return key;
+    }
+    let items = [Item::text(form.name()), Item::text(&key.to_string())];
+    hashed(&Item::List(items.into()))
 }
 
 /// Whether an output shows the limit, which is that of the plan even where none of its levels was applied.

@@ -1,8 +1,11 @@
 //! Analyses: the question, and the answer with every number named.
 
 mod curve;
+mod figure;
+mod markdown;
 mod matrices;
 mod scan;
+mod written;
 
 pub use curve::{
     CertificateAnswer, ChangingAnswer, ConclusionAnswer, LevelMaskAnswer, MaskAnswer, NumberAnswer, ReductionAnswer,
@@ -19,7 +22,7 @@ use super::surface_analysis::SurfaceAnswer;
 use super::variants::PlanSchema;
 use super::{object, whole};
 use crate::fault::Fault;
-use crate::job::{Analysis, Findings, Inquiry, SchemeFindings, SurfaceAnalysis, Wishes, is_for_meshes};
+use crate::job::{Analysis, Findings, Form, Inquiry, SchemeFindings, SurfaceAnalysis, Wishes, is_for_meshes};
 use crate::watch::{Stopped, Watch};
 
 /// A question about a plan: what can be said of its scheme.
@@ -53,20 +56,20 @@ pub struct AnalysisRequest {
 }
 
 impl AnalysisRequest {
-    /// Checks the question.
+    /// Checks the question, which is to be answered in a form.
     ///
     /// # Errors
     /// Every fault found.
-    pub fn resolve(self, watch: &Watch) -> Result<Inquiry, Vec<Fault>> {
+    pub fn resolve(self, form: Form, watch: &Watch) -> Result<Inquiry, Vec<Fault>> {
         let spec = self.spec.filter(|spec| *spec != 1);
         let unknown = spec.map(|spec| Fault::new("/spec", format!("{spec} is unknown; this server speaks 1")));
-        match (self.inquiry(watch), unknown) {
+        match (self.inquiry(form, watch), unknown) {
             (Ok(inquiry), None) => Ok(inquiry),
             (inquiry, unknown) => Err(unknown.into_iter().chain(inquiry.err().unwrap_or_default()).collect()),
         }
     }
 
-    fn inquiry(self, watch: &Watch) -> Result<Inquiry, Vec<Fault>> {
+    fn inquiry(self, form: Form, watch: &Watch) -> Result<Inquiry, Vec<Fault>> {
         let plan = self.plan.resolve();
         if self.valences.is_none() && !is_for_meshes(&plan) {
             let wishes = Wishes {
@@ -74,6 +77,7 @@ impl AnalysisRequest {
                 grid: self.grid,
                 matrices: self.matrices.and_then(MatricesRequest::resolve),
                 scan: self.scan.map(ScanRequest::resolve),
+                is_plotted: form.is_figure(),
             };
             return Analysis::new(&plan, &wishes, watch).map(|curve| Inquiry::Curve(Box::new(curve)));
         }

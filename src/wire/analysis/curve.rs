@@ -6,6 +6,7 @@ use utoipa::ToSchema;
 use super::matrices::MatricesAnswer;
 use crate::analysis::Level;
 use crate::analysis::smoothness::{BasicFunction, Certificate, Reduction, Smoothness, Symbol, Weights};
+use crate::analysis::theorems::{Decay, Theorem};
 use crate::job::SchemeFindings;
 use crate::math::exact::{Exact, rounded};
 use crate::math::mask::Mask;
@@ -51,8 +52,36 @@ pub struct ConclusionAnswer {
     pub proved_c: i64,
     /// The theorem.
     pub theorem: &'static str,
+    /// The theorems of the first paper, and what they prove here.
+    pub theorems: Vec<TheoremAnswer>,
+    /// The bound (11) of its theorem 3: level h, from 0 on, differs from the static limit by at most c gamma^h in the
+    /// norm of `distance`, as far as levels are listed; absent where distances do not shrink.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub decay: Option<DecayAnswer>,
     /// What it rests on beyond what was computed here.
     pub assumptions: Vec<String>,
+}
+
+/// A theorem held against a plan.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct TheoremAnswer {
+    /// Where it is printed.
+    pub name: &'static str,
+    /// Whether all that it asks for was found.
+    pub applies: bool,
+    /// What was found of what it asks for.
+    pub because: String,
+    /// What it proves where it applies.
+    pub proves: &'static str,
+}
+
+/// A geometric bound.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct DecayAnswer {
+    /// The factor c.
+    pub c: f64,
+    /// The ratio gamma, below 1.
+    pub gamma: f64,
 }
 
 /// What can be said of one scheme.
@@ -98,6 +127,9 @@ pub struct SchemeAnswer {
     /// Values of the basic limit function, where they were asked for and convergence is proved.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub basic_limit_function: Option<ValuesAnswer>,
+    /// Values of its derivatives, the first one first, as far as they are proved to be continuous; three at most.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub derivatives: Vec<ValuesAnswer>,
     /// The matrices of one step, where they were asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub matrices: Option<MatricesAnswer>,
@@ -205,6 +237,8 @@ impl ChangingAnswer {
         let conclusion = ConclusionAnswer {
             proved_c: findings.proved_c,
             theorem: THEOREM,
+            theorems: findings.theorems.iter().map(TheoremAnswer::new).collect(),
+            decay: findings.decay.map(|Decay { c, gamma }| DecayAnswer { c, gamma }),
             assumptions: vec![
                 "the masks of later levels go on coming closer as those of the levels listed do".to_owned(),
                 "sum rules of levels were checked in f64".to_owned(),
@@ -222,6 +256,13 @@ impl ChangingAnswer {
     }
 }
 
+impl TheoremAnswer {
+    fn new(theorem: &Theorem) -> Self {
+        let Theorem { name, applies, because, proves } = theorem;
+        Self { name, applies: *applies, because: because.clone(), proves }
+    }
+}
+
 impl LevelMaskAnswer {
     fn new(level: &Level) -> Self {
         let mask = MaskAnswer::rounded(&level.mask);
@@ -232,7 +273,7 @@ impl LevelMaskAnswer {
 impl SchemeAnswer {
     /// The answer about a scheme.
     pub(super) fn new(findings: &SchemeFindings<'_>) -> Self {
-        let SchemeFindings { report, values, matrices, .. } = findings;
+        let SchemeFindings { report, values, derivatives, matrices, .. } = findings;
         let symbol = &report.symbol;
         let known = symbol.is_exact;
         let weights = |weights: &Weights| MaskAnswer::new(weights.first, &weights.values, known);
@@ -257,6 +298,7 @@ impl SchemeAnswer {
             local_eigenvalues: eigenvalues.iter().map(|x| x.re).collect(),
             local_eigenvalues_imaginary: imaginary.iter().any(|x| *x != 0.0).then_some(imaginary),
             basic_limit_function: values.as_ref().map(|values| ValuesAnswer::new(values, symbol.arity)),
+            derivatives: derivatives.iter().map(|values| ValuesAnswer::new(values, symbol.arity)).collect(),
             matrices: matrices.as_ref().map(|matrices| MatricesAnswer::new(matrices, known)),
         }
     }

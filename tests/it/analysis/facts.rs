@@ -250,3 +250,44 @@ fn the_basic_limit_function_of_the_cubic_b_spline_is_the_b_spline() {
         assert!((value - spline(x)).abs() < 1e-14, "{x}: {value}");
     }
 }
+
+#[test]
+fn derivatives_of_the_basic_limit_function_are_those_of_the_b_spline() {
+    let answer = asked(&json!({ "plan": { "preset": "cubic-b-spline" }, "grid": 1 }));
+    let derivatives = answer["derivatives"].as_array().unwrap();
+    assert_eq!(derivatives.len(), 2, "C2");
+    let at = |k: usize, x: f64| {
+        let (from, step) = (derivatives[k]["from"].as_f64().unwrap(), derivatives[k]["step"].as_f64().unwrap());
+        let values = numbers(&derivatives[k]["values"]);
+        let place = (0_u16..).zip(&values).find(|(i, _)| (from + f64::from(*i) * step - x).abs() < 1e-12);
+        *place.unwrap_or_else(|| panic!("{x} is not on the grid")).1
+    };
+    for (k, x, wanted) in
+        [(0, 0.0, 0.0), (0, -1.0, 0.5), (0, 0.5, -0.625), (1, 0.0, -2.0), (1, 1.0, 1.0), (1, -1.5, 0.5), (1, 0.5, -0.5)]
+    {
+        assert!((at(k, x) - wanted).abs() < 1e-14, "derivative {} at {x}: {}", k + 1, at(k, x));
+    }
+}
+
+#[test]
+fn the_theorems_of_the_first_paper_apply_where_their_hypotheses_hold() {
+    let applies = |kernel: &str, compensation: &str, delta: &str, alpha: &str| {
+        let parameters = json!({ "alpha": alpha, "kernel": kernel, "compensation": compensation, "delta": delta });
+        let conclusion = word("UCP", &parameters)["conclusion"].clone();
+        let theorems = conclusion["theorems"].as_array().unwrap().clone();
+        let applies: Vec<bool> = theorems.iter().map(|theorem| theorem["applies"].as_bool().unwrap()).collect();
+        (applies, conclusion["proved_c"].as_i64().unwrap())
+    };
+    let (circle, secant) = ("cos(alpha/2)", "1/cos(alpha/2)");
+    assert_eq!(applies(circle, secant, "1", "pi/6"), (vec![true, true, true], 1));
+    assert_eq!(applies("10*cos(alpha/2)", "1", "4/5", "pi/4"), (vec![false, true, true], 1), "table 1, row e");
+    assert_eq!(applies(circle, secant, "-5/2", "pi/6"), (vec![true, false, true], 1), "the box has no such mask");
+    assert_eq!(applies(circle, secant, "-1/10", "pi/6"), (vec![true, true, true], 1), "that of other parameters");
+    let answer = word("UCP", &json!({ "alpha": "pi/6", "kernel": circle, "compensation": secant, "delta": 1 }));
+    let (c, gamma) = (&answer["conclusion"]["decay"]["c"], &answer["conclusion"]["decay"]["gamma"]);
+    let (c, gamma) = (c.as_f64().unwrap(), gamma.as_f64().unwrap());
+    for (h, level) in (0_u8..8).zip(answer["levels"].as_array().unwrap()) {
+        let bound = c * planish::math::functions::pow(gamma, f64::from(h)) * (1.0 + 1e-9);
+        assert!(level["distance"].as_f64().unwrap() <= bound, "level {h}: {level}, {bound}");
+    }
+}

@@ -1,5 +1,6 @@
 //! Scans: what is proved at each value of a parameter, and where proofs end.
 
+use planish::job::Form;
 use planish::watch::Watch;
 use planish::wire::analysis::AnalysisAnswer;
 use serde_json::{Value, json};
@@ -122,7 +123,7 @@ fn a_scan_has_one_key_whatever_the_plan_says_of_its_parameter_and_stops_when_ask
     assert_eq!(one, key(&scan(json!(0.07), json!(0.05))));
     assert_ne!(one, key(&scan(json!(0.07), json!(0.06))));
     let watch = Watch::new();
-    let analysis = question(&scan(json!(0), json!(0))).resolve(&watch).unwrap();
+    let analysis = question(&scan(json!(0), json!(0))).resolve(Form::Json, &watch).unwrap();
     watch.stop();
     assert!(AnalysisAnswer::of(&analysis, &watch).is_err());
 }
