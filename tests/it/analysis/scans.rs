@@ -16,7 +16,7 @@ fn interval(answer: &Value, k: i64) -> [Option<f64>; 4] {
 
 fn scan(plan: &Value, parameter: &str, from: &str, to: &str, steps: u32) -> Value {
     let scan = json!({ "parameter": parameter, "from": from, "to": to, "steps": steps });
-    asked(&json!({ "plan": plan, "scan": scan, "nodes": 10_000 }))
+    asked(&json!({ "plan": plan, "scan": scan, "nodes": 50_000 }))
 }
 
 #[test]
