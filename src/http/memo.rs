@@ -8,8 +8,8 @@ use axum::http::{HeaderMap, Uri, header};
 
 use super::address::address;
 use super::content::Notation;
-use crate::job::Resolved;
 use crate::job::Job;
+use crate::job::Resolved;
 use crate::job::key::{Key, content};
 
 /// Longest request that is remembered, bytes.

@@ -2,8 +2,8 @@
 
 use super::complete::{Checked, Job};
 use super::entry::InputEntry;
-use super::input::Input;
 use super::finest;
+use super::input::Input;
 use super::levels::{self, CheckedLevels, Levels, Resolved};
 use super::output::Output;
 use super::search::Search;

@@ -59,9 +59,7 @@ pub(super) fn level(checked: &Checked) -> Result<u32, Fault> {
 fn counted(checked: &Checked, levels: u32) -> Result<u128, Fault> {
     let steps = checked.plan.schedule(levels).map_err(|fault| fault.under("/plan"))?;
     let forecast = match &checked.input {
-        Input::Mesh(mesh) => {
-            forecast::of_mesh(&mesh_net(mesh, &checked.plan), &steps, 4 * MOST_FACES, &Watch::new())
-        }
+        Input::Mesh(mesh) => forecast::of_mesh(&mesh_net(mesh, &checked.plan), &steps, 4 * MOST_FACES, &Watch::new()),
         Input::Polygons(polygons) => {
             let nets: Vec<_> = polygons.iter().map(|polygon| polygon_net(polygon, &checked.plan)).collect();
             forecast::of_polygons(&nets, &steps)
@@ -95,7 +93,8 @@ fn outline(input: &Input) -> Result<Outline, Fault> {
 fn add(polygon: &Polygon, outline: &mut Outline) -> Result<(), Fault> {
     let coordinates = polygon.dimension - usize::from(polygon.rational);
     if !(2..=3).contains(&coordinates) {
-        let detail = format!("\"auto\" is for points of 2 or 3 coordinates, not {coordinates}; give a number of levels");
+        let detail =
+            format!("\"auto\" is for points of 2 or 3 coordinates, not {coordinates}; give a number of levels");
         return Err(Fault::new("/levels", detail));
     }
     outline.is_flat &= coordinates == 2;

@@ -135,7 +135,11 @@ impl Format for Png {
         let colors = coat::memory(options, vertices, counts);
         let pieces = counts.vertices.saturating_add(counts.input_edges as u128);
         let isolines = if lines::refers(options).is_some() { pieces.saturating_mul(5 * 8) } else { 0 };
-        let wires = if options.has("show", "wireframe") || options.has("show", "seams") { counts.half_edges.saturating_mul(WIRE_BYTES) } else { 0 };
+        let wires = if options.has("show", "wireframe") || options.has("show", "seams") {
+            counts.half_edges.saturating_mul(WIRE_BYTES)
+        } else {
+            0
+        };
         let pixels = options::size(options).map(u128::from).iter().product::<u128>() * PIXEL_BYTES;
         [isolines, wires, pixels, hard_edges::memory(counts, options)]
             .iter()

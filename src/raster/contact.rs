@@ -31,12 +31,12 @@ const MOST_PLACES: u64 = 1 << 23;
 const REACH: f64 = 0.3;
 /// Up to this height, in the same measure, things darken the ground.
 /// Half of it leaves the shadows of feet, twice of it makes that of the whole model.
-const HIGH: f64 = 0.5;
+const HIGH: f64 = 0.4;
 /// Up to this height they touch it.
 const LOW: f64 = 0.1;
 /// How much is taken of the light below what touches the ground, and below what stands just over it.
 /// They are choices of looks: halves are hardly seen, and twice of them is night.
-const DARK: [f32; 2] = [0.42, 0.34];
+const DARK: [f32; 2] = [0.5, 0.36];
 /// Up to this share of its height the model counts as touching the ground when it is asked whether it stands.
 /// Half of it lets rough feet fall, twice of it lets balls of few faces stand on their edges.
 const SOLE: f64 = 0.03;
@@ -257,8 +257,7 @@ impl Frame {
             }
             Ok(heights)
         };
-        let heights =
-            model.triangles.par_chunks(part).map(of).try_reduce(far, |a, b| Ok::<_, Stopped>(lower(a, b)))?;
+        let heights = model.triangles.par_chunks(part).map(of).try_reduce(far, |a, b| Ok::<_, Stopped>(lower(a, b)))?;
         let side = cells as f32;
         let [near, wide] = [(LOW, 0.011), (HIGH, 0.05)].map(|(high, share): (f64, f32)| {
             let weight = |height: &f32| {
@@ -276,7 +275,8 @@ impl Frame {
 /// Into how many parts each side of a triangle is cut, so that no cell below it is missed.
 fn parts(corners: &[Vector; 3]) -> usize {
     let side = |a: &Vector, b: &Vector| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
-    let longest = side(&corners[0], &corners[1]).max(side(&corners[1], &corners[2])).max(side(&corners[2], &corners[0]));
+    let longest =
+        side(&corners[0], &corners[1]).max(side(&corners[1], &corners[2])).max(side(&corners[2], &corners[0]));
     (longest.ceil() as usize).max(1)
 }
 

@@ -13,10 +13,14 @@ mod bins;
 mod camera;
 mod clip;
 mod contact;
+#[cfg(test)]
+mod coverage_tests;
 mod desk;
 mod facets;
 mod fine;
 mod forecast;
+#[cfg(test)]
+mod grounding_tests;
 mod line;
 mod model;
 mod occlusion;

@@ -123,12 +123,7 @@ impl Lens {
 
 impl Occlusion {
     /// That of a picture whose tiles are drawn.
-    pub(super) fn of(
-        tiles: &[Option<Drawn>],
-        grid: Grid,
-        camera: &Camera,
-        watch: &Watch,
-    ) -> Result<Self, Stopped> {
+    pub(super) fn of(tiles: &[Option<Drawn>], grid: Grid, camera: &Camera, watch: &Watch) -> Result<Self, Stopped> {
         let [width, height] = camera.size_px.map(|side| side as usize);
         let mut cell_px = 1;
         while width.max(height).div_ceil(cell_px) > MOST_CELLS {
@@ -246,7 +241,8 @@ impl Occlusion {
         let (left, above) = (u as usize, v as usize);
         let (u, v) = (u - left as f32, v - above as f32);
         let (right, below) = ((left + 1).min(columns - 1), (above + 1).min(rows - 1));
-        let corners = [(left, above, (1.0 - u) * (1.0 - v)), (right, above, u * (1.0 - v)), (left, below, (1.0 - u) * v)];
+        let corners =
+            [(left, above, (1.0 - u) * (1.0 - v)), (right, above, u * (1.0 - v)), (left, below, (1.0 - u) * v)];
         let (mut sum, mut weights) = (0.0, 0.0);
         for (x, y, share) in corners.into_iter().chain([(right, below, u * v)]) {
             let cell = y * columns + x;

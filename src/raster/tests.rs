@@ -84,8 +84,7 @@ const LOOK: Look = Look { background: [0; 4], is_fine: true, is_occluded: true, 
 
 fn picture(view: &View, positions: &[[f64; 3]], triangles: &[[u32; 3]], size: [u32; 2]) -> Pixmap {
     let segments: Vec<[u32; 2]> = triangles.iter().flat_map(|t| [[t[0], t[1]], [t[1], t[1]]]).collect();
-    let strokes =
-        [Strokes {
+    let strokes = [Strokes {
         positions,
         segments: &segments,
         width_px: 2.0,

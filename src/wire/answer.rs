@@ -4,9 +4,9 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use crate::analysis::circles::Outlook;
-use crate::job::Resolved;
 use crate::fault::{Fault, cut};
 use crate::job::Job;
+use crate::job::Resolved;
 use crate::job::limits::Estimate;
 use crate::output::Size;
 

@@ -45,18 +45,8 @@ const TAGS: [(&str, [u8; 4]); 4] = [
 ];
 
 /// What pictures of meshes can show.
-pub(crate) const SHOWN: &[&str] = &[
-    "surface",
-    "wireframe",
-    ISOLINES,
-    "control",
-    "points",
-    CREASES,
-    LATITUDE,
-    LONGITUDE,
-    SEAMS,
-    EXTRAORDINARY,
-];
+pub(crate) const SHOWN: &[&str] =
+    &["surface", "wireframe", ISOLINES, "control", "points", CREASES, LATITUDE, LONGITUDE, SEAMS, EXTRAORDINARY];
 
 /// Whether the refined mesh itself is shown, and not only the control net.
 pub(super) fn shows_body(options: &Options<'_>) -> bool {

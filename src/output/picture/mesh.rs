@@ -47,7 +47,8 @@ pub(crate) fn picture(
         surface: coat.as_ref().map_or(Surface::Unseen, Coat::surface),
         strokes: &strokes,
     };
-    let camera = Camera::framing(&options.view(), &[&positions, lines.net_positions()], options.size[0], options.size[1]);
+    let camera =
+        Camera::framing(&options.view(), &[&positions, lines.net_positions()], options.size[0], options.size[1]);
     Ok(render(&model, &camera, options.look(), options.size, watch)?.bytes)
 }
 
