@@ -4,6 +4,7 @@ use std::io::{self, Write};
 
 use png::{BitDepth, ColorType, Compression, Encoder, Filter, PixelDimensions, Unit};
 
+use crate::drawing::pixels;
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
@@ -12,13 +13,12 @@ use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::hard_edges::{self, CREASE_ANGLE};
 use crate::output::options::POSITIONS;
 use crate::output::picture::coat::{self, CHANNEL, COLOR_BY};
-use crate::output::picture::drawing::Drawing;
 use crate::output::picture::options::{
     self, BACKGROUND, CAMERA, COLOR, CONTROL_COLOR, DPI, GROUNDING, HEIGHT, LINE_WIDTH, Options, POINT_COLOR, QUALITY,
     WIDTH, WIRE_COLOR,
 };
 use crate::output::picture::outline::{self, Outline};
-use crate::output::picture::{forecast, lines, mesh, paint};
+use crate::output::picture::{drawing, forecast, lines, mesh};
 use crate::output::scene::{Frame, Scene, Shape};
 use crate::output::size::Size;
 use crate::shape::attachments::Attachments;
@@ -164,7 +164,7 @@ impl Format for Png {
             Shape::Curves(curves) => {
                 let dimension = curves.iter().map(|c| c.dimension).max().unwrap_or(1);
                 options::drawable(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
-                paint::paint(&Drawing::of(scene, &options, watch)?, watch)?
+                pixels(&drawing::drawing(scene, &options, watch)?, watch)?
             }
         };
         watch.check()?;

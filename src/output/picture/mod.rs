@@ -7,6 +7,6 @@ pub(super) mod lines;
 pub(super) mod mesh;
 pub(super) mod options;
 pub(super) mod outline;
-pub(super) mod paint;
 pub(super) mod sections;
 mod skin;
+pub(super) mod vector;

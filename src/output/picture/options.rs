@@ -104,7 +104,8 @@ pub(crate) const CONTROL_COLOR: Parameter = Parameter {
     kind: Kind::Color,
     unit: "",
     default: Default::Absent,
-    doc: "Colour of the edges of the control net, which are faint behind the surface; left out, orange.",
+    doc: "Colour of the edges of the control net, which are faint behind the surface, or of the control polygon; left \
+          out, orange, or grey.",
 };
 
 /// Colour of control points.
@@ -113,7 +114,7 @@ pub(crate) const POINT_COLOR: Parameter = Parameter {
     kind: Kind::Color,
     unit: "",
     default: Default::Absent,
-    doc: "Colour of control points; left out, a dark orange.",
+    doc: "Colour of control points; left out, a dark orange of meshes, a dark grey of curves.",
 };
 
 /// The camera.
