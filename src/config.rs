@@ -193,6 +193,8 @@ settings! {
     cache_store: String = "folder".to_owned(), "PLANISH_CACHE_STORE", "";
     /// Results that are larger are sent while they are made and not kept, unless the request asks for it.
     keep_at_most_bytes: u64 = 64 << 20, in 0..=MOST_BYTES, "PLANISH_KEEP_AT_MOST_BYTES", "bytes";
+    /// How long a job is known after it is done, has failed or was cancelled; its results may leave the cache before.
+    job_ttl_s: u64 = 86_400, in 1..=MOST_SECONDS, "PLANISH_JOB_TTL_S", "seconds";
     /// Longest time one computation may run.
     run_timeout_s: u64 = 300, in 1..=MOST_SECONDS, "PLANISH_RUN_TIMEOUT_S", "seconds";
     /// Longest time a client may take for its request headers, or stay silent between requests.

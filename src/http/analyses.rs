@@ -101,7 +101,7 @@ fn not_modified(key: &Key, tag: String) -> Response {
 
 /// An analysis under way.
 #[derive(Debug)]
-struct AnalysisTask(Analysis);
+pub(super) struct AnalysisTask(pub(super) Analysis);
 
 impl Task for AnalysisTask {
     fn key(&self) -> Key {

@@ -31,6 +31,10 @@ pub enum Kind {
     Waiting,
     /// Jobs that go on without their request.
     Detached,
+    /// Computations of such jobs.
+    Accepted,
+    /// Streams of events.
+    Listening,
     /// Bytes of bodies.
     BodyBytes,
     /// Bytes of inputs of jobs that wait or run.

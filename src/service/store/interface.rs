@@ -8,6 +8,7 @@ use bytes::Bytes;
 
 use super::error::StoreError;
 use super::manifest::{Description, Manifest};
+use super::records::Records;
 use crate::job::key::Key;
 
 /// A place where artifacts are kept. Bounded: the least recently used ones leave when there is no room.
@@ -153,4 +154,6 @@ pub struct StoreKind {
     pub name: &'static str,
     /// Opens it.
     pub open: Open,
+    /// Opens what it keeps of small records, in a folder that is open already.
+    pub records: fn(&Path) -> Result<Arc<dyn Records>, StoreError>,
 }

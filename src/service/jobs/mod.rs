@@ -1,0 +1,11 @@
+//! The records of jobs that outlast their request: bounded in number and bytes; settled ones leave first.
+
+mod journal;
+mod record;
+mod standing;
+mod table;
+mod written;
+
+pub use record::{JobSummary, Made, Predicted, Product, Record, State};
+pub use standing::{Phase, Standing};
+pub use table::{Jobs, New, Placed, Run};
