@@ -189,6 +189,8 @@ settings! {
     memory_cache_bytes: u64 = 512 << 20, in 0..=MOST_BYTES, "PLANISH_MEMORY_CACHE_BYTES", "bytes";
     /// Disk space for cached results; 0 keeps nothing on disk.
     cache_bytes: u64 = 8 << 30, in 0..=MOST_BYTES, "PLANISH_CACHE_BYTES", "bytes";
+    /// Disk space for files that clients send to /v1/blobs; those that no job needs leave for others.
+    uploads_bytes: u64 = 2 << 30, in 1..=MOST_BYTES, "PLANISH_UPLOADS_BYTES", "bytes";
     /// How cached results are kept on disk: `folder`.
     cache_store: String = "folder".to_owned(), "PLANISH_CACHE_STORE", "";
     /// Results that are larger are sent while they are made and not kept, unless the request asks for it.

@@ -5,6 +5,7 @@ mod analyses;
 mod answer;
 mod app;
 mod artifacts;
+mod blobs;
 mod body;
 mod canary;
 mod catalogue;

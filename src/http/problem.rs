@@ -13,9 +13,9 @@ use crate::job::JobFault;
 use crate::job::limits::Refusal;
 use crate::service::accepting::NotAccepted;
 use crate::service::computation::Failure;
-use crate::service::desk::Unread;
 use crate::service::driving::Unreadable;
 use crate::service::pool::Busy;
+use crate::service::read_lane::Unread;
 use crate::wire::answer::{FaultAnswer, ProblemAnswer};
 use crate::wire::read::ReadError;
 

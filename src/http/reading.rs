@@ -7,6 +7,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::app::App;
+use super::blobs::attached;
 use super::body::Sent;
 use super::problem::{self, Problem};
 use crate::analysis::curve::Reached;
@@ -65,7 +66,8 @@ pub(super) async fn job(
     prepare: impl FnOnce(&mut JobRequest) -> Result<(), Problem> + Send + 'static,
 ) -> Result<ReadJob, Problem> {
     let (desk, limits) = (app.desk.clone(), app.desk.limits.reading());
-    let bytes = weight(sent.bytes.len() as u64);
+    let sent = attached(app, peer, sent).await?;
+    let bytes = weight(sent.length());
     let step = app.desk.read(peer, bytes, move |_| {
         let mut request = sent.request()?;
         prepare(&mut request)?;

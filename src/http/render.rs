@@ -190,7 +190,7 @@ async fn made(
     let job = admitted.job();
     let id = JobKey::of_anyone(job.id());
     let entries = job.entries(&job.outputs[0]);
-    let summary = |request| working::summary(&admitted, request);
+    let summary = |sent: &Sent| working::summary(&admitted, sent);
     // the others are made from the record
     let refers = job.detail_keys().next().is_some();
     // somebody else may have had it made while it was forecast
@@ -198,7 +198,7 @@ async fn made(
         && let Ok(response) = whole(app, headers, Artifact::kept(manifest.clone(), client.peer()), &known).await
     {
         if refers {
-            app.desk.record(id, summary(sent.text()), vec![found(&manifest)], client.peer())?;
+            app.desk.record(id, summary(&sent), vec![found(&manifest)], client.peer())?;
         }
         return Ok(response);
     }
@@ -207,14 +207,14 @@ async fn made(
     match tokio::time::timeout(patience, computation.finished()).await {
         Ok(Phase::Done(outcome)) => {
             if refers {
-                app.desk.record(id, summary(sent.text()), vec![driving::made(&outcome)], client.peer())?;
+                app.desk.record(id, summary(&sent), vec![driving::made(&outcome)], client.peer())?;
             }
             let found = Artifact::made(&outcome, interest.provenance, client.peer());
             Ok(whole(app, headers, found, &known).await?)
         }
         Ok(Phase::Failed(failure)) => Err(Problem::of_failure(failure, |fault| entries.fault(fault))),
         Ok(Phase::Queued | Phase::Running) | Err(_) => {
-            app.desk.detach(id, summary(sent.text()), interest, (client.peer(), entries)).await?;
+            app.desk.detach(id, summary(&sent), interest, (client.peer(), entries)).await?;
             Ok(jobs::later(app, &id, said.then_some(patience.as_secs())))
         }
     }

@@ -35,8 +35,9 @@ use crate::service::jobs::Jobs;
 use crate::service::peer::Peer;
 use crate::service::pool::{Bounds, Lane, Pool};
 use crate::service::queue;
-use crate::service::store::{STORES, StoreKind};
+use crate::service::store::{Memory, STORES, StoreKind};
 use crate::service::tiers::Tiers;
+use crate::service::uploads::Uploads;
 use crate::wire::read::weight;
 
 /// Why the service did not start.
@@ -100,8 +101,9 @@ pub async fn bind(settings: Settings) -> Result<(TcpListener, Arc<App>), StartEr
 /// [`StartError`].
 pub async fn bind_at(mut settings: Settings, clock: Arc<dyn Clock>) -> Result<(TcpListener, Arc<App>), StartError> {
     let listener = listen(settings.listen).map_err(|error| StartError::Listen { address: settings.listen, error })?;
-    let (disk, records) = if settings.data_dir == Path::new("") || settings.cache_bytes == 0 {
-        (None, None)
+    let account = Account::new(settings.max_memory_bytes, settings.memory_cache_bytes);
+    let (disk, records, uploads) = if settings.data_dir == Path::new("") || settings.cache_bytes == 0 {
+        (None, None, in_memory(&account))
     } else {
         let path = settings.data_dir.display().to_string();
         let name = &settings.cache_store;
@@ -109,11 +111,12 @@ pub async fn bind_at(mut settings: Settings, clock: Arc<dyn Clock>) -> Result<(T
         let kind = kind.ok_or_else(|| StartError::NoSuchStore { name: shortened(name) })?;
         let open = |kind: &StoreKind| {
             let store = (kind.open)(&settings.data_dir, settings.cache_bytes)?;
-            Ok((Some(store), Some((kind.records)(&settings.data_dir)?)))
+            let records = (kind.records)(&settings.data_dir)?;
+            let uploads = (kind.open)(&settings.data_dir.join("uploads"), settings.uploads_bytes)?;
+            Ok((Some(store), Some(records), Uploads::new(uploads, None)))
         };
         open(kind).map_err(|error| StartError::Store { path, error })?
     };
-    let account = Account::new(settings.max_memory_bytes, settings.memory_cache_bytes);
     settings.max_body_bytes = settings.max_body_bytes.min(longest_body(&account));
     let bounds = Bounds { queue: settings.max_queue, queue_a_peer: settings.max_queue_per_peer };
     let pool = Pool::new(settings.compute_threads(), &account, bounds)?;
@@ -131,7 +134,8 @@ pub async fn bind_at(mut settings: Settings, clock: Arc<dyn Clock>) -> Result<(T
     let limits = settings.limits();
     // no job is taken on that finds no memory even when it is alone
     let limits = Limits { max_job_bytes: limits.max_job_bytes.min(account.long.capacity), ..limits };
-    let keeping = JobKeeping { jobs: Jobs::new(records, clock.clone()), queue: Arc::new(queue::Local::default()) };
+    let (jobs, queue) = (Jobs::new(records, clock.clone()), Arc::new(queue::Local::default()));
+    let keeping = JobKeeping { jobs, queue, uploads };
     let desk = Arc::new(Desk::new(limits, tiers, pool, account, keeping, (terms, clock)));
     let path = || settings.data_dir.display().to_string();
     let taken_up = desk.recover().await.map_err(|error| StartError::Store { path: path(), error })?;
@@ -141,6 +145,13 @@ pub async fn bind_at(mut settings: Settings, clock: Arc<dyn Clock>) -> Result<(T
     let (canary, memo, short) = (Arc::<Canary>::default(), Memo::default(), Short::default());
     let openapi = LazyLock::new(document_text as fn() -> String);
     Ok((listener, Arc::new(App { desk, settings, canary, memo, short, connections, openapi })))
+}
+
+/// Uploads in memory, where nothing is kept on disk: half of the share of records.
+fn in_memory(account: &Account) -> Uploads {
+    let bytes = account.records.capacity / 2;
+    let held = account.records.try_take(bytes).ok();
+    Uploads::new(Arc::new(Memory::new(bytes)), held)
 }
 
 /// The longest body that the memory of the service is good for: half of the share of bodies, and so long that reading

@@ -65,7 +65,7 @@ impl Asked {
                 let task =
                     |output| Arc::new(Render::new(admitted.clone(), output, Some(input.clone()))) as Arc<dyn Task>;
                 let tasks = (0..admitted.job().outputs.len()).map(task).collect();
-                Ok(Work { summary: summary(&admitted, sent.text()), tasks })
+                Ok(Work { summary: summary(&admitted, &sent), tasks })
             }
             Self::Analysis(task, sent) => {
                 let format = named("json").expect("json is among the formats");
@@ -73,8 +73,8 @@ impl Asked {
                 let (cost, count) = (task.cost(), |n: u128| u64::try_from(n).unwrap_or(u64::MAX));
                 let (memory_bytes, time_ms) = (count(cost.memory_bytes), count(cost.time_ms));
                 let cost = Predicted { memory_bytes, time_ms, ..Predicted::default() };
-                let (details, request) = (Vec::new(), sent.text());
-                let summary = JobSummary { products: vec![product], cost, reached: None, details, request };
+                let (details, blobs, request) = (Vec::new(), Vec::new(), sent.text());
+                let summary = JobSummary { products: vec![product], cost, reached: None, details, blobs, request };
                 Ok(Work { summary, tasks: vec![task] })
             }
         }
@@ -82,7 +82,7 @@ impl Asked {
 }
 
 /// What is known of an admitted job that was sent like this.
-pub(super) fn summary(admitted: &Admitted, request: axum::body::Bytes) -> JobSummary {
+pub(super) fn summary(admitted: &Admitted, sent: &Sent) -> JobSummary {
     let job = admitted.job();
     let product = |(output, key): (&crate::job::Output, &Key)| Product {
         name: output.name.clone(),
@@ -94,7 +94,8 @@ pub(super) fn summary(admitted: &Admitted, request: axum::body::Bytes) -> JobSum
         cost: admitted.estimate().into(),
         reached: job.reached,
         details: job.detail_keys().collect(),
-        request,
+        blobs: sent.uploads(),
+        request: sent.text(),
     }
 }
 

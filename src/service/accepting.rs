@@ -10,7 +10,7 @@ use super::jobs::{JobSummary, Made, New, Placed, Record, Run, Standing, State};
 use super::peer::{Kind, Paid, Peer};
 use super::pool::{Busy, Lane};
 use super::queue::Item;
-use super::store::StoreError;
+use super::store::{Pin, StoreError};
 use super::under_way::Interest;
 use crate::job::JobEntries;
 
@@ -46,6 +46,11 @@ impl Desk {
         move |bytes| self.peers.charge(&self.account.records, Kind::RecordBytes, peer, bytes)
     }
 
+    /// Keeps the uploads that a job needs, as far as they are here.
+    fn pins(&self, summary: &JobSummary) -> Vec<Arc<Pin>> {
+        summary.blobs.iter().filter_map(|id| self.uploads.pin(id)).map(Arc::new).collect()
+    }
+
     /// Accepts a job: it is known and will be done, after a restart, too, where jobs outlast the process. A job that is
     /// known already is the same job; one that failed or was cancelled is done once more. Where its results are all
     /// there, `made` says what they are, and it is done at once.
@@ -71,9 +76,10 @@ impl Desk {
             true => Some(self.ticket(peer, Kind::Detached).ok_or_else(busy)?),
             false => None,
         };
-        let new = New { job, summary, terms, peer, ticket, made };
+        let pins = if made.is_empty() { self.pins(&summary) } else { Vec::new() };
+        let new = New { job, summary, terms, peer, ticket, made, pins };
         let placed = self.jobs.accept(self.record_memory(peer), new, false).map_err(|_| busy())?;
-        let Placed::New(run) = placed else { return Ok(()) };
+        let Placed::New(run) = placed else { return Ok(self.jobs.written(job).await?) };
         // goes on when its client leaves here
         let desk = self.clone();
         let lined_up =
@@ -131,7 +137,8 @@ impl Desk {
         (peer, entries): (Peer, JobEntries),
     ) -> Result<Run, Full> {
         let ticket = Some(self.ticket(peer, Kind::Detached).ok_or(Full)?);
-        let new = New { job, summary, terms: JobTerms::default(), peer, ticket, made: Vec::new() };
+        let (terms, made, pins) = (JobTerms::default(), Vec::new(), self.pins(&summary));
+        let new = New { job, summary, terms, peer, ticket, made, pins };
         let run = match self.jobs.accept(self.record_memory(peer), new, true)? {
             Placed::New(run) => run,
             // somebody else has just accepted it
@@ -150,7 +157,8 @@ impl Desk {
     /// # Errors
     /// [`Busy`] when there is no room for the record.
     pub fn record(&self, job: JobKey, summary: JobSummary, made: Vec<Made>, peer: Peer) -> Result<(), Busy> {
-        let new = New { job, summary, terms: JobTerms::default(), peer, ticket: None, made };
+        let (terms, pins) = (JobTerms::default(), Vec::new());
+        let new = New { job, summary, terms, peer, ticket: None, made, pins };
         let put = self.jobs.accept(self.record_memory(peer), new, false);
         put.map(drop).map_err(|_| self.pool.busy(Lane::Long))
     }
@@ -183,7 +191,8 @@ impl Desk {
     /// # Errors
     /// When their records cannot be read.
     pub async fn recover(&self) -> Result<usize, StoreError> {
-        let runs = self.jobs.recover(self.record_memory(Peer::SELF))?;
+        let memory = |bytes| self.peers.charge_self(&self.account.records, Kind::RecordBytes, bytes);
+        let runs = self.jobs.recover(memory, |summary| self.pins(summary))?;
         for run in &runs {
             let Some(record) = self.jobs.get(&run.job) else { continue };
             let lane = record.lane(|time, memory| self.pool.lane_of(time, memory));

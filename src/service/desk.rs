@@ -19,10 +19,10 @@ use super::store::{Description, Manifest};
 use super::task::Task;
 use super::tiers::{Kept, Tiers};
 use super::under_way::{Interest, UnderWay};
+use super::uploads::Uploads;
 use crate::job::RunError;
 use crate::job::key::Key;
 use crate::job::limits::Limits;
-use crate::watch::Watch;
 use tokio::sync::watch;
 
 /// The desk of one service.
@@ -46,6 +46,8 @@ pub struct Desk {
     pub jobs: Jobs,
     /// Those of them that wait for their turn.
     pub queue: Arc<dyn Queue>,
+    /// The files that clients sent.
+    pub uploads: Uploads,
     /// How much is taken on, and for how long.
     pub terms: Terms,
     pub(super) clock: Arc<dyn Clock>,
@@ -61,6 +63,8 @@ pub struct JobKeeping {
     pub jobs: Jobs,
     /// Their line.
     pub queue: Arc<dyn Queue>,
+    /// The files that they may name.
+    pub uploads: Uploads,
 }
 
 /// How much work a desk takes on, and for how long.
@@ -87,12 +91,27 @@ impl Desk {
         tiers: Tiers,
         pool: Pool,
         account: Account,
-        JobKeeping { jobs, queue }: JobKeeping,
+        JobKeeping { jobs, queue, uploads }: JobKeeping,
         (terms, clock): (Terms, Arc<dyn Clock>),
     ) -> Self {
         let (peers, under_way, ending) = (Arc::default(), Arc::default(), watch::channel(false).0);
         let (in_flight, work) = (InFlight::default(), KeptWork::new(account.work_bytes));
-        Self { limits, tiers, pool, account, in_flight, peers, work, jobs, queue, terms, clock, under_way, ending }
+        Self {
+            limits,
+            tiers,
+            pool,
+            account,
+            in_flight,
+            peers,
+            work,
+            jobs,
+            queue,
+            uploads,
+            terms,
+            clock,
+            under_way,
+            ending,
+        }
     }
 
     /// The artifact of a key, if it is kept anywhere.
@@ -211,31 +230,6 @@ impl Desk {
             }
             Ok((Err(error), _)) => Phase::Failed(Failure::of(error)),
             Err(Panicked(message)) => Phase::Failed(Failure::Internal(format!("a computation panicked: {message}"))),
-        }
-    }
-
-    /// Runs work on a request, which takes so much memory, when its turn comes. When the caller leaves, the work is
-    /// stopped.
-    ///
-    /// # Errors
-    /// [`Unread`].
-    pub async fn read<T: Send + 'static>(
-        &self,
-        peer: Peer,
-        memory_bytes: u64,
-        work: impl FnOnce(&Watch) -> T + Send + 'static,
-    ) -> Result<T, Unread> {
-        let waiting = self.pool.line_up(Lane::Reading, peer, memory_bytes.into()).map_err(Unread::Busy)?;
-        let turn = self.pool.turn(Lane::Reading, waiting).await;
-        let start = self.clock.now();
-        let watch = StopOnDrop(Watch::new());
-        let watched = watch.0.clone();
-        let reading = turn.spawn(move || work(&watched));
-        let read = tokio::time::timeout(self.terms.run_timeout, reading).await;
-        self.pool.finished(Lane::Reading, self.clock.now().saturating_sub(start));
-        match read {
-            Ok(read) => read.map_err(|_| Unread::Failed(Failure::Internal("reading a request panicked".to_owned()))),
-            Err(_) => Err(Unread::Failed(Failure::TimedOut(self.terms.run_timeout))),
         }
     }
 
@@ -364,23 +358,4 @@ async fn until_overdue<T>(
         computation.run_out();
     }
     making.await
-}
-
-/// Stops work when whoever waits for it leaves.
-#[derive(Debug)]
-pub(super) struct StopOnDrop(pub(super) Watch);
-
-impl Drop for StopOnDrop {
-    fn drop(&mut self) {
-        self.0.stop();
-    }
-}
-
-/// Why a request was not read.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Unread {
-    /// Too many wait to be read.
-    Busy(Busy),
-    /// The work on it failed.
-    Failed(Failure),
 }

@@ -65,6 +65,19 @@ impl From<Reached> for ReachedAnswer {
     }
 }
 
+/// A file that was sent.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct BlobAnswer {
+    /// What names it in jobs: `b3-` and the BLAKE3 of its bytes.
+    pub id: String,
+    /// Its length.
+    pub bytes: u64,
+    /// The format that it is read as: that of a reader, or `json`.
+    pub format: String,
+    /// Where it is.
+    pub href: String,
+}
+
 /// What a job will come to.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct EstimateAnswer {

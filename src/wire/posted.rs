@@ -28,6 +28,21 @@ pub struct AnalysisJob {
     pub analysis: AnalysisRequest,
 }
 
+/// The id of the upload that a job names; what is no JSON names none.
+pub fn upload_of(body: &[u8]) -> Option<String> {
+    #[derive(Deserialize)]
+    struct Peek {
+        input: Option<PeekInput>,
+    }
+    #[derive(Deserialize)]
+    struct PeekInput {
+        blob: Option<String>,
+    }
+    let names_it = body.windows(6).any(|word| word == b"\"blob\"");
+    let peek: Peek = if names_it { serde_json::from_slice(body).ok()? } else { return None };
+    peek.input?.blob
+}
+
 /// Whether a body asks for an analysis; what is no JSON asks for nothing.
 pub fn asks_for_analysis(body: &[u8]) -> bool {
     #[derive(Deserialize)]

@@ -14,6 +14,7 @@ mod hardening;
 mod house;
 mod http;
 mod keys;
+mod killed;
 mod laws;
 mod limits;
 mod nets;

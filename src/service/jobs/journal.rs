@@ -28,11 +28,11 @@ type Encoded = dyn Fn(&JobKey) -> Option<Vec<u8>> + Send + Sync;
 /// The writer of one table.
 pub(super) struct Journal {
     shared: Arc<Shared>,
-    thread: Mutex<Option<thread::JoinHandle<()>>>,
 }
 
 struct Shared {
-    records: Arc<dyn Records>,
+    /// Let go of at the end.
+    records: Mutex<Option<Arc<dyn Records>>>,
     encoded: Box<Encoded>,
     pending: Mutex<Pending>,
     changed: Condvar,
@@ -48,7 +48,7 @@ struct Pending {
 
 impl fmt::Debug for Journal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:?}", self.shared.records)
+        write!(f, "{:?}", self.shared.records())
     }
 }
 
@@ -59,15 +59,16 @@ impl Journal {
         encoded: impl Fn(&JobKey) -> Option<Vec<u8>> + Send + Sync + 'static,
     ) -> Self {
         let (pending, changed) = (Mutex::default(), Condvar::new());
-        let shared = Arc::new(Shared { records, encoded: Box::new(encoded), pending, changed });
+        let shared =
+            Arc::new(Shared { records: Mutex::new(Some(records)), encoded: Box::new(encoded), pending, changed });
         let of_thread = shared.clone();
         let started = thread::Builder::new().name("jobs".to_owned()).spawn(move || of_thread.work());
-        let thread = started.inspect_err(|error| {
+        if let Err(error) = started {
             tracing::error!(%error, "the thread that writes records of jobs could not be started");
             let mut pending = shared.pending();
             (pending.closed, pending.ended) = (true, true);
-        });
-        Self { shared, thread: Mutex::new(thread.ok()) }
+        }
+        Self { shared }
     }
 
     /// Notes that a job has changed.
@@ -93,7 +94,10 @@ impl Journal {
 
     /// Tells every record that is written.
     pub(super) fn each(&self, tell: &mut dyn FnMut(&[u8])) -> Result<(), StoreError> {
-        self.shared.records.each(&mut |_, record| tell(record))
+        match self.shared.records() {
+            Some(records) => records.each(&mut |_, record| tell(record)),
+            None => Ok(()),
+        }
     }
 
     /// Writes what is left, at most so long, and nothing afterwards.
@@ -102,14 +106,7 @@ impl Journal {
         pending.closed = true;
         self.shared.changed.notify_all();
         let waited = self.shared.changed.wait_timeout_while(pending, patience, |pending| !pending.ended);
-        let (pending, _) = waited.unwrap_or_else(PoisonError::into_inner);
-        let has_ended = pending.ended;
-        drop(pending);
-        // its last step lets go of the file
-        let thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner).take();
-        if let Some(thread) = thread.filter(|_| has_ended) {
-            let _ = thread.join();
-        }
+        drop(waited);
     }
 }
 
@@ -125,6 +122,11 @@ impl Shared {
         self.pending.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Where records are written, until the end.
+    fn records(&self) -> Option<Arc<dyn Records>> {
+        self.records.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
     /// Writes what comes until the journal is closed.
     fn work(&self) {
         loop {
@@ -135,10 +137,13 @@ impl Shared {
             let is_last = pending.closed;
             drop(pending);
             let changes: Vec<_> = jobs.keys().map(|job| (job.to_bytes().to_vec(), (self.encoded)(job))).collect();
-            let written = if changes.is_empty() { Ok(()) } else { self.records.write(&changes) };
-            let written = written.map_err(|error| error.to_string());
+            let records = self.records().filter(|_| !changes.is_empty());
+            let written = records.map_or(Ok(()), |records| records.write(&changes)).map_err(|error| error.to_string());
             if let Err(error) = &written {
                 tracing::warn!(error, jobs = jobs.len(), "records of jobs could not be written");
+            }
+            if is_last {
+                drop(self.records.lock().unwrap_or_else(PoisonError::into_inner).take());
             }
             let mut pending = self.pending();
             if is_last {

@@ -14,6 +14,7 @@ use crate::service::computation::Timings;
 use crate::service::job_key::{JobKey, JobTerms};
 use crate::service::peer::{Paid, Peer, Ticket};
 use crate::service::pool::Lane;
+use crate::service::store::Pin;
 use crate::service::under_way::Interest;
 
 /// One output of a job.
@@ -64,6 +65,8 @@ pub struct JobSummary {
     pub reached: Option<Reached>,
     /// Keys of the results to which its outputs refer.
     pub details: Vec<Key>,
+    /// The uploads that its request names.
+    pub blobs: Vec<Key>,
     /// The request as it was sent, from which its results can be made at any time.
     pub request: Bytes,
 }
@@ -134,6 +137,8 @@ pub struct Record {
     /// Comes true when nothing more will happen to this record.
     pub ended: Arc<watch::Sender<bool>>,
     pub(super) _memory: Arc<Paid>,
+    /// Keeps the uploads that it needs.
+    pub(super) pins: Vec<Arc<Pin>>,
     /// One of the jobs that its peer may have under way.
     pub(super) ticket: Option<Arc<Ticket>>,
 }

@@ -6,15 +6,16 @@ use std::time::Duration;
 
 use tokio::sync::watch;
 
+use super::attempt::{New, Placed, Run};
 use super::journal::Journal;
 use super::record::{JobSummary, Made, Record, State};
 use super::written::{Kept, decode, encode};
 use crate::job::key::Key;
 use crate::service::account::Full;
 use crate::service::clock::Clock;
-use crate::service::job_key::{JobKey, JobTerms, Tenant};
-use crate::service::peer::{Paid, Peer, Ticket};
-use crate::service::store::{Records, StoreError};
+use crate::service::job_key::{JobKey, Tenant};
+use crate::service::peer::{Paid, Peer};
+use crate::service::store::{Pin, Records, StoreError};
 use crate::service::under_way::Interest;
 
 /// Most records held.
@@ -43,42 +44,6 @@ struct Table {
     /// Keys of artifacts with the ids of the jobs that have them.
     by_artifact: BTreeSet<(Tenant, Key, Key)>,
     next: u64,
-}
-
-/// A job to be accepted.
-#[derive(Debug)]
-pub struct New {
-    /// The job.
-    pub job: JobKey,
-    /// What it is.
-    pub summary: JobSummary,
-    /// What was said of its turn.
-    pub terms: JobTerms,
-    /// Whose turn it takes.
-    pub peer: Peer,
-    /// Counts it as one of the jobs that its peer may have under way; none for jobs that are done already.
-    pub ticket: Option<Ticket>,
-    /// What its outputs came to; empty for jobs that are still to be done.
-    pub made: Vec<Made>,
-}
-
-/// One attempt at a job.
-#[derive(Debug, Clone)]
-pub struct Run {
-    /// The job.
-    pub job: JobKey,
-    number: u64,
-    /// Comes true when the attempt is over.
-    pub ended: watch::Receiver<bool>,
-}
-
-/// What came of accepting a job.
-#[derive(Debug)]
-pub enum Placed {
-    /// It is under way already, or done.
-    Known(Record),
-    /// It is to be done.
-    New(Run),
 }
 
 impl Table {
@@ -217,7 +182,7 @@ impl Jobs {
     }
 
     fn record(&self, new: New, number: u64, attempts: u32, memory: Paid) -> Record {
-        let New { job, summary, terms, peer, ticket, made } = new;
+        let New { job, summary, terms, peer, ticket, made, pins } = new;
         let now = self.clock.now();
         let is_done = !made.is_empty();
         Record {
@@ -235,6 +200,7 @@ impl Jobs {
             settled: is_done.then_some(now),
             ended: Arc::new(watch::channel(is_done).0),
             _memory: Arc::new(memory),
+            pins,
             ticket: ticket.map(Arc::new),
         }
     }
@@ -244,7 +210,11 @@ impl Jobs {
     ///
     /// # Errors
     /// When they cannot be read.
-    pub fn recover(&self, memory: impl Fn(u64) -> Result<Paid, Full>) -> Result<Vec<Run>, StoreError> {
+    pub fn recover(
+        &self,
+        memory: impl Fn(u64) -> Result<Paid, Full>,
+        pins: impl Fn(&JobSummary) -> Vec<Arc<Pin>>,
+    ) -> Result<Vec<Run>, StoreError> {
         let Some(journal) = &self.journal else { return Ok(Vec::new()) };
         let mut kept = Vec::new();
         journal.each(&mut |record| match decode(record) {
@@ -261,8 +231,9 @@ impl Jobs {
                 continue;
             };
             table.next = table.next.max(kept.number + 1);
-            let record = revived(kept, memory, now, wall);
+            let mut record = revived(kept, memory, now, wall);
             if record.is_active() {
+                record.pins = pins(&record.summary);
                 runs.push(Run { job: record.job, number: record.number, ended: record.ended.subscribe() });
             }
             table.insert(record);
@@ -328,7 +299,7 @@ impl Jobs {
         let Some(record) = found else { return false };
         record.state = state;
         record.settled = Some(now);
-        let left = (record.computing.take(), record.ticket.take());
+        let left = (record.computing.take(), record.ticket.take(), std::mem::take(&mut record.pins));
         let ended = record.ended.clone();
         drop(table);
         drop(left);
@@ -407,6 +378,7 @@ fn revived(kept: Kept, memory: Paid, now: Duration, wall: Duration) -> Record {
         settled: age.map(|age| now.saturating_sub(age)),
         ended: Arc::new(watch::channel(!is_active).0),
         _memory: Arc::new(memory),
+        pins: Vec::new(),
         ticket: None,
     }
 }

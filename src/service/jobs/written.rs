@@ -33,6 +33,7 @@ mod tag {
     pub(super) const MADE: u8 = 13;
     pub(super) const FAILED: u8 = 14;
     pub(super) const WARNING: u8 = 15;
+    pub(super) const BLOBS: u8 = 16;
 }
 
 /// A record as it is read back.
@@ -73,6 +74,7 @@ pub(super) fn encode(record: &Record, settled: Option<Duration>) -> Vec<u8> {
     let reached = summary.reached.map(|reached| [reached.level.into(), reached.bound.to_bits()]);
     out.numbers(tag::REACHED, reached.as_ref().map_or(&[], |reached| reached));
     out.hashes(tag::DETAILS, &summary.details);
+    out.hashes(tag::BLOBS, &summary.blobs);
     for (product, made) in summary.products.iter().zip(&record.made) {
         output(&mut out, product, made.as_ref());
     }
@@ -121,14 +123,14 @@ pub(super) fn decode(bytes: &[u8]) -> Option<Kept> {
         [level, bound] => Some(Reached { level: u32::try_from(*level).ok()?, bound: f64::from_bits(*bound) }),
         _ => return None,
     };
-    let details = fields.hashes(tag::DETAILS)?;
+    let (details, blobs) = (fields.hashes(tag::DETAILS)?, fields.hashes(tag::BLOBS)?);
     let (mut products, mut made) = (Vec::new(), Vec::new());
     while !fields.is_empty() {
         let (name, format) = (fields.text(tag::NAME)?, named(&fields.text(tag::FORMAT)?)?);
         products.push(Product { name, format, key: fields.hash(tag::KEY)? });
         made.push(result(&mut fields)?);
     }
-    let summary = JobSummary { products, cost, reached, details, request };
+    let summary = JobSummary { products, cost, reached, details, blobs, request };
     let attempts = u32::try_from(attempts).ok()?;
     Some(Kept { job, number, attempts, terms, state, made, settled_s: given(settled), summary })
 }

@@ -68,6 +68,14 @@ impl Store for Embedded {
         self.state.remove(key)
     }
 
+    fn pin(&self, key: &Key) -> bool {
+        self.state.pin(key)
+    }
+
+    fn unpin(&self, key: &Key) {
+        self.state.unpin(key);
+    }
+
     fn usage(&self) -> Usage {
         self.state.usage()
     }

@@ -5,6 +5,7 @@
 //! index.redb                    order of use
 //! jobs.redb                     records of jobs
 //! tmp/<64 hex>.<number>.tmp     being written
+//! uploads/                      a folder like this one, with the files that clients sent
 //! artifacts/ab/<64 hex>         bytes
 //! artifacts/ab/<64 hex>.manifest
 //! ```
@@ -167,7 +168,7 @@ fn read_part(disk: &dyn Disk, path: &Path, manifest: &Manifest, index: usize) ->
 }
 
 /// What a folder of this store has in it; what a system puts into the root of a disk may stand beside it.
-const OWN: [&str; 5] = ["lock", "index.redb", RECORDS_FILE, "tmp", "artifacts"];
+const OWN: [&str; 6] = ["lock", "index.redb", RECORDS_FILE, "tmp", "artifacts", "uploads"];
 const OF_SYSTEMS: [&str; 3] = ["lost+found", ".snapshot", ".DS_Store"];
 
 /// Refuses a folder that holds something else, or records that are damaged, before anything in it is touched.

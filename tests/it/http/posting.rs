@@ -307,6 +307,7 @@ fn a_line_that_is_full_refuses_and_says_when_to_come_back() {
             let mut job = with(mesh(2), "stats");
             job["input"]["mesh"]["positions"][0][0] = json!(at);
             let answer = server.post("/v1/jobs", &job).await;
+            until("those who do jobs have one each", || server.app.desk.n_under_way() == (at + 1).min(2)).await;
             if answer.status == 503 {
                 answer.problem(503, "busy");
                 assert!(answer.header("retry-after").parse::<u64>().unwrap() >= 1);
@@ -381,7 +382,14 @@ fn a_job_with_more_than_its_account_holds_is_refused() {
         let product = Product { name: "x".to_owned(), format, key };
         let request = axum::body::Bytes::from(vec![0; 200 << 20]);
         let cost = Predicted::default();
-        let summary = JobSummary { products: vec![product], cost, reached: None, details: Vec::new(), request };
+        let summary = JobSummary {
+            products: vec![product],
+            cost,
+            reached: None,
+            details: Vec::new(),
+            blobs: Vec::new(),
+            request,
+        };
         let job = JobKey::of_anyone(key);
         let refused = server.app.desk.accept(job, summary, JobTerms::default(), Peer::SELF, Vec::new()).await;
         assert!(refused.is_err() && server.app.desk.jobs.is_empty());

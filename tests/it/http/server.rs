@@ -78,11 +78,16 @@ pub(crate) fn story_at<T>(settings: Settings, clock: Arc<dyn Clock>, tell: impl 
             let _ = stopped.await;
         }));
         let client = reqwest::Client::builder().no_proxy().build().unwrap();
+        let desk = app.desk.clone();
         let server = Server { address, app, client };
         let told = tokio::time::timeout(PATIENCE, tell(&server)).await.expect("the story has an end");
         drop(server);
         let _ = stop.send(());
         tokio::time::timeout(PATIENCE, served).await.expect("the server stops").unwrap();
+        // a computation that was stopped may hold the desk for a while
+        desk.tiers.close(PATIENCE);
+        desk.jobs.close(PATIENCE);
+        desk.uploads.close();
         told
     })
 }
