@@ -13,7 +13,7 @@ use super::problem::Problem;
 use super::reading::ReadJob;
 use super::{negotiate, reading, streaming};
 use crate::fault::under;
-use crate::job::Analysis;
+use crate::job::Inquiry;
 use crate::job::key::{Key, job};
 use crate::job::limits::Admitted;
 use crate::output::named;
@@ -111,7 +111,7 @@ pub(super) async fn asked(app: &Arc<App>, peer: Peer, headers: &HeaderMap, sent:
             return Ok(None);
         }
         let request: AnalysisJob = read(&of_lane.bytes)?;
-        let resolved: Result<Analysis, _> = request.analysis.resolve(watch);
+        let resolved: Result<Inquiry, _> = request.analysis.resolve(watch);
         resolved.map(Some).map_err(|faults| Problem::invalid(under("/analysis", faults)))
     });
     if let Some(analysis) = analysis.await?? {

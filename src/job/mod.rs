@@ -1,6 +1,5 @@
 //! The job: what is to be made, under which limits, by which key; pure, without I/O, clock or randomness.
 
-pub mod amounts;
 mod analysis;
 pub mod codec;
 mod complete;
@@ -10,6 +9,7 @@ mod draft;
 mod entry;
 mod error;
 mod input;
+mod inquiry;
 mod kernels;
 pub mod key;
 mod levels;
@@ -22,6 +22,7 @@ mod search;
 mod shape_items;
 mod size;
 mod steering;
+mod surface_analysis;
 mod time;
 mod work;
 
@@ -31,8 +32,10 @@ pub use draft::Draft;
 pub use entry::{InputEntry, JobEntries, JobFault, JobPart};
 pub use error::RunError;
 pub use input::Input;
+pub use inquiry::{Inquiry, is_for_meshes};
 pub use levels::Levels;
 pub use output::Output;
 pub use run::{Report, run, run_keeping};
 pub use search::{Search, SearchCost, SearchError};
+pub use surface_analysis::{MAX_VALENCE, SurfaceAnalysis, SurfaceFindings};
 pub use work::{KeepNothing, KeepWork, Refined, Work};

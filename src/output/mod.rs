@@ -33,6 +33,7 @@ mod json;
 mod numbers;
 mod obj;
 mod options;
+mod pdf;
 mod picture;
 mod ply;
 mod png;
@@ -67,6 +68,7 @@ pub const FORMATS: &[&dyn Format] = &[
     &stl::Stl,
     &png::Png,
     &svg::Svg,
+    &pdf::Pdf,
 ];
 
 /// The format of a name.
