@@ -12,6 +12,7 @@ use crate::analysis::{Level, Study};
 use crate::math::expression::{Expression, Instruction};
 use crate::math::mask::Mask;
 use crate::math::parameter::{Value, Values};
+use crate::output::figure::{Cell, Grid};
 use crate::output::{LIMIT, TANGENTS, surface};
 use crate::scheme::letter::Letter;
 use crate::scheme::operator::Role;
@@ -104,6 +105,35 @@ pub(super) fn artifacts(
         (hashed(&Item::List(items)), hashed(&Item::List(shown)))
     };
     outputs.iter().map(artifact).unzip()
+}
+
+/// Key of a figure: over the keys of its panels at the sizes that they have in it, the layout, and the output.
+pub(super) fn figure(
+    panels: impl Iterator<Item = Key>,
+    (grid, one_scale): (&Grid, bool),
+    output: &Output,
+) -> Key {
+    let Output { name: _, format, options, frame: _, index: _ } = output;
+    let Grid { columns, cells } = grid;
+    let cell = |(key, Cell { span, proportion: _ }): (Key, &Cell)| {
+        // the proportion is that of the size, which is in the key of the panel
+        Item::List(vec![Item::text(&key.to_string()), Item::Indices(span.to_vec().into())])
+    };
+    hashed(&Item::List(vec![
+        Item::text("planish figure"),
+        Item::Integer(u64::from(RESULTS_VERSION)),
+        Item::List(panels.zip(cells).map(cell).collect()),
+        Item::Integer(u64::from(*columns)),
+        Item::Integer(u64::from(one_scale)),
+        Item::text(format.name()),
+        values(options),
+    ]))
+}
+
+/// Key of a moving picture: over the keys that its frames have as jobs of their own.
+pub(super) fn film(frames: impl Iterator<Item = Key>) -> Key {
+    let frames = frames.map(|key| Item::text(&key.to_string())).collect();
+    hashed(&Item::List(vec![Item::text("planish film"), Item::List(frames)]))
 }
 
 /// Key of the program by which a mesh is refined, whatever its positions and the numbers that it carries: over its

@@ -50,6 +50,13 @@ pub enum Content {
     Packed,
 }
 
+/// What pictures are put together on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Paper {
+    /// Pixels.
+    Png,
+}
+
 /// Results that other bytes refer to: the same shape at some levels.
 #[derive(Debug)]
 pub struct Details {
@@ -59,6 +66,15 @@ pub struct Details {
     pub option: &'static str,
     /// Levels, in ascending order, the last of which is that of the job.
     pub levels: Vec<u32>,
+}
+
+/// Values of a parameter of a plan, one a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sweep {
+    /// The place of the parameter in the job.
+    pub pointer: String,
+    /// Its values.
+    pub values: Vec<f64>,
 }
 
 /// A way to write a scene as bytes.
@@ -117,6 +133,16 @@ pub trait Format: fmt::Debug + Send + Sync {
     /// The levels of refinement whose results the bytes refer to, and the format of these, which takes all options but
     /// the one that asks for them.
     fn details(&self, _options: &Values) -> Option<Details> {
+        None
+    }
+
+    /// What pictures of several scenes are put together on, if the format can.
+    fn paper(&self) -> Option<Paper> {
+        None
+    }
+
+    /// The parameter of the plan that changes from frame to frame of a moving picture, if the options name one.
+    fn sweep(&self, _options: &Values) -> Option<Sweep> {
         None
     }
 

@@ -9,7 +9,7 @@ use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::format::{Content, Format, FormatFacts, Paper};
 use crate::output::hard_edges::{self, CREASE_ANGLE};
 use crate::output::options::{ISOLINES, POSITIONS};
 use crate::output::picture::coat::{self, CHANNEL, COLOR_BY};
@@ -32,7 +32,8 @@ const WIRE_BYTES: u128 = 36;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Png;
 
-const PARAMETERS: &[Parameter] = &[
+/// The options of the picture.
+pub(super) const PARAMETERS: &[Parameter] = &[
     WIDTH,
     HEIGHT,
     BACKGROUND,
@@ -93,12 +94,12 @@ impl Format for Png {
         options::shows_only(fitting, kind, options)
     }
 
-    /// The length of the rows stored without compression, which the encoder never exceeds, and a kilobyte around them.
     fn size(&self, _: &Counts, options: &Values) -> Size {
-        let [width, height] = options::size(options).map(u128::from);
-        let rows = height * (1 + 4 * width);
-        let blocks = rows / 32_768 + 1;
-        Size::AtMost(rows + 17 * blocks + 1024)
+        bytes(options::size(options))
+    }
+
+    fn paper(&self) -> Option<Paper> {
+        Some(Paper::Png)
     }
 
     fn refers(&self, options: &Values) -> Option<&'static str> {
@@ -125,31 +126,56 @@ impl Format for Png {
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
         let options = Options::new(values, scene.frame);
-        watch.enter(Stage::Render);
-        options::check_extent(scene)?;
-        let pixels = match scene.shape {
-            Shape::Mesh(shape) => mesh::picture(scene, shape, &options, watch)?,
-            Shape::Curves(curves) => {
-                let dimension = curves.iter().map(|c| c.dimension).max().unwrap_or(1);
-                options::drawable(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
-                paint::paint(&Drawing::of(scene, &options, watch)?, watch)?
-            }
-        };
+        let pixels = pixels(scene, values, watch)?;
         watch.check()?;
         watch.enter(Stage::Encode);
-        encode(pixels, &options, out)
+        // an opaque background leaves nothing transparent
+        encode(pixels, options.size, options.background[3] == 255, out)
     }
 }
 
-/// Writes the pixels (red, green, blue, alpha); an opaque background leaves nothing transparent, so alpha is dropped.
-fn encode(mut pixels: Vec<u8>, options: &Options<'_>, out: &mut dyn Write) -> Result<(), FormatError> {
-    let [width, height] = options.size;
-    let color = if options.background[3] == 255 {
-        let n = pixels.len() / 4;
-        for i in 0..n {
-            pixels.copy_within(4 * i..4 * i + 3, 3 * i);
+/// Bytes of a picture at most: its rows stored without compression, which the encoder never exceeds, and a kilobyte
+/// around them.
+pub(super) fn bytes(size: [u32; 2]) -> Size {
+    let [width, height] = size.map(u128::from);
+    let rows = height * (1 + 4 * width);
+    let blocks = rows / 32_768 + 1;
+    Size::AtMost(rows + 17 * blocks + 1024)
+}
+
+/// The picture of a scene: rows of red, green, blue and alpha (straight), from the top.
+pub(super) fn pixels(scene: &Scene<'_>, values: &Values, watch: &Watch) -> Result<Vec<u8>, FormatError> {
+    let options = Options::new(values, scene.frame);
+    watch.enter(Stage::Render);
+    options::check_extent(scene)?;
+    match scene.shape {
+        Shape::Mesh(shape) => mesh::picture(scene, shape, &options, watch),
+        Shape::Curves(curves) => {
+            let dimension = curves.iter().map(|c| c.dimension).max().unwrap_or(1);
+            options::drawable(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
+            paint::paint(&Drawing::of(scene, &options, watch)?, watch)
         }
-        pixels.truncate(3 * n);
+    }
+}
+
+/// Leaves out every fourth byte.
+pub(super) fn without_alpha(pixels: &mut Vec<u8>) {
+    let n = pixels.len() / 4;
+    for i in 0..n {
+        pixels.copy_within(4 * i..4 * i + 3, 3 * i);
+    }
+    pixels.truncate(3 * n);
+}
+
+/// Writes pixels (red, green, blue, alpha), without the alpha where all are opaque.
+pub(super) fn encode(
+    mut pixels: Vec<u8>,
+    [width, height]: [u32; 2],
+    is_opaque: bool,
+    out: &mut dyn Write,
+) -> Result<(), FormatError> {
+    let color = if is_opaque {
+        without_alpha(&mut pixels);
         ExtendedColorType::Rgb8
     } else {
         ExtendedColorType::Rgba8

@@ -227,6 +227,21 @@ impl Camera {
         self.fall = [1.0, 0.999 / span];
     }
 
+    /// Where it stands, model units.
+    pub fn eye(&self) -> Vector {
+        self.eye
+    }
+
+    /// The direction in which it looks, of length one.
+    pub fn forward(&self) -> Vector {
+        self.forward
+    }
+
+    /// Pixels a model unit at distance one (perspective) or everywhere (orthographic).
+    pub fn scale(&self) -> f64 {
+        self.focal_px
+    }
+
     /// Right and down in pixels times `w`, the divisor `w`, and the distance along the view, model units.
     pub(super) fn view(&self, point: Vector) -> [f64; 4] {
         let r = minus(point, self.eye);

@@ -7,6 +7,7 @@ mod channels;
 mod choice;
 mod declared;
 pub(crate) mod fields;
+mod figure;
 mod fixed;
 pub mod input;
 pub mod job;

@@ -69,7 +69,7 @@ impl Drawing {
         let mut shown: Vec<&Curve> = Vec::new();
         shown.extend(curves.iter().filter(|_| shows("curve")));
         shown.extend(control.iter().filter(|_| shows("control") || shows("points")));
-        let easel = Easel::new(&shown, options.view(), options.size);
+        let easel = Easel::new(&shown, options.view(), options.size, options.corners());
         let unit = options.unit_px();
         let mut items = Vec::new();
         if shows("control") {
@@ -96,15 +96,21 @@ pub(super) struct Easel {
 }
 
 impl Easel {
-    /// An easel that shows all these curves, as `asked`, in a picture of so many pixels.
-    pub(super) fn new(shown: &[&Curve], asked: View, [width, height]: [u32; 2]) -> Self {
+    /// An easel that shows all these curves, or the box with these corners, as `asked`, in a picture of so many pixels.
+    pub(super) fn new(
+        shown: &[&Curve],
+        asked: View,
+        [width, height]: [u32; 2],
+        given: Option<[[f64; 3]; 8]>,
+    ) -> Self {
         let mut easel = Self {
             camera: Camera::framing(&View::default(), &[], width, height),
             graph: [0.0, 1.0],
             aspect: f64::from(width) / f64::from(height),
         };
         if shown.iter().any(|curve| curve.dimension == 1) {
-            let [low, high] = ends(shown.iter().flat_map(|curve| curve.points.iter().copied()));
+            let values = || shown.iter().flat_map(|curve| curve.points.iter().copied());
+            let [low, high] = given.map_or_else(|| ends(values()), |corners| [corners[0][1], corners[7][1]]);
             let half = 0.5 * high - 0.5 * low;
             let flat = half <= 1e-12 * low.abs().max(high.abs());
             easel.graph = [0.5 * low + 0.5 * high, if flat { 1.0 } else { 0.5 / half }];
@@ -113,7 +119,13 @@ impl Easel {
         let view = View { projection: Projection::Orthographic, azimuth_rad: 0.0, elevation_rad: 0.0, ..asked };
         let view = if planar { View { eye: None, up: [0.0, 1.0, 0.0], ..view } } else { asked };
         let all = shown.iter().flat_map(|curve| (0..curve.len()).map(|i| easel.lifted(curve, i)));
-        let points: Vec<[f64; 3]> = if planar { corners(all) } else { all.collect() };
+        let has_values = shown.iter().any(|curve| curve.dimension == 1);
+        let points: Vec<[f64; 3]> = match given.filter(|_| !has_values) {
+            Some(given) if planar => corners(given.into_iter()),
+            Some(given) => given.to_vec(),
+            None if planar => corners(all),
+            None => all.collect(),
+        };
         easel.camera = Camera::framing(&view, &[&points], width, height);
         easel
     }

@@ -12,7 +12,7 @@ use crate::output::hard_edges::HardEdges;
 use crate::output::normals;
 use crate::output::scene::{FaceChunk, MeshSource, Scene, Shape, in_chunks, triangles};
 use crate::output::split_vertices::SplitVertices;
-use crate::raster::{Camera, Crowding, Model, Normals, Strokes, Surface, render};
+use crate::raster::{Crowding, Model, Normals, Strokes, Surface, render};
 use crate::watch::{Stopped, Watch};
 
 pub(super) const DEFAULT_SHOW: &[&str] = &["surface"];
@@ -79,7 +79,7 @@ pub(crate) fn picture(
         surface: coat.as_ref().map_or(Surface::Unseen, Coat::surface),
         strokes: &strokes,
     };
-    let camera = Camera::framing(&options.view(), &[&positions, &net.positions], options.size[0], options.size[1]);
+    let camera = options.camera(&[&positions, &net.positions]);
     Ok(render(&model, &camera, options.background, options.size, watch)?.bytes)
 }
 

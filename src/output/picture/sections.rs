@@ -33,7 +33,7 @@ pub(crate) fn drawing(
     }
     arrange(&mut drawn, options.size);
     let shown: Vec<&Curve> = drawn.iter().flatten().collect();
-    let easel = Easel::new(&shown, View { target: None, ..options.view() }, options.size);
+    let easel = Easel::new(&shown, View { target: None, ..options.view() }, options.size, None);
     let color = options.color(CURVE);
     let items = drawn.iter().map(|curves| easel.lines(curves, WIDTH * options.unit_px(), color, watch));
     let items = items.collect::<Result<_, FormatError>>()?;
