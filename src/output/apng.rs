@@ -49,8 +49,23 @@ const FACTS: &FormatFacts = &FormatFacts {
     doc: "A picture that moves: the camera goes around, or a parameter of the plan changes from frame to frame.",
     parameters: PARAMETERS,
     holds_frames: false,
-    holds: |kind, _| options::drawable(kind),
+    holds,
 };
+
+/// A camera goes around what has other sides; a parameter moves anything.
+fn holds(kind: ShapeKind, values: &Values) -> Result<(), String> {
+    if !goes_around(values) || !matches!(kind, ShapeKind::Curves { dimension: 1..=2 }) {
+        return options::drawable(kind);
+    }
+    Err("a camera does not go around curves in the plane; name a parameter of the plan in \"sweep\", and leave \
+         \"turntable\" out"
+        .to_owned())
+}
+
+/// Whether the camera goes around.
+fn goes_around(values: &Values) -> bool {
+    values.group(TURNTABLE.name).is_some() || values.group(SWEEP.name).is_none()
+}
 
 impl Format for Apng {
     fn facts(&self) -> &'static FormatFacts {
@@ -58,13 +73,7 @@ impl Format for Apng {
     }
 
     fn suits(&self, kind: ShapeKind, carried: &Attachments, values: &Values) -> Result<(), Fault> {
-        let turns = values.group(TURNTABLE.name).is_some() || values.group(SWEEP.name).is_none();
-        if turns && matches!(kind, ShapeKind::Curves { dimension: 1..=2 }) {
-            let detail = "a camera does not go around curves in the plane; name a parameter of the plan in \"sweep\"";
-            let place = if values.group(TURNTABLE.name).is_some() { "/turntable" } else { "/sweep" };
-            return Err(Fault::new(place, detail));
-        }
-        if turns && values.group(CAMERA.name).is_some_and(|camera| camera.vector("eye").is_some()) {
+        if goes_around(values) && values.group(CAMERA.name).is_some_and(|camera| camera.vector("eye").is_some()) {
             let detail = "the eye goes around; leave it out, and give a \"target\" to go around that";
             return Err(Fault::new("/camera/eye", detail));
         }

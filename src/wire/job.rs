@@ -93,6 +93,19 @@ pub struct SharedRequest {
 }
 
 impl JobRequest {
+    /// A figure with one output.
+    pub fn of_figure(figure: FigureRequest, output: OutputRequest) -> Self {
+        Self {
+            spec: None,
+            input: InputRequest::missing(),
+            plan: None,
+            levels: None,
+            figure: Some(Box::new(figure)),
+            outputs: vec![output],
+            left_out: 0,
+        }
+    }
+
     /// What kind of result it has, as far as that can be told before it is checked.
     pub fn shape_kind(&self) -> ShapeKind {
         let first = self.input.polygon.iter().chain(self.input.polygons.iter().flatten()).next();

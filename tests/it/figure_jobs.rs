@@ -153,7 +153,7 @@ fn a_figure_refuses_what_it_does_not_take() {
     assert_eq!(with("/figure/columns", json!(13)), ["/figure/columns"]);
     assert_eq!(with("/figure/panels", json!([])), ["/figure/panels"]);
     assert_eq!(with("/figure/shared", json!({ "camera": { "zoom": 0 } })), ["/figure/shared/camera/zoom"]);
-    assert_eq!(with("/outputs/0/format", json!("glb")), ["/outputs/0/format"]);
+    assert_eq!(with("/outputs", json!([{ "format": "glb" }])), ["/outputs/0/format"]);
     assert_eq!(with("/outputs/0/height", json!(100)), ["/outputs/0/height"]);
     let panel = "/figure/panels/0";
     assert_eq!(with(&format!("{panel}/span"), json!([3, 1])), ["/figure/panels/0/span"]);

