@@ -21,6 +21,9 @@ use crate::output::{FormatError, Size};
 use crate::scheme::forecast::{Count, Forecast};
 use crate::watch::Watch;
 
+/// Bytes of a point of a curve that is written as lines, at most, as formats of lines say.
+const VECTOR_BYTES: u128 = 160;
+
 /// What a figure comes to whose panels come to this: the sum of them, as their refined meshes are kept until all are
 /// drawn, and the pictures.
 pub(super) fn estimate(job: &Job, figure: &Figure, panels: &[Estimate]) -> Estimate {
@@ -34,17 +37,25 @@ pub(super) fn estimate(job: &Job, figure: &Figure, panels: &[Estimate]) -> Estim
     let of_panels = |part: fn(&Estimate) -> u128| panels.iter().map(part).fold(0, u128::saturating_add);
     let work = of_panels(|panel| panel.forecast.work);
     let forecast = Forecast { levels: vec![sum], peak: sum, work, topology_bytes: 0 };
-    let (mut outputs, mut bytes) = (Vec::with_capacity(job.outputs.len()), 0);
+    let (mut outputs, mut held_bytes) = (Vec::with_capacity(job.outputs.len()), 0);
     for (output, key) in job.outputs.iter().zip(job.keys()) {
-        let (size, held) = figure.sheet(output).map_or((Size::Exact(0), 0), |sheet| figure::size(&sheet));
+        let of = outputs.len();
+        // a point of a drawing has its place, and a disc where it is one of the polygon that was given
+        let points = of_panels(|panel| panel.forecast.levels.iter().map(|count| count.vertices).sum());
+        let own = panels.iter().map(|panel| panel.outputs[of].1.bytes()).fold(0, u128::saturating_add);
+        let bytes = own.saturating_add(points.saturating_mul(VECTOR_BYTES));
+        let (size, held) = match (figure.sheet(output), output.format.paper()) {
+            (Ok(sheet), Some(paper)) => figure::size(paper, &sheet, bytes, points),
+            _ => (Size::Exact(0), 0),
+        };
         outputs.push((*key, size));
-        bytes = held.saturating_add(size.bytes()).max(bytes);
+        held_bytes = held.saturating_add(size.bytes()).max(held_bytes);
     }
     let sizes: Vec<Size> = outputs.iter().map(|(_, size)| *size).collect();
     Estimate {
         forecast,
         outputs,
-        memory_bytes: of_panels(|panel| panel.memory_bytes).saturating_add(bytes),
+        memory_bytes: of_panels(|panel| panel.memory_bytes).saturating_add(held_bytes),
         on_demand: false,
         // a panel is looked at twice where all have one scale
         time_ms: of_panels(|panel| panel.time_ms).saturating_add(time::milliseconds(0, &sizes)),
@@ -93,10 +104,12 @@ pub(super) fn run(
     let mut pictures = Vec::with_capacity(figure.panels.len());
     each(&mut |scene, shown| {
         let options = framed(&shown.options, &extent);
-        pictures.push(figure::picture(paper, scene, &options, watch)?);
+        let drawn = shown.format.paper().unwrap_or(paper);
+        pictures.push(figure::picture((paper, drawn), scene, &options, watch)?);
         Ok(())
     })?;
-    figure::write((&sheet, &pictures), &output.options, out, watch)?;
+    let title = figure.grid.title.as_deref().unwrap_or_default();
+    figure::write(paper, (&sheet, pictures, title), &output.options, out, watch)?;
     Ok(Report { warnings })
 }
 

@@ -114,16 +114,19 @@ pub(super) fn figure(
     output: &Output,
 ) -> Key {
     let Output { name: _, format, options, frame: _, index: _ } = output;
-    let Grid { columns, cells } = grid;
-    let cell = |(key, Cell { span, proportion: _ }): (Key, &Cell)| {
+    let Grid { columns, title, letters, cells } = grid;
+    let text = |text: &Option<String>| Item::List(text.iter().map(|text| Item::text(text)).collect());
+    let cell = |(key, Cell { span, proportion: _, caption }): (Key, &Cell)| {
         // the proportion is that of the size, which is in the key of the panel
-        Item::List(vec![Item::text(&key.to_string()), Item::Indices(span.to_vec().into())])
+        Item::List(vec![Item::text(&key.to_string()), Item::Indices(span.to_vec().into()), text(caption)])
     };
     hashed(&Item::List(vec![
         Item::text("planish figure"),
         Item::Integer(u64::from(RESULTS_VERSION)),
         Item::List(panels.zip(cells).map(cell).collect()),
         Item::Integer(u64::from(*columns)),
+        text(title),
+        Item::Integer(u64::from(*letters)),
         Item::Integer(u64::from(one_scale)),
         Item::text(format.name()),
         values(options),

@@ -55,6 +55,10 @@ pub enum Content {
 pub enum Paper {
     /// Pixels.
     Png,
+    /// Lines and pixels, as SVG.
+    Svg,
+    /// Lines and pixels, as PDF.
+    Pdf,
 }
 
 /// Results that other bytes refer to: the same shape at some levels.

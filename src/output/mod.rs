@@ -36,6 +36,7 @@ mod json;
 mod numbers;
 mod obj;
 mod options;
+mod pdf;
 mod picture;
 mod ply;
 mod png;
@@ -71,6 +72,7 @@ pub const FORMATS: &[&dyn Format] = &[
     &png::Png,
     &apng::Apng,
     &svg::Svg,
+    &pdf::Pdf,
 ];
 
 /// The format of a name.

@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 
+use crate::drawing;
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
@@ -13,9 +14,8 @@ use crate::output::format::{Content, Format, FormatFacts, Paper};
 use crate::output::hard_edges::{self, CREASE_ANGLE};
 use crate::output::options::{ISOLINES, POSITIONS};
 use crate::output::picture::coat::{self, CHANNEL, COLOR_BY};
-use crate::output::picture::drawing::Drawing;
 use crate::output::picture::options::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH};
-use crate::output::picture::{forecast, mesh, paint};
+use crate::output::picture::{self, forecast, mesh};
 use crate::output::scene::{Scene, Shape};
 use crate::output::size::Size;
 use crate::shape::attachments::Attachments;
@@ -153,7 +153,7 @@ pub(super) fn pixels(scene: &Scene<'_>, values: &Values, watch: &Watch) -> Resul
         Shape::Curves(curves) => {
             let dimension = curves.iter().map(|c| c.dimension).max().unwrap_or(1);
             options::drawable(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
-            paint::paint(&Drawing::of(scene, &options, watch)?, watch)
+            Ok(drawing::pixels(&picture::drawing::drawing(scene, &options, watch)?, watch)?)
         }
     }
 }

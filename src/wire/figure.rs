@@ -2,16 +2,19 @@
 
 use super::literal::WireLiteral;
 use super::output::{OutputRequest, output};
+use crate::drawing::{Label, Weight};
 use crate::fault::{Fault, under};
 use crate::job::{Output, panel_place};
 use crate::math::parameter::Literal;
-use crate::output::figure::{Cell, Grid, MAX_COLUMNS, MAX_PANELS, Sheet};
+use crate::output::figure::{Cell, Grid, MAX_COLUMNS, MAX_PANELS, MAX_TEXT, Sheet};
 
 /// What is said of a panel besides its job.
 #[derive(Debug)]
 pub(super) struct Panel {
     /// Columns and rows.
     pub(super) span: Option<[u64; 2]>,
+    /// What stands below it.
+    pub(super) caption: Option<String>,
     /// The outputs of its job.
     pub(super) outputs: Vec<OutputRequest>,
 }
@@ -30,7 +33,12 @@ impl Outline {
     ///
     /// # Errors
     /// All faults, with pointers into the request.
-    pub(super) fn new(columns: Option<u64>, panels: &[Panel], camera: Option<&WireLiteral>) -> Result<Self, Vec<Fault>> {
+    pub(super) fn new(
+        columns: Option<u64>,
+        (title, letters): (Option<String>, bool),
+        panels: &[Panel],
+        camera: Option<&WireLiteral>,
+    ) -> Result<Self, Vec<Fault>> {
         let n = panels.len();
         if n == 0 || n > MAX_PANELS {
             let detail = format!("{n} panels; a figure has 1 to {MAX_PANELS}");
@@ -44,7 +52,9 @@ impl Outline {
             return Err(vec![Fault::new("/figure/columns", detail)]);
         };
         let mut faults = camera.and_then(|camera| shared_fault(camera)).unwrap_or_default();
-        let mut outline = Self { grid: Grid { columns, cells: Vec::new() }, shown: Vec::new() };
+        faults.extend(text_fault("/figure/title", title.as_deref(), Weight::Bold));
+        let grid = Grid { columns, title, letters, cells: Vec::new() };
+        let mut outline = Self { grid, shown: Vec::new() };
         for (i, panel) in panels.iter().enumerate() {
             match cell(i, panel, columns) {
                 Ok((cell, mut shown)) => {
@@ -74,6 +84,15 @@ impl Outline {
     }
 }
 
+/// What is wrong with something that is to be written.
+fn text_fault(place: &str, text: Option<&str>, weight: Weight) -> Option<Fault> {
+    let text = text?;
+    if text.chars().count() > MAX_TEXT {
+        return Some(Fault::new(place, format!("it has more than {MAX_TEXT} characters; write less")));
+    }
+    Label::parse(text, weight).err().map(|detail| Fault::new(place, detail))
+}
+
 /// What is wrong with a camera that all panels are to have.
 fn shared_fault(camera: &WireLiteral) -> Option<Vec<Fault>> {
     let mut request = OutputRequest::of_format("png");
@@ -90,6 +109,8 @@ fn cell(i: usize, panel: &Panel, columns: u32) -> Result<(Cell, OutputRequest), 
         faults.push(Fault::new(format!("/figure/panels/{i}/span"), detail));
     }
     let place = panel_place(i);
+    let caption = format!("/figure/panels/{i}/caption");
+    faults.extend(text_fault(&caption, panel.caption.as_deref(), Weight::Regular));
     let shown = match panel.outputs.as_slice() {
         [] => OutputRequest::of_format("png"),
         [one] => one.clone(),
@@ -110,7 +131,7 @@ fn cell(i: usize, panel: &Panel, columns: u32) -> Result<(Cell, OutputRequest), 
         Ok(found) if faults.is_empty() => {
             let side = |name: &str| found.options.integer(name).and_then(|side| u32::try_from(side).ok()).unwrap_or(1);
             let span = [across, down].map(|n| u32::try_from(n).unwrap_or(1));
-            Ok((Cell { span, proportion: ["width", "height"].map(side) }, shown))
+            Ok((Cell { span, proportion: ["width", "height"].map(side), caption: panel.caption.clone() }, shown))
         }
         Ok(_) => Err(faults),
         Err(found) => Err(faults.into_iter().chain(found).collect()),

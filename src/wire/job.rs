@@ -61,6 +61,12 @@ pub struct FigureRequest {
     #[serde(deserialize_with = "object::list")]
     #[schema(min_items = 1, max_items = 64)]
     pub panels: Vec<PanelRequest>,
+    /// What stands above all. Greek letters and signs are written as `\\alpha`, subscripts as `x_{1}`, exponents as
+    /// `x^{2}`.
+    pub title: Option<String>,
+    /// Whether captions begin with (a), (b), ...
+    #[serde(default)]
+    pub letters: bool,
     /// What all panels have in common.
     #[serde(default, deserialize_with = "object::optional")]
     pub shared: Option<SharedRequest>,
@@ -75,6 +81,8 @@ pub struct PanelRequest {
     #[serde(deserialize_with = "object::one")]
     #[schema(no_recursion)]
     pub job: JobRequest,
+    /// What stands below it, as `title`.
+    pub caption: Option<String>,
     /// Columns and rows that it spans, `[1, 1]` when left out.
     #[schema(schema_with = super::schema::span)]
     pub span: Option<[u64; 2]>,
@@ -181,13 +189,17 @@ impl JobRequest {
     fn drawn_together(self, limits: &ReadLimits) -> Result<Draft, Vec<Fault>> {
         let mut faults = self.beside_figure();
         let outputs = keep(outputs(&self.outputs, self.left_out), &mut faults).unwrap_or_default();
-        let Some(FigureRequest { columns, panels, shared }) = self.figure.map(|figure| *figure) else {
+        let Some(FigureRequest { columns, panels, title, letters, shared }) = self.figure.map(|figure| *figure) else {
             return Err(faults);
         };
         let (one_scale, camera) = shared.map_or((false, None), |shared| (shared.scale, shared.camera));
-        let about = |panel: &PanelRequest| Panel { span: panel.span, outputs: panel.job.outputs.clone() };
+        let about = |panel: &PanelRequest| Panel {
+            span: panel.span,
+            caption: panel.caption.clone(),
+            outputs: panel.job.outputs.clone(),
+        };
         let about: Vec<Panel> = panels.iter().map(about).collect();
-        let outline = match Outline::new(columns, &about, camera.as_ref()) {
+        let outline = match Outline::new(columns, (title, letters), &about, camera.as_ref()) {
             Ok(outline) => outline,
             Err(found) => return Err(faults.into_iter().chain(found).collect()),
         };

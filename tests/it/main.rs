@@ -4,6 +4,7 @@ mod analysis;
 mod cache;
 mod carried;
 mod cli;
+mod drawing;
 mod edges;
 mod expressions;
 mod figure_jobs;

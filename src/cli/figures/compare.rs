@@ -100,12 +100,14 @@ pub(super) fn side_by_side(before: &Path, after: &Path, output: usize) -> Result
     let of_output = |mut request: JobRequest| {
         let asked = request.outputs.get(output).or(request.outputs.first()).cloned();
         request.outputs = asked.into_iter().collect();
-        PanelRequest { job: request, span: None }
+        PanelRequest { job: request, caption: None, span: None }
     };
     let panels = vec![of_output(before), of_output(after)];
     let figure = FigureRequest {
         columns: Some(2),
         panels,
+        title: None,
+        letters: false,
         shared: Some(SharedRequest { camera: None, scale: true }),
     };
     let drawn = admitted(JobRequest::of_figure(figure, OutputRequest::of_format("png")));

@@ -2,27 +2,35 @@
 
 use std::io::Write;
 
-use super::grid::Sheet;
+use super::grid::{Place, Sheet};
+use crate::drawing::{self, Drawing, Item, Mark, pdf, svg};
 use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::error::FormatError;
 use crate::output::format::Paper;
+use crate::output::picture::vector;
 use crate::output::png;
-use crate::output::scene::Scene;
+use crate::output::scene::{Scene, Shape};
 use crate::output::size::Size;
 use crate::watch::{Stage, Watch};
 
-/// Bytes of a pixel of a figure while it is made: of the figure itself, once more while it is encoded, and of the
-/// picture that it comes from.
-const PIXEL_BYTES: u128 = 12;
+/// Bytes of a pixel of a figure while it is made: of the figure itself, twice more while it is painted and encoded, and
+/// of the picture that it comes from.
+const PIXEL_BYTES: u128 = 16;
+/// Bytes of a point in a drawing: a place in a line and one of a disc.
+const POINT_BYTES: u128 = 64;
+/// Bytes of what is written at most: each of its letters as an outline.
+const TEXT_BYTES: u128 = 1 << 20;
 /// Options of a format that a figure takes; all others are said by its panels.
-const OPTIONS: [&str; 2] = ["width", "background"];
+const OPTIONS: [&str; 3] = ["width", "background", "text"];
 
 /// What is to be seen of a panel.
 #[derive(Debug)]
 pub enum Picture {
     /// Rows of red, green, blue and alpha (straight), from the top.
     Pixels(Vec<u8>),
+    /// Lines.
+    Lines(Drawing),
 }
 
 /// Refuses options that a figure does not take.
@@ -31,23 +39,37 @@ pub enum Picture {
 /// The fault, with a pointer below the output.
 pub fn suits(options: &Values) -> Result<(), Fault> {
     let Some((name, _)) = options.unusual().find(|(name, _)| !OPTIONS.contains(name)) else { return Ok(()) };
-    let detail = format!("a figure takes {}; say \"{name}\" in its panels", OPTIONS.join(" and "));
+    let detail = format!("a figure takes \"width\" and \"background\"; say \"{name}\" in its panels");
     Err(Fault::new(format!("/{name}"), detail))
 }
 
-/// Bytes that a figure will take, and bytes of memory while it is put together.
-pub fn size(sheet: &Sheet) -> (Size, u128) {
+/// Bytes that a figure will take, and bytes of memory while it is put together: its pictures take so many bytes by
+/// themselves, and have so many points.
+pub fn size(paper: Paper, sheet: &Sheet, bytes: u128, points: u128) -> (Size, u128) {
     let pixels = sheet.size.map(u128::from).iter().product::<u128>();
-    (png::bytes(sheet.size), pixels * PIXEL_BYTES)
+    let size = match paper {
+        Paper::Png => png::bytes(sheet.size),
+        // pictures in pixels are written in letters
+        Paper::Svg | Paper::Pdf => Size::AtMost(bytes.saturating_mul(2).saturating_add(TEXT_BYTES)),
+    };
+    (size, (pixels * PIXEL_BYTES).saturating_add(points.saturating_mul(POINT_BYTES)).saturating_add(TEXT_BYTES))
 }
 
-/// What a panel shows of a scene.
+/// What a panel that is `drawn` as a picture of its own on such paper shows of a scene.
 ///
 /// # Errors
 /// As those of the format of the picture.
-pub fn picture(paper: Paper, scene: &Scene<'_>, values: &Values, watch: &Watch) -> Result<Picture, FormatError> {
-    match paper {
-        Paper::Png => png::pixels(scene, values, watch).map(Picture::Pixels),
+pub fn picture(
+    (paper, drawn): (Paper, Paper),
+    scene: &Scene<'_>,
+    values: &Values,
+    watch: &Watch,
+) -> Result<Picture, FormatError> {
+    match (paper, drawn, scene.shape) {
+        (Paper::Png, Paper::Png, _) | (_, Paper::Png, Shape::Mesh(_)) => {
+            png::pixels(scene, values, watch).map(Picture::Pixels)
+        }
+        _ => vector::draw(scene, values, watch).map(Picture::Lines),
     }
 }
 
@@ -56,26 +78,39 @@ pub fn picture(paper: Paper, scene: &Scene<'_>, values: &Values, watch: &Watch) 
 /// # Errors
 /// When the writer fails, or the watch says stop.
 pub fn write(
-    (sheet, pictures): (&Sheet, &[Picture]),
+    paper: Paper,
+    (sheet, pictures, title): (&Sheet, Vec<Picture>, &str),
     options: &Values,
     out: &mut dyn Write,
     watch: &Watch,
 ) -> Result<(), FormatError> {
     watch.enter(Stage::Render);
+    let mut items: Vec<Item> =
+        sheet.pictures.iter().zip(pictures).map(|(place, picture)| placed(*place, picture)).collect();
+    items.extend(sheet.texts.iter().cloned());
     let background = options.color("background").unwrap_or([255; 4]);
-    let [width, height] = sheet.size.map(|side| side as usize);
-    let mut pixels = background.repeat(width * height);
-    for (place, Picture::Pixels(picture)) in sheet.pictures.iter().zip(pictures) {
-        watch.check()?;
-        let [x, y] = place.at.map(|at| at as usize);
-        let row = 4 * place.size[0] as usize;
-        for (i, from) in picture.chunks_exact(row).enumerate() {
-            let at = 4 * ((y + i) * width + x);
-            pixels[at..at + row].copy_from_slice(from);
+    let drawing = Drawing { size: sheet.size, background, title: title.to_owned(), items };
+    match paper {
+        Paper::Png => {
+            let pixels = drawing::pixels(&drawing, watch)?;
+            watch.check()?;
+            watch.enter(Stage::Encode);
+            let is_opaque = pixels.chunks_exact(4).all(|pixel| pixel[3] == 255);
+            png::encode(pixels, sheet.size, is_opaque, out)
         }
+        Paper::Svg => Ok(svg(&drawing, vector::lettering(options), out, watch)?),
+        Paper::Pdf => Ok(pdf(&drawing, vector::lettering(options), out, watch)?),
     }
-    watch.check()?;
-    watch.enter(Stage::Encode);
-    let is_opaque = pixels.chunks_exact(4).all(|pixel| pixel[3] == 255);
-    png::encode(pixels, sheet.size, is_opaque, out)
+}
+
+/// A picture as an item of the figure.
+#[expect(clippy::cast_precision_loss, reason = "figures have some thousand pixels")]
+fn placed(Place { at, size }: Place, picture: Picture) -> Item {
+    let [[x, y], extent] = [at, size].map(|pair| pair.map(|n| n as f32));
+    match picture {
+        Picture::Pixels(pixels) => {
+            Item::new("panel", Mark::Picture(drawing::Picture { size, pixels, at: [x, y], extent }))
+        }
+        Picture::Lines(drawing) => drawing.into_group([x, y, extent[0], extent[1]]),
+    }
 }

@@ -1,89 +1,52 @@
-//! A drawing of curves as a display list, for the two back ends that paint or write it.
+//! A drawing of curves.
 
 #![expect(clippy::cast_possible_truncation, reason = "pixel coordinates need no more than the precision of f32")]
 
 use super::options::Options;
+use crate::drawing::{Color, Discs, Drawing, Item, Mark, Point, Run, Stroke};
 use crate::output::error::FormatError;
 use crate::output::scene::{CHUNK, Curve, Scene, Shape};
 use crate::raster::{Camera, Projection, View};
 use crate::watch::Watch;
 
-/// Lines and discs over a background, in the order of painting. Places are pixel coordinates, y downwards.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Drawing {
-    /// Width and height, pixels.
-    pub(crate) size: [u32; 2],
-    /// Straight sRGB.
-    pub(crate) background: [u8; 4],
-    /// What is painted, the first undermost.
-    pub(crate) items: Vec<Item>,
-}
-
-/// One thing to paint.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Item {
-    /// Polylines with round joins and caps.
-    Lines {
-        /// Two or more places each.
-        runs: Vec<Vec<[f32; 2]>>,
-        /// Width, pixels.
-        width_px: f32,
-        /// Straight sRGB.
-        color: [u8; 4],
-    },
-    /// Filled discs in a ring.
-    Discs {
-        /// Centres.
-        centres: Vec<[f32; 2]>,
-        /// Radius of the disc with its ring, pixels.
-        radius_px: f32,
-        /// Width of the ring, pixels.
-        ring_px: f32,
-        /// Straight sRGB.
-        color: [u8; 4],
-        /// Colour of the ring.
-        ring: [u8; 4],
-    },
-}
-
 /// What is shown when the request does not say.
 const DEFAULT_SHOW: &[&str] = &["curve", "control", "points"];
 /// Colour of curves.
-pub(super) const CURVE: [u8; 4] = [37, 99, 235, 255];
-const CONTROL: [u8; 4] = [160, 170, 184, 255];
-const POINT: [u8; 4] = [71, 85, 105, 255];
-const RING: [u8; 4] = [255; 4];
+pub(super) const CURVE: Color = [37, 99, 235, 255];
+const CONTROL: Color = [160, 170, 184, 255];
+const POINT: Color = [71, 85, 105, 255];
+const RING: Color = [255; 4];
 
 /// Steps shorter than this are left out of a line, pixels.
 const FINEST_PX: f64 = 0.25;
 /// Longest polyline, so that painting one takes bounded memory.
 const LONGEST: usize = 4096;
 
-impl Drawing {
-    /// Draws the curves of a scene.
-    pub(crate) fn of(scene: &Scene<'_>, options: &Options<'_>, watch: &Watch) -> Result<Self, FormatError> {
-        let (Shape::Curves(curves), Shape::Curves(control)) = (scene.shape, scene.control.shape()) else {
-            return Err(FormatError::Unfit("only curves can be drawn as lines; ask for \"png\" instead".into()));
-        };
-        let shows = |item| options.shows(item, DEFAULT_SHOW);
-        let mut shown: Vec<&Curve> = Vec::new();
-        shown.extend(curves.iter().filter(|_| shows("curve")));
-        shown.extend(control.iter().filter(|_| shows("control") || shows("points")));
-        let easel = Easel::new(&shown, options.view(), options.size, options.corners());
-        let unit = options.unit_px();
-        let mut items = Vec::new();
-        if shows("control") {
-            items.push(easel.lines(control, 1.5 * unit, CONTROL, watch)?);
-        }
-        if shows("curve") {
-            items.push(easel.lines(curves, 3.4 * unit, options.color(CURVE), watch)?);
-        }
-        if shows("points") {
-            let centres = easel.centres(control, watch)?;
-            items.push(discs(centres, unit));
-        }
-        Ok(Self { size: options.size, background: options.background, items })
+/// Draws the curves of a scene.
+pub(crate) fn drawing(scene: &Scene<'_>, options: &Options<'_>, watch: &Watch) -> Result<Drawing, FormatError> {
+    let (Shape::Curves(curves), Shape::Curves(control)) = (scene.shape, scene.control.shape()) else {
+        return Err(FormatError::Unfit("only curves can be drawn as lines; ask for \"png\" instead".into()));
+    };
+    let shows = |item| options.shows(item, DEFAULT_SHOW);
+    let mut shown: Vec<&Curve> = Vec::new();
+    shown.extend(curves.iter().filter(|_| shows("curve")));
+    shown.extend(control.iter().filter(|_| shows("control") || shows("points")));
+    let easel = Easel::new(&shown, options.view(), options.size, options.corners());
+    let unit = options.unit_px();
+    let mut items = Vec::new();
+    if shows("control") {
+        let runs = easel.runs(control, watch)?;
+        items.push(Item::lines("control", runs, Stroke::solid(1.5 * unit, CONTROL)).titled("control polygon"));
     }
+    if shows("curve") {
+        let runs = easel.runs(curves, watch)?;
+        items.push(Item::lines("curve", runs, Stroke::solid(3.4 * unit, options.color(CURVE))).titled("curve"));
+    }
+    if shows("points") {
+        let centres = easel.centres(control, watch)?;
+        items.push(Item::new("points", Mark::Discs(discs(centres, unit))).titled("control points"));
+    }
+    Ok(Drawing { size: options.size, background: options.background, title: String::new(), items })
 }
 
 /// Brings points of 1 to 3 coordinates into the picture.
@@ -97,12 +60,7 @@ pub(super) struct Easel {
 
 impl Easel {
     /// An easel that shows all these curves, or the box with these corners, as `asked`, in a picture of so many pixels.
-    pub(super) fn new(
-        shown: &[&Curve],
-        asked: View,
-        [width, height]: [u32; 2],
-        given: Option<[[f64; 3]; 8]>,
-    ) -> Self {
+    pub(super) fn new(shown: &[&Curve], asked: View, [width, height]: [u32; 2], given: Option<[[f64; 3]; 8]>) -> Self {
         let mut easel = Self {
             camera: Camera::framing(&View::default(), &[], width, height),
             graph: [0.0, 1.0],
@@ -151,14 +109,8 @@ impl Easel {
         (point, self.camera.place(point))
     }
 
-    /// The curves as polylines of this width.
-    pub(super) fn lines(
-        &self,
-        curves: &[Curve],
-        width_px: f32,
-        color: [u8; 4],
-        watch: &Watch,
-    ) -> Result<Item, FormatError> {
+    /// The curves as polylines.
+    pub(super) fn runs(&self, curves: &[Curve], watch: &Watch) -> Result<Vec<Run>, FormatError> {
         let mut pen = Pen::default();
         for curve in curves {
             let n = curve.len();
@@ -181,11 +133,11 @@ impl Easel {
             }
             pen.lift();
         }
-        Ok(Item::Lines { runs: pen.runs, width_px, color })
+        Ok(pen.runs)
     }
 
-    fn centres(&self, curves: &[Curve], watch: &Watch) -> Result<Vec<[f32; 2]>, FormatError> {
-        let mut centres: Vec<[f32; 2]> = Vec::new();
+    fn centres(&self, curves: &[Curve], watch: &Watch) -> Result<Vec<Point>, FormatError> {
+        let mut centres: Vec<Point> = Vec::new();
         for curve in curves {
             for i in 0..curve.len() {
                 if i % CHUNK == 0 {
@@ -207,7 +159,7 @@ impl Easel {
 }
 
 /// Discs that shrink where they would hide each other and the curve.
-fn discs(centres: Vec<[f32; 2]>, unit: f32) -> Item {
+fn discs(centres: Vec<Point>, unit: f32) -> Discs {
     let steps = centres.windows(2).map(|pair| {
         let (dx, dy) = (f64::from(pair[1][0] - pair[0][0]), f64::from(pair[1][1] - pair[0][1]));
         (dx * dx + dy * dy).sqrt()
@@ -217,7 +169,7 @@ fn discs(centres: Vec<[f32; 2]>, unit: f32) -> Item {
     let scale = (0.5 * mean as f32 / (5.6 * unit)).clamp(0.25, 1.0);
     let ring_px = if scale < 0.5 { 0.0 } else { 1.5 * unit * scale };
     let radius_px = 4.1 * unit * scale + ring_px;
-    Item::Discs { centres, radius_px, ring_px, color: POINT, ring: RING }
+    Discs { centres, radius_px, ring_px, color: POINT, ring: RING }
 }
 
 /// Smallest and largest value; `[0, 0]` when there is none.
@@ -237,8 +189,8 @@ fn corners(points: impl Iterator<Item = [f64; 3]>) -> Vec<[f64; 3]> {
 /// Joins segments to polylines and leaves out steps too small to see.
 #[derive(Default)]
 struct Pen {
-    runs: Vec<Vec<[f32; 2]>>,
-    run: Vec<[f32; 2]>,
+    runs: Vec<Run>,
+    run: Run,
     /// Where the pen really is; the run may end a little before.
     here: Option<[f64; 2]>,
     kept: [f64; 2],

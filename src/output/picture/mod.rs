@@ -5,6 +5,6 @@ pub(super) mod drawing;
 pub(super) mod forecast;
 pub(super) mod mesh;
 pub(super) mod options;
-pub(super) mod paint;
 pub(super) mod sections;
 mod skin;
+pub(super) mod vector;
