@@ -198,3 +198,50 @@ fn what_is_too_large_of_a_panel_is_told_at_the_panel_and_all_are_booked_together
     };
     assert_eq!(faults[0].pointer, "/figure/panels");
 }
+
+#[test]
+fn captions_stand_below_their_panels_and_the_title_above_all() {
+    let plain = figure(2, &[solid(1, [100, 80]), solid(2, [100, 80])], 402);
+    let mut told = plain.clone();
+    told["figure"]["title"] = json!("Cubes");
+    told["figure"]["letters"] = json!(true);
+    told["figure"]["panels"][1]["caption"] = json!("\\delta = 1/4, and many more words than there is room for in one line");
+    let (plain, told) = (picture(&plain), picture(&told));
+    assert!(told.height() > plain.height() + 60, "{} and {}", told.height(), plain.height());
+    let top = (0..told.height()).find(|y| part(&told, [0, *y], [402, plain.height()]) == plain);
+    let top = top.expect("the panels are as they were");
+    let is_written = |at: [u32; 2], size: [u32; 2]| part(&told, at, size).pixels().any(|pixel| pixel.0[0] < 128);
+    assert!(is_written([100, 0], [202, top]), "the title");
+    let below = top + plain.height();
+    assert!(is_written([80, below], [40, told.height() - below]), "the letter (a)");
+    assert!(is_written([202, told.height() - 20], [200, 20]), "the last line of the second caption");
+    assert!(!is_written([0, told.height() - 20], [198, 20]), "the first has one line");
+}
+
+#[test]
+fn in_svg_and_pdf_curves_are_lines_and_meshes_are_pixels() {
+    let mut job = figure(2, &[curve(1.0, [100, 80]), solid(1, [100, 80])], 402);
+    job["figure"]["title"] = json!("A curve and a cube");
+    job["outputs"][0]["format"] = json!("svg");
+    let svg = String::from_utf8(render(&job).expect("a figure").0).expect("SVG is text");
+    assert_eq!(svg.matches("data:image/png;base64,").count(), 1, "one picture in pixels");
+    assert!(svg.contains("class=\"curve\"") && svg.contains("A curve and a cube"), "{svg:.400}");
+    job["outputs"][0]["format"] = json!("pdf");
+    assert!(render(&job).expect("a figure").0.starts_with(b"%PDF-"));
+    let text = serde_json::to_vec(&job).expect("a value can be written");
+    let admitted = Limits::default().admit(parsed(&text).expect("a job")).expect("it is admitted");
+    let bound = admitted.estimate().outputs[0].1.bytes();
+    assert!(u128::try_from(svg.len()).expect("a length") <= bound, "{} bytes of {bound}", svg.len());
+}
+
+#[test]
+fn what_cannot_be_written_is_told_at_its_place() {
+    let plain = figure(1, &[solid(1, [90, 60])], 200);
+    let mut job = plain.clone();
+    job["figure"]["title"] = json!("\\nonsense");
+    job["figure"]["panels"][0]["caption"] = json!("x_{");
+    assert_eq!(places(&job), ["/figure/title", "/figure/panels/0/caption"]);
+    let mut job = plain;
+    job["figure"]["title"] = json!("x".repeat(1001));
+    assert_eq!(places(&job), ["/figure/title"]);
+}
