@@ -6,6 +6,7 @@ pub mod limit;
 mod no_level;
 pub mod smoothness;
 mod study;
+pub mod surface;
 pub mod tolerance;
 
 pub use no_level::NoLevel;

@@ -34,6 +34,9 @@ pub(crate) struct Question {
     /// Asks for values of the basic limit function at the multiples of arity^-grid.
     #[arg(long)]
     grid: Option<u32>,
+    /// Asks about the scheme for surfaces, at vertices of these valences, separated by commas.
+    #[arg(long, value_delimiter = ',')]
+    valences: Vec<u64>,
 }
 
 impl Question {
@@ -42,13 +45,14 @@ impl Question {
         let watch = Watch::new();
         let refused = |faults: Vec<Fault>| CliError::faults(Kind::Refused, &faults);
         let analysis = self.request()?.resolve(&watch).map_err(refused)?;
-        let findings = analysis.run(&watch).map_err(CliError::other)?;
-        let text = serde_json::to_string_pretty(&AnalysisAnswer::new(&findings)).map_err(CliError::other)?;
+        let found = AnalysisAnswer::of(&analysis, &watch).map_err(CliError::other)?;
+        let text = serde_json::to_string_pretty(&found).map_err(CliError::other)?;
         answer(format!("{text}\n").as_bytes())
     }
 
     fn request(&self) -> Result<AnalysisRequest, CliError> {
-        let Self { file, preset, word, parameters, nodes, grid } = self;
+        let Self { file, preset, word, parameters, nodes, grid, valences } = self;
+        let valences = (!valences.is_empty()).then(|| valences.clone());
         if let Some(path) = file {
             let source = Source::of(path);
             let bytes = source.read().map_err(|error| error.about(&source))?;
@@ -58,6 +62,7 @@ impl Question {
             })?;
             request.nodes = nodes.or(request.nodes);
             request.grid = grid.or(request.grid);
+            request.valences = valences.or(request.valences);
             return Ok(request);
         }
         let parameters = parameters.iter().map(|text| parameter(text)).collect::<Result<Vec<_>, _>>()?;
@@ -67,7 +72,7 @@ impl Question {
             parameters: WireFields(parameters),
             ..PlanRequest::default()
         };
-        Ok(AnalysisRequest { spec: None, plan, nodes: *nodes, grid: *grid })
+        Ok(AnalysisRequest { spec: None, plan, nodes: *nodes, grid: *grid, valences })
     }
 }
 

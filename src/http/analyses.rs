@@ -17,7 +17,7 @@ use super::problem::Problem;
 use super::variants::coded;
 use super::{address, body};
 use crate::job::key::Key;
-use crate::job::{Analysis, KeepWork, Report, RunError};
+use crate::job::{Inquiry, KeepWork, Report, RunError};
 use crate::output::named;
 use crate::service::computation::Phase;
 use crate::service::task::{Cost, Task};
@@ -101,7 +101,7 @@ fn not_modified(key: &Key, tag: String) -> Response {
 
 /// An analysis under way.
 #[derive(Debug)]
-struct AnalysisTask(Analysis);
+struct AnalysisTask(Inquiry);
 
 impl Task for AnalysisTask {
     fn key(&self) -> Key {
@@ -122,8 +122,8 @@ impl Task for AnalysisTask {
     }
 
     fn run(&self, out: &mut dyn Write, _: &dyn KeepWork, watch: &Watch) -> Result<Report, RunError> {
-        let findings = self.0.run(watch).map_err(RunError::Stopped)?;
-        let bytes = serde_json::to_vec(&AnalysisAnswer::new(&findings)).expect("numbers and text");
+        let answer = AnalysisAnswer::of(&self.0, watch).map_err(RunError::Stopped)?;
+        let bytes = serde_json::to_vec(&answer).expect("numbers and text");
         out.write_all(&bytes).map_err(RunError::Io)?;
         Ok(Report::default())
     }

@@ -6,8 +6,6 @@ use crate::analysis::smoothness::{BasicFunction, Report};
 use crate::analysis::{Level, Study};
 use crate::fault::{Fault, under};
 use crate::scheme::plan::{Plan, PlanInput, Subject};
-use crate::scheme::preset::Refines;
-use crate::scheme::presets::PRESETS;
 use crate::watch::{Stopped, Watch};
 
 /// Products of matrices that the search for bounds looks at when nothing is said.
@@ -117,12 +115,6 @@ impl Analysis {
 }
 
 fn study(input: &PlanInput, watch: &Watch) -> Result<Study, Vec<Fault>> {
-    let preset = PRESETS.iter().find(|preset| Some(preset.name) == input.preset.as_deref());
-    if preset.is_some_and(|preset| preset.refines == Refines::Meshes) {
-        let detail = "this scheme refines meshes, and only schemes for curves are analysed so far; /v1/presets tells \
-                      what each preset refines";
-        return Err(vec![Fault::new("/preset", detail)]);
-    }
     let plan = Plan::resolve(input, Subject::default())?;
     Study::of(&plan, watch).map_err(|error| {
         let remedy = match error {

@@ -201,6 +201,20 @@ pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>) -> Key {
     hashed(&Item::List(items))
 }
 
+/// Key of an analysis of a plan as a scheme for surfaces: over the results version, the plan at alpha = 0 without what
+/// its operators do not use, and what was asked for.
+pub(super) fn surface_analysis(settled: &Plan, follows_alpha: bool, valences: &[usize], nodes: u64) -> Key {
+    let items = vec![
+        Item::text("planish surface analysis"),
+        Item::Integer(u64::from(RESULTS_VERSION)),
+        plan_of(settled, 1, true, [true, false], Vec::new()),
+        Item::Integer(u64::from(follows_alpha)),
+        Item::List(valences.iter().map(|&valence| Item::Integer(valence as u64)).collect()),
+        Item::Integer(nodes),
+    ];
+    hashed(&Item::List(items))
+}
+
 /// Whether an output shows the limit, which is that of the plan even where none of its levels was applied.
 fn shows_limit(output: &Output) -> bool {
     let of_limit = |(name, value): (&str, &Value)| name == TANGENTS.name || *value == Value::Choice(LIMIT);
@@ -210,6 +224,18 @@ fn shows_limit(output: &Output) -> bool {
 /// Everything of a plan that can change the result, which shows so many levels or also the limit: what no operator uses
 /// is left out.
 fn plan(input: &Input, refined: &Plan, levels: u32, shows_limit: bool) -> Item<'static> {
+    let (is_mesh, is_open) = input.kind();
+    plan_of(refined, levels, shows_limit, [is_mesh, is_open], rules(input, refined.rules))
+}
+
+/// The same for a shape that is a mesh or not, open or not, on which the scheme has these rules.
+fn plan_of(
+    refined: &Plan,
+    levels: u32,
+    shows_limit: bool,
+    [is_mesh, is_open]: [bool; 2],
+    rules: Vec<(&'static str, Item<'static>)>,
+) -> Item<'static> {
     let Plan {
         word: Word { prefix, cycle },
         alpha,
@@ -219,7 +245,8 @@ fn plan(input: &Input, refined: &Plan, levels: u32, shows_limit: bool) -> Item<'
         compensation,
         delta,
         boundary,
-        rules,
+        // some of them matter only to some shapes, and are given
+        rules: _,
         ends,
         perturbation,
         latitude,
@@ -268,9 +295,8 @@ fn plan(input: &Input, refined: &Plan, levels: u32, shows_limit: bool) -> Item<'
         ));
     }
     if levels > 0 || shows_limit {
-        functions.extend(self::rules(input, *rules));
+        functions.extend(rules);
     }
-    let (is_mesh, is_open) = input.kind();
     if is_open && is_mesh {
         functions.push(("boundary", Item::text(boundary.name())));
     } else if is_open {

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::amounts::{in_bytes, thousands};
 use super::complete::{Figure, Job};
 use super::composed;
 pub use super::estimate::{Estimate, Refusal};
@@ -14,9 +13,11 @@ use super::time;
 use crate::analysis::limit::Cost;
 use crate::fault::Fault;
 use crate::input::ReadLimits;
+use crate::math::amounts::{in_bytes, thousands};
 use crate::output::{Counts, Size};
-use crate::refine::{mesh_net, polygon_net, uv_net};
+use crate::refine::{mesh_net, polygon_net, seam_net};
 use crate::scheme::forecast::{self, Count, Forecast, ForecastError};
+use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::step_error::About;
 use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
@@ -125,7 +126,7 @@ impl Limits {
             }
         };
         let mut forecast = forecast.map_err(|error| self.no_forecast(&error))?;
-        self.add_uvs(job, &mut forecast, watch)?;
+        self.add_places(job, &mut forecast, watch)?;
         let carried = carried(job, frames(job) - 1);
         // the rows are made once more for each channel and each frame
         forecast.work = forecast.work.saturating_mul(1 + carried.channels + carried.frames);
@@ -233,24 +234,40 @@ impl Limits {
         }
     }
 
-    /// Counts the places with texture coordinates, which are vertices of a mesh of their own.
-    fn add_uvs(&self, job: &Job, forecast: &mut Forecast, watch: &Watch) -> Result<(), Refusal> {
+    /// Counts the places of what has seams, which are vertices of meshes of their own.
+    fn add_places(&self, job: &Job, forecast: &mut Forecast, watch: &Watch) -> Result<(), Refusal> {
         let Input::Mesh(mesh) = &*job.input else { return Ok(()) };
-        let Some(uvs) = &mesh.attachments.uvs else { return Ok(()) };
-        let places = forecast::of_mesh(&uv_net(mesh, uvs, &job.plan), job.steps(), self.max_vertices.into(), watch);
-        let places = places.map_err(|error| self.no_forecast(&error))?;
-        for (count, places) in forecast.levels.iter_mut().zip(&places.levels) {
-            count.uvs = places.vertices;
+        let Some(unfolded) = &mesh.attachments.unfolded else { return Ok(()) };
+        let mut add = |net: &MeshNet, slot: fn(&mut Count) -> &mut u128| {
+            let places = forecast::of_mesh(net, job.steps(), self.max_vertices.into(), watch);
+            let places = places.map_err(|error| self.no_forecast(&error))?;
+            let levels = forecast.levels.iter_mut().zip(&places.levels).chain([(&mut forecast.peak, &places.peak)]);
+            levels.for_each(|(count, places)| *slot(count) = slot(count).saturating_add(places.vertices));
+            Ok(places.work)
+        };
+        let (mut work, mut n) = (0_u128, 0);
+        for places in mesh.attachments.places() {
+            let is_uvs = n == 0 && mesh.attachments.uvs.is_some();
+            let net = seam_net(mesh, places.seams, &job.plan);
+            let added = if is_uvs { add(&net, |count| &mut count.uvs) } else { add(&net, |count| &mut count.seamed) };
+            work = work.saturating_add(added?);
+            n += 1;
         }
-        forecast.peak.uvs = places.peak.vertices;
-        forecast.work = forecast.work.saturating_add(places.work);
+        if n > 1 {
+            // nothing is refined on these
+            add(&MeshNet::new(unfolded.clone(), &[], &[], job.plan.boundary), |count| &mut count.unfolded)?;
+        } else {
+            let levels = forecast.levels.iter_mut().chain([&mut forecast.peak]);
+            levels.for_each(|count| count.unfolded = count.uvs.saturating_add(count.seamed));
+        }
+        forecast.work = forecast.work.saturating_add(work);
         Ok(())
     }
 
     /// Whether a net is within the limits, of whose vertices each frame has its own.
     fn fits(&self, job: &Job, count: &Count) -> bool {
         let vertices = count.vertices.saturating_mul(frames(job));
-        count.faces <= self.max_faces.into() && vertices.max(count.uvs) <= self.max_vertices.into()
+        count.faces <= self.max_faces.into() && vertices.max(count.unfolded) <= self.max_vertices.into()
     }
 
     fn check_levels(&self, job: &Job, forecast: &Forecast) -> Result<(), Refusal> {
@@ -270,7 +287,7 @@ impl Limits {
         let (n, what, bound) = if count.faces > self.max_faces.into() {
             (count.faces, "faces", self.max_faces)
         } else if count.vertices.saturating_mul(frames(job)) <= self.max_vertices.into() {
-            (count.uvs, "places with texture coordinates", self.max_vertices)
+            (count.unfolded, "places at the corners of faces", self.max_vertices)
         } else {
             let what = match frames(job) {
                 1 if count.faces > 0 => "vertices",
@@ -369,6 +386,8 @@ fn counts(job: &Job, count: Count) -> Counts {
         largest_face: count.largest_face,
         split_vertices: count.split_vertices,
         uvs: count.uvs,
+        seamed: count.seamed,
+        unfolded: count.unfolded,
         frames: mesh.map_or(0, |mesh| mesh.frames.len()),
         frame: job.frame,
         attachments: mesh.map_or_else(Arc::default, |mesh| mesh.attachments.clone()),

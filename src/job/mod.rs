@@ -1,6 +1,5 @@
 //! The job: what is to be made, under which limits, by which key; pure, without I/O, clock or randomness.
 
-pub mod amounts;
 mod analysis;
 pub mod codec;
 mod complete;
@@ -14,6 +13,7 @@ mod estimate;
 mod films;
 mod fit;
 mod input;
+mod inquiry;
 mod kernels;
 pub mod key;
 mod levels;
@@ -28,6 +28,7 @@ mod shape_items;
 mod shown;
 mod size;
 mod steering;
+mod surface_analysis;
 mod time;
 mod work;
 
@@ -38,9 +39,11 @@ pub use entry::{InputEntry, JobEntries, JobFault, JobPart};
 pub use error::RunError;
 pub use estimate::panel_place;
 pub use input::Input;
+pub use inquiry::{Inquiry, is_for_meshes};
 pub use levels::Levels;
 pub use output::Output;
 pub use report::Report;
 pub use run::{run, run_keeping};
 pub use search::{Search, SearchCost, SearchError};
+pub use surface_analysis::{MAX_VALENCE, SurfaceAnalysis, SurfaceFindings};
 pub use work::{KeepNothing, KeepWork, Refined, Work};

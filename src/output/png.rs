@@ -14,7 +14,12 @@ use crate::output::format::{Content, Format, FormatFacts, Paper};
 use crate::output::hard_edges::{self, CREASE_ANGLE};
 use crate::output::options::{ISOLINES, POSITIONS};
 use crate::output::picture::coat::{self, CHANNEL, COLOR_BY};
-use crate::output::picture::options::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH};
+use crate::output::picture::options::{
+    self, BACKGROUND, CAMERA, COLOR, COMB_SCALE, CONTROL_COLOR, FILL, HEIGHT, LINE_WIDTH, Options, POINT_COLOR,
+    POINT_SIZE, WIDTH,
+};
+use crate::output::picture::plot::{self, LEGEND, TEXT_SIZE, TITLE, X_LABEL, Y_LABEL};
+use crate::output::picture::styles::STYLES;
 use crate::output::picture::{self, forecast, mesh};
 use crate::output::scene::{Scene, Shape};
 use crate::output::size::Size;
@@ -39,12 +44,26 @@ pub(super) const PARAMETERS: &[Parameter] = &[
     BACKGROUND,
     Parameter {
         name: "show",
-        kind: Kind::Choices(&["surface", "wireframe", "isolines", "control", "points", "curve"]),
+        kind: Kind::Choices(&[
+            "surface",
+            "wireframe",
+            "isolines",
+            "control",
+            "points",
+            "curve",
+            "vertices",
+            "comb",
+            "tangents",
+            "axes",
+            "grid",
+            "legend",
+        ]),
         unit: "",
         default: Default::Absent,
         doc: "What is drawn: of a mesh its surface, its wireframe, the edges of the input on it (isolines), the \
-              control net and its points; of curves the curve, the control polygon and its points. Left out: the \
-              surface, or all of a curve.",
+              control net and its points; of curves the curve, the control polygon and its points, the points of \
+              the curve (vertices), a curvature comb, tangents, axes, a grid, a legend. Left out: the surface, or a \
+              curve with its control polygon and points.",
     },
     Parameter {
         name: "shading",
@@ -66,6 +85,18 @@ pub(super) const PARAMETERS: &[Parameter] = &[
     COLOR,
     COLOR_BY,
     CHANNEL,
+    LINE_WIDTH,
+    CONTROL_COLOR,
+    POINT_COLOR,
+    POINT_SIZE,
+    STYLES,
+    FILL,
+    COMB_SCALE,
+    TITLE,
+    X_LABEL,
+    Y_LABEL,
+    LEGEND,
+    TEXT_SIZE,
     CAMERA,
 ];
 
@@ -88,9 +119,10 @@ impl Format for Png {
     fn suits(&self, kind: ShapeKind, carried: &Attachments, options: &Values) -> Result<(), Fault> {
         let fitting: &[&str] = match kind {
             ShapeKind::Mesh => &["surface", "wireframe", "isolines", "control", "points"],
-            ShapeKind::Curves { .. } => &["control", "points", "curve"],
+            ShapeKind::Curves { .. } => picture::drawing::CURVE_ITEMS,
         };
         coat::check(kind, carried, options)?;
+        plot::check(kind, options)?;
         options::shows_only(fitting, kind, options)
     }
 

@@ -250,6 +250,18 @@ impl Camera {
         [self.focal_px * dot(r, self.right), -self.focal_px * dot(r, self.up), w, z]
     }
 
+    /// The point that parallel rays show at a pixel, in the plane through the eye.
+    pub fn unplaced(&self, [x, y]: [f64; 2]) -> [f64; 3] {
+        let across = times((x - 0.5 * self.size_px[0]) / self.focal_px, self.right);
+        minus(plus(self.eye, across), times((y - 0.5 * self.size_px[1]) / self.focal_px, self.up))
+    }
+
+    /// Pixels that a model unit across the view takes at a point; `None` where the point is not before the camera.
+    pub fn unit_px(&self, point: [f64; 3]) -> Option<f64> {
+        let [_, _, w, _] = self.view(point);
+        (w > 0.0).then(|| self.focal_px / w)
+    }
+
     /// Depth as it is stored: linear over the picture, larger is nearer, above 0 and at most about 1.
     pub(super) fn depth(&self, z: f64) -> f64 {
         match self.projection {

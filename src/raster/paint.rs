@@ -13,6 +13,13 @@ pub enum Paint<'a> {
     Vertices(&'a [Vec3f]),
     /// One a triangle.
     Triangles(&'a [Vec3f]),
+    /// One at each corner of a triangle, blended over it.
+    Corners {
+        /// What there is to choose from.
+        colors: &'a [Vec3f],
+        /// For each triangle the colours of its corners.
+        corners: &'a [[u32; 3]],
+    },
     /// Squares of two colours, their sides 1 in the plane of `places`: the first where both coordinates, rounded down,
     /// are even or odd.
     Squares {
@@ -62,6 +69,7 @@ impl Paint<'_> {
         match self {
             Self::Vertices(colors) => triangle.map(|v| colors[v as usize].map(f64::from)),
             Self::Triangles(colors) => [colors[id].map(f64::from); 3],
+            Self::Corners { colors, corners } => corners[id].map(|at| colors[at as usize].map(f64::from)),
             Self::Squares { places, corners, .. } => {
                 let places = corners[id].map(|place| places[place as usize]);
                 // moved by whole pairs of squares, so that f32 has room for the rest
@@ -86,7 +94,7 @@ impl Paint<'_> {
     pub(super) fn color(&self, tint: &Tint, place: [f32; 2]) -> Vec3f {
         let at = tint.at(place);
         let colors = match self {
-            Self::Vertices(_) | Self::Triangles(_) => return at,
+            Self::Vertices(_) | Self::Triangles(_) | Self::Corners { .. } => return at,
             Self::Covers { swatches, .. } => {
                 // the number is the same at all corners, but for what blending them rounds
                 let swatch = &swatches[((at[2] + 0.5) as usize).min(swatches.len() - 1)];

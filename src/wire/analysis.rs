@@ -3,17 +3,18 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::object;
 use super::plan::PlanRequest;
+use super::surface_analysis::SurfaceAnswer;
 use super::variants::PlanSchema;
+use super::{object, whole};
 use crate::analysis::Level;
 use crate::analysis::smoothness::{BasicFunction, Report, Smoothness, Symbol, Weights};
 use crate::fault::Fault;
-use crate::job::{Analysis, Findings};
+use crate::job::{Analysis, Findings, Inquiry, SurfaceAnalysis, is_for_meshes};
 use crate::math::exact::{Exact, rounded};
 use crate::math::mask::Mask;
 use crate::math::spectrum::Eigenvalue;
-use crate::watch::Watch;
+use crate::watch::{Stopped, Watch};
 
 /// A question about a plan: what can be said of its scheme.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
@@ -21,18 +22,24 @@ use crate::watch::Watch;
 pub struct AnalysisRequest {
     /// Version of this notation; 1 when left out.
     #[schema(minimum = 1, maximum = 1, default = 1)]
+    #[serde(default, deserialize_with = "whole::optional")]
     pub spec: Option<u64>,
-    /// The plan, as in a job; its scheme for polygons is analysed.
+    /// The plan, as in a job; its scheme for polygons is analysed, or that for meshes.
     #[serde(deserialize_with = "object::one")]
     #[schema(value_type = PlanSchema)]
     pub plan: PlanRequest,
     /// Most products of matrices that the search for the joint spectral radius looks at; 100,000 when left out. The
     /// more there are, the narrower the intervals.
     #[schema(minimum = 0, maximum = 10_000_000, default = 100_000)]
+    #[serde(default, deserialize_with = "whole::optional")]
     pub nodes: Option<u64>,
     /// Asks for values of the basic limit function at the multiples of `arity^-grid`.
     #[schema(minimum = 0, maximum = 14)]
     pub grid: Option<u32>,
+    /// Asks about the scheme for surfaces, at vertices of these valences. Plans for meshes alone are analysed at 3 to
+    /// 12 when it is left out.
+    #[schema(max_items = 64)]
+    pub valences: Option<Vec<u64>>,
 }
 
 impl AnalysisRequest {
@@ -40,13 +47,26 @@ impl AnalysisRequest {
     ///
     /// # Errors
     /// Every fault found.
-    pub fn resolve(self, watch: &Watch) -> Result<Analysis, Vec<Fault>> {
+    pub fn resolve(self, watch: &Watch) -> Result<Inquiry, Vec<Fault>> {
         let spec = self.spec.filter(|spec| *spec != 1);
         let unknown = spec.map(|spec| Fault::new("/spec", format!("{spec} is unknown; this server speaks 1")));
-        match (Analysis::new(&self.plan.resolve(), self.nodes, self.grid, watch), unknown) {
-            (Ok(analysis), None) => Ok(analysis),
-            (analysis, unknown) => Err(unknown.into_iter().chain(analysis.err().unwrap_or_default()).collect()),
+        match (self.inquiry(watch), unknown) {
+            (Ok(inquiry), None) => Ok(inquiry),
+            (inquiry, unknown) => Err(unknown.into_iter().chain(inquiry.err().unwrap_or_default()).collect()),
         }
+    }
+
+    fn inquiry(self, watch: &Watch) -> Result<Inquiry, Vec<Fault>> {
+        let plan = self.plan.resolve();
+        if self.valences.is_none() && !is_for_meshes(&plan) {
+            return Analysis::new(&plan, self.nodes, self.grid, watch).map(|curve| Inquiry::Curve(Box::new(curve)));
+        }
+        if self.grid.is_some() {
+            let detail = "values of basic limit functions are those of curves; leave it out, or the valences";
+            return Err(vec![Fault::new("/grid", detail)]);
+        }
+        let surface = SurfaceAnalysis::new(&plan, self.valences.as_deref(), self.nodes, watch);
+        surface.map(|surface| Inquiry::Surface(Box::new(surface)))
     }
 }
 
@@ -58,6 +78,8 @@ pub enum AnalysisAnswer {
     Stationary(Box<SchemeAnswer>),
     /// The mask changes from level to level.
     Changing(Box<ChangingAnswer>),
+    /// The scheme is one for surfaces.
+    Surface(Box<SurfaceAnswer>),
 }
 
 /// What can be said of a plan whose mask changes from level to level.
@@ -233,8 +255,18 @@ const THEOREM: &str = "Dyn and Levin 1995: level schemes whose distances from a 
                        scheme are (Zhang and Wang 2002, theorem 3, as corrected)";
 
 impl AnalysisAnswer {
-    /// The answer of an analysis.
-    pub fn new(findings: &Findings<'_>) -> Self {
+    /// The answer to a question.
+    ///
+    /// # Errors
+    /// [`Stopped`].
+    pub fn of(inquiry: &Inquiry, watch: &Watch) -> Result<Self, Stopped> {
+        Ok(match inquiry {
+            Inquiry::Curve(analysis) => Self::new(&analysis.run(watch)?),
+            Inquiry::Surface(analysis) => Self::Surface(Box::new(SurfaceAnswer::new(&analysis.run(watch)?))),
+        })
+    }
+
+    fn new(findings: &Findings<'_>) -> Self {
         let scheme = SchemeAnswer::new(&findings.report, findings.values.as_ref());
         if findings.levels.is_empty() {
             return Self::Stationary(Box::new(scheme));

@@ -7,10 +7,10 @@ use super::figure::{Outline, Panel};
 use super::input::{InputRequest, Purpose, Resolved};
 use super::levels::LevelsRequest;
 use super::literal::WireLiteral;
-use super::object;
 use super::output::{OutputRequest, outputs};
 use super::plan::PlanRequest;
 use super::variants::{InputSchema, PlanSchema};
+use super::{object, whole};
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
 use crate::job::{Draft, Figure, Input, Job, Levels, Output, SearchError, panel_place};
@@ -26,6 +26,7 @@ use crate::watch::Watch;
 pub struct JobRequest {
     /// Version of this notation; 1 when left out.
     #[schema(minimum = 1, maximum = 1)]
+    #[serde(default, deserialize_with = "whole::optional")]
     pub spec: Option<u64>,
     /// What is refined: exactly one kind of input. It has to be given unless there is a `figure`.
     #[serde(default = "InputRequest::missing", deserialize_with = "object::one")]
@@ -56,6 +57,7 @@ pub struct JobRequest {
 pub struct FigureRequest {
     /// Columns of the grid; when left out, as many as rows, or one more.
     #[schema(minimum = 1, maximum = 12)]
+    #[serde(default, deserialize_with = "whole::optional")]
     pub columns: Option<u64>,
     /// The panels, row by row, 1 to 64; each stands at the first free place after the one before it.
     #[serde(deserialize_with = "object::list")]

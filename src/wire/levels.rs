@@ -3,7 +3,7 @@
 use std::fmt;
 
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
+use serde::de::{Deserialize, Deserializer, Error, MapAccess, Unexpected, Visitor};
 use utoipa::openapi::schema::{Object, OneOf, Schema, Type};
 use utoipa::openapi::{ObjectBuilder, RefOr};
 use utoipa::{PartialSchema, ToSchema};
@@ -37,6 +37,13 @@ impl<'de> Visitor<'de> for LevelsVisitor {
 
     fn visit_u64<E>(self, levels: u64) -> Result<Levels, E> {
         Ok(Levels::Count(levels))
+    }
+
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is whole and not negative")]
+    fn visit_f64<E: Error>(self, levels: f64) -> Result<Levels, E> {
+        // what is larger is refused as what it is rounded to
+        let is_whole = levels >= 0.0 && levels.fract() == 0.0;
+        if is_whole { Ok(Levels::Count(levels as u64)) } else { Err(E::invalid_type(Unexpected::Float(levels), &self)) }
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Levels, A::Error> {

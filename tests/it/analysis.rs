@@ -5,6 +5,7 @@ mod facts;
 mod laws;
 mod rows;
 mod same;
+mod surfaces;
 
 use planish::fault::Fault;
 use planish::watch::Watch;
@@ -20,8 +21,7 @@ fn question(question: &Value) -> AnalysisRequest {
 fn asked(asked: &Value) -> Value {
     let watch = Watch::new();
     let analysis = question(asked).resolve(&watch).unwrap_or_else(|faults| panic!("{asked}: {faults:?}"));
-    let findings = analysis.run(&watch).unwrap();
-    serde_json::to_value(AnalysisAnswer::new(&findings)).unwrap()
+    serde_json::to_value(AnalysisAnswer::of(&analysis, &watch).unwrap()).unwrap()
 }
 
 fn refused(asked: &Value) -> Vec<Fault> {

@@ -9,6 +9,7 @@ mod looks;
 mod morphs;
 mod read;
 mod refused;
+mod seams;
 mod shown;
 mod uv_fans;
 mod uv_weights;

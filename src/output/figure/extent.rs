@@ -32,7 +32,7 @@ impl Extent {
         let is_mesh = matches!(scene.shape, Shape::Mesh(_));
         let usual: &[&str] = if is_mesh { &["surface"] } else { &["curve", "control"] };
         let shows = |items: &[&str]| items.iter().any(|item| options.shows(item, usual));
-        if shows(&["surface", "wireframe", "isolines", "curve"]) {
+        if shows(&["surface", "wireframe", "isolines", "curve", "vertices", "comb", "tangents"]) {
             self.reach(scene.shape, watch)?;
         }
         if shows(&["control", "points"]) {

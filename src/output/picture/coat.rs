@@ -1,6 +1,8 @@
 //! What gives the surface of a picture its colours: a channel of its vertices, its texture coordinates, its groups or
 //! materials.
 
+use std::ops::Range;
+
 use super::options::{COLOR, Options, shown_as};
 use super::skin;
 use crate::fault::Fault;
@@ -12,6 +14,7 @@ use crate::output::scene::{FaceChunk, MeshSource, in_chunks, triangles};
 use crate::raster::{Paint, Surface, Swatch};
 use crate::shape::attachments::{Attachments, COLOR as COLORS};
 use crate::shape::labels::Labels;
+use crate::shape::source::PlaceSource;
 use crate::shape::topology::index;
 use crate::watch::{Stopped, Watch};
 
@@ -105,7 +108,10 @@ pub(crate) fn memory(options: &Values, vertices: u128, counts: &Counts) -> u128 
             places.saturating_add(skin::memory(&counts.attachments))
         }
         // a channel of four numbers, and the colour
-        Some("channel") => vertices.saturating_mul(32 + 12),
+        Some("channel") => {
+            let corners = if counts.seamed > 0 { triangles.saturating_mul(12) } else { 0 };
+            vertices.max(counts.seamed).saturating_mul(32 + 12).saturating_add(corners)
+        }
         Some("uvs") => uvs.saturating_mul(16).saturating_add(triangles.saturating_mul(12)),
         Some("groups" | "materials" | FACES) => triangles.saturating_mul(12),
         _ => 0,
@@ -121,6 +127,13 @@ pub(super) enum Coat {
     Vertices(Vec<[f32; 3]>),
     /// One a triangle, in linear light.
     Triangles(Vec<[f32; 3]>),
+    /// One at each place, in linear light.
+    Corners {
+        /// Of places.
+        colors: Vec<[f32; 3]>,
+        /// The places at the corners of each triangle.
+        corners: Vec<[u32; 3]>,
+    },
     /// Squares in texture coordinates.
     Squares {
         /// In sides of squares.
@@ -175,6 +188,7 @@ impl Coat {
             Self::Plain(color) => Surface::Lit(*color),
             Self::Vertices(colors) => Surface::Painted(Paint::Vertices(colors)),
             Self::Triangles(colors) => Surface::Painted(Paint::Triangles(colors)),
+            Self::Corners { colors, corners } => Surface::Painted(Paint::Corners { colors, corners }),
             Self::Squares { places, corners, colors } => {
                 Surface::Painted(Paint::Squares { places, corners, colors: *colors })
             }
@@ -187,14 +201,11 @@ impl Coat {
 
 fn by_channel(mesh: &dyn MeshSource, channel: usize, watch: &Watch) -> Result<Coat, Stopped> {
     let width = mesh.attachments().channels[channel].width;
-    let mut values = Vec::with_capacity(width * mesh.n_vertices());
-    let mut chunk = Vec::new();
-    in_chunks(mesh.n_vertices(), |range| {
-        watch.check()?;
-        mesh.channel(channel, range, &mut chunk);
-        values.extend_from_slice(&chunk);
-        Ok(())
-    })?;
+    let places = mesh.channel_places(channel);
+    let values = match &places {
+        Some(places) => values(places.n_places(), width, |range, out| places.values(range, out), watch)?,
+        None => values(mesh.n_vertices(), width, |range, out| mesh.channel(channel, range, out), watch)?,
+    };
     let colors = if width == 1 {
         let least = values.iter().copied().fold(f64::INFINITY, f64::min);
         let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -206,7 +217,28 @@ fn by_channel(mesh: &dyn MeshSource, channel: usize, watch: &Watch) -> Result<Co
         let color = |row: &[f64]| std::array::from_fn(|k| single(linear(k, row[k])));
         values.chunks_exact(width).map(color).collect()
     };
-    Ok(Coat::Vertices(colors))
+    Ok(match places {
+        Some(places) => Coat::Corners { colors, corners: corners(mesh, places.as_ref(), watch)? },
+        None => Coat::Vertices(colors),
+    })
+}
+
+/// All of `n x width` values, which `some` gives in ranges.
+fn values(
+    n: usize,
+    width: usize,
+    some: impl Fn(Range<usize>, &mut Vec<f64>),
+    watch: &Watch,
+) -> Result<Vec<f64>, Stopped> {
+    let mut values = Vec::with_capacity(width * n);
+    let mut chunk = Vec::new();
+    in_chunks(n, |range| {
+        watch.check()?;
+        some(range, &mut chunk);
+        values.extend_from_slice(&chunk);
+        Ok(())
+    })?;
+    Ok(values)
 }
 
 fn by_uvs(mesh: &dyn MeshSource, plain: [u8; 4], watch: &Watch) -> Result<Coat, Stopped> {
@@ -223,14 +255,12 @@ type Places = (Vec<[f64; 2]>, Vec<[u32; 3]>);
 /// The texture coordinates of a mesh, if it has some.
 fn places(mesh: &dyn MeshSource, watch: &Watch) -> Result<Option<Places>, Stopped> {
     let Some(source) = mesh.uvs() else { return Ok(None) };
-    let mut places = Vec::with_capacity(source.n_points());
-    let mut chunk = Vec::new();
-    in_chunks(source.n_points(), |range| {
-        watch.check()?;
-        source.values(range, &mut chunk);
-        places.extend_from_slice(&chunk);
-        Ok(())
-    })?;
+    let places = values(source.n_places(), 2, |range, out| source.values(range, out), watch)?;
+    Ok(Some((places.as_chunks().0.to_vec(), corners(mesh, source.as_ref(), watch)?)))
+}
+
+/// The places at the corners of each triangle.
+fn corners(mesh: &dyn MeshSource, source: &dyn PlaceSource, watch: &Watch) -> Result<Vec<[u32; 3]>, Stopped> {
     let mut corners = Vec::with_capacity(mesh.n_half_edges().saturating_sub(2 * mesh.n_faces()));
     let mut faces = FaceChunk::default();
     in_chunks(mesh.n_faces(), |range| {
@@ -239,7 +269,7 @@ fn places(mesh: &dyn MeshSource, watch: &Watch) -> Result<Option<Places>, Stoppe
         corners.extend(faces.iter().flat_map(triangles));
         Ok(())
     })?;
-    Ok(Some((places, corners)))
+    Ok(corners)
 }
 
 /// What materials look like.

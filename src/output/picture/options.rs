@@ -50,6 +50,61 @@ pub(crate) const COLOR: Parameter = Parameter {
     doc: "Colour of the refined shape, whatever its materials; left out, theirs, and a calm blue where they have none.",
 };
 
+/// How wide lines are.
+pub(crate) const LINE_WIDTH: Parameter = Parameter {
+    name: "line_width",
+    kind: Kind::Number { min: 0.1, max: 20.0 },
+    unit: "",
+    default: Default::Number(1.0),
+    doc: "By what the usual width of lines is multiplied, which keeps its proportion to the picture.",
+};
+
+/// Colour of the control net.
+pub(crate) const CONTROL_COLOR: Parameter = Parameter {
+    name: "control_color",
+    kind: Kind::Color,
+    unit: "",
+    default: Default::Absent,
+    doc: "Colour of the edges of the control net, which are faint behind the surface; left out, orange.",
+};
+
+/// Colour of control points.
+pub(crate) const POINT_COLOR: Parameter = Parameter {
+    name: "point_color",
+    kind: Kind::Color,
+    unit: "",
+    default: Default::Absent,
+    doc: "Colour of control points; left out, a dark orange.",
+};
+
+/// How large points are.
+pub(crate) const POINT_SIZE: Parameter = Parameter {
+    name: "point_size",
+    kind: Kind::Number { min: 0.1, max: 20.0 },
+    unit: "",
+    default: Default::Absent,
+    doc: "By what the usual size of points is multiplied; left out, points are smaller where they crowd. Curves only.",
+};
+
+/// Colour of the inside of curves.
+pub(crate) const FILL: Parameter = Parameter {
+    name: "fill",
+    kind: Kind::Color,
+    unit: "",
+    default: Default::Absent,
+    doc: "Colour of what closed curves lead around an odd number of times. Curves only.",
+};
+
+/// How long the teeth of combs are.
+pub(crate) const COMB_SCALE: Parameter = Parameter {
+    name: "comb_scale",
+    kind: Kind::Number { min: -1000.0, max: 1000.0 },
+    unit: "",
+    default: Default::Number(1.0),
+    doc: "By what the usual length of the teeth of curvature combs is multiplied, at which most are up to an eighth of \
+          the picture long; below 0 they stand on the other side.",
+};
+
 /// The camera.
 pub(crate) const CAMERA: Parameter = Parameter {
     name: "camera",
@@ -227,6 +282,26 @@ impl<'a> Options<'a> {
     /// Whether each face has one normal.
     pub(crate) fn flat(&self) -> bool {
         self.values.choice("shading") == Some("flat") || self.values.choice(NORMALS.name) == Some("none")
+    }
+
+    /// By what the usual width of lines is multiplied.
+    pub(crate) fn line_width(&self) -> f32 {
+        self.values.number(LINE_WIDTH.name).map_or(1.0, rounded)
+    }
+
+    /// Colour of the control net.
+    pub(crate) fn control_color(&self, default: [u8; 4]) -> [u8; 4] {
+        self.values.color(CONTROL_COLOR.name).unwrap_or(default)
+    }
+
+    /// Colour of control points.
+    pub(crate) fn point_color(&self, default: [u8; 4]) -> [u8; 4] {
+        self.values.color(POINT_COLOR.name).unwrap_or(default)
+    }
+
+    /// By what the usual size of points is multiplied, where that is said.
+    pub(super) fn point_size(&self) -> Option<f32> {
+        self.values.number(POINT_SIZE.name).map(rounded)
     }
 
     /// Colour of the refined shape.

@@ -1,6 +1,7 @@
 //! A drawing of the sections of a mesh, each in the frame of its plane.
 
-use super::drawing::{CURVE, Easel};
+use super::drawing::CURVE;
+use super::easel::Easel;
 use super::options::Options;
 use crate::drawing::{Drawing, Item, Stroke};
 use crate::math::vector::{cross, dot, minus, unit};
@@ -34,7 +35,7 @@ pub(crate) fn drawing(
     }
     arrange(&mut drawn, options.size);
     let shown: Vec<&Curve> = drawn.iter().flatten().collect();
-    let easel = Easel::new(&shown, View { target: None, ..options.view() }, options.size, None);
+    let easel = Easel::new(&shown, View { target: None, ..options.view() }, options.size);
     let stroke = Stroke::solid(WIDTH * options.unit_px(), options.color(CURVE));
     let item = |curves: &Vec<Curve>| Ok(Item::lines("section", easel.runs(curves, watch)?, stroke.clone()));
     let items = drawn.iter().map(item).collect::<Result<_, FormatError>>()?;
