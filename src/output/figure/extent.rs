@@ -3,7 +3,8 @@
 use crate::math::parameter::Values;
 use crate::math::vector::Vector;
 use crate::output::error::FormatError;
-use crate::output::picture::options::{CAMERA, Options, boxed};
+use crate::output::picture::framing::boxed;
+use crate::output::picture::options::{CAMERA, Options};
 use crate::output::scene::{Curve, MeshSource, Scene, Shape, in_chunks};
 use crate::watch::Watch;
 

@@ -5,6 +5,7 @@ mod comb;
 pub(super) mod drawing;
 mod easel;
 pub(super) mod forecast;
+pub(super) mod framing;
 pub(super) mod mesh;
 pub(super) mod options;
 pub(super) mod plot;

@@ -2,14 +2,13 @@
 
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
-use crate::math::vector::{Vector, minus, times};
 use crate::output::colors::linear;
 use crate::output::counts::ShapeKind;
 use crate::output::error::FormatError;
 use crate::output::numbers::rounded;
 use crate::output::scene::{Frame, Scene, Shape, in_chunks};
 use crate::output::surface::NORMALS;
-use crate::raster::{Camera, MAX_SIDE_PX, Projection, View};
+use crate::raster::{MAX_SIDE_PX, Projection, View};
 
 /// Largest width and height, pixels.
 const MAX_SIDE: i64 = MAX_SIDE_PX as i64;
@@ -115,7 +114,7 @@ pub(crate) const CAMERA: Parameter = Parameter {
           only zoom and target.",
 };
 
-const CAMERA_FIELDS: &[Parameter] = &[
+pub(super) const CAMERA_FIELDS: &[Parameter] = &[
     Parameter {
         name: "projection",
         kind: Kind::Choice(&["perspective", "orthographic"]),
@@ -176,7 +175,7 @@ const CAMERA_FIELDS: &[Parameter] = &[
 ];
 
 /// What is framed in place of what is shown.
-const BOX: Parameter = Parameter {
+pub(super) const BOX: Parameter = Parameter {
     name: "box",
     kind: Kind::Group(BOX_FIELDS),
     unit: "",
@@ -185,7 +184,7 @@ const BOX: Parameter = Parameter {
           functions stand as y.",
 };
 
-const BOX_FIELDS: &[Parameter] = &[
+pub(super) const BOX_FIELDS: &[Parameter] = &[
     Parameter {
         name: "min",
         kind: Kind::Vector,
@@ -201,16 +200,6 @@ const BOX_FIELDS: &[Parameter] = &[
         doc: "The corner opposite to it.",
     },
 ];
-
-/// Sets the box that is framed.
-pub(crate) fn boxed(values: &mut Values, min: Vector, max: Vector) {
-    let mut camera = values.group(CAMERA.name).cloned().unwrap_or_else(|| Values::usual(CAMERA_FIELDS));
-    let mut corners = Values::usual(BOX_FIELDS);
-    corners.set(&BOX_FIELDS[0], Value::Vector(min));
-    corners.set(&BOX_FIELDS[1], Value::Vector(max));
-    camera.set(&BOX, Value::Group(corners));
-    values.set(&CAMERA, Value::Group(camera));
-}
 
 /// Refuses shapes whose extent leaves no room for the arithmetic of a camera.
 pub(crate) fn check_extent(scene: &Scene<'_>) -> Result<(), FormatError> {
@@ -328,47 +317,6 @@ impl<'a> Options<'a> {
         side
     }
 
-    /// The corners of the box that is framed in place of what is shown, where one is given.
-    pub(crate) fn corners(&self) -> Option<[Vector; 8]> {
-        let corners = self.values.group(CAMERA.name)?.group(BOX.name)?;
-        let ends = [corners.vector("min")?, corners.vector("max")?];
-        Some(std::array::from_fn(|i| [0, 1, 2].map(|k| ends[i >> k & 1][k])))
-    }
-
-    /// The camera that frames these points, or the box that is given.
-    pub(crate) fn camera(&self, points: &[&[Vector]]) -> Camera {
-        let [width, height] = self.size;
-        match self.corners() {
-            Some(corners) => Camera::framing(&self.view(), &[&corners], width, height),
-            None => Camera::framing(&self.view(), points, width, height),
-        }
-    }
-
-    /// The same, seen from an azimuth and a distance in the direction of `forward`, or, without perspective, so much
-    /// smaller.
-    pub(crate) fn seen_from(
-        &self,
-        azimuth_deg: f64,
-        target: Vector,
-        (forward, distance): (Vector, f64),
-        scale: f64,
-    ) -> Values {
-        let mut camera = self.values.group(CAMERA.name).cloned().unwrap_or_else(|| Values::usual(CAMERA_FIELDS));
-        let mut set = |name: &str, value: Value| {
-            CAMERA_FIELDS.iter().filter(|field| field.name == name).for_each(|field| camera.set(field, value.clone()));
-        };
-        set("target", Value::Vector(target));
-        set("azimuth_deg", Value::Number(azimuth_deg));
-        let view = self.view();
-        match view.projection {
-            Projection::Perspective => set("eye", Value::Vector(minus(target, times(distance, forward)))),
-            Projection::Orthographic => set("zoom", Value::Number(view.zoom * scale)),
-        }
-        let mut values = self.values.clone();
-        values.set(&CAMERA, Value::Group(camera));
-        values
-    }
-
     /// The view that the camera options ask for.
     pub(crate) fn view(&self) -> View {
         let fallback = Values::default();
@@ -387,13 +335,6 @@ impl<'a> Options<'a> {
             up: camera.vector("up").unwrap_or(self.frame.up.direction()),
         }
     }
-}
-
-/// The camera that frames a box from an azimuth, with a place in the middle.
-pub(crate) fn facing(options: &Options<'_>, azimuth_deg: f64, target: Vector, corners: &[Vector; 8]) -> Camera {
-    let azimuth_rad = azimuth_deg * (std::f64::consts::PI / 180.0);
-    let view = View { azimuth_rad, target: Some(target), eye: None, ..options.view() };
-    Camera::framing(&view, &[corners], options.size[0], options.size[1])
 }
 
 /// Width and height, pixels.
