@@ -108,11 +108,7 @@ pub(super) fn artifacts(
 }
 
 /// Key of a figure: over the keys of its panels at the sizes that they have in it, the layout, and the output.
-pub(super) fn figure(
-    panels: impl Iterator<Item = Key>,
-    (grid, one_scale): (&Grid, bool),
-    output: &Output,
-) -> Key {
+pub(super) fn figure(panels: impl Iterator<Item = Key>, (grid, one_scale): (&Grid, bool), output: &Output) -> Key {
     let Output { name: _, format, options, frame: _, index: _ } = output;
     let Grid { columns, title, letters, cells } = grid;
     let text = |text: &Option<String>| Item::List(text.iter().map(|text| Item::text(text)).collect());

@@ -42,13 +42,7 @@ pub(super) fn show(
 }
 
 /// Refines and shows polygons.
-fn draw(
-    job: &Job,
-    polygons: &[Polygon],
-    output: &Output,
-    watch: &Watch,
-    show: Show<'_>,
-) -> Result<Report, RunError> {
+fn draw(job: &Job, polygons: &[Polygon], output: &Output, watch: &Watch, show: Show<'_>) -> Result<Report, RunError> {
     let refined = curves::refine_all(polygons, (&job.plan, job.levels, job.steps()), output, watch)?;
     let warnings = curve::warnings(&job.plan, job.levels, watch).map_err(RunError::Stopped)?;
     let control = &ControlPolygons { polygons, curves: OnceLock::new() };

@@ -222,7 +222,10 @@ impl JobRequest {
     /// The job of a panel with these outputs.
     fn of_panel(self, outputs: Vec<Output>, limits: &ReadLimits) -> Result<Job, Vec<Fault>> {
         if self.figure.is_some() {
-            return Err(vec![Fault::new("/figure", "a panel is a picture of an input; put its panels beside the others")]);
+            return Err(vec![Fault::new(
+                "/figure",
+                "a panel is a picture of an input; put its panels beside the others",
+            )]);
         }
         let purpose = self.purpose();
         match self.parts_for(Ok(outputs), purpose, limits).draft()? {
@@ -236,9 +239,13 @@ impl JobRequest {
 
     /// What a figure says besides that it must not.
     fn beside_figure(&self) -> Vec<Fault> {
-        let said = [("input", !self.input.is_missing), ("plan", self.plan.is_some()), ("levels", self.levels.is_some())];
+        let said =
+            [("input", !self.input.is_missing), ("plan", self.plan.is_some()), ("levels", self.levels.is_some())];
         let fault = |name| {
-            Fault::new(format!("/{name}"), format!("a figure has no {name} of its own; it stands in the jobs of panels"))
+            Fault::new(
+                format!("/{name}"),
+                format!("a figure has no {name} of its own; it stands in the jobs of panels"),
+            )
         };
         let unknown = self.spec.filter(|spec| *spec != 1).map(unknown_spec);
         said.into_iter().filter_map(|(name, is_said)| is_said.then(|| fault(name))).chain(unknown).collect()

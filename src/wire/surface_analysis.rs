@@ -188,10 +188,8 @@ impl RegularAnswer {
         };
         let at = |x: i32, y: i32| regular.mask.get(&[x, y]).copied().unwrap_or(0.0);
         let row = |y: i32| range(0).map(|x| at(x, y)).collect();
-        let mask = LatticeMaskAnswer {
-            first: [*range(0).start(), *range(1).start()],
-            values: range(1).map(row).collect(),
-        };
+        let mask =
+            LatticeMaskAnswer { first: [*range(0).start(), *range(1).start()], values: range(1).map(row).collect() };
         let factor = |(direction, times): (&[i32; 2], &u32)| FactorAnswer { direction: *direction, times: *times };
         let factors = RegularMask::DIRECTIONS.iter().zip(&regular.factors).filter(|(_, times)| **times > 0);
         let curve = |(first, values): (i32, Vec<f64>)| {
@@ -231,8 +229,7 @@ impl ValenceAnswer {
             imaginary: Some(found.value.im).filter(|x| *x != 0.0),
             fourier: found.fourier,
         };
-        let criterion =
-            |c: &Criterion| CriterionAnswer { criterion: c.statement, status: name(c.status) };
+        let criterion = |c: &Criterion| CriterionAnswer { criterion: c.statement, status: name(c.status) };
         let tangents = report.tangent_masks.as_ref().map(|both| {
             both.each_ref().map(|mask| {
                 let entry = |weight: &Weight| (coordinates(weight), weight.values.clone());

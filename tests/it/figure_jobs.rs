@@ -205,7 +205,8 @@ fn captions_stand_below_their_panels_and_the_title_above_all() {
     let mut told = plain.clone();
     told["figure"]["title"] = json!("Cubes");
     told["figure"]["letters"] = json!(true);
-    told["figure"]["panels"][1]["caption"] = json!("\\delta = 1/4, and many more words than there is room for in one line");
+    told["figure"]["panels"][1]["caption"] =
+        json!("\\delta = 1/4, and many more words than there is room for in one line");
     let (plain, told) = (picture(&plain), picture(&told));
     assert!(told.height() > plain.height() + 60, "{} and {}", told.height(), plain.height());
     let top = (0..told.height()).find(|y| part(&told, [0, *y], [402, plain.height()]) == plain);

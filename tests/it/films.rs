@@ -119,7 +119,8 @@ fn curves_move_with_a_parameter_of_their_plan() {
             "plan": { "preset": "four-point" }, "levels": 4, "outputs": [output] })
     };
     let sweep = json!({ "pointer": "/plan/parameters/w", "from": 0, "to": 0.125 });
-    let found = frames(&bytes(&job(json!({ "format": "apng", "width": 64, "height": 64, "frames": 4, "sweep": sweep }))));
+    let found =
+        frames(&bytes(&job(json!({ "format": "apng", "width": 64, "height": 64, "frames": 4, "sweep": sweep }))));
     assert_eq!(found.len(), 4);
     assert!(found.windows(2).all(|pair| pair[0] != pair[1]), "it moves");
     assert_eq!(places(&job(json!({ "format": "apng" }))), ["/outputs/0/format"], "a plane curve has no other side");
@@ -140,7 +141,8 @@ fn what_a_film_cannot_show_is_told_at_its_place() {
     assert_eq!(with(json!({ "frames": 1 })), ["/outputs/0/frames"]);
     assert_eq!(with(json!({ "frames": 240, "width": 4000, "height": 4000 })), ["/outputs/0/frames"]);
     assert_eq!(with(json!({ "camera": { "eye": [9, 9, 9] } })), ["/outputs/0/camera/eye"]);
-    let mut tolerant = tetrahedron(&json!({ "format": "apng", "sweep": sweep("/plan/parameters/delta", 1.0)["sweep"] }));
+    let mut tolerant =
+        tetrahedron(&json!({ "format": "apng", "sweep": sweep("/plan/parameters/delta", 1.0)["sweep"] }));
     tolerant["levels"] = json!({ "tolerance": 0.01 });
     assert_eq!(places(&tolerant), ["/levels"]);
 }

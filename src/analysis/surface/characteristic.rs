@@ -295,7 +295,10 @@ impl Disc {
         let sum = points.iter().fold([0.0; 2], |sum, p| [sum[0] + p[0], sum[1] + p[1]]);
         let middle = sum.map(|x| x / n);
         // a number that is none stays one
-        let radius = points.iter().map(|&p| length(minus(p, middle))).fold(0.0, |a: f64, b| if a.is_nan() || a >= b { a } else { b });
+        let radius = points
+            .iter()
+            .map(|&p| length(minus(p, middle)))
+            .fold(0.0, |a: f64, b| if a.is_nan() || a >= b { a } else { b });
         Self { middle, radius: bound * radius }
     }
 }

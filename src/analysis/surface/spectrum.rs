@@ -40,13 +40,7 @@ pub(super) struct Spectrum {
 
 impl Spectrum {
     /// The eigenvalues over the points up to a radius; `None` where rows lack the reflection, or a search failed.
-    pub(super) fn of(
-        kind: Kind,
-        n: usize,
-        radius: i32,
-        local: &Local,
-        watch: &Watch,
-    ) -> Result<Option<Self>, Stopped> {
+    pub(super) fn of(kind: Kind, n: usize, radius: i32, local: &Local, watch: &Watch) -> Result<Option<Self>, Stopped> {
         let (mut blocks, mut values) = (Vec::new(), Vec::new());
         for index in 0..=n / 2 {
             watch.check()?;

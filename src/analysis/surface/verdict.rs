@@ -32,8 +32,7 @@ const REGULAR: &str = "limits of regular nets are C1";
 /// The statement about the eigenvalue 1.
 const ONE: &str = "the eigenvalue 1 is simple, and all others are smaller";
 /// The statement about the subdominant eigenvalue.
-const SUBDOMINANT: &str =
-    "the next eigenvalue is real, positive and there twice, with the Fourier indices 1 and n - 1, and all others are \
+const SUBDOMINANT: &str = "the next eigenvalue is real, positive and there twice, with the Fourier indices 1 and n - 1, and all others are \
      smaller";
 /// The statement about the characteristic map.
 const MAP: &str = "the characteristic map is regular and injective";
@@ -171,6 +170,8 @@ pub fn verdict(criteria: &[Criterion]) -> Status {
 
 /// What speaks for C^1 on the whole: the weakest of all criteria.
 pub fn evidence(criteria: &[Criterion]) -> Status {
-    let rank = |status: Status| [Status::Disproved, Status::Open, Status::Supported, Status::Proved].iter().position(|other| *other == status);
+    let rank = |status: Status| {
+        [Status::Disproved, Status::Open, Status::Supported, Status::Proved].iter().position(|other| *other == status)
+    };
     criteria.iter().map(|criterion| criterion.status).min_by_key(|status| rank(*status)).unwrap_or(Status::Open)
 }

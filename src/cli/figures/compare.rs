@@ -43,8 +43,10 @@ impl Difference {
             side.map_or((None, None), |(entry, bytes)| (Some(entry.clone()), bytes))
         };
         let ((old, before), (new, after)) = (split(before), split(after));
-        let of = |entry: &Option<Entry>, name: &String| entry.as_ref().and_then(|entry| entry.numbers.get(name).cloned());
-        let mut names: Vec<&String> = [&old, &new].into_iter().flatten().flat_map(|entry| entry.numbers.keys()).collect();
+        let of =
+            |entry: &Option<Entry>, name: &String| entry.as_ref().and_then(|entry| entry.numbers.get(name).cloned());
+        let mut names: Vec<&String> =
+            [&old, &new].into_iter().flatten().flat_map(|entry| entry.numbers.keys()).collect();
         names.sort_unstable();
         names.dedup();
         let numbers = names.into_iter().map(|name| (name.clone(), of(&old, name), of(&new, name)));

@@ -58,9 +58,8 @@ impl Manifest {
     /// The manifest of a folder; `None` where there is none.
     pub(super) fn read(folder: &Path) -> Result<Option<Self>, CliError> {
         let path = Self::path(folder);
-        let cannot = |error: &dyn std::fmt::Display| {
-            CliError::files(format!("cannot read {}: {error}", path.display()))
-        };
+        let cannot =
+            |error: &dyn std::fmt::Display| CliError::files(format!("cannot read {}: {error}", path.display()));
         match fs::read(&path) {
             Ok(bytes) => serde_json::from_slice(&bytes).map(Some).map_err(|error| cannot(&error)),
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
@@ -99,12 +98,13 @@ pub(super) fn put(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
     write().map_err(|error| CliError::files(format!("cannot write {}: {error}", path.display())))
 }
 
-/// The single numbers, texts and flags of a JSON value by their places, lists of more than four left out.
+/// The single numbers, texts and flags of a JSON value by their places; matrices, and lists of more than four, are left
+/// out.
 pub(super) fn numbers(of: &str, value: &Value, found: &mut BTreeMap<String, Value>) {
     let place = |name: &str| if of.is_empty() { name.to_owned() } else { format!("{of} {name}") };
     match value {
         Value::Object(fields) => fields.iter().for_each(|(name, value)| numbers(&place(name), value, found)),
-        Value::Array(items) if items.len() <= 4 => {
+        Value::Array(items) if items.len() <= 4 && !items.iter().any(Value::is_array) => {
             items.iter().enumerate().for_each(|(i, value)| numbers(&place(&i.to_string()), value, found));
         }
         Value::Array(_) | Value::Null => {}

@@ -2,8 +2,8 @@
 
 mod compare;
 mod manifest;
-mod report;
 mod rendered;
+mod report;
 mod set;
 
 pub(super) use set::FigureOptions;

@@ -55,8 +55,11 @@ pub(super) fn render(path: &Path, known: &Manifest, folder: &Path) -> Result<Vec
     for &i in &pictures {
         let (asked, key) = (&admitted.job().outputs[i], admitted.job().keys()[i].to_string());
         let extension = asked.format.extension();
-        let name =
-            if pictures.len() == 1 { format!("{stem}.{extension}") } else { format!("{stem}-{}.{extension}", asked.name) };
+        let name = if pictures.len() == 1 {
+            format!("{stem}.{extension}")
+        } else {
+            format!("{stem}-{}.{extension}", asked.name)
+        };
         let same = known.figures.get(&name).filter(|entry| entry.key == key && entry.is_in(folder, &name));
         made.push(match same {
             Some(entry) => Rendered { name, entry: Entry { job: job.clone(), ..entry.clone() }, bytes: None },

@@ -34,8 +34,8 @@ fn pictures(of: &Difference) -> Vec<(&'static str, String, &[u8])> {
 pub(super) fn write(folder: &Path, head: &str, differences: &[Difference]) -> Result<(), CliError> {
     let mut markdown = format!("# Figures\n\n{head}\n");
     let mut html = format!(
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Figures</title>\n<style>{STYLE}</style>\
-         </head><body>\n<h1>Figures</h1>\n<p>{}</p>\n",
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Figures</title>\n\
+         <style>{STYLE}</style></head><body>\n<h1>Figures</h1>\n<p>{}</p>\n",
         escaped(head)
     );
     for difference in differences {
@@ -91,8 +91,8 @@ fn numbers(of: &Difference, markdown: &mut String, html: &mut String) {
     }
     html.push_str("</table>\n");
     if let Some(more) = of.numbers.len().checked_sub(MOST_NUMBERS).filter(|more| *more > 0) {
-        let _ = writeln!(markdown, "\n{more} more numbers differ.");
-        let _ = writeln!(html, "<p>{more} more numbers differ.</p>");
+        let _ = writeln!(markdown, "\nand {more} more");
+        let _ = writeln!(html, "<p>and {more} more</p>");
     }
 }
 

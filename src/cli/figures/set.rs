@@ -46,7 +46,8 @@ impl FigureOptions {
         let jobs = jobs(&self.jobs)?;
         let known = match (Manifest::read(&self.output)?, self.check) {
             (None, true) => {
-                let detail = format!("{} has no manifest.json; render the figures without --check first", self.output.display());
+                let detail =
+                    format!("{} has no manifest.json; render the figures without --check first", self.output.display());
                 return Err(CliError::files(detail));
             }
             (known, _) => known.unwrap_or_default(),
@@ -125,7 +126,8 @@ impl FigureOptions {
             name.push(".report");
             self.output.with_file_name(name)
         });
-        let told = |n: usize, one: &str, several: &str| if n == 1 { format!("1 {one}") } else { format!("{n} {several}") };
+        let told =
+            |n: usize, one: &str, several: &str| if n == 1 { format!("1 {one}") } else { format!("{n} {several}") };
         let differ = told(differences.len(), "picture differs", "pictures differ");
         let head = format!("{differ}, {}.", told(same, "is as it was", "are as they were"));
         report::write(&folder, &head, &differences)?;

@@ -1,6 +1,6 @@
 //! Where the panels of a figure stand, and what is written beside them.
 
-use crate::drawing::{Anchor, ASCENT, Color, DESCENT, Item, Label, Level, Mark, Text, Weight, wrapped};
+use crate::drawing::{ASCENT, Anchor, Color, DESCENT, Item, Label, Level, Mark, Text, Weight, wrapped};
 use crate::raster::MAX_SIDE_PX;
 
 /// Most panels of a figure.
@@ -84,7 +84,8 @@ impl Grid {
         };
         let seats = self.seats();
         let widths = seats.iter().zip(&self.cells);
-        let widths = widths.map(|([column, _], cell)| (left(column + cell.span[0]) - left(*column)).saturating_sub(gap));
+        let widths =
+            widths.map(|([column, _], cell)| (left(column + cell.span[0]) - left(*column)).saturating_sub(gap));
         let widths: Vec<u32> = widths.collect();
         let font = Font::of(width);
         let captions: Result<Vec<Vec<Label>>, String> =
@@ -145,7 +146,8 @@ impl Grid {
         for i in order {
             let (first, n) = (seats[i][1] as usize, self.cells[i].span[1] as usize);
             let last = first + n - 1;
-            let before = rows[first..last].iter().fold(0_u32, |sum, row| sum.saturating_add(row.picture + row.caption + gap));
+            let before =
+                rows[first..last].iter().fold(0_u32, |sum, row| sum.saturating_add(row.picture + row.caption + gap));
             rows[last].picture = rows[last].picture.max(natural[i].saturating_sub(before));
         }
         rows

@@ -109,7 +109,9 @@ fn new_gone_and_damaged_pictures_differ() {
     fs::write(folder.path().join("out/cube.png"), "damaged").unwrap();
     let (code, said) = check(&folder, &[]);
     assert_eq!(code, Some(OTHER), "{said}");
-    for part in ["new.png: new", "star.png: there is no job", "cube.png: other bytes", "3 pictures differ, 0 are as they were"] {
+    for part in
+        ["new.png: new", "star.png: there is no job", "cube.png: other bytes", "3 pictures differ, 0 are as they were"]
+    {
         assert!(said.contains(part), "{part}: {said}");
     }
     assert!(folder.path().join("out.report/report.html").exists());
