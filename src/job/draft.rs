@@ -6,8 +6,9 @@ use super::complete::{Checked, Job};
 use super::entry::InputEntry;
 use super::films;
 use super::fit::{faults_of, resolved};
+use super::finest;
 use super::input::Input;
-use super::levels::{self, CheckedLevels, Levels};
+use super::levels::{self, CheckedLevels, Levels, Resolved};
 use super::output::Output;
 use super::search::Search;
 use crate::fault::{Fault, under};
@@ -71,11 +72,21 @@ impl Draft {
                 });
                 Job::new(checked, levels, None, faults).map(|job| Self::Job(Box::new(job.with_films(films))))
             }
-            CheckedLevels::Tolerance(_) if asked.is_some() => {
+            CheckedLevels::Tolerance(_) | CheckedLevels::Auto if asked.is_some() => {
                 let detail = "the plans of a \"sweep\" may need different levels; give a number of levels";
                 faults.push(Fault::new("/levels", detail));
                 faults.extend(fit);
                 Err(faults)
+            }
+            CheckedLevels::Auto => {
+                faults.extend(fit);
+                let level = if faults.is_empty() { finest::level(&checked) } else { Ok(0) };
+                let level = level.unwrap_or_else(|fault| {
+                    faults.push(fault);
+                    0
+                });
+                let resolved = Resolved { level, bound: None };
+                Job::new(checked, level, Some(resolved), faults).map(|job| Self::Job(Box::new(job)))
             }
             CheckedLevels::Tolerance(_) if checked.input.mesh().is_some_and(|mesh| !mesh.frames.is_empty()) => {
                 let detail = "a tolerance is measured at one frame; with \"frames\" give a number of levels";

@@ -338,7 +338,7 @@ impl Limits {
         let fitting = forecast.levels.iter().take_while(|count| self.fits(job, count) && fits(count)).count();
         let remedy = match fitting {
             0 => "send a smaller input".to_owned(),
-            n if job.reached.is_some() => {
+            n if job.reached.is_some_and(|reached| reached.bound.is_some()) => {
                 format!("ask for a coarser tolerance, or for at most {} levels", n - 1)
             }
             n if job.levels > 0 => format!("ask for at most {} levels", n - 1),

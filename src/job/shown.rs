@@ -122,4 +122,8 @@ impl Control for ControlMesh<'_> {
             RefinedMesh::documented(&net, self.mesh.positions.clone().into())
         }))
     }
+
+    fn mesh(&self) -> Option<&Mesh> {
+        Some(self.mesh)
+    }
 }

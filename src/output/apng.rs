@@ -8,8 +8,9 @@ use super::figure::Extent;
 use super::film::{self, DELAY, FRAMES, Film, SWEEP, TURNTABLE};
 use super::format::{Content, Format, FormatFacts, Sweep};
 use super::picture::options::{self, CAMERA};
+use super::picture::outline::Outline;
 use super::png::Png;
-use super::scene::Scene;
+use super::scene::{Frame, Scene};
 use super::size::Size;
 use crate::fault::Fault;
 use crate::math::parameter::{Parameter, Values};
@@ -104,6 +105,10 @@ impl Format for Apng {
 
     fn work(&self, mesh: Option<&Mesh>, counts: &Counts, values: &Values) -> u128 {
         Png.work(mesh, counts, values).saturating_mul(film::frames(values) as u128)
+    }
+
+    fn side_px(&self, outline: &Outline, frame: Frame, values: &Values) -> Option<f64> {
+        Png.side_px(outline, frame, values)
     }
 
     fn sweep(&self, values: &Values) -> Option<Sweep> {

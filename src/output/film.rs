@@ -171,6 +171,7 @@ impl<'a> Film<'a> {
         // the path of still pictures, see decision 7
         encoder.set_compression(Compression::Fast);
         encoder.set_filter(Filter::Adaptive);
+        encoder.set_pixel_dims(options.dpi().map(picture::pixel_dims));
         let delay = values.integer(DELAY.name).and_then(|ms| u16::try_from(ms).ok()).unwrap_or(80);
         encoder.set_animated(u32::try_from(frames(values)).unwrap_or(2), 0).map_err(failed)?;
         encoder.set_frame_delay(delay, 1000).map_err(failed)?;

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::bins::{Bins, Found, Grid, TileRect};
 use super::camera::{Camera, Projection, unit};
 use super::clip;
+use super::finish::Finisher;
 use super::line::Layer;
 use super::model::{Model, Normals, Surface};
 use super::paint::{Paint, Tint};
@@ -38,6 +39,8 @@ pub(super) struct BinnedModel<'a> {
     pub(super) lamps: Option<Lamps>,
     /// `None` where the surface has one colour.
     pub(super) paint: Option<Paint<'a>>,
+    /// `None` where the surface is lit.
+    pub(super) finisher: Option<Finisher>,
 }
 
 /// Blends the normals of a triangle over its place in the picture.
@@ -77,13 +80,15 @@ impl<'a> BinnedModel<'a> {
             .iter()
             .map(|strokes| Layer::new(camera, grid, strokes, watch))
             .collect::<Result<Vec<_>, Stopped>>()?;
-        let (lamps, paint) = match model.surface {
-            Surface::Lit(color) => (Some(Lamps::new(camera, color)), None),
-            Surface::Painted(paint) => (Some(Lamps::new(camera, [0; 4])), Some(paint)),
-            Surface::Unseen => (None, None),
+        let (lamps, paint, finish) = match model.surface {
+            Surface::Lit(color) => (Some(Lamps::new(camera, color)), None, None),
+            Surface::Painted(paint) => (Some(Lamps::new(camera, [0; 4])), Some(paint), None),
+            Surface::Finished { color, paint, finish } => (Some(Lamps::new(camera, color)), paint, Some(finish)),
+            Surface::Unseen => (None, None, None),
         };
+        let finisher = finish.map(|finish| Finisher::new(finish, camera));
         let (pieces, runs) = (Vec::new(), Vec::new());
-        let mut binned = Self { model, camera, grid, vertices, pieces, runs, layers, lamps, paint };
+        let mut binned = Self { model, camera, grid, vertices, pieces, runs, layers, lamps, paint, finisher };
         binned.sort(watch)?;
         Ok(binned)
     }

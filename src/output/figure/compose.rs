@@ -22,7 +22,7 @@ const POINT_BYTES: u128 = 64;
 /// Bytes of what is written at most: each of its letters as an outline.
 const TEXT_BYTES: u128 = 1 << 20;
 /// Options of a format that a figure takes; all others are said by its panels.
-const OPTIONS: [&str; 3] = ["width", "background", "text"];
+const OPTIONS: [&str; 4] = ["width", "background", "dpi", "text"];
 
 /// What is to be seen of a panel.
 #[derive(Debug)]
@@ -39,7 +39,7 @@ pub enum Picture {
 /// The fault, with a pointer below the output.
 pub fn suits(options: &Values) -> Result<(), Fault> {
     let Some((name, _)) = options.unusual().find(|(name, _)| !OPTIONS.contains(name)) else { return Ok(()) };
-    let detail = format!("a figure takes \"width\" and \"background\"; say \"{name}\" in its panels");
+    let detail = format!("a figure takes \"width\", \"background\" and \"dpi\"; say \"{name}\" in its panels");
     Err(Fault::new(format!("/{name}"), detail))
 }
 
@@ -96,7 +96,7 @@ pub fn write(
             watch.check()?;
             watch.enter(Stage::Encode);
             let is_opaque = pixels.chunks_exact(4).all(|pixel| pixel[3] == 255);
-            png::encode(pixels, sheet.size, is_opaque, out)
+            png::encode(pixels, sheet.size, (is_opaque, options.number("dpi")), out)
         }
         Paper::Svg => Ok(svg(&drawing, vector::lettering(options), out, watch)?),
         Paper::Pdf => Ok(pdf(&drawing, vector::lettering(options), out, watch)?),

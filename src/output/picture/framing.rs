@@ -23,9 +23,8 @@ impl Options<'_> {
         Some(std::array::from_fn(|i| [0, 1, 2].map(|k| ends[i >> k & 1][k])))
     }
 
-    /// The camera that frames these points, or the box that is given.
-    pub(crate) fn camera(&self, points: &[&[Vector]]) -> Camera {
-        let [width, height] = self.size;
+    /// The camera that frames these points, or the box that is given, in so many pixels.
+    pub(crate) fn camera(&self, points: &[&[Vector]], [width, height]: [u32; 2]) -> Camera {
         match self.corners() {
             Some(corners) => Camera::framing(&self.view(), &[&corners], width, height),
             None => Camera::framing(&self.view(), points, width, height),
