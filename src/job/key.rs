@@ -4,6 +4,7 @@
 use std::fmt;
 
 use super::codec::Item;
+use super::form::Form;
 use super::input::Input;
 use super::output::Output;
 use super::shape_items::{connectivity, input, lines, mesh};
@@ -152,14 +153,14 @@ pub(super) fn program(input: &Input, refined: &Plan, levels: u32) -> Option<Key>
     Some(hashed(&Item::List(vec![Item::text("planish program"), version, connectivity(mesh), plan])))
 }
 
-fn hashed(item: &Item<'_>) -> Key {
+pub(super) fn hashed(item: &Item<'_>) -> Key {
     let mut bytes = Vec::new();
     item.encode(&mut bytes);
     content(&bytes)
 }
 
 /// Key of a job: over the names and keys of its outputs, in order.
-pub(super) fn job<'a>(outputs: impl Iterator<Item = (&'a str, &'a Key)>) -> Key {
+pub fn job<'a>(outputs: impl Iterator<Item = (&'a str, &'a Key)>) -> Key {
     let entry = |(name, key): (&str, &Key)| Item::List(vec![Item::text(name), Item::text(&key.to_string())]);
     hashed(&Item::List(vec![Item::text("planish job"), Item::List(outputs.map(entry).collect())]))
 }
@@ -181,7 +182,7 @@ pub(super) fn search(shape: &Input, refined: &Plan, tolerance: f64, places: &[&s
 }
 
 /// Key of an analysis: over the results version, the masks, exactly where they are known so, and what was asked for.
-pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>) -> Key {
+pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>, matrices: Option<Item<'_>>) -> Key {
     let Study { settled, levels } = study;
     // order and residual follow from the mask
     let Symbol { arity, first, mask, is_exact, order: _, residual: _ } = settled;
@@ -191,7 +192,7 @@ pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>) -> Key {
         let first = Item::Integer(i64::from(*first).cast_unsigned());
         Item::List(vec![Item::Number(*alpha), first, Item::Numbers(values.clone().into())])
     };
-    let items = vec![
+    let mut items = vec![
         Item::text("planish analysis"),
         Item::Integer(u64::from(RESULTS_VERSION)),
         Item::Integer(arity.cast_unsigned()),
@@ -202,6 +203,7 @@ pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>) -> Key {
         Item::Integer(nodes),
         Item::List(grid.iter().map(|grid| Item::Integer(u64::from(*grid))).collect()),
     ];
+    items.extend(matrices);
     hashed(&Item::List(items))
 }
 
@@ -217,6 +219,15 @@ pub(super) fn surface_analysis(settled: &Plan, follows_alpha: bool, valences: &[
         Item::Integer(nodes),
     ];
     hashed(&Item::List(items))
+}
+
+/// The key of an analysis in a form: that of what it finds for the usual one.
+pub(super) fn in_form(key: Key, form: Form) -> Key {
+    if form == Form::default() {
+        return key;
+    }
+    let items = [Item::text(form.name()), Item::text(&key.to_string())];
+    hashed(&Item::List(items.into()))
 }
 
 /// Whether an output shows the limit, which is that of the plan even where none of its levels was applied.

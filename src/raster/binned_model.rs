@@ -187,8 +187,7 @@ impl<'a> BinnedModel<'a> {
 
     /// Normals at the three corners of triangle number `id`.
     fn normals(&self, id: u32) -> [[f64; 3]; 3] {
-        let piece = self.piece(id);
-        let whole = piece.map_or(id, |p| p.whole) as usize;
+        let whole = self.whole(id);
         let triangle = self.model.triangles[whole];
         let mut normals = match self.model.normals {
             Normals::Vertices(list) => {
@@ -203,14 +202,18 @@ impl<'a> BinnedModel<'a> {
             let plane = unit(cross(minus(b, a), minus(c, a))).unwrap_or(self.camera.forward.map(|x| -x));
             normals.iter_mut().filter(|n| undefined(n)).for_each(|n| *n = plane);
         }
-        shared(piece, normals)
+        shared(self.piece(id), normals)
+    }
+
+    /// The triangle of the model of which triangle number `id` is, or is a piece of.
+    pub(super) fn whole(&self, id: u32) -> usize {
+        self.piece(id).map_or(id, |piece| piece.whole) as usize
     }
 
     /// What the paint has at the three corners of triangle number `id`.
     fn painted(&self, paint: &Paint<'_>, id: u32) -> [[f64; 3]; 3] {
-        let piece = self.piece(id);
-        let whole = piece.map_or(id, |p| p.whole) as usize;
-        shared(piece, paint.corners(whole, self.model.triangles[whole]))
+        let whole = self.whole(id);
+        shared(self.piece(id), paint.corners(whole, self.model.triangles[whole]))
     }
 
     /// How the normal of triangle number `id`, and its paint, vary over the tile at `origin`. In perspective, shares

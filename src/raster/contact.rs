@@ -31,12 +31,12 @@ const MOST_PLACES: u64 = 1 << 23;
 const REACH: f64 = 0.3;
 /// Up to this height, in the same measure, things darken the ground.
 /// Half of it leaves the shadows of feet, twice of it makes that of the whole model.
-const HIGH: f64 = 0.5;
+const HIGH: f64 = 0.4;
 /// Up to this height they touch it.
 const LOW: f64 = 0.1;
 /// How much is taken of the light below what touches the ground, and below what stands just over it.
 /// They are choices of looks: halves are hardly seen, and twice of them is night.
-const DARK: [f32; 2] = [0.42, 0.34];
+const DARK: [f32; 2] = [0.5, 0.36];
 /// Up to this share of its height the model counts as touching the ground when it is asked whether it stands.
 /// Half of it lets rough feet fall, twice of it lets balls of few faces stand on their edges.
 const SOLE: f64 = 0.03;

@@ -13,11 +13,15 @@ mod bins;
 mod camera;
 mod clip;
 mod contact;
+#[cfg(test)]
+mod coverage_tests;
 mod desk;
 mod facets;
 mod fine;
 mod finish;
 mod forecast;
+#[cfg(test)]
+mod grounding_tests;
 mod line;
 mod model;
 mod occlusion;

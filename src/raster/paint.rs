@@ -58,6 +58,10 @@ pub enum Paint<'a> {
 pub struct Swatch {
     /// Linear light from 0 to 1.
     pub color: Vec3f,
+    /// How much of what lies behind it is hidden, from 0 to 1.
+    pub alpha: f32,
+    /// From 0, as plastic, to 1, as metal.
+    pub metal: f32,
     /// The picture.
     pub cover: Option<Cover>,
 }
@@ -102,6 +106,27 @@ impl Paint<'_> {
                 places.map(|place| [place[0] - shift[0], place[1] - shift[1], number])
             }
         }
+    }
+
+    /// The swatch of triangle number `id`, where there are swatches.
+    fn swatch(&self, id: usize) -> Option<&Swatch> {
+        let Self::Covers { numbers, swatches, .. } = self else { return None };
+        swatches.get(numbers[id] as usize)
+    }
+
+    /// How much triangle number `id` hides of what lies behind it.
+    pub(super) fn alpha(&self, id: usize) -> f32 {
+        self.swatch(id).map_or(1.0, |swatch| swatch.alpha)
+    }
+
+    /// Whether triangle number `id` is of metal, from 0 to 1.
+    pub(super) fn metal(&self, id: usize) -> f32 {
+        self.swatch(id).map_or(0.0, |swatch| swatch.metal)
+    }
+
+    /// Whether something is seen through some triangle.
+    pub(super) fn has_clear(&self) -> bool {
+        matches!(self, Self::Covers { swatches, .. } if swatches.iter().any(|swatch| swatch.alpha < 1.0))
     }
 
     /// The colour at a place in the tile, pixels.

@@ -18,6 +18,7 @@ mod house;
 mod http;
 mod inspection;
 mod keys;
+mod killed;
 mod laws;
 mod limits;
 mod nets;

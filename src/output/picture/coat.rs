@@ -125,6 +125,11 @@ fn follows_looks(carried: &Attachments, options: &Values) -> bool {
         && skin::is_said(carried)
 }
 
+/// What of the looks of materials is not drawn, as a sentence.
+pub(crate) fn left_out(carried: &Attachments, options: &Values) -> Option<String> {
+    if follows_looks(carried, options) { skin::left_out(carried) } else { None }
+}
+
 /// Work that colours take, rows.
 pub(crate) fn work(carried: &Attachments, options: &Values) -> u128 {
     if follows_looks(carried, options) { skin::work(carried) } else { 0 }
@@ -330,9 +335,10 @@ fn by_looks(mesh: &dyn MeshSource, plain: [u8; 4], watch: &Watch) -> Result<Coat
     let none = swatches.len() - 1;
     let number = |face| carried.materials.number(face).unwrap_or(none);
     let places = if skin::has_images(carried) { places(mesh, watch)? } else { None };
-    let Some((places, corners)) = places else {
+    if !skin::is_rich(&swatches) {
         return Ok(Coat::Triangles(by_origin(mesh, |face| swatches[number(face)].color, watch)?));
-    };
+    }
+    let (places, corners) = places.unwrap_or_default();
     Ok(Coat::Covers { places, corners, numbers: by_origin(mesh, |face| index(number(face)), watch)?, swatches })
 }
 

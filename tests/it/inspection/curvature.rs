@@ -24,8 +24,7 @@ fn a_sphere_bends_alike_everywhere() {
         let curvature = &found["curvature"];
         for (which, expected) in [("gaussian", 1.0 / radius / radius), ("mean", 1.0 / radius)] {
             for end in ["min", "max", "mean"] {
-                // normals of faces that meet at eight corners of a cube are off most
-                near(&curvature[which][end], expected, 0.02 * expected, &format!("{which} {end} at {radius}"));
+                near(&curvature[which][end], expected, 1e-6 * expected, &format!("{which} {end} at {radius}"));
             }
         }
     }
@@ -80,7 +79,7 @@ fn a_boundary_has_the_curvature_of_what_is_beside_it() {
     near(&curvature["gaussian"]["min"], 0.0, 1e-6, "a trough is flat along itself");
     near(&curvature["gaussian"]["max"], 0.0, 1e-6, "a trough is flat along itself");
     near(&curvature["mean"]["max"], 0.5, 1e-3, "in the middle");
-    near(&curvature["mean"]["min"], 2.0_f64.sqrt() / 8.0, 0.02, "at the sides");
+    near(&curvature["mean"]["min"], 2.0_f64.sqrt() / 8.0, 0.04, "at the sides");
 }
 
 #[test]
