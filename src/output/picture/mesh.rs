@@ -15,7 +15,7 @@ use crate::output::hard_edges::HardEdges;
 use crate::output::normals;
 use crate::output::scene::{FaceChunk, MeshSource, Scene, each_face, positions, triangles};
 use crate::output::split_vertices::SplitVertices;
-use crate::raster::{Camera, Model, Normals, Surface, render};
+use crate::raster::{Model, Normals, Surface, render};
 use crate::watch::{Stopped, Watch};
 
 /// Rows of red, green, blue and alpha (straight), from the top.
