@@ -7,7 +7,7 @@ use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::format::{Content, Format, FormatFacts, Paper};
 use crate::output::picture::vector;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
@@ -40,6 +40,10 @@ impl Format for Pdf {
 
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         vector::size(counts, options)
+    }
+
+    fn paper(&self) -> Option<Paper> {
+        Some(Paper::Pdf)
     }
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
