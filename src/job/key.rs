@@ -7,7 +7,7 @@ use super::codec::Item;
 use super::form::Form;
 use super::input::Input;
 use super::output::Output;
-use super::shape_items::{connectivity, input, mesh};
+use super::shape_items::{connectivity, input, lines, mesh};
 use crate::analysis::smoothness::Symbol;
 use crate::analysis::{Level, Study};
 use crate::math::expression::{Expression, Instruction};
@@ -97,6 +97,7 @@ pub(super) fn artifacts(
         };
         let mut items = head("planish artifact");
         items.extend([Item::text(format.name()), values(options)]);
+        items.extend(shown_lines(shape, refined, options));
         if !frame.is_default() {
             items.push(Item::List(vec![Item::text(unit.name()), Item::text(up.name())]));
         }
@@ -105,6 +106,13 @@ pub(super) fn artifacts(
         (hashed(&Item::List(items)), hashed(&Item::List(shown)))
     };
     outputs.iter().map(artifact).unzip()
+}
+
+/// Latitude and longitude lines, where a picture shows them and the plan leaves them alone.
+fn shown_lines<'a>(shape: &'a Input, refined: &Plan, options: &Values) -> Option<Item<'a>> {
+    let shown = crate::output::DIRECTIONS.iter().any(|direction| options.has("show", direction));
+    let mesh = shape.mesh().filter(|_| shown && refined.latitude.is_none())?;
+    mesh.directions.as_ref().map(lines)
 }
 
 /// Key of the program by which a mesh is refined, whatever its positions and the numbers that it carries: over its
