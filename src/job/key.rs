@@ -131,7 +131,7 @@ pub(super) fn hashed(item: &Item<'_>) -> Key {
 }
 
 /// Key of a job: over the names and keys of its outputs, in order.
-pub(super) fn job<'a>(outputs: impl Iterator<Item = (&'a str, &'a Key)>) -> Key {
+pub fn job<'a>(outputs: impl Iterator<Item = (&'a str, &'a Key)>) -> Key {
     let entry = |(name, key): (&str, &Key)| Item::List(vec![Item::text(name), Item::text(&key.to_string())]);
     hashed(&Item::List(vec![Item::text("planish job"), Item::List(outputs.map(entry).collect())]))
 }

@@ -2,10 +2,13 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 mod analyses;
+mod blobs;
 mod browsers;
 mod caching;
 mod catalogue;
+mod durable;
 mod errors;
+mod events;
 mod examples;
 mod files;
 mod formats;
@@ -14,6 +17,7 @@ mod levels_of_detail;
 mod links;
 mod negotiation;
 mod operations;
+mod posting;
 mod questions;
 mod ranges;
 pub(crate) mod server;

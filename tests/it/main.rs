@@ -16,6 +16,7 @@ mod house;
 mod http;
 mod inspection;
 mod keys;
+mod killed;
 mod laws;
 mod limits;
 mod nets;

@@ -140,14 +140,14 @@ pub(super) struct Pending {
 
 /// Over a damaged file the database may panic. That must not stop the service, so it counts as a failure of the index.
 /// The database itself is never dropped by such a panic: a second one on the way would end the process.
-fn guarded<T>(work: impl FnOnce() -> Result<T, redb::Error>) -> Result<T, String> {
+pub(super) fn guarded<T>(work: impl FnOnce() -> Result<T, redb::Error>) -> Result<T, String> {
     match panic::catch_unwind(AssertUnwindSafe(work)) {
         Ok(done) => done.map_err(|error| error.to_string()),
         Err(_) => Err("the database panicked".to_owned()),
     }
 }
 
-fn builder() -> Builder {
+pub(super) fn builder() -> Builder {
     let mut builder = Database::builder();
     builder.set_cache_size(CACHE_BYTES);
     builder
