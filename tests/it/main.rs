@@ -20,6 +20,7 @@ mod limits;
 mod nets;
 mod on_demand;
 mod openapi;
+mod pictures;
 mod readers;
 mod refusals;
 mod robustness;
