@@ -213,7 +213,8 @@ impl Writer {
         let (name, rest) = command.split_at(end);
         let c = sign(name).ok_or_else(|| {
             let name: String = name.chars().take(24).collect();
-            format!("\"\\{name}\" is unknown; known are the Greek letters and le, ge, ne, infty, pm, times, cdot, to, degree")
+            let signs = "le, ge, ne, infty, pm, times, cdot, to, degree";
+            format!("\"\\{name}\" is unknown; known are the Greek letters and {signs}")
         })?;
         self.put(c, script)?;
         Ok(rest)
@@ -223,11 +224,9 @@ impl Writer {
         let c = if c.is_whitespace() && c != '\u{a0}' { ' ' } else { c };
         let Label { weight, pieces } = &mut self.label;
         if weight.glyph(c).is_none() {
-            return Err(format!(
-                "the character \"{}\" (U+{:04X}) cannot be set; the font has Latin, Greek, Cyrillic and mathematical signs",
-                c.escape_debug(),
-                u32::from(c)
-            ));
+            let (shown, number) = (c.escape_debug(), u32::from(c));
+            let known = "the font has Latin, Greek, Cyrillic and mathematical signs";
+            return Err(format!("the character \"{shown}\" (U+{number:04X}) cannot be set; {known}"));
         }
         match pieces.last_mut().filter(|last| last.script == script) {
             Some(last) if c == ' ' && last.text.ends_with(' ') => {}

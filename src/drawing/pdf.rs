@@ -1,21 +1,18 @@
 //! Writes a drawing as PDF.
 
 mod fonts;
+mod pack;
 mod sheet;
 
 use std::io::Write;
 
-use flate2::Compression;
-use flate2::write::ZlibEncoder;
 use pdf_writer::{Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
 
 use super::error::DrawError;
 use super::scene::{Drawing, Lettering, Picture};
 use crate::watch::Watch;
-use sheet::Sheet;
-
-/// Points in a pixel: 96 pixels and 72 points are an inch.
-const POINTS: f32 = 0.75;
+use pack::packed;
+use sheet::{POINTS, Sheet};
 
 /// Writes a drawing as a PDF file of one page, as large as the drawing at 96 pixels an inch.
 ///
@@ -75,13 +72,6 @@ pub fn pdf(drawing: &Drawing, lettering: Lettering, out: &mut dyn Write, watch: 
     watch.check()?;
     out.write_all(&pdf.finish())?;
     Ok(())
-}
-
-/// Deflates bytes.
-fn packed(bytes: &[u8]) -> Result<Vec<u8>, DrawError> {
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
-    encoder.write_all(bytes)?;
-    Ok(encoder.finish()?)
 }
 
 /// Writes a picture and, where it lets something through, how much.

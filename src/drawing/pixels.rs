@@ -89,19 +89,19 @@ impl Canvas<'_> {
     }
 
     fn areas(&mut self, outlines: &[Run], color: Color, view: View<'_>) -> Result<(), DrawError> {
+        let mut path = PathBuilder::new();
         for outline in outlines {
             self.watch.check()?;
-            let mut path = PathBuilder::with_capacity(outline.len() + 1, outline.len());
             trace(&mut path, outline);
             path.close();
-            self.fill(path.finish(), color, view);
         }
+        self.fill(path.finish(), FillRule::EvenOdd, color, view);
         Ok(())
     }
 
-    fn fill(&mut self, path: Option<Path>, color: Color, view: View<'_>) {
+    fn fill(&mut self, path: Option<Path>, rule: FillRule, color: Color, view: View<'_>) {
         if let Some(path) = path {
-            self.pixmap.fill_path(&path, &paint(color), FillRule::Winding, view.transform, view.mask);
+            self.pixmap.fill_path(&path, &paint(color), rule, view.transform, view.mask);
         }
     }
 
@@ -110,9 +110,14 @@ impl Canvas<'_> {
             self.watch.check()?;
             for &[x, y] in batch {
                 if discs.ring_px > 0.0 {
-                    self.fill(PathBuilder::from_circle(x, y, discs.radius_px), discs.ring, view);
+                    self.fill(PathBuilder::from_circle(x, y, discs.radius_px), FillRule::Winding, discs.ring, view);
                 }
-                self.fill(PathBuilder::from_circle(x, y, discs.radius_px - discs.ring_px), discs.color, view);
+                self.fill(
+                    PathBuilder::from_circle(x, y, discs.radius_px - discs.ring_px),
+                    FillRule::Winding,
+                    discs.color,
+                    view,
+                );
             }
         }
         Ok(())
@@ -123,7 +128,7 @@ impl Canvas<'_> {
         text.outline(&mut contours);
         let [a, b, c, d, e, f] = text.frame();
         let transform = view.transform.pre_concat(Transform::from_row(a, b, c, d, e, f));
-        self.fill(contours.0.finish(), text.color, View { transform, ..view });
+        self.fill(contours.0.finish(), FillRule::Winding, text.color, View { transform, ..view });
     }
 
     fn picture(&mut self, picture: &Picture, view: View<'_>) -> Result<(), DrawError> {

@@ -48,7 +48,7 @@ pub struct Item {
 pub enum Mark {
     /// Polylines with round joins.
     Lines(Vec<Run>, Stroke),
-    /// The inside of polygons, each closed by itself and filled where it winds around.
+    /// What polygons, each closed by itself, lead around an odd number of times.
     Areas(Vec<Run>, Color),
     /// Filled discs in a ring.
     Discs(Discs),

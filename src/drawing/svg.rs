@@ -11,7 +11,7 @@ use ttf_parser::OutlineBuilder;
 
 use super::error::DrawError;
 use super::font::{FAMILIES, Weight};
-use super::scene::{Anchor, Cap, Discs, Drawing, Group, Item, Lettering, Mark, Picture, Point, Stroke, Text};
+use super::scene::{Anchor, Cap, Discs, Drawing, Group, Item, Lettering, Mark, Picture, Run, Stroke, Text};
 use crate::watch::Watch;
 use page::Page;
 
@@ -61,12 +61,19 @@ impl Writer<'_, '_> {
                 Mark::Lines(runs, stroke) => {
                     self.stroke(stroke);
                     self.head(item);
-                    self.paths(runs, "\"/>\n")?;
+                    self.paths(runs)?;
                 }
                 Mark::Areas(outlines, color) => {
                     self.page.color("fill", *color);
                     self.head(item);
-                    self.paths(outlines, "Z\"/>\n")?;
+                    self.page.text += "<path fill-rule=\"evenodd\" d=\"";
+                    for outline in outlines {
+                        self.watch.check()?;
+                        self.page.run(outline);
+                        self.page.text += "Z";
+                        self.page.flush()?;
+                    }
+                    self.page.text += "\"/>\n";
                 }
                 Mark::Discs(discs) => self.discs(discs, item)?,
                 Mark::Text(text) => {
@@ -106,12 +113,12 @@ impl Writer<'_, '_> {
         page.text += "\"";
     }
 
-    fn paths(&mut self, runs: &[Vec<Point>], end: &str) -> Result<(), DrawError> {
+    fn paths(&mut self, runs: &[Run]) -> Result<(), DrawError> {
         for run in runs {
             self.watch.check()?;
             self.page.text += "<path d=\"";
             self.page.run(run);
-            self.page.text += end;
+            self.page.text += "\"/>\n";
             self.page.flush()?;
         }
         Ok(())

@@ -16,8 +16,8 @@ pub struct Tick {
 /// does not fit beside an axis, half of it writes thousands as powers.
 const WRITTEN_OUT: i32 = 5;
 
-/// The multiples of 1, 2 or 5 times a power of ten between two numbers: at most `most` of them, which is 2 or more, with
-/// the smallest such step. A range without extent, or one that is not finite, has at most its first end.
+/// The multiples of 1, 2 or 5 times a power of ten between two numbers: at most `most` of them, which is 2 or more,
+/// with the smallest such step. A range without extent, or one that is not finite, has at most its first end.
 pub fn ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
     let most = most.max(2);
     if !(low.is_finite() && high.is_finite() && low < high && (high - low).is_finite()) {

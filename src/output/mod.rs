@@ -8,6 +8,7 @@ pub mod surface;
 
 mod bounds;
 mod bytes;
+mod color_maps;
 mod colors;
 mod counts;
 mod curvature;
@@ -30,6 +31,8 @@ mod gltf_packing;
 mod gltf_targets;
 mod gltf_views;
 mod json;
+mod mesh_curvature;
+mod nearest;
 mod numbers;
 mod obj;
 mod options;

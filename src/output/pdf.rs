@@ -8,9 +8,8 @@ use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
-use crate::output::picture::outline::Outline;
 use crate::output::picture::vector;
-use crate::output::scene::{Frame, Scene};
+use crate::output::scene::Scene;
 use crate::output::size::Size;
 use crate::shape::attachments::Attachments;
 use crate::watch::Watch;
@@ -41,10 +40,6 @@ impl Format for Pdf {
 
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         vector::size(counts, options)
-    }
-
-    fn side_px(&self, outline: &Outline, frame: Frame, options: &Values) -> Option<f64> {
-        Some(vector::side_px(outline, frame, options))
     }
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {

@@ -7,18 +7,23 @@ use png::{BitDepth, ColorType, Compression, Encoder, Filter, PixelDimensions, Un
 use crate::drawing::pixels;
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::output::color_maps::COLOR_MAP;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::hard_edges::{self, CREASE_ANGLE};
 use crate::output::options::POSITIONS;
-use crate::output::picture::coat::{self, CHANNEL, COLOR_BY};
+use crate::output::picture::coat::{self, CHANNEL, COLOR_BY, COMPONENT};
+use crate::output::picture::number_scale::{self, COLOR_BAR, RANGE};
 use crate::output::picture::options::{
-    self, BACKGROUND, CAMERA, COLOR, CONTROL_COLOR, DPI, GROUNDING, HEIGHT, LINE_WIDTH, Options, POINT_COLOR, QUALITY,
-    WIDTH, WIRE_COLOR,
+    self, BACKGROUND, CAMERA, COLOR, COMB_SCALE, CONTROL_COLOR, DPI, FILL, GROUNDING, HEIGHT, LINE_WIDTH, Options,
+    POINT_COLOR, POINT_SIZE, QUALITY, WIDTH, WIRE_COLOR,
 };
 use crate::output::picture::outline::{self, Outline};
-use crate::output::picture::{drawing, forecast, lines, mesh};
+use crate::output::picture::plot::{self, LEGEND, TEXT_SIZE, TITLE, X_LABEL, Y_LABEL};
+use crate::output::picture::shading::{self, SHADING, STRIPE_DIRECTION, STRIPES};
+use crate::output::picture::styles::STYLES;
+use crate::output::picture::{drawing, forecast, lines, look, mesh};
 use crate::output::scene::{Frame, Scene, Shape};
 use crate::output::size::Size;
 use crate::shape::attachments::Attachments;
@@ -56,22 +61,25 @@ const PARAMETERS: &[Parameter] = &[
             "seams",
             "extraordinary",
             "curve",
+            "vertices",
+            "comb",
+            "tangents",
+            "axes",
+            "grid",
+            "legend",
         ]),
         unit: "",
         default: Default::Absent,
         doc: "What is drawn: of a mesh its surface, its wireframe, the edges of the input on it (isolines), the \
               control net and its points, and what is tagged of the input as coloured lines and dots: creases (red), \
               latitude (green) and longitude lines (purple), seams of texture coordinates (orange), extraordinary \
-              vertices (yellow); of curves the curve, the control polygon and its points. Left out: the surface, or \
-              all of a curve.",
+              vertices (yellow); of curves the curve, the control polygon and its points, the points of the curve \
+              (vertices), a curvature comb, tangents, axes, a grid, a legend. Left out: the surface, or a curve with \
+              its control polygon and points.",
     },
-    Parameter {
-        name: "shading",
-        kind: Kind::Choice(&["smooth", "flat"]),
-        unit: "",
-        default: Default::Text("smooth"),
-        doc: "Whether light sees a smooth surface or its faces.",
-    },
+    SHADING,
+    STRIPES,
+    STRIPE_DIRECTION,
     GROUNDING,
     POSITIONS,
     Parameter {
@@ -86,10 +94,23 @@ const PARAMETERS: &[Parameter] = &[
     COLOR,
     COLOR_BY,
     CHANNEL,
+    COMPONENT,
+    COLOR_MAP,
+    RANGE,
+    COLOR_BAR,
     LINE_WIDTH,
     WIRE_COLOR,
     CONTROL_COLOR,
     POINT_COLOR,
+    POINT_SIZE,
+    STYLES,
+    FILL,
+    COMB_SCALE,
+    TITLE,
+    X_LABEL,
+    Y_LABEL,
+    LEGEND,
+    TEXT_SIZE,
     CAMERA,
 ];
 
@@ -112,10 +133,17 @@ impl Format for Png {
     fn suits(&self, kind: ShapeKind, carried: &Attachments, options: &Values) -> Result<(), Fault> {
         let fitting: &[&str] = match kind {
             ShapeKind::Mesh => lines::SHOWN,
-            ShapeKind::Curves { .. } => &["control", "points", "curve"],
+            ShapeKind::Curves { .. } => drawing::CURVE_ITEMS,
         };
+        shading::check(kind, options)?;
         coat::check(kind, carried, options)?;
+        plot::check(kind, options)?;
+        number_scale::check(options, look::are_numbers(carried, options))?;
         options::shows_only(fitting, kind, options)
+    }
+
+    fn leaves_out(&self, carried: &Attachments, options: &Values) -> Option<String> {
+        coat::left_out(carried, options)
     }
 
     /// The length of the rows stored without compression, which the encoder never exceeds, and a kilobyte around them.
@@ -141,14 +169,17 @@ impl Format for Png {
             0
         };
         let pixels = options::size(options).map(u128::from).iter().product::<u128>() * PIXEL_BYTES;
-        [isolines, wires, pixels, hard_edges::memory(counts, options)]
+        let numbers = look::memory(options, vertices, pixels / PIXEL_BYTES, counts);
+        [isolines, wires, numbers, pixels, hard_edges::memory(counts, options)]
             .iter()
             .fold(colors, |sum: u128, bytes| sum.saturating_add(*bytes))
     }
 
     fn work(&self, mesh: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
         let drawn = mesh.map_or(0, |mesh| forecast::work(mesh, counts, &Options::new(options, counts.frame)));
-        drawn.saturating_add(coat::work(&counts.attachments, options))
+        let [width, height] = options::size(options).map(u128::from);
+        let looks = look::work(options, counts, width * height);
+        drawn.saturating_add(looks).saturating_add(coat::work(&counts.attachments, options))
     }
 
     fn side_px(&self, outline: &Outline, frame: Frame, options: &Values) -> Option<f64> {

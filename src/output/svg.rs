@@ -8,7 +8,8 @@ use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
-use crate::output::picture::outline::Outline;
+use crate::output::picture::options::Options;
+use crate::output::picture::outline::{self, Outline};
 use crate::output::picture::vector;
 use crate::output::scene::{Frame, Scene};
 use crate::output::size::Size;
@@ -44,7 +45,7 @@ impl Format for Svg {
     }
 
     fn side_px(&self, outline: &Outline, frame: Frame, options: &Values) -> Option<f64> {
-        Some(vector::side_px(outline, frame, options))
+        Some(outline::side_px(outline, &Options::new(options, frame)))
     }
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {

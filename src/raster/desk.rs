@@ -26,8 +26,16 @@ pub(super) struct Desk {
     samples: Samples,
     fine: Fine,
     lighter: Lighter,
+    glass: Option<Glass>,
     coverage: Vec<f32>,
     over: Vec<[f32; 4]>,
+}
+
+/// What is drawn of triangles that something is seen through: of those that show their inside the nearest, then of those
+/// that show their outside, each over what lies behind.
+struct Glass {
+    samples: Samples,
+    lighter: Lighter,
 }
 
 /// A tile that something touches.
@@ -44,15 +52,18 @@ pub(super) struct Drawn {
 
 impl Desk {
     pub(super) fn new(model: &BinnedModel<'_>) -> Self {
+        let lighter = || Lighter {
+            light: vec![[0.0; 4]; N],
+            facets: Facets::default(),
+            spots: Spots::new(model.lamps.as_ref().map_or([0.0; 3], |lamps| lamps.outside)),
+            marks: Marks::default(),
+        };
+        let has_clear = model.paint.is_some_and(|paint| paint.has_clear());
         Self {
             samples: Samples::new(),
             fine: Fine::default(),
-            lighter: Lighter {
-                light: vec![[0.0; 4]; N],
-                facets: Facets::default(),
-                spots: Spots::new(model.lamps.as_ref().map_or([0.0; 3], |lamps| lamps.outside)),
-                marks: Marks::default(),
-            },
+            lighter: lighter(),
+            glass: has_clear.then(|| Glass { samples: Samples::new(), lighter: lighter() }),
             coverage: vec![0.0; N],
             over: vec![[0.0; 4]; N],
         }
@@ -72,9 +83,10 @@ impl Desk {
             return Ok(None);
         }
         self.samples.clear();
+        let is_solid = |id: &u32| self.glass.is_none() || alpha(model, *id) >= 1.0;
         // outsides mostly hide the insides behind them
         for is_back in [false, true] {
-            for (n, id) in model.tile(tile, is_back, self.samples.farthest()).enumerate() {
+            for (n, id) in model.tile(tile, is_back, self.samples.farthest()).filter(is_solid).enumerate() {
                 if n % 4096 == 4095 {
                     watch.check()?;
                     watch.advance(forecast::rows(self.samples.done()));
@@ -89,10 +101,11 @@ impl Desk {
             for (pixel, owners) in (0..).zip(&self.samples.owner) {
                 self.lighter.add(model, lamps, (pixel, owners), origin, |held| CENTRES[held as usize]);
             }
-            self.lighter.finish(lamps);
+            self.lighter.finish(model, lamps);
             if is_fine && !self.lighter.marks.is_empty() {
                 self.look_closely(model, lamps, (tile, origin), watch)?;
             }
+            self.glaze(model, lamps, (tile, origin), watch)?;
             drawn.surface = packed(&self.lighter.light);
             drawn.depth = self.samples.depth.iter().map(|d| d[0].max(d[1]).max(d[2]).max(d[3])).collect();
         }
@@ -117,7 +130,8 @@ impl Desk {
         self.fine.begin(&self.lighter.marks);
         let mut triangles = 0;
         for is_back in [false, true] {
-            for (n, id) in model.tile(tile, is_back, 0.0).enumerate() {
+            let is_solid = |id: &u32| self.glass.is_none() || alpha(model, *id) >= 1.0;
+            for (n, id) in model.tile(tile, is_back, 0.0).filter(is_solid).enumerate() {
                 if n % 4096 == 4095 {
                     watch.check()?;
                 }
@@ -130,7 +144,38 @@ impl Desk {
             self.lighter.light[pixel as usize] = [0.0; 4];
             self.lighter.add(model, lamps, (pixel, owners), origin, fine_centre);
         }
-        self.lighter.finish(lamps);
+        self.lighter.finish(model, lamps);
+        Ok(())
+    }
+
+    /// Draws the triangles that something is seen through over what lies behind them, with four samples a pixel.
+    fn glaze(
+        &mut self,
+        model: &BinnedModel<'_>,
+        lamps: &Lamps,
+        (tile, origin): (usize, [i32; 2]),
+        watch: &Watch,
+    ) -> Result<(), Stopped> {
+        let Some(Glass { samples, lighter }) = &mut self.glass else { return Ok(()) };
+        for is_back in [true, false] {
+            samples.begin_before(&self.samples);
+            let is_clear = |id: &u32| (f32::MIN_POSITIVE..1.0).contains(&alpha(model, *id));
+            for (n, id) in model.tile(tile, is_back, self.samples.farthest()).filter(is_clear).enumerate() {
+                if n % 4096 == 4095 {
+                    watch.check()?;
+                }
+                samples.draw(model.corners(id), id, origin);
+            }
+            watch.advance(forecast::rows(samples.done()));
+            lighter.begin();
+            for (pixel, owners) in (0..).zip(&samples.owner) {
+                lighter.add(model, lamps, (pixel, owners), origin, |held| CENTRES[held as usize]);
+            }
+            lighter.finish(model, lamps);
+            for (under, over) in self.lighter.light.iter_mut().zip(&lighter.light) {
+                *under = std::array::from_fn(|k| over[k] + (1.0 - over[3]) * under[k]);
+            }
+        }
         Ok(())
     }
 
@@ -198,20 +243,38 @@ impl Lighter {
             let (facet, tint) = self.facets.of(model, owner, origin);
             let [right, down, share] = centre(held);
             let place = [x + right, y + down];
-            if let (Some(paint), Some(tint)) = (&model.paint, tint) {
-                self.spots.color(paint.color(tint, place));
+            let paint = model.paint.as_ref().zip(tint).map(|(paint, tint)| paint.color(tint, place));
+            let finished = model.finisher.as_ref().map(|finisher| {
+                let normal = |place| facet.normal(place);
+                let corner = origin.map(|o| o as f32);
+                finisher.color(paint.unwrap_or(lamps.outside), normal, place, corner, facet.back)
+            });
+            if let Some(color) = finished.or(paint) {
+                self.spots.color(color);
             }
             let global = [origin[0] as f32 + place[0], origin[1] as f32 + place[1]];
+            let share = share * alpha(model, owner);
+            self.spots.metal(model.paint.map_or(0.0, |paint| paint.metal(model.whole(owner))));
             self.spots.push((pixel, share), facet.normal(place), global, facet.back);
             if self.spots.full() {
-                self.finish(lamps);
+                self.finish(model, lamps);
             }
         }
     }
 
-    fn finish(&mut self, lamps: &Lamps) {
-        lamps.illuminate(&mut self.spots, &mut self.light, &mut self.marks);
+    /// Adds the light of the waiting spots: their colours as they are where the surface has a finish.
+    fn finish(&mut self, model: &BinnedModel<'_>, lamps: &Lamps) {
+        if model.finisher.is_some() {
+            self.spots.show(&mut self.light, &mut self.marks);
+        } else {
+            lamps.illuminate(&mut self.spots, &mut self.light, &mut self.marks);
+        }
     }
+}
+
+/// How much a triangle hides of what lies behind it.
+fn alpha(model: &BinnedModel<'_>, id: u32) -> f32 {
+    model.paint.map_or(1.0, |paint| paint.alpha(model.whole(id)))
 }
 
 /// The samples that `owner` has, as bits.

@@ -18,6 +18,7 @@ mod coverage_tests;
 mod desk;
 mod facets;
 mod fine;
+mod finish;
 mod forecast;
 #[cfg(test)]
 mod grounding_tests;
@@ -36,6 +37,7 @@ mod triangle;
 mod veil;
 
 pub use camera::{Camera, Projection, View};
+pub use finish::{Finish, Pattern, Stripes};
 pub use forecast::Forecast;
 pub use model::{Crowding, Model, Normals, Strokes, Surface};
 pub use paint::{Paint, Swatch};

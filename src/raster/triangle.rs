@@ -94,6 +94,13 @@ impl Samples {
         (self.farthest, self.visited) = (0.0, 0);
     }
 
+    /// Begins anew with nothing in front of what stands in `others`, which is not seen itself.
+    pub(super) fn begin_before(&mut self, others: &Self) {
+        self.depth.copy_from_slice(&others.depth);
+        self.owner.fill([NOBODY; SAMPLES]);
+        (self.farthest, self.visited) = (0.0, 0);
+    }
+
     /// Draws one triangle into the tile whose first pixel is `origin`. Of triangles with equal depth at a sample that
     /// with the lower number is seen, so that the order of drawing does not matter.
     pub(super) fn draw(&mut self, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {

@@ -42,6 +42,13 @@ impl<'de> Visitor<'de> for LevelsVisitor {
         Ok(Levels::Count(levels))
     }
 
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is whole and not negative")]
+    fn visit_f64<E: Error>(self, levels: f64) -> Result<Levels, E> {
+        // what is larger is refused as what it is rounded to
+        let is_whole = levels >= 0.0 && levels.fract() == 0.0;
+        if is_whole { Ok(Levels::Count(levels as u64)) } else { Err(E::invalid_type(Unexpected::Float(levels), &self)) }
+    }
+
     fn visit_str<E: Error>(self, text: &str) -> Result<Levels, E> {
         if text == AUTO { Ok(Levels::Auto) } else { Err(E::invalid_value(Unexpected::Str(text), &self)) }
     }

@@ -7,7 +7,7 @@ use pdf_writer::{Filter, Finish, Name, Pdf, Rect, Ref, Str};
 use subsetter::{GlyphRemapper, subset};
 use ttf_parser::GlyphId;
 
-use super::packed;
+use super::pack::packed;
 use crate::drawing::error::DrawError;
 use crate::drawing::font::{UNITS_PER_EM, WEIGHTS, Weight};
 

@@ -6,11 +6,13 @@ use pdf_writer::types::{LineCapStyle, LineJoinStyle};
 use pdf_writer::{Content, Name, Str};
 use ttf_parser::OutlineBuilder;
 
-use super::POINTS;
 use super::fonts::Font;
 use crate::drawing::error::DrawError;
 use crate::drawing::scene::{Cap, Color, Discs, Drawing, Group, Item, Lettering, Mark, Picture, Point, Stroke, Text};
 use crate::watch::Watch;
+
+/// Points in a pixel: 96 pixels and 72 points are an inch.
+pub(super) const POINTS: f32 = 0.75;
 
 /// What is drawn, and what is needed for it.
 pub(super) struct Sheet<'a> {
@@ -151,7 +153,11 @@ impl<'a> Artist<'a> {
         for outline in outlines {
             self.watch.check()?;
             self.trace(outline);
-            self.content.close_path().fill_nonzero();
+            self.content.close_path();
+        }
+        // a path without points ends here as well
+        if outlines.iter().any(|outline| !outline.is_empty()) {
+            self.content.fill_even_odd();
         }
         Ok(())
     }
@@ -222,7 +228,8 @@ fn share(byte: u8) -> f32 {
     (f32::from(byte) / 255.0 * 10_000.0).round() / 10_000.0
 }
 
-/// How far the inner points of a cubic that is a quarter of a circle stand from its ends, in radii: `4 (sqrt 2 - 1) / 3`.
+/// How far the inner points of a cubic that is a quarter of a circle stand from its ends, in radii:
+/// `4 (sqrt 2 - 1) / 3`.
 const QUARTER: f32 = 0.552_284_8;
 
 fn circle(content: &mut Content, [x, y]: Point, radius: f32) {

@@ -13,12 +13,12 @@ const CORNERS_A_ROW: u128 = 2;
 
 /// Rows of a table, 100 ns each. The refined mesh covers about what the input does, face by face, as both are framed
 /// alike.
-pub(crate) fn work(mesh: &Mesh, counts: &Counts, options: &Options<'_>) -> u128 {
+pub(crate) fn work(input: &Mesh, counts: &Counts, options: &Options<'_>) -> u128 {
     if !lines::shows_body(options) {
         return 0;
     }
-    let topology = &mesh.topology;
-    let points = mesh.positions.as_chunks::<3>().0;
+    let topology = &input.topology;
+    let points = input.positions.as_chunks::<3>().0;
     let camera = Camera::framing(&options.view(), &[points], options.size[0], options.size[1]);
     let triangles = (topology.n_half_edges()).saturating_sub(2 * topology.n_faces()).max(1);
     let stride = topology.n_faces().div_ceil(MAX_FACES).max(1);

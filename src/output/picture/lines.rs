@@ -4,11 +4,11 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-use super::mesh::{DEFAULT_SHOW, each_face, positions};
 use super::options::Options;
+use super::shading;
 use crate::math::parameter::Values;
 use crate::output::options::{DIRECTIONS, ISOLINES};
-use crate::output::scene::{FaceChunk, MeshSource, Scene, Shape, in_chunks};
+use crate::output::scene::{FaceChunk, MeshSource, Scene, Shape, each_face, in_chunks, positions};
 use crate::raster::{Crowding, Strokes};
 use crate::shape::directions::Direction;
 use crate::shape::mesh::Mesh;
@@ -50,7 +50,7 @@ pub(crate) const SHOWN: &[&str] =
 
 /// Whether the refined mesh itself is shown, and not only the control net.
 pub(super) fn shows_body(options: &Options<'_>) -> bool {
-    SHOWN.iter().any(|item| !matches!(*item, "control" | "points") && options.shows(item, DEFAULT_SHOW))
+    SHOWN.iter().any(|item| !matches!(*item, "control" | "points") && shading::shows(options, item))
 }
 
 /// What of the shown lines refers to single edges or vertices of the input, if anything.
@@ -76,7 +76,7 @@ impl<'a> Lines<'a> {
         options: &Options<'_>,
         watch: &Watch,
     ) -> Result<Self, Stopped> {
-        let shows = |item| options.shows(item, DEFAULT_SHOW);
+        let shows = |item| shading::shows(options, item);
         let all = 0..mesh.input_cells()[1];
         let input = scene.control.mesh();
         let mut tags: [Vec<[u32; 2]>; TAGS.len()] = Default::default();
@@ -106,9 +106,14 @@ impl<'a> Lines<'a> {
         &self.net.positions
     }
 
-    /// As the rasteriser takes them, over a surface with these vertices.
-    pub(super) fn strokes<'b>(&'b self, surface: &'b [[f64; 3]], options: &Options<'_>) -> Vec<Strokes<'b>> {
-        let shows = |item| options.shows(item, DEFAULT_SHOW);
+    /// As the rasteriser takes them, over a surface with these vertices and, in a drawing of lines, contours.
+    pub(super) fn strokes<'b>(
+        &'b self,
+        surface: &'b [[f64; 3]],
+        contours: &'b [[u32; 2]],
+        options: &Options<'_>,
+    ) -> Vec<Strokes<'b>> {
+        let shows = |item| shading::shows(options, item);
         let unit = options.unit_px();
         let wide = unit * options.line_width();
         let ring = if options.background[3] == 255 { options.background } else { [255; 4] };
@@ -126,7 +131,10 @@ impl<'a> Lines<'a> {
         let wire = options.wire_color(WIRE);
         let mut strokes = Vec::new();
         strokes.push(Strokes { crowding: Crowding::Fade, ..line(surface, &self.wires, 1.3 * wide, wire) });
-        strokes.push(line(surface, &self.isolines, 2.2 * wide, wire));
+        // in a drawing of lines the contours are the strong ones
+        let fine = if shading::is_drawing(options.values) { 1.2 } else { 2.2 };
+        strokes.push(line(surface, &self.isolines, fine * wide, wire));
+        strokes.push(line(surface, contours, 3.2 * wide, wire));
         for ((_, color), lines) in TAGS.iter().zip(&self.tags) {
             strokes.push(line(surface, lines, 3.4 * wide, *color));
         }

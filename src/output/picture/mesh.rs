@@ -4,20 +4,19 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-use super::coat::Coat;
+use super::contours::contours;
 use super::lines::{self, Lines};
+use super::look::Look;
 use super::options::Options;
+use super::{legend, shading};
 use crate::math::vector::unit;
 use crate::output::error::FormatError;
 use crate::output::hard_edges::HardEdges;
 use crate::output::normals;
-use crate::output::scene::{FaceChunk, MeshSource, Scene, in_chunks, triangles};
+use crate::output::scene::{FaceChunk, MeshSource, Scene, each_face, positions, triangles};
 use crate::output::split_vertices::SplitVertices;
 use crate::raster::{Camera, Model, Normals, Surface, render};
 use crate::watch::{Stopped, Watch};
-
-pub(super) const DEFAULT_SHOW: &[&str] = &["surface"];
-const SURFACE: [u8; 4] = [112, 160, 222, 255];
 
 /// Rows of red, green, blue and alpha (straight), from the top.
 pub(crate) fn picture(
@@ -26,10 +25,11 @@ pub(crate) fn picture(
     options: &Options<'_>,
     watch: &Watch,
 ) -> Result<Vec<u8>, FormatError> {
-    let shows = |item| options.shows(item, DEFAULT_SHOW);
+    let shows = |item| shading::shows(options, item);
     let body = lines::shows_body(options);
-    let shaded = shows("surface") && !options.flat();
-    let hard = if shaded { HardEdges::of(scene.shape, options.values, watch)? } else { HardEdges::default() };
+    let drawn = shows("surface") && shading::is_drawing(options.values);
+    let shaded = shows("surface") && !options.flat() && !drawn;
+    let hard = if shaded || drawn { HardEdges::of(scene.shape, options.values, watch)? } else { HardEdges::default() };
     let split_vertices = if shaded { SplitVertices::of(scene.shape, &hard, watch)? } else { None };
     // copies of vertices stand after all others, so that the edges of the mesh are the same ones
     let sides = split_vertices.as_ref().map_or(mesh, |split_vertices| split_vertices);
@@ -37,45 +37,30 @@ pub(crate) fn picture(
     let triangles = if body { triangulated(sides, watch)? } else { Vec::new() };
     let smooth = if shaded { normals::of(sides, &positions, watch)? } else { Vec::new() };
     let flat = if shows("surface") && options.flat() { face_normals(mesh, &positions, watch)? } else { Vec::new() };
-    let coat = if shows("surface") { Some(Coat::of(sides, options, options.color(SURFACE), watch)?) } else { None };
     let lines = Lines::of(scene, mesh, options, watch)?;
-    let strokes = lines.strokes(&positions, options);
+    let strip = if shows("surface") { legend::width(mesh.attachments(), options) } else { 0 };
+    let size = [options.size[0] - strip, options.size[1]];
+    let camera = Camera::framing(&options.view(), &[&positions, lines.net_positions()], size[0], size[1]);
+    let look = if shows("surface") { Some(Look::of(scene, sides, &positions, options, &camera, watch)?) } else { None };
+    let contours =
+        if drawn { contours(mesh, &positions, &hard.and(mesh.sharp_edges()), &camera, watch)? } else { Vec::new() };
+    let strokes = lines.strokes(&positions, &contours, options);
     let model = Model {
         positions: &positions,
         triangles: &triangles,
-        normals: if options.flat() { Normals::Triangles(&flat) } else { Normals::Vertices(&smooth) },
-        surface: coat.as_ref().map_or(Surface::Unseen, Coat::surface),
+        normals: match (drawn, options.flat()) {
+            (true, _) => Normals::Planes,
+            (_, true) => Normals::Triangles(&flat),
+            _ => Normals::Vertices(&smooth),
+        },
+        surface: look.as_ref().map_or(Surface::Unseen, Look::surface),
         strokes: &strokes,
     };
-    let camera =
-        Camera::framing(&options.view(), &[&positions, lines.net_positions()], options.size[0], options.size[1]);
-    Ok(render(&model, &camera, options.look(), options.size, watch)?.bytes)
-}
-
-/// The positions of all vertices: those that the mesh holds, or read at once.
-pub(super) fn positions<'a>(mesh: &'a dyn MeshSource, watch: &Watch) -> Result<Cow<'a, [[f64; 3]]>, Stopped> {
-    if let Some(held) = mesh.held_positions() {
-        return Ok(held.into());
+    let pixels = render(&model, &camera, options.look(), size, watch)?.bytes;
+    match look.as_ref().and_then(Look::scale) {
+        Some(scale) if strip > 0 => legend::beside(&pixels, &scale, strip, mesh.attachments(), options, watch),
+        _ => Ok(pixels),
     }
-    let mut all = Vec::with_capacity(mesh.n_vertices());
-    let mut chunk = Vec::new();
-    in_chunks(mesh.n_vertices(), |range| {
-        watch.check()?;
-        mesh.positions(range, &mut chunk);
-        all.extend_from_slice(&chunk);
-        Ok(())
-    })?;
-    Ok(all.into())
-}
-
-pub(super) fn each_face(mesh: &dyn MeshSource, watch: &Watch, mut each: impl FnMut(&[u32])) -> Result<(), Stopped> {
-    let mut chunk = FaceChunk::default();
-    in_chunks(mesh.n_faces(), |range| {
-        watch.check()?;
-        mesh.faces(range, &mut chunk);
-        chunk.iter().for_each(&mut each);
-        Ok(())
-    })
 }
 
 /// Faces that one thread cuts into triangles at a time.

@@ -104,8 +104,7 @@ pub(crate) const CONTROL_COLOR: Parameter = Parameter {
     kind: Kind::Color,
     unit: "",
     default: Default::Absent,
-    doc: "Colour of the edges of the control net, which are faint behind the surface, or of the control polygon; left \
-          out, orange, or grey.",
+    doc: "Colour of the edges of the control net, which are faint behind the surface; left out, orange.",
 };
 
 /// Colour of control points.
@@ -114,7 +113,35 @@ pub(crate) const POINT_COLOR: Parameter = Parameter {
     kind: Kind::Color,
     unit: "",
     default: Default::Absent,
-    doc: "Colour of control points; left out, a dark orange of meshes, a dark grey of curves.",
+    doc: "Colour of control points; left out, a dark orange.",
+};
+
+/// How large points are.
+pub(crate) const POINT_SIZE: Parameter = Parameter {
+    name: "point_size",
+    kind: Kind::Number { min: 0.1, max: 20.0 },
+    unit: "",
+    default: Default::Absent,
+    doc: "By what the usual size of points is multiplied; left out, points are smaller where they crowd. Curves only.",
+};
+
+/// Colour of the inside of curves.
+pub(crate) const FILL: Parameter = Parameter {
+    name: "fill",
+    kind: Kind::Color,
+    unit: "",
+    default: Default::Absent,
+    doc: "Colour of what closed curves lead around an odd number of times. Curves only.",
+};
+
+/// How long the teeth of combs are.
+pub(crate) const COMB_SCALE: Parameter = Parameter {
+    name: "comb_scale",
+    kind: Kind::Number { min: -1000.0, max: 1000.0 },
+    unit: "",
+    default: Default::Number(1.0),
+    doc: "By what the usual length of the teeth of curvature combs is multiplied, at which most are up to an eighth of \
+          the picture long; below 0 they stand on the other side.",
 };
 
 /// The camera.
@@ -295,6 +322,11 @@ impl<'a> Options<'a> {
     /// Colour of control points.
     pub(crate) fn point_color(&self, default: [u8; 4]) -> [u8; 4] {
         self.values.color(POINT_COLOR.name).unwrap_or(default)
+    }
+
+    /// By what the usual size of points is multiplied, where that is said.
+    pub(super) fn point_size(&self) -> Option<f32> {
+        self.values.number(POINT_SIZE.name).map(rounded)
     }
 
     /// Colour of the refined shape.

@@ -1,6 +1,7 @@
 //! A drawing of the sections of a mesh, each in the frame of its plane.
 
-use super::drawing::{CURVE, Easel};
+use super::drawing::CURVE;
+use super::easel::Easel;
 use super::options::Options;
 use crate::drawing::{Drawing, Item, Stroke};
 use crate::math::vector::{cross, dot, minus, unit};

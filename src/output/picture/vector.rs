@@ -1,7 +1,12 @@
 //! What the formats that hold drawings in lines have in common.
 
-use super::options::{self, BACKGROUND, CAMERA, COLOR, CONTROL_COLOR, HEIGHT, LINE_WIDTH, Options, POINT_COLOR, WIDTH};
-use super::outline::{self, Outline};
+use super::drawing::CURVE_ITEMS;
+use super::options::{
+    self, BACKGROUND, CAMERA, COLOR, COMB_SCALE, CONTROL_COLOR, FILL, HEIGHT, LINE_WIDTH, Options, POINT_COLOR,
+    POINT_SIZE, WIDTH,
+};
+use super::plot::{self, LEGEND, TEXT_SIZE, TITLE, X_LABEL, Y_LABEL};
+use super::styles::STYLES;
 use super::{drawing, sections};
 use crate::drawing::{Drawing, Lettering};
 use crate::fault::Fault;
@@ -9,7 +14,7 @@ use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::options::POSITIONS;
-use crate::output::scene::{Frame, Scene, Shape};
+use crate::output::scene::{Scene, Shape};
 use crate::output::sections::{SECTIONS, asked, planes};
 use crate::output::size::Size;
 use crate::output::surface::NORMALS;
@@ -29,16 +34,25 @@ pub(crate) const PARAMETERS: &[Parameter] = &[
     BACKGROUND,
     Parameter {
         name: "show",
-        kind: Kind::Choices(&["curve", "control", "points"]),
+        kind: Kind::Choices(CURVE_ITEMS),
         unit: "",
         default: Default::Texts(&["curve", "control", "points"]),
-        doc: "What is drawn: the refined curve, the control polygon, the control points. Of a mesh only its sections \
-              are.",
+        doc: "What is drawn: the refined curve, the control polygon, the control points, the points of the refined \
+              curve (vertices), a curvature comb, tangents, axes, a grid, a legend. Of a mesh only its sections are.",
     },
     COLOR,
     LINE_WIDTH,
     CONTROL_COLOR,
     POINT_COLOR,
+    POINT_SIZE,
+    STYLES,
+    FILL,
+    COMB_SCALE,
+    TITLE,
+    X_LABEL,
+    Y_LABEL,
+    LEGEND,
+    TEXT_SIZE,
     CAMERA,
     TEXT,
     SECTIONS,
@@ -54,8 +68,8 @@ pub(crate) fn holds(kind: ShapeKind, options: &Values) -> Result<(), String> {
     match kind {
         ShapeKind::Mesh if asked(options) => Ok(()),
         ShapeKind::Mesh => {
-            let reason = "svg and pdf draw curves, and of a mesh only sections; name planes in \"sections\", or ask for \
-                          \"png\" to see the mesh";
+            let reason = "svg and pdf draw curves, and of a mesh only sections; name planes in \"sections\", or ask \
+                          for \"png\" to see the mesh";
             Err(reason.into())
         }
         ShapeKind::Curves { .. } => options::drawable(kind),
@@ -64,6 +78,7 @@ pub(crate) fn holds(kind: ShapeKind, options: &Values) -> Result<(), String> {
 
 /// Whether the options make sense for a shape of this kind.
 pub(crate) fn suits(kind: ShapeKind, options: &Values) -> Result<(), Fault> {
+    plot::check(kind, options)?;
     match kind {
         ShapeKind::Mesh if options.unusual().any(|(name, _)| name == "show") => {
             Err(Fault::new("/show", "of a mesh only its sections are drawn; leave it out"))
@@ -72,29 +87,30 @@ pub(crate) fn suits(kind: ShapeKind, options: &Values) -> Result<(), Fault> {
         ShapeKind::Curves { .. } if asked(options) => {
             Err(Fault::new("/sections", "planes cut meshes, curves have no sections; leave it out"))
         }
-        ShapeKind::Curves { .. } => options::shows_only(&["control", "points", "curve"], kind, options),
+        ShapeKind::Curves { .. } => options::shows_only(CURVE_ITEMS, kind, options),
     }
 }
 
-/// Most bytes of a drawing in lines, a kilobyte or two for what stands around them.
+/// Most bytes of a drawing in lines.
 ///
-/// A point costs at most 51 bytes in the curve (when each segment is a path of its own), 51 in the control polygon
-/// and 49 as a disc. Each triangle gives a segment of a section at most, two points.
-/// PDF writes no more for a point before it is packed, and twenty bytes for the file's table.
+/// A point costs at most 51 bytes in the curve (when each segment is a path of its own), 51 in the control polygon,
+/// 20 in a filled area, twice 51 in a comb, and 49 as a disc (230 in PDF, which is packed afterwards); where dashes
+/// and letters of no more than 70 labels stand, a font of at most a megabyte and some kilobytes stand beside them. A
+/// curve with a look of its own costs 200 bytes more. Each triangle gives a segment of a section at most, two points.
 pub(crate) fn size(counts: &Counts, options: &Values) -> Size {
-    let points = match counts.kind {
+    let (points, curves) = match counts.kind {
         ShapeKind::Mesh => {
             let planes = options.groups(SECTIONS.name).len() as u128;
-            planes.saturating_mul(counts.triangles().saturating_mul(2).saturating_add(1))
+            (planes.saturating_mul(counts.triangles().saturating_mul(2).saturating_add(1)), planes)
         }
-        ShapeKind::Curves { .. } => counts.vertices.saturating_add(counts.control).saturating_add(counts.polygons),
+        ShapeKind::Curves { .. } => {
+            (counts.vertices.saturating_add(counts.control).saturating_add(counts.polygons), counts.polygons)
+        }
     };
-    Size::AtMost(points.saturating_mul(160).saturating_add(2048))
-}
-
-/// The mean length of the edges of an input in the drawing, pixels.
-pub(crate) fn side_px(outline: &Outline, frame: Frame, values: &Values) -> f64 {
-    outline::side_px(outline, &Options::new(values, frame))
+    let plain =
+        ["vertices", "comb", "tangents", "axes", "grid", "legend"].iter().all(|item| !options.has("show", item));
+    let around = if plain && options.name(TITLE.name).is_none() { 4096 } else { 2 << 20 };
+    Size::AtMost(points.saturating_mul(560).saturating_add(curves.saturating_mul(512)).saturating_add(around))
 }
 
 /// Draws a scene.
