@@ -13,6 +13,7 @@ use super::problem::Problem;
 use super::reading::ReadJob;
 use super::{negotiate, reading, streaming};
 use crate::fault::under;
+use crate::job::Form;
 use crate::job::Inquiry;
 use crate::job::key::{Key, job};
 use crate::job::limits::Admitted;
@@ -111,11 +112,11 @@ pub(super) async fn asked(app: &Arc<App>, peer: Peer, headers: &HeaderMap, sent:
             return Ok(None);
         }
         let request: AnalysisJob = read(&of_lane.bytes)?;
-        let resolved: Result<Inquiry, _> = request.analysis.resolve(watch);
+        let resolved: Result<Inquiry, _> = request.analysis.resolve(Form::Json, watch);
         resolved.map(Some).map_err(|faults| Problem::invalid(under("/analysis", faults)))
     });
     if let Some(analysis) = analysis.await?? {
-        return Ok(Asked::Analysis(Arc::new(AnalysisTask(analysis)), sent));
+        return Ok(Asked::Analysis(Arc::new(AnalysisTask(analysis, Form::Json)), sent));
     }
     let headers = headers.clone();
     let read = reading::job(app, peer, sent, usize::MAX, move |request| negotiate::settle(&headers, request));

@@ -8,15 +8,15 @@ use super::key::Key;
 use super::limit_cost::{limit_patches, limit_surface};
 use super::memory::{self, carried, compared_discs, needed, on_demand};
 use super::output::Output;
+use super::places::add_places;
 use super::time;
 use crate::analysis::limit::Cost;
 use crate::fault::Fault;
 use crate::input::ReadLimits;
 use crate::math::amounts::{in_bytes, thousands};
 use crate::output::{Counts, Size};
-use crate::refine::{mesh_net, polygon_net, seam_net};
+use crate::refine::{mesh_net, polygon_net};
 use crate::scheme::forecast::{self, Count, Forecast, ForecastError};
-use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::step_error::About;
 use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
@@ -161,7 +161,7 @@ impl Limits {
             }
         };
         let mut forecast = forecast.map_err(|error| self.no_forecast(&error))?;
-        self.add_places(job, &mut forecast, watch)?;
+        add_places(job, &mut forecast, self.max_vertices.into(), watch).map_err(|error| self.no_forecast(&error))?;
         let carried = carried(job, frames(job) - 1);
         // the rows are made once more for each channel and each frame
         forecast.work = forecast.work.saturating_mul(1 + carried.channels + carried.frames);
@@ -235,36 +235,6 @@ impl Limits {
             }
             ForecastError::Stopped(_) => Refusal::Stopped,
         }
-    }
-
-    /// Counts the places of what has seams, which are vertices of meshes of their own.
-    fn add_places(&self, job: &Job, forecast: &mut Forecast, watch: &Watch) -> Result<(), Refusal> {
-        let Input::Mesh(mesh) = &job.input else { return Ok(()) };
-        let Some(unfolded) = &mesh.attachments.unfolded else { return Ok(()) };
-        let mut add = |net: &MeshNet, slot: fn(&mut Count) -> &mut u128| {
-            let places = forecast::of_mesh(net, job.steps(), self.max_vertices.into(), watch);
-            let places = places.map_err(|error| self.no_forecast(&error))?;
-            let levels = forecast.levels.iter_mut().zip(&places.levels).chain([(&mut forecast.peak, &places.peak)]);
-            levels.for_each(|(count, places)| *slot(count) = slot(count).saturating_add(places.vertices));
-            Ok(places.work)
-        };
-        let (mut work, mut n) = (0_u128, 0);
-        for places in mesh.attachments.places() {
-            let is_uvs = n == 0 && mesh.attachments.uvs.is_some();
-            let net = seam_net(mesh, places.seams, &job.plan);
-            let added = if is_uvs { add(&net, |count| &mut count.uvs) } else { add(&net, |count| &mut count.seamed) };
-            work = work.saturating_add(added?);
-            n += 1;
-        }
-        if n > 1 {
-            // nothing is refined on these
-            add(&MeshNet::new(unfolded.clone(), &[], &[], job.plan.boundary), |count| &mut count.unfolded)?;
-        } else {
-            let levels = forecast.levels.iter_mut().chain([&mut forecast.peak]);
-            levels.for_each(|count| count.unfolded = count.uvs.saturating_add(count.seamed));
-        }
-        forecast.work = forecast.work.saturating_add(work);
-        Ok(())
     }
 
     /// Whether a net is within the limits, of whose vertices each frame has its own.
@@ -341,7 +311,7 @@ impl Limits {
         let fitting = forecast.levels.iter().take_while(|count| self.fits(job, count) && fits(count)).count();
         let remedy = match fitting {
             0 => "send a smaller input".to_owned(),
-            n if job.reached.is_some() => {
+            n if job.reached.is_some_and(|reached| reached.bound.is_some()) => {
                 format!("ask for a coarser tolerance, or for at most {} levels", n - 1)
             }
             n if job.levels > 0 => format!("ask for at most {} levels", n - 1),

@@ -6,7 +6,7 @@ use crate::scheme::plan::Plan;
 use crate::shape::attachments::{Attachments, Channel, Places};
 use crate::shape::attributes::Attributes;
 use crate::shape::creases::Sharp;
-use crate::shape::directions::Direction;
+use crate::shape::directions::{Direction, Directions};
 use crate::shape::labels::Labels;
 use crate::shape::looks::{Alpha, Look};
 use crate::shape::mesh::Mesh;
@@ -59,12 +59,15 @@ pub(super) fn mesh<'a>(mesh: &'a Mesh, plan: &Plan) -> Item<'a> {
     items.extend(sharp("creases", creases));
     items.extend(sharp("semi-sharp corners", semi_sharp_corners));
     items.extend(self::attachments(attachments, !creases.is_empty()));
-    items.extend(directions.as_ref().filter(|_| plan.latitude.is_some()).map(|lines| {
-        let edges = |direction| Item::Indices(lines.edges(direction).into());
-        Item::List(vec![Item::text("lines"), edges(Direction::Latitude), edges(Direction::Longitude)])
-    }));
+    items.extend(directions.as_ref().filter(|_| plan.latitude.is_some()).map(lines));
     items.extend(attributes.as_ref().map(|kept| Item::List(self::attributes(kept))));
     Item::List(items)
+}
+
+/// The item of latitude and longitude lines.
+pub(super) fn lines(directions: &Directions) -> Item<'static> {
+    let edges = |direction| Item::Indices(directions.edges(direction).into());
+    Item::List(vec![Item::text("lines"), edges(Direction::Latitude), edges(Direction::Longitude)])
 }
 
 /// The item of what is connected and tagged in a mesh without parameters and directions, its seams included,

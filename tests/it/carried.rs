@@ -2,6 +2,7 @@
 
 mod files;
 mod frames;
+mod glass;
 mod isolines;
 mod laws;
 mod libraries;

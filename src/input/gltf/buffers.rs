@@ -46,11 +46,8 @@ fn is_old(json: &[u8]) -> bool {
 
 /// What is said of a document with a scene that names no nodes, which the specification lets it leave out.
 fn empty_scene(json: &[u8]) -> Option<String> {
-    #[derive(serde::Deserialize)]
-    struct Scenes {
-        scenes: Vec<BTreeMap<String, serde::de::IgnoredAny>>,
-    }
-    let Scenes { scenes } = serde_json::from_slice(json).ok()?;
+    let document: BTreeMap<String, &RawValue> = serde_json::from_slice(json).ok()?;
+    let scenes: Vec<BTreeMap<String, &RawValue>> = serde_json::from_str(document.get("scenes")?.get()).ok()?;
     let empty = scenes.iter().position(|scene| !scene.contains_key("nodes"))?;
     Some(format!("scene {empty} has no nodes, so that nothing is in it; give it some, or leave it out"))
 }

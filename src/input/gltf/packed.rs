@@ -7,7 +7,6 @@ use std::collections::BTreeMap;
 
 use meshoptimizer_rs::codec::{BufferView, Filter, Mode};
 use meshoptimizer_rs::{Limits, Workspace};
-use serde::Deserialize;
 use serde_json::value::RawValue;
 
 use crate::input::room::Room;
@@ -22,11 +21,8 @@ const EACH: usize = 4;
 const LEAST: usize = 1 << 16;
 
 /// What is said of a stream.
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
 struct Stream {
     buffer: usize,
-    #[serde(default)]
     byte_offset: usize,
     byte_length: usize,
     byte_stride: usize,
@@ -58,7 +54,7 @@ pub(super) fn views(
             let view: Members<'_> = serde_json::from_str(text)?;
             let Some(extensions) = view.get("extensions") else { return Ok(None) };
             let extensions: Members<'_> = serde_json::from_str(extensions.get())?;
-            extensions.get(PACKED).map(|stream| serde_json::from_str(stream.get())).transpose()
+            extensions.get(PACKED).map(|stream| Stream::of(stream.get())).transpose()
         };
         if let Some(stream) = said(view.get()).map_err(unread).map_err(place)? {
             found.insert(i, stream.bytes(buffers, room).map_err(place)?);
@@ -68,6 +64,22 @@ pub(super) fn views(
 }
 
 impl Stream {
+    /// What an object says.
+    fn of(text: &str) -> serde_json::Result<Self> {
+        let members: Members<'_> = serde_json::from_str(text)?;
+        let text = |name: &str| members.get(name).map_or("null", |value| value.get());
+        let number = |name: &str| serde_json::from_str(text(name));
+        Ok(Self {
+            buffer: number("buffer")?,
+            byte_offset: if members.contains_key("byteOffset") { number("byteOffset")? } else { 0 },
+            byte_length: number("byteLength")?,
+            byte_stride: number("byteStride")?,
+            count: number("count")?,
+            mode: serde_json::from_str(text("mode"))?,
+            filter: serde_json::from_str(text("filter"))?,
+        })
+    }
+
     /// What the stream stands for, which is taken from the room.
     fn bytes(&self, buffers: &[Cow<'_, [u8]>], room: &mut Room) -> Result<Vec<u8>, String> {
         let Self { buffer: b, byte_offset: start, byte_length: length, byte_stride: stride, count, mode, filter } =

@@ -6,7 +6,7 @@ use std::time::Duration;
 use bytes::Bytes;
 use tokio::sync::watch;
 
-use crate::analysis::curve::Reached;
+use crate::job::Resolved;
 use crate::job::key::Key;
 use crate::job::limits::Estimate;
 use crate::output::Format;
@@ -62,7 +62,7 @@ pub struct JobSummary {
     /// What it was to come to.
     pub cost: Predicted,
     /// How close to the limit it comes, where a tolerance was asked for.
-    pub reached: Option<Reached>,
+    pub reached: Option<Resolved>,
     /// Keys of the results to which its outputs refer.
     pub details: Vec<Key>,
     /// The uploads that its request names.

@@ -5,7 +5,7 @@ use std::time::Duration;
 use bytes::Bytes;
 
 use super::record::{JobSummary, Made, Predicted, Product, Record, State};
-use crate::analysis::curve::Reached;
+use crate::job::Resolved;
 use crate::output::named;
 use crate::service::computation::Timings;
 use crate::service::fields::{Fields, Writing};
@@ -71,8 +71,10 @@ pub(super) fn encode(record: &Record, settled: Option<Duration>) -> Vec<u8> {
     let Predicted { vertices, faces, memory_bytes, time_ms } = &summary.cost;
     out.numbers(tag::VERTICES, vertices);
     out.numbers(tag::COST, &[*faces, *memory_bytes, *time_ms]);
-    let reached = summary.reached.map(|reached| [reached.level.into(), reached.bound.to_bits()]);
-    out.numbers(tag::REACHED, reached.as_ref().map_or(&[], |reached| reached));
+    let reached = summary.reached.map(|Resolved { level, bound }| (u64::from(level), bound));
+    let reached: Vec<u64> =
+        reached.iter().flat_map(|(level, bound)| [Some(*level), bound.map(f64::to_bits)]).flatten().collect();
+    out.numbers(tag::REACHED, &reached);
     out.hashes(tag::DETAILS, &summary.details);
     out.hashes(tag::BLOBS, &summary.blobs);
     for (product, made) in summary.products.iter().zip(&record.made) {
@@ -120,7 +122,10 @@ pub(super) fn decode(bytes: &[u8]) -> Option<Kept> {
     let cost = Predicted { vertices, faces, memory_bytes, time_ms };
     let reached = match fields.numbers(tag::REACHED)?.as_slice() {
         [] => None,
-        [level, bound] => Some(Reached { level: u32::try_from(*level).ok()?, bound: f64::from_bits(*bound) }),
+        [level, rest @ ..] if rest.len() < 2 => {
+            let bound = rest.first().copied().map(f64::from_bits);
+            Some(Resolved { level: u32::try_from(*level).ok()?, bound })
+        }
         _ => return None,
     };
     let (details, blobs) = (fields.hashes(tag::DETAILS)?, fields.hashes(tag::BLOBS)?);

@@ -150,6 +150,20 @@ fn they_stay_apart_where_that_is_asked_for_and_nothing_is_refined_with_gaps_unsa
     }
 }
 
+/// STL has no vertices: equal corners are joined, unless that is forbidden.
+#[test]
+fn facets_of_stl_stay_apart_where_that_is_asked_for() {
+    let stl = json!({ "input": nets::tetrahedron().input(), "outputs": [{ "format": "stl" }] });
+    let (bytes, _) = support::render(&stl).expect("it is written");
+    let file = json!({ "format": "stl", "data": super::round_trips::base64(&bytes), "encoding": "base64" });
+    let vertices = |input: Value| Net::of(&support::json(json!({ "input": input }))).positions.len();
+    assert_eq!(vertices(json!({ "text": file })), 4);
+    assert_eq!(vertices(json!({ "text": file, "weld": false })), 12);
+    assert_eq!(vertices(json!({ "text": file, "weld": 0 })), 4);
+    let torn = json!({ "input": { "text": file, "weld": false }, "plan": { "preset": "loop" }, "levels": 1 });
+    assert!(support::json(torn)["warnings"].to_string().contains("12 edges of the boundary lie where others do"));
+}
+
 /// Formats that say which corners share a vertex are taken at their word; they are told of gaps all the same.
 #[test]
 fn an_obj_with_gaps_is_told_of_them_with_the_remedy() {
