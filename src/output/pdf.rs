@@ -1,4 +1,4 @@
-//! PDF: a drawing of curves, or of sections of a mesh, as a page.
+//! PDF: a drawing of curves, of a mesh or of its sections, as a page.
 
 use std::io::Write;
 
@@ -12,6 +12,7 @@ use crate::output::picture::vector;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
 use crate::shape::attachments::Attachments;
+use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
 /// The format "pdf".
@@ -38,8 +39,24 @@ impl Format for Pdf {
         vector::suits(kind, options)
     }
 
+    fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
+        vector::fits(counts, options)
+    }
+
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         vector::size(counts, options)
+    }
+
+    fn refers(&self, options: &Values) -> Option<&'static str> {
+        vector::refers(options)
+    }
+
+    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
+        vector::memory(counts, options)
+    }
+
+    fn work(&self, _: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
+        vector::work(counts, options)
     }
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {

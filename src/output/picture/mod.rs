@@ -5,6 +5,7 @@ mod comb;
 pub(super) mod drawing;
 mod easel;
 pub(super) mod forecast;
+mod hidden_lines;
 pub(super) mod mesh;
 pub(super) mod options;
 pub(super) mod plot;
