@@ -4,9 +4,10 @@
 use std::fmt;
 
 use super::codec::Item;
+use super::form::Form;
 use super::input::Input;
 use super::output::Output;
-use super::shape_items::{connectivity, input, mesh};
+use super::shape_items::{connectivity, input, lines, mesh};
 use crate::analysis::smoothness::Symbol;
 use crate::analysis::{Level, Study};
 use crate::math::expression::{Expression, Instruction};
@@ -96,6 +97,7 @@ pub(super) fn artifacts(
         };
         let mut items = head("planish artifact");
         items.extend([Item::text(format.name()), values(options)]);
+        items.extend(shown_lines(shape, refined, options));
         if !frame.is_default() {
             items.push(Item::List(vec![Item::text(unit.name()), Item::text(up.name())]));
         }
@@ -104,6 +106,13 @@ pub(super) fn artifacts(
         (hashed(&Item::List(items)), hashed(&Item::List(shown)))
     };
     outputs.iter().map(artifact).unzip()
+}
+
+/// Latitude and longitude lines, where a picture shows them and the plan leaves them alone.
+fn shown_lines<'a>(shape: &'a Input, refined: &Plan, options: &Values) -> Option<Item<'a>> {
+    let shown = crate::output::DIRECTIONS.iter().any(|direction| options.has("show", direction));
+    let mesh = shape.mesh().filter(|_| shown && refined.latitude.is_none())?;
+    mesh.directions.as_ref().map(lines)
 }
 
 /// Key of the program by which a mesh is refined, whatever its positions and the numbers that it carries: over its
@@ -115,7 +124,7 @@ pub(super) fn program(input: &Input, refined: &Plan, levels: u32) -> Option<Key>
     Some(hashed(&Item::List(vec![Item::text("planish program"), version, connectivity(mesh), plan])))
 }
 
-fn hashed(item: &Item<'_>) -> Key {
+pub(super) fn hashed(item: &Item<'_>) -> Key {
     let mut bytes = Vec::new();
     item.encode(&mut bytes);
     content(&bytes)
@@ -144,7 +153,7 @@ pub(super) fn search(shape: &Input, refined: &Plan, tolerance: f64, places: &[&s
 }
 
 /// Key of an analysis: over the results version, the masks, exactly where they are known so, and what was asked for.
-pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>) -> Key {
+pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>, matrices: Option<Item<'_>>) -> Key {
     let Study { settled, levels } = study;
     // order and residual follow from the mask
     let Symbol { arity, first, mask, is_exact, order: _, residual: _ } = settled;
@@ -154,7 +163,7 @@ pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>) -> Key {
         let first = Item::Integer(i64::from(*first).cast_unsigned());
         Item::List(vec![Item::Number(*alpha), first, Item::Numbers(values.clone().into())])
     };
-    let items = vec![
+    let mut items = vec![
         Item::text("planish analysis"),
         Item::Integer(u64::from(RESULTS_VERSION)),
         Item::Integer(arity.cast_unsigned()),
@@ -165,7 +174,31 @@ pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>) -> Key {
         Item::Integer(nodes),
         Item::List(grid.iter().map(|grid| Item::Integer(u64::from(*grid))).collect()),
     ];
+    items.extend(matrices);
     hashed(&Item::List(items))
+}
+
+/// Key of an analysis of a plan as a scheme for surfaces: over the results version, the plan at alpha = 0 without what
+/// its operators do not use, and what was asked for.
+pub(super) fn surface_analysis(settled: &Plan, follows_alpha: bool, valences: &[usize], nodes: u64) -> Key {
+    let items = vec![
+        Item::text("planish surface analysis"),
+        Item::Integer(u64::from(RESULTS_VERSION)),
+        plan_of(settled, 1, true, [true, false], Vec::new()),
+        Item::Integer(u64::from(follows_alpha)),
+        Item::List(valences.iter().map(|&valence| Item::Integer(valence as u64)).collect()),
+        Item::Integer(nodes),
+    ];
+    hashed(&Item::List(items))
+}
+
+/// The key of an analysis in a form: that of what it finds for the usual one.
+pub(super) fn in_form(key: Key, form: Form) -> Key {
+    if form == Form::default() {
+        return key;
+    }
+    let items = [Item::text(form.name()), Item::text(&key.to_string())];
+    hashed(&Item::List(items.into()))
 }
 
 /// Whether an output shows the limit, which is that of the plan even where none of its levels was applied.
@@ -177,6 +210,18 @@ fn shows_limit(output: &Output) -> bool {
 /// Everything of a plan that can change the result, which shows so many levels or also the limit: what no operator uses
 /// is left out.
 fn plan(input: &Input, refined: &Plan, levels: u32, shows_limit: bool) -> Item<'static> {
+    let (is_mesh, is_open) = input.kind();
+    plan_of(refined, levels, shows_limit, [is_mesh, is_open], rules(input, refined.rules))
+}
+
+/// The same for a shape that is a mesh or not, open or not, on which the scheme has these rules.
+fn plan_of(
+    refined: &Plan,
+    levels: u32,
+    shows_limit: bool,
+    [is_mesh, is_open]: [bool; 2],
+    rules: Vec<(&'static str, Item<'static>)>,
+) -> Item<'static> {
     let Plan {
         word: Word { prefix, cycle },
         alpha,
@@ -186,7 +231,8 @@ fn plan(input: &Input, refined: &Plan, levels: u32, shows_limit: bool) -> Item<'
         compensation,
         delta,
         boundary,
-        rules,
+        // some of them matter only to some shapes, and are given
+        rules: _,
         ends,
         perturbation,
         latitude,
@@ -235,9 +281,8 @@ fn plan(input: &Input, refined: &Plan, levels: u32, shows_limit: bool) -> Item<'
         ));
     }
     if levels > 0 || shows_limit {
-        functions.extend(self::rules(input, *rules));
+        functions.extend(rules);
     }
-    let (is_mesh, is_open) = input.kind();
     if is_open && is_mesh {
         functions.push(("boundary", Item::text(boundary.name())));
     } else if is_open {

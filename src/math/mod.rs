@@ -1,5 +1,7 @@
 //! Numbers and weights: floor 0, which knows no nets.
 
+pub mod amounts;
+pub mod dense;
 pub mod elimination;
 pub mod exact;
 pub mod exactly;

@@ -8,6 +8,7 @@ pub mod surface;
 
 mod bounds;
 mod bytes;
+mod color_maps;
 mod colors;
 mod counts;
 mod curvature;
@@ -30,6 +31,8 @@ mod gltf_packing;
 mod gltf_targets;
 mod gltf_views;
 mod json;
+mod mesh_curvature;
+mod nearest;
 mod numbers;
 mod obj;
 mod options;
@@ -52,7 +55,8 @@ mod vertex_sums;
 pub use counts::{Counts, ShapeKind};
 pub use error::FormatError;
 pub use format::{Content, Details, Format, FormatFacts};
-pub use options::{LIMIT, POSITIONS, TANGENTS};
+pub use options::{DIRECTIONS, LIMIT, POSITIONS, TANGENTS};
+pub use picture::outline::Outline;
 pub use size::Size;
 
 /// Every format, in the order of the documentation.

@@ -8,8 +8,10 @@ use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::picture::options::Options;
+use crate::output::picture::outline::{self, Outline};
 use crate::output::picture::vector;
-use crate::output::scene::Scene;
+use crate::output::scene::{Frame, Scene};
 use crate::output::size::Size;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
@@ -58,6 +60,10 @@ impl Format for Svg {
 
     fn work(&self, _: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
         vector::work(counts, options)
+    }
+
+    fn side_px(&self, outline: &Outline, frame: Frame, options: &Values) -> Option<f64> {
+        Some(outline::side_px(outline, &Options::new(options, frame)))
     }
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {

@@ -227,6 +227,20 @@ impl Camera {
         self.fall = [1.0, 0.999 / span];
     }
 
+    /// Whether the camera is on the side of the plane through a point that `normal` points to.
+    pub fn is_before(&self, point: [f64; 3], normal: [f64; 3]) -> bool {
+        let towards = match self.projection {
+            Projection::Perspective => minus(self.eye, point),
+            Projection::Orthographic => times(-1.0, self.forward),
+        };
+        dot(normal, towards) > 0.0
+    }
+
+    /// The direction to the right in the picture, of length one.
+    pub fn right(&self) -> [f64; 3] {
+        self.right
+    }
+
     /// Right and down in pixels times `w`, the divisor `w`, and the distance along the view, model units.
     pub(super) fn view(&self, point: Vector) -> [f64; 4] {
         let r = minus(point, self.eye);

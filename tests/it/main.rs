@@ -14,6 +14,7 @@ mod hard_edges;
 mod hardening;
 mod house;
 mod http;
+mod inspection;
 mod keys;
 mod laws;
 mod limits;

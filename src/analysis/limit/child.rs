@@ -24,7 +24,7 @@ const SAME: f64 = 1e-9;
 ///
 /// # Errors
 /// [`Unlimited::Lost`] and [`Unlimited::Separated`].
-pub(super) fn child(
+pub(in crate::analysis) fn child(
     centre: Centre,
     children: Children,
     [before, after]: [&MeshNet; 2],

@@ -14,7 +14,7 @@ use crate::shape::topology::{NONE, Topology, index};
 
 /// What a disc lies around.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Centre {
+pub(in crate::analysis) enum Centre {
     /// A vertex.
     Vertex(u32),
     /// The edge of a half-edge, as dual schemes have it where a boundary was.

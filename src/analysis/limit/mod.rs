@@ -47,12 +47,15 @@ mod tests;
 mod vertex_parameters;
 mod walk;
 
+pub(super) use child::child;
 pub use continuity::check;
 pub(super) use continuity::check_continuous;
 pub use cost::{Cost, Follow, cost, sees_whole_fans};
 pub(super) use cycle::AHEAD;
+pub(super) use disc::Centre;
 pub use error::{LimitError, Unlimited};
 pub(super) use limits::limits;
 pub use mesh::{refine_mesh_to_limit, to_limit_by_rows};
 pub use perturbed::{ROWS_A_POINT, followed_points};
+pub(super) use record::{Record, Weights};
 pub use request::LimitRequest;

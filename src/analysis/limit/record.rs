@@ -9,7 +9,7 @@ use crate::shape::topology::index;
 
 /// Whether weights count, or only where they stand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Weights {
+pub(in crate::analysis) enum Weights {
     /// As they are.
     Exact,
     /// All as 1, so that none cancels another: what could have a weight at other numbers.
@@ -18,7 +18,7 @@ pub(super) enum Weights {
 
 /// The actions of one application of a cycle. Of their rows those are made that someone asks for, each once.
 #[derive(Debug)]
-pub(super) struct Record {
+pub(in crate::analysis) struct Record {
     actions: Vec<Recorded>,
     weights: Weights,
 }
@@ -46,7 +46,7 @@ impl Recorded {
 
 impl Record {
     /// Nothing yet.
-    pub(super) fn new(weights: Weights) -> Self {
+    pub(in crate::analysis) fn new(weights: Weights) -> Self {
         Self { actions: Vec::new(), weights }
     }
 
@@ -54,7 +54,7 @@ impl Record {
     ///
     /// # Errors
     /// [`Unlimited::NotLinear`].
-    pub(super) fn add(&mut self, action: Action) -> Result<(), Unlimited> {
+    pub(in crate::analysis) fn add(&mut self, action: Action) -> Result<(), Unlimited> {
         match action {
             Action::Sequence(actions) => return actions.into_iter().try_for_each(|action| self.add(action)),
             Action::Map(_) => return Err(Unlimited::NotLinear),
@@ -90,7 +90,7 @@ impl Record {
 
     /// For each of the `wanted` points after the last action its weights over the points before the first, those of
     /// `origins` taken together; `n_columns` of them are kept. `None` where another one has a weight.
-    pub(super) fn matrix(&self, wanted: &[u32], origins: &[u32], n_columns: usize) -> Option<Rows> {
+    pub(in crate::analysis) fn matrix(&self, wanted: &[u32], origins: &[u32], n_columns: usize) -> Option<Rows> {
         let mut matrix = Rows::default();
         let mut trace = Trace::default();
         let mut entries: Vec<(u32, f64)> = Vec::new();

@@ -2,14 +2,21 @@
 
 pub(super) mod coat;
 mod comb;
+mod contours;
 pub(super) mod drawing;
 mod easel;
 pub(super) mod forecast;
 mod hidden_lines;
+pub(super) mod legend;
+pub(super) mod lines;
+pub(super) mod look;
 pub(super) mod mesh;
+pub(super) mod number_scale;
 pub(super) mod options;
+pub(super) mod outline;
 pub(super) mod plot;
 pub(super) mod sections;
+pub(super) mod shading;
 mod skin;
 pub(super) mod styles;
 pub(super) mod vector;

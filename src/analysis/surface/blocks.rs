@@ -1,0 +1,188 @@
+//! The blocks into which rotations and the reflection about a ray part the local subdivision matrix.
+//!
+//! Values `v(s, p) = exp(2 pi i k (s + t_p) / n) u_p`, with the angle t_p of the point p as a fraction of a sector, are
+//! mapped to such values with the same index k. The reflection puts `conj(u)` of the mirrored point in the place of
+//! `u_p`, so that `u_p = c_p` on the axis and `u_p = c + i d`, `u_q = c - i d` for two mirror images have a real matrix.
+//!
+//! Source: Ball and Storry, ACM Transactions on Graphics 7 (1988), 83-102; Peters and Reif, Subdivision Surfaces
+//! (2008), section 5.
+
+use super::local::{Entry, Local};
+use super::sectors::{Kind, Point};
+use crate::math::dense::Dense;
+use crate::math::functions::{cos, real, sin};
+
+/// What an imaginary part may be, of weights of about 1, where there has to be none: rounding.
+/// It is ten thousand roundings; schemes without the symmetry have parts of about 1. Half and twice of it decide alike.
+const ASYMMETRY: f64 = 1e-12;
+
+/// One component of the real vectors of a block.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Component {
+    /// The middle.
+    Centre,
+    /// The value of a point on the axis.
+    OnAxis(Point),
+    /// The real part of the value of the first of two mirror images.
+    Even(Point, Point),
+    /// The imaginary part.
+    Odd(Point, Point),
+}
+
+/// The block of one Fourier index.
+#[derive(Debug, Clone)]
+pub(super) struct Block {
+    /// What its vectors are made of.
+    pub(super) components: Vec<Component>,
+    /// The matrix.
+    pub(super) matrix: Dense,
+}
+
+/// A complex number.
+type Complex = [f64; 2];
+
+fn times([a, b]: Complex, [c, d]: Complex) -> Complex {
+    [a * c - b * d, a * d + b * c]
+}
+
+/// `exp(2 pi i turn / n)`.
+pub(super) fn phase(turn: f64, n: usize) -> Complex {
+    let angle = std::f64::consts::TAU * turn / real(n);
+    [cos(angle), sin(angle)]
+}
+
+/// The components of the vectors of a block over the points up to a radius.
+pub(super) fn components(kind: Kind, radius: i32, index: usize) -> Vec<Component> {
+    let mut found = Vec::new();
+    if kind.has_centre() && index == 0 {
+        found.push(Component::Centre);
+    }
+    for p in kind.points(radius) {
+        let q = kind.mirrored(p);
+        match p.cmp(&q) {
+            std::cmp::Ordering::Equal => found.push(Component::OnAxis(p)),
+            std::cmp::Ordering::Less => found.extend([Component::Even(p, q), Component::Odd(p, q)]),
+            std::cmp::Ordering::Greater => {}
+        }
+    }
+    found
+}
+
+/// Complex weights over the points of sector 0, and the middle.
+struct Functional {
+    points: Vec<(Point, Complex)>,
+    centre: f64,
+}
+
+impl Functional {
+    /// The weights `w(s, q)` of a point p as those of `u_q`.
+    fn of(kind: Kind, n: usize, index: usize, point: Option<Point>, row: &[Entry]) -> Self {
+        let from = point.map_or(0.0, |p| kind.turn(p));
+        let mut functional = Self { points: Vec::new(), centre: 0.0 };
+        for entry in row {
+            let Some(q) = entry.point else {
+                functional.centre += entry.weight;
+                continue;
+            };
+            let turn = real(index) * (real(entry.sector) + kind.turn(q) - from);
+            let [re, im] = phase(turn % real(n), n).map(|x| x * entry.weight);
+            match functional.points.iter_mut().find(|(other, _)| *other == q) {
+                Some((_, sum)) => *sum = [sum[0] + re, sum[1] + im],
+                None => functional.points.push((q, [re, im])),
+            }
+        }
+        functional
+    }
+
+    fn at(&self, point: Point) -> Complex {
+        self.points.iter().find(|(p, _)| *p == point).map_or([0.0; 2], |(_, weight)| *weight)
+    }
+
+    /// The sum of multiples of two.
+    fn mixed(a: Complex, f: &Self, b: Complex, g: &Self) -> Self {
+        let points = f.points.iter().chain(&g.points).map(|(p, _)| *p).collect::<std::collections::BTreeSet<_>>();
+        let weight = |p: Point| {
+            let (x, y) = (times(a, f.at(p)), times(b, g.at(p)));
+            [x[0] + y[0], x[1] + y[1]]
+        };
+        let points = points.into_iter().map(|p| (p, weight(p))).collect();
+        Self { points, centre: a[0] * f.centre + b[0] * g.centre }
+    }
+
+    /// The real weights of the components, and the largest imaginary part.
+    fn read(&self, components: &[Component]) -> (Vec<f64>, f64) {
+        let mut left = 0.0_f64;
+        let mut real_part = |[re, im]: Complex| {
+            left = left.max(im.abs());
+            re
+        };
+        let weight = |component: &Component| match *component {
+            Component::Centre => self.centre,
+            Component::OnAxis(p) => real_part(self.at(p)),
+            Component::Even(p, q) => {
+                let (x, y) = (self.at(p), self.at(q));
+                real_part([x[0] + y[0], x[1] + y[1]])
+            }
+            Component::Odd(p, q) => {
+                let (x, y) = (self.at(p), self.at(q));
+                real_part([y[1] - x[1], x[0] - y[0]])
+            }
+        };
+        (components.iter().map(weight).collect(), left)
+    }
+}
+
+/// The weights with which a component of the child comes of the components of a block; `None` where rows lack the
+/// reflection.
+pub(super) fn row(
+    kind: Kind,
+    n: usize,
+    index: usize,
+    local: &Local,
+    component: Component,
+    of: &[Component],
+) -> Option<Vec<f64>> {
+    let functional = |p: Point| Functional::of(kind, n, index, Some(p), &local.rows[&p]);
+    let found = match component {
+        Component::Centre => Functional::of(kind, n, index, None, &local.centre),
+        Component::OnAxis(p) => functional(p),
+        Component::Even(p, q) => Functional::mixed([0.5, 0.0], &functional(p), [0.5, 0.0], &functional(q)),
+        // divided by 2 i
+        Component::Odd(p, q) => Functional::mixed([0.0, -0.5], &functional(p), [0.0, 0.5], &functional(q)),
+    };
+    let (weights, left) = found.read(of);
+    (left <= ASYMMETRY).then_some(weights)
+}
+
+impl Block {
+    /// The block of an index over the points up to a radius, none of which comes of points beyond it; `None` where
+    /// rows lack the reflection.
+    pub(super) fn of(kind: Kind, n: usize, index: usize, radius: i32, local: &Local) -> Option<Self> {
+        let components = components(kind, radius, index);
+        let mut matrix = Dense::zero(components.len());
+        for (i, &component) in components.iter().enumerate() {
+            let weights = row(kind, n, index, local, component, &components)?;
+            weights.iter().enumerate().for_each(|(j, &weight)| *matrix.at_mut(i, j) = weight);
+        }
+        Some(Self { components, matrix })
+    }
+
+    /// The value `u_p` of each point for a vector of the block.
+    pub(super) fn values(components: &[Component], vector: &[f64]) -> Vec<(Point, Complex)> {
+        let mut found: Vec<(Point, Complex)> = Vec::new();
+        for (component, &x) in components.iter().zip(vector) {
+            match *component {
+                Component::Centre => {}
+                Component::OnAxis(p) => found.push((p, [x, 0.0])),
+                Component::Even(p, q) => found.extend([(p, [x, 0.0]), (q, [x, 0.0])]),
+                // its even partner came just before
+                Component::Odd(p, q) => {
+                    let parts = found.iter_mut().rev().take(2);
+                    parts.for_each(|(at, u)| u[1] = if *at == p { x } else { -x });
+                    debug_assert_ne!(p, q, "points on the axis have no odd part");
+                }
+            }
+        }
+        found
+    }
+}

@@ -1,0 +1,316 @@
+//! The characteristic map: the limit of the net whose points are an eigenvector of the subdominant eigenvalue, with
+//! Fourier index 1, and whether it is proved to be regular and injective.
+//!
+//! On a ring of cells around the middle the limit is that of the regular scheme. Its derivatives are limits of the
+//! differences, each within a disc around their mean, so that the determinant is proved to be positive on a cell where
+//! discs of both derivatives have positive cross products; cells that do not are refined. A ring that is regular, whose
+//! scaled copies fit together, covers the plane without the middle as often as it goes around, which is once when half
+//! a sector stays within a half plane.
+//!
+//! Source: Reif, CAGD 12 (1995), 153-174; Peters and Reif, SIAM Journal on Numerical Analysis 35 (1998), 728-748.
+
+use std::collections::BTreeMap;
+
+use super::blocks::phase;
+use super::convergence::{derivative, lebesgue_bound};
+use super::regular::{Polynomial, RegularMask};
+use super::sectors::{Kind, Point};
+use crate::math::functions::{cos, real, sin, sqrt};
+use crate::watch::{Stopped, Watch};
+
+/// Most cells of one valence that are looked at.
+/// Splines need some hundred. Half of it leaves schemes open whose derivatives have large bounds; twice of it takes
+/// twice as long to leave others open.
+const MAX_CELLS: usize = 40_000;
+/// Most refinements of a ring.
+/// Discs shrink by half or so at each, to 1/1000 after ten. Half of it leaves schemes open, twice of it would find
+/// rounding only.
+const MAX_LEVELS: u32 = 10;
+/// What may be missing of a net whose largest coordinate is 1: rounding, and the error of the eigenvector.
+/// It is a million times what both come to. Half and twice of it only matter to determinants that nearly vanish.
+pub(super) const SLACK: f64 = 1e-9;
+
+/// The net of an eigenvector around a middle with n sectors.
+#[derive(Debug, Clone)]
+pub(super) struct CharacteristicNet {
+    /// The sectors.
+    pub(super) n: usize,
+    /// The value of each point: it lies at `u exp(2 pi i (s + t) / n)`.
+    pub(super) values: BTreeMap<Point, [f64; 2]>,
+}
+
+/// A disc in the plane.
+#[derive(Debug, Clone, Copy)]
+struct Disc {
+    middle: [f64; 2],
+    radius: f64,
+}
+
+/// What is found of a ring.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Ring {
+    /// Its map is regular and injective.
+    Proved,
+    /// Its determinant is negative somewhere, the map being counter-clockwise on the whole.
+    Folded,
+    /// Neither is proved.
+    Open,
+}
+
+impl CharacteristicNet {
+    /// The place of a point.
+    pub(super) fn place(&self, kind: Kind, sector: i32, point: Point) -> Option<[f64; 2]> {
+        let [re, im] = *self.values.get(&point)?;
+        let n = i32::try_from(self.n).unwrap_or(i32::MAX);
+        let sector = usize::try_from(sector.rem_euclid(n)).unwrap_or(0);
+        let [c, s] = phase(real(sector) + kind.turn(point), self.n);
+        Some([re * c - im * s, re * s + im * c])
+    }
+
+    /// The place of a lattice point near sector 0.
+    fn at(&self, kind: Kind, point: Point) -> Option<[f64; 2]> {
+        if kind.has_centre() && point == [0, 0] {
+            return Some([0.0; 2]);
+        }
+        let (sector, point) = kind.unfolded(point)?;
+        self.place(kind, sector, point)
+    }
+
+    /// The least sine of the corner angles of the faces of sector 0, up to a radius, of which none touches the middle.
+    pub(super) fn least_sine(&self, kind: Kind, radius: i32) -> f64 {
+        let mut least = f64::INFINITY;
+        for cell in cells(kind, i32::from(kind.has_centre()), radius) {
+            let corners: Vec<Option<[f64; 2]>> = cell.corners(kind).map(|p| self.at(kind, p)).collect();
+            let Some(corners) = corners.into_iter().collect::<Option<Vec<_>>>() else { continue };
+            let n = corners.len();
+            for i in 0..n {
+                let [a, b, c] = [corners[(i + n - 1) % n], corners[i], corners[(i + 1) % n]];
+                let (u, v) = (minus(c, b), minus(a, b));
+                least = least.min(cross(u, v) / (length(u) * length(v)));
+            }
+        }
+        least
+    }
+}
+
+fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+fn length(a: [f64; 2]) -> f64 {
+    sqrt(a[0] * a[0] + a[1] * a[1])
+}
+
+/// A cell of the lattice: a square, or the lower or the upper triangle of one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Cell {
+    at: Point,
+    /// Whether it is the triangle away from the middle.
+    upper: bool,
+}
+
+impl Cell {
+    fn corners(self, kind: Kind) -> impl Iterator<Item = Point> {
+        let [x, y] = self.at;
+        let all: &[Point] = match (kind, self.upper) {
+            (Kind::Triangles, false) => &[[0, 0], [1, 0], [0, 1]],
+            (Kind::Triangles, true) => &[[1, 0], [1, 1], [0, 1]],
+            _ => &[[0, 0], [1, 0], [1, 1], [0, 1]],
+        };
+        all.iter().map(move |[i, j]| [x + i, y + j])
+    }
+
+    /// The cells that a refinement makes of it.
+    fn refined(self, kind: Kind, d: i32) -> Vec<Self> {
+        let [x, y] = self.at.map(|x| d * x);
+        let squares = (0..d).flat_map(|i| (0..d).map(move |j| [i, j]));
+        if kind != Kind::Triangles {
+            return squares.map(|[i, j]| Self { at: [x + i, y + j], upper: false }).collect();
+        }
+        let both = squares.flat_map(|[i, j]| [false, true].map(|upper| (i, j, upper)));
+        let inside = |&(i, j, upper): &(i32, i32, bool)| ((i + j + i32::from(upper)) < d) != self.upper;
+        both.filter(inside).map(|(i, j, upper)| Self { at: [x + i, y + j], upper }).collect()
+    }
+
+    /// The ranges of x, y and x + y in it.
+    fn ranges(self, kind: Kind) -> [[i32; 2]; 3] {
+        let [x, y] = self.at;
+        let sum = match kind {
+            Kind::Triangles => [x + y + i32::from(self.upper), x + y + 1 + i32::from(self.upper)],
+            _ => [x + y, x + y + 2],
+        };
+        [[x, x + 1], [y, y + 1], sum]
+    }
+}
+
+/// The cells of half a sector from one radius to another.
+fn cells(kind: Kind, from: i32, to: i32) -> Vec<Cell> {
+    let squares = (0..to).flat_map(|x| (0..=x).map(move |y| [x, y]));
+    if kind == Kind::Triangles {
+        let both = squares.flat_map(|at| [false, true].map(|upper| Cell { at, upper }));
+        let range = |cell: &Cell| cell.at[0] + cell.at[1] + i32::from(cell.upper);
+        both.filter(|cell| (from..to).contains(&range(cell))).collect()
+    } else {
+        squares.filter(|[x, _]| (from..to).contains(x)).map(|at| Cell { at, upper: false }).collect()
+    }
+}
+
+/// The points of a mask's scheme that have a say on a cell.
+fn influences(mask: &Polynomial, d: i32, kind: Kind, cell: Cell) -> Vec<Point> {
+    let (ends, ranges) = (RegularMask::ends(mask), cell.ranges(kind));
+    let bounds: [[i32; 2]; 3] = std::array::from_fn(|k| {
+        // low - last / (d - 1) < c < high - first / (d - 1)
+        let low = ranges[k][0] - ceil(ends[k][1], d - 1) + 1;
+        let high = ranges[k][1] + ceil(-ends[k][0], d - 1) - 1;
+        [low, high]
+    });
+    let [[a, b], [c, e], [f, g]] = bounds;
+    let all = (a..=b).flat_map(|x| (c..=e).map(move |y| [x, y]));
+    all.filter(|[x, y]| (f..=g).contains(&(x + y))).collect()
+}
+
+fn ceil(a: i32, b: i32) -> i32 {
+    -(-a).div_euclid(b)
+}
+
+/// How a regular scheme is followed on a ring.
+#[derive(Debug)]
+pub(super) struct RingProof<'a> {
+    regular: &'a RegularMask,
+    /// The masks of the points and of the derivatives along x and y.
+    masks: [Polynomial; 3],
+    /// Bounds of the sums of sizes of their basic limit functions.
+    bounds: [f64; 3],
+    /// The radius at which the ring begins.
+    from: i32,
+}
+
+impl<'a> RingProof<'a> {
+    /// For a regular scheme that converges to C^1 limits; `None` where bounds of the derivatives are not found.
+    pub(super) fn new(regular: &'a RegularMask) -> Option<Self> {
+        let (from, _) = ring(regular);
+        let masks = [regular.mask.clone(), derivative(regular, &[(0, 1)])?, derivative(regular, &[(1, 1)])?];
+        let [a, b, c] = [0, 1, 2].map(|i| lebesgue_bound(&masks[i], regular.arity));
+        Some(Self { regular, bounds: [a?, b?, c?], masks, from })
+    }
+
+    /// The same on a ring that begins so many rings farther out.
+    #[must_use]
+    pub(super) fn farther(self, more: i32) -> Self {
+        Self { from: self.from + more, ..self }
+    }
+
+    /// What the net of an eigenvector is proved to be.
+    pub(super) fn of(&self, net: &CharacteristicNet, watch: &Watch) -> Result<Ring, Stopped> {
+        let (kind, d) = (self.regular.kind, self.regular.arity);
+        let mut level: BTreeMap<Point, [f64; 2]> = BTreeMap::new();
+        let mut open = cells(kind, self.from, d * self.from);
+        for cell in &open {
+            for point in influences(&self.masks[0], d, kind, *cell) {
+                match net.at(kind, point) {
+                    Some(place) => level.insert(point, place),
+                    None => return Ok(Ring::Open),
+                };
+            }
+        }
+        let mut looked_at = 0;
+        for _ in 0..MAX_LEVELS {
+            watch.check()?;
+            looked_at += open.len();
+            if looked_at > MAX_CELLS {
+                return Ok(Ring::Open);
+            }
+            let mut failed = Vec::new();
+            for cell in open {
+                match self.cell(cell, &level, net.n) {
+                    Ring::Proved => {}
+                    Ring::Folded => return Ok(Ring::Folded),
+                    Ring::Open => failed.push(cell),
+                }
+            }
+            if failed.is_empty() {
+                return Ok(Ring::Proved);
+            }
+            open = failed.iter().flat_map(|cell| cell.refined(kind, d)).collect();
+            level = self.refined(&level, &open);
+        }
+        Ok(Ring::Open)
+    }
+
+    /// The points of the next level that have a say on some cells.
+    fn refined(&self, level: &BTreeMap<Point, [f64; 2]>, cells: &[Cell]) -> BTreeMap<Point, [f64; 2]> {
+        let (kind, d, mask) = (self.regular.kind, self.regular.arity, &self.masks[0]);
+        let mut by_residue: BTreeMap<Point, Vec<(Point, f64)>> = BTreeMap::new();
+        for (k, &a) in mask {
+            by_residue.entry(k.map(|x| x.rem_euclid(d))).or_default().push((k.map(|x| x.div_euclid(d)), a));
+        }
+        let mut finer = BTreeMap::new();
+        for point in cells.iter().flat_map(|&cell| influences(mask, d, kind, cell)) {
+            finer.entry(point).or_insert_with(|| {
+                let (old, residue) = (point.map(|x| x.div_euclid(d)), point.map(|x| x.rem_euclid(d)));
+                let terms = by_residue.get(&residue).into_iter().flatten();
+                terms.fold([0.0; 2], |sum, (k, a)| {
+                    let p = level.get(&[old[0] - k[0], old[1] - k[1]]).copied().unwrap_or([f64::NAN; 2]);
+                    [sum[0] + a * p[0], sum[1] + a * p[1]]
+                })
+            });
+        }
+        finer
+    }
+
+    fn cell(&self, cell: Cell, level: &BTreeMap<Point, [f64; 2]>, n: usize) -> Ring {
+        let (kind, d) = (self.regular.kind, self.regular.arity);
+        let at = |p: Point| level.get(&p).copied().unwrap_or([f64::NAN; 2]);
+        let disc = |which: usize, value: &dyn Fn(Point) -> [f64; 2]| {
+            let found = influences(&self.masks[which], d, kind, cell).into_iter().map(value);
+            Disc::around(&found.collect::<Vec<_>>(), self.bounds[which])
+        };
+        let along = |u: Point| move |p: Point| minus(at([p[0] + u[0], p[1] + u[1]]), at(p));
+        let (x, y) = (disc(1, &along([1, 0])), disc(2, &along([0, 1])));
+        let middle = cross(x.middle, y.middle);
+        let (a, b) = (length(x.middle), length(y.middle));
+        let off = x.radius * b + y.radius * a + x.radius * y.radius;
+        let slack = SLACK * (a + x.radius) * (b + y.radius);
+        if middle + off + slack < 0.0 {
+            return Ring::Folded;
+        }
+        let place = disc(0, &at);
+        // half of a sector lies after its ray, or before the corner of a face
+        let side = if kind.has_centre() { 1.0 } else { -1.0 };
+        let half = side * std::f64::consts::PI / (2.0 * real(n));
+        let ahead = place.middle[0] * cos(half) + place.middle[1] * sin(half);
+        let proved = middle > off + slack && ahead > place.radius + SLACK * length(place.middle);
+        if proved { Ring::Proved } else { Ring::Open }
+    }
+}
+
+impl Disc {
+    /// A disc that has all combinations of some points whose weights sum to 1 and the sum of whose sizes is bounded.
+    fn around(points: &[[f64; 2]], bound: f64) -> Self {
+        let n = real(points.len());
+        let sum = points.iter().fold([0.0; 2], |sum, p| [sum[0] + p[0], sum[1] + p[1]]);
+        let middle = sum.map(|x| x / n);
+        // a number that is none stays one
+        let radius = points
+            .iter()
+            .map(|&p| length(minus(p, middle)))
+            .fold(0.0, |a: f64, b| if a.is_nan() || a >= b { a } else { b });
+        Self { middle, radius: bound * radius }
+    }
+}
+
+/// The radius at which a ring begins on which the rules of the regular net hold, and that of the farthest point that
+/// has a say there.
+pub(super) fn ring(regular: &RegularMask) -> (i32, i32) {
+    let (ends, d) = (RegularMask::ends(&regular.mask), regular.arity);
+    // squares have corners of any sum
+    let ends = if regular.kind == Kind::Triangles { &ends[..] } else { &ends[..2] };
+    let last = ends.iter().map(|end| ceil(end[1], d - 1)).max().unwrap_or(1);
+    let first = ends.iter().map(|end| ceil(-end[0], d - 1)).max().unwrap_or(1);
+    let from = (last - 1).max(1);
+    (from, d * from + first - 1)
+}

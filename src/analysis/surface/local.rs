@@ -1,0 +1,199 @@
+//! How the points around a child of the middle come of the points around the middle: the rows of one sector, read off
+//! the operators' own weights.
+
+use std::collections::BTreeMap;
+
+use super::sectors::{Kind, Point};
+use super::star::{Star, sector, starts};
+use crate::analysis::limit::{Centre, Record, Unlimited, Weights, child};
+use crate::math::functions::{atan2, real, sqrt};
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::stepper::Stepper;
+use crate::shape::topology::{Topology, index};
+use crate::watch::Watch;
+
+/// Most points that one application makes of a star.
+/// Valence 50 with the widest words of the presets comes to a third of it. Half of it refuses long words at valence 50;
+/// twice of it takes twice the memory, some 100 bytes a point.
+const MAX_POINTS: usize = 1 << 18;
+/// By how much of a sector a child's sectors may be turned against their parents' and still count as in line.
+/// Schemes keep directions, or turn by half a sector, which is far from both. Half and twice of it decide alike.
+const IN_LINE: f64 = 0.1;
+
+/// Rings around the points that are wanted, which are tried for those that they come of.
+/// Averages add half a ring each, so that 12 is enough for twenty. Half of it refuses the longest presets; twice of it
+/// takes four times as long to refuse.
+const MARGINS: [i32; 4] = [2, 4, 7, 12];
+
+/// A weight of a point around the middle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Entry {
+    /// Its sector.
+    pub(super) sector: usize,
+    /// The point of the sector; `None` for the middle.
+    pub(super) point: Option<Point>,
+    /// The weight.
+    pub(super) weight: f64,
+}
+
+/// The rows of the points of sector 0, and of the middle, after some applications of a cycle.
+#[derive(Debug, Clone)]
+pub(super) struct Local {
+    /// For each point of sector 0 its weights.
+    pub(super) rows: BTreeMap<Point, Vec<Entry>>,
+    /// The weights of the middle, where it is a point.
+    pub(super) centre: Vec<Entry>,
+    /// By how much the first point of a sector comes closer to the middle.
+    pub(super) shrinks: f64,
+}
+
+/// The cycle of a plan at alpha = 0, applied so often that directions are kept.
+#[derive(Debug)]
+pub(super) struct Applied {
+    /// The plan at alpha = 0.
+    pub(super) plan: Plan,
+    /// What lies around the middle of its nets.
+    pub(super) kind: Kind,
+    /// The operators.
+    pub(super) steps: Vec<Scheduled>,
+    /// Pieces of an edge.
+    pub(super) arity: i32,
+    /// Applications of the cycle.
+    pub(super) applications: u32,
+}
+
+impl Applied {
+    /// The cycle of a plan at alpha = 0, on nets of some kind.
+    ///
+    /// # Errors
+    /// [`Unlimited`], where it cannot be applied to these.
+    pub(super) fn new(plan: &Plan, kind: Kind, watch: &Watch) -> Result<Self, Unlimited> {
+        let plan = Plan { alpha: 0.0, compensation_alpha: None, ..plan.clone() };
+        for applications in [1, 2] {
+            let scheduled = plan.schedule(applications).map_err(|fault| Unlimited::Later(fault.detail))?;
+            let steps = scheduled.into_iter().filter(|step| step.level > 0).collect();
+            let applied = Self { plan: plan.clone(), kind, steps, arity: 1, applications };
+            if let Some(local) = applied.wide_enough(kind.regular(), i32::from(kind.has_centre()), watch)? {
+                #[expect(clippy::cast_possible_truncation, reason = "points come closer by a small whole number")]
+                let arity = (1.0 / local.shrinks).round().clamp(1.0, 1e4) as i32;
+                return if arity > 1 { Ok(Self { arity, ..applied }) } else { Err(Unlimited::NoUpsampling) };
+            }
+        }
+        Err(Unlimited::Unsettled)
+    }
+
+    /// The rows around a middle of n sectors, up to a radius, in a net that is wide enough for them; `None` where
+    /// sectors are turned against those of the parents.
+    pub(super) fn wide_enough(&self, n: usize, radius: i32, watch: &Watch) -> Result<Option<Local>, Unlimited> {
+        let found = MARGINS.iter().find_map(|&margin| match self.local(n, radius, margin, watch) {
+            Err(Unlimited::Reach) => None,
+            found => Some(found),
+        });
+        found.unwrap_or(Err(Unlimited::Reach))
+    }
+
+    /// The rows around a middle of n sectors, up to a radius; `margin` are the rings beyond what those points come of.
+    fn local(&self, n: usize, radius: i32, margin: i32, watch: &Watch) -> Result<Option<Local>, Unlimited> {
+        watch.check()?;
+        let side = radius / self.arity + margin + 2;
+        let points = self.kind.points(side).len() * n;
+        let finer = usize::try_from(self.arity * self.arity).unwrap_or(usize::MAX);
+        if points.saturating_mul(finer) > MAX_POINTS {
+            return Err(Unlimited::Fine);
+        }
+        let star = Star::new(self.kind, n, side);
+        let (mut net, mut centre, mut record) = (star.net.clone(), star.centre, Record::new(Weights::Exact));
+        for step in &self.steps {
+            let next = Stepper::new(&self.plan).next(&net, step)?;
+            record.add(next.action)?;
+            centre = child(centre, step.letter.facts().children, [&net, &next.net], &record)?;
+            net = next.net;
+        }
+        watch.advance(net.mesh.n_vertices() as u64);
+        let topology = net.mesh.topology();
+        let starts = starts(&topology, centre);
+        if starts.len() != n {
+            return Err(Unlimited::Lost);
+        }
+        let reader = Reader { star: &star, record: &record };
+        let ring: Vec<u32> = starts.iter().map(|&start| first(&topology, self.kind, start)).collect();
+        let Some((turned, shrinks)) = reader.turned(self.kind, n, ring[0])? else { return Ok(None) };
+        let wanted = sector(&topology, self.kind, starts[(n - turned) % n], radius);
+        if wanted.len() != self.kind.points(radius).len() {
+            return Err(Unlimited::Reach);
+        }
+        let vertices: Vec<u32> = wanted.values().copied().collect();
+        let rows = wanted.keys().copied().zip(reader.rows(&vertices)?).collect();
+        let centre = match centre {
+            Centre::Vertex(v) => reader.rows(&[v])?.swap_remove(0),
+            _ => Vec::new(),
+        };
+        let local = Local { rows, centre, shrinks };
+        // what the rim has a say in is no rule of the inside
+        if local.reach(self.kind) + 1 >= side { Err(Unlimited::Reach) } else { Ok(Some(local)) }
+    }
+}
+
+/// The first point of the sector that begins at a half-edge.
+fn first(topology: &Topology, kind: Kind, start: u32) -> u32 {
+    if kind.has_centre() { topology.vertex(topology.next(start)) } else { topology.vertex(start) }
+}
+
+impl Local {
+    /// The radius of the farthest point that has a weight.
+    pub(super) fn reach(&self, kind: Kind) -> i32 {
+        let all = self.rows.values().flatten().chain(&self.centre);
+        all.filter_map(|entry| entry.point).map(|p| kind.radius(p)).max().unwrap_or(0)
+    }
+
+    /// The same for the points up to a radius.
+    pub(super) fn reach_of(&self, kind: Kind, radius: i32) -> i32 {
+        let near = self.rows.iter().filter(|(p, _)| kind.radius(**p) <= radius).flat_map(|(_, row)| row);
+        near.chain(&self.centre).filter_map(|entry| entry.point).map(|p| kind.radius(p)).max().unwrap_or(0)
+    }
+}
+
+/// Reads rows off a record.
+struct Reader<'a> {
+    star: &'a Star,
+    record: &'a Record,
+}
+
+impl Reader<'_> {
+    fn rows(&self, vertices: &[u32]) -> Result<Vec<Vec<Entry>>, Unlimited> {
+        let n = self.star.places.len();
+        let origins: Vec<u32> = (0..index(n)).collect();
+        let matrix = self.record.matrix(vertices, &origins, n).ok_or(Unlimited::Reach)?;
+        let row = |r: usize| {
+            let (columns, weights) = matrix.row(r);
+            let entry = |(&column, &weight): (&u32, &f64)| {
+                let place = self.star.places[column as usize];
+                Entry { sector: place.map_or(0, |place| place.0), point: place.map(|place| place.1), weight }
+            };
+            columns.iter().zip(weights).map(entry).collect::<Vec<_>>()
+        };
+        let rows: Vec<Vec<Entry>> = (0..vertices.len()).map(row).collect();
+        let known = rows.iter().flatten().all(|entry| entry.weight.is_finite());
+        if known { Ok(rows) } else { Err(Unlimited::Reach) }
+    }
+
+    /// By how many sectors the first point of the child's ring lies after the ray, or the corner, of sector 0, and how
+    /// far away from the middle, in the distance of such points before; `None` where it lies between two.
+    fn turned(&self, kind: Kind, n: usize, first: u32) -> Result<Option<(usize, f64)>, Unlimited> {
+        let row = self.rows(&[first])?.swap_remove(0);
+        let mut sum = [0.0; 2];
+        for entry in &row {
+            let Some(point) = entry.point else { continue };
+            let place = kind.direction(n, entry.sector, point);
+            (0..2).for_each(|k| sum[k] += entry.weight * place[k]);
+        }
+        let sectors = atan2(sum[1], sum[0]) * real(n) / std::f64::consts::TAU;
+        let whole = sectors.round();
+        #[expect(clippy::cast_possible_truncation, reason = "at most half of the valence")]
+        let turned = (whole as i64).rem_euclid(i64::try_from(n).unwrap_or(1));
+        let size = |[x, y]: [f64; 2]| sqrt(x * x + y * y);
+        let shrinks = size(sum) / size(kind.direction(n, 0, [i32::from(kind.has_centre()), 0]));
+        let turned = usize::try_from(turned).unwrap_or(0);
+        Ok(((sectors - whole).abs() <= IN_LINE).then_some((turned, shrinks)))
+    }
+}

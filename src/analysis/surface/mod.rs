@@ -1,0 +1,30 @@
+//! What is known of schemes for surfaces: their regular rules, and the eigenvalues, masks and characteristic maps of
+//! extraordinary vertices and faces.
+//!
+//! Around a vertex of valence n the points of some rings are mapped to those around its child by a local subdivision
+//! matrix, which rotations part into one block for each Fourier index. Limits are C^1 at the vertex when the eigenvalue
+//! 1 is followed by one that is there twice, with the indices 1 and n - 1, and the characteristic map, the limit of its
+//! eigenvectors, is regular and injective. Both are proved here, roundings included, or said to be open.
+//!
+//! Source: Reif, CAGD 12 (1995), 153-174; Peters and Reif, Subdivision Surfaces (2008).
+
+mod blocks;
+mod characteristic;
+mod convergence;
+mod enclosure;
+mod local;
+mod regular;
+mod sectors;
+mod smoothness;
+mod spectrum;
+mod star;
+mod study;
+mod verdict;
+
+pub use convergence::LatticeCertificate;
+pub use regular::RegularMask;
+pub use sectors::Kind;
+pub use smoothness::{Proof, RegularSmoothness};
+pub use spectrum::{Found, Weight};
+pub use study::{SurfaceStudy, ValenceReport};
+pub use verdict::{Criterion, Status, evidence, verdict};

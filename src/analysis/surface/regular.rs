@@ -1,0 +1,161 @@
+//! The mask of a scheme where nothing is extraordinary, and its factors.
+//!
+//! In lattice coordinates the new point f is the sum over old points c of `a[f - d c] p[c]`; the symbol is
+//! `a(z) = sum a[k] z^k = d^2 product of (sigma_u / d)^m_u b(z)` over directions u, with
+//! `sigma_u = 1 + z^u + ... + z^((d-1) u)`. Where the residual b is one term the limit is a box spline.
+//!
+//! Source: de Boor, Hollig and Riemenschneider, Box Splines (1993), chapters I and VII; Dyn and Levin, Acta Numerica 11
+//! (2002), section 4.
+
+use std::collections::BTreeMap;
+
+use super::local::Applied;
+use super::sectors::{Kind, Point};
+use crate::analysis::limit::Unlimited;
+use crate::watch::Watch;
+
+/// What divisions of masks may leave: rounding of weights of about 1.
+/// It is some thousand roundings. Half of it misses factors of long masks, twice of it takes a scheme within twice as
+/// much of one with a factor for it.
+const REST: f64 = 1e-12;
+/// A Laurent polynomial in two variables, by exponents.
+pub(super) type Polynomial = BTreeMap<Point, f64>;
+
+/// The rule of a regular net.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RegularMask {
+    /// What its faces and its middle are.
+    pub kind: Kind,
+    /// Pieces of an edge.
+    pub arity: i32,
+    /// The mask a, without zeros.
+    pub mask: BTreeMap<[i32; 2], f64>,
+    /// How often each of the directions (1, 0), (0, 1), (1, 1), (1, -1) has a factor.
+    pub factors: [u32; 4],
+    /// The residual b, 1 in all.
+    pub residual: BTreeMap<[i32; 2], f64>,
+}
+
+impl RegularMask {
+    /// Directions whose factors are looked for: the sides of quads and triangles, and both diagonals.
+    pub const DIRECTIONS: [[i32; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
+
+    /// Reads the mask off the rows around a regular vertex, or face.
+    pub(super) fn of(applied: &Applied, watch: &Watch) -> Result<Self, Unlimited> {
+        let (kind, n) = (applied.kind, applied.kind.regular());
+        let radius = applied.arity;
+        let Some(local) = applied.wide_enough(n, radius, watch)? else { return Err(Unlimited::Unsettled) };
+        let mut mask = Polynomial::new();
+        let d = applied.arity;
+        // the points of one period, and the middle where it is one
+        let mut rows: Vec<(Point, &[super::local::Entry])> =
+            local.rows.iter().filter(|(p, _)| p.iter().all(|&x| x < d)).map(|(&p, row)| (p, row.as_slice())).collect();
+        if kind.has_centre() {
+            rows.push(([0, 0], &local.centre));
+            rows.extend((1..d).map(|j| ([0, j], local.rows[&[j, 0]].as_slice())));
+        }
+        for ([x, y], row) in rows {
+            // the ray 1 is the ray 0 of the next sector
+            let turn = usize::from(kind.has_centre() && x == 0 && y > 0);
+            for entry in row {
+                let sector = i32::try_from(entry.sector + turn).unwrap_or(0);
+                let [i, j] = entry.point.map_or([0, 0], |p| kind.rotated(p, sector));
+                *mask.entry([x - d * i, y - d * j]).or_insert(0.0) += entry.weight;
+            }
+        }
+        mask.retain(|_, weight| weight.abs() > 1e-15);
+        let size = f64::from(d);
+        let mut residual: Polynomial = mask.iter().map(|(&k, &a)| (k, a / (size * size))).collect();
+        let mut factors = [0; 4];
+        for (factor, &direction) in factors.iter_mut().zip(&Self::DIRECTIONS) {
+            while let Some(quotient) = divided(&residual, direction, d) {
+                residual = quotient.into_iter().map(|(k, b)| (k, b * size)).collect();
+                *factor += 1;
+            }
+        }
+        Ok(Self { kind, arity: d, mask, factors, residual })
+    }
+
+    /// Whether the limit is a box spline.
+    pub fn is_box_spline(&self) -> bool {
+        self.residual.len() == 1 && (self.factors[2] == 0 || self.factors[3] == 0)
+    }
+
+    /// The largest k for which a box spline is C^k: one less than the fewest directions without which the others do
+    /// not span the plane, less one.
+    pub fn spline_smoothness(&self) -> Option<i64> {
+        let all: u32 = self.factors.iter().sum();
+        let most = self.factors.iter().max().copied().unwrap_or(0);
+        self.is_box_spline().then(|| i64::from(all - most) - 2)
+    }
+
+    /// The masks of two curves whose product it is, with the indices of their first entries.
+    pub fn tensor(&self) -> Option<[(i32, Vec<f64>); 2]> {
+        let range = |axis: usize| {
+            let all = || self.mask.keys().map(|k| k[axis]);
+            Some(all().min()?..=all().max()?)
+        };
+        let (columns, rows) = (range(0)?, range(1)?);
+        let at = |x: i32, y: i32| self.mask.get(&[x, y]).copied().unwrap_or(0.0);
+        let d = f64::from(self.arity);
+        // marginal sums: each factor sums to d
+        let first: Vec<f64> = columns.clone().map(|x| rows.clone().map(|y| at(x, y)).sum::<f64>() / d).collect();
+        let second: Vec<f64> = rows.clone().map(|y| columns.clone().map(|x| at(x, y)).sum::<f64>() / d).collect();
+        let fits = columns.clone().zip(&first).all(|(x, a)| {
+            let fits = |(y, b): (i32, &f64)| (at(x, y) - a * b).abs() <= REST;
+            rows.clone().zip(&second).all(fits)
+        });
+        fits.then(|| [(*columns.start(), first), (*rows.start(), second)])
+    }
+
+    /// The largest ends of the support of the basic limit function in x, y and x + y, times d - 1: the least and the
+    /// greatest.
+    pub(super) fn ends(mask: &Polynomial) -> [[i32; 2]; 3] {
+        let value = |k: &Point| [k[0], k[1], k[0] + k[1]];
+        let mut ends = [[i32::MAX, i32::MIN]; 3];
+        for k in mask.keys() {
+            for (end, x) in ends.iter_mut().zip(value(k)) {
+                *end = [end[0].min(x), end[1].max(x)];
+            }
+        }
+        ends
+    }
+}
+
+/// The quotient by `1 + z^u + ... + z^((d-1) u)`, unless something remains.
+pub(super) fn divided(c: &Polynomial, [u, v]: Point, d: i32) -> Option<Polynomial> {
+    let mut quotient = Polynomial::new();
+    let mut rest = c.clone();
+    let size: f64 = c.values().map(|x| x.abs()).sum();
+    // along each line in the direction u the first term left is that of the quotient; x grows along all directions but
+    // one, along which y does
+    let ahead = |[x, y]: &Point| x * u.signum() * 4096 + y * v.signum();
+    let mut order: Vec<Point> = rest.keys().copied().collect();
+    order.sort_by_key(ahead);
+    let last = |rest: &Polynomial| rest.values().all(|x| x.abs() <= REST * size);
+    let extent = order.last().map_or(0, ahead) - order.first().map_or(0, ahead);
+    debug_assert!(extent >= 0, "sorted");
+    let mut queue = std::collections::BTreeSet::from_iter(order.iter().map(|k| (ahead(k), *k)));
+    let end: [i32; 2] = [0, 1].map(|axis| c.keys().map(|k| k[axis]).max().unwrap_or(0));
+    let start: [i32; 2] = [0, 1].map(|axis| c.keys().map(|k| k[axis]).min().unwrap_or(0));
+    while let Some((_, k)) = queue.pop_first() {
+        let x = rest.get(&k).copied().unwrap_or(0.0);
+        if x.abs() <= REST * size {
+            continue;
+        }
+        // the last term of the factor would lie beyond the mask
+        let far = [k[0] + (d - 1) * u, k[1] + (d - 1) * v];
+        if (0..2).any(|axis| far[axis] < start[axis] || far[axis] > end[axis]) {
+            return None;
+        }
+        quotient.insert(k, x);
+        for step in 0..d {
+            let at = [k[0] + step * u, k[1] + step * v];
+            *rest.entry(at).or_insert(0.0) -= x;
+            if step > 0 {
+                queue.insert((ahead(&at), at));
+            }
+        }
+    }
+    (last(&rest) && !quotient.is_empty()).then_some(quotient)
+}

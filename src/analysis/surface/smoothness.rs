@@ -1,0 +1,66 @@
+//! How smooth limits of regular nets are.
+
+use super::convergence::{LatticeCertificate, certificates};
+use super::regular::RegularMask;
+use super::verdict::Status;
+use crate::analysis::smoothness::{Report, Symbol};
+use crate::math::mask::Mask;
+use crate::watch::{Stopped, Watch};
+
+/// By what the smoothness of regular nets is proved.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Proof {
+    /// The limit is a box spline.
+    BoxSpline,
+    /// The mask is a product of two masks of curves: what is known of the first, and of the second where it is another.
+    Product(Vec<Report>),
+    /// Norms of difference schemes.
+    Norms(Vec<LatticeCertificate>),
+}
+
+/// How smooth limits of regular nets are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RegularSmoothness {
+    /// The proof.
+    pub proof: Proof,
+    /// The largest k for which limits are proved to be C^k, -1 where not even convergence is.
+    pub proved_c: i64,
+    /// The smallest k for which it is disproved that limits are C^k.
+    pub disproved_c: Option<i64>,
+}
+
+impl RegularSmoothness {
+    /// What can be proved with so many products of matrices.
+    pub(super) fn of(regular: &RegularMask, nodes: u64, watch: &Watch) -> Result<Self, Stopped> {
+        if let Some(k) = regular.spline_smoothness() {
+            return Ok(Self { proof: Proof::BoxSpline, proved_c: k, disproved_c: Some(k + 1) });
+        }
+        if let Some([first, second]) = regular.tensor() {
+            let both = if first == second { vec![first] } else { vec![first, second] };
+            let report = |(first, values): &(i32, Vec<f64>)| {
+                let symbol = Symbol::beside(regular.arity.into(), &Mask::new(*first, values)?);
+                symbol.map(|symbol| Report::of(symbol, nodes, watch))
+            };
+            if let Some(reports) = both.iter().map(report).collect::<Option<Result<Vec<_>, _>>>() {
+                let reports = reports?;
+                let proved_c = reports.iter().map(|report| report.smoothness.proved_c).min().unwrap_or(-1);
+                let disproved_c = reports.iter().filter_map(|report| report.smoothness.disproved_c).min();
+                return Ok(Self { proof: Proof::Product(reports), proved_c, disproved_c });
+            }
+        }
+        let certificates = certificates(regular);
+        let proved_c = i64::try_from(certificates.len()).unwrap_or(0) - 1;
+        Ok(Self { proof: Proof::Norms(certificates), proved_c, disproved_c: None })
+    }
+
+    /// Whether limits are C^1.
+    pub(super) fn is_c1(&self) -> Status {
+        if self.proved_c >= 1 {
+            Status::Proved
+        } else if self.disproved_c.is_some_and(|k| k <= 1) {
+            Status::Disproved
+        } else {
+            Status::Open
+        }
+    }
+}

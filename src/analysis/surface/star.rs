@@ -1,0 +1,118 @@
+//! Nets that are regular but for the vertex, or the face, in their middle, and the walks that find sector coordinates
+//! in any net.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::sectors::{Kind, Point};
+use crate::analysis::limit::Centre;
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::tags::Boundary;
+use crate::shape::check::{FaceList, Winding};
+use crate::shape::topology::{NONE, Topology, index};
+
+/// A place around the middle: a sector and a point of it.
+pub(super) type Place = (usize, Point);
+
+/// A net of n sectors around its middle.
+#[derive(Debug)]
+pub(super) struct Star {
+    /// The net.
+    pub(super) net: MeshNet,
+    /// What its middle is.
+    pub(super) centre: Centre,
+    /// For each vertex its place; `None` for the one in the middle.
+    pub(super) places: Vec<Option<Place>>,
+}
+
+impl Star {
+    /// The net of n sectors with points up to a radius.
+    pub(super) fn new(kind: Kind, n: usize, radius: i32) -> Self {
+        let points = kind.points(radius);
+        let mut places: Vec<Option<Place>> = if kind.has_centre() { vec![None] } else { Vec::new() };
+        places.extend((0..n).flat_map(|s| points.iter().map(move |&p| Some((s, p)))));
+        let numbers: BTreeMap<Place, u32> =
+            places.iter().enumerate().filter_map(|(v, place)| place.map(|place| (place, index(v)))).collect();
+        let at = |s: usize, [i, j]: Point| match (kind.has_centre(), i, j) {
+            (true, 0, 0) => 0,
+            (true, 0, j) => numbers[&((s + 1) % n, [j, 0])],
+            _ => numbers[&(s % n, [i, j])],
+        };
+        let mut faces = FaceList::default();
+        if !kind.has_centre() {
+            faces.push((0..n).map(|s| at(s, [0, 0])));
+        }
+        for s in 0..n {
+            for (i, j) in (0..radius).flat_map(|i| (0..radius).map(move |j| (i, j))) {
+                let corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
+                let [a, b, c, d] = corners;
+                match kind {
+                    Kind::Quads | Kind::Dual => faces.push(corners.map(|p| at(s, p))),
+                    Kind::Triangles => {
+                        if i + j < radius {
+                            faces.push([a, b, d].map(|p| at(s, p)));
+                        }
+                        if i + j + 2 <= radius {
+                            faces.push([b, c, d].map(|p| at(s, p)));
+                        }
+                    }
+                }
+            }
+            if !kind.has_centre() {
+                let before = (s + n - 1) % n;
+                let strip = |i: i32| [at(before, [0, i]), at(before, [0, i + 1]), at(s, [i + 1, 0]), at(s, [i, 0])];
+                (0..radius).for_each(|i| faces.push(strip(i)));
+            }
+        }
+        let checked = Topology::of_faces(places.len(), faces, Winding::Refuse).expect("sectors side by side fit");
+        let mut net = MeshNet::new(Arc::new(checked.topology), &[], &[], Boundary::EdgeOnly);
+        // what D loses at the rim is no part of a boundary
+        net.tags.cut = true;
+        let centre = if kind.has_centre() { Centre::Vertex(0) } else { Centre::Face(0) };
+        Self { net, centre, places }
+    }
+}
+
+/// The half-edges at which sectors around a centre begin, counter-clockwise.
+pub(super) fn starts(topology: &Topology, centre: Centre) -> Vec<u32> {
+    match centre {
+        Centre::Vertex(v) => topology.ring(v as usize).collect(),
+        Centre::Face(f) => topology.half_edges(f as usize).collect(),
+        Centre::Edge(_) => Vec::new(),
+    }
+}
+
+/// The vertices at the points of the sector that begins at a half-edge, as far as the net goes there.
+pub(super) fn sector(topology: &Topology, kind: Kind, start: u32, radius: i32) -> BTreeMap<Point, u32> {
+    let half = kind.regular() / 2;
+    let turned = |half_edge: u32, times: usize| (0..times).try_fold(half_edge, |at, _| counter_clockwise(topology, at));
+    let straight = |half_edge: u32| turned(topology.twin(half_edge), half);
+    let mut found = BTreeMap::new();
+    // the next half-edge along the first side, and the vertex from which it leaves
+    let (mut along, mut i) = match kind {
+        Kind::Dual => (turned(start, half), 0),
+        Kind::Quads | Kind::Triangles => (straight(start), 1),
+    };
+    while let Some(out) = along.filter(|_| i <= radius) {
+        found.insert([i, 0], topology.vertex(out));
+        let mut side = turned(out, 1);
+        let mut j = 1;
+        while let Some(up) = side.filter(|_| kind.radius([i, j]) <= radius) {
+            found.insert([i, j], topology.vertex(topology.next(up)));
+            side = straight(up);
+            j += 1;
+        }
+        along = straight(out);
+        i += 1;
+    }
+    found
+}
+
+/// The half-edge that leaves a vertex after this one, counter-clockwise; `None` at the rim.
+fn counter_clockwise(topology: &Topology, half_edge: u32) -> Option<u32> {
+    if half_edge == NONE {
+        return None;
+    }
+    let next = topology.twin(topology.previous(half_edge));
+    (next != NONE).then_some(next)
+}

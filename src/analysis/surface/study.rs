@@ -1,0 +1,248 @@
+//! What a plan comes to as a scheme for surfaces: its regular rule, and what is known of each valence.
+
+use std::collections::BTreeMap;
+
+use super::blocks::{Block, components, row};
+use super::characteristic::{CharacteristicNet, RingProof, ring};
+use super::local::{Applied, Local};
+use super::regular::RegularMask;
+use super::sectors::{Kind, Point};
+use super::smoothness::RegularSmoothness;
+use super::spectrum::{Found, Spectrum, Weight};
+use super::verdict::{Case, Criterion};
+use crate::analysis::limit::Unlimited;
+use crate::scheme::operator::Children;
+use crate::scheme::plan::Plan;
+use crate::shape::tile::Tile;
+use crate::watch::{Stopped, Watch};
+
+/// Most points of the characteristic net that are told.
+/// They draw valence 12 with three rings. Half of it leaves out the outer ring at large valences; twice of it makes
+/// answers about many valences twice as long.
+const MAX_POINTS: usize = 512;
+/// By how much a row near the middle may differ from that of the regular net and count as equal: rounding.
+/// Other rules differ by a hundredth at least. Half and twice of it decide alike.
+const SAME: f64 = 1e-12;
+/// Rings farther out that are tried for one on which the regular rules hold.
+/// Rules beside extraordinary vertices reach a ring farther at most. Half and twice of it decide alike.
+const MORE_RINGS: i32 = 2;
+
+/// A plan as a scheme for surfaces.
+#[derive(Debug)]
+pub struct SurfaceStudy {
+    applied: Applied,
+    /// The rule of regular nets.
+    pub regular: RegularMask,
+}
+
+/// What is known of one valence.
+#[derive(Debug, Clone)]
+pub struct ValenceReport {
+    /// The number of edges at the vertex, or of corners of the face.
+    pub valence: usize,
+    /// The eigenvalues with their Fourier indices, the largest first.
+    pub eigenvalues: Vec<Found>,
+    /// The subdominant eigenvalue: the largest of Fourier index 1.
+    pub subdominant: Option<f64>,
+    /// The size of the next one over it.
+    pub ratio: Option<f64>,
+    /// The weights of the limit position.
+    pub limit_mask: Vec<Weight>,
+    /// The weights of two tangents; `None` without a subdominant eigenvalue.
+    pub tangent_masks: Option<[Vec<Weight>; 2]>,
+    /// The net of the characteristic map: points and faces.
+    pub net: Option<(Vec<[f64; 2]>, Vec<Vec<usize>>)>,
+    /// The least sine of its corner angles.
+    pub least_sine: Option<f64>,
+    /// What decides about C^1.
+    pub criteria: Vec<Criterion>,
+}
+
+impl SurfaceStudy {
+    /// What a plan on meshes comes to.
+    ///
+    /// # Errors
+    /// [`Unlimited`].
+    pub fn of(plan: &Plan, watch: &Watch) -> Result<Self, Unlimited> {
+        if plan.perturbation.is_some_and(|perturbation| perturbation.amplitude != 0.0) {
+            return Err(Unlimited::Later("it is perturbed at random".into()));
+        }
+        let mut failed = Unlimited::NoUpsampling;
+        for kind in kinds(plan) {
+            match Applied::new(plan, kind, watch) {
+                Ok(applied) => {
+                    let regular = RegularMask::of(&applied, watch)?;
+                    return Ok(Self { applied, regular });
+                }
+                Err(stopped @ Unlimited::Stopped(_)) => return Err(stopped),
+                Err(error) => failed = error,
+            }
+        }
+        Err(failed)
+    }
+
+    /// How often the cycle is applied, so that directions are kept.
+    pub fn applications(&self) -> u32 {
+        self.applied.applications
+    }
+
+    /// How smooth limits of regular nets are, as far as so many products of matrices tell.
+    ///
+    /// # Errors
+    /// [`Stopped`].
+    pub fn smoothness(&self, nodes: u64, watch: &Watch) -> Result<RegularSmoothness, Stopped> {
+        RegularSmoothness::of(&self.regular, nodes, watch)
+    }
+
+    /// What is known of a valence.
+    ///
+    /// # Errors
+    /// [`Unlimited`].
+    pub fn valence(
+        &self,
+        valence: usize,
+        smoothness: &RegularSmoothness,
+        watch: &Watch,
+    ) -> Result<ValenceReport, Unlimited> {
+        let kind = self.applied.kind;
+        let (from, farthest) = ring(&self.regular);
+        let local = |farthest: i32| {
+            let local = self.applied.wide_enough(valence, farthest, watch)?.ok_or(Unlimited::Unsettled)?;
+            Ok::<_, Unlimited>((closed(kind, &local, farthest)?, local))
+        };
+        let d = self.regular.arity;
+        let mut proof = if smoothness.proved_c >= 1 { RingProof::new(&self.regular) } else { None };
+        let mut found = local(farthest)?;
+        for more in 0..=MORE_RINGS {
+            if more > 0 {
+                found = local(farthest + d * more)?;
+            }
+            if self.is_regular_beyond(valence, d * (from + more), &found.1) {
+                proof = proof.map(|proof| proof.farther(more));
+                break;
+            }
+            if more == MORE_RINGS {
+                proof = None;
+            }
+        }
+        let (radius, local) = found;
+        let spectrum = Spectrum::of(kind, valence, radius, &local, watch)?.ok_or(Unlimited::Unsettled)?;
+        let vector = spectrum.subdominant().map(|value| (value, spectrum.blocks[1].matrix.eigenvector(value)));
+        let net = vector.as_ref().and_then(|(value, vector)| net(&spectrum, &local, *value, vector));
+        let least_sine = net.as_ref().map(|net| net.least_sine(kind, farthest));
+        let case = Case {
+            spectrum: &spectrum,
+            regular: smoothness.is_c1(),
+            ring: proof.as_ref(),
+            net: net.as_ref(),
+            least_sine,
+        };
+        let criteria = case.criteria(watch)?;
+        let tangent_masks = vector.as_ref().map(|(value, right)| {
+            let left = spectrum.blocks[1].matrix.transposed().eigenvector(*value);
+            let scale = scale(&spectrum, right);
+            let product: f64 = left.iter().zip(right).map(|(l, r)| l * r).sum();
+            let left: Vec<f64> = left.iter().map(|l| l * scale / product).collect();
+            spectrum.tangent_masks(&left)
+        });
+        Ok(ValenceReport {
+            valence,
+            subdominant: spectrum.subdominant(),
+            ratio: spectrum.subdominant().map(|value| spectrum.next().0 / value),
+            limit_mask: spectrum.limit_mask(),
+            tangent_masks,
+            net: net.map(|net| shown(kind, &net)),
+            least_sine,
+            eigenvalues: spectrum.sorted(),
+            criteria,
+        })
+    }
+
+    /// Whether the new points that have a say on cells from a radius on are made by the rules of the regular net.
+    fn is_regular_beyond(&self, n: usize, radius: i32, local: &Local) -> bool {
+        let (kind, d, mask) = (self.applied.kind, self.regular.arity, &self.regular.mask);
+        let ends = RegularMask::ends(mask);
+        let reach = ends.iter().map(|end| (end[1] + d - 2).div_euclid(d - 1)).max().unwrap_or(1) - 1;
+        let n = i32::try_from(n).unwrap_or(i32::MAX);
+        local.rows.iter().filter(|(p, _)| kind.radius(**p) >= radius - reach).all(|(p, row)| {
+            let mut left: BTreeMap<Option<(usize, Point)>, f64> = BTreeMap::new();
+            for entry in row {
+                *left.entry(entry.point.map(|point| (entry.sector, point))).or_insert(0.0) += entry.weight;
+            }
+            for (k, a) in mask.iter().filter(|(k, _)| (0..2).all(|axis| (p[axis] - k[axis]) % d == 0)) {
+                let old = [0, 1].map(|axis| (p[axis] - k[axis]) / d);
+                let place = match kind.unfolded(old) {
+                    Some((sector, point)) => Some((usize::try_from(sector.rem_euclid(n)).unwrap_or(0), point)),
+                    None if kind.has_centre() && old == [0, 0] => None,
+                    None => return false,
+                };
+                *left.entry(place).or_insert(0.0) -= a;
+            }
+            left.values().all(|x| x.abs() <= SAME)
+        })
+    }
+}
+
+/// The kinds of nets on which a plan may be regular.
+fn kinds(plan: &Plan) -> Vec<Kind> {
+    let children = || plan.word.cycle.iter().map(|letter| letter.facts().children);
+    let duals = children().filter(|children| *children == Children::Dual).count();
+    let quads =
+        if duals % 2 == 1 || children().any(|children| children == Children::Faces) { Kind::Dual } else { Kind::Quads };
+    if plan.tile() == Tile::Triangle { vec![Kind::Triangles] } else { vec![quads, Kind::Triangles] }
+}
+
+/// The least radius whose points come of no others, and of whose points all those that were read come, too.
+fn closed(kind: Kind, local: &Local, farthest: i32) -> Result<i32, Unlimited> {
+    let mut radius = local.reach(kind).min(farthest);
+    // where points farther out have a say, the closed part is wider
+    while local.reach_of(kind, radius) > radius {
+        radius = local.reach_of(kind, radius);
+        if radius > farthest {
+            return Err(Unlimited::Reach);
+        }
+    }
+    if local.reach(kind) > radius { Err(Unlimited::Reach) } else { Ok(radius) }
+}
+
+/// What makes the first point of a sector lie at 1.
+fn scale(spectrum: &Spectrum, vector: &[f64]) -> f64 {
+    let first = Block::values(&spectrum.blocks[1].components, vector).first().map_or(1.0, |(_, u)| u[0]);
+    first
+}
+
+/// The net of an eigenvector, as far as the rows go, its first point at 1.
+fn net(spectrum: &Spectrum, local: &Local, value: f64, vector: &[f64]) -> Option<CharacteristicNet> {
+    let (kind, n) = (spectrum.kind, spectrum.n);
+    let scale = scale(spectrum, vector);
+    if scale == 0.0 {
+        return None;
+    }
+    let known = &spectrum.blocks[1].components;
+    let farthest = local.rows.keys().map(|&p| kind.radius(p)).max()?;
+    let all = components(kind, farthest, 1);
+    let entry = |component: &super::blocks::Component| {
+        let weights = row(kind, n, 1, local, *component, known)?;
+        Some(weights.iter().zip(vector).map(|(w, x)| w * x).sum::<f64>() / (value * scale))
+    };
+    let extended: Vec<f64> = all.iter().map(entry).collect::<Option<_>>()?;
+    Some(CharacteristicNet { n, values: Block::values(&all, &extended).into_iter().collect() })
+}
+
+/// Points and faces of a net, in as many rings as are told.
+fn shown(kind: Kind, net: &CharacteristicNet) -> (Vec<[f64; 2]>, Vec<Vec<usize>>) {
+    let farthest = net.values.keys().map(|&p| kind.radius(p)).max().unwrap_or(0);
+    let fits = |radius: &i32| kind.points(*radius).len() * net.n < MAX_POINTS;
+    let radius = (1..=farthest).rev().find(fits).unwrap_or(1).min(farthest);
+    let star = super::star::Star::new(kind, net.n, radius);
+    let place = |place: &Option<(usize, Point)>| match place {
+        None => [0.0; 2],
+        Some((sector, point)) => {
+            let sector = i32::try_from(*sector).unwrap_or(0);
+            net.place(kind, sector, *point).unwrap_or([0.0; 2])
+        }
+    };
+    let topology = &star.net.mesh.base;
+    let face = |f: usize| topology.face(f).iter().map(|&v| v as usize).collect();
+    (star.places.iter().map(place).collect(), (0..topology.n_faces()).map(face).collect())
+}

@@ -1,0 +1,177 @@
+//! Whether limits are C^1 at a middle, and what speaks for it.
+
+use super::characteristic::{CharacteristicNet, Ring, RingProof, SLACK};
+use super::enclosure::{Enclosure, is_below, without_one};
+use super::spectrum::Spectrum;
+use crate::watch::{Stopped, Watch};
+
+/// What is known of a statement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// It holds, by a proof.
+    Proved,
+    /// It holds as far as numbers and samples show.
+    Supported,
+    /// It does not hold, by a proof.
+    Disproved,
+    /// Nothing is known.
+    Open,
+}
+
+/// A statement that decides about C^1, and what is known of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Criterion {
+    /// The statement.
+    pub statement: &'static str,
+    /// What is known of it.
+    pub status: Status,
+}
+
+/// The statement about regular nets.
+const REGULAR: &str = "limits of regular nets are C1";
+/// The statement about the eigenvalue 1.
+const ONE: &str = "the eigenvalue 1 is simple, and all others are smaller";
+/// The statement about the subdominant eigenvalue.
+const SUBDOMINANT: &str = "the next eigenvalue is real, positive and there twice, with the Fourier indices 1 and n - 1, and all others are \
+     smaller";
+/// The statement about the characteristic map.
+const MAP: &str = "the characteristic map is regular and injective";
+
+/// What decides about one middle.
+pub(super) struct Case<'a> {
+    /// The eigenvalues.
+    pub(super) spectrum: &'a Spectrum,
+    /// Whether limits of regular nets are C^1.
+    pub(super) regular: Status,
+    /// How the characteristic map is followed, where regular rules hold on its ring.
+    pub(super) ring: Option<&'a RingProof<'a>>,
+    /// The net of the characteristic map.
+    pub(super) net: Option<&'a CharacteristicNet>,
+    /// The least sine of its corner angles.
+    pub(super) least_sine: Option<f64>,
+}
+
+impl Case<'_> {
+    /// All criteria.
+    pub(super) fn criteria(&self, watch: &Watch) -> Result<Vec<Criterion>, Stopped> {
+        let regular = Criterion { statement: REGULAR, status: self.regular };
+        if self.spectrum.n == self.spectrum.kind.regular() {
+            return Ok(vec![regular]);
+        }
+        let mut one = self.numbers_of_one();
+        let mut subdominant = self.numbers_of_subdominant();
+        let mut error = None;
+        if subdominant == Status::Supported {
+            if let Some(found) = self.enclosed(watch)? {
+                (one, subdominant, error) = (Status::Proved, Status::Proved, Some(found));
+            }
+        } else if self.is_of_another_index(watch)? {
+            subdominant = Status::Disproved;
+        }
+        let map = self.map(error, watch)?;
+        Ok(vec![
+            regular,
+            Criterion { statement: ONE, status: one },
+            Criterion { statement: SUBDOMINANT, status: subdominant },
+            Criterion { statement: MAP, status: map },
+        ])
+    }
+
+    fn numbers_of_one(&self) -> Status {
+        let values = &self.spectrum.values;
+        let first = values[0].first().is_some_and(|x| (x.re - 1.0).abs() < 1e-9 && x.im == 0.0);
+        let others = values[1..].iter().filter_map(|values| values.first()).chain(values[0].get(1));
+        let smaller = others.map(|x| x.modulus()).fold(0.0, f64::max) < 1.0 - 1e-9;
+        if first && smaller { Status::Supported } else { Status::Open }
+    }
+
+    fn numbers_of_subdominant(&self) -> Status {
+        let (next, _) = self.spectrum.next();
+        match self.spectrum.subdominant() {
+            Some(value) if next < value * (1.0 - 1e-9) => Status::Supported,
+            _ => Status::Open,
+        }
+    }
+
+    /// A radius between the subdominant eigenvalue and all smaller ones.
+    fn between(&self, value: f64) -> f64 {
+        let (next, _) = self.spectrum.next();
+        value * crate::math::functions::sqrt((next / value).max(0.25))
+    }
+
+    /// The error of the subdominant eigenvector, where it is proved that there is no other eigenvalue as large.
+    fn enclosed(&self, watch: &Watch) -> Result<Option<f64>, Stopped> {
+        let spectrum = self.spectrum;
+        let Some(value) = spectrum.subdominant() else { return Ok(None) };
+        let theta = self.between(value);
+        let Some(enclosure) = Enclosure::of(&spectrum.blocks[1].matrix, value, theta) else { return Ok(None) };
+        if enclosure.value + enclosure.radius >= 1.0 {
+            return Ok(None);
+        }
+        let first = without_one(&spectrum.blocks[0].matrix, &spectrum.ones(), &spectrum.limit_row());
+        let others = spectrum.blocks.iter().skip(2).map(|block| &block.matrix);
+        for matrix in others.chain([&first]) {
+            watch.check()?;
+            if !is_below(matrix, theta) {
+                return Ok(None);
+            }
+        }
+        Ok(Some(enclosure.error))
+    }
+
+    /// Whether a larger eigenvalue than all those of index 1 is proved to have another index: then the surface is drawn
+    /// out to a line, or wound around several times.
+    fn is_of_another_index(&self, watch: &Watch) -> Result<bool, Stopped> {
+        let spectrum = self.spectrum;
+        let (next, index) = spectrum.next();
+        let own = spectrum.values[1].first().map_or(0.0, |value| value.modulus());
+        watch.check()?;
+        if index == 1 || next <= own {
+            return Ok(false);
+        }
+        let theta = crate::math::functions::sqrt(next * own.max(0.25 * next));
+        let matrix = if index == 0 {
+            without_one(&spectrum.blocks[0].matrix, &spectrum.ones(), &spectrum.limit_row())
+        } else {
+            spectrum.blocks[index].matrix.clone()
+        };
+        let value = spectrum.values[index].get(usize::from(index == 0)).filter(|value| value.im == 0.0);
+        let larger = value.is_some_and(|value| Enclosure::of(&matrix, value.re, theta).is_some());
+        Ok(larger && is_below(&spectrum.blocks[1].matrix, theta))
+    }
+
+    /// What is known of the characteristic map, with the error of its net where there is a proof of it.
+    fn map(&self, error: Option<f64>, watch: &Watch) -> Result<Status, Stopped> {
+        let sampled = if self.least_sine.is_some_and(|sine| sine > 0.0) { Status::Supported } else { Status::Open };
+        let (Some(net), Some(ring), Some(error)) = (self.net, self.ring, error) else { return Ok(sampled) };
+        // what the slack of a ring leaves room for, many times over
+        if self.regular != Status::Proved || error > SLACK / 100.0 {
+            return Ok(sampled);
+        }
+        Ok(match ring.of(net, watch)? {
+            Ring::Proved => Status::Proved,
+            Ring::Folded => Status::Disproved,
+            Ring::Open => sampled,
+        })
+    }
+}
+
+/// The verdict that follows from all criteria: proved if all are, disproved if one is.
+pub fn verdict(criteria: &[Criterion]) -> Status {
+    let all = |wanted: Status| criteria.iter().all(|criterion| criterion.status == wanted);
+    if criteria.iter().any(|criterion| criterion.status == Status::Disproved) {
+        Status::Disproved
+    } else if all(Status::Proved) {
+        Status::Proved
+    } else {
+        Status::Open
+    }
+}
+
+/// What speaks for C^1 on the whole: the weakest of all criteria.
+pub fn evidence(criteria: &[Criterion]) -> Status {
+    let rank = |status: Status| {
+        [Status::Disproved, Status::Open, Status::Supported, Status::Proved].iter().position(|other| *other == status)
+    };
+    criteria.iter().map(|criterion| criterion.status).min_by_key(|status| rank(*status)).unwrap_or(Status::Open)
+}

@@ -1,0 +1,178 @@
+//! The analysis of a plan as a scheme for surfaces: a computation like a job, of which only the scheme matters.
+
+use super::analysis::{DEFAULT_NODES, MAX_NODES};
+use super::key::{self, Key};
+use crate::analysis::limit::Unlimited;
+use crate::analysis::surface::{RegularSmoothness, SurfaceStudy, ValenceReport};
+use crate::fault::{Fault, under};
+use crate::math::expression::Expression;
+use crate::scheme::plan::{Plan, PlanInput, Subject};
+use crate::watch::{Stopped, Watch};
+
+/// Valences that are looked at when nothing is said.
+const DEFAULT_VALENCES: std::ops::RangeInclusive<usize> = 3..=12;
+/// The largest valence.
+/// Matrices have some dozens of rows for each Fourier index. Half of it would refuse poles of fine spheres; twice of it
+/// takes twice as long, and characteristic maps become so thin that proofs fail.
+pub const MAX_VALENCE: usize = 50;
+/// Milliseconds that a valence takes, for each of its edges: with the longest words.
+/// It only says how much is booked. With half of it long words take longer than their share; with twice of it analyses
+/// of many valences wait longer.
+const MS_AN_EDGE: u64 = 4;
+
+/// Bytes of memory that an analysis takes at most: the largest star, its operators' rows and the blocks.
+/// It is reckoned from 2^18 points with some 200 bytes each. Half of it is enough for all presets; twice of it lets half
+/// as many analyses run at once.
+const BYTES: u64 = 64 << 20;
+
+/// What is asked about a plan on meshes.
+#[derive(Debug)]
+pub struct SurfaceAnalysis {
+    study: SurfaceStudy,
+    follows_alpha: bool,
+    valences: Vec<usize>,
+    nodes: u64,
+    key: Key,
+}
+
+/// What an analysis has found.
+#[derive(Debug)]
+pub struct SurfaceFindings<'a> {
+    /// The plan as a scheme.
+    pub study: &'a SurfaceStudy,
+    /// Whether its levels differ from the one that was analysed, at alpha = 0.
+    pub follows_alpha: bool,
+    /// How smooth limits of regular nets are.
+    pub smoothness: RegularSmoothness,
+    /// What is known of each valence, or why nothing is.
+    pub valences: Vec<(usize, Result<ValenceReport, String>)>,
+}
+
+impl SurfaceAnalysis {
+    /// The analysis of a plan at some valences, with so many products of matrices in the search for bounds of curves.
+    ///
+    /// # Errors
+    /// Every fault found, with pointers into the request.
+    pub fn new(
+        plan: &PlanInput,
+        valences: Option<&[u64]>,
+        nodes: Option<u64>,
+        watch: &Watch,
+    ) -> Result<Self, Vec<Fault>> {
+        let nodes = nodes.unwrap_or(DEFAULT_NODES);
+        let mut faults = Vec::new();
+        if nodes > MAX_NODES {
+            let detail = format!("{nodes} products of matrices; at most {MAX_NODES} are looked at");
+            faults.push(Fault::new("/nodes", detail));
+        }
+        let valences = valences.map_or_else(|| Ok(DEFAULT_VALENCES.collect()), checked).unwrap_or_else(|found| {
+            faults.extend(found);
+            Vec::new()
+        });
+        let resolved = Plan::resolve(plan, Subject { is_mesh: true, ..Subject::default() });
+        let place = if plan.preset.is_some() { "/plan/preset" } else { "/plan/word" };
+        let study = resolved.map_err(|found| under("/plan", found)).and_then(|plan| {
+            let settled = settled(&plan).map_err(|detail| vec![Fault::new(place, detail)])?;
+            let study = SurfaceStudy::of(&settled, watch).map_err(|error| vec![Fault::new(place, refusal(&error))])?;
+            Ok((study, follows_alpha(&plan), settled))
+        });
+        match study {
+            Ok((study, follows_alpha, settled)) if faults.is_empty() => {
+                let key = key::surface_analysis(&settled, follows_alpha, &valences, nodes);
+                Ok(Self { study, follows_alpha, valences, nodes, key })
+            }
+            other => {
+                faults.extend(other.err().unwrap_or_default());
+                Err(faults)
+            }
+        }
+    }
+
+    /// The key of what it finds.
+    pub fn key(&self) -> Key {
+        self.key
+    }
+
+    /// Units of work, at most.
+    pub fn work(&self) -> u64 {
+        self.nodes + self.valences.iter().sum::<usize>() as u64
+    }
+
+    /// Milliseconds on one core, roughly.
+    pub fn milliseconds(&self) -> u64 {
+        self.valences.iter().sum::<usize>() as u64 * MS_AN_EDGE + 10
+    }
+
+    /// Bytes of memory that it takes at most.
+    pub fn bytes(&self) -> u64 {
+        BYTES
+    }
+
+    /// What can be said of the plan.
+    ///
+    /// # Errors
+    /// [`Stopped`].
+    pub fn run(&self, watch: &Watch) -> Result<SurfaceFindings<'_>, Stopped> {
+        let smoothness = self.study.smoothness(self.nodes, watch)?;
+        let mut valences = Vec::with_capacity(self.valences.len());
+        for &valence in &self.valences {
+            let found = match self.study.valence(valence, &smoothness, watch) {
+                Err(Unlimited::Stopped(stopped)) => return Err(stopped),
+                found => found.map_err(|error| error.to_string()),
+            };
+            valences.push((valence, found));
+        }
+        Ok(SurfaceFindings { study: &self.study, follows_alpha: self.follows_alpha, smoothness, valences })
+    }
+}
+
+/// The valences, each once and in order.
+fn checked(asked: &[u64]) -> Result<Vec<usize>, Vec<Fault>> {
+    let mut valences = Vec::with_capacity(asked.len().min(MAX_VALENCE));
+    let mut faults = Vec::new();
+    for (i, &valence) in asked.iter().enumerate() {
+        match usize::try_from(valence) {
+            Ok(valence) if (3..=MAX_VALENCE).contains(&valence) => valences.push(valence),
+            _ => {
+                let detail = format!("{valence} is no valence that is analysed; give numbers from 3 to {MAX_VALENCE}");
+                faults.push(Fault::new(format!("/valences/{i}"), detail));
+            }
+        }
+    }
+    valences.sort_unstable();
+    valences.dedup();
+    if faults.is_empty() { Ok(valences) } else { Err(faults) }
+}
+
+/// The plan at alpha = 0, its functions being numbers.
+fn settled(plan: &Plan) -> Result<Plan, String> {
+    let number = |function: &Expression| match function.value(0.0) {
+        Ok(value) => Ok(Expression::constant(value)),
+        Err(error) => Err(format!("the limit alpha = 0 is analysed, where {error}")),
+    };
+    let functions: Result<Vec<Expression>, String> = plan.kernel.iter().map(number).collect();
+    Ok(Plan {
+        alpha: 0.0,
+        compensation_alpha: None,
+        kernel: functions?,
+        compensation: number(&plan.compensation)?,
+        latitude: None,
+        ..plan.clone()
+    })
+}
+
+/// Whether levels differ from the one at alpha = 0.
+fn follows_alpha(plan: &Plan) -> bool {
+    let in_kernel = plan.kernel.iter().any(|kernel| !kernel.is_constant());
+    plan.alpha != 0.0 && (in_kernel || !plan.compensation.is_constant())
+}
+
+fn refusal(error: &Unlimited) -> String {
+    match error {
+        Unlimited::NoUpsampling => "no operator of the cycle refines; begin it with a U".into(),
+        Unlimited::NotLinear => "only linear schemes have weights that could be analysed".into(),
+        Unlimited::Unsettled => "the cycle turns nets from level to level, so that no levels are alike".into(),
+        Unlimited::Reach | Unlimited::Fine => "the cycle reaches too far; ask about a shorter one".into(),
+        error => error.to_string(),
+    }
+}

@@ -1,0 +1,304 @@
+//! The answer about a scheme for surfaces, with every number named.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::analysis::{CertificateAnswer, MaskAnswer};
+use crate::analysis::surface::{
+    Criterion, Kind, Proof, RegularMask, RegularSmoothness, Status, ValenceReport, Weight, evidence, verdict,
+};
+use crate::job::SurfaceFindings;
+use crate::math::mask::Mask;
+
+/// Most eigenvalues that are listed of a valence, the largest.
+/// Those that decide are among the first ten at any valence. Half of it shows less of how they go on; twice of it makes
+/// answers longer.
+const MAX_EIGENVALUES: usize = 16;
+/// Weights of masks that are smaller are left out: rounding.
+/// It is some thousand roundings of 1. Half and twice of it decide alike, as weights are products of few fractions.
+const NONE: f64 = 1e-12;
+
+/// What can be said of a scheme for surfaces.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct SurfaceAnswer {
+    /// `surface`.
+    pub kind: &'static str,
+    /// Into how many pieces what is analysed divides an edge.
+    pub arity: i32,
+    /// How often the cycle is applied for that: twice, where one application turns directions.
+    pub applications: u32,
+    /// The scheme where nothing is extraordinary.
+    pub regular: RegularAnswer,
+    /// What is known of vertices of each valence, or of faces with as many corners under schemes that put faces in the
+    /// place of vertices.
+    pub valences: Vec<ValenceAnswer>,
+    /// What the statements rest on beyond what was computed here.
+    pub assumptions: Vec<&'static str>,
+}
+
+/// The scheme where nothing is extraordinary.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct RegularAnswer {
+    /// What the net is made of: `quads`, with four at a vertex, or `triangles`, with six.
+    pub faces: &'static str,
+    /// Whether faces take the place of vertices.
+    pub dual: bool,
+    /// The mask a: the new point (x, y) is the sum over old points (i, j) of `a[x - arity i, y - arity j]`. Coordinates
+    /// count steps along the two sides of a face at its first corner.
+    pub mask: LatticeMaskAnswer,
+    /// How often the symbol has the factor `1 + z^u + ... + z^((arity-1) u)` for each direction u.
+    pub factors: Vec<FactorAnswer>,
+    /// The masks of the two curve schemes whose product the scheme is, where it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub product: Option<[MaskAnswer; 2]>,
+    /// How smooth limits are.
+    pub smoothness: RegularSmoothnessAnswer,
+}
+
+/// Weights on a lattice.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct LatticeMaskAnswer {
+    /// The coordinates of the first value of the first row.
+    pub first: [i32; 2],
+    /// The values, one row for each y, along x.
+    pub values: Vec<Vec<f64>>,
+}
+
+/// A factor of the symbol.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct FactorAnswer {
+    /// The direction.
+    pub direction: [i32; 2],
+    /// How often it is there.
+    pub times: u32,
+}
+
+/// How smooth limits of regular nets are.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct RegularSmoothnessAnswer {
+    /// By what it is proved: `box spline`, as which the limit is known; `product`, of two curve schemes; `norms`, of
+    /// difference schemes along two directions.
+    pub by: &'static str,
+    /// The largest k for which limits are proved to be C^k, -1 where not even convergence is.
+    pub proved_c: i64,
+    /// The smallest k for which it is disproved that limits are C^k; null where nothing is.
+    pub disproved_c: Option<i64>,
+    /// Proofs by norms: l steps of the difference schemes along two directions are contractions, for all derivatives of
+    /// the order k.
+    pub certificates: Vec<CertificateAnswer>,
+}
+
+/// What is known of a valence.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct ValenceAnswer {
+    /// The number of edges at the vertex, or of corners of the face.
+    pub valence: usize,
+    /// The largest eigenvalues of the local subdivision matrix.
+    pub eigenvalues: Vec<EigenvalueAnswer>,
+    /// The size of the largest eigenvalue besides 1 and the two of Fourier index 1, over that of these.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub subdominant_ratio: Option<f64>,
+    /// The weights of the limit position: `center`, and `edge` and `face` for each of the neighbours, or the entries of
+    /// one sector by sector coordinates `i,j` where the mask goes beyond them. Weights of 0 are left out.
+    pub limit_mask: BTreeMap<String, f64>,
+    /// The weights of two tangents that span the tangent plane, by sector coordinates: a number for each sector.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tangent_masks: Option<[BTreeMap<String, Vec<f64>>; 2]>,
+    /// The least sine of the corner angles of the characteristic net, but for those at its middle: above 0 where all
+    /// faces are oriented alike and convex.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub characteristic_map_min_sine: Option<f64>,
+    /// The characteristic net, whose limit is the characteristic map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub characteristic_net: Option<NetAnswer>,
+    /// Whether limits are C1 there, for almost all nets: `proved`, `disproved` or `open`.
+    pub c1: &'static str,
+    /// What speaks for it: `proved`, `supported` where some criterion is met as far as numbers and samples show,
+    /// `disproved` or `open`.
+    pub evidence: &'static str,
+    /// What decides about it, each with what is known of it.
+    pub criteria: Vec<CriterionAnswer>,
+    /// Why nothing is known, where the scheme cannot be analysed at this valence.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refused: Option<String>,
+}
+
+/// An eigenvalue.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct EigenvalueAnswer {
+    /// Its real part.
+    pub value: f64,
+    /// Its imaginary part, where that is not 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub imaginary: Option<f64>,
+    /// Its Fourier index, from 0 to the valence less 1.
+    pub fourier: usize,
+}
+
+/// Points in the plane and the faces between them.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct NetAnswer {
+    /// The points.
+    pub points: Vec<[f64; 2]>,
+    /// The faces, counter-clockwise, by the indices of their points.
+    pub faces: Vec<Vec<usize>>,
+}
+
+/// A criterion.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct CriterionAnswer {
+    /// What is to hold.
+    pub criterion: &'static str,
+    /// `proved`, `supported`, `disproved` or `open`.
+    pub status: &'static str,
+}
+
+const WEIGHTS: &str = "weights are those of the scheme as it is written up to 1e-13 of their size";
+const ALPHA: &str = "the plan follows alpha; what is said holds for the scheme at alpha = 0, to which its levels come \
+                     close";
+const GENERIC: &str = "C1 is meant for almost all nets: those whose tangents are not parallel";
+
+impl SurfaceAnswer {
+    /// The answer of an analysis.
+    pub(super) fn new(findings: &SurfaceFindings<'_>) -> Self {
+        let regular = &findings.study.regular;
+        let follows = findings.follows_alpha.then_some(ALPHA);
+        let valence = |(valence, found): &(usize, Result<ValenceReport, String>)| match found {
+            Ok(report) => ValenceAnswer::new(report),
+            Err(reason) => ValenceAnswer::refused(*valence, reason),
+        };
+        Self {
+            kind: "surface",
+            arity: regular.arity,
+            applications: findings.study.applications(),
+            regular: RegularAnswer::new(regular, &findings.smoothness),
+            valences: findings.valences.iter().map(valence).collect(),
+            assumptions: [WEIGHTS, GENERIC].into_iter().chain(follows).collect(),
+        }
+    }
+}
+
+impl RegularAnswer {
+    fn new(regular: &RegularMask, smoothness: &RegularSmoothness) -> Self {
+        let range = |axis: usize| {
+            let all = || regular.mask.keys().map(|k| k[axis]);
+            all().min().unwrap_or(0)..=all().max().unwrap_or(0)
+        };
+        let at = |x: i32, y: i32| regular.mask.get(&[x, y]).copied().unwrap_or(0.0);
+        let row = |y: i32| range(0).map(|x| at(x, y)).collect();
+        let mask =
+            LatticeMaskAnswer { first: [*range(0).start(), *range(1).start()], values: range(1).map(row).collect() };
+        let factor = |(direction, times): (&[i32; 2], &u32)| FactorAnswer { direction: *direction, times: *times };
+        let factors = RegularMask::DIRECTIONS.iter().zip(&regular.factors).filter(|(_, times)| **times > 0);
+        let curve = |(first, values): (i32, Vec<f64>)| {
+            let mask = Mask::new(first, &values).unwrap_or(Mask { first, values });
+            MaskAnswer { first: mask.first.into(), values: mask.values, exact: None }
+        };
+        Self {
+            faces: if regular.kind == Kind::Triangles { "triangles" } else { "quads" },
+            dual: regular.kind == Kind::Dual,
+            mask,
+            factors: factors.map(factor).collect(),
+            product: regular.tensor().map(|both| both.map(curve)),
+            smoothness: RegularSmoothnessAnswer::new(smoothness),
+        }
+    }
+}
+
+impl RegularSmoothnessAnswer {
+    fn new(smoothness: &RegularSmoothness) -> Self {
+        let by = match smoothness.proof {
+            Proof::BoxSpline => "box spline",
+            Proof::Product(_) => "product",
+            Proof::Norms(_) => "norms",
+        };
+        let certificates = match &smoothness.proof {
+            Proof::Norms(found) => found.iter().map(|c| CertificateAnswer { k: c.k, l: c.l, norm: c.norm }).collect(),
+            Proof::BoxSpline | Proof::Product(_) => Vec::new(),
+        };
+        Self { by, proved_c: smoothness.proved_c, disproved_c: smoothness.disproved_c, certificates }
+    }
+}
+
+impl ValenceAnswer {
+    fn new(report: &ValenceReport) -> Self {
+        let eigenvalue = |found: &crate::analysis::surface::Found| EigenvalueAnswer {
+            value: found.value.re,
+            imaginary: Some(found.value.im).filter(|x| *x != 0.0),
+            fourier: found.fourier,
+        };
+        let criterion = |c: &Criterion| CriterionAnswer { criterion: c.statement, status: name(c.status) };
+        let tangents = report.tangent_masks.as_ref().map(|both| {
+            both.each_ref().map(|mask| {
+                let entry = |weight: &Weight| (coordinates(weight), weight.values.clone());
+                mask.iter().filter(|weight| is_there(weight)).map(entry).collect()
+            })
+        });
+        let net = |(points, faces): &(Vec<[f64; 2]>, Vec<Vec<usize>>)| NetAnswer {
+            points: points.clone(),
+            faces: faces.clone(),
+        };
+        Self {
+            valence: report.valence,
+            eigenvalues: report.eigenvalues.iter().take(MAX_EIGENVALUES).map(eigenvalue).collect(),
+            subdominant_ratio: report.ratio,
+            limit_mask: limit_mask(&report.limit_mask),
+            tangent_masks: tangents,
+            characteristic_map_min_sine: report.least_sine,
+            characteristic_net: report.net.as_ref().map(net),
+            c1: name(verdict(&report.criteria)),
+            evidence: name(evidence(&report.criteria)),
+            criteria: report.criteria.iter().map(criterion).collect(),
+            refused: None,
+        }
+    }
+
+    fn refused(valence: usize, reason: &str) -> Self {
+        Self {
+            valence,
+            eigenvalues: Vec::new(),
+            subdominant_ratio: None,
+            limit_mask: BTreeMap::new(),
+            tangent_masks: None,
+            characteristic_map_min_sine: None,
+            characteristic_net: None,
+            c1: name(Status::Open),
+            evidence: name(Status::Open),
+            criteria: Vec::new(),
+            refused: Some(reason.to_owned()),
+        }
+    }
+}
+
+fn name(status: Status) -> &'static str {
+    match status {
+        Status::Proved => "proved",
+        Status::Supported => "supported",
+        Status::Disproved => "disproved",
+        Status::Open => "open",
+    }
+}
+
+fn is_there(weight: &Weight) -> bool {
+    weight.values.iter().any(|x| x.abs() > NONE)
+}
+
+fn coordinates(weight: &Weight) -> String {
+    weight.point.map_or_else(|| "center".to_owned(), |[i, j]| format!("{i},{j}"))
+}
+
+/// The weights by the names of neighbours, or by sector coordinates.
+fn limit_mask(mask: &[Weight]) -> BTreeMap<String, f64> {
+    let there: Vec<&Weight> = mask.iter().filter(|weight| is_there(weight)).collect();
+    let near = |weight: &&&Weight| matches!(weight.point, None | Some([1, 0] | [1, 1]));
+    let has_centre = mask.iter().any(|weight| weight.point.is_none());
+    let by_name = has_centre && there.iter().filter(near).count() == there.len();
+    let key = |weight: &Weight| match weight.point {
+        Some([1, 0]) if by_name => "edge".to_owned(),
+        Some([1, 1]) if by_name => "face".to_owned(),
+        _ => coordinates(weight),
+    };
+    there.into_iter().map(|weight| (key(weight), weight.values[0])).collect()
+}
