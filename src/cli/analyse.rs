@@ -72,7 +72,7 @@ impl Question {
             parameters: WireFields(parameters),
             ..PlanRequest::default()
         };
-        Ok(AnalysisRequest { spec: None, plan, nodes: *nodes, grid: *grid, valences })
+        Ok(AnalysisRequest { spec: None, plan, nodes: *nodes, grid: *grid, valences, tube: None })
     }
 }
 

@@ -7,6 +7,7 @@ use super::codec::Item;
 use super::input::Input;
 use super::output::Output;
 use super::shape_items::{connectivity, input, mesh};
+use super::tube_analysis::TubeInput;
 use crate::analysis::smoothness::Symbol;
 use crate::analysis::{Level, Study};
 use crate::math::expression::{Expression, Instruction};
@@ -177,6 +178,25 @@ pub(super) fn surface_analysis(settled: &Plan, follows_alpha: bool, valences: &[
         plan_of(settled, 1, true, [true, false], Vec::new()),
         Item::Integer(u64::from(follows_alpha)),
         Item::List(valences.iter().map(|&valence| Item::Integer(valence as u64)).collect()),
+        Item::Integer(nodes),
+    ];
+    hashed(&Item::List(items))
+}
+
+/// Key of a question about a tube: over the results version, the plan without what its operators do not use, and what
+/// was asked for.
+pub(super) fn tube_analysis(asked: &Plan, tube: &TubeInput, nodes: u64) -> Key {
+    let TubeInput { vertices, turns, control_radius, limit_radius } = tube;
+    let radius = |radius: &Option<f64>| Item::List(radius.iter().map(|radius| Item::Number(*radius)).collect());
+    // alpha is that of the ring
+    let asked = Plan { alpha: 0.0, compensation_alpha: None, ..asked.clone() };
+    let items = vec![
+        Item::text("planish tube analysis"),
+        Item::Integer(u64::from(RESULTS_VERSION)),
+        plan_of(&asked, 1, true, [true, false], Vec::new()),
+        Item::List([vertices, turns].map(|n| Item::Integer(*n)).into()),
+        radius(control_radius),
+        radius(limit_radius),
         Item::Integer(nodes),
     ];
     hashed(&Item::List(items))

@@ -25,6 +25,7 @@ mod size;
 mod steering;
 mod surface_analysis;
 mod time;
+mod tube_analysis;
 mod work;
 
 pub use analysis::{Analysis, DEFAULT_NODES, Findings, MAX_NODES, MAX_VALUES};
@@ -39,4 +40,5 @@ pub use output::Output;
 pub use run::{Report, run, run_keeping};
 pub use search::{Search, SearchCost, SearchError};
 pub use surface_analysis::{MAX_VALENCE, SurfaceAnalysis, SurfaceFindings};
+pub use tube_analysis::{TubeAnalysis, TubeFindings, TubeInput};
 pub use work::{KeepNothing, KeepWork, Refined, Work};

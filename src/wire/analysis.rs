@@ -6,11 +6,12 @@ use utoipa::ToSchema;
 use super::object;
 use super::plan::PlanRequest;
 use super::surface_analysis::SurfaceAnswer;
+use super::tube_analysis::{TubeAnswer, TubeRequest};
 use super::variants::PlanSchema;
 use crate::analysis::Level;
 use crate::analysis::smoothness::{BasicFunction, Report, Smoothness, Symbol, Weights};
 use crate::fault::Fault;
-use crate::job::{Analysis, Findings, Inquiry, SurfaceAnalysis, is_for_meshes};
+use crate::job::{Analysis, Findings, Inquiry, SurfaceAnalysis, TubeAnalysis, is_for_meshes};
 use crate::math::exact::{Exact, rounded};
 use crate::math::mask::Mask;
 use crate::math::spectrum::Eigenvalue;
@@ -38,6 +39,9 @@ pub struct AnalysisRequest {
     /// 12 when it is left out.
     #[schema(max_items = 64)]
     pub valences: Option<Vec<u64>>,
+    /// Asks what becomes of a straight tube whose rings are tagged as latitude lines.
+    #[serde(default, deserialize_with = "object::optional")]
+    pub tube: Option<TubeRequest>,
 }
 
 impl AnalysisRequest {
@@ -56,6 +60,14 @@ impl AnalysisRequest {
 
     fn inquiry(self, watch: &Watch) -> Result<Inquiry, Vec<Fault>> {
         let plan = self.plan.resolve();
+        if let Some(tube) = self.tube {
+            let others = [("/grid", self.grid.is_some()), ("/valences", self.valences.is_some())];
+            if let Some((place, _)) = others.into_iter().find(|(_, given)| *given) {
+                return Err(vec![Fault::new(place, "this is another question than \"tube\"; leave one of them out")]);
+            }
+            let tube = TubeAnalysis::new(&plan, tube.resolve(), self.nodes, watch);
+            return tube.map(|tube| Inquiry::Tube(Box::new(tube)));
+        }
         if self.valences.is_none() && !is_for_meshes(&plan) {
             return Analysis::new(&plan, self.nodes, self.grid, watch).map(|curve| Inquiry::Curve(Box::new(curve)));
         }
@@ -78,6 +90,8 @@ pub enum AnalysisAnswer {
     Changing(Box<ChangingAnswer>),
     /// The scheme is one for surfaces.
     Surface(Box<SurfaceAnswer>),
+    /// The question was about a tube.
+    Tube(Box<TubeAnswer>),
 }
 
 /// What can be said of a plan whose mask changes from level to level.
@@ -261,6 +275,7 @@ impl AnalysisAnswer {
         Ok(match inquiry {
             Inquiry::Curve(analysis) => Self::new(&analysis.run(watch)?),
             Inquiry::Surface(analysis) => Self::Surface(Box::new(SurfaceAnswer::new(&analysis.run(watch)?))),
+            Inquiry::Tube(analysis) => Self::Tube(Box::new(TubeAnswer::new(&analysis.run(watch)?))),
         })
     }
 
@@ -299,7 +314,7 @@ impl LevelMaskAnswer {
 }
 
 impl SchemeAnswer {
-    fn new(report: &Report, values: Option<&BasicFunction>) -> Self {
+    pub(super) fn new(report: &Report, values: Option<&BasicFunction>) -> Self {
         let symbol = &report.symbol;
         let known = symbol.is_exact;
         let weights = |weights: &Weights| MaskAnswer::new(weights.first, &weights.values, known);

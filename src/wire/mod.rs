@@ -24,6 +24,7 @@ mod report;
 mod schema;
 pub mod surface_analysis;
 pub mod text;
+pub mod tube_analysis;
 mod variants;
 pub mod weld;
 pub(crate) mod written;

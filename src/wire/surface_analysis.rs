@@ -194,10 +194,7 @@ impl RegularAnswer {
         };
         let factor = |(direction, times): (&[i32; 2], &u32)| FactorAnswer { direction: *direction, times: *times };
         let factors = RegularMask::DIRECTIONS.iter().zip(&regular.factors).filter(|(_, times)| **times > 0);
-        let curve = |(first, values): (i32, Vec<f64>)| {
-            let mask = Mask::new(first, &values).unwrap_or(Mask { first, values });
-            MaskAnswer { first: mask.first.into(), values: mask.values, exact: None }
-        };
+        let curve = |mask: Mask| MaskAnswer { first: mask.first.into(), values: mask.values, exact: None };
         Self {
             faces: if regular.kind == Kind::Triangles { "triangles" } else { "quads" },
             dual: regular.kind == Kind::Dual,

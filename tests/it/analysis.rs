@@ -6,6 +6,7 @@ mod laws;
 mod rows;
 mod same;
 mod surfaces;
+mod tubes;
 
 use planish::fault::Fault;
 use planish::watch::Watch;

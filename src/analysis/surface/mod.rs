@@ -12,6 +12,7 @@ mod blocks;
 mod characteristic;
 mod convergence;
 mod enclosure;
+mod latitude;
 mod local;
 mod regular;
 mod sectors;
@@ -22,6 +23,7 @@ mod study;
 mod verdict;
 
 pub use convergence::LatticeCertificate;
+pub use latitude::latitude_curves;
 pub use regular::RegularMask;
 pub use sectors::Kind;
 pub use smoothness::{Proof, RegularSmoothness};
