@@ -72,7 +72,7 @@ impl Question {
             parameters: WireFields(parameters),
             ..PlanRequest::default()
         };
-        Ok(AnalysisRequest { spec: None, plan, nodes: *nodes, grid: *grid, valences, tube: None })
+        Ok(AnalysisRequest { spec: None, plan, nodes: *nodes, grid: *grid, valences, tube: None, input: None })
     }
 }
 

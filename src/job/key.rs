@@ -170,9 +170,15 @@ pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>) -> Key {
 }
 
 /// Key of an analysis of a plan as a scheme for surfaces: over the results version, the plan at alpha = 0 without what
-/// its operators do not use, and what was asked for.
-pub(super) fn surface_analysis(settled: &Plan, follows_alpha: bool, valences: &[usize], nodes: u64) -> Key {
-    let items = vec![
+/// its operators do not use, what was asked for, and the mesh with its own plan, if there is one.
+pub(super) fn surface_analysis(
+    settled: &Plan,
+    follows_alpha: bool,
+    valences: &[usize],
+    nodes: u64,
+    on: Option<(&Input, &Plan)>,
+) -> Key {
+    let mut items = vec![
         Item::text("planish surface analysis"),
         Item::Integer(u64::from(RESULTS_VERSION)),
         plan_of(settled, 1, true, [true, false], Vec::new()),
@@ -180,6 +186,9 @@ pub(super) fn surface_analysis(settled: &Plan, follows_alpha: bool, valences: &[
         Item::List(valences.iter().map(|&valence| Item::Integer(valence as u64)).collect()),
         Item::Integer(nodes),
     ];
+    if let Some((shape, refined)) = on {
+        items.extend([input(shape, refined), plan(shape, refined, 1, true)]);
+    }
     hashed(&Item::List(items))
 }
 

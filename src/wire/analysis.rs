@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::input::{InputRequest, Purpose};
 use super::object;
 use super::plan::PlanRequest;
 use super::surface_analysis::SurfaceAnswer;
@@ -10,7 +11,8 @@ use super::tube_analysis::{TubeAnswer, TubeRequest};
 use super::variants::PlanSchema;
 use crate::analysis::Level;
 use crate::analysis::smoothness::{BasicFunction, Report, Smoothness, Symbol, Weights};
-use crate::fault::Fault;
+use crate::fault::{Fault, under};
+use crate::input::ReadLimits;
 use crate::job::{Analysis, Findings, Inquiry, SurfaceAnalysis, TubeAnalysis, is_for_meshes};
 use crate::math::exact::{Exact, rounded};
 use crate::math::mask::Mask;
@@ -42,6 +44,10 @@ pub struct AnalysisRequest {
     /// Asks what becomes of a straight tube whose rings are tagged as latitude lines.
     #[serde(default, deserialize_with = "object::optional")]
     pub tube: Option<TubeRequest>,
+    /// A mesh, as in a job: tells how close levels come to its limit, and what is known of its extraordinary vertices.
+    #[serde(default, deserialize_with = "object::optional")]
+    #[schema(value_type = Option<InputRequest>)]
+    pub input: Option<InputRequest>,
 }
 
 impl AnalysisRequest {
@@ -61,21 +67,33 @@ impl AnalysisRequest {
     fn inquiry(self, watch: &Watch) -> Result<Inquiry, Vec<Fault>> {
         let plan = self.plan.resolve();
         if let Some(tube) = self.tube {
-            let others = [("/grid", self.grid.is_some()), ("/valences", self.valences.is_some())];
+            let others = [
+                ("/grid", self.grid.is_some()),
+                ("/valences", self.valences.is_some()),
+                ("/input", self.input.is_some()),
+            ];
             if let Some((place, _)) = others.into_iter().find(|(_, given)| *given) {
                 return Err(vec![Fault::new(place, "this is another question than \"tube\"; leave one of them out")]);
             }
             let tube = TubeAnalysis::new(&plan, tube.resolve(), self.nodes, watch);
             return tube.map(|tube| Inquiry::Tube(Box::new(tube)));
         }
-        if self.valences.is_none() && !is_for_meshes(&plan) {
+        let input = match self.input.map(|input| input.resolve(Purpose::Refine, &ReadLimits::default())).transpose() {
+            Ok(resolved) => resolved.map(|resolved| resolved.input),
+            Err(found) => return Err(under("/input", found)),
+        };
+        if input.as_ref().is_some_and(|input| input.mesh().is_none()) {
+            let detail = "analyses look at meshes; of polygons /v1/estimate tells what a tolerance takes";
+            return Err(vec![Fault::new("/input", detail)]);
+        }
+        if self.valences.is_none() && input.is_none() && !is_for_meshes(&plan) {
             return Analysis::new(&plan, self.nodes, self.grid, watch).map(|curve| Inquiry::Curve(Box::new(curve)));
         }
         if self.grid.is_some() {
             let detail = "values of basic limit functions are those of curves; leave it out, or the valences";
             return Err(vec![Fault::new("/grid", detail)]);
         }
-        let surface = SurfaceAnalysis::new(&plan, self.valences.as_deref(), self.nodes, watch);
+        let surface = SurfaceAnalysis::new(&plan, self.valences.as_deref(), self.nodes, input, watch);
         surface.map(|surface| Inquiry::Surface(Box::new(surface)))
     }
 }

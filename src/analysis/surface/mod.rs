@@ -20,6 +20,7 @@ mod smoothness;
 mod spectrum;
 mod star;
 mod study;
+mod survey;
 mod verdict;
 
 pub use convergence::LatticeCertificate;
@@ -29,4 +30,5 @@ pub use sectors::Kind;
 pub use smoothness::{Proof, RegularSmoothness};
 pub use spectrum::{Found, Weight};
 pub use study::{SurfaceStudy, ValenceReport};
+pub use survey::Extraordinary;
 pub use verdict::{Criterion, Status, evidence, verdict};

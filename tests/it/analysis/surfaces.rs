@@ -316,3 +316,32 @@ fn an_analysis_of_surfaces_stops_when_it_is_told_to() {
     watch.stop();
     assert!(AnalysisAnswer::of(&inquiry, &watch).is_err());
 }
+
+#[test]
+fn a_mesh_is_told_its_extraordinary_points_and_how_close_levels_come() {
+    let cube = json!({
+        "positions": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]],
+        "faces": [[3, 2, 1, 0], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+    });
+    let ask = |plan: Value| asked(&json!({ "plan": plan, "input": { "mesh": cube }, "nodes": 1000 }));
+    let answer = ask(json!({ "preset": "catmull-clark" }));
+    let points = answer["input"]["extraordinary"].as_array().unwrap();
+    assert_eq!(points.len(), 1);
+    assert_eq!((&points[0]["valence"], &points[0]["c1"]), (&json!(3), &json!("proved")));
+    assert_eq!((&points[0]["n_vertices"], &points[0]["vertices"]), (&json!(8), &json!([0, 1, 2, 3, 4, 5, 6, 7])));
+    assert_eq!(answer["valences"].as_array().unwrap().len(), 1, "those that the mesh has");
+    let bounds = answer["input"]["bounds"].as_array().unwrap();
+    assert!(bounds.len() >= 4, "{bounds:?}");
+    for pair in bounds.windows(2) {
+        assert!(pair[0]["level"].as_u64() < pair[1]["level"].as_u64());
+        assert!(2.0 * pair[1]["bound"].as_f64().unwrap() <= pair[0]["bound"].as_f64().unwrap());
+    }
+    assert_eq!(answer["input"]["warnings"], json!([]));
+    // 1/cos(alpha/2) is not finite where alpha is pi: at the second level
+    let parameters = json!({ "compensation": "1/(alpha - 1)", "alpha": 4, "delta": 1 });
+    let warned = ask(json!({ "word": "UCP", "parameters": parameters }));
+    let warnings = warned["input"]["warnings"].as_array().unwrap();
+    assert!(warnings.iter().any(|text| text.as_str().unwrap().contains("level 3")), "{warnings:?}");
+    let polygon = json!({ "plan": { "word": "UC" }, "input": { "polygon": { "points": [[0, 0], [1, 0], [0, 1]] } } });
+    assert_eq!(refused(&polygon)[0].pointer, "/input");
+}
