@@ -26,7 +26,7 @@ fn a_text_that_breaks_off_is_no_json_whatever_stands_before() {
         let refused = read::<JobRequest>(text.as_bytes()).expect_err("it is no job");
         assert!(matches!(refused, ReadError::NotJson(_)), "{text}: {refused:?}");
     }
-    for text in ["[1,2]", "{\"input\":5}", "{\"foo\":1}", "{}", "{\"input\":1e999}"] {
+    for text in ["[1,2]", "{\"input\":5}", "{\"foo\":1}", "{\"input\":1e999}"] {
         let refused = read::<JobRequest>(text.as_bytes()).expect_err("it is no job");
         assert!(matches!(refused, ReadError::Unfit(_)), "{text}: {refused:?}");
     }
