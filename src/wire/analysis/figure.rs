@@ -125,7 +125,7 @@ fn eigenvalues(scheme: &SchemeAnswer) -> Plot {
     let mut marks: Vec<_> = [1.0, 1.0 / d, 1.0 / (d * d)].into_iter().map(circle).collect();
     marks.push(dots(points, BLUE));
     Plot::within(
-        "Eigenvalues of the local matrix; circles of 1, 1/arity, 1/arity^2",
+        "Local eigenvalues; circles of 1, 1/d, 1/d^2",
         ["real", "imaginary"],
         [[-2.0, 2.0], [-1.1, 1.1]],
         marks,
@@ -151,7 +151,7 @@ fn smoothness(smoothness: &SmoothnessAnswer, order: usize) -> Plot {
         marks.push(line(vec![[from, 0.75], [from, 0.95]], BLUE));
         marks.push(line(vec![[to, 0.75], [to, 0.95]], BLUE));
     }
-    let title = "C^k proved (green), disproved (red); Hoelder exponent (blue)";
+    let title = "Proved (green), disproved (red), exponent (blue)";
     Plot::within(title, ["k", ""], [[-0.5, most], [0.0, 1.0]], marks)
 }
 
