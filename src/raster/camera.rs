@@ -264,6 +264,19 @@ impl Camera {
         [self.focal_px * dot(r, self.right), -self.focal_px * dot(r, self.up), w, z]
     }
 
+    /// Where a point falls in the picture, pixels, and its nearness: a number that is linear over the picture and larger
+    /// for what is nearer. `None` where the point is not before the camera.
+    pub fn seen(&self, point: [f64; 3]) -> Option<[f64; 3]> {
+        let seen = self.view(point);
+        let nearness = match self.projection {
+            Projection::Perspective if seen[2] < self.near => return None,
+            Projection::Perspective => self.near / seen[3],
+            Projection::Orthographic => -seen[3],
+        };
+        let [x, y] = self.pixel(seen);
+        Some([x, y, nearness]).filter(|seen| seen.iter().all(|x| x.is_finite()))
+    }
+
     /// The point that parallel rays show at a pixel, in the plane through the eye.
     pub fn unplaced(&self, [x, y]: [f64; 2]) -> [f64; 3] {
         let across = times((x - 0.5 * self.size_px[0]) / self.focal_px, self.right);

@@ -1,7 +1,7 @@
 //! The pictures of `docs/curves` are what planish renders from their jobs, and `docs/presets.md` has a section for each
 //! preset of curves with what the catalogue says of it.
 //!
-//! The pictures of `docs/creases.md` and `docs/data.md` are the results of the example jobs of their names.
+//! The pictures of `docs/creases.md`, `docs/data.md` and `docs/pictures.md` are the results of the example jobs of their names.
 //!
 //! `BLESS=1 cargo test --test it figures::` writes both anew.
 
@@ -59,7 +59,7 @@ fn pictures_are_what_their_jobs_render() {
 fn pictures_of_surfaces_are_the_results_of_their_jobs() {
     let hashes = fs::read_to_string(path("tests/golden/hashes.txt")).expect("the table is there");
     let mut n = 0;
-    for page in ["docs/creases.md", "docs/data.md"] {
+    for page in ["docs/creases.md", "docs/data.md", "docs/pictures.md"] {
         let text = fs::read_to_string(path(page)).expect("the page is there");
         for name in text.split("src=\"surfaces/").skip(1).filter_map(|rest| rest.split(".png\"").next()) {
             let bytes = fs::read(path(&format!("docs/surfaces/{name}.png"))).expect("the picture is there");

@@ -24,6 +24,7 @@ mod limits;
 mod nets;
 mod on_demand;
 mod openapi;
+mod pictures;
 mod readers;
 mod refusals;
 mod robustness;
