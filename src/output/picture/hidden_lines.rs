@@ -13,7 +13,7 @@ use crate::output::error::FormatError;
 use crate::output::positions::Positions;
 use crate::output::scene::{MeshSource, Scene};
 use crate::output::size::Size;
-use crate::raster::{Camera, Seen, Sight};
+use crate::raster::{Seen, Sight};
 use crate::watch::Watch;
 
 use chain::{Piece, chains};
@@ -88,7 +88,7 @@ pub(crate) fn drawing(
 ) -> Result<Drawing, FormatError> {
     let shows = |item: &str| options.shows(item, DEFAULT_SHOW);
     let positions = Positions::of_mesh(mesh).held(watch)?;
-    let camera = Camera::framing(&options.view(), &[positions.rows()], options.size[0], options.size[1]);
+    let camera = options.camera(&[positions.rows()], options.size);
     let seen: Option<Vec<Seen>> = positions.rows().par_iter().map(|point| camera.seen(*point)).collect();
     let seen = seen.ok_or_else(|| {
         FormatError::Unfit("parts of the mesh are not before the camera; move its eye away, or ask for \"png\"".into())
