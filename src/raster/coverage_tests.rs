@@ -61,6 +61,14 @@ fn area_within(mut polygon: Vec<[f64; 2]>, [x, y]: [f64; 2]) -> f64 {
     0.5 * twice.abs()
 }
 
+/// The least height of a triangle.
+fn height(polygon: &[[f64; 2]]) -> f64 {
+    let [a, b, c] = [polygon[0], polygon[1], polygon[2]];
+    let side = |p: [f64; 2], q: [f64; 2]| ((q[0] - p[0]).powi(2) + (q[1] - p[1]).powi(2)).sqrt();
+    let twice = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
+    twice.abs() / side(a, b).max(side(b, c)).max(side(c, a))
+}
+
 const SIDE: u32 = 70;
 
 fn in_square() -> impl Strategy<Value = [f64; 3]> {
@@ -77,6 +85,7 @@ proptest! {
         let camera = above(SIDE);
         let found = alpha(&camera, &corners, &[[0, 1, 2]], PLAIN, [SIDE; 2]);
         let polygon = corners.map(|corner| place(&camera, corner)).to_vec();
+        prop_assume!(height(&polygon) > 3.0, "slivers escape the four samples that look for edges");
         let (mut errors, mut edges) = (0.0, 0.0);
         for (i, &alpha) in (0_u32..).zip(&found) {
             let exact = area_within(polygon.clone(), [i % SIDE, i / SIDE].map(f64::from));
