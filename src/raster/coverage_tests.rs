@@ -78,7 +78,7 @@ fn in_square() -> impl Strategy<Value = [f64; 3]> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// In each pixel within a third, as tips between the four samples that look for edges are missed; on the mean far
+    /// In each pixel within a half, as tips between the four samples that look for edges are missed; on the mean far
     /// less.
     #[test]
     fn the_alpha_of_a_triangle_is_the_area_that_it_covers_of_each_pixel(corners in prop::array::uniform3(in_square())) {
@@ -90,12 +90,12 @@ proptest! {
         for (i, &alpha) in (0_u32..).zip(&found) {
             let exact = area_within(polygon.clone(), [i % SIDE, i / SIDE].map(f64::from));
             let error = (f64::from(alpha) / 255.0 - exact).abs();
-            prop_assert!(error < 0.35, "pixel {i}: {alpha} of 255 for an area of {exact}");
+            prop_assert!(error < 0.5, "pixel {i}: {alpha} of 255 for an area of {exact}");
             if exact > 0.0 && exact < 1.0 {
                 (errors, edges) = (errors + error, edges + 1.0);
             }
         }
-        prop_assert!(errors <= 0.05 * edges + 0.5, "{errors} over {edges} pixels");
+        prop_assert!(errors <= 0.05 * edges + 1.0, "{errors} over {edges} pixels");
     }
 
     /// A square of many triangles, whose inner vertices stand anywhere: every pixel inside is covered once and fully.
