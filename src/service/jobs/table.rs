@@ -160,7 +160,6 @@ impl Jobs {
     /// [`Full`] when there is no room beside the jobs that go on; then all is as it was, but for those.
     pub fn accept(&self, memory: impl Fn(u64) -> Result<Paid, Full>, new: New, again: bool) -> Result<Placed, Full> {
         let bytes = cost(&new.summary);
-        let mut forgotten = Vec::new(); // dropped after the lock: an interest asks the desk
         let mut table = self.table();
         let known = table.records.get(&new.job);
         if let Some(known) = known.filter(|known| known.is_active() || known.state == State::Done && !again) {
@@ -172,7 +171,10 @@ impl Jobs {
             {
                 break memory;
             }
-            forgotten.push(table.forget_oldest().ok_or(Full)?.job);
+            match table.forget_oldest() {
+                Some(oldest) => self.note(oldest.job),
+                None => return Err(Full),
+            }
         };
         let before = table.forget(&new.job);
         let attempts = before.map_or(0, |record| record.attempts) + u32::from(new.made.is_empty());
@@ -184,7 +186,7 @@ impl Jobs {
             if record.is_active() { Placed::New(Run { job, number, ended }) } else { Placed::Known(record.clone()) };
         table.insert(record);
         drop(table);
-        forgotten.into_iter().chain([job]).for_each(|job| self.note(job));
+        self.note(job);
         Ok(placed)
     }
 
@@ -285,8 +287,9 @@ impl Jobs {
         // results of another version have other keys
         if record.summary.products.get(output).is_some_and(|product| product.key != key) {
             let mut summary = (*record.summary).clone();
-            summary.products[output].key = key;
+            let old = std::mem::replace(&mut summary.products[output].key, key);
             record.summary = Arc::new(summary);
+            table.by_artifact.remove(&(run.job.tenant, old, run.job.id));
             table.by_artifact.insert((run.job.tenant, key, run.job.id));
         }
         drop(table);
