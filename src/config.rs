@@ -189,10 +189,14 @@ settings! {
     memory_cache_bytes: u64 = 512 << 20, in 0..=MOST_BYTES, "PLANISH_MEMORY_CACHE_BYTES", "bytes";
     /// Disk space for cached results; 0 keeps nothing on disk.
     cache_bytes: u64 = 8 << 30, in 0..=MOST_BYTES, "PLANISH_CACHE_BYTES", "bytes";
+    /// Disk space for files that clients send to /v1/blobs; those that no job needs leave for others.
+    uploads_bytes: u64 = 2 << 30, in 1..=MOST_BYTES, "PLANISH_UPLOADS_BYTES", "bytes";
     /// How cached results are kept on disk: `folder`.
     cache_store: String = "folder".to_owned(), "PLANISH_CACHE_STORE", "";
     /// Results that are larger are sent while they are made and not kept, unless the request asks for it.
     keep_at_most_bytes: u64 = 64 << 20, in 0..=MOST_BYTES, "PLANISH_KEEP_AT_MOST_BYTES", "bytes";
+    /// How long a job is known after it is done, has failed or was cancelled; its results may leave the cache before.
+    job_ttl_s: u64 = 86_400, in 1..=MOST_SECONDS, "PLANISH_JOB_TTL_S", "seconds";
     /// Longest time one computation may run.
     run_timeout_s: u64 = 300, in 1..=MOST_SECONDS, "PLANISH_RUN_TIMEOUT_S", "seconds";
     /// Longest time a client may take for its request headers, or stay silent between requests.

@@ -110,7 +110,7 @@ fn not_modified(key: &Key, form: Form, tag: String) -> Response {
 
 /// An analysis under way.
 #[derive(Debug)]
-struct AnalysisTask(Inquiry, Form);
+pub(super) struct AnalysisTask(pub(super) Inquiry, pub(super) Form);
 
 impl Task for AnalysisTask {
     fn key(&self) -> Key {

@@ -19,7 +19,7 @@ use crate::service::computation::{Outcome, Timings};
 use crate::service::lent::{Lent, is_free};
 use crate::service::peer::{Kind, Paid, Peer};
 use crate::service::pool::Busy;
-use crate::service::store::{Manifest, PART_BYTES};
+use crate::service::store::{Manifest, PART_BYTES, Pin};
 use crate::service::under_way::Provenance;
 use crate::service::variant::Coding;
 
@@ -275,6 +275,8 @@ pub(super) struct PartReader {
     peer: Peer,
     manifest: Arc<Manifest>,
     from: Source,
+    /// What is being read does not leave the disk for others.
+    _pin: Option<Pin>,
 }
 
 /// Where parts come from.
@@ -301,7 +303,8 @@ impl PartReader {
                 Err(_) => return Err(Lost::Crowded),
             }
         }
-        Ok(Self { app: app.clone(), peer, manifest, from })
+        let pin = if matches!(from, Source::Disk) { desk.tiers.pin(&manifest.key) } else { None };
+        Ok(Self { app: app.clone(), peer, manifest, from, _pin: pin })
     }
 
     /// All parts.

@@ -9,17 +9,17 @@ use axum::response::{IntoResponse, Response};
 use super::address::{etag, of_extension};
 use super::answer::{self, Artifact, Lost};
 use super::app::{App, Shared};
-use super::body::Sent;
 use super::client::Client;
+use super::negotiate;
 use super::problem::{self, Problem};
 use super::segment::Segment;
 use super::variants::coded;
-use super::{negotiate, reading, render};
+use super::working::{self, Asked};
 use crate::job::Form;
 use crate::job::key::Key;
 use crate::output::FORMATS;
 use crate::service::computation::Phase;
-use crate::service::task::Render;
+use crate::service::job_key::Tenant;
 
 /// The bytes of an artifact: immutable, with a strong `ETag` and byte ranges.
 #[utoipa::path(
@@ -108,24 +108,25 @@ async fn tell(
 
 /// An artifact that is not kept: made again where its job is known.
 async fn again(app: &Arc<App>, client: &Client, key: &Key) -> Result<Artifact, Problem> {
-    let Some(record) = app.desk.jobs.of_artifact(key) else {
+    let Some(record) = app.desk.jobs.of_artifact(Tenant::ANYONE, key) else {
         let detail = "this artifact is not kept here; send its job to /v1/render, and it will have this address";
         return Err(Problem::new(problem::NOT_FOUND, detail));
     };
-    // the format is that of the artifact, whatever the request left to be negotiated
-    let media_type = record.summary.output.1.media_type();
-    let headers = HeaderMap::from_iter([(header::ACCEPT, HeaderValue::from_static(media_type))]);
-    let read = render::read(app, client, &headers, Sent::job(record.summary.request.clone())).await?;
-    // it may be one to which the result of that job refers
-    let job = if read.job.keys()[0] == *key { Some(read.job) } else { read.job.detail(key) };
+    let mut asked = working::asked_again(app, client.peer(), &record).await?;
+    drop(record); // an interest in a computation would stay with it
+    if let Asked::Render(read) = &mut asked
+        && let Some(detail) = read.job.detail(key)
+    {
+        // it is one to which a result of that job refers
+        read.job = detail;
+    }
+    let work = asked.work(app, client.peer()).await?;
     let gone = || Problem::new(problem::GONE, "the job of this artifact has become another one; send it again");
-    let admitted = reading::admit(app, client, job.ok_or_else(gone)?).await?;
-    let job = admitted.job();
-    let entries = job.entries(&job.outputs[0]);
-    let interest = app.desk.compute(Arc::new(Render::new(admitted, 0, Some(read.input))), client.peer())?;
+    let task = work.tasks.into_iter().find(|task| task.key() == *key).ok_or_else(gone)?;
+    let interest = app.desk.compute(task.clone(), client.peer())?;
     match interest.computation.finished().await {
         Phase::Done(outcome) => Ok(Artifact::made(&outcome, interest.provenance, client.peer())),
-        Phase::Failed(failure) => Err(Problem::of_failure(failure, |fault| entries.fault(fault))),
+        Phase::Failed(failure) => Err(Problem::of_failure(failure, |fault| task.fault(fault))),
         Phase::Queued | Phase::Running => {
             Err(Problem::new(problem::GONE, "the artifact left the cache; send its job again"))
         }

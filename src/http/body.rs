@@ -18,8 +18,10 @@ use super::inflate::{inflated, too_long};
 use super::pace::Pace;
 use super::problem::{self, Problem};
 use crate::input::Alone;
+use crate::job::key::Key;
 use crate::math::amounts::in_bytes;
 use crate::output::Format;
+use crate::service::peer::Paid;
 use crate::wire::JobRequest;
 use crate::wire::query::{job_of_file, job_text, read_as, text_as};
 use crate::wire::read::{ReadError, read};
@@ -37,13 +39,23 @@ pub(super) struct Sent {
     pub(super) bytes: Bytes,
     /// How the request says what is asked for.
     pub(super) notation: Notation,
+    /// The upload that it names.
+    pub(super) upload: Option<Arc<Attached>>,
     _charge: Option<Arc<Charge>>,
+}
+
+/// An upload in memory, with what pays for it.
+#[derive(Debug)]
+pub(super) struct Attached {
+    id: Key,
+    file: MeshFile,
+    _paid: Paid,
 }
 
 impl Sent {
     /// A job that was sent before, or stands in an address; whoever kept it has its memory.
     pub(super) fn job(bytes: Bytes) -> Self {
-        Self { bytes, notation: Notation::Job, _charge: None }
+        Self { bytes, notation: Notation::Job, upload: None, _charge: None }
     }
 
     /// The same job, with an output of this format.
@@ -56,11 +68,28 @@ impl Sent {
     /// # Errors
     /// [`ReadError`].
     pub(super) fn request(&self) -> Result<JobRequest, ReadError> {
-        match &self.notation {
+        let mut request = match &self.notation {
             Notation::Job => read(&self.bytes),
             Notation::JobAs(format) => read_as(format.name(), &self.bytes),
             Notation::File(reader, query) => job_of_file(query, file(reader.name, &self.bytes)),
-        }
+        }?;
+        request.input.file = request.input.file.or_else(|| self.upload.as_ref().map(|upload| upload.file.clone()));
+        Ok(request)
+    }
+
+    /// The same job with the upload that it names, and what pays for the memory of that.
+    pub(super) fn with_upload(self, id: Key, file: MeshFile, paid: Paid) -> Self {
+        Self { upload: Some(Arc::new(Attached { id, file, _paid: paid })), ..self }
+    }
+
+    /// Bytes of all that is to be read.
+    pub(super) fn length(&self) -> u64 {
+        self.bytes.len() as u64 + self.upload.as_ref().map_or(0, |upload| upload.file.bytes.len() as u64)
+    }
+
+    /// The uploads that it names.
+    pub(super) fn uploads(&self) -> Vec<Key> {
+        self.upload.iter().map(|upload| upload.id).collect()
     }
 
     /// The text of the job, in a place of its own: a short request does not keep the buffer that it arrived in.
@@ -98,7 +127,7 @@ where
     let Collected { bytes, charge, kind, coding } = collected?;
     let (bytes, charge) = inflated(app, client, coding, bytes, charge).await?;
     let notation = kind.notation(headers, takes, &bytes)?;
-    Ok(Sent { bytes: bytes.into(), notation, _charge: Some(Arc::new(charge)) })
+    Ok(Sent { bytes: bytes.into(), notation, upload: None, _charge: Some(Arc::new(charge)) })
 }
 
 /// A body as it arrived.
@@ -110,7 +139,7 @@ struct Collected {
 }
 
 /// Reads the rest of a refused body and forgets it: most clients read no answer before they have sent everything.
-async fn drain(mut body: impl Body<Data = Bytes> + Unpin, most: Duration) {
+pub(super) async fn drain(mut body: impl Body<Data = Bytes> + Unpin, most: Duration) {
     let mut left = DRAINED_BYTES;
     let reading = async {
         while let Some(Ok(frame)) = body.frame().await {
@@ -124,7 +153,7 @@ async fn drain(mut body: impl Body<Data = Bytes> + Unpin, most: Duration) {
 }
 
 /// The length that the client says the body has.
-fn announced(headers: &HeaderMap) -> Option<u64> {
+pub(super) fn announced(headers: &HeaderMap) -> Option<u64> {
     headers.get(header::CONTENT_LENGTH)?.to_str().ok()?.parse().ok()
 }
 
@@ -143,22 +172,9 @@ where
     if let Some(length) = announced(headers).filter(|length| *length > limit) {
         return Err(too_long(length, limit));
     }
-    let pace =
-        Pace { grace: Duration::from_secs(app.settings.body_timeout_s), least_rate: app.settings.least_rate_bytes_s };
-    let (start, mut charge, mut bytes) = (Instant::now(), Charge::default(), Vec::new());
-    loop {
-        let late = Instant::now() + pace.grace;
-        let slow = start + pace.allows(bytes.len() as u64);
-        let frame = tokio::time::timeout_at(late.min(slow), body.frame()).await;
-        let Some(frame) = frame.map_err(|_| too_slow(pace, late < slow))? else {
-            return Ok(Collected { bytes, charge, kind, coding });
-        };
-        let frame = frame.map_err(|_| Problem::new(problem::NOT_JSON, "the body broke off; send it again"))?;
-        let Ok(data) = frame.into_data() else { continue };
+    let (mut arriving, mut charge, mut bytes) = (Arriving::new(app, body, limit), Charge::default(), Vec::new());
+    while let Some(data) = arriving.next().await? {
         let length = bytes.len() + data.len();
-        if length as u64 > limit {
-            return Err(too_long(length as u64, limit));
-        }
         if length > bytes.capacity() {
             // twice as much each time, but no more than was announced
             let most = announced(headers).and_then(|length| usize::try_from(length).ok()).unwrap_or(usize::MAX);
@@ -167,6 +183,45 @@ where
             bytes.reserve_exact(capacity - bytes.len());
         }
         bytes.extend_from_slice(&data);
+    }
+    Ok(Collected { bytes, charge, kind, coding })
+}
+
+/// A body that arrives: bounded in length, in silence and in slowness.
+pub(super) struct Arriving<'a, B> {
+    body: &'a mut B,
+    pace: Pace,
+    start: Instant,
+    length: u64,
+    limit: u64,
+}
+
+impl<'a, B: Body<Data = Bytes> + Unpin> Arriving<'a, B> {
+    /// A body of so many bytes at most.
+    pub(super) fn new(app: &App, body: &'a mut B, limit: u64) -> Self {
+        let grace = Duration::from_secs(app.settings.body_timeout_s);
+        let pace = Pace { grace, least_rate: app.settings.least_rate_bytes_s };
+        Self { body, pace, start: Instant::now(), length: 0, limit }
+    }
+
+    /// The next bytes; none at the end.
+    ///
+    /// # Errors
+    /// A body that breaks off, is too long, or too slow.
+    pub(super) async fn next(&mut self) -> Result<Option<Bytes>, Problem> {
+        loop {
+            let late = Instant::now() + self.pace.grace;
+            let slow = self.start + self.pace.allows(self.length);
+            let frame = tokio::time::timeout_at(late.min(slow), self.body.frame()).await;
+            let Some(frame) = frame.map_err(|_| too_slow(self.pace, late < slow))? else { return Ok(None) };
+            let frame = frame.map_err(|_| Problem::new(problem::NOT_JSON, "the body broke off; send it again"))?;
+            let Ok(data) = frame.into_data() else { continue };
+            self.length += data.len() as u64;
+            if self.length > self.limit {
+                return Err(too_long(self.length, self.limit));
+            }
+            return Ok(Some(data));
+        }
     }
 }
 

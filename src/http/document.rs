@@ -100,7 +100,8 @@ pub(super) fn completed(mut document: Api) -> Api {
         for operation in [&mut item.get, &mut item.post, &mut item.delete].into_iter().flatten() {
             complete(path, operation);
         }
-        if path.starts_with("/v1/artifacts/") || path == "/v1/render" || path.starts_with("/kroki/") {
+        let is_bytes = ["/v1/artifacts/", "/v1/blobs/", "/kroki/"].iter().any(|start| path.starts_with(start));
+        if is_bytes || path == "/v1/render" {
             item.head = item.get.as_ref().map(head);
         }
     }
@@ -140,7 +141,7 @@ fn complete(path: &str, operation: &mut Operation) {
             headers(operation, "304", &["ETag", "Content-Location", "Cache-Status", "Vary"]);
             refuse(operation, FORECAST);
             refuse(operation, COMPUTED);
-            refuse(operation, &[problem::NOT_ACCEPTABLE]);
+            refuse(operation, &[problem::NOT_ACCEPTABLE, problem::UNWRITTEN]);
         }
         "/v1/estimate" => refuse(operation, FORECAST),
         "/v1/analyses" => {
@@ -156,6 +157,22 @@ fn complete(path: &str, operation: &mut Operation) {
             refuse(operation, FORECAST);
             refuse(operation, COMPUTED);
             refuse(operation, &[problem::RANGE]);
+        }
+        "/v1/jobs" if operation.request_body.is_some() => {
+            headers(operation, "200", &["Location", "Preference-Applied"]);
+            headers(operation, "202", &["Location", "Retry-After", "Preference-Applied"]);
+            refuse(operation, FORECAST);
+            refuse(operation, &[problem::NOT_ACCEPTABLE, problem::UNWRITTEN]);
+        }
+        "/v1/jobs" => refuse(operation, &[problem::INVALID]),
+        "/v1/blobs" => {
+            files(operation);
+            headers(operation, "201", &["Location"]);
+            refuse(operation, &[problem::UNWRITTEN]);
+        }
+        path if path.starts_with("/v1/blobs/") => {
+            headers(operation, "200", &["ETag", "Cache-Control"]);
+            headers(operation, "304", &["ETag", "Cache-Control"]);
         }
         path if path.starts_with("/v1/jobs/") => headers(operation, "200", &["Cache-Control", "Retry-After"]),
         "/readyz" => refuse(operation, &[problem::NOT_READY]),

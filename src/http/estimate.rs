@@ -27,9 +27,10 @@ use crate::wire::answer::EstimateAnswer;
 pub(super) async fn estimate(State(app): State<Shared>, client: Client, headers: HeaderMap, body: Body) -> Response {
     let answer = async {
         let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
-        let read =
-            reading::job(&app, &client, sent, usize::MAX, |request| negotiate::settle(&HeaderMap::new(), request));
-        let admitted = reading::admit(&app, &client, read.await?.job).await?;
+        let read = reading::job(&app, client.peer(), sent, usize::MAX, |request| {
+            negotiate::settle(&HeaderMap::new(), request)
+        });
+        let admitted = reading::admit(&app, client.peer(), read.await?.job).await?;
         Ok::<_, Problem>(axum::Json(EstimateAnswer::new(admitted.job(), admitted.estimate())))
     };
     answer.await.into_response()

@@ -1,22 +1,27 @@
-//! GET and DELETE /v1/jobs/{id}: how a job stands that outlasted its request, and its end.
+//! GET /v1/jobs, GET and DELETE /v1/jobs/{id}, POST /v1/jobs/{id}/cancel: how jobs stand, and their end.
 
 use std::sync::Arc;
-use std::time::Duration;
 
-use axum::extract::State;
-use axum::http::{HeaderValue, StatusCode, header};
+use axum::extract::{RawQuery, State};
+use axum::http::{HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
 use super::address::address;
 use super::app::{App, Shared};
 use super::problem::{self, Problem};
 use super::segment::Segment;
+use crate::fault::{Fault, shortened};
 use crate::job::key::Key;
-use crate::service::computation::{Failure, Phase, Timings};
-use crate::service::jobs::{Record, State as Standing};
-use crate::wire::answer::{CostAnswer, JobAnswer, OutputAnswer, ReachedAnswer, TimingsAnswer};
+use crate::service::job_key::{JobKey, Tenant};
+use crate::service::jobs::Standing;
+use crate::wire::standing::{JobAnswer, JobsAnswer};
 
-/// How a job stands: state, progress, timings, cost, outputs.
+/// Jobs on a page where nothing else is said, and at most.
+/// Half of it asks more often; twice of it answers up to 4 MiB at once, for jobs of 64 outputs.
+const PAGE: usize = 50;
+const LARGEST_PAGE: usize = 100;
+
+/// How a job stands: state, stage, level, progress, place in line, timings, cost, outputs.
 #[utoipa::path(
     get, path = "/v1/jobs/{id}", tag = "jobs",
     params(("id" = String, Path, description = "Id of the job, 64 hexadecimal digits",
@@ -26,18 +31,47 @@ use crate::wire::answer::{CostAnswer, JobAnswer, OutputAnswer, ReachedAnswer, Ti
     )
 )]
 pub(super) async fn job(State(app): State<Shared>, Segment(id): Segment) -> Response {
-    let answer = Key::parse(&id).and_then(|id| answer(&app, &id));
-    let Some(answer) = answer else {
-        let detail = "there is no job of this id; send the job to /v1/render, it has the same id each time";
-        return Problem::new(problem::NOT_FOUND, detail).into_response();
+    let standing = parse(&id).and_then(|job| app.desk.standing(&job));
+    standing.map_or_else(|| unknown().into_response(), |standing| told(StatusCode::OK, &standing))
+}
+
+/// Jobs, the newest first, by pages.
+#[utoipa::path(
+    get, path = "/v1/jobs", tag = "jobs",
+    params(
+        ("limit" = Option<u64>, Query, description = "Most jobs of the page, 1 to 100; 50 when left out"),
+        ("cursor" = Option<String>, Query, description = "`next` of the page before"),
+    ),
+    responses((status = 200, description = "A page of them", body = JobsAnswer))
+)]
+pub(super) async fn list(State(app): State<Shared>, RawQuery(query): RawQuery) -> Response {
+    let page = match page(query.as_deref().unwrap_or_default()) {
+        Ok(page) => page,
+        Err(fault) => return Problem::invalid(vec![fault]).into_response(),
     };
-    let active = matches!(answer.state, "queued" | "running");
-    let mut response = axum::Json(answer).into_response();
+    let (records, is_more) = app.desk.jobs.page(Tenant::ANYONE, page.0, page.1);
+    let next = records.last().filter(|_| is_more).map(|record| record.number.to_string());
+    let jobs = records.into_iter().map(|record| answer(&app.desk.standing_of(record))).collect();
+    let mut response = axum::Json(JobsAnswer { jobs, next }).into_response();
     response.headers_mut().insert(header::CACHE_CONTROL, HeaderValue::from_static("no-cache"));
-    if active {
-        response.headers_mut().insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
-    }
     response
+}
+
+/// Cancels a job: what nobody else waits for ends within 65,536 rows or one tile. The job stays known; posted again, it
+/// is done once more.
+#[utoipa::path(
+    post, path = "/v1/jobs/{id}/cancel", tag = "jobs",
+    params(("id" = String, Path, description = "Id of the job, 64 hexadecimal digits",
+        example = "7fd9512d51873010739dc6b61ab050e2fa8041f4f0258865739ad5cfefd188f2")),
+    responses(
+        (status = 200, description = "It had come to its end before", body = JobAnswer),
+        (status = 202, description = "It is cancelled", body = JobAnswer),
+    )
+)]
+pub(super) async fn cancel(State(app): State<Shared>, Segment(id): Segment) -> Response {
+    let Some(job) = parse(&id) else { return unknown().into_response() };
+    let status = if app.desk.cancel(&job) { StatusCode::ACCEPTED } else { StatusCode::OK };
+    app.desk.standing(&job).map_or_else(|| unknown().into_response(), |standing| told(status, &standing))
 }
 
 /// Forgets a job; when it is still under way and nobody else waits for its result, it is cancelled.
@@ -50,74 +84,77 @@ pub(super) async fn job(State(app): State<Shared>, Segment(id): Segment) -> Resp
     )
 )]
 pub(super) async fn forget(State(app): State<Shared>, Segment(id): Segment) -> Response {
-    if Key::parse(&id).is_some_and(|id| app.desk.jobs.remove(&id)) {
+    if parse(&id).is_some_and(|job| app.desk.forget(&job)) {
         return StatusCode::NO_CONTENT.into_response();
     }
     Problem::new(problem::NOT_FOUND, "there is no job of this id, or it is forgotten already").into_response()
 }
 
-/// How a job stands, if it is known.
-pub(super) fn answer(app: &Arc<App>, id: &Key) -> Option<JobAnswer> {
-    let record = app.desk.jobs.get(id)?;
-    let (state, progress, timings, error) = standing(&record);
-    let summary = &record.summary;
-    let (name, format, key) = (&summary.output.0, summary.output.1, summary.output.2);
-    let output =
-        OutputAnswer { name: name.clone(), format: format.name(), key: key.to_string(), href: address(key, format) };
-    Some(JobAnswer {
-        id: record.id.to_string(),
-        state,
-        progress,
-        attempts: record.attempts,
-        timings_ms: timings.map(milliseconds),
-        cost: CostAnswer::new(&summary.estimate),
-        outputs: vec![output],
-        error,
-        warnings: warnings(&record),
-        reached: summary.reached.map(ReachedAnswer::from),
-    })
+/// The job that an address names.
+pub(super) fn parse(id: &str) -> Option<JobKey> {
+    Key::parse(id).map(JobKey::of_anyone)
 }
 
-fn standing(record: &Record) -> (&'static str, f64, Option<Timings>, Option<String>) {
-    match &record.state {
-        Standing::Active(interest) => {
-            let computation = &interest.computation;
-            let state = if matches!(computation.phase(), Phase::Queued) { "queued" } else { "running" };
-            (state, computation.progress(), Some(computation.timings()), None)
-        }
-        Standing::Done(_, timings) => ("done", 1.0, Some(*timings), None),
-        Standing::Failed(Failure::Cancelled) => ("cancelled", 0.0, None, None),
-        Standing::Failed(Failure::Impossible(fault)) => {
-            ("failed", 0.0, None, Some(record.summary.entries.fault(fault.clone()).to_string()))
-        }
-        Standing::Failed(Failure::TimedOut(limit)) => {
-            ("failed", 0.0, None, Some(format!("it ran for {} s, the most this server allows", limit.as_secs())))
-        }
-        Standing::Failed(Failure::Busy(_)) => (
-            "failed",
-            0.0,
-            None,
-            Some("there was no place for work as long as it came to be; send it again".to_owned()),
-        ),
-        Standing::Failed(Failure::Internal(_)) => {
-            ("failed", 0.0, None, Some("a fault of planish; please report it".to_owned()))
-        }
-    }
+/// The answer about a job that nobody knows.
+pub(super) fn unknown() -> Problem {
+    let detail = "there is no job of this id; send the job to /v1/jobs or /v1/render, it has the same id each time";
+    Problem::new(problem::NOT_FOUND, detail)
 }
 
-fn warnings(record: &Record) -> Vec<String> {
-    match &record.state {
-        Standing::Done(manifest, _) => manifest.warnings.clone(),
-        _ => Vec::new(),
-    }
+/// How a job stands, for its clients.
+pub(super) fn answer(standing: &Standing) -> JobAnswer {
+    JobAnswer::new(standing, |product| address(product.key, product.format))
 }
 
-fn milliseconds(timings: Timings) -> TimingsAnswer {
-    let ms = |duration: Duration| duration.as_secs_f64() * 1000.0;
-    TimingsAnswer {
-        queue: ms(timings.queue),
-        refine: ms(timings.refine),
-        render: ms(timings.render),
-        encode: ms(timings.encode),
+/// The answer that tells how a job stands.
+fn told(status: StatusCode, standing: &Standing) -> Response {
+    let mut response = (status, axum::Json(answer(standing))).into_response();
+    response.headers_mut().insert(header::CACHE_CONTROL, HeaderValue::from_static("no-cache"));
+    if !standing.is_settled() {
+        response.headers_mut().insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
     }
+    response
+}
+
+/// How a job stands that was posted, with where it does; 202 as long as it goes on.
+pub(super) fn accepted(app: &Arc<App>, job: &JobKey, waited: Option<u64>) -> Response {
+    let Some(standing) = app.desk.standing(job) else { return unknown().into_response() };
+    located(&standing, job, if standing.is_settled() { StatusCode::OK } else { StatusCode::ACCEPTED }, waited)
+}
+
+/// 202: the job goes on, and here is where.
+pub(super) fn later(app: &Arc<App>, job: &JobKey, waited: Option<u64>) -> Response {
+    let Some(standing) = app.desk.standing(job) else { return unknown().into_response() };
+    let mut response = located(&standing, job, StatusCode::ACCEPTED, waited);
+    response.headers_mut().insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
+    response
+}
+
+fn located(standing: &Standing, job: &JobKey, status: StatusCode, waited: Option<u64>) -> Response {
+    let mut response = told(status, standing);
+    let headers = response.headers_mut();
+    if let Ok(location) = HeaderValue::try_from(format!("/v1/jobs/{}", job.id)) {
+        headers.insert(header::LOCATION, location);
+    }
+    if let Some(Ok(waited)) = waited.map(|seconds| HeaderValue::try_from(format!("wait={seconds}"))) {
+        headers.insert(HeaderName::from_static("preference-applied"), waited);
+    }
+    response
+}
+
+/// The page that a query asks for: before which number, and how many jobs.
+fn page(query: &str) -> Result<(u64, usize), Fault> {
+    let (mut before, mut limit) = (u64::MAX, PAGE);
+    for (name, value) in form_urlencoded::parse(query.as_bytes()) {
+        let wrong = |detail: String| Fault::new(format!("?{}", shortened(&name)), detail);
+        let number = value.parse().ok().filter(|_| value.bytes().all(|byte| byte.is_ascii_digit()));
+        match (&*name, number) {
+            ("cursor", Some(number)) => before = number,
+            ("cursor", None) => return Err(wrong("it is no cursor; take \"next\" of the page before".to_owned())),
+            ("limit", Some(number @ 1..=100)) => limit = usize::try_from(number).unwrap_or(LARGEST_PAGE),
+            ("limit", _) => return Err(wrong(format!("give a number from 1 to {LARGEST_PAGE}"))),
+            _ => return Err(wrong("it is unknown; known are limit and cursor".to_owned())),
+        }
+    }
+    Ok((before, limit))
 }

@@ -11,9 +11,11 @@ use crate::fault::shortened;
 use crate::fault::{Fault, cut};
 use crate::job::JobFault;
 use crate::job::limits::Refusal;
+use crate::service::accepting::NotAccepted;
 use crate::service::computation::Failure;
-use crate::service::desk::Unread;
+use crate::service::driving::Unreadable;
 use crate::service::pool::Busy;
+use crate::service::read_lane::Unread;
 use crate::wire::answer::{FaultAnswer, ProblemAnswer};
 use crate::wire::read::ReadError;
 
@@ -91,6 +93,9 @@ kinds! {
         "The result is being made. Ask again after the seconds in `Retry-After`.";
     NOT_READY: "not-ready", SERVICE_UNAVAILABLE, "The service is not ready",
         "The small job that the service runs regularly did not succeed lately.";
+    UNWRITTEN: "unwritten", INSUFFICIENT_STORAGE, "It cannot be kept",
+        "The disk of the service does not take what has to outlast it. Results that need not be kept are answered all \
+         the same, by /v1/render.";
     TIMED_OUT: "timed-out", UNPROCESSABLE_ENTITY, "The computation took too long",
         "One computation may run for a limited time; see /v1/limits. Ask for fewer levels or a smaller picture.";
     CANCELLED: "cancelled", CONFLICT, "The job was cancelled",
@@ -202,6 +207,18 @@ impl From<Busy> for Problem {
     }
 }
 
+impl From<NotAccepted> for Problem {
+    fn from(error: NotAccepted) -> Self {
+        match error {
+            NotAccepted::Busy(busy) => busy.into(),
+            NotAccepted::Unwritten(detail) => {
+                let detail = format!("{detail}; look at the disk of --data-dir, and send the job again then");
+                Self { retry_after: Some(Duration::from_secs(10)), ..Self::new(UNWRITTEN, detail) }
+            }
+        }
+    }
+}
+
 impl From<Unread> for Problem {
     fn from(unread: Unread) -> Self {
         match unread {
@@ -213,6 +230,14 @@ impl From<Unread> for Problem {
 }
 
 impl Problem {
+    /// The same refusal of a job that was accepted before.
+    pub(super) fn unreadable(self) -> Unreadable {
+        match self.retry_after {
+            Some(pause) => Unreadable::Later(pause),
+            None => Unreadable::Never(cut(&self.detail, MOST_DETAIL).into_owned()),
+        }
+    }
+
     /// The answer to an address whose result is not there in time: nothing else than the result may be taken for it.
     pub(super) fn unfinished() -> Self {
         let detail = "the result is being made and will be kept; ask again in 1 s";

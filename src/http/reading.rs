@@ -7,8 +7,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::app::App;
+use super::blobs::attached;
 use super::body::Sent;
-use super::client::Client;
 use super::problem::{self, Problem};
 use crate::analysis::curve::Reached;
 use crate::fault::Fault;
@@ -17,7 +17,7 @@ use crate::job::limits::Admitted;
 use crate::job::{Draft, Job, KeepWork, Report, RunError, Search, SearchError};
 use crate::math::amounts::in_bytes;
 use crate::service::computation::{Outcome, Phase};
-use crate::service::peer::{Kind, Paid};
+use crate::service::peer::{Kind, Paid, Peer};
 use crate::service::pool::Lane;
 use crate::service::task::{Cost, Task};
 use crate::watch::Watch;
@@ -60,14 +60,15 @@ enum Step {
 /// Whatever is wrong with the request; 503 when too much is being read already.
 pub(super) async fn job(
     app: &Arc<App>,
-    client: &Client,
+    peer: Peer,
     sent: Sent,
     most_outputs: usize,
     prepare: impl FnOnce(&mut JobRequest) -> Result<(), Problem> + Send + 'static,
 ) -> Result<ReadJob, Problem> {
-    let (desk, peer, limits) = (app.desk.clone(), client.peer(), app.desk.limits.reading());
-    let bytes = weight(sent.bytes.len() as u64);
-    let step = app.desk.read(client.peer(), bytes, move |_| {
+    let (desk, limits) = (app.desk.clone(), app.desk.limits.reading());
+    let sent = attached(app, peer, sent).await?;
+    let bytes = weight(sent.length());
+    let step = app.desk.read(peer, bytes, move |_| {
         let mut request = sent.request()?;
         prepare(&mut request)?;
         let n = request.outputs.len();
@@ -92,8 +93,8 @@ pub(super) async fn job(
     match step.await?? {
         Step::Complete(asked) => Ok(*asked),
         Step::Search(search, input, sent) => {
-            let reached = reached(app, client, &search, &input).await?;
-            let completing = app.desk.read(client.peer(), COMPLETING * search.bytes(), move |_| {
+            let reached = reached(app, peer, &search, &input).await?;
+            let completing = app.desk.read(peer, COMPLETING * search.bytes(), move |_| {
                 let job = Arc::unwrap_or_clone(search).complete(reached).map_err(Problem::invalid)?;
                 Ok(ReadJob { job, input, sent })
             });
@@ -110,15 +111,15 @@ fn too_large(what: &str, needs: u64, has: u64) -> Problem {
 }
 
 /// Admits a job, in the lane for reading, as some forecasts count for a while.
-pub(super) async fn admit(app: &Arc<App>, client: &Client, job: Job) -> Result<Arc<Admitted>, Problem> {
+pub(super) async fn admit(app: &Arc<App>, peer: Peer, job: Job) -> Result<Arc<Admitted>, Problem> {
     let limits = app.desk.limits;
     let bytes = job.forecast_bytes();
-    let admitted = app.desk.read(client.peer(), bytes, move |watch| limits.admit_under(job, watch)).await?;
+    let admitted = app.desk.read(peer, bytes, move |watch| limits.admit_under(job, watch)).await?;
     Ok(Arc::new(admitted?))
 }
 
 /// The level that a tolerance leads to: kept from an earlier search, or searched for as other computations are made.
-async fn reached(app: &Arc<App>, client: &Client, search: &Arc<Search>, input: &Arc<Paid>) -> Result<Reached, Problem> {
+async fn reached(app: &Arc<App>, peer: Peer, search: &Arc<Search>, input: &Arc<Paid>) -> Result<Reached, Problem> {
     let task = Arc::new(SearchTask { search: search.clone(), _input: input.clone() });
     if let Some(manifest) = app.desk.find(task.key()).await
         && let Some(bytes) = app.desk.tiers.part(&manifest, 0).await
@@ -129,7 +130,7 @@ async fn reached(app: &Arc<App>, client: &Client, search: &Arc<Search>, input: &
     if needs > has {
         return Err(too_large("the search for the level of this tolerance may take", needs, has));
     }
-    let interest = app.desk.compute(task, client.peer())?;
+    let interest = app.desk.compute(task, peer)?;
     match interest.computation.finished().await {
         Phase::Done(outcome) => answered(&whole(app, &outcome).await?),
         // what a search refuses is its answer

@@ -18,12 +18,13 @@ use super::negotiate::{self, ByteRange};
 use super::problem::Problem;
 use super::reading::ReadJob;
 use super::variants::coded;
-use super::{jobs, reading, streaming};
+use super::{jobs, reading, streaming, working};
 use crate::job::Resolved;
 use crate::job::key::Key;
 use crate::job::limits::Admitted;
-use crate::service::computation::{Phase, Timings};
-use crate::service::jobs::JobSummary;
+use crate::service::computation::Phase;
+use crate::service::driving::{self, found};
+use crate::service::job_key::JobKey;
 use crate::service::peer::Paid;
 use crate::service::task::Render;
 use crate::wire::JobRequest;
@@ -57,7 +58,7 @@ use crate::wire::query::name_of;
         (status = 200, description = "The bytes of the result, in the format that `outputs` or `Accept` asks for; \
             where `levels` is a tolerance, `Planish-Level` and `Planish-Bound` say what it led to"),
         (status = 202, description = "Not finished in time; `Location` has the job",
-            body = crate::wire::answer::JobAnswer),
+            body = crate::wire::standing::JobAnswer),
         (status = 304, description = "The client has it already (`If-None-Match`)"),
     )
 )]
@@ -125,7 +126,7 @@ pub(super) async fn rendered(
         }
     }
     let ReadJob { job, input, sent } = read;
-    let admitted = reading::admit(app, client, job).await?;
+    let admitted = reading::admit(app, client.peer(), job).await?;
     remember(app, request, &known);
     let mut patience = negotiate::patience(headers);
     if !keep && streaming::streams(app, &admitted, patience) {
@@ -151,7 +152,7 @@ async fn referring(
     ReadJob { job, input, sent }: ReadJob,
     known: Known,
 ) -> Result<Response, Problem> {
-    let admitted = reading::admit(app, client, job).await?;
+    let admitted = reading::admit(app, client.peer(), job).await?;
     streaming::check_kept(app, &admitted)?;
     let tag = negotiate::has_already(headers, &known.key);
     let patience = negotiate::patience(headers);
@@ -187,16 +188,9 @@ async fn made(
     known: Known,
 ) -> Result<Response, Problem> {
     let job = admitted.job();
-    let id = job.id();
+    let id = JobKey::of_anyone(job.id());
     let entries = job.entries(&job.outputs[0]);
-    let summary = |request| JobSummary {
-        output: (job.outputs[0].name.clone(), job.outputs[0].format, known.key),
-        entries,
-        estimate: admitted.estimate().clone(),
-        reached: job.reached,
-        details: job.detail_keys().collect(),
-        request,
-    };
+    let summary = |sent: &Sent| working::summary(&admitted, sent);
     // the others are made from the record
     let refers = job.detail_keys().next().is_some();
     // somebody else may have had it made while it was forecast
@@ -204,7 +198,7 @@ async fn made(
         && let Ok(response) = whole(app, headers, Artifact::kept(manifest.clone(), client.peer()), &known).await
     {
         if refers {
-            app.desk.record(id, summary(sent.text()), (manifest, Timings::default()), client.peer())?;
+            app.desk.record(id, summary(&sent), vec![found(&manifest)], client.peer())?;
         }
         return Ok(response);
     }
@@ -212,17 +206,16 @@ async fn made(
     let computation = interest.computation.clone();
     match tokio::time::timeout(patience, computation.finished()).await {
         Ok(Phase::Done(outcome)) => {
-            let made = (outcome.manifest.clone(), outcome.timings);
-            let found = Artifact::made(&outcome, interest.provenance, client.peer());
             if refers {
-                app.desk.record(id, summary(sent.text()), made, client.peer())?;
+                app.desk.record(id, summary(&sent), vec![driving::made(&outcome)], client.peer())?;
             }
+            let found = Artifact::made(&outcome, interest.provenance, client.peer());
             Ok(whole(app, headers, found, &known).await?)
         }
         Ok(Phase::Failed(failure)) => Err(Problem::of_failure(failure, |fault| entries.fault(fault))),
         Ok(Phase::Queued | Phase::Running) | Err(_) => {
-            app.desk.detach(id, summary(sent.text()), interest, client.peer())?;
-            Ok(later(app, &id, said.then_some(patience.as_secs())))
+            app.desk.detach(id, summary(&sent), interest, (client.peer(), entries)).await?;
+            Ok(jobs::later(app, &id, said.then_some(patience.as_secs())))
         }
     }
 }
@@ -237,7 +230,7 @@ async fn whole(app: &Arc<App>, headers: &HeaderMap, found: Artifact, known: &Kno
 /// Reads, checks and keys the job.
 pub(super) async fn read(app: &Arc<App>, client: &Client, headers: &HeaderMap, sent: Sent) -> Result<ReadJob, Problem> {
     let headers = headers.clone();
-    reading::job(app, client, sent, 1, move |request| negotiate::settle(&headers, request)).await
+    reading::job(app, client.peer(), sent, 1, move |request| negotiate::settle(&headers, request)).await
 }
 
 /// What a tolerance or "auto" led to: the level, and of a tolerance how far from the limit the result is at most.
@@ -259,21 +252,4 @@ fn not_modified(known: &Known, tag: String) -> Response {
     }
     headers.insert(HeaderName::from_static("cache-status"), HeaderValue::from_static("planish; hit"));
     (StatusCode::NOT_MODIFIED, headers).into_response()
-}
-
-/// 202: the job goes on, and here is where.
-fn later(app: &Arc<App>, id: &Key, applied: Option<u64>) -> Response {
-    let Some(answer) = jobs::answer(app, id) else {
-        return Problem::new(super::problem::NOT_FOUND, "the job is no longer known; send it again").into_response();
-    };
-    let mut response = (StatusCode::ACCEPTED, axum::Json(answer)).into_response();
-    let headers = response.headers_mut();
-    headers.insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
-    if let Ok(location) = HeaderValue::try_from(format!("/v1/jobs/{id}")) {
-        headers.insert(header::LOCATION, location);
-    }
-    if let Some(Ok(applied)) = applied.map(|seconds| HeaderValue::try_from(format!("wait={seconds}"))) {
-        headers.insert(HeaderName::from_static("preference-applied"), applied);
-    }
-    response
 }

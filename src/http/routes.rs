@@ -5,7 +5,10 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::app::Shared;
-use super::{analyses, artifacts, catalogue, estimate, health, jobs, links, pages, render, validate};
+use super::{
+    analyses, artifacts, blobs, catalogue, estimate, events, health, jobs, links, metrics, pages, posting, render,
+    validate,
+};
 
 /// All routes and their descriptions.
 pub(super) fn all() -> OpenApiRouter<Shared> {
@@ -14,9 +17,14 @@ pub(super) fn all() -> OpenApiRouter<Shared> {
         .routes(routes!(render::render, links::link))
         .routes(routes!(links::kroki))
         .routes(routes!(artifacts::artifact))
+        .routes(routes!(events::events))
+        .routes(routes!(blobs::blob))
         .routes(routes!(analyses::analyse));
     let texts = OpenApiRouter::new()
+        .routes(routes!(posting::post, jobs::list))
         .routes(routes!(jobs::job, jobs::forget))
+        .routes(routes!(jobs::cancel))
+        .routes(routes!(blobs::upload))
         .routes(routes!(estimate::estimate))
         .routes(routes!(validate::validate))
         .routes(routes!(catalogue::presets))
@@ -28,6 +36,7 @@ pub(super) fn all() -> OpenApiRouter<Shared> {
         .routes(routes!(catalogue::limits))
         .routes(routes!(health::livez))
         .routes(routes!(health::readyz))
+        .routes(routes!(metrics::metrics))
         .routes(routes!(pages::openapi))
         .routes(routes!(pages::problem))
         .routes(routes!(pages::index))

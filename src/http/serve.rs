@@ -12,27 +12,33 @@ use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::graceful::GracefulShutdown;
 use tokio::net::{TcpListener, TcpSocket, TcpStream};
+use tokio::task::JoinSet;
 
 use super::app::App;
 use super::canary::{self, Canary};
 use super::connections::{Connections, Open};
 use super::memo::Memo;
+use super::metrics::Requests;
 use super::pace::Pace;
 use super::problem;
-use super::requests::Requests;
+use super::requests::Requests as Answering;
 use super::router::{document_text, router};
 use super::short::Short;
 use super::stream::Watched;
+use super::working::Reader;
 use crate::config::Settings;
 use crate::fault::shortened;
 use crate::job::limits::Limits;
 use crate::service::account::Account;
 use crate::service::clock::{Clock, Monotonic};
-use crate::service::desk::{Desk, Terms};
+use crate::service::desk::{Desk, JobKeeping, Terms};
+use crate::service::jobs::Jobs;
 use crate::service::peer::Peer;
-use crate::service::pool::{Bounds, Pool};
-use crate::service::store::STORES;
+use crate::service::pool::{Bounds, Lane, Pool};
+use crate::service::queue;
+use crate::service::store::{Memory, STORES, StoreKind};
 use crate::service::tiers::Tiers;
+use crate::service::uploads::Uploads;
 use crate::wire::read::weight;
 
 /// Why the service did not start.
@@ -86,19 +92,32 @@ const SHORT_TIME: Duration = Duration::from_secs(1);
 ///
 /// # Errors
 /// [`StartError`].
-pub async fn bind(mut settings: Settings) -> Result<(TcpListener, Arc<App>), StartError> {
+pub async fn bind(settings: Settings) -> Result<(TcpListener, Arc<App>), StartError> {
+    bind_at(settings, Arc::new(Monotonic::default())).await
+}
+
+/// As [`bind`], by a clock of one's own.
+///
+/// # Errors
+/// [`StartError`].
+pub async fn bind_at(mut settings: Settings, clock: Arc<dyn Clock>) -> Result<(TcpListener, Arc<App>), StartError> {
     let listener = listen(settings.listen).map_err(|error| StartError::Listen { address: settings.listen, error })?;
-    let disk = if settings.data_dir == Path::new("") || settings.cache_bytes == 0 {
-        None
+    let account = Account::new(settings.max_memory_bytes, settings.memory_cache_bytes);
+    let (disk, records, uploads) = if settings.data_dir == Path::new("") || settings.cache_bytes == 0 {
+        (None, None, Uploads::new(Arc::new(Memory::new(account.uploads_bytes))))
     } else {
         let path = settings.data_dir.display().to_string();
         let name = &settings.cache_store;
         let kind = STORES.iter().find(|kind| kind.name == name);
         let kind = kind.ok_or_else(|| StartError::NoSuchStore { name: shortened(name) })?;
-        let open = (kind.open)(&settings.data_dir, settings.cache_bytes);
-        Some(open.map_err(|error| StartError::Store { path, error })?)
+        let open = |kind: &StoreKind| {
+            let store = (kind.open)(&settings.data_dir, settings.cache_bytes)?;
+            let records = (kind.records)(&settings.data_dir)?;
+            let uploads = (kind.open)(&settings.data_dir.join("uploads"), settings.uploads_bytes)?;
+            Ok((Some(store), Some(records), Uploads::new(uploads)))
+        };
+        open(kind).map_err(|error| StartError::Store { path, error })?
     };
-    let account = Account::new(settings.max_memory_bytes, settings.memory_cache_bytes);
     settings.max_body_bytes = settings.max_body_bytes.min(longest_body(&account));
     let bounds = Bounds { queue: settings.max_queue, queue_a_peer: settings.max_queue_per_peer };
     let pool = Pool::new(settings.compute_threads(), &account, bounds)?;
@@ -109,16 +128,27 @@ pub async fn bind(mut settings: Settings) -> Result<(TcpListener, Arc<App>), Sta
         most_a_peer: settings.max_queue_per_peer as u64,
         // a quarter of the connections is kept for requests that wait for nothing
         most_waiting: (settings.max_connections - settings.max_connections / 4) as u64,
+        most_jobs: settings.max_queue,
+        job_ttl: Duration::from_secs(settings.job_ttl_s),
     };
-    let clock: Arc<dyn Clock> = Arc::new(Monotonic::default());
     let connections = Connections::new(settings.max_connections, settings.max_connections_per_peer, clock.clone());
     let limits = settings.limits();
     // no job is taken on that finds no memory even when it is alone
     let limits = Limits { max_job_bytes: limits.max_job_bytes.min(account.long.capacity), ..limits };
-    let desk = Arc::new(Desk::new(limits, tiers, pool, account, terms, clock));
+    let (jobs, queue) = (Jobs::new(records, clock.clone()), Arc::new(queue::Local::default()));
+    let keeping = JobKeeping { jobs, queue, uploads };
+    let desk = Arc::new(Desk::new(limits, tiers, pool, account, keeping, (terms, clock)));
+    let path = || settings.data_dir.display().to_string();
+    let taken_up = desk.recover().await.map_err(|error| StartError::Store { path: path(), error })?;
+    if taken_up > 0 {
+        tracing::info!(jobs = taken_up, "jobs of an earlier process are taken up");
+    }
     let (canary, memo, short) = (Arc::<Canary>::default(), Memo::default(), Short::default());
     let openapi = LazyLock::new(document_text as fn() -> String);
-    Ok((listener, Arc::new(App { desk, settings, canary, memo, short, connections, openapi })))
+    Ok((
+        listener,
+        Arc::new(App { desk, settings, canary, memo, short, requests: Requests::default(), connections, openapi }),
+    ))
 }
 
 /// The longest body that the memory of the service is good for: half of the share of bodies, and so long that reading
@@ -140,6 +170,7 @@ fn listen(address: std::net::SocketAddr) -> io::Result<TcpListener> {
 /// Serves until `stop` comes true, then lets running requests end.
 pub async fn serve(listener: TcpListener, app: Arc<App>, stop: impl Future<Output = ()>) {
     let canary = tokio::spawn(canary::sing(app.canary.clone(), app.desk.clone()));
+    let mut working = work(&app);
     let graceful = GracefulShutdown::new();
     let router = router(app.clone());
     let mut stop = pin!(stop);
@@ -160,6 +191,7 @@ pub async fn serve(listener: TcpListener, app: Arc<App>, stop: impl Future<Outpu
         }
     }
     drop(listener);
+    app.desk.end();
     let patience = Duration::from_secs(app.settings.shutdown_timeout_s);
     tracing::info!(seconds = patience.as_secs(), "stopping; running requests and jobs may end");
     let ended = async {
@@ -171,6 +203,20 @@ pub async fn serve(listener: TcpListener, app: Arc<App>, stop: impl Future<Outpu
         app.desk.stop();
     }
     canary.abort();
+    working.abort_all();
+}
+
+/// Those who do accepted jobs: one more in each lane than it has places, so that one waits while the others compute.
+fn work(app: &Arc<App>) -> JoinSet<()> {
+    let mut working = JoinSet::new();
+    for lane in [Lane::Short, Lane::Long] {
+        for _ in 0..=app.desk.pool.places(lane) {
+            working.spawn(app.desk.clone().do_jobs(lane, Arc::new(Reader(app.clone()))));
+        }
+    }
+    let desk = app.desk.clone();
+    working.spawn(async move { desk.keep_tidy().await });
+    working
 }
 
 /// Tells a client that there is no place, as far as the system takes that at once: nobody waits for it.
@@ -193,7 +239,7 @@ fn attend(stream: TcpStream, open: Open, app: &Arc<App>, router: Router, gracefu
         .timer(TokioTimer::new())
         .header_read_timeout(Duration::from_secs(settings.header_timeout_s))
         .max_buf_size(64 << 10)
-        .serve_connection(TokioIo::new(stream), Requests::new(app.clone(), router, connection.clone()));
+        .serve_connection(TokioIo::new(stream), Answering::new(app.clone(), router, connection.clone()));
     let served = graceful.watch(served);
     tokio::spawn(async move {
         let _open = open;

@@ -18,9 +18,9 @@ use crate::job::limits::Admitted;
 use crate::math::amounts::in_bytes;
 use crate::output::Size;
 use crate::service::computation::Timings;
-use crate::service::desk::Unread;
 use crate::service::peer::Paid;
 use crate::service::pool::Busy;
+use crate::service::read_lane::Unread;
 use crate::service::task::{Render, Task};
 use crate::shape::mesh::Mesh;
 

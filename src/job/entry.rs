@@ -11,6 +11,8 @@ pub enum InputEntry {
     Mesh,
     /// `/input/text`, a mesh file.
     Text,
+    /// `/input/blob`, an uploaded mesh file.
+    Blob,
     /// `/input/polygon`.
     Polygon,
     /// `/input/polygons`, a list.
@@ -25,9 +27,10 @@ impl InputEntry {
             Self::Mesh => fault.under("/input/mesh"),
             Self::Polygon => fault.under("/input/polygon"),
             Self::Polygons => fault.under(&format!("/input/polygons/{shape}")),
-            Self::Text => {
+            Self::Text | Self::Blob => {
                 let place = if fault.pointer.is_empty() { String::new() } else { format!("{}: ", fault.pointer) };
-                Fault::new("/input/text/data", format!("in the mesh, {place}{}", fault.detail))
+                let entry = if self == Self::Blob { "/input/blob" } else { "/input/text/data" };
+                Fault::new(entry, format!("in the mesh, {place}{}", fault.detail))
             }
         }
     }
@@ -51,6 +54,8 @@ pub enum JobPart {
     Shape(usize),
     /// The output that is computed.
     Output,
+    /// A place in the request as a whole.
+    Request,
 }
 
 /// A fault that shows while a job is computed. Jobs share computations, and each request may have the part elsewhere.
@@ -91,6 +96,7 @@ impl JobEntries {
             JobPart::Plan => fault.under("/plan"),
             JobPart::Shape(shape) => self.input.fault(shape, fault),
             JobPart::Output => output_fault(self.output, fault),
+            JobPart::Request => fault,
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::format::{Content, Format, FormatFacts, Paper};
 use crate::output::picture::options::Options;
 use crate::output::picture::outline::{self, Outline};
 use crate::output::picture::vector;
@@ -47,6 +47,10 @@ impl Format for Pdf {
 
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         vector::size(counts, options)
+    }
+
+    fn paper(&self) -> Option<Paper> {
+        Some(Paper::Pdf)
     }
 
     fn refers(&self, options: &Values) -> Option<&'static str> {

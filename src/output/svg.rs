@@ -7,7 +7,7 @@ use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::format::{Content, Format, FormatFacts, Paper};
 use crate::output::picture::options::Options;
 use crate::output::picture::outline::{self, Outline};
 use crate::output::picture::vector;
@@ -48,6 +48,10 @@ impl Format for Svg {
 
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         vector::size(counts, options)
+    }
+
+    fn paper(&self) -> Option<Paper> {
+        Some(Paper::Svg)
     }
 
     fn refers(&self, options: &Values) -> Option<&'static str> {

@@ -227,6 +227,21 @@ impl Camera {
         self.fall = [1.0, 0.999 / span];
     }
 
+    /// Where it stands, model units.
+    pub fn eye(&self) -> Vector {
+        self.eye
+    }
+
+    /// The direction in which it looks, of length one.
+    pub fn forward(&self) -> Vector {
+        self.forward
+    }
+
+    /// Pixels a model unit at distance one (perspective) or everywhere (orthographic).
+    pub fn scale(&self) -> f64 {
+        self.focal_px
+    }
+
     /// Whether the camera is on the side of the plane through a point that `normal` points to.
     pub fn is_before(&self, point: [f64; 3], normal: [f64; 3]) -> bool {
         let towards = match self.projection {
@@ -249,8 +264,8 @@ impl Camera {
         [self.focal_px * dot(r, self.right), -self.focal_px * dot(r, self.up), w, z]
     }
 
-    /// Where a point falls in the picture, pixels, and its nearness: a number that is linear over the picture and larger
-    /// for what is nearer. `None` where the point is not before the camera.
+    /// Where a point falls in the picture, pixels, and its nearness: a number that is linear over the picture and
+    /// larger for what is nearer. `None` where the point is not before the camera.
     pub fn seen(&self, point: [f64; 3]) -> Option<[f64; 3]> {
         let seen = self.view(point);
         let nearness = match self.projection {

@@ -1,13 +1,23 @@
 //! Time, injected: the service asks a clock, so that tests can turn it.
 
 use std::fmt;
+use std::future::Future;
+use std::pin::Pin;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
-/// A monotonic clock.
+use tokio::sync::Notify;
+
+/// A clock.
 pub trait Clock: fmt::Debug + Send + Sync {
-    /// Time since some fixed moment.
+    /// Time since some fixed moment; never goes back.
     fn now(&self) -> Duration;
+
+    /// Time since 1970, for what has to be told across processes; may jump.
+    fn wall(&self) -> Duration;
+
+    /// Waits until so much time has passed.
+    fn sleep(&self, time: Duration) -> Pin<Box<dyn Future<Output = ()> + Send + '_>>;
 }
 
 /// The machine's monotonic clock.
@@ -24,21 +34,51 @@ impl Clock for Monotonic {
     fn now(&self) -> Duration {
         self.0.elapsed()
     }
+
+    fn wall(&self) -> Duration {
+        SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default()
+    }
+
+    fn sleep(&self, time: Duration) -> Pin<Box<dyn Future<Output = ()> + Send + '_>> {
+        Box::pin(tokio::time::sleep(time))
+    }
 }
 
 /// A clock that stands still until it is moved.
 #[derive(Debug, Default)]
-pub struct Manual(AtomicU64);
+pub struct Manual {
+    nanos: AtomicU64,
+    moved: Notify,
+}
 
 impl Manual {
     /// Moves the clock forward.
     pub fn advance(&self, by: Duration) {
-        self.0.fetch_add(u64::try_from(by.as_nanos()).unwrap_or(u64::MAX), Ordering::Relaxed);
+        self.nanos.fetch_add(u64::try_from(by.as_nanos()).unwrap_or(u64::MAX), Ordering::SeqCst);
+        self.moved.notify_waiters();
     }
 }
 
 impl Clock for Manual {
     fn now(&self) -> Duration {
-        Duration::from_nanos(self.0.load(Ordering::Relaxed))
+        Duration::from_nanos(self.nanos.load(Ordering::SeqCst))
+    }
+
+    fn wall(&self) -> Duration {
+        self.now()
+    }
+
+    fn sleep(&self, time: Duration) -> Pin<Box<dyn Future<Output = ()> + Send + '_>> {
+        let until = self.now().saturating_add(time);
+        Box::pin(async move {
+            loop {
+                // whoever moves the clock from here on is heard
+                let moved = self.moved.notified();
+                if self.now() >= until {
+                    return;
+                }
+                moved.await;
+            }
+        })
     }
 }

@@ -197,6 +197,12 @@ impl Computation {
         self.interests.load(Ordering::Acquire)
     }
 
+    /// What it does now; nothing while it waits, or before it says so.
+    pub fn stage(&self) -> Option<Stage> {
+        let begun = self.stages.begun.lock().unwrap_or_else(PoisonError::into_inner);
+        begun.last().and_then(|(stage, _)| *stage)
+    }
+
     /// How long its stages took so far.
     pub fn timings(&self) -> Timings {
         let begun = self.stages.begun.lock().unwrap_or_else(PoisonError::into_inner);

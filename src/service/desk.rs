@@ -7,21 +7,24 @@ use std::time::Duration;
 
 use super::account::{Account, Full};
 use super::clock::Clock;
-use super::computation::{Computation, Failure, Outcome, Phase, Timings};
-use super::jobs::{JobSummary, Jobs, State};
+use super::computation::{Computation, Failure, Outcome, Phase};
+use super::jobs::Jobs;
 use super::kept_work::KeptWork;
 use super::lent::{InFlight, Lent};
 use super::peer::{Kind, Peer, Peers, Ticket};
 use super::pool::{Busy, Lane, Memory, Panicked, Pool, Turn, Waiting};
+use super::queue::Queue;
 use super::result_buffer::ResultBuffer;
 use super::store::{Description, Manifest};
+use super::tally::{Found, Tally};
 use super::task::Task;
 use super::tiers::{Kept, Tiers};
-use super::under_way::{Interest, Provenance, UnderWay};
+use super::under_way::{Interest, UnderWay};
+use super::uploads::Uploads;
 use crate::job::RunError;
 use crate::job::key::Key;
 use crate::job::limits::Limits;
-use crate::watch::Watch;
+use tokio::sync::watch;
 
 /// The desk of one service.
 #[derive(Debug)]
@@ -42,10 +45,29 @@ pub struct Desk {
     pub work: KeptWork,
     /// Jobs that outlast their request.
     pub jobs: Jobs,
+    /// Those of them that wait for their turn.
+    pub queue: Arc<dyn Queue>,
+    /// The files that clients sent.
+    pub uploads: Uploads,
+    /// What happened, counted.
+    pub tally: Arc<Tally>,
     /// How much is taken on, and for how long.
     pub terms: Terms,
     pub(super) clock: Arc<dyn Clock>,
     under_way: Arc<UnderWay>,
+    /// Comes true when the service is to end.
+    pub(super) ending: watch::Sender<bool>,
+}
+
+/// Where jobs are kept that outlast their request, and where they wait.
+#[derive(Debug)]
+pub struct JobKeeping {
+    /// What is known of them.
+    pub jobs: Jobs,
+    /// Their line.
+    pub queue: Arc<dyn Queue>,
+    /// The files that they may name.
+    pub uploads: Uploads,
 }
 
 /// How much work a desk takes on, and for how long.
@@ -59,6 +81,10 @@ pub struct Terms {
     pub most_a_peer: u64,
     /// Most requests that wait at once.
     pub most_waiting: u64,
+    /// Most jobs that wait in a lane.
+    pub most_jobs: usize,
+    /// How long a job is known after nothing more will happen to it.
+    pub job_ttl: Duration,
 }
 
 impl Desk {
@@ -68,17 +94,41 @@ impl Desk {
         tiers: Tiers,
         pool: Pool,
         account: Account,
-        terms: Terms,
-        clock: Arc<dyn Clock>,
+        JobKeeping { jobs, queue, uploads }: JobKeeping,
+        (terms, clock): (Terms, Arc<dyn Clock>),
     ) -> Self {
-        let (peers, jobs, under_way) = (Arc::default(), Jobs::default(), Arc::default());
+        let (peers, under_way, ending) = (Arc::default(), Arc::default(), watch::channel(false).0);
         let (in_flight, work) = (InFlight::default(), KeptWork::new(account.work_bytes));
-        Self { limits, tiers, pool, account, in_flight, peers, work, jobs, terms, clock, under_way }
+        let tally = jobs.tally().clone();
+        Self {
+            limits,
+            tiers,
+            pool,
+            account,
+            in_flight,
+            peers,
+            work,
+            jobs,
+            queue,
+            uploads,
+            tally,
+            terms,
+            clock,
+            under_way,
+            ending,
+        }
     }
 
     /// The artifact of a key, if it is kept anywhere.
     pub async fn find(self: &Arc<Self>, key: Key) -> Option<Arc<Manifest>> {
-        self.tiers.find(&key).await
+        let at_hand = self.tiers.at_hand(&key);
+        let tier = if at_hand.is_some() { Found::Memory } else { Found::Disk };
+        let found = match at_hand {
+            Some(manifest) => Some(manifest),
+            None => self.tiers.find(&key).await,
+        };
+        self.tally.looked(if found.is_some() { tier } else { Found::Nowhere });
+        found
     }
 
     /// Joins the computation of a task for a peer, or starts it.
@@ -86,12 +136,36 @@ impl Desk {
     /// # Errors
     /// [`Busy`] when too many wait already.
     pub fn compute(self: &Arc<Self>, task: Arc<dyn Task>, peer: Peer) -> Result<Interest, Busy> {
-        let (key, cost) = (task.key(), task.cost());
+        let cost = task.cost();
         let lane = self.pool.lane_of(cost.time_ms, cost.memory_bytes);
         let ticket = self.ticket(peer, Kind::Waiting).ok_or_else(|| self.pool.busy(lane))?;
+        self.compute_for(task, peer, ticket, |bytes| self.pool.line_up(lane, peer, bytes))
+    }
+
+    /// As [`Desk::compute`], for a job that was accepted before: however many its peer has in line.
+    ///
+    /// # Errors
+    /// [`Busy`] when the line is full.
+    pub(super) fn compute_accepted(self: &Arc<Self>, task: Arc<dyn Task>, peer: Peer) -> Result<Interest, Busy> {
+        let cost = task.cost();
+        let lane = self.pool.lane_of(cost.time_ms, cost.memory_bytes);
+        let ticket = self.peers.take(peer, Kind::Accepted, 1, u64::MAX, u64::MAX);
+        let ticket = ticket.ok_or_else(|| self.pool.busy(lane))?;
+        self.compute_for(task, peer, ticket, |bytes| self.pool.line_up_again(lane, peer, bytes))
+    }
+
+    fn compute_for(
+        self: &Arc<Self>,
+        task: Arc<dyn Task>,
+        peer: Peer,
+        ticket: Ticket,
+        line_up: impl FnOnce(u128) -> Result<Waiting, Busy>,
+    ) -> Result<Interest, Busy> {
+        let (key, cost) = (task.key(), task.cost());
+        let lane = self.pool.lane_of(cost.time_ms, cost.memory_bytes);
         let mut place = None;
         let begin = || {
-            place = Some(self.pool.line_up(lane, peer, cost.memory_bytes)?);
+            place = Some(line_up(cost.memory_bytes)?);
             Ok(Arc::new(Computation::new(key, cost.work, self.clock.clone())))
         };
         let interest = self.under_way.join_or_begin(key, ticket, begin)?;
@@ -171,34 +245,10 @@ impl Desk {
         }
     }
 
-    /// Runs work on a request, which takes so much memory, when its turn comes. When the caller leaves, the work is
-    /// stopped.
-    ///
-    /// # Errors
-    /// [`Unread`].
-    pub async fn read<T: Send + 'static>(
-        &self,
-        peer: Peer,
-        memory_bytes: u64,
-        work: impl FnOnce(&Watch) -> T + Send + 'static,
-    ) -> Result<T, Unread> {
-        let waiting = self.pool.line_up(Lane::Reading, peer, memory_bytes.into()).map_err(Unread::Busy)?;
-        let turn = self.pool.turn(Lane::Reading, waiting).await;
-        let start = self.clock.now();
-        let watch = StopOnDrop(Watch::new());
-        let watched = watch.0.clone();
-        let reading = turn.spawn(move || work(&watched));
-        let read = tokio::time::timeout(self.terms.run_timeout, reading).await;
-        self.pool.finished(Lane::Reading, self.clock.now().saturating_sub(start));
-        match read {
-            Ok(read) => read.map_err(|_| Unread::Failed(Failure::Internal("reading a request panicked".to_owned()))),
-            Err(_) => Err(Unread::Failed(Failure::TimedOut(self.terms.run_timeout))),
-        }
-    }
-
     /// Takes a finished computation off the list, then says so.
     fn finish(&self, computation: &Arc<Computation>, phase: Phase) {
         self.under_way.remove(computation);
+        self.tally.computed(&phase);
         computation.set(phase);
     }
 
@@ -237,58 +287,6 @@ impl Desk {
         }
     }
 
-    /// Makes a job's record follow its computation, so that it goes on without its request.
-    ///
-    /// # Errors
-    /// [`Busy`] when the peer has too many such jobs, or there is no room for the record; then the interest is dropped.
-    pub fn detach(
-        self: &Arc<Self>,
-        id: Key,
-        summary: JobSummary,
-        mut interest: Interest,
-        peer: Peer,
-    ) -> Result<(), Busy> {
-        let computation = interest.computation.clone();
-        if self.jobs.follows(&id, &computation) {
-            return Ok(());
-        }
-        let busy = || self.pool.busy(Lane::Long);
-        interest.ticket = self.ticket(peer, Kind::Detached).ok_or_else(busy)?;
-        let attempts = u32::from(interest.provenance == Provenance::Made);
-        let state = State::Active(Arc::new(interest));
-        let memory = |bytes| self.peers.charge(&self.account.records, Kind::RecordBytes, peer, bytes);
-        self.jobs.put(memory, id, summary, attempts, state).map_err(|_| busy())?;
-        let desk = self.clone();
-        tokio::spawn(async move {
-            let state = match computation.finished().await {
-                Phase::Done(outcome) => State::Done(outcome.manifest.clone(), outcome.timings),
-                Phase::Failed(failure) => State::Failed(failure),
-                Phase::Queued | Phase::Running => return,
-            };
-            desk.jobs.settle(&id, &computation, state);
-        });
-        Ok(())
-    }
-
-    /// Keeps a record of a job whose artifact is there, so that what it refers to can be made.
-    ///
-    /// # Errors
-    /// [`Busy`] when there is no room for the record.
-    pub fn record(
-        &self,
-        id: Key,
-        summary: JobSummary,
-        (manifest, timings): (Arc<Manifest>, Timings),
-        peer: Peer,
-    ) -> Result<(), Busy> {
-        if self.jobs.get(&id).is_some() {
-            return Ok(());
-        }
-        let memory = |bytes| self.peers.charge(&self.account.records, Kind::RecordBytes, peer, bytes);
-        let put = self.jobs.put(memory, id, summary, 0, State::Done(manifest, timings));
-        put.map_err(|_| self.pool.busy(Lane::Long))
-    }
-
     /// Has an artifact that was just made brought to disk, in the background of its answer.
     fn persist(&self, manifest: &Arc<Manifest>) {
         self.tiers.persist(manifest);
@@ -307,12 +305,40 @@ impl Desk {
         self.under_way.len()
     }
 
-    /// Waits until no computation is under way or waiting.
+    /// Waits until no computation is under way or waiting, and, where jobs do not outlast the process, no job goes on.
     pub async fn idle(&self) {
         loop {
-            let Some(computation) = self.under_way.any() else { return };
-            computation.finished().await;
+            if let Some(computation) = self.under_way.any() {
+                computation.finished().await;
+            } else if let Some(job) = self.jobs.any_active().filter(|_| !self.jobs.last()) {
+                // its sender stays with the record, which is forgotten only when it has ended
+                let _ = job.ended.subscribe().wait_for(|ended| *ended).await;
+            } else {
+                return;
+            }
         }
+    }
+
+    /// The time by the clock of the service.
+    pub fn now(&self) -> Duration {
+        self.clock.now()
+    }
+
+    /// Says that the service is to end: nobody waits for events any more, and where jobs outlast the process no further
+    /// one has its turn.
+    pub fn end(&self) {
+        self.ending.send_replace(true);
+    }
+
+    /// Comes true when the service is to end.
+    pub async fn ended(&self) {
+        // the sender is the desk's own
+        let _ = self.ending.subscribe().wait_for(|ending| *ending).await;
+    }
+
+    /// Whether the service is to end.
+    pub fn is_ending(&self) -> bool {
+        *self.ending.borrow()
     }
 
     /// Ends every computation, for the end of the service.
@@ -345,23 +371,4 @@ async fn until_overdue<T>(
         computation.run_out();
     }
     making.await
-}
-
-/// Stops work when whoever waits for it leaves.
-#[derive(Debug)]
-pub(super) struct StopOnDrop(pub(super) Watch);
-
-impl Drop for StopOnDrop {
-    fn drop(&mut self) {
-        self.0.stop();
-    }
-}
-
-/// Why a request was not read.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Unread {
-    /// Too many wait to be read.
-    Busy(Busy),
-    /// The work on it failed.
-    Failed(Failure),
 }

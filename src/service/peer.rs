@@ -31,6 +31,10 @@ pub enum Kind {
     Waiting,
     /// Jobs that go on without their request.
     Detached,
+    /// Computations of such jobs.
+    Accepted,
+    /// Streams of events.
+    Listening,
     /// Bytes of bodies.
     BodyBytes,
     /// Bytes of inputs of jobs that wait or run.
@@ -90,7 +94,25 @@ impl Peers {
     /// # Errors
     /// [`Full`].
     pub fn charge(self: &Arc<Self>, share: &Arc<Share>, kind: Kind, peer: Peer, bytes: u64) -> Result<Paid, Full> {
-        let ticket = self.take(peer, kind, bytes, share.capacity / 2, u64::MAX).ok_or(Full)?;
+        self.charge_within(share, kind, peer, (bytes, share.capacity / 2))
+    }
+
+    /// As [`Peers::charge`], for the service itself, which gets all of it: what was accepted before comes first.
+    ///
+    /// # Errors
+    /// [`Full`].
+    pub fn charge_self(self: &Arc<Self>, share: &Arc<Share>, kind: Kind, bytes: u64) -> Result<Paid, Full> {
+        self.charge_within(share, kind, Peer::SELF, (bytes, u64::MAX))
+    }
+
+    fn charge_within(
+        self: &Arc<Self>,
+        share: &Arc<Share>,
+        kind: Kind,
+        peer: Peer,
+        (bytes, most): (u64, u64),
+    ) -> Result<Paid, Full> {
+        let ticket = self.take(peer, kind, bytes, most, u64::MAX).ok_or(Full)?;
         Ok(Paid { _held: share.try_take(bytes)?, _ticket: ticket })
     }
 

@@ -176,10 +176,21 @@ impl Pool {
 
     /// A refusal: come back when the line of this lane will have passed, at least a second from now.
     pub fn busy(&self, lane: Lane) -> Busy {
+        self.busy_behind(lane, 0)
+    }
+
+    /// As [`Pool::busy`], where so many more wait for the line.
+    pub fn busy_behind(&self, lane: Lane, more: usize) -> Busy {
         let state = self.lane(lane);
-        let us = state.average_us.load(Ordering::Relaxed).saturating_mul(state.line.waiting() as u64);
+        let waiting = state.line.waiting().saturating_add(more) as u64;
+        let us = state.average_us.load(Ordering::Relaxed).saturating_mul(waiting);
         let us = us / (state.places as u64).max(1);
         Busy { retry_after: Duration::from_micros(us).max(Duration::from_secs(1)) }
+    }
+
+    /// How many computations a lane has places for.
+    pub fn places(&self, lane: Lane) -> usize {
+        self.lane(lane).places
     }
 
     /// Runs something small on the short lane's threads without standing in line.

@@ -12,9 +12,10 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc, oneshot};
 
 use super::clock::Clock;
 use super::computation::Failure;
-use super::desk::{Desk, StopOnDrop, Unread};
+use super::desk::Desk;
 use super::peer::{Kind, Peer, Ticket};
 use super::pool::{Lane, panicked};
+use super::read_lane::{StopOnDrop, Unread};
 use super::task::Task;
 use crate::job::{KeepWork, RunError};
 use crate::watch::Watch;

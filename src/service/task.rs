@@ -5,9 +5,10 @@ use std::io::Write;
 use std::sync::Arc;
 
 use super::peer::Paid;
+use crate::fault::Fault;
 use crate::job::key::Key;
 use crate::job::limits::Admitted;
-use crate::job::{KeepWork, Report, RunError, run_keeping};
+use crate::job::{JobFault, KeepWork, Report, RunError, run_keeping};
 use crate::watch::Watch;
 
 /// What a computation will come to.
@@ -39,6 +40,11 @@ pub trait Task: fmt::Debug + Send + Sync {
     /// # Errors
     /// [`RunError`].
     fn run(&self, out: &mut dyn Write, kept: &dyn KeepWork, watch: &Watch) -> Result<Report, RunError>;
+
+    /// Where the request has what is at fault.
+    fn fault(&self, fault: JobFault) -> Fault {
+        fault.fault
+    }
 }
 
 /// One output of a job.
@@ -78,5 +84,10 @@ impl Task for Render {
 
     fn run(&self, out: &mut dyn Write, kept: &dyn KeepWork, watch: &Watch) -> Result<Report, RunError> {
         run_keeping(&self.admitted, &self.admitted.job().outputs[self.output], kept, out, watch)
+    }
+
+    fn fault(&self, fault: JobFault) -> Fault {
+        let job = self.admitted.job();
+        job.entries(&job.outputs[self.output]).fault(fault)
     }
 }

@@ -9,7 +9,7 @@ use bytes::Bytes;
 use super::clock::{Clock, Monotonic};
 use super::disk_counts::DiskCounts;
 use super::reads::Reads;
-use super::store::{Description, LargeSpool, Manifest, Memory, Store, StoreError, Usage, part_of};
+use super::store::{Description, LargeSpool, Manifest, Memory, Pin, Store, StoreError, Usage, part_of};
 use super::writer::{Trouble, Waiting, Writer};
 use crate::job::key::Key;
 
@@ -129,6 +129,11 @@ impl Tiers {
             Some(part) => Some(part),
             None => self.part_on_disk(manifest, index).await,
         }
+    }
+
+    /// Keeps an artifact on disk, where it is there, for as long as somebody reads it.
+    pub fn pin(&self, key: &Key) -> Option<Pin> {
+        Pin::new(&self.disk.as_ref()?.store, *key)
     }
 
     /// Whether an artifact is on disk, or is about to be without memory of its own.

@@ -31,7 +31,14 @@ pub struct Interest {
     pub provenance: Provenance,
     under_way: Arc<UnderWay>,
     /// Counts as one of what its peer may have.
-    pub(super) ticket: Ticket,
+    ticket: Ticket,
+}
+
+impl Interest {
+    /// Counts as something else from now on.
+    pub(super) fn count_as(&mut self, ticket: Ticket) {
+        drop(std::mem::replace(&mut self.ticket, ticket));
+    }
 }
 
 impl Drop for Interest {

@@ -289,7 +289,9 @@ impl Shared {
         count(match &written {
             Ok(()) => &self.counts.written,
             Err(StoreError::Io(_)) => &self.counts.dropped_failed,
-            Err(StoreError::TooLarge { .. } | StoreError::Occupied { .. }) => &self.counts.dropped_unfit,
+            Err(StoreError::TooLarge { .. } | StoreError::Occupied { .. } | StoreError::InUse) => {
+                &self.counts.dropped_unfit
+            }
         });
         let mut backlog = self.backlog();
         backlog.under_way.remove(key);

@@ -50,35 +50,6 @@ impl From<Fault> for FaultAnswer {
     }
 }
 
-/// How a job stands.
-#[derive(Debug, Clone, Serialize, ToSchema)]
-pub struct JobAnswer {
-    /// Id of the job.
-    pub id: String,
-    /// Where it stands.
-    #[schema(pattern = "^(queued|running|done|failed|cancelled)$")]
-    pub state: &'static str,
-    /// Share of the work done, from 0 to 1.
-    pub progress: f64,
-    /// How often it was queued.
-    pub attempts: u32,
-    /// Time spent so far, or in all.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub timings_ms: Option<TimingsAnswer>,
-    /// Counts and predicted cost.
-    pub cost: CostAnswer,
-    /// The outputs of the job.
-    pub outputs: Vec<OutputAnswer>,
-    /// Why it failed.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub error: Option<String>,
-    /// What the client should know about the result.
-    pub warnings: Vec<String>,
-    /// What a tolerance led to.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub reached: Option<ReachedAnswer>,
-}
-
 /// The level that a tolerance or `"auto"` led to.
 #[derive(Debug, Clone, Copy, Serialize, ToSchema)]
 pub struct ReachedAnswer {
@@ -95,42 +66,16 @@ impl From<Resolved> for ReachedAnswer {
     }
 }
 
-/// Time by stage, milliseconds.
-#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
-pub struct TimingsAnswer {
-    /// Waiting for a turn.
-    pub queue: f64,
-    /// Refining.
-    pub refine: f64,
-    /// Drawing.
-    pub render: f64,
-    /// Writing bytes.
-    pub encode: f64,
-}
-
-/// Predicted cost.
-#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
-pub struct CostAnswer {
-    /// Points or vertices of the result.
-    pub vertices: u64,
-    /// Faces of the result.
-    pub faces: u64,
-    /// Memory while it runs, bytes.
-    pub memory_bytes: u64,
-    /// Time on one core, milliseconds.
-    pub time_ms: u64,
-}
-
-/// One output of a job.
+/// A file that was sent.
 #[derive(Debug, Clone, Serialize, ToSchema)]
-pub struct OutputAnswer {
-    /// The name of the output.
-    pub name: String,
-    /// The format of the output.
-    pub format: &'static str,
-    /// The key of the output: id of the artifact and strong ETag.
-    pub key: String,
-    /// Where its bytes are, or will be.
+pub struct BlobAnswer {
+    /// What names it in jobs: `b3-` and the BLAKE3 of its bytes.
+    pub id: String,
+    /// Its length.
+    pub bytes: u64,
+    /// The format that it is read as: that of a reader, or `json`.
+    pub format: String,
+    /// Where it is.
     pub href: String,
 }
 
@@ -316,19 +261,6 @@ impl EstimateAnswer {
             memory_bytes: count(estimate.memory_bytes),
             path: if job.is_swept() { "sweep" } else { "rows" },
             reached: job.reached.map(ReachedAnswer::from),
-        }
-    }
-}
-
-impl CostAnswer {
-    /// The cost of an estimate.
-    pub fn new(estimate: &Estimate) -> Self {
-        let last = estimate.forecast.levels.last().copied().unwrap_or_default();
-        Self {
-            vertices: count(last.vertices),
-            faces: count(last.faces),
-            memory_bytes: count(estimate.memory_bytes),
-            time_ms: count(estimate.time_ms),
         }
     }
 }

@@ -11,6 +11,9 @@ use super::written::{number, written};
 use crate::math::parameter::{Kind, Parameter};
 use crate::output::FORMATS;
 
+/// The field that is an input by itself, where flags and queries stand beside a mesh file.
+const UPLOAD: &str = "blob";
+
 /// The part of a job that has a field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Part {
@@ -77,7 +80,9 @@ impl OutputField {
 
 /// The fields of the input and the plan of a job that take a text, a number or a flag, in their order.
 pub(crate) fn fields() -> Vec<Field> {
-    [of::<InputRequest>(Part::Input), of::<PlanRequest>(Part::Plan)].concat()
+    let is_short = |field: &Field| field.name != UPLOAD;
+    let all = [of::<InputRequest>(Part::Input), of::<PlanRequest>(Part::Plan)].concat();
+    all.into_iter().filter(is_short).collect()
 }
 
 /// The options of all formats, each name once, in the order of the formats.

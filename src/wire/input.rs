@@ -17,7 +17,7 @@ use crate::shape::check::{NonManifold, Winding};
 use crate::shape::frame::{Frame, Unit, Up};
 use crate::shape::mesh::{Mesh, MeshInput};
 
-/// The input: exactly one of `mesh`, `text`, `polygon` and `polygons`.
+/// The input: exactly one of `mesh`, `text`, `blob`, `polygon` and `polygons`.
 #[derive(Debug, Clone, Default, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct InputRequest {
@@ -27,6 +27,9 @@ pub struct InputRequest {
     /// A mesh file, written into the job.
     #[serde(default, deserialize_with = "object::optional")]
     pub text: Option<TextRequest>,
+    /// A mesh file that was sent to /v1/blobs before, by its id there.
+    #[schema(pattern = "^b3-[0-9a-f]{64}$")]
+    pub blob: Option<String>,
     /// A control polygon.
     #[serde(default, deserialize_with = "object::optional")]
     pub polygon: Option<PolygonRequest>,
@@ -53,6 +56,9 @@ pub struct InputRequest {
     /// A mesh file that was not written into the job.
     #[serde(skip)]
     pub file: Option<MeshFile>,
+    /// Whether the job has no input.
+    #[serde(skip)]
+    pub is_missing: bool,
 }
 
 choice! {
@@ -120,6 +126,11 @@ pub struct Resolved {
 }
 
 impl InputRequest {
+    /// The input of a job that has none.
+    pub(super) fn missing() -> Self {
+        Self { is_missing: true, ..Self::default() }
+    }
+
     /// What its coordinates mean.
     pub fn frame(&self) -> Frame {
         Frame { unit: self.unit.map(Into::into).unwrap_or_default(), up: self.up.map(Into::into).unwrap_or_default() }
@@ -127,8 +138,9 @@ impl InputRequest {
 
     /// Whether there is exactly one kind of input.
     pub(super) fn is_one(&self) -> bool {
-        let is_file = self.text.is_some() || self.file.is_some();
-        let given = [self.mesh.is_some(), is_file, self.polygon.is_some(), self.polygons.is_some()];
+        let is_file = self.blob.is_some() || self.file.is_some();
+        let given =
+            [self.mesh.is_some(), self.text.is_some(), is_file, self.polygon.is_some(), self.polygons.is_some()];
         given.iter().filter(|given| **given).count() == 1
     }
 
@@ -137,9 +149,17 @@ impl InputRequest {
     /// # Errors
     /// All faults, with pointers below the input.
     pub fn resolve(mut self, purpose: Purpose, limits: &ReadLimits) -> Result<Resolved, Vec<Fault>> {
+        if self.is_missing {
+            return Err(vec![Fault::new("", "\"input\" is missing, and has to be given")]);
+        }
         if !self.is_one() {
-            let detail = "give exactly one of \"mesh\", \"text\", \"polygon\" and \"polygons\"";
+            let detail = "give exactly one of \"mesh\", \"text\", \"blob\", \"polygon\" and \"polygons\"";
             return Err(vec![Fault::new("", detail)]);
+        }
+        if self.blob.is_some() && self.file.is_none() {
+            let detail = "uploads are read by the service that has them, in /v1/render, /v1/jobs and /v1/estimate; \
+                          here give the file itself, as \"text\"";
+            return Err(vec![Fault::new("/blob", detail)]);
         }
         let (text, file) = (self.text.take(), self.file.take());
         if let Some(mesh) = self.mesh.take() {
@@ -149,7 +169,9 @@ impl InputRequest {
             let input = Input::Mesh(self.mesh(input, self.distance(), purpose)?.map_err(under)?);
             return Ok(Resolved { input, entry: InputEntry::Mesh, boundary: None });
         }
-        let in_text = |found| under("/text", found);
+        let (place, entry) =
+            if self.blob.is_some() { ("/blob", InputEntry::Blob) } else { ("/text", InputEntry::Text) };
+        let in_text = |found| under(place, found);
         if let Some(file) = text.map(TextRequest::file).transpose().map_err(|fault| in_text(vec![fault]))?.or(file) {
             let Held { mesh, boundary, lines, vertices } = file.read(self.winding(), limits).map_err(in_text)?;
             let is_welded = vertices == Vertices::Doubled && self.weld.is_none() && purpose == Purpose::Refine;
@@ -160,7 +182,7 @@ impl InputRequest {
             // repairs leave faces out, or join them
             let lines = if distance.is_some() || self.pair_quads { Vec::new() } else { lines };
             let mesh = self.mesh(mesh, distance, purpose)?.map_err(|found| in_text(within(found, &lines)))?;
-            return Ok(Resolved { input: Input::Mesh(mesh), entry: InputEntry::Text, boundary });
+            return Ok(Resolved { input: Input::Mesh(mesh), entry, boundary });
         }
         self.has_no_mesh()?;
         if let Some(polygon) = self.polygon {

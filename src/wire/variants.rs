@@ -26,9 +26,10 @@ type Named = (String, RefOr<Schema>);
 pub(super) struct InputSchema;
 
 /// The kinds of inputs, with the names of their schemas, and whether they are meshes.
-const INPUTS: [(&str, &str, bool); 4] = [
+const INPUTS: [(&str, &str, bool); 5] = [
     ("mesh", "MeshInput", true),
     ("text", "TextInput", true),
+    ("blob", "BlobInput", true),
     ("polygon", "PolygonInput", false),
     ("polygons", "PolygonsInput", false),
 ];

@@ -1,7 +1,7 @@
 //! The pictures of `docs/curves` are what planish renders from their jobs, and `docs/presets.md` has a section for each
 //! preset of curves with what the catalogue says of it.
 //!
-//! The pictures of `docs/creases.md` and `docs/data.md` are the results of the example jobs of their names.
+//! The pictures of `docs/creases.md`, `docs/data.md` and `docs/pictures.md` are the results of the example jobs of their names.
 //!
 //! `BLESS=1 cargo test --test it figures::` writes both anew.
 
@@ -56,19 +56,22 @@ fn pictures_are_what_their_jobs_render() {
 
 #[test]
 fn drawings_are_what_their_jobs_draw() {
-    let page = fs::read_to_string(path("docs/figures.md")).expect("the page is there");
+    let page = fs::read_to_string(path("docs/drawings.md")).expect("the page is there");
     let names: Vec<&str> =
-        page.split("src=\"figures/").skip(1).filter_map(|rest| rest.split(".svg\"").next()).collect();
+        page.split("src=\"drawings/").skip(1).filter_map(|rest| rest.split(".svg\"").next()).collect();
     assert!(names.len() > 4, "{names:?}");
     for name in names {
         let text = fs::read_to_string(path(&format!("api/examples/jobs/drawing-{name}-svg.json"))).expect("a job");
         let job = serde_json::from_str(&text).expect("a job is JSON");
         let (bytes, _) = render(&job).unwrap_or_else(|faults| panic!("{name}: {faults:?}"));
-        let file = path(&format!("docs/figures/{name}.svg"));
+        let file = path(&format!("docs/drawings/{name}.svg"));
         if blessing() {
             fs::write(&file, &bytes).expect("the drawing can be written");
         }
-        assert!(fs::read(&file).is_ok_and(|known| known == bytes), "docs/figures/{name}.svg is not what its job draws");
+        assert!(
+            fs::read(&file).is_ok_and(|known| known == bytes),
+            "docs/drawings/{name}.svg is not what its job draws"
+        );
     }
 }
 
@@ -77,7 +80,7 @@ fn drawings_are_what_their_jobs_draw() {
 fn pictures_of_surfaces_are_the_results_of_their_jobs() {
     let hashes = fs::read_to_string(path("tests/golden/hashes.txt")).expect("the table is there");
     let mut n = 0;
-    for page in ["docs/creases.md", "docs/data.md"] {
+    for page in ["docs/creases.md", "docs/data.md", "docs/pictures.md"] {
         let text = fs::read_to_string(path(page)).expect("the page is there");
         for name in text.split("src=\"surfaces/").skip(1).filter_map(|rest| rest.split(".png\"").next()) {
             let bytes = fs::read(path(&format!("docs/surfaces/{name}.png"))).expect("the picture is there");
@@ -87,6 +90,34 @@ fn pictures_of_surfaces_are_the_results_of_their_jobs() {
         }
     }
     assert!(n > 25, "{n} pictures");
+}
+
+/// So are the figures of the papers; each has a picture that the page shows, and all together are not too many bytes.
+#[test]
+fn the_figures_of_the_papers_are_the_results_of_their_jobs() {
+    const MOST_BYTES: u64 = 3 << 20;
+    let hashes = fs::read_to_string(path("tests/golden/hashes.txt")).expect("the table is there");
+    let page = fs::read_to_string(path("docs/papers-figures.md")).expect("the page is there");
+    let mut bytes_of_all = 0;
+    for entry in fs::read_dir(path("api/examples/figures")).expect("the jobs are there") {
+        let file = entry.expect("an entry").path();
+        let name = file.file_stem().expect("a name").to_string_lossy().into_owned();
+        let picture = format!("figures/{name}.png");
+        if blessing() {
+            let text = fs::read_to_string(&file).expect("the job can be read");
+            let job = serde_json::from_str(&text).expect("a job is JSON");
+            let (bytes, _) = render(&job).unwrap_or_else(|faults| panic!("{name}: {faults:?}"));
+            fs::create_dir_all(path("docs/figures")).expect("the folder can be made");
+            fs::write(path(&format!("docs/{picture}")), bytes).expect("the picture can be written");
+        }
+        let bytes = fs::read(path(&format!("docs/{picture}"))).expect("the picture is there");
+        bytes_of_all += bytes.len() as u64;
+        let line = format!("figures/{name} png {}", planish::job::key::content(&bytes));
+        assert!(hashes.lines().any(|known| known == line), "docs/{picture} is not what its job renders");
+        assert!(page.contains(&format!("({picture})")), "{name} is not shown");
+        assert!(page.contains(&format!("(../api/examples/figures/{name}.json)")), "the job of {name} is not named");
+    }
+    assert!((1..=MOST_BYTES).contains(&bytes_of_all), "{bytes_of_all} bytes");
 }
 
 #[test]

@@ -2,18 +2,23 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 mod analyses;
+mod blobs;
 mod browsers;
 mod caching;
 mod catalogue;
+mod durable;
 mod errors;
+mod events;
 mod examples;
 mod files;
 mod formats;
 pub(crate) mod jobs;
 mod levels_of_detail;
 mod links;
+mod metrics;
 mod negotiation;
 mod operations;
+mod posting;
 mod questions;
 mod ranges;
 pub(crate) mod server;

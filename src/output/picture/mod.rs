@@ -6,6 +6,7 @@ mod contours;
 pub(super) mod drawing;
 mod easel;
 pub(super) mod forecast;
+pub(super) mod framing;
 mod hidden_lines;
 pub(super) mod legend;
 pub(super) mod lines;

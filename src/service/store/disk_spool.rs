@@ -110,6 +110,15 @@ impl Spool for DiskSpool {
         }
         self.seal(description)?.settle()
     }
+
+    fn commit_by_content(mut self: Box<Self>, description: Description) -> Result<Arc<Manifest>, StoreError> {
+        if let Some(failed) = self.failed.take() {
+            return Err(failed);
+        }
+        self.spill()?;
+        self.key = self.parts.content();
+        self.seal(description)?.settle()
+    }
 }
 
 /// A length that fits into memory, as what it counts was there part by part.
@@ -122,6 +131,7 @@ fn again(error: &StoreError) -> StoreError {
     match error {
         StoreError::TooLarge { capacity } => StoreError::TooLarge { capacity: *capacity },
         StoreError::Occupied { path } => StoreError::Occupied { path: path.clone() },
+        StoreError::InUse => StoreError::InUse,
         StoreError::Io(error) => StoreError::Io(io::Error::new(error.kind(), error.to_string())),
     }
 }

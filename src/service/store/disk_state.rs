@@ -110,6 +110,16 @@ impl DiskState {
         Ok(())
     }
 
+    /// Keeps an artifact from leaving, if it is here.
+    pub(super) fn pin(&self, key: &Key) -> bool {
+        lock(&self.shelf).pin(key)
+    }
+
+    /// Takes one pin back.
+    pub(super) fn unpin(&self, key: &Key) {
+        lock(&self.shelf).unpin(key);
+    }
+
     /// What is held and was seen.
     pub(super) fn usage(&self) -> Usage {
         lock(&self.shelf).usage()
@@ -142,6 +152,9 @@ impl DiskState {
         while let Some((evicted, _)) = { lock(&self.shelf).evict_for(cost) } {
             index.note_removed(evicted);
             self.folder.remove(&evicted)?;
+        }
+        if !lock(&self.shelf).has_room(cost) {
+            return Err(StoreError::InUse);
         }
         if let Err(error) = self.folder.place(&key, bytes, record) {
             if !self.folder.is_occupied(&key) {

@@ -14,11 +14,15 @@ use super::disk_state::DiskState;
 use super::error::StoreError;
 use super::interface::{LargeSpool, Spool, Store, StoreKind, Usage};
 use super::manifest::Manifest;
+use super::records::{RECORDS_FILE, RecordFile};
 use crate::job::key::Key;
 
 /// The store as the settings name it.
-pub(super) const KIND: StoreKind =
-    StoreKind { name: "folder", open: |dir, capacity_bytes| Ok(Arc::new(Embedded::open(dir, capacity_bytes)?)) };
+pub(super) const KIND: StoreKind = StoreKind {
+    name: "folder",
+    open: |dir, capacity_bytes| Ok(Arc::new(Embedded::open(dir, capacity_bytes)?)),
+    records: |dir| Ok(Arc::new(RecordFile::open(&dir.join(RECORDS_FILE))?)),
+};
 
 /// Artifacts in a folder; every byte served was verified on the way. Clones share it.
 #[derive(Debug, Clone)]
@@ -62,6 +66,14 @@ impl Store for Embedded {
 
     fn remove(&self, key: &Key) -> Result<(), StoreError> {
         self.state.remove(key)
+    }
+
+    fn pin(&self, key: &Key) -> bool {
+        self.state.pin(key)
+    }
+
+    fn unpin(&self, key: &Key) {
+        self.state.unpin(key);
     }
 
     fn usage(&self) -> Usage {

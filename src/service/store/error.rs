@@ -19,6 +19,9 @@ pub enum StoreError {
         /// Where.
         path: String,
     },
+    /// There is no room, and all that is kept is needed by jobs or downloads.
+    #[error("the store is full of what jobs and downloads need now; try again later, or give it more room")]
+    InUse,
     /// The disk or the index failed.
     #[error("the store failed: {0}")]
     Io(#[source] io::Error),
@@ -43,6 +46,7 @@ impl From<StoreError> for io::Error {
             StoreError::Io(error) => error,
             StoreError::TooLarge { .. } => Self::new(io::ErrorKind::FileTooLarge, error),
             StoreError::Occupied { .. } => Self::new(io::ErrorKind::IsADirectory, error),
+            StoreError::InUse => Self::new(io::ErrorKind::QuotaExceeded, error),
         }
     }
 }

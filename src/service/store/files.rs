@@ -3,7 +3,9 @@
 //! ```text
 //! lock                          held, like the folder itself, by the one process that uses the folder
 //! index.redb                    order of use
+//! jobs.redb                     records of jobs
 //! tmp/<64 hex>.<number>.tmp     being written
+//! uploads/                      a folder like this one, with the files that clients sent
 //! artifacts/ab/<64 hex>         bytes
 //! artifacts/ab/<64 hex>.manifest
 //! ```
@@ -19,9 +21,12 @@ use std::sync::{Arc, Mutex};
 use bytes::Bytes;
 
 use super::disk::Disk;
+use super::disk_files::{at, remove_file};
 use super::lock::lock;
 use super::manifest::Manifest;
 use super::parts;
+use super::records::{self, RECORDS_FILE};
+use crate::fault::shortened;
 use crate::job::key::{Key, content};
 
 /// What follows the key in the name of a manifest.
@@ -41,6 +46,7 @@ pub(super) struct Folder {
 impl Folder {
     /// Makes the folder if need be and takes hold of it.
     pub(super) fn open(root: &Path, disk: Arc<dyn Disk>) -> io::Result<Self> {
+        refuse_foreign(root)?;
         let make = |path: &Path| fs::create_dir_all(path).map_err(at("make", path));
         make(&root.join("tmp"))?;
         make(&root.join("artifacts"))?;
@@ -161,6 +167,31 @@ fn read_part(disk: &dyn Disk, path: &Path, manifest: &Manifest, index: usize) ->
     Ok(sound.then(|| Bytes::from(bytes)))
 }
 
+/// What a folder of this store has in it; what a system puts into the root of a disk may stand beside it.
+const OWN: [&str; 6] = ["lock", "index.redb", RECORDS_FILE, "tmp", "artifacts", "uploads"];
+const OF_SYSTEMS: [&str; 3] = ["lost+found", ".snapshot", ".DS_Store"];
+
+/// Refuses a folder that holds something else, or records that are damaged, before anything in it is touched.
+fn refuse_foreign(root: &Path) -> io::Result<()> {
+    let entries = match fs::read_dir(root) {
+        Ok(entries) => entries.collect::<Result<Vec<_>, _>>().map_err(at("list", root))?,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+        Err(error) => return Err(at("list", root)(error)),
+    };
+    let names: Vec<String> = entries.iter().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    let is = |known: &[&str], name: &String| known.contains(&name.as_str());
+    let foreign = names.iter().find(|name| !is(&OWN, name) && !is(&OF_SYSTEMS, name));
+    if let Some(foreign) = foreign.filter(|_| !names.iter().any(|name| is(&OWN, name))) {
+        let detail = format!(
+            "{} is no data directory of planish, it holds \"{}\"; name a folder that is empty or does not exist",
+            root.display(),
+            shortened(foreign)
+        );
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, detail));
+    }
+    records::refuse_damaged(&root.join(RECORDS_FILE))
+}
+
 /// Takes hold of a folder: locks the file `lock` in it and, where folders can be locked, the folder itself, so that
 /// removing the file does not let a second process in.
 fn hold(root: &Path) -> io::Result<Vec<File>> {
@@ -244,25 +275,8 @@ pub(super) fn is_tmp_name(name: &str) -> bool {
     name.ends_with(TMP_SUFFIX) && name.get(..64).and_then(Key::parse).is_some()
 }
 
-/// Removes a file, if it is there. A folder of that name is not of this store and is left alone.
-pub(super) fn remove_file(path: &Path) -> io::Result<()> {
-    match fs::remove_file(path) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-        Err(_) if path.is_dir() => {
-            tracing::warn!(path = %path.display(), "a folder stands where a file of the store would; left alone");
-            Ok(())
-        }
-        removed => removed.map_err(at("remove", path)),
-    }
-}
-
 fn in_use(root: &Path) -> String {
     format!("{} is in use by another process; stop that one", root.display())
-}
-
-/// Says what was being done and where when `error` came.
-pub(super) fn at(doing: &str, path: &Path) -> impl FnOnce(io::Error) -> io::Error {
-    move |error| io::Error::new(error.kind(), format!("cannot {doing} {}: {error}", path.display()))
 }
 
 /// Bytes of a block; each file costs whole blocks.

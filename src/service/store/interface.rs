@@ -8,6 +8,7 @@ use bytes::Bytes;
 
 use super::error::StoreError;
 use super::manifest::{Description, Manifest};
+use super::records::Records;
 use crate::job::key::Key;
 
 /// A place where artifacts are kept. Bounded: the least recently used ones leave when there is no room.
@@ -47,6 +48,12 @@ pub trait Store: std::fmt::Debug + Send + Sync {
     /// What the store holds and has seen.
     fn usage(&self) -> Usage;
 
+    /// Keeps an artifact from leaving for others, once more each time; false when it is not here. Never waits.
+    fn pin(&self, key: &Key) -> bool;
+
+    /// Takes one [`Store::pin`] back. Never waits.
+    fn unpin(&self, key: &Key);
+
     /// Refuses what cannot be kept, before anything is written. Never waits for a disk or a network.
     ///
     /// # Errors
@@ -78,6 +85,12 @@ pub trait Spool: Write + Send + std::fmt::Debug {
     /// # Errors
     /// When the bytes cannot be kept (disk full, too large, an earlier write failed).
     fn commit(self: Box<Self>, description: Description) -> Result<Arc<Manifest>, StoreError>;
+
+    /// Makes the bytes written so far the artifact whose key is the hash of them (BLAKE3), as [`Spool::commit`] does.
+    ///
+    /// # Errors
+    /// As [`Spool::commit`].
+    fn commit_by_content(self: Box<Self>, description: Description) -> Result<Arc<Manifest>, StoreError>;
 }
 
 /// A large artifact being written, whose bytes are not lost when the store takes no more.
@@ -153,4 +166,6 @@ pub struct StoreKind {
     pub name: &'static str,
     /// Opens it.
     pub open: Open,
+    /// Opens what it keeps of small records, in a folder that is open already.
+    pub records: fn(&Path) -> Result<Arc<dyn Records>, StoreError>,
 }

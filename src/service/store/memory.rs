@@ -12,7 +12,7 @@ use super::lock::lock;
 use super::manifest::{Description, Manifest};
 use super::parts::{self, Parts};
 use super::shelf::{self, Shelf};
-use crate::job::key::Key;
+use crate::job::key::{Key, content};
 
 /// Charged for an entry besides its bytes: the record, its strings, the places in the maps.
 /// Half of it lets many tiny artifacts take more than the cache may; twice of it holds fewer of them.
@@ -55,7 +55,7 @@ impl Memory {
     /// Keeps an artifact whose bytes are all there. Where the same bytes are here already, those stay.
     ///
     /// # Errors
-    /// [`StoreError::TooLarge`].
+    /// [`StoreError::TooLarge`], [`StoreError::InUse`].
     pub(in crate::service) fn keep(&self, manifest: Arc<Manifest>, bytes: Bytes) -> Result<Arc<Manifest>, StoreError> {
         let key = manifest.key;
         let cost = manifest.length + manifest.encode().len() as u64 + ENTRY_BYTES;
@@ -70,6 +70,9 @@ impl Memory {
         let replaced = shelf.remove(&key);
         while let Some((_, evicted)) = shelf.evict_for(cost) {
             left.push(evicted);
+        }
+        if !shelf.has_room(cost) {
+            return Err(StoreError::InUse);
         }
         shelf.insert(key, cost, held);
         drop(shelf);
@@ -97,6 +100,14 @@ impl Store for Memory {
         let removed = lock(&self.shelf).remove(key);
         drop(removed); // the bytes are freed after the lock
         Ok(())
+    }
+
+    fn pin(&self, key: &Key) -> bool {
+        lock(&self.shelf).pin(key)
+    }
+
+    fn unpin(&self, key: &Key) {
+        lock(&self.shelf).unpin(key);
     }
 
     fn usage(&self) -> Usage {
@@ -138,5 +149,10 @@ impl Spool for MemorySpool {
         let bytes = mem::take(&mut self.bytes);
         let manifest = Arc::new(Parts::of(&bytes).manifest(self.key, description));
         self.store.keep(manifest, Bytes::from(bytes.into_boxed_slice()))
+    }
+
+    fn commit_by_content(mut self: Box<Self>, description: Description) -> Result<Arc<Manifest>, StoreError> {
+        self.key = content(&self.bytes);
+        self.commit(description)
     }
 }

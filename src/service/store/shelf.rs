@@ -16,6 +16,8 @@ pub(in crate::service) struct Shelf<V> {
     entries: HashMap<Key, Entry<V>>,
     /// Keys by their last use; uses are numbered from 1, each number once.
     order: BTreeMap<u64, Key>,
+    /// Keys of entries that must not leave, each with how often that was said.
+    pinned: HashMap<Key, usize>,
     next_use: u64,
     bytes: u64,
     capacity: u64,
@@ -33,8 +35,8 @@ struct Entry<V> {
 impl<V> Shelf<V> {
     /// An empty shelf whose entries may cost `capacity` bytes together.
     pub(in crate::service) fn new(capacity: u64) -> Self {
-        let entries = HashMap::new();
-        Self { entries, order: BTreeMap::new(), next_use: 1, bytes: 0, capacity, evicted: 0, damaged: 0 }
+        let (entries, order, pinned) = (HashMap::new(), BTreeMap::new(), HashMap::new());
+        Self { entries, order, pinned, next_use: 1, bytes: 0, capacity, evicted: 0, damaged: 0 }
     }
 
     /// The value of `key`; counts as a use.
@@ -56,15 +58,39 @@ impl<V> Shelf<V> {
 
     /// Takes out the least recently used entry, unless an entry of this cost fits already.
     pub(in crate::service) fn evict_for(&mut self, cost: u64) -> Option<(Key, V)> {
-        if self.bytes.saturating_add(cost) <= self.capacity && self.entries.len() < MAX_ARTIFACTS {
+        if self.has_room(cost) {
             return None;
         }
         self.evict_oldest().map(|(key, _, value)| (key, value))
     }
 
-    /// Takes out the least recently used entry: its key, what it cost, its value.
+    /// Whether an entry of this cost fits.
+    pub(in crate::service) fn has_room(&self, cost: u64) -> bool {
+        self.bytes.saturating_add(cost) <= self.capacity && self.entries.len() < MAX_ARTIFACTS
+    }
+
+    /// Keeps an entry from being evicted, once more each time; false when it is not here.
+    pub(in crate::service) fn pin(&mut self, key: &Key) -> bool {
+        let is_here = self.entries.contains_key(key);
+        if is_here {
+            *self.pinned.entry(*key).or_default() += 1;
+        }
+        is_here
+    }
+
+    /// Takes one pin back.
+    pub(in crate::service) fn unpin(&mut self, key: &Key) {
+        if let Some(pins) = self.pinned.get_mut(key) {
+            *pins -= 1;
+            if *pins == 0 {
+                self.pinned.remove(key);
+            }
+        }
+    }
+
+    /// Takes out the least recently used entry that is not pinned: its key, what it cost, its value.
     pub(in crate::service) fn evict_oldest(&mut self) -> Option<(Key, u64, V)> {
-        let (_, &key) = self.order.first_key_value()?;
+        let key = *self.order.values().find(|key| !self.pinned.contains_key(key))?;
         let cost = self.entries.get(&key)?.cost;
         let value = self.remove(&key)?;
         self.evicted += 1;

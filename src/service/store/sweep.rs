@@ -6,7 +6,8 @@ use std::io::{self, Read};
 use std::path::Path;
 use std::time::SystemTime;
 
-use super::files::{self, Folder, MANIFEST_SUFFIX, at};
+use super::disk_files::{at, remove_file};
+use super::files::{self, Folder, MANIFEST_SUFFIX};
 use super::manifest::{Manifest, PART_BYTES};
 use crate::job::key::{Key, RESULTS_VERSION};
 
@@ -41,7 +42,7 @@ pub(super) fn sweep(folder: &Folder) -> io::Result<Swept> {
     let mut swept = Swept::default();
     for entry in entries(&folder.tmp())? {
         if name(&entry).is_some_and(|name| files::is_tmp_name(&name)) && !entry.path().is_dir() {
-            files::remove_file(&entry.path())?;
+            remove_file(&entry.path())?;
             swept.removed += 1;
         }
     }
@@ -103,7 +104,8 @@ enum Verdict {
 fn judge(folder: &Folder, key: &Key, length: Option<u64>) -> Verdict {
     let Some(length) = length else { return Verdict::LeftOver };
     match read_manifest(&folder.manifest(key)) {
-        Some(manifest) if manifest.results_version != RESULTS_VERSION => Verdict::LeftOver,
+        // what is named by its own bytes is the same in every version
+        Some(manifest) if manifest.results_version != RESULTS_VERSION && manifest.content != *key => Verdict::LeftOver,
         Some(manifest) if manifest.key == *key && manifest.length == length => Verdict::Whole(manifest),
         _ => Verdict::Damaged,
     }

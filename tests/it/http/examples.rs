@@ -92,6 +92,39 @@ async fn results(server: &Server) -> Vec<(&'static str, String)> {
     drop(held);
     server.settled(&location).await;
     told.push(("job-done", exchange(server, Asked::get(location)).await));
+    told.extend(jobs(server).await);
+    told
+}
+
+/// Jobs that are posted, followed, listed, cancelled and forgotten; files that are sent before.
+async fn jobs(server: &Server) -> Vec<(&'static str, String)> {
+    let mut job = mesh(2);
+    job["outputs"] = serde_json::json!([{ "format": "stats" }, { "name": "model", "format": "stl" }]);
+    let held = server.hold().await;
+    let mut told = vec![(
+        "jobs-post",
+        exchange(server, Asked::post("/v1/jobs?priority=batch", &job).with("prefer", "wait=1")).await,
+    )];
+    let location = server.post("/v1/jobs", &job).await.header("location").to_owned();
+    let cancel = Asked { method: "POST", ..Asked::get(format!("{location}/cancel")) };
+    told.push(("job-cancel", exchange(server, cancel).await));
+    drop(held);
+    let wait = || Asked::post("/v1/jobs", &job).with("prefer", "wait=60");
+    told.push(("jobs-wait", exchange(server, wait()).await));
+    told.push(("jobs-list", exchange(server, Asked::get("/v1/jobs?limit=1")).await));
+    told.push(("job-events", exchange(server, Asked::get(format!("{location}/events"))).await));
+    let forget = Asked { method: "DELETE", ..Asked::get(location.clone()) };
+    told.push(("job-forget", exchange(server, forget).await));
+    told.push(("refused-404-no-such-job", exchange(server, Asked::get(location)).await));
+    let mut file = Asked::post("/v1/blobs", &Value::Null);
+    file.headers[0].1 = "model/obj".into();
+    file.body = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n".into();
+    let id = format!("b3-{}", blake3::hash(file.body.as_bytes()));
+    told.push(("blob-post", exchange(server, file).await));
+    told.push(("blob", exchange(server, Asked::get(format!("/v1/blobs/{id}"))).await));
+    told.push(("blob-head", exchange(server, Asked { method: "HEAD", ..Asked::get(format!("/v1/blobs/{id}")) }).await));
+    let job = serde_json::json!({ "input": { "blob": id }, "plan": { "preset": "loop" }, "levels": 1 });
+    told.push(("render-blob", exchange(server, Asked::post("/v1/render", &with(job, "stats"))).await));
     told
 }
 
@@ -130,6 +163,7 @@ async fn questions(server: &Server) -> Vec<(&'static str, String)> {
         ("limits", Asked::get("/v1/limits")),
         ("livez", Asked::get("/livez")),
         ("readyz", Asked::get("/readyz")),
+        ("metrics", Asked::get("/metrics")),
         ("openapi", Asked::get("/openapi.json")),
         ("index", Asked::get("/")),
         ("problem-page", Asked::get("/docs/problems/too-large")),
@@ -213,6 +247,9 @@ fn told_body(answer: &Answer) -> (String, bool) {
     if kind == "application/json" && answer.json().is_array() {
         return (format!("[{}, {{more}}]\n", answer.json()[0]), false);
     }
+    if kind.contains("version=0.0.4") {
+        return ("{metrics, one a line}\n".to_owned(), false);
+    }
     let is_text = ["text/", "application/", "image/svg"].iter().any(|start| kind.starts_with(start));
     match is_text {
         true if answer.body.len() < 4096 => measured(&answer.text()),
@@ -223,9 +260,18 @@ fn told_body(answer: &Answer) -> (String, bool) {
 
 /// Text; JSON with placeholders for what is measured or counted, and whether its length stays.
 fn measured(text: &str) -> (String, bool) {
+    if text.starts_with("id: ") {
+        return (events(text), false);
+    }
     let Ok(mut value) = serde_json::from_str::<Value>(text) else { return (ended(text), true) };
     let (mut changed, mut steady) = (false, true);
     for (pointer, told) in [
+        ("/actual/time_ms", "{ms}"),
+        ("/jobs/0/actual/time_ms", "{ms}"),
+        ("/jobs/0/timings_ms/queue", "{ms}"),
+        ("/jobs/0/timings_ms/refine", "{ms}"),
+        ("/jobs/0/timings_ms/render", "{ms}"),
+        ("/jobs/0/timings_ms/encode", "{ms}"),
         ("/trace_id", "0123456789abcdef"),
         ("/canary_age_s", "{s}"),
         ("/canary_ms", "{ms}"),
@@ -242,6 +288,15 @@ fn measured(text: &str) -> (String, bool) {
     }
     let text = if changed { value.to_string() } else { text.to_owned() };
     (ended(&text.replace("\"{ms}\"", "{ms}").replace("\"{s}\"", "{s}")), steady)
+}
+
+/// Server-sent events, each with its data measured.
+fn events(text: &str) -> String {
+    let told = |line: &str| match line.strip_prefix("data: ") {
+        Some(data) => format!("data: {}", measured(data).0),
+        None => format!("{line}\n"),
+    };
+    text.lines().map(told).collect()
 }
 
 fn ended(text: &str) -> String {

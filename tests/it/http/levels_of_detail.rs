@@ -2,6 +2,8 @@
 
 use serde_json::{Value, json};
 
+use planish::service::job_key::Tenant;
+
 use super::jobs::mesh;
 use super::server::{settings, story};
 
@@ -46,7 +48,7 @@ fn a_document_that_is_posted_again_has_its_buffers_again() {
     story(settings(), async |server| {
         let document = server.render(&question()).await.ok();
         let buffers = addresses(&document.body, document.header("content-location"));
-        let id = server.app.desk.jobs.of_artifact(&key(&buffers[0])).expect("a record").id;
+        let id = server.app.desk.jobs.of_artifact(Tenant::ANYONE, &key(&buffers[0])).expect("a record").job;
         assert!(server.app.desk.jobs.remove(&id));
         server.get(&buffers[0]).await.problem(404, "not-found");
         let again = server.render(&question()).await.ok();

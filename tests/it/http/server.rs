@@ -10,7 +10,8 @@ use axum::body::Bytes;
 use axum::http::{HeaderMap, Method};
 use planish::config::Settings;
 use planish::http::App;
-use planish::http::serve::{bind, serve};
+use planish::http::serve::{bind_at, serve};
+use planish::service::clock::{Clock, Monotonic};
 use planish::service::peer::Peer;
 use planish::service::pool::{Lane, Turn};
 use serde_json::Value;
@@ -63,20 +64,30 @@ pub(crate) struct Server {
 
 /// Runs a server for as long as a story takes; at its end the server has let go of everything.
 pub(crate) fn story<T>(settings: Settings, tell: impl AsyncFnOnce(&Server) -> T) -> T {
+    story_at(settings, Arc::new(Monotonic::default()), tell)
+}
+
+/// Runs a server as [`story`] does, by this clock.
+pub(crate) fn story_at<T>(settings: Settings, clock: Arc<dyn Clock>, tell: impl AsyncFnOnce(&Server) -> T) -> T {
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap();
     runtime.block_on(async {
-        let (listener, app) = bind(settings).await.unwrap();
+        let (listener, app) = bind_at(settings, clock).await.unwrap();
         let address = listener.local_addr().unwrap();
         let (stop, stopped) = oneshot::channel::<()>();
         let served = tokio::spawn(serve(listener, app.clone(), async {
             let _ = stopped.await;
         }));
         let client = reqwest::Client::builder().no_proxy().build().unwrap();
+        let desk = app.desk.clone();
         let server = Server { address, app, client };
         let told = tokio::time::timeout(PATIENCE, tell(&server)).await.expect("the story has an end");
         drop(server);
         let _ = stop.send(());
         tokio::time::timeout(PATIENCE, served).await.expect("the server stops").unwrap();
+        // a computation that was stopped may hold the desk for a while
+        desk.tiers.close(PATIENCE);
+        desk.jobs.close(PATIENCE);
+        desk.uploads.close();
         told
     })
 }

@@ -1,6 +1,6 @@
 //! Pictures of inspected surfaces.
 
-use planish::math::functions::{cos, sin, sqrt};
+use planish::math::functions::{cos, pow, sin, sqrt};
 use serde_json::{Value, json};
 
 use super::{TURN, picture, sheet, torus};
@@ -9,7 +9,7 @@ use crate::support::render;
 
 /// Colours without their brightness, in linear light: what is left when light falls on them.
 fn tone([r, g, b]: [u8; 3]) -> [f64; 3] {
-    let light = [r, g, b].map(|byte| (f64::from(byte) / 255.0).powf(2.2));
+    let light = [r, g, b].map(|byte| pow(f64::from(byte) / 255.0, 2.2));
     let sum: f64 = light.iter().sum();
     light.map(|x| x / sum)
 }

@@ -1,0 +1,246 @@
+//! POST /v1/blobs, GET and HEAD /v1/blobs/{id}: mesh files that are sent once and named by their content.
+
+use std::sync::Arc;
+
+use axum::body::{Body, Bytes};
+use axum::extract::State;
+use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use futures_util::stream;
+
+use super::app::{App, Shared};
+use super::body::{Arriving, Sent, announced, drain};
+use super::client::Client;
+use super::content::{self, Coding, Kind, Notation, Takes};
+use super::inflate::too_long;
+use super::problem::{self, Problem};
+use super::segment::Segment;
+use crate::fault::{Fault, shortened};
+use crate::input::{Alone, READERS};
+use crate::job::key::Key;
+use crate::service::computation::Failure;
+use crate::service::peer::{Kind as Held, Paid, Peer};
+use crate::service::pool::Lane;
+use crate::service::read_lane::Unread;
+use crate::service::store::{Manifest, PART_BYTES, StoreError};
+use crate::service::uploads::Upload;
+use crate::wire::answer::BlobAnswer;
+use crate::wire::posted::upload_of;
+use crate::wire::text::MeshFile;
+
+/// Bytes that are written at once. Half of it goes to the disk twice as often; twice of it takes twice the memory of
+/// each upload.
+const PIECE_BYTES: usize = 1 << 20;
+const JSON: &str = "application/json";
+
+/// Keeps a mesh file, under the hash of its bytes; jobs name it as `input.blob`.
+///
+/// The body is the file, of a type that /v1/readers lists, or a mesh as JSON; a type that is not said is told by the
+/// first bytes. The same file sent again is the same upload. Uploads that no job needs may leave for others: a job that
+/// names one that is gone is refused, and the file can be sent again.
+#[utoipa::path(
+    post, path = "/v1/blobs", tag = "jobs",
+    request_body(content = String, content_type = "application/octet-stream", description = "The file",
+        example = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+    responses(
+        (status = 201, description = "It is kept, now or since it was sent before; `Location` is where",
+            body = BlobAnswer),
+    )
+)]
+pub(super) async fn upload(State(app): State<Shared>, client: Client, headers: HeaderMap, mut body: Body) -> Response {
+    let kept = kept(&app, &client, &headers, &mut body).await;
+    if kept.is_err() && !headers.contains_key(header::EXPECT) {
+        drain(body, std::time::Duration::from_secs(app.settings.body_timeout_s)).await;
+    }
+    client.has_sent();
+    kept.into_response()
+}
+
+/// A file that was sent, as it was.
+#[utoipa::path(
+    get, path = "/v1/blobs/{id}", tag = "jobs",
+    params(("id" = String, Path, description = "Id of the upload: `b3-` and 64 hexadecimal digits",
+        example = "b3-7fd9512d51873010739dc6b61ab050e2fa8041f4f0258865739ad5cfefd188f2")),
+    responses(
+        (status = 200, description = "The file", body = String, content_type = "application/octet-stream"),
+        (status = 304, description = "The client has it already (`If-None-Match`)"),
+    )
+)]
+pub(super) async fn blob(
+    State(app): State<Shared>,
+    client: Client,
+    Segment(id): Segment,
+    method: Method,
+    headers: HeaderMap,
+) -> Response {
+    let unknown = || Problem::new(problem::NOT_FOUND, "there is no upload of this id; send the file to /v1/blobs");
+    let Some(manifest) = parse(&id).and_then(|id| app.desk.uploads.find(&id)) else {
+        return unknown().into_response();
+    };
+    let mut head = HeaderMap::new();
+    let etag = format!("\"{id}\"");
+    let has_it = headers.get(header::IF_NONE_MATCH).and_then(|tags| tags.to_str().ok());
+    let has_it = has_it.is_some_and(|tags| tags.split(',').any(|tag| tag.trim().trim_start_matches("W/") == etag));
+    for (name, value) in [
+        (header::ETAG, etag.as_str()),
+        (header::CACHE_CONTROL, "private, max-age=31536000, immutable"),
+        (header::CONTENT_SECURITY_POLICY, "default-src 'none'; sandbox"),
+        (header::CONTENT_DISPOSITION, "attachment"),
+    ] {
+        head.extend(HeaderValue::try_from(value).map(|value| (name, value)));
+    }
+    if has_it {
+        return (StatusCode::NOT_MODIFIED, head).into_response();
+    }
+    head.extend(HeaderValue::try_from(&manifest.media_type).map(|value| (header::CONTENT_TYPE, value)));
+    head.insert(header::CONTENT_LENGTH, manifest.length.into());
+    if method == Method::HEAD {
+        return (head, Body::empty()).into_response();
+    }
+    match parts(&app, client.peer(), manifest) {
+        Some(body) => (head, body).into_response(),
+        None => Problem::from(app.desk.pool.busy(Lane::Reading)).into_response(),
+    }
+}
+
+/// The parts of an upload, one after the other, each paid for by what the answer holds.
+fn parts(app: &Arc<App>, peer: Peer, manifest: Arc<Manifest>) -> Option<Body> {
+    let desk = &app.desk;
+    let part = manifest.length.min(PART_BYTES as u64);
+    let paid: Paid = desk.peers.charge(&desk.account.answers, Held::AnswerBytes, peer, 2 * part).ok()?;
+    let pin = desk.uploads.pin(&manifest.key);
+    let next = (app.clone(), manifest, 0, (paid, pin));
+    let parts = stream::unfold(next, |(app, manifest, at, held)| async move {
+        if at >= manifest.parts.len() {
+            return None;
+        }
+        // an error ends the connection: a broken answer, but never a wrong byte
+        let part = app.desk.uploads.part(&manifest, at).await.ok_or(std::io::ErrorKind::InvalidData);
+        Some((part.map_err(std::io::Error::from), (app, manifest, at + 1, held)))
+    });
+    Some(Body::from_stream(parts))
+}
+
+/// Keeps the file that a body holds.
+async fn kept(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: &mut Body) -> Result<Response, Problem> {
+    let (kind, coding) = content::of(headers, Takes::Files(""))?;
+    if coding != Coding::Identity {
+        return Err(Problem::new(problem::MEDIA_TYPE, "files are kept as they are; send it without Content-Encoding"));
+    }
+    let limit = app.settings.max_body_bytes;
+    if let Some(length) = announced(headers).filter(|length| *length > limit) {
+        return Err(too_long(length, limit));
+    }
+    let (desk, peer) = (&app.desk, client.peer());
+    // one piece that arrives, and one that is being written
+    let busy = |_| desk.pool.busy(Lane::Reading);
+    let _paid = desk.peers.charge(&desk.account.bodies, Held::BodyBytes, peer, 2 * PIECE_BYTES as u64).map_err(busy)?;
+    let mut arriving = Arriving::new(app, body, limit);
+    let (mut piece, mut upload, mut media_type) = (Vec::with_capacity(PIECE_BYTES), None, None);
+    loop {
+        let data = arriving.next().await?;
+        piece.extend_from_slice(data.as_deref().unwrap_or_default());
+        if piece.len() >= PIECE_BYTES || data.is_none() {
+            if media_type.is_none() {
+                media_type = Some(media_type_of(kind, headers, &piece)?);
+            }
+            let before = match upload.take() {
+                Some(upload) => upload,
+                None => desk.uploads.begin().map_err(not_kept)?,
+            };
+            upload = Some(written(before, std::mem::replace(&mut piece, Vec::with_capacity(PIECE_BYTES))).await?);
+        }
+        if data.is_none() {
+            break;
+        }
+    }
+    let (Some(upload), Some(media_type)) = (upload, media_type) else { return Err(internal()) };
+    let finished = tokio::task::spawn_blocking(move || upload.finish(media_type)).await;
+    let manifest = finished.map_err(|_| internal())?.map_err(not_kept)?;
+    Ok(told(&manifest))
+}
+
+/// The upload with a piece more.
+async fn written(mut upload: Upload, piece: Vec<u8>) -> Result<Upload, Problem> {
+    let written = tokio::task::spawn_blocking(move || upload.take(&piece).map(|()| upload));
+    written.await.map_err(|_| internal())?.map_err(|error| not_kept(error.into()))
+}
+
+fn internal() -> Problem {
+    let failure = Failure::Internal("an upload was lost".to_owned());
+    Problem::from(Unread::Failed(failure))
+}
+
+/// The refusal of a file that the store does not take.
+fn not_kept(error: StoreError) -> Problem {
+    match error {
+        StoreError::TooLarge { capacity } => {
+            let detail = format!("uploads may have {capacity} bytes here; send a smaller file, or raise uploads-bytes");
+            Problem::new(problem::BODY_TOO_LONG, detail)
+        }
+        other => Problem::new(problem::UNWRITTEN, other.to_string()),
+    }
+}
+
+/// The media type under which a file is kept: what its sender says, or its first bytes.
+fn media_type_of(kind: Kind, headers: &HeaderMap, first: &[u8]) -> Result<&'static str, Problem> {
+    match kind.notation(headers, Takes::Files(""), first)? {
+        Notation::Job | Notation::JobAs(_) => Ok(JSON),
+        Notation::File(reader, _) => Ok(reader.media_type),
+    }
+}
+
+/// The name of the reader of files of a media type.
+fn format_of(media_type: &str) -> &'static str {
+    READERS.iter().find(|reader| reader.media_type == media_type).map_or("json", |reader| reader.name)
+}
+
+fn told(manifest: &Manifest) -> Response {
+    let id = written_id(&manifest.key);
+    let href = format!("/v1/blobs/{id}");
+    let format = format_of(&manifest.media_type).to_owned();
+    let answer = BlobAnswer { id, bytes: manifest.length, format, href: href.clone() };
+    let mut response = (StatusCode::CREATED, axum::Json(answer)).into_response();
+    response.headers_mut().extend(HeaderValue::try_from(href).map(|href| (header::LOCATION, href)));
+    response.headers_mut().insert(HeaderName::from_static("cache-control"), HeaderValue::from_static("no-store"));
+    response
+}
+
+fn written_id(key: &Key) -> String {
+    format!("b3-{key}")
+}
+
+/// The key of an upload, by its id.
+fn parse(id: &str) -> Option<Key> {
+    Key::parse(id.strip_prefix("b3-")?)
+}
+
+/// A request together with the upload that it names, read into memory.
+///
+/// # Errors
+/// An upload that is not here; 503 when there is no memory for it.
+pub(super) async fn attached(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<Sent, Problem> {
+    if sent.upload.is_some() || !matches!(sent.notation, Notation::Job | Notation::JobAs(_)) {
+        return Ok(sent);
+    }
+    let bytes: Bytes = sent.bytes.clone();
+    let named = app.desk.read(peer, bytes.len() as u64, move |_| upload_of(&bytes)).await?;
+    let Some(named) = named else { return Ok(sent) };
+    let fault = |detail: String| Problem::invalid(vec![Fault::new("/input/blob", detail)]);
+    let id = parse(&named).ok_or_else(|| {
+        fault(format!("\"{}\" is no id of an upload, which is b3- and 64 hexadecimal digits", shortened(&named)))
+    })?;
+    let missing = || fault(format!("there is no upload {}; send the file to /v1/blobs (again)", written_id(&id)));
+    let _pin = app.desk.uploads.pin(&id).ok_or_else(missing)?;
+    let manifest = app.desk.uploads.find(&id).ok_or_else(missing)?;
+    let limit = app.settings.max_body_bytes;
+    if manifest.length > limit {
+        return Err(too_long(manifest.length, limit));
+    }
+    let (desk, busy) = (&app.desk, |_| app.desk.pool.busy(Lane::Reading));
+    let paid = desk.peers.charge(&desk.account.bodies, Held::BodyBytes, peer, manifest.length).map_err(busy)?;
+    let bytes = desk.uploads.whole(&manifest).await.ok_or_else(missing)?;
+    let format = format_of(&manifest.media_type).to_owned();
+    let file = MeshFile { format, bytes, beside: Arc::new(Alone) };
+    Ok(sent.with_upload(id, file, paid))
+}

@@ -1,0 +1,138 @@
+//! POST /v1/jobs: jobs with one or more outputs, done in their turn.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::body::Body;
+use axum::extract::{RawQuery, State};
+use axum::http::HeaderMap;
+use axum::response::{IntoResponse, Response};
+
+use super::app::{App, Shared};
+use super::client::Client;
+use super::content::Takes;
+use super::problem::Problem;
+use super::working::{self, Work};
+use super::{body, jobs, negotiate};
+use crate::fault::{Fault, did_you_mean, shortened};
+use crate::service::driving::found;
+use crate::service::job_key::{JobKey, JobTerms, Priority};
+use crate::service::jobs::{Made, State as JobState};
+use crate::wire::posted::PostedJob;
+use crate::wire::standing::JobAnswer;
+
+/// Longest time that a job may be given to wait or to run: a day. Half of it refuses night runs that begin at noon;
+/// twice of it keeps jobs whose clients are long gone.
+const MOST_SECONDS: u64 = 24 * 60 * 60;
+
+/// Accepts a job with up to 64 outputs, or an analysis, and has it done in its turn.
+///
+/// The id of the job is the hash of the names and keys of its outputs: the same job posted again is the same resource,
+/// and is not done twice. One that failed or was cancelled is done once more (`attempts`). An accepted job outlasts its
+/// request, its client, and, where the service has a data directory, the process.
+///
+/// Without `Prefer` the answer comes at once; `Prefer: wait=N` waits N seconds at most for the end.
+#[utoipa::path(
+    post, path = "/v1/jobs", tag = "jobs",
+    params(
+        ("Prefer" = Option<String>, Header, description = "`wait=N` waits N seconds at most for the end of the job"),
+        ("priority" = Option<String>, Query,
+            description = "`interactive` (default), or `batch`: stands back behind interactive jobs"),
+        ("queue_timeout_s" = Option<u64>, Query,
+            description = "Longest time that the job may wait for its turn; it fails after it"),
+        ("run_timeout_s" = Option<u64>, Query,
+            description = "Longest time from the job's turn to its end; it fails after it"),
+    ),
+    request_body = PostedJob,
+    responses(
+        (status = 200, description = "It is done already, or was within the wait, or has failed in it",
+            body = JobAnswer),
+        (status = 202, description = "It is accepted; `Location` is where it stands", body = JobAnswer),
+    )
+)]
+pub(super) async fn post(
+    State(app): State<Shared>,
+    client: Client,
+    headers: HeaderMap,
+    RawQuery(query): RawQuery,
+    body: Body,
+) -> Response {
+    let answer = async {
+        let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
+        let terms = terms(query.as_deref().unwrap_or_default()).map_err(Problem::invalid)?;
+        let asked = working::asked(&app, client.peer(), &headers, sent).await?;
+        let job = JobKey::of_anyone(asked.id());
+        let known = app.desk.jobs.get(&job).filter(|known| known.is_active() || known.state == JobState::Done);
+        if known.is_none() {
+            let Work { summary, tasks: _ } = asked.work(&app, client.peer()).await?;
+            let made = kept(&app, &summary).await;
+            app.desk.accept(job, summary, terms, client.peer(), made).await?;
+        }
+        let (patience, said) = negotiate::patience(&headers);
+        if said && !patience.is_zero() {
+            wait(&app, &job, patience).await;
+        }
+        Ok::<_, Problem>(jobs::accepted(&app, &job, said.then_some(patience.as_secs())))
+    };
+    answer.await.into_response()
+}
+
+/// What is known of all outputs of a job, where all are kept.
+async fn kept(app: &Arc<App>, summary: &crate::service::jobs::JobSummary) -> Vec<Made> {
+    let mut made = Vec::with_capacity(summary.products.len());
+    for product in &summary.products {
+        let Some(manifest) = app.desk.find(product.key).await else { return Vec::new() };
+        made.push(found(&manifest));
+    }
+    made
+}
+
+/// Waits for the end of a job, at most so long.
+async fn wait(app: &Arc<App>, job: &JobKey, patience: Duration) {
+    let Some(record) = app.desk.jobs.get(job) else { return };
+    let mut ended = record.ended.subscribe();
+    drop(record); // an interest in the computation would stay with it
+    let _ = tokio::time::timeout(patience, ended.wait_for(|ended| *ended)).await;
+}
+
+/// What the query says of the turn of a job.
+fn terms(query: &str) -> Result<JobTerms, Vec<Fault>> {
+    let (mut terms, mut faults) = (JobTerms::default(), Vec::new());
+    for (name, value) in form_urlencoded::parse(query.as_bytes()) {
+        let place = format!("?{name}");
+        match &*name {
+            "priority" => match Priority::ALL.into_iter().find(|priority| priority.name() == value) {
+                Some(priority) => terms.priority = priority,
+                None => {
+                    let detail = format!("\"{}\" is no priority; give interactive or batch", shortened(&value));
+                    faults.push(Fault::new(place, detail));
+                }
+            },
+            "queue_timeout_s" => keep(seconds(place, &value), &mut terms.queue_timeout_s, &mut faults),
+            "run_timeout_s" => keep(seconds(place, &value), &mut terms.run_timeout_s, &mut faults),
+            _ => {
+                let known = ["priority", "queue_timeout_s", "run_timeout_s"];
+                let meant = did_you_mean(&name, known.into_iter());
+                let detail = format!("it is unknown; {meant}known are {}", known.join(", "));
+                faults.push(Fault::new(format!("?{}", shortened(&name)), detail));
+            }
+        }
+    }
+    if faults.is_empty() { Ok(terms) } else { Err(faults) }
+}
+
+fn keep(found: Result<u64, Fault>, place: &mut Option<u64>, faults: &mut Vec<Fault>) {
+    match found {
+        Ok(value) => *place = Some(value),
+        Err(fault) => faults.push(fault),
+    }
+}
+
+fn seconds(place: String, text: &str) -> Result<u64, Fault> {
+    let is_number = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let found = text.parse().ok().filter(|seconds| is_number && (1..=MOST_SECONDS).contains(seconds));
+    found.ok_or_else(|| {
+        let detail = format!("\"{}\" is no number of seconds from 1 to {MOST_SECONDS}", shortened(text));
+        Fault::new(place, detail)
+    })
+}

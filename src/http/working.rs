@@ -1,0 +1,151 @@
+//! Requests of jobs: what they ask to be made, when they come and whenever it is made.
+
+use std::future::Future;
+use std::pin::Pin;
+use std::sync::Arc;
+
+use axum::http::{HeaderMap, HeaderValue, header};
+
+use super::analyses::AnalysisTask;
+use super::app::{App, Shared};
+use super::body::Sent;
+use super::problem::Problem;
+use super::reading::ReadJob;
+use super::{negotiate, reading, streaming};
+use crate::fault::under;
+use crate::job::Form;
+use crate::job::Inquiry;
+use crate::job::key::{Key, job};
+use crate::job::limits::Admitted;
+use crate::output::named;
+use crate::service::driving::{ReadJobs, Tasks, Unreadable};
+use crate::service::jobs::{JobSummary, Predicted, Product, Record};
+use crate::service::peer::Peer;
+use crate::service::task::{Render, Task};
+use crate::wire::posted::{AnalysisJob, asks_for_analysis};
+use crate::wire::read::{read, weight};
+
+/// The name of the only output of an analysis.
+const ANALYSIS: &str = "analysis";
+
+/// A job that was read.
+#[derive(Debug)]
+pub(super) enum Asked {
+    /// Results of refining something.
+    Render(Box<ReadJob>),
+    /// What can be said of a plan.
+    Analysis(Arc<AnalysisTask>, Sent),
+}
+
+/// A job that was read, and admitted.
+#[derive(Debug)]
+pub(super) struct Work {
+    pub(super) summary: JobSummary,
+    pub(super) tasks: Tasks,
+}
+
+impl Asked {
+    /// The id of the job.
+    pub(super) fn id(&self) -> Key {
+        match self {
+            Self::Render(read) => read.job.id(),
+            Self::Analysis(task, _) => job([(ANALYSIS, &task.key())].into_iter()),
+        }
+    }
+
+    /// What is to be made, where this server takes it on.
+    ///
+    /// # Errors
+    /// What is too much.
+    pub(super) async fn work(self, app: &Arc<App>, peer: Peer) -> Result<Work, Problem> {
+        match self {
+            Self::Render(read) => {
+                let ReadJob { job, input, sent } = *read;
+                let admitted = reading::admit(app, peer, job).await?;
+                streaming::check_kept(app, &admitted)?;
+                let task =
+                    |output| Arc::new(Render::new(admitted.clone(), output, Some(input.clone()))) as Arc<dyn Task>;
+                let tasks = (0..admitted.job().outputs.len()).map(task).collect();
+                Ok(Work { summary: summary(&admitted, &sent), tasks })
+            }
+            Self::Analysis(task, sent) => {
+                let format = named("json").expect("json is among the formats");
+                let product = Product { name: ANALYSIS.to_owned(), format, key: task.key() };
+                let (cost, count) = (task.cost(), |n: u128| u64::try_from(n).unwrap_or(u64::MAX));
+                let (memory_bytes, time_ms) = (count(cost.memory_bytes), count(cost.time_ms));
+                let cost = Predicted { memory_bytes, time_ms, ..Predicted::default() };
+                let (details, blobs, request) = (Vec::new(), Vec::new(), sent.text());
+                let summary = JobSummary { products: vec![product], cost, reached: None, details, blobs, request };
+                Ok(Work { summary, tasks: vec![task] })
+            }
+        }
+    }
+}
+
+/// What is known of an admitted job that was sent like this.
+pub(super) fn summary(admitted: &Admitted, sent: &Sent) -> JobSummary {
+    let job = admitted.job();
+    let product = |(output, key): (&crate::job::Output, &Key)| Product {
+        name: output.name.clone(),
+        format: output.format,
+        key: *key,
+    };
+    JobSummary {
+        products: job.outputs.iter().zip(job.keys()).map(product).collect(),
+        cost: admitted.estimate().into(),
+        reached: job.reached,
+        details: job.detail_keys().collect(),
+        blobs: sent.uploads(),
+        request: sent.text(),
+    }
+}
+
+/// Reads a job that a client sent.
+///
+/// # Errors
+/// Whatever is wrong with it; 503 when too much is being read already.
+pub(super) async fn asked(app: &Arc<App>, peer: Peer, headers: &HeaderMap, sent: Sent) -> Result<Asked, Problem> {
+    let bytes = weight(sent.bytes.len() as u64);
+    let of_lane = sent.clone();
+    let analysis = app.desk.read(peer, bytes, move |watch| {
+        if !asks_for_analysis(&of_lane.bytes) {
+            return Ok(None);
+        }
+        let request: AnalysisJob = read(&of_lane.bytes)?;
+        let resolved: Result<Inquiry, _> = request.analysis.resolve(Form::Json, watch);
+        resolved.map(Some).map_err(|faults| Problem::invalid(under("/analysis", faults)))
+    });
+    if let Some(analysis) = analysis.await?? {
+        return Ok(Asked::Analysis(Arc::new(AnalysisTask(analysis, Form::Json)), sent));
+    }
+    let headers = headers.clone();
+    let read = reading::job(app, peer, sent, usize::MAX, move |request| negotiate::settle(&headers, request));
+    Ok(Asked::Render(Box::new(read.await?)))
+}
+
+/// Reads a job that was accepted before.
+///
+/// # Errors
+/// Whatever is wrong with it now; 503 when too much is being read already.
+pub(super) async fn asked_again(app: &Arc<App>, peer: Peer, record: &Record) -> Result<Asked, Problem> {
+    // the format is that of the artifact, whatever the request left to be negotiated
+    let media_type = record.summary.products.first().map_or("*/*", |product| product.format.media_type());
+    let headers = HeaderMap::from_iter([(header::ACCEPT, HeaderValue::from_static(media_type))]);
+    asked(app, peer, &headers, Sent::job(record.summary.request.clone())).await
+}
+
+/// Reads jobs for those who do them.
+#[derive(Debug)]
+pub(super) struct Reader(pub(super) Shared);
+
+impl ReadJobs for Reader {
+    fn tasks<'a>(&'a self, record: &'a Record) -> Pin<Box<dyn Future<Output = Result<Tasks, Unreadable>> + Send + 'a>> {
+        Box::pin(async move {
+            let tasks = async {
+                let asked = asked_again(&self.0, record.peer, record).await?;
+                Ok::<_, Problem>(asked.work(&self.0, record.peer).await?.tasks)
+            };
+            tasks.await.map_err(|problem| problem.unreadable())
+        })
+    }
+}

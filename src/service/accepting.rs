@@ -1,0 +1,226 @@
+//! Accepting jobs, and what their clients may ask of them.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::account::Full;
+use super::desk::Desk;
+use super::job_key::{JobKey, JobTerms};
+use super::jobs::{JobSummary, Made, New, Placed, Record, Run, Standing, State};
+use super::peer::{Kind, Paid, Peer};
+use super::pool::{Busy, Lane};
+use super::queue::Item;
+use super::store::{Pin, StoreError};
+use super::under_way::Interest;
+use crate::job::JobEntries;
+
+/// How often jobs are looked through for those that have waited or been known for long enough.
+/// Half of it looks twice as often; twice of it is twice as late.
+const TICK: Duration = Duration::from_millis(500);
+
+/// Why a job is not accepted.
+#[derive(Debug, thiserror::Error)]
+pub enum NotAccepted {
+    /// Too many wait already, or there is no room for what is known of the job.
+    #[error("too much is waiting already")]
+    Busy(Busy),
+    /// It cannot be written down, so that it would not outlast the process.
+    #[error("the job cannot be written down: {0}")]
+    Unwritten(String),
+}
+
+impl From<Busy> for NotAccepted {
+    fn from(busy: Busy) -> Self {
+        Self::Busy(busy)
+    }
+}
+
+impl From<StoreError> for NotAccepted {
+    fn from(error: StoreError) -> Self {
+        Self::Unwritten(error.to_string())
+    }
+}
+
+impl Desk {
+    fn record_memory(&self, peer: Peer) -> impl Fn(u64) -> Result<Paid, Full> + '_ {
+        move |bytes| self.peers.charge(&self.account.records, Kind::RecordBytes, peer, bytes)
+    }
+
+    /// Keeps the uploads that a job needs, as far as they are here.
+    fn pins(&self, summary: &JobSummary) -> Vec<Arc<Pin>> {
+        summary.blobs.iter().filter_map(|id| self.uploads.pin(id)).map(Arc::new).collect()
+    }
+
+    /// Accepts a job: it is known and will be done, after a restart, too, where jobs outlast the process. A job that is
+    /// known already is the same job; one that failed or was cancelled is done once more. Where its results are all
+    /// there, `made` says what they are, and it is done at once.
+    ///
+    /// # Errors
+    /// [`NotAccepted`].
+    pub async fn accept(
+        self: &Arc<Self>,
+        job: JobKey,
+        summary: JobSummary,
+        terms: JobTerms,
+        peer: Peer,
+        made: Vec<Made>,
+    ) -> Result<(), NotAccepted> {
+        if let Some(known) = self.jobs.get(&job).filter(|known| known.is_active() || known.state == State::Done) {
+            return if known.is_active() { Ok(self.jobs.written(job).await?) } else { Ok(()) };
+        }
+        let lane = self.pool.lane_of(summary.cost.time_ms.into(), summary.cost.memory_bytes.into());
+        let waiting = self.queue.waiting(lane);
+        let busy = || self.pool.busy_behind(lane, waiting);
+        let ticket = match made.is_empty() {
+            true if waiting >= self.terms.most_jobs => return Err(busy().into()),
+            true => Some(self.ticket(peer, Kind::Detached).ok_or_else(busy)?),
+            false => None,
+        };
+        let pins = if made.is_empty() { self.pins(&summary) } else { Vec::new() };
+        let new = New { job, summary, terms, peer, ticket, made, pins };
+        let placed = self.jobs.accept(self.record_memory(peer), new, false).map_err(|_| busy())?;
+        let Placed::New(run) = placed else { return Ok(self.jobs.written(job).await?) };
+        // goes on when its client leaves here
+        let desk = self.clone();
+        let lined_up =
+            tokio::spawn(
+                async move { desk.line_up_job(&run, Item { job, lane, priority: terms.priority, peer }).await },
+            );
+        lined_up.await.unwrap_or_else(|error| Err(NotAccepted::Unwritten(error.to_string())))
+    }
+
+    async fn line_up_job(&self, run: &Run, item: Item) -> Result<(), NotAccepted> {
+        let written = self.jobs.written(item.job).await.map_err(NotAccepted::from);
+        let lined_up = match written {
+            Ok(()) => self.queue.push(item).await.map_err(|error| NotAccepted::Unwritten(error.to_string())),
+            Err(error) => Err(error),
+        };
+        if lined_up.is_err() {
+            self.jobs.settle(run, State::Cancelled);
+            self.jobs.remove(&item.job);
+        }
+        lined_up
+    }
+
+    /// Makes a job of a computation that is under way already, so that it goes on without its request, which has what may
+    /// be at fault at `entries`.
+    ///
+    /// # Errors
+    /// [`NotAccepted`]; then the interest is dropped.
+    pub async fn detach(
+        self: &Arc<Self>,
+        job: JobKey,
+        summary: JobSummary,
+        mut interest: Interest,
+        (peer, entries): (Peer, JobEntries),
+    ) -> Result<(), NotAccepted> {
+        let lane = self.pool.lane_of(summary.cost.time_ms.into(), summary.cost.memory_bytes.into());
+        let run = match self.jobs.run(&job) {
+            Some((run, _)) => run,
+            None => self.detached(job, summary, &interest, (peer, entries)).map_err(|Full| self.pool.busy(lane))?,
+        };
+        if let Some(ticket) = self.peers.take(peer, Kind::Accepted, 1, u64::MAX, u64::MAX) {
+            interest.count_as(ticket);
+        }
+        self.jobs.attach(&run, 0, interest);
+        let desk = self.clone();
+        let written = tokio::spawn(async move { desk.jobs.written(job).await });
+        Ok(written.await.map_err(|error| NotAccepted::Unwritten(error.to_string()))??)
+    }
+
+    /// A job of a computation that is under way, which ends with it.
+    fn detached(
+        self: &Arc<Self>,
+        job: JobKey,
+        summary: JobSummary,
+        interest: &Interest,
+        (peer, entries): (Peer, JobEntries),
+    ) -> Result<Run, Full> {
+        let ticket = Some(self.ticket(peer, Kind::Detached).ok_or(Full)?);
+        let (terms, made, pins) = (JobTerms::default(), Vec::new(), self.pins(&summary));
+        let new = New { job, summary, terms, peer, ticket, made, pins };
+        let run = match self.jobs.accept(self.record_memory(peer), new, true)? {
+            Placed::New(run) => run,
+            // somebody else has just accepted it
+            Placed::Known(record) => return self.jobs.run(&record.job).map(|(run, _)| run).ok_or(Full),
+        };
+        let (desk, watched, computation) = (self.clone(), run.clone(), interest.computation.clone());
+        tokio::spawn(async move {
+            desk.jobs.begin(&watched);
+            desk.see_single(watched, &computation, |fault| entries.fault(fault).to_string()).await;
+        });
+        Ok(run)
+    }
+
+    /// Keeps a record of a job whose results are there, so that what they refer to can be made.
+    ///
+    /// # Errors
+    /// [`Busy`] when there is no room for the record.
+    pub fn record(&self, job: JobKey, summary: JobSummary, made: Vec<Made>, peer: Peer) -> Result<(), Busy> {
+        let (terms, pins) = (JobTerms::default(), Vec::new());
+        let new = New { job, summary, terms, peer, ticket: None, made, pins };
+        let put = self.jobs.accept(self.record_memory(peer), new, false);
+        put.map(drop).map_err(|_| self.pool.busy(Lane::Long))
+    }
+
+    /// How a job stands, if it is known.
+    pub fn standing(&self, job: &JobKey) -> Option<Standing> {
+        self.jobs.get(job).map(|record| self.standing_of(record))
+    }
+
+    /// How the job of a record stands.
+    pub fn standing_of(&self, record: Record) -> Standing {
+        let ahead = if record.is_active() { self.queue.ahead(&record.job) } else { None };
+        Standing::of(record, self.clock.now(), ahead)
+    }
+
+    /// Cancels a job that goes on; what nobody else wants of it ends. False where nothing goes on.
+    pub fn cancel(&self, job: &JobKey) -> bool {
+        self.queue.withdraw(job);
+        self.jobs.end(job, State::Cancelled, |_| true)
+    }
+
+    /// Cancels and forgets a job. False where it is not known.
+    pub fn forget(&self, job: &JobKey) -> bool {
+        self.queue.withdraw(job);
+        self.jobs.remove(job)
+    }
+
+    /// Takes up the jobs of an earlier process.
+    ///
+    /// # Errors
+    /// When their records cannot be read.
+    pub async fn recover(&self) -> Result<usize, StoreError> {
+        let memory = |bytes| self.peers.charge_self(&self.account.records, Kind::RecordBytes, bytes);
+        let runs = self.jobs.recover(memory, |summary| self.pins(summary))?;
+        for run in &runs {
+            let Some(record) = self.jobs.get(&run.job) else { continue };
+            let lane = record.lane(|time, memory| self.pool.lane_of(time, memory));
+            let item = Item { job: run.job, lane, priority: record.terms.priority, peer: record.peer };
+            self.queue.push(item).await.map_err(|error| StoreError::Io(std::io::Error::other(error)))?;
+        }
+        Ok(runs.len())
+    }
+
+    /// Ends jobs that have waited too long for their turn, and forgets those that have been settled for long enough.
+    pub fn tidy(&self) {
+        let (late, old) = self.jobs.overdue(self.terms.job_ttl);
+        for job in late {
+            let reason = "its turn did not come in the time that `queue_timeout_s` allows; send it again";
+            if self.jobs.end(&job, State::Failed(reason.to_owned()), |record| record.begun.is_none()) {
+                self.queue.withdraw(&job);
+            }
+        }
+        for job in &old {
+            self.jobs.remove(job);
+        }
+    }
+
+    /// Keeps jobs tidy for as long as the service lives.
+    pub async fn keep_tidy(&self) {
+        loop {
+            self.tidy();
+            self.clock.sleep(TICK).await;
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! Doing jobs: whoever takes one from the queue reads its request again, and has its outputs made one after the other.
+
+use std::future::Future;
+use std::pin::Pin;
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::computation::{Computation, Failure, Outcome, Phase, Timings};
+use super::desk::Desk;
+use super::jobs::{Made, Record, Run, State};
+use super::peer::Peer;
+use super::pool::Lane;
+use super::store::Manifest;
+use super::task::Task;
+use crate::job::JobFault;
+
+/// What a request asks to be made, in the order of its outputs.
+pub type Tasks = Vec<Arc<dyn Task>>;
+
+/// Why a request that was accepted cannot be read now.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Unreadable {
+    /// There is no room; come back after this time.
+    Later(Duration),
+    /// It never can; why.
+    Never(String),
+}
+
+/// Reads the requests of accepted jobs.
+pub trait ReadJobs: Send + Sync {
+    /// The tasks of a job.
+    fn tasks<'a>(&'a self, record: &'a Record) -> Pin<Box<dyn Future<Output = Result<Tasks, Unreadable>> + Send + 'a>>;
+}
+
+/// How an attempt went on.
+enum Went {
+    /// An output was made, or was not.
+    On(Made),
+    /// The attempt is over.
+    Over,
+}
+
+/// How long is waited at least before something full is tried again.
+/// Half of it tries twice as often; twice of it leaves places empty for longer.
+const LEAST_PAUSE: Duration = Duration::from_millis(100);
+
+impl Desk {
+    /// Does the jobs of a lane, one after the other, until the service ends.
+    pub async fn do_jobs(self: Arc<Self>, lane: Lane, reader: Arc<dyn ReadJobs>) {
+        loop {
+            let taken = tokio::select! {
+                biased;
+                () = self.ended(), if self.jobs.last() => return,
+                taken = self.queue.take(lane) => taken,
+            };
+            if let Some((run, record)) = self.jobs.run(&taken.item.job) {
+                self.do_job(&run, record, &*reader).await;
+            }
+            taken.done();
+        }
+    }
+
+    /// Does a job: all its outputs, as far as they can be made.
+    async fn do_job(self: &Arc<Self>, run: &Run, record: Record, reader: &dyn ReadJobs) {
+        self.jobs.begin(run);
+        let longest = record.terms.run_timeout_s.map(Duration::from_secs);
+        let mut ended = run.ended.clone();
+        tokio::select! {
+            () = self.make_all(run, &record, reader) => {}
+            // the record keeps its sender
+            _ = ended.wait_for(|ended| *ended) => {}
+            () = self.clock.sleep(longest.unwrap_or_default()), if longest.is_some() => {
+                let seconds = longest.unwrap_or_default().as_secs();
+                self.jobs.settle(run, State::Failed(format!("it ran for {seconds} s, the most that `run_timeout_s` allows")));
+            }
+        }
+    }
+
+    async fn make_all(self: &Arc<Self>, run: &Run, record: &Record, reader: &dyn ReadJobs) {
+        let tasks = loop {
+            match reader.tasks(record).await {
+                Ok(tasks) if tasks.len() == record.made.len() => break tasks,
+                Ok(_) => return self.jobs.settle(run, State::Failed("its request has become another job".to_owned())),
+                Err(Unreadable::Later(pause)) => self.clock.sleep(pause.max(LEAST_PAUSE)).await,
+                Err(Unreadable::Never(reason)) => return self.jobs.settle(run, State::Failed(reason)),
+            }
+        };
+        for (at, task) in tasks.iter().enumerate() {
+            let key = task.key();
+            match self.made(run, at, task).await {
+                Went::On(made) => self.jobs.make(run, at, key, made),
+                Went::Over => return,
+            }
+        }
+        self.close_run(run);
+    }
+
+    /// Finds an output or has it made.
+    async fn made(self: &Arc<Self>, run: &Run, at: usize, task: &Arc<dyn Task>) -> Went {
+        let peer = self.jobs.get(&run.job).map_or(Peer::SELF, |record| record.peer);
+        loop {
+            if let Some(manifest) = self.find(task.key()).await {
+                return Went::On(found(&manifest));
+            }
+            let interest = match self.compute_accepted(task.clone(), peer) {
+                Ok(interest) => interest,
+                Err(busy) => {
+                    self.clock.sleep(busy.retry_after).await;
+                    continue;
+                }
+            };
+            let computation = interest.computation.clone();
+            if !self.jobs.attach(run, at, interest) {
+                return Went::Over;
+            }
+            match computation.finished().await {
+                Phase::Failed(Failure::Busy(pause)) => self.clock.sleep(pause).await,
+                phase => return self.went(run, phase, |fault| task.fault(fault).to_string()),
+            }
+        }
+    }
+
+    /// How an attempt goes on after a computation.
+    fn went(&self, run: &Run, phase: Phase, told: impl FnOnce(JobFault) -> String) -> Went {
+        match phase {
+            Phase::Done(outcome) => Went::On(made(&outcome)),
+            // it is taken up after the restart
+            Phase::Failed(Failure::Cancelled) if self.is_ending() && self.jobs.last() => Went::Over,
+            Phase::Failed(Failure::Cancelled) | Phase::Queued | Phase::Running => {
+                self.jobs.settle(run, State::Cancelled);
+                Went::Over
+            }
+            Phase::Failed(Failure::Impossible(fault)) => Went::On(Made::Failed(told(fault))),
+            Phase::Failed(Failure::TimedOut(limit)) => {
+                Went::On(Made::Failed(format!("it ran for {} s, the most this server allows", limit.as_secs())))
+            }
+            Phase::Failed(Failure::Busy(_)) => {
+                Went::On(Made::Failed("there was no place for work as long as it came to be; send it again".to_owned()))
+            }
+            Phase::Failed(Failure::Internal(_)) => {
+                Went::On(Made::Failed("a fault of planish; please report it".to_owned()))
+            }
+        }
+    }
+
+    /// Follows a job of one output whose computation is under way already, to its end.
+    pub(super) async fn see_single(&self, run: Run, computation: &Computation, told: impl FnOnce(JobFault) -> String) {
+        let mut ended = run.ended.clone();
+        let phase = tokio::select! {
+            phase = computation.finished() => phase,
+            _ = ended.wait_for(|ended| *ended) => return,
+        };
+        if let Went::On(made) = self.went(&run, phase, told) {
+            self.jobs.make(&run, 0, computation.key, made);
+            self.close_run(&run);
+        }
+    }
+
+    /// Settles an attempt of which every output was made or was not.
+    fn close_run(&self, run: &Run) {
+        let Some(record) = self.jobs.get(&run.job) else { return };
+        let failed = record.made.iter().flatten().find_map(|made| match made {
+            Made::Failed(reason) => Some(reason.clone()),
+            Made::Done { .. } => None,
+        });
+        self.jobs.settle(run, failed.map_or(State::Done, State::Failed));
+    }
+}
+
+/// What is told of an output that was there.
+pub fn found(manifest: &Manifest) -> Made {
+    let timings = Timings::default();
+    Made::Done { bytes: manifest.length, warnings: manifest.warnings.clone(), timings }
+}
+
+/// What is told of an output that was made.
+pub fn made(outcome: &Outcome) -> Made {
+    let Outcome { manifest, timings, .. } = outcome;
+    Made::Done { bytes: manifest.length, warnings: manifest.warnings.clone(), timings: *timings }
+}

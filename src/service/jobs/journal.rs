@@ -1,0 +1,168 @@
+//! The writer of records: one thread that writes all that has changed at once, so that jobs which come together share
+//! what a durable write takes.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::io;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use tokio::sync::oneshot;
+
+use crate::service::job_key::JobKey;
+use crate::service::store::{Records, StoreError};
+
+/// How long the writer waits after a failure before it tries what is left again.
+/// Half of it asks a disk that is full twice as often; twice of it loses the state of more jobs in a crash, which are
+/// done once more then.
+const PAUSE: Duration = Duration::from_secs(1);
+
+/// How long a journal that is dropped lets its thread go on: half of the service's own time to end.
+/// Twice of it leaves nothing of that time for the rest; half of it loses the state of more jobs.
+const LAST_WAIT: Duration = Duration::from_secs(10);
+
+/// What is to be written of a job; nothing when it is to be removed.
+type Encoded = dyn Fn(&JobKey) -> Option<Vec<u8>> + Send + Sync;
+
+/// The writer of one table.
+pub(super) struct Journal {
+    shared: Arc<Shared>,
+}
+
+struct Shared {
+    /// Let go of at the end.
+    records: Mutex<Option<Arc<dyn Records>>>,
+    encoded: Box<Encoded>,
+    pending: Mutex<Pending>,
+    changed: Condvar,
+}
+
+#[derive(Default)]
+struct Pending {
+    /// The jobs that have changed, each with those who wait until it is written.
+    jobs: BTreeMap<JobKey, Vec<oneshot::Sender<Result<(), String>>>>,
+    closed: bool,
+    ended: bool,
+}
+
+impl fmt::Debug for Journal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?}", self.shared.records())
+    }
+}
+
+impl Journal {
+    /// A writer; `encoded` tells what is to be written of a job.
+    pub(super) fn new(
+        records: Arc<dyn Records>,
+        encoded: impl Fn(&JobKey) -> Option<Vec<u8>> + Send + Sync + 'static,
+    ) -> Self {
+        let (pending, changed) = (Mutex::default(), Condvar::new());
+        let shared =
+            Arc::new(Shared { records: Mutex::new(Some(records)), encoded: Box::new(encoded), pending, changed });
+        let of_thread = shared.clone();
+        let started = thread::Builder::new().name("jobs".to_owned()).spawn(move || of_thread.work());
+        if let Err(error) = started {
+            tracing::error!(%error, "the thread that writes records of jobs could not be started");
+            let mut pending = shared.pending();
+            (pending.closed, pending.ended) = (true, true);
+        }
+        Self { shared }
+    }
+
+    /// Notes that a job has changed.
+    pub(super) fn note(&self, job: JobKey) {
+        self.shared.pending().jobs.entry(job).or_default();
+        self.shared.changed.notify_all();
+    }
+
+    /// Waits until what is known of a job now is written for good.
+    pub(super) async fn written(&self, job: JobKey) -> Result<(), StoreError> {
+        let (told, written) = oneshot::channel();
+        {
+            let mut pending = self.shared.pending();
+            if !pending.ended {
+                pending.jobs.entry(job).or_default().push(told);
+            }
+        }
+        self.shared.changed.notify_all();
+        let ended = || Err("nothing is written any more".to_owned());
+        let written = written.await.unwrap_or_else(|_| ended());
+        written.map_err(|error| StoreError::Io(io::Error::other(error)))
+    }
+
+    /// Tells every record that is written.
+    pub(super) fn each(&self, tell: &mut dyn FnMut(&[u8])) -> Result<(), StoreError> {
+        match self.shared.records() {
+            Some(records) => records.each(&mut |_, record| tell(record)),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes what is left, at most so long, and nothing afterwards.
+    pub(super) fn close(&self, patience: Duration) {
+        let mut pending = self.shared.pending();
+        pending.closed = true;
+        self.shared.changed.notify_all();
+        let waited = self.shared.changed.wait_timeout_while(pending, patience, |pending| !pending.ended);
+        drop(waited);
+    }
+}
+
+impl Drop for Journal {
+    fn drop(&mut self) {
+        self.close(LAST_WAIT);
+    }
+}
+
+impl Shared {
+    /// Every change under this lock is complete before anything can panic.
+    fn pending(&self) -> MutexGuard<'_, Pending> {
+        self.pending.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Where records are written, until the end.
+    fn records(&self) -> Option<Arc<dyn Records>> {
+        self.records.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Writes what comes until the journal is closed.
+    fn work(&self) {
+        loop {
+            let idle = |pending: &mut Pending| pending.jobs.is_empty() && !pending.closed;
+            let waited = self.changed.wait_while(self.pending(), idle);
+            let mut pending = waited.unwrap_or_else(PoisonError::into_inner);
+            let jobs = std::mem::take(&mut pending.jobs);
+            let is_last = pending.closed;
+            drop(pending);
+            let changes: Vec<_> = jobs.keys().map(|job| (job.to_bytes().to_vec(), (self.encoded)(job))).collect();
+            let records = self.records().filter(|_| !changes.is_empty());
+            let written = records.map_or(Ok(()), |records| records.write(&changes)).map_err(|error| error.to_string());
+            if let Err(error) = &written {
+                tracing::warn!(error, jobs = jobs.len(), "records of jobs could not be written");
+            }
+            if is_last {
+                drop(self.records.lock().unwrap_or_else(PoisonError::into_inner).take());
+            }
+            let mut pending = self.pending();
+            if is_last {
+                pending.ended = true;
+                self.changed.notify_all();
+            } else if written.is_err() {
+                // who waits is told; what is known is written when the disk takes it
+                for job in jobs.keys() {
+                    pending.jobs.entry(*job).or_default();
+                }
+            }
+            drop(pending);
+            jobs.into_values().flatten().for_each(|told| drop(told.send(written.clone())));
+            if is_last {
+                return;
+            }
+            if written.is_err() {
+                thread::sleep(PAUSE);
+            }
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! How a job stands now.
+
+use std::time::Duration;
+
+use super::record::{Made, Record, State};
+use crate::service::computation::{self, Computation, Timings};
+use crate::watch::Stage;
+
+/// Steps of a sequence number within an attempt: first those of places in line, then those of progress, then the end.
+const PLACES: u64 = 1000;
+const PARTS: u64 = 1000;
+const STEPS: u64 = 1 << 32;
+
+/// Where a job stands.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Phase {
+    /// It waits for its turn.
+    Queued,
+    /// Some output is being computed, or was.
+    Running,
+    /// All outputs were made.
+    Done,
+    /// Why not all were.
+    Failed(String),
+    /// It was cancelled.
+    Cancelled,
+}
+
+/// How a job stands.
+#[derive(Debug, Clone)]
+pub struct Standing {
+    /// What is known of it.
+    pub record: Record,
+    /// Where it stands.
+    pub phase: Phase,
+    /// What the computation under way does.
+    pub stage: Option<Stage>,
+    /// The level that is being made, where levels are made one after the other.
+    pub level: Option<u32>,
+    /// Share of the work done, from 0 to 1.
+    pub progress: f64,
+    /// How many jobs come before it, where it waits in line.
+    pub ahead: Option<usize>,
+    /// Time spent so far on all outputs, and waiting.
+    pub timings: Timings,
+}
+
+impl Standing {
+    /// How a job stands at a time of the clock; `ahead` tells how many come before it in line.
+    pub fn of(record: Record, now: Duration, ahead: Option<usize>) -> Self {
+        let computing = record.computing.as_ref().map(|(_, interest)| interest.computation.clone());
+        let has_begun = record.made.iter().any(Option::is_some)
+            || computing.as_ref().is_some_and(|computing| !matches!(computing.phase(), computation::Phase::Queued));
+        let phase = match &record.state {
+            State::Active if has_begun => Phase::Running,
+            State::Active => Phase::Queued,
+            State::Done => Phase::Done,
+            State::Failed(reason) => Phase::Failed(reason.clone()),
+            State::Cancelled => Phase::Cancelled,
+        };
+        let stage = computing.as_ref().and_then(|computing| computing.stage());
+        let fraction = computing.as_ref().map_or(0.0, |computing| computing.progress());
+        let level = (stage == Some(Stage::Refine)).then(|| level(&record.summary.cost.vertices, fraction));
+        let (timings, progress) = (timings(&record, computing.as_deref(), now), progress(&record, fraction));
+        Self { phase, stage, level: level.flatten(), progress, ahead, timings, record }
+    }
+
+    /// Whether nothing more will happen.
+    pub fn is_settled(&self) -> bool {
+        !matches!(self.phase, Phase::Queued | Phase::Running)
+    }
+
+    /// A number that grows with everything that happens to the job, in this process and in those after it.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "a share in 0..=1 of a thousand parts"
+    )]
+    pub fn sequence(&self) -> u64 {
+        let parts = (self.progress.clamp(0.0, 1.0) * PARTS as f64) as u64;
+        let step = match self.phase {
+            Phase::Queued => PLACES - self.ahead.map_or(0, |ahead| ahead as u64 + 1).min(PLACES),
+            Phase::Running => PLACES + 1 + parts,
+            Phase::Done | Phase::Failed(_) | Phase::Cancelled => PLACES + PARTS + 2,
+        };
+        u64::from(self.record.attempts) * STEPS + step
+    }
+}
+
+/// The level that is under way when so much of the work is done, where a level takes as long as it has vertices.
+#[expect(clippy::cast_precision_loss, reason = "a share needs few digits")]
+fn level(vertices: &[u64], fraction: f64) -> Option<u32> {
+    let made: f64 = vertices.iter().skip(1).map(|n| *n as f64).sum();
+    let mut left = fraction * made;
+    let at = vertices.iter().skip(1).position(|n| {
+        left -= *n as f64;
+        left < 0.0
+    });
+    let last = vertices.len().checked_sub(1)?;
+    u32::try_from(at.map_or(last, |at| at + 1)).ok()
+}
+
+#[expect(clippy::cast_precision_loss, reason = "a job has 64 outputs at most")]
+fn progress(record: &Record, fraction: f64) -> f64 {
+    let made = record.made.iter().flatten().count();
+    if record.state == State::Done {
+        return 1.0;
+    }
+    let is_under_way = if record.is_active() { fraction } else { 0.0 };
+    (made as f64 + is_under_way) / record.made.len().max(1) as f64
+}
+
+fn timings(record: &Record, computing: Option<&Computation>, now: Duration) -> Timings {
+    let begun = record.begun.or(record.settled).unwrap_or(now);
+    let mut sum = Timings { queue: begun.saturating_sub(record.queued), ..Timings::default() };
+    let made = record.made.iter().flatten().filter_map(|made| match made {
+        Made::Done { timings, .. } => Some(*timings),
+        Made::Failed(_) => None,
+    });
+    for Timings { queue, refine, swept, render, encode } in made.chain(computing.map(Computation::timings)) {
+        sum.queue += queue;
+        sum.refine += refine;
+        sum.swept |= swept;
+        sum.render += render;
+        sum.encode += encode;
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_level_under_way_is_the_one_whose_vertices_are_being_made() {
+        let vertices = [8, 26, 98, 386];
+        let at = |done: f64| level(&vertices, done / 510.0);
+        assert_eq!([at(0.0), at(25.0), at(27.0), at(125.0), at(510.0)], [1, 1, 2, 3, 3].map(Some));
+        assert_eq!((level(&[], 0.5), level(&[4], 0.5)), (None, Some(0)));
+    }
+}

@@ -1,0 +1,392 @@
+//! The table of records.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use tokio::sync::watch;
+
+use super::attempt::{New, Placed, Run};
+use super::journal::Journal;
+use super::record::{JobSummary, Made, Record, State};
+use super::written::{Kept, decode, encode};
+use crate::job::key::Key;
+use crate::service::account::Full;
+use crate::service::clock::Clock;
+use crate::service::job_key::{JobKey, Tenant};
+use crate::service::peer::{Paid, Peer};
+use crate::service::store::{Pin, Records, StoreError};
+use crate::service::tally::Tally;
+use crate::service::under_way::Interest;
+
+/// Most records held.
+/// With [`RECORD_BYTES`] each they take 80 MiB. Half of it forgets jobs sooner; twice of it may take twice that.
+const MAX_RECORDS: usize = 10_000;
+/// Charged for a record besides its request: its counts a level, its places in the maps.
+/// Half of it is less than a job of many levels takes; twice of it holds half as many records in their share.
+const RECORD_BYTES: u64 = 8 << 10;
+/// Charged for each output beside the first: its name, its key, how it was made, with a warning.
+/// Half of it is less than an output with a long name takes; twice of it refuses jobs of many outputs sooner.
+const OUTPUT_BYTES: u64 = 1 << 10;
+
+/// All records.
+#[derive(Debug)]
+pub struct Jobs {
+    table: Arc<Mutex<Table>>,
+    clock: Arc<dyn Clock>,
+    tally: Arc<Tally>,
+    /// Writes records where they outlast the process.
+    journal: Option<Journal>,
+}
+
+#[derive(Debug, Default)]
+struct Table {
+    records: HashMap<JobKey, Record>,
+    by_number: BTreeMap<u64, JobKey>,
+    /// Keys of artifacts with the ids of the jobs that have them.
+    by_artifact: BTreeSet<(Tenant, Key, Key)>,
+    next: u64,
+}
+
+impl Table {
+    fn forget(&mut self, job: &JobKey) -> Option<Record> {
+        let record = self.records.remove(job)?;
+        self.by_number.remove(&record.number);
+        for key in record.summary.artifacts() {
+            self.by_artifact.remove(&(job.tenant, key, job.id));
+        }
+        record.ended.send_replace(true);
+        Some(record)
+    }
+
+    fn insert(&mut self, record: Record) {
+        let job = record.job;
+        self.by_number.insert(record.number, job);
+        self.by_artifact.extend(record.summary.artifacts().map(|key| (job.tenant, key, job.id)));
+        self.records.insert(job, record);
+    }
+
+    /// The record of an attempt that goes on.
+    fn running(&mut self, run: &Run) -> Option<&mut Record> {
+        self.records.get_mut(&run.job).filter(|record| record.number == run.number && record.is_active())
+    }
+
+    /// Forgets the oldest settled job.
+    fn forget_oldest(&mut self) -> Option<Record> {
+        let oldest = self.by_number.values().find(|job| !self.records[*job].is_active()).copied()?;
+        self.forget(&oldest)
+    }
+}
+
+/// What a record takes.
+fn cost(summary: &JobSummary) -> u64 {
+    RECORD_BYTES + OUTPUT_BYTES * summary.products.len().saturating_sub(1) as u64 + summary.request.len() as u64
+}
+
+impl Jobs {
+    /// A table whose records outlast the process where there is a store for them.
+    pub fn new(records: Option<Arc<dyn Records>>, clock: Arc<dyn Clock>) -> Self {
+        let table = Arc::new(Mutex::new(Table::default()));
+        let journal = records.map(|records| {
+            let (table, clock) = (table.clone(), clock.clone());
+            Journal::new(records, move |job| {
+                let record = locked(&table).records.get(job).cloned()?;
+                let since = record.settled.map(|at| clock.now().saturating_sub(at));
+                Some(encode(&record, since.map(|since| clock.wall().saturating_sub(since))))
+            })
+        });
+        Self { table, clock, tally: Arc::default(), journal }
+    }
+
+    /// What happened to jobs and computations, counted.
+    pub fn tally(&self) -> &Arc<Tally> {
+        &self.tally
+    }
+
+    fn table(&self) -> MutexGuard<'_, Table> {
+        locked(&self.table)
+    }
+
+    fn note(&self, job: JobKey) {
+        if let Some(journal) = &self.journal {
+            journal.note(job);
+        }
+    }
+
+    /// Whether records outlast the process.
+    pub fn last(&self) -> bool {
+        self.journal.is_some()
+    }
+
+    /// Waits until what is known of a job is written for good; at once where nothing outlasts the process.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub async fn written(&self, job: JobKey) -> Result<(), StoreError> {
+        match &self.journal {
+            Some(journal) => journal.written(job).await,
+            None => Ok(()),
+        }
+    }
+
+    /// The record of a job.
+    pub fn get(&self, job: &JobKey) -> Option<Record> {
+        self.table().records.get(job).cloned()
+    }
+
+    /// The record of a job of a tenant that has an artifact of this key.
+    pub fn of_artifact(&self, tenant: Tenant, artifact: &Key) -> Option<Record> {
+        let table = self.table();
+        let found = table.by_artifact.range((tenant, *artifact, Key::LEAST)..).next();
+        let (_, _, id) = found.filter(|(owner, key, _)| *owner == tenant && key == artifact)?;
+        table.records.get(&JobKey { tenant, id: *id }).cloned()
+    }
+
+    /// So many records of a tenant, the newest first, of those before a number; and whether there are more.
+    pub fn page(&self, tenant: Tenant, before: u64, n: usize) -> (Vec<Record>, bool) {
+        let table = self.table();
+        let own = table.by_number.range(..before).rev().filter(|(_, job)| job.tenant == tenant);
+        let mut own = own.map(|(_, job)| &table.records[job]);
+        let page = own.by_ref().take(n).cloned().collect();
+        let is_more = own.next().is_some();
+        (page, is_more)
+    }
+
+    /// Accepts a job, unless it is under way or done; `again` has it done again. One that failed or was cancelled takes
+    /// up where it was, as a further attempt. `memory` takes bytes for the record; where it finds none, the oldest jobs
+    /// that are settled are forgotten.
+    ///
+    /// # Errors
+    /// [`Full`] when there is no room beside the jobs that go on; then all is as it was, but for those.
+    pub fn accept(&self, memory: impl Fn(u64) -> Result<Paid, Full>, new: New, again: bool) -> Result<Placed, Full> {
+        let bytes = cost(&new.summary);
+        let mut forgotten = Vec::new(); // dropped after the lock: an interest asks the desk
+        let mut table = self.table();
+        let known = table.records.get(&new.job);
+        if let Some(known) = known.filter(|known| known.is_active() || known.state == State::Done && !again) {
+            return Ok(Placed::Known(known.clone()));
+        }
+        let memory = loop {
+            if table.records.len() < MAX_RECORDS
+                && let Ok(memory) = memory(bytes)
+            {
+                break memory;
+            }
+            forgotten.push(table.forget_oldest().ok_or(Full)?.job);
+        };
+        let before = table.forget(&new.job);
+        let attempts = before.map_or(0, |record| record.attempts) + u32::from(new.made.is_empty());
+        let number = table.next;
+        table.next += 1;
+        let record = self.record(new, number, attempts, memory);
+        let (job, ended) = (record.job, record.ended.subscribe());
+        let placed =
+            if record.is_active() { Placed::New(Run { job, number, ended }) } else { Placed::Known(record.clone()) };
+        table.insert(record);
+        drop(table);
+        forgotten.into_iter().chain([job]).for_each(|job| self.note(job));
+        Ok(placed)
+    }
+
+    fn record(&self, new: New, number: u64, attempts: u32, memory: Paid) -> Record {
+        let New { job, summary, terms, peer, ticket, made, pins } = new;
+        let now = self.clock.now();
+        let is_done = !made.is_empty();
+        Record {
+            job,
+            number,
+            attempts,
+            terms,
+            peer,
+            state: if is_done { State::Done } else { State::Active },
+            made: if is_done { made.into_iter().map(Some).collect() } else { vec![None; summary.products.len()] },
+            summary: Arc::new(summary),
+            computing: None,
+            queued: now,
+            begun: None,
+            settled: is_done.then_some(now),
+            ended: Arc::new(watch::channel(is_done).0),
+            _memory: Arc::new(memory),
+            pins,
+            ticket: ticket.map(Arc::new),
+        }
+    }
+
+    /// Takes the records of an earlier process up, and tells the jobs that are not settled, the oldest first. Those for
+    /// which there is no room stay where they are written.
+    ///
+    /// # Errors
+    /// When they cannot be read.
+    pub fn recover(
+        &self,
+        memory: impl Fn(u64) -> Result<Paid, Full>,
+        pins: impl Fn(&JobSummary) -> Vec<Arc<Pin>>,
+    ) -> Result<Vec<Run>, StoreError> {
+        let Some(journal) = &self.journal else { return Ok(Vec::new()) };
+        let mut kept = Vec::new();
+        journal.each(&mut |record| match decode(record) {
+            Some(record) => kept.push(record),
+            None => tracing::warn!("a record of a job cannot be read; it is left as it is"),
+        })?;
+        kept.sort_by_key(|kept| kept.number);
+        let (now, wall) = (self.clock.now(), self.clock.wall());
+        let mut table = self.table();
+        let mut runs = Vec::new();
+        for kept in kept {
+            let Ok(memory) = memory(cost(&kept.summary)) else {
+                tracing::warn!(job = %kept.job.id, "there is no room for the record of a job; it waits for a next start");
+                continue;
+            };
+            table.next = table.next.max(kept.number + 1);
+            let mut record = revived(kept, memory, now, wall);
+            if record.is_active() {
+                record.pins = pins(&record.summary);
+                runs.push(Run { job: record.job, number: record.number, ended: record.ended.subscribe() });
+            }
+            table.insert(record);
+        }
+        Ok(runs)
+    }
+
+    /// The attempt at a job that goes on.
+    pub fn run(&self, job: &JobKey) -> Option<(Run, Record)> {
+        let record = self.get(job).filter(Record::is_active)?;
+        let run = Run { job: *job, number: record.number, ended: record.ended.subscribe() };
+        Some((run, record))
+    }
+
+    /// Says that the turn of a job has come.
+    pub fn begin(&self, run: &Run) {
+        let now = self.clock.now();
+        if let Some(record) = self.table().running(run) {
+            record.begun.get_or_insert(now);
+        }
+    }
+
+    /// Makes a job's interest in the computation of one of its outputs last as long as the job; false when it is over.
+    pub fn attach(&self, run: &Run, output: usize, interest: Interest) -> bool {
+        let interest = Arc::new(interest); // dropped after the lock: an interest asks the desk
+        let mut table = self.table();
+        let Some(record) = table.running(run) else { return false };
+        let before = record.computing.replace((output, interest.clone()));
+        drop(table);
+        drop(before);
+        true
+    }
+
+    /// Says what became of an output.
+    pub fn make(&self, run: &Run, output: usize, key: Key, made: Made) {
+        let mut table = self.table();
+        let Some(record) = table.running(run) else { return };
+        let before = record.computing.take();
+        if let Some(place) = record.made.get_mut(output) {
+            *place = Some(made);
+        }
+        // results of another version have other keys
+        if record.summary.products.get(output).is_some_and(|product| product.key != key) {
+            let mut summary = (*record.summary).clone();
+            summary.products[output].key = key;
+            record.summary = Arc::new(summary);
+            table.by_artifact.insert((run.job.tenant, key, run.job.id));
+        }
+        drop(table);
+        drop(before);
+    }
+
+    /// Ends an attempt that goes on.
+    pub fn settle(&self, run: &Run, state: State) {
+        self.end(&run.job, state, |record| record.number == run.number);
+    }
+
+    /// Ends a job that goes on and is so; says whether there was one.
+    pub fn end(&self, job: &JobKey, state: State, is_so: impl Fn(&Record) -> bool) -> bool {
+        let now = self.clock.now();
+        let mut table = self.table();
+        let found = table.records.get_mut(job).filter(|record| record.is_active() && is_so(record));
+        let Some(record) = found else { return false };
+        self.tally.settled(&state);
+        record.state = state;
+        record.settled = Some(now);
+        let left = (record.computing.take(), record.ticket.take(), std::mem::take(&mut record.pins));
+        let ended = record.ended.clone();
+        drop(table);
+        drop(left);
+        self.note(*job);
+        ended.send_replace(true);
+        true
+    }
+
+    /// Forgets a job; what goes on only for it ends. False when it was not known.
+    pub fn remove(&self, job: &JobKey) -> bool {
+        let removed = self.table().forget(job);
+        let was_known = removed.is_some();
+        drop(removed); // after the lock: an interest asks the desk
+        self.note(*job);
+        was_known
+    }
+
+    /// The jobs that wait for longer than they may, and those that were settled longer ago than that.
+    pub fn overdue(&self, time_to_live: Duration) -> (Vec<JobKey>, Vec<JobKey>) {
+        let (now, table) = (self.clock.now(), self.table());
+        let waits_too_long = |record: &&Record| {
+            let longest = record.terms.queue_timeout_s.map(Duration::from_secs);
+            let is_waiting = record.is_active() && record.begun.is_none();
+            is_waiting && longest.is_some_and(|longest| now.saturating_sub(record.queued) >= longest)
+        };
+        let is_old =
+            |record: &&Record| record.settled.is_some_and(|settled| now.saturating_sub(settled) >= time_to_live);
+        let jobs = |is: &dyn Fn(&&Record) -> bool| table.records.values().filter(is).map(|record| record.job).collect();
+        (jobs(&waits_too_long), jobs(&is_old))
+    }
+
+    /// How many jobs are known.
+    pub fn len(&self) -> usize {
+        self.table().records.len()
+    }
+
+    /// Whether no job is known.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Any job that goes on.
+    pub fn any_active(&self) -> Option<Record> {
+        self.table().records.values().find(|record| record.is_active()).cloned()
+    }
+
+    /// Writes what is not written yet, and nothing afterwards. Blocks, but no longer than that.
+    pub fn close(&self, patience: Duration) {
+        if let Some(journal) = &self.journal {
+            journal.close(patience);
+        }
+    }
+}
+
+fn locked(table: &Mutex<Table>) -> MutexGuard<'_, Table> {
+    table.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A record of an earlier process; its attempt, if it was not settled, is a further one.
+fn revived(kept: Kept, memory: Paid, now: Duration, wall: Duration) -> Record {
+    let Kept { job, number, attempts, terms, state, made, settled_s, summary } = kept;
+    let is_active = state == State::Active;
+    let age = settled_s.map(|at| wall.saturating_sub(Duration::from_secs(at)));
+    Record {
+        job,
+        number,
+        attempts: attempts + u32::from(is_active),
+        terms,
+        peer: Peer::SELF,
+        state,
+        made: if is_active { vec![None; made.len()] } else { made },
+        summary: Arc::new(summary),
+        computing: None,
+        queued: now,
+        begun: None,
+        settled: age.map(|age| now.saturating_sub(age)),
+        ended: Arc::new(watch::channel(!is_active).0),
+        _memory: Arc::new(memory),
+        pins: Vec::new(),
+        ticket: None,
+    }
+}

@@ -1,0 +1,157 @@
+//! The binary form of a record: what outlasts the process.
+
+use std::time::Duration;
+
+use bytes::Bytes;
+
+use super::record::{JobSummary, Made, Predicted, Product, Record, State};
+use crate::job::Resolved;
+use crate::output::named;
+use crate::service::computation::Timings;
+use crate::service::fields::{Fields, Writing};
+use crate::service::job_key::{JobKey, JobTerms, Priority};
+
+const MAGIC: &[u8; 8] = b"plnshjob";
+const VERSION: u32 = 1;
+/// Written where a number is left out.
+const NONE: u64 = u64::MAX;
+
+/// The fields in their order; those of the outputs follow, each under its own tag.
+mod tag {
+    pub(super) const JOB: u8 = 1;
+    pub(super) const STANDING: u8 = 2;
+    pub(super) const TERMS: u8 = 3;
+    pub(super) const REASON: u8 = 4;
+    pub(super) const REQUEST: u8 = 5;
+    pub(super) const VERTICES: u8 = 6;
+    pub(super) const COST: u8 = 7;
+    pub(super) const REACHED: u8 = 8;
+    pub(super) const DETAILS: u8 = 9;
+    pub(super) const NAME: u8 = 10;
+    pub(super) const FORMAT: u8 = 11;
+    pub(super) const KEY: u8 = 12;
+    pub(super) const MADE: u8 = 13;
+    pub(super) const FAILED: u8 = 14;
+    pub(super) const WARNING: u8 = 15;
+    pub(super) const BLOBS: u8 = 16;
+}
+
+/// A record as it is read back.
+#[derive(Debug, Clone)]
+pub(super) struct Kept {
+    pub(super) job: JobKey,
+    pub(super) number: u64,
+    pub(super) attempts: u32,
+    pub(super) terms: JobTerms,
+    pub(super) state: State,
+    pub(super) made: Vec<Option<Made>>,
+    /// When it was settled, seconds since 1970.
+    pub(super) settled_s: Option<u64>,
+    pub(super) summary: JobSummary,
+}
+
+/// The binary form of a record that was settled at this time since 1970, if it was.
+pub(super) fn encode(record: &Record, settled: Option<Duration>) -> Vec<u8> {
+    let summary = &record.summary;
+    let mut out = Writing::new(MAGIC, VERSION, 1024 + summary.request.len());
+    out.field(tag::JOB, &record.job.to_bytes());
+    let (state, reason) = match &record.state {
+        State::Active => (0, ""),
+        State::Done => (1, ""),
+        State::Failed(reason) => (2, reason.as_str()),
+        State::Cancelled => (3, ""),
+    };
+    let settled = settled.map_or(NONE, |at| at.as_secs());
+    out.numbers(tag::STANDING, &[record.number, record.attempts.into(), state, settled]);
+    let JobTerms { priority, queue_timeout_s, run_timeout_s } = record.terms;
+    let is_batch = u64::from(priority == Priority::Batch);
+    out.numbers(tag::TERMS, &[is_batch, queue_timeout_s.unwrap_or(NONE), run_timeout_s.unwrap_or(NONE)]);
+    out.field(tag::REASON, reason.as_bytes());
+    out.field(tag::REQUEST, &summary.request);
+    let Predicted { vertices, faces, memory_bytes, time_ms } = &summary.cost;
+    out.numbers(tag::VERTICES, vertices);
+    out.numbers(tag::COST, &[*faces, *memory_bytes, *time_ms]);
+    let reached = summary.reached.map(|Resolved { level, bound }| (u64::from(level), bound));
+    let reached: Vec<u64> =
+        reached.iter().flat_map(|(level, bound)| [Some(*level), bound.map(f64::to_bits)]).flatten().collect();
+    out.numbers(tag::REACHED, &reached);
+    out.hashes(tag::DETAILS, &summary.details);
+    out.hashes(tag::BLOBS, &summary.blobs);
+    for (product, made) in summary.products.iter().zip(&record.made) {
+        output(&mut out, product, made.as_ref());
+    }
+    out.closed()
+}
+
+fn output(out: &mut Writing, product: &Product, made: Option<&Made>) {
+    out.field(tag::NAME, product.name.as_bytes());
+    out.field(tag::FORMAT, product.format.name().as_bytes());
+    out.field(tag::KEY, product.key.as_bytes());
+    match made {
+        None => {}
+        Some(Made::Failed(reason)) => out.field(tag::FAILED, reason.as_bytes()),
+        Some(Made::Done { bytes, warnings, timings }) => {
+            let Timings { queue, refine, swept, render, encode } = timings;
+            let us = |time: &Duration| u64::try_from(time.as_micros()).unwrap_or(u64::MAX);
+            out.numbers(tag::MADE, &[*bytes, us(queue), us(refine), us(render), us(encode), u64::from(*swept)]);
+            warnings.iter().for_each(|warning| out.field(tag::WARNING, warning.as_bytes()));
+        }
+    }
+}
+
+/// Reads the binary form back; `None` when it is damaged or of another version, or names a format that is unknown.
+pub(super) fn decode(bytes: &[u8]) -> Option<Kept> {
+    let mut fields = Fields::of(bytes, MAGIC, VERSION)?;
+    let job = JobKey::from_bytes(fields.take(tag::JOB)?)?;
+    let [number, attempts, state, settled] = fields.numbers(tag::STANDING)?.try_into().ok()?;
+    let [is_batch, queue, run] = fields.numbers(tag::TERMS)?.try_into().ok()?;
+    let given = |number: u64| Some(number).filter(|number| *number != NONE);
+    let priority = if is_batch == 1 { Priority::Batch } else { Priority::Interactive };
+    let terms = JobTerms { priority, queue_timeout_s: given(queue), run_timeout_s: given(run) };
+    let reason = fields.text(tag::REASON)?;
+    let state = match state {
+        0 => State::Active,
+        1 => State::Done,
+        2 => State::Failed(reason),
+        3 => State::Cancelled,
+        _ => return None,
+    };
+    let request = Bytes::copy_from_slice(fields.take(tag::REQUEST)?);
+    let vertices = fields.numbers(tag::VERTICES)?;
+    let [faces, memory_bytes, time_ms] = fields.numbers(tag::COST)?.try_into().ok()?;
+    let cost = Predicted { vertices, faces, memory_bytes, time_ms };
+    let reached = match fields.numbers(tag::REACHED)?.as_slice() {
+        [] => None,
+        [level, rest @ ..] if rest.len() < 2 => {
+            let bound = rest.first().copied().map(f64::from_bits);
+            Some(Resolved { level: u32::try_from(*level).ok()?, bound })
+        }
+        _ => return None,
+    };
+    let (details, blobs) = (fields.hashes(tag::DETAILS)?, fields.hashes(tag::BLOBS)?);
+    let (mut products, mut made) = (Vec::new(), Vec::new());
+    while !fields.is_empty() {
+        let (name, format) = (fields.text(tag::NAME)?, named(&fields.text(tag::FORMAT)?)?);
+        products.push(Product { name, format, key: fields.hash(tag::KEY)? });
+        made.push(result(&mut fields)?);
+    }
+    let summary = JobSummary { products, cost, reached, details, blobs, request };
+    let attempts = u32::try_from(attempts).ok()?;
+    Some(Kept { job, number, attempts, terms, state, made, settled_s: given(settled), summary })
+}
+
+fn result(fields: &mut Fields<'_>) -> Option<Option<Made>> {
+    if fields.is_next(tag::FAILED) {
+        return Some(Some(Made::Failed(fields.text(tag::FAILED)?)));
+    }
+    if !fields.is_next(tag::MADE) {
+        return Some(None);
+    }
+    let [bytes, queue, refine, render, encode, swept] = fields.numbers(tag::MADE)?.try_into().ok()?;
+    let [queue, refine, render, encode] = [queue, refine, render, encode].map(Duration::from_micros);
+    let mut warnings = Vec::new();
+    while fields.is_next(tag::WARNING) {
+        warnings.push(fields.text(tag::WARNING)?);
+    }
+    Some(Some(Made::Done { bytes, warnings, timings: Timings { queue, refine, swept: swept == 1, render, encode } }))
+}

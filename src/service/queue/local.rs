@@ -1,0 +1,249 @@
+//! The queue of one process, in its memory.
+
+use std::collections::{HashMap, VecDeque};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use tokio::sync::Notify;
+
+use super::interface::{Item, Later, Lease, Leased, Queue, QueueError};
+use crate::service::job_key::{JobKey, Priority};
+use crate::service::peer::Peer;
+use crate::service::pool::Lane;
+
+/// Of so many turns the batch has one, when both wait. Half of it lets the batch take a quarter of all turns; twice of
+/// it makes the batch wait twice as long where somebody always waits.
+const TURNS_A_BATCH: u64 = 8;
+
+/// The queue of one process.
+#[derive(Debug, Clone, Default)]
+pub struct Local(Arc<Shared>);
+
+#[derive(Debug, Default)]
+struct Shared {
+    state: Mutex<State>,
+    /// Something came into the short, and into the long lane.
+    came: [Notify; 2],
+}
+
+#[derive(Debug, Default)]
+struct State {
+    lanes: [Turns; 2],
+    known: HashMap<JobKey, Item>,
+}
+
+/// The lines of a lane.
+#[derive(Debug, Default)]
+struct Turns {
+    /// By priority, the queues of peers in the order of their turns; none is empty.
+    lines: [VecDeque<(Peer, VecDeque<JobKey>)>; 2],
+    taken: u64,
+}
+
+fn lane_number(lane: Lane) -> usize {
+    usize::from(lane == Lane::Long)
+}
+
+fn line_number(priority: Priority) -> usize {
+    usize::from(priority == Priority::Batch)
+}
+
+impl Shared {
+    /// Every change under this lock is complete before anything can panic.
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Puts a job in line, as the last or as the first of all.
+    fn put(&self, item: Item, first: bool) {
+        let mut state = self.state();
+        if state.known.insert(item.job, item).is_none() {
+            let line = &mut state.lanes[lane_number(item.lane)].lines[line_number(item.priority)];
+            let own = line.iter().position(|(peer, _)| *peer == item.peer);
+            match own {
+                Some(at) if first => {
+                    let mut queue = line.remove(at).expect("it was just found");
+                    queue.1.push_front(item.job);
+                    line.push_front(queue);
+                }
+                Some(at) => line[at].1.push_back(item.job),
+                None if first => line.push_front((item.peer, VecDeque::from([item.job]))),
+                None => line.push_back((item.peer, VecDeque::from([item.job]))),
+            }
+        }
+        drop(state);
+        self.came[lane_number(item.lane)].notify_one();
+    }
+
+    fn next(&self, lane: Lane) -> Option<Item> {
+        let mut state = self.state();
+        let job = state.lanes[lane_number(lane)].next()?;
+        let item = state.known.remove(&job);
+        if state.lanes[lane_number(lane)].len() > 0 {
+            // whoever waits beside this one has work, too
+            self.came[lane_number(lane)].notify_one();
+        }
+        item
+    }
+}
+
+impl Turns {
+    fn len(&self) -> usize {
+        self.lines.iter().flatten().map(|(_, queue)| queue.len()).sum()
+    }
+
+    fn next(&mut self) -> Option<JobKey> {
+        let batch_turn = self.taken % TURNS_A_BATCH == TURNS_A_BATCH - 1;
+        let [interactive, batch] = &mut self.lines;
+        let line = if interactive.is_empty() || batch_turn && !batch.is_empty() { batch } else { interactive };
+        let (peer, mut queue) = line.pop_front()?;
+        let job = queue.pop_front()?;
+        if !queue.is_empty() {
+            line.push_back((peer, queue));
+        }
+        self.taken += 1;
+        Some(job)
+    }
+
+    /// How many come before a job, where no batch has a turn between.
+    fn ahead(&self, item: &Item) -> Option<usize> {
+        let at = line_number(item.priority);
+        let before: usize = self.lines[..at].iter().flatten().map(|(_, queue)| queue.len()).sum();
+        let line = &self.lines[at];
+        let own = line.iter().position(|(peer, _)| *peer == item.peer)?;
+        let place = line[own].1.iter().position(|job| *job == item.job)?;
+        let others = line.iter().enumerate().filter(|(at, _)| *at != own);
+        let others: usize = others.map(|(at, (_, queue))| queue.len().min(place + usize::from(at < own))).sum();
+        Some(before + place + others)
+    }
+}
+
+impl Queue for Local {
+    fn push(&self, item: Item) -> Later<'_, Result<(), QueueError>> {
+        self.0.put(item, false);
+        Box::pin(std::future::ready(Ok(())))
+    }
+
+    fn take(&self, lane: Lane) -> Later<'_, Leased> {
+        Box::pin(async move {
+            loop {
+                let came = self.0.came[lane_number(lane)].notified();
+                if let Some(item) = self.0.next(lane) {
+                    return Leased { item, lease: Box::new(Back { queue: self.0.clone(), item: Some(item) }) };
+                }
+                came.await;
+            }
+        })
+    }
+
+    fn withdraw(&self, job: &JobKey) {
+        let mut state = self.0.state();
+        let Some(item) = state.known.remove(job) else { return };
+        let line = &mut state.lanes[lane_number(item.lane)].lines[line_number(item.priority)];
+        for (_, queue) in line.iter_mut() {
+            queue.retain(|waiting| waiting != job);
+        }
+        line.retain(|(_, queue)| !queue.is_empty());
+    }
+
+    fn ahead(&self, job: &JobKey) -> Option<usize> {
+        let state = self.0.state();
+        let item = state.known.get(job)?;
+        state.lanes[lane_number(item.lane)].ahead(item)
+    }
+
+    fn waiting(&self, lane: Lane) -> usize {
+        self.0.state().lanes[lane_number(lane)].len()
+    }
+}
+
+/// Puts a job that was taken and not done back into line.
+#[derive(Debug)]
+struct Back {
+    queue: Arc<Shared>,
+    item: Option<Item>,
+}
+
+impl Lease for Back {
+    fn done(mut self: Box<Self>) {
+        self.item = None;
+    }
+}
+
+impl Drop for Back {
+    fn drop(&mut self) {
+        if let Some(item) = self.item.take() {
+            self.queue.put(item, true);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::net::{IpAddr, Ipv4Addr};
+
+    use super::*;
+    use crate::job::key::Key;
+
+    fn item(peer: u8, number: u8, priority: Priority) -> Item {
+        let job = JobKey::of_anyone(Key::from_bytes([number; 32]));
+        Item { job, lane: Lane::Short, priority, peer: Peer::new(IpAddr::V4(Ipv4Addr::new(10, 0, 0, peer))) }
+    }
+
+    fn number(item: &Item) -> u8 {
+        item.job.id.as_bytes()[0]
+    }
+
+    fn queue(items: &[Item]) -> Local {
+        let queue = Local::default();
+        items.iter().for_each(|item| queue.0.put(*item, false));
+        queue
+    }
+
+    #[test]
+    fn peers_take_turns_and_a_job_in_line_knows_how_many_come_before_it() {
+        let items =
+            [(1, 1), (1, 2), (1, 3), (2, 4), (3, 5), (2, 6)].map(|(peer, n)| item(peer, n, Priority::Interactive));
+        let line = queue(&items);
+        let told: Vec<_> = items.iter().map(|item| line.ahead(&item.job)).collect();
+        let mut order = Vec::new();
+        while let Some(item) = line.0.next(Lane::Short) {
+            order.push(number(&item));
+        }
+        assert_eq!(order, [1, 4, 5, 2, 6, 3]);
+        for (item, ahead) in items.iter().zip(told) {
+            assert_eq!(ahead, order.iter().position(|n| *n == number(item)), "{}", number(item));
+        }
+    }
+
+    #[test]
+    fn the_batch_stands_back_but_has_one_turn_in_eight() {
+        let first: Vec<_> = (0..20).map(|n| item(1, n, Priority::Batch)).collect();
+        let second: Vec<_> = (20..60).map(|n| item(1, n, Priority::Interactive)).collect();
+        let line = queue(&[first, second].concat());
+        let order: Vec<_> = std::iter::from_fn(|| line.0.next(Lane::Short)).collect();
+        let places: Vec<_> = (0..20).filter(|at| order[*at].priority == Priority::Batch).collect();
+        assert_eq!((order.len(), places), (60, vec![7, 15]));
+    }
+
+    #[test]
+    fn a_job_that_is_taken_and_not_done_is_the_first_in_line_again() {
+        let line = queue(&[item(1, 1, Priority::Batch), item(1, 2, Priority::Batch)]);
+        let runtime = tokio::runtime::Builder::new_current_thread().build().expect("a runtime");
+        runtime.block_on(async {
+            let taken = line.take(Lane::Short).await;
+            assert_eq!((number(&taken.item), line.waiting(Lane::Short)), (1, 1));
+            drop(taken);
+            let taken = line.take(Lane::Short).await;
+            assert_eq!(number(&taken.item), 1);
+            taken.done();
+            line.withdraw(&item(1, 2, Priority::Batch).job);
+            assert_eq!((line.waiting(Lane::Short), line.0.next(Lane::Short)), (0, None));
+        });
+    }
+
+    #[test]
+    fn a_job_is_in_line_once() {
+        let line = queue(&[item(1, 1, Priority::Batch), item(2, 1, Priority::Interactive)]);
+        assert_eq!(line.waiting(Lane::Short), 1);
+    }
+}

@@ -1,0 +1,53 @@
+//! Work on requests before they are jobs: in the lane for reading, for as long as their clients wait.
+
+use super::computation::Failure;
+use super::desk::Desk;
+use super::peer::Peer;
+use super::pool::{Busy, Lane};
+use crate::watch::Watch;
+
+impl Desk {
+    /// Runs work on a request, which takes so much memory, when its turn comes. When the caller leaves, the work is
+    /// stopped.
+    ///
+    /// # Errors
+    /// [`Unread`].
+    pub async fn read<T: Send + 'static>(
+        &self,
+        peer: Peer,
+        memory_bytes: u64,
+        work: impl FnOnce(&Watch) -> T + Send + 'static,
+    ) -> Result<T, Unread> {
+        let waiting = self.pool.line_up(Lane::Reading, peer, memory_bytes.into()).map_err(Unread::Busy)?;
+        let turn = self.pool.turn(Lane::Reading, waiting).await;
+        let start = self.clock.now();
+        let watch = StopOnDrop(Watch::new());
+        let watched = watch.0.clone();
+        let reading = turn.spawn(move || work(&watched));
+        let read = tokio::time::timeout(self.terms.run_timeout, reading).await;
+        self.pool.finished(Lane::Reading, self.clock.now().saturating_sub(start));
+        match read {
+            Ok(read) => read.map_err(|_| Unread::Failed(Failure::Internal("reading a request panicked".to_owned()))),
+            Err(_) => Err(Unread::Failed(Failure::TimedOut(self.terms.run_timeout))),
+        }
+    }
+}
+
+/// Stops work when whoever waits for it leaves.
+#[derive(Debug)]
+pub(super) struct StopOnDrop(pub(super) Watch);
+
+impl Drop for StopOnDrop {
+    fn drop(&mut self) {
+        self.0.stop();
+    }
+}
+
+/// Why a request was not read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Unread {
+    /// Too many wait to be read.
+    Busy(Busy),
+    /// The work on it failed.
+    Failed(Failure),
+}

@@ -1,0 +1,125 @@
+//! Small records by key that outlast the process: the store of bytes for what is known of jobs.
+
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::Path;
+use std::sync::Mutex;
+
+use redb::{Database, ReadableDatabase, ReadableTable, TableDefinition, TableError};
+
+use super::database::{builder, guarded};
+use super::disk_files::{at, remove_file};
+use super::error::StoreError;
+use super::lock::lock;
+
+/// Where a folder has its records.
+pub(super) const RECORDS_FILE: &str = "jobs.redb";
+
+/// Key -> record.
+const RECORDS: TableDefinition<'_, &[u8], &[u8]> = TableDefinition::new("records-1");
+
+/// Records by key. Calls may block.
+pub trait Records: std::fmt::Debug + Send + Sync {
+    /// Tells every record with its key.
+    ///
+    /// # Errors
+    /// When the store fails.
+    fn each(&self, tell: &mut dyn FnMut(&[u8], &[u8])) -> Result<(), StoreError>;
+
+    /// Writes records, and removes those of keys without one: all of it or nothing, and for good when it returns.
+    ///
+    /// # Errors
+    /// When the store fails.
+    fn write(&self, changes: &[(Vec<u8>, Option<Vec<u8>>)]) -> Result<(), StoreError>;
+}
+
+/// Records in one file of a local disk.
+#[derive(Debug)]
+pub(super) struct RecordFile {
+    path: String,
+    database: Mutex<Database>,
+}
+
+impl RecordFile {
+    /// Opens the file, or makes it; one that is no such file, or is damaged, is left as it is.
+    pub(super) fn open(path: &Path) -> Result<Self, StoreError> {
+        let damaged = |error: String| StoreError::Io(damaged(path, &error));
+        if !path.exists() {
+            // made aside, so that no crash leaves half a file under its name
+            let aside = path.with_extension("new");
+            remove_file(&aside)?;
+            guarded(|| Ok(builder().create(&aside).map(drop)?)).map_err(damaged)?;
+            fs::rename(&aside, path).map_err(at("make", path))?;
+        }
+        let database = guarded(|| Ok(builder().open(path)?)).map_err(damaged)?;
+        let file = Self { database: Mutex::new(database), path: path.display().to_string() };
+        // what is damaged shows now, and not when a record is asked for
+        file.each(&mut |_, _| {}).map_err(|error| damaged(error.to_string()))?;
+        Ok(file)
+    }
+
+    fn failed(&self, error: &str) -> StoreError {
+        StoreError::Io(io::Error::other(format!("{}: {error}", self.path)))
+    }
+}
+
+/// What every file of records begins with.
+const MAGIC: &[u8; 9] = b"redb\x1A\x0A\xA9\x0D\x0A";
+
+/// Refuses a file that does not begin as records do, without touching it; none is as good as one.
+pub(super) fn refuse_damaged(path: &Path) -> io::Result<()> {
+    let mut head = Vec::with_capacity(MAGIC.len());
+    match File::open(path).and_then(|file| file.take(MAGIC.len() as u64).read_to_end(&mut head)) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        Ok(_) if head == MAGIC => Ok(()),
+        Ok(_) => Err(damaged(path, "it does not begin as such a file does")),
+        Err(error) => Err(at("read", path)(error)),
+    }
+}
+
+fn damaged(path: &Path, error: &str) -> io::Error {
+    let detail = format!(
+        "the records of jobs in {} cannot be read: {error}; restore the file from a backup, or move it away to start \
+         without its jobs",
+        path.display()
+    );
+    io::Error::new(io::ErrorKind::InvalidData, detail)
+}
+
+impl Records for RecordFile {
+    fn each(&self, tell: &mut dyn FnMut(&[u8], &[u8])) -> Result<(), StoreError> {
+        let database = lock(&self.database);
+        let read = guarded(|| {
+            let transaction = database.begin_read()?;
+            let table = match transaction.open_table(RECORDS) {
+                Err(TableError::TableDoesNotExist(_)) => return Ok(()),
+                table => table?,
+            };
+            for row in table.iter()? {
+                let (key, record) = row?;
+                tell(key.value(), record.value());
+            }
+            Ok(())
+        });
+        read.map_err(|error| self.failed(&error))
+    }
+
+    fn write(&self, changes: &[(Vec<u8>, Option<Vec<u8>>)]) -> Result<(), StoreError> {
+        let database = lock(&self.database);
+        let written = guarded(|| {
+            let transaction = database.begin_write()?;
+            {
+                let mut table = transaction.open_table(RECORDS)?;
+                for (key, record) in changes {
+                    match record {
+                        Some(record) => table.insert(key.as_slice(), record.as_slice())?,
+                        None => table.remove(key.as_slice())?,
+                    };
+                }
+            }
+            transaction.commit()?;
+            Ok(())
+        });
+        written.map_err(|error| self.failed(&error))
+    }
+}

@@ -1,0 +1,140 @@
+//! Jobs and their restarts.
+
+use std::path::Path;
+
+use planish::config::Settings;
+use planish::http::serve::bind;
+use serde_json::Value;
+
+use super::jobs::{endless, mesh, with};
+use super::server::{Folder, settings, story, until};
+
+fn lasting(folder: &Folder) -> Settings {
+    Settings { data_dir: folder.path().join("data"), shutdown_timeout_s: 0, ..settings() }
+}
+
+fn two() -> Value {
+    let mut job = mesh(3);
+    job["outputs"] = serde_json::json!([{ "format": "stats" }, { "format": "obj" }]);
+    job
+}
+
+/// Every file below a folder with its bytes.
+fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap().map(Result::unwrap) {
+        let path = entry.path();
+        if path.is_dir() {
+            found.push((path.display().to_string(), Vec::new()));
+            found.extend(files(&path));
+        } else {
+            found.push((path.display().to_string(), std::fs::read(&path).unwrap()));
+        }
+    }
+    found.sort();
+    found
+}
+
+fn refusal(settings: Settings) -> String {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    runtime.block_on(async { bind(settings).await.err().expect("it does not start").to_string() })
+}
+
+#[test]
+fn jobs_that_were_accepted_are_finished_by_the_next_process() {
+    let folder = Folder::new();
+    let (waiting, running, location) = story(lasting(&folder), async |server| {
+        let running = server.post("/v1/jobs?run_timeout_s=1", &with(endless(), "stats")).await;
+        until("it runs", || server.app.desk.n_under_way() == 1 && server.app.desk.pool.waiting() == [0, 0]).await;
+        let held = server.turn(planish::service::pool::Lane::Short).await;
+        let waiting = server.post("/v1/jobs?priority=batch", &two()).await;
+        let detached = server.post_with("/v1/render", &with(mesh(2), "obj"), &[("prefer", "wait=0")]).await;
+        drop(held);
+        assert_eq!([running.status, waiting.status, detached.status], [202; 3]);
+        let [running, waiting, detached] = [&running, &waiting, &detached].map(|job| job.header("location").to_owned());
+        (waiting, running, detached)
+    });
+    story(lasting(&folder), async |server| {
+        for location in [&waiting, &location] {
+            let done = server.settled(location).await;
+            assert_eq!(done["state"], "done", "{done}");
+            for output in done["outputs"].as_array().unwrap() {
+                server.get(output["href"].as_str().unwrap()).await.ok();
+            }
+        }
+        assert_eq!(server.get(&waiting).await.ok().json()["priority"], "batch");
+        let stopped = server.settled(&running).await;
+        assert_eq!((&stopped["state"], &stopped["attempts"]), (&"failed".into(), &2.into()), "{stopped}");
+    });
+}
+
+#[test]
+fn what_is_known_of_settled_jobs_lasts_and_evicted_results_are_made_again() {
+    let folder = Folder::new();
+    let (location, done, bytes) = story(lasting(&folder), async |server| {
+        let posted = server.post_with("/v1/jobs", &two(), &[("prefer", "wait=60")]).await.ok();
+        let done = posted.json();
+        let bytes = server.get(done["outputs"][1]["href"].as_str().unwrap()).await.ok().body;
+        let gone = server.post_with("/v1/jobs", &with(mesh(1), "stats"), &[("prefer", "wait=60")]).await.ok();
+        let forgotten = server.ask(axum::http::Method::DELETE, gone.header("location"), &[], Vec::new()).await;
+        assert_eq!(forgotten.status, 204);
+        (posted.header("location").to_owned(), done, bytes)
+    });
+    std::fs::remove_dir_all(folder.path().join("data/artifacts")).unwrap();
+    story(lasting(&folder), async |server| {
+        assert_eq!(server.app.desk.jobs.len(), 1, "what was forgotten stays so");
+        let again = server.get(&location).await.ok().json();
+        for field in ["id", "state", "attempts", "cost", "outputs", "warnings"] {
+            assert_eq!(again[field], done[field], "{field}");
+        }
+        let made = server.get(done["outputs"][1]["href"].as_str().unwrap()).await.ok();
+        assert_eq!((made.header("cache-status"), &made.body), ("planish; fwd=miss; stored", &bytes));
+        assert_eq!(server.post("/v1/jobs", &two()).await.ok().json()["state"], "done");
+    });
+}
+
+#[test]
+fn a_folder_of_something_else_is_refused_and_stays_as_it_is() {
+    let folder = Folder::new();
+    let data = folder.path().join("data");
+    std::fs::create_dir_all(data.join("photos")).unwrap();
+    std::fs::write(data.join("photos/one.jpg"), b"not ours").unwrap();
+    let before = files(folder.path());
+    let told = refusal(lasting(&folder));
+    assert!(told.contains("photos") && told.contains("--data-dir"), "{told}");
+    assert_eq!(files(folder.path()), before);
+    // what systems put at the root of a disk is no reason
+    std::fs::remove_dir_all(data.join("photos")).unwrap();
+    std::fs::create_dir(data.join("lost+found")).unwrap();
+    story(lasting(&folder), async |server| drop(server.get("/livez").await.ok()));
+}
+
+#[test]
+fn damaged_records_are_refused_and_stay_as_they_are() {
+    let folder = Folder::new();
+    story(lasting(&folder), async |server| {
+        server.post_with("/v1/jobs", &two(), &[("prefer", "wait=60")]).await.ok();
+    });
+    let records = folder.path().join("data/jobs.redb");
+    let whole = std::fs::read(&records).unwrap();
+    for damage in [Vec::new(), b"garbage".to_vec(), vec![0; whole.len()]] {
+        std::fs::write(&records, &damage).unwrap();
+        let before = files(folder.path());
+        let told = refusal(lasting(&folder));
+        assert!(told.contains("jobs.redb") && told.contains("backup"), "{told}");
+        assert_eq!(files(folder.path()), before);
+    }
+    std::fs::write(&records, &whole).unwrap();
+    story(lasting(&folder), async |server| assert_eq!(server.app.desk.jobs.len(), 1));
+}
+
+#[test]
+fn a_folder_in_use_is_refused_and_the_other_service_goes_on() {
+    let folder = Folder::new();
+    story(lasting(&folder), async |server| {
+        let location = server.post_with("/v1/jobs", &two(), &[("prefer", "wait=60")]).await.ok();
+        let told = bind(lasting(&folder)).await.err().expect("it does not start").to_string();
+        assert!(told.contains("in use by another process"), "{told}");
+        server.get(location.header("location")).await.ok();
+    });
+}

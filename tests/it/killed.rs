@@ -1,0 +1,149 @@
+//! The service, killed at any moment under a mixed load: no accepted job is lost, and no byte is wrong.
+#![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+
+use crate::http::jobs::{mesh, polygon};
+use crate::http::server::{Folder, PATIENCE};
+
+/// How often the service is killed where nothing else is said.
+const KILLS: u64 = 10;
+/// Of so many moments each round has one, in steps of a few milliseconds.
+const MOMENTS: u64 = 60;
+
+/// A process of the service, killed when it is dropped.
+struct Service {
+    child: Child,
+    url: String,
+}
+
+impl Service {
+    fn start(data: &Path) -> Self {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_planish"))
+            .args(["serve", "--listen", "127.0.0.1:0", "--threads", "2", "--log", "error", "--data-dir"])
+            .arg(data)
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut said = BufReader::new(child.stderr.take().unwrap()).lines();
+        let url = said.find_map(|line| {
+            let line = line.unwrap();
+            line.split("listening on ").nth(1).map(str::to_owned)
+        });
+        std::thread::spawn(move || said.for_each(drop));
+        Self { child, url: url.expect("it says where it listens") }
+    }
+}
+
+impl Drop for Service {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// A job of the load: the number makes it one of its own.
+fn job(number: u64) -> Value {
+    let mut job = if number % 3 == 0 { polygon(6) } else { mesh(2 + u32::try_from(number % 3).unwrap()) };
+    let places = if number % 3 == 0 { "/input/polygon/points/0/0" } else { "/input/mesh/positions/0/0" };
+    *job.pointer_mut(places).unwrap() = json!(0.001 * number as f64);
+    job["outputs"] = json!([{ "format": "json" }, { "format": "stats" }]);
+    job
+}
+
+/// The bytes that the outputs of a job have, computed here.
+fn fresh(job: &Value) -> Vec<Vec<u8>> {
+    let outputs = job["outputs"].as_array().unwrap();
+    let alone = outputs.iter().map(|output| {
+        let mut alone = job.clone();
+        alone["outputs"] = json!([output]);
+        crate::support::render(&alone).unwrap().0
+    });
+    alone.collect()
+}
+
+/// Numbers that look random and are the same each time.
+fn mixed(number: u64) -> u64 {
+    let mut x = number.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    x ^= x >> 31;
+    x.wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 17
+}
+
+/// Posts jobs until the service is gone; those that it accepted, by their places.
+async fn load(client: reqwest::Client, url: String, first: u64) -> Vec<(String, u64)> {
+    let mut accepted = Vec::new();
+    for number in first.. {
+        let request = client.post(format!("{url}/v1/jobs")).json(&job(number)).send();
+        let Ok(answer) = request.await else { break };
+        let status = answer.status().as_u16();
+        if status == 202 || status == 200 {
+            accepted.push((answer.headers()["location"].to_str().unwrap().to_owned(), number));
+        }
+        // some are looked at, some are rendered at once beside them
+        if mixed(number) % 4 == 0 && client.post(format!("{url}/v1/render")).json(&polygon(5)).send().await.is_err() {
+            break;
+        }
+    }
+    accepted
+}
+
+async fn settled(client: &reqwest::Client, place: &str) -> Value {
+    let start = Instant::now();
+    loop {
+        let status: Value = client.get(place).send().await.unwrap().json().await.unwrap();
+        if !matches!(status["state"].as_str(), Some("queued" | "running")) {
+            return status;
+        }
+        assert!(start.elapsed() < PATIENCE, "waited in vain: {status}");
+        tokio::time::sleep(Duration::from_millis(5)).await;
+    }
+}
+
+#[test]
+fn whatever_moment_it_is_killed_no_accepted_job_is_lost_and_no_byte_is_wrong() {
+    let kills = std::env::var("PLANISH_TEST_KILLS").map_or(KILLS, |kills| kills.parse().unwrap());
+    let folder = Folder::new();
+    let data = folder.path().join("data");
+    let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap();
+    let client = reqwest::Client::builder().no_proxy().build().unwrap();
+    let (mut accepted, mut n_checked) = (BTreeMap::new(), 0);
+    for round in 0..kills {
+        let mut service = Service::start(&data);
+        let posting = runtime.spawn(load(client.clone(), service.url.clone(), round * 1000));
+        std::thread::sleep(Duration::from_millis(20 + 7 * (mixed(round) % MOMENTS)));
+        service.child.kill().unwrap();
+        service.child.wait().unwrap();
+        accepted.extend(runtime.block_on(posting).unwrap());
+        if round % 5 == 4 || round + 1 == kills {
+            let service = Service::start(&data);
+            runtime.block_on(check(&client, &service.url, &accepted));
+            n_checked += accepted.len();
+            accepted.clear();
+        }
+    }
+    assert!(n_checked as u64 >= kills, "only {n_checked} jobs were accepted");
+    drop(Service::start(&data));
+    let left: Vec<_> = std::fs::read_dir(data.join("tmp")).unwrap().collect();
+    assert!(left.is_empty(), "{left:?}");
+}
+
+/// Every accepted job is known, comes to its end, and has the bytes that it has here.
+async fn check(client: &reqwest::Client, url: &str, accepted: &BTreeMap<String, u64>) {
+    for (place, number) in accepted {
+        let status = settled(client, &format!("{url}{place}")).await;
+        assert_eq!(status["state"], "done", "job {number}: {status}");
+        for (output, fresh) in status["outputs"].as_array().unwrap().iter().zip(fresh(&job(*number))) {
+            let href = output["href"].as_str().unwrap();
+            let answer = client.get(format!("{url}{href}")).send().await.unwrap();
+            assert_eq!(answer.status(), 200, "job {number}: {href}");
+            assert!(answer.bytes().await.unwrap() == fresh, "job {number}: {href} has other bytes");
+        }
+    }
+}
