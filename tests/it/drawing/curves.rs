@@ -41,9 +41,9 @@ fn curves_take_their_styles_in_turn_and_the_legend_names_each_once() {
 /// Numbers at the axes of a function count the points of its control polygon.
 #[test]
 fn axes_of_functions_count_control_points() {
-    let input = json!({ "polygon": { "points": [[0], [0], [1], [0], [0]] } });
+    let input = json!({ "polygon": { "points": [[0], [0], [0], [1], [0], [0], [0]] } });
     let text = svg(&input, &json!({ "show": ["curve", "axes", "grid"], "x_label": "i", "y_label": "\\phi" }));
-    for number in ["0", "1", "2", "3", "4", "φ", "i"] {
+    for number in ["0", "1", "2", "3", "4", "5", "6", "φ", "i"] {
         assert!(text.contains(&format!(">{number}</tspan>")), "{number} in {text}");
     }
     assert!(text.contains("class=\"grid\"") && text.contains("clip-path"), "{text}");
