@@ -9,6 +9,7 @@ use clap_complete::Shell;
 use super::analyse::Question;
 use super::error::{CODES, CliError};
 use super::estimate::EstimateOptions;
+use super::figures::FigureOptions;
 use super::render::RenderOptions;
 use super::validate::ValidateOptions;
 use super::{catalogue, health, serve, shell};
@@ -43,6 +44,13 @@ enum Command {
     /// surface,wireframe`), objects as names with values (`--camera azimuth-deg=40,zoom=2`).
     #[command(after_help = CODES)]
     Render(Box<RenderOptions>),
+    /// Render a folder of jobs to pictures, or tell which of them have changed.
+    ///
+    /// The jobs are rendered in parallel. Beside the pictures stands manifest.json with their keys and hashes: what has
+    /// the key that it had is not made again. For figures in a repository: `planish figures DIR -o OUT --check` ends
+    /// with 1 where a picture is not what it was, and writes a report with before, after and difference.
+    #[command(after_help = CODES)]
+    Figures(Box<FigureOptions>),
     /// Tell what a job, or a mesh file, would come to, without running it.
     #[command(after_help = CODES)]
     Estimate(Box<EstimateOptions>),
@@ -111,6 +119,7 @@ pub fn run(cli: Cli) -> ExitCode {
     let done = match cli.command {
         Command::Serve { config, given } => serve::serve(*given, config.as_deref()),
         Command::Render(options) => options.render(),
+        Command::Figures(options) => options.run(),
         Command::Estimate(options) => options.estimate(),
         Command::Validate(options) => options.validate(),
         Command::Analyse(question) => question.analyse(),

@@ -13,7 +13,7 @@ use super::told::Teller;
 use crate::fault::{did_you_mean, under};
 use crate::input::{self, Alone, Beside};
 use crate::job::limits::{Admitted, Limits};
-use crate::output::{self, FORMATS, Format, ShapeKind};
+use crate::output::{self, FORMATS, Format};
 use crate::scheme::plan::{Plan, Subject};
 use crate::wire::JobRequest;
 use crate::wire::catalogue::readers;
@@ -175,8 +175,7 @@ impl Loaded {
     pub(super) fn settle(&mut self, options: &JobOptions) -> Result<(), CliError> {
         let request = &mut self.request;
         if request.outputs.is_empty() {
-            let format = if request.shape_kind() == ShapeKind::Mesh { "glb" } else { "json" };
-            request.outputs = vec![OutputRequest::of_format(format)];
+            request.outputs = vec![OutputRequest::of_format(request.usual_format())];
         }
         request.outputs.iter_mut().try_for_each(|output| options.flagged_output(output))
     }

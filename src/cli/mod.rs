@@ -5,6 +5,7 @@ mod catalogue;
 mod command;
 mod error;
 mod estimate;
+mod figures;
 mod files;
 mod flags;
 mod folder;

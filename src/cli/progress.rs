@@ -49,7 +49,8 @@ impl Progress {
         }
     }
 
-    fn say(&self, line: &str) {
+    /// Says a line.
+    pub(super) fn say(&self, line: &str) {
         match &self.bar {
             Some(bar) => bar.suspend(|| eprintln!("{line}")),
             None => eprintln!("{line}"),

@@ -40,7 +40,8 @@ const JSON: &str = "application/json";
 /// names one that is gone is refused, and the file can be sent again.
 #[utoipa::path(
     post, path = "/v1/blobs", tag = "jobs",
-    request_body(content = String, content_type = "application/octet-stream", description = "The file"),
+    request_body(content = String, content_type = "application/octet-stream", description = "The file",
+        example = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
     responses(
         (status = 201, description = "It is kept, now or since it was sent before; `Location` is where",
             body = BlobAnswer),

@@ -23,6 +23,7 @@ mod inflate;
 mod jobs;
 mod links;
 mod memo;
+mod metrics;
 mod negotiate;
 mod pace;
 mod pages;

@@ -30,7 +30,7 @@ pub(super) fn settle(headers: &HeaderMap, request: &mut JobRequest) -> Result<()
     let accepted = accepted(headers);
     let format = match request.outputs.as_slice() {
         [] => {
-            let format = format(&accepted, request.shape_kind())?;
+            let format = format(&accepted, request)?;
             request.outputs = vec![OutputRequest::of_format(format.name())];
             return Ok(());
         }
@@ -62,16 +62,24 @@ fn allowed(accepted: &str, media_type: &str) -> u32 {
 
 /// The format that `Accept` asks for: of the highest quality, and among equals the usual one (glb for meshes, json for
 /// polygons) or the first in the catalogue.
-fn format(accepted: &str, kind: ShapeKind) -> Result<&'static dyn Format, Problem> {
-    let default = if kind == ShapeKind::Mesh { "glb" } else { "json" };
-    let default = output::named(default).expect("the default formats are in the registry");
+fn format(accepted: &str, request: &JobRequest) -> Result<&'static dyn Format, Problem> {
+    let kind = request.shape_kind();
+    let holds = |format: &&dyn Format| match &request.figure {
+        Some(_) => format.paper().is_some(),
+        None => format.holds(kind).is_ok(),
+    };
+    let default = output::named(request.usual_format()).expect("the default formats are in the registry");
     let quality = |format: &&dyn Format| allowed(accepted, format.media_type());
-    let holding = FORMATS.iter().copied().filter(|format| format.holds(kind).is_ok());
+    let holding = FORMATS.iter().copied().filter(holds);
     let best = holding.clone().map(|format| quality(&format)).max().unwrap_or(0);
     if best == 0 {
         let mut types: Vec<&str> = holding.map(<dyn Format>::media_type).collect();
         types.dedup();
-        let what = if kind == ShapeKind::Mesh { "a mesh" } else { "a polygon" };
+        let what = match kind {
+            _ if request.figure.is_some() => "a figure",
+            ShapeKind::Mesh => "a mesh",
+            ShapeKind::Curves { .. } => "a polygon",
+        };
         let detail = format!("{what} can be answered as {}; change Accept or name an output", types.join(", "));
         return Err(Problem::new(problem::NOT_ACCEPTABLE, detail));
     }

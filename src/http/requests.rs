@@ -41,7 +41,9 @@ impl Requests {
 
     /// The answer that was given before to what a plain request asks for.
     fn again(&self, asked: Option<Asked>, parts: &request::Parts) -> Option<Response<Content>> {
-        let answer = self.app.short.answer(&self.app.desk.tiers, &asked?, parts)?;
+        let asked = asked?;
+        let answer = self.app.short.answer(&self.app.desk.tiers, &asked, parts)?;
+        self.app.requests.count(&parts.method, asked.route(), answer.status().as_u16());
         Some(answer.map(|bytes| Content::Whole(Full::new(bytes))))
     }
 

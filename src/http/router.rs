@@ -14,7 +14,7 @@ use utoipa_axum::router::OpenApiRouter;
 
 use super::app::App;
 use super::document::{Document, completed};
-use super::{guard, problem, routes};
+use super::{guard, metrics, problem, routes};
 use crate::config::{CorsOrigins, Settings};
 
 /// The OpenAPI document of the interface.
@@ -40,6 +40,7 @@ pub fn router(app: Arc<App>) -> Router {
         .fallback(problem::no_such_page)
         .method_not_allowed_fallback(problem::method_not_allowed)
         .layer(DefaultBodyLimit::disable())
+        .layer(middleware::from_fn_with_state(app.clone(), metrics::counted))
         .layer(CatchPanicLayer::custom(problem::panicked))
         .layer(middleware::from_fn_with_state(app.clone(), guard::check_host))
         .layer(cors(&app.settings))

@@ -6,7 +6,8 @@ use utoipa_axum::routes;
 
 use super::app::Shared;
 use super::{
-    analyses, artifacts, blobs, catalogue, estimate, events, health, jobs, links, pages, posting, render, validate,
+    analyses, artifacts, blobs, catalogue, estimate, events, health, jobs, links, metrics, pages, posting, render,
+    validate,
 };
 
 /// All routes and their descriptions.
@@ -35,6 +36,7 @@ pub(super) fn all() -> OpenApiRouter<Shared> {
         .routes(routes!(catalogue::limits))
         .routes(routes!(health::livez))
         .routes(routes!(health::readyz))
+        .routes(routes!(metrics::metrics))
         .routes(routes!(pages::openapi))
         .routes(routes!(pages::problem))
         .routes(routes!(pages::index))

@@ -18,9 +18,10 @@ use super::app::App;
 use super::canary::{self, Canary};
 use super::connections::{Connections, Open};
 use super::memo::Memo;
+use super::metrics::Requests;
 use super::pace::Pace;
 use super::problem;
-use super::requests::Requests;
+use super::requests::Requests as Answering;
 use super::router::{document_text, router};
 use super::short::Short;
 use super::stream::Watched;
@@ -103,7 +104,7 @@ pub async fn bind_at(mut settings: Settings, clock: Arc<dyn Clock>) -> Result<(T
     let listener = listen(settings.listen).map_err(|error| StartError::Listen { address: settings.listen, error })?;
     let account = Account::new(settings.max_memory_bytes, settings.memory_cache_bytes);
     let (disk, records, uploads) = if settings.data_dir == Path::new("") || settings.cache_bytes == 0 {
-        (None, None, in_memory(&account))
+        (None, None, Uploads::new(Arc::new(Memory::new(account.uploads_bytes))))
     } else {
         let path = settings.data_dir.display().to_string();
         let name = &settings.cache_store;
@@ -113,7 +114,7 @@ pub async fn bind_at(mut settings: Settings, clock: Arc<dyn Clock>) -> Result<(T
             let store = (kind.open)(&settings.data_dir, settings.cache_bytes)?;
             let records = (kind.records)(&settings.data_dir)?;
             let uploads = (kind.open)(&settings.data_dir.join("uploads"), settings.uploads_bytes)?;
-            Ok((Some(store), Some(records), Uploads::new(uploads, None)))
+            Ok((Some(store), Some(records), Uploads::new(uploads)))
         };
         open(kind).map_err(|error| StartError::Store { path, error })?
     };
@@ -144,14 +145,10 @@ pub async fn bind_at(mut settings: Settings, clock: Arc<dyn Clock>) -> Result<(T
     }
     let (canary, memo, short) = (Arc::<Canary>::default(), Memo::default(), Short::default());
     let openapi = LazyLock::new(document_text as fn() -> String);
-    Ok((listener, Arc::new(App { desk, settings, canary, memo, short, connections, openapi })))
-}
-
-/// Uploads in memory, where nothing is kept on disk: half of the share of records.
-fn in_memory(account: &Account) -> Uploads {
-    let bytes = account.records.capacity / 2;
-    let held = account.records.try_take(bytes).ok();
-    Uploads::new(Arc::new(Memory::new(bytes)), held)
+    Ok((
+        listener,
+        Arc::new(App { desk, settings, canary, memo, short, requests: Requests::default(), connections, openapi }),
+    ))
 }
 
 /// The longest body that the memory of the service is good for: half of the share of bodies, and so long that reading
@@ -242,7 +239,7 @@ fn attend(stream: TcpStream, open: Open, app: &Arc<App>, router: Router, gracefu
         .timer(TokioTimer::new())
         .header_read_timeout(Duration::from_secs(settings.header_timeout_s))
         .max_buf_size(64 << 10)
-        .serve_connection(TokioIo::new(stream), Requests::new(app.clone(), router, connection.clone()));
+        .serve_connection(TokioIo::new(stream), Answering::new(app.clone(), router, connection.clone()));
     let served = graceful.watch(served);
     tokio::spawn(async move {
         let _open = open;

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use axum::body::Bytes;
 use axum::http::{HeaderMap, HeaderValue, Method, Response, StatusCode, header, request};
 
-use super::address::is_link;
+use super::address::{RENDER, is_link};
 use super::{memo, negotiate};
 use crate::job::key::Key;
 use crate::service::store::Manifest;
@@ -50,6 +50,14 @@ struct Head {
 }
 
 impl Asked {
+    /// The route that would have answered it.
+    pub(super) fn route(self) -> &'static str {
+        match self {
+            Self::Artifact(..) => "/v1/artifacts/{file}",
+            Self::Render(..) => RENDER,
+        }
+    }
+
     /// What a request asks for by its address alone: an artifact, or the result of a job that stands in it.
     pub(super) fn get(request: &request::Parts) -> Option<Self> {
         let (address, headers) = (&request.uri, &request.headers);

@@ -23,13 +23,19 @@ pub const MAX_NODES: u64 = 10_000_000;
 /// It is four for each pixel of a wide figure. Half of it makes curves of long masks rougher; twice of it makes answers
 /// twice as long.
 pub const MAX_VALUES: u64 = 1 << 14;
-/// Products that take as long as a millisecond of one core, with matrices of the usual size.
+/// Products that take as long as a millisecond of one core, with matrices of the usual size: measured on the 16-point
+/// scheme by `cargo bench --bench bench -- analysis`, 100,000 products in 250 ms.
+/// Half of it books twice the time that they take, twice of it half of it; smaller matrices are quicker.
 const NODES_A_MS: u64 = 400;
+/// Cubes of the residual's length that take as long as a millisecond: whether shifts are stable is decided by as many
+/// powers of polynomials as the residual has zeros.
+/// Measured on masks of 41, 67 and 129 entries of 17 digits: 0.2, 0.4 and 2.8 s. Half and twice of it are off by two.
+const CUBES_A_MS: u64 = 700;
 /// Bytes of memory that an analysis takes at most: the exact matrices and their products.
-/// It is reckoned from the widest masks: 129 entries, and products of that many fractions. Half of it is enough for all
-/// presets; twice of it lets half as many analyses run at once.
-const BYTES: u64 = 64 << 20;
-
+/// Measured as the largest resident memory of `planish analyse` over that of `planish --version`: 33 MiB for a word of
+/// 31 averages and a push-back, 30 MiB for a mask of 41 entries of 17 digits, 22 MiB for one of 129; presets take 5.
+/// Half of it is too little for these; twice of it lets half as many analyses run at once.
+const BYTES: u64 = 48 << 20;
 /// Products of matrices at each value of a scan when nothing is said.
 /// Two hundred values take some seconds. Half of it leaves ends of ranges wider, twice of it takes twice as long where
 /// nothing is decided.
@@ -40,8 +46,8 @@ const PLOTTED: u64 = 1 << 10;
 /// Finest grid that is looked at for a plot: binary schemes have no finer one of so many values.
 const MAX_GRID: u32 = 10;
 /// Milliseconds of an analysis without its products: those that look for an eigenvalue, and choose a norm.
-/// It is that of masks of some ten entries. Half of it books scans of longer masks too short; twice of it lets fewer
-/// scans run at once.
+/// Measured on masks of some ten entries: 5 to 10 ms. Half of it books scans of longer masks too short; twice of it
+/// lets fewer scans run at once.
 const BASE_MS: u64 = 10;
 
 /// What is asked about a plan.
@@ -159,7 +165,11 @@ impl Analysis {
 
     /// Milliseconds on one core, roughly.
     pub fn milliseconds(&self) -> u64 {
-        self.work() / NODES_A_MS + BASE_MS * self.schemes()
+        let residual = match &self.asked {
+            Asked::Scheme { study, .. } => study.settled.residual.len() as u64,
+            Asked::Scan(_) => 0,
+        };
+        self.work() / NODES_A_MS + BASE_MS * self.schemes() + residual.pow(3) / CUBES_A_MS
     }
 
     /// Bytes of memory that it takes at most.

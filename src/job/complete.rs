@@ -1,5 +1,7 @@
 //! Jobs whose level is known.
 
+use std::sync::Arc;
+
 use super::details::DetailOutput;
 use super::entry::{InputEntry, JobEntries};
 use super::input::Input;
@@ -8,15 +10,16 @@ use super::levels::Resolved;
 use super::output::Output;
 use super::{curves, kernels};
 use crate::fault::Fault;
-use crate::output::{hard_edges, surface};
+use crate::output::figure::{self, Grid, Sheet};
+use crate::output::{FORMATS, hard_edges, surface};
 use crate::refine::{held_levels, is_swept, swept_from};
-use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::plan::{Plan, PlanInput, Scheduled};
 use crate::shape::frame::Frame;
 
 /// What is checked of a job before it is known how often its plan is applied.
 #[derive(Debug, Clone)]
 pub(super) struct Checked {
-    pub(super) input: Input,
+    pub(super) input: Arc<Input>,
     pub(super) entry: InputEntry,
     pub(super) plan: Plan,
     pub(super) outputs: Vec<Output>,
@@ -26,8 +29,8 @@ pub(super) struct Checked {
 /// A job whose parts are checked and fit each other.
 #[derive(Debug, Clone)]
 pub struct Job {
-    /// What is refined.
-    pub input: Input,
+    /// What is refined; no polygon where the job is a figure.
+    pub input: Arc<Input>,
     /// The entry of the request that holds it.
     pub entry: InputEntry,
     /// How.
@@ -44,19 +47,98 @@ pub struct Job {
     keys: Vec<Key>,
     refined_keys: Vec<Key>,
     pub(super) details: Vec<DetailOutput>,
+    pub(super) figure: Option<Box<Figure>>,
+    pub(super) films: Vec<Film>,
+}
+
+/// An output whose frames are those of jobs with plans of their own.
+#[derive(Debug, Clone)]
+pub(super) struct Film {
+    /// The index of the output.
+    pub(super) of: usize,
+    /// A job a frame, each with this output alone.
+    pub(super) frames: Vec<Job>,
+}
+
+/// Pictures of jobs in a grid.
+#[derive(Debug, Clone)]
+pub struct Figure {
+    /// The jobs, each with an output for each of the figure, of the size that it has there.
+    pub panels: Vec<Job>,
+    /// Where they stand.
+    pub grid: Grid,
+    /// Whether all are framed by the box around all that they show.
+    pub one_scale: bool,
+}
+
+impl Figure {
+    /// How an output lays it out.
+    ///
+    /// # Errors
+    /// Outputs that cannot hold a figure of this layout, with pointers into the request.
+    pub fn sheet(&self, output: &Output) -> Result<Sheet, Fault> {
+        let (name, options) = (output.format.name(), &output.options);
+        if output.format.paper().is_none() {
+            let can: Vec<&str> =
+                FORMATS.iter().filter(|format| format.paper().is_some()).map(|format| format.name()).collect();
+            let detail = format!("{name} holds no figure; ask for {}", can.join(" or "));
+            return Err(output.fault(Fault::new("/format", detail)));
+        }
+        if output.frame.is_some() {
+            let detail = "a figure has no frames; name the frame in the outputs of its panels";
+            return Err(output.fault(Fault::new("/frame", detail)));
+        }
+        figure::suits(options).map_err(|fault| output.fault(fault))?;
+        let width = options.integer("width").and_then(|width| u32::try_from(width).ok()).unwrap_or(1024);
+        self.grid.sheet(width).map_err(|detail| output.fault(Fault::new("/width", detail)))
+    }
 }
 
 impl Job {
+    /// A figure with these outputs.
+    ///
+    /// # Errors
+    /// Outputs that cannot hold a figure, with pointers into the request.
+    pub fn of_figure(figure: Figure, outputs: Vec<Output>) -> Result<Self, Vec<Fault>> {
+        let faults: Vec<Fault> = outputs.iter().filter_map(|output| figure.sheet(output).err()).collect();
+        if !faults.is_empty() {
+            return Err(faults);
+        }
+        let Figure { panels, grid, one_scale } = &figure;
+        let key = |(i, output)| key::figure(panels.iter().map(|panel| panel.keys[i]), (grid, *one_scale), output);
+        let keys: Vec<Key> = outputs.iter().enumerate().map(key).collect();
+        Ok(Self {
+            input: Arc::new(Input::Polygons(Vec::new())),
+            entry: InputEntry::Polygons,
+            plan: Plan::none(PlanInput::default().boundary, PlanInput::default().ends),
+            levels: 0,
+            reached: None,
+            outputs,
+            frame: Frame::default(),
+            steps: Box::default(),
+            refined_keys: keys.clone(),
+            keys,
+            details: Vec::new(),
+            figure: Some(Box::new(figure)),
+            films: Vec::new(),
+        })
+    }
+
+    /// The jobs of its panels, where it is a figure.
+    pub fn panels(&self) -> &[Self] {
+        self.figure.as_ref().map_or(&[], |figure| &figure.panels)
+    }
+
     /// Whether its mesh is refined patch by patch, for some output at least: not where all show limits.
     pub fn is_swept(&self) -> bool {
         let as_refined = |output: &Output| surface::limit(&output.options) == [false; 2];
-        let Input::Mesh(mesh) = &self.input else { return false };
+        let Input::Mesh(mesh) = &*self.input else { return false };
         self.outputs.iter().any(as_refined) && is_swept(mesh, &self.plan, &self.steps)
     }
 
     /// How many levels of its mesh are refined by rows before the rest is refined patch by patch, for all outputs.
     pub(super) fn swept_from(&self) -> Option<usize> {
-        let Input::Mesh(mesh) = &self.input else { return None };
+        let Input::Mesh(mesh) = &*self.input else { return None };
         let as_refined = self.outputs.iter().all(|output| surface::limit(&output.options) == [false; 2]);
         if as_refined { swept_from(mesh, &self.plan, &self.steps) } else { None }
     }
@@ -64,7 +146,7 @@ impl Job {
     /// How many levels are refined as whole nets before all outputs can be written while the rest is refined; none
     /// where that cannot be done.
     pub(super) fn held_levels(&self) -> Option<usize> {
-        let Input::Mesh(mesh) = &self.input else { return None };
+        let Input::Mesh(mesh) = &*self.input else { return None };
         let (levels, tile) = held_levels(mesh, &self.plan, &self.steps)?;
         let streams = |output: &Output| {
             let is_refined = surface::limit(&output.options) == [false; 2];
@@ -91,7 +173,7 @@ impl Job {
         });
         faults.extend(kernels::check(&input, entry, &plan, levels));
         // limits of curves take a search for eigenvectors, which is made where nothing else is wrong
-        if let (Input::Polygons(polygons), true) = (&input, faults.is_empty()) {
+        if let (Input::Polygons(polygons), true) = (&*input, faults.is_empty()) {
             let check = |output: &Output| curves::check_wanted(polygons, &plan, levels, output).err();
             faults.extend(outputs.iter().filter_map(|output| Some(output.fault(check(output)?))));
         }
@@ -104,7 +186,37 @@ impl Job {
         }
         let (keys, refined_keys) = key::artifacts(&input, &plan, levels, frame, &outputs);
         let steps = steps.into();
-        Ok(Self { input, entry, plan, levels, reached, outputs, frame, steps, keys, refined_keys, details })
+        let (figure, films) = (None, Vec::new());
+        Ok(Self {
+            input,
+            entry,
+            plan,
+            levels,
+            reached,
+            outputs,
+            frame,
+            steps,
+            keys,
+            refined_keys,
+            details,
+            figure,
+            films,
+        })
+    }
+
+    /// The job, with the frames of its films.
+    pub(super) fn with_films(mut self, films: Vec<Film>) -> Self {
+        for Film { of, frames } in &films {
+            self.keys[*of] = key::film(frames.iter().map(|frame| frame.keys[0]));
+        }
+        self.films = films;
+        self
+    }
+
+    /// The film that an output shows, if it is one.
+    pub(super) fn film(&self, output: &Output) -> Option<&Film> {
+        let at = self.outputs.iter().position(|known| known.name == output.name)?;
+        self.films.iter().find(|film| film.of == at)
     }
 
     /// The operators in the order in which they are applied, each with the numbers of its place.

@@ -1,17 +1,18 @@
 //! Reading a job: its parts are checked and fitted to each other, as far as that goes without refining anything.
 
+use std::sync::Arc;
+
 use super::complete::{Checked, Job};
 use super::entry::InputEntry;
+use super::films;
 use super::finest;
+use super::fit::{faults_of, resolved};
 use super::input::Input;
 use super::levels::{self, CheckedLevels, Levels, Resolved};
 use super::output::Output;
 use super::search::Search;
-use super::steering;
-use crate::analysis::limit::{LimitError, check};
 use crate::fault::{Fault, under};
-use crate::output::{ShapeKind, surface};
-use crate::scheme::forecast::check_delta;
+use crate::output::ShapeKind;
 use crate::scheme::plan::{Plan, PlanInput, Subject};
 use crate::shape::frame::Frame;
 
@@ -36,6 +37,7 @@ impl Draft {
         outputs: Vec<Output>,
     ) -> Result<Self, Vec<Fault>> {
         let mut faults = Vec::new();
+        let given = plan;
         let resolved = resolved(&input, plan, &outputs);
         let levels = levels::check(plan.is_some(), levels).unwrap_or_else(|fault| {
             faults.push(fault);
@@ -57,12 +59,24 @@ impl Draft {
                 return Err(faults);
             }
         };
-        let checked = Checked { input, entry, plan, outputs, frame };
+        let checked = Checked { input: Arc::new(input), entry, plan, outputs, frame };
         let fit = faults_of(&checked);
+        let asked = films::asked(&checked.outputs);
         match levels {
             CheckedLevels::Count(levels) => {
                 faults.extend(fit);
-                Job::new(checked, levels, None, faults).map(|job| Self::Job(Box::new(job)))
+                let filmed = asked.map_or(Ok(Vec::new()), |asked| films::of(&asked, &checked, given, levels));
+                let films = filmed.unwrap_or_else(|found| {
+                    faults.extend(found);
+                    Vec::new()
+                });
+                Job::new(checked, levels, None, faults).map(|job| Self::Job(Box::new(job.with_films(films))))
+            }
+            CheckedLevels::Tolerance(_) | CheckedLevels::Auto if asked.is_some() => {
+                let detail = "the plans of a \"sweep\" may need different levels; give a number of levels";
+                faults.push(Fault::new("/levels", detail));
+                faults.extend(fit);
+                Err(faults)
             }
             CheckedLevels::Auto => {
                 faults.extend(fit);
@@ -135,31 +149,4 @@ fn frame_fault(input: &Input, output: &Output) -> Option<Fault> {
         _ => return None,
     };
     Some(output.fault(Fault::new("/frame", detail)))
-}
-
-/// The faults in how plan, input and outputs fit that do not depend on the number of levels.
-fn faults_of(Checked { input, entry, plan, outputs, .. }: &Checked) -> Vec<Fault> {
-    let mut faults = Vec::new();
-    if let Input::Mesh(mesh) = input {
-        let moves_vertices = |output: &&Output| surface::limit(&output.options)[0];
-        let fault = |output: &Output| {
-            let error = check(plan).err()?;
-            Some(output.fault(Fault::new("/positions", LimitError::from(error).to_string())))
-        };
-        faults.extend(outputs.iter().filter(moves_vertices).filter_map(fault));
-        faults.extend(check_delta(plan, &mesh.topology).err().map(|fault| fault.under("/plan")));
-    }
-    faults.extend(steering::check(input, *entry, plan));
-    faults
-}
-
-/// The plan of an input; what some output refers to has to stay what it is.
-fn resolved(input: &Input, plan: Option<&PlanInput>, outputs: &[Output]) -> Result<Plan, Vec<Fault>> {
-    let Some(plan) = plan else {
-        return Ok(Plan::none(PlanInput::default().boundary, PlanInput::default().ends));
-    };
-    let subject = input.subject(plan);
-    let told = outputs.iter().find_map(|output| output.format.refers(&output.options)).filter(|_| subject.is_mesh);
-    let subject = Subject { tags: subject.tags.or(told), attached: subject.attached.or(told), ..subject };
-    Plan::resolve(plan, subject).map_err(|found| under("/plan", found))
 }

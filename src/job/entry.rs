@@ -54,6 +54,8 @@ pub enum JobPart {
     Shape(usize),
     /// The output that is computed.
     Output,
+    /// A place in the request as a whole.
+    Request,
 }
 
 /// A fault that shows while a job is computed. Jobs share computations, and each request may have the part elsewhere.
@@ -94,6 +96,7 @@ impl JobEntries {
             JobPart::Plan => fault.under("/plan"),
             JobPart::Shape(shape) => self.input.fault(shape, fault),
             JobPart::Output => output_fault(self.output, fault),
+            JobPart::Request => fault,
         }
     }
 }

@@ -58,7 +58,7 @@ pub(super) fn level(checked: &Checked) -> Result<u32, Fault> {
 /// The faces of a mesh, or the points of polygons, after so many levels.
 fn counted(checked: &Checked, levels: u32) -> Result<u128, Fault> {
     let steps = checked.plan.schedule(levels).map_err(|fault| fault.under("/plan"))?;
-    let forecast = match &checked.input {
+    let forecast = match &*checked.input {
         Input::Mesh(mesh) => forecast::of_mesh(&mesh_net(mesh, &checked.plan), &steps, 4 * MOST_FACES, &Watch::new()),
         Input::Polygons(polygons) => {
             let nets: Vec<_> = polygons.iter().map(|polygon| polygon_net(polygon, &checked.plan)).collect();

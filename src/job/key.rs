@@ -13,6 +13,7 @@ use crate::analysis::{Level, Study};
 use crate::math::expression::{Expression, Instruction};
 use crate::math::mask::Mask;
 use crate::math::parameter::{Value, Values};
+use crate::output::figure::{Cell, Grid};
 use crate::output::{LIMIT, TANGENTS, surface};
 use crate::scheme::letter::Letter;
 use crate::scheme::operator::Role;
@@ -106,6 +107,34 @@ pub(super) fn artifacts(
         (hashed(&Item::List(items)), hashed(&Item::List(shown)))
     };
     outputs.iter().map(artifact).unzip()
+}
+
+/// Key of a figure: over the keys of its panels at the sizes that they have in it, the layout, and the output.
+pub(super) fn figure(panels: impl Iterator<Item = Key>, (grid, one_scale): (&Grid, bool), output: &Output) -> Key {
+    let Output { name: _, format, options, frame: _, index: _ } = output;
+    let Grid { columns, title, letters, cells } = grid;
+    let text = |text: &Option<String>| Item::List(text.iter().map(|text| Item::text(text)).collect());
+    let cell = |(key, Cell { span, proportion: _, caption }): (Key, &Cell)| {
+        // the proportion is that of the size, which is in the key of the panel
+        Item::List(vec![Item::text(&key.to_string()), Item::Indices(span.to_vec().into()), text(caption)])
+    };
+    hashed(&Item::List(vec![
+        Item::text("planish figure"),
+        Item::Integer(u64::from(RESULTS_VERSION)),
+        Item::List(panels.zip(cells).map(cell).collect()),
+        Item::Integer(u64::from(*columns)),
+        text(title),
+        Item::Integer(u64::from(*letters)),
+        Item::Integer(u64::from(one_scale)),
+        Item::text(format.name()),
+        values(options),
+    ]))
+}
+
+/// Key of a moving picture: over the keys that its frames have as jobs of their own.
+pub(super) fn film(frames: impl Iterator<Item = Key>) -> Key {
+    let frames = frames.map(|key| Item::text(&key.to_string())).collect();
+    hashed(&Item::List(vec![Item::text("planish film"), Item::List(frames)]))
 }
 
 /// Latitude and longitude lines, where a picture shows them and the plan leaves them alone.

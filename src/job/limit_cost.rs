@@ -34,7 +34,7 @@ pub(super) fn limit_surface(job: &Job, forecast: &Forecast) -> (u128, u128) {
 /// What limits need beside their rows: around vertices that are not regular, all of them where they have numbers of
 /// their own or where faces are triangles.
 pub(super) fn limit_patches(job: &Job, forecast: &Forecast) -> Cost {
-    let Input::Mesh(mesh) = &job.input else { return Cost::default() };
+    let Input::Mesh(mesh) = &*job.input else { return Cost::default() };
     let vertices = forecast.levels.last().map_or(0, |count| count.vertices);
     let (topology, cycle) = (&mesh.topology, &job.plan.word.cycle);
     let regular = |v: &usize| topology.boundary_edges(*v).is_none() && topology.ring(*v).take(5).count() == 4;

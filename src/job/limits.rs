@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use super::complete::Job;
+use super::complete::{Figure, Job};
+use super::composed;
+pub use super::estimate::{Estimate, Refusal};
 use super::input::Input;
-use super::key::Key;
 use super::limit_cost::{limit_patches, limit_surface};
 use super::memory::{self, carried, compared_discs, needed, on_demand};
 use super::output::Output;
@@ -55,45 +56,6 @@ impl Default for Limits {
 
 /// Most vertices or faces that are read: indices are 32 bits wide, and a net has up to four corners a vertex.
 const MOST_READ: u64 = u32::MAX as u64 / 5;
-
-/// Why a job is not taken on.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Refusal {
-    /// It cannot be done.
-    Impossible(Vec<Fault>),
-    /// It can be done, but not here.
-    TooLarge {
-        /// The whole story: place, value, bound, remedy.
-        detail: String,
-        /// The fault at its place in the request.
-        faults: Vec<Fault>,
-    },
-    /// The forecast of the job was stopped.
-    Stopped,
-}
-
-/// What a job will come to.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Estimate {
-    /// Counts of every level.
-    pub forecast: Forecast,
-    /// Key and size of each output, in their order.
-    pub outputs: Vec<(Key, Size)>,
-    /// Bytes of memory while it runs; where it is refined while its result is written, those of the result excluded.
-    pub memory_bytes: u128,
-    /// Whether it is refined while its result is written.
-    pub on_demand: bool,
-    /// Milliseconds on one core, roughly.
-    pub time_ms: u128,
-}
-
-impl Estimate {
-    /// Bytes of memory while it runs and its result is kept.
-    pub fn kept_memory_bytes(&self) -> u128 {
-        let result = self.outputs.iter().map(|(_, size)| size.bytes()).max().unwrap_or(0);
-        self.memory_bytes.saturating_add(if self.on_demand { result } else { 0 })
-    }
-}
 
 /// A job that was admitted; only [`Limits::admit`] makes one.
 #[derive(Debug, Clone)]
@@ -151,7 +113,10 @@ impl Limits {
     /// # Errors
     /// [`Refusal`], which is [`Refusal::Stopped`] when the watch says stop.
     pub fn estimate_under(&self, job: &Job, watch: &Watch) -> Result<Estimate, Refusal> {
-        let forecast = match &job.input {
+        if let Some(figure) = &job.figure {
+            return self.estimate_figure(job, figure, watch);
+        }
+        let forecast = match &*job.input {
             Input::Polygons(polygons) => {
                 let nets: Vec<_> = polygons.iter().map(|polygon| polygon_net(polygon, &job.plan)).collect();
                 forecast::of_polygons(&nets, job.steps())
@@ -207,7 +172,39 @@ impl Limits {
         let rows = forecast.work.saturating_add(local.points).saturating_add(time::rows(job, &counts));
         let time_ms = time::milliseconds(rows, &sizes);
         let outputs = job.keys().iter().copied().zip(sizes).collect();
-        Ok(Estimate { forecast, outputs, memory_bytes, on_demand: held_levels.is_some(), time_ms })
+        let estimate = Estimate { forecast, outputs, memory_bytes, on_demand: held_levels.is_some(), time_ms };
+        self.with_films(job, estimate, watch)
+    }
+
+    /// What a figure will come to: its panels, and putting them together.
+    fn estimate_figure(&self, job: &Job, figure: &Figure, watch: &Watch) -> Result<Estimate, Refusal> {
+        let panels = figure.panels.iter().enumerate();
+        let panels = panels.map(|(n, panel)| self.estimate_under(panel, watch).map_err(|refusal| refusal.of_panel(n)));
+        let estimate = composed::estimate(job, figure, &panels.collect::<Result<Vec<_>, _>>()?);
+        let most = u128::from(self.max_job_bytes);
+        if estimate.memory_bytes > most {
+            let detail = format!(
+                "the panels of the figure need about {} of memory together; this server allows {} a job; ask for fewer \
+                 panels, or for fewer levels in them",
+                in_bytes(estimate.memory_bytes),
+                in_bytes(most)
+            );
+            return Err(Refusal::TooLarge { faults: vec![Fault::new("/figure/panels", detail.clone())], detail });
+        }
+        Ok(estimate)
+    }
+
+    /// What a job will come to with the frames of its films.
+    fn with_films(&self, job: &Job, mut estimate: Estimate, watch: &Watch) -> Result<Estimate, Refusal> {
+        for frame in job.films.iter().flat_map(|film| &film.frames) {
+            let of_frame = self.estimate_under(frame, watch)?;
+            // each is refined to see what all show, and once more to be drawn
+            let work = of_frame.forecast.work.saturating_mul(2);
+            estimate.forecast.work = estimate.forecast.work.saturating_add(work);
+            estimate.time_ms = estimate.time_ms.saturating_add(time::milliseconds(work, &[]));
+            estimate.memory_bytes = estimate.memory_bytes.max(of_frame.memory_bytes);
+        }
+        Ok(estimate)
     }
 
     fn no_forecast(&self, error: &ForecastError) -> Refusal {
@@ -346,7 +343,7 @@ fn frames(job: &Job) -> u128 {
 
 /// Counts of a net as the writers see it: hidden faces left out.
 fn counts(job: &Job, count: Count) -> Counts {
-    let polygons = if let Input::Polygons(polygons) = &job.input { polygons.len() as u128 } else { 1 };
+    let polygons = if let Input::Polygons(polygons) = &*job.input { polygons.len() as u128 } else { 1 };
     let mesh = job.input.mesh();
     let tags = |mesh: &Mesh| mesh.creases.len() + mesh.corners.len() + mesh.semi_sharp_corners.len();
     Counts {

@@ -44,7 +44,7 @@ impl Search {
     /// # Errors
     /// A fault below the job, where it can be told at once that there is no such level.
     pub(super) fn new(checked: Checked, tolerance: f64) -> Result<Self, Fault> {
-        match &checked.input {
+        match &*checked.input {
             Input::Polygons(_) => {}
             Input::Mesh(mesh) => {
                 tolerance::check(mesh, &checked.plan, tolerance).map_err(|reason| at_tolerance(&reason))?;
@@ -66,7 +66,7 @@ impl Search {
 
     /// The work and memory of the search, at most.
     pub fn cost(&self) -> SearchCost {
-        match &self.checked.input {
+        match &*self.checked.input {
             input @ Input::Polygons(_) => {
                 SearchCost { work: curve::MAX_WORK, bytes: curve::search_bytes(input.n_points()) }
             }
@@ -80,7 +80,7 @@ impl Search {
     /// [`SearchError`], also when no level is known to be close enough.
     pub fn run(&self, watch: &Watch) -> Result<Reached, SearchError> {
         let Checked { input, plan, outputs, .. } = &self.checked;
-        match input {
+        match &**input {
             Input::Polygons(polygons) => {
                 let factor = factor(outputs);
                 let reached = reach(polygons, plan, self.tolerance / factor, watch)?;

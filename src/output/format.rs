@@ -51,6 +51,17 @@ pub enum Content {
     Packed,
 }
 
+/// What pictures are put together on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Paper {
+    /// Pixels.
+    Png,
+    /// Lines and pixels, as SVG.
+    Svg,
+    /// Lines and pixels, as PDF.
+    Pdf,
+}
+
 /// Results that other bytes refer to: the same shape at some levels.
 #[derive(Debug)]
 pub struct Details {
@@ -60,6 +71,15 @@ pub struct Details {
     pub option: &'static str,
     /// Levels, in ascending order, the last of which is that of the job.
     pub levels: Vec<u32>,
+}
+
+/// Values of a parameter of a plan, one a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sweep {
+    /// The place of the parameter in the job.
+    pub pointer: String,
+    /// Its values.
+    pub values: Vec<f64>,
 }
 
 /// A way to write a scene as bytes.
@@ -118,6 +138,16 @@ pub trait Format: fmt::Debug + Send + Sync {
     /// The levels of refinement whose results the bytes refer to, and the format of these, which takes all options but
     /// the one that asks for them.
     fn details(&self, _options: &Values) -> Option<Details> {
+        None
+    }
+
+    /// What pictures of several scenes are put together on, if the format can.
+    fn paper(&self) -> Option<Paper> {
+        None
+    }
+
+    /// The parameter of the plan that changes from frame to frame of a moving picture, if the options name one.
+    fn sweep(&self, _options: &Values) -> Option<Sweep> {
         None
     }
 

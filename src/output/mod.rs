@@ -1,11 +1,14 @@
 //! Formats: each writes a scene; the registry is the only place that lists them.
 
+pub mod figure;
+pub mod film;
 pub mod hard_edges;
 pub mod mtl;
 pub mod normals;
 pub mod scene;
 pub mod surface;
 
+mod apng;
 mod bounds;
 mod bytes;
 mod color_maps;
@@ -54,7 +57,7 @@ mod vertex_sums;
 
 pub use counts::{Counts, ShapeKind};
 pub use error::FormatError;
-pub use format::{Content, Details, Format, FormatFacts};
+pub use format::{Content, Details, Format, FormatFacts, Paper, Sweep};
 pub use options::{DIRECTIONS, LIMIT, POSITIONS, TANGENTS};
 pub use picture::outline::Outline;
 pub use size::Size;
@@ -71,6 +74,7 @@ pub const FORMATS: &[&dyn Format] = &[
     &ply::Ply,
     &stl::Stl,
     &png::Png,
+    &apng::Apng,
     &svg::Svg,
     &pdf::Pdf,
 ];

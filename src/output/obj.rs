@@ -118,8 +118,8 @@ impl Format for Obj {
 
     fn leaves_out(&self, carried: &Attachments, _: &Values) -> Option<String> {
         let is_left_out = carried.color().is_some_and(|(_, color)| color.seams.is_some());
-        let sentence = "the channel \"color\" is left out, as it differs on the sides of seams and obj holds one color a \
-                        vertex; ask for glb, ply or json";
+        let sentence = "the channel \"color\" is left out, as it differs on the sides of seams and obj holds one color \
+                        a vertex; ask for glb, ply or json";
         is_left_out.then(|| sentence.to_owned())
     }
 

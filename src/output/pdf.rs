@@ -1,4 +1,4 @@
-//! PDF: a drawing of curves, or of sections of a mesh, as a page.
+//! PDF: a drawing of curves, of a mesh or of its sections, as a page.
 
 use std::io::Write;
 
@@ -7,11 +7,14 @@ use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::format::{Content, Format, FormatFacts, Paper};
+use crate::output::picture::options::Options;
+use crate::output::picture::outline::{self, Outline};
 use crate::output::picture::vector;
-use crate::output::scene::Scene;
+use crate::output::scene::{Frame, Scene};
 use crate::output::size::Size;
 use crate::shape::attachments::Attachments;
+use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
 /// The format "pdf".
@@ -38,8 +41,32 @@ impl Format for Pdf {
         vector::suits(kind, options)
     }
 
+    fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
+        vector::fits(counts, options)
+    }
+
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         vector::size(counts, options)
+    }
+
+    fn paper(&self) -> Option<Paper> {
+        Some(Paper::Pdf)
+    }
+
+    fn refers(&self, options: &Values) -> Option<&'static str> {
+        vector::refers(options)
+    }
+
+    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
+        vector::memory(counts, options)
+    }
+
+    fn work(&self, _: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
+        vector::work(counts, options)
+    }
+
+    fn side_px(&self, outline: &Outline, frame: Frame, options: &Values) -> Option<f64> {
+        Some(outline::side_px(outline, &Options::new(options, frame)))
     }
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {

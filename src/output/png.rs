@@ -4,13 +4,13 @@ use std::io::{self, Write};
 
 use png::{BitDepth, ColorType, Compression, Encoder, Filter, PixelDimensions, Unit};
 
-use crate::drawing::pixels;
+use crate::drawing;
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::color_maps::COLOR_MAP;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::format::{Content, Format, FormatFacts, Paper};
 use crate::output::hard_edges::{self, CREASE_ANGLE};
 use crate::output::options::POSITIONS;
 use crate::output::picture::coat::{self, CHANNEL, COLOR_BY, COMPONENT};
@@ -23,7 +23,7 @@ use crate::output::picture::outline::{self, Outline};
 use crate::output::picture::plot::{self, LEGEND, TEXT_SIZE, TITLE, X_LABEL, Y_LABEL};
 use crate::output::picture::shading::{self, SHADING, STRIPE_DIRECTION, STRIPES};
 use crate::output::picture::styles::STYLES;
-use crate::output::picture::{drawing, forecast, lines, look, mesh};
+use crate::output::picture::{self, forecast, lines, look, mesh};
 use crate::output::scene::{Frame, Scene, Shape};
 use crate::output::size::Size;
 use crate::shape::attachments::Attachments;
@@ -41,7 +41,8 @@ const WIRE_BYTES: u128 = 36;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Png;
 
-const PARAMETERS: &[Parameter] = &[
+/// The options of the picture.
+pub(super) const PARAMETERS: &[Parameter] = &[
     WIDTH,
     HEIGHT,
     DPI,
@@ -133,7 +134,7 @@ impl Format for Png {
     fn suits(&self, kind: ShapeKind, carried: &Attachments, options: &Values) -> Result<(), Fault> {
         let fitting: &[&str] = match kind {
             ShapeKind::Mesh => lines::SHOWN,
-            ShapeKind::Curves { .. } => drawing::CURVE_ITEMS,
+            ShapeKind::Curves { .. } => picture::drawing::CURVE_ITEMS,
         };
         shading::check(kind, options)?;
         coat::check(kind, carried, options)?;
@@ -146,12 +147,12 @@ impl Format for Png {
         coat::left_out(carried, options)
     }
 
-    /// The length of the rows stored without compression, which the encoder never exceeds, and a kilobyte around them.
     fn size(&self, _: &Counts, options: &Values) -> Size {
-        let [width, height] = options::size(options).map(u128::from);
-        let rows = height * (1 + 4 * width);
-        let blocks = rows / 32_768 + 1;
-        Size::AtMost(rows + 17 * blocks + 1024)
+        bytes(options::size(options))
+    }
+
+    fn paper(&self) -> Option<Paper> {
+        Some(Paper::Png)
     }
 
     fn refers(&self, options: &Values) -> Option<&'static str> {
@@ -188,31 +189,63 @@ impl Format for Png {
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
         let options = Options::new(values, scene.frame);
-        watch.enter(Stage::Render);
-        options::check_extent(scene)?;
-        let pixels = match scene.shape {
-            Shape::Mesh(shape) => mesh::picture(scene, shape, &options, watch)?,
-            Shape::Curves(curves) => {
-                let dimension = curves.iter().map(|c| c.dimension).max().unwrap_or(1);
-                options::drawable(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
-                pixels(&drawing::drawing(scene, &options, watch)?, watch)?
-            }
-        };
+        let pixels = pixels(scene, values, watch)?;
         watch.check()?;
         watch.enter(Stage::Encode);
-        encode(pixels, &options, out)
+        // an opaque background leaves nothing transparent
+        encode(pixels, options.size, (options.background[3] == 255, options.dpi()), out)
     }
 }
 
-/// Writes the pixels (red, green, blue, alpha); an opaque background leaves nothing transparent, so alpha is dropped.
-fn encode(mut pixels: Vec<u8>, options: &Options<'_>, out: &mut dyn Write) -> Result<(), FormatError> {
-    let [width, height] = options.size;
-    let color = if options.background[3] == 255 {
-        let n = pixels.len() / 4;
-        for i in 0..n {
-            pixels.copy_within(4 * i..4 * i + 3, 3 * i);
+/// Bytes of a picture at most: its rows stored without compression, which the encoder never exceeds, and a kilobyte
+/// around them.
+pub(super) fn bytes(size: [u32; 2]) -> Size {
+    let [width, height] = size.map(u128::from);
+    let rows = height * (1 + 4 * width);
+    let blocks = rows / 32_768 + 1;
+    Size::AtMost(rows + 17 * blocks + 1024)
+}
+
+/// The picture of a scene: rows of red, green, blue and alpha (straight), from the top.
+pub(super) fn pixels(scene: &Scene<'_>, values: &Values, watch: &Watch) -> Result<Vec<u8>, FormatError> {
+    let options = Options::new(values, scene.frame);
+    watch.enter(Stage::Render);
+    options::check_extent(scene)?;
+    match scene.shape {
+        Shape::Mesh(shape) => mesh::picture(scene, shape, &options, watch),
+        Shape::Curves(curves) => {
+            let dimension = curves.iter().map(|c| c.dimension).max().unwrap_or(1);
+            options::drawable(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
+            Ok(drawing::pixels(&picture::drawing::drawing(scene, &options, watch)?, watch)?)
         }
-        pixels.truncate(3 * n);
+    }
+}
+
+/// How large a pixel is, where an inch has so many.
+pub(super) fn pixel_dims(dpi: f64) -> PixelDimensions {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "there are 1 to 10,000 an inch")]
+    let a_metre = (dpi / 0.0254 + 0.5) as u32;
+    PixelDimensions { xppu: a_metre, yppu: a_metre, unit: Unit::Meter }
+}
+
+/// Leaves out every fourth byte.
+pub(super) fn without_alpha(pixels: &mut Vec<u8>) {
+    let n = pixels.len() / 4;
+    for i in 0..n {
+        pixels.copy_within(4 * i..4 * i + 3, 3 * i);
+    }
+    pixels.truncate(3 * n);
+}
+
+/// Writes pixels (red, green, blue, alpha), without the alpha where all are opaque.
+pub(super) fn encode(
+    mut pixels: Vec<u8>,
+    [width, height]: [u32; 2],
+    (is_opaque, dpi): (bool, Option<f64>),
+    out: &mut dyn Write,
+) -> Result<(), FormatError> {
+    let color = if is_opaque {
+        without_alpha(&mut pixels);
         ColorType::Rgb
     } else {
         ColorType::Rgba
@@ -222,11 +255,7 @@ fn encode(mut pixels: Vec<u8>, options: &Options<'_>, out: &mut dyn Write) -> Re
     encoder.set_depth(BitDepth::Eight);
     encoder.set_compression(Compression::Fast);
     encoder.set_filter(Filter::Adaptive);
-    encoder.set_pixel_dims(options.dpi().map(|dpi| {
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "there are 1 to 10,000 an inch")]
-        let a_metre = (dpi / 0.0254 + 0.5) as u32;
-        PixelDimensions { xppu: a_metre, yppu: a_metre, unit: Unit::Meter }
-    }));
+    encoder.set_pixel_dims(dpi.map(pixel_dims));
     let failed = |error| FormatError::Io(io::Error::other(error));
     let mut writer = encoder.write_header().map_err(failed)?;
     writer.write_image_data(&pixels).map_err(failed)?;

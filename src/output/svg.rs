@@ -1,4 +1,4 @@
-//! SVG: a drawing of curves, or of sections of a mesh, as paths.
+//! SVG: a drawing of curves, of a mesh or of its sections, as paths.
 
 use std::io::Write;
 
@@ -7,13 +7,14 @@ use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::format::{Content, Format, FormatFacts, Paper};
 use crate::output::picture::options::Options;
 use crate::output::picture::outline::{self, Outline};
 use crate::output::picture::vector;
 use crate::output::scene::{Frame, Scene};
 use crate::output::size::Size;
 use crate::shape::attachments::Attachments;
+use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
 /// The format "svg".
@@ -25,7 +26,8 @@ const FACTS: &FormatFacts = &FormatFacts {
     extension: "svg",
     media_type: "image/svg+xml",
     content: Content::Text,
-    doc: "A drawing of curves with their control polygons, or of plane sections of a mesh, in paths that scale.",
+    doc: "A drawing in paths that scale: of curves with their control polygons, of a mesh without its hidden lines, or \
+          of plane sections of a mesh.",
     parameters: vector::PARAMETERS,
     holds_frames: false,
     holds: vector::holds,
@@ -40,8 +42,28 @@ impl Format for Svg {
         vector::suits(kind, options)
     }
 
+    fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
+        vector::fits(counts, options)
+    }
+
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         vector::size(counts, options)
+    }
+
+    fn paper(&self) -> Option<Paper> {
+        Some(Paper::Svg)
+    }
+
+    fn refers(&self, options: &Values) -> Option<&'static str> {
+        vector::refers(options)
+    }
+
+    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
+        vector::memory(counts, options)
+    }
+
+    fn work(&self, _: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
+        vector::work(counts, options)
     }
 
     fn side_px(&self, outline: &Outline, frame: Frame, options: &Values) -> Option<f64> {

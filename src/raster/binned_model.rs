@@ -11,7 +11,7 @@ use super::model::{Model, Normals, Surface};
 use super::paint::{Paint, Tint};
 use super::project::{BEHIND, FAR_OUT, STEPS, Vertex, vertex, vertices};
 use super::shade::{Lamps, Vec3f};
-use super::triangle::{area, pixel_box};
+use super::triangle::{area, touched};
 use crate::math::vector::{cross, minus};
 use crate::watch::{Stopped, Watch};
 
@@ -135,7 +135,7 @@ impl<'a> BinnedModel<'a> {
     /// Lists a triangle where it touches tiles, and says whether it does.
     fn admit_corners(&self, id: u32, corners: &[Vertex; 3], run: &mut Run) -> bool {
         let area = area(corners);
-        let rect = TileRect::of(self.grid, pixel_box(corners)).filter(|_| area != 0);
+        let rect = TileRect::of(self.grid, touched(corners)).filter(|_| area != 0);
         let nearest = corners[0].depth.max(corners[1].depth).max(corners[2].depth);
         run.found[usize::from(area > 0)].extend(rect.map(|rect| (id, rect, nearest)));
         rect.is_some()

@@ -227,6 +227,21 @@ impl Camera {
         self.fall = [1.0, 0.999 / span];
     }
 
+    /// Where it stands, model units.
+    pub fn eye(&self) -> Vector {
+        self.eye
+    }
+
+    /// The direction in which it looks, of length one.
+    pub fn forward(&self) -> Vector {
+        self.forward
+    }
+
+    /// Pixels a model unit at distance one (perspective) or everywhere (orthographic).
+    pub fn scale(&self) -> f64 {
+        self.focal_px
+    }
+
     /// Whether the camera is on the side of the plane through a point that `normal` points to.
     pub fn is_before(&self, point: [f64; 3], normal: [f64; 3]) -> bool {
         let towards = match self.projection {
@@ -247,6 +262,19 @@ impl Camera {
         let z = dot(r, self.forward);
         let w = if self.projection == Projection::Perspective { z } else { 1.0 };
         [self.focal_px * dot(r, self.right), -self.focal_px * dot(r, self.up), w, z]
+    }
+
+    /// Where a point falls in the picture, pixels, and its nearness: a number that is linear over the picture and larger
+    /// for what is nearer. `None` where the point is not before the camera.
+    pub fn seen(&self, point: [f64; 3]) -> Option<[f64; 3]> {
+        let seen = self.view(point);
+        let nearness = match self.projection {
+            Projection::Perspective if seen[2] < self.near => return None,
+            Projection::Perspective => self.near / seen[3],
+            Projection::Orthographic => -seen[3],
+        };
+        let [x, y] = self.pixel(seen);
+        Some([x, y, nearness]).filter(|seen| seen.iter().all(|x| x.is_finite()))
     }
 
     /// The point that parallel rays show at a pixel, in the plane through the eye.

@@ -21,10 +21,15 @@ impl Camera {
     }
 }
 
+/// How much farther than the near plane triangles are cut.
+/// Half of it still is more than rounding adds where corners are a billion times as far away; twice of it is not seen
+/// either.
+const DRAWN_IN: f64 = 1.0 + 1e-6;
+
 /// Signed distances from the planes: near, then left, right, top and bottom of the guard band; inside is not negative.
-/// The band is drawn in by a pixel, so that rounding leaves every result inside.
+/// The band is drawn in by a pixel, and the near plane a little, so that rounding leaves every result inside.
 fn distances(camera: &Camera, [x, y, w, _]: [f64; 4]) -> [f64; 5] {
-    let near = if camera.projection == Projection::Perspective { w - camera.near } else { 1.0 };
+    let near = if camera.projection == Projection::Perspective { w - camera.near * DRAWN_IN } else { 1.0 };
     let reach_x = (0.5 * camera.size_px[0] + GUARD - 1.0) * w;
     let reach_y = (0.5 * camera.size_px[1] + GUARD - 1.0) * w;
     [near, reach_x + x, reach_x - x, reach_y + y, reach_y - y]

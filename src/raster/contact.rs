@@ -31,9 +31,9 @@ const MOST_PLACES: u64 = 1 << 23;
 const REACH: f64 = 0.3;
 /// Up to this height, in the same measure, things darken the ground.
 /// Half of it leaves the shadows of feet, twice of it makes that of the whole model.
-const HIGH: f64 = 0.4;
+const HIGH: f32 = 0.4;
 /// Up to this height they touch it.
-const LOW: f64 = 0.1;
+const LOW: f32 = 0.1;
 /// How much is taken of the light below what touches the ground, and below what stands just over it.
 /// They are choices of looks: halves are hardly seen, and twice of them is night.
 const DARK: [f32; 2] = [0.5, 0.36];
@@ -55,18 +55,30 @@ pub(super) struct Shadow {
     origin: [Vector; 3],
     ray: [Vector; 3],
     middle_px: [f64; 2],
+    /// The pixels that may see the map: left, top, right, bottom, without the last.
+    reach_px: [usize; 4],
     cells: usize,
     /// From 0 to 1, row after row.
     dark: Vec<f32>,
 }
 
-/// The ground in coordinates: two level directions and up, from its middle.
-struct Frame {
+/// The shadow in a row of pixels.
+pub(super) struct ShadowRow<'a> {
+    shadow: &'a Shadow,
+    /// Origin and direction of the ray at the left end, and what a pixel adds.
+    origin: [Vector; 2],
+    ray: [Vector; 2],
+}
+
+/// The model over the ground in coordinates: two level directions and up, from its middle, in halves of its longer
+/// side.
+struct Frame<'a> {
     axes: [Vector; 3],
     middle: Vector,
-    /// Half the longer side and the height of the model.
     half: f64,
     height: f64,
+    triangles: &'a [[u32; 3]],
+    places: Vec<[f32; 3]>,
 }
 
 impl Shadow {
@@ -82,10 +94,10 @@ impl Shadow {
         }
         let Some(frame) = Frame::of(model, camera.sky) else { return Ok(None) };
         watch.check()?;
-        if ground == Ground::Stood && !frame.is_stood_on(model) {
+        if ground == Ground::Stood && !frame.is_stood_on() {
             return Ok(None);
         }
-        let mut shadow = Self { cells: CELLS, dark: Vec::new(), ..Self::seen(&frame, camera) };
+        let mut shadow = frame.seen(camera);
         // seen from below or along it, the ground hides nothing and shows nothing
         let is_above = match camera.projection {
             Projection::Perspective => shadow.origin[0][2] > 0.0,
@@ -94,39 +106,26 @@ impl Shadow {
         if !is_above {
             return Ok(None);
         }
-        while shadow.cells > FEWEST_CELLS && frame.places(model, shadow.cells) > MOST_PLACES {
+        while shadow.cells > FEWEST_CELLS && frame.looks(shadow.cells) > MOST_PLACES {
             shadow.cells /= 2;
         }
-        shadow.dark = frame.dark(model, shadow.cells, watch)?;
+        shadow.dark = frame.dark(shadow.cells, watch)?;
         Ok(Some(shadow))
     }
 
-    /// Rays in coordinates of the ground, whose unit is half the side of the map.
-    fn seen(frame: &Frame, camera: &Camera) -> Self {
-        let turned = |v: Vector| frame.axes.map(|axis| dot(axis, v) / (frame.half * (1.0 + REACH)));
-        let step = 1.0 / camera.focal_px;
-        let steps = [turned(times(step, camera.right)), turned(times(-step, camera.up))];
-        let (eye, forward) = (turned(minus(camera.eye, frame.middle)), turned(camera.forward));
-        let (origin, ray) = match camera.projection {
-            Projection::Perspective => ([eye, [0.0; 3], [0.0; 3]], [forward, steps[0], steps[1]]),
-            Projection::Orthographic => ([eye, steps[0], steps[1]], [forward, [0.0; 3], [0.0; 3]]),
-        };
-        Self { origin, ray, middle_px: camera.size_px.map(|side| 0.5 * side), cells: 0, dark: Vec::new() }
+    /// The shadow in a row of the picture, if it reaches there.
+    pub(super) fn row(&self, y: usize) -> Option<ShadowRow<'_>> {
+        let [_, top, _, bottom] = self.reach_px;
+        let down = y as f64 + 0.5 - self.middle_px[1];
+        let left = 0.5 - self.middle_px[0];
+        let start = |v: &[Vector; 3]| [plus(v[0], plus(times(left, v[1]), times(down, v[2]))), v[1]];
+        (y >= top && y < bottom).then(|| ShadowRow { shadow: self, origin: start(&self.origin), ray: start(&self.ray) })
     }
 
-    /// How much of its light the ground at a pixel lacks.
-    pub(super) fn at(&self, [x, y]: [usize; 2]) -> f32 {
-        let (x, y) = (x as f64 + 0.5 - self.middle_px[0], y as f64 + 0.5 - self.middle_px[1]);
-        let along = |v: &[Vector; 3], k: usize| v[0][k] + v[1][k] * x + v[2][k] * y;
-        let way = -along(&self.origin, 2) / along(&self.ray, 2);
-        if !(way > 0.0 && way.is_finite()) {
-            return 0.0;
-        }
-        let place = [0, 1].map(|k| along(&self.origin, k) + way * along(&self.ray, k));
-        if place.iter().any(|u| u.abs() >= 1.0) {
-            return 0.0;
-        }
-        let [u, v] = place.map(|u| ((0.5 * u + 0.5) * self.cells as f64 - 0.5).clamp(0.0, self.cells as f64 - 1.0));
+    /// How dark the map is at a place, from -1 to 1.
+    fn blended(&self, place: [f64; 2]) -> f32 {
+        let last = self.cells as f64 - 1.0;
+        let [u, v] = place.map(|u| ((0.5 * u + 0.5) * self.cells as f64 - 0.5).clamp(0.0, last));
         let (left, above) = (u as usize, v as usize);
         let (u, v) = ((u - left as f64) as f32, (v - above as f64) as f32);
         let (right, below) = ((left + 1).min(self.cells - 1), (above + 1).min(self.cells - 1));
@@ -137,18 +136,29 @@ impl Shadow {
     }
 }
 
-/// The corners of a triangle, where all are numbers.
-fn corners(model: &Model<'_>, triangle: [u32; 3]) -> Option<[Vector; 3]> {
-    let corners = triangle.map(|v| model.positions[v as usize]);
-    corners.iter().flatten().all(|x| x.is_finite()).then_some(corners)
+impl ShadowRow<'_> {
+    /// How much of its light the ground at a pixel of the row lacks.
+    pub(super) fn at(&self, x: usize) -> f32 {
+        let [left, _, right, _] = self.shadow.reach_px;
+        if x < left || x >= right {
+            return 0.0;
+        }
+        let along = |v: &[Vector; 2], k: usize| v[0][k] + x as f64 * v[1][k];
+        let way = -along(&self.origin, 2) / along(&self.ray, 2);
+        if !(way > 0.0 && way.is_finite()) {
+            return 0.0;
+        }
+        let place = [0, 1].map(|k| along(&self.origin, k) + way * along(&self.ray, k));
+        if place[0].abs() < 1.0 && place[1].abs() < 1.0 { self.shadow.blended(place) } else { 0.0 }
+    }
 }
 
 /// Triangles that a thread looks at together.
 const PART: usize = 1 << 14;
 
-impl Frame {
+impl<'a> Frame<'a> {
     /// `None` where there is no extent.
-    fn of(model: &Model<'_>, sky: Vector) -> Option<Self> {
+    fn of(model: &Model<'a>, sky: Vector) -> Option<Self> {
         let aside = if sky[0].abs() < 0.9 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
         let right = unit(cross(sky, aside))?;
         let axes = [right, cross(sky, right), sky];
@@ -157,10 +167,9 @@ impl Frame {
             [[0, 1, 2].map(|k| a[0][k].min(b[0][k])), [0, 1, 2].map(|k| a[1][k].max(b[1][k]))]
         };
         let of = |list: &[[u32; 3]]| {
-            let corners = list.iter().filter_map(|&triangle| corners(model, triangle)).flatten();
-            corners.fold(none, |sum, p| {
+            list.iter().flatten().map(|&v| model.positions[v as usize]).fold(none, |sum, p| {
                 let p = axes.map(|axis| dot(axis, p));
-                join(sum, [p, p])
+                if p.iter().all(|x| x.is_finite()) { join(sum, [p, p]) } else { sum }
             })
         };
         let [low, high] = model.triangles.par_chunks(PART).map(of).reduce(|| none, join);
@@ -170,98 +179,132 @@ impl Frame {
         }
         let level = [0, 1].map(|k| times(0.5 * (low[k] + high[k]), axes[k]));
         let middle = plus(plus(level[0], level[1]), times(low[2], sky));
-        Some(Self { axes, middle, half, height: high[2] - low[2] })
+        let place = |&point: &Vector| {
+            let from = minus(point, middle);
+            axes.map(|axis| (dot(axis, from) / half) as f32)
+        };
+        let places = model.positions.par_iter().with_min_len(PART).map(place).collect();
+        Some(Self { axes, middle, half, height: (high[2] - low[2]) / half, triangles: model.triangles, places })
     }
 
-    /// Coordinates on the ground and height, in halves of the longer side.
-    fn place(&self, point: Vector) -> Vector {
-        let from = minus(point, self.middle);
-        self.axes.map(|axis| dot(axis, from) / self.half)
+    /// The camera in coordinates of the map, whose unit is half its side, and no map yet.
+    fn seen(&self, camera: &Camera) -> Shadow {
+        let side = self.half * (1.0 + REACH);
+        let turned = |v: Vector| self.axes.map(|axis| dot(axis, v) / side);
+        let step = 1.0 / camera.focal_px;
+        let steps = [turned(times(step, camera.right)), turned(times(-step, camera.up))];
+        let (eye, forward) = (turned(minus(camera.eye, self.middle)), turned(camera.forward));
+        let (origin, ray) = match camera.projection {
+            Projection::Perspective => ([eye, [0.0; 3], [0.0; 3]], [forward, steps[0], steps[1]]),
+            Projection::Orthographic => ([eye, steps[0], steps[1]], [forward, [0.0; 3], [0.0; 3]]),
+        };
+        let corner = |x: f64, y: f64| {
+            let across = plus(times(side * x, self.axes[0]), times(side * y, self.axes[1]));
+            camera.place(plus(self.middle, across))
+        };
+        let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0)];
+        let all = [0, 0, camera.size_px[0] as usize, camera.size_px[1] as usize];
+        let box_of = |low: [f64; 2], high: [f64; 2]| {
+            [low[0] as usize, low[1] as usize, high[0] as usize + 2, high[1] as usize + 2]
+        };
+        // a map that reaches behind the camera may be seen anywhere
+        let reach_px = corners.iter().copied().collect::<Option<Vec<_>>>().map_or(all, |corners| {
+            let least = |k: usize| corners.iter().map(|corner| corner[k]).fold(f64::INFINITY, f64::min);
+            let most = |k: usize| corners.iter().map(|corner| corner[k]).fold(0.0, f64::max);
+            box_of([least(0), least(1)], [most(0), most(1)])
+        });
+        let middle_px = camera.size_px.map(|side| 0.5 * side);
+        Shadow { origin, ray, middle_px, reach_px, cells: CELLS, dark: Vec::new() }
+    }
+
+    /// The places of the corners of a triangle.
+    fn corners(&self, triangle: [u32; 3]) -> [[f32; 3]; 3] {
+        triangle.map(|v| self.places[v as usize])
     }
 
     /// The centre of the surface on the ground: the mean of the centres of its triangles, weighted by their areas, added
     /// up in parts whose borders depend on the number of triangles only.
-    fn centre(&self, model: &Model<'_>) -> [f64; 2] {
+    fn centre(&self) -> [f64; 2] {
         let of = |list: &[[u32; 3]]| {
-            list.iter().filter_map(|&triangle| corners(model, triangle)).fold([0.0; 3], |sum, corners| {
-                let [a, b, c] = corners.map(|p| self.place(p));
+            list.iter().fold([0.0; 3], |sum: Vector, &triangle| {
+                let [a, b, c] = self.corners(triangle).map(|p| p.map(f64::from));
                 let across = cross(minus(b, a), minus(c, a));
                 let area = dot(across, across).sqrt();
                 let third = area / 3.0;
-                [sum[0] + third * (a[0] + b[0] + c[0]), sum[1] + third * (a[1] + b[1] + c[1]), sum[2] + area]
+                let more = [third * (a[0] + b[0] + c[0]), third * (a[1] + b[1] + c[1]), area];
+                if area.is_finite() { plus(sum, more) } else { sum }
             })
         };
-        let parts: Vec<Vector> = model.triangles.par_chunks(PART).map(of).collect();
+        let parts: Vec<Vector> = self.triangles.par_chunks(PART).map(of).collect();
         let [x, y, area] = parts.into_iter().fold([0.0; 3], plus);
         if area > 0.0 { [x / area, y / area] } else { [0.0; 2] }
     }
 
     /// Whether the centre of the surface is over the hull of what touches the ground.
-    fn is_stood_on(&self, model: &Model<'_>) -> bool {
-        if self.height < SHEET * 2.0 * self.half {
+    fn is_stood_on(&self) -> bool {
+        if self.height < 2.0 * SHEET {
             return false;
         }
         let directions: [[f64; 2]; DIRECTIONS] =
             std::array::from_fn(|k| TAU * k as f64 / DIRECTIONS as f64).map(|angle| [cos(angle), sin(angle)]);
         let none = [f64::NEG_INFINITY; DIRECTIONS];
         let join = |a: [f64; DIRECTIONS], b: [f64; DIRECTIONS]| std::array::from_fn(|k| a[k].max(b[k]));
-        let sole = SOLE * self.height / self.half;
-        let [x, y] = self.centre(model);
-        let beside = |p: &Vector| [p[0] - x, p[1] - y];
+        let sole = (SOLE * self.height) as f32;
+        let [x, y] = self.centre();
         let of = |list: &[[u32; 3]]| {
-            let corners = list.iter().filter_map(|&triangle| corners(model, triangle)).flatten();
-            let touching = corners.map(|p| self.place(p)).filter(|p| p[2] <= sole);
-            touching.fold(none, |far, p| {
-                let [right, ahead] = beside(&p);
+            let corners = list.iter().flatten().map(|&v| self.places[v as usize]);
+            corners.filter(|p| p[2] <= sole).fold(none, |far, p| {
+                let (right, ahead) = (f64::from(p[0]) - x, f64::from(p[1]) - y);
                 join(far, directions.map(|[x, y]| right * x + ahead * y))
             })
         };
-        let far = model.triangles.par_chunks(PART).map(of).reduce(|| none, join);
+        let far = self.triangles.par_chunks(PART).map(of).reduce(|| none, join);
         far.iter().all(|&far| far > FIRM)
     }
 
     /// Coordinates of the corners of a triangle in cells of a map, and their heights, unless it stands too high.
-    fn over(&self, model: &Model<'_>, triangle: [u32; 3], cells: usize) -> Option<[Vector; 3]> {
-        let places = corners(model, triangle)?.map(|p| self.place(p));
-        let scale = 0.5 * cells as f64 / (1.0 + REACH);
-        let cell = |u: f64| u * scale + 0.5 * cells as f64;
-        places.iter().any(|p| p[2] < HIGH).then(|| places.map(|[x, y, height]| [cell(x), cell(y), height]))
+    fn over(&self, triangle: [u32; 3], cells: usize) -> Option<[[f32; 3]; 3]> {
+        let places = self.corners(triangle);
+        let half = 0.5 * cells as f32;
+        let scale = half / (1.0 + REACH as f32);
+        let is_near = places.iter().any(|p| p[2] < HIGH) && places.iter().flatten().all(|x| x.is_finite());
+        is_near.then(|| places.map(|[x, y, height]| [x * scale + half, y * scale + half, height]))
     }
 
     /// Places at which triangles are looked at, at most.
-    fn places(&self, model: &Model<'_>, cells: usize) -> u64 {
+    fn looks(&self, cells: usize) -> u64 {
         let of = |list: &[[u32; 3]]| -> u64 {
-            let over = list.iter().filter_map(|&triangle| self.over(model, triangle, cells));
-            over.map(|corners| (parts(&corners) as u64 + 2).pow(2) / 2).sum()
+            let over = list.iter().filter_map(|&triangle| self.over(triangle, cells));
+            over.map(|corners| (parts(&corners) as u64 + 1).pow(2) / 2).sum()
         };
-        model.triangles.par_chunks(PART).map(of).sum()
+        self.triangles.par_chunks(PART).map(of).sum()
     }
 
     /// How much each cell lacks of its light.
-    fn dark(&self, model: &Model<'_>, cells: usize, watch: &Watch) -> Result<Vec<f32>, Stopped> {
-        let far = || vec![HIGH as f32; cells * cells];
+    fn dark(&self, cells: usize, watch: &Watch) -> Result<Vec<f32>, Stopped> {
+        let far = || vec![HIGH; cells * cells];
         let lower = |mut a: Vec<f32>, b: Vec<f32>| {
             a.iter_mut().zip(b).for_each(|(a, b)| *a = a.min(b));
             a
         };
-        let part = model.triangles.len().div_ceil(8).max(PART);
+        let part = self.triangles.len().div_ceil(8).max(PART);
         let of = |list: &[[u32; 3]]| {
             let mut heights = far();
             for (n, &triangle) in list.iter().enumerate() {
                 if n % 4096 == 0 {
                     watch.check()?;
                 }
-                if let Some(corners) = self.over(model, triangle, cells) {
+                if let Some(corners) = self.over(triangle, cells) {
                     lay(&corners, &mut heights, cells);
                 }
             }
             Ok(heights)
         };
-        let heights = model.triangles.par_chunks(part).map(of).try_reduce(far, |a, b| Ok::<_, Stopped>(lower(a, b)))?;
+        let heights = self.triangles.par_chunks(part).map(of).try_reduce(far, |a, b| Ok::<_, Stopped>(lower(a, b)))?;
         let side = cells as f32;
-        let [near, wide] = [(LOW, 0.011), (HIGH, 0.05)].map(|(high, share): (f64, f32)| {
+        let [near, wide] = [(LOW, 0.011), (HIGH, 0.05)].map(|(high, share): (f32, f32)| {
             let weight = |height: &f32| {
-                let rest = (1.0 - height / high as f32).max(0.0);
+                let rest = (1.0 - height / high).max(0.0);
                 rest * rest
             };
             let dark: Vec<f32> = heights.iter().map(weight).collect();
@@ -273,25 +316,31 @@ impl Frame {
 }
 
 /// Into how many parts each side of a triangle is cut, so that no cell below it is missed.
-fn parts(corners: &[Vector; 3]) -> usize {
-    let side = |a: &Vector, b: &Vector| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
+fn parts(corners: &[[f32; 3]; 3]) -> usize {
+    let side = |a: &[f32; 3], b: &[f32; 3]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
     let longest =
         side(&corners[0], &corners[1]).max(side(&corners[1], &corners[2])).max(side(&corners[2], &corners[0]));
     (longest.ceil() as usize).max(1)
 }
 
-/// Lowers the cells below a triangle to its height there.
-fn lay(corners: &[Vector; 3], heights: &mut [f32], cells: usize) {
+/// Lowers the cells below a triangle to its height there. What is smaller than a cell is one place: others stand beside.
+fn lay(corners: &[[f32; 3]; 3], heights: &mut [f32], cells: usize) {
+    let mut low = |[x, y, height]: [f32; 3]| {
+        let [x, y] = [x, y].map(|u| (u.max(0.0) as usize).min(cells - 1));
+        let least = &mut heights[y * cells + x];
+        *least = least.min(height);
+    };
     let n = parts(corners);
-    let step = 1.0 / n as f64;
-    let [a, b, c] = corners;
-    let (right, down) = (times(step, minus(*b, *a)), times(step, minus(*c, *a)));
+    let [a, b, c] = *corners;
+    if n == 1 {
+        return low(a);
+    }
+    let step = 1.0 / n as f32;
+    let side = |to: [f32; 3]| -> [f32; 3] { std::array::from_fn(|k| step * (to[k] - a[k])) };
+    let (right, down) = (side(b), side(c));
     for j in 0..=n {
         for i in 0..=n - j {
-            let [x, y, height] = plus(*a, plus(times(i as f64, right), times(j as f64, down)));
-            let cell = [x, y].map(|u| (u.max(0.0) as usize).min(cells - 1));
-            let least = &mut heights[cell[1] * cells + cell[0]];
-            *least = least.min(height as f32);
+            low(std::array::from_fn(|k| a[k] + i as f32 * right[k] + j as f32 * down[k]));
         }
     }
 }

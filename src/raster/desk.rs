@@ -31,8 +31,8 @@ pub(super) struct Desk {
     over: Vec<[f32; 4]>,
 }
 
-/// What is drawn of triangles that something is seen through: of those that show their inside the nearest, then of those
-/// that show their outside, each over what lies behind.
+/// What is drawn of triangles that something is seen through: of those that show their inside the nearest, then of
+/// those that show their outside, each over what lies behind.
 struct Glass {
     samples: Samples,
     lighter: Lighter,

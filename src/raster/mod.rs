@@ -29,6 +29,7 @@ mod paint;
 mod pixmap;
 mod project;
 mod shade;
+mod sight;
 #[cfg(test)]
 mod tests;
 mod texels;
@@ -42,5 +43,6 @@ pub use forecast::Forecast;
 pub use model::{Crowding, Model, Normals, Strokes, Surface};
 pub use paint::{Paint, Swatch};
 pub use pixmap::Pixmap;
+pub use sight::{Seen, Sight};
 pub use texels::{Beyond, Cover, Texels};
 pub use tiles::{Ground, Look, MAX_SIDE_PX, render};

@@ -1,6 +1,6 @@
 //! Ambient occlusion: hollows get less light, told by the depths in the picture around each place.
 //!
-//! On a coarser grid of at most 512 cells a side, so that the time is bounded, each cell asks some cells around it how
+//! On a coarser grid of at most 256 cells a side, so that the time is bounded, each cell asks some cells around it how
 //! high they stand over its tangent plane: the mean of the sines of those angles is what is hidden of the sky. It is
 //! smoothed over cells of like distance. Source: M. McGuire et al., High Performance Graphics 2011, 25-32.
 
@@ -21,9 +21,8 @@ use crate::math::functions::{cos, sin};
 use crate::watch::{Stopped, Watch};
 
 /// Most cells along a side.
-/// Half of it blurs small hollows, twice of it takes four times as long; the largest picture still has 16 pixels a cell,
-/// which divide a tile.
-const MOST_CELLS: usize = 512;
+/// Half of it blurs small hollows, twice of it takes four times as long; in the largest picture a cell is a tile.
+const MOST_CELLS: usize = 256;
 /// How far what hides light may stand, as a share of the radius of the model.
 /// Half of it darkens creases only, twice of it darkens whole limbs.
 const REACH: f32 = 0.3;
@@ -75,8 +74,8 @@ struct Lens {
     perspective: bool,
     /// The distance is the first over the depth (perspective), or the first less the second times the depth.
     depth: [f32; 2],
-    /// Pixels of the picture a radius, at distance one in perspective.
-    focal: f32,
+    /// Pixels of the picture a radius, at distance one in perspective, and its inverse.
+    focal: [f32; 2],
     centre_px: [f32; 2],
 }
 
@@ -93,7 +92,7 @@ impl Lens {
         Self {
             perspective,
             depth: depth.map(|x| x as f32),
-            focal: focal as f32,
+            focal: [focal as f32, (1.0 / focal) as f32],
             centre_px: camera.size_px.map(|side| (0.5 * side) as f32),
         }
     }
@@ -111,13 +110,13 @@ impl Lens {
 
     /// The place at pixel coordinates and a distance: right, down, forward.
     fn point(&self, [x, y]: [f32; 2], distance: f32) -> Vec3f {
-        let scale = if self.perspective { distance / self.focal } else { 1.0 / self.focal };
+        let scale = if self.perspective { distance * self.focal[1] } else { self.focal[1] };
         [(x - self.centre_px[0]) * scale, (y - self.centre_px[1]) * scale, distance]
     }
 
     /// Pixels of a radius at this distance.
     fn pixels(&self, distance: f32) -> f32 {
-        if self.perspective { self.focal / distance } else { self.focal }
+        if self.perspective { self.focal[0] / distance } else { self.focal[0] }
     }
 }
 
@@ -180,7 +179,8 @@ impl Occlusion {
         let turn = ((x & 3) * 4 + (y & 3)) as usize;
         let mut hidden = 0.0;
         for [right, down] in AROUND[turn] {
-            let (i, j) = ((reach * right + 0.5).floor() as isize, (reach * down + 0.5).floor() as isize);
+            // to the nearest, moved up so that the cast rounds down
+            let [i, j] = [right, down].map(|share| (reach * share + 128.5) as isize - 128);
             let distance = self.distance(x + i, y + j);
             if (i, j) == (0, 0) || distance.is_infinite() {
                 continue;
@@ -246,14 +246,12 @@ impl Occlusion {
         let (mut sum, mut weights) = (0.0, 0.0);
         for (x, y, share) in corners.into_iter().chain([(right, below, u * v)]) {
             let cell = y * columns + x;
-            let apart = (self.distance[cell] - distance).abs() * (8.0 / REACH);
-            let weight = share / (1.0 + apart * apart) + 1e-6;
-            if apart.is_finite() {
-                sum += weight * self.open[cell];
-                weights += weight;
-            }
+            let near = 1.0 - (self.distance[cell] - distance).abs() * (4.0 / REACH);
+            let weight = if near > 0.0 { share * near + 1e-6 } else { 1e-6 };
+            sum += weight * self.open[cell];
+            weights += weight;
         }
-        if weights > 0.0 { sum / weights } else { 1.0 }
+        sum / weights
     }
 }
 

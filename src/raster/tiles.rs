@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::binned_model::BinnedModel;
 use super::bins::{Grid, TILE};
 use super::camera::Camera;
-use super::contact::Shadow;
+use super::contact::{Shadow, ShadowRow};
 use super::desk::{Desk, Drawn};
 use super::model::Model;
 use super::occlusion::Occlusion;
@@ -67,8 +67,9 @@ pub fn render(
     bytes.par_chunks_mut(columns * 4).enumerate().try_for_each(|(y, line)| {
         watch.check()?;
         let row = &tiles[y / TILE * usize::from(grid.columns)..];
+        let shadow = finish.shadow.as_ref().and_then(|shadow| shadow.row(y));
         for (column, part) in line.chunks_mut(TILE * 4).enumerate() {
-            finish.write(row[column].as_ref(), [column * TILE, y], part);
+            finish.write(row[column].as_ref(), shadow.as_ref(), [column * TILE, y], part);
         }
         Ok(())
     })?;
@@ -99,36 +100,32 @@ struct Finish {
 
 impl Finish {
     /// Writes the pixels of one row of a tile, from pixel `place` of the picture on.
-    fn write(&self, tile: Option<&Drawn>, [left, y]: [usize; 2], part: &mut [u8]) {
+    fn write(&self, tile: Option<&Drawn>, shadow: Option<&ShadowRow<'_>>, [left, y]: [usize; 2], part: &mut [u8]) {
         let pixels = part.as_chunks_mut::<4>().0;
-        if tile.is_none() && self.shadow.is_none() {
+        if tile.is_none() && shadow.is_none() {
             pixels.fill(self.look.background);
             return;
         }
         let first = y % TILE * TILE;
         for (x, pixel) in pixels.iter_mut().enumerate() {
-            let place = [left + x, y];
             let mut light = tile.and_then(|tile| tile.surface.get(first + x)).map_or([0.0; 4], unpacked);
             if light[3] > 0.0
                 && let (Some(occlusion), Some(tile)) = (&self.occlusion, tile)
             {
-                let open = occlusion.open(place, tile.depth[first + x]);
+                let open = occlusion.open([left + x, y], tile.depth[first + x]);
                 light = [light[0] * open, light[1] * open, light[2] * open, light[3]];
             }
+            let line = tile.and_then(|tile| tile.over.get(first + x)).map_or([0.0; 4], unpacked);
             if light[3] < 1.0 {
-                light = over(light, self.behind(place));
+                let dark = shadow.map_or(0.0, |shadow| shadow.at(left + x));
+                if [light[3], line[3], dark].iter().all(|share| *share <= 0.0) {
+                    *pixel = self.look.background;
+                    continue;
+                }
+                light = over(light, over([0.0, 0.0, 0.0, dark], self.paper));
             }
-            if let Some(line) = tile.and_then(|tile| tile.over.get(first + x)) {
-                light = over(unpacked(line), light);
-            }
-            *pixel = ENCODING.pixel(light);
+            *pixel = ENCODING.pixel(over(line, light));
         }
-    }
-
-    /// What is seen where there is no surface.
-    fn behind(&self, place: [usize; 2]) -> [f32; 4] {
-        let dark = self.shadow.as_ref().map_or(0.0, |shadow| shadow.at(place));
-        over([0.0, 0.0, 0.0, dark], self.paper)
     }
 }
 

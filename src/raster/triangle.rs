@@ -208,6 +208,13 @@ pub(super) fn pixel_box(&[a, b, c]: &[Vertex; 3]) -> [i32; 4] {
     [low(a.x.min(b.x).min(c.x)), low(a.y.min(b.y).min(c.y)), high(a.x.max(b.x).max(c.x)), high(a.y.max(b.y).max(c.y))]
 }
 
+/// Pixels that a bounding box touches: left, top, right, bottom, bounds included.
+pub(super) fn touched(&[a, b, c]: &[Vertex; 3]) -> [i32; 4] {
+    let pixel = |u: i32| u.div_euclid(STEPS);
+    let (left, top) = (a.x.min(b.x).min(c.x), a.y.min(b.y).min(c.y));
+    [pixel(left), pixel(top), pixel(a.x.max(b.x).max(c.x)), pixel(a.y.max(b.y).max(c.y))]
+}
+
 /// One edge in a tile.
 enum Edge {
     /// The tile lies outside.

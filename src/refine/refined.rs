@@ -28,6 +28,8 @@ pub struct RefinedMesh {
     pub(super) attachments: Arc<Attachments>,
     pub(super) channels: Vec<RefinedChannel>,
     pub(super) uvs: Option<Arc<RefinedPlaces>>,
+    /// The places of all seams together, before refinement.
+    pub(super) unfolded: Option<Arc<Topology>>,
     /// The mesh in its other frames, without channels.
     pub(super) frames: Vec<RefinedMesh>,
     /// Edges that are still sharp, numbered in the order of construction.
@@ -78,6 +80,7 @@ impl RefinedMesh {
             split_from: Arc::default(),
             pieces,
             uvs: None,
+            unfolded: None,
             frames: Vec::new(),
         }
     }
@@ -89,13 +92,13 @@ impl RefinedMesh {
         channels: Vec<RefinedChannel>,
         uvs: Option<Arc<RefinedPlaces>>,
     ) -> Self {
-        Self { attachments, channels, uvs, ..self }
+        Self { unfolded: attachments.unfolded.clone(), attachments, channels, uvs, ..self }
     }
 
     /// This mesh at the points of another one of the same net.
     #[must_use]
     pub fn moved(&self, other: Self) -> Self {
-        Self { uvs: self.uvs.clone(), ..other }
+        Self { uvs: self.uvs.clone(), unfolded: self.unfolded.clone(), ..other }
     }
 
     /// The same mesh with its other frames.

@@ -1,5 +1,5 @@
-//! Values of face corners under refinement, texture coordinates and channels: meshes of their own, refined by the scheme
-//! of the mesh.
+//! Values of face corners under refinement, texture coordinates and channels: meshes of their own, refined by the
+//! scheme of the mesh.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};

@@ -26,7 +26,7 @@ pub(super) struct Unfolded<'a> {
 impl<'a> Unfolded<'a> {
     /// That of a mesh, if anything of it has seams.
     pub(super) fn of(mesh: &'a RefinedMesh) -> Option<Self> {
-        let base = mesh.attachments().unfolded.clone()?;
+        let base = mesh.unfolded.clone()?;
         let order = mesh.order.order().map(|order| order.over(&base));
         Some(Self { mesh, base, order })
     }

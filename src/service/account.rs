@@ -31,14 +31,16 @@ pub struct Account {
     pub long: Arc<Share>,
     /// What the cache in memory may hold, bytes.
     pub cache_bytes: u64,
+    /// What uploads may hold in memory, where nothing is kept on disk, bytes.
+    pub uploads_bytes: u64,
     /// What work that is kept for later computations may hold, bytes.
     pub work_bytes: u64,
 }
 
 impl Account {
     /// Divides `total` bytes: the cache gets `cache` bytes, but at most a quarter; a sixteenth each goes to reading,
-    /// answers, and the short lane; a thirty-second each to bodies and to inputs; a sixty-fourth each to records and to
-    /// [buffers that are kept](kept_buffers); a ninety-sixth to kept work; the long lane gets the rest, which is more
+    /// answers, and the short lane; a thirty-second each to bodies and to inputs; a sixty-fourth to
+    /// [buffers that are kept](kept_buffers), and half as much each to records and to uploads; a ninety-sixth to kept work; the long lane gets the rest, which is more
     /// than two fifths.
     ///
     /// The parts are chosen so that the default of 12 GiB holds a job of 8 GiB, and reads a body of the default length,
@@ -47,13 +49,13 @@ impl Account {
         let share = |name, part: u64| Arc::new(Share::new(name, total / part));
         let cache_bytes = cache.min(total / 4);
         let (bodies, reading, inputs) = (share("bodies", 32), share("reading", 16), share("inputs", 32));
-        let (records, answers, short) = (share("records", 64), share("answers", 16), share("short-lane", 16));
+        let (records, answers, short) = (share("records", 128), share("answers", 16), share("short-lane", 16));
         let given: u64 =
             [&bodies, &reading, &inputs, &records, &answers, &short].iter().map(|share| share.capacity).sum();
-        let work_bytes = total / 96;
-        let kept = cache_bytes + work_bytes + kept_buffers(total);
+        let (uploads_bytes, work_bytes) = (total / 128, total / 96);
+        let kept = cache_bytes + uploads_bytes + work_bytes + kept_buffers(total);
         let long = Arc::new(Share::new("long-lane", total.saturating_sub(given + kept)));
-        Self { bodies, reading, inputs, records, answers, short, long, cache_bytes, work_bytes }
+        Self { bodies, reading, inputs, records, answers, short, long, cache_bytes, uploads_bytes, work_bytes }
     }
 
     /// All shares, in the order of a request's way.

@@ -16,6 +16,7 @@ use super::pool::{Busy, Lane, Memory, Panicked, Pool, Turn, Waiting};
 use super::queue::Queue;
 use super::result_buffer::ResultBuffer;
 use super::store::{Description, Manifest};
+use super::tally::{Found, Tally};
 use super::task::Task;
 use super::tiers::{Kept, Tiers};
 use super::under_way::{Interest, UnderWay};
@@ -48,6 +49,8 @@ pub struct Desk {
     pub queue: Arc<dyn Queue>,
     /// The files that clients sent.
     pub uploads: Uploads,
+    /// What happened, counted.
+    pub tally: Arc<Tally>,
     /// How much is taken on, and for how long.
     pub terms: Terms,
     pub(super) clock: Arc<dyn Clock>,
@@ -96,6 +99,7 @@ impl Desk {
     ) -> Self {
         let (peers, under_way, ending) = (Arc::default(), Arc::default(), watch::channel(false).0);
         let (in_flight, work) = (InFlight::default(), KeptWork::new(account.work_bytes));
+        let tally = jobs.tally().clone();
         Self {
             limits,
             tiers,
@@ -107,6 +111,7 @@ impl Desk {
             jobs,
             queue,
             uploads,
+            tally,
             terms,
             clock,
             under_way,
@@ -116,7 +121,14 @@ impl Desk {
 
     /// The artifact of a key, if it is kept anywhere.
     pub async fn find(self: &Arc<Self>, key: Key) -> Option<Arc<Manifest>> {
-        self.tiers.find(&key).await
+        let at_hand = self.tiers.at_hand(&key);
+        let tier = if at_hand.is_some() { Found::Memory } else { Found::Disk };
+        let found = match at_hand {
+            Some(manifest) => Some(manifest),
+            None => self.tiers.find(&key).await,
+        };
+        self.tally.looked(if found.is_some() { tier } else { Found::Nowhere });
+        found
     }
 
     /// Joins the computation of a task for a peer, or starts it.
@@ -236,6 +248,7 @@ impl Desk {
     /// Takes a finished computation off the list, then says so.
     fn finish(&self, computation: &Arc<Computation>, phase: Phase) {
         self.under_way.remove(computation);
+        self.tally.computed(&phase);
         computation.set(phase);
     }
 

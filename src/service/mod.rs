@@ -21,6 +21,7 @@ mod reads;
 pub mod result_buffer;
 pub mod store;
 pub mod streaming;
+pub mod tally;
 pub mod task;
 pub mod tiers;
 pub mod under_way;

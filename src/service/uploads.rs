@@ -8,10 +8,9 @@ use std::time::Duration;
 
 use bytes::Bytes;
 
-use super::account::Held;
 use super::disk_counts::DiskCounts;
 use super::reads::Reads;
-use super::store::{Description, Manifest, Pin, Spool, Store, StoreError};
+use super::store::{Description, Manifest, Pin, Spool, Store, StoreError, Usage};
 use crate::job::key::{Key, content};
 
 /// How long reading a part may wait for the disk: as long as answers wait for theirs.
@@ -24,8 +23,6 @@ pub struct Uploads {
     store: Arc<dyn Store>,
     reads: Reads,
     begun: AtomicU64,
-    /// What a store in memory may hold, taken from the account for good.
-    _held: Option<Held>,
 }
 
 /// A file on its way.
@@ -51,9 +48,9 @@ impl Upload {
 }
 
 impl Uploads {
-    /// Uploads in a store of their own; `held` pays for one in memory.
-    pub fn new(store: Arc<dyn Store>, held: Option<Held>) -> Self {
-        Self { store, reads: Reads::new(Arc::<DiskCounts>::default()), begun: AtomicU64::new(0), _held: held }
+    /// Uploads in a store of their own.
+    pub fn new(store: Arc<dyn Store>) -> Self {
+        Self { store, reads: Reads::new(Arc::<DiskCounts>::default()), begun: AtomicU64::new(0) }
     }
 
     /// Begins an upload.
@@ -89,6 +86,11 @@ impl Uploads {
             bytes.extend_from_slice(&self.part(manifest, index).await?);
         }
         Some(bytes)
+    }
+
+    /// What is held.
+    pub fn usage(&self) -> Usage {
+        self.store.usage()
     }
 
     /// Writes what has to outlast the process and lets go of the place. Blocks.

@@ -63,7 +63,7 @@ impl MeshInput {
         Ok(self)
     }
 
-    /// Gives each corner of each face a vertex of its own. Vertices of no face, and all that goes by vertices, are gone.
+    /// Gives each corner of each face a vertex of its own; what goes by vertices is not there.
     #[must_use]
     pub fn parted(mut self) -> Self {
         self.positions = self.faces.vertices().iter().map(|&v| self.positions[v as usize]).collect();

@@ -31,8 +31,8 @@ pub(super) fn described() -> RefOr<Schema> {
     let entries = OneOfBuilder::new().item(schema::channel_rows()).item(CornerChannelRequest::schema());
     let properties = AdditionalProperties::from(RefOr::from(Schema::from(entries.build())));
     let doc = "Numbers that vertices carry, by name: a number or a list of 1 to 4 numbers for each vertex; or those of \
-               corners of faces, as `values` and `faces`. `color` (red, green, blue, perhaps alpha; sRGB from 0 to 1) is \
-               the colour.";
+               corners of faces, as `values` and `faces`. `color` (red, green, blue, perhaps alpha; sRGB from 0 to 1) \
+               is the colour.";
     schema::of(Type::Object).additional_properties(Some(properties)).description(Some(doc)).into()
 }
 

@@ -56,6 +56,9 @@ pub struct InputRequest {
     /// A mesh file that was not written into the job.
     #[serde(skip)]
     pub file: Option<MeshFile>,
+    /// Whether the job has no input.
+    #[serde(skip)]
+    pub is_missing: bool,
 }
 
 choice! {
@@ -123,6 +126,11 @@ pub struct Resolved {
 }
 
 impl InputRequest {
+    /// The input of a job that has none.
+    pub(super) fn missing() -> Self {
+        Self { is_missing: true, ..Self::default() }
+    }
+
     /// What its coordinates mean.
     pub fn frame(&self) -> Frame {
         Frame { unit: self.unit.map(Into::into).unwrap_or_default(), up: self.up.map(Into::into).unwrap_or_default() }
@@ -141,6 +149,9 @@ impl InputRequest {
     /// # Errors
     /// All faults, with pointers below the input.
     pub fn resolve(mut self, purpose: Purpose, limits: &ReadLimits) -> Result<Resolved, Vec<Fault>> {
+        if self.is_missing {
+            return Err(vec![Fault::new("", "\"input\" is missing, and has to be given")]);
+        }
         if !self.is_one() {
             let detail = "give exactly one of \"mesh\", \"text\", \"blob\", \"polygon\" and \"polygons\"";
             return Err(vec![Fault::new("", detail)]);

@@ -3,21 +3,24 @@
 use serde::Deserialize;
 use utoipa::ToSchema;
 
+use super::figure::{Outline, Panel};
 use super::input::{InputRequest, Purpose, Resolved};
 use super::levels::LevelsRequest;
+use super::literal::WireLiteral;
 use super::output::{OutputRequest, outputs};
 use super::plan::PlanRequest;
 use super::variants::{InputSchema, PlanSchema};
 use super::{object, whole};
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
-use crate::job::{Draft, Input, Job, Levels, Output, SearchError};
+use crate::job::{Draft, Figure, Input, Job, Levels, Output, SearchError, panel_place};
 use crate::output::ShapeKind;
 use crate::scheme::plan::PlanInput;
 use crate::shape::frame::Frame;
 use crate::watch::Watch;
 
-/// A job: what is refined, how, how often, and what is answered.
+/// A job: what is refined, how, how often, and what is answered; or, with a `figure` in place of an `input`, pictures of
+/// jobs in a grid.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JobRequest {
@@ -25,9 +28,9 @@ pub struct JobRequest {
     #[schema(minimum = 1, maximum = 1)]
     #[serde(default, deserialize_with = "whole::optional")]
     pub spec: Option<u64>,
-    /// What is refined: exactly one kind of input.
-    #[serde(deserialize_with = "object::one")]
-    #[schema(value_type = InputSchema)]
+    /// What is refined: exactly one kind of input. It has to be given unless there is a `figure`.
+    #[serde(default = "InputRequest::missing", deserialize_with = "object::one")]
+    #[schema(value_type = InputSchema, required = false)]
     pub input: InputRequest,
     /// How it is refined; may be left out together with `levels`, to convert or draw the input as it is.
     #[serde(default, deserialize_with = "object::optional")]
@@ -36,6 +39,9 @@ pub struct JobRequest {
     /// How often the plan's cycle is applied, or how close to the limit it is to come; has to be given where there is a
     /// plan.
     pub levels: Option<LevelsRequest>,
+    /// Pictures of jobs in a grid, in place of `input`, `plan` and `levels`.
+    #[serde(default, deserialize_with = "object::optional_box")]
+    pub figure: Option<Box<FigureRequest>>,
     /// What is answered, 1 to 64 results; without any, /v1/render goes by `Accept`.
     #[serde(default)]
     #[schema(max_items = 64)]
@@ -45,7 +51,71 @@ pub struct JobRequest {
     pub left_out: usize,
 }
 
+/// Pictures of jobs in a grid.
+#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FigureRequest {
+    /// Columns of the grid; when left out, as many as rows, or one more.
+    #[schema(minimum = 1, maximum = 12)]
+    #[serde(default, deserialize_with = "whole::optional")]
+    pub columns: Option<u64>,
+    /// The panels, row by row, 1 to 64; each stands at the first free place after the one before it.
+    #[serde(deserialize_with = "object::list")]
+    #[schema(min_items = 1, max_items = 64)]
+    pub panels: Vec<PanelRequest>,
+    /// What stands above all. Greek letters and signs are written as `\\alpha`, subscripts as `x_{1}`, exponents as
+    /// `x^{2}`.
+    pub title: Option<String>,
+    /// Whether captions begin with (a), (b), ...
+    #[serde(default)]
+    pub letters: bool,
+    /// What all panels have in common.
+    #[serde(default, deserialize_with = "object::optional")]
+    pub shared: Option<SharedRequest>,
+}
+
+/// A panel of a figure.
+#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PanelRequest {
+    /// What it shows: a job with one picture as its output, a png when left out. `width` and `height` of the picture
+    /// give its proportions; how large it is follows from the width of the figure.
+    #[serde(deserialize_with = "object::one")]
+    #[schema(no_recursion)]
+    pub job: JobRequest,
+    /// What stands below it, as `title`.
+    pub caption: Option<String>,
+    /// Columns and rows that it spans, `[1, 1]` when left out.
+    #[schema(schema_with = super::schema::span)]
+    pub span: Option<[u64; 2]>,
+}
+
+/// What all panels of a figure have in common.
+#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SharedRequest {
+    /// The camera of all panels, in place of theirs: see the option `camera` of png.
+    #[schema(value_type = Option<Object>)]
+    pub camera: Option<WireLiteral>,
+    /// Whether all panels have one scale: each is framed by the box around all that any of them shows.
+    #[serde(default)]
+    pub scale: bool,
+}
+
 impl JobRequest {
+    /// A figure with one output.
+    pub fn of_figure(figure: FigureRequest, output: OutputRequest) -> Self {
+        Self {
+            spec: None,
+            input: InputRequest::missing(),
+            plan: None,
+            levels: None,
+            figure: Some(Box::new(figure)),
+            outputs: vec![output],
+            left_out: 0,
+        }
+    }
+
     /// What kind of result it has, as far as that can be told before it is checked.
     pub fn shape_kind(&self) -> ShapeKind {
         let first = self.input.polygon.iter().chain(self.input.polygons.iter().flatten()).next();
@@ -88,18 +158,97 @@ impl JobRequest {
     /// # Errors
     /// All faults found.
     pub fn draft_within(self, limits: &ReadLimits) -> Result<Draft, Vec<Fault>> {
+        if self.figure.is_some() {
+            return self.drawn_together(limits);
+        }
         let purpose = self.purpose();
         self.parts(purpose, limits).draft()
+    }
+
+    /// The format of a job that names no output, unless something else chooses it.
+    pub fn usual_format(&self) -> &'static str {
+        match self.shape_kind() {
+            _ if self.figure.is_some() => "png",
+            ShapeKind::Mesh => "glb",
+            ShapeKind::Curves { .. } => "json",
+        }
     }
 
     /// Checks the request as [`JobRequest::draft_within`], and tells what its parts are as far as these are right. An
     /// input alone is looked at as one that is to be refined.
     pub fn examine(self, limits: &ReadLimits) -> Examined {
+        if self.figure.is_some() {
+            return Examined { faults: self.drawn_together(limits).err().unwrap_or_default(), input: None, plan: None };
+        }
         let purpose = if self.outputs.is_empty() { Purpose::Refine } else { self.purpose() };
         let parts = self.parts(purpose, limits);
         let input = parts.input.as_ref().map(|resolved| resolved.input.clone());
         let plan = parts.plan.clone();
         Examined { faults: parts.draft().err().unwrap_or_default(), input, plan }
+    }
+
+    /// Checks a figure: its layout, then its panels at their sizes.
+    fn drawn_together(self, limits: &ReadLimits) -> Result<Draft, Vec<Fault>> {
+        let mut faults = self.beside_figure();
+        let outputs = keep(outputs(&self.outputs, self.left_out), &mut faults).unwrap_or_default();
+        let Some(FigureRequest { columns, panels, title, letters, shared }) = self.figure.map(|figure| *figure) else {
+            return Err(faults);
+        };
+        let (one_scale, camera) = shared.map_or((false, None), |shared| (shared.scale, shared.camera));
+        let about = |panel: &PanelRequest| Panel {
+            span: panel.span,
+            caption: panel.caption.clone(),
+            outputs: panel.job.outputs.clone(),
+        };
+        let about: Vec<Panel> = panels.iter().map(about).collect();
+        let outline = match Outline::new(columns, (title, letters), &about, camera.as_ref()) {
+            Ok(outline) => outline,
+            Err(found) => return Err(faults.into_iter().chain(found).collect()),
+        };
+        let figure = Figure { panels: Vec::new(), grid: outline.grid.clone(), one_scale };
+        let sheets = outputs.iter().filter_map(|output| Some((output, keep_one(figure.sheet(output), &mut faults)?)));
+        let sheets: Vec<_> = sheets.collect();
+        let mut jobs = Vec::with_capacity(panels.len());
+        for (i, panel) in panels.into_iter().enumerate() {
+            let found = outline.outputs(i, &sheets).and_then(|outputs| panel.job.of_panel(outputs, limits));
+            jobs.extend(keep(found.map_err(|found| under(&panel_place(i), found)), &mut faults));
+        }
+        if !faults.is_empty() {
+            return Err(faults);
+        }
+        Job::of_figure(Figure { panels: jobs, ..figure }, outputs).map(|job| Draft::Job(Box::new(job)))
+    }
+
+    /// The job of a panel with these outputs.
+    fn of_panel(self, outputs: Vec<Output>, limits: &ReadLimits) -> Result<Job, Vec<Fault>> {
+        if self.figure.is_some() {
+            return Err(vec![Fault::new(
+                "/figure",
+                "a panel is a picture of an input; put its panels beside the others",
+            )]);
+        }
+        let purpose = self.purpose();
+        match self.parts_for(Ok(outputs), purpose, limits).draft()? {
+            Draft::Job(job) => Ok(*job),
+            Draft::Search(_) => {
+                let detail = "the level of a panel is a number; /v1/estimate tells the one that a tolerance leads to";
+                Err(vec![Fault::new("/levels", detail)])
+            }
+        }
+    }
+
+    /// What a figure says besides that it must not.
+    fn beside_figure(&self) -> Vec<Fault> {
+        let said =
+            [("input", !self.input.is_missing), ("plan", self.plan.is_some()), ("levels", self.levels.is_some())];
+        let fault = |name| {
+            Fault::new(
+                format!("/{name}"),
+                format!("a figure has no {name} of its own; it stands in the jobs of panels"),
+            )
+        };
+        let unknown = self.spec.filter(|spec| *spec != 1).map(unknown_spec);
+        said.into_iter().filter_map(|(name, is_said)| is_said.then(|| fault(name))).chain(unknown).collect()
     }
 
     /// What becomes of the input.
@@ -109,14 +258,18 @@ impl JobRequest {
 
     /// Checks each part by itself.
     fn parts(self, purpose: Purpose, limits: &ReadLimits) -> Parts {
+        let outputs = outputs(&self.outputs, self.left_out);
+        self.parts_for(outputs, purpose, limits)
+    }
+
+    /// Checks each part but the outputs by itself.
+    fn parts_for(self, outputs: Result<Vec<Output>, Vec<Fault>>, purpose: Purpose, limits: &ReadLimits) -> Parts {
         let mut faults = Vec::new();
-        if self.spec.is_some_and(|spec| spec != 1) {
-            faults.push(Fault::new("/spec", format!("{} is unknown; this server speaks 1", self.spec.unwrap_or(0))));
-        }
+        faults.extend(self.spec.filter(|spec| *spec != 1).map(unknown_spec));
         let kind = self.input.is_one().then(|| self.shape_kind());
         let frame = self.input.frame();
         let input = keep(self.input.resolve(purpose, limits).map_err(|found| under("/input", found)), &mut faults);
-        let outputs = keep(outputs(&self.outputs, self.left_out), &mut faults).unwrap_or_default();
+        let outputs = keep(outputs, &mut faults).unwrap_or_default();
         let says_boundary = self.plan.as_ref().is_some_and(|plan| plan.boundary.is_some());
         let mut plan = self.plan.map(PlanRequest::resolve);
         let boundary = input.as_ref().and_then(|input| input.boundary);
@@ -170,6 +323,14 @@ impl Parts {
         faults.extend(found);
         Err(faults)
     }
+}
+
+fn unknown_spec(spec: u64) -> Fault {
+    Fault::new("/spec", format!("{spec} is unknown; this server speaks 1"))
+}
+
+fn keep_one<T>(result: Result<T, Fault>, faults: &mut Vec<Fault>) -> Option<T> {
+    result.map_err(|fault| faults.push(fault)).ok()
 }
 
 fn keep<T>(result: Result<T, Vec<Fault>>, faults: &mut Vec<Fault>) -> Option<T> {

@@ -8,6 +8,7 @@ mod choice;
 mod corners;
 mod declared;
 pub(crate) mod fields;
+mod figure;
 mod fixed;
 pub mod input;
 pub mod job;

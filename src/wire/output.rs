@@ -75,7 +75,8 @@ pub(super) fn outputs(requests: &[OutputRequest], before: usize) -> Result<Vec<O
     if faults.is_empty() { Ok(found) } else { Err(faults) }
 }
 
-fn output(request: &OutputRequest, index: usize) -> Result<Output, Vec<Fault>> {
+/// Checks one output, at this place among those of the request.
+pub(super) fn output(request: &OutputRequest, index: usize) -> Result<Output, Vec<Fault>> {
     let (mut format, mut name, mut frame) = (None, None, None);
     let mut options = Vec::new();
     for (field, value) in &request.fields.0 {

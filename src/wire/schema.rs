@@ -113,6 +113,14 @@ pub(super) fn pairs() -> RefOr<Schema> {
     lists(index(), 2, Some(2), "Pairs of vertices at the same place.")
 }
 
+/// Columns and rows of a panel.
+pub(super) fn span() -> RefOr<Schema> {
+    let kind = SchemaType::Array(vec![Type::Array, Type::Null]);
+    let number = of(Type::Integer).minimum(Some(1)).maximum(Some(12));
+    let list = ArrayBuilder::new().items(number).min_items(Some(2)).max_items(Some(2));
+    list.schema_type(kind).description(Some("Columns and rows that it spans, `[1, 1]` when left out.")).into()
+}
+
 /// The seed of random perturbation.
 pub(super) fn seed() -> RefOr<Schema> {
     let most = usize::try_from(u64::MAX).expect("pointers have 64 bits");

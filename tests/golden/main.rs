@@ -1,4 +1,4 @@
-//! Every job of `api/examples/jobs` gives the result whose hash stands in `hashes.txt`, for any number of threads.
+//! Every job of `api/examples/jobs` and of `api/examples/figures` gives the result whose hash stands in `hashes.txt`, for any number of threads.
 //!
 //! This is a binary of its own because it is also run optimised, which the other tests would take minutes to compile
 //! for. `BLESS=1 cargo test --test hashes` writes the table anew.
@@ -21,11 +21,13 @@ fn path(inside: &str) -> PathBuf {
 /// Name without `.json` and text of each example job, by name.
 fn jobs() -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
-    for entry in fs::read_dir(path("api/examples/jobs")).expect("the examples can be read") {
-        let path = entry.expect("the folder can be read").path();
-        if path.extension().is_some_and(|extension| extension == "json") {
-            let name = path.file_stem().expect("a file has a name").to_string_lossy().into_owned();
-            found.insert(name, fs::read_to_string(&path).expect("the file is text"));
+    for (folder, before) in [("jobs", ""), ("figures", "figures/")] {
+        for entry in fs::read_dir(path("api/examples").join(folder)).expect("the examples can be read") {
+            let path = entry.expect("the folder can be read").path();
+            if path.extension().is_some_and(|extension| extension == "json") {
+                let name = path.file_stem().expect("a file has a name").to_string_lossy();
+                found.insert(format!("{before}{name}"), fs::read_to_string(&path).expect("the file is text"));
+            }
         }
     }
     found

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 mod batch;
+mod figures;
 mod flags;
 
 use std::io::{BufRead, BufReader, Read, Write};

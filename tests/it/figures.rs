@@ -71,6 +71,34 @@ fn pictures_of_surfaces_are_the_results_of_their_jobs() {
     assert!(n > 25, "{n} pictures");
 }
 
+/// So are the figures of the papers; each has a picture that the page shows, and all together are not too many bytes.
+#[test]
+fn the_figures_of_the_papers_are_the_results_of_their_jobs() {
+    const MOST_BYTES: u64 = 3 << 20;
+    let hashes = fs::read_to_string(path("tests/golden/hashes.txt")).expect("the table is there");
+    let page = fs::read_to_string(path("docs/papers-figures.md")).expect("the page is there");
+    let mut bytes_of_all = 0;
+    for entry in fs::read_dir(path("api/examples/figures")).expect("the jobs are there") {
+        let file = entry.expect("an entry").path();
+        let name = file.file_stem().expect("a name").to_string_lossy().into_owned();
+        let picture = format!("figures/{name}.png");
+        if blessing() {
+            let text = fs::read_to_string(&file).expect("the job can be read");
+            let job = serde_json::from_str(&text).expect("a job is JSON");
+            let (bytes, _) = render(&job).unwrap_or_else(|faults| panic!("{name}: {faults:?}"));
+            fs::create_dir_all(path("docs/figures")).expect("the folder can be made");
+            fs::write(path(&format!("docs/{picture}")), bytes).expect("the picture can be written");
+        }
+        let bytes = fs::read(path(&format!("docs/{picture}"))).expect("the picture is there");
+        bytes_of_all += bytes.len() as u64;
+        let line = format!("figures/{name} png {}", planish::job::key::content(&bytes));
+        assert!(hashes.lines().any(|known| known == line), "docs/{picture} is not what its job renders");
+        assert!(page.contains(&format!("({picture})")), "{name} is not shown");
+        assert!(page.contains(&format!("(../api/examples/figures/{name}.json)")), "the job of {name} is not named");
+    }
+    assert!((1..=MOST_BYTES).contains(&bytes_of_all), "{bytes_of_all} bytes");
+}
+
 #[test]
 fn every_picture_is_shown() {
     if blessing() {

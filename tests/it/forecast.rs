@@ -118,7 +118,7 @@ fn forecast(job: &Job) -> Result<Option<Forecast>, TestCaseError> {
         Err(Refusal::Impossible(faults)) => {
             let steps = job.plan.schedule(job.levels).expect("the functions are constants");
             let watch = Watch::new();
-            let refused = match &job.input {
+            let refused = match &*job.input {
                 Input::Mesh(mesh) => refine_mesh(mesh, &job.plan, &steps, &watch).is_err(),
                 Input::Polygons(polygons) => {
                     polygons.iter().any(|polygon| refine_polygon(polygon, &job.plan, &steps, &watch).is_err())

@@ -15,6 +15,7 @@ mod formats;
 pub(crate) mod jobs;
 mod levels_of_detail;
 mod links;
+mod metrics;
 mod negotiation;
 mod operations;
 mod posting;

@@ -189,7 +189,7 @@ proptest! {
     ) {
         let job = job(&net.input(), &json!({ "preset": "catmull-clark" }), levels, &json!({ "format": "ply" }));
         let job = parsed(job.to_string().as_bytes()).expect("a job");
-        let Input::Mesh(mesh) = &job.input else { panic!("it is a mesh") };
+        let Input::Mesh(mesh) = &*job.input else { panic!("it is a mesh") };
         let watch = Watch::new();
         let held = refine_mesh(mesh, &job.plan, job.steps(), &watch).expect("a step for every net");
         let streamed = StreamedMesh::of(mesh, &job.plan, job.steps(), &watch).expect("a step for every net");

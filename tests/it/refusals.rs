@@ -26,7 +26,7 @@ fn a_text_that_breaks_off_is_no_json_whatever_stands_before() {
         let refused = read::<JobRequest>(text.as_bytes()).expect_err("it is no job");
         assert!(matches!(refused, ReadError::NotJson(_)), "{text}: {refused:?}");
     }
-    for text in ["[1,2]", "{\"input\":5}", "{\"foo\":1}", "{}", "{\"input\":1e999}"] {
+    for text in ["[1,2]", "{\"input\":5}", "{\"foo\":1}", "{\"input\":1e999}"] {
         let refused = read::<JobRequest>(text.as_bytes()).expect_err("it is no job");
         assert!(matches!(refused, ReadError::Unfit(_)), "{text}: {refused:?}");
     }
@@ -141,24 +141,27 @@ fn faults_of_parameters_point_at_the_entry_that_carries_them() {
     }
 }
 
+/// The same with a point in each number.
+fn pointed(value: &Value) -> Value {
+    match value {
+        Value::Number(n) => json!(n.as_f64()),
+        Value::Array(list) => list.iter().map(pointed).collect(),
+        Value::Object(map) => map.iter().map(|(name, value)| (name.clone(), pointed(value))).collect(),
+        other => other.clone(),
+    }
+}
+
 /// JSON knows one kind of number, and a schema's "integer" is any number without a fraction.
 #[test]
 fn whole_numbers_may_be_written_with_a_point() {
-    let plain = json!({ "spec": 1, "levels": 2, "outputs": [{ "format": "json" }], "plan": { "preset": "catmull-clark" }, "input": { "mesh": {
+    let mut plain = json!({ "spec": 1, "levels": 2, "plan": { "preset": "catmull-clark" }, "input": { "mesh": {
         "positions": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [2, 1, 0]],
         "faces": [[0, 1, 2, 3], [1, 4, 5, 2]], "holes": [1],
         "corners": [{ "vertex": 2, "sharpness": 10 }], "creases": [{ "edge": [1, 2], "sharpness": 3 }],
         "groups": [{ "name": "a", "faces": [0] }], "materials": [{ "name": "b", "faces": [1] }],
         "uvs": { "values": [[0, 0]], "faces": [[0, 0, 0, 0], [0, 0, 0, 0]] },
     } } });
-    fn pointed(value: &Value) -> Value {
-        match value {
-            Value::Number(n) => json!(n.as_f64()),
-            Value::Array(list) => list.iter().map(pointed).collect(),
-            Value::Object(map) => map.iter().map(|(name, value)| (name.clone(), pointed(value))).collect(),
-            other => other.clone(),
-        }
-    }
+    plain["outputs"] = json!([{ "format": "json" }]);
     let pointed = pointed(&plain);
     assert!(pointed.to_string().contains("[1.0,4.0,5.0,2.0]"), "{pointed}");
     let id =

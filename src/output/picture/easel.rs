@@ -30,11 +30,17 @@ pub(super) type Part = [f32; 4];
 impl Easel {
     /// An easel that shows all these curves, as `asked`, in a picture of so many pixels.
     pub(super) fn new(shown: &[&Curve], asked: View, size: [u32; 2]) -> Self {
-        Self::within(shown, asked, size, [0.0; 2])
+        Self::within(shown, asked, (size, None), [0.0; 2])
     }
 
-    /// An easel that shows all these curves, as `asked`, in `size` pixels right of and below `origin`.
-    pub(super) fn within(shown: &[&Curve], asked: View, [width, height]: [u32; 2], origin: [f64; 2]) -> Self {
+    /// An easel that shows all these curves, or the box with the corners that are given, as `asked`, in `size` pixels
+    /// right of and below `origin`.
+    pub(super) fn within(
+        shown: &[&Curve],
+        asked: View,
+        ([width, height], given): ([u32; 2], Option<[[f64; 3]; 8]>),
+        origin: [f64; 2],
+    ) -> Self {
         let mut easel = Self {
             camera: Camera::framing(&View::default(), &[], width, height),
             graph: [0.0, 1.0],
@@ -42,7 +48,8 @@ impl Easel {
             origin,
         };
         if shown.iter().any(|curve| curve.dimension == 1) {
-            let [low, high] = ends(shown.iter().flat_map(|curve| curve.points.iter().copied()));
+            let values = || shown.iter().flat_map(|curve| curve.points.iter().copied());
+            let [low, high] = given.map_or_else(|| ends(values()), |corners| [corners[0][1], corners[7][1]]);
             let half = 0.5 * high - 0.5 * low;
             let flat = half <= 1e-12 * low.abs().max(high.abs());
             easel.graph = [0.5 * low + 0.5 * high, if flat { 1.0 } else { 0.5 / half }];
@@ -51,7 +58,13 @@ impl Easel {
         let view = View { projection: Projection::Orthographic, azimuth_rad: 0.0, elevation_rad: 0.0, ..asked };
         let view = if planar { View { eye: None, up: [0.0, 1.0, 0.0], ..view } } else { asked };
         let all = shown.iter().flat_map(|curve| (0..curve.len()).map(|i| easel.lifted(curve, i)));
-        let points: Vec<[f64; 3]> = if planar { corners(all) } else { all.collect() };
+        let has_values = shown.iter().any(|curve| curve.dimension == 1);
+        let points: Vec<[f64; 3]> = match given.filter(|_| !has_values) {
+            Some(given) if planar => corners(given.into_iter()),
+            Some(given) => given.to_vec(),
+            None if planar => corners(all),
+            None => all.collect(),
+        };
         easel.camera = Camera::framing(&view, &[&points], width, height);
         easel
     }

@@ -3,7 +3,7 @@
 use super::lines;
 use super::options::Options;
 use crate::output::counts::Counts;
-use crate::raster::{Camera, Forecast};
+use crate::raster::Forecast;
 use crate::shape::mesh::Mesh;
 
 /// Most faces of the input that are projected; of more, only some are, evenly spread: about 50 ms.
@@ -19,7 +19,7 @@ pub(crate) fn work(input: &Mesh, counts: &Counts, options: &Options<'_>) -> u128
     }
     let topology = &input.topology;
     let points = input.positions.as_chunks::<3>().0;
-    let camera = Camera::framing(&options.view(), &[points], options.size[0], options.size[1]);
+    let camera = options.camera(&[points], options.size);
     let triangles = (topology.n_half_edges()).saturating_sub(2 * topology.n_faces()).max(1);
     let stride = topology.n_faces().div_ceil(MAX_FACES).max(1);
     let parts = (real(counts.triangles()) / real(triangles as u128)).max(1.0);

@@ -15,7 +15,7 @@ use crate::output::hard_edges::HardEdges;
 use crate::output::normals;
 use crate::output::scene::{FaceChunk, MeshSource, Scene, each_face, positions, triangles};
 use crate::output::split_vertices::SplitVertices;
-use crate::raster::{Camera, Model, Normals, Surface, render};
+use crate::raster::{Model, Normals, Surface, render};
 use crate::watch::{Stopped, Watch};
 
 /// Rows of red, green, blue and alpha (straight), from the top.
@@ -40,7 +40,7 @@ pub(crate) fn picture(
     let lines = Lines::of(scene, mesh, options, watch)?;
     let strip = if shows("surface") { legend::width(mesh.attachments(), options) } else { 0 };
     let size = [options.size[0] - strip, options.size[1]];
-    let camera = Camera::framing(&options.view(), &[&positions, lines.net_positions()], size[0], size[1]);
+    let camera = options.camera(&[&positions, lines.net_positions()], size);
     let look = if shows("surface") { Some(Look::of(scene, sides, &positions, options, &camera, watch)?) } else { None };
     let contours =
         if drawn { contours(mesh, &positions, &hard.and(mesh.sharp_edges()), &camera, watch)? } else { Vec::new() };

@@ -6,6 +6,8 @@ mod contours;
 pub(super) mod drawing;
 mod easel;
 pub(super) mod forecast;
+pub(super) mod framing;
+mod hidden_lines;
 pub(super) mod legend;
 pub(super) mod lines;
 pub(super) mod look;

@@ -154,7 +154,7 @@ pub(crate) const CAMERA: Parameter = Parameter {
           only zoom and target.",
 };
 
-const CAMERA_FIELDS: &[Parameter] = &[
+pub(super) const CAMERA_FIELDS: &[Parameter] = &[
     Parameter {
         name: "projection",
         kind: Kind::Choice(&["perspective", "orthographic"]),
@@ -210,6 +210,34 @@ const CAMERA_FIELDS: &[Parameter] = &[
         unit: "",
         default: Default::Absent,
         doc: "The direction that points up in the picture; left out, that of the input's `up`: +y, or +z.",
+    },
+    BOX,
+];
+
+/// What is framed in place of what is shown.
+pub(super) const BOX: Parameter = Parameter {
+    name: "box",
+    kind: Kind::Group(BOX_FIELDS),
+    unit: "",
+    default: Default::Absent,
+    doc: "A box that is framed in place of what is shown, so that pictures of several shapes have one scale. Values of \
+          functions stand as y.",
+};
+
+pub(super) const BOX_FIELDS: &[Parameter] = &[
+    Parameter {
+        name: "min",
+        kind: Kind::Vector,
+        unit: "model units",
+        default: Default::Required,
+        doc: "The corner with the least coordinates.",
+    },
+    Parameter {
+        name: "max",
+        kind: Kind::Vector,
+        unit: "model units",
+        default: Default::Required,
+        doc: "The corner opposite to it.",
     },
 ];
 

@@ -27,7 +27,11 @@ pub(crate) fn side_px(outline: &Outline, options: &Options<'_>) -> f64 {
         ..asked
     };
     let [width, height] = options.size;
-    let camera = Camera::framing(if outline.is_flat { &flat } else { &asked }, &[&outline.points], width, height);
+    let view = if outline.is_flat { &flat } else { &asked };
+    let camera = match options.corners() {
+        Some(corners) => Camera::framing(view, &[&corners], width, height),
+        None => Camera::framing(view, &[&outline.points], width, height),
+    };
     let length = |&[a, b]: &[u32; 2]| {
         let [a, b] = [a, b].map(|point| camera.place(outline.points[point as usize]));
         a.zip(b).map(|([ax, ay], [bx, by])| (bx - ax) * (bx - ax) + (by - ay) * (by - ay))

@@ -243,7 +243,7 @@ fn easel(shown: &[&Curve], options: &Options<'_>, [left, top, width, height]: Pa
     let size = [width, height].map(|side| side as u32);
     let view = options.view();
     let zoom = if options.shows("comb", &[]) { COMB_ZOOM * view.zoom } else { view.zoom };
-    Easel::within(shown, View { zoom, ..view }, size, [left, top].map(f64::from))
+    Easel::within(shown, View { zoom, ..view }, (size, options.corners()), [left, top].map(f64::from))
 }
 
 /// Of functions: how many steps of the control polygon the picture shows, 1 where polygons differ in that; none of curves

@@ -1,6 +1,7 @@
 //! What the formats that hold drawings in lines have in common.
 
 use super::drawing::CURVE_ITEMS;
+use super::hidden_lines::{self, MESH_ITEMS};
 use super::options::{
     self, BACKGROUND, CAMERA, COLOR, COMB_SCALE, CONTROL_COLOR, FILL, HEIGHT, LINE_WIDTH, Options, POINT_COLOR,
     POINT_SIZE, WIDTH,
@@ -13,7 +14,8 @@ use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::options::POSITIONS;
+use crate::output::hard_edges::{self, CREASE_ANGLE};
+use crate::output::options::{ISOLINES, POSITIONS};
 use crate::output::scene::{Scene, Shape};
 use crate::output::sections::{SECTIONS, asked, planes};
 use crate::output::size::Size;
@@ -34,11 +36,14 @@ pub(crate) const PARAMETERS: &[Parameter] = &[
     BACKGROUND,
     Parameter {
         name: "show",
-        kind: Kind::Choices(CURVE_ITEMS),
+        kind: Kind::Choices(ITEMS),
         unit: "",
-        default: Default::Texts(&["curve", "control", "points"]),
-        doc: "What is drawn: the refined curve, the control polygon, the control points, the points of the refined \
-              curve (vertices), a curvature comb, tangents, axes, a grid, a legend. Of a mesh only its sections are.",
+        default: Default::Absent,
+        doc: "What is drawn. Of curves: the refined curve, the control polygon, the control points, the points of the \
+              refined curve (vertices), a curvature comb, tangents, axes, a grid, a legend; left out, the first \
+              three. Of a mesh the lines that its faces do not hide: its outline (silhouettes), its boundary, its \
+              creases, the edges of the input (isolines), all edges of its faces (wireframe), and as dashes the hidden \
+              parts of the first three (hidden); left out, the first four. Of sections only these are.",
     },
     COLOR,
     LINE_WIDTH,
@@ -57,38 +62,78 @@ pub(crate) const PARAMETERS: &[Parameter] = &[
     TEXT,
     SECTIONS,
     POSITIONS,
+    CREASE_ANGLE,
     Parameter {
-        doc: "Known as by all outputs of meshes; lines have no normals, and the drawing is the same.",
+        default: Default::Text("area"),
+        doc: "Known as by all outputs of meshes; lines have no normals, and the drawing is the same. Where there are \
+              none, no edge is a crease because of the angle between its faces.",
         ..NORMALS
     },
 ];
 
+/// All that can be shown.
+const ITEMS: &[&str] = &[
+    "curve",
+    "control",
+    "points",
+    "vertices",
+    "comb",
+    "tangents",
+    "axes",
+    "grid",
+    "legend",
+    "silhouettes",
+    "boundary",
+    "creases",
+    "isolines",
+    "wireframe",
+    "hidden",
+];
+
 /// Whether the drawing of a shape of this kind can be made.
-pub(crate) fn holds(kind: ShapeKind, options: &Values) -> Result<(), String> {
-    match kind {
-        ShapeKind::Mesh if asked(options) => Ok(()),
-        ShapeKind::Mesh => {
-            let reason = "svg and pdf draw curves, and of a mesh only sections; name planes in \"sections\", or ask \
-                          for \"png\" to see the mesh";
-            Err(reason.into())
-        }
-        ShapeKind::Curves { .. } => options::drawable(kind),
-    }
+pub(crate) fn holds(kind: ShapeKind, _: &Values) -> Result<(), String> {
+    options::drawable(kind)
 }
 
 /// Whether the options make sense for a shape of this kind.
 pub(crate) fn suits(kind: ShapeKind, options: &Values) -> Result<(), Fault> {
     plot::check(kind, options)?;
     match kind {
-        ShapeKind::Mesh if options.unusual().any(|(name, _)| name == "show") => {
-            Err(Fault::new("/show", "of a mesh only its sections are drawn; leave it out"))
+        ShapeKind::Mesh if asked(options) && options.unusual().any(|(name, _)| name == "show") => {
+            Err(Fault::new("/show", "only the sections are drawn; leave it out, or the sections"))
         }
-        ShapeKind::Mesh => options::opaque(options),
+        ShapeKind::Mesh => options::shows_only(MESH_ITEMS, kind, options),
         ShapeKind::Curves { .. } if asked(options) => {
             Err(Fault::new("/sections", "planes cut meshes, curves have no sections; leave it out"))
         }
         ShapeKind::Curves { .. } => options::shows_only(CURVE_ITEMS, kind, options),
     }
+}
+
+/// Whether a mesh is drawn in lines that its faces do not hide.
+fn is_lines(counts: &Counts, options: &Values) -> bool {
+    counts.kind == ShapeKind::Mesh && !asked(options)
+}
+
+/// Whether the drawing can be made of so many faces.
+pub(crate) fn fits(counts: &Counts, options: &Values) -> Result<(), Fault> {
+    if is_lines(counts, options) { hidden_lines::fits(counts) } else { Ok(()) }
+}
+
+/// What the options tell of single edges of the input.
+pub(crate) fn refers(options: &Values) -> Option<&'static str> {
+    options.has("show", ISOLINES).then_some(ISOLINES)
+}
+
+/// Bytes of memory that the drawing takes.
+pub(crate) fn memory(counts: &Counts, options: &Values) -> u128 {
+    let lines = if is_lines(counts, options) { hidden_lines::memory(counts) } else { 0 };
+    lines.saturating_add(hard_edges::memory(counts, options))
+}
+
+/// Work that the drawing takes, in rows of a table.
+pub(crate) fn work(counts: &Counts, options: &Values) -> u128 {
+    if is_lines(counts, options) { hidden_lines::work(counts) } else { 0 }
 }
 
 /// Most bytes of a drawing in lines.
@@ -98,6 +143,9 @@ pub(crate) fn suits(kind: ShapeKind, options: &Values) -> Result<(), Fault> {
 /// and letters of no more than 70 labels stand, a font of at most a megabyte and some kilobytes stand beside them. A
 /// curve with a look of its own costs 200 bytes more. Each triangle gives a segment of a section at most, two points.
 pub(crate) fn size(counts: &Counts, options: &Values) -> Size {
+    if is_lines(counts, options) {
+        return hidden_lines::size(counts);
+    }
     let (points, curves) = match counts.kind {
         ShapeKind::Mesh => {
             let planes = options.groups(SECTIONS.name).len() as u128;
@@ -122,6 +170,7 @@ pub(crate) fn draw(scene: &Scene<'_>, values: &Values, watch: &Watch) -> Result<
     options::check_extent(scene)?;
     let options = Options::new(values, scene.frame);
     match scene.shape {
+        Shape::Mesh(mesh) if !asked(values) => hidden_lines::drawing(scene, mesh, &options, watch),
         Shape::Mesh(mesh) => sections::drawing(mesh, &planes(values), &options, watch),
         Shape::Curves(_) => drawing::drawing(scene, &options, watch),
     }

@@ -150,7 +150,7 @@ pub(super) const THREE_POINT: Preset = Preset {
     refines: Refines::Curves,
     claims: &[Claim::new(
         "2/9 < alpha < 1/3",
-        &[&[("alpha", "0.223")], &[("alpha", "1/4")], &[("alpha", "0.333")]],
+        &[&[("alpha", "0.2233")], &[("alpha", "1/4")], &[("alpha", "0.332")]],
         ["1", "4", "1"],
     )],
     spell: |values| {
@@ -170,7 +170,7 @@ pub(super) const FOUR_POINT: Preset = Preset {
     refines: Refines::Curves,
     claims: &[Claim::new(
         "1/15 < mu < 1/9",
-        &[&[("mu", "0.067")], &[("mu", "1/11")], &[("mu", "0.111")]],
+        &[&[("mu", "0.068")], &[("mu", "1/11")], &[("mu", "0.11")]],
         ["2", "5", "2"],
     )],
     spell: |values| {
@@ -216,7 +216,7 @@ pub(super) const REHAN: Preset = Preset {
     parameters: &[real("alpha", Default::Required, "Shape."), real("beta", Default::Required, "Shape.")],
     refines: Refines::Curves,
     claims: &[
-        Claim::new("beta = 0, 4/243 < alpha < 7/405", &[&[("alpha", "1/60"), ("beta", "0")]], ["3", "6", "1"]),
+        Claim::new("beta = 0, 4/243 < alpha < 7/405", &[&[("alpha", "1/60"), ("beta", "0")]], ["3", "6", "3"]),
         Claim::new("alpha = beta = 0", &[&[("alpha", "0"), ("beta", "0")]], ["1", "5", "3"]),
     ],
     spell: |values| {

@@ -16,6 +16,7 @@ use crate::service::clock::Clock;
 use crate::service::job_key::{JobKey, Tenant};
 use crate::service::peer::{Paid, Peer};
 use crate::service::store::{Pin, Records, StoreError};
+use crate::service::tally::Tally;
 use crate::service::under_way::Interest;
 
 /// Most records held.
@@ -33,6 +34,7 @@ const OUTPUT_BYTES: u64 = 1 << 10;
 pub struct Jobs {
     table: Arc<Mutex<Table>>,
     clock: Arc<dyn Clock>,
+    tally: Arc<Tally>,
     /// Writes records where they outlast the process.
     journal: Option<Journal>,
 }
@@ -93,7 +95,12 @@ impl Jobs {
                 Some(encode(&record, since.map(|since| clock.wall().saturating_sub(since))))
             })
         });
-        Self { table, clock, journal }
+        Self { table, clock, tally: Arc::default(), journal }
+    }
+
+    /// What happened to jobs and computations, counted.
+    pub fn tally(&self) -> &Arc<Tally> {
+        &self.tally
     }
 
     fn table(&self) -> MutexGuard<'_, Table> {
@@ -297,6 +304,7 @@ impl Jobs {
         let mut table = self.table();
         let found = table.records.get_mut(job).filter(|record| record.is_active() && is_so(record));
         let Some(record) = found else { return false };
+        self.tally.settled(&state);
         record.state = state;
         record.settled = Some(now);
         let left = (record.computing.take(), record.ticket.take(), std::mem::take(&mut record.pins));

@@ -4,12 +4,12 @@
 //! artifact it does not know counts as used when its manifest was written.
 
 use std::collections::HashMap;
-use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use redb::{Builder, Database, ReadableDatabase, ReadableTable, TableDefinition, TableError};
+use redb::{Database, ReadableDatabase, ReadableTable, TableDefinition, TableError};
 
+use super::database::{builder, guarded};
 use super::shelf::Shelf;
 use crate::job::key::Key;
 
@@ -19,10 +19,6 @@ const USES: TableDefinition<'_, &[u8; 32], u64> = TableDefinition::new("last-use
 /// Changes after which the order is written again.
 /// Half of it writes twice as often; twice of it loses the order of twice as many uses in a crash.
 const CHANGES_A_WRITE: u32 = 256;
-
-/// Page cache of the database; its default would be a gigabyte.
-/// Half of it reads pages from the disk more often; twice of it takes 4 MiB more from results.
-const CACHE_BYTES: usize = 4 << 20;
 
 /// The file and what of it is out of date.
 #[derive(Debug)]
@@ -136,21 +132,6 @@ impl Drop for Index {
 pub(super) struct Pending {
     uses: Vec<(Key, u64)>,
     next_use: u64,
-}
-
-/// Over a damaged file the database may panic. That must not stop the service, so it counts as a failure of the index.
-/// The database itself is never dropped by such a panic: a second one on the way would end the process.
-pub(super) fn guarded<T>(work: impl FnOnce() -> Result<T, redb::Error>) -> Result<T, String> {
-    match panic::catch_unwind(AssertUnwindSafe(work)) {
-        Ok(done) => done.map_err(|error| error.to_string()),
-        Err(_) => Err("the database panicked".to_owned()),
-    }
-}
-
-pub(super) fn builder() -> Builder {
-    let mut builder = Database::builder();
-    builder.set_cache_size(CACHE_BYTES);
-    builder
 }
 
 fn read(database: &Database) -> Result<HashMap<Key, u64>, redb::Error> {

@@ -1,5 +1,6 @@
 //! Stores: keys and bytes only, content addressed, verified part by part when read.
 
+mod database;
 mod disk;
 mod disk_files;
 mod disk_spool;

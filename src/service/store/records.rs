@@ -7,9 +7,9 @@ use std::sync::Mutex;
 
 use redb::{Database, ReadableDatabase, ReadableTable, TableDefinition, TableError};
 
+use super::database::{builder, guarded};
 use super::disk_files::{at, remove_file};
 use super::error::StoreError;
-use super::index::{builder, guarded};
 use super::lock::lock;
 
 /// Where a folder has its records.

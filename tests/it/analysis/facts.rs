@@ -273,7 +273,7 @@ fn derivatives_of_the_basic_limit_function_are_those_of_the_b_spline() {
 fn the_theorems_of_the_first_paper_apply_where_their_hypotheses_hold() {
     let applies = |kernel: &str, compensation: &str, delta: &str, alpha: &str| {
         let parameters = json!({ "alpha": alpha, "kernel": kernel, "compensation": compensation, "delta": delta });
-        let conclusion = word("UCP", &parameters)["conclusion"].clone();
+        let conclusion = asked(&json!({ "plan": { "word": "UCP", "parameters": parameters } }))["conclusion"].clone();
         let theorems = conclusion["theorems"].as_array().unwrap().clone();
         let applies: Vec<bool> = theorems.iter().map(|theorem| theorem["applies"].as_bool().unwrap()).collect();
         (applies, conclusion["proved_c"].as_i64().unwrap())

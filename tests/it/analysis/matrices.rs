@@ -82,9 +82,8 @@ fn products_have_the_sub_masks_as_their_rows() {
                 wanted[usize::try_from(i.rem_euclid(i64::from(points))).unwrap()] += weight;
             }
             let off = product[r].iter().zip(&wanted).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            assert!(off < 1e-15, "{plan}: row {r} is {:?}, not {wanted:?}", product[r]);
+            assert!(off < 4e-15, "{plan}: row {r} is {:?}, not {wanted:?}", product[r]);
         }
-        assert_eq!(answer["matrices"]["product"]["exact"], answer["matrices"]["product"]["exact"]);
         let known = answer["mask"]["exact"].is_array();
         assert_eq!(answer["matrices"]["product"]["exact"].is_array(), known, "{plan}");
         assert_eq!(answer["matrices"]["local"]["powers"][0]["exact"].is_array(), known, "{plan}");
@@ -113,6 +112,6 @@ fn matrices_that_nobody_could_read_are_refused() {
         let faults = refused(&json!({ "plan": { "preset": "chaikin" }, "matrices": matrices }));
         assert!(faults.iter().any(|fault| fault.pointer == pointer), "{faults:?}");
     }
-    let faults = refused(&json!({ "plan": { "word": "U8U8U8" }, "matrices": { "points": 16 } }));
+    let faults = refused(&json!({ "plan": { "word": "U8U4" }, "matrices": { "points": 16 } }));
     assert!(faults[0].detail.contains("fewer points"), "{faults:?}");
 }

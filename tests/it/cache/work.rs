@@ -154,7 +154,7 @@ fn programs_and_meshes_hold_no_more_than_they_say() {
         for input in [mixed.input(), torus.input(), grid.input(), creased.clone(), mapped.clone()] {
             let job = json!({ "input": input, "plan": plan, "levels": 4, "outputs": [{ "format": "ply" }] });
             let job = admitted(&job);
-            let Input::Mesh(mesh) = &job.job().input else { panic!("it is a mesh") };
+            let Input::Mesh(mesh) = &*job.job().input else { panic!("it is a mesh") };
             let (plan, steps) = (&job.job().plan, job.job().steps());
             let [taken, said] = held(|| Program::of(mesh, plan, steps), Program::bytes);
             assert!(taken <= said, "a program takes {taken} and says {said}: {plan:?}");

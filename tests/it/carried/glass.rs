@@ -1,5 +1,6 @@
 //! Pictures of materials that something is seen through, and of metal.
 
+use planish::math::functions::pow;
 use serde_json::{Value, json};
 
 use super::looks::{front, png, uri};
@@ -47,7 +48,7 @@ fn alpha_says_how_much_is_seen_of_what_lies_behind() {
     assert!(clear[0] > 150 && clear[2] < 120, "red alone: {clear:?}");
     assert!(opaque[2] > 150 && opaque[0] < 120, "blue alone: {opaque:?}");
     // light is blended linearly, to half of each
-    let light = |x: u8| (f64::from(x) / 255.0).powf(2.2);
+    let light = |x: u8| pow(f64::from(x) / 255.0, 2.2);
     for k in 0..3 {
         let expected = 0.5 * (light(clear[k]) + light(opaque[k]));
         assert!((light(half[k]) - expected).abs() < 0.03, "{k}: {clear:?} {half:?} {opaque:?}");

@@ -1,5 +1,6 @@
 //! Channels of corners: numbers that differ on the two sides of seams, and are refined on each side for themselves.
 
+use planish::math::functions::pow;
 use serde_json::{Value, json};
 
 use super::{job, refusal, text, told, written};
@@ -96,7 +97,7 @@ fn pictures_show_seams_as_sharp_as_they_are() {
     let png = written(&job, &options);
     let picture = image::load_from_memory_with_format(&png, image::ImageFormat::Png).expect("a picture").to_rgba8();
     // light adds grey and changes no hue: without the grey, each number of a side is nothing or all
-    let light = |x: u8| (f64::from(x) / 255.0).powf(2.2);
+    let light = |x: u8| pow(f64::from(x) / 255.0, 2.2);
     let is_mixed = |p: &&image::Rgba<u8>| {
         let mut rest = [0, 1, 2].map(|k| light(p.0[k]));
         rest.sort_by(f64::total_cmp);

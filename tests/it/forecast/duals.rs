@@ -65,7 +65,7 @@ fn check(net: &Net, word: &str, split: &str, levels: u32) -> Result<(), TestCase
     let plan = json!({ "word": word, "parameters": { "kernel": 0.8, "delta": 0.4, "split": split } });
     let text = json!({ "input": net.input(), "plan": plan, "levels": levels, "outputs": [{ "format": "json" }] });
     let Ok(job) = parsed(text.to_string().as_bytes()) else { return Ok(()) };
-    let Input::Mesh(mesh) = &job.input else { unreachable!("the input is a mesh") };
+    let Input::Mesh(mesh) = &*job.input else { unreachable!("the input is a mesh") };
     let (start, steps) = (mesh_net(mesh, &job.plan), job.plan.schedule(levels).expect("the functions are constants"));
     let (counts, steps, error) = built(&start, &steps);
     for n in 0..=steps.len() {
@@ -187,7 +187,7 @@ fn open_grid(word: &str, levels: u32) -> (MeshNet, Vec<Scheduled>) {
         "outputs": [{ "format": "json" }],
     });
     let job = parsed(text.to_string().as_bytes()).expect("a job");
-    let Input::Mesh(mesh) = &job.input else { unreachable!("the input is a mesh") };
+    let Input::Mesh(mesh) = &*job.input else { unreachable!("the input is a mesh") };
     (mesh_net(mesh, &job.plan), job.plan.schedule(levels).expect("no functions"))
 }
 

@@ -96,7 +96,7 @@ fn c2_records_leave_for_others_and_jobs_under_way_do_not() {
                 break;
             }
         }
-        let (n, answer) = refused.expect("4 MiB hold no thousand records");
+        let (n, answer) = refused.expect("2 MiB hold no thousand records");
         answer.problem(503, "busy");
         assert!(account.records.usage().taken <= account.records.capacity);
         drop(held);

@@ -26,7 +26,7 @@ fn an_analysis_is_made_once_and_kept_like_an_artifact() {
 #[test]
 fn a_question_that_cannot_be_answered_is_refused_with_its_place() {
     story(settings(), async |server| {
-        let refused = server.post("/v1/analyses", &json!({ "plan": { "preset": "loop" } })).await;
+        let refused = server.post("/v1/analyses", &json!({ "plan": { "preset": "incenter" } })).await;
         assert_eq!(refused.status, 422);
         assert_eq!(refused.json()["errors"][0]["pointer"], "/plan/preset");
         let typo = server.post("/v1/analyses", &json!({ "plan": { "word": "UC" }, "node": 7 })).await;

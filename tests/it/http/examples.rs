@@ -101,7 +101,10 @@ async fn jobs(server: &Server) -> Vec<(&'static str, String)> {
     let mut job = mesh(2);
     job["outputs"] = serde_json::json!([{ "format": "stats" }, { "name": "model", "format": "stl" }]);
     let held = server.hold().await;
-    let mut told = vec![("jobs-post", exchange(server, Asked::post("/v1/jobs?priority=batch", &job)).await)];
+    let mut told = vec![(
+        "jobs-post",
+        exchange(server, Asked::post("/v1/jobs?priority=batch", &job).with("prefer", "wait=1")).await,
+    )];
     let location = server.post("/v1/jobs", &job).await.header("location").to_owned();
     let cancel = Asked { method: "POST", ..Asked::get(format!("{location}/cancel")) };
     told.push(("job-cancel", exchange(server, cancel).await));
@@ -160,6 +163,7 @@ async fn questions(server: &Server) -> Vec<(&'static str, String)> {
         ("limits", Asked::get("/v1/limits")),
         ("livez", Asked::get("/livez")),
         ("readyz", Asked::get("/readyz")),
+        ("metrics", Asked::get("/metrics")),
         ("openapi", Asked::get("/openapi.json")),
         ("index", Asked::get("/")),
         ("problem-page", Asked::get("/docs/problems/too-large")),
@@ -242,6 +246,9 @@ fn told_body(answer: &Answer) -> (String, bool) {
     }
     if kind == "application/json" && answer.json().is_array() {
         return (format!("[{}, {{more}}]\n", answer.json()[0]), false);
+    }
+    if kind.contains("version=0.0.4") {
+        return ("{metrics, one a line}\n".to_owned(), false);
     }
     let is_text = ["text/", "application/", "image/svg"].iter().any(|start| kind.starts_with(start));
     match is_text {

@@ -69,7 +69,7 @@ fn an_estimate_takes_many_outputs_and_refuses_what_cannot_be() {
         let estimate = server.post("/v1/estimate", &job).await.ok().json();
         assert_eq!(estimate["outputs"][1]["name"], "figure");
         server.post("/v1/estimate", &mesh(40)).await.problem(422, "too-large");
-        server.post("/v1/estimate", &with(mesh(1), "svg")).await.problem(422, "invalid-job");
+        server.post("/v1/estimate", &with(polygon(1), "glb")).await.problem(422, "invalid-job");
     });
 }
 
@@ -152,7 +152,7 @@ fn a_question_looks_at_the_whole_job() {
             ("/plan/preset", json!("catmul-clark"), "/plan/preset"),
             ("/levels", json!(65), "/levels"),
             ("/levels", json!(null), "/levels"),
-            ("/outputs/0/format", json!("svg"), "/outputs/0/format"),
+            ("/outputs/0/format", json!("stencil"), "/outputs/0/format"),
             ("/outputs/0/format", json!("gbl"), "/outputs/0/format"),
         ] {
             let mut wrong = fine.clone();

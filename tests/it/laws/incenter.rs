@@ -23,7 +23,7 @@ fn refined(polygon: &Value, mu: &Value, levels: u32) -> (Points, Points) {
         "input": { "polygon": polygon }, "plan": plan, "levels": levels, "outputs": [{ "format": "json" }],
     });
     let job = parsed(job.to_string().as_bytes()).unwrap_or_else(|faults| panic!("{faults:?} for {job}"));
-    let Input::Polygons(polygons) = &job.input else { panic!("a polygon") };
+    let Input::Polygons(polygons) = &*job.input else { panic!("a polygon") };
     let steps = job.plan.schedule(levels).expect("there are no functions");
     let curve = refine_polygon(&polygons[0], &job.plan, &steps, &Watch::new()).expect("it can be refined");
     let tangents = curve.tangents.expect("the scheme turns tangents");

@@ -212,7 +212,7 @@ fn tags_that_cannot_be_are_refused_at_their_place() {
 fn lines(mesh: &Value, plan: &Value) -> Vec<Result<f64, String>> {
     let job = json!({ "input": { "mesh": mesh }, "plan": plan, "levels": 1, "outputs": [{ "format": "json" }] });
     let job = support::parsed(job.to_string().as_bytes()).unwrap_or_else(|faults| panic!("{faults:?}"));
-    let planish::job::Input::Mesh(mesh) = &job.input else { panic!("a mesh was given") };
+    let planish::job::Input::Mesh(mesh) = &*job.input else { panic!("a mesh was given") };
     outlooks(mesh, Ok(&job.plan)).into_iter().map(|outlook| outlook.circle.map(|circle| circle.radius)).collect()
 }
 

@@ -33,7 +33,7 @@ pub(super) fn tube(k: usize, rings: &[Ring]) -> Value {
 pub(super) fn told(mesh: &Value, plan: &Value) -> Vec<Outlook> {
     let job = json!({ "input": { "mesh": mesh }, "plan": plan, "levels": 1, "outputs": [{ "format": "json" }] });
     let job = support::parsed(job.to_string().as_bytes()).unwrap_or_else(|faults| panic!("{faults:?}"));
-    let planish::job::Input::Mesh(mesh) = &job.input else { panic!("a mesh was given") };
+    let planish::job::Input::Mesh(mesh) = &*job.input else { panic!("a mesh was given") };
     outlooks(mesh, Ok(&job.plan))
 }
 

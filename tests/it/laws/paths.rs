@@ -71,7 +71,7 @@ fn job(net: &Net, extras: &Value, plan: &Value, levels: usize) -> Value {
 /// The mesh that each path makes, and whether the first one is swept.
 fn both(job: &Value) -> (RefinedMesh, RefinedMesh, bool) {
     let job = parsed(&serde_json::to_vec(job).expect("JSON")).unwrap_or_else(|faults| panic!("{faults:?} for {job}"));
-    let Input::Mesh(mesh) = &job.input else { panic!("it is a mesh") };
+    let Input::Mesh(mesh) = &*job.input else { panic!("it is a mesh") };
     let (plan, steps) = (&job.plan, job.steps());
     let (swept, stages) = observed(|watch| refine_mesh(mesh, plan, steps, watch).expect("a step for every net"));
     let whole = refine_by_rows(mesh, plan, steps, &Watch::new()).expect("a step for every net");
@@ -219,7 +219,7 @@ fn large_patches_are_swept_block_by_block_to_the_same_bits() {
 fn compare_limits(net: &Net, extras: &Value, plan: &Value, levels: usize) -> bool {
     let value = job(net, extras, plan, levels);
     let job = parsed(&serde_json::to_vec(&value).expect("JSON")).unwrap_or_else(|faults| panic!("{faults:?}"));
-    let Input::Mesh(mesh) = &job.input else { panic!("it is a mesh") };
+    let Input::Mesh(mesh) = &*job.input else { panic!("it is a mesh") };
     let request = LimitRequest { positions: true, normals: true };
     let levels = u32::try_from(levels).expect("few levels");
     let (found, stages) = observed(|watch| refine_mesh_to_limit(mesh, &job.plan, levels, request, watch));

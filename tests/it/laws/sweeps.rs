@@ -180,7 +180,7 @@ fn lines_of_tori_are_told_exact_and_those_of_bent_sweeps_are_not() {
     let told = |mesh: &Value, plan: &Value| {
         let job = json!({ "input": { "mesh": mesh }, "plan": plan, "levels": 1, "outputs": [{ "format": "json" }] });
         let job = parsed(job.to_string().as_bytes()).unwrap_or_else(|faults| panic!("{faults:?}"));
-        let planish::job::Input::Mesh(read) = &job.input else { panic!("a mesh was given") };
+        let planish::job::Input::Mesh(read) = &*job.input else { panic!("a mesh was given") };
         outlooks(read, Ok(&job.plan))
             .into_iter()
             .map(|line| line.circle.map(|circle| circle.radius))

@@ -176,7 +176,7 @@ fn limits_of_latitude_lines_are_circles() {
         let (mesh, plan) = (tube(k, &UNEVEN, UNEVEN.len()), push_back(delta, averages, rule));
         let job = json!({ "input": { "mesh": mesh }, "plan": plan, "levels": 0, "outputs": [{ "format": "json" }] });
         let job = parsed(job.to_string().as_bytes()).unwrap_or_else(|faults| panic!("{faults:?}"));
-        let planish::job::Input::Mesh(read) = &job.input else { panic!("a mesh was given") };
+        let planish::job::Input::Mesh(read) = &*job.input else { panic!("a mesh was given") };
         let radii: Vec<f64> =
             outlooks(read, Ok(&job.plan)).into_iter().map(|line| line.circle.expect("an exact line").radius).collect();
         for levels in [0, 2] {

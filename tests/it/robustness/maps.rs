@@ -22,7 +22,7 @@ fn job(closed: bool) -> Job {
 }
 
 fn refined(job: &Job, watch: &Watch) -> Result<Curve, RefineError> {
-    let Input::Polygons(polygons) = &job.input else { panic!("a polygon") };
+    let Input::Polygons(polygons) = &*job.input else { panic!("a polygon") };
     let steps = job.plan.schedule(job.levels).expect("there are no functions");
     refine_polygon(&polygons[0], &job.plan, &steps, watch)
 }

@@ -230,7 +230,7 @@ fn a_mesh_handed_over_in_the_documented_order_is_the_one_that_would_be_gathered(
         let text =
             json!({ "input": nets::prism(5).input(), "plan": plan, "levels": 2, "outputs": [{ "format": "json" }] });
         let job = support::parsed(text.to_string().as_bytes()).expect("a valid job");
-        let Input::Mesh(mesh) = &job.input else { unreachable!("the input is a mesh") };
+        let Input::Mesh(mesh) = &*job.input else { unreachable!("the input is a mesh") };
         let (steps, points) = (job.plan.schedule(2).expect("no functions"), Points::new(mesh.positions.clone(), 3));
         let refined = act_on(mesh_net(mesh, &job.plan), vec![points], &job.plan, &steps, &Watch::new());
         let (mut net, points) = refined.expect("a plan for any mesh");

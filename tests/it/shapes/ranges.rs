@@ -14,7 +14,7 @@ use crate::support::nets;
 fn refined(input: &Value, plan: &Value, levels: u32) -> RefinedMesh {
     let job = json!({ "input": input, "plan": plan, "levels": levels, "outputs": [{ "format": "json" }] });
     let job = support::parsed(job.to_string().as_bytes()).unwrap_or_else(|faults| panic!("{plan}: {faults:?}"));
-    let Input::Mesh(mesh) = &job.input else { unreachable!("the input is a mesh") };
+    let Input::Mesh(mesh) = &*job.input else { unreachable!("the input is a mesh") };
     refine_mesh(mesh, &job.plan, &job.plan.schedule(levels).expect("no functions"), &Watch::new()).expect("any mesh")
 }
 

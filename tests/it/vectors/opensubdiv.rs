@@ -63,7 +63,7 @@ fn check_sharp_edges(vector: &Value, job: &Value, level: &Value) {
     job["levels"] = level["level"].clone();
     job["outputs"] = json!([{ "format": "json" }]);
     let job = parsed(job.to_string().as_bytes()).expect("a job");
-    let Input::Mesh(control) = &job.input else { panic!("the input is a mesh") };
+    let Input::Mesh(control) = &*job.input else { panic!("the input is a mesh") };
     let steps = job.plan.schedule(job.levels).expect("the plan has no functions");
     let refined = refine_mesh(control, &job.plan, &steps, &Watch::new()).expect("it is small");
     let positions = refined.all_positions();

@@ -1,0 +1,107 @@
+//! The report on figures that have changed: Markdown with its pictures beside it, and one HTML file that holds all.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use base64::Engine;
+use serde_json::Value;
+
+use super::compare::Difference;
+use super::manifest::put;
+use crate::cli::error::CliError;
+
+/// Most numbers that are told of a figure. Half of it hides what changes together; twice of it buries the pictures.
+const MOST_NUMBERS: usize = 40;
+
+const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;margin:2rem auto;max-width:80rem;padding:0 1rem;\
+    color:#16263f}figure{margin:0;flex:1 1 20rem}img{max-width:100%;border:1px solid #d5dbe3}\
+    .row{display:flex;flex-wrap:wrap;gap:1rem}table{border-collapse:collapse;margin:1rem 0}\
+    td,th{border-bottom:1px solid #d5dbe3;padding:.2rem .8rem;text-align:left;font-variant-numeric:tabular-nums}";
+
+/// Pictures of a difference with their captions and the beginnings of their names.
+fn pictures(of: &Difference) -> Vec<(&'static str, String, &[u8])> {
+    let stem = &of.name;
+    let all = [
+        ("before", stem.clone(), &of.before),
+        ("after", stem.clone(), &of.after),
+        ("difference", format!("{stem}.png"), &of.where_),
+        ("both from one camera, before and after", format!("{stem}.png"), &of.together),
+    ];
+    all.into_iter().filter_map(|(what, name, bytes)| Some((what, name, bytes.as_deref()?))).collect()
+}
+
+/// Writes the report into a folder: `report.md` with its pictures, and `report.html`.
+pub(super) fn write(folder: &Path, head: &str, differences: &[Difference]) -> Result<(), CliError> {
+    let mut markdown = format!("# Figures\n\n{head}\n");
+    let mut html = format!(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Figures</title>\n\
+         <style>{STYLE}</style></head><body>\n<h1>Figures</h1>\n<p>{}</p>\n",
+        escaped(head)
+    );
+    for difference in differences {
+        of_one(folder, difference, &mut markdown, &mut html)?;
+    }
+    html.push_str("</body></html>\n");
+    put(&folder.join("report.md"), markdown.as_bytes())?;
+    put(&folder.join("report.html"), html.as_bytes())
+}
+
+fn of_one(folder: &Path, of: &Difference, markdown: &mut String, html: &mut String) -> Result<(), CliError> {
+    let (name, told) = (&of.name, of.told());
+    let _ = write!(markdown, "\n## {name}\n\n{told}\n");
+    let _ = write!(html, "<h2>{}</h2>\n<p>{}</p>\n<div class=\"row\">\n", escaped(name), escaped(&told));
+    let shown = pictures(of);
+    if !shown.is_empty() {
+        let heads: Vec<&str> = shown.iter().map(|(what, ..)| *what).collect();
+        let _ = write!(markdown, "\n| {} |\n|{}\n|", heads.join(" | "), "---|".repeat(shown.len()));
+    }
+    for (what, file, bytes) in shown {
+        let folder_name = what.split([',', ' ']).next().unwrap_or(what);
+        put(&folder.join(folder_name).join(&file), bytes)?;
+        let _ = write!(markdown, " ![{what}]({folder_name}/{}) |", file.replace(' ', "%20"));
+        let data = base64::engine::general_purpose::STANDARD.encode(bytes);
+        let media_type = media_type(&file);
+        let source = format!("data:{media_type};base64,{data}");
+        let shown = if media_type.starts_with("image/") {
+            format!("<img alt=\"{}\" src=\"{source}\">", escaped(what))
+        } else {
+            format!("<a download=\"{}\" href=\"{source}\">{}</a>", escaped(&file), escaped(&file))
+        };
+        let _ = writeln!(html, "<figure>{shown}<figcaption>{}</figcaption></figure>", escaped(what));
+    }
+    html.push_str("</div>\n");
+    markdown.push('\n');
+    numbers(of, markdown, html);
+    Ok(())
+}
+
+/// The table of the numbers that have changed.
+fn numbers(of: &Difference, markdown: &mut String, html: &mut String) {
+    if of.before.is_none() || of.after.is_none() || of.numbers.is_empty() {
+        return;
+    }
+    markdown.push_str("\n| number | before | after |\n|---|---|---|\n");
+    html.push_str("<table><tr><th>number</th><th>before</th><th>after</th></tr>\n");
+    let text = |value: &Option<Value>| value.as_ref().map_or_else(|| "-".to_owned(), ToString::to_string);
+    for (name, before, after) in of.numbers.iter().take(MOST_NUMBERS) {
+        let (before, after) = (text(before), text(after));
+        let _ = writeln!(markdown, "| {name} | {before} | {after} |");
+        let (name, before, after) = (escaped(name), escaped(&before), escaped(&after));
+        let _ = writeln!(html, "<tr><td>{name}</td><td>{before}</td><td>{after}</td></tr>");
+    }
+    html.push_str("</table>\n");
+    if let Some(more) = of.numbers.len().checked_sub(MOST_NUMBERS).filter(|more| *more > 0) {
+        let _ = writeln!(markdown, "\nand {more} more");
+        let _ = writeln!(html, "<p>and {more} more</p>");
+    }
+}
+
+fn media_type(file: &str) -> &'static str {
+    let extension = file.rsplit('.').next().unwrap_or_default();
+    let format = crate::output::FORMATS.iter().find(|format| format.extension() == extension);
+    format.map_or("application/octet-stream", |format| format.media_type())
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}

@@ -1,0 +1,180 @@
+//! A folder of jobs, rendered all together.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use rayon::prelude::*;
+
+use super::compare::{Difference, output_of, side_by_side};
+use super::manifest::{Entry, Manifest, put};
+use super::rendered::{Rendered, admitted, load, render};
+use super::report;
+use crate::cli::error::CliError;
+use crate::cli::inputs::Source;
+use crate::cli::progress::Progress;
+
+/// What is rendered, and where to.
+#[derive(Debug, Clone, clap::Args)]
+pub(crate) struct FigureOptions {
+    /// The folder with the jobs (*.json); each asks for one or more pictures, a png where it names no output.
+    #[arg(value_name = "DIR")]
+    jobs: PathBuf,
+    /// The folder for the pictures and their manifest.json. A picture that is there already, as the key in the manifest
+    /// tells, is not made again.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Write no picture: end with 1 where one differs from that in the folder, or from its manifest.
+    #[arg(long)]
+    check: bool,
+    /// With --check: the folder for the report (report.md, report.html) on what differs; OUTPUT.report when left out.
+    #[arg(long, value_name = "DIR", requires = "check")]
+    report: Option<PathBuf>,
+    /// With --check: the folder with the jobs of before, by the same names. Then the report shows both versions of a
+    /// shape from one camera, framed by the box around both.
+    #[arg(long, value_name = "DIR", requires = "check")]
+    before: Option<PathBuf>,
+    /// Say nothing but what fails: no bar, no notes, no summary.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+impl FigureOptions {
+    /// Renders the jobs, or checks what has become of their pictures.
+    pub(crate) fn run(&self) -> Result<(), CliError> {
+        let jobs = jobs(&self.jobs)?;
+        let known = match (Manifest::read(&self.output)?, self.check) {
+            (None, true) => {
+                let detail =
+                    format!("{} has no manifest.json; render the figures without --check first", self.output.display());
+                return Err(CliError::files(detail));
+            }
+            (known, _) => known.unwrap_or_default(),
+        };
+        let progress = Mutex::new(Progress::new(jobs.len(), self.quiet));
+        let each = |path: &PathBuf| {
+            let rendered = render(path, &known, &self.output).and_then(|made| self.kept(made));
+            let (made, outcome) = match rendered {
+                Ok(made) => (made, Ok(())),
+                Err(error) => (Vec::new(), Err(error)),
+            };
+            let is_whole = outcome.is_ok();
+            let mut progress = progress.lock().unwrap_or_else(PoisonError::into_inner);
+            progress.done(&Source::File(path.clone()), outcome);
+            (made, is_whole)
+        };
+        let all: Vec<(Vec<Rendered>, bool)> = jobs.par_iter().map(each).collect();
+        let is_whole = all.iter().all(|(_, is_whole)| *is_whole);
+        let made: Vec<Rendered> = all.into_iter().flat_map(|(made, _)| made).collect();
+        check_names(&made)?;
+        let progress = progress.into_inner().unwrap_or_else(PoisonError::into_inner);
+        if self.check {
+            progress.end("checked")?;
+            return self.checked(&known, made);
+        }
+        let (of, fresh) = (made.len(), made.iter().filter(|made| made.bytes.is_some()).count());
+        if !self.quiet {
+            progress.say(&format!("planish: {fresh} of {of} pictures were made, the others are as they were"));
+        }
+        // what failed stays what it was
+        let mut figures: BTreeMap<String, Entry> = if is_whole { BTreeMap::new() } else { known.figures };
+        figures.extend(made.into_iter().map(|made| (made.name, made.entry)));
+        Manifest { figures, ..Manifest::default() }.write(&self.output)?;
+        progress.end("rendered")
+    }
+
+    /// Writes the pictures that were made; where they are only looked at, they are kept for that.
+    fn kept(&self, mut made: Vec<Rendered>) -> Result<Vec<Rendered>, CliError> {
+        if !self.check {
+            for Rendered { name, bytes, .. } in &mut made {
+                if let Some(bytes) = bytes {
+                    put(&self.output.join(name), bytes)?;
+                    *bytes = Vec::new();
+                }
+            }
+        }
+        Ok(made)
+    }
+
+    /// Tells what differs from the pictures in the folder.
+    fn checked(&self, known: &Manifest, made: Vec<Rendered>) -> Result<(), CliError> {
+        let mut same = 0;
+        let mut differences = Vec::new();
+        for Rendered { name, entry, bytes } in made {
+            let old = known.figures.get(&name);
+            // the bytes of before are read where something is new; those that are damaged differ, too
+            if bytes.is_none() || old.is_some_and(|old| old.hash == entry.hash && old.is_in(&self.output, &name)) {
+                same += 1;
+                continue;
+            }
+            let before = old.map(|old| (old, fs::read(self.output.join(&name)).ok()));
+            let mut difference = Difference::new(&name, before, Some((&entry, bytes)));
+            difference.together = self.together(&entry.job, &name)?;
+            differences.push(difference);
+        }
+        let gone = known.figures.iter().filter(|(_, entry)| !self.jobs.join(&entry.job).exists());
+        for (name, entry) in gone {
+            let before = Some((entry, fs::read(self.output.join(name)).ok()));
+            differences.push(Difference::new(name, before, None));
+        }
+        if differences.is_empty() {
+            return Ok(());
+        }
+        let folder = self.report.clone().unwrap_or_else(|| {
+            let mut name = self.output.file_name().unwrap_or_default().to_owned();
+            name.push(".report");
+            self.output.with_file_name(name)
+        });
+        let told =
+            |n: usize, one: &str, several: &str| if n == 1 { format!("1 {one}") } else { format!("{n} {several}") };
+        let differ = told(differences.len(), "picture differs", "pictures differ");
+        let head = format!("{differ}, {}.", told(same, "is as it was", "are as they were"));
+        report::write(&folder, &head, &differences)?;
+        let mut lines: Vec<String> =
+            differences.iter().map(|difference| format!("{}: {}", difference.name, difference.told())).collect();
+        lines.push(format!("{head} {} shows them", folder.join("report.html").display()));
+        Err(CliError { details: lines, ..CliError::other("") })
+    }
+
+    /// Both versions of what a job shows from one camera, where that of before is at hand and another one.
+    fn together(&self, job: &str, name: &str) -> Result<Option<Vec<u8>>, CliError> {
+        let Some(folder) = &self.before else { return Ok(None) };
+        let (before, after) = (folder.join(job), self.jobs.join(job));
+        if !before.exists() {
+            return Ok(None);
+        }
+        let stem = Path::new(job).file_stem().unwrap_or_default().to_string_lossy();
+        let output = output_of(admitted(load(&after)?)?.job(), &stem, name);
+        side_by_side(&before, &after, output)
+    }
+}
+
+/// The jobs of a folder, by their names.
+fn jobs(folder: &Path) -> Result<Vec<PathBuf>, CliError> {
+    let cannot = |error: std::io::Error| CliError::files(format!("cannot read {}: {error}", folder.display()));
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).map_err(cannot)? {
+        let path = entry.map_err(cannot)?.path();
+        if path.is_file() && path.extension().is_some_and(|extension| extension == "json") {
+            found.push(path);
+        }
+    }
+    if found.is_empty() {
+        return Err(CliError::files(format!("{} has no jobs (*.json)", folder.display())));
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// Refuses pictures of one name.
+fn check_names(made: &[Rendered]) -> Result<(), CliError> {
+    let mut seen: BTreeMap<&str, &str> = BTreeMap::new();
+    for Rendered { name, entry, .. } in made {
+        if let Some(other) = seen.insert(name, &entry.job) {
+            let detail = format!("{other} and {} both make {name}; rename one of them", entry.job);
+            return Err(CliError::usage(detail));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,164 @@
+//! Figures: what they come to, and how they are made of their panels, one after another.
+
+use std::collections::HashMap;
+use std::io::Write;
+use std::sync::{Mutex, PoisonError};
+
+use super::complete::{Figure, Film, Job};
+use super::entry::{JobFault, JobPart};
+use super::error::RunError;
+use super::estimate::{Estimate, panel_place};
+use super::key::Key;
+use super::output::Output;
+use super::report::Report;
+use super::shown::show;
+use super::time;
+use super::work::{KeepWork, Work};
+use crate::output::figure::{self, Extent, framed};
+use crate::output::film;
+use crate::output::scene::Scene;
+use crate::output::{FormatError, Size};
+use crate::scheme::forecast::{Count, Forecast};
+use crate::watch::Watch;
+
+/// Bytes of a point of a curve that is written as lines, at most, as formats of lines say.
+const VECTOR_BYTES: u128 = 160;
+
+/// What a figure comes to whose panels come to this: the sum of them, as their refined meshes are kept until all are
+/// drawn, and the pictures.
+pub(super) fn estimate(job: &Job, figure: &Figure, panels: &[Estimate]) -> Estimate {
+    let last = |estimate: &Estimate| estimate.forecast.levels.last().copied().unwrap_or_default();
+    let sum = panels.iter().map(last).fold(Count::default(), |sum, count| Count {
+        vertices: sum.vertices.saturating_add(count.vertices),
+        edges: sum.edges.saturating_add(count.edges),
+        faces: sum.faces.saturating_add(count.faces),
+        ..sum
+    });
+    let of_panels = |part: fn(&Estimate) -> u128| panels.iter().map(part).fold(0, u128::saturating_add);
+    let work = of_panels(|panel| panel.forecast.work);
+    let forecast = Forecast { levels: vec![sum], peak: sum, work, topology_bytes: 0 };
+    let (mut outputs, mut held_bytes) = (Vec::with_capacity(job.outputs.len()), 0);
+    for (output, key) in job.outputs.iter().zip(job.keys()) {
+        let of = outputs.len();
+        // a point of a drawing has its place, and a disc where it is one of the polygon that was given
+        let points = of_panels(|panel| panel.forecast.levels.iter().map(|count| count.vertices).sum());
+        let own = panels.iter().map(|panel| panel.outputs[of].1.bytes()).fold(0, u128::saturating_add);
+        let bytes = own.saturating_add(points.saturating_mul(VECTOR_BYTES));
+        let (size, held) = match (figure.sheet(output), output.format.paper()) {
+            (Ok(sheet), Some(paper)) => figure::size(paper, &sheet, bytes, points),
+            _ => (Size::Exact(0), 0),
+        };
+        outputs.push((*key, size));
+        held_bytes = held.saturating_add(size.bytes()).max(held_bytes);
+    }
+    let sizes: Vec<Size> = outputs.iter().map(|(_, size)| *size).collect();
+    Estimate {
+        forecast,
+        outputs,
+        memory_bytes: of_panels(|panel| panel.memory_bytes).saturating_add(held_bytes),
+        on_demand: false,
+        // a panel is looked at twice where all have one scale
+        time_ms: of_panels(|panel| panel.time_ms).saturating_add(time::milliseconds(0, &sizes)),
+    }
+}
+
+/// Makes a figure: a pure function of its panels.
+///
+/// # Errors
+/// [`RunError`], of a panel with its place in the request.
+pub(super) fn run(
+    figure: &Figure,
+    (job, output): (&Job, &Output),
+    kept: &dyn KeepWork,
+    out: &mut dyn Write,
+    watch: &Watch,
+) -> Result<Report, RunError> {
+    let of = job.outputs.iter().position(|known| known.name == output.name).unwrap_or(0);
+    let impossible = |fault| RunError::Impossible(JobFault { part: JobPart::Request, fault });
+    let sheet = figure.sheet(output).map_err(impossible)?;
+    let Some(paper) = output.format.paper() else { return Ok(Report::default()) };
+    let kept = Lasting { kept, own: Mutex::default() };
+    let mut warnings: Vec<String> = Vec::new();
+    let mut each = |show_it: &mut dyn FnMut(&Scene<'_>, &Output) -> Result<(), FormatError>| {
+        for (n, panel) in figure.panels.iter().enumerate() {
+            watch.check().map_err(RunError::Stopped)?;
+            let shown = &panel.outputs[of];
+            let report = show((panel, false), shown, &kept, watch, &mut |scene| show_it(scene, shown));
+            let report = report.map_err(|error| match error {
+                RunError::Impossible(fault) => impossible(panel.entries(shown).fault(fault).under(&panel_place(n))),
+                other => other,
+            })?;
+            for warning in report.warnings {
+                let warning = format!("panel {n}: {warning}");
+                if !warnings.contains(&warning) {
+                    warnings.push(warning);
+                }
+            }
+        }
+        Ok::<_, RunError>(())
+    };
+    let mut extent = Extent::default();
+    if figure.one_scale {
+        each(&mut |scene, shown| extent.add(scene, &shown.options, watch))?;
+    }
+    let mut pictures = Vec::with_capacity(figure.panels.len());
+    each(&mut |scene, shown| {
+        let options = framed(&shown.options, &extent);
+        let drawn = shown.format.paper().unwrap_or(paper);
+        pictures.push(figure::picture((paper, drawn), scene, &options, watch)?);
+        Ok(())
+    })?;
+    let title = figure.grid.title.as_deref().unwrap_or_default();
+    figure::write(paper, (&sheet, pictures, title), &output.options, out, watch)?;
+    Ok(Report { warnings })
+}
+
+/// Makes a moving picture of the scenes of its frames, all framed alike: a pure function of them.
+///
+/// # Errors
+/// [`RunError`].
+pub(super) fn run_film(
+    film: &Film,
+    output: &Output,
+    kept: &dyn KeepWork,
+    out: &mut dyn Write,
+    watch: &Watch,
+) -> Result<Report, RunError> {
+    let mut extent = Extent::default();
+    let mut report = Report::default();
+    for frame in &film.frames {
+        let options = &frame.outputs[0].options;
+        let mut reach = |scene: &Scene<'_>| extent.add(scene, options, watch);
+        let said = show((frame, false), &frame.outputs[0], kept, watch, &mut reach)?;
+        let fresh = said.warnings.into_iter().filter(|warning| !report.warnings.contains(warning));
+        let fresh: Vec<String> = fresh.collect();
+        report.warnings.extend(fresh);
+    }
+    let mut pictures = film::Film::begin(&output.options, out)?;
+    let shots = film::shots(&output.options, &extent, film.frames[0].frame);
+    for (frame, shot) in film.frames.iter().zip(&shots) {
+        let mut draw = |scene: &Scene<'_>| pictures.frame(scene, shot, watch);
+        show((frame, false), &frame.outputs[0], kept, watch, &mut draw)?;
+    }
+    pictures.end()?;
+    Ok(report)
+}
+
+/// Keeps work to the end of a figure, and offers it to whoever keeps it longer.
+#[derive(Debug)]
+struct Lasting<'a> {
+    kept: &'a dyn KeepWork,
+    own: Mutex<HashMap<Key, Work>>,
+}
+
+impl KeepWork for Lasting<'_> {
+    fn find(&self, key: &Key) -> Option<Work> {
+        let own = self.own.lock().unwrap_or_else(PoisonError::into_inner).get(key).cloned();
+        own.or_else(|| self.kept.find(key))
+    }
+
+    fn keep(&self, key: Key, work: Work) {
+        self.own.lock().unwrap_or_else(PoisonError::into_inner).insert(key, work.clone());
+        self.kept.keep(key, work);
+    }
+}

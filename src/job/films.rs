@@ -1,0 +1,70 @@
+//! The frames of moving pictures whose plan changes: jobs of their own.
+
+use super::complete::{Checked, Film, Job};
+use super::fit::{faults_of, resolved};
+use crate::fault::Fault;
+use crate::math::parameter::Literal;
+use crate::output::Sweep;
+use crate::scheme::plan::PlanInput;
+
+use super::output::Output;
+
+/// The outputs whose plan changes, by their index, if there are some.
+pub(super) fn asked(outputs: &[Output]) -> Option<Vec<(usize, Sweep)>> {
+    let sweep = |(i, output): (usize, &Output)| Some((i, output.format.sweep(&output.options)?));
+    let found: Vec<_> = outputs.iter().enumerate().filter_map(sweep).collect();
+    (!found.is_empty()).then_some(found)
+}
+
+/// The frames of these outputs.
+///
+/// # Errors
+/// A fault of each output that cannot have all its frames.
+pub(super) fn of(
+    asked: &[(usize, Sweep)],
+    checked: &Checked,
+    plan: Option<&PlanInput>,
+    levels: u32,
+) -> Result<Vec<Film>, Vec<Fault>> {
+    let (mut films, mut faults) = (Vec::new(), Vec::new());
+    for (of, sweep) in asked {
+        let output = &checked.outputs[*of];
+        match frames((output, sweep), checked, plan, levels) {
+            Ok(frames) => films.push(Film { of: *of, frames }),
+            Err(fault) => faults.push(output.fault(fault)),
+        }
+    }
+    if faults.is_empty() { Ok(films) } else { Err(faults) }
+}
+
+/// The frames of an output.
+///
+/// # Errors
+/// A fault below the output.
+fn frames(
+    (output, sweep): (&Output, &Sweep),
+    checked: &Checked,
+    plan: Option<&PlanInput>,
+    levels: u32,
+) -> Result<Vec<Job>, Fault> {
+    let name = sweep.pointer.strip_prefix("/plan/parameters/").filter(|name| !name.contains('/'));
+    let (Some(plan), Some(name)) = (plan, name) else {
+        let detail = "it leads to no parameter of the plan; give one such as /plan/parameters/delta";
+        return Err(Fault::new("/sweep/pointer", detail));
+    };
+    let at = |value: &f64| {
+        let mut plan = plan.clone();
+        plan.parameters.retain(|(known, _)| known != name);
+        plan.parameters.push((name.to_owned(), Literal::Number(*value)));
+        let told = |faults: Vec<Fault>| {
+            let said: Vec<String> = faults.into_iter().map(|fault| fault.detail).collect();
+            Fault::new("/sweep", format!("where {name} is {value}: {}", said.join("; ")))
+        };
+        let outputs = vec![output.clone()];
+        let plan = resolved(&checked.input, Some(&plan), &outputs).map_err(told)?;
+        let checked = Checked { plan, outputs, ..checked.clone() };
+        let faults = faults_of(&checked);
+        Job::new(checked, levels, None, faults).map_err(told)
+    };
+    sweep.values.iter().map(at).collect()
+}

@@ -1,0 +1,129 @@
+//! From a job to the scene that an output shows.
+
+use std::sync::OnceLock;
+
+use super::complete::Job;
+use super::curves;
+use super::error::RunError;
+use super::input::Input;
+use super::output::Output;
+use super::report::Report;
+use super::work::{KeepWork, refined};
+use crate::analysis::curve;
+use crate::output::FormatError;
+use crate::output::scene::{Control, Curve, Detail, Scene, Shape};
+use crate::refine::{RefinedMesh, StreamedMesh};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::tags::Boundary;
+use crate::shape::attachments::Attachments;
+use crate::shape::mesh::Mesh;
+use crate::shape::polygon::Polygon;
+use crate::watch::{Stage, Watch};
+
+/// What is done with the scene of a job.
+pub(super) type Show<'a> = &'a mut dyn FnMut(&Scene<'_>) -> Result<(), FormatError>;
+
+/// Makes the scene that an output shows of a job, refined while it is read where that is `on_demand`, and has it shown.
+///
+/// # Errors
+/// [`RunError`].
+pub(super) fn show(
+    (job, on_demand): (&Job, bool),
+    output: &Output,
+    kept: &dyn KeepWork,
+    watch: &Watch,
+    show: Show<'_>,
+) -> Result<Report, RunError> {
+    watch.enter(Stage::Refine);
+    match &*job.input {
+        Input::Polygons(polygons) => draw(job, polygons, output, watch, show),
+        Input::Mesh(mesh) => form((job, on_demand), (mesh, output), kept, watch, show),
+    }
+}
+
+/// Refines and shows polygons.
+fn draw(job: &Job, polygons: &[Polygon], output: &Output, watch: &Watch, show: Show<'_>) -> Result<Report, RunError> {
+    let refined = curves::refine_all(polygons, (&job.plan, job.levels, job.steps()), output, watch)?;
+    let warnings = curve::warnings(&job.plan, job.levels, watch).map_err(RunError::Stopped)?;
+    let control = &ControlPolygons { polygons, curves: OnceLock::new() };
+    let shape = Shape::Curves(&refined);
+    let scene = Scene { shape, control, warnings: &warnings, frame: job.frame, details: &[] };
+    shown(&scene, output, watch, show)
+}
+
+/// Refines and shows a mesh.
+fn form(
+    (job, on_demand): (&Job, bool),
+    (mesh, output): (&Mesh, &Output),
+    kept: &dyn KeepWork,
+    watch: &Watch,
+    show: Show<'_>,
+) -> Result<Report, RunError> {
+    let mesh = &*mesh.at_frame(output.frame);
+    let control = &ControlMesh { mesh, refined: OnceLock::new() };
+    if on_demand {
+        let streamed = StreamedMesh::of(mesh, &job.plan, job.steps(), watch);
+        let streamed = streamed.map_err(|error| RunError::of_limit(error.into(), mesh.attributes.as_ref(), ""))?;
+        let Some(streamed) = streamed else { return Err(RunError::too_large()) };
+        let (shape, warnings) = (Shape::Mesh(&streamed), mesh.warnings());
+        let scene = Scene { shape, control, warnings: &warnings, frame: job.frame, details: &[] };
+        return shown(&scene, output, watch, show);
+    }
+    let refined = &*refined(job, mesh, output, kept, watch)?;
+    let shape = Shape::Mesh(&refined.mesh);
+    let jobs = job.details(output);
+    let coarser = jobs.iter().filter(|coarser| coarser.levels != job.levels);
+    let coarser: Result<Vec<_>, RunError> =
+        coarser.map(|coarser| self::refined(coarser, mesh, &coarser.outputs[0], kept, watch)).collect();
+    let coarser = coarser?;
+    let shapes = coarser.iter().map(|coarser| Shape::Mesh(&coarser.mesh)).chain([shape]);
+    let address = |job: &Job| format!("{}.{}", job.keys()[0], job.outputs[0].format.extension());
+    let details: Vec<Detail<'_>> = jobs
+        .iter()
+        .zip(shapes)
+        .map(|(job, shape)| Detail { shape, options: &job.outputs[0].options, uri: address(job) })
+        .collect();
+    let (warnings, frame) = (&refined.warnings, job.frame);
+    shown(&Scene { shape, control, warnings, frame, details: &details }, output, watch, show)
+}
+
+fn shown(scene: &Scene<'_>, output: &Output, watch: &Watch, show: Show<'_>) -> Result<Report, RunError> {
+    watch.enter(Stage::Encode);
+    show(scene)?;
+    let carried = if let Shape::Mesh(mesh) = scene.shape { mesh.attachments() } else { Attachments::none() };
+    let left_out = output.format.leaves_out(carried, &output.options);
+    Ok(Report { warnings: scene.warnings.iter().cloned().chain(left_out).collect() })
+}
+
+/// Polygons as they were given.
+#[derive(Debug)]
+struct ControlPolygons<'a> {
+    polygons: &'a [Polygon],
+    curves: OnceLock<Vec<Curve>>,
+}
+
+impl Control for ControlPolygons<'_> {
+    fn shape(&self) -> Shape<'_> {
+        Shape::Curves(self.curves.get_or_init(|| self.polygons.iter().map(curves::control).collect()))
+    }
+}
+
+/// A mesh as it was given.
+#[derive(Debug)]
+struct ControlMesh<'a> {
+    mesh: &'a Mesh,
+    refined: OnceLock<RefinedMesh>,
+}
+
+impl Control for ControlMesh<'_> {
+    fn shape(&self) -> Shape<'_> {
+        Shape::Mesh(self.refined.get_or_init(|| {
+            let net = MeshNet::new(self.mesh.topology.clone(), &[], &self.mesh.holes, Boundary::EdgeOnly);
+            RefinedMesh::documented(&net, self.mesh.positions.clone().into())
+        }))
+    }
+
+    fn mesh(&self) -> Option<&Mesh> {
+        Some(self.mesh)
+    }
+}

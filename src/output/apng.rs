@@ -1,0 +1,131 @@
+//! APNG: a picture that moves, as the camera goes around or as a parameter of the plan changes.
+
+use std::io::Write;
+
+use super::counts::{Counts, ShapeKind};
+use super::error::FormatError;
+use super::figure::Extent;
+use super::film::{self, DELAY, FRAMES, Film, SWEEP, TURNTABLE};
+use super::format::{Content, Format, FormatFacts, Sweep};
+use super::picture::options::{self, CAMERA};
+use super::picture::outline::Outline;
+use super::png::Png;
+use super::scene::{Frame, Scene};
+use super::size::Size;
+use crate::fault::Fault;
+use crate::math::parameter::{Parameter, Values};
+use crate::shape::attachments::Attachments;
+use crate::shape::mesh::Mesh;
+use crate::watch::Watch;
+
+/// The format "apng".
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Apng;
+
+/// Bytes around the data of a frame: what it is and how long it is seen (38), and two more chunks at worst.
+const FRAME_BYTES: u128 = 128;
+/// Most pixels of all frames: 60 of four megapixels, some ten seconds of drawing.
+/// Half of it refuses turntables for large screens; twice of it lets one job draw for twice as long.
+const MAX_PIXELS: u64 = 1 << 28;
+
+const OWN: [Parameter; 4] = [FRAMES, DELAY, TURNTABLE, SWEEP];
+
+const N: usize = OWN.len() + super::png::PARAMETERS.len();
+/// The options of its frames, after its own.
+const PARAMETERS: &[Parameter] = &{
+    let mut all = [FRAMES; N];
+    let mut i = 0;
+    while i < N {
+        all[i] = if i < OWN.len() { OWN[i] } else { super::png::PARAMETERS[i - OWN.len()] };
+        i += 1;
+    }
+    all
+};
+
+const FACTS: &FormatFacts = &FormatFacts {
+    name: "apng",
+    extension: "apng",
+    media_type: "image/apng",
+    content: Content::Packed,
+    doc: "A picture that moves: the camera goes around, or a parameter of the plan changes from frame to frame.",
+    parameters: PARAMETERS,
+    holds_frames: false,
+    holds,
+};
+
+/// A camera goes around what has other sides; a parameter moves anything.
+fn holds(kind: ShapeKind, values: &Values) -> Result<(), String> {
+    if !goes_around(values) || !matches!(kind, ShapeKind::Curves { dimension: 1..=2 }) {
+        return options::drawable(kind);
+    }
+    Err("a camera does not go around curves in the plane; name a parameter of the plan in \"sweep\", and leave \
+         \"turntable\" out"
+        .to_owned())
+}
+
+/// Whether the camera goes around.
+fn goes_around(values: &Values) -> bool {
+    values.group(TURNTABLE.name).is_some() || values.group(SWEEP.name).is_none()
+}
+
+impl Format for Apng {
+    fn facts(&self) -> &'static FormatFacts {
+        FACTS
+    }
+
+    fn suits(&self, kind: ShapeKind, carried: &Attachments, values: &Values) -> Result<(), Fault> {
+        if goes_around(values) && values.group(CAMERA.name).is_some_and(|camera| camera.vector("eye").is_some()) {
+            let detail = "the eye goes around; leave it out, and give a \"target\" to go around that";
+            return Err(Fault::new("/camera/eye", detail));
+        }
+        let pixels = options::size(values).map(u64::from).iter().product::<u64>() * film::frames(values) as u64;
+        if pixels > MAX_PIXELS {
+            let most = MAX_PIXELS / (pixels / film::frames(values) as u64).max(1);
+            let detail = format!(
+                "the frames have {pixels} pixels together, at most {MAX_PIXELS} are drawn; ask for {most} frames, or \
+                 for smaller ones"
+            );
+            return Err(Fault::new("/frames", detail));
+        }
+        Png.suits(kind, carried, values)
+    }
+
+    fn leaves_out(&self, carried: &Attachments, values: &Values) -> Option<String> {
+        Png.leaves_out(carried, values)
+    }
+
+    fn size(&self, counts: &Counts, values: &Values) -> Size {
+        let n = film::frames(values) as u128;
+        Size::AtMost(n * (Png.size(counts, values).bytes() + FRAME_BYTES))
+    }
+
+    fn refers(&self, values: &Values) -> Option<&'static str> {
+        Png.refers(values)
+    }
+
+    fn memory(&self, counts: &Counts, values: &Values) -> u128 {
+        Png.memory(counts, values)
+    }
+
+    fn work(&self, mesh: Option<&Mesh>, counts: &Counts, values: &Values) -> u128 {
+        Png.work(mesh, counts, values).saturating_mul(film::frames(values) as u128)
+    }
+
+    fn side_px(&self, outline: &Outline, frame: Frame, values: &Values) -> Option<f64> {
+        Png.side_px(outline, frame, values)
+    }
+
+    fn sweep(&self, values: &Values) -> Option<Sweep> {
+        film::sweep(values)
+    }
+
+    fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
+        let mut extent = Extent::default();
+        extent.add(scene, values, watch)?;
+        let mut film = Film::begin(values, out)?;
+        for shot in film::shots(values, &extent, scene.frame) {
+            film.frame(scene, &shot, watch)?;
+        }
+        film.end()
+    }
+}

@@ -1,0 +1,89 @@
+//! The box of all that a picture shows, for pictures that are framed alike.
+
+use crate::math::parameter::Values;
+use crate::math::vector::Vector;
+use crate::output::error::FormatError;
+use crate::output::picture::framing::boxed;
+use crate::output::picture::options::{CAMERA, Options};
+use crate::output::scene::{Curve, MeshSource, Scene, Shape, in_chunks};
+use crate::watch::Watch;
+
+/// Opposite corners of a box around finite points, model units. Curves in the plane lie at z = 0, values of functions
+/// stand as y.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extent {
+    low: Vector,
+    high: Vector,
+}
+
+impl Default for Extent {
+    /// The box around no point.
+    fn default() -> Self {
+        Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] }
+    }
+}
+
+impl Extent {
+    /// Makes it reach around all that a picture with these options shows of a scene.
+    ///
+    /// # Errors
+    /// When the watch says stop.
+    pub fn add(&mut self, scene: &Scene<'_>, values: &Values, watch: &Watch) -> Result<(), FormatError> {
+        let options = Options::new(values, scene.frame);
+        let is_mesh = matches!(scene.shape, Shape::Mesh(_));
+        let usual: &[&str] = if is_mesh { &["surface"] } else { &["curve", "control"] };
+        let shows = |items: &[&str]| items.iter().any(|item| options.shows(item, usual));
+        if shows(&["surface", "wireframe", "isolines", "curve", "vertices", "comb", "tangents"]) {
+            self.reach(scene.shape, watch)?;
+        }
+        if shows(&["control", "points"]) {
+            self.reach(scene.control.shape(), watch)?;
+        }
+        Ok(())
+    }
+
+    fn reach(&mut self, shape: Shape<'_>, watch: &Watch) -> Result<(), FormatError> {
+        match shape {
+            Shape::Curves(curves) => curves.iter().for_each(|curve| self.reach_curve(curve)),
+            Shape::Mesh(mesh) => self.reach_mesh(mesh, watch)?,
+        }
+        Ok(())
+    }
+
+    fn reach_curve(&mut self, curve: &Curve) {
+        for point in curve.points.chunks_exact(curve.dimension) {
+            self.point(match *point {
+                [value] => [0.0, value, 0.0],
+                [x, y] => [x, y, 0.0],
+                _ => [point[0], point[1], point[2]],
+            });
+        }
+    }
+
+    fn reach_mesh(&mut self, mesh: &dyn MeshSource, watch: &Watch) -> Result<(), FormatError> {
+        let mut chunk = Vec::new();
+        in_chunks(mesh.n_vertices(), |range| {
+            watch.check()?;
+            mesh.positions(range, &mut chunk);
+            chunk.iter().for_each(|point| self.point(*point));
+            Ok::<_, FormatError>(())
+        })
+    }
+
+    fn point(&mut self, point: Vector) {
+        if point.iter().all(|x| x.is_finite()) {
+            self.low = [0, 1, 2].map(|k| self.low[k].min(point[k]));
+            self.high = [0, 1, 2].map(|k| self.high[k].max(point[k]));
+        }
+    }
+}
+
+/// The options of a picture that is framed by a box in place of what it shows, where these do not name a box themselves.
+pub fn framed(values: &Values, extent: &Extent) -> Values {
+    let mut values = values.clone();
+    let camera = values.group(CAMERA.name).cloned().unwrap_or_default();
+    if extent.low[0] <= extent.high[0] && camera.group("box").is_none() {
+        boxed(&mut values, extent.low, extent.high);
+    }
+    values
+}

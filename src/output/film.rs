@@ -1,0 +1,202 @@
+//! Moving pictures: the camera of each frame, and the frames one after another.
+
+use std::io::{self, Write};
+
+use png::{BitDepth, ColorType, Compression, Encoder, Filter, Writer};
+
+use super::error::FormatError;
+use super::figure::{Extent, framed};
+use super::format::Sweep;
+use super::picture::framing::facing;
+use super::picture::options::{CAMERA, Options};
+use super::png as picture;
+use super::scene::{Frame, Scene};
+use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::math::vector::minus;
+use crate::watch::{Stage, Watch};
+
+/// Most frames.
+/// Ten seconds of a smooth picture. Half of it cuts turntables of half degrees; with twice of it one job draws for
+/// twice as long.
+const MAX_FRAMES: i64 = 240;
+
+/// Frames of a moving picture.
+pub(super) const FRAMES: Parameter = Parameter {
+    name: "frames",
+    kind: Kind::Integer { min: 2, max: MAX_FRAMES },
+    unit: "",
+    default: Default::Number(24.0),
+    doc: "How many frames there are.",
+};
+
+/// How long a frame is seen.
+pub(super) const DELAY: Parameter = Parameter {
+    name: "delay_ms",
+    kind: Kind::Integer { min: 10, max: 10_000 },
+    unit: "milliseconds",
+    default: Default::Number(80.0),
+    doc: "How long each frame is seen. The picture begins again after the last one.",
+};
+
+/// The way of the camera.
+pub(super) const TURNTABLE: Parameter = Parameter {
+    name: "turntable",
+    kind: Kind::Group(&[
+        Parameter {
+            name: "from_deg",
+            kind: Kind::Number { min: -3600.0, max: 3600.0 },
+            unit: "degrees",
+            default: Default::Number(0.0),
+            doc: "The azimuth of the first frame.",
+        },
+        Parameter {
+            name: "to_deg",
+            kind: Kind::Number { min: -3600.0, max: 3600.0 },
+            unit: "degrees",
+            default: Default::Number(360.0),
+            doc: "The azimuth of the last frame, or, after whole turns, of the frame that would follow it.",
+        },
+    ]),
+    unit: "",
+    default: Default::Absent,
+    doc: "The camera goes around the up axis, in place of its azimuth. Left out, once around unless there is a `sweep`.",
+};
+
+/// The parameter that changes from frame to frame.
+pub(super) const SWEEP: Parameter = Parameter {
+    name: "sweep",
+    kind: Kind::Group(&[
+        Parameter {
+            name: "pointer",
+            kind: Kind::Name,
+            unit: "",
+            default: Default::Required,
+            doc: "The place of the parameter in the job, such as /plan/parameters/delta.",
+        },
+        Parameter::number("from", UNBOUNDED, Default::Required, "Its value in the first frame."),
+        Parameter::number("to", UNBOUNDED, Default::Required, "Its value in the last frame."),
+    ]),
+    unit: "",
+    default: Default::Absent,
+    doc: "A parameter of the plan that goes evenly from one value to another; all frames have one camera.",
+};
+
+const UNBOUNDED: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+
+/// How many frames these options ask for.
+pub(super) fn frames(values: &Values) -> usize {
+    values.integer(FRAMES.name).and_then(|n| usize::try_from(n).ok()).unwrap_or(2).max(2)
+}
+
+/// What parameter changes from frame to frame, if one does.
+pub(super) fn sweep(values: &Values) -> Option<Sweep> {
+    let asked = values.group(SWEEP.name)?;
+    let [from, to] = [asked.number("from")?, asked.number("to")?];
+    let pointer = asked.name("pointer")?.to_owned();
+    Some(Sweep { pointer, values: between(from, to, frames(values), false) })
+}
+
+/// `n` numbers evenly from one to another; without the last of one more where the way is `round`.
+#[expect(clippy::cast_precision_loss, reason = "there are some hundred frames")]
+fn between(from: f64, to: f64, n: usize, round: bool) -> Vec<f64> {
+    let steps = if round { n } else { n - 1 } as f64;
+    let at = |i: usize| if i as f64 == steps { to } else { from + (to - from) * (i as f64 / steps) };
+    (0..n).map(at).collect()
+}
+
+/// The options of each frame, all framed by the box around what all of them show.
+pub fn shots(values: &Values, extent: &Extent, frame: Frame) -> Vec<Values> {
+    let values = framed(values, extent);
+    let n = frames(&values);
+    let turn = match values.group(TURNTABLE.name) {
+        None if values.group(SWEEP.name).is_some() => return vec![values; n],
+        turn => turn.cloned().unwrap_or_default(),
+    };
+    let [from, to] = [turn.number("from_deg").unwrap_or(0.0), turn.number("to_deg").unwrap_or(360.0)];
+    let whole = (to - from).abs() >= 360.0 && (to - from) % 360.0 == 0.0;
+    let azimuths = between(from, to, n, whole);
+    turned(&values, &azimuths, frame)
+}
+
+/// The options seen from these azimuths, at the distance, or the scale, at which all of them show everything.
+fn turned(values: &Values, azimuths: &[f64], frame: Frame) -> Vec<Values> {
+    let options = Options::new(values, frame);
+    let camera = values.group(CAMERA.name).cloned().unwrap_or_default();
+    let corners = options.corners().unwrap_or_default();
+    let middle = [0, 1, 2].map(|k| 0.5 * corners[0][k] + 0.5 * corners[7][k]);
+    let target = camera.vector("target").unwrap_or(middle);
+    let cameras: Vec<_> = azimuths.iter().map(|azimuth| facing(&options, *azimuth, target, &corners)).collect();
+    let distance = |eye: [f64; 3]| {
+        let way = minus(eye, target);
+        way.iter().map(|x| x * x).sum::<f64>().sqrt()
+    };
+    let farthest = cameras.iter().map(|camera| distance(camera.eye())).fold(0.0, f64::max);
+    let smallest = cameras.iter().map(|camera| camera.scale()).fold(f64::INFINITY, f64::min);
+    let seen = |(azimuth, camera): (&f64, &crate::raster::Camera)| {
+        options.seen_from(*azimuth, target, (camera.forward(), farthest), smallest / camera.scale())
+    };
+    azimuths.iter().zip(&cameras).map(seen).collect()
+}
+
+/// A moving picture on its way out.
+pub struct Film<'a> {
+    writer: Writer<&'a mut dyn Write>,
+    is_opaque: bool,
+}
+
+impl std::fmt::Debug for Film<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Film").field("is_opaque", &self.is_opaque).finish_non_exhaustive()
+    }
+}
+
+fn failed(error: png::EncodingError) -> FormatError {
+    match error {
+        png::EncodingError::IoError(error) => FormatError::Io(error),
+        other => FormatError::Io(io::Error::other(other)),
+    }
+}
+
+impl<'a> Film<'a> {
+    /// Begins a moving picture with these options.
+    ///
+    /// # Errors
+    /// When the writer fails.
+    pub fn begin(values: &Values, out: &'a mut dyn Write) -> Result<Self, FormatError> {
+        let options = Options::new(values, Frame::default());
+        let is_opaque = options.background[3] == 255;
+        let mut encoder = Encoder::new(out, options.size[0], options.size[1]);
+        encoder.set_color(if is_opaque { ColorType::Rgb } else { ColorType::Rgba });
+        encoder.set_depth(BitDepth::Eight);
+        // the path of still pictures, see decision 7
+        encoder.set_compression(Compression::Fast);
+        encoder.set_filter(Filter::Adaptive);
+        encoder.set_pixel_dims(options.dpi().map(picture::pixel_dims));
+        let delay = values.integer(DELAY.name).and_then(|ms| u16::try_from(ms).ok()).unwrap_or(80);
+        encoder.set_animated(u32::try_from(frames(values)).unwrap_or(2), 0).map_err(failed)?;
+        encoder.set_frame_delay(delay, 1000).map_err(failed)?;
+        Ok(Self { writer: encoder.write_header().map_err(failed)?, is_opaque })
+    }
+
+    /// Adds a frame: the picture of a scene.
+    ///
+    /// # Errors
+    /// Those of the picture, and when the writer fails.
+    pub fn frame(&mut self, scene: &Scene<'_>, values: &Values, watch: &Watch) -> Result<(), FormatError> {
+        let mut pixels = picture::pixels(scene, values, watch)?;
+        watch.check()?;
+        watch.enter(Stage::Encode);
+        if self.is_opaque {
+            picture::without_alpha(&mut pixels);
+        }
+        self.writer.write_image_data(&pixels).map_err(failed)
+    }
+
+    /// Ends the picture after its last frame.
+    ///
+    /// # Errors
+    /// When the writer fails.
+    pub fn end(self) -> Result<(), FormatError> {
+        self.writer.finish().map_err(failed)
+    }
+}

@@ -1,0 +1,65 @@
+//! What the camera of a picture frames.
+
+use super::options::{BOX, BOX_FIELDS, CAMERA, CAMERA_FIELDS, Options};
+use crate::math::parameter::{Value, Values};
+use crate::math::vector::{Vector, minus, times};
+use crate::raster::{Camera, Projection, View};
+
+/// Sets the box that is framed.
+pub(crate) fn boxed(values: &mut Values, min: Vector, max: Vector) {
+    let mut camera = values.group(CAMERA.name).cloned().unwrap_or_else(|| Values::usual(CAMERA_FIELDS));
+    let mut corners = Values::usual(BOX_FIELDS);
+    corners.set(&BOX_FIELDS[0], Value::Vector(min));
+    corners.set(&BOX_FIELDS[1], Value::Vector(max));
+    camera.set(&BOX, Value::Group(corners));
+    values.set(&CAMERA, Value::Group(camera));
+}
+
+impl Options<'_> {
+    /// The corners of the box that is framed in place of what is shown, where one is given.
+    pub(crate) fn corners(&self) -> Option<[Vector; 8]> {
+        let corners = self.values.group(CAMERA.name)?.group(BOX.name)?;
+        let ends = [corners.vector("min")?, corners.vector("max")?];
+        Some(std::array::from_fn(|i| [0, 1, 2].map(|k| ends[i >> k & 1][k])))
+    }
+
+    /// The camera that frames these points, or the box that is given, in so many pixels.
+    pub(crate) fn camera(&self, points: &[&[Vector]], [width, height]: [u32; 2]) -> Camera {
+        match self.corners() {
+            Some(corners) => Camera::framing(&self.view(), &[&corners], width, height),
+            None => Camera::framing(&self.view(), points, width, height),
+        }
+    }
+
+    /// The same, seen from an azimuth and a distance in the direction of `forward`, or, without perspective, so much
+    /// smaller.
+    pub(crate) fn seen_from(
+        &self,
+        azimuth_deg: f64,
+        target: Vector,
+        (forward, distance): (Vector, f64),
+        scale: f64,
+    ) -> Values {
+        let mut camera = self.values.group(CAMERA.name).cloned().unwrap_or_else(|| Values::usual(CAMERA_FIELDS));
+        let mut set = |name: &str, value: Value| {
+            CAMERA_FIELDS.iter().filter(|field| field.name == name).for_each(|field| camera.set(field, value.clone()));
+        };
+        set("target", Value::Vector(target));
+        set("azimuth_deg", Value::Number(azimuth_deg));
+        let view = self.view();
+        match view.projection {
+            Projection::Perspective => set("eye", Value::Vector(minus(target, times(distance, forward)))),
+            Projection::Orthographic => set("zoom", Value::Number(view.zoom * scale)),
+        }
+        let mut values = self.values.clone();
+        values.set(&CAMERA, Value::Group(camera));
+        values
+    }
+}
+
+/// The camera that frames a box from an azimuth, with a place in the middle.
+pub(crate) fn facing(options: &Options<'_>, azimuth_deg: f64, target: Vector, corners: &[Vector; 8]) -> Camera {
+    let azimuth_rad = azimuth_deg * (std::f64::consts::PI / 180.0);
+    let view = View { azimuth_rad, target: Some(target), eye: None, ..options.view() };
+    Camera::framing(&view, &[corners], options.size[0], options.size[1])
+}

@@ -1,0 +1,211 @@
+//! A drawing of a mesh in lines, without what its faces hide.
+
+mod chain;
+mod edges;
+
+use rayon::prelude::*;
+
+use super::options::Options;
+use crate::drawing::{Cap, Color, Drawing, Item, Stroke};
+use crate::fault::Fault;
+use crate::output::counts::Counts;
+use crate::output::error::FormatError;
+use crate::output::positions::Positions;
+use crate::output::scene::{MeshSource, Scene};
+use crate::output::size::Size;
+use crate::raster::{Camera, Seen, Sight};
+use crate::watch::Watch;
+
+use chain::{Piece, chains};
+use edges::{CLASSES, Class, Edge, Edges};
+
+/// All that can be shown.
+pub(crate) const MESH_ITEMS: &[&str] = &["silhouettes", "boundary", "creases", "isolines", "wireframe", "hidden"];
+/// What is shown when the request does not say.
+const DEFAULT_SHOW: &[&str] = &["silhouettes", "boundary", "creases", "isolines"];
+
+/// Most triangles of a mesh. Twice of it takes four times as long where triangles lie behind each other, and 100 MB more;
+/// half of it refuses what is still drawn in seconds.
+const MAX_TRIANGLES: u128 = 1 << 18;
+/// Most pairs of a line and a triangle that are looked at, 5 ns each: ten seconds of one core. Meshes of
+/// [`MAX_TRIANGLES`] that are no heap of sheets need a hundredth of it.
+const MAX_PAIRS: usize = 1 << 31;
+/// Bytes of memory a triangle: its corners, their places and order (60), its sides (48), its cells (40), and its
+/// share of lines and their pieces (150).
+const TRIANGLE_BYTES: u128 = 300;
+/// Work for a triangle in rows of a table, 100 ns each: finding lines and what hides them.
+const TRIANGLE_ROWS: u128 = 30;
+/// Pieces for each line, at most on average; lines of usual meshes have less than one that is seen.
+const MOST_PIECES: usize = 2;
+/// Pieces of lines shorter than this are neither drawn nor left out, pixels: half of it shows what only rounding has
+/// cut, twice of it can be seen.
+const LEAST_PX: f64 = 0.1;
+
+const INK: Color = [15, 23, 42, 255];
+const THIN_INK: Color = [71, 85, 105, 255];
+const HIDDEN_INK: Color = [148, 163, 184, 255];
+
+/// Refuses meshes of too many triangles.
+pub(crate) fn fits(counts: &Counts) -> Result<(), Fault> {
+    let n = counts.triangles();
+    if n <= MAX_TRIANGLES {
+        return Ok(());
+    }
+    let detail = format!(
+        "the mesh has {n} triangles, a drawing in lines takes at most {MAX_TRIANGLES}; ask for fewer levels, or for \
+         \"png\""
+    );
+    Err(Fault::new("/format", detail))
+}
+
+/// Bytes of memory that finding what is hidden takes.
+pub(crate) fn memory(counts: &Counts) -> u128 {
+    counts.triangles().saturating_mul(TRIANGLE_BYTES)
+}
+
+/// Work that finding what is hidden takes, in rows of a table.
+pub(crate) fn work(counts: &Counts) -> u128 {
+    counts.triangles().saturating_mul(TRIANGLE_ROWS)
+}
+
+/// Most bytes: three lines a triangle, in [`MOST_PIECES`] pieces of 51 bytes each.
+pub(crate) fn size(counts: &Counts) -> Size {
+    let pieces = counts.triangles().saturating_mul(3 * MOST_PIECES as u128);
+    Size::AtMost(pieces.saturating_mul(64).saturating_add(16 << 10))
+}
+
+/// The hidden parts of a line, or the seen ones.
+type Parts = Vec<[f64; 2]>;
+
+/// Draws the lines of a mesh that can be seen: its outline (edges between a triangle that shows its outside and one that
+/// shows its inside), its boundary, its creases, the edges of the input and of its faces, each line once and under the
+/// first of these names. `hidden` adds dashes where outline, boundary or creases cannot be seen.
+pub(crate) fn drawing(
+    scene: &Scene<'_>,
+    mesh: &dyn MeshSource,
+    options: &Options<'_>,
+    watch: &Watch,
+) -> Result<Drawing, FormatError> {
+    let shows = |item: &str| options.shows(item, DEFAULT_SHOW);
+    let positions = Positions::of_mesh(mesh).held(watch)?;
+    let camera = Camera::framing(&options.view(), &[positions.rows()], options.size[0], options.size[1]);
+    let seen: Option<Vec<Seen>> = positions.rows().par_iter().map(|point| camera.seen(*point)).collect();
+    let seen = seen.ok_or_else(|| {
+        FormatError::Unfit("parts of the mesh are not before the camera; move its eye away, or ask for \"png\"".into())
+    })?;
+    let found = Edges::of(scene, mesh, (positions.rows(), &seen), options.values, watch)?;
+    let edges: Vec<&Edge> = found.edges.iter().filter(|edge| edge.drawn_as(shows).is_some()).collect();
+    let sight = Sight::new(&seen, &found.triangles);
+    let pairs = edges.par_iter().map(|edge| sight.n_candidates(edge.ends.map(|v| seen[v as usize]))).sum::<usize>();
+    if pairs > MAX_PAIRS {
+        let detail =
+            "too many faces lie behind each other to find what each hides; ask for fewer levels, or for \"png\"";
+        return Err(FormatError::Unfit(detail.into()));
+    }
+    let parts = |edge: &&Edge| {
+        watch.check()?;
+        let ends = edge.ends.map(|v| seen[v as usize]);
+        let hidden = sight.hidden(ends, |triangle| edge.beside.contains(&triangle));
+        Ok(tidied(&hidden, ends))
+    };
+    let hidden: Vec<Parts> = edges.par_iter().with_min_len(256).map(parts).collect::<Result<_, FormatError>>()?;
+    let n_pieces: usize = hidden.iter().map(|parts| parts.len() + 1).sum();
+    if n_pieces > MOST_PIECES * edges.len() + 4096 {
+        let detail = "what the faces hide cuts lines into too many pieces; ask for fewer levels, or for \"png\"";
+        return Err(FormatError::Unfit(detail.into()));
+    }
+    let artist = Artist { options, seen: &seen, edges: &edges, hidden: &hidden };
+    let mut items = Vec::new();
+    if options.shows("hidden", &[]) {
+        items.push(artist.dashes());
+    }
+    for class in CLASSES.into_iter().rev() {
+        items.extend(artist.lines(class));
+    }
+    Ok(Drawing { size: options.size, background: options.background, title: String::new(), items })
+}
+
+/// Hidden parts without gaps and parts too short to be seen.
+fn tidied(hidden: &[[f64; 2]], [a, b]: [Seen; 2]) -> Parts {
+    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+    let length = (dx * dx + dy * dy).sqrt();
+    if length < LEAST_PX {
+        let middle = hidden.iter().any(|[from, to]| (*from..=*to).contains(&0.5));
+        return if middle { vec![[0.0, 1.0]] } else { Vec::new() };
+    }
+    let least = LEAST_PX / length;
+    let mut found: Parts = Vec::new();
+    for [from, to] in hidden {
+        let from = if *from < least { 0.0 } else { *from };
+        let to = if *to > 1.0 - least { 1.0 } else { *to };
+        match found.last_mut().filter(|last| from - last[1] < least) {
+            Some(last) => last[1] = to,
+            None => found.push([from, to]),
+        }
+    }
+    found.retain(|[from, to]| to - from >= least);
+    found
+}
+
+/// What is left of the whole.
+fn rest(parts: &[[f64; 2]]) -> Parts {
+    let starts = std::iter::once(0.0).chain(parts.iter().map(|part| part[1]));
+    let ends = parts.iter().map(|part| part[0]).chain([1.0]);
+    starts.zip(ends).filter(|(from, to)| from < to).map(|(from, to)| [from, to]).collect()
+}
+
+struct Artist<'a> {
+    options: &'a Options<'a>,
+    seen: &'a [Seen],
+    edges: &'a [&'a Edge],
+    /// Of each edge.
+    hidden: &'a [Parts],
+}
+
+impl Artist<'_> {
+    /// The seen parts of the lines of a class.
+    fn lines(&self, class: Class) -> Option<Item> {
+        let name = class.name();
+        let (width, color) = match class {
+            Class::Silhouette | Class::Boundary => (2.4, INK),
+            Class::Crease => (1.9, INK),
+            Class::Isoline => (1.0, THIN_INK),
+            Class::Wireframe => (0.6, THIN_INK),
+        };
+        let lines = self.edges.iter().zip(self.hidden).filter(|(edge, _)| self.class(edge) == Some(class));
+        let pieces = lines.flat_map(|(edge, hidden)| self.pieces(edge, rest(hidden))).collect();
+        let stroke = self.stroke(width, self.options.color(color));
+        let runs = chains(pieces);
+        (!runs.is_empty()).then(|| Item::lines(name, runs, stroke).titled(name))
+    }
+
+    /// The hidden parts of all but thin lines.
+    fn dashes(&self) -> Item {
+        let lines = self.edges.iter().zip(self.hidden);
+        let thick = lines.filter(|(edge, _)| !matches!(self.class(edge), Some(Class::Isoline | Class::Wireframe)));
+        let pieces = thick.flat_map(|(edge, hidden)| self.pieces(edge, hidden.clone())).collect();
+        let solid = self.stroke(1.0, HIDDEN_INK);
+        let unit = solid.width_px;
+        let stroke = Stroke { dash: vec![4.0 * unit, 3.0 * unit], cap: Cap::Butt, ..solid };
+        Item::lines("hidden", chains(pieces), stroke).titled("hidden lines")
+    }
+
+    fn class(&self, edge: &Edge) -> Option<Class> {
+        edge.drawn_as(|item| self.options.shows(item, DEFAULT_SHOW))
+    }
+
+    fn stroke(&self, width: f32, color: Color) -> Stroke {
+        Stroke::solid(width * self.options.unit_px() * self.options.line_width(), color)
+    }
+
+    fn pieces(&self, edge: &Edge, parts: Parts) -> impl Iterator<Item = Piece> + use<> {
+        let [a, b] = edge.ends.map(|v| self.seen[v as usize]);
+        let ends = edge.ends;
+        #[expect(clippy::cast_possible_truncation, reason = "pixel coordinates need no more than the precision of f32")]
+        let place = move |t: f64| [0, 1].map(|k| (a[k] + t * (b[k] - a[k])) as f32);
+        parts.into_iter().map(move |[from, to]| Piece {
+            places: [place(from), place(to)],
+            vertices: [(from == 0.0).then_some(ends[0]), (to == 1.0).then_some(ends[1])],
+        })
+    }
+}

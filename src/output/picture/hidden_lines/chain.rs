@@ -1,0 +1,75 @@
+//! Joins pieces of lines that meet at a vertex.
+
+use std::collections::BTreeMap;
+
+use crate::drawing::{Point, Run};
+
+/// Longest polyline, so that painting one takes bounded memory.
+const LONGEST: usize = 4096;
+
+/// A straight piece of a line.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Piece {
+    /// Its ends.
+    pub(super) places: [Point; 2],
+    /// The vertices at its ends, where it reaches them.
+    pub(super) vertices: [Option<u32>; 2],
+}
+
+/// Polylines of pieces that meet at vertices at which no third one ends, in the order of their first pieces.
+pub(super) fn chains(pieces: Vec<Piece>) -> Vec<Run> {
+    let mut around: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    for (i, piece) in pieces.iter().enumerate() {
+        for vertex in piece.vertices.iter().flatten() {
+            around.entry(*vertex).or_default().push(i);
+        }
+    }
+    let mut used = vec![false; pieces.len()];
+    let mut runs = Vec::new();
+    for first in 0..pieces.len() {
+        if std::mem::replace(&mut used[first], true) {
+            continue;
+        }
+        let mut run: Run = pieces[first].places.to_vec();
+        extend(&mut run, pieces[first].vertices[1], (&pieces, &around), &mut used);
+        run.reverse();
+        extend(&mut run, pieces[first].vertices[0], (&pieces, &around), &mut used);
+        runs.push(run);
+    }
+    runs
+}
+
+/// Goes on from a vertex at the end of a run.
+fn extend(
+    run: &mut Run,
+    from: Option<u32>,
+    (pieces, around): (&[Piece], &BTreeMap<u32, Vec<usize>>),
+    used: &mut [bool],
+) {
+    let mut at = from;
+    while let Some(vertex) = at.filter(|_| run.len() < LONGEST) {
+        let [a, b] = around[&vertex][..] else { return };
+        let Some(next) = [a, b].into_iter().find(|i| !used[*i]) else { return };
+        used[next] = true;
+        let far = usize::from(pieces[next].vertices[0] == Some(vertex));
+        run.push(pieces[next].places[far]);
+        at = pieces[next].vertices[far];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn piece(from: u32, to: u32) -> Piece {
+        let place = |v: u32| [f32::from(u16::try_from(v).expect("a small number")), 0.0];
+        Piece { places: [place(from), place(to)], vertices: [Some(from), Some(to)] }
+    }
+
+    #[test]
+    fn pieces_are_joined_where_two_meet_whatever_their_directions() {
+        let runs = chains(vec![piece(2, 1), piece(2, 3), piece(0, 1), piece(3, 4), piece(3, 5)]);
+        let xs: Vec<Vec<f32>> = runs.iter().map(|run| run.iter().map(|place| place[0]).collect()).collect();
+        assert_eq!(xs, [vec![0.0, 1.0, 2.0, 3.0], vec![3.0, 4.0], vec![3.0, 5.0]].map(|xs| xs).to_vec());
+    }
+}

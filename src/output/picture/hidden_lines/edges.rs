@@ -1,0 +1,169 @@
+//! The lines of a mesh: where it turns away, where it ends, where it is sharp, and the edges of faces.
+
+use rayon::prelude::*;
+
+use crate::math::parameter::Values;
+use crate::output::error::FormatError;
+use crate::output::hard_edges::HardEdges;
+use crate::output::scene::{FaceChunk, MeshSource, Scene, in_chunks, triangles};
+use crate::raster::Seen;
+use crate::shape::topology::NONE;
+use crate::watch::Watch;
+
+/// What a line is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Class {
+    /// Between a triangle that shows its outside and one that shows its inside.
+    Silhouette,
+    /// The end of the mesh.
+    Boundary,
+    /// Sharp, or with faces that meet at a large angle.
+    Crease,
+    /// A piece of an edge of the input.
+    Isoline,
+    /// An edge of a face.
+    Wireframe,
+}
+
+/// All classes; a line is drawn as the first of them that is shown.
+pub(super) const CLASSES: [Class; 5] =
+    [Class::Silhouette, Class::Boundary, Class::Crease, Class::Isoline, Class::Wireframe];
+
+impl Class {
+    /// Its name in requests.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Silhouette => "silhouettes",
+            Self::Boundary => "boundary",
+            Self::Crease => "creases",
+            Self::Isoline => "isolines",
+            Self::Wireframe => "wireframe",
+        }
+    }
+}
+
+/// A line from vertex to vertex.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Edge {
+    pub(super) ends: [u32; 2],
+    /// Whether it is of each class.
+    is: [bool; 5],
+    /// Triangles of which it is a side, or [`NONE`].
+    pub(super) beside: [u32; 2],
+}
+
+impl Edge {
+    /// The class as which it is drawn where classes are shown of which `shows` holds.
+    pub(super) fn drawn_as(&self, shows: impl Fn(&str) -> bool) -> Option<Class> {
+        CLASSES.into_iter().find(|class| self.is[*class as usize] && shows(class.name()))
+    }
+}
+
+/// The triangles of a mesh, and its lines.
+pub(super) struct Edges {
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) edges: Vec<Edge>,
+}
+
+/// A side of a triangle: its ends, the lower first, and the triangle.
+type Side = [u32; 3];
+
+impl Edges {
+    /// Those of a mesh whose vertices stand at `positions` and are `seen` there. Vertices at one place count as one,
+    /// the first of them, so that neither poles nor files without neighbours have boundaries inside.
+    pub(super) fn of(
+        scene: &Scene<'_>,
+        mesh: &dyn MeshSource,
+        (positions, seen): (&[[f64; 3]], &[Seen]),
+        options: &Values,
+        watch: &Watch,
+    ) -> Result<Self, FormatError> {
+        let first = firsts(positions);
+        let (cut, faces) = cut(mesh, &first, watch)?;
+        let named = |ends: Vec<[u32; 2]>| {
+            let mut ends: Vec<[u32; 2]> =
+                ends.into_iter().map(|ends| ordered(ends.map(|v| first[v as usize]))).collect();
+            ends.par_sort_unstable();
+            ends
+        };
+        let creases = named(HardEdges::of(scene.shape, options, watch)?.and(mesh.sharp_edges()));
+        let isolines = named(isolines(mesh, watch)?);
+        let outward: Vec<bool> = cut.iter().map(|triangle| shows_outside(triangle.map(|v| seen[v as usize]))).collect();
+        let sides =
+            (0..).zip(&cut).flat_map(|(t, [a, b, c])| [[a, b], [b, c], [c, a]].map(|[a, b]| [*a.min(b), *a.max(b), t]));
+        let mut sides: Vec<Side> = sides.collect();
+        sides.par_sort_unstable();
+        let edge = |sides: &[Side]| {
+            let ends = [sides[0][0], sides[0][1]];
+            let beside = [sides[0][2], sides.get(1).map_or(NONE, |side| side[2])];
+            let inner = sides.len() == 2 && faces[beside[0] as usize] == faces[beside[1] as usize];
+            let turns = sides.iter().any(|side| outward[side[2] as usize] != outward[beside[0] as usize]);
+            let sharp = sides.len() > 2 || creases.binary_search(&ends).is_ok();
+            let is = [turns, sides.len() == 1, sharp, isolines.binary_search(&ends).is_ok(), !inner];
+            Edge { ends, is, beside }
+        };
+        let edges = sides.chunk_by(|a, b| a[..2] == b[..2]).map(edge).filter(|edge| edge.is.contains(&true)).collect();
+        Ok(Self { triangles: cut, edges })
+    }
+}
+
+fn ordered([a, b]: [u32; 2]) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
+/// Whether a triangle turns counter-clockwise; y points downwards.
+fn shows_outside([a, b, c]: [Seen; 3]) -> bool {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) < 0.0
+}
+
+/// For each vertex the first at the same place.
+fn firsts(positions: &[[f64; 3]]) -> Vec<u32> {
+    // the sums take -0 for 0
+    let key = |v: u32| positions[v as usize].map(|x| (x + 0.0).to_bits());
+    let mut order: Vec<u32> = (0..).take(positions.len()).collect();
+    order.par_sort_unstable_by_key(|&v| (key(v), v));
+    let mut first = vec![0; positions.len()];
+    for same in order.chunk_by(|a, b| key(*a) == key(*b)) {
+        same.iter().for_each(|v| first[*v as usize] = same[0]);
+    }
+    first
+}
+
+/// The triangles of all faces that have three corners, and the face of each.
+fn cut(mesh: &dyn MeshSource, first: &[u32], watch: &Watch) -> Result<(Vec<[u32; 3]>, Vec<u32>), FormatError> {
+    let (mut all, mut faces) = (Vec::new(), Vec::new());
+    let mut chunk = FaceChunk::default();
+    let mut number = 0;
+    in_chunks(mesh.n_faces(), |range| {
+        watch.check()?;
+        mesh.faces(range, &mut chunk);
+        for face in chunk.iter() {
+            for triangle in triangles(face).map(|triangle| triangle.map(|v| first[v as usize])) {
+                let [a, b, c] = triangle;
+                if a != b && b != c && c != a {
+                    all.push(triangle);
+                    faces.push(number);
+                }
+            }
+            number += 1;
+        }
+        Ok::<_, FormatError>(())
+    })?;
+    Ok((all, faces))
+}
+
+/// The pieces of the edges of the input beside which a face is shown.
+fn isolines(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 2]>, FormatError> {
+    let mut pieces = Vec::new();
+    let mut line = Vec::new();
+    in_chunks(mesh.input_cells()[1], |range| {
+        watch.check()?;
+        for edge in range {
+            if mesh.isoline(edge, &mut line) {
+                pieces.extend(line.windows(2).map(|pair| [pair[0], pair[1]]));
+            }
+        }
+        Ok::<_, FormatError>(())
+    })?;
+    Ok(pieces)
+}

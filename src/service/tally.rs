@@ -1,0 +1,126 @@
+//! What happened, counted: computations by how they ended, the time that their stages took, jobs by how they ended, and
+//! where results were found.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use super::computation::{Failure, Phase, Timings};
+use super::jobs::State;
+
+/// The upper bounds of the buckets of a histogram, milliseconds: each about five times the one before, from what a
+/// cached lookup takes to the longest run.
+pub const BOUNDS_MS: [u64; 9] = [1, 5, 20, 100, 500, 2_000, 10_000, 60_000, 300_000];
+
+/// How long something took, counted by buckets.
+#[derive(Debug, Default)]
+pub struct Histogram {
+    buckets: [AtomicU64; BOUNDS_MS.len()],
+    count: AtomicU64,
+    sum_us: AtomicU64,
+}
+
+impl Histogram {
+    fn add(&self, took: Duration) {
+        let us = u64::try_from(took.as_micros()).unwrap_or(u64::MAX);
+        for (bound, bucket) in BOUNDS_MS.iter().zip(&self.buckets) {
+            bucket.fetch_add(u64::from(us <= bound * 1000), Ordering::Relaxed);
+        }
+        self.count.fetch_add(1, Ordering::Relaxed);
+        self.sum_us.fetch_add(us, Ordering::Relaxed);
+    }
+
+    /// How many took at most as long as each bound, how many there were, and how long all took together.
+    pub fn read(&self) -> ([u64; BOUNDS_MS.len()], u64, Duration) {
+        let buckets = std::array::from_fn(|at| self.buckets[at].load(Ordering::Relaxed));
+        (buckets, self.count.load(Ordering::Relaxed), Duration::from_micros(self.sum_us.load(Ordering::Relaxed)))
+    }
+}
+
+/// Where a result was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Found {
+    /// In memory.
+    Memory,
+    /// On disk.
+    Disk,
+    /// Nowhere.
+    Nowhere,
+}
+
+/// Counters that only grow.
+#[derive(Debug, Default)]
+pub struct Tally {
+    computations: [AtomicU64; COMPUTATIONS.len()],
+    stages: [Histogram; STAGES.len()],
+    jobs: [AtomicU64; JOBS.len()],
+    found: [AtomicU64; FOUND.len()],
+}
+
+const COMPUTATIONS: [&str; 6] = ["done", "cancelled", "impossible", "timed_out", "busy", "internal"];
+const STAGES: [&str; 4] = ["queue", "refine", "render", "encode"];
+const JOBS: [&str; 3] = ["done", "failed", "cancelled"];
+const FOUND: [&str; 3] = ["memory", "disk", "none"];
+
+impl Tally {
+    /// Counts a computation that has ended.
+    pub(super) fn computed(&self, phase: &Phase) {
+        let at = match phase {
+            Phase::Done(outcome) => {
+                let Timings { queue, refine, render, encode, .. } = outcome.timings;
+                let took = [queue, refine, render, encode];
+                self.stages.iter().zip(took).for_each(|(stage, took)| stage.add(took));
+                0
+            }
+            Phase::Failed(Failure::Impossible(_)) => 2,
+            Phase::Failed(Failure::TimedOut(_)) => 3,
+            Phase::Failed(Failure::Busy(_)) => 4,
+            Phase::Failed(Failure::Internal(_)) => 5,
+            Phase::Failed(Failure::Cancelled) | Phase::Queued | Phase::Running => 1,
+        };
+        self.computations[at].fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Counts a job that goes on no more.
+    pub(super) fn settled(&self, state: &State) {
+        let at = match state {
+            State::Done => 0,
+            State::Failed(_) => 1,
+            State::Cancelled | State::Active => 2,
+        };
+        self.jobs[at].fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Counts a look for a result.
+    pub(super) fn looked(&self, found: Found) {
+        let at = match found {
+            Found::Memory => 0,
+            Found::Disk => 1,
+            Found::Nowhere => 2,
+        };
+        self.found[at].fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Computations by how they ended.
+    pub fn computations(&self) -> impl Iterator<Item = (&'static str, u64)> + '_ {
+        named(&COMPUTATIONS, &self.computations)
+    }
+
+    /// The time of each stage.
+    pub fn stages(&self) -> impl Iterator<Item = (&'static str, &Histogram)> {
+        STAGES.into_iter().zip(&self.stages)
+    }
+
+    /// Jobs by how they ended.
+    pub fn jobs(&self) -> impl Iterator<Item = (&'static str, u64)> + '_ {
+        named(&JOBS, &self.jobs)
+    }
+
+    /// Looks for results by where they were found.
+    pub fn found(&self) -> impl Iterator<Item = (&'static str, u64)> + '_ {
+        named(&FOUND, &self.found)
+    }
+}
+
+fn named<'a>(names: &'a [&'static str], counts: &'a [AtomicU64]) -> impl Iterator<Item = (&'static str, u64)> + 'a {
+    names.iter().copied().zip(counts.iter().map(|count| count.load(Ordering::Relaxed)))
+}

@@ -1,0 +1,139 @@
+//! Where the panels of a figure stand, and which outputs their jobs have there.
+
+use super::literal::WireLiteral;
+use super::output::{OutputRequest, output};
+use crate::drawing::{Label, Weight};
+use crate::fault::{Fault, under};
+use crate::job::{Output, panel_place};
+use crate::math::parameter::Literal;
+use crate::output::figure::{Cell, Grid, MAX_COLUMNS, MAX_PANELS, MAX_TEXT, Sheet};
+
+/// What is said of a panel besides its job.
+#[derive(Debug)]
+pub(super) struct Panel {
+    /// Columns and rows.
+    pub(super) span: Option<[u64; 2]>,
+    /// What stands below it.
+    pub(super) caption: Option<String>,
+    /// The outputs of its job.
+    pub(super) outputs: Vec<OutputRequest>,
+}
+
+/// A figure as far as it can be told without the jobs of its panels.
+#[derive(Debug)]
+pub(super) struct Outline {
+    /// Where the panels stand.
+    pub(super) grid: Grid,
+    /// What each panel shows.
+    shown: Vec<OutputRequest>,
+}
+
+impl Outline {
+    /// The outline of these panels, whose pictures all have a camera where one is given.
+    ///
+    /// # Errors
+    /// All faults, with pointers into the request.
+    pub(super) fn new(
+        columns: Option<u64>,
+        (title, letters): (Option<String>, bool),
+        panels: &[Panel],
+        camera: Option<&WireLiteral>,
+    ) -> Result<Self, Vec<Fault>> {
+        let n = panels.len();
+        if n == 0 || n > MAX_PANELS {
+            let detail = format!("{n} panels; a figure has 1 to {MAX_PANELS}");
+            return Err(vec![Fault::new("/figure/panels", detail)]);
+        }
+        // as many columns as rows, or one more
+        let usual = (1..=MAX_COLUMNS).find(|side| (side * side) as usize >= n).unwrap_or(MAX_COLUMNS);
+        let columns = columns.map_or(Some(usual), |given| u32::try_from(given).ok());
+        let Some(columns) = columns.filter(|columns| (1..=MAX_COLUMNS).contains(columns)) else {
+            let detail = format!("a figure has 1 to {MAX_COLUMNS} columns");
+            return Err(vec![Fault::new("/figure/columns", detail)]);
+        };
+        let mut faults = camera.and_then(|camera| shared_fault(camera)).unwrap_or_default();
+        faults.extend(text_fault("/figure/title", title.as_deref(), Weight::Bold));
+        let grid = Grid { columns, title, letters, cells: Vec::new() };
+        let mut outline = Self { grid, shown: Vec::new() };
+        for (i, panel) in panels.iter().enumerate() {
+            match cell(i, panel, columns) {
+                Ok((cell, mut shown)) => {
+                    outline.grid.cells.push(cell);
+                    camera.into_iter().for_each(|camera| shown.set("camera", camera.clone()));
+                    outline.shown.push(shown);
+                }
+                Err(found) => faults.extend(found),
+            }
+        }
+        if faults.is_empty() { Ok(outline) } else { Err(faults) }
+    }
+
+    /// The outputs of the job of panel `i`, one for each output of the figure, of the size that the panel has there.
+    ///
+    /// # Errors
+    /// All faults, with pointers below the job.
+    pub(super) fn outputs(&self, i: usize, figure: &[(&Output, Sheet)]) -> Result<Vec<Output>, Vec<Fault>> {
+        let one = |(of, sheet): &(&Output, Sheet)| {
+            let mut request = self.shown[i].clone();
+            let size = sheet.pictures[i].size.map(|side| WireLiteral(Literal::Number(side.into())));
+            ["width", "height"].into_iter().zip(size).for_each(|(name, side)| request.set(name, side));
+            let found = output(&request, 0).map_err(|found| under("/outputs/0", found))?;
+            Ok(Output { name: of.name.clone(), ..found })
+        };
+        figure.iter().map(one).collect()
+    }
+}
+
+/// What is wrong with something that is to be written.
+fn text_fault(place: &str, text: Option<&str>, weight: Weight) -> Option<Fault> {
+    let text = text?;
+    if text.chars().count() > MAX_TEXT {
+        return Some(Fault::new(place, format!("it has more than {MAX_TEXT} characters; write less")));
+    }
+    Label::parse(text, weight).err().map(|detail| Fault::new(place, detail))
+}
+
+/// What is wrong with a camera that all panels are to have.
+fn shared_fault(camera: &WireLiteral) -> Option<Vec<Fault>> {
+    let mut request = OutputRequest::of_format("png");
+    request.set("camera", camera.clone());
+    request.check().err().map(|found| under("/figure/shared", found))
+}
+
+/// The cell of a panel, and what it shows.
+fn cell(i: usize, panel: &Panel, columns: u32) -> Result<(Cell, OutputRequest), Vec<Fault>> {
+    let mut faults = Vec::new();
+    let [across, down] = panel.span.unwrap_or([1, 1]);
+    if !(1..=u64::from(columns)).contains(&across) || !(1..=u64::from(MAX_COLUMNS)).contains(&down) {
+        let detail = format!("a panel spans 1 to {columns} columns here, and 1 to {MAX_COLUMNS} rows");
+        faults.push(Fault::new(format!("/figure/panels/{i}/span"), detail));
+    }
+    let place = panel_place(i);
+    let caption = format!("/figure/panels/{i}/caption");
+    faults.extend(text_fault(&caption, panel.caption.as_deref(), Weight::Regular));
+    let shown = match panel.outputs.as_slice() {
+        [] => OutputRequest::of_format("png"),
+        [one] => one.clone(),
+        several => {
+            let detail = format!("{} outputs; the job of a panel has one, a picture", several.len());
+            return Err(faults.into_iter().chain([Fault::new(format!("{place}/outputs"), detail)]).collect());
+        }
+    };
+    let found = output(&shown, 0).map_err(|found| under(&format!("{place}/outputs/0"), found));
+    let found = found.and_then(|found| match found.format.paper() {
+        Some(_) => Ok(found),
+        None => {
+            let detail = format!("a panel shows a picture; {} is none, ask for png", found.format.name());
+            Err(vec![Fault::new(format!("{place}/outputs/0/format"), detail)])
+        }
+    });
+    match found {
+        Ok(found) if faults.is_empty() => {
+            let side = |name: &str| found.options.integer(name).and_then(|side| u32::try_from(side).ok()).unwrap_or(1);
+            let span = [across, down].map(|n| u32::try_from(n).unwrap_or(1));
+            Ok((Cell { span, proportion: ["width", "height"].map(side), caption: panel.caption.clone() }, shown))
+        }
+        Ok(_) => Err(faults),
+        Err(found) => Err(faults.into_iter().chain(found).collect()),
+    }
+}

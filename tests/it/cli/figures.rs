@@ -1,0 +1,139 @@
+//! A folder of jobs rendered together, and checked against what it gave before.
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use serde_json::{Value, json};
+
+use super::{FILES, OTHER, REFUSED, planish, text};
+use crate::http::jobs::{mesh, polygon, with};
+use crate::http::server::Folder;
+use crate::support::render;
+
+fn within(folder: &Folder, arguments: &[&str]) -> Output {
+    planish().args(arguments).current_dir(folder.path()).output().unwrap()
+}
+
+fn png(mut job: Value, width: u32) -> Value {
+    job["outputs"] = json!([{ "format": "png", "width": width, "height": 48 }]);
+    job
+}
+
+/// A folder with the jobs of a cube and of a polygon in `jobs`, rendered into `out`.
+fn rendered() -> Folder {
+    let folder = Folder::new();
+    fs::create_dir(folder.path().join("jobs")).unwrap();
+    put(&folder, "jobs/cube.json", &png(mesh(2), 64));
+    put(&folder, "jobs/star.json", &png(polygon(3), 64));
+    let made = within(&folder, &["figures", "jobs", "-o", "out"]);
+    assert!(made.status.success(), "{}", text(&made.stderr));
+    folder
+}
+
+fn put(folder: &Folder, name: &str, job: &Value) {
+    fs::write(folder.path().join(name), job.to_string()).unwrap();
+}
+
+fn manifest(folder: &Folder) -> Value {
+    serde_json::from_slice(&fs::read(folder.path().join("out/manifest.json")).unwrap()).unwrap()
+}
+
+fn check(folder: &Folder, more: &[&str]) -> (Option<i32>, String) {
+    let checked = within(folder, &[&["figures", "jobs", "-o", "out", "--check"], more].concat());
+    (checked.status.code(), text(&checked.stderr))
+}
+
+fn holds(path: &Path, parts: &[&str]) {
+    let found = fs::read_to_string(path).unwrap();
+    for part in parts {
+        assert!(found.contains(part), "{part:?} in {}", path.display());
+    }
+}
+
+#[test]
+fn a_folder_of_jobs_becomes_pictures_with_a_manifest() {
+    let folder = rendered();
+    let (cube, _) = render(&png(mesh(2), 64)).unwrap();
+    assert_eq!(fs::read(folder.path().join("out/cube.png")).unwrap(), cube);
+    let manifest = manifest(&folder);
+    let names: Vec<&String> = manifest["figures"].as_object().unwrap().keys().collect();
+    assert_eq!(names, ["cube.png", "star.png"]);
+    let entry = &manifest["figures"]["cube.png"];
+    assert_eq!((&entry["job"], &entry["bytes"]), (&json!("cube.json"), &json!(cube.len())));
+    assert_eq!(entry["hash"], planish::job::key::content(&cube).to_string());
+    assert!(entry["numbers"]["vertices"].is_u64(), "{entry}");
+    assert_eq!(check(&folder, &[]).0, Some(0));
+    assert!(!folder.path().join("out.report").exists(), "where nothing differs there is nothing to report");
+}
+
+#[test]
+fn what_has_its_key_is_not_made_again() {
+    let folder = rendered();
+    let before = fs::metadata(folder.path().join("out/cube.png")).unwrap().modified().unwrap();
+    put(&folder, "jobs/star.json", &png(polygon(4), 64));
+    let again = within(&folder, &["figures", "jobs", "-o", "out"]);
+    assert!(text(&again.stderr).contains("1 of 2 pictures were made"), "{}", text(&again.stderr));
+    assert_eq!(fs::metadata(folder.path().join("out/cube.png")).unwrap().modified().unwrap(), before);
+    fs::write(folder.path().join("out/cube.png"), "damaged").unwrap();
+    let again = within(&folder, &["figures", "jobs", "-o", "out"]);
+    assert!(text(&again.stderr).contains("1 of 2 pictures were made"), "{}", text(&again.stderr));
+    assert_eq!(fs::read(folder.path().join("out/cube.png")).unwrap(), render(&png(mesh(2), 64)).unwrap().0);
+}
+
+#[test]
+fn a_changed_job_is_told_with_before_after_difference_and_numbers() {
+    let folder = rendered();
+    fs::create_dir(folder.path().join("old")).unwrap();
+    fs::copy(folder.path().join("jobs/cube.json"), folder.path().join("old/cube.json")).unwrap();
+    put(&folder, "jobs/cube.json", &png(mesh(1), 64));
+    let kept = fs::read(folder.path().join("out/cube.png")).unwrap();
+    let (code, said) = check(&folder, &["--before", "old", "--report", "told"]);
+    assert_eq!(code, Some(OTHER), "{said}");
+    assert!(said.contains("cube.png: ") && said.contains("1 picture differs, 1 is as it was"), "{said}");
+    assert_eq!(fs::read(folder.path().join("out/cube.png")).unwrap(), kept, "a check writes no picture");
+    let told = folder.path().join("told");
+    for picture in ["before/cube.png", "after/cube.png", "difference/cube.png.png", "both/cube.png.png"] {
+        assert!(image::open(told.join(picture)).is_ok(), "{picture}");
+    }
+    holds(&told.join("report.md"), &["## cube.png", "](before/cube.png)", "| vertices | 98 | 26 |"]);
+    holds(&told.join("report.html"), &["data:image/png;base64,", "<td>vertices</td><td>98</td><td>26</td>"]);
+    assert!(!fs::read_to_string(told.join("report.html")).unwrap().contains("src=\"both"), "it holds all pictures");
+}
+
+#[test]
+fn new_gone_and_damaged_pictures_differ() {
+    let folder = rendered();
+    put(&folder, "jobs/new.json", &png(mesh(0), 64));
+    fs::remove_file(folder.path().join("jobs/star.json")).unwrap();
+    fs::write(folder.path().join("out/cube.png"), "damaged").unwrap();
+    let (code, said) = check(&folder, &[]);
+    assert_eq!(code, Some(OTHER), "{said}");
+    for part in
+        ["new.png: new", "star.png: there is no job", "cube.png: other bytes", "3 pictures differ, 0 are as they were"]
+    {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    assert!(folder.path().join("out.report/report.html").exists());
+}
+
+#[test]
+fn jobs_that_fail_do_not_keep_the_others_from_being_rendered() {
+    let folder = rendered();
+    put(&folder, "jobs/bad.json", &json!({ "input": {}, "outputs": [{ "format": "png" }] }));
+    put(&folder, "jobs/numbers.json", &with(mesh(1), "obj"));
+    put(&folder, "jobs/other.json", &png(mesh(0), 64));
+    let made = within(&folder, &["figures", "jobs", "-o", "out"]);
+    assert_eq!(made.status.code(), Some(REFUSED), "{}", text(&made.stderr));
+    assert!(text(&made.stderr).contains("it asks for no picture"), "{}", text(&made.stderr));
+    assert_eq!(manifest(&folder)["figures"].as_object().unwrap().len(), 3);
+}
+
+#[test]
+fn without_a_manifest_there_is_nothing_to_check() {
+    let folder = rendered();
+    fs::remove_file(folder.path().join("out/manifest.json")).unwrap();
+    assert_eq!(check(&folder, &[]).0, Some(FILES));
+    let empty = within(&folder, &["figures", "out", "-o", "none"]);
+    assert_eq!(empty.status.code(), Some(FILES), "{}", text(&empty.stderr));
+}
