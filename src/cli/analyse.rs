@@ -122,7 +122,8 @@ impl Question {
             parameters: WireFields(parameters),
             ..PlanRequest::default()
         };
-        Ok(AnalysisRequest { spec: None, plan, nodes: *nodes, grid: *grid, matrices, scan, valences })
+        let (tube, input) = (None, None);
+        Ok(AnalysisRequest { spec: None, plan, nodes: *nodes, grid: *grid, matrices, scan, valences, tube, input })
     }
 }
 

@@ -1,9 +1,10 @@
-//! What is asked about a plan: as a scheme for curves, or for surfaces.
+//! What is asked about a plan: as a scheme for curves or for surfaces, or about a tube.
 
 use super::analysis::Analysis;
 use super::form::Form;
 use super::key::{self, Key};
 use super::surface_analysis::SurfaceAnalysis;
+use super::tube_analysis::TubeAnalysis;
 use crate::math::parameter::Literal;
 use crate::scheme::parameters::SPLIT;
 use crate::scheme::plan::PlanInput;
@@ -17,6 +18,8 @@ pub enum Inquiry {
     Curve(Box<Analysis>),
     /// As a scheme for surfaces.
     Surface(Box<SurfaceAnalysis>),
+    /// About a straight tube with latitude lines.
+    Tube(Box<TubeAnalysis>),
 }
 
 /// Whether a plan is one for meshes alone: a preset that refines nothing else, or a word that splits triangles.
@@ -34,6 +37,7 @@ impl Inquiry {
         let key = match self {
             Self::Curve(analysis) => analysis.key(),
             Self::Surface(analysis) => analysis.key(),
+            Self::Tube(analysis) => analysis.key(),
         };
         key::in_form(key, form)
     }
@@ -43,6 +47,7 @@ impl Inquiry {
         match self {
             Self::Curve(analysis) => analysis.bytes(),
             Self::Surface(analysis) => analysis.bytes(),
+            Self::Tube(analysis) => analysis.bytes(),
         }
     }
 
@@ -51,6 +56,7 @@ impl Inquiry {
         match self {
             Self::Curve(analysis) => analysis.work(),
             Self::Surface(analysis) => analysis.work(),
+            Self::Tube(analysis) => analysis.work(),
         }
     }
 
@@ -59,6 +65,7 @@ impl Inquiry {
         match self {
             Self::Curve(analysis) => analysis.milliseconds(),
             Self::Surface(analysis) => analysis.milliseconds(),
+            Self::Tube(analysis) => analysis.milliseconds(),
         }
     }
 }

@@ -8,6 +8,7 @@ use super::form::Form;
 use super::input::Input;
 use super::output::Output;
 use super::shape_items::{connectivity, input, lines, mesh};
+use super::tube_analysis::TubeInput;
 use crate::analysis::smoothness::Symbol;
 use crate::analysis::{Level, Study};
 use crate::math::expression::{Expression, Instruction};
@@ -208,14 +209,42 @@ pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>, matrices: O
 }
 
 /// Key of an analysis of a plan as a scheme for surfaces: over the results version, the plan at alpha = 0 without what
-/// its operators do not use, and what was asked for.
-pub(super) fn surface_analysis(settled: &Plan, follows_alpha: bool, valences: &[usize], nodes: u64) -> Key {
-    let items = vec![
+/// its operators do not use, what was asked for, and the mesh with its own plan, if there is one.
+pub(super) fn surface_analysis(
+    settled: &Plan,
+    follows_alpha: bool,
+    valences: &[usize],
+    nodes: u64,
+    on: Option<(&Input, &Plan)>,
+) -> Key {
+    let mut items = vec![
         Item::text("planish surface analysis"),
         Item::Integer(u64::from(RESULTS_VERSION)),
         plan_of(settled, 1, true, [true, false], Vec::new()),
         Item::Integer(u64::from(follows_alpha)),
         Item::List(valences.iter().map(|&valence| Item::Integer(valence as u64)).collect()),
+        Item::Integer(nodes),
+    ];
+    if let Some((shape, refined)) = on {
+        items.extend([input(shape, refined), plan(shape, refined, 1, true)]);
+    }
+    hashed(&Item::List(items))
+}
+
+/// Key of a question about a tube: over the results version, the plan without what its operators do not use, and what
+/// was asked for.
+pub(super) fn tube_analysis(asked: &Plan, tube: &TubeInput, nodes: u64) -> Key {
+    let TubeInput { vertices, turns, control_radius, limit_radius } = tube;
+    let radius = |radius: &Option<f64>| Item::List(radius.iter().map(|radius| Item::Number(*radius)).collect());
+    // alpha is that of the ring
+    let asked = Plan { alpha: 0.0, compensation_alpha: None, ..asked.clone() };
+    let items = vec![
+        Item::text("planish tube analysis"),
+        Item::Integer(u64::from(RESULTS_VERSION)),
+        plan_of(&asked, 1, true, [true, false], Vec::new()),
+        Item::List([vertices, turns].map(|n| Item::Integer(*n)).into()),
+        radius(control_radius),
+        radius(limit_radius),
         Item::Integer(nodes),
     ];
     hashed(&Item::List(items))

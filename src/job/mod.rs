@@ -23,6 +23,7 @@ mod limit_cost;
 pub mod limits;
 mod matrices;
 mod memory;
+mod mesh_survey;
 mod output;
 mod places;
 mod report;
@@ -35,6 +36,7 @@ mod size;
 mod steering;
 mod surface_analysis;
 mod time;
+mod tube_analysis;
 mod work;
 
 pub use analysis::{
@@ -50,10 +52,12 @@ pub use input::Input;
 pub use inquiry::{Inquiry, is_for_meshes};
 pub use levels::{Levels, Resolved};
 pub use matrices::{FoundMatrices, MatricesWish};
+pub use mesh_survey::Survey;
 pub use output::Output;
 pub use report::Report;
 pub use run::{run, run_keeping};
 pub use scan::{MAX_STEPS, ScanWish};
 pub use search::{Search, SearchCost, SearchError};
 pub use surface_analysis::{MAX_VALENCE, SurfaceAnalysis, SurfaceFindings};
+pub use tube_analysis::{TubeAnalysis, TubeFindings, TubeInput};
 pub use work::{KeepNothing, KeepWork, Refined, Work};

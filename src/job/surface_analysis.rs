@@ -1,9 +1,12 @@
 //! The analysis of a plan as a scheme for surfaces: a computation like a job, of which only the scheme matters.
 
 use super::analysis::{DEFAULT_NODES, MAX_NODES};
+use super::input::Input;
 use super::key::{self, Key};
+use super::mesh_survey::{Survey, Surveyed};
 use crate::analysis::limit::Unlimited;
 use crate::analysis::surface::{RegularSmoothness, SurfaceStudy, ValenceReport};
+use crate::analysis::tolerance;
 use crate::fault::{Fault, under};
 use crate::math::expression::Expression;
 use crate::scheme::plan::{Plan, PlanInput, Subject};
@@ -20,6 +23,10 @@ pub const MAX_VALENCE: usize = 50;
 /// of many valences wait longer.
 const MS_AN_EDGE: u64 = 4;
 
+/// Milliseconds that bounds of distances from the limit take, roughly.
+/// Half a second a level of the largest meshes. With half of it searches take longer than their share; with twice of it
+/// they wait longer.
+const MS_OF_BOUNDS: u64 = 3000;
 /// Bytes of memory that an analysis takes at most: the largest star, its operators' rows and the blocks.
 /// It is reckoned from 2^18 points with some 200 bytes each. Half of it is enough for all presets; twice of it lets half
 /// as many analyses run at once.
@@ -31,6 +38,7 @@ pub struct SurfaceAnalysis {
     study: SurfaceStudy,
     follows_alpha: bool,
     valences: Vec<usize>,
+    surveyed: Option<Surveyed>,
     nodes: u64,
     key: Key,
 }
@@ -46,10 +54,13 @@ pub struct SurfaceFindings<'a> {
     pub smoothness: RegularSmoothness,
     /// What is known of each valence, or why nothing is.
     pub valences: Vec<(usize, Result<ValenceReport, String>)>,
+    /// What is found of the mesh, where one was given.
+    pub survey: Option<Survey>,
 }
 
 impl SurfaceAnalysis {
-    /// The analysis of a plan at some valences, with so many products of matrices in the search for bounds of curves.
+    /// The analysis of a plan at some valences, with so many products of matrices in the search for bounds of curves;
+    /// on a mesh at those that it has, if none are given.
     ///
     /// # Errors
     /// Every fault found, with pointers into the request.
@@ -57,6 +68,7 @@ impl SurfaceAnalysis {
         plan: &PlanInput,
         valences: Option<&[u64]>,
         nodes: Option<u64>,
+        input: Option<Input>,
         watch: &Watch,
     ) -> Result<Self, Vec<Fault>> {
         let nodes = nodes.unwrap_or(DEFAULT_NODES);
@@ -65,27 +77,38 @@ impl SurfaceAnalysis {
             let detail = format!("{nodes} products of matrices; at most {MAX_NODES} are looked at");
             faults.push(Fault::new("/nodes", detail));
         }
-        let valences = valences.map_or_else(|| Ok(DEFAULT_VALENCES.collect()), checked).unwrap_or_else(|found| {
+        let asked = valences.map(checked).transpose().unwrap_or_else(|found| {
             faults.extend(found);
-            Vec::new()
+            None
         });
-        let resolved = Plan::resolve(plan, Subject { is_mesh: true, ..Subject::default() });
+        let resolved = match &input {
+            Some(input) => input.plan(plan),
+            None => Plan::resolve(plan, Subject { is_mesh: true, ..Subject::default() }),
+        };
         let place = if plan.preset.is_some() { "/plan/preset" } else { "/plan/word" };
         let study = resolved.map_err(|found| under("/plan", found)).and_then(|plan| {
             let settled = settled(&plan).map_err(|detail| vec![Fault::new(place, detail)])?;
             let study = SurfaceStudy::of(&settled, watch).map_err(|error| vec![Fault::new(place, refusal(&error))])?;
-            Ok((study, follows_alpha(&plan), settled))
+            Ok((study, settled, plan))
         });
-        match study {
-            Ok((study, follows_alpha, settled)) if faults.is_empty() => {
-                let key = key::surface_analysis(&settled, follows_alpha, &valences, nodes);
-                Ok(Self { study, follows_alpha, valences, nodes, key })
-            }
+        let (study, settled, plan) = match study {
+            Ok(found) if faults.is_empty() => found,
             other => {
                 faults.extend(other.err().unwrap_or_default());
-                Err(faults)
+                return Err(faults);
             }
-        }
+        };
+        let follows_alpha = follows_alpha(&plan);
+        let surveyed = input.map(|input| Surveyed { input, plan });
+        let of_mesh = surveyed.as_ref().and_then(Surveyed::mesh).map(|mesh| study.survey(&mesh.topology));
+        let usual = || match of_mesh {
+            Some(found) => found.into_keys().filter(|valence| (3..=MAX_VALENCE).contains(valence)).collect(),
+            None => DEFAULT_VALENCES.collect(),
+        };
+        let valences = asked.unwrap_or_else(usual);
+        let on = surveyed.as_ref().map(|surveyed| (&surveyed.input, &surveyed.plan));
+        let key = key::surface_analysis(&settled, follows_alpha, &valences, nodes, on);
+        Ok(Self { study, follows_alpha, valences, surveyed, nodes, key })
     }
 
     /// The key of what it finds.
@@ -95,17 +118,21 @@ impl SurfaceAnalysis {
 
     /// Units of work, at most.
     pub fn work(&self) -> u64 {
-        self.nodes + self.valences.iter().sum::<usize>() as u64
+        let search = self.surveyed.as_ref().map_or(0, |_| tolerance::MAX_WORK);
+        self.nodes + self.valences.iter().sum::<usize>() as u64 + search
     }
 
     /// Milliseconds on one core, roughly.
     pub fn milliseconds(&self) -> u64 {
-        self.valences.iter().sum::<usize>() as u64 * MS_AN_EDGE + 10
+        let search = self.surveyed.as_ref().map_or(0, |_| MS_OF_BOUNDS);
+        self.valences.iter().sum::<usize>() as u64 * MS_AN_EDGE + 10 + search
     }
 
     /// Bytes of memory that it takes at most.
     pub fn bytes(&self) -> u64 {
-        BYTES
+        let mesh = self.surveyed.as_ref().and_then(Surveyed::mesh);
+        let input = self.surveyed.as_ref().map_or(0, |surveyed| surveyed.input.bytes());
+        mesh.map_or(0, tolerance::search_bytes).saturating_add(input).saturating_add(BYTES)
     }
 
     /// What can be said of the plan.
@@ -122,7 +149,11 @@ impl SurfaceAnalysis {
             };
             valences.push((valence, found));
         }
-        Ok(SurfaceFindings { study: &self.study, follows_alpha: self.follows_alpha, smoothness, valences })
+        let survey = match &self.surveyed {
+            Some(surveyed) => surveyed.survey(&self.study, &smoothness, watch)?,
+            None => None,
+        };
+        Ok(SurfaceFindings { study: &self.study, follows_alpha: self.follows_alpha, smoothness, valences, survey })
     }
 }
 

@@ -32,9 +32,12 @@ impl Eigenvalue {
 /// The eigenvalues of an n x n matrix, row by row, the largest first: those of one modulus in the order of their real,
 /// then of their imaginary parts. `None` when the steps do not converge.
 pub fn eigenvalues(matrix: &[f64], n: usize) -> Option<Vec<Eigenvalue>> {
-    let mut h = Hessenberg { a: matrix.to_vec(), n };
+    let mut h = Hessenberg { a: matrix.to_vec(), n, negligible: 0.0 };
     h.reduce();
-    let mut found = h.decompose()?;
+    // where eigenvalues next to 0 keep the steps going, what is rounding of the largest entries is left out
+    let negligible = f64::EPSILON * matrix.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let second = Hessenberg { a: h.a.clone(), n, negligible };
+    let mut found = h.decompose().or_else(|| { second }.decompose())?;
     // moduli that differ by rounding count as one, so that the order is that of the parts then
     found.sort_by(|x, y| {
         let (a, b) = (x.modulus(), y.modulus());
@@ -48,6 +51,8 @@ pub fn eigenvalues(matrix: &[f64], n: usize) -> Option<Vec<Eigenvalue>> {
 struct Hessenberg {
     a: Vec<f64>,
     n: usize,
+    /// What counts as 0 below the diagonal wherever it stands.
+    negligible: f64,
 }
 
 impl Hessenberg {
@@ -118,7 +123,7 @@ impl Hessenberg {
         for i in (1..end).rev() {
             let around = self.at(i - 1, i - 1).abs() + self.at(i, i).abs();
             let scale = if around == 0.0 { norm } else { around };
-            if self.at(i, i - 1).abs() <= f64::EPSILON * scale {
+            if self.at(i, i - 1).abs() <= (f64::EPSILON * scale).max(self.negligible) {
                 self.put(i, i - 1, 0.0);
                 return i;
             }

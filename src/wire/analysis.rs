@@ -17,12 +17,17 @@ pub use scan::{ExactAnswer, ScanAnswer, ScanIntervalAnswer, ScanRequest, ScanVal
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::input::{InputRequest, Purpose};
 use super::plan::PlanRequest;
 use super::surface_analysis::SurfaceAnswer;
+use super::tube_analysis::{TubeAnswer, TubeRequest};
 use super::variants::PlanSchema;
 use super::{object, whole};
-use crate::fault::Fault;
-use crate::job::{Analysis, Findings, Form, Inquiry, SchemeFindings, SurfaceAnalysis, Wishes, is_for_meshes};
+use crate::fault::{Fault, under};
+use crate::input::ReadLimits;
+use crate::job::{
+    Analysis, Findings, Form, Inquiry, SchemeFindings, SurfaceAnalysis, TubeAnalysis, Wishes, is_for_meshes,
+};
 use crate::watch::{Stopped, Watch};
 
 /// A question about a plan: what can be said of its scheme.
@@ -53,6 +58,13 @@ pub struct AnalysisRequest {
     /// 12 when it is left out.
     #[schema(max_items = 64)]
     pub valences: Option<Vec<u64>>,
+    /// Asks what becomes of a straight tube whose rings are tagged as latitude lines.
+    #[serde(default, deserialize_with = "object::optional")]
+    pub tube: Option<TubeRequest>,
+    /// A mesh, as in a job: tells how close levels come to its limit, and what is known of its extraordinary vertices.
+    #[serde(default, deserialize_with = "object::optional")]
+    #[schema(value_type = Option<InputRequest>)]
+    pub input: Option<InputRequest>,
 }
 
 impl AnalysisRequest {
@@ -70,27 +82,50 @@ impl AnalysisRequest {
     }
 
     fn inquiry(self, form: Form, watch: &Watch) -> Result<Inquiry, Vec<Fault>> {
-        let plan = self.plan.resolve();
-        if self.valences.is_none() && !is_for_meshes(&plan) {
+        let Self { plan, nodes, grid, valences, matrices, scan, tube, input, spec: _ } = self;
+        let plan = plan.resolve();
+        if let Some(tube) = tube {
+            let others = [
+                ("/grid", grid.is_some()),
+                ("/valences", valences.is_some()),
+                ("/input", input.is_some()),
+                ("/matrices", matrices.is_some()),
+                ("/scan", scan.is_some()),
+            ];
+            if let Some((place, _)) = others.into_iter().find(|(_, given)| *given) {
+                return Err(vec![Fault::new(place, "this is another question than \"tube\"; leave one of them out")]);
+            }
+            let tube = TubeAnalysis::new(&plan, tube.resolve(), nodes, watch);
+            return tube.map(|tube| Inquiry::Tube(Box::new(tube)));
+        }
+        let input = match input.map(|input| input.resolve(Purpose::Refine, &ReadLimits::default())).transpose() {
+            Ok(resolved) => resolved.map(|resolved| resolved.input),
+            Err(found) => return Err(under("/input", found)),
+        };
+        if input.as_ref().is_some_and(|input| input.mesh().is_none()) {
+            let detail = "analyses look at meshes; of polygons /v1/estimate tells what a tolerance takes";
+            return Err(vec![Fault::new("/input", detail)]);
+        }
+        if valences.is_none() && input.is_none() && !is_for_meshes(&plan) {
             let wishes = Wishes {
-                nodes: self.nodes,
-                grid: self.grid,
-                matrices: self.matrices.and_then(MatricesRequest::resolve),
-                scan: self.scan.map(ScanRequest::resolve),
+                nodes,
+                grid,
+                matrices: matrices.and_then(MatricesRequest::resolve),
+                scan: scan.map(ScanRequest::resolve),
                 is_plotted: form.is_figure(),
             };
             return Analysis::new(&plan, &wishes, watch).map(|curve| Inquiry::Curve(Box::new(curve)));
         }
         let of_curves = [
-            ("grid", self.grid.is_some(), "values of basic limit functions are those of curves"),
-            ("matrices", self.matrices.is_some(), "the matrices of one step are those of curves"),
-            ("scan", self.scan.is_some(), "scans are of schemes for curves"),
+            ("grid", grid.is_some(), "values of basic limit functions are those of curves"),
+            ("matrices", matrices.is_some(), "the matrices of one step are those of curves"),
+            ("scan", scan.is_some(), "scans are of schemes for curves"),
         ];
         if let Some((name, _, why)) = of_curves.into_iter().find(|(_, is_asked, _)| *is_asked) {
             let detail = format!("{why}; leave it out, or the valences, and ask about a scheme for curves");
             return Err(vec![Fault::new(format!("/{name}"), detail)]);
         }
-        let surface = SurfaceAnalysis::new(&plan, self.valences.as_deref(), self.nodes, watch);
+        let surface = SurfaceAnalysis::new(&plan, valences.as_deref(), nodes, input, watch);
         surface.map(|surface| Inquiry::Surface(Box::new(surface)))
     }
 }
@@ -107,6 +142,8 @@ pub enum AnalysisAnswer {
     Scan(Box<ScanAnswer>),
     /// The scheme is one for surfaces.
     Surface(Box<SurfaceAnswer>),
+    /// The question was about a tube.
+    Tube(Box<TubeAnswer>),
 }
 
 impl AnalysisAnswer {
@@ -121,6 +158,7 @@ impl AnalysisAnswer {
                 Findings::Scan(scan, scanned) => Self::Scan(Box::new(ScanAnswer::new(scan, &scanned))),
             },
             Inquiry::Surface(analysis) => Self::Surface(Box::new(SurfaceAnswer::new(&analysis.run(watch)?))),
+            Inquiry::Tube(analysis) => Self::Tube(Box::new(TubeAnswer::new(&analysis.run(watch)?))),
         })
     }
 

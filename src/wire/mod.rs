@@ -28,6 +28,7 @@ mod schema;
 pub mod standing;
 pub mod surface_analysis;
 pub mod text;
+pub mod tube_analysis;
 mod variants;
 pub mod weld;
 mod whole;

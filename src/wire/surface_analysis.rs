@@ -7,9 +7,10 @@ use utoipa::ToSchema;
 
 use super::analysis::{CertificateAnswer, MaskAnswer};
 use crate::analysis::surface::{
-    Criterion, Kind, Proof, RegularMask, RegularSmoothness, Status, ValenceReport, Weight, evidence, verdict,
+    Criterion, Extraordinary, Kind, Proof, RegularMask, RegularSmoothness, Status, ValenceReport, Weight, evidence,
+    verdict,
 };
-use crate::job::SurfaceFindings;
+use crate::job::{SurfaceFindings, Survey};
 use crate::math::mask::Mask;
 
 /// Most eigenvalues that are listed of a valence, the largest.
@@ -34,8 +35,72 @@ pub struct SurfaceAnswer {
     /// What is known of vertices of each valence, or of faces with as many corners under schemes that put faces in the
     /// place of vertices.
     pub valences: Vec<ValenceAnswer>,
+    /// What is known of the mesh that was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub input: Option<InputSurveyAnswer>,
     /// What the statements rest on beyond what was computed here.
     pub assumptions: Vec<&'static str>,
+}
+
+/// What is known of a mesh under the scheme.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct InputSurveyAnswer {
+    /// Levels and how far they are from the limit surface at most, as a tolerance of a job measures it; each level that
+    /// is told comes at least twice as close as the one before.
+    pub bounds: Vec<LevelBoundAnswer>,
+    /// Why nothing is told of levels, where that is so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bounds_refused: Option<String>,
+    /// Vertices inside and faces that are extraordinary points of the limit, by valence.
+    pub extraordinary: Vec<ExtraordinaryAnswer>,
+    /// What is to be known of the mesh, and of parameters at levels to come.
+    pub warnings: Vec<String>,
+}
+
+/// How close a level comes.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct LevelBoundAnswer {
+    /// The level.
+    pub level: u32,
+    /// The distance, model units.
+    pub bound: f64,
+}
+
+/// The extraordinary points of one valence.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct ExtraordinaryAnswer {
+    /// Their valence.
+    pub valence: usize,
+    /// Whether limits are C1 there; null where that valence was not looked at.
+    pub c1: Option<&'static str>,
+    /// How many vertices there are.
+    pub n_vertices: usize,
+    /// The first 64 of them.
+    pub vertices: Vec<u32>,
+    /// How many faces there are whose middles are, or become, such points.
+    pub n_faces: usize,
+    /// The first 64 of them.
+    pub faces: Vec<u32>,
+}
+
+impl InputSurveyAnswer {
+    fn new(survey: &Survey, valences: &[ValenceAnswer]) -> Self {
+        let bound = |&(level, bound): &(u32, f64)| LevelBoundAnswer { level, bound };
+        let of_valence = |(&valence, found): (&usize, &Extraordinary)| ExtraordinaryAnswer {
+            valence,
+            c1: valences.iter().find(|row| row.valence == valence).map(|row| row.c1),
+            n_vertices: found.n_vertices,
+            vertices: found.vertices.clone(),
+            n_faces: found.n_faces,
+            faces: found.faces.clone(),
+        };
+        Self {
+            bounds: survey.bounds.iter().flatten().map(bound).collect(),
+            bounds_refused: survey.bounds.as_ref().err().cloned(),
+            extraordinary: survey.extraordinary.iter().map(of_valence).collect(),
+            warnings: survey.warnings.clone(),
+        }
+    }
 }
 
 /// The scheme where nothing is extraordinary.
@@ -169,12 +234,14 @@ impl SurfaceAnswer {
             Ok(report) => ValenceAnswer::new(report),
             Err(reason) => ValenceAnswer::refused(*valence, reason),
         };
+        let valences: Vec<ValenceAnswer> = findings.valences.iter().map(valence).collect();
         Self {
             kind: "surface",
             arity: regular.arity,
             applications: findings.study.applications(),
             regular: RegularAnswer::new(regular, &findings.smoothness),
-            valences: findings.valences.iter().map(valence).collect(),
+            input: findings.survey.as_ref().map(|survey| InputSurveyAnswer::new(survey, &valences)),
+            valences,
             assumptions: [WEIGHTS, GENERIC].into_iter().chain(follows).collect(),
         }
     }
@@ -192,10 +259,7 @@ impl RegularAnswer {
             LatticeMaskAnswer { first: [*range(0).start(), *range(1).start()], values: range(1).map(row).collect() };
         let factor = |(direction, times): (&[i32; 2], &u32)| FactorAnswer { direction: *direction, times: *times };
         let factors = RegularMask::DIRECTIONS.iter().zip(&regular.factors).filter(|(_, times)| **times > 0);
-        let curve = |(first, values): (i32, Vec<f64>)| {
-            let mask = Mask::new(first, &values).unwrap_or(Mask { first, values });
-            MaskAnswer { first: mask.first.into(), values: mask.values, exact: None }
-        };
+        let curve = |mask: Mask| MaskAnswer { first: mask.first.into(), values: mask.values, exact: None };
         Self {
             faces: if regular.kind == Kind::Triangles { "triangles" } else { "quads" },
             dual: regular.kind == Kind::Dual,

@@ -11,6 +11,7 @@ mod rows;
 mod same;
 mod scans;
 mod surfaces;
+mod tubes;
 
 use planish::fault::Fault;
 use planish::job::Form;

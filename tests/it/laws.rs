@@ -15,7 +15,7 @@ mod latitude;
 mod limits;
 mod masks;
 mod meshes;
-mod outlooks;
+pub(crate) mod outlooks;
 mod own;
 mod own_compensation;
 mod own_parameters;

@@ -15,8 +15,10 @@ mod boundary;
 mod outlook;
 mod profile;
 mod ring;
+mod straight;
 mod tube;
 mod words;
 
 pub use outlook::{Circle, Outlook};
+pub use straight::StraightTube;
 pub use tube::outlooks;

@@ -74,14 +74,16 @@ fn spanning() -> impl Iterator<Item = [usize; 2]> {
     (0..4).flat_map(|i| (i + 1..4).map(move |k| [i, k])).filter(spans)
 }
 
-/// The mask of a derivative: `d` times the quotient for each of the directions, so often.
+/// The mask of a derivative, which refines the differences `p[c + u] - p[c]` times the density of points: for each of
+/// the directions, so often, `d z^((d-1) u) / sigma_u` times the mask.
 pub(super) fn derivative(regular: &RegularMask, along: &[(usize, u32)]) -> Option<Polynomial> {
     let d = regular.arity;
     let mut mask = regular.mask.clone();
     for &(direction, times) in along {
         for _ in 0..times {
             mask = divided(&mask, RegularMask::DIRECTIONS[direction], d)?;
-            mask.values_mut().for_each(|x| *x *= f64::from(d));
+            let [u, v] = RegularMask::DIRECTIONS[direction].map(|x| (d - 1) * x);
+            mask = mask.into_iter().map(|([x, y], a)| ([x + u, y + v], a * f64::from(d))).collect();
         }
     }
     Some(mask)

@@ -60,6 +60,8 @@ pub(super) struct Applied {
     pub(super) arity: i32,
     /// Applications of the cycle.
     pub(super) applications: u32,
+    /// Whether lines along the ray 0, and all beside, are latitude lines; only of regular nets of quads.
+    pub(super) tagged: bool,
 }
 
 impl Applied {
@@ -69,10 +71,11 @@ impl Applied {
     /// [`Unlimited`], where it cannot be applied to these.
     pub(super) fn new(plan: &Plan, kind: Kind, watch: &Watch) -> Result<Self, Unlimited> {
         let plan = Plan { alpha: 0.0, compensation_alpha: None, ..plan.clone() };
+        let tagged = plan.latitude.is_some();
         for applications in [1, 2] {
             let scheduled = plan.schedule(applications).map_err(|fault| Unlimited::Later(fault.detail))?;
             let steps = scheduled.into_iter().filter(|step| step.level > 0).collect();
-            let applied = Self { plan: plan.clone(), kind, steps, arity: 1, applications };
+            let applied = Self { plan: plan.clone(), kind, steps, arity: 1, applications, tagged };
             if let Some(local) = applied.wide_enough(kind.regular(), i32::from(kind.has_centre()), watch)? {
                 #[expect(clippy::cast_possible_truncation, reason = "points come closer by a small whole number")]
                 let arity = (1.0 / local.shrinks).round().clamp(1.0, 1e4) as i32;
@@ -102,7 +105,9 @@ impl Applied {
             return Err(Unlimited::Fine);
         }
         let star = Star::new(self.kind, n, side);
-        let (mut net, mut centre, mut record) = (star.net.clone(), star.centre, Record::new(Weights::Exact));
+        let net = star.net.clone();
+        let mut net = if self.tagged { net.carrying(None, Some(star.latitude_lines(self.kind))) } else { net };
+        let (mut centre, mut record) = (star.centre, Record::new(Weights::Exact));
         for step in &self.steps {
             let next = Stepper::new(&self.plan).next(&net, step)?;
             record.add(next.action)?;

@@ -12,6 +12,7 @@ use std::collections::BTreeMap;
 use super::local::Applied;
 use super::sectors::{Kind, Point};
 use crate::analysis::limit::Unlimited;
+use crate::math::mask::Mask;
 use crate::watch::Watch;
 
 /// What divisions of masks may leave: rounding of weights of about 1.
@@ -42,23 +43,16 @@ impl RegularMask {
 
     /// Reads the mask off the rows around a regular vertex, or face.
     pub(super) fn of(applied: &Applied, watch: &Watch) -> Result<Self, Unlimited> {
-        let (kind, n) = (applied.kind, applied.kind.regular());
-        let radius = applied.arity;
-        let Some(local) = applied.wide_enough(n, radius, watch)? else { return Err(Unlimited::Unsettled) };
+        let (kind, d) = (applied.kind, applied.arity);
+        // the points of one period, of which those of sector 0 are enough
+        let radius = if kind == Kind::Triangles { 2 * d - 1 } else { d };
+        let local = applied.wide_enough(kind.regular(), radius, watch)?.ok_or(Unlimited::Unsettled)?;
+        let from = i32::from(kind.has_centre());
+        let period = |[x, y]: &Point| (from..from + d).contains(x) && (0..d).contains(y);
         let mut mask = Polynomial::new();
-        let d = applied.arity;
-        // the points of one period, and the middle where it is one
-        let mut rows: Vec<(Point, &[super::local::Entry])> =
-            local.rows.iter().filter(|(p, _)| p.iter().all(|&x| x < d)).map(|(&p, row)| (p, row.as_slice())).collect();
-        if kind.has_centre() {
-            rows.push(([0, 0], &local.centre));
-            rows.extend((1..d).map(|j| ([0, j], local.rows[&[j, 0]].as_slice())));
-        }
-        for ([x, y], row) in rows {
-            // the ray 1 is the ray 0 of the next sector
-            let turn = usize::from(kind.has_centre() && x == 0 && y > 0);
+        for ([x, y], row) in local.rows.iter().filter(|(point, _)| period(point)) {
             for entry in row {
-                let sector = i32::try_from(entry.sector + turn).unwrap_or(0);
+                let sector = i32::try_from(entry.sector).unwrap_or(0);
                 let [i, j] = entry.point.map_or([0, 0], |p| kind.rotated(p, sector));
                 *mask.entry([x - d * i, y - d * j]).or_insert(0.0) += entry.weight;
             }
@@ -89,23 +83,27 @@ impl RegularMask {
         self.is_box_spline().then(|| i64::from(all - most) - 2)
     }
 
-    /// The masks of two curves whose product it is, with the indices of their first entries.
-    pub fn tensor(&self) -> Option<[(i32, Vec<f64>); 2]> {
-        let range = |axis: usize| {
-            let all = || self.mask.keys().map(|k| k[axis]);
-            Some(all().min()?..=all().max()?)
-        };
-        let (columns, rows) = (range(0)?, range(1)?);
-        let at = |x: i32, y: i32| self.mask.get(&[x, y]).copied().unwrap_or(0.0);
+    /// The masks of what the rule does to points that are equal along y, and along x.
+    pub fn curves(&self) -> Option<[Mask; 2]> {
         let d = f64::from(self.arity);
-        // marginal sums: each factor sums to d
-        let first: Vec<f64> = columns.clone().map(|x| rows.clone().map(|y| at(x, y)).sum::<f64>() / d).collect();
-        let second: Vec<f64> = rows.clone().map(|y| columns.clone().map(|x| at(x, y)).sum::<f64>() / d).collect();
-        let fits = columns.clone().zip(&first).all(|(x, a)| {
-            let fits = |(y, b): (i32, &f64)| (at(x, y) - a * b).abs() <= REST;
-            rows.clone().zip(&second).all(fits)
-        });
-        fits.then(|| [(*columns.start(), first), (*rows.start(), second)])
+        let curve = |axis: usize| {
+            let (first, last) = (self.mask.keys().map(|k| k[axis]).min()?, self.mask.keys().map(|k| k[axis]).max()?);
+            let sum = |x: i32| self.mask.iter().filter(|(k, _)| k[axis] == x).map(|(_, a)| a).sum::<f64>() / d;
+            Mask::new(first, &(first..=last).map(sum).collect::<Vec<_>>())
+        };
+        Some([curve(0)?, curve(1)?])
+    }
+
+    /// The masks of two curves whose product it is.
+    pub fn tensor(&self) -> Option<[Mask; 2]> {
+        let curves = self.curves()?;
+        let [a, b] = &curves;
+        let at = |mask: &Mask, x: i32| usize::try_from(x - mask.first).ok().and_then(|at| mask.values.get(at).copied());
+        let all = (a.first..=a.last()).flat_map(|x| (b.first..=b.last()).map(move |y| [x, y]));
+        let product = |[x, y]: [i32; 2]| at(a, x).unwrap_or(0.0) * at(b, y).unwrap_or(0.0);
+        let fits = |k: [i32; 2]| (self.mask.get(&k).copied().unwrap_or(0.0) - product(k)).abs() <= REST;
+        let inside = |[x, y]: &Point| (a.first..=a.last()).contains(x) && (b.first..=b.last()).contains(y);
+        (self.mask.keys().all(inside) && all.into_iter().all(fits)).then_some(curves)
     }
 
     /// The largest ends of the support of the basic limit function in x, y and x + y, times d - 1: the least and the

@@ -4,6 +4,7 @@ use super::convergence::{LatticeCertificate, certificates};
 use super::regular::RegularMask;
 use super::verdict::Status;
 use crate::analysis::smoothness::{Report, Symbol};
+use crate::math::exact::{Exact, binary};
 use crate::math::mask::Mask;
 use crate::watch::{Stopped, Watch};
 
@@ -29,6 +30,19 @@ pub struct RegularSmoothness {
     pub disproved_c: Option<i64>,
 }
 
+/// Twice of what weights have to be multiples of to be told exactly: fractions over a power of two have no roundings.
+/// Masks of splines up to degree 20 are such. Half and twice of it only matter to those with 21 digits.
+const DYADIC: f64 = 1_048_576.0;
+
+/// The symbol of a curve's mask: of what it is exactly where its weights are fractions over a small power of two.
+pub(super) fn symbol(arity: i32, mask: &Mask) -> Option<Symbol> {
+    if mask.values.iter().all(|a| (a * DYADIC).fract() == 0.0) {
+        let exactly: Vec<Exact> = mask.values.iter().map(|&a| binary(a)).collect();
+        return Symbol::exact(arity.into(), mask.first.into(), &exactly);
+    }
+    Symbol::beside(arity.into(), mask)
+}
+
 impl RegularSmoothness {
     /// What can be proved with so many products of matrices.
     pub(super) fn of(regular: &RegularMask, nodes: u64, watch: &Watch) -> Result<Self, Stopped> {
@@ -37,10 +51,7 @@ impl RegularSmoothness {
         }
         if let Some([first, second]) = regular.tensor() {
             let both = if first == second { vec![first] } else { vec![first, second] };
-            let report = |(first, values): &(i32, Vec<f64>)| {
-                let symbol = Symbol::beside(regular.arity.into(), &Mask::new(*first, values)?);
-                symbol.map(|symbol| Report::of(symbol, nodes, watch))
-            };
+            let report = |mask: &Mask| Some(Report::of(symbol(regular.arity, mask)?, nodes, watch));
             if let Some(reports) = both.iter().map(report).collect::<Option<Result<Vec<_>, _>>>() {
                 let reports = reports?;
                 let proved_c = reports.iter().map(|report| report.smoothness.proved_c).min().unwrap_or(-1);
@@ -53,7 +64,7 @@ impl RegularSmoothness {
         Ok(Self { proof: Proof::Norms(certificates), proved_c, disproved_c: None })
     }
 
-    /// Whether limits are C^1.
+    /// Whether limits are proved to be C^1, or not to be.
     pub(super) fn is_c1(&self) -> Status {
         if self.proved_c >= 1 {
             Status::Proved

@@ -9,6 +9,7 @@ use crate::analysis::limit::Centre;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::tags::Boundary;
 use crate::shape::check::{FaceList, Winding};
+use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{NONE, Topology, index};
 
 /// A place around the middle: a sector and a point of it.
@@ -70,6 +71,22 @@ impl Star {
         net.tags.cut = true;
         let centre = if kind.has_centre() { Centre::Vertex(0) } else { Centre::Face(0) };
         Self { net, centre, places }
+    }
+}
+
+impl Star {
+    /// The directions of the edges of a regular net whose first lattice coordinate counts steps along latitude lines.
+    pub(super) fn latitude_lines(&self, kind: Kind) -> Directions {
+        let topology = &self.net.mesh.base;
+        let row = |v: u32| {
+            let lattice = |(sector, point): Place| kind.rotated(point, i32::try_from(sector).unwrap_or(0));
+            self.places[v as usize].map_or(0, |place| lattice(place)[1])
+        };
+        let direction = |e: usize| {
+            let [a, b] = topology.ends(e).map(row);
+            if a == b { Direction::Latitude } else { Direction::Longitude }
+        };
+        Directions::of_edges((0..topology.n_edges()).map(direction).collect())
     }
 }
 

@@ -9,11 +9,13 @@ use super::regular::RegularMask;
 use super::sectors::{Kind, Point};
 use super::smoothness::RegularSmoothness;
 use super::spectrum::{Found, Spectrum, Weight};
+use super::survey::{Extraordinary, survey};
 use super::verdict::{Case, Criterion};
 use crate::analysis::limit::Unlimited;
 use crate::scheme::operator::Children;
 use crate::scheme::plan::Plan;
 use crate::shape::tile::Tile;
+use crate::shape::topology::Topology;
 use crate::watch::{Stopped, Watch};
 
 /// Most points of the characteristic net that are told.
@@ -84,6 +86,11 @@ impl SurfaceStudy {
     /// How often the cycle is applied, so that directions are kept.
     pub fn applications(&self) -> u32 {
         self.applied.applications
+    }
+
+    /// The extraordinary vertices inside a mesh, and its faces that are or become such, by valence.
+    pub fn survey(&self, topology: &Topology) -> BTreeMap<usize, Extraordinary> {
+        survey(self.applied.kind, topology)
     }
 
     /// How smooth limits of regular nets are, as far as so many products of matrices tell.

@@ -54,10 +54,13 @@ pub(super) struct Case<'a> {
 impl Case<'_> {
     /// All criteria.
     pub(super) fn criteria(&self, watch: &Watch) -> Result<Vec<Criterion>, Stopped> {
-        let regular = Criterion { statement: REGULAR, status: self.regular };
         if self.spectrum.n == self.spectrum.kind.regular() {
-            return Ok(vec![regular]);
+            let numbers = [self.numbers_of_one(), self.numbers_of_subdominant()];
+            let supported = self.regular == Status::Open && numbers == [Status::Supported; 2];
+            let status = if supported { Status::Supported } else { self.regular };
+            return Ok(vec![Criterion { statement: REGULAR, status }]);
         }
+        let regular = Criterion { statement: REGULAR, status: self.regular };
         let mut one = self.numbers_of_one();
         let mut subdominant = self.numbers_of_subdominant();
         let mut error = None;

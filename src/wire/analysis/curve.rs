@@ -5,7 +5,7 @@ use utoipa::ToSchema;
 
 use super::matrices::MatricesAnswer;
 use crate::analysis::Level;
-use crate::analysis::smoothness::{BasicFunction, Certificate, Reduction, Smoothness, Symbol, Weights};
+use crate::analysis::smoothness::{BasicFunction, Certificate, Reduction, Report, Smoothness, Symbol, Weights};
 use crate::analysis::theorems::{Decay, Theorem};
 use crate::job::SchemeFindings;
 use crate::math::exact::{Exact, rounded};
@@ -275,6 +275,17 @@ impl SchemeAnswer {
     pub(super) fn new(findings: &SchemeFindings<'_>) -> Self {
         let SchemeFindings { report, values, derivatives, matrices, .. } = findings;
         let symbol = &report.symbol;
+        Self {
+            basic_limit_function: values.as_ref().map(|values| ValuesAnswer::new(values, symbol.arity)),
+            derivatives: derivatives.iter().map(|values| ValuesAnswer::new(values, symbol.arity)).collect(),
+            matrices: matrices.as_ref().map(|matrices| MatricesAnswer::new(matrices, symbol.is_exact)),
+            ..Self::of_report(report)
+        }
+    }
+
+    /// The answer about a scheme of which neither values nor matrices are asked.
+    pub(in crate::wire) fn of_report(report: &Report) -> Self {
+        let symbol = &report.symbol;
         let known = symbol.is_exact;
         let weights = |weights: &Weights| MaskAnswer::new(weights.first, &weights.values, known);
         let eigenvalues: &[Eigenvalue] = report.local_eigenvalues.as_deref().unwrap_or_default();
@@ -297,9 +308,9 @@ impl SchemeAnswer {
             tangent_mask: report.tangent_mask.as_ref().map(weights),
             local_eigenvalues: eigenvalues.iter().map(|x| x.re).collect(),
             local_eigenvalues_imaginary: imaginary.iter().any(|x| *x != 0.0).then_some(imaginary),
-            basic_limit_function: values.as_ref().map(|values| ValuesAnswer::new(values, symbol.arity)),
-            derivatives: derivatives.iter().map(|values| ValuesAnswer::new(values, symbol.arity)).collect(),
-            matrices: matrices.as_ref().map(|matrices| MatricesAnswer::new(matrices, known)),
+            basic_limit_function: None,
+            derivatives: Vec::new(),
+            matrices: None,
         }
     }
 }

@@ -33,6 +33,11 @@ pub(super) fn figure(answer: &AnalysisAnswer) -> Drawing {
         }
         AnalysisAnswer::Scan(scan) => of_scan(scan),
         AnalysisAnswer::Surface(surface) => of_surface(surface),
+        AnalysisAnswer::Tube(tube) => {
+            let factor = number(tube.factor);
+            let title = format!("Scheme along latitude lines of {} vertices; limit radius {factor}", tube.vertices);
+            of_scheme(&tube.along, &title)
+        }
     }
 }
 

@@ -7,6 +7,7 @@ use super::{
     SmoothnessAnswer,
 };
 use crate::wire::surface_analysis::SurfaceAnswer;
+use crate::wire::tube_analysis::TubeAnswer;
 
 /// Widest matrices that are written out; wider ones do not fit on a page, and the JSON has them.
 const WIDEST: usize = 16;
@@ -22,6 +23,7 @@ pub(super) fn report(answer: &AnalysisAnswer) -> String {
         AnalysisAnswer::Changing(changing) => of_changing(&mut text, changing),
         AnalysisAnswer::Scan(scan) => of_scan(&mut text, scan),
         AnalysisAnswer::Surface(surface) => of_surface(&mut text, surface),
+        AnalysisAnswer::Tube(tube) => of_tube(&mut text, tube),
     };
     text
 }
@@ -59,6 +61,23 @@ fn of_scheme(text: &mut String, scheme: &SchemeAnswer) -> Written {
     writeln!(text, "- eigenvalues of the local matrix: {}", eigenvalues(scheme))?;
     if let Some(matrices) = &scheme.matrices {
         of_matrices(text, matrices)?;
+    }
+    Ok(())
+}
+
+fn of_tube(text: &mut String, tube: &TubeAnswer) -> Written {
+    let TubeAnswer { vertices, alpha, delta, factor, control_radius, limit_radius, along, across, .. } = tube;
+    write!(text, "# A tube with rings of {vertices} vertices\n\n| Quantity | Value |\n|---|---|\n")?;
+    writeln!(text, "| alpha | {} |\n| delta | {} |", number(*alpha), number(*delta))?;
+    writeln!(text, "| limit radius over control radius | {} |", number(*factor))?;
+    for (name, radius) in [("control radius", control_radius), ("limit radius", limit_radius)] {
+        if let Some(radius) = radius {
+            writeln!(text, "| {name} | {} |", number(*radius))?;
+        }
+    }
+    for (name, scheme) in [("along", along), ("across", across)] {
+        write!(text, "\n# The scheme {name} latitude lines, at alpha 0\n\n")?;
+        of_scheme(text, scheme)?;
     }
     Ok(())
 }

@@ -7,17 +7,17 @@ use serde_json::{Value, json};
 
 use crate::support::{self, json_with};
 
-pub(super) type Point = [f64; 3];
+pub(crate) type Point = [f64; 3];
 
-pub(super) fn real(n: usize) -> f64 {
+pub(crate) fn real(n: usize) -> f64 {
     f64::from(u32::try_from(n).expect("a small number"))
 }
 
 /// Radius, height and turn of a ring.
-pub(super) type Ring = (f64, f64, f64);
+pub(crate) type Ring = (f64, f64, f64);
 
 /// A tagged tube of k-gons.
-pub(super) fn tube(k: usize, rings: &[Ring]) -> Value {
+pub(crate) fn tube(k: usize, rings: &[Ring]) -> Value {
     let angle = |i: usize| std::f64::consts::TAU * real(i) / real(k);
     let ring = |&(r, z, t): &Ring| (0..k).map(move |i| [r * cos(angle(i) + t), r * sin(angle(i) + t), z]);
     let positions: Vec<Point> = rings.iter().flat_map(ring).collect();
@@ -30,7 +30,7 @@ pub(super) fn tube(k: usize, rings: &[Ring]) -> Value {
 }
 
 /// What is told of the lines of a mesh under a plan.
-pub(super) fn told(mesh: &Value, plan: &Value) -> Vec<Outlook> {
+pub(crate) fn told(mesh: &Value, plan: &Value) -> Vec<Outlook> {
     let job = json!({ "input": { "mesh": mesh }, "plan": plan, "levels": 1, "outputs": [{ "format": "json" }] });
     let job = support::parsed(job.to_string().as_bytes()).unwrap_or_else(|faults| panic!("{faults:?}"));
     let planish::job::Input::Mesh(mesh) = &*job.input else { panic!("a mesh was given") };

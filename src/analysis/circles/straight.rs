@@ -1,0 +1,109 @@
+//! Straight tubes: rings that are one regular polygon, moved along its axis.
+//!
+//! An upsampling, the first average after it with the kernel `cos(theta/2)` and each later one multiply the radius by
+//! `g = cos(theta/2) cos(theta/4)^(2 (k - 1))`; a push-back makes `g + delta (1 - g)` of it. With `theta` halved level
+//! by level the limit radius is the control radius times `product of g + delta (1 - g)`, without a push-back
+//! `sin(theta)/theta (2 sin(theta/2)/theta)^(2 k - 2)`.
+
+use super::words;
+use crate::math::functions::cos;
+use crate::scheme::operator::Role;
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::rules::LatitudeRule;
+
+/// Levels that are multiplied: an angle that is halved as often has a cosine of 1.
+/// Factors are 1 from level 27 on. Half of it suffices for most angles; twice of it multiplies by 1 more often.
+const LEVELS: u32 = 60;
+/// What functions may differ by from those that keep circles.
+/// It is some thousand roundings. Half of it refuses functions written another way; twice of it calls a circle what
+/// misses one by as much.
+const ROUNDING: f64 = 1e-12;
+/// Halvings of the interval in which a push-back factor is looked for: to the last digit.
+/// Half of it gives half of the digits; twice of it changes nothing.
+const HALVINGS: u32 = 60;
+
+/// A tube of regular polygons under a plan.
+#[derive(Debug, Clone)]
+pub struct StraightTube {
+    /// The angle between neighbours on a ring, radians.
+    pub theta: f64,
+    steps: Vec<Scheduled>,
+    /// The plan's push-back factor; 0 where nothing is pushed back.
+    pub delta: f64,
+    /// Whether anything is pushed back.
+    pub pushes: bool,
+}
+
+impl StraightTube {
+    /// The tube whose neighbours are `theta` apart on a ring.
+    ///
+    /// # Errors
+    /// A sentence, where the plan does not keep circles.
+    pub fn of(plan: &Plan, theta: f64) -> Result<Self, String> {
+        let latitude = plan.latitude.as_ref().ok_or("the plan does not look at latitude tags")?;
+        if !words::keeps_circles(&plan.word, latitude.rule) {
+            return Err("only words in which a C follows each U, as U C^k and U C^k P, keep circles".into());
+        }
+        let plan = Plan { alpha: theta, compensation_alpha: None, ..plan.clone() };
+        let steps = plan.schedule(LEVELS).map_err(|fault| fault.detail)?;
+        let pushes = words::pushes(&plan.word);
+        let delta = if pushes { plan.delta.value(4.0).map_err(|error| error.to_string())? } else { 0.0 };
+        let tube = Self { theta, steps, delta, pushes };
+        let compensated = pushes && delta != 0.0 || latitude.rule == LatitudeRule::Position;
+        if tube.keeps_circles(compensated) {
+            return Ok(tube);
+        }
+        Err(format!(
+            "circles need the kernel cos(alpha/2), 1 in later averages, and the compensation 1/cos(alpha/2) with alpha \
+             = {theta}; leave kernel, compensation and alpha out, which are these then"
+        ))
+    }
+
+    fn keeps_circles(&self, compensated: bool) -> bool {
+        let mut angle = 2.0 * self.theta;
+        self.steps.iter().all(|step| {
+            match step.letter.facts().role {
+                Role::Upsample => angle /= 2.0,
+                Role::Average if step.first => return (step.kernel - cos(angle / 2.0)).abs() <= ROUNDING,
+                Role::Average => return (step.kernel - 1.0).abs() <= ROUNDING,
+                Role::PushBack if compensated => {
+                    return (step.compensation * cos(angle / 2.0) - 1.0).abs() <= ROUNDING;
+                }
+                Role::PushBack | Role::Smooth => {}
+            }
+            true
+        })
+    }
+
+    /// The limit radius over the control radius, with a push-back factor.
+    pub fn factor(&self, delta: f64) -> f64 {
+        let (mut angle, mut radius, mut before) = (2.0 * self.theta, 1.0, 1.0);
+        for step in &self.steps {
+            match step.letter.facts().role {
+                Role::Upsample => {
+                    angle /= 2.0;
+                    before = radius;
+                }
+                Role::Average if step.first => radius *= cos(angle / 2.0),
+                Role::Average => radius *= cos(angle / 4.0) * cos(angle / 4.0),
+                Role::PushBack => radius += delta * (before - radius),
+                Role::Smooth => {}
+            }
+        }
+        radius
+    }
+
+    /// The push-back factor from 0 to 1 with which the limit radius is so much of the control radius.
+    pub fn delta_for(&self, wanted: f64) -> Option<f64> {
+        let (mut low, mut high) = (0.0, 1.0);
+        if !self.pushes || wanted < self.factor(low) || wanted > self.factor(high) {
+            return None;
+        }
+        for _ in 0..HALVINGS {
+            let middle = f64::midpoint(low, high);
+            if self.factor(middle) < wanted { low = middle } else { high = middle }
+        }
+        // both ends are exact answers of their own
+        Some(if self.factor(1.0) <= wanted { 1.0 } else { low })
+    }
+}

@@ -1,0 +1,24 @@
+//! What a plan does to points along and across latitude lines.
+
+use super::local::Applied;
+use super::regular::RegularMask;
+use super::sectors::Kind;
+use super::smoothness::symbol;
+use crate::analysis::limit::Unlimited;
+use crate::analysis::smoothness::Symbol;
+use crate::scheme::plan::Plan;
+use crate::watch::Watch;
+
+/// The curve schemes along latitude lines, and across them, at alpha = 0, of a plan that looks at latitude tags.
+///
+/// # Errors
+/// [`Unlimited`], where a regular net cannot be refined.
+pub fn latitude_curves(plan: &Plan, watch: &Watch) -> Result<[Symbol; 2], Unlimited> {
+    let applied = Applied::new(plan, Kind::Quads, watch)?;
+    let regular = RegularMask::of(&applied, watch)?;
+    let symbols = regular.curves().and_then(|curves| {
+        let [along, across] = curves.map(|mask| symbol(regular.arity, &mask));
+        Some([along?, across?])
+    });
+    symbols.ok_or(Unlimited::Unsettled)
+}

@@ -1,0 +1,175 @@
+//! What a plan makes of a straight tube whose rings are tagged as latitude lines: the limit radius, and its inverse.
+
+use super::analysis::{DEFAULT_NODES, MAX_NODES};
+use super::key::{self, Key};
+use crate::analysis::circles::StraightTube;
+use crate::analysis::smoothness::{Report, Symbol};
+use crate::analysis::surface::latitude_curves;
+use crate::fault::{Fault, under};
+use crate::math::functions::ratio;
+use crate::scheme::plan::{Carried, Plan, PlanInput, Subject};
+use crate::watch::{Stopped, Watch};
+
+/// Most vertices of a ring.
+/// Angles below 1e-6 leave a circle as it is, but for rounding. Half and twice of it are as good.
+const MAX_VERTICES: u64 = 1_000_000;
+/// Milliseconds that it takes, roughly: most of them for the smoothness of the two curves.
+/// It only says how much is booked. With half of it long searches take longer than their share; with twice of it others
+/// wait longer.
+const MS: u64 = 50;
+
+/// Bytes of memory that it takes at most: two masks and the products of their matrices.
+/// It is as much as for other curves. Half of it is enough for words of a few averages; twice of it lets half as many
+/// analyses run at once.
+const BYTES: u64 = 64 << 20;
+
+/// What is asked about a tube.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TubeInput {
+    /// Vertices of a ring.
+    pub vertices: u64,
+    /// How often a ring goes round, 1 but for stars.
+    pub turns: u64,
+    /// The radius of the control rings, model units.
+    pub control_radius: Option<f64>,
+    /// The radius of the pipe that is wanted, model units.
+    pub limit_radius: Option<f64>,
+}
+
+/// A question about a tube.
+#[derive(Debug)]
+pub struct TubeAnalysis {
+    asked: TubeInput,
+    tube: StraightTube,
+    curves: [Symbol; 2],
+    nodes: u64,
+    key: Key,
+}
+
+/// What is found of a tube.
+#[derive(Debug)]
+pub struct TubeFindings {
+    /// What was asked.
+    pub asked: TubeInput,
+    /// The angle between neighbours on a ring, radians.
+    pub theta: f64,
+    /// The push-back factor of the plan.
+    pub delta: f64,
+    /// The limit radius over the control radius.
+    pub factor: f64,
+    /// The push-back factor that makes the wanted radius of the control radius, where both are given.
+    pub wanted_delta: Option<f64>,
+    /// The curve scheme along latitude lines, at alpha = 0.
+    pub along: Report,
+    /// The curve scheme across latitude lines, at alpha = 0.
+    pub across: Report,
+}
+
+impl TubeAnalysis {
+    /// The question about a tube under a plan.
+    ///
+    /// # Errors
+    /// Every fault found, with pointers into the request.
+    pub fn new(plan: &PlanInput, asked: TubeInput, nodes: Option<u64>, watch: &Watch) -> Result<Self, Vec<Fault>> {
+        let nodes = nodes.unwrap_or(DEFAULT_NODES);
+        let mut faults = asked.faults();
+        if nodes > MAX_NODES {
+            let detail = format!("{nodes} products of matrices; at most {MAX_NODES} are looked at");
+            faults.push(Fault::new("/nodes", detail));
+        }
+        let subject = Subject { is_mesh: true, carried: Some(Carried::Latitude), ..Subject::default() };
+        let plan = Plan::resolve(plan, subject).map_err(|found| under("/plan", found));
+        let plan = plan.map_err(|found| faults.extend(found)).ok().filter(|_| faults.is_empty());
+        let Some(plan) = plan else { return Err(faults) };
+        let refused = |detail: String| vec![Fault::new("/plan", detail)];
+        let theta = std::f64::consts::TAU * ratio_of(asked.turns, asked.vertices);
+        let own = plan.latitude.as_ref().is_none_or(|latitude| latitude.own_alpha);
+        if !own && (plan.alpha - theta).abs() > 1e-12 {
+            return Err(refused(format!("alpha is {}, a ring of the tube needs {theta}; leave it out", plan.alpha)));
+        }
+        let tube = StraightTube::of(&plan, theta).map_err(refused)?;
+        let curves = latitude_curves(&plan, watch).map_err(|error| refused(error.to_string()))?;
+        if let Some(detail) = asked.without_delta(&tube) {
+            return Err(vec![Fault::new("/tube/limit_radius", detail)]);
+        }
+        let key = key::tube_analysis(&plan, &asked, nodes);
+        Ok(Self { asked, tube, curves, nodes, key })
+    }
+
+    /// The key of what it finds.
+    pub fn key(&self) -> Key {
+        self.key
+    }
+
+    /// Units of work, at most.
+    pub fn work(&self) -> u64 {
+        2 * self.nodes
+    }
+
+    /// Milliseconds on one core, roughly.
+    pub fn milliseconds(&self) -> u64 {
+        self.nodes / 200 + MS
+    }
+
+    /// Bytes of memory that it takes at most.
+    pub fn bytes(&self) -> u64 {
+        BYTES
+    }
+
+    /// What is found.
+    ///
+    /// # Errors
+    /// [`Stopped`].
+    pub fn run(&self, watch: &Watch) -> Result<TubeFindings, Stopped> {
+        let [along, across] = &self.curves;
+        let TubeInput { control_radius, limit_radius, .. } = self.asked;
+        let wanted_delta = limit_radius.zip(control_radius).and_then(|(r, c)| self.tube.delta_for(r / c));
+        Ok(TubeFindings {
+            asked: self.asked,
+            theta: self.tube.theta,
+            delta: self.tube.delta,
+            factor: self.tube.factor(self.tube.delta),
+            wanted_delta,
+            along: Report::of(along.clone(), self.nodes, watch)?,
+            across: Report::of(across.clone(), self.nodes, watch)?,
+        })
+    }
+}
+
+fn ratio_of(a: u64, b: u64) -> f64 {
+    ratio(usize::try_from(a).unwrap_or(0), usize::try_from(b).unwrap_or(1).max(1))
+}
+
+impl TubeInput {
+    fn faults(&self) -> Vec<Fault> {
+        let mut faults = Vec::new();
+        if !(3..=MAX_VERTICES).contains(&self.vertices) {
+            let detail = format!("a ring has 3 to {MAX_VERTICES} vertices, here {}", self.vertices);
+            faults.push(Fault::new("/tube/vertices", detail));
+        } else if self.turns == 0 || 2 * self.turns.min(self.vertices) >= self.vertices {
+            let detail = format!("{} turns of {} vertices are no star; give 1", self.turns, self.vertices);
+            faults.push(Fault::new("/tube/turns", detail));
+        }
+        for (radius, name) in [(self.control_radius, "control_radius"), (self.limit_radius, "limit_radius")] {
+            if let Some(radius) = radius.filter(|radius| !radius.is_finite() || *radius <= 0.0) {
+                faults.push(Fault::new(format!("/tube/{name}"), format!("{radius} is no radius; give one above 0")));
+            }
+        }
+        faults
+    }
+
+    /// Why no push-back factor leads from the control radius to the wanted one, where both are given.
+    fn without_delta(&self, tube: &StraightTube) -> Option<String> {
+        let (wanted, control) = self.limit_radius.zip(self.control_radius)?;
+        if !tube.pushes {
+            return Some("nothing pushes back here, so that one radius follows from the other; leave one out".into());
+        }
+        let [least, most] = [0.0, 1.0].map(|delta| control * tube.factor(delta));
+        let inside = tube.delta_for(wanted / control).is_some();
+        (!inside).then(|| {
+            format!(
+                "{wanted} is out of reach: with delta from 0 to 1 rings of radius {control} become {least} to {most}"
+            )
+        })
+    }
+}
