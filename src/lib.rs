@@ -9,6 +9,7 @@ pub mod watch;
 
 pub mod math;
 
+pub mod drawing;
 pub mod raster;
 pub mod shape;
 

@@ -3,10 +3,13 @@
 pub mod circles;
 pub mod curve;
 pub mod limit;
+pub mod matrices;
 mod no_level;
+pub mod scan;
 pub mod smoothness;
 mod study;
 pub mod surface;
+pub mod theorems;
 pub mod tolerance;
 
 pub use no_level::NoLevel;

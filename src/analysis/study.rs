@@ -66,6 +66,16 @@ impl Study {
         Ok(Self { settled, levels })
     }
 
+    /// The largest k for which limits are C^k when those of the settled scheme are C^proved: all of it where levels do
+    /// not change; else what the perturbation theorems say, which is C^1 at most, and that where every level has two
+    /// sum rules.
+    ///
+    /// Source: Dyn and Levin, Journal of Mathematical Analysis and Applications 193 (1995), 594-621.
+    pub fn concluded(&self, proved: i64) -> i64 {
+        let most = i64::from(self.levels.iter().all(|level| level.order >= 2));
+        if self.levels.is_empty() { proved } else { proved.min(most) }
+    }
+
     /// By what the distance of a level from the settled scheme is divided at the next, as the last levels show that
     /// can be told from rounding.
     pub fn rate(&self) -> Option<f64> {

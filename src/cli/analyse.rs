@@ -6,10 +6,11 @@ use super::error::{CliError, Kind};
 use super::inputs::Source;
 use super::say::answer;
 use crate::fault::Fault;
+use crate::job::Form;
 use crate::math::parameter::Literal;
 use crate::watch::Watch;
-use crate::wire::analysis::{AnalysisAnswer, AnalysisRequest};
-use crate::wire::literal::WireFields;
+use crate::wire::analysis::{AnalysisAnswer, AnalysisRequest, MatricesRequest, ScanRequest, SmallPolygon};
+use crate::wire::literal::{WireFields, WireLiteral};
 use crate::wire::plan::PlanRequest;
 use crate::wire::read::{ReadError, read};
 
@@ -34,24 +35,71 @@ pub(crate) struct Question {
     /// Asks for values of the basic limit function at the multiples of arity^-grid.
     #[arg(long)]
     grid: Option<u32>,
+    /// Asks for the matrices of one step on a closed polygon of so many points, 5 when no number is given.
+    #[arg(long, value_name = "POINTS", num_args = 0..=1, default_missing_value = "5")]
+    matrices: Option<u32>,
+    /// Asks what is proved at values of a parameter, such as eta=0..1/60, and between them.
+    #[arg(long, value_name = "NAME=FROM..TO")]
+    scan: Option<String>,
+    /// Equal steps of the scan.
+    #[arg(long, requires = "scan")]
+    steps: Option<u32>,
     /// Asks about the scheme for surfaces, at vertices of these valences, separated by commas.
     #[arg(long, value_delimiter = ',')]
     valences: Vec<u64>,
+    /// How it is answered: as json with every number by its name, as markdown to read, or as a figure (svg, png). Left
+    /// out, the extension of the output tells; standard output gets json.
+    #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(Form::ALL.map(Form::name)))]
+    format: Option<String>,
+    /// The file to write; standard output when left out.
+    #[arg(short, long)]
+    output: Option<PathBuf>,
 }
 
 impl Question {
-    /// Prints what can be said as JSON.
+    /// Prints what can be said, or writes it to a file.
     pub(super) fn analyse(&self) -> Result<(), CliError> {
         let watch = Watch::new();
+        let form = self.form()?;
         let refused = |faults: Vec<Fault>| CliError::faults(Kind::Refused, &faults);
-        let analysis = self.request()?.resolve(&watch).map_err(refused)?;
+        let analysis = self.request()?.resolve(form, &watch).map_err(refused)?;
         let found = AnalysisAnswer::of(&analysis, &watch).map_err(CliError::other)?;
-        let text = serde_json::to_string_pretty(&found).map_err(CliError::other)?;
-        answer(format!("{text}\n").as_bytes())
+        let mut bytes = Vec::new();
+        if form == Form::Json {
+            // for people; programs read either
+            serde_json::to_writer_pretty(&mut bytes, &found).map_err(CliError::other)?;
+            bytes.push(b'\n');
+        } else {
+            found.write(form, &mut bytes, &watch).map_err(CliError::other)?;
+        }
+        match &self.output {
+            None => answer(&bytes),
+            Some(path) if path.as_os_str() == "-" => answer(&bytes),
+            Some(path) => std::fs::write(path, &bytes)
+                .map_err(|error| CliError::files(format!("cannot write {}: {error}", path.display()))),
+        }
+    }
+
+    fn form(&self) -> Result<Form, CliError> {
+        let named = |name: &str| Form::ALL.into_iter().find(|form| form.name() == name);
+        if let Some(form) = self.format.as_deref().and_then(named) {
+            return Ok(form);
+        }
+        let Some(extension) = self.output.as_ref().and_then(|path| path.extension()) else { return Ok(Form::Json) };
+        let found = Form::ALL.into_iter().find(|form| extension == form.extension());
+        let unknown = || {
+            let known = Form::ALL.map(Form::extension).join(", ");
+            CliError::usage(format!("--output: analyses have the extensions {known}; name a format with --format"))
+        };
+        found.ok_or_else(unknown)
     }
 
     fn request(&self) -> Result<AnalysisRequest, CliError> {
-        let Self { file, preset, word, parameters, nodes, grid, valences } = self;
+        let Self { file, preset, word, parameters, nodes, grid, matrices, scan, steps, valences, format: _, output: _ } =
+            self;
+        let of = |points| MatricesRequest::Of(SmallPolygon { points: Some(points), powers: None });
+        let matrices = matrices.map(of);
+        let scan = scan.as_deref().map(|text| scanned(text, *steps)).transpose()?;
         let valences = (!valences.is_empty()).then(|| valences.clone());
         if let Some(path) = file {
             let source = Source::of(path);
@@ -62,6 +110,8 @@ impl Question {
             })?;
             request.nodes = nodes.or(request.nodes);
             request.grid = grid.or(request.grid);
+            request.matrices = matrices.or(request.matrices);
+            request.scan = scan.or(request.scan);
             request.valences = valences.or(request.valences);
             return Ok(request);
         }
@@ -72,7 +122,8 @@ impl Question {
             parameters: WireFields(parameters),
             ..PlanRequest::default()
         };
-        Ok(AnalysisRequest { spec: None, plan, nodes: *nodes, grid: *grid, valences, tube: None, input: None })
+        let (tube, input) = (None, None);
+        Ok(AnalysisRequest { spec: None, plan, nodes: *nodes, grid: *grid, matrices, scan, valences, tube, input })
     }
 }
 
@@ -80,10 +131,19 @@ fn parameter(text: &str) -> Result<(String, Literal), CliError> {
     let (name, value) = text
         .split_once('=')
         .ok_or_else(|| CliError::usage(format!("\"{text}\" is no parameter; write NAME=VALUE, such as w=1/16")))?;
-    // whole numbers are written as numbers, everything else as text, whose value is exact
-    let one =
-        |text: &str| text.parse::<i32>().map_or_else(|_| Literal::Text(text.into()), |n| Literal::Number(n.into()));
     let is_list = name == "mask" || name == "kernel" && value.contains(',');
     let value = if is_list { Literal::List(value.split(',').map(one).collect()) } else { one(value) };
     Ok((name.to_owned(), value))
+}
+
+/// Whole numbers are written as numbers, everything else as text, whose value is exact.
+fn one(text: &str) -> Literal {
+    text.parse::<i32>().map_or_else(|_| Literal::Text(text.into()), |n| Literal::Number(n.into()))
+}
+
+fn scanned(text: &str, steps: Option<u32>) -> Result<ScanRequest, CliError> {
+    let parts = text.split_once('=').and_then(|(name, range)| Some((name, range.split_once("..")?)));
+    let (parameter, (from, to)) = parts
+        .ok_or_else(|| CliError::usage(format!("\"{text}\" is no scan; write NAME=FROM..TO, such as eta=0..1/60")))?;
+    Ok(ScanRequest { parameter: parameter.to_owned(), from: WireLiteral(one(from)), to: WireLiteral(one(to)), steps })
 }

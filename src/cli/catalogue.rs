@@ -6,17 +6,27 @@ use super::error::CliError;
 use super::say::answer;
 use crate::fault::{did_you_mean, shortened};
 use crate::wire::catalogue::{
-    FormatEntry, OperatorEntry, ParameterEntry, PresetEntry, formats, operators, presets, readers,
+    ClaimEntry, FormatEntry, OperatorEntry, ParameterEntry, PresetEntry, formats, operators, presets, readers,
 };
 
 /// Prints all presets, or one.
 pub(super) fn list_presets(name: Option<&str>) -> Result<(), CliError> {
     let all = presets();
     let row = |preset: &PresetEntry| (preset.name.to_owned(), preset.refines.join(", "), brief(preset.doc).to_owned());
-    let one = |PresetEntry { name, refines, parameters, doc, source }: &PresetEntry| {
-        page(&format!("{name} ({})\n{doc}\nSource: {source}", refines.join(", ")), parameters)
+    let one = |PresetEntry { name, refines, parameters, doc, source, claims }: &PresetEntry| {
+        let claims: String = claims.iter().map(claim).collect();
+        page(&format!("{name} ({})\n{doc}\nSource: {source}{claims}", refines.join(", ")), parameters)
     };
     print(("preset", name), &all, |preset| preset.name.to_owned(), row, one)
+}
+
+/// A line about what a preset claims.
+fn claim(ClaimEntry { range, at: _, smoothness, support, reproduction_degree }: &ClaimEntry) -> String {
+    let range = if range.is_empty() { "Claims" } else { range };
+    format!(
+        "\n{range}: limits C^k with k = {smoothness}, support of width {support}, reproduction of degree \
+         {reproduction_degree}"
+    )
 }
 
 /// Prints all operators, or one.

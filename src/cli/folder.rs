@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::fault::shortened;
 use crate::input::Beside;
-use crate::job::amounts::in_bytes;
+use crate::math::amounts::in_bytes;
 
 /// Most bytes that are read beside one file, and that reading it may take beyond its weight. Scenes with pictures come
 /// to some hundred megabytes; half of it would refuse some of them, twice as much would fill the memory of small

@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::error::{CliError, Kind};
 use super::inputs::Source;
 use super::told::flagged;
-use crate::job::amounts::thousands;
+use crate::math::amounts::thousands;
 use crate::watch::Watch;
 
 /// Parts of the bar for each input: as fine as a wide terminal shows.

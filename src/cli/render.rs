@@ -148,7 +148,10 @@ impl Task<'_> {
             }
         };
         if let Some(reached) = admitted.job().reached {
-            let text = format!("level {} is at most {} from the limit", reached.level, reached.bound);
+            let text = match reached.bound {
+                Some(bound) => format!("level {} is at most {bound} from the limit", reached.level),
+                None => format!("level {} has faces of about a pixel", reached.level),
+            };
             self.progress.note(self.source, &text);
         }
         report.warnings.iter().for_each(|warning| self.progress.note(self.source, warning));

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use super::levels::LogLevels;
 use super::origins::CorsOrigins;
 use crate::fault::shortened;
-use crate::job::amounts::thousands;
+use crate::math::amounts::thousands;
 
 /// Units of sizes, largest first within their kind.
 const SIZES: &[(&str, u64)] = &[

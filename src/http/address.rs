@@ -8,7 +8,12 @@ use crate::service::variant::Coding;
 
 /// Where an artifact has its address.
 pub(super) fn address(key: impl std::fmt::Display, format: &dyn Format) -> String {
-    format!("/v1/artifacts/{key}.{}", format.extension())
+    of_extension(key, format.extension())
+}
+
+/// Where an artifact of an extension has its address.
+pub(super) fn of_extension(key: impl std::fmt::Display, extension: &str) -> String {
+    format!("/v1/artifacts/{key}.{extension}")
 }
 
 /// The ETag of an artifact, or of its variant in a coding.

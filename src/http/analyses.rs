@@ -17,8 +17,7 @@ use super::problem::Problem;
 use super::variants::coded;
 use super::{address, body};
 use crate::job::key::Key;
-use crate::job::{Inquiry, KeepWork, Report, RunError};
-use crate::output::named;
+use crate::job::{Form, Inquiry, KeepWork, Report, RunError};
 use crate::service::computation::Phase;
 use crate::service::task::{Cost, Task};
 use crate::watch::Watch;
@@ -37,9 +36,17 @@ const ANSWER_BYTES: u128 = 4 << 20;
 /// and parameters of the same value, have the same answer and `ETag`.
 #[utoipa::path(
     post, path = "/v1/analyses", tag = "questions", request_body = AnalysisRequest,
-    params(("If-None-Match" = Option<String>, Header, description = "ETags of answers that the client has")),
+    params(
+        ("If-None-Match" = Option<String>, Header, description = "ETags of answers that the client has"),
+        ("Accept" = Option<String>, Header, description = "The form of the answer: `application/json` with every \
+            number by its name, `text/markdown` for a report to read, `image/svg+xml` or `image/png` for a figure of \
+            one page"),
+    ),
     responses(
-        (status = 200, description = "What can be said", body = AnalysisAnswer),
+        (status = 200, description = "What can be said", content(
+            (AnalysisAnswer = "application/json"), (String = "text/markdown"), (String = "image/svg+xml"),
+            (Vec<u8> = "image/png"),
+        )),
         (status = 304, description = "The client has the answer already (`If-None-Match`)"),
     )
 )]
@@ -50,18 +57,19 @@ pub(super) async fn analyse(State(app): State<Shared>, client: Client, headers: 
 async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
     let sent = body::collect(app, client, headers, Takes::Jobs, body).await?;
     let bytes = weight(sent.bytes.len() as u64);
+    let form = negotiate::form(headers)?;
     let analysis = app.desk.read(client.peer(), bytes, move |watch| {
         let request: AnalysisRequest = read(&sent.bytes)?;
-        request.resolve(watch).map_err(Problem::invalid)
+        request.resolve(form, watch).map_err(Problem::invalid)
     });
-    let task = Arc::new(AnalysisTask(analysis.await??));
+    let task = Arc::new(AnalysisTask(analysis.await??, form));
     let key = task.key();
     if let Some(tag) = negotiate::has_already(headers, &key) {
-        return Ok(not_modified(&key, tag));
+        return Ok(not_modified(&key, form, tag));
     }
     if let Some(manifest) = app.desk.find(key).await {
         // what turns out to be damaged has been dropped, and is made again
-        match whole(app, headers, Artifact::kept(manifest, client.peer()), &key).await {
+        match whole(app, headers, Artifact::kept(manifest, client.peer()), (&key, form)).await {
             Err(Lost::Gone) => {}
             answered => return Ok(answered?),
         }
@@ -70,29 +78,30 @@ async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bo
     match interest.computation.finished().await {
         Phase::Done(outcome) => {
             let found = Artifact::made(&outcome, interest.provenance, client.peer());
-            Ok(whole(app, headers, found, &key).await?)
+            Ok(whole(app, headers, found, (&key, form)).await?)
         }
         Phase::Failed(failure) => Err(Problem::of_failure(failure, |refused| refused.fault)),
         Phase::Queued | Phase::Running => Err(Problem::cancelled()),
     }
 }
 
-/// The address of an answer: kept artifacts of its media type have it.
-fn place(key: &Key) -> String {
-    let json = named("json").expect("json is among the formats");
-    address::address(key, json)
-}
-
-async fn whole(app: &Arc<App>, headers: &HeaderMap, found: Artifact, key: &Key) -> Result<Response, Lost> {
+async fn whole(
+    app: &Arc<App>,
+    headers: &HeaderMap,
+    found: Artifact,
+    (key, form): (&Key, Form),
+) -> Result<Response, Lost> {
     let found = coded(app, headers, found).await;
-    let head = answer::headers(&found, &place(key));
+    let head = answer::headers(&found, &address::of_extension(key, form.extension()));
     answer::bytes(app, found, head, ByteRange::Whole).await
 }
 
-fn not_modified(key: &Key, tag: String) -> Response {
+fn not_modified(key: &Key, form: Form, tag: String) -> Response {
     let mut headers = HeaderMap::new();
     headers.insert(header::VARY, HeaderValue::from_static(answer::VARY));
-    if let (Ok(tag), Ok(address)) = (HeaderValue::try_from(tag), HeaderValue::try_from(place(key))) {
+    if let (Ok(tag), Ok(address)) =
+        (HeaderValue::try_from(tag), HeaderValue::try_from(address::of_extension(key, form.extension())))
+    {
         headers.insert(header::ETAG, tag);
         headers.insert(header::CONTENT_LOCATION, address);
     }
@@ -101,11 +110,11 @@ fn not_modified(key: &Key, tag: String) -> Response {
 
 /// An analysis under way.
 #[derive(Debug)]
-struct AnalysisTask(Inquiry);
+struct AnalysisTask(Inquiry, Form);
 
 impl Task for AnalysisTask {
     fn key(&self) -> Key {
-        self.0.key()
+        self.0.key(self.1)
     }
 
     fn cost(&self) -> Cost {
@@ -118,13 +127,12 @@ impl Task for AnalysisTask {
     }
 
     fn media_type(&self) -> &'static str {
-        "application/json"
+        self.1.media_type()
     }
 
     fn run(&self, out: &mut dyn Write, _: &dyn KeepWork, watch: &Watch) -> Result<Report, RunError> {
         let answer = AnalysisAnswer::of(&self.0, watch).map_err(RunError::Stopped)?;
-        let bytes = serde_json::to_vec(&answer).expect("numbers and text");
-        out.write_all(&bytes).map_err(RunError::Io)?;
+        answer.write(self.1, out, watch)?;
         Ok(Report::default())
     }
 }

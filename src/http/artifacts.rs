@@ -6,7 +6,7 @@ use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
-use super::address::{address, etag};
+use super::address::{etag, of_extension};
 use super::answer::{self, Artifact, Lost};
 use super::app::{App, Shared};
 use super::body::Sent;
@@ -15,6 +15,7 @@ use super::problem::{self, Problem};
 use super::segment::Segment;
 use super::variants::coded;
 use super::{negotiate, reading, render};
+use crate::job::Form;
 use crate::job::key::Key;
 use crate::output::FORMATS;
 use crate::service::computation::Phase;
@@ -79,9 +80,12 @@ async fn tell(
     headers: &HeaderMap,
     found: Artifact,
 ) -> Result<Result<Response, Lost>, Problem> {
-    let formats = FORMATS.iter().filter(|format| format.media_type() == found.manifest.media_type);
-    if !formats.clone().any(|format| format.extension() == extension) {
-        let right = formats.map(|format| address(key, *format)).next().unwrap_or_default();
+    let of_formats = FORMATS.iter().map(|format| (format.media_type(), format.extension()));
+    let of_forms = Form::ALL.iter().map(|form| (form.media_type(), form.extension()));
+    let fits = |(media_type, _): &(&str, &str)| *media_type == found.manifest.media_type;
+    let extensions: Vec<&str> = of_formats.chain(of_forms).filter(fits).map(|(_, extension)| extension).collect();
+    if !extensions.contains(&extension) {
+        let right = extensions.first().map(|right| of_extension(key, right)).unwrap_or_default();
         return Err(Problem::new(problem::NOT_FOUND, format!("the artifact has another extension: {right}")));
     }
     let address = format!("/v1/artifacts/{key}.{extension}");

@@ -18,7 +18,7 @@ use super::inflate::{inflated, too_long};
 use super::pace::Pace;
 use super::problem::{self, Problem};
 use crate::input::Alone;
-use crate::job::amounts::in_bytes;
+use crate::math::amounts::in_bytes;
 use crate::output::Format;
 use crate::wire::JobRequest;
 use crate::wire::query::{job_of_file, job_text, read_as, text_as};

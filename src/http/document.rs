@@ -196,11 +196,23 @@ fn job_examples() -> BTreeMap<String, RefOr<Example>> {
     jobs.into_iter().map(example).collect()
 }
 
-/// A question about a scheme, by name.
+/// Questions about a scheme, by name.
 fn analysis_examples() -> BTreeMap<String, RefOr<Example>> {
-    let question = json!({ "plan": { "preset": "four-point", "parameters": { "w": "1/16" } }, "grid": 3 });
-    let example = ExampleBuilder::new().summary("A scheme for curves").value(Some(question)).build();
-    BTreeMap::from([("curve".to_owned(), example.into())])
+    let preset = "four-point";
+    let scan = json!({ "parameter": "w", "from": 0, "to": "1/4", "steps": 10 });
+    let questions = [
+        (
+            "curve",
+            "A scheme for curves",
+            json!({ "plan": { "preset": preset, "parameters": { "w": "1/16" } }, "grid": 3 }),
+        ),
+        ("matrices", "One step as matrices", json!({ "plan": { "word": "UD" }, "matrices": { "points": 4 } })),
+        ("scan", "What is proved along a parameter", json!({ "plan": { "preset": preset }, "scan": scan })),
+    ];
+    let example = |(name, summary, question): (&str, &str, Value)| {
+        (name.to_owned(), ExampleBuilder::new().summary(summary).value(Some(question)).build().into())
+    };
+    questions.into_iter().map(example).collect()
 }
 
 /// Adds the mesh files that a body may be.

@@ -11,7 +11,7 @@ use super::charge::Charge;
 use super::client::Client;
 use super::content::Coding;
 use super::problem::{self, Problem};
-use crate::job::amounts::in_bytes;
+use crate::math::amounts::in_bytes;
 use crate::watch::Watch;
 
 /// How far back Zstandard may refer, as a power of two: 8 MiB, what RFC 8878 asks of every decoder. Twice of it takes

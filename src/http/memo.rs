@@ -8,8 +8,8 @@ use axum::http::{HeaderMap, Uri, header};
 
 use super::address::address;
 use super::content::Notation;
-use crate::analysis::curve::Reached;
 use crate::job::Job;
+use crate::job::Resolved;
 use crate::job::key::{Key, content};
 
 /// Longest request that is remembered, bytes.
@@ -32,7 +32,7 @@ pub(super) struct Known {
     /// Its address.
     pub(super) address: Arc<str>,
     /// What a tolerance led to.
-    pub(super) reached: Option<Reached>,
+    pub(super) reached: Option<Resolved>,
 }
 
 impl Known {

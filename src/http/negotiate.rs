@@ -6,6 +6,7 @@ use axum::http::{HeaderMap, HeaderName, header};
 
 use super::address::etag;
 use super::problem::{self, Problem};
+use crate::job::Form;
 use crate::job::key::Key;
 use crate::output::{self, FORMATS, Format, ShapeKind};
 use crate::service::variant::Coding;
@@ -79,6 +80,20 @@ fn format(accepted: &str, kind: ShapeKind) -> Result<&'static dyn Format, Proble
     }
     let mut candidates = holding.filter(|format| quality(format) == best);
     Ok(candidates.next().expect("some format has the best quality"))
+}
+
+/// The form of an analysis that `Accept` asks for: of the highest quality, and among equals the first.
+///
+/// # Errors
+/// 406 where `Accept` allows none.
+pub(super) fn form(headers: &HeaderMap) -> Result<Form, Problem> {
+    let accepted = accepted(headers);
+    let quality = |form: &Form| allowed(&accepted, form.media_type());
+    let best = Form::ALL.iter().map(quality).max().filter(|best| *best > 0);
+    best.and_then(|best| Form::ALL.into_iter().find(|form| quality(form) == best)).ok_or_else(|| {
+        let types = Form::ALL.map(Form::media_type).join(", ");
+        Problem::new(problem::NOT_ACCEPTABLE, format!("an analysis can be answered as {types}; change Accept"))
+    })
 }
 
 /// How precisely one entry of `Accept` names a media type (2 exactly, 1 its family, 0 anything), and its quality in

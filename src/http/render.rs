@@ -19,7 +19,7 @@ use super::problem::Problem;
 use super::reading::ReadJob;
 use super::variants::coded;
 use super::{jobs, reading, streaming};
-use crate::analysis::curve::Reached;
+use crate::job::Resolved;
 use crate::job::key::Key;
 use crate::job::limits::Admitted;
 use crate::service::computation::{Phase, Timings};
@@ -240,11 +240,11 @@ pub(super) async fn read(app: &Arc<App>, client: &Client, headers: &HeaderMap, s
     reading::job(app, client, sent, 1, move |request| negotiate::settle(&headers, request)).await
 }
 
-/// What a tolerance led to: the level, and how far from the limit the result is at most.
-fn said(reached: Option<Reached>, headers: &mut HeaderMap) {
+/// What a tolerance or "auto" led to: the level, and of a tolerance how far from the limit the result is at most.
+fn said(reached: Option<Resolved>, headers: &mut HeaderMap) {
     let Some(reached) = reached else { return };
     headers.insert(HeaderName::from_static("planish-level"), reached.level.into());
-    if let Ok(bound) = HeaderValue::try_from(reached.bound.to_string()) {
+    if let Some(Ok(bound)) = reached.bound.map(|bound| HeaderValue::try_from(bound.to_string())) {
         headers.insert(HeaderName::from_static("planish-bound"), bound);
     }
 }

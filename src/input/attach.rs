@@ -5,13 +5,12 @@ use std::collections::BTreeMap;
 
 use super::reader::{ReadMesh, Uvs};
 use super::text::quoted;
-use crate::shape::attachments::Channel;
-use crate::shape::attachments::{AttachmentsInput, MAX_CHANNELS, MAX_TOTAL_WIDTH, check_channel};
+use crate::shape::attachments::{AttachmentsInput, ChannelInput, MAX_CHANNELS, MAX_TOTAL_WIDTH, check_channel};
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::labels::FaceSet;
 use crate::shape::labels::{MAX_LABELS, MAX_NAME};
 use crate::shape::mesh::MeshInput;
-use crate::shape::uvs::UvsInput;
+use crate::shape::seams::{SeamsInput, UvsInput};
 
 impl ReadMesh {
     /// The mesh for further work. What a mesh cannot hold is named in its notes.
@@ -29,17 +28,17 @@ impl ReadMesh {
 
 /// Texture coordinates face by face.
 fn of_corners(uvs: Uvs, faces: &FaceList) -> UvsInput {
-    let mut given = UvsInput { values: uvs.values, ..UvsInput::default() };
+    let mut seams = SeamsInput::default();
     let mut corners = uvs.corners.into_iter();
     for f in 0..faces.len() {
-        given.faces.push(corners.by_ref().take(faces.face(f).len()));
+        seams.faces.push(corners.by_ref().take(faces.face(f).len()));
     }
-    given
+    UvsInput { values: uvs.values, seams }
 }
 
 /// The channels that a mesh can hold, in their order.
-fn channels(given: Vec<Channel>, n_vertices: usize, notes: &mut Vec<String>) -> Vec<Channel> {
-    let mut kept: Vec<Channel> = Vec::with_capacity(given.len());
+fn channels(given: Vec<ChannelInput>, n_vertices: usize, notes: &mut Vec<String>) -> Vec<ChannelInput> {
+    let mut kept: Vec<ChannelInput> = Vec::with_capacity(given.len());
     for channel in given {
         let width: usize = kept.iter().map(|channel| channel.width).sum::<usize>() + channel.width;
         if kept.len() == MAX_CHANNELS || width > MAX_TOTAL_WIDTH {

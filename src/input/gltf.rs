@@ -7,12 +7,13 @@ mod buffers;
 mod carried;
 mod census;
 mod looks;
+mod packed;
 mod scene;
 mod transform;
 
 use self::buffers::Document;
 use super::beside::File;
-use super::reader::{ReadLimits, ReadMesh, Reader};
+use super::reader::{ReadLimits, ReadMesh, Reader, Vertices};
 use super::room::Room;
 
 /// glTF as text. Buffers are data URIs, or files beside it, where whoever hands it over has them.
@@ -26,7 +27,7 @@ pub(super) const GLTF: Reader = Reader {
     name: "gltf",
     media_type: "model/gltf+json",
     doc: "glTF 2.0 in JSON with data URIs, on the command line with files beside it: the triangles of its scene",
-    doubles_vertices: true,
+    vertices: Vertices::Doubled,
     read: |file, limits| {
         if file.bytes.starts_with(b"glTF") {
             return Err(vec!["the file is binary; read it as glb".to_owned()]);
@@ -40,7 +41,7 @@ pub(super) const GLB: Reader = Reader {
     name: "glb",
     media_type: "model/gltf-binary",
     doc: "Binary glTF 2.0: the triangles of its scene",
-    doubles_vertices: true,
+    vertices: Vertices::Doubled,
     read: |file, limits| read(file, limits, |room| Document::of_glb(file, room)),
 };
 

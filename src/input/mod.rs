@@ -16,13 +16,13 @@ mod sniff;
 mod stl;
 mod text;
 
-pub use crate::shape::attachments::Channel;
+pub use crate::shape::attachments::ChannelInput;
 pub use crate::shape::labels::FaceSet;
 pub use crate::shape::looks::Look;
 pub use base64::decode as from_base64;
 pub use beside::{Alone, Beside, File, WithLibrary};
 pub use kind::{foreign, is_text, own};
-pub use reader::{ReadLimits, ReadMesh, Reader, Uvs};
+pub use reader::{ReadLimits, ReadMesh, Reader, Uvs, Vertices};
 pub use room::weight;
 
 /// Every reader, in the order of the documentation.

@@ -14,9 +14,9 @@ use self::faces::Faces;
 use self::library::Library;
 use super::beside::File;
 use super::collect::Collected;
-use super::reader::{ReadLimits, ReadMesh, Reader};
+use super::reader::{ReadLimits, ReadMesh, Reader, Vertices};
 use super::text::{at_line, number, numbers, quoted, text, without_comment};
-use crate::shape::attachments::Channel;
+use crate::shape::attachments::ChannelInput;
 
 /// Faults that are told one by one.
 const MAX_FAULTS: usize = 20;
@@ -57,7 +57,7 @@ pub(super) const OBJ: Reader = Reader {
     name: "obj",
     media_type: "model/obj",
     doc: "Wavefront OBJ: polygons, with crease, corner, hole and boundary tags",
-    doubles_vertices: false,
+    vertices: Vertices::Shared,
     read,
 };
 
@@ -209,7 +209,7 @@ impl State {
         let n = mesh.positions.len();
         if self.color_width > 0 && self.colors.len() == 4 * n {
             let values = self.colors.chunks_exact(4).flat_map(|color| &color[..self.color_width]).copied().collect();
-            mesh.channels.push(Channel { name: "color".to_owned(), width: self.color_width, values });
+            mesh.channels.push(ChannelInput::of_vertices("color", self.color_width, values));
         } else if self.color_width > 0 {
             mesh.notes.push(format!("colours are left out: {} of {n} vertices have one", self.colors.len() / 4));
         }

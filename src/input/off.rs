@@ -3,9 +3,9 @@
 //! Source: The Geometry Center, Geomview Manual 1.9 (2014), section 4.2.5.
 
 use super::collect::{Collected, vertex_index};
-use super::reader::{ReadLimits, ReadMesh, Reader, Uvs};
+use super::reader::{ReadLimits, ReadMesh, Reader, Uvs, Vertices};
 use super::text::{Words, at_line, count, number, quoted, text};
-use crate::shape::attachments::Channel;
+use crate::shape::attachments::ChannelInput;
 
 /// Least bytes of a vertex ("0 0 0" and a line break) and of a face ("3 0 1 2").
 const VERTEX_BYTES: u64 = 6;
@@ -18,7 +18,7 @@ pub(super) const OFF: Reader = Reader {
     name: "off",
     media_type: "model/off",
     doc: "Geomview OFF, COFF, NOFF, STOFF: polygons as text",
-    doubles_vertices: false,
+    vertices: Vertices::Shared,
     read: |file, limits| read(file.bytes, limits).map_err(|detail| vec![detail]),
 };
 
@@ -150,7 +150,7 @@ impl Reading {
     fn finish(self) -> ReadMesh {
         let mut mesh = self.mesh.mesh;
         if self.kind.colors {
-            mesh.channels.push(Channel { name: "color".to_owned(), width: 4, values: self.colors });
+            mesh.channels.push(ChannelInput::of_vertices("color", 4, self.colors));
         }
         if self.kind.uvs {
             mesh.uvs = Some(Uvs { values: self.uvs, corners: mesh.faces.vertices().to_vec() });

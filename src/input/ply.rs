@@ -12,9 +12,9 @@ use std::collections::BTreeMap;
 use self::body::{Ascii, Binary, Body};
 use self::header::{Element, Encoding, Header, NAMED, Property, Scalar};
 use super::collect::{Collected, vertex_index};
-use super::reader::{ReadLimits, ReadMesh, Reader, Uvs};
+use super::reader::{ReadLimits, ReadMesh, Reader, Uvs, Vertices};
 use super::text::quoted;
-use crate::shape::attachments::Channel;
+use crate::shape::attachments::ChannelInput;
 use crate::shape::labels::FaceSet;
 
 /// Most channels of further numbers.
@@ -30,7 +30,7 @@ pub(super) const PLY: Reader = Reader {
     name: "ply",
     media_type: "model/ply",
     doc: "Stanford PLY, text or binary: polygons, further numbers of vertices as channels",
-    doubles_vertices: false,
+    vertices: Vertices::Shared,
     read: |file, limits| read(file.bytes, limits).map_err(|detail| vec![detail]),
 };
 
@@ -90,7 +90,7 @@ fn elements(header: &Header, mut body: impl Body, limits: &ReadLimits) -> Result
 
 struct Reading {
     mesh: Collected,
-    channels: Vec<Channel>,
+    channels: Vec<ChannelInput>,
     /// Texture coordinates of vertices.
     uvs: Vec<[f64; 2]>,
     /// Texture coordinates of corners.
@@ -162,7 +162,7 @@ impl Reading {
             false => &[],
         };
         if !colors.is_empty() {
-            self.channels.push(Channel { name: "color".to_owned(), width: colors.len(), values: Vec::new() });
+            self.channels.push(ChannelInput::of_vertices("color", colors.len(), Vec::new()));
         }
         let mut uses = Vec::with_capacity(element.properties.len());
         let joined = joined::runs(&element.properties);
@@ -187,7 +187,7 @@ impl Reading {
                 return Err(detail);
             } else {
                 let (name, width) = joined.map_or((name, 1), |(run, _)| run);
-                self.channels.push(Channel { name: name.to_owned(), width, values: Vec::new() });
+                self.channels.push(ChannelInput::of_vertices(name, width, Vec::new()));
                 Use::Channel(self.channels.len() - 1, 0, 1.0)
             });
         }

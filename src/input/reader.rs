@@ -2,7 +2,7 @@
 
 use super::beside::File;
 use crate::scheme::tags::Boundary;
-use crate::shape::attachments::Channel;
+use crate::shape::attachments::ChannelInput;
 use crate::shape::check::FaceList;
 use crate::shape::labels::FaceSet;
 use crate::shape::looks::Look;
@@ -16,12 +16,23 @@ pub struct Reader {
     pub media_type: &'static str,
     /// One sentence for the catalogue.
     pub doc: &'static str,
-    /// Whether files have a vertex once for each set of numbers that it carries.
-    pub doubles_vertices: bool,
+    /// Which corners of faces share a vertex.
+    pub vertices: Vertices,
     /// Reads a file. No more memory is taken than the [`weight`](super::room::weight) of the length of the bytes and of
     /// those of the files beside it, whatever counts they claim. Refusals are sentences that name what is wrong by line
     /// or byte.
     pub read: fn(&File<'_>, &ReadLimits) -> Result<ReadMesh, Vec<String>>,
+}
+
+/// Which corners of faces share a vertex in files of a format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Vertices {
+    /// Those that the file lets share one.
+    Shared,
+    /// Those with the same of all that vertices carry, so that vertices at one place are there several times.
+    Doubled,
+    /// None in the file; those at the same place are joined as it is read.
+    Joined,
 }
 
 /// Bounds on one file.
@@ -65,7 +76,7 @@ pub struct ReadMesh {
     /// How the first of these materials look.
     pub looks: Vec<Look>,
     /// Numbers that vertices carry.
-    pub channels: Vec<Channel>,
+    pub channels: Vec<ChannelInput>,
     /// What was left out or changed, in sentences.
     pub notes: Vec<String>,
 }

@@ -1,5 +1,7 @@
 //! What a reader may take of memory: in proportion to the bytes that came in.
 
+use crate::math::amounts::in_bytes;
+
 /// Bytes that may be taken whatever the length: an accessor, a few nodes and primitives need more than their text is
 /// long. With less, small scenes of a few hundred nodes would be refused; more would let a thousand tiny requests take
 /// gigabytes.
@@ -41,10 +43,11 @@ impl Room {
     pub(super) fn take(&mut self, bytes: usize) -> Result<(), String> {
         self.left = self.left.checked_sub(bytes as u64).ok_or_else(|| {
             let all = weight(self.length).saturating_add(self.spare);
-            let (length, taken) = (self.length, all - self.left);
+            let [bytes, length, all, taken] =
+                [bytes as u64, self.length, all, all - self.left].map(|n| in_bytes(n.into()));
             format!(
-                "it takes {bytes} bytes to read; a file of {length} bytes may take {all} in all, of which {taken} are \
-                 taken: send less at once"
+                "it takes {bytes} to read; a file of {length} may take {all} in all, of which {taken} are taken: send \
+                 less at once"
             )
         })?;
         Ok(())

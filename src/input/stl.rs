@@ -3,7 +3,7 @@
 //! Source: 3D Systems, Stereolithography Interface Specification (1988), section 6.5.
 
 use super::collect::Collected;
-use super::reader::{ReadLimits, ReadMesh, Reader};
+use super::reader::{ReadLimits, ReadMesh, Reader, Vertices};
 use super::text::{Words, at_line, number, quoted, text};
 use crate::shape::labels::FaceSet;
 use crate::shape::topology::index;
@@ -23,7 +23,7 @@ pub(super) const STL: Reader = Reader {
     name: "stl",
     media_type: "model/stl",
     doc: "STL, text or binary; equal corners are joined",
-    doubles_vertices: false,
+    vertices: Vertices::Joined,
     read: |file, limits| read(file.bytes, limits).map_err(|detail| vec![detail]),
 };
 

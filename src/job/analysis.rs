@@ -1,8 +1,12 @@
 //! The analysis of a plan: a computation like a job, of which only the scheme matters.
 
 use super::key::{self, Key};
+use super::matrices::{AskedMatrices, FoundMatrices, MatricesWish};
+use super::scan::{self, ScanWish};
 use crate::analysis::curve::NoMask;
+use crate::analysis::scan::{MOST_BETWEEN, Scan, Scanned};
 use crate::analysis::smoothness::{BasicFunction, Report};
+use crate::analysis::theorems::{Decay, Theorem, theorems};
 use crate::analysis::{Level, Study};
 use crate::fault::{Fault, under};
 use crate::scheme::plan::{Plan, PlanInput, Subject};
@@ -26,58 +30,113 @@ const NODES_A_MS: u64 = 400;
 /// presets; twice of it lets half as many analyses run at once.
 const BYTES: u64 = 64 << 20;
 
+/// Products of matrices at each value of a scan when nothing is said.
+/// Two hundred values take some seconds. Half of it leaves ends of ranges wider, twice of it takes twice as long where
+/// nothing is decided.
+pub const DEFAULT_SCAN_NODES: u64 = 10_000;
+/// Most values of a function that is plotted without a grid of its own: two for each pixel.
+/// Half of it shows corners where there are none; twice of it makes figures in lines twice as long.
+const PLOTTED: u64 = 1 << 10;
+/// Finest grid that is looked at for a plot: binary schemes have no finer one of so many values.
+const MAX_GRID: u32 = 10;
+/// Milliseconds of an analysis without its products: those that look for an eigenvalue, and choose a norm.
+/// It is that of masks of some ten entries. Half of it books scans of longer masks too short; twice of it lets fewer
+/// scans run at once.
+const BASE_MS: u64 = 10;
+
 /// What is asked about a plan.
 #[derive(Debug, Clone)]
 pub struct Analysis {
-    study: Study,
+    asked: Asked,
     nodes: u64,
-    grid: Option<u32>,
     key: Key,
+}
+
+#[derive(Debug, Clone)]
+enum Asked {
+    Scheme { study: Box<Study>, grid: Option<u32>, matrices: Option<AskedMatrices> },
+    Scan(Box<Scan>),
+}
+
+/// What is to be found out about a plan.
+#[derive(Debug, Clone, Default)]
+pub struct Wishes {
+    /// Products of matrices in the search for bounds, at each value where a parameter is scanned.
+    pub nodes: Option<u64>,
+    /// The steps of the grid of values of the basic limit function.
+    pub grid: Option<u32>,
+    /// The matrices of one step.
+    pub matrices: Option<MatricesWish>,
+    /// The parameter that is scanned.
+    pub scan: Option<ScanWish>,
+    /// Whether functions are plotted: then the grid is as fine as a plot shows, where none is named.
+    pub is_plotted: bool,
 }
 
 /// What an analysis has found.
 #[derive(Debug, Clone)]
-pub struct Findings<'a> {
+pub enum Findings<'a> {
+    /// Of one scheme.
+    Scheme(Box<SchemeFindings<'a>>),
+    /// Of the schemes for all values of a parameter.
+    Scan(&'a Scan, Scanned),
+}
+
+/// What is found of a scheme.
+#[derive(Debug, Clone)]
+pub struct SchemeFindings<'a> {
     /// Of the scheme, or of the one that those of the levels come close to.
     pub report: Report,
     /// The schemes of the levels, where they change.
     pub levels: &'a [Level],
-    /// By what the distance of a level from the settled scheme is divided at the next.
+    /// By what the distance of a level from the settled scheme is multiplied at the next.
     pub rate: Option<f64>,
+    /// The largest k for which limits of the plan are proved to be C^k.
+    pub proved_c: i64,
     /// Values of the basic limit function, where they were asked for and there is one.
     pub values: Option<BasicFunction>,
+    /// Values of its derivatives, as far as they are proved to be continuous.
+    pub derivatives: Vec<BasicFunction>,
+    /// The matrices of one step, where they were asked for.
+    pub matrices: Option<FoundMatrices<'a>>,
+    /// The theorems of the first paper, where levels change.
+    pub theorems: Vec<Theorem>,
+    /// How quickly levels come close to the settled scheme.
+    pub decay: Option<Decay>,
 }
 
 impl Analysis {
-    /// The analysis of a plan with so many products in the search for bounds, and with the values of the basic limit
-    /// function at so fine a grid.
+    /// The analysis of a plan.
     ///
     /// # Errors
     /// Every fault found, with pointers into the request.
-    pub fn new(plan: &PlanInput, nodes: Option<u64>, grid: Option<u32>, watch: &Watch) -> Result<Self, Vec<Fault>> {
-        let nodes = nodes.unwrap_or(DEFAULT_NODES);
+    pub fn new(plan: &PlanInput, wishes: &Wishes, watch: &Watch) -> Result<Self, Vec<Fault>> {
+        let usual = if wishes.scan.is_some() { DEFAULT_SCAN_NODES } else { DEFAULT_NODES };
+        let nodes = wishes.nodes.unwrap_or(usual);
         let mut faults = Vec::new();
         if nodes > MAX_NODES {
             let detail = format!("{nodes} products of matrices; at most {MAX_NODES} are looked at");
             faults.push(Fault::new("/nodes", detail));
         }
-        let study = match study(plan, watch) {
-            Ok(study) if faults.is_empty() => study,
-            Ok(_) => return Err(faults),
-            Err(found) => {
-                faults.extend(under("/plan", found));
-                return Err(faults);
-            }
+        let asked = match &wishes.scan {
+            None => scheme(plan, wishes, watch),
+            Some(_) if wishes.grid.is_some() => Err(useless_beside_scan("grid")),
+            Some(_) if wishes.matrices.is_some() => Err(useless_beside_scan("matrices")),
+            Some(wish) => scan::scan(plan, wish, [nodes, MAX_NODES], |input| study(input, watch))
+                .map(|scan| Asked::Scan(Box::new(scan))),
         };
-        if let Some(grid) = grid
-            && BasicFunction::count(&study.settled, grid).is_none_or(|count| count > MAX_VALUES)
-        {
-            let detail =
-                format!("a grid of {grid} steps has more than {MAX_VALUES} values here; ask for a coarser one");
-            return Err(vec![Fault::new("/grid", detail)]);
+        match asked {
+            Ok(asked) if faults.is_empty() => {
+                let key = match &asked {
+                    Asked::Scheme { study, grid, matrices } => {
+                        key::analysis(study, nodes, *grid, matrices.as_ref().map(AskedMatrices::item))
+                    }
+                    Asked::Scan(scan) => scan::key(scan, nodes),
+                };
+                Ok(Self { asked, nodes, key })
+            }
+            asked => Err(faults.into_iter().chain(asked.err().unwrap_or_default()).collect()),
         }
-        let key = key::analysis(&study, nodes, grid);
-        Ok(Self { study, nodes, grid, key })
     }
 
     /// The key of what it finds.
@@ -85,14 +144,22 @@ impl Analysis {
         self.key
     }
 
+    /// How many schemes are analysed, at most.
+    fn schemes(&self) -> u64 {
+        match &self.asked {
+            Asked::Scheme { .. } => 1,
+            Asked::Scan(scan) => u64::from(scan.steps) + 1 + u64::from(MOST_BETWEEN),
+        }
+    }
+
     /// Units of work, at most.
     pub fn work(&self) -> u64 {
-        self.nodes
+        self.nodes * self.schemes()
     }
 
     /// Milliseconds on one core, roughly.
     pub fn milliseconds(&self) -> u64 {
-        self.nodes / NODES_A_MS + 10
+        self.work() / NODES_A_MS + BASE_MS * self.schemes()
     }
 
     /// Bytes of memory that it takes at most.
@@ -105,13 +172,49 @@ impl Analysis {
     /// # Errors
     /// [`Stopped`].
     pub fn run(&self, watch: &Watch) -> Result<Findings<'_>, Stopped> {
-        let report = Report::of(self.study.settled.clone(), self.nodes, watch)?;
-        let values = match self.grid {
-            Some(grid) => report.basic_function(grid, watch)?,
-            None => None,
-        };
-        Ok(Findings { report, levels: &self.study.levels, rate: self.study.rate(), values })
+        match &self.asked {
+            Asked::Scheme { study, grid, matrices } => {
+                let report = Report::of(study.settled.clone(), self.nodes, watch)?;
+                let (values, derivatives) = match grid {
+                    Some(grid) => (report.basic_function(*grid, watch)?, report.derivatives(*grid, watch)?),
+                    None => (None, Vec::new()),
+                };
+                let proved_c = study.concluded(report.smoothness.proved_c);
+                let (levels, rate) = (study.levels.as_slice(), study.rate());
+                let matrices = matrices.as_ref().map(|matrices| matrices.found(&report));
+                let converges = report.smoothness.proved_c >= 0;
+                let theorems = if levels.is_empty() { Vec::new() } else { theorems(study, converges) };
+                let decay = Decay::of(study);
+                let found =
+                    SchemeFindings { report, levels, rate, proved_c, values, derivatives, matrices, theorems, decay };
+                Ok(Findings::Scheme(Box::new(found)))
+            }
+            Asked::Scan(scan) => {
+                Ok(Findings::Scan(scan, scan.run(|input| self::study(input, watch), self.nodes, watch)?))
+            }
+        }
     }
+}
+
+fn scheme(input: &PlanInput, wishes: &Wishes, watch: &Watch) -> Result<Asked, Vec<Fault>> {
+    let study = study(input, watch).map_err(|found| under("/plan", found))?;
+    let count = |grid: u32| BasicFunction::count(&study.settled, grid);
+    let plotted = || (1..=MAX_GRID).take_while(|grid| count(*grid).is_some_and(|n| n <= PLOTTED)).last().unwrap_or(1);
+    let grid = wishes.grid.or_else(|| wishes.is_plotted.then(plotted));
+    if let Some(grid) = grid
+        && count(grid).is_none_or(|count| count > MAX_VALUES)
+    {
+        let detail = format!("a grid of {grid} steps has more than {MAX_VALUES} values here; ask for a coarser one");
+        return Err(vec![Fault::new("/grid", detail)]);
+    }
+    let of_plan = |wish: MatricesWish| AskedMatrices::of(&Plan::resolve(input, Subject::default())?, &study, wish);
+    let matrices = wishes.matrices.map(of_plan).transpose()?;
+    Ok(Asked::Scheme { study: Box::new(study), grid, matrices })
+}
+
+fn useless_beside_scan(name: &str) -> Vec<Fault> {
+    let detail = format!("a scan says of each value what is proved and no more; leave \"{name}\" or \"scan\" out");
+    vec![Fault::new(format!("/{name}"), detail)]
 }
 
 fn study(input: &PlanInput, watch: &Watch) -> Result<Study, Vec<Fault>> {

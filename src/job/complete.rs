@@ -4,9 +4,9 @@ use super::details::DetailOutput;
 use super::entry::{InputEntry, JobEntries};
 use super::input::Input;
 use super::key::{self, Key};
+use super::levels::Resolved;
 use super::output::Output;
 use super::{curves, kernels};
-use crate::analysis::curve::Reached;
 use crate::fault::Fault;
 use crate::output::{hard_edges, surface};
 use crate::refine::{held_levels, is_swept, swept_from};
@@ -34,8 +34,8 @@ pub struct Job {
     pub plan: Plan,
     /// How often the plan's cycle is applied.
     pub levels: u32,
-    /// How close to the limit that comes, where a tolerance was asked for.
-    pub reached: Option<Reached>,
+    /// What was found, where the request left the level to be found.
+    pub reached: Option<Resolved>,
     /// What is answered.
     pub outputs: Vec<Output>,
     /// What the coordinates of the input mean.
@@ -77,7 +77,7 @@ impl Job {
     pub(super) fn new(
         checked: Checked,
         levels: u32,
-        reached: Option<Reached>,
+        reached: Option<Resolved>,
         mut faults: Vec<Fault>,
     ) -> Result<Self, Vec<Fault>> {
         let details = details(&checked, levels).unwrap_or_else(|found| {

@@ -2,8 +2,9 @@
 
 use super::complete::{Checked, Job};
 use super::entry::InputEntry;
+use super::finest;
 use super::input::Input;
-use super::levels::{self, CheckedLevels, Levels};
+use super::levels::{self, CheckedLevels, Levels, Resolved};
 use super::output::Output;
 use super::search::Search;
 use super::steering;
@@ -62,6 +63,16 @@ impl Draft {
             CheckedLevels::Count(levels) => {
                 faults.extend(fit);
                 Job::new(checked, levels, None, faults).map(|job| Self::Job(Box::new(job)))
+            }
+            CheckedLevels::Auto => {
+                faults.extend(fit);
+                let level = if faults.is_empty() { finest::level(&checked) } else { Ok(0) };
+                let level = level.unwrap_or_else(|fault| {
+                    faults.push(fault);
+                    0
+                });
+                let resolved = Resolved { level, bound: None };
+                Job::new(checked, level, Some(resolved), faults).map(|job| Self::Job(Box::new(job)))
             }
             CheckedLevels::Tolerance(_) if checked.input.mesh().is_some_and(|mesh| !mesh.frames.is_empty()) => {
                 let detail = "a tolerance is measured at one frame; with \"frames\" give a number of levels";

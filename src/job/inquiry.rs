@@ -1,7 +1,8 @@
 //! What is asked about a plan: as a scheme for curves or for surfaces, or about a tube.
 
 use super::analysis::Analysis;
-use super::key::Key;
+use super::form::Form;
+use super::key::{self, Key};
 use super::surface_analysis::SurfaceAnalysis;
 use super::tube_analysis::TubeAnalysis;
 use crate::math::parameter::Literal;
@@ -31,13 +32,14 @@ pub fn is_for_meshes(plan: &PlanInput) -> bool {
 }
 
 impl Inquiry {
-    /// The key of the answer.
-    pub fn key(&self) -> Key {
-        match self {
+    /// The key of the answer in a form.
+    pub fn key(&self, form: Form) -> Key {
+        let key = match self {
             Self::Curve(analysis) => analysis.key(),
             Self::Surface(analysis) => analysis.key(),
             Self::Tube(analysis) => analysis.key(),
-        }
+        };
+        key::in_form(key, form)
     }
 
     /// Bytes of memory that it takes at most.

@@ -4,9 +4,10 @@
 use std::fmt;
 
 use super::codec::Item;
+use super::form::Form;
 use super::input::Input;
 use super::output::Output;
-use super::shape_items::{connectivity, input, mesh};
+use super::shape_items::{connectivity, input, lines, mesh};
 use super::tube_analysis::TubeInput;
 use crate::analysis::smoothness::Symbol;
 use crate::analysis::{Level, Study};
@@ -97,6 +98,7 @@ pub(super) fn artifacts(
         };
         let mut items = head("planish artifact");
         items.extend([Item::text(format.name()), values(options)]);
+        items.extend(shown_lines(shape, refined, options));
         if !frame.is_default() {
             items.push(Item::List(vec![Item::text(unit.name()), Item::text(up.name())]));
         }
@@ -105,6 +107,13 @@ pub(super) fn artifacts(
         (hashed(&Item::List(items)), hashed(&Item::List(shown)))
     };
     outputs.iter().map(artifact).unzip()
+}
+
+/// Latitude and longitude lines, where a picture shows them and the plan leaves them alone.
+fn shown_lines<'a>(shape: &'a Input, refined: &Plan, options: &Values) -> Option<Item<'a>> {
+    let shown = crate::output::DIRECTIONS.iter().any(|direction| options.has("show", direction));
+    let mesh = shape.mesh().filter(|_| shown && refined.latitude.is_none())?;
+    mesh.directions.as_ref().map(lines)
 }
 
 /// Key of the program by which a mesh is refined, whatever its positions and the numbers that it carries: over its
@@ -116,7 +125,7 @@ pub(super) fn program(input: &Input, refined: &Plan, levels: u32) -> Option<Key>
     Some(hashed(&Item::List(vec![Item::text("planish program"), version, connectivity(mesh), plan])))
 }
 
-fn hashed(item: &Item<'_>) -> Key {
+pub(super) fn hashed(item: &Item<'_>) -> Key {
     let mut bytes = Vec::new();
     item.encode(&mut bytes);
     content(&bytes)
@@ -145,7 +154,7 @@ pub(super) fn search(shape: &Input, refined: &Plan, tolerance: f64, places: &[&s
 }
 
 /// Key of an analysis: over the results version, the masks, exactly where they are known so, and what was asked for.
-pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>) -> Key {
+pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>, matrices: Option<Item<'_>>) -> Key {
     let Study { settled, levels } = study;
     // order and residual follow from the mask
     let Symbol { arity, first, mask, is_exact, order: _, residual: _ } = settled;
@@ -155,7 +164,7 @@ pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>) -> Key {
         let first = Item::Integer(i64::from(*first).cast_unsigned());
         Item::List(vec![Item::Number(*alpha), first, Item::Numbers(values.clone().into())])
     };
-    let items = vec![
+    let mut items = vec![
         Item::text("planish analysis"),
         Item::Integer(u64::from(RESULTS_VERSION)),
         Item::Integer(arity.cast_unsigned()),
@@ -166,6 +175,7 @@ pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>) -> Key {
         Item::Integer(nodes),
         Item::List(grid.iter().map(|grid| Item::Integer(u64::from(*grid))).collect()),
     ];
+    items.extend(matrices);
     hashed(&Item::List(items))
 }
 
@@ -209,6 +219,15 @@ pub(super) fn tube_analysis(asked: &Plan, tube: &TubeInput, nodes: u64) -> Key {
         Item::Integer(nodes),
     ];
     hashed(&Item::List(items))
+}
+
+/// The key of an analysis in a form: that of what it finds for the usual one.
+pub(super) fn in_form(key: Key, form: Form) -> Key {
+    if form == Form::default() {
+        return key;
+    }
+    let items = [Item::text(form.name()), Item::text(&key.to_string())];
+    hashed(&Item::List(items.into()))
 }
 
 /// Whether an output shows the limit, which is that of the plan even where none of its levels was applied.

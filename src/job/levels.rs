@@ -1,5 +1,6 @@
 //! How often a plan is applied: so many times, or until the result is close to its limit.
 
+use crate::analysis::curve::Reached;
 use crate::fault::Fault;
 use crate::scheme::plan::MAX_LEVELS;
 
@@ -10,6 +11,23 @@ pub enum Levels {
     Count(u64),
     /// Until the result is known to be within this distance of the limit, model units.
     Tolerance(f64),
+    /// Until faces are about a pixel in the pictures that are asked for.
+    Auto,
+}
+
+/// A level that a job left to be found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Resolved {
+    /// The level.
+    pub level: u32,
+    /// The result is at most this far from the limit, model units, where a tolerance was asked for.
+    pub bound: Option<f64>,
+}
+
+impl From<Reached> for Resolved {
+    fn from(Reached { level, bound }: Reached) -> Self {
+        Self { level, bound: Some(bound) }
+    }
 }
 
 /// Levels that are checked as far as that goes without the plan.
@@ -17,6 +35,7 @@ pub enum Levels {
 pub(super) enum CheckedLevels {
     Count(u32),
     Tolerance(f64),
+    Auto,
 }
 
 /// Checks the levels of a job that has a plan or not.
@@ -28,7 +47,7 @@ pub(super) fn check(planned: bool, levels: Option<Levels>) -> Result<CheckedLeve
         None if planned => {
             let detail = format!(
                 "\"levels\" says how often the plan is applied; give a whole number from 0 to {MAX_LEVELS}, or \
-                 {{\"tolerance\": t}}"
+                 {{\"tolerance\": t}}, or \"auto\" for pictures"
             );
             Err(Fault::new("/levels", detail))
         }
@@ -44,6 +63,10 @@ pub(super) fn check(planned: bool, levels: Option<Levels>) -> Result<CheckedLeve
                 Fault::new("/levels", detail)
             })
         }
+        Some(Levels::Auto) if !planned => {
+            Err(Fault::new("/plan", "finer than what? give a \"plan\", or ask for 0 levels"))
+        }
+        Some(Levels::Auto) => Ok(CheckedLevels::Auto),
         Some(Levels::Tolerance(_)) if !planned => {
             Err(Fault::new("/plan", "close to the limit of what? give a \"plan\", or ask for 0 levels"))
         }

@@ -2,19 +2,20 @@
 
 use std::sync::Arc;
 
-use super::amounts::{in_bytes, thousands};
 use super::complete::Job;
 use super::input::Input;
 use super::key::Key;
 use super::limit_cost::{limit_patches, limit_surface};
 use super::memory::{self, carried, compared_discs, needed, on_demand};
 use super::output::Output;
+use super::places::add_places;
 use super::time;
 use crate::analysis::limit::Cost;
 use crate::fault::Fault;
 use crate::input::ReadLimits;
+use crate::math::amounts::{in_bytes, thousands};
 use crate::output::{Counts, Size};
-use crate::refine::{mesh_net, polygon_net, uv_net};
+use crate::refine::{mesh_net, polygon_net};
 use crate::scheme::forecast::{self, Count, Forecast, ForecastError};
 use crate::scheme::step_error::About;
 use crate::shape::mesh::Mesh;
@@ -160,7 +161,7 @@ impl Limits {
             }
         };
         let mut forecast = forecast.map_err(|error| self.no_forecast(&error))?;
-        self.add_uvs(job, &mut forecast, watch)?;
+        add_places(job, &mut forecast, self.max_vertices.into(), watch).map_err(|error| self.no_forecast(&error))?;
         let carried = carried(job, frames(job) - 1);
         // the rows are made once more for each channel and each frame
         forecast.work = forecast.work.saturating_mul(1 + carried.channels + carried.frames);
@@ -236,24 +237,10 @@ impl Limits {
         }
     }
 
-    /// Counts the places with texture coordinates, which are vertices of a mesh of their own.
-    fn add_uvs(&self, job: &Job, forecast: &mut Forecast, watch: &Watch) -> Result<(), Refusal> {
-        let Input::Mesh(mesh) = &job.input else { return Ok(()) };
-        let Some(uvs) = &mesh.attachments.uvs else { return Ok(()) };
-        let places = forecast::of_mesh(&uv_net(mesh, uvs, &job.plan), job.steps(), self.max_vertices.into(), watch);
-        let places = places.map_err(|error| self.no_forecast(&error))?;
-        for (count, places) in forecast.levels.iter_mut().zip(&places.levels) {
-            count.uvs = places.vertices;
-        }
-        forecast.peak.uvs = places.peak.vertices;
-        forecast.work = forecast.work.saturating_add(places.work);
-        Ok(())
-    }
-
     /// Whether a net is within the limits, of whose vertices each frame has its own.
     fn fits(&self, job: &Job, count: &Count) -> bool {
         let vertices = count.vertices.saturating_mul(frames(job));
-        count.faces <= self.max_faces.into() && vertices.max(count.uvs) <= self.max_vertices.into()
+        count.faces <= self.max_faces.into() && vertices.max(count.unfolded) <= self.max_vertices.into()
     }
 
     fn check_levels(&self, job: &Job, forecast: &Forecast) -> Result<(), Refusal> {
@@ -273,7 +260,7 @@ impl Limits {
         let (n, what, bound) = if count.faces > self.max_faces.into() {
             (count.faces, "faces", self.max_faces)
         } else if count.vertices.saturating_mul(frames(job)) <= self.max_vertices.into() {
-            (count.uvs, "places with texture coordinates", self.max_vertices)
+            (count.unfolded, "places at the corners of faces", self.max_vertices)
         } else {
             let what = match frames(job) {
                 1 if count.faces > 0 => "vertices",
@@ -324,7 +311,7 @@ impl Limits {
         let fitting = forecast.levels.iter().take_while(|count| self.fits(job, count) && fits(count)).count();
         let remedy = match fitting {
             0 => "send a smaller input".to_owned(),
-            n if job.reached.is_some() => {
+            n if job.reached.is_some_and(|reached| reached.bound.is_some()) => {
                 format!("ask for a coarser tolerance, or for at most {} levels", n - 1)
             }
             n if job.levels > 0 => format!("ask for at most {} levels", n - 1),
@@ -372,6 +359,8 @@ fn counts(job: &Job, count: Count) -> Counts {
         largest_face: count.largest_face,
         split_vertices: count.split_vertices,
         uvs: count.uvs,
+        seamed: count.seamed,
+        unfolded: count.unfolded,
         frames: mesh.map_or(0, |mesh| mesh.frames.len()),
         frame: job.frame,
         attachments: mesh.map_or_else(Arc::default, |mesh| mesh.attachments.clone()),

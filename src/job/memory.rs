@@ -19,8 +19,8 @@ pub(super) struct Carried {
     numbers: u128,
     /// Bytes a vertex for parameters and values of its own.
     local_bytes: u128,
-    /// Bytes of a place with texture coordinates, and of a face, where these are numbered by the mesh.
-    uv_bytes: [u128; 2],
+    /// Bytes of a place of what has seams, and of a face, where these are numbered by the mesh.
+    place_bytes: [u128; 2],
 }
 
 /// Old and new parameters of a vertex (4 of 8 bytes each), its values at the last upsampling (5), directions of edges.
@@ -34,14 +34,14 @@ pub(super) fn carried(job: &Job, frames: u128) -> Carried {
     let Some(mesh) = job.input.mesh() else { return Carried::default() };
     let own = mesh.attributes.is_some() || job.plan.latitude.is_some() || job.plan.perturbation.is_some();
     let local_bytes = if own { LOCAL_BYTES } else { 0 };
-    let smooth_uvs = mesh.attachments.uvs.as_ref().is_some_and(|uvs| !uvs.linear);
+    let is_smooth = mesh.attachments.places().any(|places| !places.seams.linear);
     let [place, face] = if job.plan.perturbation.is_some() { NUMBERED_BYTES } else { [0, 0] };
     Carried {
         channels: mesh.attachments.channels.len() as u128,
         frames,
         numbers: mesh.attachments.width() as u128 + 3 * frames,
         local_bytes,
-        uv_bytes: if smooth_uvs { [local_bytes + place, face] } else { [0, 0] },
+        place_bytes: if is_smooth { [local_bytes + place, face] } else { [0, 0] },
     }
 }
 
@@ -57,6 +57,10 @@ const CORNER_BYTES: u128 = 32;
 const CHANNEL_BYTES: u128 = 3 * 8;
 /// Bytes of a place with texture coordinates: two numbers as often as of channels, and the topology of places.
 const UV_BYTES: u128 = 60;
+/// Bytes of a place for the topology of places.
+const PLACE_BYTES: u128 = 12;
+/// Bytes of the numbers of a place of a channel: four at most.
+const SEAMED_BYTES: u128 = 4 * 8;
 /// Bytes of a vertex that is there once more where normals differ across a sharp edge, with the faces around it.
 const SPLIT_VERTEX_BYTES: u128 = 160;
 
@@ -94,13 +98,15 @@ fn swept(job: &Job, forecast: &Forecast, level: usize, sizes: &[Size], carried: 
     let streams = |mesh| job.outputs.iter().all(|output| streams_all(mesh, output));
     let streams = job.input.mesh().is_some_and(streams);
     let held = if streams { STREAMED_BYTES } else { HELD_BYTES };
-    let is_split = last.uvs + last.split_vertices > 0;
+    let is_split = last.unfolded + last.split_vertices > 0;
     // the normals of the first frame, and copies of the positions of all others where their vertices are split
     let of_frames = if carried.frames == 0 { 0 } else { 24 + if is_split { 24 * carried.frames } else { 0 } };
     let [of_planes, most] = PLANE_BYTES;
     let parts = [
         (last.vertices, 24 + 8 * carried.numbers + held + of_frames),
-        (last.uvs, 16 + held + of_frames),
+        (last.unfolded, held + of_frames),
+        (last.uvs, 16),
+        (last.seamed, SEAMED_BYTES),
         (last.split_vertices, SPLIT_VERTEX_BYTES * (1 + carried.frames)),
         (given, PATCH_BYTES),
         (last.vertices.saturating_mul(of_planes).min(most), 1),
@@ -115,7 +121,7 @@ fn swept(job: &Job, forecast: &Forecast, level: usize, sizes: &[Size], carried: 
 /// once with the largest net.
 pub(super) fn memory(forecast: &Forecast, sizes: &[Size], carried: &Carried) -> u128 {
     let count = forecast.peak;
-    let [of_place, of_face] = carried.uv_bytes;
+    let [of_place, of_face] = carried.place_bytes;
     let last = forecast.levels.last().copied().unwrap_or_default();
     let parts = [
         (count.vertices, POINT_BYTES + CHANNEL_BYTES * carried.numbers + carried.local_bytes),
@@ -123,6 +129,8 @@ pub(super) fn memory(forecast: &Forecast, sizes: &[Size], carried: &Carried) -> 
         (count.faces, of_face),
         (forecast.topology_bytes, 1),
         (count.uvs, UV_BYTES + of_place),
+        (count.seamed, 3 * SEAMED_BYTES + PLACE_BYTES + of_place),
+        (last.unfolded - last.unfolded.min(last.uvs), PLACE_BYTES),
         (last.split_vertices, SPLIT_VERTEX_BYTES * (1 + carried.frames)),
         (sizes.iter().map(|size| size.bytes()).max().unwrap_or(0), 1),
     ];

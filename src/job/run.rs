@@ -143,4 +143,8 @@ impl Control for ControlMesh<'_> {
             RefinedMesh::documented(&net, self.mesh.positions.clone().into())
         }))
     }
+
+    fn mesh(&self) -> Option<&Mesh> {
+        Some(self.mesh)
+    }
 }

@@ -95,7 +95,7 @@ impl Search {
     /// # Errors
     /// Every fault that shows at this level, with pointers into the request.
     pub fn complete(self, reached: Reached) -> Result<Job, Vec<Fault>> {
-        Job::new(self.checked, reached.level, Some(reached), Vec::new())
+        Job::new(self.checked, reached.level, Some(reached.into()), Vec::new())
     }
 }
 

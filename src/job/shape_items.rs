@@ -3,18 +3,18 @@
 use super::codec::Item;
 use super::input::Input;
 use crate::scheme::plan::Plan;
-use crate::shape::attachments::{Attachments, Channel};
+use crate::shape::attachments::{Attachments, Channel, Places};
 use crate::shape::attributes::Attributes;
 use crate::shape::creases::Sharp;
-use crate::shape::directions::Direction;
+use crate::shape::directions::{Direction, Directions};
 use crate::shape::labels::Labels;
 use crate::shape::looks::{Alpha, Look};
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
 use crate::shape::repairs::{Edges, Faces, Repair};
+use crate::shape::seams::{Seams, Uvs};
 use crate::shape::textures::{Filter, Texture};
 use crate::shape::topology::{Topology, index};
-use crate::shape::uvs::Uvs;
 
 /// The item of an input under a plan, which decides what of it is used.
 pub(super) fn input<'a>(input: &'a Input, plan: &Plan) -> Item<'a> {
@@ -59,16 +59,19 @@ pub(super) fn mesh<'a>(mesh: &'a Mesh, plan: &Plan) -> Item<'a> {
     items.extend(sharp("creases", creases));
     items.extend(sharp("semi-sharp corners", semi_sharp_corners));
     items.extend(self::attachments(attachments, !creases.is_empty()));
-    items.extend(directions.as_ref().filter(|_| plan.latitude.is_some()).map(|lines| {
-        let edges = |direction| Item::Indices(lines.edges(direction).into());
-        Item::List(vec![Item::text("lines"), edges(Direction::Latitude), edges(Direction::Longitude)])
-    }));
+    items.extend(directions.as_ref().filter(|_| plan.latitude.is_some()).map(lines));
     items.extend(attributes.as_ref().map(|kept| Item::List(self::attributes(kept))));
     Item::List(items)
 }
 
-/// The item of what is connected and tagged in a mesh without parameters and directions, its texture coordinates
-/// included, without any numbers of vertices.
+/// The item of latitude and longitude lines.
+pub(super) fn lines(directions: &Directions) -> Item<'static> {
+    let edges = |direction| Item::Indices(directions.edges(direction).into());
+    Item::List(vec![Item::text("lines"), edges(Direction::Latitude), edges(Direction::Longitude)])
+}
+
+/// The item of what is connected and tagged in a mesh without parameters and directions, its seams included,
+/// without any numbers of vertices.
 pub(super) fn connectivity(mesh: &Mesh) -> Item<'_> {
     let count = |topology: &Topology| Item::Integer(topology.n_vertices() as u64);
     let mut items = vec![
@@ -79,11 +82,13 @@ pub(super) fn connectivity(mesh: &Mesh) -> Item<'_> {
     ];
     items.extend(sharp("creases", &mesh.creases));
     items.extend(sharp("semi-sharp corners", &mesh.semi_sharp_corners));
-    items.extend(mesh.attachments.uvs.as_ref().map(|uvs| {
-        let Uvs { values: _, topology, corners, pairs, linear } = uvs;
+    items.extend(mesh.attachments.places().enumerate().map(|(i, Places { values: _, width: _, seams })| {
+        let Seams { topology, corners, pairs, linear } = seams;
         let [corners, pairs] = [corners.into(), pairs.concat().into()].map(Item::Indices);
         let linear = Item::Integer(u64::from(*linear));
-        Item::List(vec![Item::text("uvs"), linear, count(topology), faces(topology), corners, pairs])
+        let is_uvs = i == 0 && mesh.attachments.uvs.is_some();
+        let kind = Item::text(if is_uvs { "uvs" } else { "seams" });
+        Item::List(vec![kind, linear, count(topology), faces(topology), corners, pairs])
     }));
     Item::List(items)
 }
@@ -116,18 +121,20 @@ fn repair(repair: &Repair) -> Item<'_> {
         Repair::Opposed(edges) => edges_of("opposed", edges),
         Repair::Doubled(edges) => edges_of("doubled", edges),
         Repair::Repeating(faces) => [Item::text("repeating")].into_iter().chain(some(faces)).collect(),
-        Repair::LostNumbers(name, merged) => vec![Item::text("lost numbers"), Item::text(name), count(*merged)],
     })
 }
 
 /// What a mesh carries, where there is any: a list for each kind that is given. Pairs of places count beside creases.
 fn attachments(attachments: &Attachments, creased: bool) -> Option<Item<'_>> {
-    let Attachments { channels, groups, materials, looks, uvs } = attachments;
+    // the mesh of all seams follows from them
+    let Attachments { channels, groups, materials, looks, uvs, unfolded: _ } = attachments;
     let mut kinds = Vec::new();
     if !channels.is_empty() {
         kinds.push(Item::text("channels"));
-        kinds.extend(channels.iter().map(|Channel { name, width, values }| {
-            Item::List(vec![Item::text(name), Item::Integer(*width as u64), Item::Numbers(values.into())])
+        kinds.extend(channels.iter().map(|Channel { name, width, values, seams }| {
+            let mut items = vec![Item::text(name), Item::Integer(*width as u64), Item::Numbers(values.into())];
+            items.extend(seams.iter().flat_map(|seams| self::seams(seams, creased)));
+            Item::List(items)
         }));
     }
     for (kind, labels) in [("groups", groups), ("materials", materials)] {
@@ -140,16 +147,23 @@ fn attachments(attachments: &Attachments, creased: bool) -> Option<Item<'_>> {
     if !looks.is_empty() {
         kinds.push(Item::List([Item::text("looks")].into_iter().chain(looks.iter().map(look)).collect()));
     }
-    if let Some(Uvs { values, topology, corners, pairs, linear }) = uvs {
-        let linear = Item::Integer(u64::from(*linear));
-        let corners = Item::Indices(corners.into());
-        let mut items = vec![Item::text("uvs"), linear, corners, faces(topology), Item::Numbers(values.into())];
-        if creased && !pairs.is_empty() {
-            items.push(Item::Indices(pairs.concat().into()));
-        }
+    if let Some(Uvs { values, seams }) = uvs {
+        let mut items = vec![Item::text("uvs")];
+        items.extend(self::seams(seams, creased));
+        items.insert(4, Item::Numbers(values.into()));
         kinds.push(Item::List(items));
     }
     (!kinds.is_empty()).then_some(Item::List(kinds))
+}
+
+/// The items of seams, three or four.
+fn seams(Seams { topology, corners, pairs, linear }: &Seams, creased: bool) -> Vec<Item<'_>> {
+    let linear = Item::Integer(u64::from(*linear));
+    let mut items = vec![linear, Item::Indices(corners.into()), faces(topology)];
+    if creased && !pairs.is_empty() {
+        items.push(Item::Indices(pairs.concat().into()));
+    }
+    items
 }
 
 /// How a material looks, with the bytes of its picture.

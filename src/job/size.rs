@@ -6,13 +6,14 @@ use super::complete::Job;
 use super::input::Input;
 use crate::scheme::forecast;
 use crate::scheme::plan::{MAX_LEVELS, Plan, Scheduled};
-use crate::shape::attachments::Attachments;
+use crate::shape::attachments::{Attachments, Channel};
 use crate::shape::attributes::Attributes;
 use crate::shape::labels::Labels;
 use crate::shape::looks::images;
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
 use crate::shape::repairs::Repair;
+use crate::shape::seams::Seams;
 use crate::shape::textures::Image;
 use crate::shape::topology::Topology;
 
@@ -111,7 +112,6 @@ fn of_repair(repair: &Repair) -> usize {
         Repair::LeftOut(faces) | Repair::Turned(faces) | Repair::Repeating(faces) => list(&faces.first),
         Repair::Crowded(edges) | Repair::Opposed(edges) | Repair::Doubled(edges) => list(&edges.first),
         Repair::Split { added: _, first } => list(first),
-        Repair::LostNumbers(name, _) => name.capacity(),
         Repair::Paired { pairs: _, left: _ } => 0,
     }
 }
@@ -124,13 +124,21 @@ fn of_topology(topology: &Topology) -> usize {
 }
 
 fn of_attachments(attachments: &Attachments) -> usize {
-    let Attachments { channels, groups, materials, looks, uvs } = attachments;
-    let numbers: usize = channels.iter().map(|channel| list(&channel.values) + channel.name.capacity()).sum();
-    let uvs = uvs
-        .as_ref()
-        .map_or(0, |uvs| list(&uvs.values) + of_topology(&uvs.topology) + list(&uvs.corners) + list(&uvs.pairs));
+    let Attachments { channels, groups, materials, looks, uvs, unfolded } = attachments;
+    let of_channel = |channel: &Channel| {
+        list(&channel.values) + channel.name.capacity() + channel.seams.as_ref().map_or(0, of_seams)
+    };
+    let numbers: usize = channels.iter().map(of_channel).sum();
+    let uvs = uvs.as_ref().map_or(0, |uvs| list(&uvs.values) + of_seams(&uvs.seams));
+    // one that is alone has the places of all
+    let is_shared = attachments.places().count() < 2;
+    let unfolded = unfolded.as_ref().filter(|_| !is_shared).map_or(0, |unfolded| of_topology(unfolded));
     let looks = list(looks) + images(looks).iter().map(|image| size_of::<Image>() + image.bytes().len()).sum::<usize>();
-    list(channels) + numbers + of_labels(groups) + of_labels(materials) + looks + uvs
+    list(channels) + numbers + of_labels(groups) + of_labels(materials) + looks + uvs + unfolded
+}
+
+fn of_seams(Seams { topology, corners, pairs, linear: _ }: &Seams) -> usize {
+    of_topology(topology) + list(corners) + list(pairs)
 }
 
 fn of_labels(Labels { names, of_faces }: &Labels) -> usize {

@@ -167,7 +167,9 @@ impl TubeInput {
         let [least, most] = [0.0, 1.0].map(|delta| control * tube.factor(delta));
         let inside = tube.delta_for(wanted / control).is_some();
         (!inside).then(|| {
-            format!("{wanted} is out of reach: with delta from 0 to 1 rings of radius {control} become {least} to {most}")
+            format!(
+                "{wanted} is out of reach: with delta from 0 to 1 rings of radius {control} become {least} to {most}"
+            )
         })
     }
 }

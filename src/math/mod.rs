@@ -1,5 +1,6 @@
 //! Numbers and weights: floor 0, which knows no nets.
 
+pub mod amounts;
 pub mod dense;
 pub mod elimination;
 pub mod exact;

@@ -15,6 +15,12 @@ pub(super) fn linear(k: usize, x: f64) -> f64 {
     }
 }
 
+/// The component of a colour, sRGB from 0 to 1, whose linear light is `x`: what [`linear`] undoes.
+pub(super) fn encoded(x: f64) -> f64 {
+    let x = within(x);
+    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * pow(x, 1.0 / 2.4) - 0.055 }
+}
+
 /// A component as a byte.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the number is rounded, within 0 to 255")]
 pub(super) fn byte(x: f64) -> u8 {
@@ -34,6 +40,15 @@ pub(super) fn within(x: f64) -> f64 {
 pub(super) fn scale(t: f64) -> [f32; 3] {
     let t = within(t);
     lab(22.0 + 69.0 * t, 44.0 * (1.0 - 1.9 * t * (1.0 - t)), 300.0 - 205.0 * t)
+}
+
+/// The colour of a number with a sign, from 0 (blue) over a half (pale, for none) to 1 (red), in linear light.
+///
+/// In CIELAB, with s from -1 to 1, `L = 94 - 50 |s|`, `C = 64 |s|`, `h` 285 degrees below and 30 above: both sides
+/// grow alike, and stay apart for who cannot tell red from green.
+pub(super) fn signed(t: f64) -> [f32; 3] {
+    let s = 2.0 * within(t) - 1.0;
+    lab(94.0 - 50.0 * s.abs(), 64.0 * s.abs(), if s < 0.0 { 285.0 } else { 30.0 })
 }
 
 /// The colour of the thing with this number among others, in linear light: hues a golden angle apart, of two

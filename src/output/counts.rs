@@ -38,6 +38,10 @@ pub struct Counts {
     pub split_vertices: u128,
     /// Places with texture coordinates, where there are some.
     pub uvs: u128,
+    /// Places of all channels with seams.
+    pub seamed: u128,
+    /// Vertices where there is one for each place of all that has seams; 0 where nothing has.
+    pub unfolded: u128,
     /// Frames of a mesh beside the first that are shown (0 for curves).
     pub frames: usize,
     /// What the coordinates mean.

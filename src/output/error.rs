@@ -2,6 +2,7 @@
 
 use std::io;
 
+use crate::drawing::DrawError;
 use crate::watch::Stopped;
 
 /// Why a scene was not written.
@@ -16,4 +17,14 @@ pub enum FormatError {
     /// The scene holds something the format cannot express.
     #[error("{0}")]
     Unfit(String),
+}
+
+impl From<DrawError> for FormatError {
+    fn from(error: DrawError) -> Self {
+        match error {
+            DrawError::Stopped(stopped) => Self::Stopped(stopped),
+            DrawError::Io(error) => Self::Io(error),
+            DrawError::Unfit(reason) => Self::Unfit(reason),
+        }
+    }
 }

@@ -6,7 +6,8 @@ use std::io::Write;
 use super::counts::{Counts, ShapeKind};
 use super::error::FormatError;
 use super::options::IDS;
-use super::scene::Scene;
+use super::picture::outline::Outline;
+use super::scene::{Frame, Scene};
 use super::size::Size;
 use crate::fault::Fault;
 use crate::math::parameter::{Parameter, Values};
@@ -117,6 +118,11 @@ pub trait Format: fmt::Debug + Send + Sync {
     /// The levels of refinement whose results the bytes refer to, and the format of these, which takes all options but
     /// the one that asks for them.
     fn details(&self, _options: &Values) -> Option<Details> {
+        None
+    }
+
+    /// The mean length of the edges of an input in the picture, pixels; `None` of formats that are no pictures.
+    fn side_px(&self, _outline: &Outline, _frame: Frame, _options: &Values) -> Option<f64> {
         None
     }
 

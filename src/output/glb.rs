@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use crate::fault::Fault;
+use crate::math::amounts::in_bytes;
 use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
@@ -141,9 +142,9 @@ fn padded(mut json: Vec<u8>, room: u128) -> Result<Vec<u8>, FormatError> {
 
 /// A length of a file as glb counts it.
 fn check_length(bytes: u128) -> Result<u32, String> {
-    let most = u32::MAX;
     u32::try_from(bytes).map_err(|_| {
-        format!("the file would take {bytes} bytes, glb counts at most {most}; ask for fewer levels or for ply")
+        let [bytes, most] = [bytes, u32::MAX.into()].map(in_bytes);
+        format!("the file would take {bytes}, glb counts at most {most}; ask for fewer levels or for ply")
     })
 }
 

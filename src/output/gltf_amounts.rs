@@ -137,7 +137,7 @@ impl Amounts {
         let mesh = counts.kind == ShapeKind::Mesh;
         let faces = if mesh { counts.faces } else { 0 };
         Self {
-            vertices: if counts.uvs > 0 { counts.uvs } else { counts.vertices }
+            vertices: if counts.unfolded > 0 { counts.unfolded } else { counts.vertices }
                 .saturating_add(split_vertices(counts, options)),
             normals: with_normals(options) && faces > 0,
             numbers: counts.attachments.width() as u128,
@@ -279,7 +279,7 @@ impl<'a> Contents<'a> {
         if self.attachments.is_empty() && !self.ids {
             return plain + framed;
         }
-        let Attachments { channels, groups, materials, looks, uvs } = self.attachments;
+        let Attachments { channels, groups, materials, looks, uvs, unfolded: _ } = self.attachments;
         let name_bytes: usize = channels.iter().map(|channel| channel.name.len()).sum();
         let (channels, names) = (channels.len() as u128 + u128::from(uvs.is_some()), name_bytes as u128);
         let parts = by_labels(groups, materials, self.input_faces).len() as u128;

@@ -132,10 +132,10 @@ fn edges_of(face: &[u32]) -> impl Iterator<Item = [u32; 2]> {
 }
 
 /// A side of an edge: its ends, the lower first, and its face.
-type Side = [u32; 3];
+pub(super) type Side = [u32; 3];
 
 /// The unit normals of all faces, and the sides of all edges, ascending.
-fn faces(mesh: &dyn MeshSource, watch: &Watch) -> Result<(Vec<[f64; 3]>, Vec<Side>), FormatError> {
+pub(super) fn faces(mesh: &dyn MeshSource, watch: &Watch) -> Result<(Vec<[f64; 3]>, Vec<Side>), FormatError> {
     let positions = Positions::of_mesh(mesh).held(watch)?;
     let scale = normals::scale(positions.rows());
     let mut normals = Vec::with_capacity(mesh.n_faces());

@@ -8,6 +8,7 @@ pub mod surface;
 
 mod bounds;
 mod bytes;
+mod color_maps;
 mod colors;
 mod counts;
 mod curvature;
@@ -30,9 +31,12 @@ mod gltf_packing;
 mod gltf_targets;
 mod gltf_views;
 mod json;
+mod mesh_curvature;
+mod nearest;
 mod numbers;
 mod obj;
 mod options;
+mod pdf;
 mod picture;
 mod ply;
 mod png;
@@ -51,7 +55,8 @@ mod vertex_sums;
 pub use counts::{Counts, ShapeKind};
 pub use error::FormatError;
 pub use format::{Content, Details, Format, FormatFacts};
-pub use options::{LIMIT, POSITIONS, TANGENTS};
+pub use options::{DIRECTIONS, LIMIT, POSITIONS, TANGENTS};
+pub use picture::outline::Outline;
 pub use size::Size;
 
 /// Every format, in the order of the documentation.
@@ -67,6 +72,7 @@ pub const FORMATS: &[&dyn Format] = &[
     &stl::Stl,
     &png::Png,
     &svg::Svg,
+    &pdf::Pdf,
 ];
 
 /// The format of a name.

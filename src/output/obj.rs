@@ -116,6 +116,13 @@ impl Format for Obj {
         })
     }
 
+    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Option<String> {
+        let is_left_out = carried.color().is_some_and(|(_, color)| color.seams.is_some());
+        let sentence = "the channel \"color\" is left out, as it differs on the sides of seams and obj holds one color a \
+                        vertex; ask for glb, ply or json";
+        is_left_out.then(|| sentence.to_owned())
+    }
+
     fn streams(&self, _mesh: &Mesh, options: &Values) -> &'static [Tile] {
         if with_normals(options) { &[] } else { &[Tile::Quad, Tile::Triangle] }
     }
@@ -256,7 +263,8 @@ struct Told<'a> {
 impl Told<'_> {
     /// Writes the vertices with their colours and origins.
     fn vertices(&self, positions: &Positions<'_>, stream: &mut Stream<'_>) -> Result<(), FormatError> {
-        let Some((channel, color)) = self.mesh.attachments().color().map(|(i, color)| (i, color.width)) else {
+        let color = self.mesh.attachments().color().filter(|(_, color)| color.seams.is_none());
+        let Some((channel, color)) = color.map(|(i, color)| (i, color.width)) else {
             if !self.ids {
                 return vertices(positions, stream);
             }

@@ -14,6 +14,9 @@ pub(super) const IDS: Parameter = Parameter {
 /// The edges of the input on a refined mesh: an option of formats that write them, and what pictures show.
 pub(super) const ISOLINES: &str = "isolines";
 
+/// Edges along latitude and longitude lines of the input, as pictures show them.
+pub const DIRECTIONS: [&str; 2] = ["latitude", "longitude"];
+
 /// Name of the choice that moves points to the limit.
 pub const LIMIT: &str = "limit";
 

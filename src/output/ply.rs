@@ -125,7 +125,7 @@ const PARAMETERS: &[Parameter] = &[
 ];
 
 fn mesh_size(counts: &Counts, layout: Layout) -> Size {
-    let vertices = if counts.uvs > 0 { counts.uvs } else { counts.vertices };
+    let vertices = if counts.unfolded > 0 { counts.unfolded } else { counts.vertices };
     let attachments = &counts.attachments;
     let split_vertices = if layout.normals { counts.split_vertices } else { 0 };
     let vertices = vertices.saturating_add(split_vertices);

@@ -2,28 +2,37 @@
 
 use std::io::{self, Write};
 
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder};
+use png::{BitDepth, ColorType, Compression, Encoder, Filter, PixelDimensions, Unit};
 
+use crate::drawing::pixels;
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::output::color_maps::COLOR_MAP;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::hard_edges::{self, CREASE_ANGLE};
-use crate::output::options::{ISOLINES, POSITIONS};
-use crate::output::picture::coat::{self, CHANNEL, COLOR_BY};
-use crate::output::picture::drawing::Drawing;
-use crate::output::picture::options::{self, BACKGROUND, CAMERA, COLOR, HEIGHT, Options, WIDTH};
-use crate::output::picture::{forecast, mesh, paint};
-use crate::output::scene::{Scene, Shape};
+use crate::output::options::POSITIONS;
+use crate::output::picture::coat::{self, CHANNEL, COLOR_BY, COMPONENT};
+use crate::output::picture::number_scale::{self, COLOR_BAR, RANGE};
+use crate::output::picture::options::{
+    self, BACKGROUND, CAMERA, COLOR, COMB_SCALE, CONTROL_COLOR, DPI, FILL, GROUNDING, HEIGHT, LINE_WIDTH, Options,
+    POINT_COLOR, POINT_SIZE, QUALITY, WIDTH, WIRE_COLOR,
+};
+use crate::output::picture::outline::{self, Outline};
+use crate::output::picture::plot::{self, LEGEND, TEXT_SIZE, TITLE, X_LABEL, Y_LABEL};
+use crate::output::picture::shading::{self, SHADING, STRIPE_DIRECTION, STRIPES};
+use crate::output::picture::styles::STYLES;
+use crate::output::picture::{drawing, forecast, lines, look, mesh};
+use crate::output::scene::{Frame, Scene, Shape};
 use crate::output::size::Size;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::watch::{Stage, Watch};
 
-/// Bytes of a pixel while a picture is made: its colour, and the same once more while it is encoded.
-const PIXEL_BYTES: u128 = 8;
+/// Bytes of a pixel while a picture is made: the light and depth of the surface (12), the light of lines (8), and its
+/// colour; of a cell of the map of hollows, of which there are at most two in three pixels, 8.
+const PIXEL_BYTES: u128 = 32;
 /// Bytes a corner of a mesh whose edges are drawn: the sides before they are sorted (8), and half of an edge as it is
 /// drawn, with its two ends, its bounds and its place among the tiles (measured: 52).
 const WIRE_BYTES: u128 = 36;
@@ -35,23 +44,43 @@ pub(super) struct Png;
 const PARAMETERS: &[Parameter] = &[
     WIDTH,
     HEIGHT,
+    DPI,
+    QUALITY,
     BACKGROUND,
     Parameter {
         name: "show",
-        kind: Kind::Choices(&["surface", "wireframe", "isolines", "control", "points", "curve"]),
+        kind: Kind::Choices(&[
+            "surface",
+            "wireframe",
+            "isolines",
+            "control",
+            "points",
+            "creases",
+            "latitude",
+            "longitude",
+            "seams",
+            "extraordinary",
+            "curve",
+            "vertices",
+            "comb",
+            "tangents",
+            "axes",
+            "grid",
+            "legend",
+        ]),
         unit: "",
         default: Default::Absent,
         doc: "What is drawn: of a mesh its surface, its wireframe, the edges of the input on it (isolines), the \
-              control net and its points; of curves the curve, the control polygon and its points. Left out: the \
-              surface, or all of a curve.",
+              control net and its points, and what is tagged of the input as coloured lines and dots: creases (red), \
+              latitude (green) and longitude lines (purple), seams of texture coordinates (orange), extraordinary \
+              vertices (yellow); of curves the curve, the control polygon and its points, the points of the curve \
+              (vertices), a curvature comb, tangents, axes, a grid, a legend. Left out: the surface, or a curve with \
+              its control polygon and points.",
     },
-    Parameter {
-        name: "shading",
-        kind: Kind::Choice(&["smooth", "flat"]),
-        unit: "",
-        default: Default::Text("smooth"),
-        doc: "Whether light sees a smooth surface or its faces.",
-    },
+    SHADING,
+    STRIPES,
+    STRIPE_DIRECTION,
+    GROUNDING,
     POSITIONS,
     Parameter {
         name: "normals",
@@ -65,6 +94,23 @@ const PARAMETERS: &[Parameter] = &[
     COLOR,
     COLOR_BY,
     CHANNEL,
+    COMPONENT,
+    COLOR_MAP,
+    RANGE,
+    COLOR_BAR,
+    LINE_WIDTH,
+    WIRE_COLOR,
+    CONTROL_COLOR,
+    POINT_COLOR,
+    POINT_SIZE,
+    STYLES,
+    FILL,
+    COMB_SCALE,
+    TITLE,
+    X_LABEL,
+    Y_LABEL,
+    LEGEND,
+    TEXT_SIZE,
     CAMERA,
 ];
 
@@ -86,11 +132,18 @@ impl Format for Png {
 
     fn suits(&self, kind: ShapeKind, carried: &Attachments, options: &Values) -> Result<(), Fault> {
         let fitting: &[&str] = match kind {
-            ShapeKind::Mesh => &["surface", "wireframe", "isolines", "control", "points"],
-            ShapeKind::Curves { .. } => &["control", "points", "curve"],
+            ShapeKind::Mesh => lines::SHOWN,
+            ShapeKind::Curves { .. } => drawing::CURVE_ITEMS,
         };
+        shading::check(kind, options)?;
         coat::check(kind, carried, options)?;
+        plot::check(kind, options)?;
+        number_scale::check(options, look::are_numbers(carried, options))?;
         options::shows_only(fitting, kind, options)
+    }
+
+    fn leaves_out(&self, carried: &Attachments, options: &Values) -> Option<String> {
+        coat::left_out(carried, options)
     }
 
     /// The length of the rows stored without compression, which the encoder never exceeds, and a kilobyte around them.
@@ -102,25 +155,35 @@ impl Format for Png {
     }
 
     fn refers(&self, options: &Values) -> Option<&'static str> {
-        let shown = options.has("show", ISOLINES).then_some(ISOLINES);
-        shown.or(coat::follows_faces(options).then_some("colours of input faces"))
+        lines::refers(options).or(coat::follows_faces(options).then_some("colours of input faces"))
     }
 
     fn memory(&self, counts: &Counts, options: &Values) -> u128 {
         let vertices = counts.vertices.saturating_add(hard_edges::split_vertices(counts, options));
         let colors = coat::memory(options, vertices, counts);
         let pieces = counts.vertices.saturating_add(counts.input_edges as u128);
-        let isolines = if options.has("show", ISOLINES) { pieces.saturating_mul(8) } else { 0 };
-        let wires = if options.has("show", "wireframe") { counts.half_edges.saturating_mul(WIRE_BYTES) } else { 0 };
+        let isolines = if lines::refers(options).is_some() { pieces.saturating_mul(5 * 8) } else { 0 };
+        let wires = if options.has("show", "wireframe") || options.has("show", "seams") {
+            counts.half_edges.saturating_mul(WIRE_BYTES)
+        } else {
+            0
+        };
         let pixels = options::size(options).map(u128::from).iter().product::<u128>() * PIXEL_BYTES;
-        [isolines, wires, pixels, hard_edges::memory(counts, options)]
+        let numbers = look::memory(options, vertices, pixels / PIXEL_BYTES, counts);
+        [isolines, wires, numbers, pixels, hard_edges::memory(counts, options)]
             .iter()
             .fold(colors, |sum: u128, bytes| sum.saturating_add(*bytes))
     }
 
     fn work(&self, mesh: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
         let drawn = mesh.map_or(0, |mesh| forecast::work(mesh, counts, &Options::new(options, counts.frame)));
-        drawn.saturating_add(coat::work(&counts.attachments, options))
+        let [width, height] = options::size(options).map(u128::from);
+        let looks = look::work(options, counts, width * height);
+        drawn.saturating_add(looks).saturating_add(coat::work(&counts.attachments, options))
+    }
+
+    fn side_px(&self, outline: &Outline, frame: Frame, options: &Values) -> Option<f64> {
+        Some(outline::side_px(outline, &Options::new(options, frame)))
     }
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
@@ -132,7 +195,7 @@ impl Format for Png {
             Shape::Curves(curves) => {
                 let dimension = curves.iter().map(|c| c.dimension).max().unwrap_or(1);
                 options::drawable(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
-                paint::paint(&Drawing::of(scene, &options, watch)?, watch)?
+                pixels(&drawing::drawing(scene, &options, watch)?, watch)?
             }
         };
         watch.check()?;
@@ -150,11 +213,22 @@ fn encode(mut pixels: Vec<u8>, options: &Options<'_>, out: &mut dyn Write) -> Re
             pixels.copy_within(4 * i..4 * i + 3, 3 * i);
         }
         pixels.truncate(3 * n);
-        ExtendedColorType::Rgb8
+        ColorType::Rgb
     } else {
-        ExtendedColorType::Rgba8
+        ColorType::Rgba
     };
-    PngEncoder::new_with_quality(out, CompressionType::Fast, FilterType::Adaptive)
-        .write_image(&pixels, width, height, color)
-        .map_err(|error| FormatError::Io(io::Error::other(error)))
+    let mut encoder = Encoder::new(out, width, height);
+    encoder.set_color(color);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(Compression::Fast);
+    encoder.set_filter(Filter::Adaptive);
+    encoder.set_pixel_dims(options.dpi().map(|dpi| {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "there are 1 to 10,000 an inch")]
+        let a_metre = (dpi / 0.0254 + 0.5) as u32;
+        PixelDimensions { xppu: a_metre, yppu: a_metre, unit: Unit::Meter }
+    }));
+    let failed = |error| FormatError::Io(io::Error::other(error));
+    let mut writer = encoder.write_header().map_err(failed)?;
+    writer.write_image_data(&pixels).map_err(failed)?;
+    writer.finish().map_err(failed)
 }

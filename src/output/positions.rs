@@ -146,10 +146,10 @@ pub(super) fn channels_within_f32(mesh: &dyn MeshSource, watch: &Watch) -> Resul
     }
     let Some(source) = mesh.uvs() else { return Ok(()) };
     let mut uvs = Vec::new();
-    in_chunks(source.n_points(), |range| {
+    in_chunks(source.n_places(), |range| {
         watch.check()?;
         source.values(range, &mut uvs);
-        let Some(x) = uvs.iter().flatten().find(|x| x.abs() > f64::from(f32::MAX)) else { return Ok(()) };
+        let Some(x) = uvs.iter().find(|x| x.abs() > f64::from(f32::MAX)) else { return Ok(()) };
         let most = f32::MAX;
         let detail =
             format!("{x:e} is among the texture coordinates, this format holds at most {most:e}; ask for json");

@@ -1,11 +1,14 @@
 //! What the writers see of a refined net: a source of vertices and faces, chunk by chunk, in the documented order.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
 
 use crate::math::parameter::Values;
 pub use crate::shape::frame::Frame;
+use crate::shape::mesh::Mesh;
 pub use crate::shape::source::{Curve, FaceChunk, MeshSource, OnDemandSource, Origin};
+use crate::watch::{Stopped, Watch};
 
 /// Rows that one chunk holds at most; writers ask for ranges no longer than this.
 pub const CHUNK: usize = 65_536;
@@ -40,6 +43,11 @@ pub struct Detail<'a> {
 pub trait Control: fmt::Debug + Sync {
     /// The shape.
     fn shape(&self) -> Shape<'_>;
+
+    /// The mesh of the input with its tags, where it is one.
+    fn mesh(&self) -> Option<&Mesh> {
+        None
+    }
 }
 
 impl Control for Shape<'_> {
@@ -69,6 +77,39 @@ pub fn ranges(n: usize, end: impl Fn(usize) -> usize) -> impl Iterator<Item = Ra
         let start = at;
         at = if start < n { end(start).min(n) } else { n };
         (start < n).then_some(start..at)
+    })
+}
+
+/// The positions of all vertices: those that the mesh holds, or read at once.
+///
+/// # Errors
+/// [`Stopped`] when the watch says so.
+pub fn positions<'a>(mesh: &'a dyn MeshSource, watch: &Watch) -> Result<Cow<'a, [[f64; 3]]>, Stopped> {
+    if let Some(held) = mesh.held_positions() {
+        return Ok(held.into());
+    }
+    let mut all = Vec::with_capacity(mesh.n_vertices());
+    let mut chunk = Vec::new();
+    in_chunks(mesh.n_vertices(), |range| {
+        watch.check()?;
+        mesh.positions(range, &mut chunk);
+        all.extend_from_slice(&chunk);
+        Ok(())
+    })?;
+    Ok(all.into())
+}
+
+/// Calls `each` with the vertices of every shown face, one after another.
+///
+/// # Errors
+/// [`Stopped`] when the watch says so.
+pub fn each_face(mesh: &dyn MeshSource, watch: &Watch, mut each: impl FnMut(&[u32])) -> Result<(), Stopped> {
+    let mut chunk = FaceChunk::default();
+    in_chunks(mesh.n_faces(), |range| {
+        watch.check()?;
+        mesh.faces(range, &mut chunk);
+        chunk.iter().for_each(&mut each);
+        Ok(())
     })
 }
 

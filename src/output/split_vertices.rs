@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::output::hard_edges::HardEdges;
 use crate::output::scene::{FaceChunk, MeshSource, Shape, in_chunks};
 use crate::shape::attachments::Attachments;
-use crate::shape::source::{NormalSource, Origin, OriginSource, UvSource};
+use crate::shape::source::{NormalSource, Origin, OriginSource, PlaceSource};
 use crate::watch::{Stopped, Watch};
 
 /// The mesh with a copy of each vertex for every sector but one between the sharp and hard edges that meet
@@ -25,11 +25,6 @@ pub(super) struct SplitVertices<'a> {
     /// The normal of each copy, and those of the split vertices, ascending, where the mesh brings normals.
     normals: Vec<[f64; 3]>,
     kept: Vec<(u32, [f64; 3])>,
-}
-
-/// Whether texture coordinates are numbered like the vertices.
-fn is_unfolded(uvs: &dyn UvSource) -> bool {
-    uvs.unfolded().is_none()
 }
 
 /// A face at a vertex, with the vertices before and after it in the face: counter-clockwise from `next` to `before`.
@@ -203,9 +198,13 @@ impl MeshSource for SplitVertices<'_> {
         self.mesh.normals().is_some().then_some(self)
     }
 
-    fn uvs(&self) -> Option<&dyn UvSource> {
+    fn uvs(&self) -> Option<Box<dyn PlaceSource + '_>> {
         let uvs = self.mesh.uvs()?;
-        Some(if is_unfolded(uvs) { self } else { uvs })
+        Some(if uvs.follow_vertices() { Box::new(SplitUvs(self, uvs)) } else { uvs })
+    }
+
+    fn channel_places(&self, channel: usize) -> Option<Box<dyn PlaceSource + '_>> {
+        self.mesh.channel_places(channel)
     }
 
     fn attachments(&self) -> &Attachments {
@@ -237,23 +236,23 @@ impl NormalSource for SplitVertices<'_> {
 }
 
 /// Texture coordinates that are numbered like the vertices.
-impl UvSource for SplitVertices<'_> {
-    fn n_points(&self) -> usize {
-        self.n_vertices()
+struct SplitUvs<'a>(&'a SplitVertices<'a>, Box<dyn PlaceSource + 'a>);
+
+impl PlaceSource for SplitUvs<'_> {
+    fn n_places(&self) -> usize {
+        self.0.n_vertices()
     }
 
-    fn values(&self, range: Range<usize>, out: &mut Vec<[f64; 2]>) {
-        if let Some(uvs) = self.mesh.uvs() {
-            self.with_copies(range, out, |range, out| uvs.values(range, out));
-        }
+    fn values(&self, range: Range<usize>, out: &mut Vec<f64>) {
+        self.0.with_copies(range, out, |range, out| self.1.values(range, out));
     }
 
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
-        MeshSource::faces(self, range, out);
+        self.0.faces(range, out);
     }
 
-    fn unfolded(&self) -> Option<Box<dyn MeshSource + '_>> {
-        None
+    fn follow_vertices(&self) -> bool {
+        true
     }
 }
 

@@ -3,14 +3,16 @@
 mod connectivity;
 mod curves;
 mod entries;
+mod fairness;
 mod hashes;
 mod mesh;
 mod moments;
 
 use std::io::Write;
 
-use crate::math::parameter::Values;
-use crate::output::counts::Counts;
+use crate::fault::Fault;
+use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
 use crate::output::numbers::total;
@@ -18,6 +20,8 @@ use crate::output::options::POSITIONS;
 use crate::output::scene::{Scene, Shape};
 use crate::output::size::Size;
 use crate::output::surface::{NORMALS, with_normals};
+use crate::shape::attachments::Attachments;
+use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
 /// JSON with counts, bounding box, measures and hashes.
@@ -30,12 +34,22 @@ use crate::watch::Watch;
 ///
 /// Meshes: `area`, signed `volume` (null unless closed), of the faces cut into triangles as for glTF; numbers of
 /// vertices, edges, faces, boundary edges and loops, components; vertices by valence, faces by size; with normals
-/// `normals_hash`, the hash of those that `json` gives. Curves: `length`,
+/// `normals_hash`, the hash of those that `json` gives, and on request what [`fairness::add`] says of curvature. Curves: `length`,
 /// and `area`, the signed area of plane polygons when all are closed.
 ///
 /// Numbers beyond f64 are null. All sums run in an order that depends on the result only.
 #[derive(Debug)]
 pub(super) struct Stats;
+
+/// Whether curvature is told.
+const CURVATURE: Parameter = Parameter {
+    name: "curvature",
+    kind: Kind::Flag,
+    unit: "",
+    default: Default::Flag(false),
+    doc: "Whether the ranges of Gaussian and mean curvature and the largest angle between the normals of faces at an \
+          edge are told, with their places. Meshes only.",
+};
 
 const FACTS: &FormatFacts = &FormatFacts {
     name: "stats",
@@ -43,7 +57,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     media_type: "application/json",
     content: Content::Json,
     doc: "Statistics in JSON: counts, bounding box, measures, moments, valences, hashes",
-    parameters: &[POSITIONS, NORMALS],
+    parameters: &[POSITIONS, NORMALS, CURVATURE],
     holds_frames: false,
     holds: |_, _| Ok(()),
 };
@@ -55,10 +69,30 @@ impl Format for Stats {
 
     /// Three lists may have many entries. Distinct valences 1, 2, .. k need k (k + 1) / 2 ends of edges, of which there
     /// are two for each corner at most; likewise distinct sizes of faces.
-    fn size(&self, counts: &Counts, _options: &Values) -> Size {
+    fn size(&self, counts: &Counts, options: &Values) -> Size {
         let distinct = counts.half_edges.saturating_mul(4).isqrt() + 1;
+        let told = if options.flag(CURVATURE.name) { fairness::LENGTH } else { 0 };
         let entry = br#""1234567890":12345678901234567890,"#.len() as u128;
-        Size::AtMost(total(&[(1, 2_048), (3 * distinct.min(counts.vertices), entry)]))
+        Size::AtMost(total(&[(1, 2_048 + told), (3 * distinct.min(counts.vertices), entry)]))
+    }
+
+    fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
+        if kind != ShapeKind::Mesh && options.flag(CURVATURE.name) {
+            return Err(Fault::new("/curvature", "only the curvature of meshes is told; leave it out"));
+        }
+        Ok(())
+    }
+
+    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
+        let [of_vertex, of_corner] = fairness::BYTES;
+        let vertices = counts.vertices.saturating_add(counts.split_vertices);
+        let told = vertices.saturating_mul(of_vertex).saturating_add(counts.half_edges.saturating_mul(of_corner));
+        if options.flag(CURVATURE.name) { told } else { 0 }
+    }
+
+    /// Three sums over the faces, and the edges sorted, 150 ns a corner.
+    fn work(&self, _: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
+        if options.flag(CURVATURE.name) { counts.half_edges.saturating_mul(3) / 2 } else { 0 }
     }
 
     fn write(
@@ -69,7 +103,7 @@ impl Format for Stats {
         watch: &Watch,
     ) -> Result<(), FormatError> {
         let found = match scene.shape {
-            Shape::Mesh(mesh) => mesh::report(mesh, with_normals(options), watch)?,
+            Shape::Mesh(mesh) => mesh::report(mesh, [with_normals(options), options.flag(CURVATURE.name)], watch)?,
             Shape::Curves(curves) => match curves.first().map_or(1, |curve| curve.dimension) {
                 1 => curves::report::<1>(curves, watch)?,
                 2 => curves::report::<2>(curves, watch)?,

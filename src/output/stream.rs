@@ -8,6 +8,7 @@ use crate::output::counts::ShapeKind;
 use crate::output::error::FormatError;
 use crate::output::positions::Positions;
 use crate::output::scene::{FaceChunk, MeshSource, OnDemandSource, ranges};
+use crate::shape::source::PlaceSource;
 use crate::watch::Watch;
 
 /// Rows of a block: their bytes, 50 to 300 KB, stay in the cache of the core that makes them until they are written.
@@ -44,7 +45,6 @@ struct Block {
     points: Vec<[f64; 3]>,
     faces: FaceChunk,
     uv_faces: FaceChunk,
-    uvs: Vec<[f64; 2]>,
     numbers: Vec<f64>,
     corners: Vec<[[f64; 3]; 4]>,
 }
@@ -146,7 +146,7 @@ impl<'a> Stream<'a> {
         let uvs = mesh.uvs();
         self.encoded(blocks(0..mesh.n_faces()), |range, block| {
             mesh.faces(range.clone(), &mut block.faces);
-            if let Some(uvs) = uvs {
+            if let Some(uvs) = &uvs {
                 uvs.faces(range.clone(), &mut block.uv_faces);
             }
             encode(range.start, [&block.faces, &block.uv_faces], &mut block.bytes);
@@ -154,16 +154,30 @@ impl<'a> Stream<'a> {
         })
     }
 
-    /// Writes the places of texture coordinates of all faces, as [`Stream::faces`] does.
-    pub(super) fn uv_faces(
+    /// Writes the places at the corners of all faces, as [`Stream::faces`] does.
+    pub(super) fn place_faces(
         &mut self,
         mesh: &dyn MeshSource,
+        places: &dyn PlaceSource,
         encode: impl Fn(usize, &FaceChunk, &mut Bytes) + Sync,
     ) -> Result<(), FormatError> {
-        let Some(uvs) = mesh.uvs() else { return Ok(()) };
         self.encoded(blocks(0..mesh.n_faces()), |range, block| {
-            uvs.faces(range.clone(), &mut block.faces);
+            places.faces(range.clone(), &mut block.faces);
             encode(range.start, &block.faces, &mut block.bytes);
+            Ok(())
+        })
+    }
+
+    /// Writes the values of all places: `encode` makes the bytes of those of some consecutive ones, the first of which
+    /// has that index.
+    pub(super) fn places(
+        &mut self,
+        places: &dyn PlaceSource,
+        encode: impl Fn(usize, &[f64], &mut Bytes) + Sync,
+    ) -> Result<(), FormatError> {
+        self.encoded(blocks(0..places.n_places()), |range, block| {
+            places.values(range.clone(), &mut block.numbers);
+            encode(range.start, &block.numbers, &mut block.bytes);
             Ok(())
         })
     }
@@ -175,11 +189,7 @@ impl<'a> Stream<'a> {
         encode: impl Fn(usize, &[[f64; 2]], &mut Bytes) + Sync,
     ) -> Result<(), FormatError> {
         let Some(source) = mesh.uvs() else { return Ok(()) };
-        self.encoded(blocks(0..source.n_points()), |range, block| {
-            source.values(range.clone(), &mut block.uvs);
-            encode(range.start, &block.uvs, &mut block.bytes);
-            Ok(())
-        })
+        self.places(source.as_ref(), |start, values, out| encode(start, values.as_chunks().0, out))
     }
 
     /// Writes the numbers that all vertices carry in a channel: `encode` makes the bytes of those of some consecutive

@@ -1,13 +1,12 @@
-//! A mesh for formats that know one normal and one pair of texture coordinates a vertex: vertices are split on seams,
+//! A mesh for formats that know one value of each kind a vertex, such as its normal: vertices are split on seams,
 //! and on sharp and hard edges where there are normals.
 
 use crate::output::hard_edges::HardEdges;
 use crate::output::scene::{MeshSource, Shape};
 use crate::output::split_vertices::SplitVertices;
-use crate::shape::source::UvSource;
 use crate::watch::{Stopped, Watch};
 
-/// A shape with a vertex for each place that has texture coordinates.
+/// A shape with a vertex for each place of what has seams.
 pub(super) struct Sides<'a> {
     whole: Shape<'a>,
     unfolded: Option<Box<dyn MeshSource + 'a>>,
@@ -24,7 +23,7 @@ pub(super) struct SplitSides<'a> {
 impl<'a> Sides<'a> {
     /// That of a shape.
     pub(super) fn of(whole: Shape<'a>) -> Self {
-        let unfolded = if let Shape::Mesh(mesh) = whole { mesh.uvs().and_then(UvSource::unfolded) } else { None };
+        let unfolded = if let Shape::Mesh(mesh) = whole { mesh.unfolded() } else { None };
         Self { whole, unfolded }
     }
 

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::bins::{Bins, Found, Grid, TileRect};
 use super::camera::{Camera, Projection, unit};
 use super::clip;
+use super::finish::Finisher;
 use super::line::Layer;
 use super::model::{Model, Normals, Surface};
 use super::paint::{Paint, Tint};
@@ -38,6 +39,8 @@ pub(super) struct BinnedModel<'a> {
     pub(super) lamps: Option<Lamps>,
     /// `None` where the surface has one colour.
     pub(super) paint: Option<Paint<'a>>,
+    /// `None` where the surface is lit.
+    pub(super) finisher: Option<Finisher>,
 }
 
 /// Blends the normals of a triangle over its place in the picture.
@@ -77,13 +80,15 @@ impl<'a> BinnedModel<'a> {
             .iter()
             .map(|strokes| Layer::new(camera, grid, strokes, watch))
             .collect::<Result<Vec<_>, Stopped>>()?;
-        let (lamps, paint) = match model.surface {
-            Surface::Lit(color) => (Some(Lamps::new(camera, color)), None),
-            Surface::Painted(paint) => (Some(Lamps::new(camera, [0; 4])), Some(paint)),
-            Surface::Unseen => (None, None),
+        let (lamps, paint, finish) = match model.surface {
+            Surface::Lit(color) => (Some(Lamps::new(camera, color)), None, None),
+            Surface::Painted(paint) => (Some(Lamps::new(camera, [0; 4])), Some(paint), None),
+            Surface::Finished { color, paint, finish } => (Some(Lamps::new(camera, color)), paint, Some(finish)),
+            Surface::Unseen => (None, None, None),
         };
+        let finisher = finish.map(|finish| Finisher::new(finish, camera));
         let (pieces, runs) = (Vec::new(), Vec::new());
-        let mut binned = Self { model, camera, grid, vertices, pieces, runs, layers, lamps, paint };
+        let mut binned = Self { model, camera, grid, vertices, pieces, runs, layers, lamps, paint, finisher };
         binned.sort(watch)?;
         Ok(binned)
     }
@@ -182,8 +187,7 @@ impl<'a> BinnedModel<'a> {
 
     /// Normals at the three corners of triangle number `id`.
     fn normals(&self, id: u32) -> [[f64; 3]; 3] {
-        let piece = self.piece(id);
-        let whole = piece.map_or(id, |p| p.whole) as usize;
+        let whole = self.whole(id);
         let triangle = self.model.triangles[whole];
         let mut normals = match self.model.normals {
             Normals::Vertices(list) => {
@@ -198,14 +202,18 @@ impl<'a> BinnedModel<'a> {
             let plane = unit(cross(minus(b, a), minus(c, a))).unwrap_or(self.camera.forward.map(|x| -x));
             normals.iter_mut().filter(|n| undefined(n)).for_each(|n| *n = plane);
         }
-        shared(piece, normals)
+        shared(self.piece(id), normals)
+    }
+
+    /// The triangle of the model of which triangle number `id` is, or is a piece of.
+    pub(super) fn whole(&self, id: u32) -> usize {
+        self.piece(id).map_or(id, |piece| piece.whole) as usize
     }
 
     /// What the paint has at the three corners of triangle number `id`.
     fn painted(&self, paint: &Paint<'_>, id: u32) -> [[f64; 3]; 3] {
-        let piece = self.piece(id);
-        let whole = piece.map_or(id, |p| p.whole) as usize;
-        shared(piece, paint.corners(whole, self.model.triangles[whole]))
+        let whole = self.whole(id);
+        shared(self.piece(id), paint.corners(whole, self.model.triangles[whole]))
     }
 
     /// How the normal of triangle number `id`, and its paint, vary over the tile at `origin`. In perspective, shares

@@ -227,12 +227,38 @@ impl Camera {
         self.fall = [1.0, 0.999 / span];
     }
 
+    /// Whether the camera is on the side of the plane through a point that `normal` points to.
+    pub fn is_before(&self, point: [f64; 3], normal: [f64; 3]) -> bool {
+        let towards = match self.projection {
+            Projection::Perspective => minus(self.eye, point),
+            Projection::Orthographic => times(-1.0, self.forward),
+        };
+        dot(normal, towards) > 0.0
+    }
+
+    /// The direction to the right in the picture, of length one.
+    pub fn right(&self) -> [f64; 3] {
+        self.right
+    }
+
     /// Right and down in pixels times `w`, the divisor `w`, and the distance along the view, model units.
     pub(super) fn view(&self, point: Vector) -> [f64; 4] {
         let r = minus(point, self.eye);
         let z = dot(r, self.forward);
         let w = if self.projection == Projection::Perspective { z } else { 1.0 };
         [self.focal_px * dot(r, self.right), -self.focal_px * dot(r, self.up), w, z]
+    }
+
+    /// The point that parallel rays show at a pixel, in the plane through the eye.
+    pub fn unplaced(&self, [x, y]: [f64; 2]) -> [f64; 3] {
+        let across = times((x - 0.5 * self.size_px[0]) / self.focal_px, self.right);
+        minus(plus(self.eye, across), times((y - 0.5 * self.size_px[1]) / self.focal_px, self.up))
+    }
+
+    /// Pixels that a model unit across the view takes at a point; `None` where the point is not before the camera.
+    pub fn unit_px(&self, point: [f64; 3]) -> Option<f64> {
+        let [_, _, w, _] = self.view(point);
+        (w > 0.0).then(|| self.focal_px / w)
     }
 
     /// Depth as it is stored: linear over the picture, larger is nearer, above 0 and at most about 1.

@@ -30,6 +30,8 @@ pub(super) struct Layer {
     half_px: f32,
     /// Linear, premultiplied.
     pub(super) light: [f32; 4],
+    /// How much of it is seen behind a surface.
+    hidden: f32,
 }
 
 fn projected(camera: &Camera, strokes: &Strokes<'_>, [a, b]: [u32; 2]) -> Option<Segment> {
@@ -85,7 +87,8 @@ impl Layer {
             let opacity = (mean as f32 / (7.0 * half_px)).clamp(0.12, 1.0);
             light = light.map(|c| c * opacity);
         }
-        let mut layer = Self { segments: Vec::new(), runs: Vec::new(), half_px, light };
+        let hidden = strokes.hidden;
+        let mut layer = Self { segments: Vec::new(), runs: Vec::new(), half_px, light, hidden };
         for (segments, mut bins, _) in runs {
             bins.shift_from(0, u32::try_from(layer.segments.len()).expect("fewer than 2^32 segments"));
             layer.segments.extend(segments);
@@ -140,7 +143,8 @@ impl Layer {
                 let pixel = y * TILE + x;
                 if cover > coverage[pixel] {
                     let depth = segment.depths[0] + (segment.depths[1] - segment.depths[0]) * t;
-                    coverage[pixel] = coverage[pixel].max(cover * seen(pixel, depth));
+                    let seen = seen(pixel, depth);
+                    coverage[pixel] = coverage[pixel].max(cover * (seen + (1.0 - seen) * self.hidden));
                 }
                 x += 1;
             }

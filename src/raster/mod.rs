@@ -4,18 +4,27 @@
 //! in parallel: first the triangles that show their outside, then those that show their inside, most of which are found
 //! hidden before they are set up. A tile keeps depth and triangle number of four samples a pixel; of equal depths the
 //! lower number is seen, so the order of drawing does not matter. Light is computed once for each triangle seen in a
-//! pixel, after everything hidden has fallen away. Threads divide tiles, never a sum: the bytes are the same for any
+//! pixel, after everything hidden has fallen away. Pixels in which an edge is then seen are drawn once more with sixteen
+//! samples. At last hollows are darkened, a shadow is laid on the ground, and lines are laid over all. Threads divide tiles, never a sum: the bytes are the same for any
 //! number of threads.
 
 mod binned_model;
 mod bins;
 mod camera;
 mod clip;
+mod contact;
+#[cfg(test)]
+mod coverage_tests;
+mod desk;
 mod facets;
+mod fine;
+mod finish;
 mod forecast;
-
+#[cfg(test)]
+mod grounding_tests;
 mod line;
 mod model;
+mod occlusion;
 mod paint;
 mod pixmap;
 mod project;
@@ -25,11 +34,13 @@ mod tests;
 mod texels;
 mod tiles;
 mod triangle;
+mod veil;
 
 pub use camera::{Camera, Projection, View};
+pub use finish::{Finish, Pattern, Stripes};
 pub use forecast::Forecast;
 pub use model::{Crowding, Model, Normals, Strokes, Surface};
 pub use paint::{Paint, Swatch};
 pub use pixmap::Pixmap;
 pub use texels::{Beyond, Cover, Texels};
-pub use tiles::{MAX_SIDE_PX, render};
+pub use tiles::{Ground, Look, MAX_SIDE_PX, render};

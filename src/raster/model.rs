@@ -1,5 +1,6 @@
 //! What is in a picture: triangles with their look, and lines.
 
+use super::finish::Finish;
 use super::paint::Paint;
 
 /// Everything in one picture.
@@ -35,6 +36,15 @@ pub enum Surface<'a> {
     Lit([u8; 4]),
     /// Lit, in these colours.
     Painted(Paint<'a>),
+    /// With a finish of its own, in this sRGB colour or in those of the paint.
+    Finished {
+        /// The colour, whose alpha does not count.
+        color: [u8; 4],
+        /// Colours in its place.
+        paint: Option<Paint<'a>>,
+        /// How it looks.
+        finish: Finish,
+    },
     /// Not seen, but hiding the lines behind it.
     Unseen,
 }
@@ -52,6 +62,8 @@ pub struct Strokes<'a> {
     pub color: [u8; 4],
     /// What happens when lines stand closer than they are wide.
     pub crowding: Crowding,
+    /// How much of their colour is seen where the surface hides them, 0 to 1.
+    pub hidden: f32,
 }
 
 /// What happens when lines stand closer than they are wide.

@@ -13,6 +13,23 @@ pub enum Paint<'a> {
     Vertices(&'a [Vec3f]),
     /// One a triangle.
     Triangles(&'a [Vec3f]),
+    /// One at each corner of a triangle, blended over it.
+    Corners {
+        /// What there is to choose from.
+        colors: &'a [Vec3f],
+        /// For each triangle the colours of its corners.
+        corners: &'a [[u32; 3]],
+    },
+    /// The colours of a table by numbers from 0 (the first of it) to 1 (the last), blended over the triangle before the
+    /// colour is looked up; what is beyond has the colour of the end.
+    Scale {
+        /// The numbers, within a hundred.
+        shares: &'a [f32],
+        /// For each triangle the numbers of its corners; those of its vertices, where it is left out.
+        corners: Option<&'a [[u32; 3]]>,
+        /// At least one colour.
+        table: &'a [Vec3f],
+    },
     /// Squares of two colours, their sides 1 in the plane of `places`: the first where both coordinates, rounded down,
     /// are even or odd.
     Squares {
@@ -41,6 +58,10 @@ pub enum Paint<'a> {
 pub struct Swatch {
     /// Linear light from 0 to 1.
     pub color: Vec3f,
+    /// How much of what lies behind it is hidden, from 0 to 1.
+    pub alpha: f32,
+    /// From 0, as plastic, to 1, as metal.
+    pub metal: f32,
     /// The picture.
     pub cover: Option<Cover>,
 }
@@ -62,6 +83,11 @@ impl Paint<'_> {
         match self {
             Self::Vertices(colors) => triangle.map(|v| colors[v as usize].map(f64::from)),
             Self::Triangles(colors) => [colors[id].map(f64::from); 3],
+            Self::Corners { colors, corners } => corners[id].map(|at| colors[at as usize].map(f64::from)),
+            Self::Scale { shares, corners, .. } => {
+                let places = corners.map_or(triangle, |corners| corners[id]);
+                places.map(|at| [f64::from(shares[at as usize]), 0.0, 0.0])
+            }
             Self::Squares { places, corners, .. } => {
                 let places = corners[id].map(|place| places[place as usize]);
                 // moved by whole pairs of squares, so that f32 has room for the rest
@@ -82,11 +108,33 @@ impl Paint<'_> {
         }
     }
 
+    /// The swatch of triangle number `id`, where there are swatches.
+    fn swatch(&self, id: usize) -> Option<&Swatch> {
+        let Self::Covers { numbers, swatches, .. } = self else { return None };
+        swatches.get(numbers[id] as usize)
+    }
+
+    /// How much triangle number `id` hides of what lies behind it.
+    pub(super) fn alpha(&self, id: usize) -> f32 {
+        self.swatch(id).map_or(1.0, |swatch| swatch.alpha)
+    }
+
+    /// Whether triangle number `id` is of metal, from 0 to 1.
+    pub(super) fn metal(&self, id: usize) -> f32 {
+        self.swatch(id).map_or(0.0, |swatch| swatch.metal)
+    }
+
+    /// Whether something is seen through some triangle.
+    pub(super) fn has_clear(&self) -> bool {
+        matches!(self, Self::Covers { swatches, .. } if swatches.iter().any(|swatch| swatch.alpha < 1.0))
+    }
+
     /// The colour at a place in the tile, pixels.
     pub(super) fn color(&self, tint: &Tint, place: [f32; 2]) -> Vec3f {
         let at = tint.at(place);
         let colors = match self {
-            Self::Vertices(_) | Self::Triangles(_) => return at,
+            Self::Vertices(_) | Self::Triangles(_) | Self::Corners { .. } => return at,
+            Self::Scale { table, .. } => return looked_up(table, at[0]),
             Self::Covers { swatches, .. } => {
                 // the number is the same at all corners, but for what blending them rounds
                 let swatch = &swatches[((at[2] + 0.5) as usize).min(swatches.len() - 1)];
@@ -142,8 +190,19 @@ impl Tint {
     }
 }
 
+/// The colour at a share of a table from its first colour to its last, blended between the two that are next to it.
+fn looked_up(table: &[Vec3f], share: f32) -> Vec3f {
+    let last = table.len() - 1;
+    #[expect(clippy::cast_precision_loss, reason = "a table has some hundred colours")]
+    let place = share.clamp(0.0, 1.0) * last as f32;
+    let below = (place as usize).min(last);
+    let (a, b) = (table[below], table[(below + 1).min(last)]);
+    let rest = place - place.floor();
+    std::array::from_fn(|k| a[k] + rest * (b[k] - a[k]))
+}
+
 /// The mean over `[at - wide / 2, at + wide / 2]` of 1 where the number, rounded down, is even, and -1 else.
-fn stripes(at: f32, wide: f32) -> f32 {
+pub(super) fn stripes(at: f32, wide: f32) -> f32 {
     // its integral from 0: up to 1 and down to 0 again
     let integral = |t: f32| 1.0 - (t - 2.0 * (0.5 * t).floor() - 1.0).abs();
     if wide > 1e-3 {

@@ -8,6 +8,7 @@
 use multiversion::multiversion;
 
 use super::camera::{Camera, Projection, unit};
+use super::fine::Marks;
 use super::pixmap::linear;
 use crate::math::vector::{plus, times};
 
@@ -45,6 +46,9 @@ const FILL_LIGHT: Vec3f = [0.13, 0.15, 0.185];
 const RIM_LIGHT: Vec3f = [0.30, 0.32, 0.36];
 const SKY_LIGHT: Vec3f = [0.25, 0.275, 0.315];
 const GROUND_LIGHT: Vec3f = [0.115, 0.105, 0.10];
+/// How much brighter the surroundings are in metal than they light what is matt.
+/// It is a choice of looks: half of it makes metal nearly black where no lamp is mirrored, twice of it makes it pale.
+const BRIGHT: f32 = 1.6;
 /// Share of the light that mirrors at the surface, straight on.
 /// It is a choice of looks: half of it is duller, twice of it brightens the spots of light.
 const GLEAM: f32 = 0.36;
@@ -74,23 +78,19 @@ impl Lamps {
         }
     }
 
-    /// Adds the light of the waiting spots to `light`, linear and premultiplied.
-    pub(super) fn illuminate(&self, spots: &mut Spots, light: &mut [[f32; 4]]) {
-        let [red, green, blue] = lit(self, spots);
-        for i in 0..spots.waiting {
-            let share = spots.share[i];
-            let sum = &mut light[spots.pixel[i] as usize];
-            *sum = [sum[0] + share * red[i], sum[1] + share * green[i], sum[2] + share * blue[i], sum[3] + share];
-        }
-        spots.waiting = 0;
+    /// Adds the light of the waiting spots to `light`, linear and premultiplied, and marks pixels with spots of
+    /// different light.
+    pub(super) fn illuminate(&self, spots: &mut Spots, light: &mut [[f32; 4]], marks: &mut Marks) {
+        let colors = lit(self, spots);
+        spots.add(colors, light, marks);
     }
 
     /// Linear light that reaches the viewer from the pixel coordinates `place`. The normal need not have length one; it
-    /// points to the outside of the surface, whose colour is `outside` in linear light, and `back` is 1 where the
-    /// inside is seen and otherwise 0.
+    /// points to the outside of the surface, whose colour is `outside` in linear light; `back` is 1 where the inside is
+    /// seen and otherwise 0, and `metal` says from 0 to 1 whether it mirrors its surroundings in its colour.
     #[expect(clippy::inline_always, reason = "only code inside of `lit` uses its wider vectors")]
     #[inline(always)]
-    fn light(&self, normal: Vec3f, outside: Vec3f, place: [f32; 2], back: f32) -> Vec3f {
+    fn light(&self, normal: Vec3f, outside: Vec3f, place: [f32; 2], [back, metal]: [f32; 2]) -> Vec3f {
         let grey = 0.2126 * outside[0] + 0.7152 * outside[1] + 0.0722 * outside[2];
         let inside = outside.map(|c| 0.45 * c + 0.3 * grey);
         let (x, y) = (place[0] - self.centre_px[0], place[1] - self.centre_px[1]);
@@ -105,12 +105,20 @@ impl Lamps {
         let rim = positive(dot(n, self.rim)) + 0.25 * edge;
         let sky = 0.5 * dot(n, self.sky) + 0.5;
         let gleam = GLEAM * polished(positive(dot(n, self.gleam))) + 0.10 * edge * sky;
+        let length = dot(ray, ray).sqrt();
+        let mirrored: Vec3f = std::array::from_fn(|k| ray[k] / length + 2.0 * facing * n[k]);
+        let above = positive(0.5 * dot(mirrored, self.sky) + 0.5);
+        let lamp = positive(dot(mirrored, self.key));
         std::array::from_fn(|k| {
             let ambient = GROUND_LIGHT[k] + (SKY_LIGHT[k] - GROUND_LIGHT[k]) * sky;
             let diffuse = KEY_LIGHT[k] * key + FILL_LIGHT[k] * fill + RIM_LIGHT[k] * rim + ambient;
             let colour = outside[k] + (inside[k] - outside[k]) * back;
             let matt = shoulder(colour * diffuse);
-            matt + gleam * (1.0 - matt)
+            let plain = matt + gleam * (1.0 - matt);
+            let around = GROUND_LIGHT[k] + (SKY_LIGHT[k] - GROUND_LIGHT[k]) * above;
+            let bare = shoulder(colour * (BRIGHT * around + KEY_LIGHT[k] * lamp * lamp));
+            let bare = bare + colour * gleam * (1.0 - bare);
+            if metal > 0.0 { plain + metal * (bare - plain) } else { plain }
         })
     }
 }
@@ -124,9 +132,18 @@ fn lit(lamps: &Lamps, spots: &Spots) -> [[f32; LANES]; 3] {
         let normal = [spots.normal[0][i], spots.normal[1][i], spots.normal[2][i]];
         let color = [spots.color[0][i], spots.color[1][i], spots.color[2][i]];
         let place = [spots.place[0][i], spots.place[1][i]];
-        [red[i], green[i], blue[i]] = lamps.light(normal, color, place, spots.back[i]);
+        [red[i], green[i], blue[i]] = lamps.light(normal, color, place, [spots.back[i], spots.metal[i]]);
     }
     [red, green, blue]
+}
+
+/// Light of which the parts of a pixel may differ before an edge is seen between them: so much, and this share of it.
+/// Half of it looks closely at pixels of smooth surfaces in vain, twice of it leaves steps at faint creases.
+const EDGE: [f32; 2] = [0.012, 0.06];
+
+/// Whether a light differs so much from the mean of those in a sum that an edge between them is seen.
+fn differ(sum: &[f32; 4], light: Vec3f) -> bool {
+    (0..3).any(|k| (sum[k] - light[k] * sum[3]).abs() > EDGE[0] * sum[3] + EDGE[1] * sum[k])
 }
 
 /// `x`, or 0 when it is negative or not a number.
@@ -135,14 +152,15 @@ fn positive(x: f32) -> f32 {
     if x > 0.0 { x } else { 0.0 }
 }
 
-/// The 40th power: how sharp highlights are.
+/// How much is mirrored, 1 where `x` is 1: the lobe of B. Walter et al., EGSR 2007, 195-206, which falls so slowly beside
+/// its middle that no rim is seen around a highlight.
 #[inline]
 fn polished(x: f32) -> f32 {
-    let x2 = x * x;
-    let x4 = x2 * x2;
-    let x8 = x4 * x4;
-    let x16 = x8 * x8;
-    x16 * x16 * x8
+    // the square of the roughness: half of it makes highlights smaller by a third and shows a rim, twice of it veils
+    // the whole model
+    const WIDTH: f32 = 0.05;
+    let share = WIDTH / (1.0 - (1.0 - WIDTH) * x * x);
+    share * share
 }
 
 /// Bends bright light softly below 1, so that highlights keep their shape.
@@ -166,6 +184,7 @@ pub(super) struct Spots {
     color: [[f32; LANES]; 3],
     place: [[f32; LANES]; 2],
     back: [f32; LANES],
+    metal: [f32; LANES],
     share: [f32; LANES],
     pixel: [u32; LANES],
     waiting: usize,
@@ -176,13 +195,37 @@ impl Spots {
     pub(super) fn new(color: Vec3f) -> Self {
         let none = [0.0; LANES];
         let color = color.map(|c| [c; LANES]);
-        Self { normal: [none; 3], color, place: [none; 2], back: none, share: none, pixel: [0; LANES], waiting: 0 }
+        let (normal, place) = ([none; 3], [none; 2]);
+        Self { normal, color, place, back: none, metal: none, share: none, pixel: [0; LANES], waiting: 0 }
+    }
+
+    /// Adds the colours of the waiting spots as they are to `light`, and marks pixels with spots of different colours.
+    pub(super) fn show(&mut self, light: &mut [[f32; 4]], marks: &mut Marks) {
+        self.add(self.color, light, marks);
+    }
+
+    /// Adds red, green and blue of the waiting spots to `light`.
+    fn add(&mut self, [red, green, blue]: [[f32; LANES]; 3], light: &mut [[f32; 4]], marks: &mut Marks) {
+        for i in 0..self.waiting {
+            let share = self.share[i];
+            let sum = &mut light[self.pixel[i] as usize];
+            if sum[3] > 0.0 && differ(sum, [red[i], green[i], blue[i]]) {
+                marks.add(self.pixel[i]);
+            }
+            *sum = [sum[0] + share * red[i], sum[1] + share * green[i], sum[2] + share * blue[i], sum[3] + share];
+        }
+        self.waiting = 0;
     }
 
     /// Sets the colour of the next spot.
     pub(super) fn color(&mut self, color: Vec3f) {
         let i = self.waiting % LANES;
         (0..3).for_each(|k| self.color[k][i] = color[k]);
+    }
+
+    /// Sets whether the next spot is of metal, from 0 to 1.
+    pub(super) fn metal(&mut self, metal: f32) {
+        self.metal[self.waiting % LANES] = metal;
     }
 
     /// Adds a spot of this normal at pixel coordinates `place` that gives `share` of the light of `pixel`, counted

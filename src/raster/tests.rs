@@ -80,14 +80,22 @@ fn sheet(n: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     (positions, (0..n).flat_map(|j| (0..n).flat_map(move |i| quad(i, j))).collect())
 }
 
+const LOOK: Look = Look { background: [0; 4], is_fine: true, is_occluded: true, shadow: Ground::Stood };
+
 fn picture(view: &View, positions: &[[f64; 3]], triangles: &[[u32; 3]], size: [u32; 2]) -> Pixmap {
     let segments: Vec<[u32; 2]> = triangles.iter().flat_map(|t| [[t[0], t[1]], [t[1], t[1]]]).collect();
-    let strokes =
-        [Strokes { positions, segments: &segments, width_px: 2.0, color: [9, 9, 9, 200], crowding: Crowding::Fade }];
+    let strokes = [Strokes {
+        positions,
+        segments: &segments,
+        width_px: 2.0,
+        color: [9, 9, 9, 200],
+        crowding: Crowding::Fade,
+        hidden: 0.25,
+    }];
     let surface = Surface::Lit([200, 80, 40, 255]);
     let model = Model { positions, triangles, normals: Normals::Planes, surface, strokes: &strokes };
     let camera = Camera::framing(view, &[positions], size[0], size[1]);
-    render(&model, &camera, [0; 4], size, &Watch::new()).expect("nobody says stop")
+    render(&model, &camera, LOOK, size, &Watch::new()).expect("nobody says stop")
 }
 
 #[test]
@@ -170,7 +178,7 @@ fn a_stopped_watch_ends_the_picture() {
     let surface = Surface::Lit([200, 80, 40, 255]);
     let model = Model { positions: &positions, triangles: &triangles, normals: Normals::Planes, surface, strokes: &[] };
     let camera = Camera::framing(&View::default(), &[&positions], 64, 64);
-    assert_eq!(render(&model, &camera, [0; 4], [64, 64], &watch), Err(Stopped));
+    assert_eq!(render(&model, &camera, LOOK, [64, 64], &watch), Err(Stopped));
 }
 
 /// Rows of pixels are cut to what slivers may cover: every sample inside is found, and few pixels are looked at.

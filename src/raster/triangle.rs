@@ -15,7 +15,8 @@ use super::bins::TILE;
 use super::project::{STEPS, Vertex};
 
 /// Samples a pixel.
-/// Two would show three grey values on an edge, eight take twice the time and memory of a tile.
+/// Where they see an edge, the pixel is looked at more closely, see `fine`. Two would miss thin things, eight take twice
+/// the time and memory of a tile.
 pub(super) const SAMPLES: usize = 4;
 
 /// Places of the samples in eighths of a pixel, right and down: no two in one row, column or diagonal.
@@ -89,6 +90,13 @@ impl Samples {
 
     pub(super) fn clear(&mut self) {
         self.depth.fill([0.0; SAMPLES]);
+        self.owner.fill([NOBODY; SAMPLES]);
+        (self.farthest, self.visited) = (0.0, 0);
+    }
+
+    /// Begins anew with nothing in front of what stands in `others`, which is not seen itself.
+    pub(super) fn begin_before(&mut self, others: &Self) {
+        self.depth.copy_from_slice(&others.depth);
         self.owner.fill([NOBODY; SAMPLES]);
         (self.farthest, self.visited) = (0.0, 0);
     }
@@ -168,9 +176,15 @@ impl Samples {
 /// Gives triangle number `id` the samples of a pixel that it covers (`outside` is not negative there) and where it is
 /// the nearest. There are no branches, so that all samples are one vector.
 #[inline]
-fn cover(outside: [i32; SAMPLES], z: [f32; SAMPLES], id: u32, depth: &mut [f32; SAMPLES], owner: &mut [u32; SAMPLES]) {
+pub(super) fn cover<const N: usize>(
+    outside: [i32; N],
+    z: [f32; N],
+    id: u32,
+    depth: &mut [f32; N],
+    owner: &mut [u32; N],
+) {
     let mask = |is: bool| u32::from(is).wrapping_neg();
-    let seen: [u32; SAMPLES] = std::array::from_fn(|s| {
+    let seen: [u32; N] = std::array::from_fn(|s| {
         mask(outside[s] >= 0) & (mask(z[s] > depth[s]) | (mask(z[s] >= depth[s]) & mask(id < owner[s])))
     });
     *depth = std::array::from_fn(|s| f32::from_bits(z[s].to_bits() & seen[s] | depth[s].to_bits() & !seen[s]));

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::normals::Normals;
 use super::program::Program;
-use super::refined::RefinedMesh;
+use super::refined::{RefinedChannel, RefinedMesh};
 use super::sweep::{Rule, Stencils};
 use crate::math::functions::sqrt;
 use crate::math::vector::{cross, direction, dot, length, plus};
@@ -49,8 +49,11 @@ impl Program {
                 _ => sweep.evaluate::<4>(numbers, stencils, positions(), watch).map(|found| found.values),
             };
             refined.points = limits_of(&refined.points, 3)?;
-            for (numbers, channel) in refined.channels.iter_mut().zip(&refined.attachments.channels) {
-                *numbers = limits_of(numbers, channel.width)?;
+            for (refined, channel) in refined.channels.iter_mut().zip(&refined.attachments.channels) {
+                // what has seams stays as it is
+                if let RefinedChannel::Vertices(numbers) = refined {
+                    *numbers = limits_of(numbers, channel.width)?;
+                }
             }
         }
         Ok(Some(refined))

@@ -5,13 +5,14 @@ use std::sync::Arc;
 use super::act::act_on;
 use super::apply::Points;
 use super::error::RefineError;
-use super::refined::RefinedMesh;
+use super::refined::{RefinedChannel, RefinedMesh};
+use super::seams::{RefinedPlaces, followed, refine_places_by_rows, seam_net};
 use super::start::mesh_net;
 use super::sweep::Outline;
-use super::uvs::{RefinedUvs, followed, refine_uvs_by_rows, uv_net};
 use crate::kept::Numbers;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::{Plan, Scheduled};
+use crate::shape::attachments::{Channel, Places};
 use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
@@ -20,12 +21,13 @@ pub fn is_swept(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> bool {
     Outline::of(&mesh_net(mesh, plan), plan, steps).is_some()
 }
 
-/// How many rounds a mesh and its texture coordinates are refined by rows before both are refined patch by patch, at
+/// How many rounds a mesh and the values of its corners are refined by rows before all are refined patch by patch, at
 /// most; none where one of them is not.
 pub fn swept_from(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> Option<usize> {
     let before = Outline::of(&mesh_net(mesh, plan), plan, steps)?.before();
-    let Some(uvs) = &mesh.attachments.uvs else { return Some(before) };
-    Some(before.max(Outline::of(&uv_net(mesh, uvs, plan), plan, &followed(uvs, steps))?.before()))
+    mesh.attachments.places().try_fold(before, |before, Places { seams, .. }| {
+        Some(before.max(Outline::of(&seam_net(mesh, seams, plan), plan, &followed(seams, steps))?.before()))
+    })
 }
 
 /// Refines a mesh by rows of whole nets: the definition of what every other path makes.
@@ -39,20 +41,25 @@ pub fn refine_by_rows(
     watch: &Watch,
 ) -> Result<RefinedMesh, RefineError> {
     let (net, points) = act_on(mesh_net(mesh, plan), numbers(mesh), plan, steps, watch)?;
-    let uvs = refine_uvs_by_rows(mesh, plan, steps, watch)?;
-    Ok(assembled(mesh, &net, points.into_iter().map(|points| points.now).collect(), uvs))
+    let places = refine_places_by_rows(mesh, plan, steps, watch)?;
+    Ok(assembled(mesh, &net, points.into_iter().map(|points| points.now).collect(), places))
 }
 
-/// What is refined of a mesh: its positions, then its channels, then the positions of its other frames.
+/// What is refined of the vertices of a mesh: positions, then channels, then the positions of other frames.
 pub fn numbers(mesh: &Mesh) -> Vec<Points> {
-    let channels = mesh.attachments.channels.iter().map(|c| Points::new(c.values.clone(), c.width));
+    let channels = mesh
+        .attachments
+        .channels
+        .iter()
+        .filter(|channel| channel.seams.is_none())
+        .map(|c| Points::new(c.values.clone(), c.width));
     let frames = mesh.frames.iter().map(|frame| Points::new(frame.clone(), 3));
     std::iter::once(Points::new(mesh.positions.clone(), 3)).chain(channels).chain(frames).collect()
 }
 
-/// The refined mesh of a net, with its numbers as [`numbers`] has them, and its texture coordinates.
-pub fn assembled(mesh: &Mesh, net: &MeshNet, numbers: Vec<Vec<f64>>, uvs: Option<RefinedUvs>) -> RefinedMesh {
-    carrying(mesh, net, RefinedMesh::new, numbers.into_iter().map(Into::into).collect(), uvs)
+/// The refined mesh of a net, with its numbers as [`numbers`] has them, and what has seams.
+pub fn assembled(mesh: &Mesh, net: &MeshNet, numbers: Vec<Vec<f64>>, places: Vec<RefinedPlaces>) -> RefinedMesh {
+    carrying(mesh, net, RefinedMesh::new, numbers.into_iter().map(Into::into).collect(), places)
 }
 
 /// The refined mesh of a net with its numbers, in the order that `ordered` gives them.
@@ -61,12 +68,18 @@ pub(super) fn carrying(
     net: &MeshNet,
     ordered: impl Fn(&MeshNet, Numbers) -> RefinedMesh,
     numbers: Vec<Numbers>,
-    uvs: Option<RefinedUvs>,
+    places: Vec<RefinedPlaces>,
 ) -> RefinedMesh {
     let mut numbers = numbers.into_iter();
     let refined = ordered(net, numbers.next().unwrap_or_default());
-    let channels = numbers.by_ref().take(mesh.attachments.channels.len()).collect();
-    let refined = refined.carrying(mesh.attachments.clone(), channels, uvs.map(Arc::new));
+    let mut places = places.into_iter().map(Arc::new);
+    let uvs = mesh.attachments.uvs.as_ref().and_then(|_| places.next());
+    let channel = |channel: &Channel| match &channel.seams {
+        Some(_) => places.next().map(RefinedChannel::Places),
+        None => numbers.next().map(RefinedChannel::Vertices),
+    };
+    let channels = mesh.attachments.channels.iter().filter_map(channel).collect();
+    let refined = refined.carrying(mesh.attachments.clone(), channels, uvs);
     let frames: Vec<_> = numbers.map(|points| refined.moved(ordered(net, points))).collect();
     let refined = refined.with_frames(frames);
     // a connectivity of its own tells no origins in the input

@@ -3,10 +3,10 @@
 use super::error::RefineError;
 use super::mesh::{carrying, numbers, refine_by_rows};
 use super::refined::RefinedMesh;
+use super::seams::{refined_places_by, seam_sweeps};
 use super::start::mesh_net;
 use super::sweep::Sweep;
 use super::swept::swept;
-use super::uvs::{refined_uvs_by, uv_sweep};
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
@@ -15,16 +15,17 @@ use crate::watch::Watch;
 #[derive(Debug)]
 pub struct Program {
     points: Option<Sweep>,
-    uvs: Option<Sweep>,
+    /// The same of each thing with seams.
+    places: Vec<Option<Sweep>>,
 }
 
 impl Program {
     /// The program of a mesh, whatever the positions of its vertices and the numbers that they carry.
     pub fn of(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> Self {
-        Self { points: Sweep::of(&mesh_net(mesh, plan), plan, steps), uvs: uv_sweep(mesh, plan, steps) }
+        Self { points: Sweep::of(&mesh_net(mesh, plan), plan, steps), places: seam_sweeps(mesh, plan, steps) }
     }
 
-    /// Refines a mesh with its channels, all by the same rows, and its texture coordinates by the same scheme. The
+    /// Refines a mesh with its channels, all by the same rows, and the values of its corners by the same scheme. The
     /// program has to be that of a mesh with the same connectivity and tags, of this plan and these steps.
     ///
     /// # Errors
@@ -39,8 +40,8 @@ impl Program {
         let (net, points) = (mesh_net(mesh, plan), numbers(mesh));
         let refined = match swept(&net, &points, plan, steps, self.points.as_ref(), watch)? {
             Some((net, numbers)) => {
-                let uvs = refined_uvs_by(self.uvs.as_ref(), mesh, plan, steps, watch)?;
-                carrying(mesh, &net, RefinedMesh::documented, numbers, uvs)
+                let places = refined_places_by(&self.places, mesh, plan, steps, watch)?;
+                carrying(mesh, &net, RefinedMesh::documented, numbers, places)
             }
             None => refine_by_rows(mesh, plan, steps, watch)?,
         };
@@ -54,16 +55,16 @@ impl Program {
 
     /// Whether anything is refined patch by patch.
     pub fn is_swept(&self) -> bool {
-        self.points.is_some() || self.uvs.is_some()
+        self.points.is_some() || self.places.iter().any(Option::is_some)
     }
 
     /// Bytes that it holds, a little more rather than less.
     pub fn bytes(&self) -> usize {
-        size_of::<Self>() + [&self.points, &self.uvs].into_iter().flatten().map(Sweep::bytes).sum::<usize>()
+        size_of::<Self>() + self.places.iter().chain([&self.points]).flatten().map(Sweep::bytes).sum::<usize>()
     }
 }
 
-/// Refines a mesh with its channels, all by the same rows, and its texture coordinates by the same scheme.
+/// Refines a mesh with its channels, all by the same rows, and the values of its corners by the same scheme.
 ///
 /// # Errors
 /// [`RefineError`].

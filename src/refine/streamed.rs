@@ -54,7 +54,7 @@ impl StreamedMesh {
         let (given, mut start) = (points.swap_remove(0).now, Vec::new());
         VertexOrder::constructed(&net).values(&given, 3, 0..given.len() / 3, &mut start);
         let net = net.after_splits(sweep.tile(), sweep.splits() - net.mesh.pieces.len());
-        let shape = carrying(mesh, &net, RefinedMesh::documented, Vec::new(), None);
+        let shape = carrying(mesh, &net, RefinedMesh::documented, Vec::new(), Vec::new());
         Ok(Some(Self { shape, points: OnDemand::new(sweep, start, watch) }))
     }
 }

@@ -1,67 +1,106 @@
-//! A refined mesh as its texture coordinates see it: a vertex for each place, so that vertices on seams are there more
-//! than once.
+//! A refined mesh as what has seams sees it: a vertex for each place, so that vertices on seams are there more than
+//! once.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::refined::RefinedMesh;
+use super::refined::{RefinedChannel, RefinedMesh};
+use super::seams::RefinedPlaces;
 use crate::shape::attachments::Attachments;
-use crate::shape::source::{FaceChunk, MeshSource, NormalSource, Origin, OriginSource, UvSource};
-use crate::shape::topology::index;
+use crate::shape::order::Order;
+use crate::shape::source::{FaceChunk, MeshSource, NormalSource, Origin, OriginSource, PlaceSource};
+use crate::shape::topology::{Topology, index};
 
 /// The faces are those of the mesh, in their order; vertices without a face are not there.
 #[derive(Debug)]
-pub(super) struct Unfolded<'a>(pub(super) &'a RefinedMesh);
+pub(super) struct Unfolded<'a> {
+    mesh: &'a RefinedMesh,
+    /// The places of all seams together, before refinement.
+    base: Arc<Topology>,
+    /// Their documented order; `None` when it is that of the base.
+    order: Option<Order>,
+}
 
-impl Unfolded<'_> {
+impl<'a> Unfolded<'a> {
+    /// That of a mesh, if anything of it has seams.
+    pub(super) fn of(mesh: &'a RefinedMesh) -> Option<Self> {
+        let base = mesh.attachments().unfolded.clone()?;
+        let order = mesh.order.order().map(|order| order.over(&base));
+        Some(Self { mesh, base, order })
+    }
+
+    /// The vertex of the mesh at a place.
+    fn vertex_at(&self, place: usize) -> usize {
+        self.mesh.across(&self.base, &self.mesh.base, place)
+    }
+
     /// Rows of the places in `range`, found by the vertex each is at.
     fn gathered<T: Send>(&self, range: Range<usize>, row: impl Fn(usize) -> T + Sync, out: &mut Vec<T>) {
         let places = range.into_par_iter().with_min_len(4096);
-        places.map(|place| row(self.0.vertex_at(place))).collect_into_vec(out);
+        places.map(|place| row(self.vertex_at(place))).collect_into_vec(out);
+    }
+
+    /// The values in `range` of something with seams of its own.
+    fn values_of(&self, places: &RefinedPlaces, range: Range<usize>, out: &mut Vec<f64>) {
+        if Arc::ptr_eq(&self.base, &places.base) {
+            return self.mesh.at(places).values(range, out);
+        }
+        let mut rows = Vec::new();
+        let row = |place| places.row(self.mesh.across(&self.base, &places.base, place));
+        range.into_par_iter().with_min_len(4096).map(row).collect_into_vec(&mut rows);
+        out.clear();
+        rows.iter().for_each(|row| out.extend_from_slice(row));
     }
 }
 
 impl MeshSource for Unfolded<'_> {
     fn n_vertices(&self) -> usize {
-        self.0.n_points()
+        self.order.as_ref().map_or(self.base.n_vertices(), Order::n_vertices)
     }
 
     fn n_faces(&self) -> usize {
-        self.0.n_faces()
+        self.mesh.n_faces()
     }
 
     fn n_half_edges(&self) -> usize {
-        self.0.n_half_edges()
+        self.mesh.n_half_edges()
     }
 
     fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
-        self.gathered(range, |v| self.0.position(v), out);
+        self.gathered(range, |v| self.mesh.position(v), out);
     }
 
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
-        UvSource::faces(self.0, range, out);
+        self.mesh.list(&self.base, self.order.as_ref(), range, out);
     }
 
     fn sharp_edges(&self) -> Vec<[u32; 2]> {
-        self.0.sharp_places()
+        self.mesh.sharp_places(&self.base)
     }
 
     fn normals(&self) -> Option<&dyn NormalSource> {
-        self.0.has_normals().then_some(self)
+        self.mesh.has_normals().then_some(self)
     }
 
-    fn uvs(&self) -> Option<&dyn UvSource> {
-        Some(self)
+    fn uvs(&self) -> Option<Box<dyn PlaceSource + '_>> {
+        Some(Box::new(UnfoldedUvs(self, self.mesh.uvs.as_ref()?)))
     }
 
     fn attachments(&self) -> &Attachments {
-        self.0.attachments()
+        self.mesh.attachments()
     }
 
     fn channel(&self, channel: usize, range: Range<usize>, out: &mut Vec<f64>) {
+        let numbers = match &self.mesh.channels[channel] {
+            RefinedChannel::Places(places) => return self.values_of(places, range, out),
+            RefinedChannel::Vertices(numbers) => numbers,
+        };
+        let width = self.mesh.attachments().channels[channel].width;
+        let row = |v: usize| &numbers[width * self.mesh.order.place(v)..][..width];
         let mut rows = Vec::new();
-        self.gathered(range, |v| self.0.numbers(channel, v), &mut rows);
+        self.gathered(range, row, &mut rows);
         out.clear();
         rows.iter().for_each(|row| out.extend_from_slice(row));
     }
@@ -69,71 +108,77 @@ impl MeshSource for Unfolded<'_> {
 
 impl NormalSource for Unfolded<'_> {
     fn of_vertices(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
-        self.gathered(range, |v| self.0.normal(v), out);
+        self.gathered(range, |v| self.mesh.normal(v), out);
     }
 
     fn on_side(&self, place: u32, next: u32) -> Option<[f64; 3]> {
-        let [vertex, next] = [place, next].map(|place| index(self.0.vertex_at(place as usize)));
-        self.0.on_side(vertex, next)
+        let [vertex, next] = [place, next].map(|place| index(self.vertex_at(place as usize)));
+        self.mesh.on_side(vertex, next)
     }
 }
 
-impl UvSource for Unfolded<'_> {
-    fn n_points(&self) -> usize {
-        self.0.n_points()
+/// Texture coordinates that are numbered like the vertices.
+struct UnfoldedUvs<'a>(&'a Unfolded<'a>, &'a RefinedPlaces);
+
+impl PlaceSource for UnfoldedUvs<'_> {
+    fn n_places(&self) -> usize {
+        self.0.n_vertices()
     }
 
-    fn values(&self, range: Range<usize>, out: &mut Vec<[f64; 2]>) {
-        self.0.values(range, out);
+    fn values(&self, range: Range<usize>, out: &mut Vec<f64>) {
+        self.0.values_of(self.1, range, out);
     }
 
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
-        UvSource::faces(self.0, range, out);
+        self.0.faces(range, out);
     }
 
-    fn unfolded(&self) -> Option<Box<dyn MeshSource + '_>> {
-        None
+    fn follow_vertices(&self) -> bool {
+        true
     }
 }
 
 impl OriginSource for Unfolded<'_> {
     fn input_cells(&self) -> [usize; 3] {
-        self.0.input_cells()
+        self.mesh.input_cells()
     }
 
     fn vertex_origin(&self, place: usize) -> Origin {
-        self.0.vertex_origin(self.0.vertex_at(place))
+        self.mesh.vertex_origin(self.vertex_at(place))
     }
 
     fn face_origin(&self, face: usize) -> u32 {
-        self.0.face_origin(face)
+        self.mesh.face_origin(face)
     }
 
     fn faces_of(&self, face: usize) -> Range<usize> {
-        self.0.faces_of(face)
+        self.mesh.faces_of(face)
     }
 }
 
-impl UvSource for RefinedMesh {
-    fn n_points(&self) -> usize {
-        self.uvs.as_ref().map_or(0, |uvs| uvs.points.len() / 2)
+/// Refined values of corners, with the faces of their mesh.
+struct OfMesh<'a> {
+    mesh: &'a RefinedMesh,
+    places: &'a RefinedPlaces,
+}
+
+impl RefinedMesh {
+    /// Some of its values of corners as a source.
+    pub(super) fn at<'a>(&'a self, places: &'a RefinedPlaces) -> impl PlaceSource + 'a {
+        OfMesh { mesh: self, places }
+    }
+}
+
+impl PlaceSource for OfMesh<'_> {
+    fn n_places(&self) -> usize {
+        self.places.points.len() / self.places.width
     }
 
-    fn values(&self, range: Range<usize>, out: &mut Vec<[f64; 2]>) {
-        out.clear();
-        if let Some(uvs) = &self.uvs {
-            uvs.order.points(uvs.points.as_chunks().0, range, out);
-        }
+    fn values(&self, range: Range<usize>, out: &mut Vec<f64>) {
+        self.places.order.values(&self.places.points, self.places.width, range, out);
     }
 
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
-        out.clear();
-        if let Some(uvs) = &self.uvs {
-            self.list(&uvs.base, uvs.order.order(), range, out);
-        }
-    }
-
-    fn unfolded(&self) -> Option<Box<dyn MeshSource + '_>> {
-        Some(Box::new(Unfolded(self)))
+        self.mesh.list(&self.places.base, self.places.order.order(), range, out);
     }
 }

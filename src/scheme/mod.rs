@@ -3,6 +3,7 @@
 
 pub mod anchor;
 pub mod annotations;
+pub mod claim;
 pub mod creases;
 pub mod curve_rule;
 pub mod extent;

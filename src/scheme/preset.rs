@@ -1,5 +1,6 @@
 //! Presets: named schemes, spelled as words over operators.
 
+use super::claim::Claim;
 use super::letter::Letter;
 use super::ops::Masked;
 use super::parameters::{ARITY, DEFAULT_MU};
@@ -26,6 +27,8 @@ pub struct Preset {
     pub parameters: &'static [Parameter],
     /// Which inputs it refines.
     pub refines: Refines,
+    /// What it claims of its limits.
+    pub claims: &'static [Claim],
     /// How it is spelled.
     pub spell: fn(&Values) -> Result<Spelling, Vec<Fault>>,
 }

@@ -10,8 +10,8 @@ use super::computation::{Computation, Failure, Timings};
 use super::peer::Paid;
 use super::store::Manifest;
 use super::under_way::Interest;
-use crate::analysis::curve::Reached;
 use crate::job::JobEntries;
+use crate::job::Resolved;
 use crate::job::key::Key;
 use crate::job::limits::Estimate;
 use crate::output::Format;
@@ -32,8 +32,8 @@ pub struct JobSummary {
     pub entries: JobEntries,
     /// What it was to come to.
     pub estimate: Estimate,
-    /// How close to the limit it comes, where a tolerance was asked for.
-    pub reached: Option<Reached>,
+    /// The level that was found, where the request left it to be found.
+    pub reached: Option<Resolved>,
     /// Keys of the results to which its output refers.
     pub details: Vec<Key>,
     /// The request as it was sent, so that an evicted result can be made again.

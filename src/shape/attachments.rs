@@ -1,9 +1,13 @@
-//! What a mesh carries besides its shape: channels of numbers on its vertices, and names on its faces.
+//! What a mesh carries besides its shape: channels of numbers on its vertices or corners, and names
+//! on its faces.
+
+use std::sync::Arc;
 
 use super::connect::Checked;
 use super::labels::{FaceSet, Labels};
 use super::looks::Look;
-use super::uvs::{Uvs, UvsInput};
+use super::seams::{Seams, SeamsInput, Uvs, UvsInput, joint};
+use super::topology::Topology;
 use crate::fault::{Fault, token, under};
 
 /// Most channels of a mesh.
@@ -28,18 +32,39 @@ const TAKEN: &[&str] =
 /// The attribute of glTF that tells origins, `_ORIGIN`, of whatever width.
 const ORIGIN: &str = "origin";
 
-/// Numbers on vertices that are refined like positions.
+/// Numbers on vertices, or on face corners, that are refined like positions.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Channel {
+pub struct Channel<S = Seams> {
     /// The name: a letter, then letters, digits and underscores.
     pub name: String,
     /// Numbers a vertex, 1 to 4.
     pub width: usize,
-    /// `n_vertices x width`, vertex after vertex.
+    /// `n x width`, vertex after vertex, or place after place where there are seams.
     pub values: Vec<f64>,
+    /// Where the values stand, if not one at each vertex.
+    pub seams: Option<S>,
 }
 
-impl Channel {
+/// A channel as a client gives it, unchecked.
+pub type ChannelInput = Channel<SeamsInput>;
+
+/// Values at places of their own: texture coordinates, or a channel with seams.
+#[derive(Debug, Clone, Copy)]
+pub struct Places<'a> {
+    /// Numbers a place.
+    pub width: usize,
+    /// `n_places x width`.
+    pub values: &'a [f64],
+    /// The places.
+    pub seams: &'a Seams,
+}
+
+impl<S> Channel<S> {
+    /// Numbers of vertices, `n_vertices x width`.
+    pub fn of_vertices(name: &str, width: usize, values: Vec<f64>) -> Self {
+        Self { name: name.to_owned(), width, values, seams: None }
+    }
+
     /// Whether it is the colour of the vertices.
     pub fn is_color(&self) -> bool {
         self.name == COLOR
@@ -58,7 +83,7 @@ impl Channel {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct AttachmentsInput {
     /// Channels.
-    pub channels: Vec<Channel>,
+    pub channels: Vec<ChannelInput>,
     /// Groups of faces.
     pub groups: Vec<FaceSet>,
     /// Materials of faces.
@@ -82,11 +107,19 @@ pub struct Attachments {
     pub looks: Vec<Look>,
     /// Texture coordinates.
     pub uvs: Option<Uvs>,
+    /// The mesh with a vertex for each place of all that has seams together, if anything has.
+    pub unfolded: Option<Arc<Topology>>,
 }
 
 /// Nothing at all.
-static NONE: Attachments =
-    Attachments { channels: Vec::new(), groups: Labels::NONE, materials: Labels::NONE, looks: Vec::new(), uvs: None };
+static NONE: Attachments = Attachments {
+    channels: Vec::new(),
+    groups: Labels::NONE,
+    materials: Labels::NONE,
+    looks: Vec::new(),
+    uvs: None,
+    unfolded: None,
+};
 
 impl Attachments {
     /// Nothing at all.
@@ -109,6 +142,14 @@ impl Attachments {
         self.channels.iter().enumerate().find(|(_, channel)| channel.is_color())
     }
 
+    /// What has seams: texture coordinates, then channels.
+    pub fn places(&self) -> impl Iterator<Item = Places<'_>> + Clone {
+        let uvs = self.uvs.iter().map(|Uvs { values, seams }| Places { width: 2, values, seams });
+        uvs.chain(self.channels.iter().filter_map(|Channel { width, values, seams, .. }| {
+            Some(Places { width: *width, values, seams: seams.as_ref()? })
+        }))
+    }
+
     /// How the faces of a material look, as far as that is said.
     pub fn look(&self, material: Option<usize>) -> Look {
         material.and_then(|material| self.looks.get(material)).cloned().unwrap_or_default()
@@ -126,9 +167,9 @@ impl Attachments {
     pub fn new(
         input: AttachmentsInput,
         n_vertices: usize,
-        Checked { topology, split_from, turned }: &Checked,
+        checked @ Checked { topology, split_from: _, turned }: &Checked,
     ) -> Result<Self, Vec<Fault>> {
-        let AttachmentsInput { mut channels, groups, materials, mut looks, uvs } = input;
+        let AttachmentsInput { channels, groups, materials, mut looks, uvs } = input;
         let n_faces = topology.n_faces();
         let mut faults = check_channels(&channels, n_vertices);
         let found = looks.iter().enumerate().flat_map(|(i, look)| under(&format!("/{i}"), look.check(uvs.is_some())));
@@ -137,23 +178,41 @@ impl Attachments {
             Labels::new(sets, n_faces).map_err(|found| faults.extend(under(place, found))).unwrap_or_default()
         };
         let (groups, materials) = (labels(groups, "/groups"), labels(materials, "/materials"));
-        let uvs = uvs.map(|uvs| Uvs::new(&uvs, topology, turned).map_err(|found| under("/uvs", found))).transpose();
+        let uvs = uvs.map(|UvsInput { values, seams }| {
+            let (seams, values) = Seams::new(&seams, (2, values.as_flattened()), topology, turned)?;
+            Ok(Uvs { values, seams })
+        });
+        let uvs = uvs.transpose().map_err(|found| under("/uvs", found));
         faults.extend(uvs.as_ref().err().into_iter().flatten().cloned());
         let (true, Ok(uvs)) = (faults.is_empty(), uvs) else { return Err(faults) };
-        for channel in &mut channels {
-            channel.values.iter_mut().for_each(|x| *x += 0.0);
-            for &from in split_from {
-                let start = from as usize * channel.width;
-                channel.values.extend_from_within(start..start + channel.width);
-            }
-        }
+        let checked = |channel| of_parts(channel, checked);
+        let mut channels = channels.into_iter().map(checked).collect::<Result<Vec<_>, _>>()?;
         channels.sort_by(|a, b| a.name.cmp(&b.name));
         looks.resize(if looks.iter().all(Look::is_silent) { 0 } else { materials.names.len() }, Look::default());
-        Ok(Self { channels, groups, materials, looks, uvs })
+        let mut all = Self { channels, groups, materials, looks, uvs, unfolded: None };
+        let sets: Vec<&Seams> = all.places().map(|places| places.seams).collect();
+        all.unfolded = if sets.is_empty() { None } else { Some(joint(&sets, topology)?) };
+        Ok(all)
     }
 }
 
-fn check_channels(channels: &[Channel], n: usize) -> Vec<Fault> {
+/// The channel on the mesh that was checked, whose vertices may have been split.
+fn of_parts(channel: ChannelInput, Checked { topology, split_from, turned }: &Checked) -> Result<Channel, Vec<Fault>> {
+    let Channel { name, width, mut values, seams } = channel;
+    if let Some(seams) = seams {
+        let found = Seams::new(&seams, (width, &values), topology, turned);
+        let (seams, values) = found.map_err(|found| under(&format!("/channels/{}", token(&name)), found))?;
+        return Ok(Channel { name, width, values, seams: Some(seams) });
+    }
+    values.iter_mut().for_each(|x| *x += 0.0);
+    for &from in split_from {
+        let start = from as usize * width;
+        values.extend_from_within(start..start + width);
+    }
+    Ok(Channel { name, width, values, seams: None })
+}
+
+fn check_channels(channels: &[ChannelInput], n: usize) -> Vec<Fault> {
     let mut faults = Vec::new();
     let total: usize = channels.iter().map(|channel| channel.width).sum();
     if channels.len() > MAX_CHANNELS || total > MAX_TOTAL_WIDTH {
@@ -165,7 +224,7 @@ fn check_channels(channels: &[Channel], n: usize) -> Vec<Fault> {
         let place = format!("/channels/{}", token(&channel.name));
         if let Some(detail) = check_channel(channel, &channels[..i], n) {
             faults.push(Fault::new(place, detail));
-        } else if let Some(k) = channel.values.iter().position(|x| !x.is_finite()) {
+        } else if let (None, Some(k)) = (&channel.seams, channel.values.iter().position(|x| !x.is_finite())) {
             let detail = format!("{} is not a finite number", channel.values[k]);
             faults.push(Fault::new(format!("{place}/{}", k / channel.width), detail));
         }
@@ -174,7 +233,7 @@ fn check_channels(channels: &[Channel], n: usize) -> Vec<Fault> {
 }
 
 /// Why a channel cannot stand behind others on a mesh of `n` vertices, if so.
-pub fn check_channel(channel: &Channel, before: &[Channel], n: usize) -> Option<String> {
+pub fn check_channel(channel: &ChannelInput, before: &[ChannelInput], n: usize) -> Option<String> {
     check_name(&channel.name)
         .or_else(|| check_clash(channel, before))
         .or_else(|| check_width(channel))
@@ -188,7 +247,7 @@ fn check_name(name: &str) -> Option<String> {
     (!sound).then(|| format!("\"{}\" is no name of a channel; it is {rule}", crate::fault::shortened(name)))
 }
 
-fn check_clash(channel: &Channel, before: &[Channel]) -> Option<String> {
+fn check_clash(channel: &ChannelInput, before: &[ChannelInput]) -> Option<String> {
     let names = channel.number_names();
     let own = Some(&channel.name).filter(|name| name.eq_ignore_ascii_case(ORIGIN));
     let taken = names.iter().find(|name| TAKEN.contains(&name.to_ascii_lowercase().as_str())).or(own);
@@ -203,7 +262,7 @@ fn check_clash(channel: &Channel, before: &[Channel]) -> Option<String> {
     Some(format!("it cannot be told from the channel \"{}\" in files; choose another name", clash.name))
 }
 
-fn check_width(channel: &Channel) -> Option<String> {
+fn check_width(channel: &ChannelInput) -> Option<String> {
     let width = channel.width;
     if channel.is_color() && !(3..=4).contains(&width) {
         return Some(format!("{width} numbers a vertex; a color has 3 or 4: red, green, blue, alpha from 0 to 1"));
@@ -212,8 +271,8 @@ fn check_width(channel: &Channel) -> Option<String> {
     (!sound).then(|| format!("{width} numbers a vertex; a channel has 1 to {MAX_WIDTH}"))
 }
 
-fn check_length(channel: &Channel, n: usize) -> Option<String> {
+fn check_length(channel: &ChannelInput, n: usize) -> Option<String> {
     let rows = channel.values.len() / channel.width;
-    let sound = channel.values.len() == n * channel.width;
+    let sound = channel.values.len() == n * channel.width || channel.seams.is_some();
     (!sound).then(|| format!("{rows} entries for {n} vertices; give one a vertex"))
 }

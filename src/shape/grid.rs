@@ -60,6 +60,12 @@ impl Grid {
         Self { base, parent, pieces, n, is_binary, is_quads, inner }
     }
 
+    /// The order of another base with the same faces after the same splits.
+    #[must_use]
+    pub(super) fn over(&self, base: &Arc<Topology>) -> Self {
+        Self::new(base.clone(), base.clone(), self.pieces.clone())
+    }
+
     /// Pieces of a base edge.
     pub fn pieces(&self) -> usize {
         self.n

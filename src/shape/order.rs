@@ -32,6 +32,15 @@ impl Order {
         }
     }
 
+    /// The order of another base with the same faces after the same splits; of its construction it knows nothing.
+    #[must_use]
+    pub fn over(&self, base: &Arc<Topology>) -> Self {
+        match self {
+            Self::Quads(grid) => Self::Quads(grid.over(base)),
+            Self::Triangles(grid) => Self::Triangles(grid.over(base)),
+        }
+    }
+
     /// Number of vertices.
     pub fn n_vertices(&self) -> usize {
         match self {

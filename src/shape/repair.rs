@@ -2,13 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use super::attachments::Channel;
+use super::attachments::{AttachmentsInput, ChannelInput};
 use super::attributes::Attributes;
 use super::check::{FaceList, oriented};
 use super::mesh::MeshInput;
 use super::pair::{Diagonal, pair};
 use super::repairs::{Faces, Repair};
-use super::topology::NONE;
+use super::seams::SeamsInput;
+use super::topology::{NONE, index};
 use super::weld::{Welded, weld, weld_faces};
 use crate::fault::Fault;
 
@@ -37,9 +38,8 @@ impl MeshInput {
             self.repairs.push(Repair::Welded { merged: welded.merged(), pairs: welded.pairs.clone() });
             let lost = self.attributes.as_ref().and_then(|attributes| lost_parameters(attributes, &welded));
             self.repairs.extend(lost);
-            self.repairs.extend(self.attachments.channels.iter().filter_map(|channel| lost_numbers(channel, &welded)));
             if let Some(uvs) = &mut self.attachments.uvs {
-                uvs.join(&self.faces, &welded);
+                uvs.seams.join(2, uvs.values.as_flattened(), &self.faces, &welded);
             }
         }
         self.repairs.extend(Faces::some(&result.gone).map(Repair::LeftOut));
@@ -58,14 +58,17 @@ impl MeshInput {
             if is_whole { welded.kept.iter().map(|&v| array[v as usize]).collect() } else { array.to_vec() }
         };
         self.attributes = self.attributes.map(|attributes| attributes.changed(kept));
-        for channel in &mut self.attachments.channels {
-            let row = |v: u32| v as usize * channel.width..(v as usize + 1) * channel.width;
-            if channel.values.len() == n * channel.width {
-                channel.values = welded.kept.iter().flat_map(|&v| &channel.values[row(v)]).copied().collect();
-            }
-        }
+        self.attachments.channels.iter_mut().for_each(|channel| weld_channel(channel, &self.faces, &welded));
         self.refaced(result.faces, &result.kept, &result.corners);
         Ok(self)
+    }
+
+    /// Gives each corner of each face a vertex of its own. Vertices of no face, and all that goes by vertices, are gone.
+    #[must_use]
+    pub fn parted(mut self) -> Self {
+        self.positions = self.faces.vertices().iter().map(|&v| self.positions[v as usize]).collect();
+        self.faces = self.faces.with_vertices((0..index(self.positions.len())).collect());
+        self
     }
 
     /// Joins pairs of triangles into quads where there is one way to do it; faces are turned first as `winding` says.
@@ -80,9 +83,7 @@ impl MeshInput {
             return self;
         }
         self.repairs.extend(Faces::some(&changed).map(Repair::Turned));
-        if let Some(uvs) = &mut self.attachments.uvs {
-            uvs.turn(&faces, &changed);
-        }
+        seams(&mut self.attachments).for_each(|seams| seams.turn(&faces, &changed));
         self.faces = faces;
         let mut is_hole = vec![false; self.faces.len()];
         for &hole in &self.holes {
@@ -91,12 +92,14 @@ impl MeshInput {
         let names = self.names();
         let sharp = self.creases.iter().filter(|(_, sharpness)| *sharpness > 0.0);
         let sharp: BTreeSet<[u64; 2]> = sharp.map(|&([a, b], _)| [a.min(b), a.max(b)]).collect();
-        let uvs = self.attachments.uvs.as_ref().filter(|uvs| uvs.fits(&self.faces));
+        let uvs = self.attachments.uvs.iter().map(|uvs| &uvs.seams);
+        let seams = uvs.chain(self.attachments.channels.iter().filter_map(|channel| channel.seams.as_ref()));
+        let seams: Vec<&SeamsInput> = seams.filter(|seams| seams.fits(&self.faces)).collect();
         let may_join = |diagonal: Diagonal| {
             let [f, g] = diagonal.faces.map(|f| is_hole[f as usize]);
             let [a, b] = diagonal.ends.map(u64::from);
             let [name, other] = diagonal.faces.map(|f| names[f as usize]);
-            let smooth = uvs.is_none_or(|uvs| uvs.joins(diagonal));
+            let smooth = seams.iter().all(|seams| seams.joins(diagonal));
             f == g && name == other && smooth && !sharp.contains(&[a.min(b), a.max(b)])
         };
         let paired = pair(&self.positions, &self.faces, may_join);
@@ -121,11 +124,9 @@ impl MeshInput {
     }
 
     /// Takes other faces, for each of which `kept` names the old one, ascending; holes, groups and materials
-    /// follow, and texture coordinates, where `corners` names the old corner of each new one.
+    /// follow, and values of corners, where `corners` names the old corner of each new one.
     fn refaced(&mut self, faces: FaceList, kept: &[u32], corners: &[u32]) {
-        if let Some(uvs) = &mut self.attachments.uvs {
-            uvs.follow(&self.faces, &faces, corners);
-        }
+        seams(&mut self.attachments).for_each(|seams| seams.follow(&self.faces, &faces, corners));
         let mut image = vec![NONE; self.faces.len()];
         kept.iter().zip(0..).for_each(|(&old, new)| image[old as usize] = new);
         let moved = |face: u64| match usize::try_from(face).ok().and_then(|f| image.get(f)) {
@@ -142,13 +143,28 @@ impl MeshInput {
     }
 }
 
-/// How many merged vertices carry other numbers in a channel than those that stayed.
-fn lost_numbers(Channel { name, width, values }: &Channel, welded: &Welded) -> Option<Repair> {
+/// The seams of all that has some.
+fn seams(attachments: &mut AttachmentsInput) -> impl Iterator<Item = &mut SeamsInput> {
+    let uvs = attachments.uvs.iter_mut().map(|uvs| &mut uvs.seams);
+    uvs.chain(attachments.channels.iter_mut().filter_map(|channel| channel.seams.as_mut()))
+}
+
+/// Takes the numbers of the vertices that stayed; where merged ones carry others, all stay with the corners of the
+/// faces, which have the vertices from before, and vertices become seams.
+fn weld_channel(ChannelInput { width, values, seams, .. }: &mut ChannelInput, faces: &FaceList, welded: &Welded) {
+    if let Some(seams) = seams {
+        return seams.join(*width, values, faces, welded);
+    }
     let rows: Vec<&[f64]> = values.chunks_exact((*width).max(1)).collect();
-    let is_whole = rows.len() == welded.image.len();
-    let differ = |&(v, &new): &(usize, &u32)| rows[v] != rows[welded.kept[new as usize] as usize];
-    let n = if is_whole { welded.image.iter().enumerate().filter(differ).count() } else { 0 };
-    (n > 0).then(|| Repair::LostNumbers(name.clone(), n))
+    if rows.len() != welded.image.len() {
+        return;
+    }
+    let kept = |new: u32| rows[welded.kept[new as usize] as usize];
+    if welded.image.iter().zip(&rows).all(|(&new, &row)| kept(new) == row) {
+        *values = (0..index(welded.kept.len())).flat_map(kept).copied().collect();
+    } else {
+        seams.insert(SeamsInput::of_vertices(faces)).join(*width, values, faces, welded);
+    }
 }
 
 /// The parameters in which merged vertices differ from those that stayed, each with the first such pair.

@@ -49,8 +49,6 @@ pub enum Repair {
     },
     /// Edges of the boundary that lie where others do.
     Doubled(Edges),
-    /// Merged vertices carried other numbers in this channel than those that stayed: how many.
-    LostNumbers(String, usize),
 }
 
 impl Repair {
@@ -159,10 +157,6 @@ impl fmt::Display for Repair {
             Self::Doubled(edges) => {
                 let n = counted(edges.count, ["edge of the boundary lies", "edges of the boundary lie"]);
                 write!(f, "{n} where others do, and gaps open along them; \"weld\": 0 joins them: {edges}")
-            }
-            Self::LostNumbers(name, merged) => {
-                let n = counted(*merged, ["merged vertex differs", "merged vertices differ"]);
-                write!(f, "{n} in the channel \"{name}\", and those that stayed keep theirs")
             }
         }
     }

@@ -65,8 +65,19 @@ pub trait MeshSource: OriginSource + std::fmt::Debug + Sync {
         None
     }
 
-    /// Texture coordinates.
-    fn uvs(&self) -> Option<&dyn UvSource> {
+    /// Texture coordinates, two numbers a place.
+    fn uvs(&self) -> Option<Box<dyn PlaceSource + '_>> {
+        None
+    }
+
+    /// The numbers of channel number `channel` where it has seams, so that they do not stand at vertices.
+    fn channel_places(&self, _channel: usize) -> Option<Box<dyn PlaceSource + '_>> {
+        None
+    }
+
+    /// The same mesh with a vertex for each place of all that has seams together, so that all of it is numbered like
+    /// the vertices; `None` where it is already.
+    fn unfolded(&self) -> Option<Box<dyn MeshSource + '_>> {
         None
     }
 
@@ -76,7 +87,7 @@ pub trait MeshSource: OriginSource + std::fmt::Debug + Sync {
     }
 
     /// Fills `out` with the numbers that the vertices in `range` carry in channel number `channel`, vertex after
-    /// vertex.
+    /// vertex; with none where the channel has seams.
     fn channel(&self, _channel: usize, _range: Range<usize>, out: &mut Vec<f64>) {
         out.clear();
     }
@@ -124,20 +135,21 @@ pub trait NormalSource {
     fn on_side(&self, vertex: u32, next: u32) -> Option<[f64; 3]>;
 }
 
-/// Texture coordinates: they stand at points of their own, as a vertex on a seam has several.
-pub trait UvSource: Sync {
-    /// Number of points with texture coordinates.
-    fn n_points(&self) -> usize;
+/// Values of face corners: they stand at places of their own, as a vertex on a seam has several.
+pub trait PlaceSource: Sync {
+    /// Number of places.
+    fn n_places(&self) -> usize;
 
-    /// Fills `out` with the texture coordinates of the points in `range`.
-    fn values(&self, range: Range<usize>, out: &mut Vec<[f64; 2]>);
+    /// Fills `out` with the values of the places in `range`, place after place.
+    fn values(&self, range: Range<usize>, out: &mut Vec<f64>);
 
-    /// Fills `out` with the points at the half-edges of the faces in `range`.
+    /// Fills `out` with the places at the half-edges of the faces in `range`.
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk);
 
-    /// The same mesh with a vertex for each point with texture coordinates, so that these are numbered like the
-    /// vertices; `None` where they are already.
-    fn unfolded(&self) -> Option<Box<dyn MeshSource + '_>>;
+    /// Whether places are numbered like the vertices.
+    fn follow_vertices(&self) -> bool {
+        false
+    }
 }
 
 /// The cells of the input that the vertices and faces of a mesh came of. A mesh that stands as it was given has the

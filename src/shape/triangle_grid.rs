@@ -39,6 +39,12 @@ impl TriangleGrid {
         Self { base, parent, pieces, n }
     }
 
+    /// The order of another base with the same faces after the same splits.
+    #[must_use]
+    pub(super) fn over(&self, base: &Arc<Topology>) -> Self {
+        Self::new(base.clone(), base.clone(), self.pieces.clone())
+    }
+
     /// The base split at once, which numbers everything in the documented order.
     fn whole(&self) -> Tiling<'_> {
         Tiling::new(&self.base, Tile::Triangle, self.n)

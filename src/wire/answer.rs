@@ -4,9 +4,9 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use crate::analysis::circles::Outlook;
-use crate::analysis::curve::Reached;
 use crate::fault::{Fault, cut};
 use crate::job::Job;
+use crate::job::Resolved;
 use crate::job::limits::Estimate;
 use crate::output::Size;
 
@@ -79,17 +79,18 @@ pub struct JobAnswer {
     pub reached: Option<ReachedAnswer>,
 }
 
-/// The level that a tolerance led to.
+/// The level that a tolerance or `"auto"` led to.
 #[derive(Debug, Clone, Copy, Serialize, ToSchema)]
 pub struct ReachedAnswer {
     /// The level.
     pub level: u32,
-    /// The result is at most this far from the limit, model units.
-    pub bound: f64,
+    /// The result is at most this far from the limit, model units, where a tolerance was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bound: Option<f64>,
 }
 
-impl From<Reached> for ReachedAnswer {
-    fn from(reached: Reached) -> Self {
+impl From<Resolved> for ReachedAnswer {
+    fn from(reached: Resolved) -> Self {
         Self { level: reached.level, bound: reached.bound }
     }
 }

@@ -1,5 +1,7 @@
 //! The catalogue: operators, presets and formats with their parameters; readers.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 use serde_json::{Value, json};
 use utoipa::ToSchema;
@@ -7,6 +9,7 @@ use utoipa::ToSchema;
 use crate::input::{READERS, Reader};
 use crate::math::parameter::{Default, Kind, Parameter};
 use crate::output::{FORMATS, Format, ShapeKind};
+use crate::scheme::claim::Claim;
 use crate::scheme::operator::Operator;
 use crate::scheme::ops::OPERATORS;
 use crate::scheme::parameters::WORD_PARAMETERS;
@@ -73,8 +76,28 @@ pub struct PresetEntry {
     pub parameters: Vec<ParameterEntry>,
     /// What the preset is, with the formula.
     pub doc: &'static str,
+    /// What the preset claims of its limits, as POST /v1/analyses finds it at the values named.
+    pub claims: Vec<ClaimEntry>,
     /// Author, year, page.
     pub source: &'static str,
+}
+
+/// What holds of a preset for some values of its parameters. Numbers are texts of constant expressions that may use the
+/// parameters by their names.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct ClaimEntry {
+    /// For which values of the parameters it holds; absent where it does for all.
+    #[serde(skip_serializing_if = "str::is_empty")]
+    pub range: &'static str,
+    /// Values of parameters at which it is tested.
+    #[schema(value_type = Vec<Object>)]
+    pub at: Vec<BTreeMap<&'static str, &'static str>>,
+    /// The largest k for which limits are C^k, of the static limit where levels change.
+    pub smoothness: &'static str,
+    /// The width of the support of the basic limit function.
+    pub support: &'static str,
+    /// The largest degree of polynomials that are limits of their own samples.
+    pub reproduction_degree: &'static str,
 }
 
 /// One operator.
@@ -183,6 +206,14 @@ fn bounds(kind: &Kind) -> BoundsEntry {
     }
 }
 
+impl ClaimEntry {
+    fn new(claim: &Claim) -> Self {
+        let Claim { range, at, smoothness, support, reproduction_degree } = *claim;
+        let at = at.iter().map(|values| values.iter().copied().collect()).collect();
+        Self { range, at, smoothness, support, reproduction_degree }
+    }
+}
+
 impl PresetEntry {
     fn new(preset: &Preset) -> Self {
         let refines: &[&str] = match preset.refines {
@@ -195,6 +226,7 @@ impl PresetEntry {
             refines,
             parameters: ParameterEntry::all(preset.parameters),
             doc: preset.doc,
+            claims: preset.claims.iter().map(ClaimEntry::new).collect(),
             source: preset.source,
         }
     }

@@ -10,7 +10,7 @@ use super::polygon::{PolygonRequest, polygons};
 use super::text::{Held, MeshFile, TextRequest, within};
 use super::weld::WeldRequest;
 use crate::fault::{Fault, under};
-use crate::input::ReadLimits;
+use crate::input::{ReadLimits, Vertices};
 use crate::job::{Input, InputEntry};
 use crate::scheme::tags::Boundary;
 use crate::shape::check::{NonManifold, Winding};
@@ -42,7 +42,7 @@ pub struct InputRequest {
     pub orient: Option<OrientRequest>,
     /// Merge vertices of a mesh that are at most so far apart, in model units; 0 merges equal positions. When it is
     /// left out, files of formats that double vertices (`gltf`, `glb`) are welded at equal positions where there is a
-    /// plan; `false` keeps their vertices apart.
+    /// plan; `false` keeps their vertices apart, and the facets of `stl`, whose equal corners are joined else.
     pub weld: Option<WeldRequest>,
     /// What to do with faces that are no manifold, as where an edge has three: `refuse` (default where there is a plan)
     /// or `split`, which cuts the mesh into manifold pieces; without a plan that is what is drawn and converted.
@@ -151,8 +151,11 @@ impl InputRequest {
         }
         let in_text = |found| under("/text", found);
         if let Some(file) = text.map(TextRequest::file).transpose().map_err(|fault| in_text(vec![fault]))?.or(file) {
-            let Held { mesh, boundary, lines, is_doubled } = file.read(self.winding(), limits).map_err(in_text)?;
-            let usual = (is_doubled && self.weld.is_none() && purpose == Purpose::Refine).then_some(0.0);
+            let Held { mesh, boundary, lines, vertices } = file.read(self.winding(), limits).map_err(in_text)?;
+            let is_welded = vertices == Vertices::Doubled && self.weld.is_none() && purpose == Purpose::Refine;
+            let usual = is_welded.then_some(0.0);
+            let is_parted = vertices == Vertices::Joined && self.weld == Some(WeldRequest::Never);
+            let mesh = if is_parted { mesh.parted() } else { mesh };
             let distance = self.distance().or(usual);
             // repairs leave faces out, or join them
             let lines = if distance.is_some() || self.pair_quads { Vec::new() } else { lines };

@@ -5,10 +5,10 @@ use utoipa::ToSchema;
 
 use super::input::{InputRequest, Purpose, Resolved};
 use super::levels::LevelsRequest;
-use super::object;
 use super::output::{OutputRequest, outputs};
 use super::plan::PlanRequest;
 use super::variants::{InputSchema, PlanSchema};
+use super::{object, whole};
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
 use crate::job::{Draft, Input, Job, Levels, Output, SearchError};
@@ -23,6 +23,7 @@ use crate::watch::Watch;
 pub struct JobRequest {
     /// Version of this notation; 1 when left out.
     #[schema(minimum = 1, maximum = 1)]
+    #[serde(default, deserialize_with = "whole::optional")]
     pub spec: Option<u64>,
     /// What is refined: exactly one kind of input.
     #[serde(deserialize_with = "object::one")]

@@ -3,14 +3,17 @@
 use std::fmt;
 
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
+use serde::de::{Deserialize, Deserializer, Error, MapAccess, Unexpected, Visitor};
 use utoipa::openapi::schema::{Object, OneOf, Schema, Type};
 use utoipa::openapi::{ObjectBuilder, RefOr};
 use utoipa::{PartialSchema, ToSchema};
 
 use crate::job::Levels;
 
-/// A number of levels, or a tolerance: `4` or `{"tolerance": 0.01}`.
+/// The levels of pictures whose faces are to be about a pixel.
+const AUTO: &str = "auto";
+
+/// A number of levels, a tolerance, or what a picture can show: `4`, `{"tolerance": 0.01}` or `"auto"`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LevelsRequest(pub Levels);
 
@@ -32,11 +35,22 @@ impl<'de> Visitor<'de> for LevelsVisitor {
     type Value = Levels;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "a whole number of levels, or an object with a \"tolerance\"")
+        write!(f, "a whole number of levels, an object with a \"tolerance\", or \"{AUTO}\"")
     }
 
     fn visit_u64<E>(self, levels: u64) -> Result<Levels, E> {
         Ok(Levels::Count(levels))
+    }
+
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is whole and not negative")]
+    fn visit_f64<E: Error>(self, levels: f64) -> Result<Levels, E> {
+        // what is larger is refused as what it is rounded to
+        let is_whole = levels >= 0.0 && levels.fract() == 0.0;
+        if is_whole { Ok(Levels::Count(levels as u64)) } else { Err(E::invalid_type(Unexpected::Float(levels), &self)) }
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<Levels, E> {
+        if text == AUTO { Ok(Levels::Auto) } else { Err(E::invalid_value(Unexpected::Str(text), &self)) }
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Levels, A::Error> {
@@ -56,8 +70,12 @@ impl PartialSchema for LevelsRequest {
             .property("tolerance", tolerance)
             .required("tolerance")
             .additional_properties(Some(utoipa::openapi::schema::AdditionalProperties::FreeForm(false)));
+        let auto = ObjectBuilder::new()
+            .schema_type(Type::String)
+            .enum_values(Some([AUTO]))
+            .description(Some("Of pictures: as many as make faces of about a pixel, and two million faces at most."));
         let mut either = OneOf::new();
-        either.items = vec![Object::from(count).into(), Object::from(within).into()];
+        either.items = vec![Object::from(count).into(), Object::from(within).into(), Object::from(auto).into()];
         RefOr::T(Schema::OneOf(either))
     }
 }

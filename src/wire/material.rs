@@ -6,7 +6,7 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::choice::choice;
-use super::{object, schema};
+use super::{object, schema, whole};
 use crate::fault::{Fault, under};
 use crate::input::from_base64;
 use crate::shape::labels::FaceSet;
@@ -24,6 +24,7 @@ pub struct MaterialRequest {
     /// The name: 1 to 64 bytes without blanks, control characters and `#`.
     pub name: String,
     /// Faces, counted from 0.
+    #[serde(deserialize_with = "whole::list")]
     pub faces: Vec<u64>,
     /// Red, green, blue and perhaps alpha (1 when left out), sRGB from 0 to 1.
     #[schema(schema_with = schema::color)]

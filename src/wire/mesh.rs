@@ -3,17 +3,16 @@
 use serde::Deserialize;
 use utoipa::ToSchema;
 
-use super::channels::ChannelsRequest;
-use super::choice::choice;
+use super::channels::{self, ChannelsRequest};
+use super::corners::{UvsRequest, face_list};
 use super::material::{MaterialRequest, materials};
 use super::polygon::PointParameters;
-use super::{fixed, object, schema};
+use super::{fixed, object, schema, whole};
 use crate::fault::Fault;
 use crate::shape::attachments::AttachmentsInput;
-use crate::shape::check::{FaceList, Winding};
+use crate::shape::check::Winding;
 use crate::shape::labels::FaceSet;
 use crate::shape::mesh::MeshInput;
-use crate::shape::uvs::{Interpolation, UvsInput};
 
 /// A control mesh.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
@@ -29,6 +28,7 @@ pub struct MeshRequest {
     #[schema(schema_with = schema::frames)]
     pub frames: Vec<Vec<[f64; 3]>>,
     /// Faces as lists of vertex indices, counted from 0, counter-clockwise seen from outside.
+    #[serde(deserialize_with = "whole::lists")]
     #[schema(schema_with = schema::faces)]
     pub faces: Vec<Vec<u64>>,
     /// Sharp vertices: infinitely sharp ones keep their place.
@@ -38,23 +38,23 @@ pub struct MeshRequest {
     #[serde(default, deserialize_with = "object::list")]
     pub creases: Vec<CreaseRequest>,
     /// Faces that are refined but not shown.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "whole::list")]
     pub holes: Vec<u64>,
     /// Parameters that vertices carry: each a list of one number a vertex.
     #[serde(default, deserialize_with = "object::optional")]
     pub parameters: Option<PointParameters>,
     /// Edges along latitude lines, as pairs of vertices.
-    #[serde(default, deserialize_with = "fixed::list")]
+    #[serde(default, deserialize_with = "whole::pairs")]
     #[schema(schema_with = schema::edges)]
     pub latitude: Vec<[u64; 2]>,
     /// Edges along longitude lines, as pairs of vertices.
-    #[serde(default, deserialize_with = "fixed::list")]
+    #[serde(default, deserialize_with = "whole::pairs")]
     #[schema(schema_with = schema::edges)]
     pub longitude: Vec<[u64; 2]>,
-    /// Numbers that vertices carry, by name: `n` numbers, or `n` lists of 1 to 4 numbers; refined like positions.
-    /// `color` (red, green, blue and perhaps alpha, sRGB from 0 to 1) is the colour of the vertices.
+    /// Numbers that vertices carry, by name: `n` numbers, or `n` lists of 1 to 4 numbers; refined like positions. With
+    /// `values` and `faces`, as `uvs` have them, corners of faces carry them, and seams stay seams. `color` (red, green, blue and perhaps alpha, sRGB from 0 to 1) is the colour of the vertices.
     #[serde(default)]
-    #[schema(schema_with = schema::channels)]
+    #[schema(schema_with = channels::described)]
     pub channels: ChannelsRequest,
     /// Groups of faces; a face is in one of them at most.
     #[serde(default, deserialize_with = "object::list")]
@@ -69,52 +69,6 @@ pub struct MeshRequest {
     pub uvs: Option<UvsRequest>,
 }
 
-/// Texture coordinates of face corners, refined by the scheme of the mesh.
-#[derive(Debug, Clone, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-pub struct UvsRequest {
-    /// Values, `n x 2`; the second coordinate points up.
-    #[serde(deserialize_with = "fixed::list")]
-    #[schema(schema_with = schema::uv_values)]
-    pub values: Vec<[f64; 2]>,
-    /// For each face of the mesh the values at its corners, in their order. Neighbours are joined where both have the
-    /// same values at both ends of their edge; all other edges are seams.
-    #[schema(schema_with = schema::uv_faces)]
-    pub faces: Vec<Vec<u64>>,
-    /// Where values are interpolated linearly; `all` when left out.
-    pub interpolation: Option<InterpolationRequest>,
-}
-
-choice! {
-    /// Where texture coordinates are interpolated linearly.
-    pub enum InterpolationRequest means Interpolation {
-        /// Nowhere: boundaries and seams are smooth curves.
-        None = "none",
-        /// Corners, where a region has one face, keep their values.
-        CornersOnly = "corners-only",
-        /// And places where three regions or more meet.
-        CornersPlus1 = "corners-plus1",
-        /// And places where a seam ends inside, and both sides of a corner where two regions meet.
-        CornersPlus2 = "corners-plus2",
-        /// All boundaries and seams.
-        Boundaries = "boundaries",
-        /// Everywhere.
-        All = "all",
-    }
-}
-
-impl UvsRequest {
-    fn resolve(self) -> UvsInput {
-        let interpolation = self.interpolation.map(Into::into).unwrap_or_default();
-        UvsInput { values: self.values, faces: face_list(&self.faces), interpolation }
-    }
-}
-
-/// Faces of 32-bit indices; one beyond them is beyond every mesh and every list of values, too.
-fn face_list(faces: &[Vec<u64>]) -> FaceList {
-    faces.iter().map(|face| face.iter().map(|&v| u32::try_from(v).unwrap_or(u32::MAX))).collect()
-}
-
 /// Some faces under one name.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -122,6 +76,7 @@ pub struct FaceSetRequest {
     /// The name: 1 to 64 bytes without blanks, control characters and `#`.
     pub name: String,
     /// Faces, counted from 0.
+    #[serde(deserialize_with = "whole::list")]
     pub faces: Vec<u64>,
 }
 
@@ -134,6 +89,7 @@ fn face_sets(requests: Vec<FaceSetRequest>) -> Vec<FaceSet> {
 #[serde(deny_unknown_fields)]
 pub struct CornerRequest {
     /// The vertex.
+    #[serde(deserialize_with = "whole::one")]
     pub vertex: u64,
     /// 0 is smooth, 10 or more infinitely sharp; what lies between belongs to `catmull-clark` and `loop`.
     #[schema(minimum = 0)]
@@ -145,7 +101,7 @@ pub struct CornerRequest {
 #[serde(deny_unknown_fields)]
 pub struct CreaseRequest {
     /// The two ends of the edge, in any order.
-    #[serde(deserialize_with = "fixed::one")]
+    #[serde(deserialize_with = "whole::pair")]
     #[schema(schema_with = schema::ends)]
     pub edge: [u64; 2],
     /// 0 is smooth, 10 or more infinitely sharp; what lies between belongs to `catmull-clark` and `loop`, which

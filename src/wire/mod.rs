@@ -5,6 +5,7 @@ pub mod answer;
 pub mod catalogue;
 mod channels;
 mod choice;
+mod corners;
 mod declared;
 pub(crate) mod fields;
 mod fixed;
@@ -27,6 +28,7 @@ pub mod text;
 pub mod tube_analysis;
 mod variants;
 pub mod weld;
+mod whole;
 pub(crate) mod written;
 
 pub use job::JobRequest;

@@ -1,22 +1,29 @@
 //! The plan as clients write it.
 
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 use utoipa::ToSchema;
 
 use super::choice::choice;
 use super::literal::WireFields;
-use super::schema;
+use super::{schema, whole};
 use crate::scheme::extent::Ends;
 use crate::scheme::plan::PlanInput;
 use crate::scheme::tags::Boundary;
+
+/// For a field that is a text or not there; null is no text.
+fn given<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<String>, D::Error> {
+    String::deserialize(deserializer).map(Some)
+}
 
 /// How the input is refined: a preset or a word.
 #[derive(Debug, Clone, Default, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlanRequest {
     /// Name of a preset, see `/v1/presets`.
+    #[serde(default, deserialize_with = "given")]
     pub preset: Option<String>,
     /// A word over operators, see `/v1/operators`.
+    #[serde(default, deserialize_with = "given")]
     pub word: Option<String>,
     /// Parameters of the preset, or of the word: numbers, constant expressions, expressions.
     #[serde(default)]
@@ -28,6 +35,7 @@ pub struct PlanRequest {
     pub ends: Option<EndsRequest>,
     /// Seed of random perturbation; without effect on plans that have none.
     #[schema(schema_with = schema::seed)]
+    #[serde(default, deserialize_with = "whole::optional")]
     pub seed: Option<u64>,
 }
 

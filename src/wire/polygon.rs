@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use utoipa::ToSchema;
 
-use super::{object, schema};
+use super::{object, schema, whole};
 use crate::fault::{Fault, under};
 use crate::shape::attributes::Attributes;
 use crate::shape::polygon::Polygon;
@@ -25,7 +25,7 @@ pub struct PolygonRequest {
     #[serde(default)]
     pub closed: bool,
     /// Indices of points that keep their place.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "whole::list")]
     pub corners: Vec<u64>,
     /// Whether points are homogeneous: the last coordinate is a weight, by which the others are divided after refining.
     #[serde(default)]
@@ -35,7 +35,7 @@ pub struct PolygonRequest {
     #[schema(schema_with = schema::tangents)]
     pub tangents: Option<Vec<Vec<f64>>>,
     /// Indices of points whose tangents stay as they are.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "whole::list")]
     pub pinned: Vec<u64>,
     /// Parameters that points carry: each a list of one number a point.
     #[serde(default, deserialize_with = "object::optional")]

@@ -68,8 +68,8 @@ pub(super) fn uv_values() -> RefOr<Schema> {
     lists(of(Type::Number).build(), 2, Some(2), "Values, `n x 2`; the second coordinate points up.")
 }
 
-/// Texture coordinates at the corners of faces.
-pub(super) fn uv_faces() -> RefOr<Schema> {
+/// Values at the corners of faces.
+pub(super) fn corner_values() -> RefOr<Schema> {
     let doc = "For each face of the mesh the values at its corners, in their order. Neighbours are joined where both \
                have the same values at both ends of their edge; all other edges are seams.";
     lists(index(), 3, None, doc)
@@ -87,15 +87,11 @@ pub(super) fn ends() -> RefOr<Schema> {
     ArrayBuilder::new().items(index()).min_items(Some(2)).max_items(Some(2)).description(Some(doc)).into()
 }
 
-/// Channels of numbers on vertices.
-pub(super) fn channels() -> RefOr<Schema> {
+/// Entries of a channel.
+pub(super) fn channel_rows() -> RefOr<Schema> {
     let number = of(Type::Number).build();
     let row = ArrayBuilder::new().items(number.clone()).min_items(Some(1)).max_items(Some(4));
-    let entry = OneOfBuilder::new().item(number).item(row);
-    let properties = AdditionalProperties::from(RefOr::from(Schema::from(ArrayBuilder::new().items(entry).build())));
-    let doc = "Numbers that vertices carry, by name: a number or a list of 1 to 4 numbers for each vertex. `color` \
-               (red, green, blue, perhaps alpha; sRGB from 0 to 1) is the colour of the vertices.";
-    of(Type::Object).additional_properties(Some(properties)).description(Some(doc)).into()
+    ArrayBuilder::new().items(OneOfBuilder::new().item(number).item(row)).build().into()
 }
 
 /// A colour with or without alpha.

@@ -7,7 +7,8 @@ use utoipa::ToSchema;
 
 use super::analysis::{CertificateAnswer, MaskAnswer};
 use crate::analysis::surface::{
-    Criterion, Extraordinary, Kind, Proof, RegularMask, RegularSmoothness, Status, ValenceReport, Weight, evidence, verdict,
+    Criterion, Extraordinary, Kind, Proof, RegularMask, RegularSmoothness, Status, ValenceReport, Weight, evidence,
+    verdict,
 };
 use crate::job::{SurfaceFindings, Survey};
 use crate::math::mask::Mask;
@@ -219,7 +220,7 @@ pub struct CriterionAnswer {
     pub status: &'static str,
 }
 
-const WEIGHTS: &str = "weights are those of the scheme as it is written up to 1e-13 of their size";
+const WEIGHTS: &str = "weights are those of the scheme as it is written up to 2e-14 of their size";
 const ALPHA: &str = "the plan follows alpha; what is said holds for the scheme at alpha = 0, to which its levels come \
                      close";
 const GENERIC: &str = "C1 is meant for almost all nets: those whose tangents are not parallel";
@@ -254,10 +255,8 @@ impl RegularAnswer {
         };
         let at = |x: i32, y: i32| regular.mask.get(&[x, y]).copied().unwrap_or(0.0);
         let row = |y: i32| range(0).map(|x| at(x, y)).collect();
-        let mask = LatticeMaskAnswer {
-            first: [*range(0).start(), *range(1).start()],
-            values: range(1).map(row).collect(),
-        };
+        let mask =
+            LatticeMaskAnswer { first: [*range(0).start(), *range(1).start()], values: range(1).map(row).collect() };
         let factor = |(direction, times): (&[i32; 2], &u32)| FactorAnswer { direction: *direction, times: *times };
         let factors = RegularMask::DIRECTIONS.iter().zip(&regular.factors).filter(|(_, times)| **times > 0);
         let curve = |mask: Mask| MaskAnswer { first: mask.first.into(), values: mask.values, exact: None };
@@ -294,8 +293,7 @@ impl ValenceAnswer {
             imaginary: Some(found.value.im).filter(|x| *x != 0.0),
             fourier: found.fourier,
         };
-        let criterion =
-            |c: &Criterion| CriterionAnswer { criterion: c.statement, status: name(c.status) };
+        let criterion = |c: &Criterion| CriterionAnswer { criterion: c.statement, status: name(c.status) };
         let tangents = report.tangent_masks.as_ref().map(|both| {
             both.each_ref().map(|mask| {
                 let entry = |weight: &Weight| (coordinates(weight), weight.values.clone());

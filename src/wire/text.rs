@@ -10,7 +10,7 @@ use super::mesh::MeshRequest;
 use super::read::{ReadError, read};
 use super::schema;
 use crate::fault::{Fault, did_you_mean, shortened};
-use crate::input::{self, Alone, Beside, File, ReadLimits, WithLibrary};
+use crate::input::{self, Alone, Beside, File, ReadLimits, Vertices, WithLibrary};
 use crate::scheme::tags::Boundary;
 use crate::shape::check::Winding;
 use crate::shape::mesh::MeshInput;
@@ -60,8 +60,8 @@ pub(super) struct Held {
     pub(super) boundary: Option<Boundary>,
     /// The line of each face, where files have such; else empty.
     pub(super) lines: Vec<u32>,
-    /// Whether files of its format have a vertex once for each set of numbers that it carries.
-    pub(super) is_doubled: bool,
+    /// Which corners share a vertex in files of its format.
+    pub(super) vertices: Vertices,
 }
 
 impl TextRequest {
@@ -118,7 +118,7 @@ impl MeshFile {
                 ReadError::Unfit(faults) => at_data(faults),
             })?;
             let mesh = request.input(winding).map_err(at_data)?;
-            return Ok(Held { mesh, boundary: None, lines: Vec::new(), is_doubled: false });
+            return Ok(Held { mesh, boundary: None, lines: Vec::new(), vertices: Vertices::Shared });
         }
         let Some(reader) = input::named(&self.format) else {
             let known: Vec<&str> = input::READERS.iter().map(|reader| reader.name).chain(["json"]).collect();
@@ -134,7 +134,7 @@ impl MeshFile {
             return Err(vec![Fault::new("/data", without_faces(mesh.positions.len(), &mesh.notes))]);
         }
         let (boundary, lines) = (mesh.boundary, std::mem::take(&mut mesh.lines));
-        Ok(Held { mesh: mesh.into_input(winding), boundary, lines, is_doubled: reader.doubles_vertices })
+        Ok(Held { mesh: mesh.into_input(winding), boundary, lines, vertices: reader.vertices })
     }
 }
 

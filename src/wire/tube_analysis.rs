@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::analysis::SchemeAnswer;
-use crate::job::{TubeFindings, TubeInput};
+use crate::analysis::smoothness::Report;
+use crate::job::{SchemeFindings, TubeFindings, TubeInput};
 
 /// A tube whose rings are one regular polygon, moved along its axis, and tagged as latitude lines.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, ToSchema)]
@@ -72,8 +73,23 @@ impl TubeAnswer {
             factor,
             control_radius: control_radius.or(limit_radius.map(|radius| radius / factor)),
             limit_radius: limit_radius.or(control_radius.map(|radius| radius * factor)),
-            along: SchemeAnswer::new(&found.along, None),
-            across: SchemeAnswer::new(&found.across, None),
+            along: scheme(&found.along),
+            across: scheme(&found.across),
         }
     }
+}
+
+/// What is said of a curve scheme alone.
+fn scheme(report: &Report) -> SchemeAnswer {
+    SchemeAnswer::new(&SchemeFindings {
+        report: report.clone(),
+        levels: &[],
+        rate: None,
+        proved_c: report.smoothness.proved_c,
+        values: None,
+        derivatives: Vec::new(),
+        matrices: None,
+        theorems: Vec::new(),
+        decay: None,
+    })
 }

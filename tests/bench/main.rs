@@ -1,9 +1,10 @@
 //! How quick planish is, as one table: `cargo bench --bench bench`, followed by `-- refine peers limits polygons
-//! schemes pictures encode http` or some of these for some parts only.
+//! schemes analysis pictures encode http` or some of these for some parts only.
 //!
 //! Every figure is the best of a few runs on a warm heap. Absolute figures drift between machines; the column "ratio"
 //! relates each to something measured in the same run.
 
+mod analysis;
 mod encode;
 mod http;
 mod load;
@@ -28,6 +29,7 @@ const PARTS: &[(&str, Part)] = &[
     ("limits", refine::measure_limits),
     ("polygons", polygons::measure),
     ("schemes", schemes::measure),
+    ("analysis", analysis::measure),
     ("pictures", pictures::measure),
     ("encode", encode::measure),
     ("http", http::measure),

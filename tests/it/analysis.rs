@@ -1,14 +1,20 @@
 //! What is said of schemes: the reference rows, known facts, laws, and which questions are the same.
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+mod claims;
 mod facts;
+mod forms;
 mod laws;
+mod matrices;
+mod papers;
 mod rows;
 mod same;
+mod scans;
 mod surfaces;
 mod tubes;
 
 use planish::fault::Fault;
+use planish::job::Form;
 use planish::watch::Watch;
 use planish::wire::analysis::{AnalysisAnswer, AnalysisRequest};
 use planish::wire::read::read;
@@ -21,16 +27,16 @@ fn question(question: &Value) -> AnalysisRequest {
 /// The answer to a question.
 fn asked(asked: &Value) -> Value {
     let watch = Watch::new();
-    let analysis = question(asked).resolve(&watch).unwrap_or_else(|faults| panic!("{asked}: {faults:?}"));
+    let analysis = question(asked).resolve(Form::Json, &watch).unwrap_or_else(|faults| panic!("{asked}: {faults:?}"));
     serde_json::to_value(AnalysisAnswer::of(&analysis, &watch).unwrap()).unwrap()
 }
 
 fn refused(asked: &Value) -> Vec<Fault> {
-    question(asked).resolve(&Watch::new()).map(|_| ()).expect_err("a refusal")
+    question(asked).resolve(Form::Json, &Watch::new()).map(|_| ()).expect_err("a refusal")
 }
 
 fn key(asked: &Value) -> String {
-    question(asked).resolve(&Watch::new()).unwrap().key().to_string()
+    question(asked).resolve(Form::Json, &Watch::new()).unwrap().key(Form::Json).to_string()
 }
 
 /// The answer about a preset, with a small search.

@@ -2,6 +2,7 @@
 
 mod files;
 mod frames;
+mod glass;
 mod isolines;
 mod laws;
 mod libraries;
@@ -9,6 +10,7 @@ mod looks;
 mod morphs;
 mod read;
 mod refused;
+mod seams;
 mod shown;
 mod uv_fans;
 mod uv_weights;

@@ -189,15 +189,21 @@ fn options(format: &dyn Format) -> Vec<Value> {
             json!({ "format": name, "sections": planes() }),
             json!({ "format": name, "isolines": true }),
         ],
-        "svg" => vec![
+        "svg" | "pdf" => vec![
             json!({ "format": name, "width": 32, "height": 24 }),
             json!({ "format": name, "width": 32, "height": 24, "sections": planes() }),
+            json!({ "format": name, "show": everything(), "fill": "#abc", "title": "\\alpha_0 '\"<>&" }),
+            json!({ "format": name, "show": everything(), "styles": [{ "dash": "dash-dot", "label": "x" }] }),
         ],
         "png" => vec![json!({ "format": name, "width": 32, "height": 24 })],
         "ply" => vec![json!({ "format": name }), json!({ "format": name, "ascii": true })],
         "obj" => vec![json!({ "format": name }), json!({ "format": name, "normals": "area" })],
         _ => vec![json!({ "format": name })],
     }
+}
+
+fn everything() -> Value {
+    json!(["curve", "control", "points", "vertices", "comb", "tangents", "axes", "grid", "legend"])
 }
 
 fn planes() -> Value {

@@ -12,6 +12,7 @@ use imports::{Crate, circles};
 /// Every module of the crate's root with its floor; leaves stand on no floor and may be used by all.
 const FLOORS: &[(&str, u32)] = &[
     ("math", 1),
+    ("drawing", 2),
     ("raster", 2),
     ("shape", 2),
     ("scheme", 3),

@@ -9,6 +9,7 @@ mod everything;
 mod foreign;
 mod gltf;
 mod kinds;
+mod packed;
 mod repairs;
 mod round_trips;
 mod tags;

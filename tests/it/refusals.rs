@@ -7,7 +7,7 @@ use planish::wire::JobRequest;
 use planish::wire::read::{ReadError, read};
 use serde_json::{Value, json};
 
-use crate::support::{parsed, render};
+use crate::support::{self, parsed, render};
 
 fn places(job: &Value) -> Vec<String> {
     render(job).expect_err("the job is refused").into_iter().map(|fault| fault.pointer).collect()
@@ -138,5 +138,54 @@ fn faults_of_parameters_point_at_the_entry_that_carries_them() {
         job["input"] = input;
         job["outputs"] = json!([{ "format": "json" }]);
         assert_eq!(places(&job), [place]);
+    }
+}
+
+/// JSON knows one kind of number, and a schema's "integer" is any number without a fraction.
+#[test]
+fn whole_numbers_may_be_written_with_a_point() {
+    let plain = json!({ "spec": 1, "levels": 2, "outputs": [{ "format": "json" }], "plan": { "preset": "catmull-clark" }, "input": { "mesh": {
+        "positions": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [2, 1, 0]],
+        "faces": [[0, 1, 2, 3], [1, 4, 5, 2]], "holes": [1],
+        "corners": [{ "vertex": 2, "sharpness": 10 }], "creases": [{ "edge": [1, 2], "sharpness": 3 }],
+        "groups": [{ "name": "a", "faces": [0] }], "materials": [{ "name": "b", "faces": [1] }],
+        "uvs": { "values": [[0, 0]], "faces": [[0, 0, 0, 0], [0, 0, 0, 0]] },
+    } } });
+    fn pointed(value: &Value) -> Value {
+        match value {
+            Value::Number(n) => json!(n.as_f64()),
+            Value::Array(list) => list.iter().map(pointed).collect(),
+            Value::Object(map) => map.iter().map(|(name, value)| (name.clone(), pointed(value))).collect(),
+            other => other.clone(),
+        }
+    }
+    let pointed = pointed(&plain);
+    assert!(pointed.to_string().contains("[1.0,4.0,5.0,2.0]"), "{pointed}");
+    let id =
+        |job: &Value| support::parsed(job.to_string().as_bytes()).unwrap_or_else(|faults| panic!("{faults:?}")).id();
+    assert_eq!(id(&pointed), id(&plain));
+    for (pointer, value) in [
+        ("/input/mesh/faces/1/2", json!(5.5)),
+        ("/input/mesh/faces/1/2", json!(1e300)),
+        ("/input/mesh/holes/0", json!(-1.0)),
+        ("/input/mesh/corners/0/vertex", json!(0.5)),
+        ("/levels", json!(2.5)),
+        ("/spec", json!("1")),
+    ] {
+        let mut wrong = plain.clone();
+        *wrong.pointer_mut(pointer).expect("it is there") = value;
+        let faults = support::parsed(wrong.to_string().as_bytes()).expect_err("it is refused");
+        assert!(faults[0].pointer == pointer && faults[0].detail.contains("a whole number"), "{faults:?}");
+    }
+}
+
+#[test]
+fn a_plan_is_named_by_texts() {
+    for (plan, pointer) in [
+        (json!({ "preset": null, "word": "UC" }), "/plan/preset"),
+        (json!({ "preset": "catmull-clark", "word": null }), "/plan/word"),
+    ] {
+        let faults = support::faults(json!({ "input": { "polygon": { "points": [[0], [1]] } }, "plan": plan }));
+        assert!(faults[0].pointer == pointer && faults[0].detail.contains("null"), "{faults:?}");
     }
 }

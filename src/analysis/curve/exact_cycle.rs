@@ -37,12 +37,22 @@ impl ExactCycle {
 
 /// Points with indices, 0 outside.
 #[derive(Clone)]
-struct Points {
-    first: i64,
-    values: Vec<Exact>,
+pub(super) struct Points {
+    pub(super) first: i64,
+    pub(super) values: Vec<Exact>,
 }
 
 impl Points {
+    /// 1 at a point and 0 at all others.
+    pub(super) fn impulse(first: i64) -> Self {
+        Self { first, values: vec![Exact::one()] }
+    }
+
+    /// 0 everywhere.
+    pub(super) fn zero() -> Self {
+        Self { first: 0, values: vec![Exact::zero()] }
+    }
+
     fn at(&self, i: i64) -> Exact {
         let found = usize::try_from(i - self.first).ok().and_then(|place| self.values.get(place));
         found.cloned().unwrap_or_else(Exact::zero)
@@ -60,11 +70,12 @@ impl Points {
 }
 
 /// What has become of 1 at point 0.
-struct State {
-    points: Points,
+#[derive(Clone)]
+pub(super) struct State {
+    pub(super) points: Points,
     /// What entered the last upsampling.
-    anchor: Points,
-    arity: i64,
+    pub(super) anchor: Points,
+    pub(super) arity: i64,
     /// The arity of the last upsampling, at whose multiples vertices stand.
     last_arity: i64,
     duals: u32,
@@ -72,12 +83,12 @@ struct State {
 }
 
 impl State {
-    fn new() -> Self {
-        let points = Points { first: 0, values: vec![Exact::one()] };
+    pub(super) fn new() -> Self {
+        let points = Points::impulse(0);
         Self { anchor: points.clone(), points, arity: 1, last_arity: 1, duals: 0, averages: 0 }
     }
 
-    fn apply(&mut self, plan: &Plan, step: &Scheduled) -> Option<()> {
+    pub(super) fn apply(&mut self, plan: &Plan, step: &Scheduled) -> Option<()> {
         let settings = &step.letter.settings;
         let facts = step.letter.facts();
         let duals = self.duals;

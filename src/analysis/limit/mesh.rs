@@ -8,7 +8,7 @@ use super::limits::{Limits, limits, without_normals};
 use super::request::LimitRequest;
 use super::swept::refine_swept;
 use crate::fault::Fault;
-use crate::refine::{RefinedMesh, act_on, assembled, mesh_net, numbers, refined_uvs};
+use crate::refine::{RefinedMesh, act_on, assembled, mesh_net, numbers, refined_places};
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::mesh::Mesh;
 use crate::watch::{Stage, Watch};
@@ -94,7 +94,7 @@ fn by_rows(
         found => found?,
     };
     let refined = || points.into_iter().map(|points| points.now).collect::<Vec<_>>();
-    let uvs = refined_uvs(mesh, plan, steps, watch)?;
-    let mesh = assembled(mesh, &net, found.points.unwrap_or_else(refined), uvs).with_normals(found.normals);
+    let places = refined_places(mesh, plan, steps, watch)?;
+    let mesh = assembled(mesh, &net, found.points.unwrap_or_else(refined), places).with_normals(found.normals);
     Ok((mesh, found.warning.into_iter().collect()))
 }

@@ -65,6 +65,17 @@ impl<'a> Neighbourhood<'a> {
         Some(found)
     }
 
+    /// Index of the first point.
+    pub(super) fn first(&self) -> i64 {
+        self.first
+    }
+
+    /// The matrix of one step: row j has the weights of new point j.
+    pub(super) fn matrix(&self) -> ExactMatrix {
+        let places = || self.first..=self.last;
+        places().map(|j| places().map(|i| self.symbol.at(j - self.symbol.arity * i)).collect()).collect()
+    }
+
     /// The left eigenvector for an eigenvalue, up to its length, where there is one.
     fn left_eigenvector(&self, eigenvalue: &Exact) -> Option<Vec<Exact>> {
         if self.last - self.first >= MAX_POINTS {

@@ -7,6 +7,10 @@ use super::verdict::Smoothness;
 use crate::math::spectrum::Eigenvalue;
 use crate::watch::{Stopped, Watch};
 
+/// Most derivatives whose values are shown.
+/// Half of it hides curvature; twice of it plots what nobody looks at, and makes answers twice as long.
+const MAX_DERIVATIVES: usize = 3;
+
 /// All that is said of one scheme.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
@@ -36,6 +40,16 @@ impl Report {
         let tangent_mask = if smoothness.proved_c >= 1 { around.tangent_mask() } else { None };
         let local_eigenvalues = around.eigenvalues();
         Ok(Self { symbol, smoothness, limit_mask, tangent_mask, local_eigenvalues })
+    }
+
+    /// Values of its derivatives, the first one first, as far as they are proved to be continuous.
+    ///
+    /// # Errors
+    /// [`Stopped`].
+    pub fn derivatives(&self, grid: u32, watch: &Watch) -> Result<Vec<BasicFunction>, Stopped> {
+        let most = usize::try_from(self.smoothness.proved_c).unwrap_or(0).min(MAX_DERIVATIVES);
+        let found = (1..=most).map(|k| BasicFunction::derivative(&self.symbol, k, grid, watch));
+        Ok(found.collect::<Result<Vec<_>, _>>()?.into_iter().map_while(|found| found).collect())
     }
 
     /// Values of the basic limit function, where it is proved to be there.

@@ -2,9 +2,10 @@
 
 use num_traits::ToPrimitive;
 
-use super::local::Weights;
+use super::local::{Neighbourhood, Weights};
 use super::symbol::Symbol;
-use crate::math::exact::rounded;
+use crate::math::exact::{Exact, rounded};
+use crate::math::number::Number;
 use crate::watch::{Stopped, Watch};
 
 /// Values at `(first + k) / d^grid`, k = 0, 1, ...
@@ -24,6 +25,31 @@ impl BasicFunction {
         let [from, to] = symbol.support();
         let steps = u64::try_from(symbol.arity).ok()?.checked_pow(grid)?;
         steps.checked_mul((to - from).ceil().to_integer().to_u64()?)?.checked_add(1)
+    }
+
+    /// The k-th derivative, which is the k-th difference at integer distances of the basic limit function with mask
+    /// `d (sigma/d)^(K-k) b`; `None` where that is not known to be continuous.
+    ///
+    /// # Errors
+    /// [`Stopped`].
+    pub(super) fn derivative(symbol: &Symbol, k: usize, grid: u32, watch: &Watch) -> Result<Option<Self>, Stopped> {
+        let d = Exact::whole(symbol.arity);
+        let mask = k.checked_sub(1).and_then(|before| symbol.difference(before));
+        let mask: Option<Vec<Exact>> = mask.map(|mask| mask.iter().map(|b| b * &d).collect());
+        let Some(symbol) = mask.and_then(|mask| Symbol::exact(symbol.arity, symbol.first, &mask)) else {
+            return Ok(None);
+        };
+        let Some(limit) = Neighbourhood::new(&symbol).limit_mask() else { return Ok(None) };
+        let mut function = Self::of(&symbol, &limit, grid, watch)?;
+        let steps = usize::try_from(symbol.arity.pow(grid)).unwrap_or(0);
+        for _ in 0..k {
+            watch.check()?;
+            function.values.extend(std::iter::repeat_n(0.0, steps));
+            for place in (steps..function.values.len()).rev() {
+                function.values[place] -= function.values[place - steps];
+            }
+        }
+        Ok(Some(function))
     }
 
     /// The values, with the weights of limit points: the impulse is refined so many times, and its points are moved to

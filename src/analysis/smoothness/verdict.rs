@@ -5,6 +5,7 @@ use num_traits::{One, Signed};
 use super::lower::{self, Lower};
 use super::matrices::of_residual;
 use super::norms::{Certificate, certificates};
+use super::reduction::Reduction;
 use super::stability::is_stable;
 use super::symbol::Symbol;
 use super::upper::{self, Upper};
@@ -29,6 +30,8 @@ pub struct Smoothness {
     pub disproved_c: Option<i64>,
     /// Whether the integer shifts of the basic limit function are proved to be stable.
     pub is_stable: bool,
+    /// The scheme with stable shifts whose basic limit function it is a combination of, where its own are not.
+    pub reduction: Option<Reduction>,
     /// The joint spectral radius of the residual's matrices; `None` without sum rules.
     pub radius: Option<Radius>,
 }
@@ -40,7 +43,7 @@ pub struct Radius {
     pub lower: Lower,
     /// From above.
     pub upper: Upper,
-    /// The Hoelder exponent lies between; the upper end needs stable shifts.
+    /// The Hoelder exponent lies between; the upper end needs stable shifts, or a reduction to such.
     pub holder: [f64; 2],
 }
 
@@ -51,8 +54,8 @@ impl Smoothness {
     /// [`Stopped`].
     pub fn of(symbol: &Symbol, budget: u64, watch: &Watch) -> Result<Self, Stopped> {
         let Some(most) = i64::try_from(symbol.order).ok().filter(|order| *order > 0) else {
-            let (certificates, radius) = (Vec::new(), None);
-            return Ok(Self { certificates, proved_c: -1, disproved_c: Some(0), is_stable: false, radius });
+            let (certificates, reduction, radius) = (Vec::new(), None, None);
+            return Ok(Self { certificates, proved_c: -1, disproved_c: Some(0), is_stable: false, reduction, radius });
         };
         let is_stable = is_stable(symbol);
         let certificates = certificates(symbol);
@@ -69,7 +72,26 @@ impl Smoothness {
         let disproved_c = disproved(symbol, &lower, most);
         let holder = [exponent(symbol, &over(&upper), -1.0), exponent(symbol, &binary(lower.value), 1.0)];
         let disproved_c = disproved_c.filter(|_| is_stable);
-        Ok(Self { certificates, proved_c, disproved_c, is_stable, radius: Some(Radius { lower, upper, holder }) })
+        let left = budget.saturating_sub(upper.nodes);
+        let radius = Some(Radius { lower, upper, holder });
+        let found = Self { certificates, proved_c, disproved_c, is_stable, reduction: None, radius };
+        match if is_stable { None } else { Reduction::of(symbol) } {
+            Some(reduction) => found.with(reduction, left, watch),
+            None => Ok(found),
+        }
+    }
+
+    /// What the scheme with stable shifts adds: the two basic limit functions are C^k for the same k. That a scheme
+    /// converges is its own affair, and has to be proved by its own matrices.
+    fn with(self, reduction: Reduction, budget: u64, watch: &Watch) -> Result<Self, Stopped> {
+        let stable = Self::of(&reduction.symbol, budget, watch)?;
+        let proved_c = if self.proved_c < 0 { -1 } else { self.proved_c.max(stable.proved_c) };
+        let radius = self.radius.zip(stable.radius).map(|(own, of_stable)| {
+            let Radius { lower, upper, holder: [least, _] } = own;
+            let upper = Upper { nodes: upper.nodes + of_stable.upper.nodes, ..upper };
+            Radius { lower, upper, holder: [least.max(of_stable.holder[0]), of_stable.holder[1]] }
+        });
+        Ok(Self { proved_c, disproved_c: stable.disproved_c, reduction: Some(reduction), radius, ..self })
     }
 }
 

@@ -26,9 +26,11 @@ const MAX_CELLS: usize = 40_000;
 /// Discs shrink by half or so at each, to 1/1000 after ten. Half of it leaves schemes open, twice of it would find
 /// rounding only.
 const MAX_LEVELS: u32 = 10;
-/// What may be missing of a net whose largest coordinate is 1: rounding, and the error of the eigenvector.
-/// It is a million times what both come to. Half and twice of it only matter to determinants that nearly vanish.
-pub(super) const SLACK: f64 = 1e-9;
+/// What determinants have to exceed, over the product of the lengths of both derivatives: more than the roundings and
+/// the error of the eigenvector can change.
+/// Determinants of schemes in use are a hundredth of that product at least. Half and twice of it only matter to those that
+/// nearly vanish.
+pub(super) const SLACK: f64 = 1e-6;
 
 /// The net of an eigenvector around a middle with n sectors.
 #[derive(Debug, Clone)]
@@ -295,7 +297,10 @@ impl Disc {
         let sum = points.iter().fold([0.0; 2], |sum, p| [sum[0] + p[0], sum[1] + p[1]]);
         let middle = sum.map(|x| x / n);
         // a number that is none stays one
-        let radius = points.iter().map(|&p| length(minus(p, middle))).fold(0.0, |a: f64, b| if a.is_nan() || a >= b { a } else { b });
+        let radius = points
+            .iter()
+            .map(|&p| length(minus(p, middle)))
+            .fold(0.0, |a: f64, b| if a.is_nan() || a >= b { a } else { b });
         Self { middle, radius: bound * radius }
     }
 }

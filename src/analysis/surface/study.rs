@@ -179,9 +179,7 @@ impl SurfaceStudy {
             for (k, a) in mask.iter().filter(|(k, _)| (0..2).all(|axis| (p[axis] - k[axis]) % d == 0)) {
                 let old = [0, 1].map(|axis| (p[axis] - k[axis]) / d);
                 let place = match kind.unfolded(old) {
-                    Some((sector, point)) => {
-                        Some((usize::try_from(sector.rem_euclid(n)).unwrap_or(0), point))
-                    }
+                    Some((sector, point)) => Some((usize::try_from(sector.rem_euclid(n)).unwrap_or(0), point)),
                     None if kind.has_centre() && old == [0, 0] => None,
                     None => return false,
                 };
@@ -196,11 +194,8 @@ impl SurfaceStudy {
 fn kinds(plan: &Plan) -> Vec<Kind> {
     let children = || plan.word.cycle.iter().map(|letter| letter.facts().children);
     let duals = children().filter(|children| *children == Children::Dual).count();
-    let quads = if duals % 2 == 1 || children().any(|children| children == Children::Faces) {
-        Kind::Dual
-    } else {
-        Kind::Quads
-    };
+    let quads =
+        if duals % 2 == 1 || children().any(|children| children == Children::Faces) { Kind::Dual } else { Kind::Quads };
     if plan.tile() == Tile::Triangle { vec![Kind::Triangles] } else { vec![quads, Kind::Triangles] }
 }
 

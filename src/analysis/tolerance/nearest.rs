@@ -9,7 +9,7 @@ use super::budget::Budget;
 use super::cut::twist;
 use super::sheet::Sheet;
 use crate::math::functions::sqrt;
-use crate::math::vector::{Vector, cross, dot, mean, minus, plus, square_from_segment, times};
+use crate::math::vector::{Vector, mean, minus, plus, square_from_triangle, times};
 use crate::shape::topology::Topology;
 
 /// Nodes of a tree and faces that are looked at in the time of a row of a table, about 100 ns.
@@ -19,10 +19,6 @@ const VISITS_A_ROW: u64 = 4;
 /// Half of it doubles the nodes of the tree; twice of it measures up to 8 faces where a box would do. Distances are the
 /// same.
 const LEAF: usize = 4;
-/// Triangles whose height is less than this part of their longest side are taken for their sides.
-/// At it, the normal of a triangle still has about 12 digits. Half of it leaves them fewer by a bit; twice of it takes
-/// more triangles for their sides, which are never nearer, so that bounds hold.
-const THIN: f64 = 1e-4;
 /// The triangles that a quad is cut into: the number of the diagonal, and the corners.
 const QUAD: [(usize, [usize; 3]); 4] = [(0, [0, 1, 2]), (0, [0, 2, 3]), (1, [1, 2, 3]), (1, [1, 3, 0])];
 /// A triangle, which both diagonals leave as it is.
@@ -157,7 +153,7 @@ impl Faces {
     /// How far any mean of some points is from the surface near a triangle, at most.
     fn most(&self, hit: &Hit, points: &[Vector]) -> f64 {
         let triangle = self.triangle(hit.slot, hit.corners);
-        let plain = sqrt(points.iter().map(|&p| to_triangle(p, triangle)).fold(0.0, f64::max));
+        let plain = sqrt(points.iter().map(|&p| square_from_triangle(p, triangle)).fold(0.0, f64::max));
         let sheet = self.sheet(hit.slot);
         sheet.and_then(|sheet| sheet.distance(triangle, points)).map_or(plain, |over| over.min(plain))
     }
@@ -259,7 +255,7 @@ impl Surface {
     fn compare(&self, (net, slot): (usize, usize), point: Vector, best: &mut [Hit; 2]) {
         let faces = &self.nets[net];
         for &(cut, corners) in faces.triangles(slot) {
-            let square = to_triangle(point, faces.triangle(slot, corners));
+            let square = square_from_triangle(point, faces.triangle(slot, corners));
             if square < best[cut].square {
                 best[cut] = Hit { square, net, slot, corners };
             }
@@ -346,19 +342,4 @@ pub(super) fn farthest(
 fn to_box(p: Vector, [low, high]: &Box3) -> f64 {
     let [x, y, z] = [0, 1, 2].map(|k| (low[k] - p[k]).max(p[k] - high[k]).max(0.0));
     x * x + y * y + z * z
-}
-
-/// The square of the distance of a point from a triangle; of thin ones from their sides.
-fn to_triangle(p: Vector, [a, b, c]: [Vector; 3]) -> f64 {
-    let (ab, bc, ca) = (minus(b, a), minus(c, b), minus(a, c));
-    let n = cross(ab, bc);
-    let (square, longest) = (dot(n, n), dot(ab, ab).max(dot(bc, bc)).max(dot(ca, ca)));
-    if square > THIN * THIN * longest * longest {
-        let left = |side: Vector, from: Vector| dot(n, cross(side, minus(p, from))) >= 0.0;
-        if left(ab, a) && left(bc, b) && left(ca, c) {
-            let height = dot(n, minus(p, a));
-            return height * height / square;
-        }
-    }
-    [[a, b], [b, c], [c, a]].map(|side| square_from_segment(p, side)).into_iter().fold(f64::INFINITY, f64::min)
 }

@@ -142,6 +142,10 @@ impl Document<'_> {
     pub(super) fn view(&self, index: Index<View>) -> Result<(&[u8], Option<usize>), String> {
         let i = index.value();
         let view = self.root.buffer_views.get(i).ok_or_else(|| format!("there is no bufferView {i}"))?;
+        let stride = view.byte_stride.map(|stride| stride.0).filter(|&stride| stride > 0);
+        if let Some(bytes) = self.unpacked.get(&i) {
+            return Ok((bytes, stride));
+        }
         let b = view.buffer.value();
         let buffer = self.buffers.get(b).ok_or_else(|| format!("bufferView {i}: there is no buffer {b}"))?;
         let start = view.byte_offset.map_or(0, |offset| offset.0);
@@ -151,7 +155,7 @@ impl Document<'_> {
             let length = view.byte_length.0;
             format!("bufferView {i}: {length} bytes from byte {start}; buffer {b} has {}", buffer.len())
         })?;
-        Ok((bytes, view.byte_stride.map(|stride| stride.0).filter(|&stride| stride > 0)))
+        Ok((bytes, stride))
     }
 }
 

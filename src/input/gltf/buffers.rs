@@ -7,6 +7,7 @@ use gltf::json::Root;
 use serde_json::value::RawValue;
 
 use super::census;
+use super::packed::{self, PACKED};
 use super::transform::Placement;
 use crate::fault;
 use crate::input::base64;
@@ -21,6 +22,7 @@ const CHUNK: usize = 8;
 /// Extensions that a file may require, as they do not touch what is read here.
 const HARMLESS: &[&str] = &[
     "KHR_mesh_quantization",
+    PACKED,
     "KHR_texture_",
     "EXT_texture_",
     "MSFT_texture_",
@@ -42,6 +44,14 @@ fn is_old(json: &[u8]) -> bool {
     !text("asset").contains("\"2.") && ["meshes", "accessors", "buffers"].iter().any(|list| text(list).starts_with('{'))
 }
 
+/// What is said of a document with a scene that names no nodes, which the specification lets it leave out.
+fn empty_scene(json: &[u8]) -> Option<String> {
+    let document: BTreeMap<String, &RawValue> = serde_json::from_slice(json).ok()?;
+    let scenes: Vec<BTreeMap<String, &RawValue>> = serde_json::from_str(document.get("scenes")?.get()).ok()?;
+    let empty = scenes.iter().position(|scene| !scene.contains_key("nodes"))?;
+    Some(format!("scene {empty} has no nodes, so that nothing is in it; give it some, or leave it out"))
+}
+
 /// A document and its buffers.
 #[derive(Debug)]
 pub(super) struct Document<'a> {
@@ -50,6 +60,8 @@ pub(super) struct Document<'a> {
     pub(super) placements: Vec<Option<Box<Placement>>>,
     /// The bytes of each buffer, no more than it says it has.
     pub(super) buffers: Vec<Cow<'a, [u8]>>,
+    /// The bytes of views that are streams, by their numbers.
+    pub(super) unpacked: BTreeMap<usize, Vec<u8>>,
     /// The files beside it.
     beside: &'a dyn Beside,
 }
@@ -67,7 +79,8 @@ impl<'a> Document<'a> {
         // a text in the wrong place would be repeated in full
         let no_gltf =
             |error: serde_json::Error| format!("the document is no glTF: {}", fault::cut(&error.to_string(), 200));
-        let no_root = |error| if is_old(json) { OLD.to_owned() } else { no_gltf(error) };
+        let no_root =
+            |error| if is_old(json) { OLD.to_owned() } else { empty_scene(json).unwrap_or_else(|| no_gltf(error)) };
         let root = Root::from_slice(json).map_err(no_root)?;
         let placements = Placement::all(json).map_err(no_gltf)?;
         if root.asset.version.starts_with("1.") {
@@ -83,6 +96,7 @@ impl<'a> Document<'a> {
         if let Some(name) = root.extensions_required.iter().find(|name| !is_harmless(name)) {
             return Err(format!("the file requires {}, which is not read; export it without", quoted(name)));
         }
+        let is_packed = root.extensions_used.iter().chain(&root.extensions_required).any(|name| name == PACKED);
         let mut buffers = Vec::with_capacity(root.buffers.len());
         for (i, buffer) in root.buffers.iter().enumerate() {
             let bytes: Cow<'a, [u8]> = match (&buffer.uri, binary) {
@@ -90,6 +104,11 @@ impl<'a> Document<'a> {
                     Cow::Owned(referred(uri, beside, room).map_err(|detail| format!("buffer {i}: {detail}"))?)
                 }
                 (None, Some(binary)) if i == 0 => Cow::Borrowed(binary),
+                // it is there for what reads no streams
+                (None, _) if is_packed => {
+                    buffers.push(Cow::Borrowed(&[][..]));
+                    continue;
+                }
                 (None, _) => return Err(format!("buffer {i} has no data; give it a data URI, or send glb")),
             };
             let (claimed, found) = (buffer.byte_length.0, bytes.len());
@@ -98,7 +117,8 @@ impl<'a> Document<'a> {
                 .ok_or_else(|| format!("buffer {i} says it has {claimed} bytes, and has {found}; send it whole"))?;
             buffers.push(cut(bytes, length));
         }
-        Ok(Self { root, placements, buffers, beside })
+        let unpacked = if is_packed { packed::views(json, &buffers, room)? } else { BTreeMap::new() };
+        Ok(Self { root, placements, buffers, unpacked, beside })
     }
 
     /// A document in the binary container.

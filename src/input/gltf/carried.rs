@@ -15,7 +15,7 @@ use crate::input::reader::ReadMesh;
 use crate::input::room::{GROWN, Room};
 use crate::input::text::quoted;
 use crate::shape::attachments::COLOR;
-use crate::shape::attachments::Channel;
+use crate::shape::attachments::ChannelInput;
 use crate::shape::labels::FaceSet;
 
 /// Most attributes that a note names.
@@ -80,7 +80,7 @@ impl Channels {
         let mut others = Vec::new();
         for (name, AccessorRows { width, values }) in self.found {
             if width > 0 && values.len() == n * width {
-                mesh.channels.push(Channel { name, width, values });
+                mesh.channels.push(ChannelInput::of_vertices(&name, width, values));
             } else {
                 others.push(quoted(&name));
             }

@@ -67,7 +67,8 @@ fn prices(list: &[u8]) -> Prices {
             Prices { list: part, object: GROWN * part, ..of(size_of::<Animation>()) }
         }
         b"buffers" => of(size_of::<Buffer>() + 3 * slot),
-        b"bufferViews" => of(size_of::<View>()),
+        // and its text, and where its stream is unpacked
+        b"bufferViews" => of(size_of::<View>() + 2 * slot + IN_MAP),
         b"cameras" => of(size_of::<Camera>()),
         b"images" => of(size_of::<Image>()),
         b"materials" => of(size_of::<Material>()),

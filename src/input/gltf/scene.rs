@@ -17,7 +17,7 @@ use crate::input::collect::Collected;
 use crate::input::colors::encoded;
 use crate::input::reader::{ReadLimits, ReadMesh, Uvs};
 use crate::input::room::{GROWN, Room};
-use crate::shape::attachments::Channel;
+use crate::shape::attachments::ChannelInput;
 use crate::shape::labels::FaceSet;
 use crate::shape::topology::index;
 
@@ -365,7 +365,7 @@ impl Reading<'_> {
         if let Some(colors) = self.colors.filter(|colors| !colors.is_empty()) {
             let mut values = Vec::with_capacity(colors.len() / 4 * self.color_width);
             values.extend(colors.chunks_exact(4).flat_map(|color| &color[..self.color_width]));
-            mesh.channels.push(Channel { name: "color".to_owned(), width: self.color_width, values });
+            mesh.channels.push(ChannelInput::of_vertices("color", self.color_width, values));
         }
         self.channels.finish(&mut mesh);
         mesh.groups = self.groups.finish();

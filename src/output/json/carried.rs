@@ -5,6 +5,7 @@ use serde_json::Value;
 use super::looks;
 use super::row::{faces, row, vectors};
 use crate::math::parameter::Values;
+use crate::output::bytes::Bytes;
 use crate::output::counts::Counts;
 use crate::output::error::FormatError;
 use crate::output::numbers::{REAL, digits, real, total, whole};
@@ -15,13 +16,21 @@ use crate::shape::attachments::Channel;
 use crate::shape::creases::Tags;
 use crate::shape::labels::Labels;
 use crate::shape::looks::Look;
+use crate::shape::source::PlaceSource;
+
+/// Bytes of the entry of a channel with seams beside its values and faces.
+const SEAMS: u128 = br#"{"values":,"faces":[]}"#.len() as u128;
 
 /// Most bytes of these entries.
 pub(super) fn size(counts: &Counts, options: &Values) -> u128 {
     let attachments = &counts.attachments;
     let row = |channel: &Channel| 3 + channel.width as u128 * (REAL + 1);
+    let corners = |places: u128| total(&[(counts.faces, 2), (counts.half_edges, digits(places) + 1)]);
     let channels = attachments.channels.iter().map(|channel| {
-        total(&[(1, br#""":[],"#.len() as u128 + channel.name.len() as u128), (counts.vertices, row(channel))])
+        let rows = if channel.seams.is_some() { counts.seamed } else { counts.vertices };
+        let corners = channel.seams.as_ref().map_or(0, |_| SEAMS.saturating_add(corners(counts.seamed)));
+        let name = br#""":[],"#.len() as u128 + channel.name.len() as u128;
+        total(&[(1, name), (rows, row(channel)), (1, corners)])
     });
     let channels: u128 = channels.fold(br#","channels":{}"#.len() as u128, u128::saturating_add);
     let labels = |labels: &Labels| {
@@ -37,8 +46,8 @@ pub(super) fn size(counts: &Counts, options: &Values) -> u128 {
         0
     };
     let frame = br#","uvs":{"values":[],"faces":[]}"#.len() as u128;
-    let rows = [(counts.uvs, 2 + 2 * (REAL + 1)), (counts.faces, 2), (counts.half_edges, digits(counts.uvs) + 1)];
-    let uvs = if counts.uvs > 0 { total(&[(1, frame), rows[0], rows[1], rows[2]]) } else { 0 };
+    let values = (counts.uvs, 2 + 2 * (REAL + 1));
+    let uvs = if counts.uvs > 0 { total(&[(1, frame), values, (1, corners(counts.uvs))]) } else { 0 };
     // the inner vertices of all edges are different ones
     let edges = counts.input_edges as u128;
     let along = counts.vertices.saturating_add(2 * edges);
@@ -60,9 +69,11 @@ pub(super) fn write(mesh: &dyn MeshSource, options: &Values, stream: &mut Stream
     let attachments = mesh.attachments();
     for (i, channel) in attachments.channels.iter().enumerate() {
         stream.bytes(if i == 0 { br#","channels":{"# } else { b"," })?;
-        stream.bytes(format!("{}:[", Value::from(channel.name.as_str())).as_bytes())?;
-        write_channel(mesh, i, stream)?;
-        stream.bytes(b"]")?;
+        stream.bytes(format!("{}:", Value::from(channel.name.as_str())).as_bytes())?;
+        match mesh.channel_places(i) {
+            Some(places) => write_places(mesh, places.as_ref(), channel.width, stream)?,
+            None => write_channel(mesh, i, stream)?,
+        }
     }
     if !attachments.channels.is_empty() {
         stream.bytes(b"}")?;
@@ -75,8 +86,9 @@ pub(super) fn write(mesh: &dyn MeshSource, options: &Values, stream: &mut Stream
             stream.bytes(b"]")?;
         }
     }
-    if mesh.uvs().is_some() {
-        write_uvs(mesh, stream)?;
+    if let Some(uvs) = mesh.uvs() {
+        stream.bytes(br#","uvs":"#)?;
+        write_places(mesh, uvs.as_ref(), 2, stream)?;
     }
     if options.flag(IDS.name) {
         write_origins(mesh, stream)?;
@@ -94,12 +106,34 @@ fn write_isolines(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), 
     stream.bytes(b"]")
 }
 
-fn write_uvs(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), FormatError> {
-    stream.bytes(br#","uvs":{"values":["#)?;
-    stream.uvs(mesh, vectors)?;
+/// Writes values of corners, so many numbers each.
+fn write_places(
+    mesh: &dyn MeshSource,
+    places: &dyn PlaceSource,
+    width: usize,
+    stream: &mut Stream<'_>,
+) -> Result<(), FormatError> {
+    stream.bytes(br#"{"values":["#)?;
+    stream.places(places, |start, numbers, out| rows(start, numbers, width, out))?;
     stream.bytes(br#"],"faces":["#)?;
-    stream.uv_faces(mesh, faces)?;
+    stream.place_faces(mesh, places, faces)?;
     stream.bytes(b"]}")
+}
+
+/// Appends some consecutive entries of so many numbers each, the first of which has that index.
+fn rows(start: usize, numbers: &[f64], width: usize, out: &mut Bytes) {
+    if width > 1 {
+        let rows: Vec<&[f64]> = numbers.chunks_exact(width).collect();
+        return vectors(start, &rows, out);
+    }
+    out.append(|out| {
+        for (place, &x) in (start..).zip(numbers) {
+            if place > 0 {
+                out.push(b',');
+            }
+            real(out, x);
+        }
+    });
 }
 
 /// Writes what is sharp: what requests call `corners` and `creases`.
@@ -144,20 +178,9 @@ fn write_sharp<T: Sync>(
 
 fn write_channel(mesh: &dyn MeshSource, i: usize, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     let width = mesh.attachments().channels[i].width;
-    stream.channel(mesh, i, |start, numbers, out| {
-        if width > 1 {
-            let rows: Vec<&[f64]> = numbers.chunks_exact(width).collect();
-            return vectors(start, &rows, out);
-        }
-        out.append(|out| {
-            for (vertex, &x) in (start..).zip(numbers) {
-                if vertex > 0 {
-                    out.push(b',');
-                }
-                real(out, x);
-            }
-        });
-    })
+    stream.bytes(b"[")?;
+    stream.channel(mesh, i, |start, numbers, out| rows(start, numbers, width, out))?;
+    stream.bytes(b"]")
 }
 
 /// The output faces of each name, and how they look, where that is said.

@@ -1,17 +1,22 @@
 //! What gives the surface of a picture its colours: a channel of its vertices, its texture coordinates, its groups or
 //! materials.
 
+use std::ops::Range;
+
+use super::number_scale::{NumberScale, extent};
 use super::options::{COLOR, Options, shown_as};
 use super::skin;
 use crate::fault::Fault;
-use crate::math::parameter::{Default, Kind, Parameter, Values};
-use crate::output::colors::{linear, mark, scale};
+use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
+use crate::output::color_maps::ColorMap;
+use crate::output::colors::{linear, mark};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::scene::{FaceChunk, MeshSource, in_chunks, triangles};
 use crate::raster::{Paint, Surface, Swatch};
 use crate::shape::attachments::{Attachments, COLOR as COLORS};
 use crate::shape::labels::Labels;
+use crate::shape::source::PlaceSource;
 use crate::shape::topology::index;
 use crate::watch::{Stopped, Watch};
 
@@ -36,8 +41,16 @@ pub(crate) const CHANNEL: Parameter = Parameter {
     unit: "",
     default: Default::Absent,
     doc: "The channel that `color_by` \"channel\" shows; left out, \"color\". One of 3 or 4 numbers is a colour (sRGB \
-          from 0 to 1), one of 1 number runs from dark blue (its least value among the vertices) over green to yellow \
-          (its greatest).",
+          from 0 to 1), one of 1 number, or the `component` of others, has the colours of `color_map` over `range`.",
+};
+
+/// The component of a channel that colours follow.
+pub(crate) const COMPONENT: Parameter = Parameter {
+    name: "component",
+    kind: Kind::Integer { min: 0, max: 3 },
+    unit: "",
+    default: Default::Absent,
+    doc: "The component of the channel whose numbers are shown, the first being 0; left out, all of them as a colour.",
 };
 
 /// Squares to one unit of a texture coordinate.
@@ -51,8 +64,10 @@ pub(crate) fn check(kind: ShapeKind, carried: &Attachments, options: &Values) ->
     if kind != ShapeKind::Mesh && by != "none" {
         return Err(Fault::new("/color_by", "curves have one colour; leave it out"));
     }
-    if by != "channel" && options.name(CHANNEL.name).is_some() {
-        return Err(Fault::new("/channel", "a channel is shown where \"color_by\" is \"channel\"; say so"));
+    let says_channel = [CHANNEL, COMPONENT].iter().find(|option| *options.get(option.name) != Value::Absent);
+    if let Some(option) = says_channel.filter(|_| by != "channel") {
+        let detail = "a channel is shown where \"color_by\" is \"channel\"; say so";
+        return Err(Fault::new(format!("/{}", option.name), detail));
     }
     let missing = match by {
         "channel" => return check_channel(carried, options),
@@ -72,11 +87,30 @@ fn check_channel(carried: &Attachments, options: &Values) -> Result<(), Fault> {
         let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
         return Err(Fault::new("/channel", format!("the mesh has no channel \"{name}\"; it has {known}")));
     };
-    if channel.width == 2 {
-        let detail = format!("\"{name}\" has 2 numbers a vertex; one that is shown has 1, 3 or 4");
-        return Err(Fault::new("/channel", detail));
+    match component(options) {
+        Some(component) if component >= channel.width => {
+            let detail = format!("\"{name}\" has components 0 to {}; give one of them", channel.width - 1);
+            Err(Fault::new("/component", detail))
+        }
+        None if channel.width == 2 => {
+            let detail = format!("\"{name}\" has 2 numbers a vertex; give the \"component\" that is to be shown");
+            Err(Fault::new("/channel", detail))
+        }
+        _ => Ok(()),
     }
-    Ok(())
+}
+
+/// The component that is asked for.
+fn component(options: &Values) -> Option<usize> {
+    options.integer(COMPONENT.name).and_then(|n| usize::try_from(n).ok())
+}
+
+/// The channel whose numbers, one a vertex, colours stand for, if they do.
+pub(super) fn numbers_of<'a>(carried: &'a Attachments, options: &Values) -> Option<&'a str> {
+    let name = options.name(CHANNEL.name).unwrap_or(COLORS);
+    let channel = carried.channels.iter().find(|channel| channel.name == name)?;
+    let are_shown = options.choice(COLOR_BY.name) == Some("channel");
+    (are_shown && (channel.width == 1 || component(options).is_some())).then_some(&channel.name)
 }
 
 /// Whether colours refer to faces of the input.
@@ -89,6 +123,11 @@ fn follows_looks(carried: &Attachments, options: &Values) -> bool {
     options.choice(COLOR_BY.name).is_none_or(|by| by == "none")
         && options.color(COLOR.name).is_none()
         && skin::is_said(carried)
+}
+
+/// What of the looks of materials is not drawn, as a sentence.
+pub(crate) fn left_out(carried: &Attachments, options: &Values) -> Option<String> {
+    if follows_looks(carried, options) { skin::left_out(carried) } else { None }
 }
 
 /// Work that colours take, rows.
@@ -104,8 +143,11 @@ pub(crate) fn memory(options: &Values, vertices: u128, counts: &Counts) -> u128 
             let places = uvs.saturating_mul(16).saturating_add(triangles.saturating_mul(12 + 4));
             places.saturating_add(skin::memory(&counts.attachments))
         }
-        // a channel of four numbers, and the colour
-        Some("channel") => vertices.saturating_mul(32 + 12),
+        // a channel of four numbers, one component of it, and the colour
+        Some("channel") => {
+            let corners = if counts.seamed > 0 { triangles.saturating_mul(12) } else { 0 };
+            vertices.max(counts.seamed).saturating_mul(32 + 8 + 12).saturating_add(corners)
+        }
         Some("uvs") => uvs.saturating_mul(16).saturating_add(triangles.saturating_mul(12)),
         Some("groups" | "materials" | FACES) => triangles.saturating_mul(12),
         _ => 0,
@@ -119,8 +161,26 @@ pub(super) enum Coat {
     Plain([u8; 4]),
     /// One a vertex, in linear light.
     Vertices(Vec<[f32; 3]>),
+    /// Numbers of vertices, or of corners.
+    Numbers {
+        /// Their shares of the table.
+        shares: Vec<f32>,
+        /// The numbers at the corners of each triangle, where they are not those of its vertices.
+        corners: Option<Vec<[u32; 3]>>,
+        /// Colours in linear light.
+        table: Vec<[f32; 3]>,
+        /// What the colours stand for.
+        scale: NumberScale,
+    },
     /// One a triangle, in linear light.
     Triangles(Vec<[f32; 3]>),
+    /// One at each place, in linear light.
+    Corners {
+        /// Of places.
+        colors: Vec<[f32; 3]>,
+        /// The places at the corners of each triangle.
+        corners: Vec<[u32; 3]>,
+    },
     /// Squares in texture coordinates.
     Squares {
         /// In sides of squares.
@@ -159,7 +219,7 @@ impl Coat {
             Some("channel") => {
                 let name = options.values.name(CHANNEL.name).unwrap_or(COLORS);
                 let channel = carried.channels.iter().position(|channel| channel.name == name);
-                channel.map_or(Ok(Self::Plain(plain)), |channel| by_channel(mesh, channel, watch))?
+                channel.map_or(Ok(Self::Plain(plain)), |channel| by_channel(mesh, channel, options.values, watch))?
             }
             Some("uvs") => by_uvs(mesh, plain, watch)?,
             Some("groups") => by_labels(mesh, &carried.groups, plain, watch)?,
@@ -169,44 +229,72 @@ impl Coat {
         })
     }
 
+    /// Numbers of vertices as colours.
+    pub(super) fn numbers(numbers: &[f64], corners: Option<Vec<[u32; 3]>>, scale: NumberScale) -> Self {
+        let shares = numbers.iter().map(|&x| scale.share(x)).collect();
+        Self::Numbers { shares, corners, table: scale.map.table(), scale }
+    }
+
     /// As the rasteriser takes it.
     pub(super) fn surface(&self) -> Surface<'_> {
         match self {
             Self::Plain(color) => Surface::Lit(*color),
-            Self::Vertices(colors) => Surface::Painted(Paint::Vertices(colors)),
-            Self::Triangles(colors) => Surface::Painted(Paint::Triangles(colors)),
-            Self::Squares { places, corners, colors } => {
-                Surface::Painted(Paint::Squares { places, corners, colors: *colors })
-            }
-            Self::Covers { places, corners, numbers, swatches } => {
-                Surface::Painted(Paint::Covers { places, corners, numbers, swatches })
-            }
+            _ => self.paint().map_or(Surface::Unseen, Surface::Painted),
         }
+    }
+
+    /// Its colours, where it has more than one.
+    pub(super) fn paint(&self) -> Option<Paint<'_>> {
+        Some(match self {
+            Self::Plain(_) => return None,
+            Self::Vertices(colors) => Paint::Vertices(colors),
+            Self::Numbers { shares, corners, table, .. } => Paint::Scale { shares, corners: corners.as_deref(), table },
+            Self::Corners { colors, corners } => Paint::Corners { colors, corners },
+            Self::Triangles(colors) => Paint::Triangles(colors),
+            Self::Squares { places, corners, colors } => Paint::Squares { places, corners, colors: *colors },
+            Self::Covers { places, corners, numbers, swatches } => Paint::Covers { places, corners, numbers, swatches },
+        })
     }
 }
 
-fn by_channel(mesh: &dyn MeshSource, channel: usize, watch: &Watch) -> Result<Coat, Stopped> {
+fn by_channel(mesh: &dyn MeshSource, channel: usize, options: &Values, watch: &Watch) -> Result<Coat, Stopped> {
     let width = mesh.attachments().channels[channel].width;
-    let mut values = Vec::with_capacity(width * mesh.n_vertices());
+    let places = mesh.channel_places(channel);
+    let values = match &places {
+        Some(places) => values(places.n_places(), width, |range, out| places.values(range, out), watch)?,
+        None => values(mesh.n_vertices(), width, |range, out| mesh.channel(channel, range, out), watch)?,
+    };
+    let corners = places.map(|places| corners(mesh, places.as_ref(), watch)).transpose()?;
+    let component = component(options).or((width == 1).then_some(0));
+    if let Some(component) = component.filter(|component| *component < width) {
+        let numbers: Vec<f64> = values.into_iter().skip(component).step_by(width).collect();
+        let scale = NumberScale::new(options, ColorMap::EVEN, || extent(&numbers));
+        return Ok(Coat::numbers(&numbers, corners, scale));
+    }
+    let color = |row: &[f64]| std::array::from_fn(|k| single(linear(k, row[k])));
+    let colors = values.chunks_exact(width).map(color).collect();
+    Ok(match corners {
+        Some(corners) => Coat::Corners { colors, corners },
+        None => Coat::Vertices(colors),
+    })
+}
+
+/// All of `n x width` values, which `some` gives in ranges.
+fn values(
+    n: usize,
+    width: usize,
+    some: impl Fn(Range<usize>, &mut Vec<f64>),
+    watch: &Watch,
+) -> Result<Vec<f64>, Stopped> {
+    let mut values = Vec::with_capacity(width * n);
     let mut chunk = Vec::new();
-    in_chunks(mesh.n_vertices(), |range| {
+    in_chunks(n, |range| {
         watch.check()?;
-        mesh.channel(channel, range, &mut chunk);
+        some(range, &mut chunk);
         values.extend_from_slice(&chunk);
         Ok(())
     })?;
-    let colors = if width == 1 {
-        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        // halved, so that no range is beyond the largest number
-        let range = 0.5 * most - 0.5 * least;
-        let share = |x: f64| if range > 0.0 { (0.5 * x - 0.5 * least) / range } else { 0.5 };
-        values.iter().map(|&x| scale(share(x))).collect()
-    } else {
-        let color = |row: &[f64]| std::array::from_fn(|k| single(linear(k, row[k])));
-        values.chunks_exact(width).map(color).collect()
-    };
-    Ok(Coat::Vertices(colors))
+    Ok(values)
 }
 
 fn by_uvs(mesh: &dyn MeshSource, plain: [u8; 4], watch: &Watch) -> Result<Coat, Stopped> {
@@ -223,14 +311,12 @@ type Places = (Vec<[f64; 2]>, Vec<[u32; 3]>);
 /// The texture coordinates of a mesh, if it has some.
 fn places(mesh: &dyn MeshSource, watch: &Watch) -> Result<Option<Places>, Stopped> {
     let Some(source) = mesh.uvs() else { return Ok(None) };
-    let mut places = Vec::with_capacity(source.n_points());
-    let mut chunk = Vec::new();
-    in_chunks(source.n_points(), |range| {
-        watch.check()?;
-        source.values(range, &mut chunk);
-        places.extend_from_slice(&chunk);
-        Ok(())
-    })?;
+    let places = values(source.n_places(), 2, |range, out| source.values(range, out), watch)?;
+    Ok(Some((places.as_chunks().0.to_vec(), corners(mesh, source.as_ref(), watch)?)))
+}
+
+/// The places at the corners of each triangle.
+fn corners(mesh: &dyn MeshSource, source: &dyn PlaceSource, watch: &Watch) -> Result<Vec<[u32; 3]>, Stopped> {
     let mut corners = Vec::with_capacity(mesh.n_half_edges().saturating_sub(2 * mesh.n_faces()));
     let mut faces = FaceChunk::default();
     in_chunks(mesh.n_faces(), |range| {
@@ -239,7 +325,7 @@ fn places(mesh: &dyn MeshSource, watch: &Watch) -> Result<Option<Places>, Stoppe
         corners.extend(faces.iter().flat_map(triangles));
         Ok(())
     })?;
-    Ok(Some((places, corners)))
+    Ok(corners)
 }
 
 /// What materials look like.
@@ -249,9 +335,10 @@ fn by_looks(mesh: &dyn MeshSource, plain: [u8; 4], watch: &Watch) -> Result<Coat
     let none = swatches.len() - 1;
     let number = |face| carried.materials.number(face).unwrap_or(none);
     let places = if skin::has_images(carried) { places(mesh, watch)? } else { None };
-    let Some((places, corners)) = places else {
+    if !skin::is_rich(&swatches) {
         return Ok(Coat::Triangles(by_origin(mesh, |face| swatches[number(face)].color, watch)?));
-    };
+    }
+    let (places, corners) = places.unwrap_or_default();
     Ok(Coat::Covers { places, corners, numbers: by_origin(mesh, |face| index(number(face)), watch)?, swatches })
 }
 

@@ -1,266 +1,169 @@
-//! A drawing of curves as a display list, for the two back ends that paint or write it.
+//! A drawing of curves.
 
-#![expect(clippy::cast_possible_truncation, reason = "pixel coordinates need no more than the precision of f32")]
-
-use super::options::Options;
+use super::comb::{combs, tangents};
+use super::easel::Easel;
+use super::options::{COMB_SCALE, FILL, Options};
+use super::plot::{Plot, Sheet};
+use super::styles::{Style, styles};
+use crate::drawing::{Color, Discs, Drawing, Item, Key, Mark, Point, Stroke};
 use crate::output::error::FormatError;
-use crate::output::scene::{CHUNK, Curve, Scene, Shape};
-use crate::raster::{Camera, Projection, View};
+use crate::output::scene::{Curve, Scene, Shape};
 use crate::watch::Watch;
-
-/// Lines and discs over a background, in the order of painting. Places are pixel coordinates, y downwards.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Drawing {
-    /// Width and height, pixels.
-    pub(crate) size: [u32; 2],
-    /// Straight sRGB.
-    pub(crate) background: [u8; 4],
-    /// What is painted, the first undermost.
-    pub(crate) items: Vec<Item>,
-}
-
-/// One thing to paint.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Item {
-    /// Polylines with round joins and caps.
-    Lines {
-        /// Two or more places each.
-        runs: Vec<Vec<[f32; 2]>>,
-        /// Width, pixels.
-        width_px: f32,
-        /// Straight sRGB.
-        color: [u8; 4],
-    },
-    /// Filled discs in a ring.
-    Discs {
-        /// Centres.
-        centres: Vec<[f32; 2]>,
-        /// Radius of the disc with its ring, pixels.
-        radius_px: f32,
-        /// Width of the ring, pixels.
-        ring_px: f32,
-        /// Straight sRGB.
-        color: [u8; 4],
-        /// Colour of the ring.
-        ring: [u8; 4],
-    },
-}
 
 /// What is shown when the request does not say.
 const DEFAULT_SHOW: &[&str] = &["curve", "control", "points"];
+/// All that can be shown.
+pub(crate) const CURVE_ITEMS: &[&str] =
+    &["curve", "control", "points", "vertices", "comb", "tangents", "axes", "grid", "legend"];
 /// Colour of curves.
-pub(super) const CURVE: [u8; 4] = [37, 99, 235, 255];
-const CONTROL: [u8; 4] = [160, 170, 184, 255];
-const POINT: [u8; 4] = [71, 85, 105, 255];
-const RING: [u8; 4] = [255; 4];
+pub(super) const CURVE: Color = [37, 99, 235, 255];
+const CONTROL: Color = [160, 170, 184, 255];
+const POINT: Color = [71, 85, 105, 255];
+const RING: Color = [255; 4];
+const COMB: Color = [148, 163, 184, 255];
+const COMB_ENDS: Color = [185, 28, 28, 255];
+const TANGENT: Color = [180, 83, 9, 255];
 
-/// Steps shorter than this are left out of a line, pixels.
-const FINEST_PX: f64 = 0.25;
-/// Longest polyline, so that painting one takes bounded memory.
-const LONGEST: usize = 4096;
-
-impl Drawing {
-    /// Draws the curves of a scene.
-    pub(crate) fn of(scene: &Scene<'_>, options: &Options<'_>, watch: &Watch) -> Result<Self, FormatError> {
-        let (Shape::Curves(curves), Shape::Curves(control)) = (scene.shape, scene.control.shape()) else {
-            return Err(FormatError::Unfit("only curves can be drawn as lines; ask for \"png\" instead".into()));
-        };
-        let shows = |item| options.shows(item, DEFAULT_SHOW);
-        let mut shown: Vec<&Curve> = Vec::new();
-        shown.extend(curves.iter().filter(|_| shows("curve")));
-        shown.extend(control.iter().filter(|_| shows("control") || shows("points")));
-        let easel = Easel::new(&shown, options.view(), options.size);
-        let unit = options.unit_px();
-        let mut items = Vec::new();
-        if shows("control") {
-            items.push(easel.lines(control, 1.5 * unit, CONTROL, watch)?);
-        }
-        if shows("curve") {
-            items.push(easel.lines(curves, 3.4 * unit, options.color(CURVE), watch)?);
-        }
-        if shows("points") {
-            let centres = easel.centres(control, watch)?;
-            items.push(discs(centres, unit));
-        }
-        Ok(Self { size: options.size, background: options.background, items })
+/// Draws the curves of a scene.
+pub(crate) fn drawing(scene: &Scene<'_>, options: &Options<'_>, watch: &Watch) -> Result<Drawing, FormatError> {
+    let (Shape::Curves(curves), Shape::Curves(control)) = (scene.shape, scene.control.shape()) else {
+        return Err(FormatError::Unfit("only curves can be drawn as lines; ask for \"png\" instead".into()));
+    };
+    let shows = |item| options.shows(item, DEFAULT_SHOW);
+    let mut shown: Vec<&Curve> = Vec::new();
+    let refined = ["curve", "vertices", "comb", "tangents"].iter().any(|item| shows(item));
+    shown.extend(curves.iter().filter(|_| refined));
+    shown.extend(control.iter().filter(|_| shows("control") || shows("points")));
+    let sheet = Sheet::new(&shown, control, options)?;
+    let artist = Artist { easel: &sheet.easel, options, side_px: sheet.side_px(), watch };
+    let mut plot = Plot::default();
+    if shows("control") {
+        artist.control(control, &mut plot)?;
     }
+    if shows("comb") {
+        artist.comb(curves, &mut plot)?;
+    }
+    if shows("curve") {
+        artist.curves(curves, &mut plot)?;
+    }
+    if shows("tangents") {
+        let runs = tangents(artist.easel, curves, control, artist.side_px, watch)?;
+        plot.line(Item::lines("tangents", runs, artist.stroke(1.8, TANGENT)).titled("tangents"), "tangents")?;
+    }
+    if shows("vertices") {
+        artist.points(curves, 3.1, 0.8, options.color(CURVE), "vertices", &mut plot)?;
+    }
+    if shows("points") {
+        artist.points(control, 5.2, 1.5, options.point_color(POINT), "points", &mut plot)?;
+    }
+    sheet.finish(plot, options)
 }
 
-/// Brings points of 1 to 3 coordinates into the picture.
-pub(super) struct Easel {
-    camera: Camera,
-    /// Middle and scale of the values of functions.
-    graph: [f64; 2],
-    /// Width over height of the picture.
-    aspect: f64,
+/// What draws parts of a drawing.
+struct Artist<'a> {
+    easel: &'a Easel,
+    options: &'a Options<'a>,
+    /// Smaller side of what is seen, pixels.
+    side_px: f64,
+    watch: &'a Watch,
 }
 
-impl Easel {
-    /// An easel that shows all these curves, as `asked`, in a picture of so many pixels.
-    pub(super) fn new(shown: &[&Curve], asked: View, [width, height]: [u32; 2]) -> Self {
-        let mut easel = Self {
-            camera: Camera::framing(&View::default(), &[], width, height),
-            graph: [0.0, 1.0],
-            aspect: f64::from(width) / f64::from(height),
-        };
-        if shown.iter().any(|curve| curve.dimension == 1) {
-            let [low, high] = ends(shown.iter().flat_map(|curve| curve.points.iter().copied()));
-            let half = 0.5 * high - 0.5 * low;
-            let flat = half <= 1e-12 * low.abs().max(high.abs());
-            easel.graph = [0.5 * low + 0.5 * high, if flat { 1.0 } else { 0.5 / half }];
-        }
-        let planar = shown.iter().all(|curve| curve.dimension < 3);
-        let view = View { projection: Projection::Orthographic, azimuth_rad: 0.0, elevation_rad: 0.0, ..asked };
-        let view = if planar { View { eye: None, up: [0.0, 1.0, 0.0], ..view } } else { asked };
-        let all = shown.iter().flat_map(|curve| (0..curve.len()).map(|i| easel.lifted(curve, i)));
-        let points: Vec<[f64; 3]> = if planar { corners(all) } else { all.collect() };
-        easel.camera = Camera::framing(&view, &[&points], width, height);
-        easel
+impl Artist<'_> {
+    /// A solid line of some units of line width.
+    fn stroke(&self, width: f32, color: Color) -> Stroke {
+        Stroke::solid(width * self.options.unit_px() * self.options.line_width(), color)
     }
 
-    /// Point `i` of a curve in space: functions become graphs over the unit interval, plane curves lie at z = 0.
-    fn lifted(&self, curve: &Curve, i: usize) -> [f64; 3] {
-        let at = |k: usize| curve.points[i * curve.dimension + k];
-        match curve.dimension {
-            1 => {
-                let steps = if curve.closed { curve.len() } else { curve.len() - 1 };
-                #[expect(clippy::cast_precision_loss, reason = "fewer than 2^52 points")]
-                let x = i as f64 / steps.max(1) as f64;
-                [x * self.aspect, (at(0) - self.graph[0]) * self.graph[1], 0.0]
+    fn control(&self, control: &[Curve], plot: &mut Plot) -> Result<(), FormatError> {
+        let runs = self.easel.runs(control, self.watch)?;
+        let stroke = self.stroke(1.5, self.options.control_color(CONTROL));
+        plot.line(Item::lines("control", runs, stroke).titled("control polygon"), "control polygon")
+    }
+
+    fn comb(&self, curves: &[Curve], plot: &mut Plot) -> Result<(), FormatError> {
+        let comb = combs(
+            self.easel,
+            curves,
+            self.options.values.number(COMB_SCALE.name).unwrap_or(1.0),
+            self.side_px,
+            self.watch,
+        )?;
+        plot.items.push(Item::lines("comb", comb.teeth, self.stroke(0.8, COMB)).titled("curvature comb"));
+        let ends = Item::lines("comb", comb.ends, self.stroke(1.4, COMB_ENDS));
+        plot.line(ends.titled("curvature comb"), "curvature")
+    }
+
+    /// The curves, all as one item where they look alike.
+    fn curves(&self, curves: &[Curve], plot: &mut Plot) -> Result<(), FormatError> {
+        let stroke = self.stroke(3.4, self.options.color(CURVE));
+        let styles = styles(self.options, stroke.width_px);
+        if styles.is_empty() {
+            if let Some(color) = self.options.values.color(FILL.name) {
+                self.fill(curves, color, plot)?;
             }
-            2 => [at(0), at(1), 0.0],
-            _ => [at(0), at(1), at(2)],
+            let runs = self.easel.runs(curves, self.watch)?;
+            return plot.line(Item::lines("curve", runs, stroke).titled("curve"), "curve");
         }
+        for (curve, style) in curves.iter().zip(styles.iter().cycle()) {
+            if let Some(color) = style.fill.or(self.options.values.color(FILL.name)) {
+                self.fill(std::slice::from_ref(curve), color, plot)?;
+            }
+        }
+        for (i, (curve, style)) in curves.iter().zip(styles.iter().cycle()).enumerate() {
+            let Style { stroke, label, .. } = style;
+            let runs = self.easel.runs(std::slice::from_ref(curve), self.watch)?;
+            let item = Item::lines("curve", runs, stroke.clone());
+            match label {
+                Some(label) if i < styles.len() => plot.line(item.titled(*label), label)?,
+                _ => plot.items.push(item),
+            }
+        }
+        Ok(())
     }
 
-    /// Point `i` in space and, unless that is out of the picture, its pixel coordinates.
-    fn spot(&self, curve: &Curve, i: usize) -> ([f64; 3], Option<[f64; 2]>) {
-        let point = self.lifted(curve, i);
-        (point, self.camera.place(point))
+    /// The inside of closed curves, where an odd number of them lead around it.
+    fn fill(&self, curves: &[Curve], color: Color, plot: &mut Plot) -> Result<(), FormatError> {
+        let mut outlines = Vec::new();
+        for curve in curves.iter().filter(|curve| curve.closed && curve.dimension > 1) {
+            outlines.push(self.easel.outline(curve, self.watch)?);
+        }
+        plot.items.push(Item::new("fill", Mark::Areas(outlines, color)));
+        Ok(())
     }
 
-    /// The curves as polylines of this width.
-    pub(super) fn lines(
+    /// Points of curves as discs of `radius` units of line width in a ring.
+    fn points(
         &self,
         curves: &[Curve],
-        width_px: f32,
-        color: [u8; 4],
-        watch: &Watch,
-    ) -> Result<Item, FormatError> {
-        let mut pen = Pen::default();
-        for curve in curves {
-            let n = curve.len();
-            // A function on a closed polygon is drawn over one period, not led back to its start.
-            let joined = curve.closed && curve.dimension > 1;
-            let segments = if joined && n > 2 { n } else { n.saturating_sub(1) };
-            let mut from = (n > 0).then(|| self.spot(curve, 0));
-            for i in 0..segments {
-                if i % CHUNK == 0 {
-                    watch.check()?;
-                }
-                let to = self.spot(curve, (i + 1) % n);
-                let ends = match (from, to) {
-                    (Some((_, Some(a))), (_, Some(b))) => Some([a, b]),
-                    (Some((a, _)), (b, _)) => self.camera.segment(a, b),
-                    (None, _) => None,
-                };
-                pen.draw(ends, i + 1 == segments);
-                from = Some(to);
-            }
-            pen.lift();
-        }
-        Ok(Item::Lines { runs: pen.runs, width_px, color })
-    }
-
-    fn centres(&self, curves: &[Curve], watch: &Watch) -> Result<Vec<[f32; 2]>, FormatError> {
-        let mut centres: Vec<[f32; 2]> = Vec::new();
-        for curve in curves {
-            for i in 0..curve.len() {
-                if i % CHUNK == 0 {
-                    watch.check()?;
-                }
-                let (_, Some(place)) = self.spot(curve, i) else { continue };
-                let place = place.map(|x| x as f32);
-                let fresh = centres.last().is_none_or(|last| {
-                    let (dx, dy) = (place[0] - last[0], place[1] - last[1]);
-                    dx * dx + dy * dy > 0.25
-                });
-                if fresh {
-                    centres.push(place);
-                }
-            }
-        }
-        Ok(centres)
+        radius: f32,
+        ring: f32,
+        color: Color,
+        class: &'static str,
+        plot: &mut Plot,
+    ) -> Result<(), FormatError> {
+        let centres = self.easel.centres(curves, self.watch)?;
+        let size = self.options.point_size();
+        let unit = self.options.unit_px();
+        let scale = size.unwrap_or_else(|| crowded(&centres, unit));
+        let ring_px = if size.is_none() && scale < 0.5 { 0.0 } else { ring * unit * scale };
+        let radius_px = radius * unit * scale + ring_px;
+        let discs = Discs { centres, radius_px, ring_px, color, ring: RING };
+        let title = if class == "points" { "control points" } else { "points of the curve" };
+        plot.entry(Key::Disc(Discs { centres: Vec::new(), ..discs.clone() }), title)?;
+        plot.items.push(Item::new(class, Mark::Discs(discs)).titled(title));
+        Ok(())
     }
 }
 
-/// Discs that shrink where they would hide each other and the curve.
-fn discs(centres: Vec<[f32; 2]>, unit: f32) -> Item {
+/// How much smaller discs are where they would hide each other and the curve.
+fn crowded(centres: &[Point], unit: f32) -> f32 {
     let steps = centres.windows(2).map(|pair| {
         let (dx, dy) = (f64::from(pair[1][0] - pair[0][0]), f64::from(pair[1][1] - pair[0][1]));
         (dx * dx + dy * dy).sqrt()
     });
     #[expect(clippy::cast_precision_loss, reason = "fewer than 2^52 points")]
     let mean = if centres.len() > 1 { steps.sum::<f64>() / (centres.len() - 1) as f64 } else { f64::INFINITY };
-    let scale = (0.5 * mean as f32 / (5.6 * unit)).clamp(0.25, 1.0);
-    let ring_px = if scale < 0.5 { 0.0 } else { 1.5 * unit * scale };
-    let radius_px = 4.1 * unit * scale + ring_px;
-    Item::Discs { centres, radius_px, ring_px, color: POINT, ring: RING }
-}
-
-/// Smallest and largest value; `[0, 0]` when there is none.
-fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    let found = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
-    if found[0] <= found[1] { found } else { [0.0; 2] }
-}
-
-/// Opposite corners of the bounding box in the plane.
-fn corners(points: impl Iterator<Item = [f64; 3]>) -> Vec<[f64; 3]> {
-    let none = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    let (low, high) =
-        points.fold(none, |(a, b), p| ([a[0].min(p[0]), a[1].min(p[1])], [b[0].max(p[0]), b[1].max(p[1])]));
-    if low[0] <= high[0] { vec![[low[0], low[1], 0.0], [high[0], high[1], 0.0]] } else { Vec::new() }
-}
-
-/// Joins segments to polylines and leaves out steps too small to see.
-#[derive(Default)]
-struct Pen {
-    runs: Vec<Vec<[f32; 2]>>,
-    run: Vec<[f32; 2]>,
-    /// Where the pen really is; the run may end a little before.
-    here: Option<[f64; 2]>,
-    kept: [f64; 2],
-}
-
-impl Pen {
-    fn draw(&mut self, segment: Option<[[f64; 2]; 2]>, last: bool) {
-        let Some([from, to]) = segment else { return self.lift() };
-        if self.here != Some(from) {
-            self.lift();
-            self.keep(from);
-        }
-        let (dx, dy) = (to[0] - self.kept[0], to[1] - self.kept[1]);
-        if last || self.run.len() < 2 || dx * dx + dy * dy > FINEST_PX * FINEST_PX {
-            self.keep(to);
-        }
-        self.here = Some(to);
-        if self.run.len() >= LONGEST {
-            self.lift();
-            self.keep(to);
-            self.here = Some(to);
-        }
-    }
-
-    fn keep(&mut self, place: [f64; 2]) {
-        self.run.push(place.map(|x| x as f32));
-        self.kept = place;
-    }
-
-    fn lift(&mut self) {
-        if self.run.len() > 1 {
-            self.runs.push(std::mem::take(&mut self.run));
-        }
-        self.run.clear();
-        self.here = None;
-    }
+    #[expect(clippy::cast_possible_truncation, reason = "a size needs no last digit")]
+    let scale = (0.5 * mean as f32 / (5.6 * unit)).clamp(0.4, 1.0);
+    scale
 }

@@ -1,6 +1,6 @@
 //! What a picture of a mesh will take to draw, told by where the input stands in it.
 
-use super::mesh::DEFAULT_SHOW;
+use super::lines;
 use super::options::Options;
 use crate::output::counts::Counts;
 use crate::raster::{Camera, Forecast};
@@ -13,13 +13,12 @@ const CORNERS_A_ROW: u128 = 2;
 
 /// Rows of a table, 100 ns each. The refined mesh covers about what the input does, face by face, as both are framed
 /// alike.
-pub(crate) fn work(mesh: &Mesh, counts: &Counts, options: &Options<'_>) -> u128 {
-    let shows = |item| options.shows(item, DEFAULT_SHOW);
-    if !(shows("surface") || shows("wireframe") || shows("isolines")) {
+pub(crate) fn work(input: &Mesh, counts: &Counts, options: &Options<'_>) -> u128 {
+    if !lines::shows_body(options) {
         return 0;
     }
-    let topology = &mesh.topology;
-    let points = mesh.positions.as_chunks::<3>().0;
+    let topology = &input.topology;
+    let points = input.positions.as_chunks::<3>().0;
     let camera = Camera::framing(&options.view(), &[points], options.size[0], options.size[1]);
     let triangles = (topology.n_half_edges()).saturating_sub(2 * topology.n_faces()).max(1);
     let stride = topology.n_faces().div_ceil(MAX_FACES).max(1);

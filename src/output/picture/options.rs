@@ -8,7 +8,7 @@ use crate::output::error::FormatError;
 use crate::output::numbers::rounded;
 use crate::output::scene::{Frame, Scene, Shape, in_chunks};
 use crate::output::surface::NORMALS;
-use crate::raster::{MAX_SIDE_PX, Projection, View};
+use crate::raster::{Ground, Look, MAX_SIDE_PX, Projection, View};
 
 /// Largest width and height, pixels.
 const MAX_SIDE: i64 = MAX_SIDE_PX as i64;
@@ -47,6 +47,101 @@ pub(crate) const COLOR: Parameter = Parameter {
     unit: "",
     default: Default::Absent,
     doc: "Colour of the refined shape, whatever its materials; left out, theirs, and a calm blue where they have none.",
+};
+
+/// How well edges are drawn.
+pub(crate) const QUALITY: Parameter = Parameter {
+    name: "quality",
+    kind: Kind::Choice(&["draft", "final"]),
+    unit: "",
+    default: Default::Text("final"),
+    doc: "\"final\" draws edges of meshes with 16 samples a pixel and grounds the model, \"draft\" draws with 4 and \
+          grounds it only where `grounding` asks for it, in about two thirds of the time.",
+};
+
+/// What gives the model weight.
+pub(crate) const GROUNDING: Parameter = Parameter {
+    name: "grounding",
+    kind: Kind::Choice(&["auto", "none", "occlusion", "shadow"]),
+    unit: "",
+    default: Default::Text("auto"),
+    doc: "Less light in hollows (\"occlusion\"), and with it a soft shadow on the ground, the level plane through the \
+          lowest point (\"shadow\"). \"auto\" is \"occlusion\", and \"shadow\" where the model stands: the centre of \
+          its surface is over the hull of what is near the ground, and it is no flat sheet. The ground is only seen \
+          from above.",
+};
+
+/// How large the picture is on paper.
+pub(crate) const DPI: Parameter = Parameter {
+    name: "dpi",
+    kind: Kind::Number { min: 1.0, max: 10_000.0 },
+    unit: "pixels an inch",
+    default: Default::Absent,
+    doc: "How large the picture is on paper, written into the file; pixels stay the same.",
+};
+
+/// How wide lines are.
+pub(crate) const LINE_WIDTH: Parameter = Parameter {
+    name: "line_width",
+    kind: Kind::Number { min: 0.1, max: 20.0 },
+    unit: "",
+    default: Default::Number(1.0),
+    doc: "By what the usual width of lines is multiplied, which keeps its proportion to the picture.",
+};
+
+/// Colour of wireframe and isolines.
+pub(crate) const WIRE_COLOR: Parameter = Parameter {
+    name: "wire_color",
+    kind: Kind::Color,
+    unit: "",
+    default: Default::Absent,
+    doc: "Colour of the wireframe and of isolines; left out, a dark blue.",
+};
+
+/// Colour of the control net.
+pub(crate) const CONTROL_COLOR: Parameter = Parameter {
+    name: "control_color",
+    kind: Kind::Color,
+    unit: "",
+    default: Default::Absent,
+    doc: "Colour of the edges of the control net, which are faint behind the surface; left out, orange.",
+};
+
+/// Colour of control points.
+pub(crate) const POINT_COLOR: Parameter = Parameter {
+    name: "point_color",
+    kind: Kind::Color,
+    unit: "",
+    default: Default::Absent,
+    doc: "Colour of control points; left out, a dark orange.",
+};
+
+/// How large points are.
+pub(crate) const POINT_SIZE: Parameter = Parameter {
+    name: "point_size",
+    kind: Kind::Number { min: 0.1, max: 20.0 },
+    unit: "",
+    default: Default::Absent,
+    doc: "By what the usual size of points is multiplied; left out, points are smaller where they crowd. Curves only.",
+};
+
+/// Colour of the inside of curves.
+pub(crate) const FILL: Parameter = Parameter {
+    name: "fill",
+    kind: Kind::Color,
+    unit: "",
+    default: Default::Absent,
+    doc: "Colour of what closed curves lead around an odd number of times. Curves only.",
+};
+
+/// How long the teeth of combs are.
+pub(crate) const COMB_SCALE: Parameter = Parameter {
+    name: "comb_scale",
+    kind: Kind::Number { min: -1000.0, max: 1000.0 },
+    unit: "",
+    default: Default::Number(1.0),
+    doc: "By what the usual length of the teeth of curvature combs is multiplied, at which most are up to an eighth of \
+          the picture long; below 0 they stand on the other side.",
 };
 
 /// The camera.
@@ -188,6 +283,50 @@ impl<'a> Options<'a> {
     /// Whether each face has one normal.
     pub(crate) fn flat(&self) -> bool {
         self.values.choice("shading") == Some("flat") || self.values.choice(NORMALS.name) == Some("none")
+    }
+
+    /// What the picture of a mesh is drawn on, and how well. Grounding is for shaded surfaces, not for shown numbers.
+    pub(crate) fn look(&self) -> Look {
+        let is_fine = self.values.choice(QUALITY.name) != Some("draft");
+        let shaded = matches!(self.values.choice("shading"), None | Some("smooth" | "flat"));
+        let (is_occluded, shadow) = match self.values.choice(GROUNDING.name) {
+            Some("none") => (false, Ground::None),
+            Some("occlusion") => (true, Ground::None),
+            Some("shadow") => (true, Ground::Always),
+            _ if is_fine && shaded => (true, Ground::Stood),
+            _ => (false, Ground::None),
+        };
+        Look { background: self.background, is_fine, is_occluded, shadow }
+    }
+
+    /// Pixels an inch of paper.
+    pub(crate) fn dpi(&self) -> Option<f64> {
+        self.values.number(DPI.name)
+    }
+
+    /// By what the usual width of lines is multiplied.
+    pub(crate) fn line_width(&self) -> f32 {
+        self.values.number(LINE_WIDTH.name).map_or(1.0, rounded)
+    }
+
+    /// Colour of wireframe and isolines.
+    pub(crate) fn wire_color(&self, default: [u8; 4]) -> [u8; 4] {
+        self.values.color(WIRE_COLOR.name).unwrap_or(default)
+    }
+
+    /// Colour of the control net.
+    pub(crate) fn control_color(&self, default: [u8; 4]) -> [u8; 4] {
+        self.values.color(CONTROL_COLOR.name).unwrap_or(default)
+    }
+
+    /// Colour of control points.
+    pub(crate) fn point_color(&self, default: [u8; 4]) -> [u8; 4] {
+        self.values.color(POINT_COLOR.name).unwrap_or(default)
+    }
+
+    /// By what the usual size of points is multiplied, where that is said.
+    pub(super) fn point_size(&self) -> Option<f32> {
+        self.values.number(POINT_SIZE.name).map(rounded)
     }
 
     /// Colour of the refined shape.

@@ -1,7 +1,9 @@
 //! A drawing of the sections of a mesh, each in the frame of its plane.
 
-use super::drawing::{CURVE, Drawing, Easel};
+use super::drawing::CURVE;
+use super::easel::Easel;
 use super::options::Options;
+use crate::drawing::{Drawing, Item, Stroke};
 use crate::math::vector::{cross, dot, minus, unit};
 use crate::output::error::FormatError;
 use crate::output::positions::Positions;
@@ -34,10 +36,10 @@ pub(crate) fn drawing(
     arrange(&mut drawn, options.size);
     let shown: Vec<&Curve> = drawn.iter().flatten().collect();
     let easel = Easel::new(&shown, View { target: None, ..options.view() }, options.size);
-    let color = options.color(CURVE);
-    let items = drawn.iter().map(|curves| easel.lines(curves, WIDTH * options.unit_px(), color, watch));
-    let items = items.collect::<Result<_, FormatError>>()?;
-    Ok(Drawing { size: options.size, background: options.background, items })
+    let stroke = Stroke::solid(WIDTH * options.unit_px(), options.color(CURVE));
+    let item = |curves: &Vec<Curve>| Ok(Item::lines("section", easel.runs(curves, watch)?, stroke.clone()));
+    let items = drawn.iter().map(item).collect::<Result<_, FormatError>>()?;
+    Ok(Drawing { size: options.size, background: options.background, title: String::new(), items })
 }
 
 /// The directions to the right and up of a plane, of length one: the normal points to the viewer, and `up` is up. Where

@@ -14,7 +14,7 @@ use crate::output::error::FormatError;
 use crate::output::numbers::rounded;
 use crate::raster::{Beyond, Cover, Swatch, Texels};
 use crate::shape::attachments::Attachments;
-use crate::shape::looks::{Look, images};
+use crate::shape::looks::{Alpha, Look, images};
 use crate::shape::textures::{Filter, Image, ImageKind, Texture, Wrap};
 use crate::watch::Watch;
 
@@ -24,9 +24,21 @@ const PIXEL_BYTES: u128 = 18;
 /// Pixels of such a picture that are decoded in the time of a row, 100 ns.
 const PIXELS_A_ROW: u128 = 4;
 
+/// Materials that a warning names at most.
+const NAMED: usize = 5;
+
 /// Whether materials give faces a look of their own.
 pub(super) fn is_said(carried: &Attachments) -> bool {
-    carried.looks.iter().any(|look| look.color.is_some() || look.texture.is_some())
+    carried.looks.iter().any(|look| look.color.is_some() || look.texture.is_some() || is_metal(look))
+}
+
+fn is_metal(look: &Look) -> bool {
+    look.metallic.is_some_and(|metallic| metallic > 0.0)
+}
+
+/// Whether some material is more than one colour.
+pub(super) fn is_rich(swatches: &[Swatch]) -> bool {
+    swatches.iter().any(|swatch| swatch.cover.is_some() || swatch.alpha < 1.0 || swatch.metal > 0.0)
 }
 
 /// Whether some material has a picture.
@@ -63,9 +75,41 @@ pub(super) fn swatches(carried: &Attachments, plain: [f32; 3], watch: &Watch) ->
         let image = images.iter().position(|image| **image == texture.image)?;
         Some(cover(texture, texels[image].clone()))
     };
-    let swatch = |look: &Look| Swatch { color: color(look, plain), cover: look.texture.as_ref().and_then(cover) };
-    let nothing = Swatch { color: plain, cover: None };
+    let swatch = |look: &Look| Swatch {
+        color: color(look, plain),
+        alpha: alpha(look),
+        metal: look.metallic.map_or(0.0, rounded),
+        cover: look.texture.as_ref().and_then(cover),
+    };
+    let nothing = Swatch { color: plain, alpha: 1.0, metal: 0.0, cover: None };
     Ok(carried.looks.iter().map(swatch).chain([nothing]).collect())
+}
+
+/// How much a material hides of what lies behind it; the alpha of its texture does not count.
+fn alpha(look: &Look) -> f32 {
+    let given = look.color.map_or(1.0, |color| color[3]);
+    match look.alpha() {
+        Alpha::Opaque => 1.0,
+        Alpha::Mask(cutoff) => f32::from(u8::from(given >= cutoff)),
+        Alpha::Blend => rounded(given),
+    }
+}
+
+/// The materials whose textures may let something through, which pictures do not show, as a sentence.
+pub(super) fn left_out(carried: &Attachments) -> Option<String> {
+    let may_be_clear = |look: &Look| {
+        let is_png = look.texture.as_ref().is_some_and(|texture| texture.image.kind() == ImageKind::Png);
+        is_png && look.alpha() != Alpha::Opaque
+    };
+    let named = carried.materials.names.iter().zip(&carried.looks).filter(|(_, look)| may_be_clear(look));
+    let names: Vec<String> = named.map(|(name, _)| format!("\"{name}\"")).collect();
+    let (n, first) = (names.len(), names[..names.len().min(NAMED)].join(", "));
+    let more = if n > NAMED { ", ..." } else { "" };
+    (n > 0).then(|| {
+        format!(
+            "textures are drawn opaque, whatever their alpha, in materials of alpha mode blend or mask: {first}{more}"
+        )
+    })
 }
 
 /// The colour of a material, linear light; white under a picture, where nothing is said.

@@ -99,7 +99,7 @@ pub(super) struct Carried<'a> {
     start: usize,
     /// The numbers of each channel.
     channels: Vec<Vec<f64>>,
-    uvs: Vec<[f64; 2]>,
+    uvs: Vec<f64>,
 }
 
 impl<'a> Carried<'a> {
@@ -125,7 +125,7 @@ impl<'a> Carried<'a> {
                 if channel.is_color() { self.layout.byte(byte(x), out) } else { self.layout.number(x, out) }
             }
         }
-        for &x in self.uvs.get(i).into_iter().flatten() {
+        for &x in self.uvs.get(2 * i..2 * i + 2).into_iter().flatten() {
             self.layout.separate(out);
             self.layout.number(x, out);
         }

@@ -12,11 +12,16 @@ use crate::watch::{Stopped, Watch};
 
 use super::connectivity::Connectivity;
 use super::entries::{add_moments, bounding_box, euler, histogram, seen_from};
+use super::fairness;
 use super::hashes::{HashedItem, PositionsHash, ShapeHash};
 use super::moments::Moments;
 
-/// The statistics of a mesh, on request with a hash of its normals.
-pub(super) fn report(mesh: &dyn MeshSource, with_normals: bool, watch: &Watch) -> Result<Value, FormatError> {
+/// The statistics of a mesh, on request with a hash of its normals, and with its curvature.
+pub(super) fn report(
+    mesh: &dyn MeshSource,
+    [with_normals, with_curvature]: [bool; 2],
+    watch: &Watch,
+) -> Result<Value, FormatError> {
     let positions = Positions::of_mesh(mesh).held(watch)?;
     let rows = positions.rows();
     let mut bounds = Bounds::EMPTY;
@@ -47,6 +52,9 @@ pub(super) fn report(mesh: &dyn MeshSource, with_normals: bool, watch: &Watch) -
         let mut normals_hash = PositionsHash::default();
         normals_hash.add(normals::of(mesh, rows, watch)?.as_flattened());
         found["normals_hash"] = normals_hash.hex().into();
+    }
+    if with_curvature {
+        fairness::add(&mut found, mesh, watch)?;
     }
     found["shape_hash"] = sums.hash.hex().into();
     Ok(found)

@@ -24,6 +24,10 @@ pub struct Count {
     pub split_vertices: u128,
     /// Places with texture coordinates, where there are some.
     pub uvs: u128,
+    /// Places of all channels with seams.
+    pub seamed: u128,
+    /// Vertices where there is one for each place of all that has seams; 0 where nothing has.
+    pub unfolded: u128,
     /// Corners of the largest face that is shown; 0 without faces.
     pub largest_face: u128,
     /// Corners of the largest face that a dual makes of a vertex: as many as it has faces, and two more at the
@@ -43,6 +47,8 @@ impl Count {
             hidden_corners: self.hidden_corners.saturating_add(other.hidden_corners),
             split_vertices: self.split_vertices.saturating_add(other.split_vertices),
             uvs: self.uvs.saturating_add(other.uvs),
+            seamed: self.seamed.saturating_add(other.seamed),
+            unfolded: self.unfolded.saturating_add(other.unfolded),
             largest_face: self.largest_face.max(other.largest_face),
             largest_fan: self.largest_fan.max(other.largest_fan),
         }

@@ -3,6 +3,7 @@
 use super::circles::angle;
 use crate::math::expression::Expression;
 use crate::math::parameter::{Default, Parameter};
+use crate::scheme::claim::Claim;
 use crate::scheme::letter::Letter;
 use crate::scheme::parameters::ARITY;
 use crate::scheme::preset::{Preset, Refines, Spelling, letters};
@@ -16,6 +17,7 @@ pub(super) const CHAIKIN: Preset = Preset {
     source: "Chaikin, Computer Graphics and Image Processing 3 (1974), 346-349",
     parameters: &[],
     refines: Refines::Curves,
+    claims: &[Claim::new("", &[&[]], ["1", "3", "1"])],
     spell: |_| Ok(Spelling::of(letters("UD"))),
 };
 
@@ -25,6 +27,7 @@ pub(super) const CUBIC_B_SPLINE: Preset = Preset {
     source: LANE_RIESENFELD,
     parameters: &[],
     refines: Refines::Curves,
+    claims: &[Claim::new("", &[&[]], ["2", "4", "1"])],
     spell: |_| Ok(Spelling::of(letters("UC"))),
 };
 
@@ -34,6 +37,11 @@ pub(super) const B_SPLINE: Preset = Preset {
     source: LANE_RIESENFELD,
     parameters: &[degree(1)],
     refines: Refines::Curves,
+    claims: &[Claim::new(
+        "",
+        &[&[("degree", "1")], &[("degree", "2")], &[("degree", "5")], &[("degree", "12")]],
+        ["degree - 1", "degree + 1", "1"],
+    )],
     spell: |values| Ok(Spelling::of(averaged(values.integer("degree")))),
 };
 
@@ -44,6 +52,15 @@ pub(super) const C_B_SPLINE: Preset = Preset {
     source: "Zhang, CAGD 13 (1996), 217-227; Zhang and Wang 2002, section 1",
     parameters: &[degree(2), angle("Knot spacing; 2 pi / K for a regular K-gon.")],
     refines: Refines::Curves,
+    claims: &[Claim::new(
+        "",
+        &[
+            &[("degree", "2"), ("alpha", "1")],
+            &[("degree", "3"), ("alpha", "0")],
+            &[("degree", "5"), ("alpha", "pi/3")],
+        ],
+        ["degree - 1", "degree + 1", "1"],
+    )],
     spell: |values| {
         let kernel = Expression::parse("cos(alpha/2)", "alpha").expect("a constant text that follows the grammar");
         let alpha = values.number("alpha").unwrap_or(0.0);
@@ -58,6 +75,11 @@ pub(super) const D_ARY_B_SPLINE: Preset = Preset {
     source: "Zhang and Wang 2002, section 4.2; Maillot and Stam, Computer Graphics Forum 20 (2001)",
     parameters: &[Parameter { default: Default::Number(3.0), ..ARITY }, degree(1)],
     refines: Refines::Curves,
+    claims: &[Claim::new(
+        "",
+        &[&[("degree", "1"), ("arity", "3")], &[("degree", "4"), ("arity", "3")], &[("degree", "3"), ("arity", "5")]],
+        ["degree - 1", "degree + 1", "1"],
+    )],
     spell: |values| {
         let averages = values.integer("degree").and_then(|g| usize::try_from(g - 1).ok()).unwrap_or(0);
         let mut cycle = letters(&format!("U{}", "A".repeat(averages)));

@@ -3,6 +3,7 @@
 use super::ternary::real;
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Parameter, Value, Values};
+use crate::scheme::claim::Claim;
 use crate::scheme::letter::Letter;
 use crate::scheme::ops::{CIRCULAR_PUSH_BACK, Circle};
 use crate::scheme::parameters::{ARITY, AVERAGES};
@@ -21,6 +22,11 @@ pub(super) const D_ARY_CIRCLE: Preset = Preset {
         real("delta", Default::Number(0.0), "Push-back factor: 0 approximates, 1 interpolates."),
     ],
     refines: Refines::Curves,
+    claims: &[Claim::new(
+        "delta = 0",
+        &[&[("averages", "1"), ("arity", "3"), ("alpha", "0")], &[("averages", "2"), ("arity", "4"), ("alpha", "1")]],
+        ["averages", "averages + 2", "1"],
+    )],
     spell,
 };
 

@@ -17,6 +17,7 @@ pub(super) const INCENTER: Preset = Preset {
     source: "after Deng and Wang, CAGD 27 (2010), 48-59; tangents as in Deng and Ma, CAGD 31 (2014), 656-673",
     parameters: &[Incenter::MU],
     refines: Refines::Curves,
+    claims: &[],
     spell: |values| {
         let mu = Value::Number(values.number("mu").unwrap_or(0.25));
         Ok(Spelling::of(vec![Letter::plain(&Incenter).with(&Incenter::MU, mu)]))

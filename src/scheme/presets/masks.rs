@@ -6,6 +6,7 @@ use crate::math::exactly;
 use crate::math::number::Number;
 use crate::math::parameter::{Literal, Parameter, Value, Values};
 use crate::math::weight::Weight;
+use crate::scheme::claim::Claim;
 use crate::scheme::parameters;
 use crate::scheme::preset::{Preset, Refines, Spelling, masked, mirrored};
 
@@ -17,6 +18,14 @@ pub(super) const TWO_N_POINT: Preset = Preset {
     source: "Deslauriers and Dubuc, Constructive Approximation 5 (1989), 49-68",
     parameters: &[Parameter::integer("n", [1, 16], 2.0, "Half the number of points that make a new one.")],
     refines: Refines::Curves,
+    claims: &[
+        Claim::new(
+            "n = 1 to 5",
+            &[&[("n", "1")], &[("n", "2")], &[("n", "3")], &[("n", "5")]],
+            ["n - 1", "4*n - 2", "2*n - 1"],
+        ),
+        Claim::new("n = 6", &[&[("n", "6")]], ["4", "4*n - 2", "2*n - 1"]),
+    ],
     spell: |values| {
         let n = values.integer("n").and_then(|n| u128::try_from(n).ok()).unwrap_or(2);
         let outwards: Vec<Weight> = (1..=n).flat_map(|j| [deslauriers_dubuc(n, j), Weight::whole(0)]).collect();
@@ -57,6 +66,7 @@ pub(super) const MASK: Preset = Preset {
     source: "Dyn, Subdivision schemes in CAGD, 1992, section 2",
     parameters: &[parameters::ARITY, parameters::MASK, parameters::FIRST],
     refines: Refines::Curves,
+    claims: &[],
     spell: own,
 };
 

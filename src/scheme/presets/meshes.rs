@@ -15,6 +15,7 @@ pub(super) const CATMULL_CLARK: Preset = Preset {
     source: "Catmull and Clark, CAD 10 (1978), 350-355; boundaries as OpenSubdiv 3.5",
     parameters: &[CREASING, TRIANGLE_RULE],
     refines: Refines::Meshes,
+    claims: &[],
     spell: |values| {
         let mut cycle = letters("U");
         cycle.push(Letter::plain(&CatmullClark));
@@ -32,6 +33,7 @@ pub(super) const LOOP: Preset = Preset {
     source: "Loop, Smooth subdivision surfaces based on triangles, 1987; boundaries as OpenSubdiv 3.5",
     parameters: &[CREASING],
     refines: Refines::Meshes,
+    claims: &[],
     spell: |values| {
         let mut cycle = letters("U");
         cycle.push(Letter::plain(&LoopSmoothing));
@@ -46,6 +48,7 @@ pub(super) const BILINEAR: Preset = Preset {
     source: "Zorin and Schroeder, CAGD 18 (2001), 429-454",
     parameters: &[],
     refines: Refines::Meshes,
+    claims: &[],
     spell: |_| Ok(Spelling::of(letters("U"))),
 };
 

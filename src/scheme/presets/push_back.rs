@@ -1,6 +1,7 @@
 //! Semi-stationary push-back subdivision.
 
 use crate::math::parameter::{Parameter, Values};
+use crate::scheme::claim::Claim;
 use crate::scheme::letter::Letter;
 use crate::scheme::parameters::{
     ALPHA, COMPENSATION, COMPENSATION_ALPHA, DEFAULT_MU, DELTA, KERNEL, KERNEL_LONGITUDE, LATITUDE_RULE, MU,
@@ -28,6 +29,17 @@ pub(super) const PUSH_BACK: Preset = Preset {
         Parameter::integer("k", [1, 8], 1.0, "Number of convolution averages a level."),
     ],
     refines: Refines::Both,
+    claims: &[
+        Claim::new("polygons, all else as it is left out: delta = 1", &[&[("delta", "1")]], ["1", "6", "3"]),
+        Claim::new("polygons, 0 < delta < 1", &[&[("delta", "1/10")], &[("delta", "9/10")]], ["2", "6", "1"]),
+        Claim::new("polygons, delta = 0", &[&[("delta", "0")]], ["2", "4", "1"]),
+        Claim::new(
+            "polygons, -2 < delta < 0, delta not -1/2",
+            &[&[("delta", "-3/2")], &[("delta", "-1/10")]],
+            ["3", "6", "1"],
+        ),
+        Claim::new("polygons, delta = -1/2", &[&[("delta", "-1/2")]], ["4", "6", "1"]),
+    ],
     spell: |values| {
         let k = values.integer("k").and_then(|k| usize::try_from(k).ok()).unwrap_or(1);
         Ok(with_functions(letters(&format!("U{}P", "C".repeat(k))), values))

@@ -13,6 +13,7 @@ pub(super) const DOO_SABIN: Preset = Preset {
     source: "Doo and Sabin, CAD 10 (1978), 356-360",
     parameters: &[],
     refines: Refines::Meshes,
+    claims: &[],
     spell: |_| Ok(Spelling::of(vec![Letter::plain(&DooSabin)])),
 };
 
@@ -29,6 +30,7 @@ pub(super) const REPEATED_AVERAGING: Preset = Preset {
         "Polynomial degree in regular regions: odd for primal schemes, even for dual ones.",
     )],
     refines: Refines::Meshes,
+    claims: &[],
     spell: |values| {
         let averages = values.integer("degree").and_then(|degree| usize::try_from(degree - 1).ok()).unwrap_or(2);
         Ok(Spelling::of(letters(&format!("U{}{}", "C".repeat(averages / 2), "D".repeat(averages % 2)))))
@@ -43,6 +45,7 @@ pub(super) const KOBBELT: Preset = Preset {
     source: "Kobbelt, Computer Graphics Forum 15 (1996), 409-420",
     parameters: &[],
     refines: Refines::Meshes,
+    claims: &[],
     spell: |_| {
         let mut cycle = letters("U");
         cycle.push(Letter::plain(&KobbeltEdges));

@@ -4,6 +4,7 @@ use crate::fault::Fault;
 use crate::math::number::Number;
 use crate::math::parameter::{Default, Parameter};
 use crate::math::weight::Weight;
+use crate::scheme::claim::Claim;
 use crate::scheme::preset::{Preset, Refines, Spelling, mirrored, weight};
 
 const HUANG_TAN: &str = "Huang and Tan, Acta Electronica Sinica 49 (2021), 90-98";
@@ -63,6 +64,19 @@ pub(super) const BLENDING: Preset = Preset {
         real("lambda", Default::Required, "Place of the inner points."),
     ],
     refines: Refines::Curves,
+    claims: &[
+        Claim::new(
+            "theta = 7 eta + 5/27, omega = -9 eta - 2/27, omega delta = 2 omega/3 - 1/81, lambda (1 + omega) = 2/3 - \
+             omega + 3 omega delta, 0 < eta < 1/81",
+            &[&[("eta", "1/243"), ("theta", "52/243"), ("omega", "-1/9"), ("delta", "7/9"), ("lambda", "7/12")]],
+            ["4", "6", "1"],
+        ),
+        Claim::new(
+            "eta = theta = 0, omega = 1/9, delta = 7/11, lambda = 38/55",
+            &[&[("eta", "0"), ("theta", "0"), ("omega", "1/9"), ("delta", "7/11"), ("lambda", "38/55")]],
+            ["2", "5", "2"],
+        ),
+    ],
     spell: |values| {
         let omega = weight(values, "omega");
         blend(Blend {
@@ -82,6 +96,15 @@ pub(super) const C4: Preset = Preset {
     source: HUANG_TAN,
     parameters: &[real("eta", Default::Text("1/243"), "Shape; C4 for 0 < eta < 1/81.")],
     refines: Refines::Curves,
+    claims: &[
+        Claim::new(
+            "0 < eta < 1/81",
+            &[&[("eta", "1/1000000")], &[("eta", "1/243")], &[("eta", "1/82")]],
+            ["4", "6", "1"],
+        ),
+        Claim::new("1/81 <= eta < 2/81", &[&[("eta", "1/81")], &[("eta", "1/54")]], ["3", "6", "1"]),
+        Claim::new("eta = 0", &[&[("eta", "0")]], ["3", "5", "1"]),
+    ],
     spell: |values| {
         let eta = || weight(values, "eta");
         let outwards = vec![
@@ -98,7 +121,7 @@ pub(super) const C4: Preset = Preset {
 
 /// The ternary B-spline of some degree: entries over `3^degree`, from the middle outwards.
 macro_rules! b_spline {
-    ($constant:ident, $name:literal, $degree:literal, $over:literal, [$middle:literal $(, $entry:literal)*]) => {
+    ($constant:ident, $name:literal, $degree:literal, [$smoothness:literal, $support:literal], $over:literal, [$middle:literal $(, $entry:literal)*]) => {
         pub(super) const $constant: Preset = Preset {
             name: $name,
             doc: concat!("The uniform B-spline of degree ", $degree, " by ternary refinement; symbol ",
@@ -106,16 +129,17 @@ macro_rules! b_spline {
             source: HUANG_TAN,
             parameters: &[],
             refines: Refines::Curves,
-            spell: |_| mirrored(3, ratio($middle, $over), &[$(ratio($entry, $over)),*]),
+            claims: &[Claim::new("", &[&[]], [$smoothness, $support, "1"])],
+    spell: |_| mirrored(3, ratio($middle, $over), &[$(ratio($entry, $over)),*]),
         };
     };
 }
 
-b_spline!(LINEAR, "ternary-linear", "1", 3, [3, 2, 1]);
-b_spline!(QUADRATIC, "ternary-quadratic", "2", 9, [7, 6, 3, 1]);
-b_spline!(CUBIC, "ternary-cubic", "3", 27, [19, 16, 10, 4, 1]);
-b_spline!(QUARTIC, "ternary-quartic", "4", 81, [51, 45, 30, 15, 5, 1]);
-b_spline!(QUINTIC, "ternary-quintic", "5", 243, [141, 126, 90, 50, 21, 6, 1]);
+b_spline!(LINEAR, "ternary-linear", "1", ["0", "2"], 3, [3, 2, 1]);
+b_spline!(QUADRATIC, "ternary-quadratic", "2", ["1", "3"], 9, [7, 6, 3, 1]);
+b_spline!(CUBIC, "ternary-cubic", "3", ["2", "4"], 27, [19, 16, 10, 4, 1]);
+b_spline!(QUARTIC, "ternary-quartic", "4", ["3", "5"], 81, [51, 45, 30, 15, 5, 1]);
+b_spline!(QUINTIC, "ternary-quintic", "5", ["4", "6"], 243, [141, 126, 90, 50, 21, 6, 1]);
 
 pub(super) const THREE_POINT: Preset = Preset {
     name: "ternary-three-point",
@@ -124,6 +148,11 @@ pub(super) const THREE_POINT: Preset = Preset {
     source: "Hassan and Dodgson, Curve and Surface Fitting, Saint-Malo 2002 (2003), 199-208",
     parameters: &[real("alpha", Default::Number(0.25), "Shape; C1 for 2/9 < alpha < 1/3.")],
     refines: Refines::Curves,
+    claims: &[Claim::new(
+        "2/9 < alpha < 1/3",
+        &[&[("alpha", "0.223")], &[("alpha", "1/4")], &[("alpha", "0.333")]],
+        ["1", "4", "1"],
+    )],
     spell: |values| {
         let alpha = weight(values, "alpha");
         let omega = ratio(1, 3) - alpha.clone();
@@ -139,6 +168,11 @@ pub(super) const FOUR_POINT: Preset = Preset {
     source: "Hassan, Ivrissimtzis, Dodgson and Sabin, CAGD 19 (2002), 1-18",
     parameters: &[real("mu", Default::Number(0.1), "Shape; C2 for 1/15 < mu < 1/9.")],
     refines: Refines::Curves,
+    claims: &[Claim::new(
+        "1/15 < mu < 1/9",
+        &[&[("mu", "0.067")], &[("mu", "1/11")], &[("mu", "0.111")]],
+        ["2", "5", "2"],
+    )],
     spell: |values| {
         let mu = || weight(values, "mu");
         let (omega_delta, lambda) = (ratio(1, 18) + mu() / whole(6), ratio(13, 18) + mu() / whole(2));
@@ -156,6 +190,14 @@ pub(super) const PAN: Preset = Preset {
         real("beta", Default::Required, "Shape."),
     ],
     refines: Refines::Curves,
+    claims: &[
+        Claim::new(
+            "beta = 1/9, 1 < alpha < 7/4",
+            &[&[("alpha", "9/8"), ("beta", "1/9")], &[("alpha", "3/2"), ("beta", "1/9")]],
+            ["3", "5", "1"],
+        ),
+        Claim::new("alpha = 1", &[&[("alpha", "1"), ("beta", "1/5")]], ["2", "4", "1"]),
+    ],
     spell: |values| {
         let (alpha, beta) = (|| weight(values, "alpha"), || weight(values, "beta"));
         let omega = (whole(3) - whole(4) * alpha()) / whole(27);
@@ -173,6 +215,10 @@ pub(super) const REHAN: Preset = Preset {
           2021",
     parameters: &[real("alpha", Default::Required, "Shape."), real("beta", Default::Required, "Shape.")],
     refines: Refines::Curves,
+    claims: &[
+        Claim::new("beta = 0, 4/243 < alpha < 7/405", &[&[("alpha", "1/60"), ("beta", "0")]], ["3", "6", "1"]),
+        Claim::new("alpha = beta = 0", &[&[("alpha", "0"), ("beta", "0")]], ["1", "5", "3"]),
+    ],
     spell: |values| {
         let alpha = || weight(values, "alpha");
         let bend = (whole(1) - alpha()) * weight(values, "beta");
@@ -197,6 +243,11 @@ pub(super) const NOVARA: Preset = Preset {
         real("gamma", Default::Required, "Far outer weight."),
     ],
     refines: Refines::Curves,
+    claims: &[Claim::new(
+        "alpha = -2/27, beta = 5/81, gamma = 1/81",
+        &[&[("alpha", "-2/27"), ("beta", "5/81"), ("gamma", "1/81")]],
+        ["3", "5", "1"],
+    )],
     spell: |values| {
         let (beta, gamma) = (|| weight(values, "beta"), || weight(values, "gamma"));
         blend(Blend {

@@ -14,6 +14,7 @@ pub(super) const BUTTERFLY: Preset = Preset {
     source: "Zorin, Schroeder and Sweldens, SIGGRAPH 1996, 189-192; Dyn, Levin and Gregory, ACM TOG 9 (1990), 160-169",
     parameters: &[ButterflyEdges::W],
     refines: Refines::Meshes,
+    claims: &[],
     spell: |values| {
         let w = Value::Number(values.number("w").unwrap_or(1.0 / 16.0));
         let mut cycle = letters("U");
@@ -29,5 +30,6 @@ pub(super) const SQRT_3: Preset = Preset {
     source: "Kobbelt, SIGGRAPH 2000, 103-112",
     parameters: &[],
     refines: Refines::Meshes,
+    claims: &[],
     spell: |_| Ok(Spelling::of(vec![Letter::plain(&RootThree)])),
 };

@@ -76,8 +76,14 @@ fn the_ternary_five_point_scheme_is_c4_exactly_for_eta_between_0_and_1_over_81()
         let (proved, disproved) = c4(eta);
         assert!(proved == 3 && disproved == Some(4), "eta = {eta}: {proved}, {disproved:?}");
     }
-    // the residual 1 - z + z^2 vanishes at the other third roots of -1, so that shifts are not stable there
-    assert_eq!(c4("1/81"), (3, None));
+    // the residual 1 - z + z^2 vanishes at the other third roots of -1, so that shifts are not stable there: the basic
+    // limit function is the mean of two neighbouring quartic B-splines
+    assert_eq!(c4("1/81"), (3, Some(4)));
+    let end = preset("ternary-c4", &json!({ "eta": "1/81" }));
+    let reduction = &end["smoothness"]["reduction"];
+    assert_eq!(texts(&reduction["combination"]["exact"]), ["1/2", "1/2"]);
+    assert_eq!(reduction["mask"]["exact"], preset("ternary-quartic", &json!({}))["mask"]["exact"]);
+    assert_eq!(end["smoothness"]["holder"], json!([4.0, 4.0]));
     let (quintic, spline) = (preset("ternary-c4", &json!({})), preset("ternary-quintic", &json!({})));
     assert_eq!(quintic, spline, "eta = 1/243 is the quintic B-spline");
     assert_eq!(quintic["sum_rules"], json!(6));
@@ -125,7 +131,7 @@ fn the_static_push_back_is_c3_exactly_between_minus_2_and_0() {
     }
     assert_eq!(family("-1/2"), (4, Some(5)), "the quintic B-spline");
     assert_eq!(family("0"), (2, Some(3)), "the cubic B-spline");
-    assert_eq!(family("-2"), (2, None), "shifts are not stable there");
+    assert_eq!(family("-2"), (2, Some(3)), "the mean of three neighbouring cubic B-splines");
     assert_eq!(family("1/2"), (2, Some(3)));
     assert_eq!(family("1"), (1, Some(2)));
     let half = numbers(&word("UCP", &json!({ "delta": "1/2" }))["smoothness"]["holder"]);
@@ -189,13 +195,28 @@ fn a_plan_that_follows_alpha_tells_its_levels_and_what_follows_from_their_limit(
 }
 
 #[test]
-fn where_stability_is_not_proved_nothing_is_disproved() {
-    // all zeros of (1 + z^3)/2 are third roots of -1, of a cycle under z -> z^2
-    let unstable = json!({ "arity": 2, "first": 0, "mask": ["1/2", "1/2", 0, "1/2", "1/2"] });
-    let answer = preset("mask", &unstable);
+fn schemes_without_stable_shifts_are_as_smooth_as_those_that_they_are_combined_of() {
+    // all zeros of (1 + z^3)/2 are third roots of -1, of a cycle under z -> z^2; then two sub-symbols with the zero -2
+    let of_cycle = json!({ "arity": 2, "first": 0, "mask": ["1/2", "1/2", 0, "1/2", "1/2"] });
+    let of_divisor = json!({ "arity": 2, "first": 0, "mask": ["1/3", "2/3", "1/2", "1/3", "1/6"] });
+    for (parameters, combination, found) in
+        [(of_cycle, ["1/3", "1/3", "1/3"].as_slice(), (0, Some(1))), (of_divisor, &["2/3", "1/3"], (1, Some(2)))]
+    {
+        let answer = preset("mask", &parameters);
+        assert_eq!(answer["smoothness"]["stable"], false, "{answer}");
+        assert_eq!(smoothness(&answer), found, "{answer}");
+        assert_eq!(texts(&answer["smoothness"]["reduction"]["combination"]["exact"]), combination, "{answer}");
+        assert_eq!(answer["smoothness"]["assumptions"], json!([]));
+    }
+}
+
+#[test]
+fn where_stability_is_not_proved_of_rounded_masks_nothing_is_disproved() {
+    let rounded = json!({ "arity": 2, "first": 0, "mask": ["1/2 + 0*pi", "1/2", 0, "1/2", "1/2"] });
+    let answer = preset("mask", &rounded);
     assert_eq!(answer["smoothness"]["stable"], false, "{answer}");
     assert_eq!(answer["smoothness"]["disproved_c"], Value::Null);
-    assert_eq!(answer["smoothness"]["assumptions"].as_array().unwrap().len(), 1);
+    assert_eq!(answer["smoothness"]["assumptions"].as_array().unwrap().len(), 2);
 }
 
 #[test]
@@ -227,5 +248,46 @@ fn the_basic_limit_function_of_the_cubic_b_spline_is_the_b_spline() {
     for (k, value) in (0_u16..).zip(&values) {
         let x = from + f64::from(k) * step;
         assert!((value - spline(x)).abs() < 1e-14, "{x}: {value}");
+    }
+}
+
+#[test]
+fn derivatives_of_the_basic_limit_function_are_those_of_the_b_spline() {
+    let answer = asked(&json!({ "plan": { "preset": "cubic-b-spline" }, "grid": 1 }));
+    let derivatives = answer["derivatives"].as_array().unwrap();
+    assert_eq!(derivatives.len(), 2, "C2");
+    let at = |k: usize, x: f64| {
+        let (from, step) = (derivatives[k]["from"].as_f64().unwrap(), derivatives[k]["step"].as_f64().unwrap());
+        let values = numbers(&derivatives[k]["values"]);
+        let place = (0_u16..).zip(&values).find(|(i, _)| (from + f64::from(*i) * step - x).abs() < 1e-12);
+        *place.unwrap_or_else(|| panic!("{x} is not on the grid")).1
+    };
+    for (k, x, wanted) in
+        [(0, 0.0, 0.0), (0, -1.0, 0.5), (0, 0.5, -0.625), (1, 0.0, -2.0), (1, 1.0, 1.0), (1, -1.5, 0.5), (1, 0.5, -0.5)]
+    {
+        assert!((at(k, x) - wanted).abs() < 1e-14, "derivative {} at {x}: {}", k + 1, at(k, x));
+    }
+}
+
+#[test]
+fn the_theorems_of_the_first_paper_apply_where_their_hypotheses_hold() {
+    let applies = |kernel: &str, compensation: &str, delta: &str, alpha: &str| {
+        let parameters = json!({ "alpha": alpha, "kernel": kernel, "compensation": compensation, "delta": delta });
+        let conclusion = word("UCP", &parameters)["conclusion"].clone();
+        let theorems = conclusion["theorems"].as_array().unwrap().clone();
+        let applies: Vec<bool> = theorems.iter().map(|theorem| theorem["applies"].as_bool().unwrap()).collect();
+        (applies, conclusion["proved_c"].as_i64().unwrap())
+    };
+    let (circle, secant) = ("cos(alpha/2)", "1/cos(alpha/2)");
+    assert_eq!(applies(circle, secant, "1", "pi/6"), (vec![true, true, true], 1));
+    assert_eq!(applies("10*cos(alpha/2)", "1", "4/5", "pi/4"), (vec![false, true, true], 1), "table 1, row e");
+    assert_eq!(applies(circle, secant, "-5/2", "pi/6"), (vec![true, false, true], 1), "the box has no such mask");
+    assert_eq!(applies(circle, secant, "-1/10", "pi/6"), (vec![true, true, true], 1), "that of other parameters");
+    let answer = word("UCP", &json!({ "alpha": "pi/6", "kernel": circle, "compensation": secant, "delta": 1 }));
+    let (c, gamma) = (&answer["conclusion"]["decay"]["c"], &answer["conclusion"]["decay"]["gamma"]);
+    let (c, gamma) = (c.as_f64().unwrap(), gamma.as_f64().unwrap());
+    for (h, level) in (0_u8..8).zip(answer["levels"].as_array().unwrap()) {
+        let bound = c * planish::math::functions::pow(gamma, f64::from(h)) * (1.0 + 1e-9);
+        assert!(level["distance"].as_f64().unwrap() <= bound, "level {h}: {level}, {bound}");
     }
 }

@@ -49,7 +49,6 @@ fn masks_are_exact_where_every_number_is_a_fraction_and_say_so_where_not() {
 #[test]
 fn what_is_no_scheme_for_curves_is_refused_with_a_reason() {
     for (question, pointer, word) in [
-        (plan(json!({ "preset": "catmull-clark" })), "/plan/preset", "only schemes for curves"),
         (plan(json!({ "preset": "incenter" })), "/plan/preset", "not linear"),
         (
             plan(json!({ "preset": "push-back", "parameters": { "perturbation": { "amplitude": 0.1 } } })),

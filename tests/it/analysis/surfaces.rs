@@ -1,5 +1,6 @@
 //! What is said of schemes for surfaces.
 
+use planish::job::Form;
 use planish::math::functions::{cos, real, sqrt};
 use planish::watch::Watch;
 use planish::wire::analysis::AnalysisAnswer;
@@ -282,7 +283,8 @@ fn rows_of_the_first_paper_are_c1_at_extraordinary_vertices() {
 #[test]
 fn plans_that_follow_alpha_are_analysed_where_they_lead_to() {
     let follows = json!({ "kernel": "cos(alpha/2)", "compensation": "1/cos(alpha/2)", "alpha": 1, "delta": 1 });
-    let (changing, settled) = (surface(&word("UCP", &follows), &[5]), surface(&word("UCP", &json!({ "delta": 1 })), &[5]));
+    let (changing, settled) =
+        (surface(&word("UCP", &follows), &[5]), surface(&word("UCP", &json!({ "delta": 1 })), &[5]));
     assert_eq!(changing["valences"], settled["valences"]);
     assert_eq!(changing["assumptions"].as_array().unwrap().len(), 1 + settled["assumptions"].as_array().unwrap().len());
 }
@@ -312,7 +314,7 @@ fn surface_questions_with_the_same_answer_have_the_same_key() {
 #[test]
 fn an_analysis_of_surfaces_stops_when_it_is_told_to() {
     let watch = Watch::new();
-    let inquiry = question(&json!({ "plan": { "preset": "loop" } })).resolve(&watch).unwrap();
+    let inquiry = question(&json!({ "plan": { "preset": "loop" } })).resolve(Form::Json, &watch).unwrap();
     watch.stop();
     assert!(AnalysisAnswer::of(&inquiry, &watch).is_err());
 }

@@ -163,7 +163,7 @@ fn what_materials_of_gltf_have_besides_is_named() {
 }
 
 /// The pixels of a picture of a job, looked at straight from the front.
-fn front(job: &Value, more: &Value) -> image::RgbImage {
+pub(super) fn front(job: &Value, more: &Value) -> image::RgbImage {
     let camera = json!({ "projection": "orthographic", "azimuth_deg": 0, "elevation_deg": 0 });
     let mut output = json!({ "format": "png", "width": 64, "height": 64, "camera": camera });
     for (name, value) in more.as_object().expect("options") {
@@ -182,7 +182,7 @@ fn pictures_show_the_colours_of_materials_unless_another_one_is_asked_for() {
     let net = square(2);
     let extra = json!({ "materials": [
         { "name": "left", "faces": [0], "color": [0.9, 0.1, 0.1, 1] },
-        { "name": "right", "faces": [1], "color": [0.1, 0.8, 0.1, 0.25] },
+        { "name": "right", "faces": [1], "color": [0.1, 0.8, 0.1, 1] },
     ] });
     let job = job(&net, &extra, &json!({ "word": "U" }), 1);
     let hues = |more: Value| {

@@ -112,6 +112,10 @@ fn m3_formats_hold_what_they_say() {
         json!({ "format": "png", "show": ["surface", "isolines"] }),
         json!({ "format": "png", "show": ["points"] }),
         json!({ "format": "png", "shading": "flat", "width": 1024, "height": 1024 }),
+        json!({ "format": "png", "shading": "hidden-line" }),
+        json!({ "format": "png", "shading": "gaussian-curvature" }),
+        json!({ "format": "png", "shading": "distance" }),
+        json!({ "format": "stats", "curvature": true }),
     ];
     for output in outputs {
         holds("UC", &job(&open, &word("UC"), 4, &output));

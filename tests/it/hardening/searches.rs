@@ -39,7 +39,7 @@ fn h5_a_search_counts_its_work_and_stays_within_what_it_says() {
         assert!(found.bound <= tolerance);
         assert!(watch.done() > 1000 && watch.done() <= search.cost().work, "{} units", watch.done());
         let job = search.complete(found).unwrap();
-        assert_eq!((job.levels, job.reached), (found.level, Some(found)));
+        assert_eq!((job.levels, job.reached), (found.level, Some(found.into())));
     }
 }
 

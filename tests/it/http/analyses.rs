@@ -34,3 +34,32 @@ fn a_question_that_cannot_be_answered_is_refused_with_its_place() {
         assert_eq!(typo.json()["errors"][0]["pointer"], "/node");
     });
 }
+
+#[test]
+fn accept_chooses_a_report_or_a_figure_each_with_a_tag_and_an_address_of_its_own() {
+    story(settings(), async |server| {
+        let question = json!({ "plan": { "preset": "chaikin" } });
+        let mut tags = Vec::new();
+        for (accept, media_type, extension, starts) in [
+            ("application/json", "application/json", "json", "{".as_bytes()),
+            ("text/markdown", "text/markdown", "md", b"# A curve scheme"),
+            ("image/svg+xml", "image/svg+xml", "svg", b"<svg"),
+            ("image/png, */*;q=0.1", "image/png", "png", b"\x89PNG"),
+        ] {
+            let answer = server.post_with("/v1/analyses", &question, &[("accept", accept)]).await.ok();
+            assert!(answer.header("content-type").starts_with(media_type), "{}", answer.header("content-type"));
+            assert!(answer.body.starts_with(starts), "{accept}");
+            let address = answer.header("content-location");
+            assert!(address.ends_with(&format!(".{extension}")), "{address}");
+            assert_eq!(server.get(address).await.ok().body, answer.body, "{address}");
+            tags.push(answer.header("etag").to_owned());
+        }
+        tags.sort();
+        tags.dedup();
+        assert_eq!(tags.len(), 4);
+        let none = server.post_with("/v1/analyses", &question, &[("accept", "model/obj")]).await;
+        assert_eq!(none.status, 406);
+        let usual = server.post_with("/v1/analyses", &question, &[("accept", "*/*")]).await.ok();
+        assert!(usual.header("content-type").starts_with("application/json"));
+    });
+}

@@ -67,6 +67,7 @@ fn check(format: &str, is_mesh: bool, answer: &Answer) {
             let text = answer.text();
             assert!(text.contains("<svg") && text.contains("<path") && text.trim_end().ends_with("</svg>"), "{text}");
         }
+        "pdf" => assert!(answer.body.starts_with(b"%PDF-") && answer.body.ends_with(b"%%EOF"), "a whole file"),
         other => panic!("no check for the format {other}"),
     }
 }

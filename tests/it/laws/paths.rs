@@ -112,10 +112,10 @@ fn assert_same(found: &RefinedMesh, expected: &RefinedMesh, what: &Value) {
     let uvs = |mesh: &RefinedMesh| {
         let (mut values, mut faces) = (Vec::new(), FaceChunk::default());
         if let Some(uvs) = mesh.uvs() {
-            uvs.values(0..uvs.n_points(), &mut values);
+            uvs.values(0..uvs.n_places(), &mut values);
             uvs.faces(0..mesh.n_faces(), &mut faces);
         }
-        (values.into_iter().map(|uv| uv.map(f64::to_bits)).collect::<Vec<_>>(), faces)
+        (values.into_iter().map(|uv| uv.to_bits()).collect::<Vec<_>>(), faces)
     };
     assert_eq!(uvs(found), uvs(expected), "{what}");
 }

@@ -257,6 +257,8 @@ fn gltf() {
     let found = sentences("gltf", b"{");
     assert!(found[0].starts_with("the document is no glTF: EOF while parsing"), "{found:?}");
     check(r#"{"asset":{"version":"1.0"}}"#, "the file is glTF 1.0, which is built otherwise; 2.0 is read: convert it");
+    let empty = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{}]}"#;
+    check(empty, "scene 0 has no nodes, so that nothing is in it; give it some, or leave it out");
     let newer = r#"{"asset":{"version":"2.1","minVersion":"2.1"}}"#;
     check(newer, "the file asks for version \"2.1\" of glTF at least; 2.0 is read");
     let draco = r#"{"asset":{"version":"2.0"},"extensionsRequired":["KHR_draco_mesh_compression"]}"#;

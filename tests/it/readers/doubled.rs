@@ -41,6 +41,72 @@ fn cube_of_24() -> Value {
     )
 }
 
+/// The colours of the sides of a cube, in linear light.
+const SIDES: [[f32; 3]; 6] = [[1., 0., 0.], [0., 1., 0.], [0., 0., 1.], [1., 1., 0.], [0., 1., 1.], [1., 0., 1.]];
+
+/// A cube whose sides have a colour each, and four vertices each for that.
+fn cube_of_six_colors() -> Value {
+    let net = nets::cube();
+    let (mut places, mut colors, mut order) = (Vec::new(), Vec::new(), Vec::new());
+    for (f, face) in net.faces.iter().enumerate() {
+        for &v in face {
+            #[expect(clippy::cast_possible_truncation, reason = "the numbers of a cube are small and whole")]
+            places.extend(net.positions[v].map(|x| x as f32));
+            colors.extend(SIDES[f]);
+        }
+        let start = u8::try_from(4 * f).unwrap_or(0);
+        order.extend([0, 1, 2, 0, 2, 3].map(|j| start + j));
+    }
+    document(
+        &[floats(&places), floats(&colors), order],
+        &json!({
+            "accessors": [
+                { "bufferView": 0, "componentType": 5126, "count": 24, "type": "VEC3" },
+                { "bufferView": 1, "componentType": 5126, "count": 24, "type": "VEC3" },
+                { "bufferView": 2, "componentType": 5121, "count": 36, "type": "SCALAR" },
+            ],
+            "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "COLOR_0": 1 }, "indices": 2 }] }],
+            "nodes": [{ "mesh": 0 }], "scenes": [{ "nodes": [0] }], "scene": 0,
+        }),
+    )
+}
+
+#[test]
+fn a_cube_of_six_colours_is_refined_into_a_closed_ball_whose_colours_meet_sharply() {
+    let given = text(&cube_of_six_colors());
+    let job = json!({ "input": given, "plan": { "preset": "catmull-clark" }, "levels": 2 });
+    let found = support::json_with(job.clone(), &json!({ "ids": true }));
+    let ball = refined(&nets::cube().input(), 2);
+    same_surface(&Net::of(&found), &Net::of(&ball), 1e-6).expect("the same closed surface");
+    let warnings = found["warnings"].to_string();
+    assert!(!warnings.contains("differ") && !warnings.contains("boundary"), "{warnings}");
+    // the 16 quads of each side have its colour in all their corners
+    let color = &found["channels"]["color"];
+    let index = |value: &Value| usize::try_from(value.as_u64().expect("an index")).expect("small");
+    let faces = color["faces"].as_array().expect("the corners of faces");
+    assert_eq!(faces.len(), 96);
+    for (face, origin) in faces.iter().zip(found["ids"]["faces"].as_array().expect("ids")) {
+        let expected = SIDES[index(origin)].map(f64::from);
+        for place in face.as_array().expect("four places") {
+            let value = color["values"][index(place)].as_array().expect("a color").iter().map(Value::as_f64);
+            assert_eq!(value.collect::<Vec<_>>(), expected.map(Some), "{origin}");
+        }
+    }
+    // as GLB it has the 25 vertices of each side, and under a plan it comes back as it was
+    let mut glb = job;
+    glb["outputs"] = json!([{ "format": "glb", "normals": "none" }]);
+    let (bytes, report) = support::render(&glb).expect("it is written");
+    assert!(report.warnings.iter().all(|warning| !warning.contains("color")), "{:?}", report.warnings);
+    let file = json!({ "format": "glb", "data": super::round_trips::base64(&bytes), "encoding": "base64" });
+    let kept = support::json(json!({ "input": { "text": file } }));
+    assert_eq!(kept["positions"].as_array().map(Vec::len), Some(6 * 25));
+    let input = json!({ "text": file, "pair_quads": true });
+    let again = refined(&input, 1);
+    let finer = refined(&given, 3);
+    assert_eq!(again["channels"]["color"]["values"].as_array().map(Vec::len), Some(6 * 81));
+    assert_eq!(again["positions"].as_array().map(Vec::len), finer["positions"].as_array().map(Vec::len));
+}
+
 fn text(file: &Value) -> Value {
     json!({ "text": { "format": "gltf", "data": file.to_string() }, "pair_quads": true })
 }
@@ -82,6 +148,20 @@ fn they_stay_apart_where_that_is_asked_for_and_nothing_is_refined_with_gaps_unsa
         let faults = support::parsed(json!({ "input": input }).to_string().as_bytes()).expect_err("it is refused");
         assert!(faults[0].pointer == "/input/weld" && faults[0].detail.contains(sentence), "{faults:?}");
     }
+}
+
+/// STL has no vertices: equal corners are joined, unless that is forbidden.
+#[test]
+fn facets_of_stl_stay_apart_where_that_is_asked_for() {
+    let stl = json!({ "input": nets::tetrahedron().input(), "outputs": [{ "format": "stl" }] });
+    let (bytes, _) = support::render(&stl).expect("it is written");
+    let file = json!({ "format": "stl", "data": super::round_trips::base64(&bytes), "encoding": "base64" });
+    let vertices = |input: Value| Net::of(&support::json(json!({ "input": input }))).positions.len();
+    assert_eq!(vertices(json!({ "text": file })), 4);
+    assert_eq!(vertices(json!({ "text": file, "weld": false })), 12);
+    assert_eq!(vertices(json!({ "text": file, "weld": 0 })), 4);
+    let torn = json!({ "input": { "text": file, "weld": false }, "plan": { "preset": "loop" }, "levels": 1 });
+    assert!(support::json(torn)["warnings"].to_string().contains("12 edges of the boundary lie where others do"));
 }
 
 /// Formats that say which corners share a vertex are taken at their word; they are told of gaps all the same.

@@ -1,6 +1,6 @@
 //! What the readers make of the ways in which programs write.
 
-use planish::input::{Channel, FaceSet};
+use planish::input::{ChannelInput, FaceSet};
 use planish::shape::check::Winding;
 
 use super::{mesh, net};
@@ -49,7 +49,7 @@ fn obj_keeps_texture_coordinates_groups_materials_and_colours() {
     assert_eq!(found.groups, [set("left", &[0]), set("all", &[0, 1]), set("right", &[1]), set("thing", &[0, 1])]);
     assert_eq!(found.materials, [set("my red#1", &[0]), set("blue", &[1])]);
     let values = vec![1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.5, 0.5, 0.5];
-    assert_eq!(found.channels, [Channel { name: "color".to_owned(), width: 3, values }]);
+    assert_eq!(found.channels, [ChannelInput::of_vertices("color", 3, values)]);
     assert_eq!(found.notes[..2], ["lines are left out: 2", "points are left out: 1"]);
     assert!(found.notes[2].contains("\"a.mtl\" lies outside the file"), "{:?}", found.notes);
 }
@@ -74,7 +74,7 @@ fn names_and_channels_become_those_of_a_mesh() {
     assert_eq!(input.attachments.materials, [set("my_red_1", &[0, 1])]);
     assert_eq!(input.notes, ["faces in more than one group are kept in the first: 3"]);
     let mut found = mesh("obj", text.as_bytes());
-    let channel = |name: &str| Channel { name: name.to_owned(), width: 1, values: vec![0.0; 4] };
+    let channel = |name: &str| ChannelInput::of_vertices(name, 1, vec![0.0; 4]);
     found.channels = vec![channel("heat"), channel("two words"), channel("heat")];
     let input = found.into_input(Winding::Refuse);
     assert_eq!(input.attachments.channels, [channel("heat")]);
@@ -122,8 +122,8 @@ fn ply_takes_any_types_and_orders_and_keeps_further_numbers() {
         let found = mesh("ply", bytes);
         assert_eq!(net(&found), square());
         let colors = vec![0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.2, 0.2, 0.2];
-        let color = Channel { name: "color".to_owned(), width: 3, values: colors };
-        let heat = Channel { name: "heat".to_owned(), width: 1, values: vec![7.0, -8.0, 9.0, 0.0] };
+        let color = ChannelInput::of_vertices("color", 3, colors);
+        let heat = ChannelInput::of_vertices("heat", 1, vec![7.0, -8.0, 9.0, 0.0]);
         assert_eq!(found.channels, [color, heat]);
         let notes = ["elements \"material\" are left out: 1", "properties of faces are left out: \"quality\""];
         assert_eq!(found.notes, notes);
@@ -222,12 +222,12 @@ fn off_takes_its_prefixes_comments_and_colours() {
     let whole =
         "COFF\n4 2 5\n0 0 0 255 0 0 255\n1 0 0 0 255 0 255\n1 1 0 0 0 255 255\n0 1 0 51 51 51\n3 0 1 2\n3 0 2 3\n";
     let found = mesh("off", whole.as_bytes());
-    assert_eq!(found.channels, [Channel { name: "color".to_owned(), width: 4, values: colors.clone() }]);
+    assert_eq!(found.channels, [ChannelInput::of_vertices("color", 4, colors.clone())]);
     let real = "STCNOFF\n4 2 5\n0 0 0  0 0 1  1.0 0. 0  0 0\n1 0 0  0 0 1  0 1.0 0  1 0\n1 1 0  0 0 1  0 0 1.0  1 1\n\
                 0 1 0  0 0 1  .2 .2 .2  0 1\n3 0 1 2\n3 0 2 3\n";
     let found = mesh("off", real.as_bytes());
     assert_eq!(net(&found), square());
-    assert_eq!(found.channels, [Channel { name: "color".to_owned(), width: 4, values: colors }]);
+    assert_eq!(found.channels, [ChannelInput::of_vertices("color", 4, colors)]);
     let uvs = found.uvs.expect("it has them");
     assert_eq!((uvs.values[2], uvs.corners), ([1.0, 1.0], vec![0, 1, 2, 0, 2, 3]));
 }

@@ -152,18 +152,35 @@ fn creases_follow_the_weld_and_part_pairs() {
 
 #[test]
 fn channels_and_names_follow_the_repairs() {
-    let mut job = with(&apart(&triangulated(&flat(2, 1))), &json!({ "weld": 0, "pair_quads": true }));
-    let heat: Vec<usize> = (0..12).collect();
+    let net = apart(&triangulated(&flat(2, 1)));
+    let mut job = with(&net, &json!({ "weld": 0, "pair_quads": true }));
+    let heat: Vec<f64> = net.positions.iter().map(|[x, y, _]| x + 10.0 * y).collect();
     job["input"]["mesh"]["channels"] = json!({ "heat": heat });
     job["input"]["mesh"]["groups"] = json!([{ "name": "left", "faces": [1, 0] }]);
     job["input"]["mesh"]["materials"] = json!([{ "name": "red", "faces": [2] }]);
     let found = support::json(job);
-    // the vertices that stay are those that came first
-    assert_eq!(found["channels"]["heat"], json!([0, 1, 2, 5, 7, 8]));
+    // the vertices that stay are those that came first, and the others have the same numbers
+    let stayed: Vec<f64> = Net::of(&found).positions.iter().map(|[x, y, _]| x + 10.0 * y).collect();
+    assert_eq!(serde_json::from_value::<Vec<f64>>(found["channels"]["heat"].clone()).expect("numbers"), stayed);
     let sizes: Vec<usize> = Net::of(&found).faces.iter().map(Vec::len).collect();
     assert_eq!(sizes, [4, 3, 3], "faces of different materials stay apart");
     assert_eq!(found["groups"], json!([{ "name": "left", "faces": [0] }]));
     assert_eq!(found["materials"], json!([{ "name": "red", "faces": [1] }]));
+}
+
+#[test]
+fn where_numbers_of_merged_vertices_differ_a_seam_stays() {
+    let mut job = with(&apart(&flat(2, 1)), &json!({ "weld": 0 }));
+    job["input"]["mesh"]["channels"] = json!({ "side": [0, 0, 0, 0, 1, 1, 1, 1], "same": [7, 7, 7, 7, 7, 7, 7, 7] });
+    let found = support::json(job);
+    assert_eq!(found["channels"]["same"], json!([7, 7, 7, 7, 7, 7]));
+    assert_eq!(found["positions"].as_array().map(Vec::len), Some(6));
+    let side = &found["channels"]["side"];
+    assert_eq!(side["values"].as_array().map(Vec::len), Some(8));
+    for (f, face) in side["faces"].as_array().into_iter().flatten().enumerate() {
+        let index = |place: &Value| usize::try_from(place.as_u64().expect("an index")).expect("small");
+        assert!(face.as_array().into_iter().flatten().all(|place| side["values"][index(place)] == json!(f)), "{side}");
+    }
 }
 
 /// Without a mesh file the answer is the same mesh, so its key is that of the mesh it became, but for the warning.

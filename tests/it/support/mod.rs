@@ -52,6 +52,8 @@ pub(crate) fn nothing(kind: ShapeKind) -> Counts {
         largest_face: 0,
         split_vertices: 0,
         uvs: 0,
+        seamed: 0,
+        unfolded: 0,
         frames: 0,
         frame: Frame::default(),
         attachments: Arc::default(),

@@ -1,4 +1,5 @@
-//! Texture coordinates under refinement: a mesh of their own, refined by the scheme of the mesh.
+//! Values of face corners under refinement, texture coordinates and channels: meshes of their own, refined by the scheme
+//! of the mesh.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -19,83 +20,108 @@ use crate::scheme::sharpness::Sharpness;
 use crate::scheme::stepper::Stepper;
 use crate::scheme::tags::Boundary;
 use crate::scheme::word::lettered;
+use crate::shape::attachments::Places;
 use crate::shape::creases::{INFINITE_SHARPNESS, Sharp};
 use crate::shape::directions::Directions;
 use crate::shape::mesh::Mesh;
 use crate::shape::numbering::Numbering;
+use crate::shape::seams::Seams;
 use crate::shape::topology::{Topology, index};
-use crate::shape::uvs::Uvs;
 use crate::watch::Watch;
 
-/// Refined texture coordinates: the places as vertices of a mesh with the faces of the mesh.
+/// Refined values of corners: the places as vertices of a mesh with the faces of the mesh.
 #[derive(Debug)]
-pub struct RefinedUvs {
-    /// Values of the places, `n_places x 2`.
+pub struct RefinedPlaces {
+    /// Values of the places, `n_places x width`.
     pub(super) points: Numbers,
+    /// Numbers a place.
+    pub(super) width: usize,
     /// The places before refinement.
     pub(super) base: Arc<Topology>,
     /// The order in which the values are kept.
     pub(super) order: VertexOrder,
 }
 
-/// The texture coordinates of a mesh, if it has any, refined by the steps of a plan; linear ones follow upsamplings
-/// only.
+impl RefinedPlaces {
+    /// The values of a place, numbered in the documented order.
+    pub(super) fn row(&self, place: usize) -> &[f64] {
+        let at = self.order.place(place);
+        &self.points[self.width * at..self.width * (at + 1)]
+    }
+}
+
+/// What of a mesh has seams ([`Attachments::places`](crate::shape::attachments::Attachments::places)), refined by the
+/// steps of a plan; what is linear follows upsamplings only.
 ///
 /// # Errors
 /// [`RefineError`].
-pub fn refined_uvs(
+pub fn refined_places(
     mesh: &Mesh,
     plan: &Plan,
     steps: &[Scheduled],
     watch: &Watch,
-) -> Result<Option<RefinedUvs>, RefineError> {
-    refined_uvs_by(uv_sweep(mesh, plan, steps).as_ref(), mesh, plan, steps, watch)
+) -> Result<Vec<RefinedPlaces>, RefineError> {
+    refined_places_by(&seam_sweeps(mesh, plan, steps), mesh, plan, steps, watch)
 }
 
-/// The sweep of the texture coordinates of a mesh, where they are swept.
-pub(super) fn uv_sweep(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> Option<Sweep> {
-    let uvs = mesh.attachments.uvs.as_ref()?;
-    Sweep::of(&uv_net(mesh, uvs, plan), plan, &followed(uvs, steps))
+/// For each thing with seams how it is swept, where it is.
+pub(super) fn seam_sweeps(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> Vec<Option<Sweep>> {
+    let sweep =
+        |places: Places<'_>| Sweep::of(&seam_net(mesh, places.seams, plan), plan, &followed(places.seams, steps));
+    mesh.attachments.places().map(sweep).collect()
 }
 
-/// The steps that texture coordinates follow.
-pub(super) fn followed<'a>(uvs: &Uvs, steps: &'a [Scheduled]) -> Cow<'a, [Scheduled]> {
-    if uvs.linear { upsamplings(steps).into() } else { steps.into() }
+/// The steps that values of corners follow.
+pub(super) fn followed<'a>(seams: &Seams, steps: &'a [Scheduled]) -> Cow<'a, [Scheduled]> {
+    if seams.linear { upsamplings(steps).into() } else { steps.into() }
 }
 
-/// The texture coordinates of a mesh, if it has any, refined by this sweep, or where there is none by rows.
+/// What of a mesh has seams, refined by these sweeps, or where there is none by rows.
 ///
 /// # Errors
 /// [`RefineError`].
-pub(super) fn refined_uvs_by(
-    sweep: Option<&Sweep>,
+pub(super) fn refined_places_by(
+    sweeps: &[Option<Sweep>],
     mesh: &Mesh,
     plan: &Plan,
     steps: &[Scheduled],
     watch: &Watch,
-) -> Result<Option<RefinedUvs>, RefineError> {
-    let Some(uvs) = &mesh.attachments.uvs else { return Ok(None) };
-    let (net, points) = (uv_net(mesh, uvs, plan), Points::new(uvs.values.clone(), 2));
-    let found = swept(&net, &[points], plan, &followed(uvs, steps), sweep, watch)?;
-    let Some((net, numbers)) = found else { return refine_uvs_by_rows(mesh, plan, steps, watch) };
-    let order = VertexOrder::documented(&net);
-    let points = numbers.into_iter().next().unwrap_or_default();
-    Ok(Some(RefinedUvs { points, base: net.mesh.base, order }))
+) -> Result<Vec<RefinedPlaces>, RefineError> {
+    let refined = |(places, sweep): (Places<'_>, &Option<Sweep>)| {
+        let net = seam_net(mesh, places.seams, plan);
+        let points = Points::new(places.values.to_vec(), places.width);
+        let found = swept(&net, &[points], plan, &followed(places.seams, steps), sweep.as_ref(), watch)?;
+        let Some((net, numbers)) = found else { return by_rows(mesh, places, plan, steps, watch) };
+        let order = VertexOrder::documented(&net);
+        let points = numbers.into_iter().next().unwrap_or_default();
+        Ok(RefinedPlaces { points, width: places.width, base: net.mesh.base, order })
+    };
+    mesh.attachments.places().zip(sweeps).map(refined).collect()
 }
 
-/// Refines the texture coordinates of a mesh by rows of the whole net.
+/// Refines what of a mesh has seams by rows of the whole net.
 ///
 /// # Errors
 /// [`RefineError`].
-pub(super) fn refine_uvs_by_rows(
+pub(super) fn refine_places_by_rows(
     mesh: &Mesh,
     plan: &Plan,
     steps: &[Scheduled],
     watch: &Watch,
-) -> Result<Option<RefinedUvs>, RefineError> {
-    let Some(uvs) = &mesh.attachments.uvs else { return Ok(None) };
-    let (mut net, mut points) = (uv_net(mesh, uvs, plan), Points::new(uvs.values.clone(), 2));
-    if uvs.linear {
+) -> Result<Vec<RefinedPlaces>, RefineError> {
+    mesh.attachments.places().map(|places| by_rows(mesh, places, plan, steps, watch)).collect()
+}
+
+fn by_rows(
+    mesh: &Mesh,
+    places: Places<'_>,
+    plan: &Plan,
+    steps: &[Scheduled],
+    watch: &Watch,
+) -> Result<RefinedPlaces, RefineError> {
+    let Places { width, values, seams } = places;
+    let (mut net, mut points) = (seam_net(mesh, seams, plan), Points::new(values.to_vec(), width));
+    if seams.linear {
         for step in upsamplings(steps) {
             // linear ones have no use for values of single vertices
             let next = Stepper::new(plan).next_from(&net, &step, None).map_err(RefineError::at(&step))?;
@@ -106,7 +132,7 @@ pub(super) fn refine_uvs_by_rows(
         advance(&mut net, std::slice::from_mut(&mut points), plan, steps, watch)?;
     }
     let order = VertexOrder::constructed(&net);
-    Ok(Some(RefinedUvs { points: points.now.into(), base: net.mesh.base, order }))
+    Ok(RefinedPlaces { points: points.now.into(), width, base: net.mesh.base, order })
 }
 
 /// Each upsampling of a plan as a linear one.
@@ -116,17 +142,17 @@ fn upsamplings(steps: &[Scheduled]) -> Vec<Scheduled> {
     upsampling.map(|step| Scheduled { letter: Letter { operator, ..step.letter.clone() }, ..step.clone() }).collect()
 }
 
-/// The net of texture coordinates before refinement. Places at vertices that keep their place keep theirs, sharp edges
+/// The net of values of corners before refinement. Places at vertices that keep their place keep theirs, sharp edges
 /// and vertices are as sharp as those of the mesh, and seams are boundaries. Places carry what their vertices carry,
 /// edges what those of the mesh carry, and perturbations go by the numbers in the mesh: on both sides of a seam the
 /// same.
-pub fn uv_net(mesh: &Mesh, uvs: &Uvs, plan: &Plan) -> MeshNet {
-    let (places, vertices) = (&uvs.topology, &mesh.topology);
+pub fn seam_net(mesh: &Mesh, seams: &Seams, plan: &Plan) -> MeshNet {
+    let (places, vertices) = (&seams.topology, &mesh.topology);
     let fixed = mesh_net(mesh, plan).tags.corners;
-    let mut corners = uvs.corners.clone();
+    let mut corners = seams.corners.clone();
     let mut semi_sharp = Sharp::new();
     for place in 0..index(places.n_vertices()) {
-        let Some(vertex) = uvs.vertex(place, vertices) else { continue };
+        let Some(vertex) = seams.vertex(place, vertices) else { continue };
         if fixed.binary_search(&vertex).is_ok() {
             corners.push(place);
         } else if let Ok(found) = mesh.semi_sharp_corners.binary_search_by_key(&vertex, |&(v, _)| v) {
@@ -139,23 +165,23 @@ pub fn uv_net(mesh: &Mesh, uvs: &Uvs, plan: &Plan) -> MeshNet {
     };
     let mut creases: Sharp = mesh.creases.iter().filter_map(inside).collect();
     creases.sort_unstable_by_key(|&(e, _)| e);
-    let (fixed, mut following) = following(uvs, &creases);
+    let (fixed, mut following) = following(seams, &creases);
     corners.extend(fixed);
     corners.sort_unstable();
     corners.dedup();
     following.retain(|(place, _)| semi_sharp.binary_search_by_key(place, |&(place, _)| place).is_err());
     semi_sharp.retain(|(place, _)| corners.binary_search(place).is_err());
-    let elsewhere = elsewhere(mesh, uvs, &creases);
+    let elsewhere = elsewhere(mesh, seams, &creases);
     let sharpness = Sharpness::of(&creases, &semi_sharp);
     let sharpness = sharpness.map(|sharpness| sharpness.following(following).beside(elsewhere));
-    let net = MeshNet::new(uvs.topology.clone(), &corners, &[], Boundary::EdgeOnly);
+    let net = MeshNet::new(seams.topology.clone(), &corners, &[], Boundary::EdgeOnly);
     let net = net.with_sharpness(sharpness, plan.rules);
-    if uvs.linear { net } else { carrying(net, mesh, uvs, plan) }
+    if seams.linear { net } else { carrying(net, mesh, seams, plan) }
 }
 
 /// The net with what the vertices and edges of the mesh carry, and their numbers where perturbations go by them.
-fn carrying(net: MeshNet, mesh: &Mesh, uvs: &Uvs, plan: &Plan) -> MeshNet {
-    let (places, vertices) = (&uvs.topology, &mesh.topology);
+fn carrying(net: MeshNet, mesh: &Mesh, seams: &Seams, plan: &Plan) -> MeshNet {
+    let (places, vertices) = (&seams.topology, &mesh.topology);
     let (attributes, directions) = carried(mesh, plan);
     let numbered = plan.perturbation.is_some() && places != vertices;
     if attributes.is_none() && directions.is_none() && !numbered {
@@ -179,8 +205,8 @@ fn carrying(net: MeshNet, mesh: &Mesh, uvs: &Uvs, plan: &Plan) -> MeshNet {
 
 /// For the places where semi-sharp edges end, the other semi-sharp edges that end at the same vertex: on seams, and on
 /// the other side of them. Sharpness belongs to the mesh, and evens out around its vertices.
-fn elsewhere(mesh: &Mesh, uvs: &Uvs, creases: &Sharp) -> Vec<(u32, f64)> {
-    let (places, vertices) = (&uvs.topology, &mesh.topology);
+fn elsewhere(mesh: &Mesh, seams: &Seams, creases: &Sharp) -> Vec<(u32, f64)> {
+    let (places, vertices) = (&seams.topology, &mesh.topology);
     let semi_sharp = |&&(_, sharpness): &&(u32, f64)| sharpness < INFINITE_SHARPNESS;
     let mut around: BTreeMap<u32, Vec<(u32, f64)>> = BTreeMap::new();
     for &(e, sharpness) in mesh.creases.iter().filter(semi_sharp) {
@@ -193,7 +219,7 @@ fn elsewhere(mesh: &Mesh, uvs: &Uvs, creases: &Sharp) -> Vec<(u32, f64)> {
         let away = move |&&(edge, _): &&(u32, f64)| {
             places.is_boundary_edge(edge as usize) || !places.ends(edge as usize).contains(&place)
         };
-        let all = uvs.vertex(place, vertices).and_then(|v| around.get(&v)).map_or(&[][..], Vec::as_slice);
+        let all = seams.vertex(place, vertices).and_then(|v| around.get(&v)).map_or(&[][..], Vec::as_slice);
         all.iter().filter(away).map(move |&(_, sharpness)| (place, sharpness))
     };
     sharp.into_iter().flat_map(beside).collect()
@@ -204,16 +230,16 @@ fn elsewhere(mesh: &Mesh, uvs: &Uvs, creases: &Sharp) -> Vec<(u32, f64)> {
 /// wholly in the level that takes the last sharpness from the other one where the seam is semi-sharp for longer.
 ///
 /// Source: OpenSubdiv 3.5, which calls such sharpness dependent; compared by numbers.
-fn following(uvs: &Uvs, creases: &Sharp) -> (Vec<u32>, Vec<(u32, u32)>) {
+fn following(seams: &Seams, creases: &Sharp) -> (Vec<u32>, Vec<(u32, u32)>) {
     let mut sharpest = BTreeMap::new();
     for &(e, sharpness) in creases {
-        for place in uvs.topology.ends(e as usize) {
+        for place in seams.topology.ends(e as usize) {
             let most: &mut f64 = sharpest.entry(place).or_insert(0.0);
             *most = most.max(sharpness);
         }
     }
     let sharpness = |place: u32| sharpest.get(&place).copied().unwrap_or(0.0);
-    let pairs = uvs.pairs.iter().flat_map(|&[a, b]| [(a, b), (b, a)]);
+    let pairs = seams.pairs.iter().flat_map(|&[a, b]| [(a, b), (b, a)]);
     let (fixed, others): (Vec<_>, Vec<_>) = pairs.partition(|&(_, other)| sharpness(other) >= INFINITE_SHARPNESS);
     let following = others.into_iter().filter(|&(place, other)| sharpness(place) <= 0.0 && sharpness(other) > 0.0);
     (fixed.into_iter().map(|(place, _)| place).collect(), following.collect())

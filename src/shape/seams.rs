@@ -1,5 +1,5 @@
-//! Texture coordinates of face corners: a mesh of its own whose vertices are the places that corners share, and whose
-//! boundaries are the seams.
+//! Values of face corners, such as texture coordinates: a mesh of their own whose vertices are the places that corners
+//! share, and whose boundaries are the seams.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use super::topology::{NONE, Topology, index};
 use super::weld::Welded;
 use crate::fault::Fault;
 
-/// Where texture coordinates are interpolated linearly (sharp), as OpenSubdiv means it.
+/// Where values of corners are interpolated linearly (sharp), as OpenSubdiv means it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Interpolation {
     /// Nowhere.
@@ -28,45 +28,59 @@ pub enum Interpolation {
     All,
 }
 
-/// Texture coordinates as a client gives them, unchecked.
+/// Which values the corners of faces have, as a client gives it, unchecked.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct UvsInput {
-    /// Values, `n x 2`.
-    pub values: Vec<[f64; 2]>,
+pub struct SeamsInput {
     /// For each face of the mesh the values at its corners, in their order.
     pub faces: FaceList,
     /// Where they are linear.
     pub interpolation: Interpolation,
 }
 
-impl UvsInput {
+/// Texture coordinates as a client gives them, unchecked.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct UvsInput {
+    /// Values, `n x 2`.
+    pub values: Vec<[f64; 2]>,
+    /// The corners that have them.
+    pub seams: SeamsInput,
+}
+
+impl SeamsInput {
+    /// The values of vertices, each at the corners of its vertex.
+    pub(super) fn of_vertices(faces: &FaceList) -> Self {
+        Self { faces: faces.clone(), interpolation: Interpolation::None }
+    }
+
     /// Whether there is a value for each corner of these faces.
     pub(super) fn fits(&self, faces: &FaceList) -> bool {
         let sizes = |faces: &FaceList| (0..faces.len()).map(|f| faces.face(f).len()).collect::<Vec<_>>();
         sizes(&self.faces) == sizes(faces)
     }
 
-    /// Joins equal values at vertices that were merged; where they differ, a seam stays. The faces have the vertices
-    /// from before.
-    pub(super) fn join(&mut self, faces: &FaceList, welded: &Welded) {
-        if !self.fits(faces) || self.faces.vertices().iter().any(|&value| value as usize >= self.values.len()) {
+    /// Joins equal values, `n x width`, at vertices that were merged; where they differ, a seam stays. The faces have
+    /// the vertices from before.
+    pub(super) fn join(&mut self, width: usize, values: &[f64], faces: &FaceList, welded: &Welded) {
+        let n = values.len() / width;
+        if !self.fits(faces) || self.faces.vertices().iter().any(|&value| value as usize >= n) {
             return;
         }
         let mut n_merged = vec![0_u32; welded.kept.len()];
         welded.image.iter().for_each(|&new| n_merged[new as usize] += 1);
-        let mut known: BTreeMap<(u32, [u64; 2]), u32> = BTreeMap::new();
+        let mut known: BTreeMap<(u32, Vec<u64>), u32> = BTreeMap::new();
         let joined = faces.vertices().iter().zip(self.faces.vertices()).map(|(&v, &value)| {
             let new = welded.image[v as usize];
             if n_merged[new as usize] < 2 {
                 return value;
             }
-            let bits = self.values[value as usize].map(|x| (x + 0.0).to_bits());
+            let start = value as usize * width;
+            let bits = values[start..start + width].iter().map(|x| (x + 0.0).to_bits()).collect();
             *known.entry((new, bits)).or_insert(value)
         });
         self.faces = self.faces.with_vertices(joined.collect());
     }
 
-    /// Follows faces that were turned. What does not fit is left for [`Uvs::new`] to refuse.
+    /// Follows faces that were turned. What does not fit is left for [`Seams::new`] to refuse.
     pub(super) fn turn(&mut self, faces: &FaceList, turned: &[u32]) {
         if self.fits(faces) {
             turned.iter().for_each(|&f| self.faces.reverse(f as usize));
@@ -91,44 +105,57 @@ impl UvsInput {
     }
 }
 
-/// Checked texture coordinates: faces and their corners are those of the mesh.
+/// Where checked values of corners stand: faces and their corners are those of the mesh.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Uvs {
-    /// `n_places x 2`: first to last coordinate, place after place.
-    pub values: Vec<f64>,
+pub struct Seams {
     /// The places as vertices; an edge is inside where both faces have the same values at both ends.
     pub topology: Arc<Topology>,
     /// Places that keep their value whatever the mesh does, ascending.
     pub corners: Vec<u32>,
     /// Both places of each vertex that has two, where creases within the region of one sharpen the other, too.
     pub pairs: Vec<[u32; 2]>,
-    /// Whether they are linear everywhere.
+    /// Whether the values are linear everywhere.
     pub linear: bool,
 }
 
-impl Uvs {
-    /// Checks the texture coordinates of a mesh. `turned` are faces whose vertices were reversed since they were given.
+/// Checked texture coordinates.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Uvs {
+    /// `n_places x 2`: first to last coordinate, place after place.
+    pub values: Vec<f64>,
+    /// The places.
+    pub seams: Seams,
+}
+
+impl Seams {
+    /// Checks the values of the corners of a mesh, `n x width`, and gives those of places, `n_places x width`. `turned`
+    /// are faces whose vertices were reversed since they were given.
     ///
     /// # Errors
     /// Numbers of faces and corners that differ from those of the mesh, values that do not exist or are not finite,
-    /// with pointers below the texture coordinates.
-    pub fn new(input: &UvsInput, mesh: &Topology, turned: &[u32]) -> Result<Self, Vec<Fault>> {
-        let corner_values = corner_values(input, mesh, turned)?;
-        let fans = Fans { mesh, values: &corner_values };
-        let (place_of_corner, n_places) = fans.places();
-        let places = |f: usize| mesh.half_edges(f).map(|half_edge| place_of_corner[half_edge as usize]);
-        let faces = (0..mesh.n_faces()).map(places).collect();
-        let checked = Topology::of_faces(n_places, faces, Winding::Refuse)?;
-        let mut values = vec![0.0; 2 * n_places];
+    /// with pointers below the two.
+    pub fn new(
+        input: &SeamsInput,
+        (width, given): (usize, &[f64]),
+        mesh: &Topology,
+        turned: &[u32],
+    ) -> Result<(Self, Vec<f64>), Vec<Fault>> {
+        let corner_values = corner_values(&input.faces, (width, given), mesh, turned)?;
+        let value = |half_edge: u32| corner_values[half_edge as usize];
+        let joined = |half_edge: u32| {
+            let twin = mesh.twin(half_edge);
+            value(half_edge) == value(mesh.next(twin)) && value(mesh.next(half_edge)) == value(twin)
+        };
+        let (topology, place_of_corner) = Fans { mesh, joined }.topology()?;
+        let n_places = topology.n_vertices();
+        let mut values = vec![0.0; width * n_places];
         let (mut vertex_of, mut value_of) = (vec![0; n_places], vec![0; n_places]);
         for (half_edge, &place) in (0..).zip(&place_of_corner) {
-            let value = input.values[corner_values[half_edge as usize] as usize];
-            let place = place as usize;
-            values[2 * place] = value[0] + 0.0;
-            values[2 * place + 1] = value[1] + 0.0;
-            (vertex_of[place], value_of[place]) = (mesh.vertex(half_edge), corner_values[half_edge as usize]);
+            let (place, from) = (place as usize, value(half_edge) as usize);
+            let row = given[width * from..width * (from + 1)].iter().map(|x| x + 0.0);
+            values[width * place..width * (place + 1)].iter_mut().zip(row).for_each(|(slot, x)| *slot = x);
+            (vertex_of[place], value_of[place]) = (mesh.vertex(half_edge), value(half_edge));
         }
-        let topology = Arc::new(checked.topology);
         let linear = input.interpolation == Interpolation::All;
         let mut at_vertex: Vec<Vec<u32>> = vec![Vec::new(); mesh.n_vertices()];
         for (place, &vertex) in (0..).zip(&vertex_of) {
@@ -138,7 +165,8 @@ impl Uvs {
             if linear { Vec::new() } else { corners(&topology, mesh, &at_vertex, &value_of, input.interpolation) };
         let paired = matches!(input.interpolation, Interpolation::CornersPlus1 | Interpolation::CornersPlus2);
         let pairs = at_vertex.iter().filter_map(|places| places.as_slice().try_into().ok().filter(|_| paired));
-        Ok(Self { values, topology, corners, pairs: pairs.collect(), linear })
+        let pairs = pairs.collect();
+        Ok((Self { topology: Arc::new(topology), corners, pairs, linear }, values))
     }
 
     /// The vertex of the mesh at a place.
@@ -146,8 +174,8 @@ impl Uvs {
         self.topology.ring(place as usize).next().map(|half_edge| mesh.vertex(half_edge))
     }
 
-    /// Edges of the mesh on whose sides the texture coordinates differ, ascending.
-    pub fn seams(&self, mesh: &Topology) -> Vec<u32> {
+    /// Edges of the mesh on whose sides the values differ, ascending.
+    pub fn edges(&self, mesh: &Topology) -> Vec<u32> {
         let differs = |&e: &usize| {
             let [first, second] = mesh.halves(e);
             second != NONE && self.topology.is_boundary_edge(self.topology.edge(first) as usize)
@@ -156,19 +184,38 @@ impl Uvs {
     }
 }
 
+/// The mesh with a vertex for each place in all of these together: an edge is inside where it is inside in each.
+///
+/// # Errors
+/// Never, as its places have no more faces than those of each.
+pub fn joint(sets: &[&Seams], mesh: &Topology) -> Result<Arc<Topology>, Vec<Fault>> {
+    if let [one] = sets {
+        return Ok(one.topology.clone());
+    }
+    let is_inner =
+        |seams: &&Seams, half_edge| !seams.topology.is_boundary_edge(seams.topology.edge(half_edge) as usize);
+    let joined = |half_edge: u32| sets.iter().all(|seams| is_inner(seams, half_edge));
+    Fans { mesh, joined }.topology().map(|(topology, _)| Arc::new(topology))
+}
+
 /// The number of the value at each corner.
-fn corner_values(input: &UvsInput, mesh: &Topology, turned: &[u32]) -> Result<Vec<u32>, Vec<Fault>> {
-    let (values, faces) = (&input.values, &input.faces);
-    let wrong = values.iter().enumerate().filter_map(|(i, p)| Some((i, p.iter().position(|x| !x.is_finite())?)));
-    let mut faults: Vec<Fault> = wrong
-        .take(20)
-        .map(|(i, k)| Fault::new(format!("/values/{i}/{k}"), format!("{} is not a finite number", values[i][k])))
-        .collect();
+fn corner_values(
+    faces: &FaceList,
+    (width, values): (usize, &[f64]),
+    mesh: &Topology,
+    turned: &[u32],
+) -> Result<Vec<u32>, Vec<Fault>> {
+    let wrong = values.iter().enumerate().filter(|(_, x)| !x.is_finite());
+    let place =
+        |k: usize| if width > 1 { format!("/values/{}/{}", k / width, k % width) } else { format!("/values/{k}") };
+    let mut faults: Vec<Fault> =
+        wrong.take(20).map(|(k, x)| Fault::new(place(k), format!("{x} is not a finite number"))).collect();
     if faces.len() != mesh.n_faces() {
         let detail = format!("{} faces; give one for each of the {} of the mesh", faces.len(), mesh.n_faces());
         faults.push(Fault::new("/faces", detail));
         return Err(faults);
     }
+    let n = values.len() / width;
     let mut found = Vec::with_capacity(mesh.n_half_edges());
     for f in 0..faces.len() {
         let face = faces.face(f);
@@ -176,8 +223,8 @@ fn corner_values(input: &UvsInput, mesh: &Topology, turned: &[u32]) -> Result<Ve
         if face.len() != size {
             let detail = format!("{} corners; the face of the mesh has {size}", face.len());
             faults.push(Fault::new(format!("/faces/{f}"), detail));
-        } else if let Some(j) = face.iter().position(|&value| value as usize >= values.len()) {
-            let detail = format!("there is no value {}; there are {}, counted from 0", face[j], values.len());
+        } else if let Some(j) = face.iter().position(|&value| value as usize >= n) {
+            let detail = format!("there is no value {}; there are {n}, counted from 0", face[j]);
             faults.push(Fault::new(format!("/faces/{f}/{j}"), detail));
         }
         if faults.len() >= 20 {
@@ -192,27 +239,31 @@ fn corner_values(input: &UvsInput, mesh: &Topology, turned: &[u32]) -> Result<Ve
     if faults.is_empty() { Ok(found) } else { Err(faults) }
 }
 
-/// Runs of neighbouring corners around a vertex that share their value.
-struct Fans<'a> {
+/// Runs of neighbouring corners around a vertex that belong together.
+struct Fans<'a, J> {
     mesh: &'a Topology,
-    /// The number of the value at each corner.
-    values: &'a [u32],
+    /// Whether both faces at an edge that has two belong together there.
+    joined: J,
 }
 
-impl Fans<'_> {
-    /// Whether both faces at the edge of a corner have the same values at its ends.
+impl<J: Fn(u32) -> bool> Fans<'_, J> {
     fn joined(&self, half_edge: u32) -> bool {
-        let twin = self.mesh.twin(half_edge);
-        let value = |half_edge: u32| self.values[half_edge as usize];
-        twin != NONE
-            && value(half_edge) == value(self.mesh.next(twin))
-            && value(self.mesh.next(half_edge)) == value(twin)
+        self.mesh.twin(half_edge) != NONE && (self.joined)(half_edge)
+    }
+
+    /// The mesh whose vertices are the places, and the place of each corner.
+    fn topology(&self) -> Result<(Topology, Vec<u32>), Vec<Fault>> {
+        let (place_of_corner, n_places) = self.places();
+        let places = |f: usize| self.mesh.half_edges(f).map(|half_edge| place_of_corner[half_edge as usize]);
+        let faces = (0..self.mesh.n_faces()).map(places).collect();
+        let checked = Topology::of_faces(n_places, faces, Winding::Refuse)?;
+        Ok((checked.topology, place_of_corner))
     }
 
     /// The place of each corner, and how many there are: numbered vertex by vertex, at a vertex by first appearance, so
     /// that without seams they have the numbers of the vertices that have faces.
     fn places(&self) -> (Vec<u32>, usize) {
-        let mut places = vec![NONE; self.values.len()];
+        let mut places = vec![NONE; self.mesh.n_half_edges()];
         let mut order: Vec<u32> = (0..index(places.len())).collect();
         order.sort_by_key(|&half_edge| self.mesh.vertex(half_edge));
         let mut n = 0;

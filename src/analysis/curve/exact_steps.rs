@@ -1,0 +1,70 @@
+//! The single operators of a cycle on closed polygons without rounding, in the limit alpha = 0.
+
+use num_traits::Zero;
+
+use super::exact_cycle::{Points, State};
+use crate::math::exact::Exact;
+use crate::scheme::operator::Role;
+use crate::scheme::plan::Plan;
+
+/// What an operator does to a closed polygon: new points are `points` times those before it plus `coarse` times those
+/// that entered the last upsampling, one row for each new point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExactStep {
+    /// Weights of the points before it.
+    pub points: Vec<Vec<Exact>>,
+    /// Weights of the points that entered the last upsampling; only where it looks at them.
+    pub coarse: Option<Vec<Vec<Exact>>>,
+}
+
+/// The operators of one application of a cycle to a closed polygon of `n` points; `None` where some weight is no
+/// fraction that is known.
+pub fn exact_steps(plan: &Plan, n: usize) -> Option<Vec<ExactStep>> {
+    let settled = Plan { alpha: 0.0, compensation_alpha: None, ..plan.clone() };
+    let steps = settled.schedule(1).ok()?;
+    let mut state = State::new();
+    let mut coarse = n;
+    let mut found = Vec::new();
+    for step in steps.iter().filter(|step| step.level == 1) {
+        let mut next = state.clone();
+        next.apply(plan, step)?;
+        let [before, after] = [&state, &next].map(|state| usize::try_from(state.arity).ok()?.checked_mul(n));
+        let (before, after) = (before?, after?);
+        let column = |points: Points, anchor: Points| {
+            let mut state = state.clone();
+            (state.points, state.anchor) = (points, anchor);
+            state.apply(plan, step)?;
+            Some(folded(&state.points, after))
+        };
+        let index = |i: usize| i64::try_from(i).unwrap_or(0);
+        let points =
+            (0..before).map(|i| column(Points::impulse(index(i)), Points::zero())).collect::<Option<Vec<_>>>()?;
+        let of_coarse = if step.letter.facts().role == Role::PushBack {
+            let columns = (0..coarse).map(|i| column(Points::zero(), Points::impulse(index(i))));
+            Some(turned(&columns.collect::<Option<Vec<_>>>()?, after))
+        } else {
+            None
+        };
+        found.push(ExactStep { points: turned(&points, after), coarse: of_coarse });
+        if after > before {
+            coarse = before;
+        }
+        state = next;
+    }
+    Some(found)
+}
+
+/// The points of a closed polygon with so many.
+fn folded(points: &Points, n: usize) -> Vec<Exact> {
+    let mut closed = vec![Exact::zero(); n];
+    for (i, x) in (points.first..).zip(&points.values) {
+        let place = i.rem_euclid(i64::try_from(n).unwrap_or(1));
+        closed[usize::try_from(place).unwrap_or(0)] += x;
+    }
+    closed
+}
+
+/// Rows of columns.
+fn turned(columns: &[Vec<Exact>], rows: usize) -> Vec<Vec<Exact>> {
+    (0..rows).map(|r| columns.iter().map(|column| column[r].clone()).collect()).collect()
+}

@@ -1,0 +1,178 @@
+//! One step of a plan on a small closed polygon as matrices: one for each operator, and their product.
+
+use super::curve::{ExactStep, exact_steps};
+use crate::math::exact::{Exact, rounded};
+use crate::math::rows::Rows;
+use crate::scheme::extent::Ends;
+use crate::scheme::operator::Role;
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::polygon_net::PolygonNet;
+use crate::scheme::step::{Action, Source};
+use crate::scheme::stepper::Stepper;
+
+/// Most numbers of all matrices together.
+/// It is those of 16 points and the widest usual masks. Half of it leaves long words without them; twice of it makes
+/// answers twice as long, which nobody reads.
+pub const MAX_ENTRIES: usize = 1 << 15;
+
+/// A matrix.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Matrix {
+    /// Its rows.
+    pub rows: Vec<Vec<f64>>,
+    /// Its rows as fractions, where they are known.
+    pub exact: Option<Vec<Vec<Exact>>>,
+}
+
+/// One operator.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepMatrix {
+    /// Its letter in words, where it has one.
+    pub letter: Option<char>,
+    /// Its name.
+    pub name: &'static str,
+    /// What it means for a step.
+    pub role: Role,
+    /// Weights of the points before it: row j has those of new point j.
+    pub points: Matrix,
+    /// Weights of the points that entered the last upsampling, which are added; only of operators that look at them.
+    pub coarse: Option<Matrix>,
+}
+
+/// The first level of a plan on a closed polygon.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepMatrices {
+    /// The operators in their order.
+    pub steps: Vec<StepMatrix>,
+    /// All of them as one matrix.
+    pub product: Matrix,
+}
+
+/// Why there are no matrices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum NoMatrices {
+    /// There would be too many numbers.
+    #[error("the matrices have more than {MAX_ENTRIES} numbers; ask for fewer points or powers, or a shorter word")]
+    TooLarge,
+    /// A step cannot be taken, or is no matrix.
+    #[error("a step of the plan is no matrix here; ask for more points")]
+    NoMatrix,
+}
+
+impl StepMatrices {
+    /// The matrices of the first level on a closed polygon of `n` points. They are exact where all weights are
+    /// fractions and `is_static`, as those are the weights of the static limit.
+    ///
+    /// # Errors
+    /// [`NoMatrices`].
+    pub fn of(plan: &Plan, n: usize, is_static: bool) -> Result<Self, NoMatrices> {
+        let scheduled = plan.schedule(1).map_err(|_| NoMatrices::NoMatrix)?;
+        let mut net = PolygonNet::new(n, true, Ends::Clamped, &[]);
+        let (mut coarse, mut left) = (n, MAX_ENTRIES);
+        let mut steps = Vec::new();
+        for step in scheduled.iter().filter(|step| step.level == 1) {
+            let next = Stepper::new(plan).next(&net, step).map_err(|_| NoMatrices::NoMatrix)?;
+            let sizes = [next.net.n, net.n, coarse];
+            let entries = (net.n + coarse).checked_mul(next.net.n).ok_or(NoMatrices::TooLarge)?;
+            left = left.checked_sub(entries).ok_or(NoMatrices::TooLarge)?;
+            steps.push(StepMatrix::rounded(step, &next.action, sizes).ok_or(NoMatrices::NoMatrix)?);
+            if next.action.sets_anchor() {
+                coarse = net.n;
+            }
+            net = next.net;
+        }
+        if let Some(exact) = is_static.then(|| exact_steps(plan, n)).flatten() {
+            for (step, ExactStep { points, coarse }) in steps.iter_mut().zip(exact) {
+                step.points = Matrix::exact(points);
+                step.coarse = coarse.map(Matrix::exact);
+            }
+        }
+        let product = product(&steps, n);
+        Ok(Self { steps, product })
+    }
+}
+
+impl StepMatrix {
+    /// The matrix of an action that makes so many points of so many, and of so many that entered the upsampling.
+    fn rounded(step: &Scheduled, action: &Action, [after, before, coarse]: [usize; 3]) -> Option<Self> {
+        let table = action.table()?;
+        let mut rows = Rows::default();
+        table.make(0..after, &mut rows);
+        let mut points = vec![vec![0.0; before]; after];
+        let mut of_coarse = vec![vec![0.0; coarse]; after];
+        let mut is_lost = false;
+        for (r, index) in (0..after).zip(0_u32..) {
+            action.weights(index, rows.row(r), |source, weight| match source {
+                Source::Point(i) => points[r][i as usize] += weight,
+                Source::Anchor(i) => of_coarse[r][i as usize] += weight,
+                Source::Lost => is_lost = true,
+            });
+        }
+        let facts = step.letter.facts();
+        let matrix = |rows| Matrix { rows, exact: None };
+        let coarse = (facts.role == Role::PushBack).then(|| matrix(of_coarse));
+        let found = Self { letter: facts.letter, name: facts.name, role: facts.role, points: matrix(points), coarse };
+        (!is_lost).then_some(found)
+    }
+
+    fn as_exact(&self) -> Option<Operator<'_, Exact>> {
+        let points = self.points.exact.as_deref()?;
+        let coarse = match &self.coarse {
+            Some(coarse) => Some(coarse.exact.as_deref()?),
+            None => None,
+        };
+        Some((self.role, points, coarse))
+    }
+
+    fn as_rounded(&self) -> Operator<'_, f64> {
+        (self.role, &self.points.rows, self.coarse.as_ref().map(|coarse| coarse.rows.as_slice()))
+    }
+}
+
+impl Matrix {
+    /// A matrix of fractions.
+    pub fn exact(exact: Vec<Vec<Exact>>) -> Self {
+        let rows = exact.iter().map(|row| row.iter().map(rounded).collect()).collect();
+        Self { rows, exact: Some(exact) }
+    }
+}
+
+/// All steps as one matrix over the `n` points before them.
+fn product(steps: &[StepMatrix], n: usize) -> Matrix {
+    if let Some(exact) = steps.iter().map(StepMatrix::as_exact).collect::<Option<Vec<_>>>() {
+        return Matrix::exact(composed(&exact, n));
+    }
+    let rounded: Vec<_> = steps.iter().map(StepMatrix::as_rounded).collect();
+    Matrix { rows: composed(&rounded, n), exact: None }
+}
+
+/// What an operator means for a step, its weights of points, and those of the points before the upsampling.
+type Operator<'a, T> = (Role, &'a [Vec<T>], Option<&'a [Vec<T>]>);
+
+fn composed<T: num_traits::Num + Clone>(steps: &[Operator<'_, T>], n: usize) -> Vec<Vec<T>> {
+    let one = |i: usize, k: usize| if i == k { T::one() } else { T::zero() };
+    let mut now: Vec<Vec<T>> = (0..n).map(|i| (0..n).map(|k| one(i, k)).collect()).collect();
+    let mut anchor = now.clone();
+    for (role, points, coarse) in steps {
+        let mut next = times(points, &now);
+        if let Some(coarse) = coarse {
+            for (row, added) in next.iter_mut().zip(times(coarse, &anchor)) {
+                row.iter_mut().zip(added).for_each(|(x, y)| *x = x.clone() + y);
+            }
+        }
+        let before = std::mem::replace(&mut now, next);
+        if *role == Role::Upsample {
+            anchor = before;
+        }
+    }
+    now
+}
+
+fn times<T: num_traits::Num + Clone>(a: &[Vec<T>], b: &[Vec<T>]) -> Vec<Vec<T>> {
+    let columns = b.first().map_or(0, Vec::len);
+    let entry = |row: &[T], k: usize| {
+        let terms = row.iter().zip(b).filter(|(x, _)| !x.is_zero());
+        terms.fold(T::zero(), |sum, (x, other)| sum + x.clone() * other[k].clone())
+    };
+    a.iter().map(|row| (0..columns).map(|k| entry(row, k)).collect()).collect()
+}

@@ -1,0 +1,40 @@
+//! The powers of the local matrix, whose rows come close to the limit mask.
+
+use num_traits::Zero;
+
+use super::local::{Neighbourhood, Weights};
+use super::matrices::{ExactMatrix, product};
+use super::symbol::Symbol;
+use crate::math::exact::Exact;
+
+/// The local matrix of a scheme and its powers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Powers {
+    /// Index of the first point around the place, of rows and of columns.
+    pub first: i64,
+    /// The first power, the second, and so on: row j of a power has the weights of point j after so many steps.
+    pub powers: Vec<Vec<Vec<Exact>>>,
+    /// What they come close to, where convergence is proved: every row is the limit mask.
+    pub limit: Option<Vec<Vec<Exact>>>,
+}
+
+impl Powers {
+    /// How many points the local matrix of a scheme has.
+    pub fn size(symbol: &Symbol) -> usize {
+        Neighbourhood::new(symbol).matrix().len()
+    }
+
+    /// The first `count` powers of the local matrix; `limit` is the limit mask.
+    pub fn of(symbol: &Symbol, limit: Option<&Weights>, count: u32) -> Self {
+        let around = Neighbourhood::new(symbol);
+        let matrix = around.matrix();
+        let powers = std::iter::successors(Some(matrix.clone()), |power| Some(product(&matrix, power)));
+        let powers: Vec<ExactMatrix> = powers.take(count as usize).collect();
+        let row = |weights: &Weights| -> Vec<Exact> {
+            let at = |i: i64| usize::try_from(i - weights.first).ok().and_then(|i| weights.values.get(i)).cloned();
+            (around.first()..).take(matrix.len()).map(|i| at(i).unwrap_or_else(Exact::zero)).collect()
+        };
+        let limit = limit.map(|weights| vec![row(weights); matrix.len()]);
+        Self { first: around.first(), powers, limit }
+    }
+}

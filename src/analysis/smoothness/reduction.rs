@@ -1,0 +1,178 @@
+//! Schemes whose shifts are not stable, as combinations of the basic limit function of one whose are.
+//!
+//! Where `a(z) = a~(z) q(z^d) / q(z)` with `q(1) = 1`, the products of the symbols along `z, z^(1/d), ...` telescope:
+//! the basic limit function of a is `sum of q[j] phi~(x - j)` with that of a~. As shifts to one side follow from their
+//! combination from one end of the support to the other, both are C^k for the same k. Two kinds of q make shifts
+//! unstable, and are taken out until none is left: common divisors of the sub-symbols, and cyclotomic polynomials of
+//! orders m > 1 without a common divisor with d, whose zeros are the cycles of roots of unity under `z -> z^d`.
+//!
+//! Source: Jia and Wang, Proceedings of the AMS 117 (1993), 1115-1124, on what makes shifts unstable.
+
+use num_integer::Integer;
+use num_traits::{One, Zero};
+
+use super::stability::is_stable;
+use super::symbol::Symbol;
+use crate::math::exact::Exact;
+
+/// Longest masks that are reduced.
+/// Those of the schemes known here whose shifts are unstable have 13 entries at most. Half of it leaves some of clients
+/// open; twice of it takes some ten times as long, as the numbers of the divisions grow.
+const MAX_ENTRIES: usize = 64;
+
+/// A scheme with stable shifts, and how the basic limit function of another one is put together of shifts of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reduction {
+    /// The scheme a~.
+    pub symbol: Symbol,
+    /// The coefficients q from index 0 on, which sum to 1.
+    pub combination: Vec<Exact>,
+}
+
+impl Reduction {
+    /// The reduction of a scheme whose shifts are not stable, where it is found.
+    pub(super) fn of(symbol: &Symbol) -> Option<Self> {
+        if !symbol.is_exact || symbol.order == 0 || symbol.mask.len() > MAX_ENTRIES {
+            return None;
+        }
+        let d = usize::try_from(symbol.arity).ok()?;
+        let (mut mask, mut combination) = (symbol.mask.clone(), vec![Exact::one()]);
+        while let Some(q) = common_divisor(&mask, d).or_else(|| cycle(&mask, d)) {
+            mask = quotient(&times(&mask, &q), &spread(&q, d))?;
+            combination = times(&combination, &q);
+        }
+        let reduced = Symbol::exact(symbol.arity, symbol.first, &mask)?;
+        let sum: Exact = combination.iter().sum();
+        let is_reduced = combination.len() > 1 && !sum.is_zero() && is_stable(&reduced);
+        let combination = combination.iter().map(|q| q / &sum).collect();
+        is_reduced.then_some(Self { symbol: reduced, combination })
+    }
+}
+
+/// The greatest common divisor of all sub-symbols, unless it is a constant.
+fn common_divisor(mask: &[Exact], d: usize) -> Option<Vec<Exact>> {
+    let part = |r: usize| trimmed(mask.iter().skip(r).step_by(d).cloned().collect());
+    let found = (1..d).fold(part(0), |common, r| divisor(common, part(r)));
+    (found.len() > 1).then_some(found)
+}
+
+/// The cyclotomic polynomial of the least order whose cycles make shifts unstable.
+fn cycle(mask: &[Exact], d: usize) -> Option<Vec<Exact>> {
+    let most = (mask.len() - 1) / (d - 1);
+    // the degree of the polynomial of order m is m / 6 at least, as far as masks go
+    let orders = (2..=6 * most).filter(|m| m.gcd(&d) == 1 && totient(*m) <= most);
+    orders.map(cyclotomic).find(|q| {
+        let factor = quotient(&spread(q, d), q);
+        factor.is_some_and(|factor| quotient(mask, &factor).is_some())
+    })
+}
+
+fn totient(m: usize) -> usize {
+    (1..=m).filter(|n| n.gcd(&m) == 1).count()
+}
+
+/// `z^m - 1` without the cyclotomic polynomials of all divisors of m.
+fn cyclotomic(m: usize) -> Vec<Exact> {
+    let mut whole = vec![Exact::zero(); m + 1];
+    (whole[0], whole[m]) = (-Exact::one(), Exact::one());
+    let divisors = (1..m).filter(|n| m.is_multiple_of(*n));
+    divisors.fold(whole, |rest, n| quotient(&rest, &cyclotomic(n)).expect("cyclotomic polynomials divide z^m - 1"))
+}
+
+/// `p(z^d)`.
+fn spread(p: &[Exact], d: usize) -> Vec<Exact> {
+    let mut out = vec![Exact::zero(); (p.len() - 1) * d + 1];
+    p.iter().enumerate().for_each(|(j, c)| out[j * d].clone_from(c));
+    out
+}
+
+fn times(a: &[Exact], b: &[Exact]) -> Vec<Exact> {
+    let mut out = vec![Exact::zero(); a.len() + b.len() - 1];
+    for (i, x) in a.iter().enumerate() {
+        b.iter().enumerate().for_each(|(j, y)| out[i + j] += x * y);
+    }
+    out
+}
+
+/// Quotient and remainder, coefficients from the constant on; the divisor's last one is not 0.
+fn divided(a: &[Exact], b: &[Exact]) -> (Vec<Exact>, Vec<Exact>) {
+    let (mut rest, lead) = (a.to_vec(), &b[b.len() - 1]);
+    let n = (a.len() + 1).saturating_sub(b.len());
+    let mut quotient = vec![Exact::zero(); n];
+    for k in (0..n).rev() {
+        let factor = &rest[k + b.len() - 1] / lead;
+        if !factor.is_zero() {
+            b.iter().enumerate().for_each(|(j, y)| rest[k + j] -= &factor * y);
+        }
+        quotient[k] = factor;
+    }
+    rest.truncate(b.len() - 1);
+    (quotient, rest)
+}
+
+/// The quotient where nothing remains.
+fn quotient(a: &[Exact], b: &[Exact]) -> Option<Vec<Exact>> {
+    let (quotient, rest) = divided(a, b);
+    (!quotient.is_empty() && rest.iter().all(Exact::is_zero)).then_some(quotient)
+}
+
+/// The greatest common divisor with 1 as its last coefficient; that of 0 and a polynomial is the latter.
+fn divisor(mut a: Vec<Exact>, mut b: Vec<Exact>) -> Vec<Exact> {
+    while !b.is_empty() {
+        let (_, rest) = divided(&a, &b);
+        (a, b) = (b, monic(high_trimmed(rest)));
+    }
+    monic(a)
+}
+
+fn monic(p: Vec<Exact>) -> Vec<Exact> {
+    let Some(lead) = p.last().cloned() else { return p };
+    p.into_iter().map(|c| c / &lead).collect()
+}
+
+fn high_trimmed(mut p: Vec<Exact>) -> Vec<Exact> {
+    while p.last().is_some_and(Exact::is_zero) {
+        p.pop();
+    }
+    p
+}
+
+/// A polynomial without zeros at both ends of its coefficients, which only shift it.
+fn trimmed(p: Vec<Exact>) -> Vec<Exact> {
+    let from = p.iter().position(|c| !c.is_zero()).unwrap_or(p.len());
+    high_trimmed(p[from..].to_vec())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::number::Number;
+
+    fn whole(numbers: &[i64]) -> Vec<Exact> {
+        numbers.iter().map(|n| Exact::whole(*n)).collect()
+    }
+
+    #[test]
+    fn cyclotomic_polynomials_are_those_of_the_tables() {
+        assert_eq!(cyclotomic(2), whole(&[1, 1]));
+        assert_eq!(cyclotomic(6), whole(&[1, -1, 1]));
+        assert_eq!(cyclotomic(15), whole(&[1, -1, 0, 1, -1, 1, 0, -1, 1]));
+    }
+
+    #[test]
+    fn what_is_put_in_is_taken_out_again() {
+        let spline = [1, 4, 6, 4, 1].map(|n| Exact::ratio(n, 8));
+        for q in [whole(&[1, 1, 1]), whole(&[2, -1]), times(&cyclotomic(5), &whole(&[3, 0, 1]))] {
+            // a factor that is no cycle is not divided by, but stays common to the sub-symbols
+            let factor = quotient(&spread(&q, 2), &q).unwrap_or_else(|| spread(&q, 2));
+            let mask = times(&spline, &factor);
+            let sum: Exact = mask.iter().sum();
+            let mask: Vec<Exact> = mask.iter().map(|a| a * Exact::whole(2) / &sum).collect();
+            let reduction = Symbol::exact(2, 0, &mask).and_then(|symbol| Reduction::of(&symbol)).expect("a reduction");
+            assert!(is_stable(&reduction.symbol));
+            assert_eq!(reduction.combination.iter().sum::<Exact>(), Exact::one());
+        }
+        let stable = Symbol::exact(2, 0, &spline).expect("a mask");
+        assert_eq!(Reduction::of(&stable), None);
+    }
+}

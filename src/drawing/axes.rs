@@ -1,0 +1,131 @@
+//! The frame of a plot: axes with ticks, their labels and a grid.
+
+use super::label::Label;
+use super::scene::{Anchor, Cap, Color, Item, Level, Mark, Point, Stroke, Text};
+use super::ticks::{Tick, ticks};
+
+/// Colour of the frame and of what is written at it.
+const INK: Color = [51, 65, 85, 255];
+/// Colour of the grid; it must not be taken for a line of the plot.
+const GRID: Color = [226, 232, 240, 255];
+/// Most ticks of an axis: twice of it is a ruler, half of it leaves one to guess.
+const MOST: usize = 9;
+
+/// A range of numbers along a side of a plot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// The number at the left, or at the bottom.
+    pub low: f64,
+    /// The number at the right, or at the top; greater than the other.
+    pub high: f64,
+    /// What the numbers are.
+    pub label: Option<Label>,
+}
+
+/// A plot's axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axes {
+    /// Left, top, width and height of what is inside of the frame, pixels.
+    pub frame: [f32; 4],
+    /// From left to right.
+    pub x: Axis,
+    /// From the bottom to the top.
+    pub y: Axis,
+    /// Whether thin lines lead through the plot at the ticks.
+    pub grid: bool,
+    /// Size of what is written, pixels.
+    pub size_px: f32,
+}
+
+impl Axis {
+    /// The share of the way from the low end to the high one.
+    fn share(&self, value: f64) -> f64 {
+        (value - self.low) / (self.high - self.low)
+    }
+}
+
+impl Axes {
+    /// Room that ticks and labels want outside of the frame at a size of the font: left, top, right, bottom, pixels.
+    pub fn margins(x: &Axis, y: &Axis, size_px: f32) -> [f32; 4] {
+        let line = 1.5 * size_px;
+        let labelled = |axis: &Axis| if axis.label.is_some() { line } else { 0.0 };
+        let widest = ticks(y.low, y.high, MOST).iter().map(|tick| tick.label.width(size_px)).fold(0.0, f32::max);
+        [widest + size_px + labelled(y), 0.7 * size_px, 1.2 * size_px, 2.0 * size_px + labelled(x)]
+    }
+
+    /// Where a point of the plot stands, pixels.
+    pub fn place(&self, [x, y]: [f64; 2]) -> Point {
+        let [left, top, width, height] = self.frame.map(f64::from);
+        #[expect(clippy::cast_possible_truncation, reason = "pixel coordinates need no more than the precision of f32")]
+        [left + self.x.share(x) * width, top + (1.0 - self.y.share(y)) * height].map(|pixel| pixel as f32)
+    }
+
+    /// The grid, which belongs below the plot.
+    pub fn grid(&self) -> Item {
+        let [left, top, width, height] = self.frame;
+        let mut runs = Vec::new();
+        if self.grid {
+            for tick in self.x_ticks() {
+                let [x, _] = self.place([tick.value, self.y.low]);
+                runs.push(vec![[x, top], [x, top + height]]);
+            }
+            for tick in self.y_ticks() {
+                let [_, y] = self.place([self.x.low, tick.value]);
+                runs.push(vec![[left, y], [left + width, y]]);
+            }
+        }
+        let width_px = 0.07 * self.size_px;
+        Item::lines("grid", runs, Stroke { cap: Cap::Butt, ..Stroke::solid(width_px, GRID) })
+    }
+
+    /// The frame with ticks and labels, which belongs above the plot.
+    pub fn items(&self) -> Vec<Item> {
+        let [left, top, width, height] = self.frame;
+        let [right, bottom] = [left + width, top + height];
+        let size = self.size_px;
+        let reach = 0.4 * size;
+        let mut runs = vec![vec![[left, top], [right, top], [right, bottom], [left, bottom], [left, top]]];
+        let mut texts = Vec::new();
+        let mut widest: f32 = 0.0;
+        for Tick { value, label } in self.x_ticks() {
+            let [x, _] = self.place([value, self.y.low]);
+            runs.push(vec![[x, bottom], [x, bottom + reach]]);
+            texts.push(self.text(label, [x, bottom + reach + 0.35 * size], Anchor::Middle, Level::Top));
+        }
+        for Tick { value, label } in self.y_ticks() {
+            let [_, y] = self.place([self.x.low, value]);
+            widest = widest.max(label.width(size));
+            runs.push(vec![[left - reach, y], [left, y]]);
+            texts.push(self.text(label, [left - reach - 0.3 * size, y], Anchor::End, Level::Middle));
+        }
+        if let Some(label) = self.x.label.clone() {
+            let at = [left + 0.5 * width, bottom + reach + 1.7 * size];
+            texts.push(self.text(label, at, Anchor::Middle, Level::Top));
+        }
+        if let Some(label) = self.y.label.clone() {
+            let at = [left - reach - 0.9 * size - widest, top + 0.5 * height];
+            texts.push(Text { turn_deg: -90.0, ..self.text(label, at, Anchor::Middle, Level::Baseline) });
+        }
+        let frame = Item::lines("axis", runs, Stroke { cap: Cap::Butt, ..Stroke::solid(0.08 * size, INK) });
+        let texts = texts.into_iter().map(|text| Item::new("label", Mark::Text(text)));
+        std::iter::once(frame).chain(texts).collect()
+    }
+
+    fn text(&self, label: Label, at: Point, anchor: Anchor, level: Level) -> Text {
+        Text { label, at, size_px: self.size_px, anchor, level, turn_deg: 0.0, color: INK }
+    }
+
+    /// Ticks as many as there is room for: one each five letters of width.
+    fn x_ticks(&self) -> Vec<Tick> {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few ticks")]
+        let room = (self.frame[2] / (5.0 * self.size_px)) as usize;
+        ticks(self.x.low, self.x.high, room.clamp(2, MOST))
+    }
+
+    /// One each two and a half lines of height.
+    fn y_ticks(&self) -> Vec<Tick> {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few ticks")]
+        let room = (self.frame[3] / (2.5 * self.size_px)) as usize;
+        ticks(self.y.low, self.y.high, room.clamp(2, MOST))
+    }
+}

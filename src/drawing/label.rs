@@ -1,0 +1,347 @@
+//! Labels: text with subscripts, superscripts and Greek letters, and the places of its glyphs.
+
+use ttf_parser::GlyphId;
+
+use super::font::{UNITS_PER_EM, Weight};
+
+/// Size of subscripts and superscripts, in sizes of the text. The customary 0.7: half of it cannot be read in print.
+const SMALL: f32 = 0.7;
+/// How far subscripts stand below the baseline, in sizes of the text; twice of it would leave the line.
+const LOWERED: f32 = 0.16;
+/// How far superscripts stand above the baseline, in sizes of the text; half of it would hide that they are raised.
+const RAISED: f32 = 0.36;
+
+/// Text of which every letter can be set.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Label {
+    weight: Weight,
+    pieces: Vec<Piece>,
+}
+
+/// Letters of one size at one height.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Piece {
+    pub(super) text: String,
+    pub(super) script: Script,
+}
+
+/// Where letters stand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Script {
+    /// On the line.
+    Normal,
+    /// Small, below it.
+    Sub,
+    /// Small, above it.
+    Super,
+}
+
+impl Script {
+    /// Size of the letters and how far they are raised, in sizes of the text.
+    fn scale_and_rise(self) -> (f32, f32) {
+        match self {
+            Self::Normal => (1.0, 0.0),
+            Self::Sub => (SMALL, -LOWERED),
+            Self::Super => (SMALL, RAISED),
+        }
+    }
+}
+
+/// A piece with its place from the start of the baseline, pixels, y downwards.
+#[derive(Debug, Clone)]
+pub(super) struct PlacedPiece<'a> {
+    pub(super) text: &'a str,
+    /// Size of the letters, pixels.
+    pub(super) size_px: f32,
+    pub(super) at: [f32; 2],
+    pub(super) width_px: f32,
+}
+
+impl Label {
+    /// Text as it is, white space being one space each.
+    ///
+    /// # Errors
+    /// A sentence that names a character which cannot be set.
+    pub fn plain(text: &str, weight: Weight) -> Result<Self, String> {
+        let mut writer = Writer::new(weight);
+        text.chars().try_for_each(|c| writer.put(c, Script::Normal))?;
+        Ok(writer.label)
+    }
+
+    /// Text with markup: `_x` and `_{...}` for subscripts, `^x` and `^{...}` for superscripts, `\alpha` and so on for
+    /// Greek letters (which may also be written as they are), `\le`, `\ge`, `\ne`, `\infty`, `\pm`, `\times`, `\cdot`,
+    /// `\to` and `\degree` for signs, and `\_`, `\^`, `\{`, `\}` and `\\` for these characters themselves.
+    ///
+    /// # Errors
+    /// A sentence that names what cannot be set or read, and what could be written instead.
+    pub fn parse(text: &str, weight: Weight) -> Result<Self, String> {
+        let mut writer = Writer::new(weight);
+        let mut rest = text;
+        while let Some(c) = rest.chars().next() {
+            let after = &rest[c.len_utf8()..];
+            let script = match c {
+                '_' => Script::Sub,
+                '^' => Script::Super,
+                _ => {
+                    rest = writer.one(rest, Script::Normal)?;
+                    continue;
+                }
+            };
+            rest = match after.strip_prefix('{') {
+                None if after.is_empty() => return Err(format!("nothing follows \"{c}\"; write \"\\{c}\" for itself")),
+                None => writer.one(after, script)?,
+                Some(inside) => {
+                    let mut inside = inside;
+                    loop {
+                        if let Some(rest) = inside.strip_prefix('}') {
+                            break rest;
+                        }
+                        if inside.is_empty() {
+                            return Err(format!("\"{c}{{\" is not closed; end it with \"}}\""));
+                        }
+                        inside = writer.one(inside, script)?;
+                    }
+                }
+            };
+        }
+        Ok(writer.label)
+    }
+
+    /// Whether it says nothing.
+    pub fn is_empty(&self) -> bool {
+        self.pieces.is_empty()
+    }
+
+    /// How heavy its letters are.
+    pub fn weight(&self) -> Weight {
+        self.weight
+    }
+
+    /// Its letters without their heights.
+    pub fn text(&self) -> String {
+        self.pieces.iter().map(|piece| piece.text.as_str()).collect()
+    }
+
+    /// Width at a size of the font, pixels both.
+    pub fn width(&self, size_px: f32) -> f32 {
+        self.pieces(size_px).last().map_or(0.0, |piece| piece.at[0] + piece.width_px)
+    }
+
+    /// The pieces with their places.
+    pub(super) fn pieces(&self, size_px: f32) -> impl Iterator<Item = PlacedPiece<'_>> {
+        let mut x = 0.0;
+        self.pieces.iter().map(move |piece| {
+            let (scale, rise) = piece.script.scale_and_rise();
+            let (size, at) = (scale * size_px, [x, -rise * size_px]);
+            let width_px = self.width_of(&piece.text, size);
+            x += width_px;
+            PlacedPiece { text: &piece.text, size_px: size, at, width_px }
+        })
+    }
+
+    /// Width of some of its letters, all of one size, pixels both.
+    pub(super) fn width_of(&self, text: &str, size_px: f32) -> f32 {
+        let units: f32 = self.glyphs(text).map(|(_, glyph)| self.weight.advance(glyph)).sum();
+        units * size_px / UNITS_PER_EM
+    }
+
+    /// The characters of a piece with their glyphs.
+    pub(super) fn glyphs(&self, text: &str) -> impl Iterator<Item = (char, GlyphId)> {
+        text.chars().filter_map(|c| Some((c, self.weight.glyph(c)?)))
+    }
+}
+
+/// Words broken into lines no wider than `width_px` at a size of the font, but where one word is wider; each line is
+/// markup of its own, so markup that holds a space stays on one line.
+pub fn wrapped(text: &str, weight: Weight, size_px: f32, width_px: f32) -> Result<Vec<Label>, String> {
+    let mut lines: Vec<Label> = Vec::new();
+    let mut line = String::new();
+    for word in words(text) {
+        let longer = if line.is_empty() { word.to_owned() } else { format!("{line} {word}") };
+        let label = Label::parse(&longer, weight)?;
+        if label.width(size_px) <= width_px || line.is_empty() {
+            line = longer;
+            continue;
+        }
+        lines.push(Label::parse(&line, weight)?);
+        word.clone_into(&mut line);
+    }
+    if !line.is_empty() {
+        lines.push(Label::parse(&line, weight)?);
+    }
+    Ok(lines)
+}
+
+/// What stands between spaces outside of braces.
+fn words(text: &str) -> impl Iterator<Item = &str> {
+    let mut depth = 0_usize;
+    text.split(move |c: char| {
+        match c {
+            '{' => depth += 1,
+            '}' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        depth == 0 && c.is_whitespace()
+    })
+    .filter(|word| !word.is_empty())
+}
+
+/// Puts letters behind each other.
+struct Writer {
+    label: Label,
+}
+
+impl Writer {
+    fn new(weight: Weight) -> Self {
+        Self { label: Label { weight, pieces: Vec::new() } }
+    }
+
+    /// Puts the character or command that `text`, which is not empty, starts with, and returns what follows it.
+    fn one<'a>(&mut self, text: &'a str, script: Script) -> Result<&'a str, String> {
+        let Some(command) = text.strip_prefix('\\') else {
+            let c = text.chars().next().unwrap_or(' ');
+            self.put(c, script)?;
+            return Ok(&text[c.len_utf8()..]);
+        };
+        let end = command.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(command.len());
+        if end == 0 {
+            let c = command.chars().next().filter(|c| "_^{}\\".contains(*c));
+            let c = c.ok_or("a lone \"\\\"; write \"\\\\\" for the character itself")?;
+            self.put(c, script)?;
+            return Ok(&command[1..]);
+        }
+        let (name, rest) = command.split_at(end);
+        let c = sign(name).ok_or_else(|| {
+            let name: String = name.chars().take(24).collect();
+            let signs = "le, ge, ne, infty, pm, times, cdot, to, degree";
+            format!("\"\\{name}\" is unknown; known are the Greek letters and {signs}")
+        })?;
+        self.put(c, script)?;
+        Ok(rest)
+    }
+
+    fn put(&mut self, c: char, script: Script) -> Result<(), String> {
+        let c = if c.is_whitespace() && c != '\u{a0}' { ' ' } else { c };
+        let Label { weight, pieces } = &mut self.label;
+        if weight.glyph(c).is_none() {
+            let (shown, number) = (c.escape_debug(), u32::from(c));
+            let known = "the font has Latin, Greek, Cyrillic and mathematical signs";
+            return Err(format!("the character \"{shown}\" (U+{number:04X}) cannot be set; {known}"));
+        }
+        match pieces.last_mut().filter(|last| last.script == script) {
+            Some(last) if c == ' ' && last.text.ends_with(' ') => {}
+            Some(last) => last.text.push(c),
+            None => pieces.push(Piece { text: c.into(), script }),
+        }
+        Ok(())
+    }
+}
+
+/// The character of a command.
+fn sign(name: &str) -> Option<char> {
+    SIGNS.iter().find(|(known, _)| *known == name).map(|(_, c)| *c)
+}
+
+const SIGNS: &[(&str, char)] = &[
+    ("alpha", 'α'),
+    ("beta", 'β'),
+    ("gamma", 'γ'),
+    ("delta", 'δ'),
+    ("epsilon", 'ε'),
+    ("zeta", 'ζ'),
+    ("eta", 'η'),
+    ("theta", 'θ'),
+    ("iota", 'ι'),
+    ("kappa", 'κ'),
+    ("lambda", 'λ'),
+    ("mu", 'μ'),
+    ("nu", 'ν'),
+    ("xi", 'ξ'),
+    ("omicron", 'ο'),
+    ("pi", 'π'),
+    ("rho", 'ρ'),
+    ("sigma", 'σ'),
+    ("tau", 'τ'),
+    ("upsilon", 'υ'),
+    ("phi", 'φ'),
+    ("chi", 'χ'),
+    ("psi", 'ψ'),
+    ("omega", 'ω'),
+    ("Gamma", 'Γ'),
+    ("Delta", 'Δ'),
+    ("Theta", 'Θ'),
+    ("Lambda", 'Λ'),
+    ("Xi", 'Ξ'),
+    ("Pi", 'Π'),
+    ("Sigma", 'Σ'),
+    ("Phi", 'Φ'),
+    ("Psi", 'Ψ'),
+    ("Omega", 'Ω'),
+    ("le", '≤'),
+    ("ge", '≥'),
+    ("ne", '≠'),
+    ("infty", '∞'),
+    ("pm", '±'),
+    ("times", '×'),
+    ("cdot", '·'),
+    ("to", '→'),
+    ("degree", '°'),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Result<Vec<(String, Script)>, String> {
+        let label = Label::parse(text, Weight::Regular)?;
+        Ok(label.pieces.into_iter().map(|piece| (piece.text, piece.script)).collect())
+    }
+
+    #[test]
+    fn markup_raises_lowers_and_names_letters() {
+        let piece = |text: &str, script| (text.to_owned(), script);
+        let expected = [
+            piece("α", Script::Normal),
+            piece("i+1", Script::Sub),
+            piece(" = x", Script::Normal),
+            piece("2", Script::Super),
+        ];
+        assert_eq!(parse(r"\alpha_{i+1} = x^2"), Ok(expected.to_vec()));
+        assert_eq!(parse(r"a\_b\^c\\"), Ok(vec![piece(r"a_b^c\", Script::Normal)]));
+        assert_eq!(parse("a  \n b"), Ok(vec![piece("a b", Script::Normal)]));
+    }
+
+    #[test]
+    fn what_cannot_be_set_is_named() {
+        for (text, part) in [
+            ("a_", "nothing follows \"_\""),
+            ("a^{2", "is not closed"),
+            (r"\alfa", r"\alfa"),
+            ("日", "U+65E5"),
+            ("a\u{301}", "U+0301"),
+            ("\u{202e}", "U+202E"),
+            ("\u{0}", "U+0000"),
+            ("שלום", "U+05E9"),
+        ] {
+            let error = parse(text).expect_err(text);
+            assert!(error.contains(part), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn widths_are_sums_of_advances() {
+        let width = |text: &str| Label::parse(text, Weight::Regular).expect("it can be set").width(2048.0);
+        assert_eq!(width("M"), 1767.0);
+        assert_eq!(width("MM"), 3534.0);
+        assert_eq!(width("M^M"), 1767.0 + SMALL * 1767.0);
+        assert_eq!(width(""), 0.0);
+    }
+
+    #[test]
+    fn lines_are_broken_between_words_that_do_not_fit() {
+        let lines = wrapped("aa bb  x^{1 2} dd", Weight::Regular, 10.0, 32.0).expect("it can be set");
+        let lines: Vec<String> = lines.iter().map(Label::text).collect();
+        assert_eq!(lines, ["aa bb", "x1 2", "dd"]);
+        assert!(wrapped("", Weight::Bold, 10.0, 1.0).expect("nothing can be set").is_empty());
+    }
+}

@@ -1,0 +1,126 @@
+//! Legends: what the lines, marks and colours of a drawing mean.
+
+use super::label::Label;
+use super::scene::{Anchor, Cap, Color, Discs, Item, Level, Mark, Picture, Point, Stroke, Text};
+use super::ticks::ticks;
+
+/// Colour of what is written.
+const INK: Color = [51, 65, 85, 255];
+/// Colour of the paper; what is below it shines through a little.
+const PAPER: Color = [255, 255, 255, 230];
+/// Colour of the edge.
+const EDGE: Color = [203, 213, 225, 255];
+
+/// How an entry looks in the drawing.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Key {
+    /// A line.
+    Line(Stroke),
+    /// A disc; its centres do not count.
+    Disc(Discs),
+    /// A colour.
+    Area(Color),
+}
+
+/// A line of a legend.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entry {
+    /// How it looks.
+    pub key: Key,
+    /// What it is.
+    pub label: Label,
+}
+
+/// A legend.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Legend {
+    /// From the top.
+    pub entries: Vec<Entry>,
+    /// Size of what is written, pixels.
+    pub size_px: f32,
+}
+
+impl Legend {
+    /// Width and height, pixels.
+    pub fn extent(&self) -> [f32; 2] {
+        let widest = self.entries.iter().map(|entry| entry.label.width(self.size_px)).fold(0.0, f32::max);
+        #[expect(clippy::cast_precision_loss, reason = "a few entries")]
+        let n = self.entries.len() as f32;
+        [widest + 4.2 * self.size_px, (1.5 * n + 0.7) * self.size_px]
+    }
+
+    /// The legend on paper of its own, with its upper left corner at a place.
+    pub fn items(&self, [left, top]: Point) -> Vec<Item> {
+        let [width, height] = self.extent();
+        let size = self.size_px;
+        let edge = [[0.0, 0.0], [width, 0.0], [width, height], [0.0, height], [0.0, 0.0]];
+        let edge = edge.map(|[x, y]| [left + x, top + y]).to_vec();
+        let mut items = vec![
+            Item::rectangle("legend", [left, top, width, height], PAPER),
+            Item::lines("legend", vec![edge], Stroke::solid(0.07 * size, EDGE)),
+        ];
+        let mut y = top + 1.1 * size;
+        for Entry { key, label } in &self.entries {
+            let from = left + 0.7 * size;
+            items.push(key.item([from, y], size));
+            items.push(text(label.clone(), [from + 2.8 * size, y], size));
+            y += 1.5 * size;
+        }
+        items
+    }
+}
+
+impl Key {
+    /// A sample, two letters wide, that starts at the left of a place.
+    fn item(&self, [x, y]: Point, size: f32) -> Item {
+        let mark = match self {
+            Self::Line(stroke) => Mark::Lines(vec![vec![[x, y], [x + 2.2 * size, y]]], stroke.clone()),
+            Self::Disc(discs) => Mark::Discs(Discs { centres: vec![[x + 1.1 * size, y]], ..discs.clone() }),
+            Self::Area(color) => {
+                let [left, right, top, bottom] = [x + 0.3 * size, x + 1.9 * size, y - 0.4 * size, y + 0.4 * size];
+                Mark::Areas(vec![vec![[left, top], [right, top], [right, bottom], [left, bottom]]], *color)
+            }
+        };
+        Item::new("legend", mark)
+    }
+}
+
+fn text(label: Label, at: Point, size_px: f32) -> Item {
+    let (anchor, level) = (Anchor::Start, Level::Middle);
+    Item::new("label", Mark::Text(Text { label, at, size_px, anchor, level, turn_deg: 0.0, color: INK }))
+}
+
+/// Colours of a bar: enough that steps between them cannot be seen, and twice of it would only be longer.
+const STEPS: u16 = 256;
+
+/// A bar of colours with a scale at its right: `low` at the bottom, `high` at the top of a rectangle (left, top, width,
+/// height, pixels) that holds the bar alone. `color` is that of a share of the way from one to the other. What the
+/// numbers are stands above.
+pub fn color_bar(
+    [left, top, width, height]: [f32; 4],
+    [low, high]: [f64; 2],
+    color: impl Fn(f64) -> Color,
+    label: Option<Label>,
+    size_px: f32,
+) -> Vec<Item> {
+    let shares = (0..STEPS).rev().map(|i| (f64::from(i) + 0.5) / f64::from(STEPS));
+    let pixels = shares.flat_map(color).collect();
+    let bar = Picture { size: [1, u32::from(STEPS)], pixels, at: [left, top], extent: [width, height] };
+    let [right, bottom] = [left + width, top + height];
+    let mut runs = vec![vec![[left, top], [right, top], [right, bottom], [left, bottom], [left, top]]];
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few ticks")]
+    let room = (height / (2.5 * size_px)) as usize;
+    let mut texts = Vec::new();
+    for tick in ticks(low, high, room.clamp(2, 9)) {
+        #[expect(clippy::cast_possible_truncation, reason = "pixel coordinates need no more than the precision of f32")]
+        let y = bottom - ((tick.value - low) / (high - low)) as f32 * height;
+        runs.push(vec![[right, y], [right + 0.3 * size_px, y]]);
+        texts.push(text(tick.label, [right + 0.6 * size_px, y], size_px));
+    }
+    if let Some(label) = label {
+        texts.push(text(label, [left, top - 1.1 * size_px], size_px));
+    }
+    let frame = Stroke { cap: Cap::Butt, ..Stroke::solid(0.07 * size_px, INK) };
+    let items = [Item::new("bar", Mark::Picture(bar)), Item::lines("axis", runs, frame)];
+    items.into_iter().chain(texts).collect()
+}

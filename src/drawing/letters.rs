@@ -1,0 +1,98 @@
+//! Where the letters of a text stand, and their outlines.
+
+use ttf_parser::OutlineBuilder;
+
+use super::font::{CAPITAL, UNITS_PER_EM};
+use super::scene::{Anchor, Level, Text};
+use crate::math::functions::{cos, sin};
+
+impl Text {
+    /// Width, pixels.
+    pub fn width_px(&self) -> f32 {
+        self.label.width(self.size_px)
+    }
+
+    /// From the anchor to the start of the baseline, before the turn, pixels.
+    pub(super) fn offset(&self) -> [f32; 2] {
+        let capital = CAPITAL * self.size_px;
+        let x = match self.anchor {
+            Anchor::Start => 0.0,
+            Anchor::Middle => -0.5 * self.width_px(),
+            Anchor::End => -self.width_px(),
+        };
+        let y = match self.level {
+            Level::Baseline => 0.0,
+            Level::Middle => 0.5 * capital,
+            Level::Top => capital,
+        };
+        [x, y]
+    }
+
+    /// Cosine and sine of the turn.
+    pub(super) fn cos_sin(&self) -> [f32; 2] {
+        let angle = f64::from(self.turn_deg) * (std::f64::consts::PI / 180.0);
+        #[expect(clippy::cast_possible_truncation, reason = "a direction needs no last digit")]
+        [cos(angle), sin(angle)].map(|x| x as f32)
+    }
+
+    /// From the frame of the text, in which the baseline starts at the origin, to its place: `[a, b, c, d, e, f]`
+    /// brings `(x, y)` to `(a x + c y + e, b x + d y + f)`.
+    pub(super) fn frame(&self) -> [f32; 6] {
+        let ([x, y], [left, down], [c, s]) = (self.at, self.offset(), self.cos_sin());
+        [c, s, -s, c, x + c * left - s * down, y + s * left + c * down]
+    }
+
+    /// Traces the outlines of the letters, in the frame of the text.
+    pub(super) fn outline(&self, to: &mut dyn OutlineBuilder) {
+        let weight = self.label.weight();
+        for piece in self.label.pieces(self.size_px) {
+            let scale = piece.size_px / UNITS_PER_EM;
+            let [mut x, y] = piece.at;
+            for (_, glyph) in self.label.glyphs(piece.text) {
+                let mut placed = Placed { to: &mut *to, at: [x, y], scale };
+                // letters without ink have no outline
+                weight.face().outline_glyph(glyph, &mut placed);
+                x += weight.advance(glyph) * scale;
+            }
+        }
+    }
+}
+
+/// Puts the outline of a glyph, in units of the design with y upwards, at its place.
+struct Placed<'a> {
+    to: &'a mut dyn OutlineBuilder,
+    at: [f32; 2],
+    scale: f32,
+}
+
+impl Placed<'_> {
+    fn place(&self, x: f32, y: f32) -> [f32; 2] {
+        [self.at[0] + self.scale * x, self.at[1] - self.scale * y]
+    }
+}
+
+impl OutlineBuilder for Placed<'_> {
+    fn move_to(&mut self, x: f32, y: f32) {
+        let [x, y] = self.place(x, y);
+        self.to.move_to(x, y);
+    }
+
+    fn line_to(&mut self, x: f32, y: f32) {
+        let [x, y] = self.place(x, y);
+        self.to.line_to(x, y);
+    }
+
+    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
+        let ([x1, y1], [x, y]) = (self.place(x1, y1), self.place(x, y));
+        self.to.quad_to(x1, y1, x, y);
+    }
+
+    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
+        let ([x1, y1], [x2, y2], [x, y]) = (self.place(x1, y1), self.place(x2, y2), self.place(x, y));
+        self.to.curve_to(x1, y1, x2, y2, x, y);
+    }
+
+    fn close(&mut self) {
+        self.to.close();
+    }
+}

@@ -1,0 +1,110 @@
+//! The level at which faces are about a pixel in the pictures of a job, for those who ask for it.
+
+use super::complete::Checked;
+use super::input::Input;
+use crate::fault::Fault;
+use crate::output::Outline;
+use crate::refine::{mesh_net, polygon_net};
+use crate::scheme::forecast;
+use crate::scheme::plan::MAX_LEVELS;
+use crate::shape::polygon::Polygon;
+use crate::shape::topology::Topology;
+use crate::watch::Watch;
+
+/// Most faces, or points, that the level has. A picture of usual size has fewer pixels; the level must not depend on
+/// what a server allows, as the same job is to be the same picture everywhere.
+/// Half of it shows the faces of models seen from close by, twice of it takes twice the time and memory.
+const MOST_FACES: u128 = 1 << 21;
+/// Sides of faces on the last level, pixels, are between this and the same times the arity.
+/// Half of it refines beyond what is seen, twice of it shows the sides of faces in outlines.
+const SIDE_PX: f64 = 1.0;
+/// Most edges that are measured; of more, only some are, evenly spread: about 20 ms.
+const MOST_EDGES: usize = 1 << 17;
+
+/// The highest level whose faces, on the mean, are not less than a pixel wide in any of the pictures.
+///
+/// # Errors
+/// A fault below the job, where an output has no pixels or the plan makes no smaller faces.
+pub(super) fn level(checked: &Checked) -> Result<u32, Fault> {
+    let outline = outline(&checked.input)?;
+    let mut widest: f64 = 0.0;
+    for output in &checked.outputs {
+        let side = output.format.side_px(&outline, checked.frame, &output.options).ok_or_else(|| {
+            let name = output.format.name();
+            Fault::new("/levels", format!("\"auto\" is for pictures, {name} has no pixels; give a number of levels"))
+        })?;
+        widest = widest.max(side);
+    }
+    let first = counted(checked, 0)?;
+    let mut best = 0;
+    for level in 1..=MAX_LEVELS {
+        let Ok(count) = counted(checked, level) else { break };
+        if count <= first {
+            return Err(Fault::new("/levels", "the plan makes no smaller faces; give a number of levels"));
+        }
+        #[expect(clippy::cast_precision_loss, reason = "a ratio needs no last digit")]
+        let parts = count as f64 / first.max(1) as f64;
+        let parts = if checked.input.mesh().is_some() { parts.sqrt() } else { parts };
+        // not so for sides that are no numbers
+        let is_wide = widest / parts >= SIDE_PX;
+        if count > MOST_FACES || !is_wide {
+            break;
+        }
+        best = level;
+    }
+    Ok(best)
+}
+
+/// The faces of a mesh, or the points of polygons, after so many levels.
+fn counted(checked: &Checked, levels: u32) -> Result<u128, Fault> {
+    let steps = checked.plan.schedule(levels).map_err(|fault| fault.under("/plan"))?;
+    let forecast = match &checked.input {
+        Input::Mesh(mesh) => forecast::of_mesh(&mesh_net(mesh, &checked.plan), &steps, 4 * MOST_FACES, &Watch::new()),
+        Input::Polygons(polygons) => {
+            let nets: Vec<_> = polygons.iter().map(|polygon| polygon_net(polygon, &checked.plan)).collect();
+            forecast::of_polygons(&nets, &steps)
+        }
+    };
+    let forecast = forecast.map_err(|error| Fault::new("/levels", error.to_string()))?;
+    let last = forecast.levels.last().copied().unwrap_or_default();
+    Ok(if checked.input.mesh().is_some() { last.faces } else { last.vertices })
+}
+
+/// The points and some edges of the input.
+fn outline(input: &Input) -> Result<Outline, Fault> {
+    let edges = |topology: &Topology| {
+        let stride = topology.n_edges().div_ceil(MOST_EDGES).max(1);
+        (0..topology.n_edges()).step_by(stride).map(|edge| topology.ends(edge)).collect()
+    };
+    match input {
+        Input::Mesh(mesh) => {
+            let points = mesh.positions.as_chunks::<3>().0.to_vec();
+            Ok(Outline { points, edges: edges(&mesh.topology), is_flat: false })
+        }
+        Input::Polygons(polygons) => {
+            let mut outline = Outline { points: Vec::new(), edges: Vec::new(), is_flat: true };
+            polygons.iter().try_for_each(|polygon| add(polygon, &mut outline))?;
+            Ok(outline)
+        }
+    }
+}
+
+/// Adds the sides of a polygon.
+fn add(polygon: &Polygon, outline: &mut Outline) -> Result<(), Fault> {
+    let coordinates = polygon.dimension - usize::from(polygon.rational);
+    if !(2..=3).contains(&coordinates) {
+        let detail =
+            format!("\"auto\" is for points of 2 or 3 coordinates, not {coordinates}; give a number of levels");
+        return Err(Fault::new("/levels", detail));
+    }
+    outline.is_flat &= coordinates == 2;
+    let first = u32::try_from(outline.points.len()).unwrap_or(u32::MAX);
+    let n = u32::try_from(polygon.len()).unwrap_or(u32::MAX);
+    for point in polygon.points.chunks_exact(polygon.dimension) {
+        let weight = if polygon.rational { point[coordinates] } else { 1.0 };
+        outline.points.push(std::array::from_fn(|k| if k < coordinates { point[k] / weight } else { 0.0 }));
+    }
+    let sides = if polygon.closed { n } else { n.saturating_sub(1) };
+    outline.edges.extend((0..sides).map(|i| [first + i, first + (i + 1) % n]));
+    Ok(())
+}

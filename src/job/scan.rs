@@ -1,0 +1,130 @@
+//! Scans: a parameter of a plan and the values that it runs through, as a request has them.
+
+use super::codec::Item;
+use super::key::{Key, RESULTS_VERSION, hashed};
+use crate::analysis::Study;
+use crate::analysis::scan::Scan;
+use crate::fault::Fault;
+use crate::math::exact::{self, Exact};
+use crate::math::exactly;
+use crate::math::expression::Expression;
+use crate::math::parameter::Literal;
+use crate::scheme::plan::PlanInput;
+
+/// Most steps of a scan.
+/// It is a value for each pixel of a figure. Half of it makes plots coarser; twice of it takes twice as long.
+pub const MAX_STEPS: u32 = 1000;
+/// A parameter that is to be scanned, as it was written.
+#[derive(Debug, Clone)]
+pub struct ScanWish {
+    /// Its name.
+    pub parameter: String,
+    /// Its first value.
+    pub from: Literal,
+    /// Its last value.
+    pub to: Literal,
+    /// Steps between them.
+    pub steps: u32,
+}
+
+/// The scan of a parameter with so many products of matrices at each value, and at most so many in all; `study` says what a plan comes to.
+///
+/// # Errors
+/// Every fault found, with pointers into the request.
+pub(super) fn scan(
+    plan: &PlanInput,
+    wish: &ScanWish,
+    [nodes, most]: [u64; 2],
+    study: impl Fn(&PlanInput) -> Result<Study, Vec<Fault>>,
+) -> Result<Scan, Vec<Fault>> {
+    let ScanWish { parameter, from, to, steps } = wish;
+    let mut faults = Vec::new();
+    if !(1..=MAX_STEPS).contains(steps) {
+        let detail = format!("{steps} steps; write a whole number from 1 to {MAX_STEPS}");
+        faults.push(Fault::new("/scan/steps", detail));
+    } else if nodes.saturating_mul(u64::from(steps + 1)) > most {
+        let detail = format!(
+            "{nodes} products of matrices at each of {} values; at most {most} are looked at in all, so that {} at \
+             each value or fewer steps can be had",
+            steps + 1,
+            most / u64::from(steps + 1)
+        );
+        faults.push(Fault::new("/nodes", detail));
+    }
+    let ends = [("/scan/from", from), ("/scan/to", to)].map(|(place, literal)| {
+        let fault = || Fault::new(place, "write a number, or a text such as \"1/60\" whose value is a number");
+        end(literal).ok_or_else(fault).map_err(|fault| faults.push(fault)).ok()
+    });
+    let [Some(from), Some(to)] = ends else { return Err(faults) };
+    if from >= to {
+        faults.push(Fault::new("/scan/to", format!("{to} is not above {from}; let \"to\" be the larger end")));
+    }
+    if !faults.is_empty() {
+        return Err(faults);
+    }
+    let scan = Scan { input: plan.clone(), parameter: parameter.clone(), from, to, steps: *steps };
+    // what is wrong at the ends, or after the first step, is wrong with the question
+    for step in [0, 1, *steps] {
+        let value = scan.value(step);
+        study(&scan.at(&value)).map_err(|found| misfits(&scan, &value.to_string(), found))?;
+    }
+    Ok(scan)
+}
+
+/// The exact value of an end, or the decimal next to one that is no fraction.
+fn end(literal: &Literal) -> Option<Exact> {
+    let decimal = |text: &str| Expression::parse(text, "").ok()?.value(0.0).ok().and_then(exact::written);
+    exactly::literal(literal).or_else(|| if let Literal::Text(text) = literal { decimal(text) } else { None })
+}
+
+/// Faults of a plan with a value of the scanned parameter; those of the parameter are the scan's.
+fn misfits(scan: &Scan, value: &str, faults: Vec<Fault>) -> Vec<Fault> {
+    let own = format!("/parameters/{}", scan.parameter);
+    let placed = |fault: Fault| {
+        if fault.pointer.starts_with(&own) {
+            return Fault::new("/scan/parameter", format!("at {value}: {}", fault.detail));
+        }
+        fault.under("/plan")
+    };
+    faults.into_iter().map(placed).collect()
+}
+
+/// The key of a scan: the plan as it was written, as the masks of all values are found only when it runs.
+pub(super) fn key(scan: &Scan, nodes: u64) -> Key {
+    let Scan { input, parameter, from, to, steps } = scan;
+    // boundary, ends and seed are those of inputs
+    let PlanInput { preset, word, parameters, boundary: _, ends: _, seed: _ } = input;
+    let mut others: Vec<_> = parameters.iter().filter(|(name, _)| name != parameter).collect();
+    others.sort_by(|a, b| a.0.cmp(&b.0));
+    let others = others.into_iter().map(|(name, value)| Item::List(vec![Item::text(name), literal(value)]));
+    let items = vec![
+        Item::text("planish scan"),
+        Item::Integer(u64::from(RESULTS_VERSION)),
+        Item::List(preset.iter().map(|name| Item::text(name)).collect()),
+        Item::List(word.iter().map(|word| Item::text(word)).collect()),
+        Item::List(others.collect()),
+        Item::text(parameter),
+        Item::text(&from.to_string()),
+        Item::text(&to.to_string()),
+        Item::Integer(u64::from(*steps)),
+        Item::Integer(nodes),
+    ];
+    hashed(&Item::List(items))
+}
+
+/// What was written for a parameter: numbers by their exact value where they have one.
+fn literal(written: &Literal) -> Item<'static> {
+    match written {
+        Literal::Null => Item::text("null"),
+        Literal::Flag(flag) => Item::Integer(u64::from(*flag)),
+        Literal::Number(_) | Literal::Text(_) if let Some(exact) = exactly::literal(written) => {
+            Item::text(&exact.to_string())
+        }
+        Literal::Number(x) => Item::Number(*x),
+        Literal::Text(text) => Item::text(text),
+        Literal::List(items) => Item::List(items.iter().map(literal).collect()),
+        Literal::Map(fields) => {
+            Item::List(fields.iter().map(|(name, value)| Item::List(vec![Item::text(name), literal(value)])).collect())
+        }
+    }
+}

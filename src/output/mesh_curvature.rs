@@ -1,0 +1,199 @@
+//! Gaussian and mean curvature of meshes.
+
+use rayon::prelude::*;
+
+use super::normals;
+use super::scene::{MeshSource, each_face};
+use super::vertex_sums::sums;
+use crate::math::vector::{cross, dot, minus, plus, times, unit};
+use crate::watch::{Stopped, Watch};
+
+/// Curvatures of each vertex: 0 where nothing defines them.
+#[derive(Debug)]
+pub(super) struct Curvatures {
+    /// Gaussian curvature, 1 / model units squared: positive on domes and bowls, negative on saddles.
+    pub(super) gaussian: Vec<f64>,
+    /// Mean curvature, half the sum of the principal ones, 1 / model units: positive where the surface bends away from
+    /// its normal, as a sphere does whose normals point outwards.
+    pub(super) mean: Vec<f64>,
+    /// Area of the faces around each vertex as it is seen along its normal, in units of a power of two that is near
+    /// half the longest side of the mesh squared; 0 where nothing defines a curvature.
+    pub(super) areas: Vec<f64>,
+}
+
+/// Twice the area, in units of half the longest side of the mesh squared, from which the faces around a vertex define a
+/// curvature.
+/// Coordinates are rounded to 16 digits; of faces a billionth of the mesh long (this area) about seven are left. Half
+/// of it and twice of it differ for meshes of 10^17 faces only.
+const LEAST_AREA: f64 = 1e-18;
+
+/// The curvatures of a mesh with these positions (model units), one each a vertex.
+///
+/// When each vertex p moves along its normal n by t, the area vector of a face, Newell's `1/2 sum (p_i - p_0) x
+/// (p_(i+1) - p_0)`, becomes `A + 2 t M + t^2 N`: A is that of the face, N that of the polygon of its normals, and M
+/// what both mix to. On a smooth surface area grows by the factor `1 + 2 t H + t^2 K` (Steiner's formula). So with
+/// sums over the faces around a vertex, as they are seen along its normal, `H = (M . n) / (A . n)` and
+/// `K = (N . n) / (A . n)`: the means of the curvatures over these faces.
+///
+/// The normals are those that the mesh brings, of its limit, or [`fitted_normals`]. With the normals of the surface the
+/// curvatures are exact on spheres, and tend to those of others as h^2 where edges of length h around a vertex are
+/// symmetric up to h^2, as in the regular parts of refined meshes, else as h.
+///
+/// Where the mesh or its smoothness ends, half of this neighbourhood is missing: there stands the mean over the
+/// vertices inside of the same faces, where there are some. So does it at the vertices beside, whose curvature would
+/// be taken from the normals there, unless the mesh brings these.
+///
+/// Sources: J. Steiner, Monatsbericht der Akademie der Wissenschaften Berlin (1840), 114-118; A. Bobenko, H. Pottmann,
+/// J. Wallner, Mathematische Annalen 348 (2010), 1-24, sections 2 and 3.
+///
+/// # Errors
+/// [`Stopped`] when the watch says so.
+pub(super) fn curvatures(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Curvatures, Stopped> {
+    let are_given = mesh.normals().is_some();
+    let unit_normals =
+        if are_given { normals::of(mesh, positions, watch)? } else { fitted_normals(mesh, positions, watch)? };
+    let scale = normals::scale(positions);
+    let area = sums(mesh, |face| normals::area_vector(face, positions, scale), watch)?;
+    let mut areas: Vec<f64> = area.par_iter().zip(&unit_normals).map(|(area, n)| dot(*area, *n)).collect();
+    areas.par_iter_mut().for_each(|area| *area = if *area > LEAST_AREA { *area } else { 0.0 });
+    drop(area);
+    // without an area it is not a number
+    let over_area = |sums: &[[f64; 3]], unit: f64| -> Vec<f64> {
+        let rows = sums.par_iter().zip(&unit_normals).zip(&areas);
+        rows.map(|((sum, n), area)| if *area > 0.0 { unit * (dot(*sum, *n) / area) } else { f64::NAN }).collect()
+    };
+    let mixed = sums(mesh, |face| mixed_area(face, positions, &unit_normals, scale), watch)?;
+    let mut mean = over_area(&mixed, scale);
+    drop(mixed);
+    let image = sums(mesh, |face| normals::area_vector(face, &unit_normals, 1.0), watch)?;
+    let mut gaussian = over_area(&image, scale * scale);
+    drop(image);
+    let mut is_unknown = ends(mesh, watch)?;
+    if !are_given && is_unknown.contains(&true) {
+        widen(mesh, &mut is_unknown, watch)?;
+    }
+    for values in [&mut gaussian, &mut mean] {
+        fill(mesh, &is_unknown, if are_given { 1 } else { 2 }, values, watch)?;
+    }
+    Ok(Curvatures { gaussian, mean, areas })
+}
+
+/// Twice the mixed area vector of a face and the polygon of its normals, of positions multiplied by `scale`.
+fn mixed_area(face: &[u32], positions: &[[f64; 3]], unit_normals: &[[f64; 3]], scale: f64) -> [f64; 3] {
+    let first = face[0] as usize;
+    let both = |v: u32| {
+        let v = v as usize;
+        // scaled first, so that no difference overflows
+        let spoke = minus(times(scale, positions[v]), times(scale, positions[first]));
+        [spoke, minus(unit_normals[v], unit_normals[first])]
+    };
+    let mut sum = [0.0; 3];
+    let [mut p, mut n] = both(face[1]);
+    for &v in &face[2..] {
+        let [q, m] = both(v);
+        sum = plus(sum, plus(cross(p, m), cross(n, q)));
+        (p, n) = (q, m);
+    }
+    times(0.5, sum)
+}
+
+/// Unit normals of vertices on a sphere, from any mesh whose vertices are on it; elsewhere those of a sphere that fits:
+/// at each vertex the sum over its faces of `a x b / (|a|^2 |b|^2)`, with a and b the edges to the next vertex of the
+/// face and to the one before. Where normals weighted by area are off by the length h of edges around vertices of
+/// irregular neighbourhoods, and curvature taken from them by a constant, these are not.
+///
+/// Source: N. Max, Journal of Graphics Tools 4 (1999) 2, 1-6.
+fn fitted_normals(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Vec<[f64; 3]>, Stopped> {
+    let scale = normals::scale(positions);
+    let mut sums = vec![[0.0; 3]; positions.len()];
+    each_face(mesh, watch, |face| {
+        let n = face.len();
+        let at = |j: usize| times(scale, positions[face[j % n] as usize]);
+        for (j, &v) in face.iter().enumerate() {
+            let (a, b) = (minus(at(j + 1), at(j)), minus(at(j + n - 1), at(j)));
+            let weight = dot(a, a) * dot(b, b);
+            if weight > 0.0 {
+                sums[v as usize] = plus(sums[v as usize], times(1.0 / weight, cross(a, b)));
+            }
+        }
+    })?;
+    sums.par_iter_mut().for_each(|sum| *sum = if sum.iter().all(|x| x.is_finite()) { unit(*sum) } else { [0.0; 3] });
+    Ok(sums)
+}
+
+/// The vertices around which faces do not close.
+///
+/// Around a closed vertex each neighbour follows it in one face and comes before it in another, so that the sum of those
+/// that follow less those that come before is 0.
+fn ends(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<bool>, Stopped> {
+    let mut balance = vec![0_u32; mesh.n_vertices()];
+    each_face(mesh, watch, |face| {
+        let n = face.len();
+        for (j, &v) in face.iter().enumerate() {
+            let (next, before) = (face[(j + 1) % n], face[(j + n - 1) % n]);
+            let sum = &mut balance[v as usize];
+            *sum = sum.wrapping_add(next).wrapping_sub(before);
+        }
+    })?;
+    Ok(balance.iter().map(|&sum| sum != 0).collect())
+}
+
+/// Marks the vertices of faces that have a marked one, too.
+fn widen(mesh: &dyn MeshSource, marked: &mut [bool], watch: &Watch) -> Result<(), Stopped> {
+    let before = marked.to_vec();
+    each_face(mesh, watch, |face| {
+        if face.iter().any(|&v| before[v as usize]) {
+            face.iter().for_each(|&v| marked[v as usize] = true);
+        }
+    })
+}
+
+/// Gives vertices of which nothing is known the mean of what the others have in the faces around them, as often as the
+/// mark was widened; what is still not known has its own, or 0.
+fn fill(
+    mesh: &dyn MeshSource,
+    is_unknown: &[bool],
+    rounds: usize,
+    values: &mut [f64],
+    watch: &Watch,
+) -> Result<(), Stopped> {
+    let mut missing: Vec<u32> =
+        (0..).zip(values.iter().zip(is_unknown)).filter(|(_, (x, e))| **e || x.is_nan()).map(|(v, _)| v).collect();
+    let mut places = vec![u32::MAX; values.len()];
+    for _ in 0..rounds {
+        if missing.is_empty() {
+            return Ok(());
+        }
+        (0..).zip(&missing).for_each(|(place, &v)| places[v as usize] = place);
+        let mut sums = vec![(0.0, 0_u32); missing.len()];
+        each_face(mesh, watch, |face| {
+            let known = face.iter().filter(|&&v| places[v as usize] == u32::MAX);
+            let (sum, n) = known.fold((0.0, 0), |(sum, n), &v| (sum + values[v as usize], n + 1));
+            for &v in face.iter().filter(|&&v| places[v as usize] != u32::MAX) {
+                let all = &mut sums[places[v as usize] as usize];
+                *all = (all.0 + sum, all.1 + n);
+            }
+        })?;
+        let mut rest = Vec::new();
+        for (v, (sum, n)) in missing.into_iter().zip(sums) {
+            if n > 0 {
+                places[v as usize] = u32::MAX;
+                values[v as usize] = sum / f64::from(n);
+            } else {
+                rest.push(v);
+            }
+        }
+        missing = rest;
+    }
+    for v in missing {
+        let value = &mut values[v as usize];
+        if value.is_nan() {
+            *value = 0.0;
+        }
+    }
+    Ok(())
+}
+
+/// Bytes of memory a vertex: normals, a sum while it is made, both curvatures and areas, what is unknown, before and
+/// after it is widened, and what is put there.
+pub(super) const VERTEX_BYTES: u128 = 2 * 24 + 3 * 8 + 2 + 4 + 4 + 16;

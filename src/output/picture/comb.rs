@@ -1,0 +1,146 @@
+//! Curvature combs and tangents of curves.
+
+use super::easel::Easel;
+use crate::drawing::Run;
+use crate::math::vector::{Vector, cross, dot, minus, times, unit};
+use crate::output::error::FormatError;
+use crate::output::scene::{CHUNK, Curve};
+use crate::watch::Watch;
+
+/// Length of a tooth where all but a twentieth of the points are bent less, as a share of the smaller side of what is
+/// seen. Twice of it leaves the picture, half of it hides small wiggles.
+const TOOTH: f64 = 0.12;
+/// Longest tooth, in such lengths: corners bend without bound, and would lead out of the picture.
+const LONGEST: f64 = 3.0;
+/// Teeth stand this far apart at least, pixels; half of it makes an area of them.
+const SPACING_PX: f64 = 4.0;
+/// Length of a tangent, as a share of the smaller side of what is seen.
+const TANGENT: f64 = 0.14;
+
+/// Teeth, each from the curve to its end, and the lines that join the ends.
+pub(super) struct Comb {
+    pub(super) teeth: Vec<Run>,
+    pub(super) ends: Vec<Run>,
+}
+
+/// The curvature combs of curves in the plane or in space: at a point with curvature k and unit normal n towards the
+/// centre of curvature stands a tooth along `-k n`. All have one scale, which makes the teeth [`TOOTH`] long where all
+/// but a twentieth of the points are bent less; `scale` multiplies it.
+///
+/// The curvature at a point is that of the circle through it and both its neighbours.
+pub(super) fn combs(
+    easel: &Easel,
+    curves: &[Curve],
+    scale: f64,
+    side_px: f64,
+    watch: &Watch,
+) -> Result<Comb, FormatError> {
+    let mut comb = Comb { teeth: Vec::new(), ends: Vec::new() };
+    let Some(unit_px) = curves.iter().find_map(|curve| easel.unit_px(curve)) else { return Ok(comb) };
+    let mut bends = Vec::with_capacity(curves.len());
+    for curve in curves {
+        watch.check()?;
+        bends.push(bendings(curve, unit_px));
+    }
+    let mut sizes: Vec<f64> =
+        bends.iter().flatten().map(|bend| dot(*bend, *bend).sqrt()).filter(|k| *k > 0.0).collect();
+    sizes.sort_by(f64::total_cmp);
+    let usual = sizes.get(sizes.len().saturating_sub(1) * 19 / 20).copied().unwrap_or(0.0);
+    if usual == 0.0 {
+        return Ok(comb);
+    }
+    let longest = LONGEST * usual;
+    let length = scale * TOOTH * side_px / unit_px / usual;
+    for (curve, bends) in curves.iter().zip(&bends) {
+        let end = |i: usize, bend: &Vector| {
+            let size = dot(*bend, *bend).sqrt();
+            let shown = if size > longest { times(longest / size, *bend) } else { *bend };
+            minus(easel.lifted(curve, i), times(length, shown))
+        };
+        let (mut last, mut ends) = (None::<[f64; 2]>, Vec::new());
+        for (i, bend) in bends.iter().enumerate() {
+            if i % CHUNK == 0 {
+                watch.check()?;
+            }
+            let (foot, tip) = (easel.place(easel.lifted(curve, i)), easel.place(end(i, bend)));
+            let (Some(foot), Some(tip)) = (foot, tip) else { continue };
+            ends.push(short(tip));
+            let far = last.is_none_or(|last| distance(last, foot) >= SPACING_PX);
+            if far && *bend != [0.0; 3] {
+                comb.teeth.push(vec![short(foot), short(tip)]);
+                last = Some(foot);
+            }
+        }
+        ends.dedup();
+        if let (true, Some(first)) = (curve.closed, ends.first().copied()) {
+            ends.push(first);
+        }
+        comb.ends.extend(Some(ends).filter(|ends| ends.len() > 1));
+    }
+    Ok(comb)
+}
+
+/// Curvature, of the curve made `scale` times as large, times the unit normal towards the centre of curvature at each
+/// point; 0 at ends and where points coincide.
+fn bendings(curve: &Curve, scale: f64) -> Vec<Vector> {
+    let n = curve.len();
+    let coordinate = |i: usize, k: usize| if k < curve.dimension { curve.points[i * curve.dimension + k] } else { 0.0 };
+    let at = |i: usize| -> Vector { std::array::from_fn(|k| scale * coordinate(i, k)) };
+    let bend = |i: usize| {
+        let inner = curve.closed || (i > 0 && i + 1 < n);
+        if n < 3 || !inner {
+            return [0.0; 3];
+        }
+        let [a, b, c] = [at((i + n - 1) % n), at(i), at((i + 1) % n)];
+        let (u, v, w) = (minus(b, a), minus(c, b), minus(c, a));
+        let axis = cross(u, v);
+        let sides = (dot(u, u) * dot(v, v) * dot(w, w)).sqrt();
+        let size = 2.0 * dot(axis, axis).sqrt() / sides;
+        if !(size > 0.0 && size.is_finite()) {
+            return [0.0; 3];
+        }
+        // across the chord, towards the side that the curve turns to
+        times(size, unit(cross(axis, w)))
+    };
+    (0..n).map(bend).collect()
+}
+
+/// Tangents at as many points of each curve as its control polygon has, evenly among the points of the curve, in the
+/// middle of what touches. The direction is that from a point's neighbour before it to the one behind it.
+pub(super) fn tangents(
+    easel: &Easel,
+    curves: &[Curve],
+    control: &[Curve],
+    side_px: f64,
+    watch: &Watch,
+) -> Result<Vec<Run>, FormatError> {
+    let mut found = Vec::new();
+    for (curve, control) in curves.iter().zip(control) {
+        watch.check()?;
+        let (n, wanted) = (curve.len(), control.len());
+        let step = (n / wanted.max(1)).max(1);
+        for i in (0..n).step_by(step) {
+            let (before, after) =
+                if curve.closed { ((i + n - 1) % n, (i + 1) % n) } else { (i.max(1) - 1, (i + 1).min(n - 1)) };
+            let ends = [before, i, after].map(|k| easel.place(easel.lifted(curve, k)));
+            let [Some(a), Some(p), Some(b)] = ends else { continue };
+            let size = distance(a, b);
+            if size > 0.0 {
+                let half = 0.5 * TANGENT * side_px / size;
+                let way = [half * (b[0] - a[0]), half * (b[1] - a[1])];
+                found.push(vec![short([p[0] - way[0], p[1] - way[1]]), short([p[0] + way[0], p[1] + way[1]])]);
+            }
+        }
+    }
+    Ok(found)
+}
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+    (dx * dx + dy * dy).sqrt()
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "pixel coordinates need no more than the precision of f32")]
+fn short(place: [f64; 2]) -> [f32; 2] {
+    place.map(|x| x as f32)
+}

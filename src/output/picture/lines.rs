@@ -1,0 +1,249 @@
+//! The lines and dots of a picture of a mesh: its wireframe, the edges of the input on it, its tags, the control net.
+
+use std::borrow::Cow;
+
+use rayon::prelude::*;
+
+use super::options::Options;
+use super::shading;
+use crate::math::parameter::Values;
+use crate::output::options::{DIRECTIONS, ISOLINES};
+use crate::output::scene::{FaceChunk, MeshSource, Scene, Shape, each_face, in_chunks, positions};
+use crate::raster::{Crowding, Strokes};
+use crate::shape::directions::Direction;
+use crate::shape::mesh::Mesh;
+use crate::shape::topology::index;
+use crate::watch::{Stopped, Watch};
+
+const WIRE: [u8; 4] = [16, 28, 50, 255];
+const CONTROL: [u8; 4] = [217, 93, 57, 255];
+const POINT: [u8; 4] = [176, 58, 32, 255];
+const EXTRAORDINARY_DOT: [u8; 4] = [250, 204, 21, 255];
+const EXTRAORDINARY_RING: [u8; 4] = [30, 30, 30, 255];
+
+/// What of a control net is seen behind the surface.
+/// Half of it is lost in print, twice of it is taken for what lies before the surface.
+const FAINT: f32 = 0.2;
+
+/// Edges sharper than their neighbours.
+const CREASES: &str = "creases";
+/// Edges along latitude lines.
+const LATITUDE: &str = DIRECTIONS[0];
+/// Edges along longitude lines.
+const LONGITUDE: &str = DIRECTIONS[1];
+/// Edges at which texture coordinates are cut.
+const SEAMS: &str = "seams";
+/// Vertices of the input of unusual valence.
+const EXTRAORDINARY: &str = "extraordinary";
+
+/// Lines that show tags of the input, with their colours, the first undermost.
+const TAGS: [(&str, [u8; 4]); 4] = [
+    (SEAMS, [217, 119, 6, 255]),
+    (LONGITUDE, [126, 34, 206, 255]),
+    (LATITUDE, [4, 120, 87, 255]),
+    (CREASES, [190, 18, 60, 255]),
+];
+
+/// What pictures of meshes can show.
+pub(crate) const SHOWN: &[&str] =
+    &["surface", "wireframe", ISOLINES, "control", "points", CREASES, LATITUDE, LONGITUDE, SEAMS, EXTRAORDINARY];
+
+/// Whether the refined mesh itself is shown, and not only the control net.
+pub(super) fn shows_body(options: &Options<'_>) -> bool {
+    SHOWN.iter().any(|item| !matches!(*item, "control" | "points") && shading::shows(options, item))
+}
+
+/// What of the shown lines refers to single edges or vertices of the input, if anything.
+pub(crate) fn refers(options: &Values) -> Option<&'static str> {
+    [ISOLINES, CREASES, LATITUDE, LONGITUDE, EXTRAORDINARY].into_iter().find(|item| options.has("show", item))
+}
+
+/// All lines and dots.
+pub(super) struct Lines<'a> {
+    wires: Vec<[u32; 2]>,
+    isolines: Vec<[u32; 2]>,
+    /// As in [`TAGS`].
+    tags: [Vec<[u32; 2]>; TAGS.len()],
+    extraordinary: Vec<[u32; 2]>,
+    net: Net<'a>,
+}
+
+impl<'a> Lines<'a> {
+    /// Those of a scene that are to be shown.
+    pub(super) fn of(
+        scene: &'a Scene<'a>,
+        mesh: &dyn MeshSource,
+        options: &Options<'_>,
+        watch: &Watch,
+    ) -> Result<Self, Stopped> {
+        let shows = |item| shading::shows(options, item);
+        let all = 0..mesh.input_cells()[1];
+        let input = scene.control.mesh();
+        let mut tags: [Vec<[u32; 2]>; TAGS.len()] = Default::default();
+        for ((name, _), lines) in TAGS.iter().zip(&mut tags).filter(|((name, _), _)| shows(name)) {
+            *lines = match (*name, input) {
+                (SEAMS, _) => seams(mesh, watch)?,
+                (name, Some(input)) => pieces(mesh, tagged(input, name).into_iter(), watch)?,
+                (_, None) => Vec::new(),
+            };
+        }
+        let dots = |input: &Mesh| extraordinary(input).map(|v| [v, v]).collect();
+        let net = match scene.control.shape() {
+            Shape::Mesh(net) if shows("control") || shows("points") => Net::of(net, watch)?,
+            _ => Net::default(),
+        };
+        Ok(Self {
+            wires: if shows("wireframe") { edges(mesh, watch)? } else { Vec::new() },
+            isolines: if shows(ISOLINES) { pieces(mesh, all, watch)? } else { Vec::new() },
+            tags,
+            extraordinary: input.filter(|_| shows(EXTRAORDINARY)).map_or_else(Vec::new, dots),
+            net,
+        })
+    }
+
+    /// The points of the control net, where something of it is shown.
+    pub(super) fn net_positions(&self) -> &[[f64; 3]] {
+        &self.net.positions
+    }
+
+    /// As the rasteriser takes them, over a surface with these vertices and, in a drawing of lines, contours.
+    pub(super) fn strokes<'b>(
+        &'b self,
+        surface: &'b [[f64; 3]],
+        contours: &'b [[u32; 2]],
+        options: &Options<'_>,
+    ) -> Vec<Strokes<'b>> {
+        let shows = |item| shading::shows(options, item);
+        let unit = options.unit_px();
+        let wide = unit * options.line_width();
+        let ring = if options.background[3] == 255 { options.background } else { [255; 4] };
+        let room = options.room(self.net.positions.len());
+        let (thin, small) = (room.min(25.0) * 0.08, room.min(32.0) * 0.25);
+        let line = |positions, segments, width_px: f32, color| Strokes {
+            positions,
+            segments,
+            width_px,
+            color,
+            crowding: Crowding::Keep,
+            hidden: 0.0,
+        };
+        let faint = |strokes| Strokes { hidden: FAINT, ..strokes };
+        let wire = options.wire_color(WIRE);
+        let mut strokes = Vec::new();
+        strokes.push(Strokes { crowding: Crowding::Fade, ..line(surface, &self.wires, 1.3 * wide, wire) });
+        // in a drawing of lines the contours are the strong ones
+        let fine = if shading::is_drawing(options.values) { 1.2 } else { 2.2 };
+        strokes.push(line(surface, &self.isolines, fine * wide, wire));
+        strokes.push(line(surface, contours, 3.2 * wide, wire));
+        for ((_, color), lines) in TAGS.iter().zip(&self.tags) {
+            strokes.push(line(surface, lines, 3.4 * wide, *color));
+        }
+        strokes.push(line(surface, &self.extraordinary, 11.0 * unit, EXTRAORDINARY_RING));
+        strokes.push(line(surface, &self.extraordinary, 8.0 * unit, EXTRAORDINARY_DOT));
+        let net = &self.net;
+        if shows("control") {
+            strokes.push(faint(line(&net.positions, &net.edges, thin * wide, options.control_color(CONTROL))));
+        }
+        if shows("points") {
+            strokes.push(line(&net.positions, &net.points, 1.31 * small * unit, ring));
+            strokes.push(faint(line(&net.positions, &net.points, small * unit, options.point_color(POINT))));
+        }
+        strokes.retain(|strokes| !strokes.segments.is_empty());
+        strokes
+    }
+}
+
+/// The control net: its points, edges and, for discs, each used point joined to itself.
+#[derive(Default)]
+struct Net<'a> {
+    positions: Cow<'a, [[f64; 3]]>,
+    edges: Vec<[u32; 2]>,
+    points: Vec<[u32; 2]>,
+}
+
+impl<'a> Net<'a> {
+    fn of(mesh: &'a dyn MeshSource, watch: &Watch) -> Result<Self, Stopped> {
+        let positions = positions(mesh, watch)?;
+        let n = u32::try_from(positions.len()).expect("indices of vertices have 32 bits");
+        Ok(Self { positions, edges: edges(mesh, watch)?, points: (0..n).map(|i| [i, i]).collect() })
+    }
+}
+
+/// Each edge of the shown faces once.
+fn edges(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 2]>, Stopped> {
+    let mut keys: Vec<[u32; 2]> = Vec::with_capacity(mesh.n_half_edges());
+    each_face(mesh, watch, |face| {
+        let next = face.iter().cycle().skip(1);
+        keys.extend(face.iter().zip(next).map(|(&a, &b)| [a.min(b), a.max(b)]));
+    })?;
+    keys.par_sort_unstable();
+    keys.dedup();
+    Ok(keys)
+}
+
+/// The pieces of some edges of the input, as far as a face is shown beside them.
+fn pieces(
+    mesh: &dyn MeshSource,
+    mut edges: impl Iterator<Item = usize>,
+    watch: &Watch,
+) -> Result<Vec<[u32; 2]>, Stopped> {
+    let mut pieces = Vec::new();
+    let mut line = Vec::new();
+    edges.by_ref().enumerate().try_for_each(|(n, edge)| {
+        if n % 4096 == 0 {
+            watch.check()?;
+        }
+        if mesh.isoline(edge, &mut line) {
+            pieces.extend(line.windows(2).map(|pair| [pair[0], pair[1]]));
+        }
+        Ok(())
+    })?;
+    Ok(pieces)
+}
+
+/// The edges of the input that have this tag.
+fn tagged(input: &Mesh, name: &str) -> Vec<usize> {
+    let along = |direction| input.directions.as_ref().map_or_else(Vec::new, |lines| lines.edges(direction));
+    let edges = match name {
+        LATITUDE => along(Direction::Latitude),
+        LONGITUDE => along(Direction::Longitude),
+        _ => input.creases.iter().map(|&(edge, _)| edge).collect(),
+    };
+    edges.into_iter().map(|edge| edge as usize).collect()
+}
+
+/// The vertices of the input whose valence is unusual: inside other than 4, or 6 where all faces are triangles; on the
+/// boundary more than half of it and one.
+fn extraordinary(input: &Mesh) -> impl Iterator<Item = u32> + '_ {
+    let topology = &input.topology;
+    let usual = if topology.first_other_than_triangle().is_none() { 6 } else { 4 };
+    let is_unusual = move |&v: &usize| {
+        let valence = topology.valence(v);
+        if topology.boundary_edges(v).is_some() { valence > usual / 2 + 1 } else { valence != usual }
+    };
+    (0..topology.n_vertices()).filter(|&v| !topology.is_isolated(v)).filter(is_unusual).map(index)
+}
+
+/// The edges whose two faces have different texture coordinates at some end.
+fn seams(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 2]>, Stopped> {
+    let Some(uvs) = mesh.uvs() else { return Ok(Vec::new()) };
+    let mut sides: Vec<[u32; 4]> = Vec::with_capacity(mesh.n_half_edges());
+    let (mut faces, mut places) = (FaceChunk::default(), FaceChunk::default());
+    in_chunks(mesh.n_faces(), |range| {
+        watch.check()?;
+        mesh.faces(range.clone(), &mut faces);
+        uvs.faces(range, &mut places);
+        for (face, places) in faces.iter().zip(places.iter()) {
+            for i in 0..face.len() {
+                let j = (i + 1) % face.len();
+                let [a, b] = if face[i] < face[j] { [i, j] } else { [j, i] };
+                sides.push([face[a], face[b], places[a], places[b]]);
+            }
+        }
+        Ok(())
+    })?;
+    sides.par_sort_unstable();
+    let edges = sides.chunk_by(|a, b| a[..2] == b[..2]);
+    let cut = edges.filter(|sides| sides.iter().any(|side| side[2..] != sides[0][2..]));
+    Ok(cut.map(|sides| [sides[0][0], sides[0][1]]).collect())
+}

@@ -1,0 +1,258 @@
+//! What stands around curves: axes, a legend, a title.
+
+use super::easel::{Easel, Part};
+use super::options::{COMB_SCALE, FILL, Options, POINT_SIZE};
+use super::styles::STYLES;
+use crate::drawing::{
+    Anchor, Axes, Axis, Color, Drawing, Entry, Group, Item, Key, Label, Legend, Level, Mark, Text, Weight,
+};
+use crate::fault::Fault;
+use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::output::counts::ShapeKind;
+use crate::output::error::FormatError;
+use crate::output::numbers::rounded;
+use crate::output::scene::Curve;
+use crate::raster::View;
+
+/// What the picture is.
+pub(crate) const TITLE: Parameter = Parameter {
+    name: "title",
+    kind: Kind::Name,
+    unit: "",
+    default: Default::Absent,
+    doc: "What stands above the drawing, with markup as labels have. Curves only.",
+};
+
+/// What the numbers from left to right are.
+pub(crate) const X_LABEL: Parameter = Parameter {
+    name: "x_label",
+    kind: Kind::Name,
+    unit: "",
+    default: Default::Absent,
+    doc: "What stands below the axis from left to right, where axes are shown.",
+};
+
+/// What the numbers from the bottom to the top are.
+pub(crate) const Y_LABEL: Parameter = Parameter {
+    name: "y_label",
+    kind: Kind::Name,
+    unit: "",
+    default: Default::Absent,
+    doc: "What stands beside the axis from the bottom to the top, where axes are shown.",
+};
+
+/// Where the legend stands.
+pub(crate) const LEGEND: Parameter = Parameter::choice(
+    "legend",
+    &["top-right", "top-left", "bottom-right", "bottom-left"],
+    "Where the legend stands, where it is shown.",
+);
+
+/// How large letters are.
+pub(crate) const TEXT_SIZE: Parameter = Parameter {
+    name: "text_size",
+    kind: Kind::Number { min: 0.2, max: 10.0 },
+    unit: "",
+    default: Default::Number(1.0),
+    doc: "By what the usual size of letters is multiplied, which keeps its proportion to the picture.",
+};
+
+/// How much smaller curves are beside their combs, so that usual teeth stay in the picture: they are an eighth of it
+/// long on each side. Longer teeth may leave it.
+const COMB_ZOOM: f64 = 0.8;
+/// Colour of titles.
+const INK: Color = [15, 23, 42, 255];
+
+/// Refuses labels that cannot be set.
+fn check_labels(options: &Values) -> Result<(), Fault> {
+    for name in [TITLE.name, X_LABEL.name, Y_LABEL.name] {
+        if let Some(text) = options.name(name) {
+            Label::parse(text, Weight::Regular).map_err(|reason| Fault::new(format!("/{name}"), reason))?;
+        }
+    }
+    for (i, style) in options.groups(STYLES.name).iter().enumerate() {
+        if let Some(text) = style.name("label") {
+            let place = format!("/{}/{i}/label", STYLES.name);
+            Label::parse(text, Weight::Regular).map_err(|reason| Fault::new(place, reason))?;
+        }
+    }
+    Ok(())
+}
+
+/// Refuses what only curves have, for meshes, and what curves in space do not have.
+pub(crate) fn check(kind: ShapeKind, options: &Values) -> Result<(), Fault> {
+    check_labels(options)?;
+    match kind {
+        ShapeKind::Mesh => {
+            let given = |name: &&str| options.unusual().any(|(unusual, _)| unusual == *name);
+            let Some(name) = CURVES_ONLY.iter().find(|name| given(name)) else { return Ok(()) };
+            Err(Fault::new(format!("/{name}"), "only drawings of curves have it; leave it out"))
+        }
+        ShapeKind::Curves { dimension } => {
+            let shown = |item: &&&str| options.has("show", **item);
+            let alien: &[&str] = match dimension {
+                1 => &["comb"],
+                2 => &[],
+                _ => &["axes", "grid"],
+            };
+            let Some(item) = alien.iter().find(shown) else { return Ok(()) };
+            let what = if dimension == 1 { "functions have no" } else { "curves in space have no" };
+            Err(Fault::new("/show", format!("{what} \"{item}\" to show; leave it out")))
+        }
+    }
+}
+
+/// Options that only drawings of curves have.
+const CURVES_ONLY: [&str; 9] = [
+    STYLES.name,
+    TITLE.name,
+    X_LABEL.name,
+    Y_LABEL.name,
+    LEGEND.name,
+    TEXT_SIZE.name,
+    POINT_SIZE.name,
+    FILL.name,
+    COMB_SCALE.name,
+];
+
+/// What is drawn, and what the legend says of it.
+#[derive(Default)]
+pub(super) struct Plot {
+    pub(super) items: Vec<Item>,
+    entries: Vec<Entry>,
+}
+
+impl Plot {
+    /// Adds lines and their entry.
+    pub(super) fn line(&mut self, item: Item, label: &str) -> Result<(), FormatError> {
+        if let Mark::Lines(_, stroke) = &item.mark {
+            self.entry(Key::Line(stroke.clone()), label)?;
+        }
+        self.items.push(item);
+        Ok(())
+    }
+
+    /// Adds an entry.
+    pub(super) fn entry(&mut self, key: Key, label: &str) -> Result<(), FormatError> {
+        let label = Label::parse(label, Weight::Regular).map_err(FormatError::Unfit)?;
+        self.entries.push(Entry { key, label });
+        Ok(())
+    }
+}
+
+/// Where curves are drawn, and what stands around them.
+pub(super) struct Sheet {
+    pub(super) easel: Easel,
+    /// Where curves are seen.
+    part: Part,
+    axes: Option<Axes>,
+    title: Option<Label>,
+    size_px: f32,
+}
+
+fn label(options: &Options<'_>, name: &str, weight: Weight) -> Result<Option<Label>, FormatError> {
+    let text = options.values.name(name);
+    text.map(|text| Label::parse(text, weight).map_err(FormatError::Unfit)).transpose()
+}
+
+impl Sheet {
+    /// A sheet for these curves.
+    pub(super) fn new(shown: &[&Curve], control: &[Curve], options: &Options<'_>) -> Result<Self, FormatError> {
+        let size_px = 15.0 * options.unit_px() * options.values.number(TEXT_SIZE.name).map_or(1.0, rounded);
+        let title = label(options, TITLE.name, Weight::Bold)?;
+        let head = if title.is_some() { 2.2 * size_px } else { 0.0 };
+        let plain = Self {
+            easel: easel(shown, options, whole(options, head)),
+            part: whole(options, head),
+            axes: None,
+            title,
+            size_px,
+        };
+        if !["axes", "grid"].iter().any(|item| options.shows(item, &[])) {
+            return Ok(plain);
+        }
+        let (x_label, y_label) =
+            (label(options, X_LABEL.name, Weight::Regular)?, label(options, Y_LABEL.name, Weight::Regular)?);
+        let steps = steps(shown, control);
+        let axes = |easel: &Easel, part: Part| {
+            let [left, right, bottom, top] = easel.ranges(part, steps);
+            let x = Axis { low: left, high: right, label: x_label.clone() };
+            let y = Axis { low: bottom, high: top, label: y_label.clone() };
+            Axes { frame: part, x, y, grid: options.shows("grid", &[]), size_px }
+        };
+        // the numbers decide how much room they want, and the room decides the numbers
+        let around = axes(&plain.easel, plain.part);
+        let [left, top, right, bottom] = Axes::margins(&around.x, &around.y, size_px);
+        let [_, start, width, height] = plain.part;
+        let part =
+            [left, start + top, (width - left - right).max(1.0), (height - top - bottom).max(1.0)].map(f32::round);
+        let easel = easel(shown, options, part);
+        let axes = axes(&easel, part);
+        Ok(Self { easel, part, axes: Some(axes), ..plain })
+    }
+
+    /// Smaller side of what is seen, pixels.
+    pub(super) fn side_px(&self) -> f64 {
+        f64::from(self.part[2].min(self.part[3]))
+    }
+
+    /// The drawing with all that stands around.
+    pub(super) fn finish(self, plot: Plot, options: &Options<'_>) -> Result<Drawing, FormatError> {
+        let mut items = plot.items;
+        if let Some(axes) = &self.axes {
+            let group = Group { shift: [0.0; 2], scale: 1.0, clip: Some(self.part), items };
+            items = vec![axes.grid(), Item::new("plot", Mark::Group(group))];
+            items.extend(axes.items());
+        }
+        if options.shows("legend", &[]) {
+            items.extend(self.legend(plot.entries, options));
+        }
+        let title = options.values.name(TITLE.name).map(str::to_owned).unwrap_or_default();
+        let spoken = self.title.as_ref().map_or(title, Label::text);
+        if let Some(label) = self.title {
+            #[expect(clippy::cast_precision_loss, reason = "pictures have some thousand pixels a side")]
+            let at = [0.5 * options.size[0] as f32, 1.5 * self.size_px];
+            let (anchor, level) = (Anchor::Middle, Level::Baseline);
+            let text = Text { label, at, size_px: 1.1 * self.size_px, anchor, level, turn_deg: 0.0, color: INK };
+            items.push(Item::new("title", Mark::Text(text)));
+        }
+        Ok(Drawing { size: options.size, background: options.background, title: spoken, items })
+    }
+
+    fn legend(&self, entries: Vec<Entry>, options: &Options<'_>) -> Vec<Item> {
+        let legend = Legend { entries, size_px: self.size_px };
+        let [width, height] = legend.extent();
+        let [left, top, w, h] = self.part;
+        let gap = 0.8 * self.size_px;
+        let place = options.values.choice(LEGEND.name).unwrap_or("top-right");
+        let x = if place.ends_with("left") { left + gap } else { left + w - gap - width };
+        let y = if place.starts_with("top") { top + gap } else { top + h - gap - height };
+        legend.items([x, y])
+    }
+}
+
+/// The picture below its title.
+fn whole(options: &Options<'_>, head: f32) -> Part {
+    #[expect(clippy::cast_precision_loss, reason = "pictures have some thousand pixels a side")]
+    let [width, height] = options.size.map(|side| side as f32);
+    [0.0, head.round(), width, (height - head.round()).max(1.0)]
+}
+
+fn easel(shown: &[&Curve], options: &Options<'_>, [left, top, width, height]: Part) -> Easel {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole numbers of pixels")]
+    let size = [width, height].map(|side| side as u32);
+    let view = options.view();
+    let zoom = if options.shows("comb", &[]) { COMB_ZOOM * view.zoom } else { view.zoom };
+    Easel::within(shown, View { zoom, ..view }, size, [left, top].map(f64::from))
+}
+
+/// Of functions: how many steps of the control polygon the picture shows, 1 where polygons differ in that; none of curves
+/// in the plane.
+fn steps(shown: &[&Curve], control: &[Curve]) -> Option<f64> {
+    let graph = shown.iter().any(|curve| curve.dimension == 1);
+    let count = |curve: &Curve| if curve.closed { curve.len() } else { curve.len().saturating_sub(1) };
+    let n = control.first().map_or(1, count);
+    #[expect(clippy::cast_precision_loss, reason = "fewer than 2^52 points")]
+    let steps = if control.iter().all(|curve| count(curve) == n) { n.max(1) as f64 } else { 1.0 };
+    graph.then_some(steps)
+}

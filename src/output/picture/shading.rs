@@ -1,0 +1,178 @@
+//! What light, or an inspection, makes of the surface of a mesh: the choices of "shading".
+
+use super::options::Options;
+use crate::fault::Fault;
+use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
+use crate::output::counts::ShapeKind;
+use crate::output::options::ISOLINES;
+use crate::raster::{Finish, Pattern, Stripes};
+
+/// How a surface is shown.
+pub(crate) const SHADING: Parameter = Parameter {
+    name: "shading",
+    kind: Kind::Choice(&[
+        "smooth",
+        "flat",
+        "matcap",
+        "normals",
+        HIDDEN_LINE,
+        GAUSSIAN,
+        MEAN,
+        ZEBRA,
+        REFLECTION_LINES,
+        ISOPHOTES,
+        DISTANCE,
+    ]),
+    unit: "",
+    default: Default::Text("smooth"),
+    doc: "How the surface of a mesh is shown. Lit: smooth or by its faces (flat), as clay in a studio (matcap). As a \
+          drawing: in the colour of the paper, with its outline, boundary, hard edges and the edges of the input \
+          (hidden-line). Inspected: the normal as a colour (normals), colours of curvature (gaussian-curvature, \
+          mean-curvature) or of the distance from the control net (distance), the mirror images of bands (zebra) and \
+          of strips of light (reflection-lines), lines of equal angle to a direction (isophotes).",
+};
+
+/// The number of stripes.
+pub(crate) const STRIPES: Parameter = Parameter {
+    name: "stripes",
+    kind: Kind::Integer { min: 1, max: MOST_STRIPES },
+    unit: "",
+    default: Default::Absent,
+    doc: "How many stripes shading zebra, reflection-lines and isophotes shows: dark bands from one end of their axis \
+          to the other, strips of light around half of it, lines between the angles of 90 and 0 degrees. Left out, \
+          12, 18 and 12.",
+};
+
+/// More would be finer than the pixels of the largest pictures.
+const MOST_STRIPES: i64 = 256;
+
+/// The axis of stripes.
+pub(crate) const STRIPE_DIRECTION: Parameter = Parameter {
+    name: "stripe_direction",
+    kind: Kind::Direction,
+    unit: "",
+    default: Default::Absent,
+    doc: "The axis of the stripes of zebra (across it), reflection-lines (along it) and isophotes (towards it), in \
+          model coordinates. Left out, up; for reflection-lines, from left to right in the picture.",
+};
+
+pub(super) const HIDDEN_LINE: &str = "hidden-line";
+const GAUSSIAN: &str = "gaussian-curvature";
+const MEAN: &str = "mean-curvature";
+const ZEBRA: &str = "zebra";
+const REFLECTION_LINES: &str = "reflection-lines";
+const ISOPHOTES: &str = "isophotes";
+const DISTANCE: &str = "distance";
+
+/// Patterns, and how many stripes each has when nothing is said.
+const PATTERNS: [(&str, Pattern, u8); 3] = [
+    (ZEBRA, Pattern::Zebra, 12),
+    (REFLECTION_LINES, Pattern::ReflectionLines, 18),
+    (ISOPHOTES, Pattern::Isophotes, 12),
+];
+
+/// Width of isophotes, in units of line width.
+/// Half of it is fainter than a pixel in usual pictures, twice of it fills strongly bent parts.
+const ISOPHOTE_WIDTH: f32 = 1.6;
+
+/// Numbers of vertices that colours follow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Measure {
+    /// Gaussian curvature.
+    Gaussian,
+    /// Mean curvature.
+    Mean,
+    /// Distance from the control net.
+    Distance,
+}
+
+/// The numbers that the shading shows, if it does.
+pub(super) fn measure(options: &Values) -> Option<Measure> {
+    match options.choice(SHADING.name)? {
+        GAUSSIAN => Some(Measure::Gaussian),
+        MEAN => Some(Measure::Mean),
+        DISTANCE => Some(Measure::Distance),
+        _ => None,
+    }
+}
+
+/// What pictures of meshes show when nothing is said, and what a drawing of lines shows.
+const DEFAULT_SHOW: [&[&str]; 2] = [&["surface"], &["surface", ISOLINES]];
+
+/// Whether a picture of a mesh shows something.
+pub(super) fn shows(options: &Options<'_>, item: &str) -> bool {
+    options.shows(item, DEFAULT_SHOW[usize::from(is_drawing(options.values))])
+}
+
+/// Whether the surface is a drawing of its lines.
+pub(super) fn is_drawing(options: &Values) -> bool {
+    options.choice(SHADING.name) == Some(HIDDEN_LINE)
+}
+
+fn pattern(options: &Values) -> Option<(&'static str, Pattern, u8)> {
+    PATTERNS.into_iter().find(|(name, ..)| options.choice(SHADING.name) == Some(name))
+}
+
+/// How the surface looks, where it is not lit; `right` points to the right in the picture.
+pub(super) fn finish(options: &Options<'_>, right: [f64; 3]) -> Option<Finish> {
+    if let Some((_, pattern, usual)) = pattern(options.values) {
+        let given = options.values.integer(STRIPES.name).and_then(|n| u16::try_from(n).ok());
+        let along_picture = pattern == Pattern::ReflectionLines;
+        let axis = if along_picture { right } else { options.frame.up.direction() };
+        return Some(Finish::Stripes(Stripes {
+            pattern,
+            axis: options.values.vector(STRIPE_DIRECTION.name).unwrap_or(axis),
+            count: f32::from(given.unwrap_or(u16::from(usual))),
+            width_px: ISOPHOTE_WIDTH * options.unit_px(),
+        }));
+    }
+    match options.values.choice(SHADING.name)? {
+        "matcap" => Some(Finish::Matcap),
+        "normals" => Some(Finish::Normals),
+        HIDDEN_LINE => Some(Finish::Bare),
+        GAUSSIAN | MEAN | DISTANCE => Some(Finish::Matt),
+        _ => None,
+    }
+}
+
+/// Whether the surface is not lit like a plain material.
+pub(super) fn is_finished(options: &Values) -> bool {
+    !["smooth", "flat"].contains(&options.choice(SHADING.name).unwrap_or("smooth"))
+}
+
+/// The colour of a surface of this shading where none is given: chalk under stripes, clay, the paper, or `lit`.
+pub(super) fn color(options: &Options<'_>, lit: [u8; 4]) -> [u8; 4] {
+    let paper = if options.background[3] == 255 { options.background } else { [255; 4] };
+    match options.values.choice(SHADING.name) {
+        Some(HIDDEN_LINE) => options.color(paper),
+        Some("matcap") => options.color([206, 190, 172, 255]),
+        _ if pattern(options.values).is_some() => options.color([244, 245, 247, 255]),
+        _ => options.color(lit),
+    }
+}
+
+/// Refuses a shading that a shape of this kind does not have, and options that say nothing under it.
+pub(crate) fn check(kind: ShapeKind, options: &Values) -> Result<(), Fault> {
+    let shading = options.choice(SHADING.name).unwrap_or("smooth");
+    let is_lit = !is_finished(options);
+    if kind != ShapeKind::Mesh && !is_lit {
+        return Err(Fault::new(
+            "/shading",
+            format!("curves have no surface that \"{shading}\" could show; leave it out"),
+        ));
+    }
+    if !is_lit && options.choice("color_by").is_some_and(|by| by != "none") {
+        let detail = format!("\"{shading}\" has colours of its own; leave \"color_by\" or \"shading\" out");
+        return Err(Fault::new("/color_by", detail));
+    }
+    if (measure(options).is_some() || shading == "normals") && options.color("color").is_some() {
+        return Err(Fault::new("/color", format!("the colours of \"{shading}\" are numbers; leave it out")));
+    }
+    for option in [STRIPES, STRIPE_DIRECTION] {
+        if pattern(options).is_none() && *options.get(option.name) != Value::Absent {
+            let detail = "only shading zebra, reflection-lines and isophotes has stripes; leave it out";
+            return Err(Fault::new(format!("/{}", option.name), detail));
+        }
+    }
+    Ok(())
+}

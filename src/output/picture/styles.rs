@@ -1,0 +1,97 @@
+//! How the curves of a drawing look: options, and what they say.
+
+use super::options::Options;
+use crate::drawing::{Cap, Color, Stroke};
+use crate::math::parameter::{Default, Kind, Parameter, Values};
+
+/// Most styles of one output.
+const MAX_STYLES: usize = 64;
+
+/// Looks of single curves.
+pub(crate) const STYLES: Parameter = Parameter {
+    name: "styles",
+    kind: Kind::Groups { fields: FIELDS, most: MAX_STYLES },
+    unit: "",
+    default: Default::Absent,
+    doc: "Looks of the polygons' curves, one each in their order and from the first again where there are more polygons. \
+          Curves only.",
+};
+
+const FIELDS: &[Parameter] = &[
+    Parameter {
+        name: "color",
+        kind: Kind::Color,
+        unit: "",
+        default: Default::Absent,
+        doc: "Colour of the curve; left out, the next of six that are told apart with every kind of sight.",
+    },
+    Parameter::choice("dash", &["solid", "dashed", "dotted", "dash-dot"], "How the line is broken."),
+    Parameter {
+        name: "width",
+        kind: Kind::Number { min: 0.1, max: 20.0 },
+        unit: "",
+        default: Default::Number(1.0),
+        doc: "By what the usual width of the line is multiplied.",
+    },
+    Parameter {
+        name: "label",
+        kind: Kind::Name,
+        unit: "",
+        default: Default::Absent,
+        doc: "What the legend says of it, with markup: `_x` and `^{...}` for small letters, `\\alpha` for Greek ones.",
+    },
+    Parameter {
+        name: "fill",
+        kind: Kind::Color,
+        unit: "",
+        default: Default::Absent,
+        doc: "Colour of the inside where the curve is closed.",
+    },
+];
+
+/// Colours told apart with every kind of sight: those of M. Okabe and K. Ito, Color Universal Design (2002), without
+/// yellow and black.
+const PALETTE: [Color; 6] = [
+    [0, 114, 178, 255],
+    [213, 94, 0, 255],
+    [0, 158, 115, 255],
+    [204, 121, 167, 255],
+    [86, 180, 233, 255],
+    [230, 159, 0, 255],
+];
+
+/// The look of a curve.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Style<'a> {
+    pub(super) stroke: Stroke,
+    /// Markup for the legend.
+    pub(super) label: Option<&'a str>,
+    /// Colour of the inside.
+    pub(super) fill: Option<Color>,
+}
+
+/// The styles that the options ask for; empty where all curves look as usual. `width_px` is the usual width.
+pub(super) fn styles<'a>(options: &Options<'a>, width_px: f32) -> Vec<Style<'a>> {
+    let style = |(i, values): (usize, &'a Values)| {
+        let color = values.color("color").unwrap_or_else(|| options.color(PALETTE[i % PALETTE.len()]));
+        #[expect(clippy::cast_possible_truncation, reason = "a width needs no last digit")]
+        let width_px = width_px * values.number("width").unwrap_or(1.0) as f32;
+        let stroke = dashed(values.choice("dash").unwrap_or("solid"), Stroke::solid(width_px, color));
+        Style { stroke, label: values.name("label"), fill: values.color("fill") }
+    };
+    options.values.groups(STYLES.name).iter().enumerate().map(style).collect()
+}
+
+/// A line broken in the way of a name, in proportion to its width.
+fn dashed(name: &str, solid: Stroke) -> Stroke {
+    let (lengths, cap): (&[f32], Cap) = match name {
+        "dashed" => (&[3.5, 2.2], Cap::Butt),
+        // dots are the round ends of nearly nothing
+        "dotted" => (&[0.02, 2.0], Cap::Round),
+        "dash-dot" => (&[4.0, 1.6, 1.0, 1.6], Cap::Butt),
+        _ => return solid,
+    };
+    // a dash has to be seen, however thin the line is
+    let unit = solid.width_px.max(0.5);
+    Stroke { dash: lengths.iter().map(|length| length * unit).collect(), cap, ..solid }
+}

@@ -1,0 +1,314 @@
+//! The shadow where a model stands on the ground: soft, below what is near the ground, from no lamp in particular.
+//!
+//! A map of the ground has the least height of the model over each cell. What is near the ground darkens the cell, and
+//! the map is smoothed twice: little for what touches, much for what stands higher.
+
+#![expect(clippy::cast_precision_loss, reason = "cells are counted in hundreds")]
+#![expect(clippy::cast_possible_truncation, reason = "light needs no more than the precision of f32")]
+#![expect(clippy::cast_sign_loss, reason = "places are clamped to the map before the cast")]
+
+use std::f64::consts::TAU;
+
+use rayon::prelude::*;
+
+use super::camera::{Camera, Projection, unit};
+use super::model::{Model, Surface};
+use super::tiles::Ground;
+use crate::math::functions::{cos, sin};
+use crate::math::vector::{Vector, cross, dot, minus, plus, times};
+use crate::watch::{Stopped, Watch};
+
+/// Cells along the side of the map.
+/// Half of it blurs the feet, twice of it takes four times as long.
+const CELLS: usize = 192;
+/// Fewest cells, for models of which many triangles lie over each other.
+const FEWEST_CELLS: usize = 24;
+/// Places of triangles that are looked at before the map is made coarser: 30 ms.
+/// Half or twice of it makes maps of stacks of large triangles coarser or finer.
+const MOST_PLACES: u64 = 1 << 23;
+/// How far the shadow reaches beyond the model, as a share of half its longer side; what a picture leaves free beside
+/// the model is about as much.
+const REACH: f64 = 0.3;
+/// Up to this height, in the same measure, things darken the ground.
+/// Half of it leaves the shadows of feet, twice of it makes that of the whole model.
+const HIGH: f64 = 0.4;
+/// Up to this height they touch it.
+const LOW: f64 = 0.1;
+/// How much is taken of the light below what touches the ground, and below what stands just over it.
+/// They are choices of looks: halves are hardly seen, and twice of them is night.
+const DARK: [f32; 2] = [0.5, 0.36];
+/// Up to this share of its height the model counts as touching the ground when it is asked whether it stands.
+/// Half of it lets rough feet fall, twice of it lets balls of few faces stand on their edges.
+const SOLE: f64 = 0.03;
+/// A model lower than this share of its longer side is a sheet.
+const SHEET: f64 = 0.05;
+/// By this share of half its longer side the centre has to be inside what the model stands on.
+const FIRM: f64 = 0.01;
+/// Directions in which it is asked how far the ground is touched.
+/// Half of it takes corners of a triangle of feet for sides, twice of it takes twice as long.
+const DIRECTIONS: usize = 16;
+
+/// The shadow of a model on the ground.
+#[derive(Debug)]
+pub(super) struct Shadow {
+    /// Origin and direction of the ray at the middle of the picture, and what a pixel to the right and down adds.
+    origin: [Vector; 3],
+    ray: [Vector; 3],
+    middle_px: [f64; 2],
+    cells: usize,
+    /// From 0 to 1, row after row.
+    dark: Vec<f32>,
+}
+
+/// The ground in coordinates: two level directions and up, from its middle.
+struct Frame {
+    axes: [Vector; 3],
+    middle: Vector,
+    /// Half the longer side and the height of the model.
+    half: f64,
+    height: f64,
+}
+
+impl Shadow {
+    /// That of a model, if there is one and the camera sees the ground from above.
+    pub(super) fn of(
+        model: &Model<'_>,
+        camera: &Camera,
+        ground: Ground,
+        watch: &Watch,
+    ) -> Result<Option<Self>, Stopped> {
+        if ground == Ground::None || matches!(model.surface, Surface::Unseen) {
+            return Ok(None);
+        }
+        let Some(frame) = Frame::of(model, camera.sky) else { return Ok(None) };
+        watch.check()?;
+        if ground == Ground::Stood && !frame.is_stood_on(model) {
+            return Ok(None);
+        }
+        let mut shadow = Self { cells: CELLS, dark: Vec::new(), ..Self::seen(&frame, camera) };
+        // seen from below or along it, the ground hides nothing and shows nothing
+        let is_above = match camera.projection {
+            Projection::Perspective => shadow.origin[0][2] > 0.0,
+            Projection::Orthographic => shadow.ray[0][2] < -1e-3,
+        };
+        if !is_above {
+            return Ok(None);
+        }
+        while shadow.cells > FEWEST_CELLS && frame.places(model, shadow.cells) > MOST_PLACES {
+            shadow.cells /= 2;
+        }
+        shadow.dark = frame.dark(model, shadow.cells, watch)?;
+        Ok(Some(shadow))
+    }
+
+    /// Rays in coordinates of the ground, whose unit is half the side of the map.
+    fn seen(frame: &Frame, camera: &Camera) -> Self {
+        let turned = |v: Vector| frame.axes.map(|axis| dot(axis, v) / (frame.half * (1.0 + REACH)));
+        let step = 1.0 / camera.focal_px;
+        let steps = [turned(times(step, camera.right)), turned(times(-step, camera.up))];
+        let (eye, forward) = (turned(minus(camera.eye, frame.middle)), turned(camera.forward));
+        let (origin, ray) = match camera.projection {
+            Projection::Perspective => ([eye, [0.0; 3], [0.0; 3]], [forward, steps[0], steps[1]]),
+            Projection::Orthographic => ([eye, steps[0], steps[1]], [forward, [0.0; 3], [0.0; 3]]),
+        };
+        Self { origin, ray, middle_px: camera.size_px.map(|side| 0.5 * side), cells: 0, dark: Vec::new() }
+    }
+
+    /// How much of its light the ground at a pixel lacks.
+    pub(super) fn at(&self, [x, y]: [usize; 2]) -> f32 {
+        let (x, y) = (x as f64 + 0.5 - self.middle_px[0], y as f64 + 0.5 - self.middle_px[1]);
+        let along = |v: &[Vector; 3], k: usize| v[0][k] + v[1][k] * x + v[2][k] * y;
+        let way = -along(&self.origin, 2) / along(&self.ray, 2);
+        if !(way > 0.0 && way.is_finite()) {
+            return 0.0;
+        }
+        let place = [0, 1].map(|k| along(&self.origin, k) + way * along(&self.ray, k));
+        if place.iter().any(|u| u.abs() >= 1.0) {
+            return 0.0;
+        }
+        let [u, v] = place.map(|u| ((0.5 * u + 0.5) * self.cells as f64 - 0.5).clamp(0.0, self.cells as f64 - 1.0));
+        let (left, above) = (u as usize, v as usize);
+        let (u, v) = ((u - left as f64) as f32, (v - above as f64) as f32);
+        let (right, below) = ((left + 1).min(self.cells - 1), (above + 1).min(self.cells - 1));
+        let cell = |x: usize, y: usize| self.dark[y * self.cells + x];
+        let upper = cell(left, above) + u * (cell(right, above) - cell(left, above));
+        let lower = cell(left, below) + u * (cell(right, below) - cell(left, below));
+        upper + v * (lower - upper)
+    }
+}
+
+/// The corners of a triangle, where all are numbers.
+fn corners(model: &Model<'_>, triangle: [u32; 3]) -> Option<[Vector; 3]> {
+    let corners = triangle.map(|v| model.positions[v as usize]);
+    corners.iter().flatten().all(|x| x.is_finite()).then_some(corners)
+}
+
+/// Triangles that a thread looks at together.
+const PART: usize = 1 << 14;
+
+impl Frame {
+    /// `None` where there is no extent.
+    fn of(model: &Model<'_>, sky: Vector) -> Option<Self> {
+        let aside = if sky[0].abs() < 0.9 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+        let right = unit(cross(sky, aside))?;
+        let axes = [right, cross(sky, right), sky];
+        let none = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+        let join = |a: [Vector; 2], b: [Vector; 2]| {
+            [[0, 1, 2].map(|k| a[0][k].min(b[0][k])), [0, 1, 2].map(|k| a[1][k].max(b[1][k]))]
+        };
+        let of = |list: &[[u32; 3]]| {
+            let corners = list.iter().filter_map(|&triangle| corners(model, triangle)).flatten();
+            corners.fold(none, |sum, p| {
+                let p = axes.map(|axis| dot(axis, p));
+                join(sum, [p, p])
+            })
+        };
+        let [low, high] = model.triangles.par_chunks(PART).map(of).reduce(|| none, join);
+        let half = 0.5 * (high[0] - low[0]).max(high[1] - low[1]);
+        if !(half > 1e-100 && half < 1e100) {
+            return None;
+        }
+        let level = [0, 1].map(|k| times(0.5 * (low[k] + high[k]), axes[k]));
+        let middle = plus(plus(level[0], level[1]), times(low[2], sky));
+        Some(Self { axes, middle, half, height: high[2] - low[2] })
+    }
+
+    /// Coordinates on the ground and height, in halves of the longer side.
+    fn place(&self, point: Vector) -> Vector {
+        let from = minus(point, self.middle);
+        self.axes.map(|axis| dot(axis, from) / self.half)
+    }
+
+    /// The centre of the surface on the ground: the mean of the centres of its triangles, weighted by their areas, added
+    /// up in parts whose borders depend on the number of triangles only.
+    fn centre(&self, model: &Model<'_>) -> [f64; 2] {
+        let of = |list: &[[u32; 3]]| {
+            list.iter().filter_map(|&triangle| corners(model, triangle)).fold([0.0; 3], |sum, corners| {
+                let [a, b, c] = corners.map(|p| self.place(p));
+                let across = cross(minus(b, a), minus(c, a));
+                let area = dot(across, across).sqrt();
+                let third = area / 3.0;
+                [sum[0] + third * (a[0] + b[0] + c[0]), sum[1] + third * (a[1] + b[1] + c[1]), sum[2] + area]
+            })
+        };
+        let parts: Vec<Vector> = model.triangles.par_chunks(PART).map(of).collect();
+        let [x, y, area] = parts.into_iter().fold([0.0; 3], plus);
+        if area > 0.0 { [x / area, y / area] } else { [0.0; 2] }
+    }
+
+    /// Whether the centre of the surface is over the hull of what touches the ground.
+    fn is_stood_on(&self, model: &Model<'_>) -> bool {
+        if self.height < SHEET * 2.0 * self.half {
+            return false;
+        }
+        let directions: [[f64; 2]; DIRECTIONS] =
+            std::array::from_fn(|k| TAU * k as f64 / DIRECTIONS as f64).map(|angle| [cos(angle), sin(angle)]);
+        let none = [f64::NEG_INFINITY; DIRECTIONS];
+        let join = |a: [f64; DIRECTIONS], b: [f64; DIRECTIONS]| std::array::from_fn(|k| a[k].max(b[k]));
+        let sole = SOLE * self.height / self.half;
+        let [x, y] = self.centre(model);
+        let beside = |p: &Vector| [p[0] - x, p[1] - y];
+        let of = |list: &[[u32; 3]]| {
+            let corners = list.iter().filter_map(|&triangle| corners(model, triangle)).flatten();
+            let touching = corners.map(|p| self.place(p)).filter(|p| p[2] <= sole);
+            touching.fold(none, |far, p| {
+                let [right, ahead] = beside(&p);
+                join(far, directions.map(|[x, y]| right * x + ahead * y))
+            })
+        };
+        let far = model.triangles.par_chunks(PART).map(of).reduce(|| none, join);
+        far.iter().all(|&far| far > FIRM)
+    }
+
+    /// Coordinates of the corners of a triangle in cells of a map, and their heights, unless it stands too high.
+    fn over(&self, model: &Model<'_>, triangle: [u32; 3], cells: usize) -> Option<[Vector; 3]> {
+        let places = corners(model, triangle)?.map(|p| self.place(p));
+        let scale = 0.5 * cells as f64 / (1.0 + REACH);
+        let cell = |u: f64| u * scale + 0.5 * cells as f64;
+        places.iter().any(|p| p[2] < HIGH).then(|| places.map(|[x, y, height]| [cell(x), cell(y), height]))
+    }
+
+    /// Places at which triangles are looked at, at most.
+    fn places(&self, model: &Model<'_>, cells: usize) -> u64 {
+        let of = |list: &[[u32; 3]]| -> u64 {
+            let over = list.iter().filter_map(|&triangle| self.over(model, triangle, cells));
+            over.map(|corners| (parts(&corners) as u64 + 2).pow(2) / 2).sum()
+        };
+        model.triangles.par_chunks(PART).map(of).sum()
+    }
+
+    /// How much each cell lacks of its light.
+    fn dark(&self, model: &Model<'_>, cells: usize, watch: &Watch) -> Result<Vec<f32>, Stopped> {
+        let far = || vec![HIGH as f32; cells * cells];
+        let lower = |mut a: Vec<f32>, b: Vec<f32>| {
+            a.iter_mut().zip(b).for_each(|(a, b)| *a = a.min(b));
+            a
+        };
+        let part = model.triangles.len().div_ceil(8).max(PART);
+        let of = |list: &[[u32; 3]]| {
+            let mut heights = far();
+            for (n, &triangle) in list.iter().enumerate() {
+                if n % 4096 == 0 {
+                    watch.check()?;
+                }
+                if let Some(corners) = self.over(model, triangle, cells) {
+                    lay(&corners, &mut heights, cells);
+                }
+            }
+            Ok(heights)
+        };
+        let heights = model.triangles.par_chunks(part).map(of).try_reduce(far, |a, b| Ok::<_, Stopped>(lower(a, b)))?;
+        let side = cells as f32;
+        let [near, wide] = [(LOW, 0.011), (HIGH, 0.05)].map(|(high, share): (f64, f32)| {
+            let weight = |height: &f32| {
+                let rest = (1.0 - height / high as f32).max(0.0);
+                rest * rest
+            };
+            let dark: Vec<f32> = heights.iter().map(weight).collect();
+            smoothed(dark, cells, ((share * side) as usize).max(1))
+        });
+        let mixed = near.iter().zip(&wide).map(|(near, wide)| 1.0 - (1.0 - DARK[0] * near) * (1.0 - DARK[1] * wide));
+        Ok(mixed.collect())
+    }
+}
+
+/// Into how many parts each side of a triangle is cut, so that no cell below it is missed.
+fn parts(corners: &[Vector; 3]) -> usize {
+    let side = |a: &Vector, b: &Vector| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
+    let longest =
+        side(&corners[0], &corners[1]).max(side(&corners[1], &corners[2])).max(side(&corners[2], &corners[0]));
+    (longest.ceil() as usize).max(1)
+}
+
+/// Lowers the cells below a triangle to its height there.
+fn lay(corners: &[Vector; 3], heights: &mut [f32], cells: usize) {
+    let n = parts(corners);
+    let step = 1.0 / n as f64;
+    let [a, b, c] = corners;
+    let (right, down) = (times(step, minus(*b, *a)), times(step, minus(*c, *a)));
+    for j in 0..=n {
+        for i in 0..=n - j {
+            let [x, y, height] = plus(*a, plus(times(i as f64, right), times(j as f64, down)));
+            let cell = [x, y].map(|u| (u.max(0.0) as usize).min(cells - 1));
+            let least = &mut heights[cell[1] * cells + cell[0]];
+            *least = least.min(height as f32);
+        }
+    }
+}
+
+/// The map after three means over squares of `2 reach + 1` cells, which come close to the bell of Gauss.
+fn smoothed(mut map: Vec<f32>, cells: usize, reach: usize) -> Vec<f32> {
+    let share = 1.0 / (2 * reach + 1) as f32;
+    for _ in 0..6 {
+        let mut turned = vec![0.0; map.len()];
+        for (y, row) in map.chunks(cells).enumerate() {
+            for x in 0..cells {
+                let sum: f32 = row[x.saturating_sub(reach)..(x + reach + 1).min(cells)].iter().sum();
+                // turned over, so that rows are columns the next time
+                turned[x * cells + y] = sum * share;
+            }
+        }
+        map = turned;
+    }
+    map
+}

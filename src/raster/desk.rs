@@ -1,0 +1,321 @@
+//! One tile: its samples, their light, a closer look at edges, and the lines over it.
+
+#![expect(clippy::cast_precision_loss, reason = "pixel numbers are small")]
+
+use super::binned_model::BinnedModel;
+use super::bins::TILE;
+use super::facets::Facets;
+use super::fine::{FINE, FINE_PLACES, Fine, Marks};
+use super::forecast;
+use super::line::Layer;
+use super::shade::{Lamps, Spots};
+use super::triangle::{Done, NOBODY, PLACES, SAMPLES, Samples};
+use super::veil::Veil;
+use crate::watch::{Stopped, Watch};
+
+#[expect(clippy::cast_possible_truncation, reason = "a tile is some dozen pixels wide")]
+const SIDE: u32 = TILE as u32;
+/// Pixels of a tile.
+const N: usize = TILE * TILE;
+/// Pixels looked at with four samples in the time of one that is looked at with sixteen.
+/// It only says what a closer look counts: half and twice of it halve and double its share of the progress.
+const FINE_PX: u64 = 4;
+
+/// Scratch memory of one thread.
+pub(super) struct Desk {
+    samples: Samples,
+    fine: Fine,
+    lighter: Lighter,
+    glass: Option<Glass>,
+    coverage: Vec<f32>,
+    over: Vec<[f32; 4]>,
+}
+
+/// What is drawn of triangles that something is seen through: of those that show their inside the nearest, then of those
+/// that show their outside, each over what lies behind.
+struct Glass {
+    samples: Samples,
+    lighter: Lighter,
+}
+
+/// A tile that something touches.
+#[derive(Debug)]
+pub(super) struct Drawn {
+    /// Linear light of the surface in each pixel, premultiplied by the share of the pixel that it covers, which stands
+    /// last; empty where there is none. From 0 to 65,535.
+    pub(super) surface: Vec<[u16; 4]>,
+    /// The largest depth in each pixel, 0 where no sample is covered; as empty.
+    pub(super) depth: Vec<f32>,
+    /// The same as `surface` of the lines over it.
+    pub(super) over: Vec<[u16; 4]>,
+}
+
+impl Desk {
+    pub(super) fn new(model: &BinnedModel<'_>) -> Self {
+        let lighter = || Lighter {
+            light: vec![[0.0; 4]; N],
+            facets: Facets::default(),
+            spots: Spots::new(model.lamps.as_ref().map_or([0.0; 3], |lamps| lamps.outside)),
+            marks: Marks::default(),
+        };
+        let has_clear = model.paint.is_some_and(|paint| paint.has_clear());
+        Self {
+            samples: Samples::new(),
+            fine: Fine::default(),
+            lighter: lighter(),
+            glass: has_clear.then(|| Glass { samples: Samples::new(), lighter: lighter() }),
+            coverage: vec![0.0; N],
+            over: vec![[0.0; 4]; N],
+        }
+    }
+
+    /// Draws one tile; `None` when nothing touches it. Where `is_fine`, edges are looked at closely.
+    pub(super) fn draw(
+        &mut self,
+        model: &BinnedModel<'_>,
+        (tile, origin): (usize, [i32; 2]),
+        is_fine: bool,
+        watch: &Watch,
+    ) -> Result<Option<Drawn>, Stopped> {
+        let surface = model.touches(tile);
+        let lined = model.layers.iter().any(|layer| layer.tile(tile).next().is_some());
+        if !surface && !lined {
+            return Ok(None);
+        }
+        self.samples.clear();
+        let is_solid = |id: &u32| self.glass.is_none() || alpha(model, *id) >= 1.0;
+        // outsides mostly hide the insides behind them
+        for is_back in [false, true] {
+            for (n, id) in model.tile(tile, is_back, self.samples.farthest()).filter(is_solid).enumerate() {
+                if n % 4096 == 4095 {
+                    watch.check()?;
+                    watch.advance(forecast::rows(self.samples.done()));
+                }
+                self.samples.draw(model.corners(id), id, origin);
+            }
+        }
+        watch.advance(forecast::rows(self.samples.done()));
+        let mut drawn = Drawn { surface: Vec::new(), depth: Vec::new(), over: Vec::new() };
+        if let Some(lamps) = model.lamps.as_ref().filter(|_| surface) {
+            self.lighter.begin();
+            for (pixel, owners) in (0..).zip(&self.samples.owner) {
+                self.lighter.add(model, lamps, (pixel, owners), origin, |held| CENTRES[held as usize]);
+            }
+            self.lighter.finish(model, lamps);
+            if is_fine && !self.lighter.marks.is_empty() {
+                self.look_closely(model, lamps, (tile, origin), watch)?;
+            }
+            self.glaze(model, lamps, (tile, origin), watch)?;
+            drawn.surface = packed(&self.lighter.light);
+            drawn.depth = self.samples.depth.iter().map(|d| d[0].max(d[1]).max(d[2]).max(d[3])).collect();
+        }
+        if lined {
+            self.over.fill([0.0; 4]);
+            for layer in &model.layers {
+                self.stroke(model, layer, tile, origin, watch)?;
+            }
+            drawn.over = packed(&self.over);
+        }
+        Ok(Some(drawn))
+    }
+
+    /// Draws the pixels in which edges are seen once more, with more samples.
+    fn look_closely(
+        &mut self,
+        model: &BinnedModel<'_>,
+        lamps: &Lamps,
+        (tile, origin): (usize, [i32; 2]),
+        watch: &Watch,
+    ) -> Result<(), Stopped> {
+        self.fine.begin(&self.lighter.marks);
+        let mut triangles = 0;
+        for is_back in [false, true] {
+            let is_solid = |id: &u32| self.glass.is_none() || alpha(model, *id) >= 1.0;
+            for (n, id) in model.tile(tile, is_back, 0.0).filter(is_solid).enumerate() {
+                if n % 4096 == 4095 {
+                    watch.check()?;
+                }
+                self.fine.draw(model.corners(id), id, origin);
+                triangles += 1;
+            }
+        }
+        watch.advance(forecast::rows(Done { pixels: FINE_PX * self.fine.looked_at(), triangles }));
+        for (pixel, owners) in self.fine.pixels() {
+            self.lighter.light[pixel as usize] = [0.0; 4];
+            self.lighter.add(model, lamps, (pixel, owners), origin, fine_centre);
+        }
+        self.lighter.finish(model, lamps);
+        Ok(())
+    }
+
+    /// Draws the triangles that something is seen through over what lies behind them, with four samples a pixel.
+    fn glaze(
+        &mut self,
+        model: &BinnedModel<'_>,
+        lamps: &Lamps,
+        (tile, origin): (usize, [i32; 2]),
+        watch: &Watch,
+    ) -> Result<(), Stopped> {
+        let Some(Glass { samples, lighter }) = &mut self.glass else { return Ok(()) };
+        for is_back in [true, false] {
+            samples.begin_before(&self.samples);
+            let is_clear = |id: &u32| (f32::MIN_POSITIVE..1.0).contains(&alpha(model, *id));
+            for (n, id) in model.tile(tile, is_back, self.samples.farthest()).filter(is_clear).enumerate() {
+                if n % 4096 == 4095 {
+                    watch.check()?;
+                }
+                samples.draw(model.corners(id), id, origin);
+            }
+            watch.advance(forecast::rows(samples.done()));
+            lighter.begin();
+            for (pixel, owners) in (0..).zip(&samples.owner) {
+                lighter.add(model, lamps, (pixel, owners), origin, |held| CENTRES[held as usize]);
+            }
+            lighter.finish(model, lamps);
+            for (under, over) in self.lighter.light.iter_mut().zip(&lighter.light) {
+                *under = std::array::from_fn(|k| over[k] + (1.0 - over[3]) * under[k]);
+            }
+        }
+        Ok(())
+    }
+
+    /// Draws a layer of lines: first the coverage of all of them, then their colour once, so that joints do not show.
+    fn stroke(
+        &mut self,
+        model: &BinnedModel<'_>,
+        layer: &Layer,
+        tile: usize,
+        origin: [i32; 2],
+        watch: &Watch,
+    ) -> Result<(), Stopped> {
+        self.coverage.fill(0.0);
+        let mut veil = Veil::new(model, &self.samples, layer.half_px());
+        for (n, segment) in layer.tile(tile).enumerate() {
+            if n % 4096 == 4095 {
+                watch.check()?;
+            }
+            layer.cover(segment, origin, &mut self.coverage, |pixel, depth| veil.seen(pixel, depth));
+        }
+        for (over, &cover) in self.over.iter_mut().zip(&self.coverage).filter(|(_, cover)| **cover > 0.0) {
+            let rest = 1.0 - cover * layer.light[3];
+            *over = std::array::from_fn(|k| cover * layer.light[k] + rest * over[k]);
+        }
+        Ok(())
+    }
+}
+
+/// The light of the pixels of a tile.
+struct Lighter {
+    /// Linear light of each pixel, premultiplied by the share that is lit.
+    light: Vec<[f32; 4]>,
+    facets: Facets,
+    spots: Spots,
+    /// Pixels in which an edge is seen: something beside nothing, or parts of different light.
+    marks: Marks,
+}
+
+impl Lighter {
+    fn begin(&mut self) {
+        self.facets.clear();
+        self.marks.clear();
+        self.light.fill([0.0; 4]);
+    }
+
+    /// Lights what is seen of the surface in a pixel, once for each triangle, at the centre of its samples there.
+    fn add<const SAMPLES: usize>(
+        &mut self,
+        model: &BinnedModel<'_>,
+        lamps: &Lamps,
+        (pixel, owners): (u32, &[u32; SAMPLES]),
+        origin: [i32; 2],
+        centre: impl Fn(u32) -> [f32; 3],
+    ) {
+        let all = (1 << SAMPLES) - 1;
+        let [x, y] = [(pixel % SIDE) as f32, (pixel / SIDE) as f32];
+        let mut rest = held_by(owners, NOBODY);
+        if rest != 0 && rest != all {
+            self.marks.add(pixel);
+        }
+        while rest != all {
+            let owner = owners[rest.trailing_ones() as usize];
+            let held = held_by(owners, owner);
+            rest |= held;
+            let (facet, tint) = self.facets.of(model, owner, origin);
+            let [right, down, share] = centre(held);
+            let place = [x + right, y + down];
+            let paint = model.paint.as_ref().zip(tint).map(|(paint, tint)| paint.color(tint, place));
+            let finished = model.finisher.as_ref().map(|finisher| {
+                let normal = |place| facet.normal(place);
+                let corner = origin.map(|o| o as f32);
+                finisher.color(paint.unwrap_or(lamps.outside), normal, place, corner, facet.back)
+            });
+            if let Some(color) = finished.or(paint) {
+                self.spots.color(color);
+            }
+            let global = [origin[0] as f32 + place[0], origin[1] as f32 + place[1]];
+            let share = share * alpha(model, owner);
+            self.spots.metal(model.paint.map_or(0.0, |paint| paint.metal(model.whole(owner))));
+            self.spots.push((pixel, share), facet.normal(place), global, facet.back);
+            if self.spots.full() {
+                self.finish(model, lamps);
+            }
+        }
+    }
+
+    /// Adds the light of the waiting spots: their colours as they are where the surface has a finish.
+    fn finish(&mut self, model: &BinnedModel<'_>, lamps: &Lamps) {
+        if model.finisher.is_some() {
+            self.spots.show(&mut self.light, &mut self.marks);
+        } else {
+            lamps.illuminate(&mut self.spots, &mut self.light, &mut self.marks);
+        }
+    }
+}
+
+/// How much a triangle hides of what lies behind it.
+fn alpha(model: &BinnedModel<'_>, id: u32) -> f32 {
+    model.paint.map_or(1.0, |paint| paint.alpha(model.whole(id)))
+}
+
+/// The samples that `owner` has, as bits.
+fn held_by<const SAMPLES: usize>(owners: &[u32; SAMPLES], owner: u32) -> u32 {
+    (0..SAMPLES).fold(0, |held, s| held | (u32::from(owners[s] == owner) << s))
+}
+
+/// The centre in the pixel of a set of sixteen samples, right and down, and its share of the pixel.
+fn fine_centre(held: u32) -> [f32; 3] {
+    let (mut x, mut y, mut rest) = (0, 0, held);
+    while rest != 0 {
+        let [right, down] = FINE_PLACES[rest.trailing_zeros() as usize];
+        (x, y) = (x + right, y + down);
+        rest &= rest - 1;
+    }
+    let n = held.count_ones() as f32;
+    [x as f32 / (32.0 * n), y as f32 / (32.0 * n), n / FINE as f32]
+}
+
+/// For each set of four samples: its centre in the pixel, right and down, and its share of the pixel.
+const CENTRES: [[f32; 3]; 1 << SAMPLES] = {
+    let mut centres = [[0.0; 3]; 1 << SAMPLES];
+    let mut held = 1;
+    while held < 1 << SAMPLES {
+        let (mut n, mut x, mut y, mut s) = (0, 0, 0, 0);
+        while s < SAMPLES {
+            if held >> s & 1 == 1 {
+                (n, x, y) = (n + 1, x + PLACES[s][0], y + PLACES[s][1]);
+            }
+            s += 1;
+        }
+        let eighths = 8.0 * n as f32;
+        centres[held] = [x as f32 / eighths, y as f32 / eighths, n as f32 / SAMPLES as f32];
+        held += 1;
+    }
+    centres
+};
+
+/// Light as whole numbers.
+fn packed(light: &[[f32; 4]]) -> Vec<[u16; 4]> {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the cast saturates")]
+    let number = |x: f32| (x * 65535.0 + 0.5) as u16;
+    light.iter().map(|light| light.map(number)).collect()
+}

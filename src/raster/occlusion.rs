@@ -1,0 +1,262 @@
+//! Ambient occlusion: hollows get less light, told by the depths in the picture around each place.
+//!
+//! On a coarser grid of at most 512 cells a side, so that the time is bounded, each cell asks some cells around it how
+//! high they stand over its tangent plane: the mean of the sines of those angles is what is hidden of the sky. It is
+//! smoothed over cells of like distance. Source: M. McGuire et al., High Performance Graphics 2011, 25-32.
+
+#![expect(clippy::cast_precision_loss, reason = "pixel numbers are small")]
+#![expect(clippy::cast_possible_truncation, reason = "light needs no more than the precision of f32")]
+#![expect(clippy::cast_sign_loss, reason = "places are checked to lie in the grid before the cast")]
+
+use std::f64::consts::TAU;
+use std::sync::LazyLock;
+
+use rayon::prelude::*;
+
+use super::bins::{Grid, TILE};
+use super::camera::{Camera, Projection};
+use super::desk::Drawn;
+use super::shade::Vec3f;
+use crate::math::functions::{cos, sin};
+use crate::watch::{Stopped, Watch};
+
+/// Most cells along a side.
+/// Half of it blurs small hollows, twice of it takes four times as long; the largest picture still has 16 pixels a cell,
+/// which divide a tile.
+const MOST_CELLS: usize = 512;
+/// How far what hides light may stand, as a share of the radius of the model.
+/// Half of it darkens creases only, twice of it darkens whole limbs.
+const REACH: f32 = 0.3;
+/// Least and largest reach, cells: nearer there is nothing to ask, farther the few places asked stand too thinly.
+/// Half of the largest flattens models seen from close by, twice of it leaves grain.
+const REACH_CELLS: [f32; 2] = [1.5, 64.0];
+/// Places asked around each cell.
+/// Half of it leaves grain, twice of it takes twice as long.
+const TAPS: usize = 14;
+/// Kinds of circles on which the places stand, one for each cell of a square of four, over which is smoothed.
+const TURNS: usize = 16;
+/// Sines below this do not count, so that faces of round surfaces do not hide each other.
+/// Half of it shows the faces of coarse meshes, twice of it leaves flat hollows light.
+const LEAST_SINE: f32 = 0.12;
+/// What is taken of the light where every place asked stands upright beside.
+/// It is a choice of looks: at half of it hollows hardly show, twice of it makes them black.
+const STRENGTH: f32 = 2.2;
+/// Least share of light that is left.
+const LEAST_OPEN: f32 = 0.3;
+
+/// Places around a cell for each turn, within a circle of radius one.
+static AROUND: LazyLock<[[[f32; 2]; TAPS]; TURNS]> = LazyLock::new(|| {
+    std::array::from_fn(|turn| {
+        std::array::from_fn(|tap| {
+            // the golden angle leads round, equal areas lead out
+            let angle = TAU * (turn as f64 / TURNS as f64 + 0.381_966 * tap as f64);
+            let radius = ((tap as f64 + 0.5) / TAPS as f64).sqrt();
+            [(radius * cos(angle)) as f32, (radius * sin(angle)) as f32]
+        })
+    })
+});
+
+/// How much of the sky is seen from what stands in each cell.
+#[derive(Debug)]
+pub(super) struct Occlusion {
+    lens: Lens,
+    /// Pixels along the side of a cell.
+    cell_px: usize,
+    size: [usize; 2],
+    /// Distance along the view in radii; infinite where nothing stands.
+    distance: Vec<f32>,
+    /// Share of the light that is left.
+    open: Vec<f32>,
+}
+
+/// From depths to places, in radii of the model.
+#[derive(Debug, Clone, Copy)]
+struct Lens {
+    perspective: bool,
+    /// The distance is the first over the depth (perspective), or the first less the second times the depth.
+    depth: [f32; 2],
+    /// Pixels of the picture a radius, at distance one in perspective.
+    focal: f32,
+    centre_px: [f32; 2],
+}
+
+impl Lens {
+    fn of(camera: &Camera) -> Self {
+        let perspective = camera.projection == Projection::Perspective;
+        let [start, fall] = camera.fall;
+        let depth = if perspective {
+            [camera.near / camera.radius, 0.0]
+        } else {
+            [start / (fall * camera.radius), 1.0 / (fall * camera.radius)]
+        };
+        let focal = if perspective { camera.focal_px } else { camera.focal_px * camera.radius };
+        Self {
+            perspective,
+            depth: depth.map(|x| x as f32),
+            focal: focal as f32,
+            centre_px: camera.size_px.map(|side| (0.5 * side) as f32),
+        }
+    }
+
+    /// Infinite where nothing stands.
+    fn distance(&self, depth: f32) -> f32 {
+        if depth <= 0.0 {
+            f32::INFINITY
+        } else if self.perspective {
+            self.depth[0] / depth
+        } else {
+            self.depth[0] - self.depth[1] * depth
+        }
+    }
+
+    /// The place at pixel coordinates and a distance: right, down, forward.
+    fn point(&self, [x, y]: [f32; 2], distance: f32) -> Vec3f {
+        let scale = if self.perspective { distance / self.focal } else { 1.0 / self.focal };
+        [(x - self.centre_px[0]) * scale, (y - self.centre_px[1]) * scale, distance]
+    }
+
+    /// Pixels of a radius at this distance.
+    fn pixels(&self, distance: f32) -> f32 {
+        if self.perspective { self.focal / distance } else { self.focal }
+    }
+}
+
+impl Occlusion {
+    /// That of a picture whose tiles are drawn.
+    pub(super) fn of(tiles: &[Option<Drawn>], grid: Grid, camera: &Camera, watch: &Watch) -> Result<Self, Stopped> {
+        let [width, height] = camera.size_px.map(|side| side as usize);
+        let mut cell_px = 1;
+        while width.max(height).div_ceil(cell_px) > MOST_CELLS {
+            cell_px *= 2;
+        }
+        let lens = Lens::of(camera);
+        let size @ [columns, _] = [width.div_ceil(cell_px), height.div_ceil(cell_px)];
+        let distance = |i: usize| {
+            let [x, y] = [i % columns, i / columns].map(|cell| cell * cell_px + cell_px / 2);
+            let tile = tiles.get(y / TILE * usize::from(grid.columns) + x / TILE).and_then(Option::as_ref);
+            let depth = tile.and_then(|tile| tile.depth.get(y % TILE * TILE + x % TILE));
+            lens.distance(depth.copied().unwrap_or(0.0))
+        };
+        let distance = (0..size[0] * size[1]).into_par_iter().with_min_len(4096).map(distance).collect();
+        let mut occlusion = Self { lens, cell_px, size, distance, open: Vec::new() };
+        occlusion.open = occlusion.by_row(watch, |x, y| occlusion.found(x, y))?;
+        occlusion.open = occlusion.by_row(watch, |x, y| occlusion.smoothed(x, y))?;
+        Ok(occlusion)
+    }
+
+    fn by_row(&self, watch: &Watch, at: impl Fn(usize, usize) -> f32 + Sync) -> Result<Vec<f32>, Stopped> {
+        let mut all = vec![1.0; self.distance.len()];
+        all.par_chunks_mut(self.size[0]).enumerate().try_for_each(|(y, row)| {
+            watch.check()?;
+            row.iter_mut().enumerate().for_each(|(x, cell)| *cell = at(x, y));
+            Ok(())
+        })?;
+        Ok(all)
+    }
+
+    /// Distance in a cell, infinite outside.
+    fn distance(&self, x: isize, y: isize) -> f32 {
+        let [columns, rows] = self.size;
+        if x < 0 || y < 0 || x as usize >= columns || y as usize >= rows {
+            return f32::INFINITY;
+        }
+        self.distance[y as usize * columns + x as usize]
+    }
+
+    /// What stands in a cell.
+    fn point(&self, x: isize, y: isize) -> Vec3f {
+        let place = [x, y].map(|cell| (cell as f32 + 0.5) * self.cell_px as f32);
+        self.lens.point(place, self.distance(x, y))
+    }
+
+    fn found(&self, x: usize, y: usize) -> f32 {
+        let here @ [x, y] = [x, y].map(usize::cast_signed);
+        if self.distance(x, y).is_infinite() {
+            return 1.0;
+        }
+        let at = self.point(x, y);
+        let Some(normal) = self.normal(here, at) else { return 1.0 };
+        let reach = (REACH * self.lens.pixels(at[2]) / self.cell_px as f32).clamp(REACH_CELLS[0], REACH_CELLS[1]);
+        let turn = ((x & 3) * 4 + (y & 3)) as usize;
+        let mut hidden = 0.0;
+        for [right, down] in AROUND[turn] {
+            let (i, j) = ((reach * right + 0.5).floor() as isize, (reach * down + 0.5).floor() as isize);
+            let distance = self.distance(x + i, y + j);
+            if (i, j) == (0, 0) || distance.is_infinite() {
+                continue;
+            }
+            let other = self.point(x + i, y + j);
+            let to: Vec3f = std::array::from_fn(|k| other[k] - at[k]);
+            let square = dot(to, to);
+            let sine = dot(to, normal) / square.sqrt() - LEAST_SINE;
+            let near = 1.0 - square * (1.0 / (REACH * REACH));
+            if sine > 0.0 && near > 0.0 {
+                hidden += sine * near;
+            }
+        }
+        (1.0 - STRENGTH * hidden / TAPS as f32).max(LEAST_OPEN)
+    }
+
+    /// The normal toward the viewer, from the neighbours whose distances are the most alike.
+    fn normal(&self, [x, y]: [isize; 2], at: Vec3f) -> Option<Vec3f> {
+        let toward = |[i, j]: [isize; 2]| {
+            let [before, after] = [self.distance(x - i, y - j), self.distance(x + i, y + j)];
+            let sign = if (after - at[2]).abs() <= (before - at[2]).abs() { 1 } else { -1 };
+            let other = self.point(x + sign * i, y + sign * j);
+            other[2].is_finite().then(|| -> Vec3f { std::array::from_fn(|k| (other[k] - at[k]) * sign as f32) })
+        };
+        let (a, b) = (toward([1, 0])?, toward([0, 1])?);
+        let normal = [b[1] * a[2] - b[2] * a[1], b[2] * a[0] - b[0] * a[2], b[0] * a[1] - b[1] * a[0]];
+        let length = dot(normal, normal).sqrt();
+        (length > 0.0).then(|| normal.map(|c| c / length))
+    }
+
+    /// The mean over the square of 16 cells around a cell, of those that stand about as far away.
+    fn smoothed(&self, x: usize, y: usize) -> f32 {
+        let [x, y] = [x, y].map(usize::cast_signed);
+        let distance = self.distance(x, y);
+        if distance.is_infinite() {
+            return 1.0;
+        }
+        let (mut sum, mut weight) = (0.0, 0.0);
+        for (i, j) in (-2..2).flat_map(|j| (-2..2).map(move |i| (i, j))) {
+            if (self.distance(x + i, y + j) - distance).abs() < 0.25 * REACH {
+                sum += self.open[((y + j) * self.size[0].cast_signed() + x + i) as usize];
+                weight += 1.0;
+            }
+        }
+        sum / weight
+    }
+
+    /// The share of light that is left of what has this depth at a pixel: blended from the cells around it that are
+    /// about as far away.
+    pub(super) fn open(&self, [x, y]: [usize; 2], depth: f32) -> f32 {
+        let [columns, rows] = self.size;
+        if self.cell_px == 1 {
+            return self.open[y * columns + x];
+        }
+        let distance = self.lens.distance(depth);
+        let place = |pixel: usize| (pixel as f32 + 0.5) / self.cell_px as f32 - 0.5;
+        let (u, v) = (place(x).max(0.0), place(y).max(0.0));
+        let (left, above) = (u as usize, v as usize);
+        let (u, v) = (u - left as f32, v - above as f32);
+        let (right, below) = ((left + 1).min(columns - 1), (above + 1).min(rows - 1));
+        let corners =
+            [(left, above, (1.0 - u) * (1.0 - v)), (right, above, u * (1.0 - v)), (left, below, (1.0 - u) * v)];
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for (x, y, share) in corners.into_iter().chain([(right, below, u * v)]) {
+            let cell = y * columns + x;
+            let apart = (self.distance[cell] - distance).abs() * (8.0 / REACH);
+            let weight = share / (1.0 + apart * apart) + 1e-6;
+            if apart.is_finite() {
+                sum += weight * self.open[cell];
+                weights += weight;
+            }
+        }
+        if weights > 0.0 { sum / weights } else { 1.0 }
+    }
+}
+
+fn dot(a: Vec3f, b: Vec3f) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}

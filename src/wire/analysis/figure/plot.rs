@@ -1,0 +1,131 @@
+//! One plot of a figure: axes, and what is marked between them.
+
+use crate::drawing::{Axes, Axis, Color, Discs, Group, Item, Label, Mark as Drawn, Point, Stroke, Weight};
+
+/// Colour of what is written.
+pub(super) const INK: Color = [15, 23, 42, 255];
+/// Colour of functions.
+pub(super) const BLUE: Color = [37, 99, 235, 255];
+/// Colour of what is proved.
+pub(super) const GREEN: Color = [22, 163, 74, 255];
+/// Colour of what is disproved.
+pub(super) const RED: Color = [220, 38, 38, 255];
+/// Colour of guides.
+const GREY: Color = [148, 163, 184, 255];
+/// Points along a circle.
+/// A circle of a hundred pixels has edges of six. Half of it shows them; twice of it is only longer.
+const TURNS: u8 = 96;
+
+/// A plot.
+pub(super) struct Plot {
+    pub(super) title: String,
+    names: [String; 2],
+    range: [[f64; 2]; 2],
+    marks: Vec<Marks>,
+}
+
+/// Things of one look, in the numbers of the axes.
+pub(super) struct Marks {
+    points: Vec<[f64; 2]>,
+    kind: Kind,
+    color: Color,
+}
+
+enum Kind {
+    Line,
+    Guide,
+    Dots,
+    Stems,
+    Area,
+}
+
+pub(super) fn line(points: Vec<[f64; 2]>, color: Color) -> Marks {
+    Marks { points, kind: Kind::Line, color }
+}
+
+pub(super) fn dots(points: Vec<[f64; 2]>, color: Color) -> Marks {
+    Marks { points, kind: Kind::Dots, color }
+}
+
+/// Points over the line of 0.
+pub(super) fn stems(points: Vec<[f64; 2]>, color: Color) -> Marks {
+    Marks { points, kind: Kind::Stems, color }
+}
+
+/// What lies between two lines.
+pub(super) fn band(low: Vec<[f64; 2]>, high: Vec<[f64; 2]>, color: Color) -> Marks {
+    let points = low.into_iter().chain(high.into_iter().rev()).collect();
+    Marks { points, kind: Kind::Area, color: [color[0], color[1], color[2], 64] }
+}
+
+/// A circle around 0.
+pub(super) fn circle(radius: f64) -> Marks {
+    let angle = |k: u8| std::f64::consts::TAU * f64::from(k) / f64::from(TURNS);
+    let place = |k| [radius * crate::math::functions::cos(angle(k)), radius * crate::math::functions::sin(angle(k))];
+    Marks { points: (0..=TURNS).map(place).collect(), kind: Kind::Guide, color: GREY }
+}
+
+impl Plot {
+    /// A plot whose axes reach as far as the marks do, and to 0.
+    pub(super) fn around(title: &str, x: &str, y: &str, marks: Vec<Marks>) -> Self {
+        let all = || marks.iter().flat_map(|marks| &marks.points);
+        let reach = |axis: usize, start: f64| {
+            let [low, high] = all().fold([start, start], |[low, high], p| [low.min(p[axis]), high.max(p[axis])]);
+            let room = 0.06 * (high - low).max(1e-6);
+            [low - room, high + room]
+        };
+        let first = all().next().map_or(0.0, |p| p[0]);
+        let range = [reach(0, first), reach(1, 0.0)];
+        Self { title: title.to_owned(), names: [x.to_owned(), y.to_owned()], range, marks }
+    }
+
+    /// A plot with axes of its own.
+    pub(super) fn within(title: &str, [x, y]: [&str; 2], range: [[f64; 2]; 2], marks: Vec<Marks>) -> Self {
+        Self { title: title.to_owned(), names: [x.to_owned(), y.to_owned()], range, marks }
+    }
+
+    /// Sets what the axis from left to right is.
+    pub(super) fn set_x(&mut self, name: String, range: [f64; 2]) {
+        (self.names[0], self.range[0]) = (name, range);
+    }
+
+    /// The plot in a rectangle: left, top, width, height.
+    pub(super) fn items(&self, [left, top, width, height]: [f32; 4], size_px: f32) -> Vec<Item> {
+        let axis = |k: usize| {
+            let [low, high] = self.range[k];
+            let label = Label::plain(&self.names[k], Weight::Regular).ok().filter(|label| !label.is_empty());
+            Axis { low, high, label }
+        };
+        let (x, y) = (axis(0), axis(1));
+        let [a, b, c, d] = Axes::margins(&x, &y, size_px);
+        let frame = [left + a, top + b, width - a - c, height - b - d];
+        let axes = Axes { frame, x, y, grid: true, size_px };
+        let inside = self.marks.iter().flat_map(|marks| marks.items(&axes)).collect();
+        let group = Group { shift: [0.0, 0.0], scale: 1.0, clip: Some(frame), items: inside };
+        let plot = Item::new("plot", Drawn::Group(group));
+        [axes.grid(), plot].into_iter().chain(axes.items()).collect()
+    }
+}
+
+impl Marks {
+    fn items(&self, axes: &Axes) -> Vec<Item> {
+        let places: Vec<Point> = self.points.iter().map(|p| axes.place(*p)).collect();
+        match self.kind {
+            _ if places.is_empty() => Vec::new(),
+            Kind::Line => vec![Item::lines("line", vec![places], Stroke::solid(2.0, self.color))],
+            Kind::Guide => vec![Item::lines("guide", vec![places], Stroke::solid(1.0, self.color))],
+            Kind::Area => vec![Item::new("band", Drawn::Areas(vec![places], self.color))],
+            Kind::Dots => vec![self.discs(places)],
+            Kind::Stems => {
+                let foot = |p: &[f64; 2]| axes.place([p[0], 0.0]);
+                let stems = self.points.iter().zip(&places).map(|(p, place)| vec![foot(p), *place]).collect();
+                vec![Item::lines("stem", stems, Stroke::solid(1.5, self.color)), self.discs(places)]
+            }
+        }
+    }
+
+    fn discs(&self, centres: Vec<Point>) -> Item {
+        let (radius_px, ring_px) = (4.0, 0.0);
+        Item::new("point", Drawn::Discs(Discs { centres, radius_px, ring_px, color: self.color, ring: self.color }))
+    }
+}

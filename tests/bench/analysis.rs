@@ -1,0 +1,67 @@
+//! Analyses of schemes: what a question takes from the plan to the answer.
+
+use std::hint::black_box;
+
+use planish::job::{Analysis, Inquiry, ScanWish, Wishes};
+use planish::math::parameter::Literal;
+use planish::scheme::plan::PlanInput;
+use planish::watch::Watch;
+use planish::wire::analysis::AnalysisAnswer;
+
+use crate::table::{Aim, Table, best, ms};
+
+/// A preset, its parameters, and what stands in the table.
+type Scheme = (&'static str, &'static [(&'static str, &'static str)]);
+
+/// The usual ones, and those that take longest.
+const SCHEMES: &[Scheme] = &[
+    ("cubic-b-spline", &[]),
+    ("four-point", &[("w", "1/16")]),
+    ("four-point", &[("w", "1/10")]),
+    ("four-point", &[("w", "0.1926")]),
+    ("ternary-c4", &[("eta", "1/100")]),
+    ("ternary-four-point", &[("mu", "1/11")]),
+    ("push-back", &[("kernel", "10"), ("delta", "4/5")]),
+    ("c-b-spline", &[("degree", "5"), ("alpha", "pi/3")]),
+    ("two-n-point", &[("n", "4")]),
+    ("two-n-point", &[("n", "8")]),
+    ("two-n-point", &[("n", "16")]),
+];
+
+pub(crate) fn measure(table: &mut Table) {
+    let mut first = None;
+    for (name, parameters) in SCHEMES {
+        let time = ms(best(|| answered(name, parameters, &Wishes::default())));
+        let ratio = format!("{:.1} times cubic-b-spline", time / *first.get_or_insert(time));
+        let values: Vec<_> = parameters.iter().flat_map(|(name, value)| [*name, *value]).collect();
+        let products = nodes(name, parameters);
+        let detail = format!("{products} products, {:.0} a ms", f64::from(u32::try_from(products).unwrap_or(0)) / time);
+        let label = format!("analysis {name} {}", values.join(" "));
+        table.add(label.trim_end(), (time, "ms"), &ratio, Aim::None, &detail);
+    }
+    let [from, to] = ["0", "1/60"].map(|text| Literal::Text(text.into()));
+    let scan = ScanWish { parameter: "eta".into(), from, to, steps: 200 };
+    let time = ms(best(|| answered("ternary-c4", &[], &Wishes { scan: Some(scan.clone()), ..Wishes::default() })));
+    let ratio = format!("{:.1} times cubic-b-spline", time / first.unwrap_or(time));
+    table.add("analysis ternary-c4, 200 steps of eta", (time, "ms"), &ratio, Aim::None, "201 values and bisection");
+}
+
+fn analysis(name: &str, parameters: &[(&str, &str)], wishes: &Wishes) -> Analysis {
+    let literal = |text: &str| text.parse().map_or_else(|_| Literal::Text(text.into()), Literal::Number);
+    let parameters = parameters.iter().map(|(name, text)| ((*name).to_owned(), literal(text))).collect();
+    let plan = PlanInput { preset: Some(name.to_owned()), parameters, ..PlanInput::default() };
+    Analysis::new(&plan, wishes, &Watch::new()).expect("a scheme for curves")
+}
+
+fn answered(name: &str, parameters: &[(&str, &str)], wishes: &Wishes) {
+    let watch = Watch::new();
+    let inquiry = Inquiry::Curve(Box::new(analysis(name, parameters, wishes)));
+    black_box(AnalysisAnswer::of(&inquiry, &watch).expect("nobody stops it"));
+}
+
+/// The products of matrices that were looked at.
+fn nodes(name: &str, parameters: &[(&str, &str)]) -> u64 {
+    let watch = Watch::new();
+    analysis(name, parameters, &Wishes::default()).run(&watch).expect("nobody stops it");
+    watch.done()
+}
