@@ -21,7 +21,7 @@ use crate::watch::{Stopped, Watch};
 /// Most cells of one valence that are looked at.
 /// Splines need some hundred. Half of it leaves schemes open whose derivatives have large bounds; twice of it takes
 /// twice as long to leave others open.
-const MAX_CELLS: usize = 40_000;
+const MAX_CELLS: usize = 8_000;
 /// Most refinements of a ring.
 /// Discs shrink by half or so at each, to 1/1000 after ten. Half of it leaves schemes open, twice of it would find
 /// rounding only.
@@ -30,7 +30,7 @@ const MAX_LEVELS: u32 = 10;
 /// the error of the eigenvector can change.
 /// Determinants of schemes in use are a hundredth of that product at least. Half and twice of it only matter to those that
 /// nearly vanish.
-pub(super) const SLACK: f64 = 1e-6;
+pub(super) const SLACK: f64 = 1e-4;
 
 /// The net of an eigenvector around a middle with n sectors.
 #[derive(Debug, Clone)]
