@@ -147,8 +147,8 @@ impl Case<'_> {
     fn map(&self, error: Option<f64>, watch: &Watch) -> Result<Status, Stopped> {
         let sampled = if self.least_sine.is_some_and(|sine| sine > 0.0) { Status::Supported } else { Status::Open };
         let (Some(net), Some(ring), Some(error)) = (self.net, self.ring, error) else { return Ok(sampled) };
-        // what the slack of a ring leaves room for, many times over
-        if self.regular != Status::Proved || error > SLACK / 100.0 {
+        // what the slack of a ring leaves room for, also where derivatives are short
+        if self.regular != Status::Proved || error > SLACK / 1000.0 {
             return Ok(sampled);
         }
         Ok(match ring.of(net, watch)? {

@@ -65,23 +65,6 @@ fn of_scheme(text: &mut String, scheme: &SchemeAnswer) -> Written {
     Ok(())
 }
 
-fn of_tube(text: &mut String, tube: &TubeAnswer) -> Written {
-    let TubeAnswer { vertices, alpha, delta, factor, control_radius, limit_radius, along, across, .. } = tube;
-    write!(text, "# A tube with rings of {vertices} vertices\n\n| Quantity | Value |\n|---|---|\n")?;
-    writeln!(text, "| alpha | {} |\n| delta | {} |", number(*alpha), number(*delta))?;
-    writeln!(text, "| limit radius over control radius | {} |", number(*factor))?;
-    for (name, radius) in [("control radius", control_radius), ("limit radius", limit_radius)] {
-        if let Some(radius) = radius {
-            writeln!(text, "| {name} | {} |", number(*radius))?;
-        }
-    }
-    for (name, scheme) in [("along", along), ("across", across)] {
-        write!(text, "\n# The scheme {name} latitude lines, at alpha 0\n\n")?;
-        of_scheme(text, scheme)?;
-    }
-    Ok(())
-}
-
 fn verdict(proved_c: i64, disproved_c: Option<i64>) -> String {
     let proved = match proved_c {
         -1 => "not proved to converge".to_owned(),
@@ -166,6 +149,19 @@ fn of_surface(text: &mut String, surface: &SurfaceAnswer) -> Written {
         writeln!(text, "- valence {}: {}", of.valence, weights.join(", "))?;
     }
     assumptions.iter().try_for_each(|assumption| writeln!(text, "- assumption: {assumption}"))
+}
+
+fn of_tube(text: &mut String, tube: &TubeAnswer) -> Written {
+    let TubeAnswer { vertices, alpha, delta, factor, control_radius, limit_radius, along, across, .. } = tube;
+    write!(text, "# A straight tube with {vertices} vertices around\n\n| Quantity | Value |\n|---|---|\n")?;
+    let or_none = |x: &Option<f64>| x.map_or_else(|| "-".to_owned(), number);
+    writeln!(text, "| alpha | {} |\n| delta | {} |", number(*alpha), number(*delta))?;
+    writeln!(text, "| limit radius over control radius | {} |", number(*factor))?;
+    writeln!(text, "| control radius | {} |\n| limit radius | {} |", or_none(control_radius), or_none(limit_radius))?;
+    text.push_str("\n## Along latitude lines\n\n");
+    of_scheme(text, along)?;
+    text.push_str("\n## Across latitude lines\n\n");
+    of_scheme(text, across)
 }
 
 fn of_scan(text: &mut String, scan: &ScanAnswer) -> Written {
