@@ -5,7 +5,7 @@ use std::sync::{Arc, LazyLock};
 use super::canary::Canary;
 use super::connections::Connections;
 use super::memo::Memo;
-use super::metrics::Requests;
+use super::request_counts::Requests;
 use super::short::Short;
 use crate::config::Settings;
 use crate::service::desk::Desk;
