@@ -8,7 +8,9 @@ use crate::support::{parsed, render};
 
 fn cube() -> Value {
     json!({ "mesh": {
-        "positions": [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]],
+        "positions": [
+            [-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1],
+        ],
         "faces": [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]],
     } })
 }
@@ -31,7 +33,8 @@ fn panels(jobs: &[Value]) -> Value {
 }
 
 fn figure(columns: u32, jobs: &[Value], width: u32) -> Value {
-    json!({ "figure": { "columns": columns, "panels": panels(jobs) }, "outputs": [{ "format": "png", "width": width }] })
+    let outputs = json!([{ "format": "png", "width": width }]);
+    json!({ "figure": { "columns": columns, "panels": panels(jobs) }, "outputs": outputs })
 }
 
 fn picture(job: &Value) -> RgbaImage {
