@@ -4,7 +4,6 @@
 use std::fmt;
 
 use super::codec::Item;
-use super::form::Form;
 use super::input::Input;
 use super::output::Output;
 use super::shape_items::{connectivity, input, lines, mesh};
@@ -228,15 +227,6 @@ pub(super) fn surface_analysis(
         items.extend([input(shape, refined), plan(shape, refined, 1, true)]);
     }
     hashed(&Item::List(items))
-}
-
-/// The key of an analysis in a form: that of what it finds for the usual one.
-pub(super) fn in_form(key: Key, form: Form) -> Key {
-    if form == Form::default() {
-        return key;
-    }
-    let items = [Item::text(form.name()), Item::text(&key.to_string())];
-    hashed(&Item::List(items.into()))
 }
 
 /// Whether an output shows the limit, which is that of the plan even where none of its levels was applied.

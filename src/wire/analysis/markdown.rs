@@ -136,7 +136,8 @@ fn of_surface(text: &mut String, surface: &SurfaceAnswer) -> Written {
     write!(text, "# A scheme for surfaces of {}, edges divided by {arity}\n\n", regular.faces)?;
     let limits = verdict(regular.smoothness.proved_c, regular.smoothness.disproved_c);
     writeln!(text, "Where nothing is extraordinary limits are {limits}, by {}.", regular.smoothness.by)?;
-    text.push_str("\n## Valences\n\n| Valence | C1 | Evidence | Subdominant eigenvalue | Next over it | Least sine of the characteristic net |\n|---|---|---|---|---|---|\n");
+    text.push_str("\n## Valences\n\n| Valence | C1 | Evidence | Subdominant eigenvalue | Next over it |");
+    text.push_str(" Least sine of the characteristic net |\n|---|---|---|---|---|---|\n");
     for of in valences {
         let or_none = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), number);
         let subdominant = of.eigenvalues.iter().find(|found| found.fourier == 1).map(|found| found.value);
