@@ -8,7 +8,6 @@ use super::form::Form;
 use super::input::Input;
 use super::output::Output;
 use super::shape_items::{connectivity, input, lines, mesh};
-use super::tube_analysis::TubeInput;
 use crate::analysis::smoothness::Symbol;
 use crate::analysis::{Level, Study};
 use crate::math::expression::{Expression, Instruction};
@@ -203,9 +202,13 @@ pub(super) fn surface_analysis(
 }
 
 /// Key of a question about a tube: over the results version, the plan without what its operators do not use, and what
-/// was asked for.
-pub(super) fn tube_analysis(asked: &Plan, tube: &TubeInput, nodes: u64) -> Key {
-    let TubeInput { vertices, turns, control_radius, limit_radius } = tube;
+/// was asked for: the vertices and turns of a ring, and the control and the limit radius.
+pub(super) fn tube_analysis(
+    asked: &Plan,
+    [vertices, turns]: [u64; 2],
+    [control_radius, limit_radius]: [Option<f64>; 2],
+    nodes: u64,
+) -> Key {
     let radius = |radius: &Option<f64>| Item::List(radius.iter().map(|radius| Item::Number(*radius)).collect());
     // alpha is that of the ring
     let asked = Plan { alpha: 0.0, compensation_alpha: None, ..asked.clone() };
@@ -213,9 +216,9 @@ pub(super) fn tube_analysis(asked: &Plan, tube: &TubeInput, nodes: u64) -> Key {
         Item::text("planish tube analysis"),
         Item::Integer(u64::from(RESULTS_VERSION)),
         plan_of(&asked, 1, true, [true, false], Vec::new()),
-        Item::List([vertices, turns].map(|n| Item::Integer(*n)).into()),
-        radius(control_radius),
-        radius(limit_radius),
+        Item::List([vertices, turns].map(Item::Integer).into()),
+        radius(&control_radius),
+        radius(&limit_radius),
         Item::Integer(nodes),
     ];
     hashed(&Item::List(items))

@@ -92,7 +92,8 @@ impl TubeAnalysis {
         if let Some(detail) = asked.without_delta(&tube) {
             return Err(vec![Fault::new("/tube/limit_radius", detail)]);
         }
-        let key = key::tube_analysis(&plan, &asked, nodes);
+        let TubeInput { vertices, turns, control_radius, limit_radius } = asked;
+        let key = key::tube_analysis(&plan, [vertices, turns], [control_radius, limit_radius], nodes);
         Ok(Self { asked, tube, curves, nodes, key })
     }
 
