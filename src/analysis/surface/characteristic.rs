@@ -28,8 +28,8 @@ const MAX_CELLS: usize = 8_000;
 const MAX_LEVELS: u32 = 10;
 /// What determinants have to exceed, over the product of the lengths of both derivatives: more than the roundings and
 /// the error of the eigenvector can change.
-/// Determinants of schemes in use are a hundredth of that product at least. Half and twice of it only matter to those that
-/// nearly vanish.
+/// Determinants of schemes in use are a hundredth of that product at least. Half and twice of it only matter to those
+/// that nearly vanish.
 pub(super) const SLACK: f64 = 1e-4;
 
 /// The net of an eigenvector around a middle with n sectors.
