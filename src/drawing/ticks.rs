@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn ticks_are_round_numbers() {
-        assert_eq!(labels(0.0, 1.0, 6), "0.0 0.2 0.4 0.6 0.8 1.0");
+        assert_eq!(labels(0.0, 1.0, 6), "0 0.2 0.4 0.6 0.8 1.0");
         assert_eq!(labels(-3.2, 7.9, 6), "−2 0 2 4 6");
         assert_eq!(labels(0.12, 0.13, 5), "0.120 0.125 0.130");
         assert_eq!(labels(0.0, 4e7, 5), "0 107 2×107 3×107 4×107");

@@ -39,7 +39,8 @@ pub(super) async fn job(State(app): State<Shared>, Segment(id): Segment) -> Resp
 #[utoipa::path(
     get, path = "/v1/jobs", tag = "jobs",
     params(
-        ("limit" = Option<u64>, Query, description = "Most jobs of the page, 1 to 100; 50 when left out"),
+        ("limit" = Option<u64>, Query, description = "Most jobs of the page, 1 to 100; 50 when left out",
+            example = 20),
         ("cursor" = Option<String>, Query, description = "`next` of the page before"),
     ),
     responses((status = 200, description = "A page of them", body = JobsAnswer))

@@ -101,18 +101,19 @@ fn terms(query: &str) -> Result<JobTerms, Vec<Fault>> {
     for (name, value) in form_urlencoded::parse(query.as_bytes()) {
         let place = format!("?{name}");
         match &*name {
-            "priority" => match Priority::ALL.into_iter().find(|priority| priority.name() == value) {
-                Some(priority) => terms.priority = priority,
-                None => {
+            "priority" => {
+                if let Some(priority) = Priority::ALL.into_iter().find(|priority| priority.name() == value) {
+                    terms.priority = priority;
+                } else {
                     let detail = format!("\"{}\" is no priority; give interactive or batch", shortened(&value));
                     faults.push(Fault::new(place, detail));
                 }
-            },
+            }
             "queue_timeout_s" => keep(seconds(place, &value), &mut terms.queue_timeout_s, &mut faults),
             "run_timeout_s" => keep(seconds(place, &value), &mut terms.run_timeout_s, &mut faults),
             _ => {
                 let known = ["priority", "queue_timeout_s", "run_timeout_s"];
-                let meant = did_you_mean(&name, known.into_iter());
+                let meant = did_you_mean(&name, known);
                 let detail = format!("it is unknown; {meant}known are {}", known.join(", "));
                 faults.push(Fault::new(format!("?{}", shortened(&name)), detail));
             }

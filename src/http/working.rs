@@ -145,7 +145,7 @@ impl ReadJobs for Reader {
                 let asked = asked_again(&self.0, record.peer, record).await?;
                 Ok::<_, Problem>(asked.work(&self.0, record.peer).await?.tasks)
             };
-            tasks.await.map_err(|problem| problem.unreadable())
+            tasks.await.map_err(Problem::unreadable)
         })
     }
 }

@@ -101,7 +101,8 @@ pub(super) fn sweep(values: &Values) -> Option<Sweep> {
 #[expect(clippy::cast_precision_loss, reason = "there are some hundred frames")]
 fn between(from: f64, to: f64, n: usize, round: bool) -> Vec<f64> {
     let steps = if round { n } else { n - 1 } as f64;
-    let at = |i: usize| if i as f64 == steps { to } else { from + (to - from) * (i as f64 / steps) };
+    // the last frame is at the end to the last digit
+    let at = |i: usize| if i + 1 == n && !round { to } else { from + (to - from) * (i as f64 / steps) };
     (0..n).map(at).collect()
 }
 
@@ -132,7 +133,7 @@ fn turned(values: &Values, azimuths: &[f64], frame: Frame) -> Vec<Values> {
         way.iter().map(|x| x * x).sum::<f64>().sqrt()
     };
     let farthest = cameras.iter().map(|camera| distance(camera.eye())).fold(0.0, f64::max);
-    let smallest = cameras.iter().map(|camera| camera.scale()).fold(f64::INFINITY, f64::min);
+    let smallest = cameras.iter().map(crate::raster::Camera::scale).fold(f64::INFINITY, f64::min);
     let seen = |(azimuth, camera): (&f64, &crate::raster::Camera)| {
         options.seen_from(*azimuth, target, (camera.forward(), farthest), smallest / camera.scale())
     };

@@ -14,9 +14,9 @@ pub(super) struct Writing(Vec<u8>);
 
 impl Writing {
     /// A record of a kind and a version, with room for so many bytes.
-    pub(super) fn new(magic: &[u8; 8], version: u32, room: usize) -> Self {
+    pub(super) fn new(magic: [u8; 8], version: u32, room: usize) -> Self {
         let mut out = Vec::with_capacity(room);
-        out.extend_from_slice(magic);
+        out.extend_from_slice(&magic);
         out.extend_from_slice(&version.to_le_bytes());
         Self(out)
     }
@@ -54,12 +54,12 @@ pub(super) struct Fields<'a>(&'a [u8]);
 
 impl<'a> Fields<'a> {
     /// The fields of a record; `None` when it is damaged, or of another kind or version.
-    pub(super) fn of(bytes: &'a [u8], magic: &[u8; 8], version: u32) -> Option<Self> {
+    pub(super) fn of(bytes: &'a [u8], magic: [u8; 8], version: u32) -> Option<Self> {
         let (record, checksum) = bytes.split_last_chunk::<HASH_BYTES>()?;
         if content(record).as_bytes() != checksum {
             return None;
         }
-        record.strip_prefix(magic)?.strip_prefix(&version.to_le_bytes()).map(Self)
+        record.strip_prefix(&magic)?.strip_prefix(&version.to_le_bytes()).map(Self)
     }
 
     /// Whether all were read.

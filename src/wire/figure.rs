@@ -51,7 +51,7 @@ impl Outline {
             let detail = format!("a figure has 1 to {MAX_COLUMNS} columns");
             return Err(vec![Fault::new("/figure/columns", detail)]);
         };
-        let mut faults = camera.and_then(|camera| shared_fault(camera)).unwrap_or_default();
+        let mut faults = camera.and_then(shared_fault).unwrap_or_default();
         faults.extend(text_fault("/figure/title", title.as_deref(), Weight::Bold));
         let grid = Grid { columns, title, letters, cells: Vec::new() };
         let mut outline = Self { grid, shown: Vec::new() };
@@ -120,12 +120,12 @@ fn cell(i: usize, panel: &Panel, columns: u32) -> Result<(Cell, OutputRequest), 
         }
     };
     let found = output(&shown, 0).map_err(|found| under(&format!("{place}/outputs/0"), found));
-    let found = found.and_then(|found| match found.format.paper() {
-        Some(_) => Ok(found),
-        None => {
-            let detail = format!("a panel shows a picture; {} is none, ask for png", found.format.name());
-            Err(vec![Fault::new(format!("{place}/outputs/0/format"), detail)])
+    let found = found.and_then(|found| {
+        if found.format.paper().is_some() {
+            return Ok(found);
         }
+        let detail = format!("a panel shows a picture; {} is none, ask for png", found.format.name());
+        Err(vec![Fault::new(format!("{place}/outputs/0/format"), detail)])
     });
     match found {
         Ok(found) if faults.is_empty() => {

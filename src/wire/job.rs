@@ -248,7 +248,7 @@ impl JobRequest {
             )
         };
         let unknown = self.spec.filter(|spec| *spec != 1).map(unknown_spec);
-        said.into_iter().filter_map(|(name, is_said)| is_said.then(|| fault(name))).chain(unknown).collect()
+        said.into_iter().filter(|(_, is_said)| *is_said).map(|(name, _)| fault(name)).chain(unknown).collect()
     }
 
     /// What becomes of the input.

@@ -356,7 +356,7 @@ fn coordinates(weight: &Weight) -> String {
 /// The weights by the names of neighbours, or by sector coordinates.
 fn limit_mask(mask: &[Weight]) -> BTreeMap<String, f64> {
     let there: Vec<&Weight> = mask.iter().filter(|weight| is_there(weight)).collect();
-    let near = |weight: &&&Weight| matches!(weight.point, None | Some([1, 0] | [1, 1]));
+    let near = |weight: &&&Weight| matches!(weight.point, None | Some([1, 0 | 1]));
     let has_centre = mask.iter().any(|weight| weight.point.is_none());
     let by_name = has_centre && there.iter().filter(near).count() == there.len();
     let key = |weight: &Weight| match weight.point {

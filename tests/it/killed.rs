@@ -51,8 +51,8 @@ impl Drop for Service {
 
 /// A job of the load: the number makes it one of its own.
 fn job(number: u64) -> Value {
-    let mut job = if number % 3 == 0 { polygon(6) } else { mesh(2 + u32::try_from(number % 3).unwrap()) };
-    let places = if number % 3 == 0 { "/input/polygon/points/0/0" } else { "/input/mesh/positions/0/0" };
+    let mut job = if number.is_multiple_of(3) { polygon(6) } else { mesh(2 + u32::try_from(number % 3).unwrap()) };
+    let places = if number.is_multiple_of(3) { "/input/polygon/points/0/0" } else { "/input/mesh/positions/0/0" };
     *job.pointer_mut(places).unwrap() = json!(0.001 * number as f64);
     job["outputs"] = json!([{ "format": "json" }, { "format": "stats" }]);
     job
@@ -87,7 +87,9 @@ async fn load(client: reqwest::Client, url: String, first: u64) -> Vec<(String, 
             accepted.push((answer.headers()["location"].to_str().unwrap().to_owned(), number));
         }
         // some are looked at, some are rendered at once beside them
-        if mixed(number) % 4 == 0 && client.post(format!("{url}/v1/render")).json(&polygon(5)).send().await.is_err() {
+        if mixed(number).is_multiple_of(4)
+            && client.post(format!("{url}/v1/render")).json(&polygon(5)).send().await.is_err()
+        {
             break;
         }
     }

@@ -133,7 +133,7 @@ pub(super) fn divided(c: &Polynomial, [u, v]: Point, d: i32) -> Option<Polynomia
     let last = |rest: &Polynomial| rest.values().all(|x| x.abs() <= REST * size);
     let extent = order.last().map_or(0, ahead) - order.first().map_or(0, ahead);
     debug_assert!(extent >= 0, "sorted");
-    let mut queue = std::collections::BTreeSet::from_iter(order.iter().map(|k| (ahead(k), *k)));
+    let mut queue: std::collections::BTreeSet<_> = order.iter().map(|k| (ahead(k), *k)).collect();
     let end: [i32; 2] = [0, 1].map(|axis| c.keys().map(|k| k[axis]).max().unwrap_or(0));
     let start: [i32; 2] = [0, 1].map(|axis| c.keys().map(|k| k[axis]).min().unwrap_or(0));
     while let Some((_, k)) = queue.pop_first() {

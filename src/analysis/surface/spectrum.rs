@@ -108,7 +108,7 @@ impl Spectrum {
             match *component {
                 Component::Centre => add(None, y),
                 Component::OnAxis(p) => add(Some(p), y / n),
-                Component::Even(p, q) => [p, q].map(|p| Some(p)).into_iter().for_each(|p| add(p, y / (2.0 * n))),
+                Component::Even(p, q) => [p, q].map(Some).into_iter().for_each(|p| add(p, y / (2.0 * n))),
                 Component::Odd(..) => {}
             }
         }

@@ -37,6 +37,9 @@ pub struct SurfaceStudy {
     pub regular: RegularMask,
 }
 
+/// Points in the plane, and faces by the numbers of their points.
+pub type PlaneNet = (Vec<[f64; 2]>, Vec<Vec<usize>>);
+
 /// What is known of one valence.
 #[derive(Debug, Clone)]
 pub struct ValenceReport {
@@ -53,7 +56,7 @@ pub struct ValenceReport {
     /// The weights of two tangents; `None` without a subdominant eigenvalue.
     pub tangent_masks: Option<[Vec<Weight>; 2]>,
     /// The net of the characteristic map: points and faces.
-    pub net: Option<(Vec<[f64; 2]>, Vec<Vec<usize>>)>,
+    pub net: Option<PlaneNet>,
     /// The least sine of its corner angles.
     pub least_sine: Option<f64>,
     /// What decides about C^1.
@@ -214,8 +217,7 @@ fn closed(kind: Kind, local: &Local, farthest: i32) -> Result<i32, Unlimited> {
 
 /// What makes the first point of a sector lie at 1.
 fn scale(spectrum: &Spectrum, vector: &[f64]) -> f64 {
-    let first = Block::values(&spectrum.blocks[1].components, vector).first().map_or(1.0, |(_, u)| u[0]);
-    first
+    Block::values(&spectrum.blocks[1].components, vector).first().map_or(1.0, |(_, u)| u[0])
 }
 
 /// The net of an eigenvector, as far as the rows go, its first point at 1.

@@ -68,8 +68,11 @@ impl Difference {
     }
 }
 
+/// A picture of what differs, if anything does, and how many pixels do, of how many, and by how much at most.
+type PixelsCompared = (Option<Vec<u8>>, (u64, u64, u8));
+
 /// Where two pictures in pixels differ, and how many pixels do; nothing where they are none, or not of one size.
-fn pixels(before: &[u8], after: &[u8]) -> Option<(Option<Vec<u8>>, (u64, u64, u8))> {
+fn pixels(before: &[u8], after: &[u8]) -> Option<PixelsCompared> {
     let read = |bytes| image::load_from_memory_with_format(bytes, ImageFormat::Png).ok().map(|found| found.to_rgba8());
     let (before, after) = (read(before)?, read(after)?);
     if before.dimensions() != after.dimensions() {

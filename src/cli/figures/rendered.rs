@@ -61,14 +61,13 @@ pub(super) fn render(path: &Path, known: &Manifest, folder: &Path) -> Result<Vec
             format!("{stem}-{}.{extension}", asked.name)
         };
         let same = known.figures.get(&name).filter(|entry| entry.key == key && entry.is_in(folder, &name));
-        made.push(match same {
-            Some(entry) => Rendered { name, entry: Entry { job: job.clone(), ..entry.clone() }, bytes: None },
-            None => {
-                let bytes = bytes(&admitted, i)?;
-                let numbers = all_numbers.get_or_insert_with(|| measured(&request)).clone();
-                let entry = Entry { job: job.clone(), key, hash: hash(&bytes), bytes: bytes.len(), numbers };
-                Rendered { name, entry, bytes: Some(bytes) }
-            }
+        made.push(if let Some(entry) = same {
+            Rendered { name, entry: Entry { job: job.clone(), ..entry.clone() }, bytes: None }
+        } else {
+            let bytes = bytes(&admitted, i)?;
+            let numbers = all_numbers.get_or_insert_with(|| measured(&request)).clone();
+            let entry = Entry { job: job.clone(), key, hash: hash(&bytes), bytes: bytes.len(), numbers };
+            Rendered { name, entry, bytes: Some(bytes) }
         });
     }
     Ok(made)

@@ -66,7 +66,7 @@ pub(super) fn combs(
             let (Some(foot), Some(tip)) = (foot, tip) else { continue };
             ends.push(short(tip));
             let far = last.is_none_or(|last| distance(last, foot) >= SPACING_PX);
-            if far && *bend != [0.0; 3] {
+            if far && bend.iter().any(|x| x.abs() > 0.0) {
                 comb.teeth.push(vec![short(foot), short(tip)]);
                 last = Some(foot);
             }

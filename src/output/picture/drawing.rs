@@ -56,7 +56,7 @@ pub(crate) fn drawing(scene: &Scene<'_>, options: &Options<'_>, watch: &Watch) -
     if shows("points") {
         artist.points(control, 5.2, 1.5, options.point_color(POINT), "points", &mut plot)?;
     }
-    sheet.finish(plot, options)
+    Ok(sheet.finish(plot, options))
 }
 
 /// What draws parts of a drawing.

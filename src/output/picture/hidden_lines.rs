@@ -173,9 +173,9 @@ impl Artist<'_> {
             Class::Wireframe => (0.6, THIN_INK),
         };
         let lines = self.edges.iter().zip(self.hidden).filter(|(edge, _)| self.class(edge) == Some(class));
-        let pieces = lines.flat_map(|(edge, hidden)| self.pieces(edge, rest(hidden))).collect();
+        let pieces: Vec<_> = lines.flat_map(|(edge, hidden)| self.pieces(edge, rest(hidden))).collect();
         let stroke = self.stroke(width, self.options.color(color));
-        let runs = chains(pieces);
+        let runs = chains(&pieces);
         (!runs.is_empty()).then(|| Item::lines(name, runs, stroke).titled(name))
     }
 
@@ -183,11 +183,11 @@ impl Artist<'_> {
     fn dashes(&self) -> Item {
         let lines = self.edges.iter().zip(self.hidden);
         let thick = lines.filter(|(edge, _)| !matches!(self.class(edge), Some(Class::Isoline | Class::Wireframe)));
-        let pieces = thick.flat_map(|(edge, hidden)| self.pieces(edge, hidden.clone())).collect();
+        let pieces: Vec<_> = thick.flat_map(|(edge, hidden)| self.pieces(edge, hidden.clone())).collect();
         let solid = self.stroke(1.0, HIDDEN_INK);
         let unit = solid.width_px;
         let stroke = Stroke { dash: vec![4.0 * unit, 3.0 * unit], cap: Cap::Butt, ..solid };
-        Item::lines("hidden", chains(pieces), stroke).titled("hidden lines")
+        Item::lines("hidden", chains(&pieces), stroke).titled("hidden lines")
     }
 
     fn class(&self, edge: &Edge) -> Option<Class> {
@@ -205,7 +205,7 @@ impl Artist<'_> {
         let place = move |t: f64| [0, 1].map(|k| (a[k] + t * (b[k] - a[k])) as f32);
         parts.into_iter().map(move |[from, to]| Piece {
             places: [place(from), place(to)],
-            vertices: [(from == 0.0).then_some(ends[0]), (to == 1.0).then_some(ends[1])],
+            vertices: [(from <= 0.0).then_some(ends[0]), (to >= 1.0).then_some(ends[1])],
         })
     }
 }

@@ -89,7 +89,7 @@ pub(crate) fn check(kind: ShapeKind, options: &Values) -> Result<(), Fault> {
             Err(Fault::new(format!("/{name}"), "only drawings of curves have it; leave it out"))
         }
         ShapeKind::Curves { dimension } => {
-            let shown = |item: &&&str| options.has("show", **item);
+            let shown = |item: &&&str| options.has("show", item);
             let alien: &[&str] = match dimension {
                 1 => &["comb"],
                 2 => &[],
@@ -197,7 +197,7 @@ impl Sheet {
     }
 
     /// The drawing with all that stands around.
-    pub(super) fn finish(self, plot: Plot, options: &Options<'_>) -> Result<Drawing, FormatError> {
+    pub(super) fn finish(self, plot: Plot, options: &Options<'_>) -> Drawing {
         let mut items = plot.items;
         if let Some(axes) = &self.axes {
             let group = Group { shift: [0.0; 2], scale: 1.0, clip: Some(self.part), items };
@@ -216,7 +216,7 @@ impl Sheet {
             let text = Text { label, at, size_px: 1.1 * self.size_px, anchor, level, turn_deg: 0.0, color: INK };
             items.push(Item::new("title", Mark::Text(text)));
         }
-        Ok(Drawing { size: options.size, background: options.background, title: spoken, items })
+        Drawing { size: options.size, background: options.background, title: spoken, items }
     }
 
     fn legend(&self, entries: Vec<Entry>, options: &Options<'_>) -> Vec<Item> {

@@ -42,7 +42,7 @@ pub struct Run {
 #[derive(Debug)]
 pub enum Placed {
     /// It is under way already, or done.
-    Known(Record),
+    Known(Box<Record>),
     /// It is to be done.
     New(Run),
 }

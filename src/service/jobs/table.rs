@@ -163,7 +163,7 @@ impl Jobs {
         let mut table = self.table();
         let known = table.records.get(&new.job);
         if let Some(known) = known.filter(|known| known.is_active() || known.state == State::Done && !again) {
-            return Ok(Placed::Known(known.clone()));
+            return Ok(Placed::Known(Box::new(known.clone())));
         }
         let memory = loop {
             if table.records.len() < MAX_RECORDS
@@ -182,8 +182,11 @@ impl Jobs {
         table.next += 1;
         let record = self.record(new, number, attempts, memory);
         let (job, ended) = (record.job, record.ended.subscribe());
-        let placed =
-            if record.is_active() { Placed::New(Run { job, number, ended }) } else { Placed::Known(record.clone()) };
+        let placed = if record.is_active() {
+            Placed::New(Run { job, number, ended })
+        } else {
+            Placed::Known(Box::new(record.clone()))
+        };
         table.insert(record);
         drop(table);
         self.note(job);
@@ -226,9 +229,12 @@ impl Jobs {
     ) -> Result<Vec<Run>, StoreError> {
         let Some(journal) = &self.journal else { return Ok(Vec::new()) };
         let mut kept = Vec::new();
-        journal.each(&mut |record| match decode(record) {
-            Some(record) => kept.push(record),
-            None => tracing::warn!("a record of a job cannot be read; it is left as it is"),
+        journal.each(&mut |record| {
+            if let Some(record) = decode(record) {
+                kept.push(record);
+            } else {
+                tracing::warn!("a record of a job cannot be read; it is left as it is");
+            }
         })?;
         kept.sort_by_key(|kept| kept.number);
         let (now, wall) = (self.clock.now(), self.clock.wall());

@@ -11,7 +11,7 @@ use crate::service::computation::Timings;
 use crate::service::fields::{Fields, Writing};
 use crate::service::job_key::{JobKey, JobTerms, Priority};
 
-const MAGIC: &[u8; 8] = b"plnshjob";
+const MAGIC: [u8; 8] = *b"plnshjob";
 const VERSION: u32 = 1;
 /// Written where a number is left out.
 const NONE: u64 = u64::MAX;
@@ -140,6 +140,7 @@ pub(super) fn decode(bytes: &[u8]) -> Option<Kept> {
     Some(Kept { job, number, attempts, terms, state, made, settled_s: given(settled), summary })
 }
 
+#[expect(clippy::option_option, reason = "the outer one says whether the record can be read")]
 fn result(fields: &mut Fields<'_>) -> Option<Option<Made>> {
     if fields.is_next(tag::FAILED) {
         return Some(Some(Made::Failed(fields.text(tag::FAILED)?)));

@@ -45,7 +45,7 @@ impl Description {
     }
 }
 
-const MAGIC: &[u8; 8] = b"plnshman";
+const MAGIC: [u8; 8] = *b"plnshman";
 const VERSION: u32 = 1;
 
 /// The fields, in the order in which they stand; the warnings follow, each under its own tag.

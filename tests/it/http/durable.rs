@@ -37,7 +37,7 @@ fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
 
 fn refusal(settings: Settings) -> String {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
-    runtime.block_on(async { bind(settings).await.err().expect("it does not start").to_string() })
+    runtime.block_on(async { bind(settings).await.expect_err("it does not start").to_string() })
 }
 
 #[test]
@@ -133,7 +133,7 @@ fn a_folder_in_use_is_refused_and_the_other_service_goes_on() {
     let folder = Folder::new();
     story(lasting(&folder), async |server| {
         let location = server.post_with("/v1/jobs", &two(), &[("prefer", "wait=60")]).await.ok();
-        let told = bind(lasting(&folder)).await.err().expect("it does not start").to_string();
+        let told = bind(lasting(&folder)).await.expect_err("it does not start").to_string();
         assert!(told.contains("in use by another process"), "{told}");
         server.get(location.header("location")).await.ok();
     });

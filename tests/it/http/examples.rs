@@ -186,7 +186,7 @@ async fn refusals(server: &Server) -> Vec<(&'static str, String)> {
         ("refused-400-half-a-json", half),
         ("refused-404-no-such-page", Asked::get("/v2")),
         ("refused-405-get-on-estimate", Asked::get("/v1/estimate")),
-        ("refused-406-svg-of-a-mesh", Asked::post("/v1/render", &mesh(1)).with("accept", "image/svg+xml")),
+        ("refused-406-audio", Asked::post("/v1/render", &mesh(1)).with("accept", "audio/flac")),
         ("refused-415-text", text),
         ("refused-422-typo", Asked::post("/v1/render", &typo)),
         ("refused-422-too-large", Asked::post("/v1/render", &mesh(40))),

@@ -115,7 +115,7 @@ fn assert_same(found: &RefinedMesh, expected: &RefinedMesh, what: &Value) {
             uvs.values(0..uvs.n_places(), &mut values);
             uvs.faces(0..mesh.n_faces(), &mut faces);
         }
-        (values.into_iter().map(|uv| uv.to_bits()).collect::<Vec<_>>(), faces)
+        (values.into_iter().map(f64::to_bits).collect::<Vec<_>>(), faces)
     };
     assert_eq!(uvs(found), uvs(expected), "{what}");
 }

