@@ -42,7 +42,7 @@ pub(super) async fn job(State(app): State<Shared>, Segment(id): Segment) -> Resp
         ("limit" = Option<u64>, Query, description = "Most jobs of the page, 1 to 100; 50 when left out"),
         ("cursor" = Option<String>, Query, description = "`next` of the page before"),
     ),
-    responses((status = 200, description = "A page of them", body = JobsAnswer))
+    responses((status = 200, description = "A page of them", body = JobsAnswer, example = json!({ "jobs": [] })))
 )]
 pub(super) async fn list(State(app): State<Shared>, RawQuery(query): RawQuery) -> Response {
     let page = match page(query.as_deref().unwrap_or_default()) {

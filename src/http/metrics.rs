@@ -1,31 +1,17 @@
 //! GET /metrics: what the service does and holds, for Prometheus.
 
-use std::collections::BTreeMap;
 use std::fmt::{Display, Write};
-use std::sync::{Mutex, PoisonError};
 
 use axum::extract::{MatchedPath, Request, State};
-use axum::http::{Method, header};
+use axum::http::header;
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
 use super::app::{App, Shared};
+use super::request_counts::RequestCounts;
 use crate::service::peer::Kind;
 use crate::service::pool::Lane;
 use crate::service::tally::BOUNDS_MS;
-
-/// Requests by method, route and status: closed sets all three, so that no client can make the table grow.
-#[derive(Debug, Default)]
-pub(super) struct Requests(Mutex<BTreeMap<(&'static str, String, u16), u64>>);
-
-impl Requests {
-    /// Counts an answer.
-    pub(super) fn count(&self, method: &Method, route: &str, status: u16) {
-        let method = ["GET", "HEAD", "POST", "DELETE", "OPTIONS"].into_iter().find(|known| method == known);
-        let mut table = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        *table.entry((method.unwrap_or("other"), route.to_owned(), status)).or_default() += 1;
-    }
-}
 
 /// Counts what the router answers, by the route that it took.
 pub(super) async fn counted(State(app): State<Shared>, request: Request, next: Next) -> Response {
@@ -90,9 +76,9 @@ fn text(app: &App) -> String {
     page.0
 }
 
-fn requests(page: &mut Page, requests: &Requests) {
+fn requests(page: &mut Page, requests: &RequestCounts) {
     page.family("planish_requests_total", "counter", "Answers by method, route and status.");
-    for ((method, route, status), n) in &*requests.0.lock().unwrap_or_else(PoisonError::into_inner) {
+    for ((method, route, status), n) in &*requests.table() {
         let status = status.to_string();
         let labels = [("method", *method), ("route", route), ("status", &status)];
         page.value("planish_requests_total", &labels, n);

@@ -31,6 +31,7 @@ mod posting;
 mod problem;
 mod reading;
 mod render;
+mod request_counts;
 mod requests;
 mod router;
 mod routes;

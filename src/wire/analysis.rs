@@ -21,7 +21,7 @@ use super::input::{InputRequest, Purpose};
 use super::plan::PlanRequest;
 use super::surface_analysis::SurfaceAnswer;
 use super::tube_analysis::{TubeAnswer, TubeRequest};
-use super::variants::PlanSchema;
+use super::variants::{InputSchema, PlanSchema};
 use super::{object, whole};
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
@@ -63,7 +63,7 @@ pub struct AnalysisRequest {
     pub tube: Option<TubeRequest>,
     /// A mesh, as in a job: tells how close levels come to its limit, and what is known of its extraordinary vertices.
     #[serde(default, deserialize_with = "object::optional")]
-    #[schema(value_type = Option<InputRequest>)]
+    #[schema(value_type = Option<InputSchema>)]
     pub input: Option<InputRequest>,
 }
 
